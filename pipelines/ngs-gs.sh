@@ -9,7 +9,7 @@
 #   --hold-out RULE      every:N:K or a file of names: views whose masks no stage sees, and which are scored
 #   --image-scale S      working size             (default: 1, 1/2, 1/3 ... so that no side exceeds 800 px)
 #   --quality Q          draft|standard|high|reference
-#   --method M           paper|bce|cob|flash|sa3d|saga|released
+#   --method M           ngs|ng-gs|bce|cob|flash|sa3d|saga|released
 #   --artifacts all      make queries.ply and field.ply too where no stage reads them (default: needed)
 #   --until FILE         stop at this artifact of OUT_DIR, e.g. --until boundary.ply
 #   -j N, --threads N    threads of every tool; as are --seed N, --log-format F, --allow-empty, -q, -v
@@ -20,7 +20,7 @@
 # SCENE_DIR holds images/ and the poses: sparse/0 or colmap/sparse/0 (COLMAP), transforms.json, transforms_train.json,
 # cameras.json or poses_bounds.npy; or images/ and scene.json of ngs-scene orbit, for a splat without photos.
 # OUT_DIR then holds scene.json boundary.ply labelled.ply object.ply background.ply, queries.ply and field.ply where the
-# field is asked for (--method ng-gs, --effect nerf=on, --nerf) or --artifacts all is given,
+# field is asked for (--method ng-gs, --effect nerf=on) or --artifacts all is given,
 # masks/STEM.png of the held-out views (of all views without --hold-out), metrics.json, report.html and each
 # tool's report in reports/. OUT_DIR is none of the input folders, it holds no input model, its masks/ no masks of yours.
 # A second call does only what changed. Exit codes are those of the tools; 1 where --fail-below in EVAL_FLAGS
@@ -58,13 +58,13 @@ while [ $# -gt 0 ]; do
       --seed=* | --device=* | --log-format=* | --threads=*)
       value=${option#*=} option=${option%%=*}
       shift ;;
-    --effects-from=* | --field=* | --options=* | --nerf=* | --checkpoint=*)
+    --effects-from=* | --field=* | --options=* | --checkpoint=*)
       joint+=("${option%%=*}=$(absolute "${option#*=}")"); shift; continue ;;
     -*) joint+=("$option"); shift
       # A word behind an option of ngs-joint is its value, once both folders are named.
       if [ -n "$out" ] && [ $# -gt 0 ] && [ "${1#-}" = "$1" ]; then
         case $option in  # the stages run in OUT_DIR
-          --effects-from | --field | --options | --nerf | --checkpoint) joint+=("$(absolute "$1")") ;;
+          --effects-from | --field | --options | --checkpoint) joint+=("$(absolute "$1")") ;;
           *) joint+=("$1") ;;
         esac
         shift

@@ -2,7 +2,7 @@
 # compares the scores on views whose masks no stage has seen.
 #
 #   make -f pipelines/robustness.mk SCENE=scenes/bird TRUTH=scenes/bird/masks_gt ARGS='--hold-out every:4:2'
-#   make -f pipelines/robustness.mk ... OUT=out/robust DAMAGES='exact erode' METHODS='flash paper' SEED=3
+#   make -f pipelines/robustness.mk ... OUT=out/robust DAMAGES='exact erode' METHODS='flash ngs' SEED=3
 #
 # DAMAGES are exact, erode and dilate (3 px, with 2 px of jitter), missing (20 % of the views), wrong (10 % of them get
 # another view's mask) and blob (ellipses cut off or added in half of the views); METHODS as ngs-joint knows them. Use
@@ -16,7 +16,7 @@ OUT ?= out/robustness
 ARGS ?=
 SEED ?= 0
 DAMAGES ?= exact erode dilate missing wrong blob
-METHODS ?= flash bce cob paper
+METHODS ?= flash bce cob ngs
 
 damage_exact := --missing 0
 damage_erode := --mask-noise erode:3,jitter:2

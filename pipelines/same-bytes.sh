@@ -9,7 +9,7 @@
 #   -o, --output OUT      folder of all that is made (default: build/same-bytes)
 #
 # The scenes are made once, by OLD_BUILD: the demo's, the five recipes of ngs-synth at a small size, and one with two
-# objects. Each build then runs its own chain on them, in its own spelling of options that have changed their names.
+# objects. Each build then runs its own chain on them.
 # JSON files are compared key by key, without times, versions and paths; of all others every byte counts. The table on
 # stdout has a line per run; behind it stand the keys that one of the two lacks (renamed ones are in both lists) and the
 # texts that differ; these are no failure. OUT/artifacts.tsv lists every artifact. What OLD_BUILD has made is kept for
@@ -57,29 +57,13 @@ make_scene() {  # NAME RECIPE FLAGS...: once, by the old build
 
 # --- the runs of one build --------------------------------------------------------------------------------------------
 
-# spelled BIN NEW OLD: NEW where the help of ngs-joint has a line on it, else OLD.
-spelled() {
-  local help
-  help=$("$1/ngs-joint" --help all)
-  if grep -qE "^ *$2( |\$)" <<< "$help"; then printf '%s' "$2"; else printf '%s' "$3"; fi
-}
-
-# joint_words BIN RUN: the options of a run of ngs-joint, into `words`.
+# joint_words RUN: the options of a run of ngs-joint, into `words`.
 joint_words() {
-  local effect
-  case $2 in
+  case $1 in
     default) words=() ;;
     draft) words=(--quality draft) ;;
-    ng-gs)  # the paper's joint stage; builds without that word take what pipelines/ablation.mk has as BASE
-      words=(--method ng-gs)
-      if "$1/ngs-joint" "${words[@]}" --print-options > /dev/null 2>&1; then return; fi
-      words=(--effect joint=on --effect nerf=on)
-      for effect in exposure "$(spelled "$1" mask-outliers view-trust)" floaters "$(spelled "$1" components strays)" \
-        "$(spelled "$1" contours edges)"; do
-        words+=(--effect "$effect=off")
-      done ;;
     saga) words=(--method saga --saga-steps 100) ;;
-    *) words=(--method "$2") ;;
+    *) words=(--method "$1") ;;
   esac
 }
 
@@ -105,7 +89,7 @@ score() {  # MASKS METRICS REPORT: for binary masks, and for those of objects, w
 
 run_joint() {  # RUN: one method and what is cut out by it
   local words
-  joint_words "$bin" "$1"
+  joint_words "$1"
   mkdir -p "$1"
   run ngs-joint --report-name "$1/ngs-joint" scene.json boundary.ply --field field.ply "${words[@]}" \
     -o "$1/labelled.ply" || return 0

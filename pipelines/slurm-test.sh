@@ -44,7 +44,7 @@ cleanup() {
   rm -rf "$scratch"
   exit "$code"
 }
-full_run=cut-sa3d-0.6-0 killed_run=spheres-paper-0.4-2 lost_node=n3  # of the three faults
+full_run=cut-sa3d-0.6-0 killed_run=spheres-ngs-0.4-2 lost_node=n3  # of the three faults
 trap cleanup EXIT
 trap 'exit 130' INT
 trap 'exit 143' TERM HUP
@@ -89,7 +89,7 @@ for recipe in two-spheres torus-box; do
     --mask-noise jitter:1 -q > /dev/null
 done
 for scene in spheres=two-spheres cut=torus-box; do
-  for method in flash bce sa3d paper; do
+  for method in flash bce sa3d ngs; do
     for tau in 0.4 0.6 0.8; do
       for held in 0 2; do
         printf '%s-%s-%s-%s %q VARIANCE_FLAGS="--tau %s" --hold-out every:4:%s --method %s --quality draft\n' \
@@ -178,7 +178,7 @@ while read -r name scene; do
   QUALITY=draft UNKEYED_FLAGS=-q SCENE=$scene OUT=$shared/steps/$name make -s -f "$pipelines/experiment.mk" SHELL="$pipelines/srunsh" "$shared/steps/$name/report.html" &
 done << RUNS
 spheres-flash-0.6-2 $shared/two-spheres
-cut-paper-0.4-0 $shared/torus-box
+cut-ngs-0.4-0 $shared/torus-box
 RUNS
 wait
 seconds=$(since "$begin")

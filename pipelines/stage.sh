@@ -104,7 +104,7 @@ tool_path() {
 # device_of TOOL: its --device. A tool, or a method, without a CUDA path refuses one that it cannot have.
 device_of() {
   case $1:${METHOD:-ngs} in
-    ngs-variance:* | ngs-rbf:* | ngs-render:* | ngs-joint:ngs | ngs-joint:ng-gs | ngs-joint:paper) if [ -n "$DEVICE" ]; then printf -- '--device %q' "$DEVICE"; fi ;;
+    ngs-variance:* | ngs-rbf:* | ngs-render:* | ngs-joint:ngs | ngs-joint:ng-gs) if [ -n "$DEVICE" ]; then printf -- '--device %q' "$DEVICE"; fi ;;
   esac
 }
 
@@ -181,7 +181,7 @@ field() {
   if [ "$ARTIFACTS" = all ]; then echo field.ply; return; fi
   for i in "${!words[@]}"; do
     case ${words[i]}${words[i + 1]:+ ${words[i + 1]}} in
-      "--method ng-gs" | "--method ng-gs "* | --method=ng-gs* | *nerf=on* | *all=on* | --nerf*) echo field.ply; return ;;
+      "--method ng-gs" | "--method ng-gs "* | --method=ng-gs* | *nerf=on* | *all=on*) echo field.ply; return ;;
     esac
   done
 }
@@ -194,7 +194,7 @@ stage_joint() {
   if [ -n "$QUALITY" ]; then words+=(--quality "$QUALITY"); fi
   if [ -z "$field" ]; then say_unless_quiet "queries.ply and field.ply are not needed (--artifacts all makes them)"; fi
   case " ${words[*]/#--method=/--method } " in
-    *" --method ngs "* | *" --method ng-gs "* | *" --method paper "*) ;;
+    *" --method ngs "* | *" --method ng-gs "*) ;;
     *" --method "*)  # a baseline, which has no steps to trace
       trace=()
       step "rm -f $(at trace.jsonl)" ;;

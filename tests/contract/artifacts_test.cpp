@@ -115,24 +115,6 @@ TEST_CASE("scene.json and metrics.json of the chain satisfy their schemas, and b
   CHECK(test::schema_violations(schema("metrics.schema.json"), broken) != "");
 }
 
-TEST_CASE("the field's parameters hold the kernel width to the last bit, also of a small world") {
-  const test::TempDir dir;
-  for (const char* width : {"1.2345678901234567e-09", "0.1", "12345.678901234567"}) {
-    CAPTURE(width);
-    Json run = {"ngs-joint", test::fixture_folder() + "/scene.json", test::fixture_folder() + "/boundary.ply", "-w"};
-    for (const char* word : {"--rows", "4", "--cols", "4", "--depth-samples", "2", "--mlp-hidden", "16", "--steps", "1",
-                             "--effect", "contours=off", "--width", width})
-      run.push_back(word);
-    for (const std::string& word :
-         {std::string("--nerf"), dir.file("n.safetensors"), std::string("-o"), dir.file("l.ply")})
-      run.push_back(word);
-    const test::ProcessResult result = test::run_process(test::command(run));
-    INFO(result.err);
-    REQUIRE(result.exit_code == 0);
-    CHECK(std::stod(io::read_safetensors(dir.file("n.safetensors")).meta("width")) == std::stod(width));
-  }
-}
-
 TEST_CASE("what ngs-synth says of its scene satisfies the schemas, and broken files do not") {
   const test::TempDir dir;
   test::ProcessSpec spec =

@@ -1,4 +1,4 @@
-// Under --time-budget rounds of edges have to earn their place: what ended further from the masks is undone.
+// What --time-budget does to the trace and to the exit code.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -15,36 +15,6 @@ namespace {
 
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
-
-/// Runs ngs-joint on the tiny scene with `more`; its result is OUT.ply, the report's "result" comes back. The
-/// walk is held where the contour is rendered, so that what the round does is its training's work.
-Json joint(const test::TempDir& dir, const std::string& out, const std::vector<std::string>& more) {
-  const std::string& fixture = test::fixture_folder();
-  Json run = {"ngs-joint",
-              fixture + "/scene.json",
-              fixture + "/boundary.ply",
-              "--steps",
-              "4",
-              "--effect",
-              "nerf=off",
-              "--effect",
-              "split=off",
-              "--contour-shape",
-              "1000",
-              "--contour-epochs",
-              "2",
-              "--contour-iterations",
-              "1",
-              "-o",
-              dir.path() + "/" + out + ".ply",
-              "--report",
-              dir.path() + "/" + out + ".json"};
-  for (const std::string& word : more) run.push_back(word);
-  const test::ProcessResult result = test::run_process(test::command(run));
-  INFO(result.err);
-  REQUIRE(result.exit_code == 0);
-  return Json::parse(test::read_bytes(dir.path() + "/" + out + ".json")).at("result");
-}
 
 /// The fixture's scene with every training view `times` over.
 std::string with_many_views(const test::TempDir& dir, int times) {
@@ -105,30 +75,6 @@ TEST_CASE("under a time budget the trace asks for no score that could end too la
   }
   CHECK(scores > 1);
   MESSAGE("longest score: " << longest_s << " s");  // below 0.1 s it would fit in what is kept for writing anyway
-}
-
-TEST_CASE("under a time budget a contour iteration that ends far from the masks is undone, and no other") {
-  const test::TempDir dir;
-  const std::vector<std::string> ruinous{"--effect", "contours=on", "--contour-rate", "30"};
-  joint(dir, "before", {"--effect", "contours=off"});
-  const auto bytes = [&](const std::string& name) { return test::read_bytes(dir.path() + "/" + name + ".ply"); };
-
-  const Json unasked = joint(dir, "ruined", ruinous);  // without a budget the round is taken as it is
-  CHECK(unasked.at("contour_iterations") == 1);
-  CHECK(bytes("ruined") != bytes("before"));
-
-  std::vector<std::string> budgeted = ruinous;
-  budgeted.insert(budgeted.end(), {"--time-budget", "1h"});
-  const Json undone = joint(dir, "undone", budgeted);
-  CHECK(undone.at("contour_iterations_undone") == 1);
-  CHECK_FALSE(undone.contains("contour_iterations"));
-  CHECK(bytes("undone") == bytes("before"));
-
-  // Slow enough for two visits: the start agrees with these exact masks as well as any round could.
-  const Json kept = joint(dir, "kept", {"--effect", "contours=on", "--contour-rate", "0.1", "--time-budget", "1h"});
-  CHECK(kept.at("contour_iterations") == 1);
-  CHECK_FALSE(kept.contains("contour_iterations_undone"));
-  CHECK(bytes("kept") != bytes("before"));
 }
 
 TEST_CASE("a time budget that leaves out only passes that would not have run reports no cut") {

@@ -181,39 +181,6 @@ TEST_CASE("ablation.mk compares the full method with its variants and leaves out
   CHECK(data.json("out/tau-0.5/reports/ngs-variance.json")["options"]["tau"] == 0.5);
 }
 
-/// A run per budget, on the scene that the sweep has prepared.
-void check_budgets(const DataSet& data, const nlohmann::json& schema) {
-  test::ProcessSpec spec;
-  spec.argv = {NGS_SOURCE_DIR "/pipelines/budgets.sh",
-               "out/once/scene/scene.json",
-               "out/once/scene/boundary.ply",
-               "tiny/masks",
-               "out/budgets",
-               "0.2",
-               "1",
-               "--",
-               "--steps",
-               "8"};
-  spec.folder = data.dir.path();
-  spec.environment = {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}};
-  const test::ProcessResult result = test::run_process(spec);
-  INFO(result.err);
-  CHECK(result.exit_code <= 1);  // 1: late, or worse than a smaller budget; this machine may be busy
-  const Json budgets = data.json("out/budgets/budgets.json");
-  CHECK(test::schema_violations(schema, budgets) == "");
-  REQUIRE(budgets["runs"].size() == 2);
-  CHECK(budgets["runs"][1]["budget_s"] == 1);
-  for (const auto& run : budgets["runs"]) CHECK(run["iou"].get<double>() > 0.5);
-  CHECK(data.json("out/budgets/1.json")["result"]["budget"]["seconds"] == 1);
-  // A run without a result has no scores: neither zeros nor those of an earlier call.
-  fs::remove(data.path("out/budgets/budgets.json"));
-  spec.argv.back() = "none";
-  const test::ProcessResult failed = test::run_process(spec);
-  CHECK(failed.exit_code == 2);
-  CHECK_FALSE(fs::exists(data.path("out/budgets/budgets.json")));
-  CHECK(failed.out.find("0.0000") == std::string::npos);
-}
-
 TEST_CASE("removed-views.sh scores views that are there beside views that are not") {
   const DataSet data;
   test::ProcessSpec spec;
@@ -301,7 +268,6 @@ TEST_CASE("work-precision.mk draws its points with their frontier, and keeps tho
   CHECK(page.find("://") == std::string::npos);
   CHECK(page.find("<script") == std::string::npos);
   CHECK(std::count(csv.begin(), csv.end(), '\n') == 1 + 10);
-  check_budgets(data, schema("budgets.schema.json"));
 
   // One point removed is repeated, beside one more; points of other settings are not mixed with them.
   fs::remove_all(data.path("out/points/method@flash/2"));

@@ -21,10 +21,6 @@ test::ProcessSpec fit_spec(const std::string& out, const std::vector<std::string
                         "800",
                         "--random-points",
                         "60",
-                        "--densify-from",
-                        "5",
-                        "--densify-every",
-                        "10",
                         "--max-gaussians",
                         "90",
                         "--sh-degree",
@@ -60,7 +56,7 @@ TEST_CASE("ngs-fit that was stopped by SIGTERM and resumed writes the bytes of o
   REQUIRE(fit(resumed, {"--checkpoint", keep}, true).exit_code == 128 + SIGTERM);
   CHECK_FALSE(std::filesystem::exists(resumed));
   // Options of another run do not go on from it.
-  CHECK(fit(resumed, {"--checkpoint", keep, "--resume", "--dc-lr", "0.1"}, false).exit_code == 4);
+  CHECK(fit(resumed, {"--checkpoint", keep, "--resume", "--background", "1,1,1"}, false).exit_code == 4);
   REQUIRE(fit(resumed, {"--checkpoint", keep, "--resume"}, false).exit_code == 0);
   CHECK(test::read_bytes(resumed) == test::read_bytes(whole));
 }

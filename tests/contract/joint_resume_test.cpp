@@ -110,7 +110,7 @@ TEST_CASE("ngs-joint that was stopped in its steps goes on with the next one") {
 TEST_CASE("ngs-joint that was stopped in the contour refinement goes on with it") {
   const Case c;
   // The walk may move nothing, so that the round is taken; its many visits leave time for the signal.
-  const Words edges{"--effect",         "contours=on", "--contour-shape", "1000", "--contour-iterations", "1",
+  const Words edges{"--effect",         "contours=on", "--contour-band", "0.5", "--contour-iterations", "1",
                     "--contour-epochs", "400"};
   const test::ProcessResult resumed =
       stop_and_resume(c, Words{"--steps", "4", "--effect", "nerf=off"} + edges, "contours begin", true);

@@ -139,7 +139,7 @@ TEST_CASE("ngs-gs.sh gives --device to the tools that have a CUDA path, and to n
   for (const char* tool : {"ngs-scene", "ngs-sample", "ngs-extract", "ngs-eval", "ngs-report"}) expected[tool] = false;
   for (const char* tool : {"ngs-variance", "ngs-rbf", "ngs-joint", "ngs-render"}) expected[tool] = true;
   CHECK(given({}) == expected);
-  for (const char* method : {"ngs", "ng-gs", "paper"}) {
+  for (const char* method : {"ngs", "ng-gs"}) {
     CAPTURE(method);
     CHECK(given({"--method", method}) == expected);
   }

@@ -1,5 +1,5 @@
 // Mutants this kills: a prime changed in one direction only, corner weights in another order than the
-// corners, a missing scale or smoothstep derivative, a gradient for points outside the box.
+// corners.
 #include <doctest/doctest.h>
 
 #include "ngs/ops/field/hash_grid.h"
@@ -16,16 +16,15 @@ struct HashCase {
   std::vector<double> table, point;
   std::int64_t queries;
 
-  HashCase(test::Random& random, std::int64_t n, bool smoothstep) : queries(n) {
-    config.smoothstep = smoothstep;
+  HashCase(test::Random& random, std::int64_t n) : queries(n) {
     level = hash_levels(config);
     table = random.uniform_vector((level.back().offset + level.back().size) * 2, -1, 1);
     point = random.uniform_vector(std::size_t(n) * 3, -1.4, 1.4);  // the box is [-1, 1]: some lie outside
   }
   template <class T>
   HashGridView<T> view(const std::vector<T>& tab, const std::vector<T>& pts) const {
-    return {level.data(),      config.levels, {{T(0), T(0), T(0)}, {T(0.5), T(0.5), T(0.5)}},
-            config.smoothstep, tab.data(),    {pts.data(), queries}};
+    return {
+        level.data(), config.levels, {{T(0), T(0), T(0)}, {T(0.5), T(0.5), T(0.5)}}, tab.data(), {pts.data(), queries}};
   }
   template <class T>
   std::vector<T> forward(const std::vector<T>& tab, const std::vector<T>& pts) const {
@@ -41,7 +40,7 @@ struct HashCase {
 TEST_CASE("hash grid: backward with respect to the table is the adjoint of forward") {
   test::Random random(21);
   for (const std::int64_t n : {1, 2, 100}) {
-    const HashCase c(random, n, n == 2);
+    const HashCase c(random, n);
     REQUIRE((c.level[1].dense && !c.level[2].dense));
     const auto v = random.uniform_vector(c.table.size(), -1, 1), u = random.uniform_vector(std::size_t(n) * 8, -1, 1);
     const auto dual = c.forward(test::seed(c.table, v), test::constant<test::DualD>(c.point));
@@ -50,31 +49,6 @@ TEST_CASE("hash grid: backward with respect to the table is the adjoint of forwa
     for (int l = 0; l < c.config.levels; ++l) kernel(l);
     CHECK(test::adjoint_difference(test::dot(u, test::deriv(dual)), test::dot(g, v)) < 1e-12);
   }
-}
-
-TEST_CASE("hash grid: backward with respect to positions is the adjoint of forward") {
-  test::Random random(22);
-  for (const bool smoothstep : {false, true})
-    for (const std::int64_t n : {1, 2, 100}) {
-      const HashCase c(random, n, smoothstep);
-      const auto v = random.uniform_vector(c.point.size(), -1, 1), u = random.uniform_vector(std::size_t(n) * 8, -1, 1);
-      const auto dual = c.forward(test::constant<test::DualD>(c.table), test::seed(c.point, v));
-      std::vector<double> g(c.point.size());
-      const HashBackwardPosition<double, 2> kernel{c.view(c.table, c.point), u.data(), {g.data(), n}};
-      for (std::int64_t q = 0; q < n; ++q) kernel(q);
-      CHECK(test::adjoint_difference(test::dot(u, test::deriv(dual)), test::dot(g, v)) < 1e-11);
-    }
-}
-
-TEST_CASE("hash grid: the position gradient agrees with extrapolated finite differences inside a cell") {
-  test::Random random(23);
-  HashCase c(random, 1, true);
-  c.point = {0.031, -0.222, 0.123};  // at least 0.004 from every cell face of the finest level
-  const auto v = random.uniform_vector(3, -1, 1), u = random.uniform_vector(8, -1, 1);
-  std::vector<double> g(3);
-  HashBackwardPosition<double, 2>{c.view(c.table, c.point), u.data(), {g.data(), 1}}(0);
-  const auto along = [&](double t) { return test::dot(u, c.forward(c.table, test::moved(c.point, v, t))); };
-  CHECK(test::ridders_difference(test::ridders(along, 2e-3), test::dot(g, v)) < 1e-9);
 }
 
 }  // namespace ngs

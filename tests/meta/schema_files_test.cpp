@@ -99,4 +99,31 @@ TEST_CASE("every schema is named in the table of data-schema/, and every name th
     }
 }
 
+TEST_CASE("a user meets at most 200 options in all tools, and 60 in one") {
+  constexpr std::size_t kMost = 200, kMostOfOne = 60;
+  std::size_t all = 0;
+  for (const test::SourceFile& file : test::source_files({"data-schema/options"}, {".json"})) {
+    const std::size_t count = nlohmann::json::parse(file.text).at("properties").size();
+    INFO(file.path << ": " << count << " options, at most " << kMostOfOne);
+    CHECK(count <= kMostOfOne);
+    all += count;
+  }
+  MESSAGE("options of all tools: ", all);
+  CHECK(all <= kMost);
+}
+
+TEST_CASE("a baseline has at most three options") {
+  std::map<std::string, int> count;
+  const nlohmann::json schema =
+      nlohmann::json::parse(test::read_bytes((kSchemas / "options/ngs-joint.schema.json").string()));
+  for (const auto& option : schema.at("properties").items())
+    for (const nlohmann::json& method : schema.at("properties").at("method").at("enum"))
+      if (const std::string prefix = method.get<std::string>() + "_"; option.key().starts_with(prefix)) ++count[prefix];
+  CHECK(count.size() >= 5);
+  for (const auto& [baseline, options] : count) {
+    CAPTURE(baseline);
+    CHECK(options <= 3);
+  }
+}
+
 }  // namespace ngs

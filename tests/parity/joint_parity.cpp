@@ -130,11 +130,6 @@ TEST_CASE("joint: every part of the method does on a device what it does on the 
   for (const char* effect : {"nerf", "box", "rbf", "hash", "film", "align", "variance", "density", "mask", "cont",
                              "smooth", "photometric", "region", "sh", "geometry", "mask-geometry"})
     setups.emplace_back().off(effect);
-  setups.emplace_back().options.rate_literal = true;
-  setups.emplace_back().options.excess_variance = true;
-  setups.emplace_back().options.mask_loss = MaskLossForm::kLinear;
-  setups.emplace_back().sample.window = WindowCentre::kMean;
-  setups.emplace_back().sample.nodes = GridNodes::kInclusive;
   setups.emplace_back().frozen.assign(std::size_t(c->model.size()), 1);
   for (Setup& s : setups) {
     s.options.steps = 6;

@@ -135,25 +135,6 @@ TEST_CASE("joint: photometric and mask loss fall, and the labels find the ball")
   CHECK(wrong <= seen / 20);
 }
 
-TEST_CASE("joint: the excess variance asks no photo of a view that has none") {
-  const auto c = test::joint_case();
-  const SampleOptions sample = small_grid();
-  const RbfOptions rbf;
-  Problem input = c->input();
-  const auto state = [&](bool excess) {
-    Monitor monitor;
-    JointOptions options = small_options(6);
-    options.excess_variance = excess;
-    JointTrainer trainer({.threads = 2}, monitor, {options, sample, rbf, input, nullptr}, false);
-    while (!trainer.finished()) trainer.step();
-    return flat_state(trainer);
-  };
-  input.load_photo = [](std::size_t) { return ImageF(); };
-  CHECK(state(true) == state(false));
-  input.load_photo = [&c](std::size_t v) { return v == 2 ? c->photos[v] : ImageF(); };
-  CHECK(state(true) != state(false));  // of the view that has one
-}
-
 TEST_CASE("joint: an empty boundary set is nothing found, or labels alone if allowed") {
   auto c = test::joint_case();
   c->labels[0].boundary.assign(c->labels[0].boundary.size(), 0.f);

@@ -17,7 +17,6 @@ struct Level {
   HashLevel level;
   HashBox<float> box;
   std::vector<float> table;
-  bool smoothstep = false;
 
   Level(Random& random, int cells, float centre = 0, double table_size = 1)
       : level{float(cells), std::uint32_t(cells) + 1, 0, 0, true}, box{{centre, centre, centre}, {0.5f, 0.5f, 0.5f}} {
@@ -25,17 +24,11 @@ struct Level {
     table = random.uniform_vector<float>((n * n * n + 7) / 8 * 8, 0.5 * table_size, table_size);
     level.size = std::uint32_t(table.size());
   }
-  HashGridView<float> view(const float* point) const { return {&level, 1, box, smoothstep, table.data(), {point, 1}}; }
+  HashGridView<float> view(const float* point) const { return {&level, 1, box, table.data(), {point, 1}}; }
   float at(const float* point) const {
     float out;
     HashForward<float, 1>{view(point), &out}(0);
     return out;
-  }
-  Vec3<float> gradient(const float* point) const {
-    const float one = 1;
-    Vec3<float> g{};
-    HashBackwardPosition<float, 1>{view(point), &one, {&g.x, 1}}(0);
-    return g;
   }
   float vertex(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
     std::uint32_t entry = x + level.resolution * (y + level.resolution * z);
@@ -68,7 +61,7 @@ TEST_CASE("hash grid: a point on a vertex reads exactly that entry, one on a fac
   });
 }
 
-TEST_CASE("hash grid: outside its box the encoding is that of the box's surface and has no slope") {
+TEST_CASE("hash grid: outside its box the encoding is that of the box's surface") {
   test::hard_case(
       {"distance beyond, world", {1e-3, 1, 1e6, 1e30}, 0, {"cell index of a negative coordinate", test::kWrong}},
       [](double h, Random& random, Worst& worst) {
@@ -78,8 +71,7 @@ TEST_CASE("hash grid: outside its box the encoding is that of the box's surface 
           const bool low = random.below(2) == 0;
           surface[a] = low ? -1.f : 1.f, outside[a] = surface[a] + (low ? -float(h) : float(h));
         }
-        const Vec3<float> g = level.gradient(outside);
-        worst.ours_is(level.at(outside) == level.at(surface) && g.x == 0 && g.y == 0 && g.z == 0);
+        worst.ours_is(level.at(outside) == level.at(surface));
         const double cell = std::floor((0.5 + 0.5 * double(outside[0])) * 16 + 0.5);
         worst.naive_is(cell >= 0 && cell <= 16);
       });
@@ -121,7 +113,7 @@ TEST_CASE("hash grid: levels past 1625 vertices per axis are hashed within their
         const std::uint64_t vertices = std::uint64_t(fine.resolution) * fine.resolution * fine.resolution;
         const HashBox<float> box{{0, 0, 0}, {0.5f, 0.5f, 0.5f}};
         const Vec3<float> p{float(random.uniform(-2, 2)), float(random.uniform(-2, 2)), float(random.uniform(-2, 2))};
-        const HashCell<float> cell = hash_cell(fine, box, p, false);
+        const HashCell<float> cell = hash_cell(fine, box, p);
         bool inside = fine.dense == (vertices <= fine.size) && fine.size <= (1u << 15);
         for (const std::uint32_t entry : cell.entry) inside &= entry >= fine.offset && entry < fine.offset + fine.size;
         for (const float f : cell.frac) inside &= f >= 0 && f <= 1;
@@ -174,30 +166,11 @@ TEST_CASE("hash grid: a small entry beside a large one keeps its accuracy at its
       if (i % level.level.resolution % 2 == 0) level.table[i] *= float(h);
     const float t = 1 - float(random.uniform(0.5, 1)) * 0x1p-12f;
     const float p[3] = {2 * ((2 - 0.5f + t) / 4 - 0.5f), 2 * ((1 - 0.5f) / 4 - 0.5f), 2 * ((1 - 0.5f) / 4 - 0.5f)};
-    const HashCell<float> cell = hash_cell(level.level, level.box, {p[0], p[1], p[2]}, false);
+    const HashCell<float> cell = hash_cell(level.level, level.box, {p[0], p[1], p[2]});
     const float a = level.table[cell.entry[0]], b = level.table[cell.entry[1]];
     const Real want = (1 - Real(cell.frac[0])) * a + Real(cell.frac[0]) * b;
     worst.ours(level.at(p), want), worst.naive(a + cell.frac[0] * (b - a), want);
   });
-}
-
-TEST_CASE("hash grid: at faces the position gradient is one-sided and finite, with smoothstep exactly zero") {
-  test::hard_case({"smoothstep", {0, 1}, 0, "not applicable: a piecewise polynomial has one derivative per side"},
-                  [](double h, Random& random, Worst& worst) {
-                    Level level(random, 8);
-                    level.smoothstep = h == 1;
-                    float p[3];
-                    std::uint32_t v[3];
-                    for (int a = 0; a < 3; ++a)
-                      v[a] = std::uint32_t(1 + random.below(6)), p[a] = 2 * ((float(v[a]) - 0.5f) / 8 - 0.5f);
-                    const Vec3<float> g = level.gradient(p);
-                    if (h == 1) {
-                      worst.ours_is(g.x == 0 && g.y == 0 && g.z == 0);
-                    } else {
-                      const Real difference = Real(level.vertex(v[0] + 1, v[1], v[2])) - level.vertex(v[0], v[1], v[2]);
-                      worst.ours(g.x, difference * 4, 1 / std::abs(difference));
-                    }
-                  });
 }
 
 TEST_CASE("hash grid: the table's gradient sums to the gradients that came in") {

@@ -51,7 +51,7 @@ TEST_CASE("geometry: without boundary Gaussians there is no box, no grid and no 
                     const Camera camera = test::camera_around(random, 3);
                     const std::vector<float> points = points_near_origin(random, int(h));
                     const BoundaryBox box = box_of(camera, points, 0);
-                    const PixelGrid grid = pixel_grid(box.box, 8, 8, GridNodes::kCentres);
+                    const PixelGrid grid = pixel_grid(box.box, 8, 8);
                     worst.ours_is(box.visible == int(h) && grid.nodes() == (h > 0 ? 64 : 0) &&
                                   rays_of(camera, grid, 4, 0).rays() == grid.nodes());
                     double low = INFINITY, high = -INFINITY;
@@ -69,7 +69,7 @@ TEST_CASE("geometry: one, two and a few Gaussians have a box with at least a nod
                                                                                                Worst& worst) {
     const Camera camera = test::camera_around(random, 3);
     const BoundaryBox box = box_of(camera, points_near_origin(random, int(h)), 0);
-    const PixelGrid grid = pixel_grid(box.box, 8, 8, GridNodes::kCentres);
+    const PixelGrid grid = pixel_grid(box.box, 8, 8);
     const bool degenerate = !(box.box.max_x > box.box.min_x) || !(box.box.max_y > box.box.min_y);
     worst.ours_is(box.visible == int(h) && (grid.nodes() > 0) == !degenerate && grid.step_x >= 1 && grid.step_y >= 1);
     worst.naive_is((box.box.max_x - box.box.min_x) / 8 >= 1 && (box.box.max_y - box.box.min_y) / 8 >= 1);
@@ -124,8 +124,8 @@ TEST_CASE("geometry: grids over boxes of a pixel, of less and of nothing keep st
   test::hard_case({"box, px", {100, 2, 1, 0.3, 0}, 0, {"step = length / cells", test::kWrong}},
                   [](double h, Random& random, Worst& worst) {
                     const double x = random.uniform(0, 50), y = random.uniform(0, 50);
-                    for (const GridNodes nodes : {GridNodes::kCentres, GridNodes::kInclusive}) {
-                      const PixelGrid grid = pixel_grid({x, y, x + h, y + h}, 64, 64, nodes);
+                    {
+                      const PixelGrid grid = pixel_grid({x, y, x + h, y + h}, 64, 64);
                       bool fine = (grid.nodes() == 0) == (h == 0) && grid.step_x >= 1;
                       if (grid.nodes() > 0) fine &= grid.first_x >= x && grid.x(grid.cols - 1) <= x + h + 1e-12;
                       worst.ours_is(fine);

@@ -194,7 +194,6 @@ TEST_CASE("align: without active nodes the loss and its gradients are zero") {
                     const AlignInputs in{.grid = grid,
                                          .colour = &colour,
                                          .alpha = &alpha,
-                                         .photo = nullptr,
                                          .field_colour = &field_colour,
                                          .field_alpha = &field_alpha,
                                          .active = &active};
@@ -234,7 +233,6 @@ TEST_CASE("align: a node that is switched off adds nothing, whatever the field s
           const AlignInputs in{.grid = grid,
                                .colour = &colour,
                                .alpha = &alpha,
-                               .photo = nullptr,
                                .field_colour = &field_colour,
                                .field_alpha = &field_alpha,
                                .active = &active};

@@ -59,7 +59,7 @@ mutant $f $t $f "variance as a difference in double" 's/const Wide numerator = .
 mutant $f $t $f "pixel counts in 32 bits" 's/pixels\[i\] \+= other\.pixels\[i\];/pixels[i] = std::uint32_t(pixels[i] + other.pixels[i]);/'
 mutant $f $t $f "views not merged" 's/views\[i\] \+= other\.views\[i\];//'
 mutant stages/boundary/variance_stage.cpp $t stages/boundary/variance_stage.cpp "W1 \/ W of what no view sees" 's/if \(e\.views\[i\] == 0\) continue;//'
-mutant stages/boundary/variance_stage.cpp $t stages/boundary/variance_stage.cpp "pooled variance in float" 's/return 4\.0 \* prob \* \(1\.0 - prob\)/return 4.0 * float(prob) * (1.0 - float(prob))/'
+mutant stages/boundary/variance_stage.cpp $t stages/boundary/variance_stage.cpp "pooled variance in float" 's/return mask_variance\(prob\)/return mask_variance(double(float(prob)))/'
 mutant stages/boundary/variance_stage.cpp $t stages/boundary/variance_stage.cpp "unweighted ratio doubled" 's/return 1\.0 - r \* r;/return 1.0 - 2 * r * r;/'
 mutant ops/splat/evidence.cpp $t ops/splat/evidence.cpp "unknown pixels counted" 's/of\.masks\.known\.empty\(\) \? nullptr : of\.masks\.known\.data\(\)/nullptr/'
 
@@ -76,22 +76,17 @@ t=unit/core/monitor_test.cpp
 mutant core/monitor.cpp $t core/monitor.cpp "limit: loops are not foreseen" 's/if \(now_s \+ rest_s > until_s_\)/if (rest_s < 0)/'
 mutant core/monitor.cpp $t core/monitor.cpp "limit: all loops are foreseen from the first" 's/if \(done <= 1\)/if (first_done_s_ == 0)/'
 mutant core/monitor.cpp $t core/monitor.cpp "limit: it outlives its scope" 's/monitor_\.told_ = false, monitor_\.until_s_ = kNever/monitor_.told_ = false/'
-t=unit/passes/broken_off_test.cpp
-mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: passes are not broken off" 's/^  break_off\(run, name\);//'
-mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: what was broken off sets the pace" 's/run\.budget\.restore\(before\);//'
+t=unit/passes/aborted_pass_test.cpp
+mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: passes are not aborted" 's/if \(limit\.reached\(\)\) abort_pass\(run, name\);//'
 mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: a resumed run asks its clock" 's/if \(run\.resumed \|\| insisted/if (insisted/'
-mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: a resumed run does not repeat what was broken off" 's/if \(run\.resumed && was_broken_off/if (false \&\& was_broken_off/'
-mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: half a look sets the pace" 's/ \&\& !detection\.broken_off//'
+mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: a resumed run does not repeat what was aborted" 's/if \(run\.resumed && was_aborted/if (false \&\& was_aborted/'
 mutant passes/resumed_decisions.cpp $t passes/resumed_decisions.cpp "resumed: what was left out is not told of" 's/if \(holds\(left_out, std::string\(effect\.name\)\)\)/if (false)/'
 mutant passes/resumed_decisions.cpp $t passes/resumed_decisions.cpp "resumed: decisions are not repeated" 's/if \(holds\(effects, text_of\(effect\.name, on\)\)\).*;$/;/'
-mutant passes/resumed_decisions.cpp $t passes/resumed_decisions.cpp "resumed: contours are kept too" 's/if \(!belongs_to/if (true || !belongs_to/'
+mutant passes/resumed_decisions.cpp $t passes/resumed_decisions.cpp "resumed: contours are kept too" 's/if \(find_effect\(anew, d\.effect->name\) == nullptr\)//'
 mutant passes/decisions.cpp $t passes/decisions.cpp "budget: what is ruled is left out" 's/return mode\(name\) != EffectMode::kAuto \|\|/return/'
 mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: half a look is believed" 's/^  by\.probe\.emplace\(run\.exec, run\.training, by\.seen\);//'
 mutant passes/floaters/floaters_pass.cpp $t passes/floaters/floaters_pass.cpp "floaters: half a refit is kept" 's/if \(run\.monitor\.stop_requested\(\)\) return false;//'
 mutant passes/mask_outliers/mask_outliers_pass.cpp $t passes/mask_outliers/mask_outliers_pass.cpp "mask outliers: half of the labels are kept" 's/^    if \(run\.monitor\.stop_requested\(\)\) return;//'
-t=unit/passes/pipeline_test.cpp
-mutant passes/decisions.cpp $t passes/decisions.cpp "decisions: a verdict that asks first does not ask" 's/ && \(!v\.asks_first \|\| !e\.always\.empty\(\)\)//'
-mutant passes/decisions.cpp $t passes/decisions.cpp "decisions: a verdict that asks first is not heard" 's/v\.name == e\.name && v\.on != on/v.name == e.name \&\& v.on == on/'
 t=unit/passes/joint/trained_labels_test.cpp
 mutant passes/joint/trained_labels.cpp $t passes/joint/trained_labels.cpp "labels: those of other objects are trained too" 's/if \(in_region\(input\.labels\[k\], row\)\)//'
 mutant passes/joint/trained_labels.cpp $t passes/joint/trained_labels.cpp "labels: nobody's Gaussian is not trained" 's/if \(!own\.empty\(\)\) return own;/if (!input.region.empty()) return own;/'
@@ -99,9 +94,6 @@ mutant passes/joint/trained_labels.cpp $t passes/joint/trained_labels.cpp "label
 t=unit/ops/image/mask_pair_test.cpp
 mutant ops/image/mask_pair.h $t "" "mask pairs: only where it is rendered" 's/if \(mask_says_object\(target\[pixel\(x, y\)\]\)\) at\.add\(x, y\);//'
 mutant ops/image/mask_pair.h $t "" "mask pairs: the band is of the part" 's/band_width_px\(0\.02, view_width_px, view_height_px\)/band_width_px(0.02, width_px(), height_px())/'
-t=unit/passes/time_plan_test.cpp
-mutant passes/time/budget.h $t passes/time/budget.cpp "budget: pixels take no time" 's/ \+ work\.halvings \* halving_s_//'
-mutant passes/time/budget.cpp $t passes/time/budget.cpp "budget: reading files sets the pace" 's/^  if \(given\(\)\) laps_/  if (given()) pace_.add(unpaced_s(work), seconds), laps_/'
 t=unit/passes/seen_through/seen_through_test.cpp f=passes/seen_through/seen_through.cpp
 mutant $f $t $f "seen through: weighed as it is drawn" 's/, PixelWeight::kByVisibility//'
 mutant $f $t $f "seen through: without a vote" 's/gain > kSignificant/gain == gain/'
@@ -118,7 +110,6 @@ mutant passes/mask_outliers/mask_outliers.cpp unit/passes/mask_outliers/mask_out
 t=stability/geometry_stability_test.cpp
 mutant ops/field/sample_grid_kernels.h $t ops/field/sample_grid.cpp "Gaussians behind the camera count" 's/if \(!\(t\.z > kNearZ\)\) return;//'
 mutant ops/field/sample_grid_kernels.h $t ops/field/sample_grid.cpp "boxes thinner than a pixel divided" 's/if \(length < 1\) return .*;//'
-mutant ops/field/sample_grid_kernels.h unit/ops/field/sample_grid_test.cpp ops/field/sample_grid.cpp "half a step about nodes on the corners" 's/fitting \+ 1, 0\}/fitting + 1, step \/ 2}/'
 mutant ops/field/sample_grid_kernels.h $t ops/field/sample_grid.cpp "the box of nothing" 's/if \(sums\.visible == 0\) return \{\};//'
 mutant ops/field/sample_grid_kernels.h $t ops/field/sample_grid.cpp "box not clipped" 's/max2\(b\.min_x - pad_px, 0\.0\)/b.min_x - pad_px/'
 mutant ops/field/ray_query_kernels.h $t ops/field/ray_query.cpp "division by K - 1 = 0" 's/if \(samples == 1\) return .*;//'
@@ -126,8 +117,6 @@ mutant ops/field/ray_query_kernels.h $t ops/field/ray_query.cpp "window through 
 mutant ops/field/ray_query_kernels.h $t ops/field/ray_query.cpp "spacing divided by K - 1 = 0" 's/samples > 1 \? samples - 1 : 1/samples - 1/'
 mutant ops/field/ray_query_kernels.h $t ops/field/ray_query.cpp "third component from the other two" 's/cosine = T\(1\) \/ sqrt\(x \* x \+ y \* y \+ T\(1\)\);/cosine = T(1) \/ sqrt(x * x + y * y + T(1)); cosine = sqrt(T(1) - cosine * cosine * (x * x + y * y));/'
 mutant ops/field/ray_query_kernels.h $t ops/field/ray_query.cpp "depth divided by no alpha" 's/if \(!\(covered > least_alpha\)\) return 0;//'
-mutant ops/field/ray_query_kernels.h grad/ray_query_grad_test.cpp ops/field/ray_query.cpp "depth gradient of a window that does not grow" 's/growth = span \* centre > epsilon \? span : T\(0\);/growth = T(0);/'
-mutant ops/field/ray_query.cpp grad/ray_query_grad_test.cpp ops/field/ray_query.cpp "depth gradient with a constant alpha" 's/add_bilinear\(x, y, -to_distance .*;//'
 mutant passes/components/object_core.cpp $t passes/components/object_core.cpp "radius of a core about the origin" 's/ - core\.centre\[a\];/;/'
 mutant math/pixel_grid.h $t ops/field/ray_query.cpp "positions beyond the border not clamped" 's/const double at = clamp3\(position_px - 0\.5, 0\.0, double\(size_px - 1\)\);/const double at = position_px - 0.5 < 0 ? 0 : position_px - 0.5;/'
 
@@ -144,16 +133,12 @@ mutant $f $t "" "the farther of two neighbours first" 's/max2\((dot\(x0 - xj, .*
 mutant $f $t ops/field/rbf.cpp "nearest distance not subtracted" 's/dot\(x0 - xj, \(q - x0\) \+ \(q - xj\)\)/dot(q - xj, q - xj)/'
 mutant $f $t ops/field/rbf.cpp "d_j² - d_0² as a difference" 's/dot\(x0 - xj, \(q - x0\) \+ \(q - xj\)\)/dot(q - xj, q - xj) - dot(q - x0, q - x0)/'
 mutant $f $t ops/field/rbf.cpp "1e-6 added to the sum" 's/w\[j\] = w\[j\] \/ sum;/w[j] = w[j] \/ (sum + T(1e-6));/'
-mutant $f $t ops/field/rbf.cpp "softmax gradient without the mean" 's/g\[j\] = w\[j\] \* \(g\[j\] - mean\)/g[j] = w[j] * g[j]/'
-mutant ops/field/rbf_kernels.h grad/rbf_grad_test.cpp "" "queries that move as the boundary does" 's/\(vec3\(boundary\.row\(index\.row\(i\)\[j\]\)\) - q\)/(q - vec3(boundary.row(index.row(i)[j])))/'
 mutant ops/field/rbf.cpp $t ops/field/rbf.cpp "1 \/ 2h² overflows" 's/float\(std::min\((1\.0 \/ \(2\.0 \* width \* width\)), .*\)\);/float(\1);/'
 mutant ops/field/rbf.cpp $t ops/field/rbf.cpp "width 0 where points coincide" 's/spacing > 0 \? factor \* spacing : 1\.0/factor * spacing/'
 
 t=stability/encoding_stability_test.cpp f=ops/field/hash_grid_kernels.h
 mutant $f $t ops/field/hash_grid.cpp "coordinates not clamped" 's/clamp3\(unit, T\(0\), T\(1\)\)/unit/'
 mutant $f $t ops/field/hash_grid.cpp "origin subtracted after scaling" 's/\(world - centre\) \* inv_extent/(world * inv_extent - centre * inv_extent)/'
-mutant $f $t ops/field/hash_grid.cpp "slope beyond the box" 's/slope = inside \? scale \* inv_extent : T\(0\);/slope = scale * inv_extent;/'
-mutant $f $t ops/field/hash_grid.cpp "smoothstep without its slope" 's/slope = slope \* T\(6\) \* frac \* \(T\(1\) - frac\);//'
 mutant $f $t ops/field/hash_grid.cpp "no half-cell stagger" 's/\* scale \+ T\(0\.5\)/* scale/'
 mutant ops/field/hash_grid.cpp $t ops/field/hash_grid.cpp "division by no extent" 's/side > 0 \? float\(1 \/ side\) : 0\.f/float(1 \/ side)/'
 mutant ops/field/hash_grid.cpp $t ops/field/hash_grid.cpp "resolution³ in 32 bits" 's/std::uint64_t\(level\.resolution\) \* level/level.resolution * level/'
@@ -193,7 +178,6 @@ f=ops/losses/loss_smooth_kernels.h
 mutant $f $t ops/losses/loss_smooth.cpp "|a|² - 2 a·b + |b|²" 's/term\[i\] = dot\(d, d\);/const Vec3<T> a = vec3(colour.row(i)), b = a + d; term[i] = dot(a, a) - T(2) * dot(a, b) + dot(b, b);/'
 mutant $f "$t grad/loss_smooth_grad_test.cpp" ops/losses/loss_smooth.cpp "sign of one gradient" 's/back\[0\] = -g\.x/back[0] = g.x/'
 mutant ops/losses/loss_smooth.cpp $t ops/losses/loss_smooth.cpp "the factor 3 of the estimate" 's/3 \* ratio \* ratio/ratio * ratio/'
-mutant ops/losses/loss_smooth.cpp unit/ops/losses/boundary_losses_test.cpp ops/losses/loss_smooth.cpp "one-sided differences as central ones" 's/axes \? x - step_length \* n\[a\] : x/x/'
 f=ops/losses/photometric_kernels.h
 mutant $f unit/ops/losses/photometric_test.cpp ops/losses/photometric_impl.cpp "SSIM with a variance below 0" 's/max_lanes\((moment\[kSquares\] - means), L\(T\(0\)\)\)/(\1)/'
 mutant $f $t "" "C2 dropped" 's/ \+ L\(T\(kC2\)\)//'
@@ -217,7 +201,6 @@ t=grad/joint_grad_test.cpp f=passes/joint/joint_stage.cpp
 mutant $f $t $f "colour continuity without its gradient" 's/(gradients\.sh_dc\[\*to \* 3 \+ c\] \+= float\()kShC0 \* /\10 * /'
 mutant $f $t $f "mask loss without its weight" 's/(loss_mask\(.*)/\1/; s/options\.lambda_mask, \&grad\.label\)/1.0, \&grad.label)/'
 mutant passes/joint/trained_labels.cpp $t passes/joint/trained_labels.cpp "label gradient without the sigmoid" 's/grad\[place\] \* sigmoid_slope\(logit_\[cell\]\)/grad[place]/'
-mutant $f $t $f "the field's depth moves nothing" 's/if \(options\.field_depth\) move_depth/if (false) move_depth/'
 mutant $f $t $f "smoothness gradient doubled" 's/field->smoothness\(exec, rays, boundary\.positions\(\), options\.lambda_smooth/field->smoothness(exec, rays, boundary.positions(), 2 * options.lambda_smooth/'
 
 f=passes/contours/contour_stage.cpp t=unit/passes/contours/contour_stage_test.cpp
@@ -243,7 +226,6 @@ mutant $f "$t" $f "colours that are no numbers in the means" 's/if \(std::isfini
 t=unit/passes/detectors_test.cpp f=passes/detectors.cpp
 mutant $f $t $f "narrow: corners of the squares left out" 's/away\[p\] > kReach/away[p] >= kReach/'
 mutant $f $t $f "narrow: beyond the picture is nothing" 's/chessboard_distance\(mask, Outside::kUnknown\)/chessboard_distance(mask)/'
-mutant passes/time/time_plan.h unit/passes/time_plan_test.cpp passes/time/time_plan.cpp "plan: early iterations cost what the last does" 's/early_share \* epochs \* epoch_s;/epochs * epoch_s;/'
 mutant passes/contours/contour_stage.cpp unit/passes/contours/contour_stage_test.cpp passes/contours/contour_stage.cpp "contours: early iterations take all epochs" 's/early \? early_epochs\(epochs\) : epochs/epochs/'
 mutant passes/joint/joint_options.h unit/passes/contours/contour_stage_test.cpp "" "joint: few epochs where no iterations follow" 's/options\.contours_go_on \? kEpochsBeforeContours : 1/kEpochsBeforeContours/'
 t="unit/ops/optim/pose_step_test.cpp stability/alignment_stability_test.cpp" f=ops/optim/pose_step.cpp

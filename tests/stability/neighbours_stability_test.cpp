@@ -261,37 +261,6 @@ TEST_CASE("rbf: the unit of the world does not change the weights") {
       });
 }
 
-TEST_CASE("rbf: weight gradients stay finite and accurate far from the boundary") {
-  test::hard_case({"distance, widths", {1, 5, 20, 1e3}, 1.2, {"quotient rule on Eq. (8) as printed", test::kWrong}},
-                  [](double h, Random& random, Worst& worst) {
-                    const Cluster c(random, 0.35, h, 0);
-                    const std::vector<float> w = c.ours(), feature = random.uniform_vector<float>(kNeighbours, -1, 1);
-                    const float upstream = 1;
-                    std::vector<float> grad(kNeighbours);
-                    RbfBackwardExponent<float>{{c.nearest.data(), 1, kNeighbours},
-                                               {feature.data(), kNeighbours, 1},
-                                               {w.data(), 1, kNeighbours},
-                                               {&upstream, 1, 1},
-                                               {grad.data(), 1, kNeighbours}}(0);
-                    Real mean = 0;
-                    std::vector<float> phi(kNeighbours);  // as printed
-                    float phi_sum = 0, numerator = 0;
-                    for (std::size_t j = 0; j < kNeighbours; ++j) {
-                      mean += Real(w[j]) * feature[c.nearest[j]];
-                      const auto d = c.q - vec3<float>(&c.x[3 * c.nearest[j]]);
-                      phi[j] = std::exp(-dot(d, d) * c.inv_2h2());
-                      phi_sum += phi[j], numerator += phi[j] * feature[c.nearest[j]];
-                    }
-                    for (std::size_t j = 0; j < kNeighbours; ++j) {
-                      const Real s = feature[c.nearest[j]], want = w[j] * (s - mean);
-                      const double unit = 0x1p-23 * 2 * double((std::abs(s) + 1) * w[j]) + 1e-38;
-                      worst.ours_ratio(std::abs(double(grad[j] - want)) / unit);
-                      const float quotient = (float(s) * phi_sum - numerator) / (phi_sum * phi_sum);
-                      worst.naive_ratio(std::abs(double(phi[j] * quotient - want)) / unit);
-                    }
-                  });
-}
-
 TEST_CASE("rbf: without boundary Gaussians every feature is zero") {
   test::hard_case({"|B|", {8, 1, 0}, 0, {"Σ φ s / Σ φ as printed", test::kWrong}},
                   [](double h, Random& random, Worst& worst) {

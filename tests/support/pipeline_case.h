@@ -56,7 +56,7 @@ class PipelineCase {
   /// As if another run with that state (PassRun::state) went on, and with its decisions where they are kept.
   void goes_on_from(const Json& state) { run_.resumed = state; }
   void goes_on_from(const Json& state, const Json& effects, const Json& left_out) {
-    goes_on_from(state), repeat_decisions(run_, effects, left_out);
+    goes_on_from(state), repeat_decisions(pipeline_, run_, effects, left_out);
   }
   /// With steps that are kept, so that another run may go on.
   void keeps_steps(StepStore& store) { run_.store = &store; }
@@ -75,6 +75,7 @@ class PipelineCase {
       pipeline_.decide(stage, run_, *run_.problem), pipeline_.run(stage, run_);
     return run_;
   }
+  Json kept() const { return kept_decisions(pipeline_, decisions_); }
   const Problem& problem() const { return *run_.problem; }
   const Solution& solution() const { return *run_.solution; }
   const Json& report() const { return report_; }

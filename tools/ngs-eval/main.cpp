@@ -37,7 +37,7 @@ int main(int argc, char** argv) {
       throw Error(ErrorCode::kUsage, "--image-metrics and --opacity, expected one of them");
     if (files.opacity) cli::require_one_object(options);
     if (files.image_metrics)
-      run.warn_unused({"--threshold", "--contour-tolerance"}, "with --image-metrics");
+      run.warn_unused({"--threshold"}, "with --image-metrics");
     else if (options.label_map)
       run.warn_unused({"--threshold"}, "with --label-map");
     // A misspelt score is found before the work.

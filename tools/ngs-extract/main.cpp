@@ -23,8 +23,6 @@ void check_options(ngs::cli::Run& run, const ngs::ExtractOptions& options, const
   if (region.drop_below_plane != "auto") run.warn_unused({"--up"}, "without --drop-below-plane auto");
   if (region.cluster_at.empty() && region.largest == 0)
     run.warn_unused({"--cluster-side"}, "without --cluster-at or --largest");
-  if (options.min_component == 0) run.warn_unused({"--component-neighbours"}, "without --min-component");
-  if (options.unseen != ngs::UnseenRule::kKnn) run.warn_unused({"--unseen-neighbours"}, "but by --unseen knn");
 }
 
 void require_one_of(std::initializer_list<const ngs::cli::Output*> outputs) {
@@ -39,7 +37,7 @@ void require_one_of(std::initializer_list<const ngs::cli::Output*> outputs) {
 void check_inpaint(ngs::cli::Run& run, const ngs::cli::Output& inpaint, const ngs::cli::Input& scene) {
   if (inpaint && !scene)
     throw ngs::Error(ngs::ErrorCode::kUsage, "--inpaint needs the cameras", "give --scene scene.json");
-  if (!inpaint) run.warn_unused({"--inpaint-opacity", "--inpaint-trace", "--inpaint-dilate-px"}, "without --inpaint");
+  if (!inpaint) run.warn_unused({"--inpaint-dilate-px"}, "without --inpaint");
 }
 
 /// Outputs that are not asked for are empty.

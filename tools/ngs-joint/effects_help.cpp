@@ -41,8 +41,7 @@ std::string part_names(std::span<const Effect> parts, const Rules& rules) {
 }  // namespace
 
 std::string effects_help(const Options& options, bool in_full) {
-  const Method method = options.choice.method;
-  const Rules rules = method == Method::kPaper ? Rules{} : verdicts_of(options, false, "");
+  const Rules rules = verdicts_of(options, "");
   std::string text = "effects: --effect NAME=auto|on|off; auto: where the scene calls for it (--explain lists why)\n";
   for (const std::unique_ptr<Pass>& pass : options.pipeline.passes()) {
     if (pass->stage() != PassStage::kMend && !options.runs_passes()) continue;

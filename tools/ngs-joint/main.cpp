@@ -37,7 +37,6 @@ int main(int argc, char** argv) {
   const cli::Input& effects_from =
       tool.optional_input("--effects-from", "report of a run whose decisions on effects are taken over");
   const cli::Output& out = tool.output("-o,--output", "labelled PLY with optimised attributes");
-  const cli::Output& nerf = tool.optional_output("--nerf", "the field (safetensors), for ngs-render --boundary field");
   const cli::Output& trace =
       tool.optional_output("--trace", "one JSON line per step: time, loss terms; per epoch: agreement");
   tool.writes_nothing_if(options.choice.explain);
@@ -45,7 +44,7 @@ int main(int argc, char** argv) {
   tool.runs_partly_on_device();  // the joint steps
 
   return tool.run(argc, argv, [&](cli::Run& run) {
-    const joint::Paths paths{scene.path, boundary.path, field.path, effects_from.path, out.path, nerf.path, trace.path};
+    const joint::Paths paths{scene.path, boundary.path, field.path, effects_from.path, out.path, trace.path};
     return joint::run_method(run, options, paths, start_s);
   });
 }

@@ -53,8 +53,7 @@ Solution run_baseline(cli::Run& run, Method method, const BaselineOptions& optio
       return run_released(run.exec(), run.monitor(), released, problem);
     }
     case Method::kNgs:
-    case Method::kNgGs:
-    case Method::kPaper: break;
+    case Method::kNgGs: break;
   }
   throw std::logic_error("this method is made of passes");
 }

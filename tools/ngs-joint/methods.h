@@ -14,11 +14,10 @@ namespace ngs::joint {
 
 /// kNgs: our passes, and the NeRF where it gains. kNgGs: the joint stage of the paper with its NeRF and nothing of
 /// ours.
-enum class Method : std::uint8_t { kNgs, kNgGs, kBce, kCob, kFlash, kSa3d, kSaga, kReleased, kPaper };
+enum class Method : std::uint8_t { kNgs, kNgGs, kBce, kCob, kFlash, kSa3d, kSaga, kReleased };
 inline constexpr NamedValue<Method> kMethodNames[] = {
-    {Method::kNgs, "ngs"},   {Method::kNgGs, "ng-gs"},        {Method::kBce, "bce"},
-    {Method::kCob, "cob"},   {Method::kFlash, "flash"},       {Method::kSa3d, "sa3d"},
-    {Method::kSaga, "saga"}, {Method::kReleased, "released"}, {Method::kPaper, "paper"}};  // the earlier name of ngs
+    {Method::kNgs, "ngs"},     {Method::kNgGs, "ng-gs"}, {Method::kBce, "bce"},   {Method::kCob, "cob"},
+    {Method::kFlash, "flash"}, {Method::kSa3d, "sa3d"},  {Method::kSaga, "saga"}, {Method::kReleased, "released"}};
 std::string method_name(Method method);
 /// Whether it looks at views; flash follows from the evidence.
 constexpr bool draws(Method method) { return method != Method::kFlash; }
@@ -35,7 +34,7 @@ struct BaselineOptions {
   void declare(cli::Tool& tool, const Method& method);
 };
 
-/// Not for kNgs, kNgGs and kPaper.
+/// Not for kNgs and kNgGs.
 Solution run_baseline(cli::Run& run, Method method, const BaselineOptions& options, const Problem& problem);
 
 }  // namespace ngs::joint

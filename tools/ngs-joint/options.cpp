@@ -25,13 +25,6 @@ void Options::declare(cli::Tool& tool) {
   baselines.declare(tool, choice.method);
 }
 
-void Options::settle(Monitor& monitor) {
-  training.joint.quality = choice.quality;
-  if (choice.method != Method::kPaper) return;
-  monitor.warn("--method paper is now called --method ngs; the paper's own method is --method ng-gs");
-  choice.method = Method::kNgs;
-}
-
 std::string options_text(Options& options) {
   OptionSet set;
   set.add(options.training.joint);

@@ -67,11 +67,7 @@ struct Options {
 
   /// By groups, of which --help shows those that the method listens to.
   void declare(cli::Tool& tool);
-  /// Once the command line is read.
-  void settle(Monitor& monitor);
-  bool runs_passes() const {
-    return choice.method == Method::kNgs || choice.method == Method::kNgGs || choice.method == Method::kPaper;
-  }
+  bool runs_passes() const { return choice.method == Method::kNgs || choice.method == Method::kNgGs; }
 };
 
 /// The options that change a result, as one line of JSON.

@@ -19,15 +19,12 @@
 #include "ngs/stages/boundary/variance_stage.h"
 #include "photo_match.h"
 #include "shared/run/checkpoints.h"
-#include "shared/scene/field_file.h"
 #include "shared/scene/scene_model.h"
 #include "step_files.h"
 #include "verdicts.h"
 
 namespace ngs::joint {
 namespace {
-
-constexpr PassCost kLoadCost{{.halvings = 20}, 0.4};
 
 void refuse_if(bool wrong, const std::string& what, const std::string& remedy) {
   if (wrong) throw Error(ErrorCode::kUsage, what, remedy);
@@ -41,9 +38,6 @@ void check_options(cli::Run& run, const Options& options, const Paths& paths) {
             "--checkpoint-every without --checkpoint, expected the folder to write to", "--checkpoint DIR");
   refuse_if(o.trace_every > 0 && paths.trace.empty() && o.target.empty(),
             "--trace-every without --trace or --target, expected what the scores are for", "--trace FILE");
-  const int features = options.training.joint.hash_features;
-  refuse_if(!are_hash_features(features), "--hash-features: " + std::to_string(features) + ", expected 1, 2, 4 or 8",
-            "2 is the default; --hash-levels adds resolutions");
   if (!options.runs_passes() && run.device_exec().device_ops != nullptr)
     throw Error(ErrorCode::kEnvironment, "--device cuda: only --method ngs and ng-gs have a CUDA path",
                 "use --device cpu");
@@ -57,7 +51,7 @@ void warn_of_baseline(cli::Run& run, const Options& options, const Paths& paths)
   const auto file = [&](const char* flag, const std::string& path) {
     if (!path.empty()) unused.push_back(flag);
   };
-  file("--field", paths.field), file("--nerf", paths.nerf), file("--trace", paths.trace);
+  file("--field", paths.field), file("--trace", paths.trace);
   const EffectModes modes(options.pipeline.effects(), options.choice.effect);
   if (options.choice.quality != MethodChoice{}.quality && modes.of("floaters") != EffectMode::kOn)
     unused.push_back("--quality");  // it says how thoroughly floaters are searched
@@ -69,14 +63,6 @@ void warn_of_baseline(cli::Run& run, const Options& options, const Paths& paths)
   std::string text;
   for (const std::string& flag : unused) text += (text.empty() ? "" : ", ") + flag;
   if (!text.empty()) run.monitor().warn(text + ": not used by --method " + method_name(options.choice.method));
-}
-
-void check_nerf(const Options& options, const Paths& paths, const EffectModes& modes) {
-  if (paths.nerf.empty() || !options.runs_passes()) return;
-  refuse_if(modes.of("nerf") == EffectMode::kOff, "--nerf with nerf off by --effect, expected a field to write",
-            "leave out one of them");
-  refuse_if(modes.of("joint") == EffectMode::kOff,
-            "--nerf with joint off by --effect, expected steps that train the field", "leave out one of them");
 }
 
 /// Everything that was read, and what refers to it.
@@ -113,17 +99,12 @@ struct Input {
   }
 };
 
-/// Decodes photos and masks once, at both sizes that passes ask for. False: the time did not allow it.
-bool load_views(cli::Run& run, Budget& budget, const CoarseInput& full, const CoarseInput& coarse) {
-  const std::size_t views = full.get().scene.views.size();
-  if (!budget.fits(kLoadCost, views)) return true;  // they are then loaded where they are asked for
+/// Decodes photos and masks once, at both sizes that passes ask for. What the time does not allow is loaded where it is
+/// asked for.
+void load_views(cli::Run& run, Budget& budget, const CoarseInput& full, const CoarseInput& coarse) {
   const auto timed = run.monitor().scope("load views");
-  // A disk may be slower than any foresight: what is left to load then costs what the rest is foreseen to.
-  const double began_s = budget.elapsed_s(), until_s = began_s + kLoadCost.share * budget.left_s();
-  const double loaded = full.preload(run.exec(), [&] { return budget.elapsed_s() < until_s; });
-  if (loaded >= 1) coarse.preload(run.exec());
-  budget.loaded("load views", loaded * double(views) * kLoadCost.per_view, budget.elapsed_s() - began_s);
-  return loaded >= 1;
+  const double until_s = budget.end_of_s(kLoadShare);
+  if (full.preload(run.exec(), [&] { return wall_seconds() < until_s; }) >= 1) coarse.preload(run.exec());
 }
 
 /// All that the state of the joint steps follows from, as far as it is known before the passes run.
@@ -153,16 +134,9 @@ class MethodRun {
         paths_(paths),
         budget_(start_s, parse_seconds(options.steps.time_budget)),
         modes_(options.pipeline.effects(), options.choice.effect),
-        decisions_(options.pipeline.effects(), modes_, verdicts_of(options, !paths.nerf.empty(), paths.effects_from)),
+        decisions_(options.pipeline.effects(), modes_, verdicts_of(options, paths.effects_from)),
         input_(run, options, paths),
-        store_(run.monitor(), {options.steps.checkpoint, options.steps.resume, options.steps.checkpoint_every}) {
-    check_nerf(options, paths, modes_);
-    if (!paths.nerf.empty() && options.runs_passes() && decisions_.settled("joint") == false)
-      throw Error(ErrorCode::kInconsistent,
-                  paths.effects_from + ": decided joint=off, expected steps that train the field of --nerf",
-                  "leave out --nerf, or add --effect joint=on");
-    for (const std::string& renamed : modes_.renamed()) run.monitor().warn(renamed);
-  }
+        store_(run.monitor(), {options.steps.checkpoint, options.steps.resume, options.steps.checkpoint_every}) {}
 
   int operator()() {
     Problem from_files = input_.problem(options_, run_.seed(), run_.monitor());
@@ -179,18 +153,18 @@ class MethodRun {
     options_.pipeline.decide(PassStage::kFocus, passes, from_files);
     if (!options_.pipeline.run(PassStage::kFocus, passes)) return run_.stop_code();
     const Problem focused = *passes.problem;
-    budget_.measure(run_.exec(), focused, input_.reading_s);
+    budget_.keep_for_writing(input_.reading_s);
     CoarseInput full(focused, 1), coarse(full.get(), decision_shrink(input_.scene));
     passes.problem.emplace(full.get()), passes.coarse = &coarse.get();
     if (options_.runs_passes()) {
-      if (!load_views(run_, budget_, full, coarse)) options_.pipeline.leave_out(PassStage::kMend, passes);
+      load_views(run_, budget_, full, coarse);
       compare_with_photos(run_, CoarseInput(from_files, decision_shrink(input_.scene), 0).get(), paths_.boundary);
     }
     options_.pipeline.decide(PassStage::kMend, passes, coarse.get());
     if (const int stopped = run_.stop_code()) return stopped;  // nothing to go on from, and no checkpoint
     if (options_.choice.explain) return explain(passes, from_files);
     if (keeps_steps()) {
-      identity["effects"] = kept_decisions(decisions_);
+      identity["effects"] = kept_decisions(options_.pipeline, decisions_);
       store_.resumed(identity);  // by options that the run before did not have
     }
     if (!options_.pipeline.run(PassStage::kMend, passes)) return run_.stop_code();
@@ -209,7 +183,7 @@ class MethodRun {
     if (!before) return;
     const Json state = before->value("passes", Json());
     passes.resumed = state.is_object() ? state : Json::object();
-    repeat_decisions(passes, before->value("effects", Json()), before->value("left_out", Json()));
+    repeat_decisions(options_.pipeline, passes, before->value("effects", Json()), before->value("left_out", Json()));
   }
 
   Json plan_json(const Problem& problem) const {
@@ -276,14 +250,10 @@ class MethodRun {
     options_.pipeline.decide(PassStage::kOptimise, passes, *passes.problem);
     if (const int stopped = run_.stop_code()) return stopped;
     run_.warn_unused([&](std::string_view effect) { return decisions_.on(effect); });
-    const bool writes_nerf = !paths_.nerf.empty() && passes.on("nerf");
-    if (!paths_.nerf.empty() && !writes_nerf)
-      run_.monitor().warn(
-          paths_.nerf + ": not written, there is no time for the steps that train the field; --time-budget with more");
     const std::optional<QueryField> field = read_field(passes);
     passes.field = field ? &*field : nullptr;
     if (keeps_steps()) {
-      identity["effects"] = kept_decisions(decisions_), identity["passes"] = passes.state;
+      identity["effects"] = kept_decisions(options_.pipeline, decisions_), identity["passes"] = passes.state;
       identity["field"] = field ? io::content_hash(paths_.field).xxh3 : "";
       if (!passes.left_out.empty()) identity["left_out"] = passes.left_out;
       store_.identify(identity);
@@ -291,24 +261,20 @@ class MethodRun {
     }
     if (!options_.pipeline.run(PassStage::kOptimise, passes)) return run_.stop_code();
     views.forget();
-    if (!writes_nerf) passes.trainer.reset();  // of no more use, and as large as the model
+    passes.trainer.reset();  // of no more use, and as large as the model
     malloc_trim(0);
-    return write(passes, writes_nerf);
+    return write(passes);
   }
 
-  int write(PassRun& passes, bool writes_nerf) {
+  int write(PassRun& passes) {
     const Solution& solution = *passes.solution;
     if (budget_.given()) run_.result()["budget"] = budget_.json();
     if (budget_.given() && !solution.converged)
-      run_.monitor().warn(
-          "--time-budget " + options_.steps.time_budget +
-          ": parts were left out or cut short for want of time; result.budget of the report has the times");
+      run_.monitor().warn("--time-budget " + options_.steps.time_budget +
+                          ": parts were left out or cut short for want of time");
     if (passes.watching.target && !passes.watch->target_met())
       run_.monitor().warn("--target " + options_.steps.target + ": not reached in the training views");
     write_result(run_, {input_.ply, input_.scene, input_.labels, passes.floater}, solution, paths_.labelled);
-    if (writes_nerf)
-      cli::write_field(paths_.nerf, passes.trainer->field(), passes.trainer->boundary(),
-                       sample_of(options_.training.sample, options_.training.joint));
     if (!paths_.trace.empty()) io::write_file(paths_.trace, passes.watch->trace());
     return solution.converged ? cli::kDone : cli::kBudgetHit;
   }
@@ -326,7 +292,7 @@ class MethodRun {
 }  // namespace
 
 int run_method(cli::Run& run, Options& options, const Paths& paths, double start_s) {
-  options.settle(run.monitor());
+  options.training.joint.quality = options.choice.quality;
   io::require_ply_output(paths.labelled);
   check_options(run, options, paths);
   warn_of_baseline(run, options, paths);

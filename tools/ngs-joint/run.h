@@ -5,7 +5,7 @@
 namespace ngs::joint {
 
 struct Paths {  // empty: not given
-  std::string scene, boundary, field, effects_from, labelled, nerf, trace;
+  std::string scene, boundary, field, effects_from, labelled, trace;
 };
 
 /// `start_s`: wall_seconds() when the process began. Returns the exit code.

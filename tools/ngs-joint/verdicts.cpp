@@ -6,12 +6,11 @@
 namespace ngs::joint {
 namespace {
 
-/// What the report says of its method, by the name that it has now.
+/// What the report says of its method.
 std::string method_of(const Json& report) {
   const Json options = report.is_object() ? report.value("options", Json()) : Json();
   const Json method = options.is_object() ? options.value("method", Json()) : Json();
-  if (!method.is_string()) return {};
-  return method == method_name(Method::kPaper) ? method_name(Method::kNgs) : method.get<std::string>();
+  return method.is_string() ? method.get<std::string>() : "";
 }
 
 /// The report's list of decisions; an empty one where it has none.
@@ -45,7 +44,7 @@ std::vector<EffectVerdict> replayed(const std::string& path, const Options& opti
 
 }  // namespace
 
-std::vector<EffectVerdict> verdicts_of(const Options& options, bool writes_nerf, const std::string& effects_from) {
+std::vector<EffectVerdict> verdicts_of(const Options& options, const std::string& effects_from) {
   std::vector<EffectVerdict> verdicts;
   const auto rule_out = [&](std::string_view effect) { verdicts.push_back({effect, false, "part of --method ngs"}); };
   if (options.choice.method != Method::kNgs)  // the other methods are as their papers say
@@ -55,12 +54,10 @@ std::vector<EffectVerdict> verdicts_of(const Options& options, bool writes_nerf,
     rule_out("contours");
     verdicts.push_back({"nerf", true, "--method ng-gs"});
   }
-  if (writes_nerf) verdicts.push_back({"nerf", true, "--nerf"});
   for (EffectVerdict& rule : options.pipeline.rules(options.training)) verdicts.push_back(std::move(rule));
   if (!effects_from.empty())
     for (EffectVerdict& verdict : replayed(effects_from, options)) verdicts.push_back(std::move(verdict));
-  if (writes_nerf || options.choice.method == Method::kNgGs)  // what trains it
-    verdicts.push_back({"joint", true, writes_nerf ? "--nerf" : "--method ng-gs"});
+  if (options.choice.method == Method::kNgGs) verdicts.push_back({"joint", true, "--method ng-gs"});
   return verdicts;
 }
 

@@ -7,8 +7,8 @@
 
 namespace ngs::joint {
 
-/// `writes_nerf`: --nerf is given. `effects_from`: a report of ngs-joint whose decisions are taken over where nothing
+/// `effects_from`: a report of ngs-joint whose decisions are taken over where nothing
 /// else rules, or empty; kBadInput if it holds none, kInconsistent if it is another method's.
-std::vector<EffectVerdict> verdicts_of(const Options& options, bool writes_nerf, const std::string& effects_from);
+std::vector<EffectVerdict> verdicts_of(const Options& options, const std::string& effects_from);
 
 }  // namespace ngs::joint

@@ -36,10 +36,12 @@ struct ScratchFolder {
   ScratchFolder& operator=(const ScratchFolder&) = delete;
 };
 
-Json prompts_json(const std::string& view, const ViewPrompt& prompt, int points, const std::string& mask) {
+constexpr int kPoints = 3;  // per side in the prompts of a program
+
+Json prompts_json(const std::string& view, const ViewPrompt& prompt, const std::string& mask) {
   Json json{{"ngs_prompts", 1}, {"view", view}, {"width", prompt.width_px}, {"height", prompt.height_px}};
   json["points"] = Json::array();
-  for (const PromptPoint& p : prompt_points(prompt, points))
+  for (const PromptPoint& p : prompt_points(prompt, kPoints))
     json["points"].push_back({{"object", p.object}, {"x", p.x + 0.5}, {"y", p.y + 0.5}});
   const std::array<int, 4> box = object_box(prompt);
   if (!prompt.by_hand || box[2] > 0) json["boxes"] = Json::array({box});
@@ -78,7 +80,6 @@ struct CommandSegmenter {
   std::vector<std::string> words;
   bool kept_running;  // one program for all calls, which reads a line of JSON for each
   double time_s;
-  int points;
   const Scene& scene;
   PhotoLoader load;
   Run& run;
@@ -95,7 +96,7 @@ struct CommandSegmenter {
     for (int i = 0; const std::string& file : {image, prompts, out, mask}) noted[i++].note(file.c_str());
     io::write_png(image, load(view));
     if (!mask.empty()) io::write_png(mask, likely_object(prompt));
-    io::write_file(prompts, prompts_json(name, prompt, points, mask).dump(1) + "\n");
+    io::write_file(prompts, prompts_json(name, prompt, mask).dump(1) + "\n");
     const std::string who = "--segmenter " + words[0] + " on view " + name;
     const std::optional<ChildResult> ended = kept_running ? ask(name, files, who) : run_once(files);
     if (ended && ended->end == ChildResult::End::kStopped) return PixelMask(prompt.hint.size());
@@ -161,8 +162,8 @@ Segmenter command_segmenter(const SegmenterOptions& options, const Scene& scene,
                   "--segmenter '" + options.segmenter + "': no " + placeholder +
                       ", expected all of {image} {prompts} {out}, or none",
                   "for example --segmenter 'python3 sam.py {image} {prompts} {out}'");
-  auto command = std::shared_ptr<CommandSegmenter>(new CommandSegmenter{
-      words, kept_running, options.segmenter_timeout_s, options.points, scene, std::move(load), run});
+  auto command = std::shared_ptr<CommandSegmenter>(
+      new CommandSegmenter{words, kept_running, options.segmenter_timeout_s, scene, std::move(load), run});
   return [command](std::size_t view, const ViewPrompt& prompt) { return command->segment(view, prompt); };
 }
 

@@ -11,6 +11,8 @@ namespace ngs::cli {
 namespace {
 
 constexpr int kLeastWindow = 48;            // px
+constexpr int kCutsByHand = 5;              // of a prompt that a person made
+constexpr double kSpeck = 0.01;             // of the mask: smaller holes are filled
 constexpr std::int64_t kLeastCertain = 64;  // pixels per side to learn a window's colours from
 
 struct Window {
@@ -104,7 +106,7 @@ Segmenter grab_cut_segmenter(const Exec& exec, const SegmenterOptions& options, 
   return [=](std::size_t view, const ViewPrompt& prompt) {
     GrabCutOptions cut;
     cut.seed = seed;
-    cut.iterations = prompt.by_hand ? std::max(5, options.iterations) : options.iterations;
+    if (prompt.by_hand) cut.iterations = kCutsByHand;
     const ImageU8 photo = load(view);
     int window_px = 0;
     if (options.window > 0) {
@@ -113,7 +115,7 @@ Segmenter grab_cut_segmenter(const Exec& exec, const SegmenterOptions& options, 
       window_px = std::max(kLeastWindow, int(std::lround(options.window * size)));
     }
     PixelMask mask = cut_windows(exec, photo, prompt, window_px, cut);
-    return keep_seeded_pieces(prompt, std::move(mask), options.speck);
+    return keep_seeded_pieces(prompt, std::move(mask), kSpeck);
   };
 }
 

@@ -37,9 +37,9 @@ void refuse_over_photos(const cli::MaskViews& views, const Scene& scene, const F
 int make_masks(cli::Run& run, const Options& options, const Files& files) {
   const Scene scene = cli::read_scene(run, files.scene.path);
   if (options.runs_a_program())
-    run.warn_unused({"--iterations", "--window", "--speck"}, "with --segmenter");
+    run.warn_unused({"--window"}, "with --segmenter");
   else
-    run.warn_unused({"--points", "--segmenter-timeout-s"}, "without --segmenter");
+    run.warn_unused({"--segmenter-timeout-s"}, "without --segmenter");
   if (!files.model) cli::require_model(run, scene, files.scene.path);
   const std::string model_path = files.model ? files.model.path : scene.model_path;
   const auto marks = cli::read_marks(run, scene, options.which.view, files.marks);

@@ -12,10 +12,7 @@ namespace ngs::cli {
 struct SegmenterOptions {
   std::string segmenter;
   double segmenter_timeout_s = 600;
-  int iterations = 3;
   double window = 0.35;
-  double speck = 0.01;
-  int points = 3;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -24,13 +21,10 @@ struct SegmenterOptions {
                                "that is kept running and reads a line for each view; default: built-in GrabCut"});
     visit(self.segmenter_timeout_s,
           Field<double>{"segmenter_timeout_s", "s", "the program is ended after this", 0.01, 1e6});
-    visit(self.iterations, Field<int>{"iterations", "", "GrabCut: cuts per view", 1, 100});
     visit(self.window, Field<double>{"window", "of the object",
                                      "GrabCut: size of the overlapping windows that have colours of "
                                      "their own; 0: one cut per view",
                                      0.0, 10.0});
-    visit(self.speck, Field<double>{"speck", "of the mask", "GrabCut: holes smaller than this are filled", 0.0, 1.0});
-    visit(self.points, Field<int>{"points", "", "program: points per side in its prompts", 1, 1000});
   }
 };
 

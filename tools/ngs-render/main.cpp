@@ -4,7 +4,6 @@
 #include <set>
 #include <sstream>
 
-#include "boundary_field.h"
 #include "ngs/io/image/photo.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/stages/render/render_options.h"
@@ -58,7 +57,6 @@ int main(int argc, char** argv) {
   const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene");
   const cli::Input& model =
       tool.input("model", "any 3DGS model (.ply, .spz, .sog, .splat, .ksplat); masks need a labelled PLY");
-  const cli::Input& nerf = tool.optional_input("--nerf", "field written by ngs-joint --nerf, for --boundary field");
   const cli::Output& out = tool.output_dir("-o,--output", "folder for the pictures");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
@@ -69,8 +67,7 @@ int main(int argc, char** argv) {
     warn_unused(run, layers);
     choose_background(options.background, run.monitor(), scene);
     const double scale = options.scale > 0 ? options.scale : 1 / scene.image_scale;
-    const SplatOptions splat =
-        filter_at_scale(splat_options(raster, ply.cloud, scene), options.native_filter ? 1.0 : scale);
+    const SplatOptions splat = filter_at_scale(splat_options(raster, ply.cloud, scene), scale);
     const std::vector<std::size_t> views = wanted_views(run, scene, options.views);
     const std::vector<std::string> names = picture::file_names(scene, format.names);
     std::vector<std::string> files;
@@ -78,7 +75,6 @@ int main(int argc, char** argv) {
       std::ranges::move(picture::files_of({out.path, names[views[n]]}, objects, layers, format.format),
                         std::back_inserter(files));
     cli::refuse_over_photos(scene, files);
-    std::optional<FieldModel> field = picture::boundary_field(run, options, nerf.path, objects);
     run.result()["views"] = views.size();
     for (std::size_t k = 0; layers.contains("labels") && k < objects.names.size(); ++k)
       run.result()["labels"][objects.names[k]] = objects.ids[k];
@@ -93,7 +89,6 @@ int main(int argc, char** argv) {
         return render_labelled(run.exec(), {ply.cloud, objects.columns}, camera,
                                {splat, background_of(scene), options.amodal});
       }();
-      if (field) picture::draw_boundary(run, *field, {camera, ply.cloud.origin, options.boundary_band * scale}, view);
       const auto timed = run.monitor().scope("write");
       picture::write_view({out.path, names[views[n]]}, view, {objects, layers, format.format, options.threshold});
       run.monitor().progress(std::int64_t(n) + 1, std::int64_t(views.size()));

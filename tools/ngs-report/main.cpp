@@ -18,10 +18,8 @@ struct ReportOptions : ngs::cli::PictureOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     using ngs::Field;
-    visit(self.sheet_width_px, Field<int>{"sheet_width", "px", "width of the pictures of the contact sheet", 64, 2048});
     visit(self.crop_side_px,
           Field<int>{"crop_side", "px", "side of the zoomed crops, in pixels of the truth", 16, 512});
-    visit(self.zoomed_views, Field<int>{"zoomed_views", "", "how many of the worst views are shown zoomed", 0, 100});
     visit(self.budget_mib, Field<double>{"picture_budget", "MiB", "all pictures of the page together", 0, 1000});
   }
 };

@@ -210,20 +210,19 @@ std::string numerical_section(const Sweep& sweep) {
 }
 
 struct WorkPrecisionOptions {
-  std::string score = "biou", time = "wall", title = "Work and precision";
+  std::string score = "biou", time = "wall";
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.score, Text{"score", "iou|biou|biou_005|...", "what accuracy is: a mean of metrics.json"});
     visit(self.time, Text{"time", "wall|cpu", "what time is; cpu on a machine that is shared"});
-    visit(self.title, Text{"title", "TEXT", "of the page"});
   }
 };
 
 }  // namespace
 
-std::string sweep_page(const Sweep& sweep, const SweepView& view, const std::string& title) {
-  return page_start(title + " – ngs report", title,
+std::string sweep_page(const Sweep& sweep, const SweepView& view) {
+  return page_start("Work and precision – ngs report", "Work and precision",
                     "Accuracy: views whose masks no stage has seen. This page needs neither network nor scripts.") +
          frontier_section(sweep, view) + knobs_section(sweep, view) + equal_section(sweep, view) +
          anytime_section(sweep) + numerical_section(sweep) + once_section(sweep) + points_section(sweep) + page_end();
@@ -296,7 +295,7 @@ int work_precision_command(int argc, char** argv) {
     mark_frontier(sweep, view.score, view.cpu);
     run.result()["points"] = sweep.points.size();
     if (run.dry_run()) return 0;
-    io::write_file(out.path, sweep_page(sweep, view, options.title));
+    io::write_file(out.path, sweep_page(sweep, view));
     if (json) io::write_file(json.path, sweep_json(sweep, view).dump(1) + "\n");
     if (csv) io::write_file(csv.path, sweep_csv(sweep));
     for (const SweepPoint* point : frontier_of(sweep, view)) run.result()["frontier"].push_back(point->name());

@@ -38,7 +38,7 @@ int main(int argc, char** argv) {
   using namespace ngs;
   cli::Tool tool("ngs-sample", "Lay a grid of rays over the boundary in every view and place query points (Eqs. 4-7).",
                  {"ngs-sample scene.json boundary.ply -o queries.ply",
-                  "ngs-sample scene.json boundary.ply -o queries.ply --rows 128 --cols 128 --window mean"});
+                  "ngs-sample scene.json boundary.ply -o queries.ply --rows 128 --cols 128"});
   SampleOptions options;
   ViewOptions selection;
   RasterOptions raster;

@@ -129,14 +129,9 @@ LabelledScene label(const VarianceOptions& options, const Scene& scene, const io
   return {scene, ply, label_gaussians(options, from), from.weights()};
 }
 
-void write_labels(cli::Run& run, const LabelledScene& labelled, const VarianceOptions& options,
-                  const std::string& path) {
+void write_labels(cli::Run& run, const LabelledScene& labelled, double tau, const std::string& path) {
   const auto timed = run.monitor().scope("write");
   const auto& [scene, ply, labels, weight] = labelled;
-  if (labels.size() > 1 && options.exclusive && options.label_threshold != VarianceOptions{}.label_threshold)
-    run.monitor().warn(
-        "--label-threshold is not used: of several objects the heaviest takes a Gaussian; --no-exclusive asks each by "
-        "itself");
   const std::int64_t boundary = report_counts(run, labelled);
   const bool any_evidence = std::any_of(labels.begin(), labels.end(), [](const LabelColumns& l) {
     return std::any_of(l.views.begin(), l.views.end(), [](float views) { return views > 0; });
@@ -147,7 +142,7 @@ void write_labels(cli::Run& run, const LabelledScene& labelled, const VarianceOp
         "masks of held-out views do not count; see what was found: ngs-scene check scene.json; make masks with "
         "ngs-mask, and import the scene again with --masks DIR");
   else if (boundary == 0)
-    run.nothing_found("no Gaussian has a normalised mask variance above tau = " + std::to_string(options.tau),
+    run.nothing_found("no Gaussian has a normalised mask variance above tau = " + std::to_string(tau),
                       "lower --tau, or check the masks: ngs-scene check scene.json");
   std::vector<io::LabelSet> named;
   for (std::size_t k = 0; k < labels.size(); ++k) named.push_back({scene.objects[k].name, labels[k]});

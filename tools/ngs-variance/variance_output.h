@@ -40,8 +40,7 @@ LabelledScene label(const VarianceOptions& options, const Scene& scene, const io
                     Evidence&& evidence);
 
 /// Writes the labelled PLY and the counts; an empty boundary set is kNothingFound unless allowed.
-void write_labels(cli::Run& run, const LabelledScene& labelled, const VarianceOptions& options,
-                  const std::string& path);
+void write_labels(cli::Run& run, const LabelledScene& labelled, double tau, const std::string& path);
 
 /// One EXR per training view: the first object's ngs.mask, ngs.prob, ngs.variance and ngs.boundary,
 /// composited.

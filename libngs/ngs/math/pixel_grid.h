@@ -49,15 +49,6 @@ NGS_HD double read_bilinear(double x_px, double y_px, int width_px, int height_p
   return (1 - y.weight) * row(y.lower) + y.weight * row(y.upper);
 }
 
-/// Adjoint of read_bilinear at (x, y): add(column, row, amount) for the four pixels of a gradient.
-template <class Add>
-NGS_HD void add_bilinear(const BilinearAxis& x, const BilinearAxis& y, double gradient, const Add& add) {
-  const auto row = [&](int line, double weight) {
-    add(x.lower, line, (1 - x.weight) * weight), add(x.upper, line, x.weight * weight);
-  };
-  row(y.lower, (1 - y.weight) * gradient), row(y.upper, y.weight * gradient);
-}
-
 /// The weight with which `bilinear_axis(position_px, size_px)` reads `pixel`: the same numbers, asked from
 /// the pixel's side, so that a transposed sum can gather.
 NGS_HD inline double bilinear_weight(double position_px, int size_px, int pixel) {

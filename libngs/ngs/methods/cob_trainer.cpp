@@ -10,6 +10,13 @@
 #include "ngs/problem/view_list.h"
 
 namespace ngs {
+namespace {
+
+constexpr double kLabelRate = 0.1;  // Adam, of the label logits
+constexpr double kExtract = 0.9;    // label 1 where the sigmoid exceeds this
+
+}  // namespace
+
 CobTrainer::CobTrainer(const CobOptions& options, const Problem& input)
     : options_(options),
       input_(input),
@@ -52,7 +59,7 @@ void CobTrainer::label_step(const Exec& exec, const Evidence& view) {
       gradient[cell] = float((options_.lambda * outside - inside) * m * (1 - m));
     }
   });
-  adam_step(exec, {.lr = options_.label_lr}, ++label_steps_, {"label", logit_, gradient}, label_moments_);
+  adam_step(exec, {.lr = kLabelRate}, ++label_steps_, {"label", logit_, gradient}, label_moments_);
 }
 
 std::vector<double> CobTrainer::certainty() const {
@@ -129,9 +136,7 @@ void CobTrainer::texture_step(const Exec& exec, std::size_t view, const ImageF& 
   RenderRequest request;
   request.background = input_.background;
   const RenderedView& rendered = pass_.forward(exec, cloud_, input_.scene.views[view].camera, request);
-  PhotometricOptions photometric;
-  photometric.dssim_weight = options_.dssim_weight;
-  last_photometric_ = photometric_.evaluate(exec, photometric, {rendered.colour, photo}, &image_gradient_.colour).total;
+  last_photometric_ = photometric_.evaluate(exec, {}, {rendered.colour, photo}, &image_gradient_.colour).total;
   if (texture_steps_ == 0) first_photometric_ = last_photometric_;
   pass_.backward(exec, image_gradient_, gradients_);
   if (colour_term) colour_term(exec, cloud_, logit_, gradients_.sh_dc);
@@ -149,7 +154,7 @@ Solution CobTrainer::result(Monitor& monitor) {
     for (std::size_t i = 0; i < c.prob.size(); ++i) {
       if (c.views[i] == 0) continue;
       c.prob[i] = float(sigmoid(double(logit_[i * std::size_t(objects_) + std::size_t(k)])));
-      c.label[i] = float(double(c.prob[i]) > options_.extract);
+      c.label[i] = float(double(c.prob[i]) > kExtract);
     }
     const double count = labelled_count(c);
     out.figures["object_gaussians"] += count;

@@ -8,6 +8,7 @@ namespace ngs {
 namespace {
 
 constexpr double kHalfWeightsGap = 5e-4;
+constexpr std::int64_t kCacheBytes = std::int64_t(2048) << 20;  // of weights; views beyond it are composited anew
 
 void note_figures(const LabelSolution& s, const std::string& suffix, std::map<std::string, double>& figures) {
   figures["loss" + suffix] = s.loss;
@@ -50,16 +51,15 @@ class KeptTargets {
 };
 
 /// The soft values are the labels: the fitted masks are renders of them, and thresholding would move the
-/// contours. Of several objects that claim a Gaussian only the one with the largest value keeps it, if
-/// exclusive.
-void decide(const BceOptions& options, std::vector<LabelColumns>& labels) {
+/// contours. Of several objects that claim a Gaussian only the one with the largest value keeps it.
+void decide(std::vector<LabelColumns>& labels) {
   for (std::size_t i = 0; i < labels[0].label.size(); ++i) {
     std::size_t best = 0;
     for (std::size_t k = 1; k < labels.size(); ++k)
       if (labels[k].prob[i] > labels[best].prob[i]) best = k;
     for (std::size_t k = 0; k < labels.size(); ++k) {
       LabelColumns& c = labels[k];
-      if (c.views[i] > 0) c.label[i] = !options.exclusive || k == best ? c.prob[i] : 0.f;
+      if (c.views[i] > 0) c.label[i] = k == best ? c.prob[i] : 0.f;
     }
   }
 }
@@ -72,8 +72,8 @@ BceResult solve_bce(const Exec& exec, Monitor& monitor, const BceOptions& option
   std::vector<LabelColumns>& labels = result.method.labels = closed_form_labels(exec, monitor, input);
   const auto timed = monitor.scope("label solve");
   LabelSolveOptions solve;
-  solve.relative_gap = options.relative_gap, solve.relaxation = options.relaxation;
-  solve.max_evaluations = options.max_evaluations, solve.cache_bytes = std::int64_t(options.cache_mib) << 20;
+  solve.relative_gap = options.relative_gap;
+  solve.max_evaluations = options.max_evaluations, solve.cache_bytes = kCacheBytes;
   solve.stop = [&] { return monitor.stop_requested(); };
   const auto n = std::size_t(input.cloud.size());
   for (std::size_t k = 0; k < labels.size(); ++k) {
@@ -98,7 +98,7 @@ BceResult solve_bce(const Exec& exec, Monitor& monitor, const BceOptions& option
     result.method.converged &= solution.converged;
     result.trace.push_back(std::move(solution.trace));
   }
-  decide(options, labels);
+  decide(labels);
   restore_fixed(input, {}, labels);
   for (const LabelColumns& c : labels) result.method.figures["object_gaussians"] += labelled_count(c);
   return result;

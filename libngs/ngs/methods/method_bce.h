@@ -12,22 +12,14 @@ namespace ngs {
 
 struct BceOptions {
   double relative_gap = 1e-3;
-  double relaxation = 1;
   int max_evaluations = 2000;
-  int cache_mib = 2048;
-  bool exclusive = true;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.relative_gap,
           Field<double>{"bce_gap", "of the loss", "stop at this duality gap (bound on loss - optimum)", 1e-6, 1.0});
-    visit(self.relaxation,
-          Field<double>{"bce_relaxation", "", "over-relaxation of the EM steps; 1 is plain EM", 1.0, 1.99});
     visit(self.max_evaluations,
           Field<int>{"bce_evaluations", "", "at most this many evaluations of the loss", 1, 1000000});
-    visit(self.cache_mib,
-          Field<int>{"bce_cache_mib", "MiB", "memory for weights; views beyond it are composited anew", 0, 1 << 24});
-    visit(self.exclusive, Flag{"bce_exclusive", "a Gaussian belongs to at most one object (the largest soft label)"});
   }
 };
 

@@ -19,7 +19,7 @@ Solution run_cob_schedule(const Exec& exec, Monitor& monitor, const CobOptions& 
     trainer.mask_phase(exec, monitor);
     monitor.progress(round + 1, options.rounds);
   }
-  if (options.rounds > 0 && options.prune && !monitor.stop_requested()) trainer.prune(exec);
+  if (options.rounds > 0 && !monitor.stop_requested()) trainer.prune(exec);
   return trainer.result(monitor);
 }
 

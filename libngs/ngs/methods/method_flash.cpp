@@ -37,7 +37,7 @@ Solution run_flash(const Exec& exec, Monitor& monitor, const FlashOptions& optio
   result.labels = closed_form_labels(exec, monitor, input);
   const auto timed = monitor.scope("flash");
   const double threshold = flash_threshold(options);
-  const bool one_of_several = options.exclusive && result.labels.size() > 1;
+  const bool one_of_several = result.labels.size() > 1;
   for (std::size_t i = 0; i < std::size_t(input.cloud.size()); ++i) {
     const int owner = one_of_several ? heaviest_object(options, result.labels, i) : -1;
     for (std::size_t k = 0; k < result.labels.size(); ++k) {

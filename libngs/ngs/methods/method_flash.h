@@ -4,7 +4,8 @@
 // With A1 the weight inside the object and A0 outside, label 1 where the object's share beats the
 // background's share plus gamma; shares are normalised by their sum (l1, as the FlashSplat paper prints it)
 // or by their Euclidean length (l2, as its code does). For one object these are thresholds on f = A1 / (A0 +
-// A1), see flash_threshold(). Gaussians without evidence stay in the third state for any gamma.
+// A1), see flash_threshold(). Of several
+// objects the heaviest keeps a Gaussian. Gaussians without evidence stay in the third state for any gamma.
 #include "ngs/options/field.h"
 #include "ngs/problem/problem.h"
 
@@ -16,7 +17,6 @@ inline constexpr NamedValue<FlashNorm> kFlashNormNames[] = {{FlashNorm::kL1, "l1
 struct FlashOptions {
   double gamma = 0;
   FlashNorm norm = FlashNorm::kL1;
-  bool exclusive = true;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -24,7 +24,6 @@ struct FlashOptions {
           Field<double>{"flash_gamma", "", "bias towards the background; < 0 favours the object", -1.0, 1.0});
     visit(self.norm,
           Choice<FlashNorm>{"flash_norm", "normalisation of the shares that gamma is added to", kFlashNormNames});
-    visit(self.exclusive, Flag{"flash_exclusive", "a Gaussian belongs to at most one object (the heaviest)"});
   }
 };
 

@@ -10,6 +10,9 @@ namespace ngs {
 namespace {
 
 constexpr double kShDc = 0.28209479177387814;  // rgb = 0.5 + kShDc · sh_dc
+// Weights as published: colour differences to neighbours, the change under jitter, the mean density.
+constexpr double kContinuity = 0.1, kSmooth = 0.05, kDensity = 1e-3;
+constexpr double kRate = 1e-3;  // Adam, of network and tables
 
 }  // namespace
 
@@ -36,8 +39,8 @@ std::vector<std::size_t> most_undecided(const GaussianCloud& cloud, const std::v
 
 Solution run_released(const Exec& exec, Monitor& monitor, const ReleasedOptions& options, const Problem& input) {
   CobOptions cob = options.cob;
-  cob.divisor = CobDivisor::kLiteral;
-  const ReleasedWeights weights{options.align, options.continuity, options.smooth, options.density};
+  cob.divisor = CobDivisor::kAll;
+  const ReleasedWeights weights{options.align, kContinuity, kSmooth, kDensity};
   ReleasedField field(input.seed);
   ReleasedLosses last;
   std::uint64_t draw = 0;
@@ -54,7 +57,7 @@ Solution run_released(const Exec& exec, Monitor& monitor, const ReleasedOptions&
     last = field.evaluate(e, weights, {position, base}, draw++, grad_base);
     for (std::size_t k = 0; k < base.size(); ++k)
       if (base[k] > 0 && base[k] < 1) grad_sh_dc[rows[k / 3] * 3 + k % 3] += float(kShDc * grad_base[k]);
-    field.step(e, options.lr);
+    field.step(e, kRate);
   };
   Solution result = run_cob_schedule(exec, monitor, cob, input, regulariser);
   result.figures["align"] = last.align, result.figures["continuity"] = last.continuity;

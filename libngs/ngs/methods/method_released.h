@@ -4,7 +4,7 @@
 // COB-GS (method cob, with the code's own divisor) plus a colour regulariser in the texture phases. For
 // comparison only: the regulariser sees no ray, no query point and no mask, it acts on the colours of the
 // 4096 Gaussians with the most undecided labels, and rendering masks does not read colours. What the paper
-// describes is --method paper.
+// describes is --method ng-gs.
 #include "ngs/methods/method_cob.h"
 #include "ngs/options/field.h"
 
@@ -13,7 +13,7 @@ namespace ngs {
 struct ReleasedOptions {
   CobOptions cob;  // the --cob-* flags; its divisor is not read
   int count = 4096;
-  double align = 1, continuity = 0.1, smooth = 0.05, density = 1e-3, lr = 1e-3;
+  double align = 1;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -21,11 +21,6 @@ struct ReleasedOptions {
           Field<int>{"released_count", "", "Gaussians that are regularised, most undecided first", 0, 1 << 20});
     visit(self.align,
           Field<double>{"released_align", "", "weight of the distance to the neighbours' mean colour", 0.0, 1e6});
-    visit(self.continuity,
-          Field<double>{"released_continuity", "", "weight of colour differences to neighbours", 0.0, 1e6});
-    visit(self.smooth, Field<double>{"released_smooth", "", "weight of the change under jitter", 0.0, 1e6});
-    visit(self.density, Field<double>{"released_density", "", "weight of the mean density", 0.0, 1e6});
-    visit(self.lr, Field<double>{"released_lr", "", "Adam rate of network and tables", 0.0, 1.0});
   }
 };
 

@@ -63,11 +63,9 @@ void first_pass(const Exec& exec, Monitor& monitor, const Sa3dOptions& options, 
   }
 }
 
-void later_pass(const Exec& exec, const Sa3dOptions& options, const Problem& input, ObjectState& state) {
-  if (options.remove_ambiguous) {
-    const std::vector<float> label = state.label();
-    for (std::size_t i = 0; i < label.size(); ++i) state.cloud.usable[i] &= label[i] > 0.f;
-  }
+void later_pass(const Exec& exec, const Problem& input, ObjectState& state) {
+  const std::vector<float> label = state.label();
+  for (std::size_t i = 0; i < label.size(); ++i) state.cloud.usable[i] &= label[i] > 0.f;
   state.evidence = Evidence(state.cloud.size(), 1);
   for (const std::size_t view : state.accepted) take_view(exec, input, view, masks_of(input, view, state), state);
 }
@@ -86,7 +84,7 @@ Solution run_sa3d(const Exec& exec, Monitor& monitor, const Sa3dOptions& options
     closed_form.label_threshold = threshold;
     LabelColumns columns = label_gaussians(closed_form, state.evidence)[0];
     for (int pass = 1; pass < options.passes && !monitor.stop_requested(); ++pass) {
-      later_pass(exec, options, input, state);
+      later_pass(exec, input, state);
       const std::vector<float> kept = state.label();
       for (std::size_t i = 0; i < kept.size(); ++i) {
         columns.label[i] = kept[i];

@@ -14,7 +14,6 @@ struct Sa3dOptions {
   double lambda = 0.3;
   double gate_iou = 0.5;
   int passes = 2;
-  bool remove_ambiguous = true;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -22,7 +21,6 @@ struct Sa3dOptions {
     visit(self.gate_iou,
           Field<double>{"sa3d_gate_iou", "", "views that agree less with the labels so far are left out", 0.0, 1.0});
     visit(self.passes, Field<int>{"sa3d_passes", "", "passes over the views", 1, 100});
-    visit(self.remove_ambiguous, Flag{"sa3d_remove_ambiguous", "between passes, drop what is not the object"});
   }
 };
 

@@ -28,6 +28,8 @@ std::vector<int> pixel_ids(const ViewMasks& masks, int width_px, int height_px) 
   return id;
 }
 
+constexpr int kNeighbours = 16;  // Gaussians that a feature is averaged over
+
 class Saga {
  public:
   Saga(const Exec& exec, const SagaOptions& options, const Problem& input)
@@ -38,7 +40,7 @@ class Saga {
     cloud_ = input.cloud;
     edit_rows(exec, rows, 0, cloud_);
     const Rows<const float, 3> points{cloud_.position.data(), cloud_.size()};
-    graph_ = nearest_points(exec, points, points, options.neighbours);  // the nearest is the point itself
+    graph_ = nearest_points(exec, points, points, kNeighbours);  // the nearest is the point itself
     build_transpose(graph_);
     features_.resize(rows.size() * std::size_t(options.dims));
     for (std::size_t i = 0; i < features_.size(); ++i)
@@ -149,23 +151,15 @@ class Saga {
     return loss;
   }
 
-  /// The training view named by the option, or the one with the most pixels of the object.
+  /// The training view with the most pixels of the object.
   std::size_t reference_view(int object) {
     std::size_t best = input_.views.front();
     std::int64_t most = -1;
     for (const std::size_t view : input_.views) {
-      if (!options_.reference.empty()) {
-        if (input_.scene.views[view].camera.name == options_.reference) return view;
-        continue;
-      }
       const std::vector<int>& id = ids_of(view);
       const std::int64_t count = std::count(id.begin(), id.end(), object + 1);
       if (count > most) most = count, best = view;
     }
-    if (!options_.reference.empty())
-      throw Error(ErrorCode::kUsage,
-                  "saga: reference view " + options_.reference + ", expected the name of a training view",
-                  "leave --saga-reference out to take the view where the object is largest");
     return best;
   }
 

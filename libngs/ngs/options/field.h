@@ -1,12 +1,12 @@
 #pragma once
 // One option, described once. CLI flag, JSON key, JSON schema, --help line, range check, the provenance record, the
-// warning that nothing listens to it and the name it had before are all read from these. An options struct has
+// warning that nothing listens to it are all read from these. An options struct has
 //
 //   template <class Self, class Visitor> static void describe(Self& self, Visitor&& visit) {
 //     visit(self.neighbours, Field<int>{"neighbours", "", "boundary Gaussians per query (before Eq. 8)", 1, 32});
 //     visit(self.antialiased, Flag{"antialiased", "apply the opacity compensation"});
 //     visit(self.window, Choice<Window>{"window", "centre of the depth window (C12)", kWindowNames});
-//     visit(self.levels, Field<int>{"hash_levels", "", "levels of the grid", 1, 32}.of("nerf").was("grid_levels"));
+//     visit(self.levels, Field<int>{"hash_levels", "", "levels of the grid", 1, 32}.of("nerf"));
 //   }
 //
 // Names are snake_case; the flag is the same name with '-' (a name of one letter: -h). Every descriptor has, beside
@@ -15,21 +15,19 @@
 //   .of("nerf")          the effect without which nothing listens to the option; "joint|contours": one of them must be
 //   on;
 //                        "mask,joint|contours": that, and mask
-//   .was("grid_levels")  an earlier name, still accepted as flag and JSON key, with a warning
 //   .letter('l')         a short flag, -l
 #include <span>
 #include <string_view>
 
 namespace ngs {
 
-/// What .of(), .was() and .letter() say; empty: nothing.
+/// What .of() and .letter() say; empty: nothing.
 struct OptionNotes {
-  std::string_view effect = {}, old_name = {};
+  std::string_view effect = {};
   char letter = '\0';
 
-  constexpr OptionNotes of(std::string_view name) const { return {name, old_name, letter}; }
-  constexpr OptionNotes was(std::string_view name) const { return {effect, name, letter}; }
-  constexpr OptionNotes with(char c) const { return {effect, old_name, c}; }
+  constexpr OptionNotes of(std::string_view name) const { return {name, letter}; }
+  constexpr OptionNotes with(char c) const { return {effect, c}; }
 };
 
 /// A number (int, std::int64_t, std::uint64_t or double) in [min, max].
@@ -40,7 +38,6 @@ struct Field {
   OptionNotes notes = {};
 
   constexpr Field of(std::string_view effect) const { return {name, unit, help, min, max, notes.of(effect)}; }
-  constexpr Field was(std::string_view old_name) const { return {name, unit, help, min, max, notes.was(old_name)}; }
   constexpr Field letter(char c) const { return {name, unit, help, min, max, notes.with(c)}; }
 };
 
@@ -49,7 +46,6 @@ struct Flag {  // bool
   OptionNotes notes = {};
 
   constexpr Flag of(std::string_view effect) const { return {name, help, notes.of(effect)}; }
-  constexpr Flag was(std::string_view old_name) const { return {name, help, notes.was(old_name)}; }
   constexpr Flag letter(char c) const { return {name, help, notes.with(c)}; }
 };
 
@@ -58,7 +54,6 @@ struct Text {  // std::string, or std::vector<std::string> for a repeatable opti
   OptionNotes notes = {};
 
   constexpr Text of(std::string_view effect) const { return {name, placeholder, help, notes.of(effect)}; }
-  constexpr Text was(std::string_view old_name) const { return {name, placeholder, help, notes.was(old_name)}; }
   constexpr Text letter(char c) const { return {name, placeholder, help, notes.with(c)}; }
 };
 
@@ -75,7 +70,6 @@ struct Choice {  // an enum class
   OptionNotes notes = {};
 
   constexpr Choice of(std::string_view effect) const { return {name, help, values, notes.of(effect)}; }
-  constexpr Choice was(std::string_view old_name) const { return {name, help, values, notes.was(old_name)}; }
   constexpr Choice letter(char c) const { return {name, help, values, notes.with(c)}; }
 };
 

@@ -125,8 +125,7 @@ Json parse_json(std::string_view text, std::string_view source) {
 
 void OptionSet::push(OptionEntry entry) {
   for (const OptionEntry& other : entries_)
-    for (const std::string& name : {entry.name, entry.was})
-      NGS_CHECK(name.empty() || (other.name != name && other.was != name), "option '" + name + "' is described twice");
+    NGS_CHECK(other.name != entry.name, "option '" + entry.name + "' is described twice");
   entry.default_value = entry.get();
   entries_.push_back(std::move(entry));
 }
@@ -146,7 +145,7 @@ std::vector<const OptionEntry*> OptionSet::given() const {
 
 const OptionEntry& OptionSet::at(std::string_view name, std::string_view source) const {
   for (const OptionEntry& entry : entries_)
-    if (entry.name == name || (!name.empty() && entry.was == name)) return entry;
+    if (entry.name == name) return entry;
   throw Error(ErrorCode::kUsage,
               (source.empty() ? "" : std::string(source) + ": ") + "unknown option '" + std::string(name) + "'",
               suggestion(name, names()));
@@ -162,22 +161,14 @@ void OptionSet::set_text(std::string_view name, const std::vector<std::string>& 
   entry.set(entry.kind == OptionKind::kBool ? typed_bool(text) : Json(text));
 }
 
-std::vector<const OptionEntry*> OptionSet::set_json(const Json& values, std::string_view source) const {
+void OptionSet::set_json(const Json& values, std::string_view source) const {
   if (!values.is_object())
     throw Error(ErrorCode::kUsage,
                 std::string(source) + ": found " + values.type_name() + ", expected an object of options");
-  std::vector<const OptionEntry*> by_old_name;
   for (const auto& item : values.items()) {
     const OptionEntry& entry = at(item.key(), source);
-    if (item.key() == entry.was) {
-      by_old_name.push_back(&entry);
-      if (values.contains(entry.name))
-        throw Error(ErrorCode::kUsage, std::string(source) + ": '" + entry.was + "' is now called '" + entry.name +
-                                           "', found both, expected one");
-    }
     with_context(source, [&] { entry.set(item.value()); });
   }
-  return by_old_name;
 }
 
 Json OptionSet::to_json() const {

@@ -45,7 +45,6 @@ struct OptionEntry {
   std::vector<std::string> choices;
   std::shared_ptr<const OptionGroup> group;
   std::string effect;  // see Field::of(); empty: nothing turns it off
-  std::string was;     // an earlier name, prefix included; empty: none
   char letter = '\0';  // of a short flag; 0: none
   Json default_value;  // at its declaration
   std::function<Json()> get;
@@ -75,14 +74,13 @@ class OptionSet {
   std::vector<std::string> names() const;
   /// Those whose value is another than it was at their declaration; an options file repeats the others as well.
   std::vector<const OptionEntry*> given() const;
-  /// The entry of this name, now or before, or Error(kUsage) that suggests the nearest names.
+  /// The entry of this name, or Error(kUsage) that suggests the nearest names.
   const OptionEntry& at(std::string_view name, std::string_view source = {}) const;
 
   /// Values as typed on a command line: all of them for a text list, else the last one.
   void set_text(std::string_view name, const std::vector<std::string>& texts) const;
-  /// `source` names the file in messages. Returns the options that it knows by an earlier name; kUsage where it has
-  /// both.
-  std::vector<const OptionEntry*> set_json(const Json& values, std::string_view source) const;
+  /// `source` names the file in messages.
+  void set_json(const Json& values, std::string_view source) const;
   Json to_json() const;
   /// JSON Schema (draft-07) of to_json(), defaults included.
   Json schema(std::string_view title) const;
@@ -125,7 +123,6 @@ struct Binder {
     e.group = group;
     e.letter = field.notes.letter;
     e.effect = field.notes.effect.empty() ? group->effect : std::string(field.notes.effect);
-    if (!field.notes.old_name.empty()) e.was = group->prefix + std::string(field.notes.old_name);
     return e;
   }
 

@@ -54,10 +54,6 @@ std::string why_not_used(std::string_view effects, const IsOn& is_on) {
 
 }  // namespace
 
-std::string renamed_warning(const OptionEntry& entry) {
-  return option_flag(entry.was) + " is now called " + option_flag(entry.name);
-}
-
 std::vector<std::string> unheard_warnings(const OptionSet& options) {
   FlagsByReason unheard;
   for (const OptionEntry* entry : options.given())

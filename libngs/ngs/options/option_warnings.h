@@ -1,5 +1,5 @@
 #pragma once
-// What people should hear about the options they gave: an earlier name, or that nothing listens. A sweep over an option
+// What people should hear about the options they gave: that nothing listens. A sweep over an option
 // that nothing listens to would otherwise be a flat line without a word. One text per reason, in the order of
 // declaration.
 #include <functional>
@@ -10,9 +10,6 @@
 #include "ngs/options/option_set.h"
 
 namespace ngs {
-
-/// "--edge-rounds is now called --contour-iterations".
-std::string renamed_warning(const OptionEntry& entry);
 
 /// "--cob-rounds, --cob-views: not used, only --method cob listens", of groups that are not listened to.
 std::vector<std::string> unheard_warnings(const OptionSet& options);

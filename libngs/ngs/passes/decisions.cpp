@@ -38,17 +38,9 @@ std::optional<EffectDecision> Decisions::settled_decision(const Effect& e) const
     return EffectDecision{&e, on ? "on" : "off", on, "--effect"};
   }
   for (const EffectVerdict& v : verdicts_)
-    if (v.name == e.name && (!v.asks_first || !e.always.empty())) return EffectDecision{&e, v.mode, v.on, v.reason};
+    if (v.name == e.name) return EffectDecision{&e, v.mode, v.on, v.reason};
   if (!e.always.empty()) return EffectDecision{&e, "auto", true, "always: " + std::string(e.always)};
   return std::nullopt;
-}
-
-EffectDecision Decisions::measured_decision(const Effect& e, double measured) const {
-  const bool on = measured > e.detector.threshold;
-  for (const EffectVerdict& v : verdicts_)
-    if (v.name == e.name && v.on != on)
-      return {.effect = &e, .mode = v.mode, .on = v.on, .reason = v.reason, .measured = measured, .overruled = true};
-  return {&e, "auto", on, decision_reason(e.detector, measured), measured};
 }
 
 bool Decisions::decide(const std::vector<Effect>& some, SceneProbe& probe) {
@@ -66,19 +58,19 @@ bool Decisions::decide(const std::vector<Effect>& some, SceneProbe& probe) {
     asked = true;
     const double measured = measured_by(e, probe);
     if (probe.stopped()) break;
-    all_.push_back(measured_decision(e, measured));
+    all_.push_back({&e, "auto", measured > e.detector.threshold, decision_reason(e.detector, measured), measured});
   }
   return asked;
 }
 
 bool Decisions::ruled(std::string_view name) const {
   return mode(name) != EffectMode::kAuto ||
-         std::ranges::any_of(verdicts_, [&](const EffectVerdict& v) { return v.name == name && !v.asks_first; });
+         std::ranges::any_of(verdicts_, [&](const EffectVerdict& v) { return v.name == name; });
 }
 
-void Decisions::break_off(std::string_view name, std::string reason) {
+void Decisions::abort(std::string_view name, std::string reason) {
   if (EffectDecision* decision = found_in(all_, name))
-    decision->on = false, decision->broken_off = true, decision->reason = std::move(reason);
+    decision->on = false, decision->aborted = true, decision->reason = std::move(reason);
 }
 
 bool Decisions::on(std::string_view name) const {

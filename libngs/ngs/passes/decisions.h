@@ -18,8 +18,7 @@ struct EffectDecision {
   bool on;
   std::string reason;
   std::optional<double> measured = {};
-  bool broken_off = false;  // it was on
-  bool overruled = false;   // its detector said otherwise
+  bool aborted = false;  // it was on
 };
 
 /// A decision that something else than the scene takes: an option, or the time that is left.
@@ -28,7 +27,6 @@ struct EffectVerdict {
   bool on;
   std::string reason;
   std::string mode = "auto";
-  bool asks_first = false;  // it counts only where the effect's detector says otherwise
 };
 
 class Decisions {
@@ -47,7 +45,7 @@ class Decisions {
   bool ruled(std::string_view name) const;
 
   /// Of an effect that is on: it turned out not to be done.
-  void break_off(std::string_view name, std::string reason);
+  void abort(std::string_view name, std::string reason);
 
   /// Decides these effects, in their order. True: a detector was asked.
   bool decide(const std::vector<Effect>& some, SceneProbe& probe);
@@ -68,7 +66,6 @@ class Decisions {
  private:
   const EffectDecision* find(std::string_view name) const;
   std::optional<EffectDecision> settled_decision(const Effect& effect) const;
-  EffectDecision measured_decision(const Effect& effect, double measured) const;
 
   std::vector<Effect> effects_;
   EffectModes modes_;

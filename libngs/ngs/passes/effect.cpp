@@ -26,14 +26,8 @@ std::string short_number(double value) {
 
 const Effect* find_effect(std::span<const Effect> effects, std::string_view name) {
   for (const Effect& e : effects)
-    if (e.name == name || (!e.was.empty() && e.was == name)) return &e;
+    if (e.name == name) return &e;
   return nullptr;
-}
-
-bool belongs_to(std::span<const Effect> effects, std::string_view name, std::string_view whole) {
-  for (; !name.empty(); name = find_effect(effects, name)->needs)
-    if (name == whole) return true;
-  return false;
 }
 
 EffectModes::EffectModes(std::span<const Effect> effects, const std::vector<std::string>& entries) {
@@ -66,7 +60,6 @@ void EffectModes::read(std::span<const Effect> effects, const std::string& entry
     for (const Effect& e : effects) set(e.name, mode, false);
     return;
   }
-  if (name != known->name) renamed_.push_back("--effect " + name + " is now called " + std::string(known->name));
   set(known->name, mode, true);
 }
 

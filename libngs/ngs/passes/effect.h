@@ -33,7 +33,6 @@ struct Effect {
   std::string_view needs = {};   // an effect without which this one has nothing to do
   std::string_view always = {};  // why it is on whatever the scene; empty: the detector decides
   Detector detector = {};
-  std::string_view was = {};  // an earlier name
 };
 
 /// Mean change of the rendered mask values, in [0, 1], that an effect may cause where `auto` leaves it out.
@@ -44,11 +43,8 @@ inline constexpr std::size_t kDecisionViews = 8;
 
 enum class EffectMode : std::uint8_t { kAuto, kOn, kOff };
 
-/// Null: there is none of that name, or earlier name.
+/// Null: there is none of that name.
 const Effect* find_effect(std::span<const Effect> effects, std::string_view name);
-
-/// Whether an effect is `whole`, or has nothing to do without it.
-bool belongs_to(std::span<const Effect> effects, std::string_view name, std::string_view whole);
 
 /// What --effect asks for.
 class EffectModes {
@@ -60,8 +56,6 @@ class EffectModes {
   EffectModes(std::span<const Effect> effects, const std::vector<std::string>& entries);
 
   EffectMode of(std::string_view name) const;
-  /// "view-trust is now called mask-outliers", once for each earlier name used.
-  const std::vector<std::string>& renamed() const { return renamed_; }
 
  private:
   struct Entry {
@@ -75,7 +69,6 @@ class EffectModes {
   void require(std::span<const Effect> effects, const Effect& effect);
 
   std::vector<Entry> entries_;
-  std::vector<std::string> renamed_;
 };
 
 /// "MEASURED: 0.12 <= 0.5".

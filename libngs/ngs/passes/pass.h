@@ -51,7 +51,7 @@ struct PassRun {
   StepStore* store = nullptr;           // null: nothing is kept
   std::optional<Json> resumed = {};     // by pass: what the run that is resumed did, where the clock decided it
   Json state = Json::object();          // the same of this run
-  std::set<std::string> left_out = {};  // effects, for want of time; without those of contours
+  std::set<std::string> left_out = {};  // effects, for want of time; without those that a resumed run decides anew
 
   std::vector<float> floater = {};  // [N] 1: taken out of the model; empty: none
   bool fields_fit = true;           // query points made for the model that was read still belong to it
@@ -79,12 +79,14 @@ class Pass {
   virtual void declare(OptionSet&, const OptionGroup& /*group*/) {}
   /// What its options decide without naming an effect.
   virtual std::vector<EffectVerdict> rules(const TrainingOptions&) const { return {}; }
-  /// What it is foreseen to take; none: it follows the clock. Where it is stopped on the way, it changes nothing in the
+  /// Whether it ends by the clock itself. Others may be aborted under a time budget, and then change nothing in the
   /// run.
-  virtual std::optional<PassCost> cost() const { return std::nullopt; }
-  /// Tells the budget and the other passes what is to come. Asked before the decisions, and again after them; from the
-  /// last pass to the first, so that a pass knows what follows.
-  virtual void foresee(PassRun&) {}
+  virtual bool follows_clock() const { return false; }
+  /// Whether a run that is resumed decides it anew, as nothing of it is kept.
+  virtual bool decided_anew() const { return false; }
+  /// Sets what follows from decisions in the training options, as far as they are known: before those of a stage, and
+  /// after them; from the last pass to the first, so that a pass knows what follows.
+  virtual void prepare(PassRun&) {}
   /// Before run(), whether it is on or off.
   virtual void begin(PassRun&) {}
   /// Where it is on.

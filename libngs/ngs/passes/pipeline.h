@@ -14,30 +14,28 @@ class Pipeline {
   /// Of all passes, in order.
   std::vector<Effect> effects() const;
   std::vector<Effect> effects(PassStage stage) const;
+  /// Of the passes that a resumed run decides anew.
+  std::vector<Effect> decided_anew() const;
   const std::vector<std::unique_ptr<Pass>>& passes() const { return passes_; }
   void declare(OptionSet& options, const OptionGroup& group) const;
   std::vector<EffectVerdict> rules(const TrainingOptions& training) const;
 
-  /// Leaves out what the time does not allow, then decides on `seen`, which may be the problem at a fraction of its
-  /// size.
+  /// Decides on `seen`, which may be the problem at a fraction of its size. Where the time is up, passes are left out.
   void decide(PassStage stage, PassRun& run, const Problem& seen) const;
-  /// Leaves out all passes of a stage for want of time.
-  void leave_out(PassStage stage, PassRun& run) const;
   /// Runs the passes that are on. False: a signal asked to stop, and nothing in `run` is a result.
   bool run(PassStage stage, PassRun& run) const;
 
  private:
-  void rule_by_time(PassStage stage, PassRun& run) const;
   struct Detection;
   void decide_pass(const Pass& pass, PassRun& run, Detection& by) const;
   void run_in_time(Pass& pass, PassRun& run) const;
-  void foresee(PassRun& run) const;
+  void prepare(PassRun& run) const;
 
   std::vector<std::unique_ptr<Pass>> passes_;
 };
 
 /// Leaves an effect out for want of time. Nothing is cut short where it was off anyway, or where --effect or a verdict
-/// insists.
-void leave_out_for_time(PassRun& run, std::string_view effect);
+/// insists. `decided_anew`: as of its pass.
+void leave_out_for_time(PassRun& run, std::string_view effect, bool decided_anew = false);
 
 }  // namespace ngs

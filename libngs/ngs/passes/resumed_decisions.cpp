@@ -2,13 +2,10 @@
 
 #include <algorithm>
 
-#include "ngs/passes/pipeline.h"
-
 namespace ngs {
 namespace {
 
 constexpr const char* kMode = "resumed";
-constexpr const char* kWhole = "contours";  // what is decided anew, with all that belongs to it
 
 std::string text_of(std::string_view effect, bool on) { return std::string(effect) + (on ? "=on" : "=off"); }
 
@@ -18,17 +15,18 @@ bool holds(const Json& list, const std::string& text) {
 
 }  // namespace
 
-Json kept_decisions(const Decisions& decisions) {
+Json kept_decisions(const Pipeline& pipeline, const Decisions& decisions) {
+  const std::vector<Effect> anew = pipeline.decided_anew();
   Json kept = Json::array();
   for (const EffectDecision& d : decisions.all())
-    if (!belongs_to(decisions.effects(), d.effect->name, kWhole))
-      kept.push_back(text_of(d.effect->name, d.on || d.broken_off));
+    if (find_effect(anew, d.effect->name) == nullptr) kept.push_back(text_of(d.effect->name, d.on || d.aborted));
   return kept;
 }
 
-void repeat_decisions(PassRun& run, const Json& effects, const Json& left_out) {
+void repeat_decisions(const Pipeline& pipeline, PassRun& run, const Json& effects, const Json& left_out) {
+  const std::vector<Effect> anew = pipeline.decided_anew();
   for (const Effect& effect : run.decisions.effects()) {
-    if (belongs_to(run.decisions.effects(), effect.name, kWhole)) continue;
+    if (find_effect(anew, effect.name) != nullptr) continue;
     if (holds(left_out, std::string(effect.name))) {
       leave_out_for_time(run, effect.name);
     } else {

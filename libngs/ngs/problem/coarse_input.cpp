@@ -31,23 +31,11 @@ CoarseInput::CoarseInput(const Problem& fine, int shrink, std::size_t kept_bytes
     : fine_(fine),
       shrink_(shrink),
       scene_(with_shrunk_cameras(fine.scene, shrink)),
-      coarse_{.cloud = fine.cloud,
-              .scene = scene_,
-              .views = fine.views,
-              .load_masks = [this](std::size_t view) { return masks(view); },
-              .load_photo = [this](std::size_t view) { return photo(view); },
-              .splat = filter_at_scale(fine.splat, 1.0 / shrink),
-              .background = fine.background,
-              .seed = fine.seed,
-              .fixed = fine.fixed,
-              .labels = fine.labels,
-              .load_fine_photo = fine.load_fine_photo,
-              .held = fine.held,
-              .region = fine.region,
-              .window_share = fine.window_share,
-              .whole = fine.whole,
-              .monitor = fine.monitor},
-      kept_bytes_(kept_bytes) {}
+      coarse_(fine.with_views(
+          scene_, [this](std::size_t view) { return masks(view); }, [this](std::size_t view) { return photo(view); })),
+      kept_bytes_(kept_bytes) {
+  coarse_.splat = filter_at_scale(fine.splat, 1.0 / shrink);
+}
 
 template <class T, class Load>
 std::shared_ptr<const T> CoarseInput::remembered(Kept<T>& kept, std::size_t view, const Load& load) {

@@ -70,6 +70,17 @@ struct Problem {
   std::shared_ptr<const Problem> whole = nullptr;      // the same in whole views; null: this one is
   std::vector<std::shared_ptr<const void>> owns = {};  // what the references above refer to, where nobody else keeps it
   Monitor* monitor = nullptr;                          // asked before every view whether to go on; null: goes on
+
+  // The same problem, all members included, but for what is said.
+
+  /// Of another model, with its labels; their evidence is not known.
+  Problem with_model(std::shared_ptr<const GaussianCloud> cloud, std::vector<LabelColumns> labels) const;
+  /// Seen by the cameras of `scene`, which must outlive it, with masks and photos of their size.
+  Problem with_views(const Scene& scene, std::function<ViewMasks(std::size_t)> load_masks,
+                     std::function<ImageF(std::size_t)> load_photo) const;
+  /// As with_views(), of a part of every view: `window_share` of its pixels. The evidence of a part is not known.
+  Problem cropped(const Scene& scene, std::function<ViewMasks(std::size_t)> load_masks,
+                  std::function<ImageF(std::size_t)> load_photo, std::vector<double> window_share) const;
 };
 
 /// Share of a view's pixels that the camera of the problem shows.

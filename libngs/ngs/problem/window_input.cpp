@@ -183,20 +183,11 @@ WindowInput::WindowInput(const Problem& whole, std::shared_ptr<const ObjectWindo
     : whole_(whole),
       windows_(std::move(windows)),
       scene_(with_windows(whole.scene, windows_->window)),
-      in_windows_{.cloud = whole.cloud,
-                  .scene = scene_,
-                  .views = {},
-                  .load_masks = [this](std::size_t view) { return masks(view); },
-                  .load_photo = [this](std::size_t view) { return cropped_photo(whole_.load_photo(view), view); },
-                  .splat = whole.splat,
-                  .background = whole.background,
-                  .seed = whole.seed,
-                  .fixed = whole.fixed,
-                  .labels = whole.labels,
-                  .held = whole.held,
-                  .window_share = shares(whole.scene, windows_->window),
-                  .owns = whole.owns,
-                  .monitor = whole.monitor} {
+      in_windows_(whole.cropped(
+          scene_, [this](std::size_t view) { return masks(view); },
+          [this](std::size_t view) { return cropped_photo(whole_.load_photo(view), view); },
+          shares(whole.scene, windows_->window))) {
+  in_windows_.views.clear();
   for (const std::size_t v : whole.views)
     if (windows_->window[v].w > 0) in_windows_.views.push_back(v);
   if (whole.load_fine_photo)

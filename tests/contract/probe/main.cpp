@@ -46,9 +46,9 @@ struct ProbeOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.act, Choice<Act>{"act", "what to do", kActs});
-    visit(self.count, Field<int>{"count", "", "lines to write", 0, 1000}.was("lines"));
+    visit(self.count, Field<int>{"count", "", "lines to write", 0, 1000});
     visit(self.width, Field<double>{"line_width", "px", "written", 0, 10}.of("wide"));
-    visit(self.fast, Flag{"fast", "written"}.was("quick"));
+    visit(self.fast, Flag{"fast", "written"});
     visit(self.names, Text{"names", "NAME", "written"});
   }
 };

@@ -55,7 +55,7 @@ TEST_CASE("cob's certainty is the brute-force count of agreeing pixels, over vis
     const SignCounts want = sign_counts(c);
     if (!want.clear) continue;
     const Problem input = c.input();
-    for (const CobDivisor divisor : {CobDivisor::kVisible, CobDivisor::kLiteral}) {
+    for (const CobDivisor divisor : {CobDivisor::kVisible, CobDivisor::kAll}) {
       CobOptions options;
       options.divisor = divisor;
       CobTrainer trainer(options, input);

@@ -92,7 +92,7 @@ TEST_CASE("released changes colours against cob, but no label and no geometry of
       options.cob.position_lr = 0;
   const Solution with = run_released({}, monitor, options, c.input());
   CobOptions cob = options.cob;
-  cob.divisor = CobDivisor::kLiteral;
+  cob.divisor = CobDivisor::kAll;
   const Solution without = run_cob({}, monitor, cob, c.input());
   CHECK(with.cloud->sh_dc != without.cloud->sh_dc);
   CHECK(with.cloud->position == without.cloud->position);

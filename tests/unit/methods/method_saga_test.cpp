@@ -136,14 +136,4 @@ TEST_CASE("saga refuses a scene without training views, and passes over views wi
   CHECK_THROWS_AS(run_saga({}, monitor, options, none), Error);
 }
 
-TEST_CASE("saga refuses a reference view that does not train") {
-  const test::MethodCase c = test::method_case(91, 30, 2);
-  SagaOptions options;
-  options.steps = 1, options.reference = "nowhere.png";
-  Monitor monitor;
-  CHECK_THROWS_AS(run_saga({}, monitor, options, c.input()), Error);
-  options.reference = "view1.png";
-  CHECK_NOTHROW(run_saga({}, monitor, options, c.input()));
-}
-
 }  // namespace ngs

@@ -187,13 +187,13 @@ struct FieldOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.levels, Field<int>{"hash_levels", "", "of the grid", 1, 32}.of("nerf").was("grid_levels"));
-    visit(self.layers, Field<int>{"mlp_layers", "", "of the network", 1, 8}.was("layers").of("nerf"));
+    visit(self.levels, Field<int>{"hash_levels", "", "of the grid", 1, 32}.of("nerf"));
+    visit(self.layers, Field<int>{"mlp_layers", "", "of the network", 1, 8}.of("nerf"));
     visit(self.rate, Field<double>{"rate", "", "of descent", 0, 1}.of("joint|contours"));
-    visit(self.literal, Flag{"literal", "as printed"}.was("exact"));
+    visit(self.literal, Flag{"literal", "as printed"});
     visit(self.note, Text{"note", "TEXT", "is kept"}.of("nerf"));
     visit(self.weight, Field<double>{"weight", "", "of the mask", 0, 9}.of("mask,joint|contours"));
-    visit(self.window, Choice<Window>{"window", "centre", kWindows}.was("aperture"));
+    visit(self.window, Choice<Window>{"window", "centre", kWindows});
   }
 };
 
@@ -202,48 +202,25 @@ struct Twice {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.a, Field<int>{"a", "", "", 0, 1});
-    visit(self.b, Field<int>{"b", "", "", 0, 1}.was("a"));
+    visit(self.b, Field<int>{"a", "", "", 0, 1});
   }
 };
 
 }  // namespace
 
-TEST_CASE("an option carries its effect, its group's where it names none, and its earlier name with the prefix") {
+TEST_CASE("an option carries its effect, or its group's where it names none") {
   FieldOptions options;
   OptionSet set;
   set.add(options, OptionGroup{.name = "field", .prefix = "near_", .effect = "start"});
   CHECK(set.at("near_hash_levels").effect == "nerf");
-  CHECK(set.at("near_hash_levels").was == "near_grid_levels");
   CHECK(set.at("near_mlp_layers").effect == "nerf");
-  CHECK(set.at("near_mlp_layers").was == "near_layers");
   CHECK(set.at("near_rate").effect == "joint|contours");
   CHECK(set.at("near_literal").effect == "start");
-  CHECK(set.at("near_literal").was == "near_exact");
   CHECK(set.at("near_note").effect == "nerf");
-  CHECK(set.at("near_window").was == "near_aperture");
   CHECK(set.at("near_window").group->name == "field");
 }
 
-TEST_CASE("an earlier name sets the option, in JSON and typed, and is told apart from the present one") {
-  FieldOptions options;
-  OptionSet set;
-  set.add(options);
-  const auto by_old_name = set.set_json({{"grid_levels", 4}, {"mlp_layers", 3}}, "o.json");
-  CHECK(options.levels == 4);
-  CHECK(options.layers == 3);
-  REQUIRE(by_old_name.size() == 1);
-  CHECK(renamed_warning(*by_old_name[0]) == "--grid-levels is now called --hash-levels");
-  CHECK(set.set_json({{"hash_levels", 5}}, "o.json").empty());
-  set.set_text("aperture", {"mean"});
-  CHECK(options.window == Window::kMean);
-  CHECK_FALSE(set.to_json().contains("grid_levels"));
-  CHECK(message_of([&] {
-          set.set_json({{"grid_levels", 4}, {"hash_levels", 4}}, "o.json");
-        }) == "o.json: 'grid_levels' is now called 'hash_levels', found both, expected one | ");
-  CHECK(options.levels == 5);
-}
-
-TEST_CASE("an earlier name that another option has, now or before, is a bug") {
+TEST_CASE("a name that another option has is a bug") {
   Twice twice;
   OptionSet set;
   CHECK_THROWS_AS(set.add(twice), std::logic_error);

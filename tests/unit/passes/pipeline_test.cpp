@@ -23,7 +23,7 @@ using test::EffectCase;
 
 void set_contours(const EffectCase& c, test::PipelineCase& passes) {
   passes.set("contour_epochs", std::to_string(c.contour_epochs));
-  passes.set("contour_margin", "6"), passes.set("contour_reach", "8"), passes.set("contour_band", "3");
+  passes.set("contour_band", "3");
 }
 
 EffectDecision decision_on(const EffectCase& c, std::string_view name, const std::vector<std::string>& entries) {
@@ -254,12 +254,11 @@ TEST_CASE("few steps come only before contour iterations at half the size, which
   CHECK_FALSE(go_on({"contours=on", "contour-iterations=off"}));
 }
 
-TEST_CASE("entries: the last one that names an effect counts, all names every one, earlier names are told") {
-  const EffectModes modes = test::modes_of({"all=off", "nerf=auto", "cont=on", "cont=auto", "strays=on"});
+TEST_CASE("entries: the last one that names an effect counts, all names every one") {
+  const EffectModes modes = test::modes_of({"all=off", "nerf=auto", "cont=on", "cont=auto", "components=on"});
   CHECK(modes.of("contours") == EffectMode::kOff);
   CHECK(modes.of("cont") == EffectMode::kAuto);
   CHECK(modes.of("components") == EffectMode::kOn);
-  CHECK(modes.renamed() == std::vector<std::string>{"--effect strays is now called components"});
   CHECK(test::modes_of({}).of("sh") == EffectMode::kAuto);
   for (const char* wrong : {"nerf", "nerv=on", "nerf=yes", "=on", "", "all"})
     CHECK_THROWS_AS(test::modes_of({wrong}), Error);
@@ -288,24 +287,6 @@ TEST_CASE("decisions: an entry wins over a verdict, a verdict over the detector,
     if (d.effect->name == "cont") CHECK((!d.on && d.mode == "replayed" && d.reason == "because"));
     if (d.effect->name == "smooth") CHECK((!d.on && d.reason == "needs nerf"));
   }
-}
-
-TEST_CASE("decisions: a verdict that asks first counts where the detector says otherwise, or where there is none") {
-  EffectCase flat, round;
-  view_dependent(round);
-  const auto decided = [](const EffectCase& c, std::string_view name) {
-    const Problem in = c.input();
-    test::PipelineCase passes(in, c.training, {"joint=on"});
-    for (const char* effect : {"sh", "box"})
-      passes.decisions().rule({.name = effect, .on = false, .reason = "no time", .asks_first = true});
-    for (EffectDecision d : passes.decide().all())
-      if (d.effect->name == name) return d;
-    throw std::logic_error("no such effect");
-  };
-  const EffectDecision needless = decided(flat, "sh"), wanted = decided(round, "sh"), always = decided(flat, "box");
-  CHECK((!needless.on && !needless.overruled && needless.reason != "no time"));
-  CHECK((!wanted.on && wanted.overruled && wanted.reason == "no time" && wanted.measured));
-  CHECK((!always.on && always.reason == "no time"));
 }
 
 TEST_CASE("decisions without a detector: what it needs, else an entry, else the first verdict, else always on") {

@@ -4,7 +4,6 @@
 #include <filesystem>
 
 #include "ngs/core/error.h"
-#include "ngs/options/option_warnings.h"
 #include "shared/cli/splitter.h"
 #include "shared/text/text_file.h"
 
@@ -14,12 +13,10 @@ namespace {
 constexpr const char* kPrintSchema = "--print-schema";
 
 /// "--name", of a switch that can be turned off "--name,!--no-name".
-std::string spellings(const OptionEntry& entry, const std::string& name) {
-  const std::string flag = option_flag(name);
+std::string option_flags(const OptionEntry& entry) {
+  const std::string flag = option_flag(entry.name);
   return entry.kind == OptionKind::kBool ? flag + ",!--no" + flag.substr(1) : flag;
 }
-std::string option_flags(const OptionEntry& entry) { return spellings(entry, entry.name); }
-std::string old_flags(const OptionEntry& entry) { return entry.was.empty() ? "" : "," + spellings(entry, entry.was); }
 /// "-j,--threads"; none of these is turned off.
 std::string common_flags(const OptionEntry& entry) {
   return (entry.letter != '\0' ? std::string("-") + entry.letter + "," : "") + option_flag(entry.name);
@@ -29,10 +26,9 @@ void declare(const OptionSet& common, const Spec& spec, Splitter& splitter) {
   for (const OptionEntry& entry : common.entries())
     entry.kind == OptionKind::kBool ? splitter.flag(common_flags(entry)) : splitter.value(common_flags(entry));
   for (const OptionEntry& entry : spec.options.entries())
-    entry.kind == OptionKind::kBool ? splitter.flag(option_flags(entry), old_flags(entry))
-                                    : splitter.value(option_flags(entry), old_flags(entry));
+    entry.kind == OptionKind::kBool ? splitter.flag(option_flags(entry)) : splitter.value(option_flags(entry));
   for (const Input& input : spec.inputs)
-    if (input.name[0] == '-') splitter.value(input.name, input.also.empty() ? "" : "," + input.also);
+    if (input.name[0] == '-') splitter.value(input.name + (input.also.empty() ? "" : "," + input.also));
   for (const Inputs& list : spec.input_lists)
     if (list.is_flag()) splitter.value(list.name);
   for (const Output& output : spec.outputs) splitter.value(output.flags);
@@ -69,21 +65,12 @@ void assign_positionals(const Texts& words, Spec& spec) {
                 "see --help for the order of the arguments");
 }
 
-bool is_by_old_flag(const Splitter& splitter, const OptionEntry& entry) {
-  const std::string flag = option_flag(entry.was);
-  return splitter.has_word(flag) || (entry.kind == OptionKind::kBool && splitter.has_word("--no" + flag.substr(1)));
-}
-
 /// The options file first, then the flags.
-void set_options(const Splitter& splitter, const OptionSet& options, CommonFlags& flags) {
-  std::vector<const OptionEntry*> by_old_name;
+void set_options(const Splitter& splitter, const OptionSet& options, const CommonFlags& flags) {
   if (const std::string& path = flags.options_file; !path.empty())
-    by_old_name = options.set_json(parse_json(read_text_file(path, ErrorCode::kUsage), path), path);
-  for (const OptionEntry& entry : options.entries()) {
+    options.set_json(parse_json(read_text_file(path, ErrorCode::kUsage), path), path);
+  for (const OptionEntry& entry : options.entries())
     if (splitter.has(option_flags(entry))) options.set_text(entry.name, splitter[option_flags(entry)]);
-    if (!entry.was.empty() && (std::ranges::count(by_old_name, &entry) > 0 || is_by_old_flag(splitter, entry)))
-      flags.warnings.push_back(renamed_warning(entry));
-  }
 }
 
 /// "a.json,b.json" is two paths, unless a file is called so. kUsage where one of several is empty.

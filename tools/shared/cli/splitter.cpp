@@ -16,25 +16,20 @@ Splitter::Splitter() : app_(std::make_unique<App>()) {
 }
 Splitter::~Splitter() = default;
 
-void Splitter::value(const std::string& flags, const std::string& old_flags) {
-  app_->add_option(flags + old_flags, texts_[flags])->take_all()->expected(1)->allow_extra_args(false);
+void Splitter::value(const std::string& flags) {
+  app_->add_option(flags, texts_[flags])->take_all()->expected(1)->allow_extra_args(false);
   remember(flags);
 }
 
-void Splitter::flag(const std::string& flags, const std::string& old_flags) {
-  app_->add_flag(flags + old_flags, texts_[flags])->take_all();
+void Splitter::flag(const std::string& flags) {
+  app_->add_flag(flags, texts_[flags])->take_all();
   remember(flags);
-}
-
-bool Splitter::has_word(const std::string& flag) const {
-  return std::ranges::any_of(words_, [&](const std::string& word) { return word.substr(0, word.find('=')) == flag; });
 }
 
 Texts Splitter::split(Texts words) {
   const auto end_of_flags = std::find(words.begin(), words.end(), "--");
   Texts plain(end_of_flags == words.end() ? end_of_flags : end_of_flags + 1, words.end());
   words.erase(end_of_flags, words.end());
-  words_ = words;
   std::reverse(words.begin(), words.end());  // CLI11 takes them from the back
   try {
     app_->parse(words);

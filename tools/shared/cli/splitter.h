@@ -16,11 +16,10 @@ class Splitter {
   Splitter();
   ~Splitter();
 
-  /// A flag that takes a value. `flags` ("-o,--output") is its key below; `old_flags` mean the same and are not
-  /// suggested.
-  void value(const std::string& flags, const std::string& old_flags = {});
+  /// A flag that takes a value. `flags` ("-o,--output") is its key below.
+  void value(const std::string& flags);
   /// One that takes none, or "=false". "--fast,!--no-fast": the second spelling means false.
-  void flag(const std::string& flags, const std::string& old_flags = {});
+  void flag(const std::string& flags);
 
   /// Of the words of a command line, those that belong to no flag. Error(kUsage) for an unknown flag, or one without
   /// its value.
@@ -28,8 +27,6 @@ class Splitter {
 
   const Texts& operator[](const std::string& flags) const { return texts_.at(flags); }
   bool has(const std::string& flags) const { return !texts_.at(flags).empty(); }
-  /// Whether this spelling is among the words, as "--flag" or "--flag=value".
-  bool has_word(const std::string& flag) const;
 
  private:
   void remember(const std::string& flags);
@@ -38,7 +35,6 @@ class Splitter {
   struct App;
   std::unique_ptr<App> app_;
   std::map<std::string, Texts> texts_;
-  Texts words_;  // up to "--"
   Texts known_;
 };
 

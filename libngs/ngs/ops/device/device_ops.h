@@ -65,13 +65,11 @@ class DeviceFieldOps {
   virtual KnnGraph nearest(Rows<const float, 3> points, Rows<const float, 3> queries, int neighbours,
                            bool exclude_self) const = 0;
   virtual void rbf_forward(const RbfProblem& problem, float inv_2h2, RbfField& out) const = 0;
-  virtual void rbf_backward(const RbfProblem& problem, float inv_2h2, const RbfField& field,
-                            Matrix<const float> grad_feature, RbfGradients& out) const = 0;
+  virtual void rbf_backward(const RbfProblem& problem, const RbfField& field, Matrix<const float> grad_feature,
+                            std::vector<float>& out) const = 0;
   virtual void hash_forward(const HashCall& call, std::vector<float>& out) const = 0;
   virtual void hash_backward(const HashCall& call, const std::vector<float>& grad_out,
                              float* grad_table_accumulate) const = 0;
-  virtual void hash_backward_points(const HashCall& call, const std::vector<float>& grad_out,
-                                    std::vector<float>& grad_points) const = 0;
   virtual void film_forward(const FilmCall& call, const FilmMlpInputs& in, FilmMlpOutput& out) const = 0;
   virtual FilmMlpGradients film_backward(const FilmCall& call, const FilmMlpInputs& in, const FilmMlpOutput& forward,
                                          const FilmMlpOutputGradients& grad, float* grad_params_accumulate) const = 0;

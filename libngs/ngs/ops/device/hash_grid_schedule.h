@@ -18,7 +18,7 @@ struct HashContributions {
 
   NGS_HD void operator()(std::int64_t i) const {
     const HashCell<float> cell =
-        hash_cell(grid.level[i / grid.point.n], grid.box, vec3(grid.point.row(i % grid.point.n)), grid.smoothstep);
+        hash_cell(grid.level[i / grid.point.n], grid.box, vec3(grid.point.row(i % grid.point.n)));
     corner_weights(cell.frac, weight + i * 8);
     for (int corner = 0; corner < 8; ++corner) {
       key[i * 8 + corner] = cell.entry[corner];

@@ -44,33 +44,19 @@ class LaunchedFieldOps final : public DeviceFieldOps {
     weight.to(out.weight.data()), feature.to(out.feature.data());
   }
 
-  void rbf_backward(const RbfProblem& problem, float inv_2h2, const RbfField& field, Matrix<const float> grad_feature,
-                    RbfGradients& out) const override {
-    const RbfArrays a(launcher_, problem);
+  void rbf_backward(const RbfProblem& problem, const RbfField& field, Matrix<const float> grad_feature,
+                    std::vector<float>& out) const override {
     const KnnGraph& graph = *problem.graph;
     const std::int64_t queries = problem.query.n, points = problem.boundary.n;
-    const Floats weight(launcher_, field.weight), grad(launcher_, grad_feature.data, grad_feature.n * grad_feature.c);
+    const Floats weight(launcher_, field.weight), grad(launcher_, grad_feature.data, grad_feature.n * grad_feature.c),
+        feature(launcher_, std::int64_t(out.size()));
     const DeviceBuffer<Launcher, std::int64_t> row_begin(launcher_, graph.row_begin), edge(launcher_, graph.edge);
-    const Matrix<const float> weights{weight.data(), queries, graph.neighbours},
-        grads{grad.data(), queries, grad_feature.c};
-    const Floats feature(launcher_, std::int64_t(out.feature.size()));
-    launcher_.each(points,
-                   RbfBackwardFeature<float>{
-                       row_begin.data(), edge.data(), weights, grads, {feature.data(), points, problem.feature.c}});
-    feature.to(out.feature.data());
-    if (out.boundary.empty()) return;
-    const Floats exponent(launcher_, queries * graph.neighbours), boundary(launcher_, points * 3);
-    launcher_.each(queries,
-                   RbfBackwardExponent<float>{
-                       a.indices(), a.features(), weights, grads, {exponent.data(), queries, graph.neighbours}});
-    launcher_.each(points, RbfBackwardPosition<float>{row_begin.data(),
-                                                      edge.data(),
-                                                      {exponent.data(), queries, graph.neighbours},
-                                                      a.queries(),
-                                                      a.points(),
-                                                      inv_2h2,
-                                                      {boundary.data(), points}});
-    boundary.to(out.boundary.data());
+    launcher_.each(points, RbfBackwardFeature<float>{row_begin.data(),
+                                                     edge.data(),
+                                                     {weight.data(), queries, graph.neighbours},
+                                                     {grad.data(), queries, grad_feature.c},
+                                                     {feature.data(), points, problem.feature.c}});
+    feature.to(out.data());
   }
 
   void hash_forward(const HashCall& call, std::vector<float>& out) const override {
@@ -90,16 +76,6 @@ class LaunchedFieldOps final : public DeviceFieldOps {
       hash_backward_on_device<f>(launcher_, {a.view, grad.data(), table.data()}, call.entries, sums_);
     });
     table.to(grad_table_accumulate);
-  }
-  void hash_backward_points(const HashCall& call, const std::vector<float>& grad_out,
-                            std::vector<float>& grad_points) const override {
-    const HashArrays a(launcher_, call);
-    const Floats grad(launcher_, grad_out), points(launcher_, std::int64_t(grad_points.size()));
-    with_hash_features(call.features, [&](auto f) {
-      launcher_.each(call.grid.point.n,
-                     HashBackwardPosition<float, f>{a.view, grad.data(), {points.data(), call.grid.point.n}});
-    });
-    points.to(grad_points.data());
   }
 
   void film_forward(const FilmCall& call, const FilmMlpInputs& in, FilmMlpOutput& out) const override {

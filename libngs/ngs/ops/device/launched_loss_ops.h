@@ -136,18 +136,17 @@ class LaunchedLossOps final : public DeviceLossOps {
   static std::int64_t pixels_of(const PixelView<float>& view) { return std::int64_t(view.width) * view.height; }
 
   struct AlignArrays {
-    Floats colour, alpha, photo, field_colour, field_alpha;
+    Floats colour, alpha, field_colour, field_alpha;
     DeviceBuffer<Launcher, std::uint8_t> active;
     AlignView<float> view;
     AlignArrays(Launcher& launcher, const AlignView<float>& h)
         : colour(launcher, h.colour.data, pixels_of(h.colour) * 3),
           alpha(launcher, h.alpha.data, pixels_of(h.alpha)),
-          photo(launcher, h.photo.data, h.photo.data ? pixels_of(h.photo) * 3 : 0),
           field_colour(launcher, h.field_colour, h.grid.nodes() * 3),
           field_alpha(launcher, h.field_alpha, h.grid.nodes()),
           active(launcher, h.active, h.active ? h.grid.nodes() : 0),
           view(h) {
-      view.colour.data = colour.data(), view.alpha.data = alpha.data(), view.photo.data = photo.data();
+      view.colour.data = colour.data(), view.alpha.data = alpha.data();
       view.field_colour = field_colour.data(), view.field_alpha = field_alpha.data(), view.active = active.data();
     }
   };

@@ -77,7 +77,7 @@ HashGrid::HashGrid(const HashGridConfig& config, const HashBox<float>& box, std:
     : config_(config), box_(box), offset_(offset), levels_(hash_levels(config)) {}
 
 HashGridView<float> HashGrid::view(const ParamStore& store, Rows<const float, 3> points) const {
-  return {levels_.data(), config_.levels, box_, config_.smoothstep, store.values.data() + offset_, points};
+  return {levels_.data(), config_.levels, box_, store.values.data() + offset_, points};
 }
 
 void HashGrid::forward(const Exec& exec, const ParamStore& store, Rows<const float, 3> points,
@@ -105,20 +105,6 @@ void HashGrid::backward(const Exec& exec, ParamStore& store, Rows<const float, 3
     for_each_task(
         exec, config_.levels,
         HashBackwardTable<float, features>{view(store, points), grad_out.data(), store.grads.data() + offset_});
-  });
-}
-
-void HashGrid::backward_points(const Exec& exec, const ParamStore& store, Rows<const float, 3> points,
-                               const std::vector<float>& grad_out, std::vector<float>& grad_points) const {
-  NGS_CHECK(grad_out.size() == std::size_t(points.n) * std::size_t(config_.outputs()), "one gradient row per point");
-  grad_points.resize(std::size_t(points.n) * 3);
-  if (exec.device_ops)
-    return exec.device_ops->field.hash_backward_points({view(store, points), config_.features, entries()}, grad_out,
-                                                       grad_points);
-  with_hash_features(config_.features, [&](auto features) {
-    for_each_index(
-        exec, points.n,
-        HashBackwardPosition<float, features>{view(store, points), grad_out.data(), {grad_points.data(), points.n}});
   });
 }
 

@@ -26,7 +26,6 @@ struct HashGridConfig {
   int log2_table = 15;       // entries of a hashed level, 3..24
   int base_resolution = 16;  // Nmin >= 2
   int max_resolution = 512;  // Nmax >= Nmin, at most kMaxHashResolution
-  bool smoothstep = false;   // 3t² - 2t³ instead of t: a continuous gradient in x
   int outputs() const { return levels * features; }
 };
 
@@ -53,9 +52,6 @@ class HashGrid {
   /// Adds the table's gradient to store.grads. `grad_out` [Q, L·F].
   void backward(const Exec& exec, ParamStore& store, Rows<const float, 3> points,
                 const std::vector<float>& grad_out) const;
-  /// Overwrites `grad_points` [Q, 3].
-  void backward_points(const Exec& exec, const ParamStore& store, Rows<const float, 3> points,
-                       const std::vector<float>& grad_out, std::vector<float>& grad_points) const;
 
  private:
   HashGridView<float> view(const ParamStore& store, Rows<const float, 3> points) const;

@@ -33,7 +33,6 @@ template <class T>
 struct HashCell {
   std::uint32_t entry[8];
   T frac[3];
-  T slope[3];  // d frac / d world coordinate; 0 outside the box
 };
 
 /// Eq. (10): coordinates times primes, xor-ed, modulo the table. The first factor is 1, so neighbours in x
@@ -48,20 +47,14 @@ namespace detail {
 template <class T>
 struct HashAxis {
   std::uint32_t lower;  // vertex
-  T frac, slope;
+  T frac;
 
-  NGS_HD HashAxis(T world, T centre, T inv_extent, T scale, bool smoothstep) {
+  NGS_HD HashAxis(T world, T centre, T inv_extent, T scale) {
     using std::floor;
     const T unit = T(0.5) + (world - centre) * inv_extent;
-    const bool inside = T(0) <= unit && unit <= T(1);
     const T at = clamp3(unit, T(0), T(1)) * scale + T(0.5);
     const T cell = floor(at);
     frac = at - cell;
-    slope = inside ? scale * inv_extent : T(0);
-    if (smoothstep) {
-      slope = slope * T(6) * frac * (T(1) - frac);
-      frac = frac * frac * (T(3) - T(2) * frac);
-    }
     lower = std::uint32_t(double(cell));
   }
 };
@@ -70,13 +63,12 @@ struct HashAxis {
 
 /// Inlined by force: called per level and query, it costs a third less than through memory (measured).
 template <class T>
-[[gnu::always_inline]] NGS_HD inline HashCell<T> hash_cell(const HashLevel& level, const HashBox<T>& box, Vec3<T> p,
-                                                           bool smoothstep) {
+[[gnu::always_inline]] NGS_HD inline HashCell<T> hash_cell(const HashLevel& level, const HashBox<T>& box, Vec3<T> p) {
   const T scale = T(level.scale);
-  const detail::HashAxis<T> x(p.x, box.centre.x, box.inv_extent.x, scale, smoothstep);
-  const detail::HashAxis<T> y(p.y, box.centre.y, box.inv_extent.y, scale, smoothstep);
-  const detail::HashAxis<T> z(p.z, box.centre.z, box.inv_extent.z, scale, smoothstep);
-  HashCell<T> cell{{}, {x.frac, y.frac, z.frac}, {x.slope, y.slope, z.slope}};
+  const detail::HashAxis<T> x(p.x, box.centre.x, box.inv_extent.x, scale);
+  const detail::HashAxis<T> y(p.y, box.centre.y, box.inv_extent.y, scale);
+  const detail::HashAxis<T> z(p.z, box.centre.z, box.inv_extent.z, scale);
+  HashCell<T> cell{{}, {x.frac, y.frac, z.frac}};
   for (std::uint32_t corner = 0; corner < 8; ++corner) {
     const std::uint32_t cx = x.lower + (corner & 1), cy = y.lower + (corner >> 1 & 1), cz = z.lower + (corner >> 2);
     std::uint32_t entry;
@@ -107,7 +99,6 @@ struct HashGridView {
   const HashLevel* level;  // [L]
   int levels;
   HashBox<T> box;
-  bool smoothstep;
   const T* table;          // [entries, F]
   Rows<const T, 3> point;  // [Q, 3] world
 };
@@ -122,7 +113,7 @@ struct HashForward {
 
   NGS_HD void operator()(std::int64_t i) const { at(int(i / grid.point.n), i % grid.point.n); }
   NGS_HD void at(int l, std::int64_t q) const {
-    const HashCell<T> cell = hash_cell(grid.level[l], grid.box, vec3(grid.point.row(q)), grid.smoothstep);
+    const HashCell<T> cell = hash_cell(grid.level[l], grid.box, vec3(grid.point.row(q)));
     T weight[8], sum[F];
     corner_weights(cell.frac, weight);
     for (int f = 0; f < F; ++f) sum[f] = T(0);
@@ -149,53 +140,13 @@ struct HashBackwardTable {
   /// add(to, x) for what one query adds to one level.
   template <class Add>
   NGS_HD void at(std::int64_t l, std::int64_t q, const Add& add) const {
-    const HashCell<T> cell = hash_cell(grid.level[l], grid.box, vec3(grid.point.row(q)), grid.smoothstep);
+    const HashCell<T> cell = hash_cell(grid.level[l], grid.box, vec3(grid.point.row(q)));
     T weight[8];
     corner_weights(cell.frac, weight);
     const T* g = grad_out + (q * grid.levels + l) * F;
     for (int corner = 0; corner < 8; ++corner)
       for (int f = 0; f < F; ++f)
         add(grad_table_accumulate + (std::size_t(cell.entry[corner]) * F + std::size_t(f)), weight[corner] * g[f]);
-  }
-};
-
-/// ∂L/∂x of a query, summed over levels.                                          adjoint of Eq. (11)
-/// Piecewise constant within a cell for the linear blend, continuous with smoothstep. Owns row q.
-template <class T, int F>
-struct HashBackwardPosition {
-  static constexpr const char* kName = "hash_backward_position";
-  HashGridView<T> grid;
-  const T* grad_out;      // [Q, L·F]
-  Rows<T, 3> grad_point;  // [Q, 3] out, overwritten
-
-  NGS_HD void operator()(std::int64_t q) const {
-    T sum[3] = {T(0), T(0), T(0)};
-    for (int l = 0; l < grid.levels; ++l) {
-      const HashCell<T> cell = hash_cell(grid.level[l], grid.box, vec3(grid.point.row(q)), grid.smoothstep);
-      const T* g = grad_out + (q * grid.levels + l) * F;
-      T value[8];  // ∂L/∂out · table entry
-      for (int corner = 0; corner < 8; ++corner) {
-        value[corner] = T(0);
-        for (int f = 0; f < F; ++f)
-          value[corner] += g[f] * grid.table[std::size_t(cell.entry[corner]) * F + std::size_t(f)];
-      }
-      for (int axis = 0; axis < 3; ++axis) sum[axis] += cell.slope[axis] * edge_difference(value, cell.frac, axis);
-    }
-    T* row = grad_point.row(q);
-    for (int axis = 0; axis < 3; ++axis) row[axis] = sum[axis];
-  }
-
- private:
-  /// Derivative of the trilinear blend along one axis: the four edges' differences, blended across.
-  NGS_HD static T edge_difference(const T* value, const T* frac, int axis) {
-    const int step = 1 << axis, u = (axis + 1) % 3, v = (axis + 2) % 3;
-    T sum = T(0);
-    for (int b = 0; b < 4; ++b) {
-      const int base = (b & 1) << u | (b >> 1) << v;
-      const T across = ((b & 1) ? frac[u] : T(1) - frac[u]) * ((b >> 1) ? frac[v] : T(1) - frac[v]);
-      sum += across * (value[base + step] - value[base]);
-    }
-    return sum;
   }
 };
 

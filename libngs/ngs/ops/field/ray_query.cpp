@@ -37,33 +37,6 @@ std::vector<std::uint8_t> rays_on_surface(const Camera& camera, const RayQueries
   return on;
 }
 
-void add_depth_gradients(const FollowedDepth& in, const QueryGradients& grad, DepthMapGradients out) {
-  const auto& [camera, rays, options, map] = in;
-  const RayCamera from = ray_camera(camera);
-  const DepthPlanes planes = planes_of(map);
-  for (std::int64_t r = 0; r < rays.rays(); ++r) {  // one after the other: rays share pixels
-    const RayNode node = ray_node(from, rays.grid, r);
-    const double distance = planes.expected_distance(node, SampleRay::kCovered);
-    if (!(distance > kNearZ)) continue;
-    const DepthWindow<double> slope =
-        depth_window_slope(distance, options.depth_span, options.depth_epsilon, kNearZ / node.cosine);
-    double to_distance = double(grad.spacing[std::size_t(r)]) * sample_spacing(slope, rays.samples);
-    for (int k = 0; k < rays.samples; ++k) {
-      const float* at = &grad.position[std::size_t(r * rays.samples + k) * 3];
-      const Vec3<double> to_point{double(at[0]), double(at[1]), double(at[2])};
-      to_distance += sample_distance(slope, k, rays.samples) * dot(node.direction, to_point);
-    }
-    // distance = depth / alpha / cosine, each read between pixels
-    const double covered = sample_bilinear(*map.alpha, node.u, node.v), to_depth = to_distance / covered / node.cosine;
-    const BilinearAxis x = bilinear_axis(node.u, planes.width_px), y = bilinear_axis(node.v, planes.height_px);
-    const auto into = [](ImageF& image) {
-      return [&image](int column, int row, double amount) { image.at(column, row, 0) += float(amount); };
-    };
-    add_bilinear(x, y, to_depth, into(out.depth));
-    add_bilinear(x, y, -to_distance * distance / covered, into(out.alpha));
-  }
-}
-
 double sample_bilinear(const ImageF& image, double x_px, double y_px, int c) {
   return read_bilinear(x_px, y_px, image.width_px, image.height_px, [&](int x, int y) { return image.at(x, y, c); });
 }

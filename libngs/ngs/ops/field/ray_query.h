@@ -41,27 +41,6 @@ RayQueries ray_queries(const Exec& exec, const Camera& camera, const PixelGrid& 
 /// window: where rendered colour and field colour are about the same piece of space (C15).
 std::vector<std::uint8_t> rays_on_surface(const Camera& camera, const RayQueries& rays, const DepthMap& map);
 
-/// ∂L/∂(what a ray's samples are): of those that follow the depth map.
-struct QueryGradients {
-  std::vector<float> position;  // [R, K, 3] query points
-  std::vector<float> spacing;   // [R]
-};
-
-/// Rays whose windows are centred on a depth map, with the arguments that ray_queries had.
-struct FollowedDepth {
-  const Camera& camera;
-  const RayQueries& rays;
-  const RayOptions& options;
-  DepthMap map;
-};
-struct DepthMapGradients {
-  ImageF &depth, &alpha;  // [H, W, 1]
-};
-
-/// What the query points ask of the depth map, added to `out`; nothing where a window is centred elsewhere. The nodes
-/// of the grid count as constant.                                                                   adjoint of Eq. (7)
-void add_depth_gradients(const FollowedDepth& in, const QueryGradients& grad, DepthMapGradients out);
-
 /// Bilinear reading of channel `c` at a pixel position; beyond the border the border's value.
 double sample_bilinear(const ImageF& image, double x_px, double y_px, int c = 0);
 

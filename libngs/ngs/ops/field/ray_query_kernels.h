@@ -30,13 +30,6 @@ NGS_HD DepthWindow<T> depth_window(T centre, T span, T epsilon, T nearest) {
   return {max2(centre - half, nearest), max2(centre + half, nearest)};
 }
 
-/// ∂(near, far) / ∂centre of depth_window; sample_distance and sample_spacing of it are those of samples and spacing.
-template <class T>
-NGS_HD DepthWindow<T> depth_window_slope(T centre, T span, T epsilon, T nearest) {
-  const T half = max2(span * centre, epsilon), growth = span * centre > epsilon ? span : T(0);
-  return {centre - half > nearest ? T(1) - growth : T(0), centre + half > nearest ? T(1) + growth : T(0)};
-}
-
 /// Distance of sample k of K: near to far inclusive, δ_k = -1 + 2k / (K - 1); K = 1: the middle (C9).
 template <class T>
 NGS_HD T sample_distance(DepthWindow<T> window, int k, int samples) {

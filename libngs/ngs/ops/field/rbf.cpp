@@ -10,28 +10,6 @@
 #include "ngs/ops/field/rbf_kernels.h"
 
 namespace ngs {
-namespace {
-
-Matrix<const float> weights_of(const RbfField& field, const KnnGraph& graph) {
-  return {field.weight.data(), graph.queries(), graph.neighbours};
-}
-
-/// ∂L/∂(exponent) [Q, K].
-std::vector<float> backward_exponents(const Exec& exec, const RbfProblem& problem, const RbfField& field,
-                                      Matrix<const float> grad_feature) {
-  const KnnGraph& graph = *problem.graph;
-  std::vector<float> grad(graph.index.size());
-  for_each_index(exec, graph.queries(),
-                 RbfBackwardExponent<float>{graph.indices(),
-                                            problem.feature,
-                                            weights_of(field, graph),
-                                            grad_feature,
-                                            {grad.data(), graph.queries(), graph.neighbours}});
-  return grad;
-}
-
-}  // namespace
-
 float inv_2h2(double width) {
   NGS_CHECK(width > 0, "the RBF width must be positive");
   return float(std::min(1.0 / (2.0 * width * width), double(std::numeric_limits<float>::max())));
@@ -55,50 +33,23 @@ void rbf_forward(const Exec& exec, const RbfProblem& problem, RbfField& out) {
                                    {out.feature.data(), problem.query.n, features}});
 }
 
-RbfGradients rbf_backward(const Exec& exec, const RbfProblem& problem, const RbfField& field,
-                          Matrix<const float> grad_feature, bool with_positions) {
-  RbfGradients out;
+std::vector<float> rbf_backward(const Exec& exec, const RbfProblem& problem, const RbfField& field,
+                                Matrix<const float> grad_feature) {
   const KnnGraph& graph = *problem.graph;
   const std::int64_t points = problem.boundary.n;
   const int features = problem.feature.c;
-  out.feature.assign(std::size_t(points) * std::size_t(features), 0.f);
-  out.boundary.assign(with_positions ? std::size_t(points) * 3 : 0, 0.f);
+  std::vector<float> out(std::size_t(points) * std::size_t(features), 0.f);
   if (graph.neighbours == 0) return out;
   if (exec.device_ops) {
-    exec.device_ops->field.rbf_backward(problem, inv_2h2(problem.width), field, grad_feature, out);
+    exec.device_ops->field.rbf_backward(problem, field, grad_feature, out);
     return out;
   }
-  const Matrix<const float> weight = weights_of(field, graph);
-  for_each_index(
-      exec, points,
-      RbfBackwardFeature<float>{
-          graph.row_begin.data(), graph.edge.data(), weight, grad_feature, {out.feature.data(), points, features}});
-  if (!with_positions) return out;
-  const std::vector<float> exponent = backward_exponents(exec, problem, field, grad_feature);
   for_each_index(exec, points,
-                 RbfBackwardPosition<float>{graph.row_begin.data(),
-                                            graph.edge.data(),
-                                            {exponent.data(), graph.queries(), graph.neighbours},
-                                            problem.query,
-                                            problem.boundary,
-                                            inv_2h2(problem.width),
-                                            {out.boundary.data(), points}});
-  return out;
-}
-
-std::vector<float> rbf_backward_queries(const Exec& exec, const RbfProblem& problem, const RbfField& field,
-                                        Matrix<const float> grad_feature) {
-  const KnnGraph& graph = *problem.graph;
-  std::vector<float> out(std::size_t(problem.query.n) * 3, 0.f);
-  if (graph.neighbours == 0) return out;
-  const std::vector<float> exponent = backward_exponents(exec, problem, field, grad_feature);
-  for_each_index(exec, problem.query.n,
-                 RbfBackwardQuery<float>{graph.indices(),
-                                         {exponent.data(), graph.queries(), graph.neighbours},
-                                         problem.query,
-                                         problem.boundary,
-                                         inv_2h2(problem.width),
-                                         {out.data(), problem.query.n}});
+                 RbfBackwardFeature<float>{graph.row_begin.data(),
+                                           graph.edge.data(),
+                                           {field.weight.data(), graph.queries(), graph.neighbours},
+                                           grad_feature,
+                                           {out.data(), points, features}});
   return out;
 }
 

@@ -14,13 +14,9 @@ float inv_2h2(double width);
 
 void rbf_forward(const Exec& exec, const RbfProblem& problem, RbfField& out);
 
-/// `grad_feature` = ∂L/∂(field.feature) [Q, F]. The neighbour lists count as constant.
-RbfGradients rbf_backward(const Exec& exec, const RbfProblem& problem, const RbfField& field,
-                          Matrix<const float> grad_feature, bool with_positions);
-
-/// ∂L/∂query [Q, 3] through the weights, by the CPU; arguments as those of rbf_backward.
-std::vector<float> rbf_backward_queries(const Exec& exec, const RbfProblem& problem, const RbfField& field,
-                                        Matrix<const float> grad_feature);
+/// ∂L/∂feature [B, F] of `grad_feature` = ∂L/∂(field.feature) [Q, F]. The weights count as constant (C25).
+std::vector<float> rbf_backward(const Exec& exec, const RbfProblem& problem, const RbfField& field,
+                                Matrix<const float> grad_feature);
 
 /// The kernel width: factor · mean spacing of the boundary Gaussians (C22). 1 where the spacing is 0
 /// (a single or only coincident Gaussians): every width then gives the same weights.

@@ -20,9 +20,4 @@ struct RbfField {
   std::vector<float> feature;  // [Q, F]
 };
 
-struct RbfGradients {
-  std::vector<float> feature;   // [B, F] ∂L/∂feature
-  std::vector<float> boundary;  // [B, 3] ∂L/∂boundary through the weights; empty unless asked for
-};
-
 }  // namespace ngs

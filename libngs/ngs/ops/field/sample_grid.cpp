@@ -12,8 +12,6 @@ BoundaryBox boundary_box(const Camera& camera, Rows<const float, 3> boundary, do
   return boundary_box(view, sums, pad_px);
 }
 
-PixelGrid pixel_grid(const PixelBox& box, int rows, int cols, GridNodes nodes) {
-  return pixel_grid(box, GridShape{rows, cols, nodes});
-}
+PixelGrid pixel_grid(const PixelBox& box, int rows, int cols) { return pixel_grid(box, GridShape{rows, cols}); }
 
 }  // namespace ngs

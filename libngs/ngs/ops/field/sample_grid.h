@@ -17,6 +17,6 @@ inline RayCamera ray_camera(const Camera& camera) {
 BoundaryBox boundary_box(const Camera& camera, Rows<const float, 3> boundary, double pad_px);
 
 /// See the overload for a GridShape.
-PixelGrid pixel_grid(const PixelBox& box, int rows, int cols, GridNodes nodes);
+PixelGrid pixel_grid(const PixelBox& box, int rows, int cols);
 
 }  // namespace ngs

@@ -13,10 +13,6 @@ namespace ngs {
 /// Gaussians nearer than this (camera z, world) do not count: their projection is meaningless.
 inline constexpr double kNearZ = 0.01;
 
-/// kCentres: rows x cols nodes in the middles of the cells. kInclusive: the paper's 0 <= k <= N, that is
-/// (rows + 1) x (cols + 1) nodes on the cells' corners (C7).
-enum class GridNodes : std::uint8_t { kCentres, kInclusive };
-
 /// A camera as kernels take it.
 struct RayCamera {
   Mat3<double> rotation;  // world -> camera
@@ -61,10 +57,9 @@ NGS_HD inline BoundaryBox boundary_box(const RayCamera& camera, const BoxSums& s
           sums.distance_sum / double(sums.visible)};
 }
 
-/// How many cells there may be, and where their nodes lie.
+/// How many cells there may be; their nodes are their middles (C7).
 struct GridShape {
   int rows, cols;
-  GridNodes nodes;
 };
 
 /// At most rows x cols cells over the box, fewer where they would be smaller than 1 px.         Eq. (5)
@@ -80,7 +75,6 @@ NGS_HD inline PixelGrid pixel_grid(const PixelBox& box, const GridShape& shape) 
     if (length < 1) return {(low + high) / 2, 1, 1, length / 2};
     const int fitting = int(min2(double(cells), std::floor(length)));
     const double step = length / fitting;
-    if (shape.nodes == GridNodes::kInclusive) return {low, step, fitting + 1, 0};
     return {low + step / 2, step, fitting, step / 2};
   };
   if (!(box.max_x > box.min_x) || !(box.max_y > box.min_y)) return {};

@@ -11,22 +11,17 @@
 namespace ngs {
 namespace {
 
-PixelView<float> pixels(const ImageF* image) {
-  if (image == nullptr) return {};
-  return {image->data.data(), image->width_px, image->height_px};
-}
+PixelView<float> pixels(const ImageF* image) { return {image->data.data(), image->width_px, image->height_px}; }
 
 AlignView<float> view_of(const AlignOptions& options, const AlignInputs& in) {
   const auto nodes = std::size_t(in.grid.nodes());
   NGS_CHECK(in.colour->channels == 3 && in.alpha->channels == 1 && in.colour->pixels() == in.alpha->pixels(),
             "rendered images");
-  NGS_CHECK(in.photo == nullptr || in.photo->data.size() == in.colour->data.size(), "the photo has the render's size");
   NGS_CHECK(in.field_colour->size() == nodes * 3 && in.field_alpha->size() == nodes, "one field value per node");
   NGS_CHECK(in.active == nullptr || in.active->size() == nodes, "one flag per node");
   return {in.grid,
           pixels(in.colour),
           pixels(in.alpha),
-          pixels(in.photo),
           in.field_colour->data(),
           in.field_alpha->data(),
           in.active ? in.active->data() : nullptr,

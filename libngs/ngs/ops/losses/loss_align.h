@@ -2,8 +2,7 @@
 // L_align: the rendered view and the field must agree on the boundary.                 Eq. (16); C15, C17
 //
 // Colour and opacity are compared at the nodes of the view's grid; the variance term damps the render's
-// colour variance in the 7x7 patches about them, either in full (the paper's form) or only what exceeds the
-// photo's own variance, so that texture is no error. Nodes can be switched off (rays_on_surface). No active
+// colour variance in the 7x7 patches about them. Nodes can be switched off (rays_on_surface). No active
 // node: loss 0. Results do not depend on exec.threads.
 #include <vector>
 
@@ -20,9 +19,8 @@ struct AlignOptions {
 
 struct AlignInputs {
   PixelGrid grid;
-  const ImageF* colour = nullptr;  // [H, W, 3] rendered
-  const ImageF* alpha = nullptr;   // [H, W, 1] rendered
-  const ImageF* photo = nullptr;   // [H, W, 3]: count only variance beyond the photo's; null: all of it
+  const ImageF* colour = nullptr;                     // [H, W, 3] rendered
+  const ImageF* alpha = nullptr;                      // [H, W, 1] rendered
   const std::vector<float>* field_colour = nullptr;   // [R, 3] VolumeOutput::colour
   const std::vector<float>* field_alpha = nullptr;    // [R]
   const std::vector<std::uint8_t>* active = nullptr;  // [R]; null: every node

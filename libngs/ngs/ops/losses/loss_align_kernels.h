@@ -5,7 +5,7 @@
 //
 // C_gs, α_gs: the rendered images read bilinearly at the node. R_i: the 7x7 pixels about the node's pixel,
 // cut at the image border; Var = mean squared distance to the mean colour, in two passes (E[x²] - E[x]²
-// cancels). excess(v) = v, or max(0, v - Var of the photo's patch) where there is a photo.
+// cancels).
 #include "ngs/core/hd.h"
 #include "ngs/math/pixel_grid.h"
 #include "ngs/math/vec.h"
@@ -59,7 +59,6 @@ template <class T>
 struct AlignView {
   PixelGrid grid;
   PixelView<T> colour, alpha;  // rendered, [H, W, 3] and [H, W, 1]
-  PixelView<T> photo;          // [H, W, 3]; null: variance counts in full
   const T* field_colour;       // [R, 3]
   const T* field_alpha;        // [R]
   const std::uint8_t* active;  // [R]; null: all
@@ -95,10 +94,6 @@ struct AlignForward {
       alpha = sample_alpha(x, y) - in.field_alpha[r];
       const PatchRect patch = patch_at(u, v, in.colour.width, in.colour.height);
       variance = patch_variance(in.colour, patch, mean);
-      if (in.photo.data != nullptr) {
-        Vec3<T> photo_mean;
-        variance = variance - patch_variance(in.photo, patch, photo_mean);
-      }
       if (variance > T(0))
         share = T(1) / T(patch.pixels());
       else

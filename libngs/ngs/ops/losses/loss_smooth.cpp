@@ -10,23 +10,17 @@
 
 namespace ngs {
 
-SmoothnessPairs smoothness_pairs(const Exec& exec, SmoothnessForm form, Rows<const float, 3> points, double step_length,
+SmoothnessPairs smoothness_pairs(const Exec& exec, Rows<const float, 3> points, double step_length,
                                  const SmoothnessDraw& draw) {
-  const bool axes = form == SmoothnessForm::kGradient;
-  const std::int64_t per_point = pairs_per_point(form);
-  SmoothnessPairs pairs{{}, {}, axes ? 2 * step_length : step_length};
-  pairs.from.resize(std::size_t(points.n * per_point) * 3), pairs.to.resize(pairs.from.size());
-  for_each_index(exec, points.n * per_point, [&](std::int64_t p) {
-    const std::int64_t i = p / per_point;
-    double n[3] = {0, 0, 0};
-    if (axes)
-      n[p % per_point] = 1;
-    else
-      rng_unit_vector(draw.seed, RngStream::kSmoothJitter, draw.first_index + std::uint64_t(i), n);
+  SmoothnessPairs pairs{{}, {}, step_length};
+  pairs.from.resize(std::size_t(points.n) * 3), pairs.to.resize(pairs.from.size());
+  for_each_index(exec, points.n, [&](std::int64_t i) {
+    double n[3];
+    rng_unit_vector(draw.seed, RngStream::kSmoothJitter, draw.first_index + std::uint64_t(i), n);
     for (std::int64_t a = 0; a < 3; ++a) {
       const double x = double(points.row(i)[a]);
-      pairs.from[std::size_t(p * 3 + a)] = float(axes ? x - step_length * n[a] : x);
-      pairs.to[std::size_t(p * 3 + a)] = float(x + step_length * n[a]);
+      pairs.from[std::size_t(i * 3 + a)] = float(x);
+      pairs.to[std::size_t(i * 3 + a)] = float(x + step_length * n[a]);
     }
   });
   return pairs;
@@ -41,7 +35,7 @@ double loss_smooth_backward(const Exec& exec, const SmoothnessScale& scale, cons
   if (n == 0) return 0;
   NGS_CHECK(scale.pair_length > 0 && scale.unit_length > 0, "lengths must be positive");
   const double ratio = scale.unit_length / scale.pair_length;
-  const double factor = 3 * ratio * ratio / double(n);  // of 3 pairs a point: ratio² / points
+  const double factor = 3 * ratio * ratio / double(n);
   std::vector<float> term(colour.size() / 3);
   const SmoothnessForwardBackward<float> kernel{{colour.data(), n},     {moved_colour.data(), n},
                                                 float(weight * factor), term.data(),

@@ -1,13 +1,11 @@
 #pragma once
 // L_smth: the field's colour changes slowly in space.                                 Eq. (18); D14
 //
-//   random     L = 3 (u/h)² · 1/N Σ_i ‖c(x_i + h n_i) - c(x_i)‖²,              n_i random unit vectors
-//   gradient   L = (u/2h)² · 1/N Σ_i Σ_k ‖c(x_i + h e_k) - c(x_i - h e_k)‖²,   e_k the three axes
+//   L = 3 (u/h)² · 1/N Σ_i ‖c(x_i + h n_i) - c(x_i)‖²,   n_i random unit vectors
 //
-// The second is the mean of Σ_channels ‖u ∇c‖² itself, but for terms of h². The first is an unbiased estimate of it for
-// small h, from two colours a point instead of six: E (n·g)² = ‖g‖²/3. u is the unit of length in which the gradient
-// counts (the RBF width), so the loss does not depend on the unit of the scene. Neither needs second derivatives; the
-// caller evaluates the field at both ends of every pair. No pairs: loss 0.
+// An unbiased estimate, for small h, of the mean of Σ_channels ‖u ∇c‖², from two colours a point: E (n·g)² = ‖g‖²/3.
+// u is the unit of length in which the gradient counts (the RBF width), so the loss does not depend on the unit of the
+// scene. No second derivatives; the caller evaluates the field at both ends of every pair. No pairs: loss 0.
 #include <cstdint>
 #include <vector>
 
@@ -16,20 +14,16 @@
 
 namespace ngs {
 
-enum class SmoothnessForm : std::uint8_t { kRandom, kGradient };
-
 struct SmoothnessScale {
   double pair_length = 0;  // > 0, world
   double unit_length = 0;  // u > 0, world
 };
 
-/// Pairs of points whose colours are to differ little, [P, 3] each: pairs [i P/N, (i + 1) P/N) are those of point i.
+/// A pair per point whose colours are to differ little, [N, 3] each.
 struct SmoothnessPairs {
   std::vector<float> from, to;
   double length = 0;  // of a pair, world
 };
-
-constexpr int pairs_per_point(SmoothnessForm form) { return form == SmoothnessForm::kGradient ? 3 : 1; }
 
 /// What makes the random vectors of every step different: `first_index` (for example step · points).
 struct SmoothnessDraw {
@@ -37,16 +31,16 @@ struct SmoothnessDraw {
 };
 
 /// `step_length` h > 0, world.
-SmoothnessPairs smoothness_pairs(const Exec& exec, SmoothnessForm form, Rows<const float, 3> points, double step_length,
+SmoothnessPairs smoothness_pairs(const Exec& exec, Rows<const float, 3> points, double step_length,
                                  const SmoothnessDraw& draw);
 
-/// Colours of the field at both ends of the pairs, [P, 3] each.
+/// Colours of the field at both ends of the pairs, [N, 3] each.
 struct SmoothnessInputs {
   const std::vector<float>&colour, &moved_colour;
 };
 
 struct SmoothnessGradients {
-  std::vector<float> colour, moved_colour;  // [P, 3]
+  std::vector<float> colour, moved_colour;  // [N, 3]
 };
 
 /// The loss; `out` is overwritten with weight · its gradients.

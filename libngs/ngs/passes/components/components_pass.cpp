@@ -10,8 +10,7 @@ std::vector<Effect> ComponentsPass::effects() const {
        .help = "claim nothing that does not hang together with the object",
        .saves = "linking what is labelled",
        .detector = {"Gaussians that masks claim apart from the object", 0, "one is enough: it may be large",
-                    [](SceneProbe& probe) { return double(count_disconnected(probe.exec(), {}, probe.problem())); }},
-       .was = "strays"}};
+                    [](SceneProbe& probe) { return double(count_disconnected(probe.exec(), {}, probe.problem())); }}}};
 }
 
 void ComponentsPass::run(PassRun& run) {

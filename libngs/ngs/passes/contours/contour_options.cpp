@@ -7,28 +7,18 @@ namespace ngs {
 
 int contour_epochs(const ContourOptions& contour, Quality quality, std::size_t views) {
   constexpr int kEpochs = 15;
-  if (contour.epochs > 0 || quality == Quality::kDraft) return contour.epochs;
+  if (contour.epochs > 0 || !preset_of(quality).contours) return contour.epochs;
   const double share = std::min(1.0, std::sqrt(double(kViewsOfAllEpochs) / double(std::max<std::size_t>(views, 1))));
   return int(std::ceil(kEpochs * share));
 }
 
 int contour_iterations(const ContourOptions& contour, Quality quality, bool misaligned) {
-  const int more = quality == Quality::kReference ? 5 : quality == Quality::kHigh ? 2 : 0;
-  return contour.iterations > 0 ? contour.iterations : (misaligned ? 3 : 2) + more;
+  return contour.iterations > 0 ? contour.iterations : (misaligned ? 3 : 2) + preset_of(quality).more_iterations;
 }
 
 int early_epochs(int epochs) {
   constexpr double kShare = 0.5;
   return int(std::ceil(kShare * epochs));
-}
-
-double early_iteration_share(const ContourSwitches& on, int epochs) {
-  constexpr double kHalfSize = 0.5;  // of a step's time: a quarter of the pixels, but all of the Gaussians
-  return on.full_resolution || epochs == 0 ? 1 : kHalfSize * early_epochs(epochs) / epochs;
-}
-
-bool may_try_pictures(const ContourOptions& contour, std::size_t views, std::size_t photos) {
-  return contour.photoless == PhotolessViews::kAuto && photos < views;
 }
 
 }  // namespace ngs

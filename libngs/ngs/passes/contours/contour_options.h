@@ -25,13 +25,16 @@ struct ContourSwitches {
   bool full_resolution = true;  // in all of them; off: in the last alone
 };
 
+/// Gaussians with more weight across contours are halved.
+inline constexpr double kSplit_px = 3;
+
 struct ContourOptions {
   int iterations = 0, epochs = 0;  // 0: contour_iterations(), contour_epochs()
   ContourViews views = ContourViews::kAll;
   PhotolessViews photoless = PhotolessViews::kAuto;
   ContourRefineOptions refine;
-  double split_px = 3, margin_px = 64, rate = 1;
-  ContourSwitches on;  // as the effects are decided
+  double margin_px = 64;  // of the trained window; no flag sets it
+  ContourSwitches on;     // as the effects are decided
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -40,42 +43,19 @@ struct ContourOptions {
                      "refinements; 0: 2, or 3 where the masks' contours miss the photos' edges, and 2 more at high, "
                      "5 more at reference",
                      0, 100}
-              .of("contour-iterations")
-              .was("edge_rounds"));
-    visit(self.epochs,
-          Field<int>{"contour_epochs", "",
-                     "epochs of an iteration, half as many at half the size; 0: 15, fewer of many views", 0, 1'000'000}
-              .was("edge_visits"));
+              .of("contour-iterations"));
+    visit(self.epochs, Field<int>{"contour_epochs", "",
+                                  "epochs of an iteration, half as many at half the size; 0: 15, fewer of many views",
+                                  0, 1'000'000});
     visit(self.views,
-          Choice<ContourViews>{"contour_views", "whose photos are used; no held-out mask ever is", kContourViewsNames}
-              .was("edge_views"));
+          Choice<ContourViews>{"contour_views", "whose photos are used; no held-out mask ever is", kContourViewsNames});
     visit(self.photoless,
           Choice<PhotolessViews>{"contour_photoless",
                                  "views without a photo: left, trained on the model's own picture, or what serves "
                                  "views with a photo better",
-                                 kPhotolessViewsNames}
-              .was("edge_unseen"));
+                                 kPhotolessViewsNames});
     visit(self.refine.band_px,
-          Field<double>{"contour_band", "px of the photo", "how far a contour may move in an iteration", 0.5, 1e3}.was(
-              "edge_band"));
-    visit(self.refine.reach_px, Field<double>{"contour_reach", "px of the photo",
-                                              "colours are learned from pixels this near the contour", 4, 1e4}
-                                    .was("edge_reach"));
-    visit(self.refine.colour_weight,
-          Field<double>{"contour_colour", "", "weight of the local colours", 0, 1e3}.was("edge_colour"));
-    visit(self.refine.shape_weight,
-          Field<double>{"contour_shape", "", "weight of the contour as rendered", 1e-6, 1e3}.was("edge_shape"));
-    visit(self.refine.ambiguity_weight,
-          Field<double>{"contour_ambiguity", "", "more of that weight where colours do not tell the sides", 0, 1e6}.was(
-              "edge_doubt"));
-    visit(self.split_px,
-          Field<double>{"contour_split", "px", "halve Gaussians with more weight across contours", 0, 1e9}
-              .of("split")
-              .was("edge_split"));
-    visit(self.margin_px,
-          Field<double>{"contour_margin", "px", "margin of the trained window", 1, 1e5}.was("edge_margin"));
-    visit(self.rate,
-          Field<double>{"contour_rate", "", "factor on the rates of the Gaussians", 0, 1e3}.was("edge_rate"));
+          Field<double>{"contour_band", "px of the photo", "how far a contour may move in an iteration", 0.5, 1e3});
   }
 };
 
@@ -90,11 +70,5 @@ int contour_iterations(const ContourOptions& contour, Quality quality, bool misa
 
 /// Of `epochs` in the last iteration, those of an iteration at half the size.
 int early_epochs(int epochs);
-
-/// Time of the steps of an iteration before the last, as a share of the last's.
-double early_iteration_share(const ContourSwitches& on, int epochs);
-
-/// Whether a trial of pictures may come before the iterations, and take the time of one: some view has no photo.
-bool may_try_pictures(const ContourOptions& contour, std::size_t views, std::size_t photos);
 
 }  // namespace ngs

@@ -91,11 +91,10 @@ std::vector<float> kept_rows(const Exec& exec, const ContourSetup& setup, const 
 
 /// The rows with the Gaussians that lie across a contour halved. Not what must stay whole: halves look a little
 /// different until they are trained.
-std::vector<CloudRow> halved_rows(const ContourSetup& setup, std::vector<double> straddling_px,
-                                  const std::vector<float>& kept) {
+std::vector<CloudRow> halved_rows(std::vector<double> straddling_px, const std::vector<float>& kept) {
   for (std::size_t i = 0; i < straddling_px.size(); ++i)
     if (kept[i] > 0) straddling_px[i] = 0;
-  return split_straddlers(straddling_px, setup.contour.split_px, std::int64_t(straddling_px.size()));
+  return split_straddlers(straddling_px, kSplit_px, std::int64_t(straddling_px.size()));
 }
 
 void edit_model(const Exec& exec, const ContourSetup& setup, const std::vector<CloudRow>& rows, Model& model) {
@@ -129,7 +128,7 @@ TrainedRows split_model(const Exec& exec, const ContourSetup& setup, const Probl
   Straddling across = straddling(exec, window, model.cloud, 0);
   std::vector<float> kept = kept_rows(exec, setup, window.views, across.weight, model);
   if (setup.contour.on.split) {
-    const std::vector<CloudRow> rows = halved_rows(setup, across.px, kept);
+    const std::vector<CloudRow> rows = halved_rows(across.px, kept);
     edit_model(exec, setup, rows, model);
     edit_column(exec, rows, 1, kept);
     const auto halves =
@@ -158,7 +157,7 @@ JointOptions window_options(const ContourSetup& setup, std::size_t views, bool e
   JointOptions joint = setup.training.joint;
   const int epochs = contour_epochs(setup.contour, setup.training.joint.quality, views);
   joint.steps = std::int64_t(early ? early_epochs(epochs) : epochs) * std::int64_t(views);
-  joint.rate_scale = setup.contour.rate * (early ? kEarlyRate : 1), joint.rate_literal = false;
+  joint.rate_scale = early ? kEarlyRate : 1;
   joint.start_steps = 1;                  // from the labels as they have been trained
   joint.on.nerf = joint.on.cont = false;  // rays are those of the whole image
   return joint;

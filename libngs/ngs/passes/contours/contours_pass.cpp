@@ -11,8 +11,8 @@
 namespace ngs {
 namespace {
 
-// Renders of a view that a refinement and a step take.
-constexpr double kRefineRenders = 10, kStepRenders = 2.7;
+/// A refinement takes about as long as so many times that the training views are scored.
+constexpr double kRefineChecks = 8;
 
 bool has_photos(const Problem& problem) { return photo_count(problem.scene, problem.views) > 0; }
 
@@ -66,21 +66,19 @@ std::vector<Effect> ContoursPass::effects() const {
        .detector = {"views that have a photo; 0: the photos add no edge and the masks refuse refined contours", 0,
                     "one is enough; the refinement then has its own test",
                     [](SceneProbe& probe) { return probe.edge_gain() < -kSignificant ? 0 : probe.photos(); },
-                    has_photos, "no view has a photo"},
-       .was = "edges"},
+                    has_photos, "no view has a photo"}},
       {.name = "split",
        .help = "halve what lies across contours",
        .saves = "the search for it, and the rows it adds",
        .needs = "contours",
-       .detector = {"most weight that a Gaussian can have on a wrong side, px", ContourOptions{}.split_px,
+       .detector = {"most weight that a Gaussian can have on a wrong side, px", kSplit_px,
                     "the default of --contour-split: nothing is halved",
                     [trained](SceneProbe& probe) { return straddling(probe, trained); }}},
       {.name = "contour-iterations",
        .help = "refine contours more than once",
        .saves = "all iterations but the first",
        .needs = "contours",
-       .always = "what replaced it cost up to 2 points of boundary IoU on scenes with inaccurate masks",
-       .was = "second-round"},
+       .always = "what replaced it cost up to 2 points of boundary IoU on scenes with inaccurate masks"},
       {.name = "full-resolution",
        .help = "all iterations at full size, after all steps; off: coarse to fine",
        .saves = "half of the other iterations' rows, columns and epochs, 0.7 of the steps before them",
@@ -88,8 +86,7 @@ std::vector<Effect> ContoursPass::effects() const {
        .detector = {"most of an object that lies in parts narrower than 9 px, share (1: some view has no photo)", 0.03,
                     "between solid things (at most 0.02) and small or thin ones (from 0.04), which half the size "
                     "leaves few pixels of",
-                    narrow_share},
-       .was = "fine-rounds"}};
+                    narrow_share}}};
 }
 
 void ContoursPass::declare(OptionSet& options, const OptionGroup& given) {
@@ -103,77 +100,43 @@ std::vector<EffectVerdict> ContoursPass::rules(const TrainingOptions& training) 
   if (contour_epochs(options_, training.joint.quality, 1) == 0)
     rules.push_back({"contours", false, "no epochs: --quality draft without --contour-epochs"});
   if (options_.iterations == 1) rules.push_back({"contour-iterations", false, "--contour-iterations 1"});
-  if (options_.split_px < ContourOptions{}.split_px)  // less than its detector looks for
-    rules.push_back({"split", true, "--contour-split"});
   return rules;
 }
 
-void ContoursPass::foresee(PassRun& run) {
-  const Scene& scene = run.problem->scene;
-  const Quality quality = run.training.joint.quality;
+void ContoursPass::prepare(PassRun& run) {
   const auto on = [&](std::string_view name) { return run.decisions.settled(name).value_or(true); };
   options_.on = {
       .split = on("split"), .iterations = on("contour-iterations"), .full_resolution = on("full-resolution")};
   run.training.joint.contours_go_on = on("contours") && options_.on.iterations && !options_.on.full_resolution;
-
-  const std::size_t training = run.problem->views.size(),
-                    views = options_.views == ContourViews::kAll ? scene.views.size() : training;
-  ContourForecast& forecast = run.budget.contours;
-  forecast = {.refine_renders = kRefineRenders * double(views),
-              .epoch_renders = kStepRenders * double(views),
-              .check_renders = kCheckRenders * double(training),
-              .epochs = contour_epochs(options_, quality, views)};
-  forecast.early_share = early_iteration_share(options_.on, forecast.epochs);
-  if (on("contours") && forecast.epochs > 0)
-    forecast.iterations = options_.on.iterations ? contour_iterations(options_, quality, true) : 1;
-  if (forecast.iterations > 0 && may_try_pictures(options_, scene.views.size(), photo_views(scene).size()))
-    ++forecast.iterations;
-}
-
-int ContoursPass::allowed_iterations(PassRun& run, int wanted, double first_refine_s) const {
-  Budget& budget = run.budget;
-  const int planned = std::min(wanted, budget.plan_contours(first_refine_s).contour_iterations);
-  const Scene& scene = run.problem->scene;
-  const bool no_trial = planned == 1 && may_try_pictures(options_, scene.views.size(), photo_views(scene).size());
-  const bool last_is_another =
-      budget.contours.early_share < 1;  // then it has to be known which it is; else they end when time is up
-  const int allowed = planned == 0 || no_trial || last_is_another ? planned : wanted;
-  if (allowed < wanted) budget.note_cut();  // that later iterations or steps were left out the watch knows
-  run.watch->iterations_known(allowed, budget.contours.early_share);
-  return allowed;
 }
 
 void ContoursPass::run(PassRun& run) {
-  const std::size_t views = run.problem->views.size();
   Budget& budget = run.budget;
-  if (budget.contours.epochs == 0)
+  const bool has_epochs = contour_epochs(options_, run.training.joint.quality, 1) > 0;
+  if (!has_epochs)
     run.monitor.warn(
         "--effect contours=on with --quality draft, which has no epochs for them: they are left out; --contour-epochs "
         "N gives some");
-  if (run.watch->target_met() || budget.contours.epochs == 0) return;
+  if (run.watch->target_met() || !has_epochs) return;
   // Contours keep no state of their own: what is interrupted from here on begins with them.
   if (run.store != nullptr && run.on("joint")) run.store->save_on_the_way(*run.trainer);
   std::vector<Agreement> before;
-  if (budget.given()) {
-    const auto lap = budget.lap("check", kCheckRenders * double(views));
-    before = training_agreement(run.exec, *run.problem, *run.solution);
-    if (run.monitor.stop_requested()) return;
-  }
-  if (budget.plan_contours({}).contour_iterations == 0) return budget.note_cut();
-  run.watch->begin_iterations(budget.foreseen_s(budget.contours.check_renders));
+  const double began_s = wall_seconds();
+  if (budget.given()) before = training_agreement(run.exec, *run.problem, *run.solution);
+  const double check_s = wall_seconds() - began_s;
+  if (run.monitor.stop_requested()) return;
+  if (!budget.allows((1 + kRefineChecks) * check_s)) return budget.note_cut();
+  run.watch->begin_iterations(budget.given() ? check_s : 0);
   run.say("contours begin");
   const Solution start = budget.given() ? *run.solution : Solution{};
-  const double began_s = wall_seconds();
-  run.solution =
-      refine_contours(run.exec, run.monitor,
-                      {options_, run.training, *run.problem,
-                       [&](const JointProgress& progress, JointTrainer& trainer, const auto& whole) {
-                         return run.watch->after_step(progress, trainer, whole);
-                       },
-                       [&](int wanted) { return allowed_iterations(run, wanted, wall_seconds() - began_s); }},
-                      std::move(*run.solution));
+  run.solution = refine_contours(run.exec, run.monitor,
+                                 {options_, run.training, *run.problem,
+                                  [&](const JointProgress& progress, JointTrainer& trainer, const auto& whole) {
+                                    return run.watch->after_step(progress, trainer, whole);
+                                  },
+                                  [&](int wanted) { return run.watch->iterations_known(wanted), wanted; }},
+                                 std::move(*run.solution));
   if (run.monitor.stop_requested() || !budget.given() || run.solution->source_row.empty()) return;
-  const auto lap = budget.lap("check", kCheckRenders * double(views));
   const std::vector<Agreement> after = training_agreement(run.exec, *run.problem, *run.solution);
   if (run.monitor.stop_requested() || !has_lost(*run.solution, before, after)) return;
   run.say("the contours are left out again: too few steps, or the masks disagree");

@@ -11,13 +11,12 @@ class ContoursPass : public Pass {
   std::vector<Effect> effects() const override;
   void declare(OptionSet& options, const OptionGroup& group) override;
   std::vector<EffectVerdict> rules(const TrainingOptions& training) const override;
-  void foresee(PassRun& run) override;
+  bool follows_clock() const override { return true; }
+  bool decided_anew() const override { return true; }
+  void prepare(PassRun& run) override;
   void run(PassRun& run) override;
 
  private:
-  /// How many of `wanted` iterations there is time for, after the first refinement took `first_refine_s`.
-  int allowed_iterations(PassRun& run, int wanted, double first_refine_s) const;
-
   ContourOptions options_;
 };
 

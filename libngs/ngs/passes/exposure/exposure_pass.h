@@ -8,7 +8,6 @@ class ExposurePass : public Pass {
  public:
   PassStage stage() const override { return PassStage::kMend; }
   std::vector<Effect> effects() const override;
-  std::optional<PassCost> cost() const override { return PassCost{{.renders = 0.05, .halvings = 10}, 0.15}; }
   void run(PassRun& run) override;
 };
 

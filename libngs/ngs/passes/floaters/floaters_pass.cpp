@@ -6,75 +6,31 @@
 namespace ngs {
 namespace {
 
-constexpr PassCost kWhole{{.renders = 4.5, .halvings = 35}, 0.2};
-constexpr ViewWork kSearch{.renders = 1.3, .halvings = 35}, kDraftSearch{.renders = 0.9, .halvings = 35};
-constexpr double kRefitEpochRenders = 1.7, kRefitShare = 0.12;  // most of it is Gaussians, whatever the size
 constexpr int kDraftShrink = 2, kDraftRefitEpochs = 3;
 constexpr std::size_t kDraftViews = 48;
 
-/// How floaters are taken out. Under a budget the clock decides it, and a run that is resumed has to do the same again.
-struct FloaterPlan {
-  bool draft = false;    // searched in kDraftViews, and refitted, at half the size of decisions
-  int refit_epochs = 0;  // 0: as many as fit
-
-  Json json() const { return {{"draft", draft}, {"refit_epochs", refit_epochs}}; }
-};
-
-FloaterPlan plan_for(const PassRun& run) {
-  FloaterPlan plan;
+/// Whether floaters are searched in kDraftViews, and refitted, at half the size of decisions: for a draft, and under a
+/// time budget; a run that is resumed has to do the same again.
+bool is_draft(const PassRun& run) {
   const Json kept = run.resumed ? run.resumed->value("floaters", Json()) : Json();
-  if (kept.is_object() && kept.value("draft", Json()).is_boolean() &&
-      kept.value("refit_epochs", Json()).is_number_integer()) {
-    const auto epochs = kept["refit_epochs"].get<std::int64_t>();
-    if (epochs >= 0 && epochs <= RefitOptions{}.epochs) return {kept["draft"].get<bool>(), int(epochs)};
-  }
-  plan.draft =
-      run.training.joint.quality == Quality::kDraft || !run.budget.fits(kWhole, run.problem->scene.views.size());
-  return plan;
+  if (kept.is_object() && kept.value("draft", Json()).is_boolean()) return kept["draft"].get<bool>();
+  return preset_of(run.training.joint.quality).half_floaters || run.budget.given();
 }
 
 void note(const std::map<std::string, double>& figures, Json& report) {
   for (const auto& [name, value] : figures) report[name] = value;
 }
 
-/// The problem with the model and labels that are left.
-Problem without(const Problem& problem, std::shared_ptr<const GaussianCloud> cloud, std::vector<LabelColumns> labels) {
-  Problem next{.cloud = *cloud,
-               .scene = problem.scene,
-               .views = problem.views,
-               .load_masks = problem.load_masks,
-               .load_photo = problem.load_photo,
-               .splat = problem.splat,
-               .background = problem.background,
-               .seed = problem.seed,
-               .fixed = problem.fixed,
-               .labels = std::move(labels),
-               .load_fine_photo = problem.load_fine_photo,
-               .held = problem.held,
-               .region = problem.region,
-               .window_share = problem.window_share,
-               .whole = problem.whole,
-               .owns = problem.owns,
-               .monitor = problem.monitor};
-  next.owns.push_back(std::move(cloud));
-  return next;
-}
-
 /// Takes them out, and refits what they covered; false: it was asked to stop.
-bool remove(PassRun& run, const CoarseInput& coarse, const FloaterFinding& finding, FloaterPlan& plan) {
-  const double epoch_renders = kRefitEpochRenders * double(run.problem->scene.views.size());
-  const int most = plan.draft ? kDraftRefitEpochs : RefitOptions{}.epochs;
-  if (plan.refit_epochs == 0) plan.refit_epochs = run.budget.epochs_that_fit(epoch_renders, kRefitShare, most);
-  FloaterRemoval removal = [&] {
-    const auto lap = run.budget.lap("refit", plan.refit_epochs * epoch_renders);
-    return remove_floaters(run.exec, run.monitor, {.epochs = plan.refit_epochs}, coarse.get(), finding);
-  }();
+bool remove(PassRun& run, const CoarseInput& coarse, const FloaterFinding& finding, bool draft) {
+  const RefitOptions refit{.epochs = draft ? kDraftRefitEpochs : RefitOptions{}.epochs};
+  FloaterRemoval removal = remove_floaters(run.exec, run.monitor, refit, coarse.get(), finding);
   std::vector<LabelColumns> labels =
       labels_without_floaters(run.exec, run.monitor, *run.problem, removal.cloud, finding.floater);
   if (run.monitor.stop_requested()) return false;
   note(removal.figures, run.report["floaters"]);
   Problem next =
-      without(*run.problem, std::make_shared<const GaussianCloud>(std::move(removal.cloud)), std::move(labels));
+      run.problem->with_model(std::make_shared<const GaussianCloud>(std::move(removal.cloud)), std::move(labels));
   run.problem.emplace(std::move(next));
   run.floater.assign(finding.floater.begin(), finding.floater.end());
   run.fields_fit = false;
@@ -95,25 +51,21 @@ std::vector<Effect> FloatersPass::effects() const {
 
 void FloatersPass::run(PassRun& run) {
   FloaterOptions options;
-  FloaterPlan plan = plan_for(run);
-  if (plan.draft) options.most_views = kDraftViews;
-  const int shrink = decision_shrink(run.problem->scene) * (plan.draft ? kDraftShrink : 1);
+  const bool draft = is_draft(run);
+  if (draft) options.most_views = kDraftViews;
+  const int shrink = decision_shrink(run.problem->scene) * (draft ? kDraftShrink : 1);
   const CoarseInput coarse(*run.problem, shrink);
   coarse.preload(run.exec);
-  const FloaterFinding finding = [&] {
-    const ViewWork& of_view = plan.draft ? kDraftSearch : kSearch;
-    const auto lap = run.budget.lap("floaters", double(run.problem->scene.views.size()) * of_view);
-    return find_floaters(run.exec, run.monitor, options, coarse.get());
-  }();
+  const FloaterFinding finding = find_floaters(run.exec, run.monitor, options, coarse.get());
   if (run.monitor.stop_requested()) return;
-  if (finding.count > 0 && !remove(run, coarse, finding, plan)) return;
+  if (finding.count > 0 && !remove(run, coarse, finding, draft)) return;
   Json& report = run.report["floaters"];
   report["removed"] = finding.count;
   report["reason"] = finding.count > 0 ? "the photos show the object behind them"
                                        : "what lies before the object hides too little of it";
   report["seen_through"] = options.seen_through, report["least_hidden"] = options.least_hidden;
   note(finding.figures, report);
-  run.state["floaters"] = plan.json();
+  run.state["floaters"] = {{"draft", draft}};
 }
 
 }  // namespace ngs

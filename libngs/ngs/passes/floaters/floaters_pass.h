@@ -8,7 +8,6 @@ class FloatersPass : public Pass {
  public:
   PassStage stage() const override { return PassStage::kMend; }
   std::vector<Effect> effects() const override;
-  std::optional<PassCost> cost() const override { return PassCost{{.renders = 2.7, .halvings = 35}, 0.7}; }
   void run(PassRun& run) override;
 };
 

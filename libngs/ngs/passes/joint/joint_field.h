@@ -38,20 +38,11 @@ double encoding_cells(const Exec& exec, double reach, double width, Rows<const f
 struct FieldShape {
   HashGridConfig hash;
   HashBox<float> box{};  // of the encoding, world, relative to the model's origin
-  int hidden = 64, layers = 2, direction_degree = 2;
-  int features = 3;          // of f_j and f_inter
-  bool film = true;          // off: the condition is zero
-  bool concatenate = false;  // f_inter beside f_hash as the network's input, as well as its condition
-  int objects = 0;           // that have a probability (the mask head)
-  double width = 1;          // kernel width, world
+  int hidden = 64, layers = 2;
+  bool film = true;  // off: the condition is zero
+  double width = 1;  // kernel width, world
   int neighbours = 8;
   std::int64_t boundary = 0;  // Gaussians
-};
-
-/// What the rendered field is told it should have been.
-struct FieldGradients {
-  const AlignFieldGradients& align;  // [R, 3], [R]
-  const std::vector<float>& mask;    // [R, objects]; empty: zero
 };
 
 class JointField {
@@ -65,11 +56,10 @@ class JointField {
     const BoundarySet& boundary;
     double reach = 0;  // world: how far query points may lie from the boundary; the encoding's box is grown by it
     std::uint64_t seed = 0;
-    int objects = 0;  // with a mask head
   };
   JointField(const Exec& exec, const Setup& setup);
   /// The same field with the numbers that its blocks start from, features zero.
-  JointField(const FieldShape& shape, const FieldOptions& rates, std::uint64_t seed);
+  JointField(const FieldShape& shape, std::uint64_t seed);
 
   /// Rays of `camera` (relative to the model's origin) about the boundary as it is now. `map`: see
   /// sample_view.
@@ -81,20 +71,9 @@ class JointField {
   /// Renders the field along the rays. `boundary` positions as they are now.
   const VolumeOutput& forward(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary,
                               Vec3<float> background);
-  /// [R, objects] what the last forward shows of every object: Σ w_k p_k, nothing where the field is transparent.
-  const std::vector<float>& mask() const { return mask_; }
   /// Adds the gradient of what the last forward rendered to the parameters' gradients.
   void backward(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary, Vec3<float> background,
-                const FieldGradients& gradients);
-  /// From now on backward adds up what the losses ask of the boundary's positions, through Eqs. 8-9 (C25).
-  void want_position_gradient() { position_grad_.assign(std::size_t(shape_.boundary) * 3, 0.f); }
-  /// [B, 3] of the steps since step(); empty unless it is wanted.
-  const std::vector<float>& position_gradient() const { return position_grad_; }
-
-  /// From now on backward keeps what the losses ask of the query points and their spacing (C25).
-  void want_query_gradient() { wants_queries_ = true; }
-  /// Of the last backward; empty unless it is wanted.
-  const QueryGradients& query_gradient() const { return query_grad_; }
+                const AlignFieldGradients& gradients);
 
   /// L_smth (Eq. 18) at an evenly spaced subset of the last forward's query points; adds `weight` times its
   /// gradient.
@@ -112,14 +91,12 @@ class JointField {
  private:
   struct Sampled {  // one evaluation of the network
     RbfField rbf;
-    std::vector<float> encoding;  // [Q, inputs] f_hash, and f_inter where it is concatenated
+    std::vector<float> encoding;  // [Q, inputs] f_hash
     FilmMlpOutput network;
-    std::vector<FilmMlpOutput> heads;  // of the objects, kHeadObjects each
     FilmMlpInputs inputs(Rows<const float, 3> direction, std::int64_t per_direction, const FilmMlpConfig& config) const;
   };
   struct OutputGradients {
-    const std::vector<float>&density, &rgb;         // [Q], [Q, 3]
-    const std::vector<std::vector<float>>& object;  // [heads][Q, 3]; empty: zero
+    const std::vector<float>&density, &rgb;  // [Q], [Q, 3]
   };
   struct Points {  // what is evaluated
     Rows<const float, 3> position;
@@ -130,22 +107,14 @@ class JointField {
   };
   AdamOptions adam_of(const ParamBlock& block) const;
   void evaluate(const Exec& exec, const Points& points, Sampled& out) const;
-  void concatenate(Sampled& out) const;
-  /// `to_points` [Q, 3], overwritten; null: not wanted.
-  void differentiate(const Exec& exec, const Points& points, const Sampled& at, const OutputGradients& grad,
-                     std::vector<float>* to_points = nullptr);
-  void differentiate_inputs(const Exec& exec, const Points& points, const Sampled& at, FilmMlpGradients inputs,
-                            std::vector<float>* to_points);
-  VolumeInputs volume_inputs(const FieldRays& rays, const std::vector<float>& rgb, Vec3<float> background) const;
+  void differentiate(const Exec& exec, const Points& points, const Sampled& at, const OutputGradients& grad);
+  VolumeInputs volume_inputs(const FieldRays& rays, Vec3<float> background) const;
   RbfProblem rbf_problem(const Points& points) const;
   Points points_of(const FieldRays& rays, Rows<const float, 3> boundary) const;
 
-  FieldOptions rates_;
-  bool rate_literal_ = false, wants_queries_ = false;
   bool own_neighbours_ = false;  // not those of the artifact
   int smooth_points_ = 0;
   double smooth_step_ = 0;
-  SmoothnessForm smooth_form_ = SmoothnessForm::kRandom;
   SampleOptions sample_;
   FieldShape shape_;
   ParamStore store_;
@@ -154,12 +123,8 @@ class JointField {
   std::vector<AdamMoments> moments_;
   HashGrid hash_;
   FilmMlp mlp_;
-  std::vector<FilmMlp> heads_;  // their three outputs are probabilities of as many objects
   Sampled sampled_;
   VolumeOutput volume_;
-  std::vector<VolumeOutput> head_volume_;
-  std::vector<float> mask_, position_grad_;
-  QueryGradients query_grad_;
 };
 
 }  // namespace ngs

@@ -5,15 +5,11 @@
 
 #include "ngs/passes/components/components.h"
 #include "ngs/passes/joint/joint_effects.h"
+#include "ngs/passes/pipeline.h"
 #include "ngs/problem/region.h"
 
 namespace ngs {
 namespace {
-
-// Renders of a view that a step takes, and that the NeRF adds to it.
-constexpr double kStepRenders = 3, kFieldStepRenders = 7;
-
-double step_renders(bool field) { return kStepRenders + (field ? kFieldStepRenders : 0); }
 
 /// Not where the effect was switched off; that no mask claims anything apart does not say that training will not.
 bool may_withdraw(const Decisions& decisions) {
@@ -43,9 +39,7 @@ void take_steps(PassRun& run, double keep_s, StepStore* store) {
   const TakingSteps taking(store);
   JointTrainer& trainer = *run.trainer;
   run.watch->begin_steps(keep_s, trainer);
-  const double began_s = wall_seconds();
-  const std::int64_t before = trainer.steps_done();
-  run.say("step " + std::to_string(before + 1) + " begins");
+  run.say("step " + std::to_string(trainer.steps_done() + 1) + " begins");
   bool ended = run.watch->target_met();
   while (!trainer.finished() && !ended) {
     const JointProgress progress = trainer.step();
@@ -57,8 +51,6 @@ void take_steps(PassRun& run, double keep_s, StepStore* store) {
     }
     if (store != nullptr && store->every() > 0 && progress.step % store->every() == 0) store->save_on_the_way(trainer);
   }
-  const double renders = double(trainer.steps_done() - before) * step_renders(run.on("nerf"));
-  run.budget.took("steps", {.renders = renders}, wall_seconds() - began_s);
 }
 
 /// Nothing optimises: the labels as they come are the solution's.
@@ -83,15 +75,10 @@ std::vector<EffectVerdict> JointPass::rules(const TrainingOptions& training) con
   return {};
 }
 
-void JointPass::foresee(PassRun& run) {
-  JointOptions& joint = run.training.joint;
-  joint.on = joint_switches([&](std::string_view name) { return run.decisions.settled(name).value_or(true); });
-  const double views = double(run.problem->views.size());
-  StepsForecast& steps = run.budget.steps;
-  steps = {.epoch_renders = kStepRenders * views};
-  if (run.decisions.settled("joint").value_or(true))
-    steps.epochs = joint.steps > 0 ? int(std::ceil(double(joint.steps) / views)) : epochs_of(joint);
-  if (run.decisions.may_be_on("nerf", *run.problem)) steps.field_epoch_renders = kFieldStepRenders * views;
+void JointPass::prepare(PassRun& run) {
+  if (run.budget.given()) leave_out_for_time(run, "nerf");  // it gains least for its time
+  run.training.joint.on =
+      joint_switches([&](std::string_view name) { return run.decisions.settled(name).value_or(true); });
 }
 
 void JointPass::begin(PassRun& run) {
@@ -118,11 +105,11 @@ void JointPass::begin(PassRun& run) {
 }
 
 void JointPass::run(PassRun& run) {
-  const TimePlan plan = run.budget.plan();
   if (run.store != nullptr && run.store->load(*run.trainer))
     run.say("resumed after step " + std::to_string(run.trainer->steps_done()));
   run.solution.reset();  // of many objects as large as all that the steps keep
-  take_steps(run, run.budget.left_s() - plan.steps_s, run.store);
+  const double share = run.on("contours") ? kStepsShare : 1;
+  take_steps(run, run.budget.given() ? (1 - share) * run.budget.left_s() : 0, run.store);
   run.solution = run.trainer->result();
   run.solution->converged = true;
 }
@@ -132,7 +119,7 @@ void JointPass::finish(PassRun& run) {
   all.contours_go_on = false;
   const std::int64_t all_steps = steps_of(all, run.problem->views.size());
   const bool too_few = run.on("joint") && run.trainer->steps_done() < all_steps && run.solution->source_row.empty();
-  const bool time_left = run.budget.allows(2 * run.budget.foreseen_s(step_renders(run.on("nerf"))));
+  const bool time_left = run.budget.allows(run.watch->longest_step_s());
   if (too_few && run.on("contours") && !run.watch->target_met() && time_left) {
     run.trainer->plan_steps(all_steps);
     take_steps(run, 0, nullptr);  // what is kept is the state before the contours: they would be refined anew

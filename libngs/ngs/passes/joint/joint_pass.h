@@ -9,7 +9,8 @@ class JointPass : public Pass {
   PassStage stage() const override { return PassStage::kOptimise; }
   std::vector<Effect> effects() const override;
   std::vector<EffectVerdict> rules(const TrainingOptions&) const override;
-  void foresee(PassRun& run) override;
+  bool follows_clock() const override { return true; }
+  void prepare(PassRun& run) override;
   /// Makes the trainer, whose labels as they come are the solution where the steps are off.
   void begin(PassRun& run) override;
   void run(PassRun& run) override;

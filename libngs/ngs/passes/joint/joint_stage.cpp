@@ -9,8 +9,8 @@
 #include "ngs/math/sh.h"
 #include "ngs/ops/field/knn.h"
 #include "ngs/ops/losses/loss_cont.h"
+#include "ngs/ops/losses/loss_mask.h"
 #include "ngs/ops/losses/photometric.h"
-#include "ngs/passes/joint/field_mask_loss.h"
 #include "ngs/passes/joint/first_queries.h"
 #include "ngs/passes/joint/trained_labels.h"
 #include "ngs/passes/joint/view_cache.h"
@@ -31,7 +31,7 @@ GroupRates group_rates(const JointSetup& s, const JointSwitches& effects) {
   const GaussianRates& r = s.rates;
   const double extent = scene_extent(cameras_of(s.input.scene, s.input.views));
   GroupRates rates{r.position * extent, r.rotation, r.log_scale, r.logit_opacity, r.sh_dc, r.sh_rest};
-  for (double& rate : rates) rate = s.options.rate_literal ? kLiteralRate : rate * s.options.rate_scale;
+  for (double& rate : rates) rate = rate * s.options.rate_scale;
   if (!effects.geometry) rates = {};
   if (!effects.sh) rates[kGroupRest] = 0;
   return rates;
@@ -95,8 +95,6 @@ struct JointTrainer::Impl {
         splat(splat_options),
         cache(input, effects) {}
 
-  std::size_t objects() const { return input.labels.size(); }
-
   void start(bool empty_boundary_is_fine) {
     boundary = boundary_to_train(input, effects.boundary, empty_boundary_is_fine);
     if (boundary.size() == 0) effects.nerf = false;
@@ -110,7 +108,7 @@ struct JointTrainer::Impl {
     if (effects.nerf) {
       const double reach = field_reach(sample, cloud, cameras_of(input.scene, input.views), boundary);
       field = std::make_unique<JointField>(
-          exec, JointField::Setup{options, effects, sample, rbf, cloud, boundary, reach, input.seed, int(objects())});
+          exec, JointField::Setup{options, effects, sample, rbf, cloud, boundary, reach, input.seed});
     }
   }
 
@@ -148,7 +146,7 @@ struct JointTrainer::Impl {
     if (done < std::int64_t(input.views.size())) {
       rays = first_queries().rays(v);
     } else {
-      rays = field->rays(exec, camera, boundary.positions(), sample.window == WindowCentre::kPixel ? map : DepthMap{});
+      rays = field->rays(exec, camera, boundary.positions(), map);
     }
     if (rays.rays.rays() > 0) rays.on_surface = rays_on_surface(camera, rays.rays, map);
     return rays;
@@ -159,10 +157,8 @@ struct JointTrainer::Impl {
     const RenderedView& rendered;
     const ViewCache::View& view;
   };
-  void move_depth(const FieldRays& rays, const RenderedView& rendered, std::size_t n, ViewGradients& grad) const;
   LossTerms step_view(std::size_t n);
   ImageF field_terms(const FieldRays& rays, const StepImages& images, LossTerms& loss, ViewGradients& grad);
-  void move_boundary();
   void cont_term(LossTerms& loss);
   void update(double decay);
   void sum_up(LossTerms& loss) const;
@@ -186,7 +182,6 @@ ImageF JointTrainer::Impl::field_terms(const FieldRays& rays, const StepImages& 
     const AlignInputs in{.grid = rays.rays.grid,
                          .colour = &rendered.colour,
                          .alpha = &rendered.alpha,
-                         .photo = options.excess_variance && !view.photo.empty() ? &view.photo : nullptr,
                          .field_colour = &volume.colour,
                          .field_alpha = &volume.alpha,
                          .active = &rays.on_surface};
@@ -195,36 +190,9 @@ ImageF JointTrainer::Impl::field_terms(const FieldRays& rays, const StepImages& 
     loss_align_backward(exec, align, in, context, {1.0, to_field, grad.colour, grad.alpha});
     loss.align = value.total;
   }
-  std::vector<float> to_mask;
-  if (options.field_masks && view.masks.available)
-    loss.field_mask =
-        field_mask_loss(exec, {*field, rays, view.masks}, {options.mask_loss, options.lambda_mask}, to_mask);
-  if (effects.align || !to_mask.empty())
-    field->backward(exec, rays, boundary.positions(), input.background, {to_field, to_mask});
+  if (effects.align) field->backward(exec, rays, boundary.positions(), input.background, to_field);
   if (effects.smooth) loss.smooth = field->smoothness(exec, rays, boundary.positions(), options.lambda_smooth, done);
   return weights;
-}
-
-/// C25: what the NeRF's losses ask of the boundary's positions.
-void JointTrainer::Impl::move_boundary() {
-  const std::vector<float>& grad = field->position_gradient();
-  for (std::size_t b = 0; b < grad.size() / 3; ++b)
-    if (const std::optional<std::size_t> to = trained.place(boundary.row[b]))
-      for (std::size_t a = 0; a < 3; ++a) gradients.position[*to * 3 + a] += grad[b * 3 + a];
-}
-
-/// C25: what the NeRF's losses ask of the depth that the query points follow, where they do.
-void JointTrainer::Impl::move_depth(const FieldRays& rays, const RenderedView& rendered, std::size_t n,
-                                    ViewGradients& grad) const {
-  const bool follows = done >= std::int64_t(input.views.size()) && sample.window == WindowCentre::kPixel;
-  if (!follows || rays.rays.rays() == 0 || field->query_gradient().position.empty()) return;
-  const auto blank = [&] { return ImageF(rendered.width_px, rendered.height_px, 1); };
-  if (grad.alpha.empty()) grad.alpha = blank();
-  grad.depth = blank();
-  const RayOptions window = ray_options(sample, 0);
-  const Camera camera = relative_to(input.scene.views[input.views[n]].camera, cloud.origin);
-  add_depth_gradients({camera, rays.rays, window, {&rendered.depth, &rendered.alpha}}, field->query_gradient(),
-                      {grad.depth, grad.alpha});
 }
 
 void JointTrainer::Impl::cont_term(LossTerms& loss) {
@@ -272,11 +240,10 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
   if (effects.nerf) {
     const FieldRays rays = rays_of(n, rendered);
     weights = field_terms(rays, {rendered, view}, loss, grad);
-    if (options.field_depth) move_depth(rays, rendered, n, grad);
   }
   if (effects.mask && view.masks.available) {
     const auto timed = monitor.scope("mask loss");
-    loss.mask = loss_mask(exec, {options.mask_loss, 1.0},
+    loss.mask = loss_mask(exec, {MaskLossForm::kBce, 1.0},
                           {&rendered.label, &view.masks, weights.empty() ? nullptr : &weights, shown},
                           options.lambda_mask, &grad.label)
                     .total;
@@ -285,16 +252,14 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
     const auto timed = monitor.scope("splat backward");
     splat.backward(exec, grad, gradients, trained.wanted());  // where nothing is wanted, moments and steps stay zero
   }
-  if (field) move_boundary();
   cont_term(loss);
   sum_up(loss);
   return loss;
 }
 
 void JointTrainer::Impl::sum_up(LossTerms& loss) const {
-  loss.total = options.photometric_weight * loss.photometric + loss.align +
-               options.lambda_mask * (loss.mask + loss.field_mask) + options.lambda_cont * loss.cont +
-               options.lambda_smooth * loss.smooth;
+  loss.total = options.photometric_weight * loss.photometric + loss.align + options.lambda_mask * loss.mask +
+               options.lambda_cont * loss.cont + options.lambda_smooth * loss.smooth;
 }
 
 void JointTrainer::Impl::update(double decay) {
@@ -320,8 +285,6 @@ bool JointTrainer::finished() const { return impl_->done >= impl_->steps; }
 void JointTrainer::plan_steps(std::int64_t steps) { impl_->steps = std::max(steps, impl_->done); }
 std::int64_t JointTrainer::steps_done() const { return impl_->done; }
 std::int64_t JointTrainer::steps_planned() const { return impl_->steps; }
-const JointField* JointTrainer::field() const { return impl_->field.get(); }
-const BoundarySet& JointTrainer::boundary() const { return impl_->boundary; }
 
 JointProgress JointTrainer::step() {
   Impl& s = *impl_;
@@ -329,7 +292,7 @@ JointProgress JointTrainer::step() {
   JointProgress progress;
   with_context(s.step_name(s.done), [&] {
     progress.loss = s.step_view(n);
-    s.update(std::pow(s.options.rate_decay, double(s.done) / double(s.steps)));
+    s.update(std::pow(kRateDecay, double(s.done) / double(s.steps)));
   });
   ++s.done;
   progress.step = s.done, progress.steps = s.steps, progress.view = s.input.views[n];

@@ -14,7 +14,7 @@ namespace ngs {
 
 /// The terms of Eq. (20) and the photometric anchor, each unweighted.
 struct LossTerms {
-  double photometric = 0, align = 0, mask = 0, field_mask = 0, cont = 0, smooth = 0, total = 0;
+  double photometric = 0, align = 0, mask = 0, cont = 0, smooth = 0, total = 0;
 };
 
 struct JointProgress {
@@ -66,8 +66,6 @@ class JointTrainer {
   /// byte.
   std::vector<StateBlock> state();
   void resume_at(std::int64_t step);
-  const JointField* field() const;
-  const BoundarySet& boundary() const;
 
  private:
   struct Impl;

@@ -85,12 +85,10 @@ std::vector<Effect> MaskOutliersPass::effects() const {
            .help = "ignore masks that the others contradict",
            .saves = "the consensus of the others, view by view",
            .detector = {"worst view's disagreement, in halves of what would ignore it", 1,
-                        "half the distance at which a view is ignored",
-                        [first = first_](SceneProbe& probe) {
+                        "half the distance at which a view is ignored", [first = first_](SceneProbe& probe) {
                           const std::vector<double>& many = looked(*first, probe.exec(), probe.problem());
                           return many.empty() ? worst_of_few(probe) : worst_of_many(many);
-                        }},
-           .was = "view-trust"}};
+                        }}}};
 }
 
 void MaskOutliersPass::run(PassRun& run) {

@@ -11,7 +11,6 @@ class MaskOutliersPass : public Pass {
  public:
   PassStage stage() const override { return PassStage::kMend; }
   std::vector<Effect> effects() const override;
-  std::optional<PassCost> cost() const override { return PassCost{{.renders = 0.35, .halvings = 5}, 0.15}; }
   void run(PassRun& run) override;
 
  private:

@@ -6,12 +6,6 @@
 #include "ngs/passes/seen_through/seen_through.h"
 
 namespace ngs {
-namespace {
-
-constexpr double kRendersOfObject = 0.2;
-
-}  // namespace
-
 std::vector<Effect> SeenThroughPass::effects() const {
   return {{.name = "seen-through",
            .help = "no label for what only shows through the object",
@@ -31,8 +25,6 @@ std::vector<EffectVerdict> SeenThroughPass::rules(const TrainingOptions& trainin
 void SeenThroughPass::run(PassRun& run) {
   const auto timed = run.monitor.scope("seen through");
   Problem& problem = *run.problem;
-  const auto lap = run.budget.lap(
-      "seen through", kRendersOfObject * double(problem.labels.size()) * double(problem.scene.views.size()));
   SeenThrough finding = without_seen_through(run.exec, problem, problem.labels);
   if (run.monitor.stop_requested()) return;
   problem.labels = std::move(finding.labels);

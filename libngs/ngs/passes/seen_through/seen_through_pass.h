@@ -9,8 +9,6 @@ class SeenThroughPass : public Pass {
   PassStage stage() const override { return PassStage::kOptimise; }
   std::vector<Effect> effects() const override;
   std::vector<EffectVerdict> rules(const TrainingOptions&) const override;
-  /// Where it runs, little comes after it.
-  std::optional<PassCost> cost() const override { return PassCost{{.renders = 0.25, .halvings = 25}, 0.9}; }
   void run(PassRun& run) override;
 };
 

@@ -3,14 +3,19 @@
 #include <algorithm>
 
 namespace ngs {
+namespace {
+
+/// An iteration that takes fewer of its steps gains nothing (decision 031).
+constexpr double kLeastOfNext = 0.5;
+
+}  // namespace
 
 Watch::Watch(const Exec& exec, const WatchOptions& options, const Problem& problem, const Budget& budget)
     : exec_(exec),
       options_(options),
       problem_(problem),
       budget_(budget),
-      every_(options.trace_every > 0 ? options.trace_every : std::int64_t(problem.views.size())),
-      longest_score_s_(budget.foreseen_s(kCheckRenders * double(problem.views.size()))) {}
+      every_(options.trace_every > 0 ? options.trace_every : std::int64_t(problem.views.size())) {}
 
 void Watch::score(Json& line, const std::function<Solution()>& whole) {
   const std::optional<Monitor::Scope> timed =
@@ -47,7 +52,7 @@ void Watch::begin_steps(double keep_s, const JointTrainer& trainer) {
 
 void Watch::begin_iterations(double keep_s) {
   begin_stage(keep_s);
-  iterations_known(1, 1);
+  iterations_known(1);
 }
 
 /// After the first step of an iteration: all before it was the refinement.
@@ -61,21 +66,10 @@ void Watch::begin_iteration(const JointProgress& first, double now_s) {
 /// It cannot be stopped midway: one like the longest, and the step that led to it.
 bool Watch::score_fits() const { return budget_.allows(keep_s_ + 1.2 * (longest_score_s_ + longest_step_s_)); }
 
-/// Of these steps so far.
-double Watch::step_s(const JointProgress& progress) const {
-  return (seconds() - began_s_) / double(std::max<std::int64_t>(progress.step - began_step_, 1));
-}
-
-/// A refinement like the last one, and the least of its steps, as this one's pace foretells them.
-bool Watch::next_iteration_fits(const JointProgress& progress) const {
-  constexpr double kCaution = 1.15;
-  const double next_step_s = step_s(progress) / (iterations_left_ == 2 ? early_share_ : 1);
-  return budget_.allows(keep_s_ + kCaution * refine_s_ + kLeastIteration * double(planned_) * next_step_s);
-}
-
 void Watch::replan(const JointProgress& progress, JointTrainer& trainer) {
   if (!budget_.given() || progress.step == began_step_) return;
-  const double more = std::max(0.0, budget_.left_s() - keep_s_ - 1.2 * longest_step_s_) / step_s(progress);
+  const double step_s = (seconds() - began_s_) / double(progress.step - began_step_);
+  const double more = std::max(0.0, budget_.left_s() - keep_s_ - 1.2 * longest_step_s_) / step_s;
   trainer.plan_steps(std::min(planned_, progress.step + std::int64_t(std::min(more, double(planned_)))));
 }
 
@@ -91,7 +85,6 @@ void Watch::write_step(const JointProgress& progress, double now_s, const std::f
               {"photometric", l.photometric},
               {"align", l.align},
               {"mask", l.mask},
-              {"field_mask", l.field_mask},
               {"cont", l.cont},
               {"smooth", l.smooth}}}};
   if ((step_ % every_ == 0 || progress.step == progress.steps) && score_fits()) score(line, whole);
@@ -108,7 +101,8 @@ bool Watch::after_step(const JointProgress& progress, JointTrainer& trainer, con
   replan(progress, trainer);
   last_s_ = seconds();
   bool over = !budget_.allows(keep_s_ + 1.2 * longest_step_s_);
-  if (iterations_left_ > 1 && trainer.finished()) over |= !next_iteration_fits(progress);
+  if (iterations_left_ > 1 && trainer.finished())
+    over |= !budget_.allows(keep_s_ + refine_s_ + kLeastOfNext * (last_s_ - began_s_));
   cut_ |= (over || trainer.finished()) && (progress.step < planned_ || (over && iterations_left_ > 1));
   return target_met_ || over;
 }

@@ -15,9 +15,6 @@ struct WatchOptions {
   int trace_every = 0;  // steps between scores; 0: once per epoch
 };
 
-/// Renders of a view by which the training views' agreement is scored.
-inline constexpr double kCheckRenders = 1.2;
-
 class Watch {
  public:
   Watch(const Exec& exec, const WatchOptions& options, const Problem& problem, const Budget& budget);
@@ -26,14 +23,11 @@ class Watch {
   void begin(const std::function<Solution()>& result);
   /// The steps to come, from where the trainer is, go on until only `keep_s` of the budget are left.
   void begin_steps(double keep_s, const JointTrainer& trainer);
-  /// The same for contour iterations. Another is begun where what is left has time for its refinement and half of its
-  /// steps.
+  /// The same for contour iterations. Another begins where the time left allows a refinement as long as the last one,
+  /// and half of the last one's steps.
   void begin_iterations(double keep_s);
-  /// How many there may be, known after the first refinement; a step of those before the last takes `early_share` of
-  /// one of it.
-  void iterations_known(int iterations, double early_share) {
-    iterations_left_ = iterations + 1, early_share_ = early_share;
-  }
+  /// How many there will be, known after the first refinement.
+  void iterations_known(int iterations) { iterations_left_ = iterations + 1; }
 
   /// True: no further step, because the target is met or the time is up. `whole` gives the model as it is, for scoring.
   /// Under a budget the trainer's plan follows the time that its steps turn out to take.
@@ -42,6 +36,7 @@ class Watch {
   bool target_met() const { return target_met_; }
   /// Steps were left out for want of time.
   bool cut() const { return cut_; }
+  double longest_step_s() const { return longest_step_s_; }
   const LossTerms& last_loss() const { return last_loss_; }
   /// JSON lines (data-schema/trace.schema.json). Time spent on scoring is kept out of `t` and stated by itself.
   const std::string& trace() const { return text_; }
@@ -52,8 +47,6 @@ class Watch {
   void begin_stage(double keep_s);
   void begin_iteration(const JointProgress& first, double now_s);
   void replan(const JointProgress& progress, JointTrainer& trainer);
-  bool next_iteration_fits(const JointProgress& progress) const;
-  double step_s(const JointProgress& progress) const;
   bool score_fits() const;
   double seconds() const { return budget_.elapsed_s() - scoring_s_; }
 
@@ -64,12 +57,12 @@ class Watch {
   bool target_met_ = false, cut_ = false;
   std::int64_t every_, step_ = 0;
   double scoring_s_ = 0, longest_score_s_ = 0, last_s_ = 0;
-  // Of the steps or iteration that runs: its steps before time ran short; when it began, at which step; what it leaves
-  // of the budget.
+  // Of the steps or the iteration that runs: its steps before time ran short; when it began, at which step; the time
+  // that it must leave.
   std::int64_t planned_ = 0, began_step_ = 0;
   double began_s_ = 0, longest_step_s_ = 0, keep_s_ = 0;
   int iterations_left_ = 0;  // of contours, this one included; 0: these are joint steps
-  double refine_s_ = 0, early_share_ = 1;
+  double refine_s_ = 0;
   LossTerms last_loss_;
   std::string text_;
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ngs/core/check.h"
+#include "ngs/math/mask_variance.h"
 #include "ngs/ops/splat/evidence.h"
 #include "ngs/problem/cloud_rows.h"
 #include "ngs/problem/region.h"
@@ -61,13 +62,11 @@ VarianceOptions rule_of(const std::vector<LabelColumns>& labels) {
   return rule;
 }
 
-double pooled_variance(double share) { return 4 * share * (1 - share); }
-
 bool is_pooled(const std::vector<LabelColumns>& labels) {
   constexpr double kRounding = 1e-5;
   for (const LabelColumns& c : labels)
     for (std::size_t i = 0; i < c.views.size(); ++i)
-      if (c.views[i] > 0 && std::abs(double(c.variance[i]) - pooled_variance(double(c.prob[i]))) > kRounding)
+      if (c.views[i] > 0 && std::abs(double(c.variance[i]) - mask_variance(double(c.prob[i]))) > kRounding)
         return false;
   return true;
 }
@@ -84,8 +83,8 @@ void set_labels(const VarianceOptions& rule, const double* weight, std::size_t i
     LabelColumns& c = labels[k];
     const double share = weight[0] > 0 ? std::min(1.0, weight[1 + k] / weight[0]) : 0;
     const bool owner = labels.size() == 1 ? share > rule.label_threshold : k == heaviest && most > weight[0] - all;
-    c.prob[i] = float(share), c.variance[i] = float(pooled_variance(share)), c.label[i] = float(owner);
-    c.boundary[i] = float(pooled_variance(share) > rule.tau);
+    c.prob[i] = float(share), c.variance[i] = float(mask_variance(share)), c.label[i] = float(owner);
+    c.boundary[i] = float(mask_variance(share) > rule.tau);
     if (!(weight[0] > 0)) c.views[i] = 0;
   }
 }

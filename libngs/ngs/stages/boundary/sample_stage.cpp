@@ -30,14 +30,13 @@ void append(const ViewSample& sample, const Camera& camera, QueryField& field) {
 }  // namespace
 
 std::int64_t most_queries(const SampleOptions& options, std::size_t views) {
-  const int extra = options.nodes == GridNodes::kInclusive ? 1 : 0;
-  return std::int64_t(views) * (options.rows + extra) * (options.cols + extra) * options.depth_samples;
+  return std::int64_t(views) * options.rows * options.cols * options.depth_samples;
 }
 
 RayOptions ray_options(const SampleOptions& options, double mean_distance) {
   return {.samples = options.depth_samples,
           .depth_span = options.depth_span,
-          .depth_epsilon = options.depth_epsilon,
+          .depth_epsilon = kDepthEpsilon,
           .mean_distance = mean_distance};
 }
 
@@ -47,7 +46,7 @@ ViewSample sample_view(const Exec& exec, const SampleOptions& options, const Cam
   sample.boundary = boundary_box(camera, boundary, options.bbox_pad_px);
   if (options.whole_image && sample.boundary.visible > 0)
     sample.boundary.box = {0, 0, double(camera.width_px), double(camera.height_px)};
-  const PixelGrid grid = pixel_grid(sample.boundary.box, options.rows, options.cols, options.nodes);
+  const PixelGrid grid = pixel_grid(sample.boundary.box, options.rows, options.cols);
   sample.rays = ray_queries(exec, camera, grid, ray_options(options, sample.boundary.mean_distance), map);
   return sample;
 }
@@ -58,14 +57,13 @@ QueryField sample_queries(const Exec& exec, Monitor& monitor, const SampleOption
   auto timed = monitor.scope("sample");
   QueryField field;
   field.origin = cloud.origin;
-  field.depth_span = options.depth_span, field.depth_epsilon = options.depth_epsilon;
+  field.depth_span = options.depth_span, field.depth_epsilon = kDepthEpsilon;
   for (std::size_t n = 0; n < in.views.size(); ++n) {
     const Camera& world = in.scene.views[in.views[n]].camera;
     const Camera camera = relative_to(world, cloud.origin);
     RenderedView rendered;
     DepthMap map;
-    if (options.window == WindowCentre::kPixel &&
-        boundary_box(camera, boundary.positions(), options.bbox_pad_px).visible > 0) {
+    if (boundary_box(camera, boundary.positions(), options.bbox_pad_px).visible > 0) {
       rendered = render_depth(exec, cloud, world, in.splat);
       map = {&rendered.depth, &rendered.alpha};
     }

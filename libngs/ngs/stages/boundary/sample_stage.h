@@ -14,20 +14,14 @@
 
 namespace ngs {
 
-enum class WindowCentre : std::uint8_t { kMean, kPixel };
-inline constexpr NamedValue<WindowCentre> kWindowNames[] = {{WindowCentre::kMean, "mean"},
-                                                            {WindowCentre::kPixel, "pixel"}};
-inline constexpr NamedValue<GridNodes> kNodesNames[] = {{GridNodes::kCentres, "centres"},
-                                                        {GridNodes::kInclusive, "inclusive"}};
+/// Least half depth window, world (Eq. 7).
+inline constexpr double kDepthEpsilon = 1e-4;
 
 struct SampleOptions {
   int rows = 64, cols = 64;
   int depth_samples = 8;
   double bbox_pad_px = 5;
   double depth_span = 0.1;
-  double depth_epsilon = 1e-4;
-  WindowCentre window = WindowCentre::kPixel;
-  GridNodes nodes = GridNodes::kCentres;
   bool whole_image =
       false;  // the grid covers every view that sees the boundary: --effect box=off, no option of its own
 
@@ -40,12 +34,6 @@ struct SampleOptions {
                                           "margin of the box about the boundary, the paper's delta (Eq. 4)", 0, 1e4});
     visit(self.depth_span,
           Field<double>{"depth_span", "", "half depth window relative to the depth, the paper's alpha (Eq. 7)", 0, 1});
-    visit(self.depth_epsilon, Field<double>{"depth_epsilon", "world", "least half depth window (Eq. 7)", 0, 1e6});
-    visit(self.window,
-          Choice<WindowCentre>{
-              "window", "depth windows about the view's mean, or the rendered depth of the pixel (C12)", kWindowNames});
-    visit(self.nodes,
-          Choice<GridNodes>{"nodes", "grid nodes: cell centres, or the paper's corners 0..N (C7)", kNodesNames});
   }
 };
 
@@ -61,8 +49,8 @@ struct ViewSample {
   RayQueries rays;
 };
 
-/// The grid and rays of one camera. `camera` is relative to the model's origin (relative_to). `map` serves
-/// --window pixel; empty: all windows are centred on the mean distance.
+/// The grid and rays of one camera. `camera` is relative to the model's origin (relative_to). Depth windows are centred
+/// on the rendered depth of the pixel (C12); empty `map`: all on the mean distance.
 ViewSample sample_view(const Exec& exec, const SampleOptions& options, const Camera& camera,
                        Rows<const float, 3> boundary, const DepthMap& map);
 
@@ -74,7 +62,7 @@ struct SampleInputs {
   SplatOptions splat = {};
 };
 
-/// Query points of the given views; renders depth where the options ask for it.
+/// Query points of the given views; depth windows follow the rendered depth.
 QueryField sample_queries(const Exec& exec, Monitor& monitor, const SampleOptions& options, const SampleInputs& in);
 
 }  // namespace ngs

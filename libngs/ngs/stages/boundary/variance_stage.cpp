@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "ngs/backend/for_each.h"
+#include "ngs/math/mask_variance.h"
 #include "ngs/problem/view_list.h"
 
 namespace ngs {
@@ -14,7 +15,7 @@ namespace {
 double normalised_variance(Criterion criterion, const Evidence& e, std::size_t gaussian, const ObjectShare& of,
                            double prob) {
   switch (criterion) {
-    case Criterion::kPooled: return 4.0 * prob * (1.0 - prob);  // law of total variance over views and pixels
+    case Criterion::kPooled: return mask_variance(prob);  // law of total variance over views and pixels
     case Criterion::kBetweenViews: return between_views_variance(of, e.views[gaussian]);
     case Criterion::kRelativeDiff: {  // 1 - r²: for binary evidence equal to 4 p (1 - p)
       const double r = double(e.contrast_sum(gaussian, of)) * 0x1p-32 / e.views[gaussian];

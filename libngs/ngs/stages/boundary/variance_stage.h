@@ -20,7 +20,7 @@ inline constexpr NamedValue<Criterion> kCriterionNames[] = {{Criterion::kPooled,
 struct VarianceOptions {
   double tau = 0.6;
   Criterion criterion = Criterion::kPooled;
-  double label_threshold = 0.5;
+  double label_threshold = 0.5;  // closed-form label: 1 where prob exceeds it; no flag sets it
   bool exclusive = true;
 
   template <class Self, class Visitor>
@@ -28,8 +28,6 @@ struct VarianceOptions {
     visit(self.tau,
           Field<double>{"tau", "", "boundary: normalised mask variance above this (Eq. 3, C1)", 0.0, 0.999999});
     visit(self.criterion, Choice<Criterion>{"criterion", "what the variance is taken over (C2)", kCriterionNames});
-    visit(self.label_threshold,
-          Field<double>{"label_threshold", "", "closed-form label: 1 where prob exceeds this", 0.0, 1.0});
     visit(self.exclusive, Flag{"exclusive", "several objects: a Gaussian belongs to at most one (the heaviest)"});
   }
 };

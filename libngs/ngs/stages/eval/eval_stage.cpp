@@ -52,7 +52,7 @@ struct PairPlanes {
   std::vector<std::uint8_t> is_void = {};  // not counted; empty: none
 };
 
-PairScore score_planes(const Exec& exec, const EvalOptions& options, const EvalPair& pair, const PairPlanes& planes) {
+PairScore score_planes(const Exec& exec, const EvalPair& pair, const PairPlanes& planes) {
   const int w = pair.truth.width_px, h = pair.truth.height_px;
   PairScore score;
   score.view = pair.view;
@@ -61,9 +61,8 @@ PairScore score_planes(const Exec& exec, const EvalOptions& options, const EvalP
   score.height_px = h;
   score.predicted_width_px = pair.predicted.width_px;
   score.predicted_height_px = pair.predicted.height_px;
-  score.scores =
-      score_mask(exec, {planes.predicted.data(), w, h}, {planes.truth.data(), w, h}, options.contour_tolerance,
-                 planes.is_void.empty() ? MaskPlane{} : MaskPlane{planes.is_void.data(), w, h});
+  score.scores = score_mask(exec, {planes.predicted.data(), w, h}, {planes.truth.data(), w, h}, kContourTolerance,
+                            planes.is_void.empty() ? MaskPlane{} : MaskPlane{planes.is_void.data(), w, h});
   return score;
 }
 
@@ -143,9 +142,8 @@ std::vector<PairScore> evaluate_pair(const Exec& exec, const EvalOptions& option
     return resized_nearest(plane.data(), pair.predicted.width_px, pair.predicted.height_px, w, h);
   };
   if (!options.label_map) {
-    PairScore score =
-        score_planes(exec, options, pair,
-                     {fitted(binarised(pair.predicted, options.threshold)), binarised(pair.truth, options.threshold)});
+    PairScore score = score_planes(
+        exec, pair, {fitted(binarised(pair.predicted, options.threshold)), binarised(pair.truth, options.threshold)});
     score.predicted_zero_one = is_zero_one(pair.predicted);
     score.truth_zero_one = is_zero_one(pair.truth);
     return {score};
@@ -160,9 +158,8 @@ std::vector<PairScore> evaluate_pair(const Exec& exec, const EvalOptions& option
   const std::vector<std::uint8_t> is_void = void_pixels(options, truth);
   const bool usual_void = has_usual_void(options, ids, truth);
   if (pair.truth_id > 0) {
-    PairScore score =
-        score_planes(exec, options, pair,
-                     {fitted(binarised(pair.predicted, options.threshold)), equal_to(truth, pair.truth_id), is_void});
+    PairScore score = score_planes(
+        exec, pair, {fitted(binarised(pair.predicted, options.threshold)), equal_to(truth, pair.truth_id), is_void});
     score.predicted_zero_one = is_zero_one(pair.predicted);
     score.truth_has_usual_void = usual_void;
     if (score.scores.both_empty) return {};
@@ -178,7 +175,7 @@ std::vector<PairScore> evaluate_pair(const Exec& exec, const EvalOptions& option
   for (std::uint32_t id : present) {
     const auto wanted = ids.find(id);
     if (!ids.empty() && wanted == ids.end()) continue;
-    PairScore score = score_planes(exec, options, pair, {equal_to(predicted, id), equal_to(truth, id), is_void});
+    PairScore score = score_planes(exec, pair, {equal_to(predicted, id), equal_to(truth, id), is_void});
     score.truth_has_usual_void = usual_void;
     score.object = wanted == ids.end() ? std::to_string(id) : wanted->second;
     if (!pair.object.empty()) score.object = pair.object + "/" + score.object;

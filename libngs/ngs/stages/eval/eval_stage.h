@@ -22,9 +22,11 @@
 
 namespace ngs {
 
+/// Match distance of the contour F-score, share of the diagonal.
+inline constexpr double kContourTolerance = 0.008;
+
 struct EvalOptions {
   double threshold = 128;
-  double contour_tolerance = 0.008;
   bool label_map = false;
   int void_id = -1;
   std::vector<std::string> object_id;
@@ -33,8 +35,6 @@ struct EvalOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.threshold, Field<double>{"threshold", "of 255", "object where the sample is greater", 0, 254});
-    visit(self.contour_tolerance,
-          Field<double>{"contour_tolerance", "of the diagonal", "match distance of the contour F-score", 0, 0.1});
     visit(self.label_map, Flag{"label_map", "files are label maps: score every object id by itself"});
     visit(self.void_id, Field<int>{"void_id", "",
                                    "label maps: id of the true pixels that are not scored, such as 255 in VOC; "

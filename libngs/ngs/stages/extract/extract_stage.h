@@ -23,9 +23,9 @@ struct ExtractOptions {
   std::string rule = "threshold:0.5";
   ScoreColumn score = ScoreColumn::kAuto;
   UnseenRule unseen = UnseenRule::kKnn;
-  int unseen_neighbours = 8;
+  int unseen_neighbours = 8;  // voters per unseen Gaussian; no flag sets it
   int min_component = 0;
-  int component_neighbours = 8;
+  int component_neighbours = 8;  // that a piece may connect through; no flag sets it
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -40,13 +40,10 @@ struct ExtractOptions {
                                           "Gaussians that no view has seen: vote of the nearest seen ones, "
                                           "or all to one side",
                                           kUnseenRuleNames});
-    visit(self.unseen_neighbours, Field<int>{"unseen_neighbours", "", "voters per unseen Gaussian", 1, 32});
     visit(self.min_component, Field<int>{"min_component", "Gaussians",
                                          "smaller connected pieces of the object go to the "
                                          "background; 0 keeps all",
                                          0, 1 << 30});
-    visit(self.component_neighbours,
-          Field<int>{"component_neighbours", "", "neighbours a piece may connect through", 1, 32});
   }
 };
 

@@ -8,19 +8,15 @@
 
 namespace ngs {
 
+/// A pixel is a hole where the object had at least the first share of it, and what is left and was seen is less opaque
+/// than the second.
+inline constexpr double kLeastObjectShare = 0.05, kHoleOpacity = 0.5;
+
 struct InpaintOptions {
-  double inpaint_opacity = 0.5;
-  double inpaint_trace = 0.05;
   int inpaint_dilate_px = 8;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.inpaint_opacity,
-          Field<double>{"inpaint_opacity", "", "a pixel is a hole where what is left and was seen is less opaque", 0.0,
-                        1.0});
-    visit(self.inpaint_trace,
-          Field<double>{"inpaint_trace", "", "share of a pixel that the object must have had for it to become a hole",
-                        0.0, 1.0});
     visit(self.inpaint_dilate_px, Field<int>{"inpaint_dilate_px", "px", "margin of the dilated hole masks", 0, 4096});
   }
 };
@@ -42,8 +38,8 @@ struct ViewHole {
   PixelMask hole, dilated;  // [H·W]
 };
 
-/// Holes of one view: the object's share of the pixel was at least `inpaint_trace`, and the seen Gaussians of
-/// what is left reach less than `inpaint_opacity` there.
+/// Holes of one view: the object's share of the pixel was at least kLeastObjectShare, and the seen Gaussians of
+/// what is left reach less than kHoleOpacity there.
 ViewHole find_hole(const Exec& exec, const InpaintOptions& options, const InpaintModel& model, const Camera& camera,
                    const SplatOptions& splat);
 

@@ -20,7 +20,8 @@
 
 namespace ngs {
 
-/// Defaults are those of 3DGS. Counts of steps that are 0 follow from `steps` (resolved_schedule()).
+/// Defaults are those of 3DGS, rates of Adam among them; what describe() leaves out no flag sets. Counts of steps that
+/// are 0 follow from `steps` (resolved_schedule()).
 struct FitOptions {
   int steps = 7000;
   int sh_degree = 3;
@@ -39,31 +40,10 @@ struct FitOptions {
     visit(self.steps, Field<int>{"steps", "", "optimisation steps, one view each", 1, 10000000});
     visit(self.sh_degree, Field<int>{"sh_degree", "", "bands of spherical harmonics", 0, 3});
     visit(self.max_gaussians, Field<int>{"max_gaussians", "", "densification stops here", 1, 1 << 30});
-    visit(self.dssim_weight, Field<double>{"dssim_weight", "", "weight of 1 - SSIM; L1 has the rest", 0, 1});
     visit(self.background, background_option());
     visit(self.antialiased, Flag{"antialiased", "fit with the Mip-Splatting opacity compensation"});
     visit(self.random_points,
           Field<int>{"random_points", "", "Gaussians to start from without a point cloud", 1, 1 << 24});
-    visit(self.sh_every, Field<int>{"sh_every", "steps", "one more SH band each; 0: min(1000, steps/8)", 0, 10000000});
-    visit(self.densify_from, Field<int>{"densify_from", "step", "0: min(500, steps/10)", 0, 10000000});
-    visit(self.densify_until, Field<int>{"densify_until", "step", "0: min(15000, steps/2)", 0, 10000000});
-    visit(self.densify_every, Field<int>{"densify_every", "steps", "0: steps/15, 10 to 100", 0, 10000000});
-    visit(self.opacity_reset_every, Field<int>{"opacity_reset_every", "steps", "while densifying", 1, 10000000});
-    visit(self.densify_gradient,
-          Field<double>{"densify_gradient", "per NDC",
-                        "mean view-space gradient above which a Gaussian is cloned or split", 0, 1});
-    visit(self.dense_fraction,
-          Field<double>{"dense_fraction", "of the extent", "larger ones are split, others cloned", 0, 10});
-    visit(self.min_opacity, Field<double>{"min_opacity", "", "fainter Gaussians are pruned", 0, 0.5});
-    visit(self.max_scale_fraction, Field<double>{"max_scale_fraction", "of the extent",
-                                                 "larger ones are pruned after the first opacity reset", 0, 1e6});
-    visit(self.position_lr, Field<double>{"position_lr", "of the extent", "at the first step", 0, 1});
-    visit(self.position_lr_final, Field<double>{"position_lr_final", "of the extent", "at the last step", 1e-12, 1});
-    visit(self.dc_lr, Field<double>{"dc_lr", "", "constant colour", 0, 1});
-    visit(self.rest_lr, Field<double>{"rest_lr", "", "other SH coefficients", 0, 1});
-    visit(self.opacity_lr, Field<double>{"opacity_lr", "", "logit of the opacity", 0, 1});
-    visit(self.scale_lr, Field<double>{"scale_lr", "", "logarithm of the scale", 0, 1});
-    visit(self.rotation_lr, Field<double>{"rotation_lr", "", "quaternion", 0, 1});
   }
 };
 

@@ -4,6 +4,7 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/check.h"
+#include "ngs/math/mask_variance.h"
 #include "ngs/stages/boundary/variance_stage.h"
 
 namespace ngs::live {
@@ -56,7 +57,7 @@ void label_rows(const Exec& exec, const ObjectEvidence& evidence, const std::vec
       const double share = evidence.share(row);
       const bool object = double(float(share)) > rule.label_threshold;  // the columns of files are float
       more[std::size_t(chunk)] += std::int64_t(object) - std::int64_t(labels.label[row] > 0);
-      labels.label[row] = float(object), labels.boundary[row] = 4 * share * (1 - share) > rule.tau;
+      labels.label[row] = float(object), labels.boundary[row] = mask_variance(share) > rule.tau;
     }
   });
   for (const std::int64_t m : more) labels.count += m;

@@ -28,13 +28,7 @@ struct SpreadOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.gate_iou,
-          Field<double>{"gate_iou", "", "masks that agree less with the other views are rejected", 0.0, 1.0});
     visit(self.passes, Field<int>{"passes", "", "times that every view is segmented", 1, 20});
-    visit(self.band,
-          Field<double>{"band", "of the diagonal",
-                        "free band around the rendered contour in the first pass; halved in each later one", 0.0, 1.0});
-    visit(self.least_band_px, Field<double>{"least_band_px", "px", "the band is never narrower", 1.0, 1000.0});
   }
 };
 

@@ -12,21 +12,13 @@
 
 namespace ngs {
 
-/// Who draws the pixels at the contours.
-enum class BoundarySource : std::uint8_t { kSplat, kField };
-inline constexpr NamedValue<BoundarySource> kBoundaryNames[] = {{BoundarySource::kSplat, "splat"},
-                                                                {BoundarySource::kField, "field"}};
-
 struct RenderOptions {
   std::string views = "all";
   std::vector<std::string> layers;
   double scale = 1.0;
-  bool native_filter = false;
   bool amodal = false;
   double threshold = 0.5;
   std::string background;
-  BoundarySource boundary = BoundarySource::kSplat;
-  double boundary_band = 5;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -34,17 +26,10 @@ struct RenderOptions {
     visit(self.layers, Text{"layers", "color,mask,alpha,depth,labels,overlay", "what to render; default mask"});
     visit(self.scale,
           Field<double>{"scale", "", "image size relative to the scene's working size; 0: the photos' size", 0, 64.0});
-    visit(self.native_filter,
-          Flag{"native_filter", "0.3 px² low-pass at the rendered size, not that of the working size scaled"});
     visit(self.amodal, Flag{"amodal", "mask of the object alone, as if nothing stood before it"});
     visit(self.threshold,
           Field<double>{"threshold", "", "PNG masks: 255 where the rendered mask exceeds this", 0.0, 1.0});
     visit(self.background, background_option());
-    visit(self.boundary,
-          Choice<BoundarySource>{"boundary", "contours as the splat shows them, or as the field of --nerf",
-                                 kBoundaryNames});
-    visit(self.boundary_band, Field<double>{"boundary_band", "px of the scene's working size",
-                                            "how far from a contour the field is shown", 1, 1e4});
   }
 };
 

@@ -17,14 +17,13 @@ namespace ngs {
 
 struct SceneCheckOptions {
   int check_views = 4;
-  int check_size_px = 512;
+  int check_size_px = 512;  // longest side of these comparisons; no flag sets it
   double min_fit_db = 3.0;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.check_views, Field<int>{"check_views", "",
                                        "photos to compare the rendered model with, evenly spaced; 0: none", 0, 100000});
-    visit(self.check_size_px, Field<int>{"check_size_px", "px", "longest side of these comparisons", 16, 65536});
     visit(
         self.min_fit_db,
         Field<double>{"min_fit_db", "dB",

@@ -10,7 +10,6 @@ struct CleanOptions {
   double max_needle = 100;
   double isolation = 10;
   int floater_size = 200;
-  bool keep_unusable = false;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -33,7 +32,6 @@ struct CleanOptions {
                                         0.0, 1e9});
     visit(self.floater_size,
           Field<int>{"floater_size", "Gaussians", "floaters: pieces apart of at most so many; 0: none is", 0, 1 << 30});
-    visit(self.keep_unusable, Flag{"keep_unusable", "keep Gaussians with values that are not finite or absurd"});
   }
 };
 

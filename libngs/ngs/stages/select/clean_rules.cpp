@@ -50,7 +50,7 @@ class Cleaner {
     for (std::size_t i = 0; i < finding_.debris.size(); ++i) {
       Debris& debris = finding_.debris[i];
       if (!cloud_.usable[i]) {
-        if (!options_.keep_unusable) debris = Debris::kUnusable;
+        debris = Debris::kUnusable;
         continue;
       }
       const auto size = log_sizes(cloud_, i);

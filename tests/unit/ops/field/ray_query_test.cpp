@@ -22,7 +22,7 @@ TEST_CASE("every query point projects back to the pixel of its ray") {
   test::Random random(1);
   for (int repeat = 0; repeat < 10; ++repeat) {
     const Camera camera = test::camera_around(random, 4);
-    const PixelGrid grid = pixel_grid({7, 3, 101, 88}, 5, 6, GridNodes::kCentres);
+    const PixelGrid grid = pixel_grid({7, 3, 101, 88}, 5, 6);
     const RayQueries q = ray_queries({}, camera, grid, {.samples = 4, .mean_distance = 4}, {});
     REQUIRE(q.rays() == 30);
     for (std::size_t ray = 0; ray < 30; ++ray)
@@ -72,7 +72,7 @@ TEST_CASE("a depth window never reaches the camera") {
 TEST_CASE("the window follows the rendered depth where the pixel is covered, else the mean distance") {
   test::Random random(3);
   const Camera camera = test::camera_around(random, 4);
-  const PixelGrid grid = pixel_grid({0, 0, 120, 90}, 3, 4, GridNodes::kCentres);
+  const PixelGrid grid = pixel_grid({0, 0, 120, 90}, 3, 4);
   ImageF alpha(120, 90, 1, 0.8f), depth(120, 90, 1, 0.8f * 6.f);  // expected z = 6
   for (int y = 0; y < 90; ++y)
     for (int x = 0; x < 60; ++x) alpha.at(x, y) = 0.3f;  // left half: hardly covered
@@ -114,7 +114,7 @@ TEST_CASE("a camera relative to an origin sees the same pixels") {
 TEST_CASE("ray queries are the same bytes for any number of threads") {
   test::Random random(6);
   const Camera camera = test::camera_around(random, 4);
-  const PixelGrid grid = pixel_grid({0, 0, 120, 90}, 33, 41, GridNodes::kCentres);
+  const PixelGrid grid = pixel_grid({0, 0, 120, 90}, 33, 41);
   Exec seven;
   seven.threads = 7;
   const RayOptions options{.mean_distance = 4};

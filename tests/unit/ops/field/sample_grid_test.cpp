@@ -39,7 +39,7 @@ TEST_CASE("the boundary box of nothing visible is empty") {
     const BoundaryBox b = box_about(points);
     CHECK(b.visible == 0);
     CHECK(b.mean_distance == 0);
-    CHECK(pixel_grid(b.box, 4, 4, GridNodes::kCentres).nodes() == 0);
+    CHECK(pixel_grid(b.box, 4, 4).nodes() == 0);
   }
 }
 
@@ -58,7 +58,7 @@ TEST_CASE("the boundary box is clipped to the image") {
 }
 
 TEST_CASE("a grid of cell centres has rows x cols nodes, none on the border") {
-  const PixelGrid g = pixel_grid({10, 20, 30, 60}, 8, 4, GridNodes::kCentres);
+  const PixelGrid g = pixel_grid({10, 20, 30, 60}, 8, 4);
   CHECK(g.cols == 4);
   CHECK(g.rows == 8);
   CHECK(g.x(0) == 12.5);
@@ -66,39 +66,28 @@ TEST_CASE("a grid of cell centres has rows x cols nodes, none on the border") {
   CHECK(g.y(7) == 57.5);
 }
 
-TEST_CASE("an inclusive grid has the paper's N + 1 nodes from border to border") {
-  const PixelGrid g = pixel_grid({10, 20, 30, 60}, 8, 4, GridNodes::kInclusive);
-  CHECK(g.cols == 5);
-  CHECK(g.rows == 9);
-  CHECK(g.x(0) == 10);
-  CHECK(g.x(4) == 30);
-  CHECK(g.y(8) == 60);
-}
-
 TEST_CASE("a grid never steps by less than a pixel") {
-  for (const GridNodes nodes : {GridNodes::kCentres, GridNodes::kInclusive})
-    for (const double width : {0.25, 1.0, 1.5, 2.0, 3.75, 63.9, 64.0, 500.0}) {
-      CAPTURE(width);
-      const PixelGrid g = pixel_grid({5, 5, 5 + width, 6}, 64, 64, nodes);
-      CHECK(g.step_x >= 1);
-      CHECK(g.cols >= 1);
-      CHECK(g.x(0) >= 5);
-      CHECK(g.x(g.cols - 1) <= 5 + width + 1e-12);
-    }
+  for (const double width : {0.25, 1.0, 1.5, 2.0, 3.75, 63.9, 64.0, 500.0}) {
+    CAPTURE(width);
+    const PixelGrid g = pixel_grid({5, 5, 5 + width, 6}, 64, 64);
+    CHECK(g.step_x >= 1);
+    CHECK(g.cols >= 1);
+    CHECK(g.x(0) >= 5);
+    CHECK(g.x(g.cols - 1) <= 5 + width + 1e-12);
+  }
 }
 
 TEST_CASE("a grid knows the box that it samples, whatever its nodes and however few") {
-  for (const GridNodes nodes : {GridNodes::kCentres, GridNodes::kInclusive})
-    for (const double width : {0.25, 1.0, 3.75, 100.0})
-      for (const int cells : {1, 2, 64}) {
-        CAPTURE(width);
-        CAPTURE(cells);
-        const PixelBox box = box_of(pixel_grid({5, 7, 5 + width, 8}, 64, cells, nodes));
-        CHECK(box.min_x == doctest::Approx(5).epsilon(1e-12));
-        CHECK(box.max_x == doctest::Approx(5 + width).epsilon(1e-12));
-        CHECK(box.min_y == 7);
-        CHECK(box.max_y == 8);
-      }
+  for (const double width : {0.25, 1.0, 3.75, 100.0})
+    for (const int cells : {1, 2, 64}) {
+      CAPTURE(width);
+      CAPTURE(cells);
+      const PixelBox box = box_of(pixel_grid({5, 7, 5 + width, 8}, 64, cells));
+      CHECK(box.min_x == doctest::Approx(5).epsilon(1e-12));
+      CHECK(box.max_x == doctest::Approx(5 + width).epsilon(1e-12));
+      CHECK(box.min_y == 7);
+      CHECK(box.max_y == 8);
+    }
 }
 
 TEST_CASE("the bilinear weights of an image position sum to one and name every pixel that they read") {
@@ -116,9 +105,8 @@ TEST_CASE("the bilinear weights of an image position sum to one and name every p
 }
 
 TEST_CASE("the node range of a pixel misses no node that reads it") {
-  const PixelGrid grids[] = {pixel_grid({-0.5, 0, 9.7, 5}, 5, 7, GridNodes::kCentres),
-                             pixel_grid({0, 0, 9, 5}, 5, 9, GridNodes::kInclusive),
-                             pixel_grid({3.2, 0, 3.9, 5}, 5, 9, GridNodes::kCentres)};
+  const PixelGrid grids[] = {pixel_grid({-0.5, 0, 9.7, 5}, 5, 7), pixel_grid({0, 0, 9, 5}, 5, 9),
+                             pixel_grid({3.2, 0, 3.9, 5}, 5, 9)};
   for (const PixelGrid& g : grids)
     for (int pixel = 0; pixel < 9; ++pixel) {
       const NodeRange range = nodes_near({g.first_x, g.step_x, g.cols}, 9, pixel, 1.0);

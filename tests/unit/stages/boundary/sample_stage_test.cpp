@@ -50,23 +50,21 @@ TEST_CASE("sampling writes one row per view, node and depth, and each projects t
     CHECK(std::abs(at.x - double(field.uv[i * 2])) < 1e-3);
     CHECK(std::abs(at.y - double(field.uv[i * 2 + 1])) < 1e-3);
     const int node = field.slot[i] / view.depth_samples;
-    const PixelGrid grid = pixel_grid(view.box, c.options.rows, c.options.cols, GridNodes::kCentres);
+    const PixelGrid grid = pixel_grid(view.box, c.options.rows, c.options.cols);
     CHECK(float(grid.x(node % view.cols)) == field.uv[i * 2]);
     CHECK(float(grid.y(node / view.cols)) == field.uv[i * 2 + 1]);
   }
 }
 
-TEST_CASE("the pixel window follows the rendered depth, the mean window does not") {
+TEST_CASE("the depth windows follow the rendered depth") {
   Capture c;
-  const QueryField pixel = c.sample();
-  c.options.window = WindowCentre::kMean;
-  const QueryField mean = c.sample();
-  CHECK(pixel.depth != mean.depth);
-  for (std::size_t i = 0; i < mean.depth.size(); ++i) {
-    const double relative = double(mean.depth[i]) / mean.views[std::size_t(mean.view[i])].mean_depth;
-    CHECK(relative > 0.9 - 1e-6);
-    CHECK(relative < 1.1 + 1e-6);
+  const QueryField field = c.sample();
+  int beyond = 0;  // of what windows about the mean distance would reach
+  for (std::size_t i = 0; i < field.depth.size(); ++i) {
+    const double relative = double(field.depth[i]) / field.views[std::size_t(field.view[i])].mean_depth;
+    beyond += relative < 0.9 - 1e-6 || relative > 1.1 + 1e-6;
   }
+  CHECK(beyond > 0);
 }
 
 TEST_CASE("a view that does not see the boundary has no queries") {

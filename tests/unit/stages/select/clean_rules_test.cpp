@@ -59,7 +59,6 @@ TEST_CASE("near-transparent Gaussians and those with absurd values go, unless th
   cloud.position.back() = std::numeric_limits<float>::quiet_NaN();
   cloud.usable.back() = 0;
   CHECK(last_of(cloud) == Debris::kUnusable);
-  CHECK(last_of(cloud, {.keep_unusable = true}) == Debris::kNone);
 }
 
 TEST_CASE("isolated is what is far for its place: a sparse background is not") {
