@@ -5,6 +5,7 @@
 #include <span>
 
 #include "ngs/io/formats/write_splat.h"
+#include "ngs/scene/precision/local_origin.h"
 #include "ngs/stages/extract/import_stage.h"
 #include "ngs/stages/select/region.h"
 
@@ -12,14 +13,14 @@ namespace ngs::cli {
 namespace {
 
 /// The objects of the model, every column filled: a column that the file lacks cannot say "unseen". Of a model without
-/// labels all is object, where a region will say what of it.
-std::vector<io::NamedLabels> labels_of(const io::GaussianPly& ply, bool has_region) {
+/// labels all is object, where a region will say what of it or all of it is wanted.
+std::vector<io::NamedLabels> labels_of(const io::GaussianPly& ply, bool may_be_all) {
   std::vector<io::NamedLabels> objects = ply.objects;
   if (objects.empty()) objects = {{ply.object, ply.labels}};
   const std::size_t n = std::size_t(ply.cloud.size());
   for (io::NamedLabels& object : objects) {
     LabelColumns& c = object.columns;
-    if (c.label.empty() && c.prob.empty() && has_region) c.label.assign(n, 1.f);
+    if (c.label.empty() && c.prob.empty() && may_be_all) c.label.assign(n, 1.f);
     if (c.label.empty() && c.prob.empty() && n > 0)
       throw Error(ErrorCode::kBadInput, ply.file.name() + ": vertex property 'ngs_label' is missing",
                   "label the model first: ngs-variance scene.json -o boundary.ply, or say where the object is: "
@@ -63,13 +64,14 @@ Json counts(const std::string& name, const Extraction& e) {
 }  // namespace
 
 Extractor::Extractor(Run& run, io::GaussianPly ply, const ExtractOptions& options, const RegionOptions& region,
-                     const std::vector<std::string>& select)
+                     const SelectOptions& select)
     : run_(run),
       options_(options),
       region_(region),
+      takes_all_(select.activated && !region.any()),
       ply_(std::move(ply)),
-      objects_(labels_of(ply_, region.any())),
-      chosen_(selected(objects_, select)) {
+      objects_(labels_of(ply_, region.any() || takes_all_)),
+      chosen_(selected(objects_, select.select)) {
   for (const std::string& note : ply_.notes) run_.info(note);
 }
 
@@ -87,6 +89,9 @@ void Extractor::import(const std::string& path) {
                              {"unmatched", imported.unmatched},
                              {"to_object", imported.to_object},
                              {"to_background", imported.to_background}};
+  if (imported.by_nearest)
+    run_.monitor().warn(path + ": its format rounds positions: " + std::to_string(imported.matched) + " of " +
+                        std::to_string(edit.cloud.size()) + " Gaussians are matched with the nearest of the model");
   if (imported.unmatched > 0)
     run_.monitor().warn(std::to_string(imported.unmatched) + " Gaussians of the edit are not in the labelled model");
   const std::int64_t background = std::count(before.object.begin(), before.object.end(), std::uint8_t(0));
@@ -116,6 +121,7 @@ void Extractor::decide() {
   run_.result()["gaussians"] = ply_.cloud.size();
   run_.result()["object"] = kept;
   run_.result()["background"] = ply_.cloud.size() - kept;
+  if (needs_local_origin(ply_.cloud)) run_.result()["origin"] = ply_.cloud.origin;
   tell_what_is_odd(kept);
 }
 
@@ -153,7 +159,8 @@ void Extractor::tell_what_is_odd(std::int64_t kept) {
         std::to_string(ply_.health.excluded()) +
         " Gaussians have values that are not finite or absurd: they stay in the background as they are, and not "
         "every viewer takes them");
-  if (kept == ply_.cloud.size() && kept > 0) run_.monitor().warn("every Gaussian is object: the background is empty");
+  if (kept == ply_.cloud.size() && kept > 0 && !takes_all_)
+    run_.monitor().warn("every Gaussian is object: the background is empty");
 }
 
 std::vector<const io::NamedLabels*> Extractor::chosen() const {

@@ -12,10 +12,19 @@ namespace ngs::cli {
 
 struct SelectOptions {
   std::vector<std::string> select;
+  bool activated = false;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.select, Text{"select", "NAME", "an object to extract from a model with several; default: all of them"});
+    visit(self.activated,
+          Flag{"activated",
+               "the input's scale_* are lengths, its opacity 0 to 1, as some programs save them: convert "
+               "both to logarithms and logits; without labels and region all of the model is the object"});
+  }
+
+  io::ReadOptions reading() const {
+    return {.encoding = activated ? io::ValueEncoding::kActivated : io::ValueEncoding::kTrained};
   }
 };
 
@@ -24,7 +33,7 @@ class Extractor {
   /// kBadInput if the model has no labels and `region` asks for nothing, kUsage if one of `select` names no object.
   /// None: all objects.
   Extractor(Run& run, io::GaussianPly ply, const ExtractOptions& options, const RegionOptions& region,
-            const std::vector<std::string>& select);
+            const SelectOptions& select);
 
   /// Labels and ngs_fixed of the selected object from a hand-edited splat.
   void import(const std::string& path);
@@ -50,6 +59,7 @@ class Extractor {
   Run& run_;
   const ExtractOptions& options_;
   const RegionOptions& region_;
+  bool takes_all_;  // a model without labels is the object as a whole: it is converted
   io::GaussianPly ply_;
   std::vector<io::NamedLabels> objects_;
   std::vector<std::size_t> chosen_;

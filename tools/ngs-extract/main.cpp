@@ -88,7 +88,7 @@ int main(int argc, char** argv) {
     std::optional<Scene> scene;
     if (scene_json) scene = io::read_scene_json(scene_json.path);
     if (inpaint) cli::check_inpaint_folder(*scene, scene_json.path, inpaint.path, {labelled.path, edited.path});
-    cli::Extractor extractor(run, io::read_gaussian_ply(labelled.path), options, region, select.select);
+    cli::Extractor extractor(run, io::read_gaussian_ply(labelled.path, select.reading()), options, region, select);
     if (run.dry_run()) return cli::kDone;
     if (edited) extractor.import(edited.path);
     std::optional<cli::NumpyLabels> labels;

@@ -43,7 +43,7 @@ int make_masks(cli::Run& run, const Options& options, const Files& files) {
   if (!files.model) cli::require_model(run, scene, files.scene.path);
   const std::string model_path = files.model ? files.model.path : scene.model_path;
   const auto marks = cli::read_marks(run, scene, options.which.view, files.marks);
-  const io::GaussianPly ply = io::read_gaussian_ply(model_path, io::HigherBands::kCheckOnly);
+  const io::GaussianPly ply = io::read_gaussian_ply(model_path, {io::HigherBands::kCheckOnly});
   cli::MaskViews views(scene, options.which.detail);
   refuse_over_photos(views, scene, files);
   const cli::PhotoLoader load = [&](std::size_t view) { return views.photo(view); };

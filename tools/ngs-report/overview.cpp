@@ -197,7 +197,7 @@ std::string boundary_section(RunFolder& run, Pictures& pictures) {
   std::int64_t boundary = 0, object = 0;
   bool several = false;
   try {
-    const io::GaussianPly ply = io::read_gaussian_ply(path.string(), io::HigherBands::kCheckOnly);
+    const io::GaussianPly ply = io::read_gaussian_ply(path.string(), {io::HigherBands::kCheckOnly});
     const LabelColumns& labels = ply.labels;  // of several objects their union
     several = ply.objects.size() > 1;
     if (labels.label.empty() || labels.boundary.empty()) return {};

@@ -96,14 +96,15 @@ bool SceneChecks::settle_transparent_photos() {
   return true;
 }
 
-void SceneChecks::check() {
+void SceneChecks::check(bool compat_is_default) {
   const SceneLoaders loaders{[this](std::size_t view) { return photos_.load(view); },
                              [this](std::size_t view) {
                                io::LoadedMasks loaded = io::load_masks_with_notes(scene_, view);
                                return MaskSample{std::move(loaded.masks), std::move(loaded.notes), loaded.lossy};
                              }};
-  const SceneCheck result =
-      check_scene(run_.exec(), run_.monitor(), options_, {model_ ? &model_->cloud : nullptr, scene_, loaders});
+  const SceneCheck result = check_scene(run_.exec(), run_.monitor(), options_,
+                                        {model_ ? &model_->cloud : nullptr, scene_, loaders, compat_is_default});
+  scene_.compat = result.compat;
   notes_.insert(notes_.end(), result.warnings.begin(), result.warnings.end());
   for (const std::string& note : notes_) run_.monitor().warn(note);
   run_.result().update(check_json(scene_, result));

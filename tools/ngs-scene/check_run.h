@@ -28,8 +28,9 @@ class SceneChecks {
   /// over, with a note. False: the photos are opaque, and nothing was done.
   bool settle_transparent_photos();
   /// Reads photos and masks, prints the table. Notes are told after the checks: an error must stand first on stderr.
-  /// Throws where the scene does not hold together.
-  void check();
+  /// Throws where the scene does not hold together. `compat_is_default`: nobody has said which renderer fitted the
+  /// model; the scene's compat becomes what explains the photos.
+  void check(bool compat_is_default = false);
   /// The low-pass filter of the model (stages/scene/filter_probe.h).
   void find_filter();
   /// Moves the cameras to where the photos fit the model (stages/scene/view_align.h). `for_background`: the photos are

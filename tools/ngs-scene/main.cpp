@@ -65,11 +65,11 @@ int import_command(int argc, char** argv) {
       return write_scene(run, out, imported.scene);
     }
     capture::SceneChecks scene(run, checks, imported.scene, std::move(imported.notes));
-    imported.scene.compat = options.compat;
+    if (options.compat == CompatChoice::kGsplat) imported.scene.compat = Compat::kGsplat;
     if (options.antialias != Antialias::kAuto) imported.scene.antialiased = options.antialias == Antialias::kOn;
     choose_background(options.background, run.monitor(), imported.scene);
     const bool settled = !options.background.empty() || scene.settle_transparent_photos();
-    scene.check();
+    scene.check(options.compat == CompatChoice::kAuto);
     if (options.filter_px2 > 0)
       imported.scene.filter_px2 = options.filter_px2;
     else

@@ -22,7 +22,7 @@ struct ImportOptions {
   std::string hold_out;
   double image_scale = 0;
   double filter_px2 = 0;
-  Compat compat = Compat::kInria;
+  CompatChoice compat = CompatChoice::kAuto;
   Antialias antialias = Antialias::kAuto;
   std::string background;
   bool original_world = false;
@@ -55,10 +55,11 @@ struct ImportOptions {
                         "low-pass filter the model was fitted with, at the working size; 0: the one that "
                         "explains the photos best",
                         0, 1e4});
-    visit(
-        self.compat,
-        Choice<Compat>{"compat", "renderer the model was fitted with, for all tools: its near plane and footprint rule",
-                       kCompatNames});
+    visit(self.compat,
+          Choice<CompatChoice>{"compat",
+                               "renderer the model was fitted with, for all tools: its near plane and footprint rule; "
+                               "auto: inria, or gsplat where the model explains the photos better by it",
+                               kCompatChoices});
     visit(self.antialias,
           Choice<Antialias>{
               "antialias",

@@ -50,7 +50,7 @@ int label_scene(int argc, char** argv) {
                   "-o needs the evidence of all views, --views " + shard.views + " is a part of them",
                   "write it with --partial and merge the parts");
     const auto bands = layers ? io::HigherBands::kRead : io::HigherBands::kCheckOnly;
-    const io::GaussianPly ply = io::read_gaussian_ply(scene.model_path, bands);
+    const io::GaussianPly ply = io::read_gaussian_ply(scene.model_path, {bands});
     run.result()["views"] = views.size();
     if (run.dry_run()) {
       run.plan(variance::memory_plan(ply.cloud, scene, views.size()));
@@ -92,7 +92,7 @@ int merge_parts(int argc, char** argv) {
     io::EvidencePart sum = io::merge_evidence(parts.paths);
     const Scene scene = variance::scene_of(run, sum, scene_json.path);
     variance::check_complete(sum, scene);
-    const io::GaussianPly ply = io::read_gaussian_ply(scene.model_path, io::HigherBands::kCheckOnly);
+    const io::GaussianPly ply = io::read_gaussian_ply(scene.model_path, {io::HigherBands::kCheckOnly});
     if (run.dry_run()) return 0;
     variance::write_labels(run, variance::label(options, scene, ply, std::move(sum.evidence)), options.tau, out.path);
     return 0;

@@ -97,12 +97,12 @@ bool CutChain::orbit() {
 
 bool CutChain::import() {
   plain_scene_ = at("capture.json");
-  const std::string model = inputs_.model.empty() ? model_in(inputs_.source) : inputs_.model;
+  if (inputs_.model.empty()) require_model_in(inputs_.source);
   if (inputs_.strokes.empty() && inputs_.masks.empty()) inputs_.masks = masks_in(inputs_.source);
   if (inputs_.truth.empty()) inputs_.truth = truth_in(inputs_.source);
   Words words{
       "ngs-scene", "import", inputs_.source, "-o", plain_scene_, "--image-scale", std::to_string(options_.image_scale)};
-  append(words, "--ply", model);
+  append(words, "--ply", inputs_.model);
   append(words, "--hold-out", options_.hold_out);
   append(words, "--masks", inputs_.strokes.empty() ? inputs_.masks : "");
   inputs_.masks.clear();  // the scene names them

@@ -5,7 +5,11 @@
 #include <initializer_list>
 
 #include "ngs/core/error.h"
+#include "ngs/io/capture/capture_source.h"
 #include "ngs/io/files/json_file.h"
+#include "ngs/io/files/shell_word.h"
+#include "ngs/io/formats/compression/packed_model.h"
+#include "ngs/io/scene/find_model.h"
 
 namespace ngs::front {
 namespace {
@@ -24,21 +28,6 @@ std::string first_of(const std::string& path, std::initializer_list<const char*>
   return {};
 }
 
-/// point_cloud/iteration_30000/point_cloud.ply of the Inria trainer: the last one.
-std::string trained_model(const std::string& path) {
-  std::error_code unreadable;
-  std::string last;
-  long most = -1;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder_of(path) / "point_cloud", unreadable)) {
-    const std::string name = entry.path().filename().string();
-    if (!name.starts_with("iteration_") || name.find_first_not_of("0123456789", 10) != name.npos) continue;
-    const long iteration = std::strtol(name.c_str() + 10, nullptr, 10);
-    const fs::path model = entry.path() / "point_cloud.ply";
-    if (iteration > most && fs::exists(model, unreadable)) most = iteration, last = model.string();
-  }
-  return last;
-}
-
 }  // namespace
 
 SourceKind kind_of(const std::string& path) {
@@ -49,12 +38,19 @@ SourceKind kind_of(const std::string& path) {
   if (fs::is_directory(path, unreadable) || extension == ".npy") return SourceKind::kCapture;
   if (extension != ".json") return SourceKind::kSplat;
   const nlohmann::json root = io::read_json_file(path);
-  return root.is_object() && root.contains("ngs_scene") ? SourceKind::kScene : SourceKind::kCapture;
+  if (root.is_object() && root.contains("ngs_scene")) return SourceKind::kScene;
+  return io::sog_kind(root).empty() ? SourceKind::kCapture : SourceKind::kSplat;
 }
 
-std::string model_in(const std::string& path) {
-  const std::string plain = first_of(path, {"point_cloud.ply", "model.ply"});
-  return plain.empty() ? trained_model(path) : plain;
+void require_model_in(const std::string& path) {
+  if (fs::path(path).filename() == "scene.json") return;
+  const std::string folder = io::capture_folder(path);
+  const io::ModelSearch found = io::find_model(folder);
+  std::error_code unreadable;
+  if (!found.path.empty() || fs::exists(fs::path(folder) / "scene.json", unreadable)) return;
+  throw Error(ErrorCode::kBadInput, found.problem + ", expected one",
+              "name the splat with --model PATH; to make one of the photos: ngs-scene import " + io::shell_word(path) +
+                  " -o scene.json, then ngs-fit scene.json -o model.ply");
 }
 std::string masks_in(const std::string& path) { return first_of(path, {"masks", "masks_sam"}); }
 std::string truth_in(const std::string& path) { return first_of(path, {"masks_gt", "gt"}); }

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "ngs/core/error.h"
+#include "ngs/io/files/shell_word.h"
 
 namespace ngs::cli {
 
@@ -24,23 +25,9 @@ std::string sibling_path(const std::string& program) {
   return path;
 }
 
-namespace {
-
-std::string quoted(const std::string& word) {
-  const bool plain = !word.empty() && word.find_first_not_of(
-                                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                                          "0123456789_./:=,+@%-") == word.npos;
-  if (plain) return word;
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
-  return text + "'";
-}
-
-}  // namespace
-
 std::string quoted_line(const std::vector<std::string>& words) {
   std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : " ") + quoted(word);
+  for (const std::string& word : words) text += (text.empty() ? "" : " ") + io::shell_word(word);
   return text;
 }
 

@@ -12,8 +12,11 @@
 #include "ngs/io/files/folder_index.h"
 #include "ngs/io/files/json_file.h"
 #include "ngs/io/files/regular_file.h"
+#include "ngs/io/files/shell_word.h"
+#include "ngs/io/formats/compression/packed_model.h"
 #include "ngs/io/formats/splat_format.h"
 #include "ngs/io/image/size_rule.h"
+#include "ngs/io/scene/find_model.h"
 #include "ngs/io/scene/scene_json.h"
 
 namespace ngs::io {
@@ -44,6 +47,22 @@ struct Located {
   std::vector<std::string> also;  // other descriptions of cameras beside it
 };
 
+[[noreturn]] void refuse_without_cameras(const std::string& source) {
+  for (const char* name : {"meta.json", "lod-meta.json"})
+    if (const std::string file = (fs::path(source) / name).string(); is_regular_file(file))
+      if (const std::string_view kind = sog_kind(read_json_file(file)); !kind.empty()) refuse_unpacked_sog(file, kind);
+  const std::string splat = find_model(source).path;
+  throw Error(ErrorCode::kBadInput,
+              source +
+                  ": no cameras found, expected sparse/0 (COLMAP), transforms.json, cameras.json or "
+                  "poses_bounds.npy",
+              splat.empty() ? "name the file or the folder of the COLMAP model itself; for a splat without photos: "
+                              "ngs-scene orbit MODEL -o DIR/scene.json"
+                            : "name the file or the folder of the COLMAP model itself; for its splat without photos: "
+                              "ngs cut " +
+                                  shell_word(splat));
+}
+
 Located locate(const std::string& source) {
   if (is_regular_file(source)) {
     const fs::path folder = fs::path(source).parent_path();
@@ -70,13 +89,7 @@ Located locate(const std::string& source) {
   if (const std::string scene = (fs::path(source) / "scene.json").string();
       found.file.empty() && is_regular_file(scene))
     return {scene, source, false, {}};
-  if (found.file.empty())
-    throw Error(ErrorCode::kBadInput,
-                source +
-                    ": no cameras found, expected sparse/0 (COLMAP), transforms.json, cameras.json or "
-                    "poses_bounds.npy",
-                "name the file or the folder of the COLMAP model itself; for a splat without photos: ngs-scene orbit "
-                "MODEL -o DIR/scene.json");
+  if (found.file.empty()) refuse_without_cameras(source);
   return found;
 }
 
@@ -118,8 +131,11 @@ Capture read_cameras(const CaptureRequest& request, const Located& located, cons
     return read_llff(located.file, list_images(images_dir));
   }
   if (file.filename().string().rfind("cameras", 0) == 0) return read_cameras_json(located.file);
-  if (file.extension() == ".json")
+  if (file.extension() == ".json") {
+    if (const std::string_view kind = sog_kind(read_json_file(located.file)); !kind.empty())
+      refuse_unpacked_sog(located.file, kind);
     return read_transforms_json(located.file, request.original_world, request.distortion);
+  }
   if (file.extension() == ".ply" || is_model_name(located.file))
     throw Error(ErrorCode::kBadInput, located.file + ": is a splat, expected cameras",
                 "with photos: name their cameras, and --ply " + located.file + "; without: ngs-scene orbit " +
@@ -180,6 +196,8 @@ void bring_to_photo_sizes(Capture& capture) {
 }
 
 }  // namespace
+
+std::string capture_folder(const std::string& source) { return locate(source).base; }
 
 CaptureSource read_capture(const CaptureRequest& request) {
   const Located located = locate(request.source);

@@ -26,6 +26,10 @@ struct CaptureSource {
   std::optional<Scene> rendered = {};
 };
 
+/// Where images, masks and models of a capture are looked for: `base` of read_capture(). kBadInput as there where no
+/// cameras are found.
+std::string capture_folder(const std::string& source);
+
 /// Missing photos are a note; no photo at all with an explicit images_dir, or a photo whose size is no
 /// integer factor of its camera's, is kInconsistent.
 CaptureSource read_capture(const CaptureRequest& request);

@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace ngs::io {
@@ -18,6 +19,8 @@ class MappedFile {
   MappedFile() = default;  // no bytes
   /// Throws kBadInput with the reason.
   explicit MappedFile(const std::string& path);
+  /// Bytes that are in memory already, such as those of an unpacked archive.
+  explicit MappedFile(std::vector<std::uint8_t> bytes) : read_(std::move(bytes)) {}
   ~MappedFile();
   MappedFile(MappedFile&& other) noexcept { swap(other); }
   MappedFile& operator=(MappedFile&& other) noexcept {

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cstring>
 #include <limits>
+#include <span>
 
 #include "ngs/io/formats/morton.h"
 #include "ngs/io/formats/quantise.h"
+#include "ngs/math/median.h"
+#include "ngs/scene/precision/local_origin.h"
 
 namespace ngs::io {
 namespace {
@@ -88,6 +91,23 @@ std::string header_of(const SplatSelection& model) {
   return text + "end_header\n";
 }
 
+/// The widest axis of a chunk, in steps of its positions, and the row that is farthest from the others along it.
+Rounding widest_axis(const SplatSelection& model, std::span<const std::int64_t> rows) {
+  constexpr double kSteps[] = {2047, 1023, 2047};
+  Rounding widest{.rows = std::ssize(rows)};
+  for (std::size_t a = 0; a < 3; ++a) {
+    std::vector<double> values;
+    for (const std::int64_t i : rows) values.push_back(double(load_row(model, i).position[a]));
+    const auto [low, high] = std::ranges::minmax_element(values);
+    if ((*high - *low) / kSteps[a] <= widest.step) continue;
+    const double middle = upper_median(values);
+    const auto far = *high - middle > middle - *low ? high : low;
+    widest.step = (*high - *low) / kSteps[a];
+    widest.farthest = rows[std::size_t(far - values.begin())], widest.coordinate = *far;
+  }
+  return widest;
+}
+
 class Encoder {
  public:
   explicit Encoder(const SplatSelection& model) : coefficients_(std::size_t(model.cloud.rest_count())) {
@@ -95,7 +115,7 @@ class Encoder {
     bytes_.assign(header.begin(), header.end());
     std::vector<SplatRow> rows;
     for (std::size_t i = 0; i < model.rows.size(); ++i) {
-      rows.push_back(load_row(model.cloud, model.rows[i]));
+      rows.push_back(load_row(model, model.rows[i]));
       if (rows.size() == kChunkRows || i + 1 == model.rows.size()) add(rows), rows.clear();
     }
     bytes_.insert(bytes_.end(), vertices_.begin(), vertices_.end());
@@ -134,6 +154,21 @@ class Encoder {
 
 std::vector<std::uint8_t> encode_compressed_ply(const SplatSelection& model) {
   return Encoder(along_morton_curve(model)).take();
+}
+
+Rounding compressed_ply_rounding(const SplatSelection& model) {
+  const double usual = usual_size(model.cloud);
+  const SplatSelection sorted = along_morton_curve(model);
+  Rounding coarse;
+  for (std::size_t begin = 0; begin < sorted.rows.size(); begin += kChunkRows) {
+    const std::span<const std::int64_t> chunk(&sorted.rows[begin], std::min(kChunkRows, sorted.rows.size() - begin));
+    const Rounding widest = widest_axis(sorted, chunk);
+    if (0.5 * widest.step <= usual) continue;
+    const std::int64_t rows = coarse.rows + widest.rows;
+    if (widest.step > coarse.step) coarse = widest;
+    coarse.rows = rows;
+  }
+  return coarse;
 }
 
 }  // namespace ngs::io

@@ -13,4 +13,7 @@ namespace ngs::io {
 /// the rotation but the largest 0.0007, SH within ±3.97 1/64. The same model gives the same bytes.
 std::vector<std::uint8_t> encode_compressed_ply(const SplatSelection& model);
 
+/// Rows in chunks so wide that encode_compressed_ply() moves them farther than they are large.
+Rounding compressed_ply_rounding(const SplatSelection& model);
+
 }  // namespace ngs::io

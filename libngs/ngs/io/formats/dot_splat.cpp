@@ -69,7 +69,7 @@ DecodedSplat decode_dot_splat(const std::string& name, Bytes bytes) {
 std::vector<std::uint8_t> encode_dot_splat(const SplatSelection& model) {
   std::vector<std::uint8_t> bytes(model.rows.size() * sizeof(Record));
   for (std::size_t i = 0; i < model.rows.size(); ++i) {
-    const Record record = record_of(load_row(model.cloud, model.rows[i]));
+    const Record record = record_of(load_row(model, model.rows[i]));
     std::memcpy(bytes.data() + i * sizeof record, &record, sizeof record);
   }
   return bytes;

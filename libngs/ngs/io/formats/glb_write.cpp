@@ -84,7 +84,7 @@ class Encoder {
 
  private:
   SplatRow turned_row(std::int64_t i) const {
-    SplatRow row = load_row(model_.cloud, i);
+    SplatRow row = load_row(model_, i);
     reverse_axes(row, kLeftUpForward);
     return row;
   }

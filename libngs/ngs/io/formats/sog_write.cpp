@@ -42,7 +42,7 @@ class SogWriter {
   }
 
  private:
-  SplatRow row(std::size_t i) const { return load_row(model_.cloud, model_.rows[i]); }
+  SplatRow row(std::size_t i) const { return load_row(model_, model_.rows[i]); }
 
   RgbaTable texture() const {
     RgbaTable table{width_, height_, std::vector<std::uint8_t>(std::size_t(width_) * std::size_t(height_) * 4)};

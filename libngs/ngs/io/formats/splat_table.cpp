@@ -5,6 +5,7 @@
 
 #include "ngs/core/check.h"
 #include "ngs/math/elementary.h"
+#include "ngs/scene/precision/local_origin.h"
 
 namespace ngs::io {
 
@@ -36,7 +37,8 @@ void store_row(PlyTable& table, std::int64_t i, const SplatRow& row) {
 
 SplatSelection select_rows(const GaussianCloud& cloud, const std::vector<std::uint8_t>& keep) {
   NGS_CHECK(keep.empty() || std::int64_t(keep.size()) == cloud.size(), "keep has one entry per Gaussian");
-  SplatSelection selection{cloud, {}, 0};
+  SplatSelection selection{cloud, {}, 0, {}};
+  if (!needs_local_origin(cloud)) selection.shift = cloud.origin;
   for (std::int64_t i = 0; i < cloud.size(); ++i) {
     if (!keep.empty() && !keep[std::size_t(i)]) continue;
     if (cloud.usable[std::size_t(i)])
@@ -47,10 +49,11 @@ SplatSelection select_rows(const GaussianCloud& cloud, const std::vector<std::ui
   return selection;
 }
 
-SplatRow load_row(const GaussianCloud& cloud, std::int64_t i) {
+SplatRow load_row(const SplatSelection& model, std::int64_t i) {
+  const GaussianCloud& cloud = model.cloud;
   const std::size_t r = std::size_t(i), rest = std::size_t(cloud.rest_count()) * 3;
   SplatRow row;
-  for (std::size_t a = 0; a < 3; ++a) row.position[a] = float(cloud.origin[a] + double(cloud.position[r * 3 + a]));
+  for (std::size_t a = 0; a < 3; ++a) row.position[a] = float(model.shift[a] + double(cloud.position[r * 3 + a]));
   std::copy_n(&cloud.sh_dc[r * 3], 3, row.sh_dc.begin());
   std::copy_n(cloud.sh_rest.data() + r * rest, rest, row.sh_rest.begin());
   row.logit_opacity = cloud.logit_opacity[r];

@@ -40,12 +40,21 @@ struct SplatSelection {
   const GaussianCloud& cloud;
   std::vector<std::int64_t> rows;
   std::int64_t left_out = 0;
+  std::array<double, 3> shift{};  // what is added to positions: the cloud's origin, but where needs_local_origin()
+};
+
+/// Positions that a format rounds by more than the usual size of a Gaussian (usual_size()).
+struct Rounding {
+  std::int64_t rows = 0;      // so many
+  double step = 0;            // the widest step, world
+  std::int64_t farthest = 0;  // the row of the cloud that forces it, by
+  double coordinate = 0;      // its farthest coordinate
 };
 
 /// Rows with keep[i] != 0; an empty `keep` means all.
 SplatSelection select_rows(const GaussianCloud& cloud, const std::vector<std::uint8_t>& keep);
 
-/// Row i with its rotation of unit length (a zero quaternion: the identity).
-SplatRow load_row(const GaussianCloud& cloud, std::int64_t i);
+/// Row i of the cloud with its rotation of unit length (a zero quaternion: the identity).
+SplatRow load_row(const SplatSelection& model, std::int64_t i);
 
 }  // namespace ngs::io

@@ -19,4 +19,7 @@ DecodedSplat decode_spz(const std::string& name, Bytes bytes);
 /// same model gives the same bytes. kUsage where a coordinate is beyond 2^23.
 std::vector<std::uint8_t> encode_spz(const SplatSelection& model);
 
+/// Where the steps of encode_spz() are so coarse that Gaussians are farther from their place than they are large.
+Rounding spz_rounding(const SplatSelection& model);
+
 }  // namespace ngs::io

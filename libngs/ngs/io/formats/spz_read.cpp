@@ -32,7 +32,9 @@ struct SpzData {
 }
 
 void check_header(const std::string& name, const Header& header, std::size_t file_bytes) {
-  if (header.magic != kMagic) bad(name, "compressed data without the signature NGSP, expected an .spz file");
+  if (header.magic != kMagic)
+    throw Error(ErrorCode::kBadInput, name + ": compressed data without the signature NGSP, expected an .spz file",
+                "unpack it where another file was compressed (gunzip), or copy it again");
   if (header.version < 1 || header.version > kLastVersion)
     bad(name, "version " + std::to_string(header.version) + " of .spz, expected 1 to 4");
   if (header.degree > kMostDegree) bad(name, "SH degree " + std::to_string(header.degree) + ", expected 0 to 4");

@@ -8,6 +8,7 @@
 #include "ngs/io/formats/quantise.h"
 #include "ngs/io/formats/spz.h"
 #include "ngs/io/formats/spz_layout.h"
+#include "ngs/scene/precision/local_origin.h"
 
 namespace ngs::io {
 namespace {
@@ -17,11 +18,21 @@ using namespace spz;
 constexpr std::uint32_t kWrittenVersion = 3;  // every reader knows it
 constexpr int kMostFractionalBits = 16;
 
-int fractional_bits(const SplatSelection& model) {
-  constexpr double kMostFixed = 0x7fffff;
-  double farthest = 0;
+struct Farthest {
+  double coordinate = 0;
+  std::int64_t row = 0;
+};
+
+Farthest farthest_of(const SplatSelection& model) {
+  Farthest farthest;
   for (const std::int64_t i : model.rows)
-    for (const float p : load_row(model.cloud, i).position) farthest = std::max(farthest, std::abs(double(p)));
+    for (const float p : load_row(model, i).position)
+      if (std::abs(double(p)) > farthest.coordinate) farthest = {std::abs(double(p)), i};
+  return farthest;
+}
+
+int fractional_bits(double farthest) {
+  constexpr double kMostFixed = 0x7fffff;
   for (int bits = kMostFractionalBits; bits >= 0; --bits)
     if (std::nearbyint(std::ldexp(farthest, bits)) <= kMostFixed) return bits;
   throw Error(ErrorCode::kUsage, "a coordinate of " + std::to_string(farthest) + ", .spz holds up to 8388607",
@@ -88,13 +99,20 @@ class Encoder {
 }  // namespace
 
 std::vector<std::uint8_t> encode_spz(const SplatSelection& model) {
-  Encoder encoder(model, fractional_bits(model));
+  Encoder encoder(model, fractional_bits(farthest_of(model).coordinate));
   for (std::size_t i = 0; i < model.rows.size(); ++i) {
-    SplatRow row = load_row(model.cloud, model.rows[i]);
+    SplatRow row = load_row(model, model.rows[i]);
     reverse_axes(row, kRightUpBack);
     encoder.store(i, row);
   }
   return gzip(encoder.bytes());
+}
+
+Rounding spz_rounding(const SplatSelection& model) {
+  const Farthest farthest = farthest_of(model);
+  const double step = std::ldexp(1, -fractional_bits(farthest.coordinate));
+  if (0.5 * step <= usual_size(model.cloud)) return {};
+  return {std::ssize(model.rows), step, farthest.row, farthest.coordinate};
 }
 
 }  // namespace ngs::io

@@ -1,5 +1,7 @@
 #include "ngs/io/formats/write_splat.h"
 
+#include <cstdio>
+
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
@@ -9,6 +11,7 @@
 #include "ngs/io/formats/sog.h"
 #include "ngs/io/formats/splat_format.h"
 #include "ngs/io/formats/spz.h"
+#include "ngs/scene/precision/local_origin.h"
 
 namespace ngs::io {
 namespace {
@@ -27,12 +30,44 @@ std::vector<std::uint8_t> encode(SplatFormat format, const SplatSelection& model
   return {};
 }
 
+std::string short_number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.10g", value);
+  return text;
+}
+
+void note_origin(const std::string& path, const GaussianCloud& cloud, std::vector<std::string>& notes) {
+  if (!needs_local_origin(cloud)) return;
+  const bool is_ply = output_format(path) == SplatFormat::kPly;
+  notes.push_back(path + ": positions are relative to " + short_number(cloud.origin[0]) + "," +
+                  short_number(cloud.origin[1]) + "," + short_number(cloud.origin[2]) +
+                  (is_ply ? ", which its comment ngs-origin names" : ", which the format cannot hold") +
+                  ": in the world's coordinates float would round them to " + short_number(float_spacing(cloud)));
+}
+
+void note_rounding(const std::string& path, const SplatSelection& model, std::vector<std::string>& notes) {
+  const SplatFormat format = output_format(path);
+  Rounding rounding;
+  if (format == SplatFormat::kSpz) rounding = spz_rounding(model);
+  if (format == SplatFormat::kCompressedPly) rounding = compressed_ply_rounding(model);
+  if (rounding.rows == 0) return;
+  notes.push_back(path + ": " + std::to_string(rounding.rows) + " of " + std::to_string(model.rows.size()) +
+                  " positions are rounded to steps of " + short_number(rounding.step) +
+                  ", wider than the Gaussians: row " + std::to_string(rounding.farthest) + " of the model lies at " +
+                  short_number(rounding.coordinate) +
+                  "; leave it out (ngs-clean takes lone Gaussians out), or write .ply or .sog");
+}
+
 std::vector<std::string> write_encoded(const std::string& path, const SplatSelection& model) {
   const std::vector<std::uint8_t> bytes = with_context(path, [&] { return encode(output_format(path), model); });
   write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-  if (model.left_out == 0) return {};
-  return {path + ": " + std::to_string(model.left_out) +
-          " Gaussians have values that are not finite or absurd and are left out; a PLY keeps them"};
+  std::vector<std::string> notes;
+  note_origin(path, model.cloud, notes);
+  note_rounding(path, model, notes);
+  if (model.left_out > 0)
+    notes.push_back(path + ": " + std::to_string(model.left_out) +
+                    " Gaussians have values that are not finite or absurd and are left out; a PLY keeps them");
+  return notes;
 }
 
 }  // namespace
@@ -41,14 +76,16 @@ std::vector<std::string> write_splat(const std::string& path, const GaussianClou
                                      const std::vector<std::uint8_t>& keep, const std::vector<std::string>& comments) {
   if (output_format(path) != SplatFormat::kPly) return write_encoded(path, select_rows(cloud, keep));
   write_strict_ply(path, cloud, keep, comments);
-  return {};
+  std::vector<std::string> notes;
+  return note_origin(path, cloud, notes), notes;
 }
 
 std::vector<std::string> write_splat(const std::string& path, const GaussianPly& model,
                                      const std::vector<std::uint8_t>& keep) {
   if (output_format(path) != SplatFormat::kPly) return write_encoded(path, select_rows(model.cloud, keep));
   write_strict_ply(path, model, keep);
-  return {};
+  std::vector<std::string> notes;
+  return note_origin(path, model.cloud, notes), notes;
 }
 
 }  // namespace ngs::io

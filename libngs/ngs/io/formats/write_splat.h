@@ -9,7 +9,8 @@
 namespace ngs::io {
 
 /// Rows with keep[i] != 0, in order; an empty `keep` means all. Returns what the reader of a log should know, one
-/// sentence each: how many rows were left out because the format cannot hold them. `comments` go into PLY only.
+/// sentence each: how many rows were left out because the format cannot hold them, positions that are relative to the
+/// cloud's origin, and steps that are wider than the Gaussians. `comments` go into PLY only.
 std::vector<std::string> write_splat(const std::string& path, const GaussianCloud& cloud,
                                      const std::vector<std::uint8_t>& keep,
                                      const std::vector<std::string>& comments = {});

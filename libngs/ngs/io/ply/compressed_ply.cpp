@@ -42,7 +42,8 @@ class Decoder {
         bad(std::to_string(sh_.rows) + " rows of 'sh', expected " + std::to_string(rows_.rows));
       for (std::size_t k = 0; sh_.column("f_rest_" + std::to_string(k)); ++k)
         rest_.push_back(sh_.column("f_rest_" + std::to_string(k)));
-      if (rest_.size() != 0 && rest_.size() != 9 && rest_.size() != 24 && rest_.size() != 45)
+      if (rest_.size() != 0 && rest_.size() != 9 && rest_.size() != 24 && rest_.size() != 45 &&
+          excess_sh_degree(rest_.size()) == 0)
         bad(std::to_string(rest_.size()) + " properties f_rest_*, expected 0, 9, 24 or 45 (SH degree 0 to 3)");
     }
   }

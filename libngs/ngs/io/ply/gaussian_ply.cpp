@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "ngs/core/error.h"
+#include "ngs/io/files/shell_word.h"
+#include "ngs/io/formats/compression/packed_model.h"
 #include "ngs/io/formats/decode_splat.h"
 #include "ngs/io/ply/gaussian_columns.h"
 #include "ngs/io/ply/ply_scan.h"
@@ -22,7 +25,7 @@ struct Columns {
 
 class Reader {
  public:
-  Reader(GaussianPly& ply, HigherBands bands) : ply_(ply), name_(ply.file.name()), bands_(bands) {}
+  Reader(GaussianPly& ply, const ReadOptions& options) : ply_(ply), name_(ply.file.name()), options_(options) {}
 
   void read() {
     load_rows();
@@ -32,7 +35,7 @@ class Reader {
   /// For rows that are there: those of a format other than PLY.
   void interpret_rows() {
     find_columns();
-    ply_.cloud.resize(ply_.rows.rows, bands_ == HigherBands::kRead ? degree() : 0);
+    ply_.cloud.resize(ply_.rows.rows, options_.bands == HigherBands::kRead ? degree() : 0);
     choose_origin();
     find_labels();
     copy_rows();
@@ -51,6 +54,7 @@ class Reader {
     if (is_compressed(ply_.file)) {
       ply_.rows = decode_compressed(ply_.file);
       ply_.notes.push_back("compressed.ply: attributes are quantised");
+      adapt_foreign_columns();
       return;
     }
     const PlyElement* vertex = ply_.file.find("vertex");
@@ -60,7 +64,28 @@ class Reader {
       ply_.notes.push_back("list properties of the Gaussians are left out");
     for (const PlyElement& e : ply_.file.elements())
       if (&e != vertex) ply_.notes.push_back("element '" + e.name + "' is left out");
+    adapt_foreign_columns();
     if (has_3d_filter(ply_.rows)) fuse_filter();
+  }
+
+  void adapt_foreign_columns() {
+    if (has_scalar_names(ply_.rows)) {
+      drop_scalar_prefix(ply_.rows);
+      ply_.notes.push_back("properties scalar_NAME (CloudCompare) are read as NAME");
+    }
+    if (const int degree = excess_sh_degree(rest_columns_of(ply_.rows)); degree > 0) {
+      ply_.rows = cut_sh(ply_.rows, degree);
+      ply_.notes.push_back("SH of degree 4 and more are left out, 0 to 3 are read");
+    }
+    const Activated activated = find_activated(ply_.rows);
+    if (options_.encoding == ValueEncoding::kActivated) {
+      if (!activated) bad("scale_* and opacity are logarithms and logits already, expected lengths and shares of 1");
+      ply_.rows = deactivated(ply_.rows, activated);
+      ply_.notes.push_back(describe(activated) + ": converted");
+    } else if (activated) {
+      bad(describe(activated) + ", expected values as they are before activation",
+          "to convert them: ngs-extract " + shell_word(name_) + " --activated --object converted.ply");
+    }
   }
 
   /// Those who train with a 3D filter render with the opacity compensation. No file of ours has the column.
@@ -94,8 +119,7 @@ class Reader {
     for (int k = 0; k < 4; ++k) columns_.rotation[std::size_t(k)] = required("rot_" + std::to_string(k));
     columns_.opacity = required("opacity");
     for (int c = 0; c < 3; ++c) columns_.sh_dc[std::size_t(c)] = required("f_dc_" + std::to_string(c));
-    std::size_t rest = 0;
-    for (const PlyProperty& p : ply_.rows.properties) rest += p.name.starts_with("f_rest_");
+    const std::size_t rest = rest_columns_of(ply_.rows);
     if (rest != 0 && rest != 9 && rest != 24 && rest != 45)
       bad(std::to_string(rest) + " properties f_rest_*, expected 0, 9, 24 or 45 (SH degree 0 to 3)");
     for (std::size_t k = 0; k < rest; ++k) columns_.rest.push_back(required("f_rest_" + std::to_string(k)));
@@ -112,24 +136,13 @@ class Reader {
   // Only double coordinates have detail that float would lose; the centre is a float, so that a strict file
   // and its cameras need no more digits than the centre has.
   void choose_origin() {
-    if (std::none_of(columns_.position.begin(), columns_.position.end(),
-                     [](const PlyColumn& c) { return c.type == PlyType::kFloat64; }))
-      return;
-    std::array<double, 3> low, high;
-    low.fill(INFINITY), high.fill(-INFINITY);
-    for (std::size_t a = 0; a < 3; ++a)
-      for (std::int64_t i = 0; i < ply_.rows.rows; ++i)
-        if (const double v = columns_.position[a].value(i); std::abs(v) < 1e30)
-          low[a] = std::min(low[a], v), high[a] = std::max(high[a], v);
-    double half_extent = 0, distance = 0;
-    for (std::size_t a = 0; a < 3; ++a) {
-      if (low[a] > high[a]) return;
-      half_extent = std::max(half_extent, 0.5 * (high[a] - low[a]));
-      distance = std::max(distance, std::abs(0.5 * (low[a] + high[a])));
+    if (const auto named = origin_in(ply_.comments)) {
+      ply_.cloud.origin = *named, is_relative_ = true;
+      ply_.notes.push_back("positions are relative to the origin that the comment ngs-origin names");
+    } else if (const auto found = far_origin(columns_.position, ply_.rows.rows)) {
+      ply_.cloud.origin = *found;
+      ply_.notes.push_back("double positions far from 0 are worked on relative to their middle");
     }
-    if (distance <= 8 * half_extent) return;
-    for (std::size_t a = 0; a < 3; ++a) ply_.cloud.origin[a] = double(float(0.5 * (low[a] + high[a])));
-    ply_.notes.push_back("double positions far from 0 are kept relative to their centre; strict outputs round them");
   }
 
   /// f(row) for all rows; of a mapped file only a part is in memory at a time.
@@ -155,9 +168,9 @@ class Reader {
   void copy_position(std::int64_t i) {
     for (std::size_t a = 0; a < 3; ++a) {
       const PlyColumn& column = columns_.position[a];
-      ply_.cloud.position[std::size_t(i) * 3 + a] = column.type == PlyType::kFloat32 && ply_.cloud.origin[a] == 0
-                                                        ? column.value_float(i)
-                                                        : float(column.value(i) - ply_.cloud.origin[a]);
+      const double origin = is_relative_ ? 0 : ply_.cloud.origin[a];
+      ply_.cloud.position[std::size_t(i) * 3 + a] =
+          column.type == PlyType::kFloat32 && origin == 0 ? column.value_float(i) : float(column.value(i) - origin);
     }
   }
 
@@ -170,7 +183,7 @@ class Reader {
     float* scale = &cloud.log_scale[r * 3];
     for (std::size_t k = 0; k < 2; ++k) scale[k] = columns_.scale[k].value_float(i);
     scale[2] = columns_.scale[2] ? columns_.scale[2].value_float(i) : std::min(scale[0], scale[1]) - kLog1000;
-    if (bands_ == HigherBands::kCheckOnly) {
+    if (options_.bands == HigherBands::kCheckOnly) {
       // A band that is not finite excludes the row; so does a constant band that is not.
       for (const PlyColumn& column : columns_.rest)
         if (!std::isfinite(column.value_float(i))) cloud.sh_dc[r * 3] = NAN;
@@ -303,9 +316,10 @@ class Reader {
   static constexpr float kLog1000 = 6.9077554f;
   GaussianPly& ply_;
   std::string name_;
-  HigherBands bands_;
+  ReadOptions options_;
   Columns columns_;
   Wanted wanted_;
+  bool is_relative_ = false;  // the positions in the file are
 };
 
 }  // namespace
@@ -326,30 +340,41 @@ std::string column_suffix(const std::string& object) {
 
 namespace {
 
-GaussianPly read(PlyFile file, HigherBands bands = HigherBands::kRead) {
+GaussianPly read(PlyFile file, const ReadOptions& options = {}) {
   GaussianPly ply;
   ply.file = std::move(file);
-  Reader(ply, bands).read();
+  Reader(ply, options).read();
   return ply;
 }
 
-GaussianPly read(const std::string& name, DecodedSplat decoded, HigherBands bands) {
+GaussianPly read(const std::string& name, DecodedSplat decoded, const ReadOptions& options) {
+  if (options.encoding == ValueEncoding::kActivated)
+    throw Error(ErrorCode::kBadInput, name + ": no PLY, expected one whose columns hold activated values",
+                "leave out --activated: other formats say how their values are stored");
   GaussianPly ply;
   ply.file = PlyFile::named(name);
   ply.rows = std::move(decoded.rows);
   ply.notes = std::move(decoded.notes);
   if (decoded.antialiased) ply.comments.push_back(kAntialiasedComment);
-  Reader(ply, bands).interpret_rows();
+  Reader(ply, options).interpret_rows();
   return ply;
 }
 
 }  // namespace
 
-GaussianPly read_gaussian_ply(const std::string& path, HigherBands bands) {
+GaussianPly read_gaussian_ply(const std::string& path, const ReadOptions& options) {
   MappedFile mapped(path);
   const SplatFormat format = input_format(path, mapped.bytes());
-  if (format == SplatFormat::kPly) return read(PlyFile::parse(path, std::move(mapped)), bands);
-  return read(path, decode_splat(format, path, mapped.bytes()), bands);
+  if (format == SplatFormat::kSpz || format == SplatFormat::kSog) {
+    if (std::optional<PackedPly> packed = unpack_ply(path, mapped.bytes())) {
+      GaussianPly ply = read(PlyFile::parse(path, MappedFile(std::move(packed->bytes))), options);
+      ply.notes.push_back(packed->note);
+      return ply;
+    }
+  }
+  if (format != SplatFormat::kPly) return read(path, decode_splat(format, path, mapped.bytes()), options);
+  refuse_known_file(path, mapped.bytes());
+  return read(PlyFile::parse(path, std::move(mapped)), options);
 }
 
 GaussianPly parse_gaussian_ply(std::string name, Bytes bytes) { return read(PlyFile::parse(std::move(name), bytes)); }

@@ -1,9 +1,10 @@
 #pragma once
 // Gaussian splatting models in PLY, read by property name: the Inria layout with or without normals, SH
-// degree 0-3 (0, 9, 24 or 45 f_rest; anything else is refused), columns in any order and of any scalar type,
-// foreign columns (`mask`, `obj_dc_*`, ...) and elements, ascii and both byte orders, 2DGS without scale_2,
-// SuperSplat's compressed.ply, and Mip-Splatting's filter_3D, which becomes part of scales and opacities.
-// Missing or contradictory columns are kBadInput.
+// degree 0-3 (0, 9, 24 or 45 f_rest; higher degrees are cut to 3, other numbers refused), columns in any order and of
+// any scalar type, foreign columns (`mask`, `obj_dc_*`, ...) and elements, ascii and both byte orders, 2DGS without
+// scale_2, SuperSplat's compressed.ply, Mip-Splatting's filter_3D, which becomes part of scales and opacities,
+// CloudCompare's scalar_NAME, and any of these in a gzip stream or alone in a zip archive. Missing or contradictory
+// columns are kBadInput.
 //
 // Three profiles are written, all binary little-endian and free of clock, host and path:
 //   strict      exactly the Inria record: x y z nx ny nz (0) f_dc_0..2 f_rest_* opacity scale_0..2 rot_0..3,
@@ -30,7 +31,7 @@ struct NamedLabels {
 
 struct GaussianPly {
   PlyFile file;   // kept: `rows` may borrow from it
-  PlyTable rows;  // the input's columns, verbatim; of compressed.ply and with filter_3D the decoded ones
+  PlyTable rows;  // the input's columns, verbatim; of compressed.ply, with filter_3D and cut SH the decoded ones
   std::vector<std::string> comments;  // the file's, and how to render it where only a column said so
   GaussianCloud cloud;
   CloudHealth health;
@@ -49,13 +50,21 @@ struct GaussianPly {
 ///
 /// A PLY is memory-mapped; costs the SoA cloud and nothing else for a plain little-endian file without filter_3D.
 /// `health` and `cloud.usable` are filled (classify()). A 2DGS model gets log_scale[2] = min(log_scale[0..1]) - ln
-/// 1000. Positions stored as double far from 0 (bounding box centre > 8 half extents away) are kept relative to
-/// `cloud.origin`, so that float does not round the detail away.
+/// 1000. Positions stored as double far from 0 (the box of all or of the middle 80 % more than 8 half extents away) are
+/// kept relative to `cloud.origin`, so that float does not round the detail away; positions of a file with the comment
+/// "ngs-origin X Y Z" are relative to it.
 ///
 /// kCheckOnly: `cloud` has degree 0, but rows whose higher bands are not finite are excluded all the same; the file is
 /// intact, so a labelled copy keeps them. For tools that never look at colour: a quarter of the memory at degree 3.
 enum class HigherBands : std::uint8_t { kRead, kCheckOnly };
-GaussianPly read_gaussian_ply(const std::string& path, HigherBands bands = HigherBands::kRead);
+/// kTrained: scale_* are logarithms and opacity a logit; a PLY in which they are not is kBadInput, with the command
+/// that converts it. kActivated: such a PLY is read, any other file is kBadInput.
+enum class ValueEncoding : std::uint8_t { kTrained, kActivated };
+struct ReadOptions {
+  HigherBands bands = HigherBands::kRead;
+  ValueEncoding encoding = ValueEncoding::kTrained;
+};
+GaussianPly read_gaussian_ply(const std::string& path, const ReadOptions& options = {});
 
 /// The same on a buffer that outlives the result.
 GaussianPly parse_gaussian_ply(std::string name, Bytes bytes);
@@ -69,7 +78,9 @@ inline std::vector<std::string> trained_comments(const std::string& history, boo
 /// "ngs <tool> <version> <options>", the line to append to `history` below.
 std::string history_line(const std::string& tool, const std::string& options_json);
 
-/// Rows with keep[i] != 0, in order; an empty `keep` means all. `comments` are written as they are.
+/// Rows with keep[i] != 0, in order; an empty `keep` means all. `comments` are written as they are. Where float does
+/// not hold the world's coordinates (needs_local_origin()), positions are relative to the cloud's origin, which a
+/// comment ngs-origin names.
 void write_strict_ply(const std::string& path, const GaussianCloud& cloud, const std::vector<std::uint8_t>& keep,
                       const std::vector<std::string>& comments = {});
 /// The same with the comments of the input that say how to render it.

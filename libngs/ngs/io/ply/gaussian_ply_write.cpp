@@ -8,6 +8,7 @@
 #include "ngs/io/ply/gaussian_columns.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/ply/kept_columns.h"
+#include "ngs/scene/precision/local_origin.h"
 
 namespace ngs::io {
 namespace {
@@ -95,8 +96,9 @@ class RowSource {
   void list_edits() {
     const std::size_t rest = std::size_t(source_.cloud.rest_count());
     const char* axes[] = {"x", "y", "z"};
+    const bool is_relative = origin_in(source_.comments).has_value();
     for (std::size_t a = 0; a < 3; ++a) {
-      add_edit(axes[a], &GaussianCloud::position, a, 3, source_.cloud.origin[a]);
+      add_edit(axes[a], &GaussianCloud::position, a, 3, is_relative ? 0 : source_.cloud.origin[a]);
       add_edit("scale_" + std::to_string(a), &GaussianCloud::log_scale, a, 3);
       add_edit("f_dc_" + std::to_string(a), &GaussianCloud::sh_dc, a, 3);
       for (std::size_t k = 0; k < rest; ++k)
@@ -177,14 +179,14 @@ PlyElement inria_element(std::int64_t count, int sh_degree) {
   return element;
 }
 
-void store_inria_row(const GaussianCloud& cloud, std::int64_t i, std::uint8_t* to) {
+void store_inria_row(const GaussianCloud& cloud, const std::array<double, 3>& shift, std::int64_t i, std::uint8_t* to) {
   const std::size_t r = std::size_t(i), rest = std::size_t(cloud.rest_count());
   float row[62];
   float* at = row;
-  const bool moved = cloud.origin != std::array<double, 3>{};
+  const bool moved = shift != std::array<double, 3>{};
   for (std::size_t a = 0; a < 3; ++a) {
     const float p = cloud.position[r * 3 + a];
-    *at++ = moved ? float(cloud.origin[a] + double(p)) : p;
+    *at++ = moved ? float(shift[a] + double(p)) : p;
   }
   for (int a = 0; a < 3; ++a) *at++ = 0;
   at = std::copy_n(&cloud.sh_dc[r * 3], 3, at);
@@ -231,9 +233,13 @@ LabelColumns union_of(std::span<const NamedLabels> objects) {
 
 void write_strict_ply(const std::string& path, const GaussianCloud& cloud, const std::vector<std::uint8_t>& keep,
                       const std::vector<std::string>& comments) {
-  PlyWriter writer(path, inria_element(count_kept(cloud.size(), keep), cloud.sh_degree), comments);
+  const bool is_local = needs_local_origin(cloud);
+  std::vector<std::string> all_comments = comments;
+  if (is_local) all_comments.push_back(origin_comment(cloud.origin));
+  PlyWriter writer(path, inria_element(count_kept(cloud.size(), keep), cloud.sh_degree), all_comments);
+  const std::array<double, 3> shift = is_local ? std::array<double, 3>{} : cloud.origin;
   for (std::int64_t i = 0; i < cloud.size(); ++i)
-    if (keep.empty() || keep[std::size_t(i)]) store_inria_row(cloud, i, writer.row());
+    if (keep.empty() || keep[std::size_t(i)]) store_inria_row(cloud, shift, i, writer.row());
   writer.commit();
 }
 

@@ -106,6 +106,16 @@ PlyFile PlyFile::parse(std::string name, Bytes bytes) {
   return file;
 }
 
+PlyFile PlyFile::header_of(const std::string& path) {
+  const MappedFile mapped(path);
+  PlyFile file;
+  file.name_ = path;
+  file.bytes_ = mapped.bytes();
+  file.parse_header();
+  file.bytes_ = {};
+  return file;
+}
+
 PlyFile PlyFile::named(std::string name) {
   PlyFile file;
   file.name_ = std::move(name);

@@ -24,6 +24,8 @@ class PlyFile {
   static PlyFile parse(std::string name, MappedFile mapped);
   /// The same on a buffer that outlives the result. `name` is for messages.
   static PlyFile parse(std::string name, Bytes bytes);
+  /// Elements and comments alone: its rows need not be there.
+  static PlyFile header_of(const std::string& path);
   /// A file of another format, whose rows are decoded elsewhere: its name and nothing in it.
   static PlyFile named(std::string name);
 

@@ -12,9 +12,9 @@
 #include "ngs/io/files/folder_index.h"
 #include "ngs/io/files/regular_file.h"
 #include "ngs/io/files/text_lines.h"
-#include "ngs/io/formats/splat_format.h"
 #include "ngs/io/image/mask_names.h"
 #include "ngs/io/image/masks.h"
+#include "ngs/io/scene/find_model.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/scene/view_names.h"
 
@@ -23,38 +23,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The newest point_cloud/iteration_N/point_cloud.ply of a trainer's output folder.
-std::string newest_iteration(const fs::path& base) {
-  std::uint32_t newest = 0;
-  std::string path;
-  for (const std::string& name : list_folders((base / "point_cloud").string())) {
-    std::uint32_t iteration = 0;
-    const std::string file = (base / "point_cloud" / name / "point_cloud.ply").string();
-    if (name.rfind("iteration_", 0) != 0 || !parse_number(name.substr(10), iteration) || !is_regular_file(file))
-      continue;
-    if (path.empty() || iteration > newest) newest = iteration, path = file;
-  }
-  return path;
-}
-
-std::string find_model(const std::string& base, std::vector<std::string>& notes) {
-  for (const char* name : {"point_cloud.ply", "model.ply"})
-    if (std::string file = (fs::path(base) / name).string(); is_regular_file(file)) return file;
-  if (std::string file = newest_iteration(base); !file.empty()) return file;
-  std::vector<std::string> found, other_formats;
-  std::error_code ignored;
-  for (const fs::directory_entry& entry : fs::directory_iterator(base, ignored)) {
-    const fs::path name = entry.path().filename();
-    if (name.extension() == ".ply" && name != "input.ply" && name != "points3D.ply")
-      found.push_back(entry.path().string());
-    else if (is_model_name(name.string()))
-      other_formats.push_back(entry.path().string());
-  }
-  if (found.empty()) found = other_formats;
-  if (found.size() == 1) return found[0];
-  notes.push_back(base + (found.empty() ? ": no model found" : ": several models found, none chosen") +
-                  " (name it with --ply MODEL)");
-  return {};
+std::string model_beside(const std::string& base, std::vector<std::string>& notes) {
+  const ModelSearch found = find_model(base);
+  for (const std::string& note : {found.problem, found.unused})
+    if (!note.empty()) notes.push_back(note + " (name it with --model PATH)");
+  return found.path;
 }
 
 std::string find_masks_dir(const ImportRequest& request, const std::string& base, std::vector<std::string>& notes) {
@@ -239,7 +212,7 @@ ImportedScene import_scene(const ImportRequest& request) {
   if (!request.model_path.empty())
     scene.model_path = request.model_path;
   else if (!source.rendered)
-    scene.model_path = find_model(source.base, out.notes);
+    scene.model_path = model_beside(source.base, out.notes);
   scene.mask_mode = request.mask_mode, scene.mask_invert = request.mask_invert;
   scene.mask_threshold = request.mask_threshold, scene.missing_mask = request.missing_mask;
   scene.void_id = request.void_id;

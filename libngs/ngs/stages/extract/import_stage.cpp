@@ -7,6 +7,8 @@
 
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
+#include "ngs/ops/field/knn.h"
+#include "ngs/scene/precision/local_origin.h"
 
 namespace ngs {
 namespace {
@@ -22,11 +24,12 @@ struct Keyed {
 
 std::uint32_t bits(double value) { return std::bit_cast<std::uint32_t>(float(value) + 0.0f); }  // -0 is 0
 
-std::vector<Keyed> sorted_keys(const GaussianCloud& cloud) {
+/// Keys of positions that `shift` is added to.
+std::vector<Keyed> sorted_keys(const GaussianCloud& cloud, const std::array<double, 3>& shift) {
   std::vector<Keyed> keys(std::size_t(cloud.size()));
   for (std::size_t i = 0; i < keys.size(); ++i) {
     for (std::size_t a = 0; a < 3; ++a) {
-      keys[i].key[a] = bits(cloud.origin[a] + double(cloud.position[i * 3 + a]));
+      keys[i].key[a] = bits(shift[a] + double(cloud.position[i * 3 + a]));
       keys[i].key[4 + a] = bits(cloud.sh_dc[i * 3 + a]);
     }
     keys[i].key[3] = bits(cloud.logit_opacity[i]);
@@ -52,10 +55,10 @@ void pair_group(std::span<const Keyed> model, std::span<const Keyed> edit, std::
   for (std::size_t k = 0; k < std::min(model_left.size(), edit_left.size()); ++k) found[edit_left[k]] = model_left[k];
 }
 
-/// [edit rows] row of the model, -1 where there is none.
-std::vector<std::int64_t> match_rows(const GaussianCloud& cloud, const GaussianCloud& edit) {
-  const std::vector<Keyed> model = sorted_keys(cloud), edited = sorted_keys(edit);
-  std::vector<std::int64_t> found(edited.size(), -1);
+using RowPairs = std::vector<std::int64_t>;  // [edit rows] row of the model, -1 where there is none
+
+RowPairs match_sorted(const std::vector<Keyed>& model, const std::vector<Keyed>& edited) {
+  RowPairs found(edited.size(), -1);
   const auto lies_before = [](const Keyed& a, const Keyed& b) {
     return std::lexicographical_compare(a.key.begin(), a.key.begin() + 3, b.key.begin(), b.key.begin() + 3);
   };
@@ -72,6 +75,86 @@ std::vector<std::int64_t> match_rows(const GaussianCloud& cloud, const GaussianC
     if (!first) e = e_end;
   }
   return found;
+}
+
+std::int64_t matched_of(const RowPairs& found) {
+  return std::count_if(found.begin(), found.end(), [](std::int64_t row) { return row >= 0; });
+}
+
+/// In the world, where float holds it; of a model far from 0 also relative to its origin, as outputs hold it: an editor
+/// may have dropped the comment that names the origin.
+RowPairs match_rows(const GaussianCloud& cloud, const GaussianCloud& edit) {
+  constexpr std::array<double, 3> kNone{};
+  RowPairs best = match_sorted(sorted_keys(cloud, cloud.origin), sorted_keys(edit, edit.origin));
+  if (cloud.origin == kNone) return best;
+  std::array<double, 3> apart;
+  for (std::size_t a = 0; a < 3; ++a) apart[a] = edit.origin[a] - cloud.origin[a];
+  const std::vector<Keyed> local = sorted_keys(cloud, kNone);
+  for (const std::array<double, 3>& shift : {apart, kNone})
+    if (RowPairs found = match_sorted(local, sorted_keys(edit, shift)); matched_of(found) >= matched_of(best))
+      best = std::move(found);
+  return best;
+}
+
+/// Positions of the usable rows and which rows they are.
+struct Points {
+  std::vector<float> position;
+  std::vector<std::int64_t> row;
+  Rows<const float, 3> rows() const { return {position.data(), std::ssize(row)}; }
+};
+
+Points points_of(const GaussianCloud& cloud, const std::array<double, 3>& shift) {
+  Points points;
+  for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
+    if (!cloud.usable[i]) continue;
+    for (std::size_t a = 0; a < 3; ++a) points.position.push_back(float(shift[a] + double(cloud.position[i * 3 + a])));
+    points.row.push_back(std::int64_t(i));
+  }
+  return points;
+}
+
+/// The nearest pairs first, each row once. None at all where half of the pairs are so far apart that the edit was
+/// moved.
+RowPairs match_nearest(const GaussianCloud& cloud, const GaussianCloud& edit, const std::array<double, 3>& shift) {
+  constexpr int kNeighbours = 4;
+  constexpr double kFarthest = 0.25, kUsual = 1.0 / 16;  // of the usual size
+  const Points model = points_of(cloud, {}), edited = points_of(edit, shift);
+  const KnnGraph graph = nearest_points({}, model.rows(), edited.rows(), kNeighbours);
+  struct Pair {
+    float distance2;
+    std::size_t edited, model;
+    auto operator<=>(const Pair&) const = default;
+  };
+  std::vector<Pair> pairs;
+  const double size = usual_size(cloud), most2 = kFarthest * kFarthest * size * size;
+  for (std::size_t e = 0; e < edited.row.size(); ++e)
+    for (int k = 0; k < graph.neighbours; ++k) {
+      const std::size_t edge = e * std::size_t(graph.neighbours) + std::size_t(k);
+      const float distance2 = graph.dist2[edge];
+      if (double(distance2) <= most2) pairs.push_back({distance2, e, graph.index[edge]});
+    }
+  std::ranges::sort(pairs);
+  RowPairs found(std::size_t(edit.size()), -1);
+  std::vector<std::uint8_t> taken(model.row.size(), 0);
+  std::vector<float> distances2;
+  for (const Pair& pair : pairs) {
+    std::int64_t& row = found[std::size_t(edited.row[pair.edited])];
+    if (row >= 0 || taken[pair.model]) continue;
+    row = model.row[pair.model], taken[pair.model] = 1, distances2.push_back(pair.distance2);
+  }
+  if (distances2.empty() || double(distances2[distances2.size() / 2]) > kUsual * kUsual * size * size)
+    found.assign(found.size(), -1);
+  return found;
+}
+
+/// The same, of positions that the edit's format has rounded.
+RowPairs match_rounded(const GaussianCloud& cloud, const GaussianCloud& edit) {
+  std::array<double, 3> apart;
+  for (std::size_t a = 0; a < 3; ++a) apart[a] = edit.origin[a] - cloud.origin[a];
+  RowPairs best = match_nearest(cloud, edit, apart);
+  if (apart == std::array<double, 3>{}) return best;
+  RowPairs local = match_nearest(cloud, edit, {});
+  return matched_of(local) > matched_of(best) ? local : best;
 }
 
 /// [rows of the model] -1 not in the edit, 0 background, 1 object.
@@ -109,9 +192,10 @@ ImportedEdit import_edit(const GaussianCloud& cloud, const std::vector<std::uint
   const std::size_t n = std::size_t(cloud.size());
   NGS_CHECK(object.size() == n && label.size() == n, "one decision and one label per Gaussian");
   NGS_CHECK(state.empty() || std::int64_t(state.size()) == edit.size(), "one state per edited row");
-  const std::vector<std::int64_t> found = match_rows(cloud, edit);
+  RowPairs found = match_rows(cloud, edit);
   ImportedEdit out{.label = label, .fixed = std::vector<float>(n, 0.f)};
-  out.matched = std::count_if(found.begin(), found.end(), [](std::int64_t row) { return row >= 0; });
+  if (2 * matched_of(found) < edit.size()) found = match_rounded(cloud, edit), out.by_nearest = true;
+  out.matched = matched_of(found);
   out.unmatched = edit.size() - out.matched;
   if (2 * out.matched < edit.size())
     throw Error(ErrorCode::kInconsistent,

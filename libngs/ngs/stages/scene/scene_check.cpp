@@ -94,33 +94,49 @@ class PhotoCheck {
         splat_(splat_options({}, cloud, scene)) {}
 
   /// Notes how well each photo is matched, and warns; throws where they are not.
-  void check(const std::vector<Shot>& shots, SceneCheck& result) {
-    std::vector<double> gains, psnrs;
-    {
-      const auto timed = monitor_.scope("compare");
-      for (const Shot& shot : shots) {
-        const PhotoMatch match = best_match({shot.camera, shot.photo});
-        gains.push_back(match.gain_db()), psnrs.push_back(match.psnr_db);
-        result.views[shot.view].match = match;
-        monitor_.progress(std::int64_t(psnrs.size()), std::int64_t(shots.size()));
-      }
-    }
-    result.median_fit_db = median(gains), result.median_psnr_db = median(psnrs);
+  void check(const std::vector<Shot>& shots, bool compat_is_default, SceneCheck& result) {
+    compare(shots, result);
     std::vector<Camera> cameras;
     for (const Shot& shot : shots) cameras.push_back(shot.camera);
     const double too_near = share_too_near(cloud_, cameras, scene_.compat);
+    if (scene_.compat == Compat::kInria && too_near > kSomeTooNear) ask_gsplat(shots, compat_is_default, result);
     if (!(result.median_fit_db >= options_.min_fit_db)) refuse(shots, too_near, result);
-    for (std::size_t i = 0; i < shots.size(); ++i)
-      if (gains[i] < options_.min_fit_db)
-        result.warnings.push_back("view " + scene_.views[shots[i].view].camera.name +
-                                  ": the model explains its photo only " + decibels(gains[i]) +
-                                  " better than a constant colour (" + decibels(psnrs[i]) + ")");
-    if (scene_.compat != Compat::kInria || !(too_near > kSomeTooNear)) return;
-    if (const double more_db = gain_by_gsplat(shots) - result.median_fit_db; more_db > kGsplatGain_db)
-      result.warnings.push_back("the model explains the photos " + decibels(more_db) + " better " + kGsplatRemedy);
+    for (const Shot& shot : shots)
+      if (const PhotoMatch& match = *result.views[shot.view].match; match.gain_db() < options_.min_fit_db)
+        result.warnings.push_back("view " + scene_.views[shot.view].camera.name +
+                                  ": the model explains its photo only " + decibels(match.gain_db()) +
+                                  " better than a constant colour (" + decibels(match.psnr_db) + ")");
   }
 
  private:
+  void compare(const std::vector<Shot>& shots, SceneCheck& result) {
+    const auto timed = monitor_.scope("compare");
+    std::vector<double> gains, psnrs;
+    for (const Shot& shot : shots) {
+      const PhotoMatch match = best_match({shot.camera, shot.photo});
+      gains.push_back(match.gain_db()), psnrs.push_back(match.psnr_db);
+      result.views[shot.view].match = match;
+      monitor_.progress(std::int64_t(psnrs.size()), std::int64_t(shots.size()));
+    }
+    result.median_fit_db = median(gains), result.median_psnr_db = median(psnrs);
+  }
+
+  /// Where part of the model is nearer than the near plane of 3DGS: what do the photos say of gsplat's?
+  void ask_gsplat(const std::vector<Shot>& shots, bool compat_is_default, SceneCheck& result) {
+    const double more_db = gain_by_gsplat(shots) - result.median_fit_db;
+    if (!(more_db > kGsplatGain_db)) return;
+    const std::string better = "the model explains the photos " + decibels(more_db) + " better ";
+    if (!compat_is_default) {
+      result.warnings.push_back(better + kGsplatRemedy);
+      return;
+    }
+    result.compat = splat_.compat = Compat::kGsplat;
+    result.warnings.push_back(better +
+                              "by the rules of gsplat, whose near plane is nearer: they are taken (--compat "
+                              "inria takes those of 3DGS)");
+    compare(shots, result);
+  }
+
   SplatOptions with_filter(double filter_px2) const {
     SplatOptions out = splat_;
     out.blur_px2 = filter_px2;
@@ -193,9 +209,9 @@ class PhotoCheck {
 
   /// What to do where the model does not fit the photos.
   std::string remedy(const std::vector<Shot>& shots, double too_near, const std::vector<ViewCheck>& views) {
-    if (too_near > kTooNear && gain_by_gsplat(shots) >= options_.min_fit_db)
+    if (too_near > kSomeTooNear && gain_by_gsplat(shots) >= options_.min_fit_db)
       return std::string("it fits ") + kGsplatRemedy;
-    if (too_near > kTooNear && gain_scaled_up(shots) >= options_.min_fit_db) return kTooNearRemedy;
+    if (too_near > kSomeTooNear && gain_scaled_up(shots) >= options_.min_fit_db) return kTooNearRemedy;
     if (const PoseRepair* repair = find_repair(shots)) return "it fits if " + repair->mistake + ": " + repair->remedy;
     if (const double recoloured_db = median_recoloured_gain(shots, views); recoloured_db >= options_.min_fit_db)
       return "the poses fit, the colours do not: with a gain and an offset per channel it is " +
@@ -252,7 +268,7 @@ void check_cloud(const Exec& exec, Monitor& monitor, const SceneCheckOptions& op
   if (shots.empty())
     check_inside_only(result);
   else
-    PhotoCheck(exec, monitor, options, cloud, scene).check(shots, result);
+    PhotoCheck(exec, monitor, options, cloud, scene).check(shots, in.compat_is_default, result);
 }
 
 }  // namespace
@@ -267,6 +283,7 @@ std::vector<std::size_t> evenly_spaced(std::size_t count, std::size_t n) {
 SceneCheck check_scene(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options,
                        const SceneCheckInputs& in) {
   SceneCheck result;
+  result.compat = in.scene.compat;
   result.views.resize(in.scene.views.size());
   if (in.cloud != nullptr) check_cloud(exec, monitor, options, in, result);
   check_masks(monitor, in.scene, in.loaders, result);

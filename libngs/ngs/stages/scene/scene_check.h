@@ -35,6 +35,7 @@ struct SceneCheckInputs {
   const GaussianCloud* cloud;  // null (a scene before its model is fitted): only masks are checked
   const Scene& scene;
   const SceneLoaders& loaders;
+  bool compat_is_default = false;  // nobody has said which renderer fitted the model: the photos decide
 };
 
 SceneCheck check_scene(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options,

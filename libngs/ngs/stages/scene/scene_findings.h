@@ -46,6 +46,7 @@ struct SceneCheck {
   double median_fit_db = 0, median_psnr_db = 0, median_inside = 0;
   std::int64_t sampled_gaussians = 0;  // how many the shares are taken over
   std::vector<std::string> warnings;
+  Compat compat = Compat::kInria;  // the scene's; gsplat where it is a default and the photos fit better by gsplat's
 };
 
 }  // namespace ngs

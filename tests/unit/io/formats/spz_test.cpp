@@ -236,4 +236,22 @@ TEST_CASE("an .spz that lies is refused before memory is taken for it") {
 }
 
 }  // namespace
+TEST_CASE("one row far away from the others is named where it makes the steps wider than the Gaussians") {
+  GaussianCloud cloud = test::plain_cloud(600, 1, 21);
+  for (float& s : cloud.log_scale) s = -4;
+  const test::TempDir dir;
+  for (const char* name : {"m.spz", "m.compressed.ply"}) {
+    CAPTURE(name);
+    GaussianCloud spread = cloud;
+    CHECK(io::write_splat(dir.file(name), spread, {}).empty());
+    spread.position[3 * 77] = 5e6f;
+    const std::vector<std::string> notes = io::write_splat(dir.file(name), spread, {});
+    REQUIRE(notes.size() == 1);
+    CHECK(notes[0].find("row 77 of the model lies at 5000000") != std::string::npos);
+    if (std::string(name) == "m.spz")
+      CHECK(notes[0].find("600 of 600 positions are rounded to steps of 1,") != std::string::npos);
+  }
+  for (const char* name : {"m.ply", "m.sog", "m.splat"}) CHECK(io::write_splat(dir.file(name), cloud, {}).empty());
+}
+
 }  // namespace ngs

@@ -205,6 +205,22 @@ TEST_CASE(
   CHECK(part.check(anything).warnings.empty());
 }
 
+TEST_CASE(
+    "where nobody has said which renderer fitted a model, gsplat's near plane is taken if the photos fit better") {
+  const auto checked = [](const Capture& capture) {
+    Monitor monitor;
+    return check_scene({}, monitor, {.min_fit_db = -100}, {&capture.cloud, capture.scene, capture.loaders(), true});
+  };
+  for (const double factor : {0.02, 0.04}) {
+    const SceneCheck found = checked(shrunk(factor));
+    CHECK(found.compat == Compat::kGsplat);
+    CHECK(found.median_fit_db > 30);
+    REQUIRE(found.warnings.size() == 1);
+    CHECK(found.warnings[0].find("they are taken (--compat inria") != std::string::npos);
+  }
+  CHECK(checked(tiny_capture()).compat == Compat::kInria);
+}
+
 TEST_CASE("poses that no known mistake explains are refused without a wrong guess") {
   Capture bad = tiny_capture();
   for (SceneView& view : bad.scene.views) view.camera.translation = 4.0 * view.camera.translation;

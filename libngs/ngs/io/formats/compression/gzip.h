@@ -1,5 +1,5 @@
 #pragma once
-// Gzip streams of a size that is known beforehand.
+// Gzip streams.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -19,6 +19,8 @@ class GunzipReader {
 
   /// The next bytes.size() bytes. kBadInput where the stream ends before, or is none.
   void read(std::span<std::uint8_t> bytes);
+  /// All that is left, with its checksum. kBadInput where that is more than `most_bytes`, and as read().
+  std::vector<std::uint8_t> read_all(std::size_t most_bytes);
   /// Looks at what is behind: at most 1 MiB, which is ignored, then the checksum. kBadInput where it is wrong.
   void finish();
 

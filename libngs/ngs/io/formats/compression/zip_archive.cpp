@@ -60,6 +60,14 @@ zlib_filefunc64_def functions_of(MemoryFile& file) {
   return {open_file, read_file, write_file, tell_file, seek_file, close_file, error_of_file, &file};
 }
 
+/// The path of the archive's current entry; empty where it cannot be read.
+std::string current_entry(unzFile archive, unz_file_info64& info) {
+  constexpr std::size_t kLongestName = 256;
+  char found[kLongestName] = {};
+  if (unzGetCurrentFileInfo64(archive, &info, found, kLongestName - 1, nullptr, 0, nullptr, 0) != UNZ_OK) return {};
+  return found;
+}
+
 }  // namespace
 
 struct ZipReader::Memory {
@@ -85,14 +93,23 @@ void ZipReader::bad(const std::string& message) const {
   throw Error(ErrorCode::kBadInput, name_ + ": " + message, "copy or export it again");
 }
 
+std::vector<std::string> ZipReader::names() const {
+  std::vector<std::string> names;
+  unz_file_info64 info;
+  for (int status = unzGoToFirstFile(memory_->archive); status == UNZ_OK; status = unzGoToNextFile(memory_->archive)) {
+    const std::string path = current_entry(memory_->archive, info);
+    if (path.empty()) break;
+    if (!path.ends_with('/')) names.push_back(path);
+  }
+  return names;
+}
+
 std::vector<std::uint8_t> ZipReader::read(const std::string& entry, std::size_t most_bytes) const {
-  constexpr std::size_t kLongestName = 256;
   const unzFile archive = memory_->archive;
   for (int status = unzGoToFirstFile(archive); status == UNZ_OK; status = unzGoToNextFile(archive)) {
     unz_file_info64 info;
-    char found[kLongestName] = {};
-    if (unzGetCurrentFileInfo64(archive, &info, found, kLongestName - 1, nullptr, 0, nullptr, 0) != UNZ_OK) break;
-    const std::string path = found;
+    const std::string path = current_entry(archive, info);
+    if (path.empty()) break;
     if (path != entry && !path.ends_with("/" + entry)) continue;
     if (info.uncompressed_size > most_bytes)
       bad("'" + entry + "' of " + std::to_string(info.uncompressed_size) + " bytes, expected at most " +

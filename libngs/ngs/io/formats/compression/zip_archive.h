@@ -22,6 +22,9 @@ class ZipReader {
   ZipReader(const ZipReader&) = delete;
   ZipReader& operator=(const ZipReader&) = delete;
 
+  /// Of the entries that are no folders, in the order of the archive.
+  std::vector<std::string> names() const;
+
   /// kBadInput where there is no such entry, where it is damaged, and before any of it is read where it is longer than
   /// `most_bytes`. Entries may lie in a folder: the archive of a folder has its name before theirs.
   std::vector<std::uint8_t> read(const std::string& entry, std::size_t most_bytes) const;

@@ -1,0 +1,16 @@
+#pragma once
+// Paths in commands that messages print, so that a shell takes them as they are.
+#include <string>
+
+namespace ngs::io {
+
+/// `text` itself where a shell reads it as one word, else in quotes.
+inline std::string shell_word(const std::string& text) {
+  constexpr const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./:@%+=,-";
+  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
+  std::string word = "'";
+  for (const char c : text) c == '\'' ? word += "'\\''" : word += c;
+  return word + "'";
+}
+
+}  // namespace ngs::io

@@ -1,0 +1,155 @@
+// Columns of other programs, brought to those of the Inria layout: CloudCompare's names, SH beyond degree 3, and values
+// as they are after the activation functions.
+#include <algorithm>
+#include <cmath>
+
+#include "ngs/io/ply/gaussian_columns.h"
+#include "ngs/io/ply/kept_columns.h"
+#include "ngs/math/stable.h"
+
+namespace ngs::io {
+namespace {
+
+constexpr std::string_view kScalar = "scalar_", kRest = "f_rest_";
+constexpr int kMostCutDegree = 10;
+
+std::string log_scale_name(int axis) { return "scale_" + std::to_string(axis); }
+
+/// The k of f_rest_k; -1 for any other name.
+int rest_index(std::string_view name) {
+  if (!name.starts_with(kRest) || name.size() > kRest.size() + 4) return -1;
+  int k = 0;
+  for (const char c : name.substr(kRest.size())) {
+    if (c < '0' || c > '9') return -1;
+    k = 10 * k + (c - '0');
+  }
+  return name.size() == kRest.size() ? -1 : k;
+}
+
+PlyTable copy_of(const PlyTable& from, const KeptColumns& kept) {
+  PlyTable to;
+  to.set_properties(kept.properties());
+  to.rows = from.rows;
+  to.owned.resize(std::size_t(to.rows) * to.row_bytes);
+  for (std::int64_t i = 0; i < from.rows; ++i) kept.copy(from.row(i), to.owned.data() + std::size_t(i) * to.row_bytes);
+  return to;
+}
+
+/// The finite values of some columns, sorted; nothing where one of them is negative.
+std::vector<float> sorted_unless_negative(const std::vector<PlyColumn>& columns, std::int64_t rows) {
+  std::vector<float> values;
+  for (std::int64_t i = 0; i < rows; ++i)
+    for (const PlyColumn& column : columns) {
+      const float v = column.value_float(i);
+      if (v < 0) return {};
+      if (std::isfinite(v)) values.push_back(v);
+    }
+  std::sort(values.begin(), values.end());
+  return values;
+}
+
+double at_share(const std::vector<float>& sorted, double share) {
+  return double(sorted[std::size_t(share * double(sorted.size() - 1))]);
+}
+
+/// The largest side of the box that the middle 80 % of the coordinates span, axis by axis.
+double bulk_side(const PlyTable& rows) {
+  double side = 0;
+  for (const char* axis : {"x", "y", "z"}) {
+    const PlyColumn column = rows.column(axis);
+    std::vector<float> values;
+    for (std::int64_t i = 0; column && i < rows.rows; ++i)
+      if (const float v = column.value_float(i); std::isfinite(v)) values.push_back(v);
+    std::sort(values.begin(), values.end());
+    if (!values.empty()) side = std::max(side, at_share(values, 0.9) - at_share(values, 0.1));
+  }
+  return side;
+}
+
+}  // namespace
+
+bool is_gaussian_element(const PlyElement& vertex) {
+  return std::ranges::any_of(vertex.properties, [](const PlyProperty& p) {
+    return p.name == "scale_0" || p.name == "scalar_scale_0" || p.name == "packed_position";
+  });
+}
+
+bool has_scalar_names(const PlyTable& rows) { return rows.find("scale_0") < 0 && rows.find("scalar_scale_0") >= 0; }
+
+void drop_scalar_prefix(PlyTable& rows) {
+  for (PlyProperty& p : rows.properties)
+    if (p.name.starts_with(kScalar) && rows.find(p.name.substr(kScalar.size())) < 0) p.name.erase(0, kScalar.size());
+}
+
+int excess_sh_degree(std::size_t rest_columns) {
+  for (int degree = 4; degree <= kMostCutDegree; ++degree)
+    if (rest_columns == 3 * std::size_t((degree + 1) * (degree + 1) - 1)) return degree;
+  return 0;
+}
+
+std::size_t rest_columns_of(const PlyTable& rows) {
+  return std::size_t(
+      std::ranges::count_if(rows.properties, [](const PlyProperty& p) { return rest_index(p.name) >= 0; }));
+}
+
+PlyTable cut_sh(const PlyTable& rows, int degree) {
+  const int before = (degree + 1) * (degree + 1) - 1, after = 15;
+  const auto is_cut = [&](const std::string& name) {
+    const int k = rest_index(name);
+    return k >= 0 && k % before >= after;
+  };
+  PlyTable cut = copy_of(rows, {rows, [&](const std::string& name) { return !is_cut(name); }});
+  for (PlyProperty& p : cut.properties)
+    if (const int k = rest_index(p.name); k >= 0)
+      p.name = std::string(kRest) + std::to_string(k / before * after + k % before);
+  return cut;
+}
+
+Activated find_activated(const PlyTable& rows) {
+  constexpr std::int64_t kFewestRows = 16;  // fewer lie within any range by chance
+  constexpr double kLeastRatio = 8;    // of a large length to a small one; logarithms in so narrow a range differ less
+  constexpr double kLeastSpan = 0.25;  // of opacities; a constant one says nothing
+  Activated found;
+  std::vector<PlyColumn> scales, opacity{rows.column("opacity")};
+  for (int axis = 0; axis < 3; ++axis)
+    if (const PlyColumn column = rows.column(log_scale_name(axis))) scales.push_back(column);
+  if (rows.rows < kFewestRows || scales.empty() || !opacity[0]) return found;
+  const std::vector<float> opacities = sorted_unless_negative(opacity, rows.rows);
+  found.opacity = std::int64_t(opacities.size()) == rows.rows && opacities.back() <= 1 &&
+                  opacities.back() - opacities.front() >= kLeastSpan;
+  const std::vector<float> lengths = sorted_unless_negative(scales, rows.rows);
+  if (std::int64_t(lengths.size()) < kFewestRows) return found;
+  found.median_scale = at_share(lengths, 0.5);
+  const double high = at_share(lengths, 0.99);
+  const bool spread = high > 0 && kLeastRatio * at_share(lengths, 0.01) <= high;
+  found.scale = spread && (found.opacity || high < 1 || std::exp(found.median_scale) > bulk_side(rows));
+  return found;
+}
+
+std::string describe(const Activated& activated) {
+  std::string text;
+  if (activated.scale)
+    text =
+        "scale_* all > 0, half of them below " + std::to_string(activated.median_scale) + ": lengths, not logarithms";
+  if (activated.opacity) text += std::string(text.empty() ? "" : "; ") + "opacity 0 to 1: shares, not logits";
+  return text;
+}
+
+PlyTable deactivated(const PlyTable& rows, const Activated& activated) {
+  PlyTable out = copy_of(rows, {rows, [](const std::string&) { return true; }});
+  for (std::size_t p = 0; p < out.properties.size(); ++p) {
+    const std::string& name = out.properties[p].name;
+    const bool is_opacity = activated.opacity && name == "opacity";
+    const bool is_scale = activated.scale && (name == "scale_0" || name == "scale_1" || name == "scale_2");
+    if (!is_opacity && !is_scale) continue;
+    const PlyColumn from = rows.column(name);
+    for (std::int64_t i = 0; i < rows.rows; ++i) {
+      const double v = from.value(i);
+      ply_store(out.properties[p].type, is_opacity ? logit(v) : std::log(v),
+                out.owned.data() + std::size_t(i) * out.row_bytes + out.offset[p]);
+    }
+  }
+  return out;
+}
+
+}  // namespace ngs::io

@@ -1,0 +1,145 @@
+#include "ngs/io/scene/find_model.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <vector>
+
+#include "ngs/core/error.h"
+#include "ngs/core/parse_number.h"
+#include "ngs/io/files/folder_index.h"
+#include "ngs/io/files/regular_file.h"
+#include "ngs/io/formats/splat_format.h"
+#include "ngs/io/ply/gaussian_columns.h"
+
+namespace ngs::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+enum class FileKind : std::uint8_t {
+  kSplat,
+  kOtherFormat,
+  kUnreadable,
+  kNoSplat
+};  // a splat as PLY, in another format
+
+struct Candidate {
+  std::string path, what;
+  FileKind kind;
+};
+
+std::string lower(std::string text) {
+  std::ranges::transform(text, text.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
+  return text;
+}
+
+Candidate look_at_ply(const std::string& path) {
+  try {
+    const PlyFile file = PlyFile::header_of(path);
+    const PlyElement* vertex = file.find("vertex");
+    const std::string count = std::to_string(vertex == nullptr ? 0 : vertex->count);
+    if (vertex != nullptr && is_gaussian_element(*vertex))
+      return {path, "a splat of " + count + " Gaussians", FileKind::kSplat};
+    const PlyElement* face = file.find("face");
+    if (face != nullptr && face->count > 0) return {path, "a mesh of " + count + " vertices", FileKind::kNoSplat};
+    return {path, "a point cloud of " + count + " points", FileKind::kNoSplat};
+  } catch (const Error&) {
+    return {path, "a damaged PLY", FileKind::kUnreadable};
+  }
+}
+
+/// Files of the folder that are models by their names, sorted.
+std::vector<Candidate> candidates_in(const fs::path& folder) {
+  std::vector<std::string> paths;
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+    const std::string name = lower(entry.path().filename().string());
+    const bool is_model = name.ends_with(".ply") || name.ends_with(".ply.gz") || is_model_name(name);
+    if (is_model && is_regular_file(entry.path().string())) paths.push_back(entry.path().string());
+  }
+  std::ranges::sort(paths);
+  std::vector<Candidate> found;
+  for (const std::string& path : paths)
+    if (lower(path).ends_with(".ply"))
+      found.push_back(look_at_ply(path));
+    else
+      found.push_back({path, "a splat", FileKind::kOtherFormat});
+  return found;
+}
+
+/// The newest point_cloud/iteration_N/point_cloud.ply of a trainer's output folder.
+std::string newest_iteration(const fs::path& base) {
+  std::uint32_t newest = 0;
+  std::string path;
+  for (const std::string& name : list_folders((base / "point_cloud").string())) {
+    std::uint32_t iteration = 0;
+    const std::string file = (base / "point_cloud" / name / "point_cloud.ply").string();
+    if (name.rfind("iteration_", 0) != 0 || !parse_number(name.substr(10), iteration) || !is_regular_file(file))
+      continue;
+    if (path.empty() || iteration > newest) newest = iteration, path = file;
+  }
+  return path;
+}
+
+/// A folder of results of ours holds splats that are no input.
+bool holds_results(const fs::path& folder) {
+  std::error_code ignored;
+  return fs::exists(folder / ".ngs-cut", ignored) || fs::exists(folder / "scene.json", ignored);
+}
+
+void add_below(const fs::path& folder, int levels, std::vector<Candidate>& found) {
+  for (const std::string& name : list_folders(folder.string())) {
+    const fs::path below = folder / name;
+    if (name.starts_with(".") || holds_results(below)) continue;
+    for (Candidate& candidate : candidates_in(below))
+      if (candidate.kind != FileKind::kUnreadable) found.push_back(std::move(candidate));
+    if (levels > 1) add_below(below, levels - 1, found);
+  }
+}
+
+std::vector<Candidate> of_kind(const std::vector<Candidate>& all, FileKind kind) {
+  std::vector<Candidate> some;
+  std::ranges::copy_if(all, std::back_inserter(some), [&](const Candidate& c) { return c.kind == kind; });
+  return some;
+}
+
+std::string listed(const std::vector<Candidate>& files) {
+  constexpr std::size_t kMost = 6;
+  std::string text;
+  for (std::size_t k = 0; k < std::min(files.size(), kMost); ++k)
+    text += (k > 0 ? ", " : "") + files[k].path + " (" + files[k].what + ")";
+  return files.size() > kMost ? text + " and " + std::to_string(files.size() - kMost) + " more" : text;
+}
+
+/// The only file of the first kind of which there is one.
+ModelSearch only_splat(const std::string& folder, const std::vector<Candidate>& files) {
+  for (const FileKind kind : {FileKind::kSplat, FileKind::kOtherFormat, FileKind::kUnreadable}) {
+    const std::vector<Candidate> some = of_kind(files, kind);
+    if (some.size() == 1) return {some[0].path, {}, {}};
+    if (some.size() > 1) return {{}, folder + ": several splats, none chosen: " + listed(some), {}};
+  }
+  return {{}, folder + ": no splat found" + (files.empty() ? "" : " among " + listed(files)), {}};
+}
+
+}  // namespace
+
+ModelSearch find_model(const std::string& folder) {
+  std::vector<Candidate> files = candidates_in(folder);
+  ModelSearch found;
+  for (const char* name : {"point_cloud.ply", "model.ply"})
+    for (const Candidate& file : files)
+      if (found.path.empty() && fs::path(file.path).filename() == name && file.kind != FileKind::kNoSplat)
+        found.path = file.path;
+  if (found.path.empty()) found.path = newest_iteration(folder);
+  if (!found.path.empty()) {
+    std::vector<Candidate> others = of_kind(files, FileKind::kSplat);
+    std::erase_if(others, [&](const Candidate& file) { return file.path == found.path; });
+    if (!others.empty()) found.unused = found.path + " is the model, not " + listed(others);
+    return found;
+  }
+  if (std::ranges::all_of(files, [](const Candidate& file) { return file.kind == FileKind::kNoSplat; }))
+    add_below(folder, 2, files);
+  return only_splat(folder, files);
+}
+
+}  // namespace ngs::io

@@ -1,0 +1,172 @@
+// Splats as other programs save them: CloudCompare's names, SH of degree 4, values after activation.
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "ngs/core/error.h"
+#include "ngs/io/ply/gaussian_ply.h"
+#include "support/ply_text.h"
+#include "support/random.h"
+#include "support/temp_dir.h"
+
+namespace ngs {
+namespace {
+
+using io::PlyFormat;
+using test::PlyColumns;
+
+io::GaussianPly parse(const PlyColumns& table) {
+  // Rows that are not borrowed: the text outlives the model in no caller.
+  return io::parse_gaussian_ply("model.ply", test::as_bytes(test::ply_bytes({table}, PlyFormat::kAscii)));
+}
+
+/// A trained model: log scales of -7 to 0, logits of -5 to 8.
+PlyColumns trained(int n, std::uint64_t seed) {
+  test::Random random(seed);
+  PlyColumns table = test::inria_columns(n, 0);
+  for (auto& row : table.rows) {
+    for (const char* name : {"x", "y", "z"}) row[test::column_of(table, name)] = random.uniform(-2, 2);
+    for (const char* name : {"scale_0", "scale_1", "scale_2"})
+      row[test::column_of(table, name)] = random.uniform(-7, 0);
+    row[test::column_of(table, "opacity")] = random.uniform(-5, 8);
+  }
+  return table;
+}
+
+PlyColumns activated(PlyColumns table, bool scale, bool opacity) {
+  for (auto& row : table.rows) {
+    for (const char* name : {"scale_0", "scale_1", "scale_2"})
+      if (double& v = row[test::column_of(table, name)]; scale) v = std::exp(v);
+    if (double& v = row[test::column_of(table, "opacity")]; opacity) v = 1 / (1 + std::exp(-v));
+  }
+  return table;
+}
+
+struct Refusal {
+  std::string what, remedy;
+};
+Refusal refusal_of(const PlyColumns& table) {
+  try {
+    parse(table);
+  } catch (const Error& e) {
+    CHECK(e.code() == ErrorCode::kBadInput);
+    return {e.what(), e.remedy()};
+  }
+  return {};
+}
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("a splat from CloudCompare, whose columns are called scalar_NAME, is read as the one that went in") {
+  const PlyColumns table = test::inria_columns(5, 1);
+  PlyColumns renamed = table;
+  for (auto& [name, type] : renamed.properties)
+    if (name.size() > 2) name = "scalar_" + name;
+  const io::GaussianPly ply = parse(renamed), plain = parse(table);
+  CHECK(ply.cloud.sh_rest == plain.cloud.sh_rest);
+  CHECK(ply.cloud.log_scale == plain.cloud.log_scale);
+  CHECK(ply.cloud.rotation == plain.cloud.rotation);
+  CHECK(ply.rows.find("opacity") >= 0);
+  REQUIRE(ply.notes.size() == 1);
+  CHECK(contains(ply.notes[0], "CloudCompare"));
+}
+
+TEST_CASE("a column scalar_NAME of a splat whose own columns are there is a foreign column and stays") {
+  PlyColumns table = test::inria_columns(2, 0);
+  test::add_column(table, table.properties.size(), "scalar_label", io::PlyType::kFloat32, 1);
+  const io::GaussianPly ply = parse(table);
+  CHECK(ply.rows.find("scalar_label") >= 0);
+  CHECK(ply.notes.empty());
+}
+
+TEST_CASE("SH beyond degree 3 of a PLY are cut to 3, and an edit of the model keeps them in their places") {
+  for (const int degree : {4, 5}) {
+    CAPTURE(degree);
+    const PlyColumns table = test::inria_columns(3, degree);
+    const io::GaussianPly ply = parse(table);
+    REQUIRE(ply.cloud.sh_degree == 3);
+    const std::size_t before = std::size_t((degree + 1) * (degree + 1) - 1);
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t c = 0; c < 3; ++c)
+        for (std::size_t k = 0; k < 15; ++k)
+          CHECK(ply.cloud.sh_rest[(i * 15 + k) * 3 + c] ==
+                float(table.rows[i][test::column_of(table, "f_rest_" + std::to_string(c * before + k))]));
+    REQUIRE(ply.notes.size() == 1);
+    CHECK(contains(ply.notes[0], "degree 4"));
+
+    GaussianCloud edited = ply.cloud;
+    edited.sh_rest[(15 + 14) * 3 + 2] = 77;  // row 1, last coefficient of blue
+    const test::TempDir dir;
+    const std::vector<float> ones(3, 1.f);
+    io::NamedLabels labels;
+    for (LabelColumn LabelColumns::*column : {&LabelColumns::label, &LabelColumns::prob, &LabelColumns::variance,
+                                              &LabelColumns::views, &LabelColumns::boundary})
+      labels.columns.*column = LabelColumn(ones);
+    io::LabelledWrite options;
+    options.edited = &edited;
+    io::write_labelled_ply(dir.file("l.ply"), ply, std::vector<io::NamedLabels>{labels}, options);
+    CHECK(io::read_gaussian_ply(dir.file("l.ply")).cloud.sh_rest == edited.sh_rest);
+  }
+}
+
+TEST_CASE("a number of f_rest_* that no degree has is refused") {
+  PlyColumns table = test::inria_columns(1, 4);
+  test::remove_column(table, "f_rest_71");
+  CHECK(contains(refusal_of(table).what, "71 properties f_rest_*"));
+}
+
+TEST_CASE("lengths in place of logarithms and shares in place of logits are refused with the conversion") {
+  const PlyColumns table = trained(200, 7);
+  CHECK(refusal_of(table).what.empty());
+  for (const auto& [scale, opacity] : {std::pair{true, true}, {true, false}, {false, true}}) {
+    CAPTURE(scale);
+    CAPTURE(opacity);
+    const Refusal refusal = refusal_of(activated(table, scale, opacity));
+    CHECK(contains(refusal.what, "scale_* all > 0") == scale);
+    CHECK(contains(refusal.what, "opacity 0 to 1") == opacity);
+    CHECK(contains(refusal.remedy, "ngs-extract model.ply --activated --object"));
+  }
+  PlyColumns large = activated(table, true, true);  // a world in millimetres
+  for (auto& row : large.rows)
+    for (const char* name : {"x", "y", "z", "scale_0", "scale_1", "scale_2"}) row[test::column_of(large, name)] *= 1000;
+  CHECK(contains(refusal_of(large).what, "scale_* all > 0"));
+}
+
+TEST_CASE("models with large, equal or few Gaussians are not taken for activated ones") {
+  PlyColumns large = trained(200, 8);  // logarithms of 1 to 8: sizes of 3 to 3000 in a world of 10000
+  for (auto& row : large.rows) {
+    for (const char* name : {"x", "y", "z"}) row[test::column_of(large, name)] *= 5000;
+    for (const char* name : {"scale_0", "scale_1", "scale_2"}) row[test::column_of(large, name)] += 8;
+  }
+  CHECK(refusal_of(large).what.empty());
+  PlyColumns equal = trained(200, 9);  // of a program that gives every Gaussian the same
+  for (auto& row : equal.rows) {
+    for (const char* name : {"scale_0", "scale_1", "scale_2"}) row[test::column_of(equal, name)] = 0.5;
+    row[test::column_of(equal, "opacity")] = 1;
+  }
+  CHECK(refusal_of(equal).what.empty());
+  CHECK(refusal_of(activated(trained(15, 10), true, true)).what.empty());
+}
+
+TEST_CASE("an activated model that is read as one is the model before activation, and no other is read so") {
+  const PlyColumns table = trained(64, 11);
+  const test::TempDir dir;
+  const io::ReadOptions reading{.encoding = io::ValueEncoding::kActivated};
+  const auto write = [&](const PlyColumns& columns) {
+    return dir.write("m.ply", test::ply_bytes({columns}, PlyFormat::kBinaryLittle));
+  };
+  const io::GaussianPly plain = parse(table);
+  for (const auto& [scale, opacity] : {std::pair{true, true}, {true, false}, {false, true}}) {
+    const io::GaussianPly ply = io::read_gaussian_ply(write(activated(table, scale, opacity)), reading);
+    for (std::size_t i = 0; i < 64; ++i) {
+      CHECK(ply.cloud.logit_opacity[i] == doctest::Approx(plain.cloud.logit_opacity[i]).epsilon(1e-3));
+      CHECK(ply.cloud.log_scale[3 * i] == doctest::Approx(plain.cloud.log_scale[3 * i]).epsilon(1e-5));
+      CHECK(ply.rows.column("scale_0").value_float(std::int64_t(i)) == ply.cloud.log_scale[3 * i]);
+    }
+  }
+  CHECK_THROWS_AS(io::read_gaussian_ply(write(table), reading), Error);
+}
+
+}  // namespace ngs

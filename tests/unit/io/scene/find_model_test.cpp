@@ -1,0 +1,87 @@
+// Which file of a capture's folder is its splat.
+#include "ngs/io/scene/find_model.h"
+
+#include <doctest/doctest.h>
+
+#include "support/ply_text.h"
+#include "support/temp_dir.h"
+
+namespace ngs {
+namespace {
+
+using test::TempDir;
+
+std::string splat(int n = 3) { return test::ply_bytes({test::inria_columns(n, 0)}, io::PlyFormat::kBinaryLittle); }
+
+std::string point_cloud() {
+  test::PlyColumns points;
+  for (const char* name : {"x", "y", "z"}) points.properties.push_back({name, io::PlyType::kFloat32});
+  for (const char* name : {"red", "green", "blue"}) points.properties.push_back({name, io::PlyType::kUint8});
+  points.rows = {{0, 0, 0, 1, 2, 3}};
+  return test::ply_bytes({points}, io::PlyFormat::kAscii);
+}
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("the only splat beside point clouds is the model, whatever they are called") {
+  for (const char* points : {"sparse_pc.ply", "init.ply", "fused.ply", "point_cloud.ply", "a.ply"})
+    for (const char* model : {"splat.ply", "Scan.PLY", "z.splat"}) {
+      CAPTURE(points);
+      CAPTURE(model);
+      const TempDir dir;
+      dir.write(points, point_cloud());
+      dir.write(model, splat());
+      CHECK(io::find_model(dir.path()).path == dir.file(model));
+    }
+}
+
+TEST_CASE("several splats are named with what they are, and none is chosen") {
+  const TempDir dir;
+  dir.write("export_10000.ply", splat(3)), dir.write("export_30000.ply", splat(5));
+  dir.write("sparse_pc.ply", point_cloud());
+  const io::ModelSearch found = io::find_model(dir.path());
+  CHECK(found.path.empty());
+  CHECK(contains(found.problem, "export_10000.ply (a splat of 3 Gaussians), "));
+  CHECK(contains(found.problem, "export_30000.ply (a splat of 5 Gaussians)"));
+  CHECK(!contains(found.problem, "sparse_pc.ply"));
+}
+
+TEST_CASE("where there is no splat, the files that are there are named with what they are") {
+  const TempDir dir;
+  CHECK(contains(io::find_model(dir.path()).problem, "no splat found"));
+  dir.write("fused.ply", point_cloud());
+  const io::ModelSearch found = io::find_model(dir.path());
+  CHECK(found.path.empty());
+  CHECK(contains(found.problem, "fused.ply (a point cloud of 1 points)"));
+}
+
+TEST_CASE("a splat two folders below is found where the capture's folder has none, but not among results") {
+  const TempDir dir;
+  dir.write("sparse_pc.ply", point_cloud());
+  dir.write("exports/splat/splat.ply", splat());
+  dir.write("capture-cut/object.ply", splat()), dir.write("capture-cut/.ngs-cut", "");
+  dir.write("out/object.ply", splat()), dir.write("out/scene.json", "{}");
+  CHECK(io::find_model(dir.path()).path == dir.file("exports/splat/splat.ply"));
+  dir.write("exports/old/splat.ply", splat());
+  CHECK(contains(io::find_model(dir.path()).problem, "exports/old/splat.ply (a splat"));
+}
+
+TEST_CASE("a splat of a usual name is the model, and other splats beside it are named as unused") {
+  const TempDir dir;
+  dir.write("other.ply", splat(7));
+  dir.write("point_cloud.ply", splat(3));
+  const io::ModelSearch found = io::find_model(dir.path());
+  CHECK(found.path == dir.file("point_cloud.ply"));
+  CHECK(contains(found.unused, "point_cloud.ply is the model, not "));
+  CHECK(contains(found.unused, "other.ply (a splat of 7 Gaussians)"));
+}
+
+TEST_CASE("a splat that is cut short is the model all the same, so that its reader says what is wrong") {
+  const TempDir dir;
+  dir.write("model.ply", splat().substr(0, 60));
+  CHECK(io::find_model(dir.path()).path == dir.file("model.ply"));
+}
+
+}  // namespace ngs
