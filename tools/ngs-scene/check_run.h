@@ -30,6 +30,8 @@ class SceneChecks {
   /// Reads photos and masks, prints the table. Notes are told after the checks: an error must stand first on stderr.
   /// Throws where the scene does not hold together.
   void check();
+  /// Views whose empty masks the others contradict become views without a mask.
+  void leave_out_lost_masks();
   /// The low-pass filter of the model (stages/scene/filter_probe.h).
   void find_filter();
   /// Moves the cameras to where the photos fit the model (stages/scene/view_align.h). `for_background`: the photos are
@@ -49,6 +51,7 @@ class SceneChecks {
   io::PhotoCache photos_;              // of these, of which every step asks for some
   Model model_;
   std::vector<BackgroundWitness> witnesses_;
+  std::vector<std::size_t> lost_masks_;  // views
 };
 
 int check_command(int argc, char** argv);
