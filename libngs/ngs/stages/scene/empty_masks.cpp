@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "ngs/math/median.h"
+#include "ngs/ops/field/knn.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/scene/mask_threshold.h"
 #include "ngs/stages/render/render_options.h"
@@ -19,24 +20,28 @@ struct PixelCounts {
   double share_of(double pixels) const { return known > 0 ? pixels / known : 0; }
 };
 
-/// What the labelled Gaussians show of all objects together.
+/// What the labelled Gaussians show of all objects together; those that no mask sees have the label of the nearest
+/// seen.
 class Witness {
  public:
-  Witness(const GaussianCloud& cloud, const Scene& scene, const std::vector<LabelColumns>& objects)
-      : cloud_(cloud),
-        splat_(splat_options({}, cloud, scene)),
-        label_(std::size_t(cloud.size()), 0.f),
-        seen_(label_.size()) {
-    for (const LabelColumns& object : objects)
-      for (std::size_t i = 0; i < label_.size(); ++i) label_[i] = std::max(label_[i], float(object.label[i]));
-    for (std::size_t i = 0; i < seen_.size(); ++i) seen_[i] = objects[0].views[i] > 0;
+  Witness(const Exec& exec, const GaussianCloud& cloud, const Scene& scene, const std::vector<LabelColumns>& objects)
+      : cloud_(cloud), splat_(splat_options({}, cloud, scene)), label_(std::size_t(cloud.size()), 0.f) {
+    std::vector<std::uint32_t> seen, unseen;
+    for (std::size_t i = 0; i < label_.size(); ++i) {
+      for (const LabelColumns& object : objects) label_[i] = std::max(label_[i], float(object.label[i]));
+      if (cloud.usable[i]) (objects[0].views[i] > 0 ? seen : unseen).push_back(std::uint32_t(i));
+    }
+    if (seen.empty() || unseen.empty()) return;
+    const std::vector<float> points = positions_of(seen), queries = positions_of(unseen);
+    const KnnGraph nearest = nearest_points(exec, {points.data(), std::int64_t(seen.size())},
+                                            {queries.data(), std::int64_t(unseen.size())}, 1);
+    for (std::size_t q = 0; q < unseen.size(); ++q) label_[unseen[q]] = label_[seen[nearest.index[q]]];
   }
 
   PixelCounts count(const Exec& exec, const Camera& camera, const ViewMasks& masks) const {
     RenderRequest request;
     request.colour = false;
     request.label = {label_.data(), cloud_.size(), 1};
-    request.include = seen_.data();
     const ImageF shown = render(exec, cloud_, camera, splat_, request).label;
     PixelCounts counts;
     for (std::size_t p = 0; p < shown.data.size(); ++p) {
@@ -50,10 +55,16 @@ class Witness {
   }
 
  private:
+  std::vector<float> positions_of(const std::vector<std::uint32_t>& rows) const {
+    std::vector<float> positions;
+    for (const std::size_t i : rows)
+      positions.insert(positions.end(), &cloud_.position[3 * i], &cloud_.position[3 * i] + 3);
+    return positions;
+  }
+
   const GaussianCloud& cloud_;
   SplatOptions splat_;
-  std::vector<float> label_;        // [N] 1: of an object
-  std::vector<std::uint8_t> seen_;  // [N] by a mask that is not empty
+  std::vector<float> label_;  // [N] 1: of an object
 };
 
 }  // namespace
@@ -65,7 +76,7 @@ EmptyMasks check_empty_masks(const Exec& exec, Monitor& monitor, const EmptyMask
   const std::vector<std::size_t> witnesses = spread_views(in.others, kMostWitnesses);
   const SplatOptions splat = splat_options({}, in.cloud, in.scene);
   const Evidence evidence = accumulate_evidence(exec, monitor, {in.cloud, in.scene, witnesses, splat, in.load_masks});
-  const Witness witness(in.cloud, in.scene, label_gaussians({}, evidence));
+  const Witness witness(exec, in.cloud, in.scene, label_gaussians({}, evidence));
   const auto count = [&](std::size_t view) {
     return witness.count(exec, in.scene.views[view].camera, in.load_masks(view));
   };

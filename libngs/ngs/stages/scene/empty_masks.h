@@ -1,10 +1,10 @@
 #pragma once
 // Empty masks: is the object not in these views, or did the tool that made the masks lose it?
 //
-// The masks that are not empty label the Gaussians which they see (closed form, stages/boundary/variance_stage.h).
-// These alone are rendered in the views with an empty mask, so that what stands before the object hides it, and what no
-// other mask sees says nothing. Where the object covers a quarter of what it usually covers, the empty mask is
-// contradicted.
+// The masks that are not empty label the Gaussians which they see (closed form, stages/boundary/variance_stage.h), all
+// others are what the nearest of these is. The labels are rendered in the views with an empty mask, so that what stands
+// before the object hides it; but what the other masks see through the object alone, such as the wall behind it, is
+// taken for a part of it. Where the object covers a quarter of what it usually covers, the mask is contradicted.
 #include "ngs/core/monitor.h"
 #include "ngs/scene/scene.h"
 #include "ngs/stages/boundary/variance_stage.h"

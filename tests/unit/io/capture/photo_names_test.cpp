@@ -24,8 +24,8 @@ void write_cameras(const TempDir& dir, const std::string& folder, const std::vec
     views[i].camera.width_px = 64, views[i].camera.height_px = 48;
   }
   const test::ColmapFiles files = test::colmap_text(views);
-  dir.write(folder + "/cameras.txt", files.cameras);
-  dir.write(folder + "/images.txt", files.images);
+  dir.write((std::filesystem::path(folder) / "cameras.txt").string(), files.cameras);
+  dir.write((std::filesystem::path(folder) / "images.txt").string(), files.images);
 }
 
 void write_photo(const TempDir& dir, const std::string& name) { write_png(dir.file(name), ImageU8(64, 48, 3, 9)); }
@@ -99,7 +99,8 @@ TEST_CASE("photos beside the cameras are found where there is no folder of image
     CAPTURE(folder);
     const TempDir dir;
     write_cameras(dir, folder, {"0.jpg", "1.jpg"});
-    for (const char* photo : {"/0.jpg.mask.png", "/0.png", "/1.png"}) write_photo(dir, folder + std::string(photo));
+    for (const char* photo : {"0.jpg.mask.png", "0.png", "1.png"})
+      write_photo(dir, (std::filesystem::path(folder) / photo).string());
     const CaptureSource got = read(dir);
     CHECK(std::filesystem::path(got.capture.views[0].image_path).filename() == "0.png");
     CHECK(note_with(got, "no photo") == "");
