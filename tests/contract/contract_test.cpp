@@ -1,6 +1,7 @@
 // Runs the cases of cases/*.json (see cases/README.md) against the built tools. Beside what a case says,
 // every case is held to the rules that all tools share: an error leaves stdout empty, says "error" on stderr,
-// and leaves no output and no temporary file; a success leaves one report that satisfies its own schema.
+// and leaves no output and no temporary file; a success leaves one report that satisfies its own schema; flags that a
+// hint or a warning names exist.
 #include <doctest/doctest.h>
 #include <signal.h>
 
@@ -14,6 +15,7 @@
 #include <regex>
 #include <set>
 
+#include "support/hinted_flags.h"
 #include "support/mutations.h"
 #include "support/process.h"
 #include "support/schema_check.h"
@@ -110,10 +112,19 @@ void check_texts(const Json& expected, const std::string& text) {
   }
 }
 
+/// Whoever follows a hint finds the flag that it names.
+void check_hints(const std::string& err) {
+  for (const test::HintedFlag& hinted : test::hinted_flags(err)) {
+    INFO("hint: " << hinted.command.front() << " " << hinted.command.back() << " " << hinted.flag);
+    CHECK(test::has_flag(hinted));
+  }
+}
+
 void check_result(const Prepared& prepared, const Words& argv, const ProcessResult& result) {
   const Json& spec = prepared.spec;
   INFO("stderr: " << result.err.substr(0, 2000));
   CHECK(result.exit_code == spec["exit"].get<int>());
+  check_hints(result.err);
   check_texts(spec.value("stdout_contains", Json::array()), result.out);
   check_texts(spec.value("stderr_contains", Json::array()), result.err);
   for (const std::string& part : words(spec.value("stdout_lacks", Json::array()))) {

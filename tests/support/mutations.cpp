@@ -100,6 +100,16 @@ std::string text_of(const Json& step) {
   return text;
 }
 
+void invert_masks(const Json& step) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(step["negative"].get<std::string>())) {
+    const io::RawMask mask = io::read_mask_raw(entry.path().string(), io::Palette::kMask);
+    require(mask.channels == 1 && mask.bits == 8, step);
+    ImageU8 image(mask.width_px, mask.height_px, 1);
+    for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] = std::uint8_t(255 - mask.data[i]);
+    io::write_png(entry.path().string(), image);
+  }
+}
+
 void write_flat_png(const Json& step) {
   const ImageU8 image(step["size"][0], step["size"][1], step.value("channels", 1),
                       std::uint8_t(step["value"].get<int>()));
@@ -114,6 +124,7 @@ void apply_mutation(const Json& step) {
   if (step.contains("replace")) return replace_text(step);
   if (step.contains("poke")) return poke(step);
   if (step.contains("png")) return write_flat_png(step);
+  if (step.contains("negative")) return invert_masks(step);
   if (step.contains("hex")) return overwrite_bytes(step);
   if (step.contains("resize"))
     return fs::resize_file(step["resize"].get<std::string>(), step["bytes"].get<std::uintmax_t>());

@@ -8,6 +8,7 @@
 //   {"poke": PLY, "property": NAME, "row": I (absent: every row), "value": NUMBER or "nan", "inf", "-inf"}
 //   {"bytes": FILE, "at": OFFSET, "hex": "ffff"}                       {"resize": FILE, "bytes": N}
 //   zero-filled
+//   {"negative": FOLDER}            of every grey PNG in it
 //   {"png": FILE, "size": [W, H], "value": 0..255, "channels": 1}
 #include <nlohmann/json.hpp>
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <span>
 
 #include "ngs/io/formats/write_splat.h"
@@ -125,6 +126,15 @@ void Extractor::decide() {
   tell_what_is_odd(kept);
 }
 
+void Extractor::tell_what_the_plane_takes(const RegionSelection& found) {
+  const std::int64_t taken = found.in_shapes - found.above_plane;
+  run_.result()["region"]["below_plane"] = taken;
+  if (found.in_shapes == 0) return;
+  const double percent = 100.0 * double(taken) / double(found.in_shapes);
+  run_.text("--drop-below-plane: " + std::to_string(taken) + " of " + std::to_string(found.in_shapes) + " Gaussians (" +
+            std::to_string(std::lround(percent)) + " %) lie in the plane or below it\n");
+}
+
 void Extractor::restrict_to_region() {
   const auto timed = run_.monitor().scope("region");
   const RegionSelection found =
@@ -140,6 +150,7 @@ void Extractor::restrict_to_region() {
     const double offset = found.plane.offset + found.plane.thickness + n.x * o[0] + n.y * o[1] + n.z * o[2];
     said["plane"] = {n.x, n.y, n.z, -offset};
   }
+  if (!region_.drop_below_plane.empty()) tell_what_the_plane_takes(found);
   keep_ = found.object;
   for (const std::size_t k : chosen_)
     for (std::size_t i = 0; i < keep_.size(); ++i)

@@ -5,7 +5,7 @@
 
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/stages/extract/extract_stage.h"
-#include "ngs/stages/select/region_options.h"
+#include "ngs/stages/select/region.h"
 #include "shared/run/run.h"
 
 namespace ngs::cli {
@@ -53,6 +53,8 @@ class Extractor {
 
  private:
   void restrict_to_region();
+  /// Says which share of what the shapes leave goes with --drop-below-plane.
+  void tell_what_the_plane_takes(const RegionSelection& found);
   void tell_what_is_odd(std::int64_t kept);
   void write(const std::string& path, const std::vector<std::uint8_t>& keep) const;
 

@@ -31,6 +31,8 @@ class SceneChecks {
   /// Throws where the scene does not hold together. `compat_is_default`: nobody has said which renderer fitted the
   /// model; the scene's compat becomes what explains the photos.
   void check(bool compat_is_default = false);
+  /// Views whose empty masks the others contradict become views without a mask.
+  void leave_out_lost_masks();
   /// The low-pass filter of the model (stages/scene/filter_probe.h).
   void find_filter();
   /// Moves the cameras to where the photos fit the model (stages/scene/view_align.h). `for_background`: the photos are
@@ -50,6 +52,7 @@ class SceneChecks {
   io::PhotoCache photos_;              // of these, of which every step asks for some
   Model model_;
   std::vector<BackgroundWitness> witnesses_;
+  std::vector<std::size_t> lost_masks_;  // views
 };
 
 int check_command(int argc, char** argv);

@@ -8,7 +8,9 @@ void check_renders(cli::Run& run, const SceneCheckOptions& checks, io::ImportedS
   run.warn_unused({"--align-views", "--background", "--compat", "--antialias", "--filter-px2"},
                   "with renders of the model: it is drawn as they were");
   run.result()["photos"] = kRenderedPhotosNote;
-  SceneChecks(run, checks, imported.scene, std::move(imported.notes)).check();
+  SceneChecks scene(run, checks, imported.scene, std::move(imported.notes));
+  scene.check();
+  scene.leave_out_lost_masks();
 }
 
 }  // namespace ngs::capture

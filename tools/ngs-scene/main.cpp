@@ -5,9 +5,9 @@
 #include "import_renders.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/stages/render/background.h"
-#include "options.h"
 #include "orbit.h"
 #include "shared/cli/dispatch.h"
+#include "shared/scene/import_options.h"
 #include "shared/scene/scene_model.h"
 #include "shared/tool.h"
 #include "undistort.h"
@@ -70,6 +70,7 @@ int import_command(int argc, char** argv) {
     choose_background(options.background, run.monitor(), imported.scene);
     const bool settled = !options.background.empty() || scene.settle_transparent_photos();
     scene.check(options.compat == CompatChoice::kAuto);
+    scene.leave_out_lost_masks();
     if (options.filter_px2 > 0)
       imported.scene.filter_px2 = options.filter_px2;
     else

@@ -10,6 +10,7 @@
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/options/name_of.h"
 #include "ngs/scene/view_names.h"
+#include "painted_pictures.h"
 
 namespace ngs::front {
 namespace {
@@ -34,10 +35,13 @@ bool has_masks(const Scene& scene) {
 }  // namespace
 
 CutChain::CutChain(cli::Run& run, const CutOptions& options, CutInputs inputs)
-    : run_(run), options_(options), inputs_(std::move(inputs)), stages_(run, inputs_.out, run.exec().threads) {}
+    : run_(run),
+      options_(options),
+      inputs_(std::move(inputs)),
+      stages_(run, inputs_.out, run.exec().threads, inputs_.own_flags) {}
 
 CutEnd CutChain::run() {
-  if (!make_scene()) return CutEnd::kStopped;
+  if (!make_scene()) return CutEnd::kStopped;  // which may find strokes painted in place
   const bool marked = !inputs_.strokes.empty();
   if (options_.quality == CutQuality::kFlash) {
     if (!marked) return CutEnd::kNeedsStrokes;
@@ -83,6 +87,13 @@ bool CutChain::orbit() {
   Json key{{"version", kVersion}, {"options", Words(words.begin() + 5, words.end())}};
   const std::string key_file = at("orbit/made_from.json");
   if (!run_.dry_run()) {
+    const std::vector<std::string> painted = rescue_painted(pictures(), at("orbit/pictures.json"), at("painted"));
+    for (const std::string& name : painted)
+      run_.monitor().warn(pictures() + "/" + name + ": was painted on; its marks are read from a copy, " +
+                          at("painted/") + name + ", and the picture is made anew");
+    inputs_.strokes = strokes_on_copies(inputs_.strokes, pictures(), at("painted"), painted);
+    std::error_code absent;
+    if (!painted.empty()) fs::remove(key_file, absent);
     key["model"] = io::content_hash(inputs_.source).xxh3;
     if (exists(plain_scene_) && exists(key_file) && io::read_json_file(key_file) == nlohmann::json(key))
       return reused_orbit_ = true;
@@ -91,7 +102,9 @@ bool CutChain::orbit() {
     fs::remove(key_file, ignored);
   }
   if (!stage("ngs-scene", words)) return false;
-  if (!run_.dry_run()) io::write_file(key_file, key.dump(1) + "\n");
+  if (run_.dry_run()) return true;
+  record_pictures(pictures(), at("orbit/pictures.json"));
+  io::write_file(key_file, key.dump(1) + "\n");
   return true;
 }
 
@@ -100,11 +113,17 @@ bool CutChain::import() {
   if (inputs_.model.empty()) require_model_in(inputs_.source);
   if (inputs_.strokes.empty() && inputs_.masks.empty()) inputs_.masks = masks_in(inputs_.source);
   if (inputs_.truth.empty()) inputs_.truth = truth_in(inputs_.source);
+  if (const std::string unused = masks_in(inputs_.source); !inputs_.strokes.empty() && !unused.empty())
+    run_.monitor().warn(unused + ": not used, the strokes are");
   Words words{
       "ngs-scene", "import", inputs_.source, "-o", plain_scene_, "--image-scale", std::to_string(options_.image_scale)};
   append(words, "--ply", inputs_.model);
   append(words, "--hold-out", options_.hold_out);
   append(words, "--masks", inputs_.strokes.empty() ? inputs_.masks : "");
+  if (!inputs_.strokes.empty()) words.emplace_back("--no-check-polarity");  // of masks that are not used
+  append(words, "--images", inputs_.images);
+  append(words, "--world-transform", inputs_.world_transform);
+  words.insert(words.end(), inputs_.import_words.begin(), inputs_.import_words.end());
   inputs_.masks.clear();  // the scene names them
   return stage("ngs-scene", words);
 }

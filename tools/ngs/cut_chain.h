@@ -9,6 +9,7 @@
 //
 // With --quality flash only orbit/, the models and masks/ (flash_cut.h).
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,9 +23,13 @@ namespace ngs::front {
 struct CutInputs {
   std::string source;  // as it was given
   SourceKind kind = SourceKind::kSplat;
-  std::vector<std::string> strokes;  // files for ngs-mask --prompts
-  std::string model, masks, truth;   // empty: what the capture has
-  std::string out;                   // the folder
+  std::vector<std::string> strokes;     // files for ngs-mask --prompts
+  std::string model, masks, truth;      // empty: what the capture has
+  std::string images, world_transform;  // of a capture; empty: as above, none
+  Words import_words;                   // further options of ngs-scene import
+  Words all_words;                      // all options that were given
+  std::set<std::string> own_flags;      // of ngs cut
+  std::string out;                      // the folder
 };
 
 enum class CutEnd { kDone, kNeedsStrokes, kStopped };

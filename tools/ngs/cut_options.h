@@ -3,6 +3,8 @@
 #include <string>
 
 #include "ngs/options/field.h"
+#include "ngs/stages/scene/scene_check.h"
+#include "shared/scene/import_options.h"
 
 namespace ngs::front {
 
@@ -39,6 +41,20 @@ struct CutOptions {
     visit(self.views, Field<int>{"views", "", "a splat: pictures to begin with; 0: as ngs-scene orbit", 0, 10000});
     visit(self.image_scale,
           Field<double>{"image_scale", "", "a capture: working size over the photos'; 0: 800 px at most", 0.0, 1.0});
+  }
+};
+
+/// What ngs-scene import is told of a capture, beside what CutOptions says of it.
+struct CaptureOptions {
+  capture::ImportOptions import;
+  SceneCheckOptions checks;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    capture::ImportOptions::describe(self.import, [&](auto& value, const auto& field) {
+      if (field.name != "hold_out" && field.name != "image_scale") visit(value, field);
+    });
+    SceneCheckOptions::describe(self.checks, visit);
   }
 };
 

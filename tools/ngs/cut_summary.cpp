@@ -7,6 +7,7 @@
 
 #include "ngs/io/files/json_file.h"
 #include "ngs/io/scene/scene_json.h"
+#include "shared/run/sibling_program.h"
 
 namespace ngs::front {
 namespace {
@@ -95,6 +96,11 @@ std::string summary_of(const CutChain& chain) {
   row(text, "time", time_line(chain));
   const std::vector<std::string>& warnings = chain.stages().warnings();
   for (std::size_t i = 0; i < std::min(kShownWarnings, warnings.size()); ++i) row(text, "odd", warnings[i]);
+  const auto shown_end = warnings.begin() + std::ptrdiff_t(std::min(kShownWarnings, warnings.size()));
+  if (std::any_of(warnings.begin(), shown_end, [&](const std::string& warning) {
+        return chain.stages().names_flag_of_stage(warning.substr(warning.find(": ") + 2));
+      }))
+    row(text, "", "a flag that ngs cut has not is one of that tool: its command is in " + chain.at("reports") + "/");
   if (warnings.size() > kShownWarnings)
     row(text, "odd",
         std::to_string(warnings.size() - kShownWarnings) + " more warnings, in " + chain.at("reports") + "/");
@@ -122,7 +128,13 @@ std::string stroke_help(const CutChain& chain) {
           std::to_string(first.camera.width_px) + R"(, "height": )" + std::to_string(first.camera.height_px) +
           R"(, "strokes": [)");
   row(text, "", R"(  {"object": true, "points": [[X, Y], [X, Y]]}, {"object": false, "points": [[X, Y], [X, Y]]}]})");
-  row(text, "next", "ngs cut " + chain.inputs().source + " -o " + chain.inputs().out + " --strokes FILE");
+  std::vector<std::string> again{"ngs", "cut", chain.inputs().source, "-o", chain.inputs().out, "--strokes", "FILE"};
+  for (const auto& [flag, path] : {std::pair("--model", chain.inputs().model),
+                                   {"--images", chain.inputs().images},
+                                   {"--world-transform", chain.inputs().world_transform}})
+    if (!path.empty()) again.insert(again.end(), {flag, path});
+  again.insert(again.end(), chain.inputs().all_words.begin(), chain.inputs().all_words.end());
+  row(text, "next", cli::quoted_line(again));
   return text;
 }
 

@@ -34,8 +34,25 @@ void remove_unfinished(const std::string& folder) {
 
 }  // namespace
 
-StageRunner::StageRunner(cli::Run& run, std::string folder, int threads)
-    : run_(run), folder_(std::move(folder)), threads_(threads) {}
+StageRunner::StageRunner(cli::Run& run, std::string folder, int threads, std::set<std::string> own_flags)
+    : run_(run), folder_(std::move(folder)), threads_(threads), own_flags_(std::move(own_flags)) {}
+
+bool StageRunner::names_flag_of_stage(const std::string& text) const {
+  for (std::size_t at = text.find("--"); at != text.npos; at = text.find("--", at + 2)) {
+    const std::size_t end = text.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_", at);
+    const std::string flag = text.substr(at, end - at);
+    const std::string positive = flag.starts_with("--no-") ? "--" + flag.substr(5) : flag;
+    const bool of_another = flag.find('_') != flag.npos || text.rfind("ngs-", at) != text.npos;
+    if (!of_another && !own_flags_.contains(flag) && !own_flags_.contains(positive)) return true;
+  }
+  return false;
+}
+
+std::string StageRunner::hint_for(const Words& words) const {
+  if (!names_flag_of_stage(hint_)) return hint_;
+  return words[0] + (words[0] == "ngs-scene" ? " " + words[1] : "") + ": " + hint_ + "; it was run as " +
+         commands_.back();
+}
 
 const nlohmann::json& StageRunner::report(const std::string& name) const {
   static const nlohmann::json none;
@@ -85,7 +102,7 @@ bool StageRunner::run(const std::string& name, const Words& words) {
                 child.code == 9 ? "was there enough memory? --dry-run of the tool estimates it" : "");
   }
   if (child.code != cli::kDone && child.code != cli::kCheckFailed && child.code != cli::kBudgetHit)
-    throw Error(ErrorCode(child.code), words[0] + ": " + (error_.empty() ? child.last_words : error_), hint_);
+    throw Error(ErrorCode(child.code), words[0] + ": " + (error_.empty() ? child.last_words : error_), hint_for(words));
   names_.push_back(name);
   results_.push_back({words[0], wall_seconds() - start_s, io::read_json_file(report)});
   return true;

@@ -23,6 +23,12 @@ std::size_t extension_of(std::string_view name) {
   return dot == name.npos || dot <= base_of(name) ? name.size() : dot;
 }
 
+std::string lower_extension(std::string_view name) {
+  std::string extension(name.substr(extension_of(name)));
+  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
 template <class Rule>
 std::vector<std::string> names_by(const std::vector<SceneView>& views, const Rule& rule) {
   std::vector<std::string> names;
@@ -43,15 +49,20 @@ auto indices_of(const std::vector<std::string>& names) {
 }  // namespace
 
 bool has_image_extension(std::string_view name) {
-  std::string extension(name.substr(extension_of(name)));
-  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
   constexpr std::array kKnown{".png"sv,  ".jpg"sv,  ".jpeg"sv, ".exr"sv, ".tif"sv,
                               ".tiff"sv, ".webp"sv, ".bmp"sv,  ".ppm"sv, ".pgm"sv};
-  return std::find(kKnown.begin(), kKnown.end(), extension) != kKnown.end();
+  return std::find(kKnown.begin(), kKnown.end(), lower_extension(name)) != kKnown.end();
+}
+
+bool has_unread_extension(std::string_view name) {
+  constexpr std::array kUnread{".heic"sv, ".heif"sv, ".avif"sv, ".jxl"sv, ".gif"sv, ".dng"sv, ".cr2"sv,
+                               ".cr3"sv,  ".nef"sv,  ".arw"sv,  ".orf"sv, ".raf"sv, ".rw2"sv};
+  return std::find(kUnread.begin(), kUnread.end(), lower_extension(name)) != kUnread.end();
 }
 
 std::string image_stem(std::string_view name) {
-  return std::string(has_image_extension(name) ? name.substr(0, extension_of(name)) : name);
+  const bool has_extension = has_image_extension(name) || has_unread_extension(name);
+  return std::string(has_extension ? name.substr(0, extension_of(name)) : name);
 }
 
 std::string bare_name(std::string_view name) { return std::string(name.substr(base_of(name))); }

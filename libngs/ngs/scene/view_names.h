@@ -15,7 +15,10 @@ namespace ngs {
 
 /// True for the formats that are read: PNG, JPEG, EXR, TIFF, WebP, BMP, PPM and PGM, in either case.
 bool has_image_extension(std::string_view name);
-/// The name without a known image extension: "a.b.png" -> "a.b", "frame.0001" -> itself. Folders are kept.
+/// True for endings of photos that nothing here reads: those of phones and of cameras' raw data (HEIC, AVIF, DNG ...).
+/// Cameras name such files, the photos are copies in another format.
+bool has_unread_extension(std::string_view name);
+/// The name without an extension of either kind: "a.b.png" -> "a.b", "frame.0001" -> itself. Folders are kept.
 std::string image_stem(std::string_view name);
 /// The name without its folders.
 std::string bare_name(std::string_view name);

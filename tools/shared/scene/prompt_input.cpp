@@ -76,6 +76,10 @@ Marks read_prompts(const Run& run, const Scene& scene, const std::string& wanted
         marks[finder.view_of(prompt.view, path)].push_back(std::move(prompt));
     } else {
       const std::size_t view = finder.view_of("", path);
+      std::error_code none;
+      if (std::filesystem::equivalent(path, scene.views[view].image_path, none))
+        throw Error(ErrorCode::kBadInput, path + ": is the view's own picture, expected a painted copy of it",
+                    "take the picture back as it was, and paint on a copy of the same name in another folder");
       marks[view].push_back(io::read_painted_picture(path, scene.views[view].image_path));
     }
   }

@@ -1,5 +1,6 @@
 #include "ngs/io/capture/capture_source.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 
@@ -7,6 +8,7 @@
 #include "ngs/io/capture/cameras_json.h"
 #include "ngs/io/capture/colmap.h"
 #include "ngs/io/capture/llff.h"
+#include "ngs/io/capture/photo_names.h"
 #include "ngs/io/capture/pose.h"
 #include "ngs/io/capture/transforms_json.h"
 #include "ngs/io/files/folder_index.h"
@@ -18,6 +20,7 @@
 #include "ngs/io/image/size_rule.h"
 #include "ngs/io/scene/find_model.h"
 #include "ngs/io/scene/scene_json.h"
+#include "ngs/scene/view_names.h"
 
 namespace ngs::io {
 namespace {
@@ -100,8 +103,22 @@ std::string find_images_dir(const CaptureRequest& request, const std::string& ba
       throw Error(ErrorCode::kBadInput, request.images_dir + ": no such folder, expected the photos");
     return request.images_dir;
   }
-  const std::string images = (fs::path(base) / "images").string();
-  return fs::is_directory(images, ignored) ? images : std::string();
+  return folder_called(base, "images");
+}
+
+/// Names that were written on Windows have backslashes between their folders; a file that is really called so wins.
+void use_slashes(const std::string& images_dir, const std::string& object, Capture& capture) {
+  const FolderIndex index(images_dir);
+  bool changed = false;
+  for (SceneView& view : capture.views) {
+    std::string& name = view.camera.name;
+    if (name.find('\\') == name.npos || (!images_dir.empty() && !index.find(name).empty())) continue;
+    auto lens = capture.lenses.extract(name);
+    std::ranges::replace(name, '\\', '/');
+    if (!lens.empty()) lens.key() = name, capture.lenses.insert(std::move(lens));
+    changed = true;
+  }
+  if (changed) finish_capture(capture, object);
 }
 
 bool is_scene(const std::string& file) {
@@ -145,32 +162,6 @@ Capture read_cameras(const CaptureRequest& request, const Located& located, cons
                                         "poses_bounds.npy or a COLMAP folder");
 }
 
-void attach_photos(const CaptureRequest& request, const std::string& images_dir, Capture& capture) {
-  const FolderIndex index(images_dir);
-  std::vector<SceneView*> open;
-  std::vector<std::string> names;  // theirs
-  for (SceneView& view : capture.views) {
-    const bool own = request.images_dir.empty() && is_regular_file(view.image_path);
-    if (!own) open.push_back(&view), names.push_back(view.camera.name);
-  }
-  const std::vector<FoundFile> found = files_of_views(names, [&](const std::string& name) {
-    if (images_dir.empty()) return FoundFile{};
-    const std::string same = index.find(name);
-    return FoundFile{same.empty() ? index.find_stem(name) : same, {}};
-  });
-  std::size_t missing = 0;
-  for (std::size_t i = 0; i < open.size(); ++i) {
-    open[i]->image_path = found[i].path;
-    missing += found[i].path.empty();
-  }
-  if (missing == capture.views.size() && !request.images_dir.empty())
-    throw Error(ErrorCode::kInconsistent, images_dir + ": no photo of any view (such as " +
-                                              capture.views[0].camera.name + "), expected the photos of the cameras");
-  if (missing > 0)
-    capture.notes.push_back("no photo for " + std::to_string(missing) + " of " + std::to_string(capture.views.size()) +
-                            " views" + (images_dir.empty() ? " (name their folder with --images DIR)" : ""));
-}
-
 /// Cameras follow their photos: a folder images_4 or a calibration at another size is the norm.
 void bring_to_photo_sizes(Capture& capture) {
   std::map<std::string, int> resized_views;
@@ -183,7 +174,7 @@ void bring_to_photo_sizes(Capture& capture) {
       throw Error(
           ErrorCode::kInconsistent,
           view.image_path + ": photo of " + to_string(photo) + " px for a camera of " + to_string(camera) +
-              " px, expected the same size or an integer factor",
+              " px, expected the same size or the same shape",
           is_turned(photo, camera, 1)
               ? "turn its pixels as the cameras have them: its EXIF orientation, which nothing here follows, may have"
                 " been followed where the cameras were made (mogrify -auto-orient)"
@@ -215,7 +206,11 @@ CaptureSource read_capture(const CaptureRequest& request) {
     const WorldTransform world = read_world_transform(request.world_transform);
     for (SceneView& view : source.capture.views) apply(world, view.camera);
   }
-  attach_photos(request, source.images_dir, source.capture);
+  use_slashes(source.images_dir, source.file, source.capture);
+  if (source.images_dir.empty())
+    source.images_dir = folder_with_photos({source.base, located.colmap ? source.file : source.base}, source.capture);
+  attach_photos({source.images_dir, !request.images_dir.empty()}, source.capture);
+  if (!source.rendered) note_unused_photos(source.base, source.capture);
   bring_to_photo_sizes(source.capture);
   return source;
 }

@@ -11,7 +11,7 @@ namespace ngs::io {
 struct CaptureRequest {
   std::string source;           // COLMAP folder, transforms.json, cameras.json, poses_bounds.npy, the scene.json of
                                 //   ngs-scene orbit, or a folder that holds one of them
-  std::string images_dir;       // empty: images/ beside the cameras
+  std::string images_dir;       // empty: images/ beside the cameras, else where the cameras are
   std::string world_transform;  // transforms_json.h read_world_transform(); empty: none
   bool original_world = false;  // transforms.json: undo applied_transform
   Distortion distortion = Distortion::kRefused;
@@ -30,8 +30,8 @@ struct CaptureSource {
 /// cameras are found.
 std::string capture_folder(const std::string& source);
 
-/// Missing photos are a note; no photo at all with an explicit images_dir, or a photo whose size is no
-/// integer factor of its camera's, is kInconsistent.
+/// Missing photos are a note, and so are pictures that are of no view; no photo at all with an explicit images_dir, or
+/// a photo of another shape than its camera's image, is kInconsistent.
 CaptureSource read_capture(const CaptureRequest& request);
 
 }  // namespace ngs::io

@@ -4,7 +4,8 @@
 // centre is (0.5, 0.5), as in scene/camera.h.
 //
 // Cameras: SIMPLE_PINHOLE and PINHOLE, with their true principal point; models with distortion where every distortion
-// parameter is < 1e-9 in size, or where distortion is asked for, else kBadInput with what undoes it.
+// parameter is < 1e-9 in size, or where distortion is asked for, else kBadInput with what undoes it. Panoramas:
+// kBadInput.
 #include <string>
 #include <string_view>
 

@@ -21,17 +21,44 @@ constexpr std::array kModels{ColmapModel{0, "SIMPLE_PINHOLE", 3, 3},
                              ColmapModel{7, "FOV", 5, 4},
                              ColmapModel{8, "SIMPLE_RADIAL_FISHEYE", 4, 3},
                              ColmapModel{9, "RADIAL_FISHEYE", 5, 3},
-                             ColmapModel{10, "THIN_PRISM_FISHEYE", 12, 4}};
+                             ColmapModel{10, "THIN_PRISM_FISHEYE", 12, 4},
+                             ColmapModel{11, "RAD_TAN_THIN_PRISM_FISHEYE", 16, 4},
+                             ColmapModel{12, "SIMPLE_DIVISION", 4, 3},
+                             ColmapModel{13, "DIVISION", 5, 4},
+                             ColmapModel{14, "SIMPLE_FISHEYE", 3, 3},
+                             ColmapModel{15, "FISHEYE", 4, 4},
+                             ColmapModel{16, "EUCM", 6, 4},
+                             ColmapModel{17, "EQUIRECTANGULAR", 2, 0}};
+
+bool is_panorama(const ColmapModel& model) { return model.intrinsics == 0; }
+
+/// Whether Lens has what the parameters after the intrinsics say.
+bool has_lens(const ColmapModel& model) {
+  const std::string name = model.name;
+  return !is_panorama(model) && name != "RAD_TAN_THIN_PRISM_FISHEYE" && name != "SIMPLE_DIVISION" &&
+         name != "DIVISION" && name != "EUCM";
+}
 
 /// Fisheye projections bend straight lines even with all parameters zero.
 bool is_pinhole_without_distortion(const ColmapModel& model) {
-  return std::string(model.name).find("FISHEYE") == std::string::npos && std::string(model.name) != "FOV";
+  return std::string(model.name).find("FISHEYE") == std::string::npos && std::string(model.name) != "FOV" &&
+         !is_panorama(model);
 }
 
-std::string undistort_command(const std::string& folder) {
-  return "colmap image_undistorter --image_path IMAGES --input_path " + folder +
-         " --output_path undistorted --output_type COLMAP, or ngs-scene undistort " + folder +
-         " --images IMAGES -o undistorted; then import the folder undistorted";
+/// `model` null: one that is not in the list.
+std::string way_out(const ColmapModel* model, const std::string& folder) {
+  if (model != nullptr && is_panorama(*model)) return kPanoramaRemedy;
+  std::string command = "colmap image_undistorter --image_path IMAGES --input_path " + folder +
+                        " --output_path undistorted --output_type COLMAP";
+  if (model != nullptr && has_lens(*model))
+    command += ", or ngs-scene undistort " + folder + " --images IMAGES -o undistorted";
+  return command + "; then import the folder undistorted";
+}
+
+[[noreturn]] void refuse(const std::string& found, const ColmapModel* model, const std::string& where,
+                         const std::string& folder) {
+  throw Error(ErrorCode::kBadInput, where + ": camera model " + found + ", expected a pinhole without distortion",
+              way_out(model, folder));
 }
 
 /// The parameters after the intrinsics, in COLMAP's order.
@@ -59,12 +86,19 @@ const double* distorting(const ColmapCamera& given) {
 }
 
 void refuse_distortion(const ColmapCamera& given, const std::string& where, const std::string& folder) {
-  if (!is_pinhole_without_distortion(given.model)) refuse_colmap_model(given.model.name, where, folder);
   const double* parameter = distorting(given);
-  if (parameter == nullptr) return;
+  const bool straight = is_pinhole_without_distortion(given.model);
+  if (straight && parameter == nullptr) return;
   std::ostringstream found;
-  found << given.model.name << " with distortion " << *parameter;
-  refuse_colmap_model(found.str(), where, folder);
+  found << given.model.name;
+  if (straight) found << " with distortion " << *parameter;
+  refuse(found.str(), &given.model, where, folder);
+}
+
+/// Of models that are kept with their distortion.
+void require_lens(const ColmapCamera& given, const std::string& where, const std::string& folder) {
+  if (has_lens(given.model) || (!is_panorama(given.model) && distorting(given) == nullptr)) return;
+  refuse(given.model.name, &given.model, where, folder);
 }
 
 void require_finite(const ColmapCamera& given, const std::string& where) {
@@ -91,16 +125,15 @@ const ColmapModel* find_colmap_model_by_name(const std::string& name) {
 }
 
 void refuse_colmap_model(const std::string& model, const std::string& where, const std::string& folder) {
-  throw Error(ErrorCode::kBadInput, where + ": camera model " + model + ", expected a pinhole without distortion",
-              undistort_command(folder));
+  refuse(model, nullptr, where, folder);
 }
 
 ColmapIntrinsics intrinsics_of(const ColmapCamera& given, const std::string& where, const ColmapReading& reading) {
   const auto& [model, width, height, parameters] = given;
-  if (reading.distortion == Distortion::kRefused)
+  if (reading.distortion == Distortion::kRefused || is_panorama(model))
     refuse_distortion(given, where, reading.folder);
   else
-    require_finite(given, where);
+    require_finite(given, where), require_lens(given, where, reading.folder);
   if (width < 1 || height < 1 || width > std::uint64_t(kMaxSide) || height > std::uint64_t(kMaxSide))
     throw Error(ErrorCode::kBadInput, where + ": size " + std::to_string(width) + "x" + std::to_string(height) +
                                           " px, expected 1.." + std::to_string(kMaxSide));

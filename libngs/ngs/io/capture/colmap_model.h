@@ -13,7 +13,7 @@ struct ColmapModel {
   int id;
   const char* name;
   int parameters;  // in all
-  int intrinsics;  // of them at the start: 3 = f cx cy, 4 = fx fy cx cy; the rest is distortion
+  int intrinsics;  // of them at the start: 3 = f cx cy, 4 = fx fy cx cy, 0 = a panorama; the rest is distortion
 };
 
 /// Null: unknown (newer than this list).
@@ -45,6 +45,12 @@ struct ColmapReading {
 ColmapIntrinsics intrinsics_of(const ColmapCamera& given, const std::string& where, const ColmapReading& reading);
 /// Gives the view of this name its camera, without a pose, and the capture its lens.
 void set_intrinsics(const ColmapIntrinsics& from, const std::string& name, Capture& capture, SceneView& view);
+
+/// What to do with panoramas, which no pinhole shows and nothing here undistorts.
+inline constexpr const char* kPanoramaRemedy =
+    "cut each panorama into pinhole views and find their poses again, e.g. with COLMAP's example panorama_sfm.py or "
+    "with "
+    "ns-process-data of nerfstudio";
 
 /// kBadInput for a model that is not in the list.
 [[noreturn]] void refuse_colmap_model(const std::string& model, const std::string& where, const std::string& folder);

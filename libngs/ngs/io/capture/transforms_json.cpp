@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "ngs/core/error.h"
+#include "ngs/io/capture/colmap_model.h"
 #include "ngs/io/capture/pose.h"
 #include "ngs/io/files/json_file.h"
 #include "ngs/io/files/relative_path.h"
@@ -59,6 +60,12 @@ bool is_fisheye(const Lookup& lookup) {
   return camera_model(lookup) == "OPENCV_FISHEYE" || (flag != nullptr && flag->boolean("is_fisheye"));
 }
 
+/// nerfstudio's names of pictures all around, for one eye or two.
+bool is_panorama(const std::string& model) {
+  return model == "EQUIRECTANGULAR" || model == "SPHERICAL" || model.starts_with("OMNIDIRECTIONAL") ||
+         model.starts_with("VR180");
+}
+
 /// kBadInput for models that are neither.
 void require_known_model(const Lookup& lookup, const std::string& where, Distortion distortion) {
   const bool may_bend = distortion == Distortion::kKept;
@@ -68,8 +75,11 @@ void require_known_model(const Lookup& lookup, const std::string& where, Distort
   const std::string model = camera_model(lookup);
   constexpr std::array kStraight{"PINHOLE", "SIMPLE_PINHOLE", "OPENCV", "SIMPLE_RADIAL", "RADIAL", "FULL_OPENCV"};
   if (may_bend && model == "OPENCV_FISHEYE") return;
-  if (std::find(kStraight.begin(), kStraight.end(), model) == kStraight.end())
-    throw Error(ErrorCode::kBadInput, where + ": camera model " + model + ", expected a pinhole", kUndistort);
+  if (std::find(kStraight.begin(), kStraight.end(), model) != kStraight.end()) return;
+  throw Error(ErrorCode::kBadInput, where + ": camera model " + model + ", expected a pinhole",
+              is_panorama(model)          ? kPanoramaRemedy
+              : model == "OPENCV_FISHEYE" ? kUndistort
+                                          : "make pinhole photos of these with the program that made the file");
 }
 
 Lens lens_of(const Lookup& lookup, const std::string& where) {

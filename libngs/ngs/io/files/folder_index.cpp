@@ -37,9 +37,35 @@ std::vector<std::string> list_folders(const std::string& folder) {
   });
 }
 
+std::string lower_case(std::string_view name) {
+  std::string lower(name);
+  for (char& c : lower)
+    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+  return lower;
+}
+
+std::string folder_called(const std::string& folder, const std::string& name) {
+  std::vector<std::string> alike;
+  for (const std::string& found : list_folders(folder)) {
+    if (found == name) return (fs::path(folder) / name).string();
+    if (lower_case(found) == lower_case(name)) alike.push_back(found);
+  }
+  return alike.size() == 1 ? (fs::path(folder) / alike[0]).string() : std::string();
+}
+
 std::string FolderIndex::find(const std::string& name) const {
-  const std::string path = (fs::path(folder_) / name).string();
-  return is_regular_file(path) ? path : std::string();
+  const fs::path path = fs::path(folder_) / name;
+  if (is_regular_file(path.string())) return path.string();
+  const std::string file = path.filename().string(), stem = image_stem(file);
+  if (stem == file) return {};
+  std::string found;
+  const auto [begin, end] = stems_of(path.parent_path().string()).equal_range(stem);
+  for (auto entry = begin; entry != end; ++entry) {
+    if (lower_case(entry->second) != lower_case(file)) continue;
+    if (!found.empty()) return {};
+    found = (path.parent_path() / entry->second).string();
+  }
+  return found;
 }
 
 std::string FolderIndex::find_stem(const std::string& name) const {

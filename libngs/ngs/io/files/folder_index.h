@@ -3,6 +3,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace ngs::io {
@@ -12,12 +13,17 @@ std::vector<std::string> list_images(const std::string& folder);
 /// Sorted names of the folders in `folder`.
 std::vector<std::string> list_folders(const std::string& folder);
 
+/// With letters of ASCII in lower case.
+std::string lower_case(std::string_view name);
+/// Path of the sub-folder of this name, else of the only one that differs in case; empty: none.
+std::string folder_called(const std::string& folder, const std::string& name);
+
 /// Finds files by the names that cameras have. Reads each folder once.
 class FolderIndex {
  public:
   explicit FolderIndex(std::string folder) : folder_(std::move(folder)) {}
 
-  /// Path of the file of this name; empty: none.
+  /// Path of the file of this name, else of the only one that differs in the case of its extension; empty: none.
   std::string find(const std::string& name) const;
   /// Path of the only file with the stem of `name`, whatever its extension; empty: none or several.
   std::string find_stem(const std::string& name) const;

@@ -29,7 +29,7 @@ std::string lower(std::string_view text) {
 std::string affix_key(std::string_view name) {
   const std::string folder = lower(folder_of(name));
   std::string base = lower(name.substr(folder.size()));
-  while (has_image_extension(base)) base = image_stem(base);
+  while (image_stem(base) != base) base = image_stem(base);
   constexpr std::array kPrefixes = {"mask"sv, "gt"sv, "pred"sv, "frame"sv};
   constexpr std::array kSuffixes = {"mask"sv, "gt"sv, "pred"sv, "label"sv, "seg"sv, "object"sv, "rgb"sv};
   const auto joins = [](char c) { return c == '_' || c == '-' || c == '.'; };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <string_view>
 
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
@@ -10,11 +11,26 @@
 #include "ngs/io/files/regular_file.h"
 #include "ngs/io/image/image_codecs.h"
 #include "ngs/io/image/image_header.h"
+#include "ngs/scene/view_names.h"
 
 namespace ngs::io {
 namespace {
 
+/// Photos of phones: HEIC and AVIF are boxes of ISO/IEC 14496-12, whatever the file is called.
+bool is_heif(Bytes bytes) {
+  constexpr std::string_view kType = "ftyp";
+  return bytes.size() > 12 &&
+         std::equal(kType.begin(), kType.end(), bytes.begin() + 4, [](char c, auto byte) { return c == char(byte); });
+}
+
 Picture decode(Bytes bytes, const std::string& path) {
+  if (is_heif(bytes) || has_unread_extension(path))
+    throw Error(ErrorCode::kBadInput,
+                path +
+                    ": a photo in a format that is not read (HEIC, AVIF, JPEG XL, GIF, raw data of a camera), "
+                    "expected PNG, JPEG, TIFF or WebP",
+                "convert the photos, e.g. with magick mogrify -format jpg FILES: a copy beside the file is taken where "
+                "only its ending differs");
   Picture picture = image_codecs().decode(bytes);
   if (picture.width_px == 0)
     throw Error(ErrorCode::kBadInput, path + ": not a readable image, expected PNG, JPEG or another common format");

@@ -1,6 +1,8 @@
 #include "ngs/io/image/mask_names.h"
 
+#include <algorithm>
 #include <filesystem>
+#include <set>
 
 #include "ngs/core/error.h"
 #include "ngs/io/files/folder_index.h"
@@ -11,31 +13,37 @@ namespace {
 
 namespace fs = std::filesystem;
 
-FoundFile find_mask(const FolderIndex& index, const std::string& name) {
+/// `photos`: of the views, which may lie in the same folder; none is a mask.
+FoundFile find_mask(const FolderIndex& index, const std::set<fs::path>& photos, const std::string& name) {
   const std::string stem = image_stem(name);
-  const FoundFile tried[] = {{name + ".png", "<name>.png"},
-                             {name, "<name>"},
-                             {stem + ".png", "<stem>.png"},
-                             {stem + ".mask.png", "<stem>.mask.png"},
-                             {stem + "_mask.png", "<stem>_mask.png"}};
+  const FoundFile tried[] = {{name + ".png", "<name>.png"},           {name, "<name>"},
+                             {stem + ".png", "<stem>.png"},           {stem + ".mask.png", "<stem>.mask.png"},
+                             {name + ".mask.png", "<name>.mask.png"}, {stem + "_mask.png", "<stem>_mask.png"}};
+  const auto is_photo = [&](const std::string& path) { return photos.contains(fs::path(path).lexically_normal()); };
   FoundFile first;
   for (const FoundFile& candidate : tried) {
     const std::string path = index.find(candidate.path);
-    if (path.empty() || path == first.path) continue;
+    if (path.empty() || path == first.path || is_photo(path)) continue;
     if (!first.path.empty()) return {first.path, first.rule, path};
     first = {path, candidate.rule};
   }
   if (!first.path.empty()) return first;
   const std::string path = index.find_stem(name);
-  return path.empty() ? FoundFile{} : FoundFile{path, "<stem>." + fs::path(path).extension().string().substr(1)};
+  return path.empty() || is_photo(path) ? FoundFile{}
+                                        : FoundFile{path, "<stem>." + fs::path(path).extension().string().substr(1)};
 }
 
 std::vector<FoundFile> find_masks(const std::string& folder, const std::vector<SceneView*>& views,
                                   MaskMatches& matches) {
   const FolderIndex index(folder);
   std::vector<std::string> names;
-  for (const SceneView* view : views) names.push_back(view->camera.name);
-  std::vector<FoundFile> found = files_of_views(names, [&](const std::string& name) { return find_mask(index, name); });
+  std::set<fs::path> photos;
+  for (const SceneView* view : views) {
+    names.push_back(view->camera.name);
+    photos.insert(fs::path(view->image_path).lexically_normal());
+  }
+  std::vector<FoundFile> found =
+      files_of_views(names, [&](const std::string& name) { return find_mask(index, photos, name); });
   for (const FoundFile& file : found)
     if (!file.beside_it.empty() && matches.several++ == 0)
       matches.taken = file.path, matches.not_taken = file.beside_it;
@@ -79,6 +87,21 @@ void match_per_object(const std::string& folder, const std::vector<std::string>&
   }
 }
 
+/// Files in the folders of the masks, or in `folder` where there is none, that are no view's mask and no photo.
+void note_unused(const std::string& folder, const std::vector<SceneView>& views, MaskMatches& matches) {
+  if (!matches.objects.empty() || folder.empty()) return;
+  std::set<fs::path> used, folders{fs::path(folder).lexically_normal()};
+  for (const SceneView& view : views) {
+    const fs::path mask = fs::path(view.mask_path).lexically_normal();
+    used.insert(mask), used.insert(fs::path(view.image_path).lexically_normal());
+    if (!mask.empty()) folders.insert(mask.parent_path());
+  }
+  for (const std::string& name : list_folders(folder)) folders.insert((fs::path(folder) / name).lexically_normal());
+  for (const fs::path& of_masks : folders)
+    for (const std::string& name : list_images(of_masks.string()))
+      if (!used.contains(of_masks / name)) matches.of_no_view.push_back((of_masks / name).string());
+}
+
 }  // namespace
 
 MaskMatches match_masks(const std::string& folder, const std::vector<std::string>& objects,
@@ -95,7 +118,16 @@ MaskMatches match_masks(const std::string& folder, const std::vector<std::string
     match_per_object(folder, objects.empty() ? list_folders(folder) : objects, open, matches);
   for (const SceneView& view : views)
     if (view.mask_path.empty()) matches.unmatched.push_back(view.camera.name);
+  note_unused(folder, views, matches);
   return matches;
+}
+
+bool holds_masks_beside(const std::string& folder, const std::vector<SceneView>& views) {
+  const FolderIndex index(folder);
+  return std::ranges::any_of(views, [&](const SceneView& view) {
+    const std::string name = bare_name(view.camera.name), stem = image_stem(name);
+    return !(index.find(name + ".mask.png") + index.find(stem + ".mask.png") + index.find(stem + "_mask.png")).empty();
+  });
 }
 
 }  // namespace ngs::io

@@ -5,6 +5,7 @@
 //   <name>            a/0001.jpg         same name as the photo
 //   <stem>.png        a/0001.png         the usual one
 //   <stem>.mask.png   a/0001.mask.png    Brush
+//   <name>.mask.png   a/0001.jpg.mask.png  RealityScan
 //   <stem>_mask.png   a/0001_mask.png    many scripts around segmenters
 //   <stem>.<other>    a/0001.exr ...     any other image format; refused where there are several
 //
@@ -22,6 +23,7 @@ namespace ngs::io {
 struct MaskMatches {
   std::map<std::string, int> views_by_rule;  // "<stem>.png" -> 21
   std::vector<std::string> unmatched;        // views without a mask
+  std::vector<std::string> of_no_view;       // paths of pictures among the masks that are no view's
   std::vector<std::string> objects;          // sub-folders that were taken as objects; empty: none
   int several = 0;                           // masks beside which another one lies that a later rule would have found
   std::string taken, not_taken;              // the first of these
@@ -31,5 +33,8 @@ struct MaskMatches {
 /// names that the user gave (only these sub-folders count); empty: every sub-folder with a mask is an object.
 MaskMatches match_masks(const std::string& folder, const std::vector<std::string>& objects,
                         std::vector<SceneView>& views);
+
+/// Whether a folder of photos holds masks too, called <name>.mask.png, <stem>.mask.png or <stem>_mask.png.
+bool holds_masks_beside(const std::string& folder, const std::vector<SceneView>& views);
 
 }  // namespace ngs::io

@@ -225,7 +225,7 @@ void bring_to_size(const Scene& scene, const Camera& camera, const std::string& 
     throw Error(
         ErrorCode::kInconsistent,
         path + ": mask of " + to_string(file) + " px for view " + camera.name + " of " + to_string(wanted) +
-            " px, expected the same size or an integer factor",
+            " px, expected the same size or the same shape",
         is_turned(file, wanted, scene.image_scale)
             ? "turn it as the pixels of the photo's file lie: what made it followed the photo's EXIF orientation"
             : "make the masks from the photos that the scene names, or import with their folder as --images");

@@ -21,7 +21,7 @@ HeldPhoto checked_photo(const Scene& scene, std::size_t view) {
   if (!relation.allowed || (!relation.same && !relation.larger))
     throw Error(ErrorCode::kInconsistent,
                 v.image_path + ": photo of " + to_string(file) + " px, expected the camera's " + to_string(camera) +
-                    " px or an integer multiple of it",
+                    " px or a larger one of the same shape",
                 "import the scene again with the folder of these photos: ngs-scene import SOURCE --images DIR");
   return photo;
 }

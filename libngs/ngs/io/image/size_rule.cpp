@@ -2,15 +2,38 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstdlib>
 
 namespace ngs::io {
+namespace {
+
+constexpr int kMaxFactor = 16;
+
+/// Where one side of the larger picture is brought to the smaller one's, by a factor of kMaxFactor at most, the other
+/// is less than a pixel off. Two sizes that differ by a pixel or two are none of these: one was cropped, not scaled.
+bool is_scaled(ImageSize a, ImageSize b) {
+  constexpr int kLeastSidePx = 32;  // of less, a pixel is more than rounding: another shape
+  constexpr int kCroppedPx = 2;
+  if (std::abs(a.width_px - b.width_px) <= kCroppedPx && std::abs(a.height_px - b.height_px) <= kCroppedPx)
+    return false;
+  const bool a_is_small = std::int64_t(a.width_px) * a.height_px < std::int64_t(b.width_px) * b.height_px;
+  const ImageSize small = a_is_small ? a : b, large = a_is_small ? b : a;
+  if (std::min(small.width_px, small.height_px) < kLeastSidePx || large.width_px > kMaxFactor * small.width_px)
+    return false;
+  const double by_width = double(small.width_px) / large.width_px,
+               by_height = double(small.height_px) / large.height_px;
+  return std::abs(large.height_px * by_width - small.height_px) < 1 ||
+         std::abs(large.width_px * by_height - small.width_px) < 1;
+}
+
+}  // namespace
 
 SizeRelation relate_sizes(ImageSize file, ImageSize camera, double image_scale) {
   SizeRelation relation;
   relation.same = file == camera;
   relation.allowed = relation.same;
   relation.larger = file.width_px > camera.width_px || file.height_px > camera.height_px;
-  constexpr int kMaxFactor = 16;
   const auto matches = [&](double factor) {  // floor, ceil and round of the true size all lie within 1 px
     return std::abs(file.width_px * factor - camera.width_px) < 1 &&
            std::abs(file.height_px * factor - camera.height_px) < 1;
@@ -21,6 +44,7 @@ SizeRelation relate_sizes(ImageSize file, ImageSize camera, double image_scale) 
                           // both rounded on the way: the file to the full size / k, the camera to full · scale
                           (std::abs(camera.width_px / scale / k - file.width_px) < 1 &&
                            std::abs(camera.height_px / scale / k - file.height_px) < 1);
+  relation.allowed |= is_scaled(file, camera);
   return relation;
 }
 

@@ -5,7 +5,8 @@
 namespace ngs::io {
 
 /// How far a file's size is from the camera's. `allowed`: both sides differ by the same integer factor k
-/// (1..16, either way), with or without the scene's image_scale, each side within 1 px of rounding.
+/// (1..16, either way), with or without the scene's image_scale, each side within 1 px of rounding; or by any factor of
+/// up to 16, each side of 32 px at least, where a side that fits leaves the other less than 1 px off.
 struct SizeRelation {
   bool allowed = false;
   bool same = false;

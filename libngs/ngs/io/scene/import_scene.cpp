@@ -30,19 +30,32 @@ std::string model_beside(const std::string& base, std::vector<std::string>& note
   return found.path;
 }
 
-std::string find_masks_dir(const ImportRequest& request, const std::string& base, std::vector<std::string>& notes) {
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : " ") + name;
+  return text;
+}
+
+/// Where masks are looked for; `out` has the views and the folder of their photos.
+std::string find_masks_dir(const ImportRequest& request, const std::string& base, ImportedScene& out) {
+  std::vector<std::string>& notes = out.notes;
   std::error_code ignored;
-  if (!request.masks_dir.empty()) {
-    if (!fs::is_directory(request.masks_dir, ignored))
-      throw Error(ErrorCode::kBadInput, request.masks_dir + ": no such folder, expected masks");
-    return request.masks_dir;
-  }
+  const std::string usual = folder_called(base, "masks");
+  if (!request.masks_dir.empty() && !fs::is_directory(request.masks_dir, ignored))
+    throw Error(ErrorCode::kBadInput, request.masks_dir + ": no such folder, expected masks");
+  if (!request.masks_dir.empty() && request.masks_dir != usual) return request.masks_dir;
   std::vector<std::string> candidates, of_truth;
   for (const std::string& name : list_folders(base)) {
-    if (name == "masks") return (fs::path(base) / name).string();
-    if (name.find("mask") == std::string::npos) continue;
-    const bool is_truth = name.ends_with("_gt") || name.starts_with("gt");
+    const std::string lower = lower_case(name);
+    if (lower.find("mask") == std::string::npos || (fs::path(base) / name).string() == usual) continue;
+    const bool is_truth = lower.ends_with("_gt") || lower.starts_with("gt");
     (is_truth ? of_truth : candidates).push_back(name);
+  }
+  if (!usual.empty()) {
+    if (!candidates.empty())
+      notes.push_back(usual + ": taken as the masks, " + joined(candidates) +
+                      " beside it not (name another with --masks DIR)");
+    return usual;
   }
   if (candidates.size() == 1) {
     std::string chosen = (fs::path(base) / candidates[0]).string();
@@ -52,12 +65,11 @@ std::string find_masks_dir(const ImportRequest& request, const std::string& base
   for (const std::string& name : of_truth)
     notes.push_back((fs::path(base) / name).string() +
                     ": holds the truth by its name, not read (if it holds the input masks: --masks DIR)");
-  if (!candidates.empty()) {
-    std::string names;
-    for (const std::string& name : candidates) names += " " + name;
-    notes.push_back(base + ": several folders of masks (" + names.substr(1) +
+  if (!candidates.empty())
+    notes.push_back(base + ": several folders of masks (" + joined(candidates) +
                     "), none chosen (name one with --masks DIR)");
-  }
+  else if (!out.images_dir.empty() && holds_masks_beside(out.images_dir, out.scene.views))
+    return out.images_dir;
   return {};
 }
 
@@ -119,8 +131,12 @@ void attach_masks(const ImportRequest& request, ImportedScene& out) {
   if (none && !request.masks_dir.empty())
     throw Error(ErrorCode::kInconsistent,
                 out.masks_dir + ": no mask of any view (such as " + scene.views[0].camera.name +
-                    "), expected names like <stem>.png, <name>.png, <stem>_mask.png or <object>/<stem>.png",
+                    "), expected names like <stem>.png, <name>.png, <stem>_mask.png or <object>/<stem>.png" +
+                    (matches.of_no_view.empty() ? "" : ", and found " + matches.of_no_view[0]),
                 "rename the masks after their photos");
+  if (!matches.of_no_view.empty() && out.masks_dir != out.images_dir)
+    out.notes.push_back(out.masks_dir + ": " + std::to_string(matches.of_no_view.size()) +
+                        " of its pictures are the mask of no view (first: " + matches.of_no_view[0] + ")");
   if (none && out.masks_dir.empty())
     out.notes.push_back("no masks");
   else if (!matches.unmatched.empty())
@@ -221,7 +237,7 @@ ImportedScene import_scene(const ImportRequest& request) {
     const double finer = scene.image_scale / rendered_scale;
     scene.filter_px2 *= finer * finer;
   }
-  out.masks_dir = find_masks_dir(request, source.base, out.notes);
+  out.masks_dir = find_masks_dir(request, source.base, out);
   assign_splits(request.hold_out, scene.views);
   attach_masks(request, out);
   int shortest_px = kMaxSide;

@@ -11,6 +11,12 @@ namespace {
 
 /// A pixel that is farther from the photo's was painted; what JPEG does to an unpainted one is less.
 constexpr int kPaintDistance = 32;
+/// Where more of the unpainted pixels differ from the photo's at all, the picture was compressed: JPEG, WebP.
+constexpr double kCompressedShare = 0.05;
+/// In such a picture paint is within this of pure green or red; what compression does beside a stroke, mostly not.
+constexpr int kPureDistance = 64;
+/// As far from a stroke compression changes pixels much: half a block of 16, where colours are halved.
+constexpr int kRingingPx = 8;
 /// A marker's pixels are within this of its usual colour.
 constexpr int kMarkerDistance = 64;
 /// Channels of grey differ by no more.
@@ -48,29 +54,33 @@ struct Reading {
   }
   bool is_clear() const { return marked() > 0 && unclear_share() <= kUnclearShare + kUnclearOfMarks * marked(); }
 
-  /// The rims of strokes are no longer unclear.
-  void forgive_fringes(int width_px, int height_px) {
-    for (int y = 0; y < height_px; ++y)
-      for (int x = 0; x < width_px; ++x) {
-        std::uint8_t& at = unclear[index(x, y, width_px)];
-        if (at && is_certain(mark[index(x, y, width_px)])) continue;  // of a colour that is no marker's
-        if (at && has_mark_near(x, y, width_px, height_px)) at = 0;
+  /// The rims of strokes are no longer unclear, `fringe_px` wide.
+  void forgive_fringes(ImageSize size, int fringe_px = kFringePx) {
+    for (int y = 0; y < size.height_px; ++y)
+      for (int x = 0; x < size.width_px; ++x) {
+        std::uint8_t& at = unclear[index(x, y, size)];
+        if (at && is_certain(mark[index(x, y, size)])) continue;  // of a colour that is no marker's
+        if (at && has_near(x, y, size, fringe_px, is_certain)) at = 0;
       }
   }
 
- private:
-  static std::size_t index(int x, int y, int width_px) {
-    return std::size_t(y) * std::size_t(width_px) + std::size_t(x);
-  }
-  bool has_mark_near(int x, int y, int width_px, int height_px) const {
-    for (int v = std::max(0, y - kFringePx); v <= std::min(height_px - 1, y + kFringePx); ++v)
-      for (int u = std::max(0, x - kFringePx); u <= std::min(width_px - 1, x + kFringePx); ++u)
-        if (is_certain(mark[index(u, v, width_px)])) return true;
+  /// Whether a mark of which `is_asked` says so lies within `far_px` in x and in y.
+  template <class IsAsked>
+  bool has_near(int x, int y, ImageSize size, int far_px, const IsAsked& is_asked) const {
+    for (int v = std::max(0, y - far_px); v <= std::min(size.height_px - 1, y + far_px); ++v)
+      for (int u = std::max(0, x - far_px); u <= std::min(size.width_px - 1, x + far_px); ++u)
+        if (is_asked(mark[index(u, v, size)])) return true;
     return false;
+  }
+
+  static std::size_t index(int x, int y, ImageSize size) {
+    return std::size_t(y) * std::size_t(size.width_px) + std::size_t(x);
   }
 };
 
 std::size_t pixels_of(const RawMask& picture) { return std::size_t(picture.width_px) * std::size_t(picture.height_px); }
+
+ImageSize size_of(const RawMask& picture) { return {picture.width_px, picture.height_px}; }
 
 Reading read_markers(const RawMask& picture) {
   Reading reading(pixels_of(picture));
@@ -94,7 +104,7 @@ Reading read_markers(const RawMask& picture) {
     reading.unclear[p] =
         distance_of(colour, usual) > (unmarked ? kGreySpread : kMarkerDistance) && !(unmarked && is_grey(colour));
   }
-  reading.forgive_fringes(picture.width_px, picture.height_px);
+  reading.forgive_fringes(size_of(picture));
   return reading;
 }
 
@@ -103,23 +113,52 @@ struct PhotoReading {
   double kept;  // share of the photo's pixels that are still there
 };
 
+int distance_to_pure(const Colour8& colour, PixelHint mark) {
+  return distance_of(colour, mark == PixelHint::kObject ? Colour8{0, 255, 0} : Colour8{255, 0, 0});
+}
+
+/// Of a compressed picture: takes away marks that compression made. They are of no pure colour; or the photo has that
+/// colour there itself, and paint of the other one is near.
+void leave_out_artefacts(const RawMask& picture, const RawMask& photo, Reading& reading) {
+  const ImageSize size = size_of(picture);
+  const auto leave_out = [&](std::size_t p) {
+    reading.mark[p] = PixelHint::kLikelyBackground;
+    reading.unclear[p] = distance_of(colour_of(picture, p), colour_of(photo, p)) > 2 * kPaintDistance;
+  };
+  for (std::size_t p = 0; p < reading.mark.size(); ++p)
+    if (is_certain(reading.mark[p]) && distance_to_pure(colour_of(picture, p), reading.mark[p]) > kPureDistance)
+      leave_out(p);
+  const Reading pure = reading;
+  for (int y = 0; y < size.height_px; ++y)
+    for (int x = 0; x < size.width_px; ++x) {
+      const std::size_t p = Reading::index(x, y, size);
+      const PixelHint mark = pure.mark[p];
+      if (!is_certain(mark) || mark_of(colour_of(photo, p)) != mark) continue;
+      const auto is_other = [mark](PixelHint hint) { return is_certain(hint) && hint != mark; };
+      if (pure.has_near(x, y, size, kRingingPx, is_other)) leave_out(p);
+    }
+  reading.forgive_fringes(size, kRingingPx);
+}
+
 /// Of two pictures of one size.
 PhotoReading read_difference(const RawMask& picture, const RawMask& photo) {
   PhotoReading out{Reading(pixels_of(picture)), 0};
-  std::size_t opaque = 0, kept = 0;
+  std::size_t opaque = 0, kept = 0, changed = 0;
   for (std::size_t p = 0; p < out.marks.mark.size(); ++p) {
     if (is_see_through(picture, p)) continue;
     const Colour8 colour = colour_of(picture, p);
     ++opaque;
-    if (distance_of(colour, colour_of(photo, p)) <= kPaintDistance) {
-      ++kept;
+    const int distance = distance_of(colour, colour_of(photo, p));
+    if (distance <= kPaintDistance) {
+      ++kept, changed += distance > 0;
       continue;
     }
     out.marks.mark[p] = mark_of(colour);
     out.marks.unclear[p] = !is_certain(out.marks.mark[p]);
   }
   out.kept = opaque > 0 ? double(kept) / double(opaque) : 0;
-  out.marks.forgive_fringes(picture.width_px, picture.height_px);
+  if (double(changed) > kCompressedShare * double(kept)) leave_out_artefacts(picture, photo, out.marks);
+  out.marks.forgive_fringes(size_of(picture));
   return out;
 }
 

@@ -2,7 +2,9 @@
 // A picture on which a person has painted: green is the object (G >= 128, R < 128), red the background (R >= 128,
 // G < 128). Which pixels are paint is told in one of two ways:
 //
-//   paint on the photo   the picture has the photo's size and mostly its pixels; what differs is paint
+//   paint on the photo   the picture has the photo's size and mostly its pixels; what differs is paint. Where it was
+//                        compressed, only what is nearly pure green or red is, as compression makes colours beside a
+//                        stroke
 //   markers alone        transparent, grey or of one colour elsewhere, and each marker in its one colour
 //
 // Anything else is refused: a photo has green leaves and red flowers that nobody marked.

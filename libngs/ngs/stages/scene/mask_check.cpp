@@ -66,7 +66,7 @@ class Notes {
   std::map<std::string, Entry> by_text_;
 };
 
-void judge(const std::string& name, bool inverted, const ObjectCheck& object, std::vector<std::string>& warnings) {
+void judge(const std::string& name, const ObjectCheck& object, std::vector<std::string>& warnings) {
   const std::string who = "object " + name + ": ";
   const std::string all =
       object.views == 1 ? "its only mask is " : "all its " + std::to_string(object.views) + " masks are ";
@@ -78,17 +78,30 @@ void judge(const std::string& name, bool inverted, const ObjectCheck& object, st
                 "wrong --mask-threshold or polarity (--mask-invert)?");
   if (object.full > 0)
     warnings.push_back(who + std::to_string(object.full) + " of " + std::to_string(object.views) + " masks are full");
-  constexpr double kMostBorder = 0.5,
-                   kMostCoverage = 0.5;  // an object fills less of both than its background does
-  if (object.border > kMostBorder && object.mean_coverage > kMostCoverage)
-    warnings.push_back(who + "its masks cover most of the images and of their borders; " +
-                       (inverted ? "if white means the object, leave --mask-invert out"
-                                 : "if white means background, use --mask-invert"));
+}
+
+/// An object fills less of the images and of their borders than its background does.
+void check_polarity(const Scene& scene, std::size_t k, bool refuses, SceneCheck& result) {
+  constexpr double kMostBorder = 0.5, kMostCoverage = 0.5, kAllRound = 0.85;
+  const ObjectCheck& object = result.objects[k];
+  if (!(object.border > kMostBorder && (object.mean_coverage > kMostCoverage || object.border > kAllRound))) return;
+  const std::string found =
+      "object " + scene.objects[k].name + ": its masks cover most of the images and of their borders";
+  if (scene.mask_mode == MaskMode::kLabel)
+    return result.warnings.push_back(found + "; if its id is the background's, choose another with --object-id");
+  if (scene.mask_invert)
+    return result.warnings.push_back(found + "; if white means the object, leave --mask-invert out");
+  const std::string remedy = "if white means background, use --mask-invert";
+  if (refuses && scene.objects.size() == 1)
+    throw Error(ErrorCode::kInconsistent, found + ", expected less than half: they look inverted",
+                remedy + "; if the object is so large, --no-check-polarity");
+  result.warnings.push_back(found + "; " + remedy);
 }
 
 }  // namespace
 
-void check_masks(Monitor& monitor, const Scene& scene, const SceneLoaders& loaders, SceneCheck& result) {
+void check_masks(Monitor& monitor, const MaskCheckInputs& in, SceneCheck& result) {
+  const auto& [scene, loaders, refuses_inverted] = in;
   const auto timed = monitor.scope("masks");
   result.objects.resize(scene.objects.size());
   Notes notes;
@@ -106,7 +119,8 @@ void check_masks(Monitor& monitor, const Scene& scene, const SceneLoaders& loade
   for (std::size_t k = 0; k < scene.objects.size(); ++k) {
     ObjectCheck& object = result.objects[k];
     if (object.views > 0) object.mean_coverage /= object.views, object.border /= object.views;
-    judge(scene.objects[k].name, scene.mask_invert, object, result.warnings);
+    judge(scene.objects[k].name, object, result.warnings);
+    check_polarity(scene, k, refuses_inverted, result);
   }
 }
 

@@ -9,6 +9,7 @@
 #include "ngs/problem/view_list.h"
 #include "ngs/scene/shrink.h"
 #include "ngs/stages/render/render_options.h"
+#include "ngs/stages/scene/empty_masks.h"
 #include "ngs/stages/scene/mask_check.h"
 #include "ngs/stages/scene/view_shares.h"
 
@@ -68,6 +69,15 @@ std::string decibels(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.1f dB", std::round(value * 10) / 10 + 0.0);  // no "-0.0"
   return text;
+}
+
+/// The first of these views by name, and how many more there are.
+std::string some_names(const Scene& scene, const std::vector<std::size_t>& views) {
+  constexpr std::size_t kMostNames = 4;
+  std::string names;
+  for (std::size_t i = 0; i < std::min(kMostNames, views.size()); ++i)
+    names += (i == 0 ? "" : ", ") + scene.views[views[i]].camera.name;
+  return views.size() <= kMostNames ? names : names + " and " + std::to_string(views.size() - kMostNames) + " more";
 }
 
 std::string percent(double share) {
@@ -271,6 +281,33 @@ void check_cloud(const Exec& exec, Monitor& monitor, const SceneCheckOptions& op
     PhotoCheck(exec, monitor, options, cloud, scene).check(shots, in.compat_is_default, result);
 }
 
+/// Asks the other masks about the empty ones, unless empty is what a view without a mask means.
+void find_empty_masks(const Exec& exec, Monitor& monitor, const SceneCheckInputs& in, SceneCheck& result) {
+  std::vector<std::size_t> empty, others;
+  for (std::size_t v = 0; v < result.views.size(); ++v) {
+    const std::optional<MaskCheck>& masks = result.views[v].masks;
+    if (!masks || !(masks->known > 0)) continue;
+    const bool is_empty = std::ranges::all_of(masks->coverage, [](double share) { return share == 0; });
+    (is_empty ? empty : others).push_back(v);
+  }
+  result.empty_masks.views = empty;
+  if (in.cloud == nullptr || in.scene.missing_mask == MissingMask::kEmpty) return;
+  result.empty_masks = check_empty_masks(exec, monitor, {*in.cloud, in.scene, empty, others, [&](std::size_t view) {
+                                                           return in.loaders.masks(view).masks;
+                                                         }});
+  const std::vector<std::size_t>& wrong = result.empty_masks.contradicted;
+  const std::string of_all = " of " + std::to_string(empty.size() + others.size()) + " masks are empty";
+  if (!wrong.empty())
+    result.warnings.push_back(std::to_string(wrong.size()) + of_all + " where the other masks show the object (" +
+                              some_names(in.scene, wrong) +
+                              "): as if the tool that made them had lost it; import takes such views for views without "
+                              "a mask, --missing-mask empty keeps the masks as they are");
+  else if (result.empty_masks.agreement < kLeastMaskAgreement)
+    result.warnings.push_back(std::to_string(empty.size()) + of_all + " (" + some_names(in.scene, empty) +
+                              "), and the others agree too little to say whether the object is there; look at them: "
+                              "ngs-scene check SCENE --sheet masks.html");
+}
+
 }  // namespace
 
 std::vector<std::size_t> evenly_spaced(std::size_t count, std::size_t n) {
@@ -286,7 +323,8 @@ SceneCheck check_scene(const Exec& exec, Monitor& monitor, const SceneCheckOptio
   result.compat = in.scene.compat;
   result.views.resize(in.scene.views.size());
   if (in.cloud != nullptr) check_cloud(exec, monitor, options, in, result);
-  check_masks(monitor, in.scene, in.loaders, result);
+  check_masks(monitor, {in.scene, in.loaders, options.check_polarity}, result);
+  find_empty_masks(exec, monitor, in, result);
   return result;
 }
 

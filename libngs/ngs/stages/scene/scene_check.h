@@ -5,7 +5,8 @@
 //
 // Refused (kInconsistent): the model explains the photos no better than a constant colour does (median over
 // the checked views below `min_fit_db`), or, without photos, fewer than 1 % of the Gaussians inside the
-// median view; an object whose masks are all empty or all full. kNothingFound: a model without a usable
+// median view; an object whose masks are all empty or all full; the only object, where its masks cover most of the
+// images and of their borders (`check_polarity`). kNothingFound: a model without a usable
 // Gaussian.
 #include <vector>
 
@@ -19,6 +20,7 @@ struct SceneCheckOptions {
   int check_views = 4;
   int check_size_px = 512;  // longest side of these comparisons; no flag sets it
   double min_fit_db = 3.0;
+  bool check_polarity = true;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -28,6 +30,9 @@ struct SceneCheckOptions {
         self.min_fit_db,
         Field<double>{"min_fit_db", "dB",
                       "refuse where the model's PSNR exceeds that of the photo's mean colour by less", -100.0, 100.0});
+    visit(
+        self.check_polarity,
+        Flag{"check_polarity", "refuse masks that look inverted: they cover most of the images and of their borders"});
   }
 };
 

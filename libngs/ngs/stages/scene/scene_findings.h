@@ -40,9 +40,17 @@ struct ObjectCheck {
   double border = 0;  // mean share of the image's border: high for inverted masks
 };
 
+/// Views whose masks are empty, of all objects (stages/scene/empty_masks.h).
+struct EmptyMasks {
+  std::vector<std::size_t> views;
+  std::vector<std::size_t> contradicted;  // of these: the other masks show an object there
+  double agreement = 1;                   // of such renders with masks that are not empty, IoU; 1: not asked
+};
+
 struct SceneCheck {
   std::vector<ViewCheck> views;      // [views of the scene]
   std::vector<ObjectCheck> objects;  // [objects of the scene]
+  EmptyMasks empty_masks;
   double median_fit_db = 0, median_psnr_db = 0, median_inside = 0;
   std::int64_t sampled_gaussians = 0;  // how many the shares are taken over
   std::vector<std::string> warnings;

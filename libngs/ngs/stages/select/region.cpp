@@ -87,11 +87,13 @@ SupportPlane support_plane(const RegionOptions& options, const GaussianCloud& cl
                            const std::vector<std::uint8_t>& member) {
   const orbit::SurfacePoints points = canonical_points(cloud, member);
   const SupportPlane plane = find_support_plane(cloud, points, up_of(options.up, points));
-  if (!plane.found)
-    throw Error(ErrorCode::kNothingFound,
-                "--drop-below-plane auto: no plane that anything stands on among " + std::to_string(points.count()) +
-                    " Gaussians, expected a floor, a table or a pedestal",
-                "name the plane, A,B,C,D, or the axis that points upwards: --up");
+  if (!is_stood_on(cloud, points, plane))
+    throw Error(
+        ErrorCode::kNothingFound,
+        "--drop-below-plane auto: no plane that anything stands on among " + std::to_string(points.count()) +
+            " Gaussians, expected a floor, a table or a pedestal",
+        "leave --drop-below-plane out where nothing lies below the object; else name the plane, A,B,C,D, or the "
+        "axis that points upwards: --up");
   return plane;
 }
 

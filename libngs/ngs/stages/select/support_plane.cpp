@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <set>
+#include <utility>
 
 #include "ngs/math/quat.h"
 
@@ -163,6 +166,32 @@ SupportPlane find_support_plane(const GaussianCloud& cloud, const orbit::Surface
   plane = settled(samples, bulk, slab);
   plane.found = dot(plane.normal, up) >= kMostTilt;
   return plane;
+}
+
+bool is_stood_on(const GaussianCloud& cloud, const orbit::SurfacePoints& points, const SupportPlane& plane) {
+  constexpr double kCell = 0.1, kClose = 0.5;  // radii of the bulk
+  constexpr double kLeastOpen = 0.2, kMostBelow = 0.1, kThin = 0.9 * kTolerance;
+  if (!plane.found || points.count() == 0) return false;
+  const orbit::Ball bulk = orbit::bulk_of(points);
+  const double offset = (plane.offset - dot(plane.normal, bulk.centre)) / bulk.radius;
+  const double thickness = plane.thickness / bulk.radius;
+  const Vec a = orbit::perpendicular(plane.normal), b = cross(plane.normal, a);
+  std::set<std::pair<int, int>> of_plane, covered;
+  double below = 0, all = 0;
+  for (const Sample& sample : samples_of(cloud, points, bulk)) {
+    const double height = dot(plane.normal, sample.position) - offset;
+    const std::pair<int, int> cell{int(std::floor(dot(a, sample.position) / kCell)),
+                                   int(std::floor(dot(b, sample.position) / kCell))};
+    all += sample.area;
+    if (height < -thickness)
+      below += sample.area;
+    else if (height <= thickness)
+      of_plane.insert(cell);
+    else if (height <= kClose)
+      covered.insert(cell);
+  }
+  const auto open = std::ranges::count_if(of_plane, [&](const auto& cell) { return !covered.contains(cell); });
+  return double(open) >= kLeastOpen * double(of_plane.size()) && (below <= kMostBelow * all || thickness < kThin);
 }
 
 SupportPlane refined_by(const GaussianCloud& cloud, const orbit::SurfacePoints& points, const SupportPlane& plane) {

@@ -22,6 +22,12 @@ struct SupportPlane {
 /// above it holds a twentieth of what lies flat.
 SupportPlane find_support_plane(const GaussianCloud& cloud, const orbit::SurfacePoints& points, orbit::Vec up);
 
+/// Whether a found plane is one that things stand on, not a side of a body or a slice of it. A fifth of its surface has
+/// nothing close above it: the back of a guitar has the front above it everywhere. And where a tenth of all lies below
+/// it, as below the top of a pedestal, it is thinner than the tolerance of the first fit: a slice through shoulders is
+/// not.
+bool is_stood_on(const GaussianCloud& cloud, const orbit::SurfacePoints& points, const SupportPlane& plane);
+
 /// A plane that was found by some of `points`, fitted to all of them: those that found it may lie to one side of what
 /// stands on it, and leave its tilt open. As it is where it was not found, or where the fit would tilt it by more than
 /// 25 degrees.

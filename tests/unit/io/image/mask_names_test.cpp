@@ -21,7 +21,10 @@ TEST_CASE("every naming rule finds the mask and is reported by its name") {
                {"a.png", "a.png", "<name>"},
                {"a.jpg", "a.png", "<stem>.png"},
                {"a.jpg", "a.mask.png", "<stem>.mask.png"},
+               {"a.jpg", "a.jpg.mask.png", "<name>.mask.png"},
                {"a.jpg", "a_mask.png", "<stem>_mask.png"},
+               {"a.HEIC", "a.png", "<stem>.png"},
+               {"a.jpg", "a.jpg.PNG", "<name>.png"},
                {"a.jpg", "a.exr", "<stem>.exr"},
                {"a.jpg", "a.JPEG", "<stem>.JPEG"},
                {"cam/a.jpg", "cam/a.png", "<stem>.png"},
@@ -49,6 +52,21 @@ TEST_CASE("a second mask of a view is counted, and which of them is taken can be
   CHECK(matches.taken == dir.path() + "/a.jpg");
   CHECK(matches.not_taken == dir.path() + "/a.png");
   CHECK(views[2].mask_path == dir.path() + "/c.jpg");
+}
+
+TEST_CASE("masks among the photos are told from them, and pictures that are no view's are counted") {
+  const TempDir dir;
+  for (const char* file : {"a.jpg", "a.jpg.mask.png", "b.jpg", "b_mask.png", "c.png", "sub/b.png"})
+    dir.write(file, "x");
+  std::vector<SceneView> views = views_named({"a.jpg", "b.jpg"});
+  for (SceneView& view : views) view.image_path = dir.path() + "/" + view.camera.name;
+  CHECK(holds_masks_beside(dir.path(), views));
+  const MaskMatches matches = match_masks(dir.path(), {}, views);
+  CHECK(views[0].mask_path == dir.path() + "/a.jpg.mask.png");
+  CHECK(views[1].mask_path == dir.path() + "/b_mask.png");
+  CHECK(matches.several == 0);
+  CHECK(matches.of_no_view == std::vector<std::string>{dir.path() + "/c.png", dir.path() + "/sub/b.png"});
+  CHECK_FALSE(holds_masks_beside(dir.path(), views_named({"c.png"})));
 }
 
 TEST_CASE("the files of a rig keep their folders; one that two views could mean is refused") {

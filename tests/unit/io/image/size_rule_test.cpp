@@ -45,6 +45,22 @@ TEST_CASE("sizes: same, integer factors and image_scale are related, others are 
   CHECK_FALSE(relate_sizes({20, 8}, {10, 8}, 1).allowed);
 }
 
+TEST_CASE("sizes of one shape are related by any factor, with one side rounded; other shapes and crops are not") {
+  for (const ImageSize file : {ImageSize{1600, 1200}, {1080, 810}, {853, 640}, {640, 480}, {4200, 3150}})
+    for (const auto& [a, b] : {std::pair(file, ImageSize{4000, 3000}), std::pair(ImageSize{4000, 3000}, file)}) {
+      CAPTURE(to_string(file));
+      CHECK(relate_sizes(a, b, 1).allowed);
+      CHECK(relate_mask_size(a, b, 1).allowed);
+    }
+  CHECK(relate_mask_size({854, 480}, {1920, 1080}, 1).allowed);      // a tracker at 480p
+  CHECK(relate_mask_size({854, 480}, {640, 360}, 1.0 / 3).allowed);  // and at the working size
+  CHECK(relate_mask_size({480, 854}, {1080, 1920}, 1).allowed);
+  CHECK_FALSE(relate_mask_size({640, 480}, {1920, 1080}, 1).allowed);
+  CHECK_FALSE(relate_mask_size({480, 854}, {1920, 1080}, 1).allowed);
+  CHECK_FALSE(relate_sizes({1026, 770}, {1024, 768}, 1).allowed);  // cropped
+  CHECK_FALSE(relate_sizes({40000, 30000}, {1000, 750}, 1).allowed);
+}
+
 TEST_CASE("a mask may be a pixel off the photo's size or the camera's, at any working size; a photo may not") {
   const ImageSize photo{1024, 768};
   for (const double scale : {1.0, 0.75, 0.5, 1.0 / 3, 0.3}) {
@@ -96,6 +112,26 @@ TEST_CASE("photos, masks and full size of a scene of odd size at a third of it")
     write_scene_json(dir.file("scene.json"), scene);
     CHECK(full_size(read_scene_json(dir.file("scene.json")), 0) == ImageSize{1604, 1069});
   }
+}
+
+TEST_CASE("photos and masks in a ratio that is no whole number are brought to one size") {
+  const TempDir dir;
+  const ImportRequest request = one_camera(dir, {240, 180});
+  write_png(dir.file("images/0.png"), ImageU8(96, 72, 3, 9));
+  ImageU8 mask(144, 108, 1, 0);
+  for (int y = 0; y < 108; ++y)
+    for (int x = 0; x < 72; ++x) mask.at(x, y) = 255;
+  write_png(dir.file("masks/0.png"), mask);
+  const ImportedScene got = import_scene(request);
+  CHECK(got.scene.views[0].camera.width_px == 96);
+  CHECK(std::ranges::any_of(got.notes, [](const std::string& note) {
+    return note.find("1 cameras of 240x180 px brought to the photos' 96x72 px") != note.npos;
+  }));
+  const LoadedMasks loaded = load_masks_with_notes(got.scene, 0);
+  const std::vector<float>& target = loaded.masks.target[0];
+  CHECK(std::count(target.begin(), target.end(), 1.f) == 48 * 72);  // the left half, as in the file
+  REQUIRE(loaded.notes.size() == 1);
+  CHECK(loaded.notes[0].find("mask of 144x108 px brought to the camera's 96x72 px") != std::string::npos);
 }
 
 TEST_CASE("without its photo the full size of a view is the camera's over image_scale") {

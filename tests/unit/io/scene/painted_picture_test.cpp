@@ -3,6 +3,8 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "ngs/core/error.h"
 #include "ngs/io/image/image_file.h"
@@ -74,6 +76,47 @@ TEST_CASE("paint on a photo is what differs from it, not what is green or red in
 
   for (std::uint8_t& sample : painted.data) sample = std::uint8_t(std::clamp(int(sample) + 9, 0, 255));  // compressed
   CHECK(count(files.read(painted), PixelHint::kObject) == 20);
+}
+
+TEST_CASE("a painted picture that was saved as JPEG has the marks of the PNG, and none that compression made") {
+  const int width = 160, height = 120;
+  ImageU8 photo(width, height, 3);
+  const auto set = [](ImageU8& image, int x, int y, std::array<int, 3> colour) {
+    for (int c = 0; c < 3; ++c) image.at(x, y, c) = std::uint8_t(std::clamp(colour[std::size_t(c)], 0, 255));
+  };
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const bool in_ball = std::hypot(x - 80, y - 50) < 40;
+      const int shade = (x + y) / 4;
+      set(photo, x, y, in_ball ? std::array{150 + shade, 25 + shade / 3, 30} : std::array{120, 110 + shade / 4, 100});
+    }
+  ImageU8 painted = photo;
+  const auto stroke = [&](int x0, int x1, int y0, std::array<int, 3> colour) {
+    for (int y = y0; y < y0 + 7; ++y)
+      for (int x = x0; x < x1; ++x) set(painted, x, y, colour);
+  };
+  stroke(60, 100, 46, {0, 255, 0}), stroke(20, 140, 105, {255, 0, 0});
+  const test::TempDir dir;
+  io::write_png(dir.file("photo.png"), photo);
+  io::write_png(dir.file("painted.png"), painted);
+  const HandPrompt exact = io::read_painted_picture(dir.file("painted.png"), dir.file("photo.png"));
+  for (const int quality : {60, 75, 90, 98}) {
+    CAPTURE(quality);
+    const std::vector<std::uint8_t> jpeg = io::encode_jpeg(painted, quality);
+    dir.write("painted.jpg", {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
+    const HandPrompt prompt = io::read_painted_picture(dir.file("painted.jpg"), dir.file("photo.png"));
+    std::array<int, 2> kept{}, made{};
+    for (std::size_t p = 0; p < prompt.painted.size(); ++p)
+      for (const int k : {0, 1}) {
+        const PixelHint hint = k == 0 ? PixelHint::kObject : PixelHint::kBackground;
+        if (prompt.painted[p] != hint) continue;
+        ++(exact.painted[p] == hint ? kept : made)[std::size_t(k)];
+      }
+    CHECK(kept[0] > 0.7 * 40 * 7);
+    CHECK(kept[1] > 0.7 * 120 * 7);
+    CHECK(made[0] <= 4);  // at the rims of strokes
+    CHECK(made[1] <= 4);
+  }
 }
 
 TEST_CASE("a photo without paint, another photo and paint of another colour are refused with what was found") {

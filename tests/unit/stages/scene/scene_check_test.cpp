@@ -308,13 +308,52 @@ TEST_CASE("masks that are all empty or all full are refused, some are not") {
   CHECK(full.remedy().find("--mask-invert") != std::string::npos);
 }
 
-TEST_CASE("masks that cover the images' borders are suspected to be inverted") {
+TEST_CASE("masks that cover the images' borders are refused as inverted, unless they are said to be or may be") {
   Capture capture = tiny_capture();
   for (ViewMasks& masks : capture.masks)
     for (float& m : masks.target[0]) m = 1 - m;
-  const SceneCheck result = capture.check();
+  const Error refused = thrown_by([&] { capture.check(); });
+  CHECK(refused.code() == ErrorCode::kInconsistent);
+  CHECK(refused.remedy().find("use --mask-invert") != std::string::npos);
+  const SceneCheck result = capture.check({.check_polarity = false});
   REQUIRE(result.warnings.size() == 1);
-  CHECK(result.warnings[0].find("--mask-invert") != std::string::npos);
+  CHECK(result.warnings[0].find("use --mask-invert") != std::string::npos);
+  capture.scene.mask_invert = true;
+  CHECK(capture.check().warnings.at(0).find("leave --mask-invert out") != std::string::npos);
+  capture.scene.mask_invert = false, capture.scene.mask_mode = MaskMode::kLabel;  // which cannot be inverted
+  CHECK(capture.check().warnings.at(0).find("--object-id") != std::string::npos);
+  CHECK(capture.check().warnings.at(0).find("--mask-invert") == std::string::npos);
+}
+
+TEST_CASE("a ring along the borders is the background of an object that fills more than half of the image") {
+  Capture capture = tiny_capture();
+  for (ViewMasks& masks : capture.masks)
+    for (int i = 0; i < masks.width_px * masks.height_px; ++i) {
+      const int x = i % masks.width_px, y = i / masks.width_px;
+      const bool inside = x > 3 && y > 3 && x < masks.width_px - 4 && y < masks.height_px - 4;
+      masks.target[0][std::size_t(i)] = inside ? 0.f : 1.f;
+    }
+  CHECK(thrown_by([&] { capture.check(); }).code() == ErrorCode::kInconsistent);
+}
+
+TEST_CASE("an empty mask is contradicted where the others show the object, not where the view looks past it") {
+  Capture capture = tiny_capture();
+  const auto clear = [&](std::size_t view) { std::ranges::fill(capture.masks[view].target[0], 0.f); };
+  CHECK(capture.check().empty_masks.views.empty());
+  for (const std::size_t lost : {1u, 2u, 4u}) clear(lost);
+  const SceneCheck result = capture.check();
+  CHECK(result.empty_masks.contradicted == std::vector<std::size_t>{1, 2, 4});
+  CHECK(result.empty_masks.agreement > 0.8);
+  REQUIRE(result.warnings.size() == 1);
+  CHECK(result.warnings[0].find("3 of 6 masks are empty where the other masks show the object (") == 0);
+  CHECK(capture.check({}, 3).empty_masks.contradicted == result.empty_masks.contradicted);
+
+  capture.scene.missing_mask = MissingMask::kEmpty;  // empty is what they mean
+  CHECK(capture.check().empty_masks.contradicted.empty());
+  capture.scene.missing_mask = MissingMask::kUnknown;
+  Camera& away = capture.scene.views[1].camera;  // looks past the object
+  away.cx += 10 * away.width_px;
+  CHECK(capture.check({.check_views = 0}).empty_masks.contradicted == std::vector<std::size_t>{2, 4});
 }
 
 TEST_CASE("coverage counts known pixels only") {

@@ -87,6 +87,38 @@ TEST_CASE("a plane that a part of its points has tilted is righted by all of the
   CHECK(refined_by(cloud, {}, tilted).normal.z == tilted.normal.z);
 }
 
+TEST_CASE("an object's own side is no plane that anything stands on, however the object is turned") {
+  // an upright guitar: a flat body whose two faces are 0.12 apart, and a neck
+  GaussianCloud cloud;
+  for (double x = -0.35; x < 0.35; x += 0.02)
+    for (double y = -0.45; y < 0.45; y += 0.02)
+      if (x * x / 0.1225 + y * y / 0.2025 < 1)
+        for (const double side : {-0.06, 0.06}) test::add_gaussian(cloud, {x, y, side}, 0.03), flatten(cloud, 2);
+  for (double y = -1.2; y < -0.4; y += 0.02)
+    for (const double side : {-0.04, 0.04}) {
+      test::add_gaussian(cloud, {side, y, 0}, 0.03), flatten(cloud, 0);
+      test::add_gaussian(cloud, {0, y, side}, 0.03), flatten(cloud, 2);
+    }
+  for (const UpAxis up : {UpAxis::kAuto, UpAxis::kMinusY, UpAxis::kZ, UpAxis::kMinusZ, UpAxis::kX}) {
+    CAPTURE(int(up));
+    try {
+      selected(cloud, {.drop_below_plane = "auto", .up = up});
+      FAIL("a plane was found");
+    } catch (const Error& e) {
+      CHECK(e.code() == ErrorCode::kNothingFound);
+      CHECK(std::string(e.what()).find("no plane that anything stands on") != std::string::npos);
+    }
+  }
+}
+
+TEST_CASE("a slice through a round body is no plane that its head stands on") {
+  GaussianCloud cloud;
+  test::add_sphere(cloud, {0, 0, 0}, 0.5, 3000);
+  test::add_sphere(cloud, {0, 0, 0.62}, 0.15, 600);
+  for (const UpAxis up : {UpAxis::kAuto, UpAxis::kZ, UpAxis::kMinusZ})
+    CHECK_THROWS_AS(selected(cloud, {.drop_below_plane = "auto", .up = up}), Error);
+}
+
 TEST_CASE("where nothing stands on anything no plane is made up") {
   GaussianCloud cloud;
   for (int i = 0; i < 50; ++i) test::add_gaussian(cloud, {1, 2, 3}, 0.1);

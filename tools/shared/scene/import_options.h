@@ -1,5 +1,5 @@
 #pragma once
-// What ngs-scene import asks for beside its inputs.
+// What ngs-scene import asks for beside its inputs, and ngs cut of a capture.
 #include "ngs/core/error.h"
 #include "ngs/io/scene/import_scene.h"
 #include "ngs/options/field.h"

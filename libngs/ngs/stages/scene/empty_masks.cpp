@@ -1,0 +1,100 @@
+#include "ngs/stages/scene/empty_masks.h"
+
+#include <algorithm>
+
+#include "ngs/math/median.h"
+#include "ngs/ops/field/knn.h"
+#include "ngs/problem/view_list.h"
+#include "ngs/scene/mask_threshold.h"
+#include "ngs/stages/render/render_options.h"
+
+namespace ngs {
+namespace {
+
+constexpr std::size_t kMostWitnesses = 32, kMostCompared = 8;  // views
+constexpr double kLeastOfUsual = 0.25;
+
+/// Pixels of a view whose mask is known.
+struct PixelCounts {
+  double known = 0, mask = 0, shown = 0, both = 0;
+  double share_of(double pixels) const { return known > 0 ? pixels / known : 0; }
+};
+
+/// What the labelled Gaussians show of all objects together; those that no mask sees have the label of the nearest
+/// seen.
+class Witness {
+ public:
+  Witness(const Exec& exec, const GaussianCloud& cloud, const Scene& scene, const std::vector<LabelColumns>& objects)
+      : cloud_(cloud), splat_(splat_options({}, cloud, scene)), label_(std::size_t(cloud.size()), 0.f) {
+    std::vector<std::uint32_t> seen, unseen;
+    for (std::size_t i = 0; i < label_.size(); ++i) {
+      for (const LabelColumns& object : objects) label_[i] = std::max(label_[i], float(object.label[i]));
+      if (cloud.usable[i]) (objects[0].views[i] > 0 ? seen : unseen).push_back(std::uint32_t(i));
+    }
+    if (seen.empty() || unseen.empty()) return;
+    const std::vector<float> points = positions_of(seen), queries = positions_of(unseen);
+    const KnnGraph nearest = nearest_points(exec, {points.data(), std::int64_t(seen.size())},
+                                            {queries.data(), std::int64_t(unseen.size())}, 1);
+    for (std::size_t q = 0; q < unseen.size(); ++q) label_[unseen[q]] = label_[seen[nearest.index[q]]];
+  }
+
+  PixelCounts count(const Exec& exec, const Camera& camera, const ViewMasks& masks) const {
+    RenderRequest request;
+    request.colour = false;
+    request.label = {label_.data(), cloud_.size(), 1};
+    const ImageF shown = render(exec, cloud_, camera, splat_, request).label;
+    PixelCounts counts;
+    for (std::size_t p = 0; p < shown.data.size(); ++p) {
+      if (!masks.known.empty() && masks.known[p] == 0) continue;
+      const bool in_mask =
+          std::ranges::any_of(masks.target, [&](const auto& target) { return mask_says_object(target[p]); });
+      const bool is_shown = label_says_object(shown.data[p]);
+      counts.known += 1, counts.mask += in_mask, counts.shown += is_shown, counts.both += in_mask && is_shown;
+    }
+    return counts;
+  }
+
+ private:
+  std::vector<float> positions_of(const std::vector<std::uint32_t>& rows) const {
+    std::vector<float> positions;
+    for (const std::size_t i : rows)
+      positions.insert(positions.end(), &cloud_.position[3 * i], &cloud_.position[3 * i] + 3);
+    return positions;
+  }
+
+  const GaussianCloud& cloud_;
+  SplatOptions splat_;
+  std::vector<float> label_;  // [N] 1: of an object
+};
+
+}  // namespace
+
+EmptyMasks check_empty_masks(const Exec& exec, Monitor& monitor, const EmptyMaskInputs& in) {
+  EmptyMasks result{in.empty, {}, 1};
+  if (in.empty.empty() || in.others.empty()) return result;
+  const auto timed = monitor.scope("empty masks");
+  const std::vector<std::size_t> witnesses = spread_views(in.others, kMostWitnesses);
+  const SplatOptions splat = splat_options({}, in.cloud, in.scene);
+  const Evidence evidence = accumulate_evidence(exec, monitor, {in.cloud, in.scene, witnesses, splat, in.load_masks});
+  const Witness witness(exec, in.cloud, in.scene, label_gaussians({}, evidence));
+  const auto count = [&](std::size_t view) {
+    return witness.count(exec, in.scene.views[view].camera, in.load_masks(view));
+  };
+  double both = 0, either = 0;
+  std::vector<double> usual;
+  for (const std::size_t view : spread_views(witnesses, kMostCompared)) {
+    const PixelCounts counts = count(view);
+    both += counts.both, either += counts.mask + counts.shown - counts.both;
+    usual.push_back(counts.share_of(counts.mask));
+  }
+  result.agreement = either > 0 ? both / either : 0;
+  if (result.agreement < kLeastMaskAgreement) return result;
+  const double least = kLeastOfUsual * upper_median(usual);
+  for_each_view(&monitor, in.empty, [&](std::size_t, std::size_t view) {
+    const PixelCounts counts = count(view);
+    if (counts.share_of(counts.shown) > least) result.contradicted.push_back(view);
+  });
+  return result;
+}
+
+}  // namespace ngs

@@ -1,0 +1,136 @@
+// Captures as phones, Windows and RealityScan leave them: whose photo is whose, and what is left over.
+#include "ngs/io/capture/photo_names.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "ngs/core/error.h"
+#include "ngs/io/capture/capture_source.h"
+#include "ngs/io/image/image_file.h"
+#include "support/camera_files.h"
+#include "support/temp_dir.h"
+
+namespace ngs::io {
+namespace {
+
+using test::TempDir;
+
+/// Cameras of these names for photos of 64x48 px, as COLMAP text in `folder`.
+void write_cameras(const TempDir& dir, const std::string& folder, const std::vector<std::string>& names) {
+  auto views = test::random_cameras(int(names.size()), false);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    views[i].camera.name = names[i];
+    views[i].camera.width_px = 64, views[i].camera.height_px = 48;
+  }
+  const test::ColmapFiles files = test::colmap_text(views);
+  dir.write((std::filesystem::path(folder) / "cameras.txt").string(), files.cameras);
+  dir.write((std::filesystem::path(folder) / "images.txt").string(), files.images);
+}
+
+void write_photo(const TempDir& dir, const std::string& name) { write_png(dir.file(name), ImageU8(64, 48, 3, 9)); }
+
+CaptureSource read(const TempDir& dir) {
+  CaptureRequest request;
+  request.source = dir.path();
+  return read_capture(request);
+}
+
+/// The first note with this text; empty: none.
+std::string note_with(const CaptureSource& source, const std::string& text) {
+  const auto& notes = source.capture.notes;
+  const auto found = std::ranges::find_if(notes, [&](const auto& note) { return note.find(text) != note.npos; });
+  return found == notes.end() ? std::string() : *found;
+}
+
+}  // namespace
+
+TEST_CASE("cameras that name HEIC, DNG or AVIF find the copies of another format, with a note") {
+  for (const char* ending : {".HEIC", ".heif", ".dng", ".avif", ".JXL", ".cr2"}) {
+    CAPTURE(ending);
+    const TempDir dir;
+    write_cameras(dir, "sparse/0", {std::string("a b.1") + ending});
+    write_photo(dir, "images/a b.1.png");
+    dir.write(std::string("images/a b.1") + ending, "not to be read");
+    const CaptureSource got = read(dir);
+    CHECK(got.capture.views[0].image_path == dir.path() + "/images/a b.1.png");
+    CHECK(note_with(got, "another ending").find("1 photos have") == 0);
+  }
+}
+
+TEST_CASE("a photo that only exists in a format which is not read is refused by that name, with what converts it") {
+  for (const auto& [name, bytes] : {std::pair("0.HEIC", "any bytes that are long enough"),
+                                    std::pair("0.jpg", "\1\1\1\1ftypheic\1\1\1\1\1\1\1\1\1\1")}) {
+    CAPTURE(name);
+    const TempDir dir;
+    write_cameras(dir, "sparse/0", {name});
+    dir.write(std::string("images/") + name, bytes);
+    try {
+      read(dir);
+      FAIL("was read");
+    } catch (const Error& e) {
+      CHECK(e.code() == ErrorCode::kBadInput);
+      CHECK(std::string(e.what()).find(std::string(name) + ": a photo in a format that is not read") !=
+            std::string::npos);
+      CHECK(e.remedy().find("magick mogrify") != std::string::npos);
+    }
+  }
+}
+
+TEST_CASE("backslashes between the folders of COLMAP's names are slashes, unless a file is called so") {
+  const TempDir dir;
+  write_cameras(dir, "sparse/0", {"cam1\\0.png", "cam0\\0.png", "C:\\scan\\images\\7.png"});
+  for (const char* photo : {"images/cam0/0.png", "images/cam1/0.png", "images/7.png"}) write_photo(dir, photo);
+  const CaptureSource got = read(dir);
+  REQUIRE(got.capture.views.size() == 3);
+  CHECK(got.capture.views[0].image_path == dir.path() + "/images/7.png");
+  CHECK(got.capture.views[1].camera.name == "cam0/0.png");  // sorted anew
+  CHECK(got.capture.views[1].image_path == dir.path() + "/images/cam0/0.png");
+  CHECK(got.capture.views[2].image_path == dir.path() + "/images/cam1/0.png");
+
+  const TempDir strange;
+  write_cameras(strange, "sparse/0", {"a\\0.png"});
+  write_photo(strange, "images/a\\0.png");
+  CHECK(read(strange).capture.views[0].camera.name == "a\\0.png");
+}
+
+TEST_CASE("photos beside the cameras are found where there is no folder of images") {
+  for (const char* folder : {"", "sparse/0"}) {
+    CAPTURE(folder);
+    const TempDir dir;
+    write_cameras(dir, folder, {"0.jpg", "1.jpg"});
+    for (const char* photo : {"0.jpg.mask.png", "0.png", "1.png"})
+      write_photo(dir, (std::filesystem::path(folder) / photo).string());
+    const CaptureSource got = read(dir);
+    CHECK(std::filesystem::path(got.capture.views[0].image_path).filename() == "0.png");
+    CHECK(note_with(got, "no photo") == "");
+    CHECK(note_with(got, "photos of no camera") == "");  // a mask is none
+  }
+}
+
+TEST_CASE("folders and endings in upper case are found") {
+  const TempDir dir;
+  write_cameras(dir, "sparse/0", {"Übung 1.png", "b.png"});
+  write_photo(dir, "Images/Übung 1.PNG");
+  write_photo(dir, "Images/b.PNG");
+  const CaptureSource got = read(dir);
+  CHECK(got.capture.views[0].image_path != "");
+  CHECK(got.capture.views[1].image_path != "");
+  CHECK(note_with(got, "another ending") == "");
+}
+
+TEST_CASE("what lies beside the cameras and is not read is named") {
+  const TempDir dir;
+  write_cameras(dir, "sparse/0", {"0.png", "1.png"});
+  write_photo(dir, "images/0.png");
+  write_photo(dir, "images/5.png");
+  write_photo(dir, "photos/1.png");
+  write_photo(dir, "masks/1.png");
+  const CaptureSource got = read(dir);
+  CHECK(note_with(got, "no photo for 1 of 2 views (first: 1.png)") != "");
+  CHECK(note_with(got, "/images: 1 of its pictures are photos of no camera (first: 5.png)") != "");
+  CHECK(note_with(got, "--images " + dir.path() + "/photos") != "");
+  CHECK(note_with(got, "/masks") == "");
+}
+
+}  // namespace ngs::io
