@@ -21,6 +21,8 @@ std::string option_flags(const OptionEntry& entry) {
 std::string common_flags(const OptionEntry& entry) {
   return (entry.letter != '\0' ? std::string("-") + entry.letter + "," : "") + option_flag(entry.name);
 }
+/// "--model,--ply"
+std::string input_flags(const Input& input) { return input.also.empty() ? input.name : input.name + "," + input.also; }
 
 void declare(const OptionSet& common, const Spec& spec, Splitter& splitter) {
   for (const OptionEntry& entry : common.entries())
@@ -28,7 +30,7 @@ void declare(const OptionSet& common, const Spec& spec, Splitter& splitter) {
   for (const OptionEntry& entry : spec.options.entries())
     entry.kind == OptionKind::kBool ? splitter.flag(option_flags(entry)) : splitter.value(option_flags(entry));
   for (const Input& input : spec.inputs)
-    if (input.name[0] == '-') splitter.value(input.name + (input.also.empty() ? "" : "," + input.also));
+    if (input.name[0] == '-') splitter.value(input_flags(input));
   for (const Inputs& list : spec.input_lists)
     if (list.is_flag()) splitter.value(list.name);
   for (const Output& output : spec.outputs) splitter.value(output.flags);
@@ -86,7 +88,7 @@ void add_paths(const std::string& word, Inputs& list) {
 
 void set_paths(const Splitter& splitter, Spec& spec) {
   for (Input& input : spec.inputs)
-    if (input.name[0] == '-' && splitter.has(input.name)) input.path = splitter[input.name].back();
+    if (input.name[0] == '-' && splitter.has(input_flags(input))) input.path = splitter[input_flags(input)].back();
   for (Inputs& list : spec.input_lists)
     if (list.is_flag() && splitter.has(list.name))
       for (const std::string& word : splitter[list.name]) add_paths(word, list);
