@@ -35,7 +35,7 @@ struct AlignScene {
     colour = random_image(random, 40, 30, 3), alpha = random_image(random, 40, 30, 1);
     field_colour = random.uniform_vector<float>(144, 0, 1), field_alpha = random.uniform_vector<float>(48, 0, 1);
   }
-  AlignInputs inputs() const { return {grid, &colour, &alpha, nullptr, &field_colour, &field_alpha, nullptr}; }
+  AlignInputs inputs() const { return {grid, &colour, &alpha, &field_colour, &field_alpha, nullptr}; }
 };
 
 ViewMasks masks_of(int width, int height, std::vector<std::vector<float>> target) {
