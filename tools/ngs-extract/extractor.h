@@ -6,16 +6,19 @@
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/stages/extract/extract_stage.h"
 #include "ngs/stages/select/region_options.h"
+#include "ngs/stages/select/touched_pieces.h"
 #include "shared/run/run.h"
 
 namespace ngs::cli {
 
 struct SelectOptions {
   std::vector<std::string> select;
+  std::string view;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.select, Text{"select", "NAME", "an object to extract from a model with several; default: all of them"});
+    visit(self.view, Text{"view", "NAME", "the picture that the strokes are on; default: as each file says"});
   }
 };
 
@@ -32,6 +35,9 @@ class Extractor {
   /// result. kNothingFound if the object is empty.
   void decide();
 
+  /// After decide(): of the object only the connected pieces that these strokes touch stay; says what was left out.
+  void keep_touched(const std::vector<StrokeWeights>& strokes);
+
   const GaussianCloud& cloud() const { return ply_.cloud; }
   const std::vector<std::uint8_t>& object() const { return keep_; }  // [N], after decide()
   /// Labels of the objects that are extracted, in the order of the model; every column filled.
@@ -44,6 +50,7 @@ class Extractor {
 
  private:
   void restrict_to_region();
+  void restrict_to(std::vector<std::uint8_t> keep);
   void tell_what_is_odd(std::int64_t kept);
   void write(const std::string& path, const std::vector<std::uint8_t>& keep) const;
 
