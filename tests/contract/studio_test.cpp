@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "ngs/io/ply/gaussian_ply.h"
 #include "support/process.h"
 #include "support/skip.h"
 #include "support/studio_server.h"
@@ -70,6 +72,21 @@ void run_tool(const std::string& folder, std::vector<std::string> argv) {
       test::run_process({.argv = argv, .environment = {}, .folder = folder, .input = {}, .signal_after = {}});
   INFO(argv[0] << ": " << result.err);
   REQUIRE(result.exit_code == 0);
+}
+
+/// The tiny scene with most of its Gaussians behind all cameras, the nearest of them nearer to the ball than to the
+/// wall.
+void hide_a_museum_behind(const Place& place) {
+  GaussianCloud cloud = test::tiny_scene().cloud;
+  const std::int64_t before = cloud.size();
+  cloud.resize(before + 3000, cloud.sh_degree);
+  for (std::int64_t i = before; i < cloud.size(); ++i) {
+    const auto row = std::size_t(i), k = std::size_t(i - before);
+    const double at[3] = {0.1 * double(k % 10) - 0.5, 0.1 * double(k / 10 % 10) - 0.5, -4 - 0.1 * double(k / 100)};
+    for (std::size_t a = 0; a < 3; ++a) cloud.position[3 * row + a] = float(at[a]), cloud.log_scale[3 * row + a] = -3;
+    cloud.rotation[4 * row] = 1, cloud.logit_opacity[row] = 3;
+  }
+  std::ofstream(place.dir.path() + "/scene/model.ply", std::ios::binary) << test::strict_ply_bytes(cloud);
 }
 
 constexpr const char* kModel = "scene/scene.json";
@@ -146,6 +163,63 @@ TEST_CASE("exported files are those that the commands make when they are typed, 
     CAPTURE(file);
     CHECK(test::read_bytes(place.dir.path() + "/visit-again/" + file) == bytes);
   }
+}
+
+TEST_CASE("exported are exactly the Gaussians that the page counts, where most of the scene is unseen") {
+  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
+  const Place place;
+  hide_a_museum_behind(place);
+  StudioServer server(place.dir.path(), {kModel, "-o", "visit"});
+  const Json state = json_of(server.get("/api/state"));
+  for (const std::size_t view : {0u, 3u}) json_of(server.post("/api/strokes", strokes(camera_of(state, view))));
+  CHECK(server.post("/api/export", "{}").status == 202);
+  CHECK(finished_job(server)["state"] == "done");
+  const Json done = json_of(server.get("/api/state"));
+  const auto count = done["objects"][0]["gaussians"].get<std::int64_t>();
+  const std::string folder = place.dir.path() + "/visit/object-1/";
+  const GaussianCloud object = io::read_gaussian_ply(folder + "object.ply").cloud;
+  CHECK(object.size() == count);
+  CHECK(io::read_gaussian_ply(folder + "background.ply").cloud.size() == 3374 - count);
+  for (std::size_t i = 0; i < std::size_t(object.size()); ++i) CHECK(object.position[3 * i + 2] > -1);
+
+  const Json marked = json_of(server.post("/api/objects", R"({"all_pieces":true})"));
+  CHECK(marked["all_pieces"] == true);
+  CHECK_FALSE(marked.contains("export"));  // the files are of another selection
+  CHECK(marked["objects"][0]["gaussians"] == count + done["objects"][0]["left_out"].get<std::int64_t>());
+  CHECK(server.post("/api/export", "{}").status == 202);
+  CHECK(finished_job(server)["state"] == "done");
+  CHECK(io::read_gaussian_ply(folder + "object.ply").cloud.size() == marked["objects"][0]["gaussians"]);
+}
+
+TEST_CASE("after Refine the page counts the Gaussians of the refined object, and no older file lies beside it") {
+  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
+  const Place place;
+  StudioServer server(place.dir.path(), {kModel, "-o", "visit"});
+  const Json state = json_of(server.get("/api/state"));
+  json_of(server.post("/api/strokes", strokes(camera_of(state, 0))));
+  CHECK(server.post("/api/export", "{}").status == 202);
+  CHECK(finished_job(server)["state"] == "done");
+  CHECK(server.post("/api/refine", R"({"quality":"draft"})").status == 202);
+  CHECK(finished_job(server)["state"] == "done");
+  const Json refined = json_of(server.get("/api/state"));
+  const std::string folder = place.dir.path() + "/visit/object-1/";
+  CHECK(refined["objects"][0]["gaussians"] == io::read_gaussian_ply(folder + "cut/object.ply").cloud.size());
+  CHECK_FALSE(refined.contains("export"));
+  CHECK_FALSE(fs::exists(folder + "object.ply"));
+}
+
+TEST_CASE("a stroke on nothing is refused with what to do") {
+  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
+  const Place place;
+  StudioServer server(place.dir.path(), {kModel, "-o", "visit"});
+  Json camera = json_of(server.get("/api/state"))["views"][0]["camera"];
+  camera["width"] = 192, camera["height"] = 144;
+  for (std::size_t a = 0; a < 3; ++a)
+    camera["look_at"][a] = 2 * camera["position"][a].get<double>() - camera["look_at"][a].get<double>();
+  const auto answer = server.post("/api/strokes", strokes(camera.dump()));
+  CHECK(answer.status == 409);
+  CHECK(answer.body.find("nothing is there") != std::string::npos);
+  CHECK(json_of(server.get("/api/state"))["objects"][0]["strokes"] == 0);
 }
 
 TEST_CASE("Refine runs ngs cut over the scene's views and the marked ones, and Export hands its files over") {

@@ -151,10 +151,27 @@ void Extractor::restrict_to_region() {
     said["plane"] = {n.x, n.y, n.z, -offset};
   }
   if (!region_.drop_below_plane.empty()) tell_what_the_plane_takes(found);
-  keep_ = found.object;
+  restrict_to(found.object);
+}
+
+void Extractor::restrict_to(std::vector<std::uint8_t> keep) {
+  keep_ = std::move(keep);
   for (const std::size_t k : chosen_)
     for (std::size_t i = 0; i < keep_.size(); ++i)
       if (!keep_[i]) objects_[k].columns.label[i] = 0;
+}
+
+void Extractor::keep_touched(const std::vector<StrokeWeights>& strokes) {
+  const auto timed = run_.monitor().scope("pieces");
+  PieceSelection found = touched_pieces(run_.exec(), ply_.cloud, keep_, strokes);
+  const std::int64_t kept = std::count(found.object.begin(), found.object.end(), std::uint8_t(1));
+  run_.result()["pieces"] = {{"found", found.pieces}, {"touched", found.kept_pieces}, {"left_out", found.left_out}};
+  run_.result()["object"] = kept, run_.result()["background"] = ply_.cloud.size() - kept;
+  if (found.left_out > 0)
+    run_.text("left out: " + std::to_string(found.left_out) + " Gaussians of " +
+              std::to_string(found.pieces - found.kept_pieces) +
+              " pieces that no stroke on the object touches; leave --strokes out to keep them\n");
+  restrict_to(std::move(found.object));
 }
 
 void Extractor::tell_what_is_odd(std::int64_t kept) {

@@ -6,6 +6,7 @@
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/stages/extract/extract_stage.h"
 #include "ngs/stages/select/region.h"
+#include "ngs/stages/select/touched_pieces.h"
 #include "shared/run/run.h"
 
 namespace ngs::cli {
@@ -13,6 +14,7 @@ namespace ngs::cli {
 struct SelectOptions {
   std::vector<std::string> select;
   bool activated = false;
+  std::string view;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -21,6 +23,7 @@ struct SelectOptions {
           Flag{"activated",
                "the input's scale_* are lengths, its opacity 0 to 1, as some programs save them: convert "
                "both to logarithms and logits; without labels and region all of the model is the object"});
+    visit(self.view, Text{"view", "NAME", "the picture that the strokes are on; default: as each file says"});
   }
 
   io::ReadOptions reading() const {
@@ -41,6 +44,9 @@ class Extractor {
   /// result. kNothingFound if the object is empty.
   void decide();
 
+  /// After decide(): of the object only the connected pieces that these strokes touch stay; says what was left out.
+  void keep_touched(const std::vector<StrokeWeights>& strokes);
+
   const GaussianCloud& cloud() const { return ply_.cloud; }
   const std::vector<std::uint8_t>& object() const { return keep_; }  // [N], after decide()
   /// Labels of the objects that are extracted, in the order of the model; every column filled.
@@ -55,6 +61,7 @@ class Extractor {
   void restrict_to_region();
   /// Says which share of what the shapes leave goes with --drop-below-plane.
   void tell_what_the_plane_takes(const RegionSelection& found);
+  void restrict_to(std::vector<std::uint8_t> keep);
   void tell_what_is_odd(std::int64_t kept);
   void write(const std::string& path, const std::vector<std::uint8_t>& keep) const;
 

@@ -12,6 +12,9 @@
 
 namespace ngs::cli {
 
+/// kUsage for the folder without a scene.
+void check_inpaint_options(Run& run, const Output& inpaint, const Input& scene);
+
 /// kUsage where the folder is that of the scene, or where a file that will be written there is a photo, a mask or the
 /// model of the scene, or one of `inputs`: they would be replaced.
 void check_inpaint_folder(const Scene& scene, const std::string& scene_path, const std::string& folder,

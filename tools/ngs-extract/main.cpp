@@ -12,6 +12,7 @@
 #include "ngs/stages/select/region.h"
 #include "numpy_output.h"
 #include "shared/tool.h"
+#include "stroke_input.h"
 #include "unseen_output.h"
 
 namespace {
@@ -32,18 +33,6 @@ void require_one_of(std::initializer_list<const ngs::cli::Output*> outputs) {
     flags += (flags.empty() ? "" : ", ") + output->flags;
   }
   throw ngs::Error(ngs::ErrorCode::kUsage, "no output was asked for, expected one of " + flags);
-}
-
-void check_inpaint(ngs::cli::Run& run, const ngs::cli::Output& inpaint, const ngs::cli::Input& scene) {
-  if (inpaint && !scene)
-    throw ngs::Error(ngs::ErrorCode::kUsage, "--inpaint needs the cameras", "give --scene scene.json");
-  if (!inpaint) run.warn_unused({"--inpaint-dilate-px"}, "without --inpaint");
-}
-
-/// Outputs that are not asked for are empty.
-void check_formats(const std::vector<std::string>& splats, const std::vector<std::string>& labelled) {
-  for (const std::string& path : splats) (void)ngs::io::output_format(path);
-  for (const std::string& path : labelled) ngs::io::require_ply_output(path);
 }
 
 }  // namespace
@@ -68,7 +57,12 @@ int main(int argc, char** argv) {
       tool.input("labelled", "labelled PLY of ngs-variance or ngs-joint; with a region any splat");
   const cli::Input& edited = tool.optional_input(
       "--import", "hand-edited splat: rows that are left (or selected, where it says so) are the object");
-  const cli::Input& scene_json = tool.optional_input("--scene", "scene.json, for --inpaint and for what no view saw");
+  const cli::Input& scene_json =
+      tool.optional_input("--scene", "scene.json, for --inpaint, --strokes and for what no view saw");
+  const cli::Inputs& strokes =
+      tool.inputs("--strokes",
+                  "marks on views of the scene, as ngs-mask --prompts takes them: of the object "
+                  "only the connected pieces that its strokes touch (repeatable, or PATH,PATH)");
   const cli::Output& object =
       tool.optional_output("--object", "the object, as plain 3DGS .ply, .compressed.ply, .spz, .sog, .splat or .glb");
   const cli::Output& background = tool.optional_output("--background", "everything else, in the same formats");
@@ -83,18 +77,23 @@ int main(int argc, char** argv) {
   return tool.run(argc, argv, [&](cli::Run& run) {
     check_options(run, options, region);
     require_one_of({&object, &background, &decided, &supersplat, &npz, &inpaint});
-    check_inpaint(run, inpaint, scene_json);
-    check_formats({object.path, background.path}, {decided.path, supersplat.path});
+    cli::check_inpaint_options(run, inpaint, scene_json);
+    cli::check_strokes(run, strokes, scene_json);
+    for (const std::string& splat : {object.path, background.path}) (void)io::output_format(splat);  // empty: none
+    for (const std::string& labelled_splat : {decided.path, supersplat.path}) io::require_ply_output(labelled_splat);
     std::optional<Scene> scene;
     if (scene_json) scene = io::read_scene_json(scene_json.path);
     if (inpaint) cli::check_inpaint_folder(*scene, scene_json.path, inpaint.path, {labelled.path, edited.path});
     cli::Extractor extractor(run, io::read_gaussian_ply(labelled.path, select.reading()), options, region, select);
+    cli::Marks marks;
+    if (strokes) marks = cli::read_prompts(run, *scene, select.view, strokes.paths);
     if (run.dry_run()) return cli::kDone;
     if (edited) extractor.import(edited.path);
     std::optional<cli::NumpyLabels> labels;
     if (npz) labels.emplace(extractor);
     extractor.decide();
-    if (scene) cli::tell_unseen_surface(run, extractor, *scene);
+    if (strokes) extractor.keep_touched(cli::stroke_weights_of(run, *scene, marks, extractor.cloud()));
+    if (scene && !scene->renders) cli::tell_unseen_surface(run, extractor, *scene);
     const auto timed = run.monitor().scope("write");
     if (object) extractor.write_object(object.path);
     if (background) extractor.write_background(background.path);

@@ -6,12 +6,16 @@
 
 namespace ngs::studio {
 
-std::vector<std::vector<std::string>> export_words(const StateFolder& folder, int object) {
+std::vector<std::vector<std::string>> export_words(const StateFolder& folder, int object, bool all_pieces) {
   const auto at = [&](const char* name) { return folder.of(object, name); };
-  return {
+  std::vector<std::vector<std::string>> words{
       {"ngs-variance", at("scene.json"), "-o", at("boundary.ply"), "-w"},
       {"ngs-joint", at("scene.json"), at("boundary.ply"), "--method", "flash", "-o", at("labelled.ply"), "-w"},
-      {"ngs-extract", at("labelled.ply"), "--object", at("object.ply"), "--background", at("background.ply"), "-w"}};
+      {"ngs-extract", at("labelled.ply"), "--unseen", "background", "--object", at("object.ply"), "--background",
+       at("background.ply"), "-w"}};
+  if (!all_pieces)
+    words.back().insert(words.back().end(), {"--scene", at("scene.json"), "--strokes", at("strokes.json")});
+  return words;
 }
 
 std::vector<std::vector<std::string>> refine_words(const StateFolder& folder, int object, const RefineChoice& choice) {
@@ -21,8 +25,9 @@ std::vector<std::vector<std::string>> refine_words(const StateFolder& folder, in
     words.push_back({"ngs-scene", "orbit", choice.source, "-o", at("orbit/scene.json"), "-w"});
     if (!choice.around.empty()) words.back().insert(words.back().end(), {"--around", choice.around});
   }
-  words.push_back({"ngs", "cut", at("cut.json"), "--strokes", at("marks.json"), "--quality", choice.quality, "-o",
-                   at("cut"), "-w"});
+  words.push_back({"ngs", "cut", at("cut.json"), "--strokes", at("marks.json"), "--quality", choice.quality, "--force",
+                   "-o", at("cut"), "-w"});
+  if (choice.all_pieces) words.back().push_back("--all-pieces");
   return words;
 }
 

@@ -5,13 +5,14 @@
 
 namespace ngs::studio {
 
-/// The labels as they are shown: ngs-variance, ngs-joint --method flash, ngs-extract.
-std::vector<std::vector<std::string>> export_words(const StateFolder& folder, int object);
+/// The Gaussians that are shown, and no others: ngs-variance, ngs-joint --method flash, ngs-extract.
+std::vector<std::vector<std::string>> export_words(const StateFolder& folder, int object, bool all_pieces);
 
 struct RefineChoice {
   std::string source;  // a splat to make pictures of; empty: the scene has its own
   std::string around;  // X,Y,Z,R for ngs-scene orbit
   std::string quality = "standard";
+  bool all_pieces = false;
 };
 /// The full method: ngs-scene orbit where there is a splat alone, then ngs cut over its views and the marked ones.
 std::vector<std::vector<std::string>> refine_words(const StateFolder& folder, int object, const RefineChoice& choice);

@@ -53,6 +53,10 @@ void Desk::note(const std::string& path, const nlohmann::json& body) const {
 
 Json Desk::changed() {
   folder_.save(*session_.marks(), place_.source);
+  {
+    const std::lock_guard lock(mutex_);
+    exported_ = nullptr;  // the files are of another selection
+  }
   ++version_;
   return state();
 }
@@ -120,6 +124,10 @@ Json Desk::objects(Fields request) {
     const int id = request.whole("active", 1, 1 << 20);
     request.end();
     session_.activate(id);
+  } else if (request.has("all_pieces")) {
+    const bool all = request.truth("all_pieces");
+    request.end();
+    session_.show_all_pieces(all);
   } else {
     const int id = request.whole("id", 1, 1 << 20);
     const std::string name = request.has("name") ? name_of_object(request) : "",
@@ -201,17 +209,20 @@ Json Desk::objects_json(const live::Marks& marks) const {
   Json out = Json::array();
   const auto shown = session_.shown();
   for (const live::ObjectMarks& object : marks.objects) {
-    std::int64_t count = 0;
+    std::int64_t count = 0, left_out = 0;
     Focus focus;
     for (const live::ShownObject& s : *shown)
       if (s.id == object.id && s.labels) {
-        count = s.labels->count;
+        count = s.labels->count, left_out = s.labels->left_out;
         if (s.id == marks.active) focus = focus_of(loaded_.ply.cloud, *s.labels);
       }
+    if (const std::shared_ptr<const RefinedModel> refined = refined_of(marks, object.id))
+      count = refined->labels->count, left_out = 0;
     out.push_back({{"id", object.id},
                    {"name", object.name},
                    {"colour", object.colour},
                    {"gaussians", count},
+                   {"left_out", left_out},
                    {"strokes", object.strokes()},
                    {"refined", is_refined(object)}});
     if (focus.radius > 0) out.back()["focus"] = {{"centre", list(focus.centre)}, {"radius", focus.radius}};
@@ -243,8 +254,8 @@ Json Desk::commands_json(const live::Marks& marks) const {
       const std::lock_guard lock(mutex_);
       if (const auto found = quality_.find(object.id); found != quality_.end()) quality = found->second;
     }
-    for (const auto& words :
-         refined ? refine_words(folder_, object.id, choice_for(object.id, quality)) : export_words(folder_, object.id))
+    for (const auto& words : refined ? refine_words(folder_, object.id, choice_for(object.id, quality))
+                                     : export_words(folder_, object.id, marks.all_pieces))
       add(words);
   }
   return lines;
@@ -261,6 +272,7 @@ Json Desk::state() const {
            {"views", views_json()},
            {"objects", objects_json(*marks)},
            {"active", marks->active},
+           {"all_pieces", marks->all_pieces},
            {"undo", session_.steps_back()},
            {"redo", session_.steps_again()},
            {"job", job_json()},

@@ -85,7 +85,8 @@ std::shared_ptr<const RefinedModel> Desk::refined_of(const live::Marks& marks, i
 }
 
 RefineChoice Desk::choice_for(int object, const std::string& quality) const {
-  RefineChoice choice{loaded_.is_scene && !loaded_.scene.views.empty() ? "" : loaded_.scene.model_path, "", quality};
+  RefineChoice choice{loaded_.is_scene && !loaded_.scene.views.empty() ? "" : loaded_.scene.model_path, "", quality,
+                      session_.marks()->all_pieces};
   for (const live::ShownObject& shown : *session_.shown())
     if (shown.id == object && shown.labels) choice.around = ball_around(loaded_.ply.cloud, *shown.labels);
   return choice;
@@ -121,6 +122,9 @@ Json Desk::refine(Fields request) {
     auto model = std::make_shared<const RefinedModel>(exec_, folder_.of(object.id, "cut/labelled.ply"), loaded_.splat);
     const std::lock_guard lock(mutex_);
     refined_[object.id] = {std::move(model), object.views}, quality_[object.id] = quality;
+    for (const char* older : {"labelled.ply", "object.ply", "background.ply", "boundary.ply"})
+      fs::remove(folder_.of(object.id, older));
+    exported_ = nullptr;
     ++version_;
   });
   return state();
@@ -138,7 +142,7 @@ Json Desk::export_files(Fields request) {
     folders.emplace_back(folder_.of(object.id, refined ? "cut" : ""), shown + (refined ? "/cut" : ""));
     if (refined) continue;
     steps.push_back({"write", 0.3, {}, [this, object] { folder_.write_scene(session_, object, loaded_.scene); }});
-    const auto words = export_words(folder_, object.id);
+    const auto words = export_words(folder_, object.id, marks->all_pieces);
     for (std::size_t w = 0; w < words.size(); ++w) steps.push_back({stage_of(words[w]), kExportShares[w], words[w]});
   }
   if (folders.empty())

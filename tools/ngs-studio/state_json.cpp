@@ -126,6 +126,7 @@ Json json_of(const live::Marks& marks, const std::string& source) {
           {"source", source},
           {"active", marks.active},
           {"next_id", marks.next_id},
+          {"all_pieces", marks.all_pieces},
           {"objects", std::move(objects)}};
 }
 
@@ -137,6 +138,7 @@ live::Marks marks_of(const nlohmann::json& root, const std::string& source) {
     if (fields.text("source", 4096) != source)
       fields.refuse("source", source + ": a folder belongs to one model; choose another with -o");
     marks.active = fields.whole("active", 0, 1 << 20), marks.next_id = fields.whole("next_id", 1, 1 << 20);
+    marks.all_pieces = fields.has("all_pieces") && fields.truth("all_pieces");
     for (const nlohmann::json& object : fields.member("objects"))
       marks.objects.push_back(object_of({object, "object"}));
     fields.end();

@@ -115,8 +115,17 @@ int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
       throw;
     }
   }();
-  if (run.dry_run()) return run.plan({{"commands", chain.stages().commands()}}), cli::kDone;
-  if (end == CutEnd::kStopped) return run.stop_code();
+  if (run.dry_run()) {
+    std::string plan = "it would run:\n";
+    for (const std::string& command : chain.stages().commands()) plan += "  " + command + "\n";
+    run.text(plan);
+    run.plan({{"commands", chain.stages().commands()}});
+    return cli::kDone;
+  }
+  if (end == CutEnd::kStopped) {
+    run.text("stopped; " + chain.inputs().out + " keeps what was finished: run the same command again to go on\n");
+    return run.stop_code();
+  }
   run.result()["out"] = chain.inputs().out;
   if (end == CutEnd::kNeedsStrokes) {
     run.result()["needs_strokes"] = true;

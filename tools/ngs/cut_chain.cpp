@@ -17,6 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kWholePicture_px = 1 << 20;
+constexpr double kWorse = 0.01;  // of the marked pixels that a trained result may break more than what it began with
+
 bool exists(const std::string& path) {
   std::error_code unreadable;
   return !path.empty() && fs::exists(path, unreadable);
@@ -128,14 +131,57 @@ bool CutChain::import() {
   return stage("ngs-scene", words);
 }
 
+std::optional<FlashCut> CutChain::flash(const io::GaussianPly& ply, int longer_side_px) {
+  return flash_cut(
+      run_, ply, {plain_scene_, options_.around, options_.view, inputs_.strokes, options_.all_pieces, longer_side_px});
+}
+
 bool CutChain::cut_flash() {
   if (run_.dry_run()) return true;
-  flash_ =
-      flash_cut(run_, {inputs_.source, plain_scene_, options_.around, options_.view, inputs_.strokes, inputs_.out});
-  return flash_.has_value();
+  const double start_s = wall_seconds();
+  const io::GaussianPly ply = [&] {
+    const auto timed = run_.monitor().scope("read");
+    return io::read_gaussian_ply(inputs_.source);
+  }();
+  const std::optional<FlashCut> found = flash(ply, 0);
+  if (!found) return false;
+  if (found->figures.object == 0)
+    run_.nothing_found("no Gaussian of the ball is the object by these strokes", "draw more strokes on the object");
+  const StrokeAgreement kept_to =
+      StrokeCheck(run_, plain_scene_, options_.view, inputs_.strokes).of(ply.cloud, found->labels.label.values(), true);
+  if (!kept_to.broken.empty()) run_.monitor().warn(broken_text(kept_to));
+  const auto timed = run_.monitor().scope("write");
+  write_flash_masks(at("masks"), *found);
+  write_flash_models(run_, inputs_.out, ply, found->labels);
+  flash_ = found->figures;
+  flash_->wall_s = wall_seconds() - start_s;
+  return true;
+}
+
+/// Of a splat alone: what --quality flash would answer, with masks of the pictures' size. False: a signal asked to
+/// stop.
+bool CutChain::look_first() {
+  const auto timed = run_.monitor().scope("first look");
+  const io::GaussianPly ply = io::read_gaussian_ply(inputs_.source, io::HigherBands::kRead);
+  try {
+    first_ = flash(ply, kWholePicture_px);
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::kNothingFound) throw;  // the pictures' own edges may find it
+    return true;
+  }
+  if (!first_) return false;
+  if (first_->is_expected) take_masks_of_labels(run_, ply.cloud, *first_);
+  first_wrong_ = StrokeCheck(run_, plain_scene_, options_.view, inputs_.strokes)
+                     .of(ply.cloud, first_->labels.label.values(), true)
+                     .wrong_share();
+  return true;
 }
 
 bool CutChain::masks_from_strokes() {
+  if (inputs_.kind == SourceKind::kSplat && !run_.dry_run()) {
+    if (!look_first()) return false;
+    if (first_ && first_->is_expected) return write_flash_masks(at("strokes"), *first_), true;
+  }
   Words words{"ngs-mask", plain_scene_, "-o", at("strokes")};
   if (options_.quality == CutQuality::kDraft) append(words, "--passes", "1");
   if (inputs_.kind == SourceKind::kScene) append(words, "--model", inputs_.model);
@@ -165,18 +211,73 @@ void CutChain::write_scene_with(const std::string& masks) const {
   io::write_scene_json(at("scene.json"), scene);
 }
 
-bool CutChain::cut() {
-  const std::string scene = at("scene.json"), labelled = at("labelled.ply");
-  if (!stage("ngs-variance", {"ngs-variance", scene, "-o", at("boundary.ply")}) ||
-      !stage("ngs-joint",
-             {"ngs-joint", scene, at("boundary.ply"), "--quality",
-              std::string(name_of(kCutQualities, options_.quality)), "--trace", at("trace.jsonl"), "-o", labelled}) ||
-      !stage("ngs-extract",
-             {"ngs-extract", labelled, "--object", at("object.ply"), "--background", at("background.ply")}))
-    return false;
-  if (run_.dry_run() || options_.keep) return true;
-  for (const char* made_on_the_way : {"boundary.ply", "trace.jsonl"}) fs::remove(at(made_on_the_way));
+/// Of the labels that training would begin with. kInconsistent where they break a stroke and nobody insists.
+bool CutChain::strokes_hold() {
+  const StrokeCheck check(run_, at("scene.json"), options_.view, inputs_.strokes);
+  const auto now = [&] {
+    const auto timed = run_.monitor().scope("strokes");
+    const io::GaussianPly ply = io::read_gaussian_ply(at("boundary.ply"), io::HigherBands::kCheckOnly);
+    return check.of(ply.cloud, ply.labels.label.values(), options_.all_pieces);
+  };
+  StrokeAgreement found = now();
+  if (!found.broken.empty() && first_ && first_wrong_ < found.wrong_share()) {
+    write_flash_masks(at("strokes"), *first_);
+    if (!stage("ngs-variance", {"ngs-variance", at("scene.json"), "-o", at("boundary.ply")})) return false;
+    found = now();
+  }
+  if (found.broken.empty()) return true;
+  const std::string what = broken_text(found);
+  if (!options_.force)
+    throw Error(ErrorCode::kInconsistent, what + ", expected every stroke on its own side",
+                "mark another picture too: add --strokes FILE; or go on as it is with --force");
+  run_.monitor().warn(what);
   return true;
+}
+
+bool CutChain::cut() {
+  const std::string scene = at("scene.json");
+  const bool marked = !inputs_.strokes.empty();
+  const std::string trained = at(marked ? "joint.ply" : "labelled.ply");
+  if (!stage("ngs-variance", {"ngs-variance", scene, "-o", at("boundary.ply")})) return false;
+  if (marked && !run_.dry_run() && !strokes_hold()) return false;
+  if (!stage("ngs-joint",
+             {"ngs-joint", scene, at("boundary.ply"), "--quality",
+              std::string(name_of(kCutQualities, options_.quality)), "--trace", at("trace.jsonl"), "-o", trained}) ||
+      !extract(trained))
+    return false;
+  if (run_.dry_run()) return true;
+  if (marked) keep_the_better();
+  if (options_.keep) return true;
+  for (const char* made_on_the_way : {"boundary.ply", "joint.ply", "trace.jsonl"}) fs::remove(at(made_on_the_way));
+  return true;
+}
+
+/// From strokes, what is written are the pieces that they touch, and the labels are decided: the masks and the page
+/// show what is written.
+bool CutChain::extract(const std::string& trained) {
+  Words words{"ngs-extract", trained, "--object", at("object.ply"), "--background", at("background.ply")};
+  if (!inputs_.strokes.empty()) append(words, "--labelled", at("labelled.ply"));
+  if (!inputs_.strokes.empty() && !options_.all_pieces) {
+    append(words, "--scene", at("scene.json"));
+    append(words, "--view", options_.view);
+    for (const std::string& strokes : inputs_.strokes) append(words, "--strokes", strokes);
+  }
+  return stage("ngs-extract", words);
+}
+
+/// What was known before training is written where the trained result keeps to the strokes less.
+void CutChain::keep_the_better() {
+  if (!first_ || first_->figures.object == 0) return;
+  const double wrong = [&] {
+    const io::GaussianPly ply = io::read_gaussian_ply(at("labelled.ply"), io::HigherBands::kCheckOnly);
+    return StrokeCheck(run_, at("scene.json"), options_.view, inputs_.strokes)
+        .of(ply.cloud, ply.labels.label.values(), true)
+        .wrong_share();
+  }();
+  run_.result()["strokes_wrong"] = {{"trained", wrong}, {"first", first_wrong_}};
+  if (wrong <= first_wrong_ + kWorse) return;
+  kept_first_ = true;
+  write_flash_models(run_, inputs_.out, io::read_gaussian_ply(inputs_.source), first_->labels);
 }
 
 /// The masks of the result against the truth where there is one, else against the masks that went in.

@@ -17,6 +17,7 @@
 #include "cut_source.h"
 #include "flash_cut.h"
 #include "stage_runner.h"
+#include "stroke_check.h"
 
 namespace ngs::front {
 
@@ -44,6 +45,10 @@ class CutChain {
   const CutInputs& inputs() const { return inputs_; }
   /// Of --quality flash, after it.
   const std::optional<FlashFigures>& flash() const { return flash_; }
+  /// The trained result was worse than what was known before, which was written in its place.
+  bool kept_first() const { return kept_first_; }
+  /// Of what was written, where it was not trained; else null.
+  const FlashFigures* written_by_flash() const { return flash_ ? &*flash_ : kept_first_ ? &first_->figures : nullptr; }
   /// The pictures were those of an earlier run.
   bool reused_orbit() const { return reused_orbit_; }
   std::string at(const std::string& name) const { return inputs_.out + "/" + name; }
@@ -58,7 +63,12 @@ class CutChain {
   bool masks_from_strokes();
   void write_scene_with(const std::string& masks) const;
   bool cut_flash();
+  std::optional<FlashCut> flash(const io::GaussianPly& ply, int longer_side_px);
+  bool look_first();
+  bool strokes_hold();
   bool cut();
+  bool extract(const std::string& trained);
+  void keep_the_better();
   bool score();
 
   cli::Run& run_;
@@ -68,6 +78,9 @@ class CutChain {
   std::string plain_scene_;  // cameras and pictures, before masks of ours are laid to it
   bool reused_orbit_ = false;
   std::optional<FlashFigures> flash_;
+  std::optional<FlashCut> first_;  // of a splat alone, before anything is trained
+  double first_wrong_ = 0;         // StrokeAgreement::wrong_share() of its labels
+  bool kept_first_ = false;
 };
 
 }  // namespace ngs::front

@@ -18,6 +18,7 @@ inline constexpr NamedValue<CutQuality> kCutQualities[] = {{CutQuality::kFlash, 
 struct CutOptions {
   CutQuality quality = CutQuality::kStandard;
   bool keep = false;
+  bool all_pieces = false, force = false;
   std::string hold_out;
   std::string view;
   std::string around, up = "auto", size;
@@ -33,6 +34,8 @@ struct CutOptions {
               "of the ball",
               kCutQualities});
     visit(self.keep, Flag{"keep", "leave what is made on the way: boundary.ply and the trace of the training"});
+    visit(self.all_pieces, Flag{"all_pieces", "keep the pieces of the object that no stroke touches"});
+    visit(self.force, Flag{"force", "train although the result disagrees with a stroke"});
     visit(self.hold_out, Text{"hold_out", "every:N:K|FILE", "views whose masks no stage sees; they are scored"});
     visit(self.view, Text{"view", "NAME", "the view that the strokes are of; default: as each says"});
     visit(self.around, Text{"around", "X,Y,Z,R", "a splat: the ball that the cameras look at; default: its bulk"});

@@ -1,6 +1,7 @@
 #include "cut_summary.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <iomanip>
 #include <sstream>
@@ -39,9 +40,27 @@ Scores scores_of(const CutChain& chain) {
 }
 
 std::int64_t count_of(const CutChain& chain, const std::string& key) {
-  if (chain.flash()) return key == "object" ? chain.flash()->object : chain.flash()->background;
+  if (const FlashFigures* flash = chain.written_by_flash()) return key == "object" ? flash->object : flash->background;
   const nlohmann::json& report = chain.stages().report("ngs-extract");
   return report.is_object() ? report.at("result").value(key, std::int64_t(-1)) : -1;
+}
+
+std::int64_t left_out_of(const CutChain& chain) {
+  if (const FlashFigures* flash = chain.written_by_flash()) return flash->left_out;
+  const nlohmann::json& report = chain.stages().report("ngs-extract");
+  if (!report.is_object() || !report.at("result").contains("pieces")) return 0;
+  return report.at("result").at("pieces").value("left_out", std::int64_t(0));
+}
+
+/// An object that is nearly everything is seldom what was meant.
+std::string doubt_about(const CutChain& chain) {
+  constexpr double kNearlyAll = 0.98;
+  const double object = double(count_of(chain, "object")), all = object + double(count_of(chain, "background"));
+  if (!(all > 0) || object <= kNearlyAll * all) return {};
+  char share[80];
+  std::snprintf(share, sizeof share, "%.1f %% of all Gaussians are the object: was the background marked?",
+                100 * object / all);
+  return share;
 }
 
 std::string score_line(const Scores& scores) {
@@ -92,6 +111,12 @@ std::string summary_of(const CutChain& chain) {
             " views have a mask of their own; " + std::to_string(chain.flash()->in_ball) + " Gaussians in the ball");
   else
     row(text, "page", chain.at("report.html"));
+  if (const std::int64_t left_out = left_out_of(chain); left_out > 0)
+    row(text, "left out",
+        std::to_string(left_out) + " Gaussians of pieces that no stroke touches; --all-pieces keeps them");
+  if (chain.kept_first())
+    row(text, "kept", "the result without training: the trained one agrees less with the strokes");
+  if (const std::string doubt = doubt_about(chain); !doubt.empty()) row(text, "odd", doubt);
   if (const Scores scores = scores_of(chain); !scores.kind.empty()) row(text, scores.kind, score_line(scores));
   row(text, "time", time_line(chain));
   const std::vector<std::string>& warnings = chain.stages().warnings();
@@ -145,6 +170,8 @@ Json summary_json(const CutChain& chain) {
             {"masks", chain.at("masks")},
             {"object_gaussians", object},
             {"background_gaussians", background},
+            {"left_out", left_out_of(chain)},
+            {"kept_untrained", chain.kept_first()},
             {"reused_pictures", chain.reused_orbit()},
             {"stage_warnings", chain.stages().warnings()}};
   if (!chain.flash()) json["page"] = chain.at("report.html");

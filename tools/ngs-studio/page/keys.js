@@ -40,7 +40,7 @@ export function keyTable(does) {
     { keys: ['1'], shown: '1 2 3', says: 'object, both, background', run: () => does.fade(0) },
     { keys: ['2'], run: () => does.fade(0.5) },
     { keys: ['3'], run: () => does.fade(1) },
-    { keys: ['g'], shown: 'G', says: 'boundary Gaussians', run: () => does.boundary() },
+    { keys: ['g'], shown: 'G', says: 'splats on the edge', run: () => does.boundary() },
     { keys: ['p'], shown: 'P', says: 'panel', run: () => does.panel() },
     { keys: ['?'], shown: '?', says: 'this list', run: () => does.help() },
   ];

@@ -14,7 +14,7 @@ const kRetryMs = 2000, kReadMs = 6000;
 const kDone = { refine: 'Refined', export: 'Written' };
 const kRadius = { least: 2, most: 80 };
 const kAxes = {
-  'as found': null, '+x': [1, 0, 0], '−x': [-1, 0, 0], '+y': [0, 1, 0], '−y': [0, -1, 0],
+  auto: null, '+x': [1, 0, 0], '−x': [-1, 0, 0], '+y': [0, 1, 0], '−y': [0, -1, 0],
   '+z': [0, 0, 1], '−z': [0, 0, -1],
 };
 const find = (id) => document.getElementById(id);
@@ -40,10 +40,20 @@ function showState(next, finished) {
   find('no-objects').hidden = state.objects.length > 0;
   find('all-row').hidden = state.objects.length < 2;
   showObjects(find('objects'), state, (change) => write('/api/objects', change));
+  showPieces();
   jobs.show(state);
   if (finished) say({ done: kDone[finished.kind], failed: 'Failed', cancelled: 'Cancelled' }[finished.state] ?? '');
   if (first) begin();
   frames.refresh();
+}
+
+// What hangs together with no stroke is left out, unless it is asked for.
+function showPieces() {
+  const leftOut = state.objects.find(({ id }) => id === state.active)?.left_out ?? 0;
+  find('pieces-row').hidden = !leftOut && !state.all_pieces;
+  find('pieces').checked = state.all_pieces;
+  find('pieces-text').textContent = state.all_pieces ? 'All pieces, touched by a stroke or not'
+    : `All pieces: ${number(leftOut)} Gaussians that no stroke touches are left out`;
 }
 
 const isBusy = () => state.job?.state === 'running';
@@ -192,6 +202,8 @@ function addObject() {
   return write('/api/objects', { add: { name: `object ${last + 1}` } });
 }
 
+const gaussiansOf = (object) => state.objects.find(({ id }) => id === object)?.gaussians ?? 0;
+
 async function endStroke() {
   if (!frames.frozen) return;
   const stroke = brush.current, { kind, camera: shownBy } = frames.shown;
@@ -200,12 +212,14 @@ async function endStroke() {
   const of = kind === 'still' ? shownBy : frames.cameraFor('still');
   say('Looking for what belongs to it …');
   if (state.objects.length === 0) await addObject();
+  const before = gaussiansOf(state.active);
   const body = { object: state.active, camera: of, strokes: [strokeFor(stroke, find('paint'), of)] };
   const answered = await write('/api/strokes', body);
   if (!answered) return brush.drop(stroke);
   stroke.version = answered.version;
-  const { gaussians, ms } = answered.answer;
-  say(`${number(gaussians)} Gaussians in ${(ms / 1000).toFixed(2)} s`);
+  const { gaussians, ms } = answered.answer, more = gaussians - before;
+  const change = more === 0 ? 'no change' : `${number(Math.abs(more))} ${more > 0 ? 'more' : 'fewer'}`;
+  say(`${number(gaussians)} Gaussians, ${change}, in ${(ms / 1000).toFixed(2)} s`);
   frames.refresh();
 }
 
@@ -335,8 +349,9 @@ const keys = keyTable({
 function listen() {
   const clicked = (id, work) => find(id).addEventListener('click', work);
   for (const name of ['look', 'object', 'background']) clicked(`tool-${name}`, () => take(name));
-  clicked('undo', () => write('/api/undo', {}));
-  clicked('redo', () => write('/api/redo', {}));
+  clicked('undo', () => { say(''); write('/api/undo', {}); });
+  clicked('redo', () => { say(''); write('/api/redo', {}); });
+  find('pieces').addEventListener('change', ({ target }) => write('/api/objects', { all_pieces: target.checked }));
   clicked('fit', fit);
   clicked('help', () => find('keys').showModal());
   clicked('panel-toggle', togglePanel);

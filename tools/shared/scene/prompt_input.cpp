@@ -19,6 +19,29 @@ bool is_json(const std::string& path) {
   return (std::ifstream(path) >> first) && first == '{';  // no picture begins with a brace
 }
 
+/// Files as they are, of a folder all that may be marks.
+std::vector<std::string> files_of(const std::vector<std::string>& paths) {
+  namespace fs = std::filesystem;
+  std::vector<std::string> files;
+  for (const std::string& path : paths) {
+    std::error_code unreadable;
+    if (!fs::is_directory(path, unreadable)) {
+      files.push_back(path);
+      continue;
+    }
+    std::vector<std::string> inside;
+    for (const fs::directory_entry& entry : fs::directory_iterator(path, unreadable))
+      for (const char* ending : {".png", ".jpg", ".jpeg", ".json"})
+        if (entry.path().extension() == ending) inside.push_back(entry.path().string());
+    if (inside.empty())
+      throw Error(ErrorCode::kBadInput, path + ": a folder without marks, expected PNG, JPEG or JSON files in it",
+                  "put marked copies of the pictures into it, under the same names");
+    std::sort(inside.begin(), inside.end());
+    files.insert(files.end(), inside.begin(), inside.end());
+  }
+  return files;
+}
+
 /// Finds views of a scene for marks.
 struct ViewFinder {
   const Run& run;
@@ -70,7 +93,7 @@ Marks read_prompts(const Run& run, const Scene& scene, const std::string& wanted
                    const std::vector<std::string>& paths) {
   const ViewFinder finder{run, scene, wanted};
   Marks marks;
-  for (const std::string& path : paths) {
+  for (const std::string& path : files_of(paths)) {
     if (is_json(path)) {
       for (HandPrompt& prompt : io::read_prompts_json(path))
         marks[finder.view_of(prompt.view, path)].push_back(std::move(prompt));

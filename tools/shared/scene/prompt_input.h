@@ -25,7 +25,8 @@ using Marks = std::map<std::size_t, std::vector<HandPrompt>>;
 /// where the marks name another view than `wanted`.
 Marks read_marks(const Run& run, const Scene& scene, const std::string& wanted, const PromptInputs& inputs);
 
-/// The same of files of prompts alone.
+/// The same of files of prompts alone, and of folders: all PNG, JPEG and JSON files in them, by name. kBadInput for a
+/// folder without any.
 Marks read_prompts(const Run& run, const Scene& scene, const std::string& wanted,
                    const std::vector<std::string>& paths);
 

@@ -1,11 +1,13 @@
 #include "ngs/stages/extract/extract_stage.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
 #include "ngs/core/parse_number.h"
+#include "ngs/math/median.h"
 #include "ngs/math/union_find.h"
 #include "ngs/ops/field/knn.h"
 #include "ngs/scene/mask_threshold.h"
@@ -51,18 +53,55 @@ struct Sighted {
   std::vector<std::uint32_t> seen, unseen;
 };
 
-/// Unseen Gaussians take the side of more than half of their nearest seen ones.
+float largest_scale(const GaussianCloud& cloud, std::uint32_t i) {
+  const float* s = &cloud.log_scale[i * 3ull];
+  return std::exp(std::max({s[0], s[1], s[2]}));
+}
+
+/// Median of the distances to the k-th neighbour, from 0; 0 where there is none.
+float median_spacing(const KnnGraph& graph, std::size_t k) {
+  std::vector<float> dist2;
+  for (std::size_t q = k; q < graph.dist2.size(); q += std::size_t(graph.neighbours)) dist2.push_back(graph.dist2[q]);
+  return dist2.empty() ? 0 : float(std::sqrt(upper_median({dist2.begin(), dist2.end()})));
+}
+
+/// Of `rows`, those in the box about the object's seen Gaussians, `room` wider on every side. All others are too far
+/// from any of them.
+std::vector<std::uint32_t> rows_about(const GaussianCloud& cloud, const std::vector<float>& object, float room,
+                                      const std::vector<std::uint32_t>& rows) {
+  std::array<float, 3> low, high;
+  for (std::size_t a = 0; a < 3; ++a) low[a] = high[a] = object[a];
+  for (std::size_t k = 0; k < object.size(); ++k)
+    low[k % 3] = std::min(low[k % 3], object[k]), high[k % 3] = std::max(high[k % 3], object[k]);
+  std::vector<std::uint32_t> inside;
+  for (const std::uint32_t i : rows) {
+    const float* p = &cloud.position[i * 3ull];
+    bool is_inside = true;
+    for (std::size_t a = 0; a < 3; ++a) is_inside &= p[a] >= low[a] - room && p[a] <= high[a] + room;
+    if (is_inside) inside.push_back(i);
+  }
+  return inside;
+}
+
+/// Unseen Gaussians are object where more than half of their nearest seen ones are, and are near.
 void vote(const Exec& exec, const ExtractOptions& options, const GaussianCloud& cloud, const Sighted& rows,
           Extraction& out) {
-  const auto& [seen, unseen] = rows;
-  if (unseen.empty() || seen.empty()) return;
-  const std::vector<float> points = positions_of(cloud, seen), queries = positions_of(cloud, unseen);
+  std::vector<std::uint32_t> objects;
+  for (const std::uint32_t i : rows.seen)
+    if (out.object[i]) objects.push_back(i);
+  if (rows.unseen.empty() || objects.empty()) return;
+  const std::vector<float> object = positions_of(cloud, objects);
+  const KnnGraph among = nearest_others(exec, as_rows(object), options.unseen_neighbours);
+  const float reach = float(kVoteReach) * median_spacing(among, std::size_t(std::max(1, among.neighbours) - 1));
+  const std::vector<std::uint32_t> asked = rows_about(cloud, object, reach, rows.unseen);
+  const std::vector<float> points = positions_of(cloud, rows.seen), queries = positions_of(cloud, asked);
   const KnnGraph graph = nearest_points(exec, as_rows(points), as_rows(queries), options.unseen_neighbours);
-  for (std::size_t q = 0; q < unseen.size(); ++q) {
-    int votes = 0;
-    for (int k = 0; k < graph.neighbours; ++k)
-      votes += out.object[seen[graph.index[q * std::size_t(graph.neighbours) + std::size_t(k)]]];
-    out.object[unseen[q]] = 2 * votes > graph.neighbours;
+  const auto voters = std::size_t(graph.neighbours);
+  for (std::size_t q = 0; q < asked.size(); ++q) {
+    std::size_t votes = 0;
+    for (std::size_t k = q * voters; k < (q + 1) * voters; ++k)
+      votes += out.object[rows.seen[graph.index[k]]] && std::sqrt(graph.dist2[k]) <= reach;
+    out.object[asked[q]] = 2 * votes > voters;
   }
 }
 
@@ -110,23 +149,12 @@ std::vector<std::int32_t> connected_pieces(const Exec& exec, const GaussianCloud
   const KnnGraph graph = nearest_others(exec, as_rows(points), neighbours);
   const std::size_t k_count = std::size_t(graph.neighbours);
 
-  std::vector<float> nearest(graph.neighbours > 0 ? rows.size() : 0);
-  for (std::size_t q = 0; q < nearest.size(); ++q) nearest[q] = std::sqrt(graph.dist2[q * k_count]);
-  float spacing = 0;
-  if (!nearest.empty()) {
-    const auto middle = nearest.begin() + std::ptrdiff_t(nearest.size() / 2);
-    std::nth_element(nearest.begin(), middle, nearest.end());
-    spacing = *middle;
-  }
-  const auto radius = [&](std::uint32_t i) {
-    const float* s = &cloud.log_scale[i * 3ull];
-    return std::exp(std::max({s[0], s[1], s[2]}));
-  };
+  const float spacing = median_spacing(graph, 0);
   UnionFind sets(rows.size());
   for (std::size_t q = 0; q < rows.size(); ++q)
     for (std::size_t k = 0; k < k_count; ++k) {
       const std::uint32_t other = graph.index[q * k_count + k];
-      const float reach = 3 * std::max(spacing, radius(rows[q]) + radius(rows[other]));
+      const float reach = 3 * std::max(spacing, largest_scale(cloud, rows[q]) + largest_scale(cloud, rows[other]));
       if (std::sqrt(graph.dist2[q * k_count + k]) <= reach) sets.join(std::uint32_t(q), other);
     }
   std::vector<std::int32_t> piece(n, -1);

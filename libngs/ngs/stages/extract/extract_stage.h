@@ -1,6 +1,9 @@
 #pragma once
 // Which Gaussians are the object: a threshold on what was accumulated, an answer for those that no view has
 // seen, hand-made constraints, and small pieces removed.                            PAPER.md §5.4
+//
+// The vote about an unseen Gaussian is local: of its nearest seen ones those farther than kVoteReach count as
+// background, so that nothing is decided across a scene.
 #include <span>
 #include <string>
 
@@ -10,6 +13,10 @@
 #include "ngs/scene/labels/label_columns.h"
 
 namespace ngs {
+
+/// Median distances of the object's seen Gaussians to the farthest of as many neighbours among themselves as have a
+/// vote.
+inline constexpr double kVoteReach = 5;
 
 enum class UnseenRule : std::uint8_t { kKnn, kObject, kBackground };
 inline constexpr NamedValue<UnseenRule> kUnseenRuleNames[] = {
@@ -37,8 +44,8 @@ struct ExtractOptions {
                                           "ngs_label",
                                           kScoreColumnNames});
     visit(self.unseen, Choice<UnseenRule>{"unseen",
-                                          "Gaussians that no view has seen: vote of the nearest seen ones, "
-                                          "or all to one side",
+                                          "Gaussians that no view has seen: vote of the nearest seen ones if these are "
+                                          "near, else background; or all to one side",
                                           kUnseenRuleNames});
     visit(self.min_component, Field<int>{"min_component", "Gaussians",
                                          "smaller connected pieces of the object go to the "

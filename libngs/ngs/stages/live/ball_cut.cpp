@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/error.h"
@@ -12,18 +13,20 @@
 #include "ngs/stages/boundary/variance_stage.h"
 #include "ngs/stages/extract/extract_stage.h"
 #include "ngs/stages/live/live_mask.h"
-#include "ngs/stages/live/session.h"
 #include "ngs/stages/masks/hand_prompt.h"
 #include "ngs/stages/orbit/vectors.h"
 #include "ngs/stages/select/canonical_points.h"
 #include "ngs/stages/select/support_plane.h"
+#include "ngs/stages/select/touched_pieces.h"
 
 namespace ngs::live {
 namespace {
 
 constexpr std::size_t kLeastSurrounded = 2;  // views with a line around the object that tell where it is
 constexpr double kBand = 0.02;               // of the diagonal: free on both sides of the contour that is expected
-constexpr float kEmpty = 0.1f;               // a pixel that shows less than this shows nothing
+constexpr double kLeastAbove = 0.9;          // of the weight under the object's strokes, for a plane below it
+constexpr double kMostAbove = 0.1;           // of the weight under the background's strokes
+constexpr double kSkin = 0.04;               // of the object's height: the plane's own unevenness
 constexpr double kColourRoom = 0.5;          // a colour nearer than this, of the cube's edge, is like another
 
 std::vector<std::int64_t> rows_in(const GaussianCloud& cloud, const orbit::Ball& ball) {
@@ -54,8 +57,8 @@ Vec3<float> foreign_colour(const GaussianCloud& cloud) {
   return {float(best & 1), float(best >> 1 & 1), float(best >> 2 & 1)};
 }
 
-Camera at_segmented_size(const Camera& camera) {
-  const double scale = std::min(1.0, double(kSegmentedSide_px) / std::max(camera.width_px, camera.height_px));
+Camera at_segmented_size(const Camera& camera, int longer_side_px) {
+  const double scale = std::min(1.0, double(longer_side_px) / std::max(camera.width_px, camera.height_px));
   Camera small = resized(camera, scaled_size_px(camera.width_px, scale), scaled_size_px(camera.height_px, scale));
   small.name = camera.name;
   return small;
@@ -73,6 +76,40 @@ ViewPrompt prompt_of(const ImageF& expected) {
 void keep_certain(const ViewPrompt& marks, ViewPrompt& prompt) {
   for (std::size_t p = 0; p < prompt.hint.size(); ++p)
     if (is_certain(marks.hint[p])) prompt.hint[p] = marks.hint[p];
+}
+
+/// Rendering weight of every Gaussian of the ball over what is certain in the marked views, [rows].
+struct MarkedWeights {
+  std::vector<double> object, background;
+
+  static double share(const std::vector<double>& weight, const std::vector<std::uint8_t>& of) {
+    double inside = 0, whole = 0;
+    for (std::size_t i = 0; i < weight.size(); ++i) whole += weight[i], inside += of[i] ? weight[i] : 0;
+    return whole > 0 ? inside / whole : 0;
+  }
+};
+
+orbit::Vec mean_position(const std::vector<orbit::Vec>& position, const std::vector<double>& weight) {
+  orbit::Vec sum{0, 0, 0};
+  double whole = 0;
+  for (std::size_t i = 0; i < weight.size(); ++i) sum = sum + weight[i] * position[i], whole += weight[i];
+  return (1 / whole) * sum;
+}
+
+/// What lies just above the plane, with nothing higher over it, is the rim of what carries the object.
+void leave_out_skin(orbit::Vec normal, const std::vector<orbit::Vec>& at, const std::vector<double>& height,
+                    std::vector<std::uint8_t>& above) {
+  const double band = kSkin * orbit::weighted_quantile(height, {above.begin(), above.end()}, 0.98);
+  if (!(band > 0)) return;
+  const orbit::Vec a = orbit::perpendicular(normal), b = cross(normal, a);
+  const auto cell = [&](std::size_t i) {
+    return std::pair(std::int64_t(std::floor(dot(a, at[i]) / band)), std::int64_t(std::floor(dot(b, at[i]) / band)));
+  };
+  std::set<std::pair<std::int64_t, std::int64_t>> covered;
+  for (std::size_t i = 0; i < above.size(); ++i)
+    if (above[i] && height[i] > band) covered.insert(cell(i));
+  for (std::size_t i = 0; i < above.size(); ++i)
+    if (above[i] && height[i] <= band && !covered.contains(cell(i))) above[i] = 0;
 }
 
 struct PromptedView {
@@ -118,6 +155,45 @@ class BallModel {
     return share;
   }
 
+  MarkedWeights marked_weights(const std::vector<Camera>& cameras,
+                               const std::map<std::size_t, ViewPrompt>& marked) const {
+    Evidence evidence(cloud_.size(), 2);
+    for (const auto& [view, prompt] : marked) {
+      ViewMasks masks{prompt.width_px, prompt.height_px, {}, {}, true};
+      for (const PixelHint side : {PixelHint::kObject, PixelHint::kBackground}) {
+        std::vector<float>& target = masks.target.emplace_back(prompt.hint.size());
+        for (std::size_t p = 0; p < target.size(); ++p) target[p] = float(prompt.hint[p] == side);
+      }
+      add_view_evidence(exec_, cloud_, {cameras[view], masks}, splat_, evidence);
+    }
+    MarkedWeights told;
+    for (std::size_t i = 0; i < rows_.size(); ++i)
+      told.object.push_back(evidence.object_weight(i, 0)), told.background.push_back(evidence.object_weight(i, 1));
+    return told;
+  }
+
+  /// [rows] 1: above a plane that has the strokes on the object above it and those on background below, in a piece that
+  /// the former touch. Empty where there is none. Upwards is `up`, or the axis nearest to the way from the ones to the
+  /// others, where pictures lie on their side.
+  std::vector<float> above_plane(const MarkedWeights& told, const std::vector<StrokeWeights>& strokes,
+                                 orbit::Vec up) const {
+    if (std::ranges::max(told.object) <= 0 || std::ranges::max(told.background) <= 0) return {};
+    std::vector<orbit::Vec> at;
+    for (std::size_t i = 0; i < rows_.size(); ++i) at.push_back(position(i));
+    const orbit::Vec way = mean_position(at, told.object) - mean_position(at, told.background);
+    orbit::Vec axis{0, 0, 0};
+    double most = 0;
+    for (const orbit::Vec& a : {orbit::Vec{1, 0, 0}, orbit::Vec{0, 1, 0}, orbit::Vec{0, 0, 1}})
+      if (const double along = dot(a, way); std::abs(along) > std::abs(most)) most = along, axis = a;
+    for (const orbit::Vec& upwards : {up, std::copysign(1.0, most) * axis}) {
+      const std::vector<std::uint8_t> found = touched_pieces(exec_, cloud_, above(told, at, upwards), strokes).object;
+      if (MarkedWeights::share(told.object, found) >= kLeastAbove &&
+          MarkedWeights::share(told.background, found) <= kMostAbove)
+        return {found.begin(), found.end()};
+    }
+    return {};
+  }
+
   /// A view with what expected() and marks say of it. What is empty is background, unless a stroke says otherwise.
   PromptedView prompted(const Camera& camera, const ViewPrompt* marks, const std::vector<float>& expected) const {
     const RenderedView view = looked_at(camera, expected);
@@ -137,8 +213,7 @@ class BallModel {
   }
 
   static PromptedView with_empty(const RenderedView& view, ViewPrompt prompt) {
-    for (std::size_t p = 0; p < prompt.hint.size(); ++p)
-      if (view.alpha.data[p] < kEmpty && prompt.hint[p] != PixelHint::kObject) prompt.hint[p] = PixelHint::kBackground;
+    empty_is_background(view.alpha.data, prompt);
     return {to_bytes(view.colour), std::move(prompt)};
   }
 
@@ -156,16 +231,39 @@ class BallModel {
     return prompt.hint[std::size_t(y) * std::size_t(prompt.width_px) + std::size_t(x)] != PixelHint::kBackground;
   }
 
-  SupportPlane plane_outside(const std::vector<std::uint8_t>& within, orbit::Vec up) const {
+  /// [rows] 1: above the plane that most lies in between the strokes on background and the lower ones on the object.
+  /// None where there is no such plane.
+  std::vector<std::uint8_t> above(const MarkedWeights& told, const std::vector<orbit::Vec>& at, orbit::Vec up) const {
+    std::vector<std::uint8_t> found(rows_.size());
+    std::vector<double> height;
+    for (const orbit::Vec& p : at) height.push_back(dot(up, p));
+    const double low = orbit::weighted_quantile(height, told.background, 0.1),
+                 high = orbit::weighted_quantile(height, told.object, 0.25);
+    const orbit::SurfacePoints between =
+        points_where([&](std::uint32_t row) { return height[row] >= low && height[row] <= high; });
+    const SupportPlane plane = refined_by(cloud_, between, find_support_plane(cloud_, between, up));
+    if (!plane.found) return found;
+    for (std::size_t i = 0; i < found.size(); ++i)
+      height[i] = dot(plane.normal, at[i]) - plane.offset - plane.thickness, found[i] = height[i] > 0;
+    leave_out_skin(plane.normal, at, height, found);
+    return found;
+  }
+
+  orbit::SurfacePoints points_where(const auto& wanted) const {
     const orbit::SurfacePoints all = canonical_points(cloud_);
-    orbit::SurfacePoints outside;
+    orbit::SurfacePoints some;
     for (std::size_t i = 0; i < all.count(); ++i)
-      if (!within[all.row[i]]) {
-        outside.row.push_back(all.row[i]), outside.position.push_back(all.position[i]);
-        outside.opacity.push_back(all.opacity[i]), outside.size.push_back(all.size[i]);
-        outside.area.push_back(all.area[i]);
+      if (wanted(all.row[i])) {
+        some.row.push_back(all.row[i]), some.position.push_back(all.position[i]);
+        some.opacity.push_back(all.opacity[i]), some.size.push_back(all.size[i]);
+        some.area.push_back(all.area[i]);
       }
-    return refined_by(cloud_, all, find_support_plane(cloud_, outside, up));
+    return some;
+  }
+
+  SupportPlane plane_outside(const std::vector<std::uint8_t>& within, orbit::Vec up) const {
+    const orbit::SurfacePoints outside = points_where([&](std::uint32_t row) { return !within[row]; });
+    return refined_by(cloud_, canonical_points(cloud_), find_support_plane(cloud_, outside, up));
   }
 
   const Exec& exec_;
@@ -245,7 +343,7 @@ LabelColumns spread_out(const LabelColumns& part, const std::vector<std::int64_t
 
 BallCut cut_in_ball(const Exec& exec, Monitor& monitor, const BallCutInput& in) {
   BallCut cut;
-  for (const SceneView& view : in.scene.views) cut.cameras.push_back(at_segmented_size(view.camera));
+  for (const SceneView& view : in.scene.views) cut.cameras.push_back(at_segmented_size(view.camera, in.longer_side_px));
   cut.views.resize(cut.cameras.size());
   std::map<std::size_t, ViewPrompt> marked, surrounded;
   for (const auto& [view, hand] : in.marks) {
@@ -254,9 +352,18 @@ BallCut cut_in_ball(const Exec& exec, Monitor& monitor, const BallCutInput& in) 
   }
   const BallModel model(exec, in);
   cut.in_ball = model.cloud().size();
+  std::vector<StrokeWeights> strokes;
+  for (const auto& [view, prompt] : marked)
+    std::ranges::move(stroke_weights(exec, model.cloud(), cut.cameras[view], prompt, model.splat()),
+                      std::back_inserter(strokes));
+  const bool by_lines = surrounded.size() >= kLeastSurrounded;
   Told told{marked, {}};
-  if (surrounded.size() >= kLeastSurrounded) {
+  if (by_lines)
     told.expected = model.expected(cut.cameras, surrounded, up_of(cut.cameras));
+  else
+    told.expected = model.above_plane(model.marked_weights(cut.cameras, marked), strokes, up_of(cut.cameras));
+  cut.is_expected = !told.expected.empty();
+  if (cut.is_expected) {
     segment_all(exec, monitor, model, told, cut);
   } else {
     spread_masks(
@@ -271,7 +378,13 @@ BallCut cut_in_ball(const Exec& exec, Monitor& monitor, const BallCutInput& in) 
     return labels_in_ball(exec, model, in, cut);
   }();
   for (std::size_t i = 0; i < told.expected.size(); ++i)  // what stands on a plane hides some of it
-    if (labels.views[i] == 0 && told.expected[i] == 0) labels.label[i] = 0;
+    if (labels.views[i] == 0 && (!by_lines || told.expected[i] == 0)) labels.label[i] = told.expected[i];
+  if (!in.all_pieces) {
+    const std::vector<std::uint8_t> member(labels.label.begin(), labels.label.end());
+    const PieceSelection pieces = touched_pieces(exec, model.cloud(), member, strokes);
+    labels.label = std::vector<float>(pieces.object.begin(), pieces.object.end());
+    cut.left_out = pieces.left_out;
+  }
   cut.object = std::count(labels.label.begin(), labels.label.end(), 1.f);
   cut.labels = spread_out(labels, model.rows(), in.cloud.size());
   return cut;

@@ -7,11 +7,13 @@
 //
 // Where background strokes run all around the object in two views or more, the object is expected where all these lines
 // surround it, but for the plane that it stands on, which runs on outside of them. Every view is segmented from that by
-// itself, free in a band about the expected contour. Else the masks of the marked views are carried to the others by
-// spread_masks(), one pass. live_mask() takes GrabCut's place in both.
+// itself, free in a band about the expected contour. The same where one plane has the strokes on the object above it
+// and those on what carries it below: expected are the pieces above the plane that the object's strokes touch. Else the
+// masks of the marked views are carried to the others by spread_masks(), one pass. live_mask() takes GrabCut's place in
+// all.
 //
 // The masks of all views give the labels (PAPER.md §5.2). A Gaussian of the ball that no view sees takes the vote of
-// those about it; outside of the ball all is background.
+// those about it; outside of the ball all is background, and so are the pieces that no stroke on the object touches.
 #include <map>
 
 #include "ngs/core/monitor.h"
@@ -19,6 +21,7 @@
 #include "ngs/scene/hand_prompt.h"
 #include "ngs/scene/labels/label_columns.h"
 #include "ngs/scene/scene.h"
+#include "ngs/stages/live/session.h"
 #include "ngs/stages/masks/mask_spread.h"
 #include "ngs/stages/orbit/surface_points.h"
 
@@ -30,6 +33,8 @@ struct BallCutInput {
   const Scene& scene;  // cameras, and which of them supervise; photos are not looked at
   SplatOptions splat;  // for pictures at the cameras' size
   std::map<std::size_t, std::vector<HandPrompt>> marks;  // by view, at least one
+  bool all_pieces = false;                               // keep the pieces that no stroke touches
+  int longer_side_px = kSegmentedSide_px;                // of a view as it is segmented; a smaller one stays
 };
 
 struct BallCut {
@@ -37,6 +42,8 @@ struct BallCut {
   std::vector<Camera> cameras;           // of the scene, at the size that is segmented
   std::vector<SpreadView> views;         // what became of each
   std::int64_t in_ball = 0, object = 0;  // Gaussians
+  std::int64_t left_out = 0;             // Gaussians of the pieces that no stroke touches
+  bool is_expected = false;              // lines around the object, or a plane under it, told where it is
 };
 
 /// kNothingFound where no usable Gaussian lies in the ball, and as spread_masks(); kInconsistent as rasterise(). With

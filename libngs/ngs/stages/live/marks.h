@@ -10,6 +10,7 @@
 #include "ngs/scene/hand_prompt.h"
 #include "ngs/scene/view_prompt.h"
 #include "ngs/stages/live/look.h"
+#include "ngs/stages/select/touched_pieces.h"
 
 namespace ngs::live {
 
@@ -33,6 +34,7 @@ struct MarkedView {
   PixelMask mask;      // at the size of `camera`
   std::shared_ptr<const ViewWeights> seen;
   MaskWeights inside;
+  std::vector<StrokeWeights> touched;  // of the strokes on the object
 };
 
 struct ObjectMarks {
@@ -52,6 +54,7 @@ struct Marks {
   std::vector<ObjectMarks> objects;
   int active = 0;  // id of an object
   int next_id = 1;
+  bool all_pieces = false;  // show and write what no stroke touches, too
 
   const ObjectMarks* find(int id) const {
     for (const ObjectMarks& object : objects)

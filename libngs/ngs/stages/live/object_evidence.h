@@ -30,10 +30,11 @@ struct ObjectLabels {
   std::vector<float> label;            // 1 object, 0 not
   std::vector<std::uint8_t> boundary;  // 1: views disagree (ngs-variance --tau at its default)
   std::int64_t count = 0;              // of label 1
+  std::int64_t left_out = 0;           // Gaussians of pieces that no stroke touches: label and boundary 0
 
   /// Of an object that no view has shown.
   static ObjectLabels none(std::size_t gaussians) {
-    return {std::vector<float>(gaussians), std::vector<std::uint8_t>(gaussians), 0};
+    return {std::vector<float>(gaussians), std::vector<std::uint8_t>(gaussians), 0, 0};
   }
 };
 /// After the sums of these Gaussians, of which none is there twice, have changed.

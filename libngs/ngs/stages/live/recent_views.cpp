@@ -5,6 +5,7 @@
 #include "ngs/backend/for_each.h"
 #include "ngs/ops/image/image_bytes.h"
 #include "ngs/scene/mask_threshold.h"
+#include "ngs/stages/masks/hand_prompt.h"
 
 namespace ngs::live {
 namespace {
@@ -41,7 +42,7 @@ void RecentView::draw(const std::vector<float>& channel) {
   request.colour = picture_.empty(), request.background = model_.background;
   if (!channel.empty()) request.label = {channel.data(), model_.cloud.size(), 2};
   const RenderedView rendered = kept_.render(exec_, request);
-  if (request.colour) picture_ = to_bytes(rendered.colour);
+  if (request.colour) picture_ = to_bytes(rendered.colour), alpha_ = rendered.alpha.data;
   if (!channel.empty()) selection_ = selection_of(rendered);
 }
 
@@ -50,6 +51,8 @@ const ImageU8& RecentView::picture() {
   return picture_;
 }
 
+const std::vector<float>& RecentView::alpha() { return picture(), alpha_; }
+
 const PixelMask& RecentView::selection(const ObjectEvidence& evidence, const MarkedViews& others) {
   if (!has_selection(others)) draw(known_channels(exec_, evidence, kept_.rows()));
   others_ = others;
@@ -57,8 +60,15 @@ const PixelMask& RecentView::selection(const ObjectEvidence& evidence, const Mar
 }
 
 void RecentView::weigh(MarkedView& view) {
-  const MaskSums& sums = kept_.weigh(exec_, view.mask);
   const std::vector<std::uint32_t>& rows = kept_.rows();
+  view.touched.clear();
+  for (const PixelMask& stroke : object_strokes(rasterise(view.strokes, view.camera.width_px, view.camera.height_px))) {
+    const std::vector<double>& weight = kept_.weigh(exec_, stroke).object_weight;
+    StrokeWeights& touched = view.touched.emplace_back();
+    for (std::size_t v = 0; v < rows.size(); ++v)
+      if (weight[v] > 0) touched.row.push_back(rows[v]), touched.weight.push_back(weight[v]);
+  }
+  const MaskSums& sums = kept_.weigh(exec_, view.mask);
   if (!view.seen) {
     ViewWeights seen;
     for (std::size_t v = 0; v < rows.size(); ++v)

@@ -19,11 +19,13 @@ class RecentView {
   const Look& look() const { return look_; }
   /// As Session::picture(); drawn once.
   const ImageU8& picture();
+  /// [H·W] of the model in it; drawn with the picture.
+  const std::vector<float>& alpha();
   /// What `others`, whose sums are `evidence`, select in it, as far as they know; drawn when they are not those of the
   /// call before.
   const PixelMask& selection(const ObjectEvidence& evidence, const MarkedViews& others);
   bool has_selection(const MarkedViews& others) const { return !others.empty() && others == others_; }
-  /// Sets what the view says of the Gaussians.
+  /// Sets what the view's mask and strokes say of the Gaussians.
   void weigh(MarkedView& view);
 
  private:
@@ -34,6 +36,7 @@ class RecentView {
   Look look_;
   KeptView kept_;
   ImageU8 picture_;
+  std::vector<float> alpha_;
   MarkedViews others_;
   PixelMask selection_;
 };

@@ -12,6 +12,7 @@
 #include "ngs/stages/live/correction.h"
 #include "ngs/stages/live/live_mask.h"
 #include "ngs/stages/masks/hand_prompt.h"
+#include "ngs/stages/masks/mask_consensus.h"
 
 namespace ngs::live {
 namespace {
@@ -40,6 +41,22 @@ PixelMask segmented(const ImageU8& picture, const Correction& correction, int ba
   const double diagonal_px = std::hypot(double(picture.width_px), double(picture.height_px));
   const ViewPrompt prompt = correction.prompt(int(std::lround(kReach * diagonal_px)), band_px);
   return live_mask(picture, prompt, correction.colours(picture, kColourSamples), 0);
+}
+
+/// Nothing is no object, whatever its colour.
+void clear_empty(const std::vector<float>& alpha, PixelMask& mask) {
+  for (std::size_t p = 0; p < mask.size(); ++p)
+    if (alpha[p] < kEmptyAlpha) mask[p] = 0;
+}
+
+/// What nobody can see cannot be meant.
+void require_something(const std::vector<float>& alpha, const ViewPrompt& drawn) {
+  bool any = false, shown = false;
+  for (std::size_t p = 0; p < alpha.size(); ++p)
+    if (drawn.hint[p] == PixelHint::kObject) any = true, shown |= alpha[p] >= kEmptyAlpha;
+  if (any && !shown)
+    throw Error(ErrorCode::kUsage, "stroke: nothing is there, expected some of the splat under it",
+                "paint on the object itself");
 }
 
 /// While it lives a view is not in the sums.
@@ -101,7 +118,7 @@ const ObjectMarks& Session::object(int id) const {
 Session::Kept& Session::kept(int id) {
   for (Kept& k : kept_)
     if (k.id == id) return k;
-  return kept_.emplace_back(Kept{id, ObjectEvidence(model_.cloud.size()), {}, nullptr});
+  return kept_.emplace_back(Kept{id, ObjectEvidence(model_.cloud.size()), {}, nullptr, nullptr, nullptr});
 }
 
 /// Finds the mask of a view without one: from its strokes, and where there are others from what they select in it.
@@ -144,16 +161,20 @@ StrokeAnswer Session::mark(int id, const Look& look, const std::vector<PromptStr
   }
   view.strokes.strokes.insert(view.strokes.strokes.end(), strokes.begin(), strokes.end());
 
+  HandPrompt drawn = view.strokes;
+  drawn.strokes = strokes;
+  require_something(recent_.of(look, view.camera).alpha(),
+                    rasterise(drawn, view.camera.width_px, view.camera.height_px));
+
   const bool is_new = place == marked.views.end();
   if (!is_new && std::ranges::count((*place)->mask, 1) > 0) {
-    HandPrompt drawn = view.strokes;
-    drawn.strokes = strokes;
     correct(view, **place, drawn);
   } else {
     MarkedViews others = marked.views;
     if (!is_new) others.erase(others.begin() + (place - marked.views.begin()));
     segment(view, is_new ? nullptr : place->get(), others, kept(id).evidence);
   }
+  clear_empty(recent_.of(look, view.camera).alpha(), view.mask);
   const double masked_s = wall_seconds();
   recent_.of(look, view.camera).weigh(view);
   StrokeAnswer answer;
@@ -205,6 +226,12 @@ void Session::activate(int id) {
   Marks marks = *marks_;
   marks.active = id;
   publish(std::move(marks));
+}
+
+void Session::show_all_pieces(bool all) {
+  Marks marks = *marks_;
+  marks.all_pieces = all;
+  step(std::move(marks));
 }
 
 void Session::step(Marks marks) {
@@ -274,6 +301,20 @@ void Session::bring_up_to_date(Kept& kept, const ObjectMarks& object) {
   kept.labels = std::make_shared<const ObjectLabels>(std::move(labels));
 }
 
+void Session::leave_out_untouched(Kept& kept) const {
+  if (kept.touched && kept.touched_of == kept.labels) return;
+  kept.touched_of = kept.labels;
+  std::vector<StrokeWeights> strokes;
+  for (const auto& view : kept.views) strokes.insert(strokes.end(), view->touched.begin(), view->touched.end());
+  const std::vector<std::uint8_t> member(kept.labels->label.begin(), kept.labels->label.end());
+  const PieceSelection pieces = touched_pieces(exec_, model_.cloud, member, strokes);
+  ObjectLabels labels = *kept.labels;
+  for (std::size_t i = 0; i < member.size(); ++i)
+    if (member[i] && !pieces.object[i]) labels.label[i] = 0, labels.boundary[i] = 0;
+  labels.count -= pieces.left_out, labels.left_out = pieces.left_out;
+  kept.touched = std::make_shared<const ObjectLabels>(std::move(labels));
+}
+
 void Session::publish(Marks marks) {
   std::erase_if(kept_, [&](const Kept& k) { return marks.find(k.id) == nullptr; });
   std::vector<ShownObject> shown;
@@ -282,7 +323,8 @@ void Session::publish(Marks marks) {
     if (!object.views.empty()) {
       Kept& sums = kept(object.id);
       bring_up_to_date(sums, object);
-      one.labels = sums.labels;
+      if (!marks.all_pieces) leave_out_untouched(sums);
+      one.labels = marks.all_pieces ? sums.labels : sums.touched;
     } else {
       std::erase_if(kept_, [&](const Kept& k) { return k.id == object.id; });
     }

@@ -4,8 +4,9 @@
 // Strokes on a view -> its mask (live_mask.h), begun from what the object's other views say there -> evidence of that
 // view alone -> labels, by the sums of the other views that were kept. A further stroke on the same view changes of its
 // mask only what is connected to the stroke, and only to the stroke's side; what it leaves as it was is not worked out
-// again. No files, no clock in any result: the same
-// strokes give the same masks and labels for any number of threads.
+// again. Of the Gaussians that the labels select, those of pieces that no stroke touches are left out
+// (select/touched_pieces.h), unless the marks ask for all pieces. No files, no clock in any result: the same strokes
+// give the same masks and labels for any number of threads.
 #include <mutex>
 
 #include "ngs/stages/live/recent_views.h"
@@ -34,12 +35,14 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// kUsage for an object that is not there. A view is the same where the look is, to the last digit.
+  /// kUsage for an object that is not there, and for strokes on the object of which no pixel shows anything of the
+  /// model. A view is the same where the look is, to the last digit.
   StrokeAnswer mark(int object, const Look& look, const std::vector<PromptStroke>& strokes);
   int add_object(const std::string& name);  // kUsage beyond kMostObjects
   void remove_object(int id);
   void edit_object(int id, const std::string& name, const std::string& colour);  // empty: stays
   void activate(int id);
+  void show_all_pieces(bool all);
   bool undo();  // false: there is nothing to undo
   bool redo();
   /// Steps back end here.
@@ -62,13 +65,16 @@ class Session {
     int id;
     ObjectEvidence evidence;
     MarkedViews views;
-    std::shared_ptr<const ObjectLabels> labels;
+    std::shared_ptr<const ObjectLabels> labels;      // of all pieces
+    std::shared_ptr<const ObjectLabels> touched;     // of those that strokes touch
+    std::shared_ptr<const ObjectLabels> touched_of;  // labels that `touched` was made from
   };
 
   void segment(MarkedView& view, const MarkedView* before, const MarkedViews& others, ObjectEvidence& sums);
   void correct(MarkedView& view, const MarkedView& before, const HandPrompt& added);
   Kept& kept(int id);
   void bring_up_to_date(Kept& kept, const ObjectMarks& object);
+  void leave_out_untouched(Kept& kept) const;
   void publish(Marks marks);
   void step(Marks marks);
   const ObjectMarks& object(int id) const;

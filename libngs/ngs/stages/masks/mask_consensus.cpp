@@ -213,7 +213,8 @@ Consensus render_consensus(const Exec& exec, const LiftedModel& model, const Cam
   RenderRequest alone;
   alone.colour = false;
   alone.include = is_object.data();
-  Consensus out{camera.width_px, camera.height_px, {}, {}, render(exec, cloud, camera, splat, alone).alpha.data};
+  Consensus out{camera.width_px, camera.height_px, {}, {}, render(exec, cloud, camera, splat, alone).alpha.data,
+                view.alpha.data};
   out.object.resize(view.alpha.data.size()), out.known.resize(view.alpha.data.size());
   for (std::size_t p = 0; p < out.object.size(); ++p) {
     const float object = view.label.data[2 * p], seen = view.label.data[2 * p + 1], empty = 1 - view.alpha.data[p];
@@ -221,6 +222,11 @@ Consensus render_consensus(const Exec& exec, const LiftedModel& model, const Cam
     out.object[p] = seen + empty > 0 ? std::clamp(object / (seen + empty), 0.f, 1.f) : 0.f;
   }
   return out;
+}
+
+void empty_is_background(const std::vector<float>& alpha, ViewPrompt& prompt) {
+  for (std::size_t p = 0; p < prompt.hint.size(); ++p)
+    if (alpha[p] < kEmptyAlpha && prompt.hint[p] != PixelHint::kObject) prompt.hint[p] = PixelHint::kBackground;
 }
 
 ViewPrompt prompt_from(const Consensus& c, int band_px, const PixelMask& before) {

@@ -56,7 +56,14 @@ struct Consensus {
   int width_px = 0, height_px = 0;
   std::vector<float> object, known;  // [H·W] in [0, 1]
   std::vector<float> alone;          // [H·W] opacity of the object without what stands before it
+  std::vector<float> alpha = {};     // [H·W] opacity of the whole model
 };
+
+/// A pixel where the model is less opaque than this shows nothing: it is background, whatever its colour.
+inline constexpr float kEmptyAlpha = 0.1f;
+
+/// Makes what is empty certain background, but for strokes on the object. `alpha` [H·W].
+void empty_is_background(const std::vector<float>& alpha, ViewPrompt& prompt);
 
 /// A model, what the masks say of it, and where its object is.
 struct LiftedModel {

@@ -25,6 +25,16 @@ void keep_strokes(const ViewPrompt& by_hand, ViewPrompt& prompt) {
     if (is_certain(by_hand.hint[p])) prompt.hint[p] = by_hand.hint[p];
 }
 
+/// Whatever the segmenter answers: nothing is no object, and strokes hold.
+void clear_empty(const std::vector<float>& alpha, PixelMask& mask) {
+  for (std::size_t p = 0; p < mask.size(); ++p)
+    if (alpha[p] < kEmptyAlpha) mask[p] = 0;
+}
+void keep_strokes(const ViewPrompt& by_hand, PixelMask& mask) {
+  for (std::size_t p = 0; p < mask.size(); ++p)
+    if (is_certain(by_hand.hint[p])) mask[p] = is_object(by_hand.hint[p]);
+}
+
 class Spreader {
  public:
   Spreader(const Exec& exec, Monitor& monitor, const SpreadOptions& options, const SpreadInput& input)
@@ -72,14 +82,24 @@ class Spreader {
                   "draw strokes on the object in one of them, or a box around it");
   }
 
-  void start_with(std::size_t view, const ViewPrompt& prompt) {
+  std::vector<float> opacity(std::size_t view) const {
+    RenderRequest request;
+    request.colour = false;
+    return render(exec_, in_.cloud, in_.camera[view], in_.splat, request).alpha.data;
+  }
+
+  void start_with(std::size_t view, ViewPrompt prompt) {
     SpreadView& first = first_[view];
+    const std::vector<float> alpha = opacity(view);
+    empty_is_background(alpha, prompt);
     first.mask = in_.segment(view, prompt);
+    clear_empty(alpha, first.mask);
     if (monitor_.stop_requested()) return;
     if (is_empty(first.mask))
       throw Error(ErrorCode::kNothingFound,
                   "the marked view " + in_.camera[view].name + ": no pixel was segmented, expected the object",
                   "draw more strokes on the object, or a box around it");
+    keep_strokes(in_.marked.at(view), first.mask);
     first.source = MaskSource::kReference;
     first.soft.assign(first.mask.begin(), first.mask.end());
     starts_.push_back(view);
@@ -106,6 +126,7 @@ class Spreader {
         render_consensus(exec_, {in_.cloud, all_.value(), place_, in_.asks_neighbours}, in_.camera[view], in_.splat);
     ViewPrompt prompt = prompt_from(consensus, band_px(in_.camera[view], pass), before);
     if (is_marked(view)) keep_strokes(in_.marked.at(view), prompt);
+    empty_is_background(consensus.alpha, prompt);
 
     SpreadView out;
     for (const float known : consensus.known) out.known += double(known) / double(consensus.known.size());
@@ -123,6 +144,8 @@ class Spreader {
 
   void try_segmenter(std::size_t view, const ViewPrompt& prompt, const Consensus& consensus, SpreadView& out) {
     PixelMask found = in_.segment(view, prompt);
+    clear_empty(consensus.alpha, found);
+    if (is_marked(view)) keep_strokes(in_.marked.at(view), found);
     out.agreement = agreement(consensus, found);
     if (!is_marked(view) && (out.agreement < options_.gate_iou || is_empty(found))) return;
     out.mask = std::move(found);

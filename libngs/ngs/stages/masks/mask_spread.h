@@ -6,7 +6,8 @@
 // other views follow, the one next whose direction to the object is closest to a view that is done. The consensus
 // rendered there becomes the prompt; a mask that agrees too little with it (SA3D's gate) is rejected and
 // lifted nowhere. Later passes do all views again, each against the consensus of the others, in a band that
-// halves. What a person marked holds in every pass, and the mask of a marked view is never rejected. A view on which
+// halves. What a person marked holds in every pass, and the mask of a marked view is never rejected. Where the model
+// shows nothing all is background, to the segmenter and in the mask, but for strokes on the object. A view on which
 // only background is marked says nothing of the object by itself: it follows as the others do, with its marks.
 //
 // The photo of a held-out view decides nothing but the mask of that view: it is segmented in the last pass and lifted

@@ -102,6 +102,17 @@ TEST_CASE("unseen Gaussians are a third state with an explicit answer") {
   CHECK(extract_object({}, options, {cloud, labels}).object == Flags{1, 1, 0, 0, 0, 0, 0, 0});
 }
 
+TEST_CASE("unseen Gaussians across the scene from all that was seen stay background") {
+  std::vector<float> x, views;
+  for (int i = 0; i < 100; ++i) x.push_back(0.01f * float(i)), views.push_back(i == 50 ? 0.f : 3.f);  // an object
+  for (int i = 0; i < 1000; ++i) x.push_back(5 + 0.01f * float(i)), views.push_back(0);               // another room
+  const Extraction found = extract_object({}, {}, {on_a_line(x), labels_of(std::vector<float>(x.size(), 1.f), views)});
+  CHECK(found.unseen == 1001);
+  CHECK(found.unseen_to_object == 1);  // the one among those that were seen
+  CHECK(found.object[50] == 1);
+  CHECK(found.objects == 100);
+}
+
 TEST_CASE("a model that no view has seen has no voters and no object") {
   const GaussianCloud cloud = on_a_line({0, 1});
   const Extraction e = extract_object({}, {}, {cloud, labels_of({1, 1}, {0, 0})});

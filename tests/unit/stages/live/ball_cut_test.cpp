@@ -14,7 +14,8 @@
 namespace ngs {
 namespace {
 
-/// A floor with a box on it, whose one side is as dark as the floor, and another box far away; eight cameras around.
+/// A floor with a box on it, whose one side is as dark as the floor, and another box far away, or a pedestal of the
+/// box's colour in the void with the box on it and another box in the air; eight cameras around.
 struct Room {
   GaussianCloud cloud;
   std::vector<std::uint8_t> is_object;
@@ -22,11 +23,17 @@ struct Room {
   SplatOptions splat;
   static constexpr orbit::Ball kBall{{0, 0, 0.3}, 1};
 
-  Room() {
-    for (double x = -3; x <= 3; x += 0.08)
-      for (double y = -3; y <= 3; y += 0.08) add({x, y, 0}, {0.06, 0.06, 0.002}, {0.25, 0.2, 0.15}, false);
-    box({0, 0}, true);
-    box({2.2, 0}, false);
+  explicit Room(bool on_pedestal = false) {
+    if (on_pedestal) {
+      pedestal();
+      box({0, 0}, true);
+      box({0, 0}, false, 1.2);
+    } else {
+      for (double x = -3; x <= 3; x += 0.08)
+        for (double y = -3; y <= 3; y += 0.08) add({x, y, 0}, {0.06, 0.06, 0.002}, {0.25, 0.2, 0.15}, false);
+      box({0, 0}, true);
+      box({2.2, 0}, false);
+    }
     classify(cloud);
     for (int k = 0; k < 8; ++k) {
       const double turn = std::numbers::pi / 4 * k;
@@ -53,16 +60,39 @@ struct Room {
     is_object.push_back(object);
   }
 
-  void box(std::array<double, 2> at, bool object) {
+  void pedestal() {
+    for (double a = -0.5; a <= 0.51; a += 0.05)
+      for (double b = -0.5; b <= 0.51; b += 0.05) {
+        const Vec3<double> pale{0.8, 0.7, 0.6};
+        add({a, b, 0}, {0.04, 0.04, 0.002}, pale, false);
+        for (const double side : {-0.5, 0.5}) {
+          add({side, a, b - 0.5}, {0.002, 0.04, 0.04}, pale, false);
+          add({a, side, b - 0.5}, {0.04, 0.002, 0.04}, pale, false);
+        }
+      }
+  }
+
+  void box(std::array<double, 2> at, bool object, double height = 0) {
     for (double a = -0.3; a <= 0.31; a += 0.06)
       for (double b = -0.3; b <= 0.31; b += 0.06) {
         const auto put = [&](double x, double y, double z, Vec3<double> rgb) {
-          add({at[0] + x, at[1] + y, z}, {0.04, 0.04, 0.04}, rgb, object);
+          add({at[0] + x, at[1] + y, z + height}, {0.04, 0.04, 0.04}, rgb, object);
         };
         const Vec3<double> pale{0.8, 0.7, 0.6}, dark{0.28, 0.22, 0.17};
         put(a, b, 0.66, pale), put(a, -0.3, 0.36 + b, pale), put(a, 0.3, 0.36 + b, pale);
         put(0.3, a, 0.36 + b, pale), put(-0.3, a, 0.36 + b, dark);
       }
+  }
+
+  /// A stroke between two points of the model, as a view shows them.
+  PromptStroke stroke(std::size_t view, bool object, Vec3<double> from, Vec3<double> to) const {
+    PromptStroke out{object, 3, {}};
+    const Camera& camera = scene.views[view].camera;
+    for (const Vec3<double>& point : {from, to}) {
+      const Vec3<double> at = camera.rotation * point + camera.translation;
+      out.points.push_back({camera.fx * at.x / at.z + camera.cx, camera.fy * at.y / at.z + camera.cy});
+    }
+    return out;
   }
 
   /// What the camera sees of the object.
@@ -130,6 +160,23 @@ TEST_CASE("strokes that surround nothing are carried from view to view") {
   const live::BallCut cut = room.cut({{0, {hand}}});
   CHECK(room.iou(cut) > 0.5);
   CHECK(cut.views[0].source == MaskSource::kReference);
+}
+
+TEST_CASE("a stroke on the object and one on its pedestal, of one colour, cut along the plane between them") {
+  const Room room(true);
+  HandPrompt hand{"v0.png", 240, 180, {}, {}, {}, {}};
+  hand.strokes = {room.stroke(0, true, {0.3, 0, 0.6}, {0.3, 0, 0.15}),
+                  room.stroke(0, false, {0.5, -0.4, -0.4}, {0.5, 0.4, -0.4})};
+  const live::BallCut cut = room.cut({{0, {hand}}});
+  CHECK(cut.is_expected);
+  CHECK(room.iou(cut) > 0.88);
+  std::int64_t below = 0, in_the_air = 0;
+  for (std::size_t i = 0; i < room.is_object.size(); ++i) {
+    below += cut.labels.label[i] > 0 && room.cloud.position[3 * i + 2] < -0.01f;
+    in_the_air += cut.labels.label[i] > 0 && room.cloud.position[3 * i + 2] > 1;
+  }
+  CHECK(below == 0);
+  CHECK(in_the_air == 0);
 }
 
 TEST_CASE("a cut in a ball is the same for any number of threads") {

@@ -128,6 +128,37 @@ TEST_CASE("the masks do not depend on the number of threads") {
   for (std::size_t v = 0; v < 4; ++v) CHECK((a[v].mask == b[v].mask && a[v].soft == b[v].soft));
 }
 
+TEST_CASE("where the model shows nothing all masks are background, whatever the segmenter answers") {
+  SpreadCase c;
+  GaussianCloud& cloud = c.base->truth;
+  for (std::int64_t i = 0; i < cloud.size(); ++i)  // the left half of what the first view shows is gone
+    if (cloud.position[3 * std::size_t(i)] < 0) cloud.logit_opacity[std::size_t(i)] = -12;
+  for (PixelMask& mask : c.answer) std::fill(mask.begin(), mask.end(), std::uint8_t(1));
+  const auto result = c.spread({.gate_iou = 0, .passes = 2});
+  std::int64_t empty = 0;
+  for (std::size_t v = 0; v < 4; ++v) {
+    RenderRequest request;
+    request.colour = false;
+    const RenderedView view = render({}, cloud, c.base->scene.views[v].camera, {}, request);
+    for (std::size_t p = 0; p < result[v].mask.size(); ++p)
+      if (view.alpha.data[p] < kEmptyAlpha && c.marked.at(0).hint[p] != PixelHint::kObject) {
+        ++empty;
+        CHECK(result[v].mask[p] == 0);
+        CHECK(c.asked[v].back().hint[p] == PixelHint::kBackground);
+      }
+  }
+  CHECK(empty > 500);
+}
+
+TEST_CASE("strokes hold although the segmenter answers otherwise") {
+  SpreadCase c;
+  c.mark(0, PixelHint::kObject);
+  for (int x = 2; x < 12; ++x) c.marked[0].hint[std::size_t(4 * 48 + x)] = PixelHint::kBackground;
+  std::fill(c.answer[0].begin(), c.answer[0].begin() + 10 * 48, std::uint8_t(1));
+  const auto result = c.spread({.passes = 2});
+  for (int x = 2; x < 12; ++x) CHECK(result[0].mask[std::size_t(4 * 48 + x)] == 0);
+}
+
 TEST_CASE("an empty reference mask is nothing found") {
   SpreadCase c;
   std::fill(c.answer[0].begin(), c.answer[0].end(), std::uint8_t(0));

@@ -1,0 +1,108 @@
+#include "ngs/stages/select/touched_pieces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "ngs/core/check.h"
+#include "ngs/ops/field/knn.h"
+#include "ngs/ops/image/connected_components.h"
+#include "ngs/ops/splat/evidence.h"
+#include "ngs/stages/select/clusters.h"
+
+namespace ngs {
+namespace {
+
+constexpr double kTouched = 0.1;                         // of a stroke's weight on the selection
+constexpr std::size_t kSample = 4096;                    // Gaussians that tell the usual distance
+constexpr double kSpacings = 4, kSpacingQuantile = 0.9;  // as cluster_side()
+constexpr float kSolidLogit = -2.1972246f;               // opacity 0.1, as clusters.h
+
+/// cluster_side() by a sample of the Gaussians: a person waits for it.
+double side_by_sample(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::uint8_t>& member) {
+  std::vector<float> all;
+  for (std::size_t i = 0; i < member.size(); ++i)
+    if (member[i] && cloud.usable[i] && cloud.logit_opacity[i] >= kSolidLogit)
+      all.insert(all.end(), &cloud.position[3 * i], &cloud.position[3 * i] + 3);
+  const std::size_t count = all.size() / 3;
+  if (count < 2) return 0;
+  const std::size_t step = (count + kSample - 1) / kSample;
+  std::vector<float> sample;
+  for (std::size_t i = 0; i < count; i += step) sample.insert(sample.end(), &all[3 * i], &all[3 * i] + 3);
+  const KnnGraph graph =
+      nearest_points(exec, {all.data(), std::int64_t(count)}, {sample.data(), std::int64_t(sample.size() / 3)}, 2);
+  std::vector<float> dist2;
+  for (std::size_t q = 0; q < sample.size() / 3; ++q)
+    dist2.push_back(graph.dist2[2 * q + 1]);  // the first is the Gaussian itself
+  const auto at = dist2.begin() + std::ptrdiff_t(kSpacingQuantile * double(dist2.size() - 1));
+  std::nth_element(dist2.begin(), at, dist2.end());
+  return kSpacings * std::sqrt(double(*at));
+}
+
+/// Marks the pieces that the stroke touches.
+void touch(const StrokeWeights& stroke, const Clusters& pieces, std::vector<std::uint8_t>& touched) {
+  std::vector<double> weight(pieces.size.size());
+  for (std::size_t v = 0; v < stroke.row.size(); ++v)
+    if (const std::int32_t piece = pieces.of_row[stroke.row[v]]; piece >= 0)
+      weight[std::size_t(piece)] += stroke.weight[v];
+  const double whole = std::accumulate(weight.begin(), weight.end(), 0.0);
+  if (!(whole > 0)) return;
+  touched[std::size_t(std::max_element(weight.begin(), weight.end()) - weight.begin())] = 1;
+  for (std::size_t p = 0; p < weight.size(); ++p) touched[p] |= std::uint8_t(weight[p] >= kTouched * whole);
+}
+
+}  // namespace
+
+std::vector<PixelMask> object_strokes(const ViewPrompt& marks) {
+  PixelMask marked(marks.hint.size());
+  for (std::size_t p = 0; p < marked.size(); ++p) marked[p] = marks.hint[p] == PixelHint::kObject;
+  const ConnectedComponents found = connected_components({marked.data(), marks.width_px, marks.height_px});
+  std::vector<std::size_t> order(found.size.size()), place(order.size());
+  std::iota(order.begin(), order.end(), std::size_t(0));
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return found.size[a] > found.size[b]; });
+  for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = std::min(k, kMostStrokes - 1);
+  std::vector<PixelMask> strokes(std::min(order.size(), kMostStrokes), PixelMask(marked.size()));
+  for (std::size_t p = 0; p < marked.size(); ++p)
+    if (marked[p]) strokes[place[std::size_t(found.component[p])]][p] = 1;
+  return strokes;
+}
+
+std::vector<StrokeWeights> stroke_weights(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
+                                          const ViewPrompt& marks, const SplatOptions& splat) {
+  NGS_CHECK(marks.width_px == camera.width_px && marks.height_px == camera.height_px, "marks of the camera's size");
+  ViewMasks masks{camera.width_px, camera.height_px, {}, {}, true};
+  for (const PixelMask& stroke : object_strokes(marks)) masks.target.emplace_back(stroke.begin(), stroke.end());
+  std::vector<StrokeWeights> strokes(masks.target.size());
+  if (strokes.empty()) return strokes;
+  const ViewSums sums = view_sums(exec, cloud, {camera, masks}, splat);
+  for (std::size_t k = 0; k < strokes.size(); ++k)
+    for (std::size_t v = 0; v < sums.size(); ++v)
+      if (const double weight = sums.object_weight(v, k); weight > 0)
+        strokes[k].row.push_back(sums.row[v]), strokes[k].weight.push_back(weight);
+  return strokes;
+}
+
+PieceSelection touched_pieces(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::uint8_t>& member,
+                              std::span<const StrokeWeights> strokes) {
+  NGS_CHECK(std::int64_t(member.size()) == cloud.size(), "one entry per Gaussian");
+  PieceSelection out;
+  out.object = member;
+  for (std::size_t i = 0; i < member.size(); ++i) out.object[i] = member[i] && cloud.usable[i];
+  const Clusters pieces = cluster_on_grid(exec, cloud, out.object, side_by_sample(exec, cloud, out.object));
+  out.pieces = out.kept_pieces = std::int64_t(pieces.size.size());
+  std::vector<std::uint8_t> touched(pieces.size.size());
+  for (const StrokeWeights& stroke : strokes) touch(stroke, pieces, touched);
+  const auto kept = std::count(touched.begin(), touched.end(), std::uint8_t(1));
+  if (kept == 0) return out;
+  out.kept_pieces = kept;
+  for (std::size_t i = 0; i < out.object.size(); ++i) {
+    if (!out.object[i]) continue;
+    const std::int32_t piece = pieces.of_row[i];
+    if (piece >= 0 && touched[std::size_t(piece)]) continue;
+    out.object[i] = 0, ++out.left_out;
+  }
+  return out;
+}
+
+}  // namespace ngs
