@@ -119,7 +119,7 @@ TEST_CASE("hash grid: atomic sums of a device are those in order to the rounding
     std::vector<int> count(ordered.size());
     for (const HashLevel& level : grid.levels())
       for (std::int64_t q = 0; q < 333; ++q)
-        for (const std::uint32_t entry : hash_cell(level, grid.box(), vec3(rows3(p).row(q)), false).entry)
+        for (const std::uint32_t entry : hash_cell(level, grid.box(), vec3(rows3(p).row(q))).entry)
           for (int f = 0; f < features; ++f) ++count[offset + entry * std::size_t(features) + std::size_t(f)];
     // Either sum rounds n - 1 times, each time by half an eps of at most the sum of its terms' magnitudes.
     const auto worst_share = [&](const std::vector<float>& got) {
@@ -183,8 +183,8 @@ TEST_CASE("film mlp: values and gradients of a device are the CPU's") {
       CAPTURE(c.queries);
       check_ratio(b, "film density", worst_ratio(got.density, want.density, std::max(1.0, largest(want.density))), 4);
       check_ratio(b, "film colour", worst_ratio(got.rgb, want.rgb, 1), 4);
-      check_ratio(b, "film gradient of inputs", worst_ratio(got_grad, want_grad, std::max(1.0, largest(want_grad))),
-                  64);
+      check_ratio(b, "film gradient of inputs",
+                  worst_ratio(got_grad.feature, want_grad.feature, std::max(1.0, largest(want_grad.feature))), 64);
       check_ratio(b, "film gradient of conditions",
                   worst_ratio(got_grad.condition, want_grad.condition, std::max(1.0, largest(want_grad.condition))),
                   64);

@@ -27,38 +27,30 @@ double relative(double got, double want) {
 
 TEST_CASE("align: value and gradients of a device are the CPU's") {
   for (const Backend& b : backends())
-    for (const bool with_photo : {false, true})
-      for (const bool with_gate : {false, true}) {
-        Random random(1);
-        const PixelGrid grid{-1.5, 3.2, 2.5, 3.1, 16, 9};  // beyond the image to the left
-        const auto nodes = std::size_t(grid.nodes());
-        const ImageF colour = random_image(random, 37, 29, 3), alpha = random_image(random, 37, 29, 1),
-                     photo = random_image(random, 37, 29, 3);
-        const auto field_colour = random.uniform_vector<float>(nodes * 3, 0, 1),
-                   field_alpha = random.uniform_vector<float>(nodes, 0, 1);
-        std::vector<std::uint8_t> active(nodes);
-        for (auto& a : active) a = random.below(3) != 0;
-        const AlignInputs in{grid,
-                             &colour,
-                             &alpha,
-                             with_photo ? &photo : nullptr,
-                             &field_colour,
-                             &field_alpha,
-                             with_gate ? &active : nullptr};
-        AlignContext want_context, got_context;
-        const AlignLoss want = loss_align({}, {}, in, want_context), got = loss_align(b.exec, {}, in, got_context);
-        CHECK(got.nodes == want.nodes);
-        check_ratio(b, "align loss", relative(got.total, want.total), 1);
-        AlignFieldGradients want_field, got_field;
-        ImageF want_colour = random_image(random, 37, 29, 3), want_alpha = random_image(random, 37, 29, 1);
-        ImageF got_colour = want_colour, got_alpha = want_alpha;  // gradients are added
-        loss_align_backward({}, {}, in, want_context, {0.7, want_field, want_colour, want_alpha});
-        loss_align_backward(b.exec, {}, in, got_context, {0.7, got_field, got_colour, got_alpha});
-        CHECK(got_field.colour == want_field.colour);
-        CHECK(got_field.alpha == want_field.alpha);
-        CHECK(got_colour.data == want_colour.data);
-        CHECK(got_alpha.data == want_alpha.data);
-      }
+    for (const bool with_gate : {false, true}) {
+      Random random(1);
+      const PixelGrid grid{-1.5, 3.2, 2.5, 3.1, 16, 9};  // beyond the image to the left
+      const auto nodes = std::size_t(grid.nodes());
+      const ImageF colour = random_image(random, 37, 29, 3), alpha = random_image(random, 37, 29, 1);
+      const auto field_colour = random.uniform_vector<float>(nodes * 3, 0, 1),
+                 field_alpha = random.uniform_vector<float>(nodes, 0, 1);
+      std::vector<std::uint8_t> active(nodes);
+      for (auto& a : active) a = random.below(3) != 0;
+      const AlignInputs in{grid, &colour, &alpha, &field_colour, &field_alpha, with_gate ? &active : nullptr};
+      AlignContext want_context, got_context;
+      const AlignLoss want = loss_align({}, {}, in, want_context), got = loss_align(b.exec, {}, in, got_context);
+      CHECK(got.nodes == want.nodes);
+      check_ratio(b, "align loss", relative(got.total, want.total), 1);
+      AlignFieldGradients want_field, got_field;
+      ImageF want_colour = random_image(random, 37, 29, 3), want_alpha = random_image(random, 37, 29, 1);
+      ImageF got_colour = want_colour, got_alpha = want_alpha;  // gradients are added
+      loss_align_backward({}, {}, in, want_context, {0.7, want_field, want_colour, want_alpha});
+      loss_align_backward(b.exec, {}, in, got_context, {0.7, got_field, got_colour, got_alpha});
+      CHECK(got_field.colour == want_field.colour);
+      CHECK(got_field.alpha == want_field.alpha);
+      CHECK(got_colour.data == want_colour.data);
+      CHECK(got_alpha.data == want_alpha.data);
+    }
 }
 
 TEST_CASE("mask loss and density weights of a device are the CPU's") {

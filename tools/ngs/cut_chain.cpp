@@ -162,7 +162,7 @@ bool CutChain::cut_flash() {
 /// stop.
 bool CutChain::look_first() {
   const auto timed = run_.monitor().scope("first look");
-  const io::GaussianPly ply = io::read_gaussian_ply(inputs_.source, io::HigherBands::kRead);
+  const io::GaussianPly ply = io::read_gaussian_ply(inputs_.source);
   try {
     first_ = flash(ply, kWholePicture_px);
   } catch (const Error& e) {
@@ -216,7 +216,7 @@ bool CutChain::strokes_hold() {
   const StrokeCheck check(run_, at("scene.json"), options_.view, inputs_.strokes);
   const auto now = [&] {
     const auto timed = run_.monitor().scope("strokes");
-    const io::GaussianPly ply = io::read_gaussian_ply(at("boundary.ply"), io::HigherBands::kCheckOnly);
+    const io::GaussianPly ply = io::read_gaussian_ply(at("boundary.ply"), {io::HigherBands::kCheckOnly});
     return check.of(ply.cloud, ply.labels.label.values(), options_.all_pieces);
   };
   StrokeAgreement found = now();
@@ -269,7 +269,7 @@ bool CutChain::extract(const std::string& trained) {
 void CutChain::keep_the_better() {
   if (!first_ || first_->figures.object == 0) return;
   const double wrong = [&] {
-    const io::GaussianPly ply = io::read_gaussian_ply(at("labelled.ply"), io::HigherBands::kCheckOnly);
+    const io::GaussianPly ply = io::read_gaussian_ply(at("labelled.ply"), {io::HigherBands::kCheckOnly});
     return StrokeCheck(run_, at("scene.json"), options_.view, inputs_.strokes)
         .of(ply.cloud, ply.labels.label.values(), true)
         .wrong_share();
