@@ -48,7 +48,7 @@ void refuse_over_inputs(const std::vector<std::string>& inputs, const std::vecto
 
 void check_inpaint_options(Run& run, const Output& inpaint, const Input& scene) {
   if (inpaint && !scene) throw Error(ErrorCode::kUsage, "--inpaint needs the cameras", "give --scene scene.json");
-  if (!inpaint) run.warn_unused({"--inpaint-opacity", "--inpaint-trace", "--inpaint-dilate-px"}, "without --inpaint");
+  if (!inpaint) run.warn_unused({"--inpaint-dilate-px"}, "without --inpaint");
 }
 
 void check_inpaint_folder(const Scene& scene, const std::string& scene_path, const std::string& folder,

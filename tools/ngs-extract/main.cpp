@@ -35,6 +35,27 @@ void require_one_of(std::initializer_list<const ngs::cli::Output*> outputs) {
   throw ngs::Error(ngs::ErrorCode::kUsage, "no output was asked for, expected one of " + flags);
 }
 
+struct Outputs {
+  const ngs::cli::Output &object, &background, &decided, &supersplat, &npz, &inpaint;
+};
+
+Outputs declare_outputs(ngs::cli::Tool& tool) {
+  return {
+      tool.optional_output("--object", "the object, as plain 3DGS .ply, .compressed.ply, .spz, .sog, .splat or .glb"),
+      tool.optional_output("--background", "everything else, in the same formats"),
+      tool.optional_output("--labelled", "the labelled model with ngs_label decided to 0 or 1"),
+      tool.optional_output("--supersplat", "the same with the object selected in SuperSplat"),
+      tool.optional_output("--npz", "labels and row numbers of the object, for numpy"),
+      tool.optional_output_dir("--inpaint",
+                               "folder for an inpainting tool: background, cameras, hole masks of every view")};
+}
+
+/// Formats that cannot be written are refused; outputs that are not wanted have no path.
+void check_formats(const Outputs& out) {
+  for (const std::string& splat : {out.object.path, out.background.path}) (void)ngs::io::output_format(splat);
+  for (const std::string& labelled : {out.decided.path, out.supersplat.path}) ngs::io::require_ply_output(labelled);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -63,44 +84,34 @@ int main(int argc, char** argv) {
       tool.inputs("--strokes",
                   "marks on views of the scene, as ngs-mask --prompts takes them: of the object "
                   "only the connected pieces that its strokes touch (repeatable, or PATH,PATH)");
-  const cli::Output& object =
-      tool.optional_output("--object", "the object, as plain 3DGS .ply, .compressed.ply, .spz, .sog, .splat or .glb");
-  const cli::Output& background = tool.optional_output("--background", "everything else, in the same formats");
-  const cli::Output& decided =
-      tool.optional_output("--labelled", "the labelled model with ngs_label decided to 0 or 1");
-  const cli::Output& supersplat =
-      tool.optional_output("--supersplat", "the same with the object selected in SuperSplat");
-  const cli::Output& npz = tool.optional_output("--npz", "labels and row numbers of the object, for numpy");
-  const cli::Output& inpaint = tool.optional_output_dir(
-      "--inpaint", "folder for an inpainting tool: background, cameras, hole masks of every view");
+  const Outputs out = declare_outputs(tool);
 
   return tool.run(argc, argv, [&](cli::Run& run) {
     check_options(run, options, region);
-    require_one_of({&object, &background, &decided, &supersplat, &npz, &inpaint});
-    cli::check_inpaint_options(run, inpaint, scene_json);
+    require_one_of({&out.object, &out.background, &out.decided, &out.supersplat, &out.npz, &out.inpaint});
+    cli::check_inpaint_options(run, out.inpaint, scene_json);
     cli::check_strokes(run, strokes, scene_json);
-    for (const std::string& splat : {object.path, background.path}) (void)io::output_format(splat);  // empty: none
-    for (const std::string& labelled_splat : {decided.path, supersplat.path}) io::require_ply_output(labelled_splat);
+    check_formats(out);
     std::optional<Scene> scene;
     if (scene_json) scene = io::read_scene_json(scene_json.path);
-    if (inpaint) cli::check_inpaint_folder(*scene, scene_json.path, inpaint.path, {labelled.path, edited.path});
+    if (out.inpaint) cli::check_inpaint_folder(*scene, scene_json.path, out.inpaint.path, {labelled.path, edited.path});
     cli::Extractor extractor(run, io::read_gaussian_ply(labelled.path, select.reading()), options, region, select);
     cli::Marks marks;
     if (strokes) marks = cli::read_prompts(run, *scene, select.view, strokes.paths);
     if (run.dry_run()) return cli::kDone;
     if (edited) extractor.import(edited.path);
     std::optional<cli::NumpyLabels> labels;
-    if (npz) labels.emplace(extractor);
+    if (out.npz) labels.emplace(extractor);
     extractor.decide();
     if (strokes) extractor.keep_touched(cli::stroke_weights_of(run, *scene, marks, extractor.cloud()));
     if (scene && !scene->renders) cli::tell_unseen_surface(run, extractor, *scene);
     const auto timed = run.monitor().scope("write");
-    if (object) extractor.write_object(object.path);
-    if (background) extractor.write_background(background.path);
-    if (decided) extractor.write_labelled(decided.path, false);
-    if (labels) labels->write(npz.path, extractor);
-    if (inpaint) cli::write_inpainting(run, extractor, inpaint_options, *scene, inpaint.path);
-    if (supersplat) extractor.write_labelled(supersplat.path, true);
+    if (out.object) extractor.write_object(out.object.path);
+    if (out.background) extractor.write_background(out.background.path);
+    if (out.decided) extractor.write_labelled(out.decided.path, false);
+    if (labels) labels->write(out.npz.path, extractor);
+    if (out.inpaint) cli::write_inpainting(run, extractor, inpaint_options, *scene, out.inpaint.path);
+    if (out.supersplat) extractor.write_labelled(out.supersplat.path, true);
     return cli::kDone;
   });
 }

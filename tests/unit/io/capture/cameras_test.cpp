@@ -137,8 +137,7 @@ TEST_CASE("camera models: distortion of zero is accepted, any other refused with
   CHECK(opencv.views[0].camera.fy == 501);
   for (const char* camera :
        {"1 SIMPLE_RADIAL 640 480 500 320 240 -0.01\n", "1 OPENCV 640 480 500 501 320 240 0 0 0 1e-9\n",
-        "1 OPENCV 640 480 500 501 320 240 nan 0 0 0\n", "1 OPENCV_FISHEYE 640 480 500 501 320 240 0 0 0 0\n",
-        "1 RAD_TAN_THIN_PRISM_FISHEYE 640 480 1 1 1\n"}) {
+        "1 OPENCV 640 480 500 501 320 240 nan 0 0 0\n", "1 OPENCV_FISHEYE 640 480 500 501 320 240 0 0 0 0\n"}) {
     CAPTURE(camera);
     try {
       text_capture(camera, image);

@@ -184,7 +184,8 @@ TEST_CASE("a folder of truth is not taken for the masks, and a guess is said") {
   mask(dir, "masks/0.jpg.png");
   const ImportedScene usual = import_scene(request_for(dir));
   CHECK(usual.masks_dir == dir.path() + "/masks");
-  CHECK_FALSE(noted(usual, "/masks"));
+  CHECK_FALSE(noted(usual, "taken as the masks"));
+  CHECK(noted(usual, "/masks_sam"));  // unused, and named
 }
 
 TEST_CASE("masks that the user names come in place of those that the source names") {
