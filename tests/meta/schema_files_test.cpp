@@ -99,17 +99,19 @@ TEST_CASE("every schema is named in the table of data-schema/, and every name th
     }
 }
 
-TEST_CASE("a user meets at most 200 options in all tools, and 60 in one") {
+TEST_CASE("a user meets at most 200 options in all tools, one of several tools counted once, and 60 in one") {
   constexpr std::size_t kMost = 200, kMostOfOne = 60;
-  std::size_t all = 0;
+  std::set<std::string> all;
   for (const test::SourceFile& file : test::source_files({"data-schema/options"}, {".json"})) {
-    const std::size_t count = nlohmann::json::parse(file.text).at("properties").size();
+    const nlohmann::json options = nlohmann::json::parse(file.text).at("properties");
+    const std::size_t count = options.size();
     INFO(file.path << ": " << count << " options, at most " << kMostOfOne);
     CHECK(count <= kMostOfOne);
-    all += count;
+    for (const auto& option : options.items())
+      all.insert(option.key() + ": " + option.value().value("description", ""));
   }
-  MESSAGE("options of all tools: ", all);
-  CHECK(all <= kMost);
+  MESSAGE("options of all tools: ", all.size());
+  CHECK(all.size() <= kMost);
 }
 
 TEST_CASE("a baseline has at most three options") {

@@ -7,10 +7,10 @@
 
 #include "extractor.h"
 #include "inpaint_output.h"
-#include "ngs/io/formats/splat_format.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/stages/select/region.h"
 #include "numpy_output.h"
+#include "outputs.h"
 #include "shared/tool.h"
 #include "stroke_input.h"
 #include "unseen_output.h"
@@ -33,27 +33,6 @@ void require_one_of(std::initializer_list<const ngs::cli::Output*> outputs) {
     flags += (flags.empty() ? "" : ", ") + output->flags;
   }
   throw ngs::Error(ngs::ErrorCode::kUsage, "no output was asked for, expected one of " + flags);
-}
-
-struct Outputs {
-  const ngs::cli::Output &object, &background, &decided, &supersplat, &npz, &inpaint;
-};
-
-Outputs declare_outputs(ngs::cli::Tool& tool) {
-  return {
-      tool.optional_output("--object", "the object, as plain 3DGS .ply, .compressed.ply, .spz, .sog, .splat or .glb"),
-      tool.optional_output("--background", "everything else, in the same formats"),
-      tool.optional_output("--labelled", "the labelled model with ngs_label decided to 0 or 1"),
-      tool.optional_output("--supersplat", "the same with the object selected in SuperSplat"),
-      tool.optional_output("--npz", "labels and row numbers of the object, for numpy"),
-      tool.optional_output_dir("--inpaint",
-                               "folder for an inpainting tool: background, cameras, hole masks of every view")};
-}
-
-/// Formats that cannot be written are refused; outputs that are not wanted have no path.
-void check_formats(const Outputs& out) {
-  for (const std::string& splat : {out.object.path, out.background.path}) (void)ngs::io::output_format(splat);
-  for (const std::string& labelled : {out.decided.path, out.supersplat.path}) ngs::io::require_ply_output(labelled);
 }
 
 }  // namespace
@@ -84,14 +63,14 @@ int main(int argc, char** argv) {
       tool.inputs("--strokes",
                   "marks on views of the scene, as ngs-mask --prompts takes them: of the object "
                   "only the connected pieces that its strokes touch (repeatable, or PATH,PATH)");
-  const Outputs out = declare_outputs(tool);
+  const cli::Outputs out = cli::declare_outputs(tool);
 
   return tool.run(argc, argv, [&](cli::Run& run) {
     check_options(run, options, region);
     require_one_of({&out.object, &out.background, &out.decided, &out.supersplat, &out.npz, &out.inpaint});
     cli::check_inpaint_options(run, out.inpaint, scene_json);
     cli::check_strokes(run, strokes, scene_json);
-    check_formats(out);
+    cli::check_formats(out);
     std::optional<Scene> scene;
     if (scene_json) scene = io::read_scene_json(scene_json.path);
     if (out.inpaint) cli::check_inpaint_folder(*scene, scene_json.path, out.inpaint.path, {labelled.path, edited.path});

@@ -184,8 +184,7 @@ TEST_CASE("a folder of truth is not taken for the masks, and a guess is said") {
   mask(dir, "masks/0.jpg.png");
   const ImportedScene usual = import_scene(request_for(dir));
   CHECK(usual.masks_dir == dir.path() + "/masks");
-  CHECK_FALSE(noted(usual, "taken as the masks"));
-  CHECK(noted(usual, "/masks_sam"));  // unused, and named
+  CHECK(noted(usual, "/masks: taken as the masks, masks_sam beside it not"));
 }
 
 TEST_CASE("masks that the user names come in place of those that the source names") {

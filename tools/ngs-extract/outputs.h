@@ -1,0 +1,31 @@
+#pragma once
+// The outputs of ngs-extract; at least one is asked for.
+#include <string>
+
+#include "ngs/io/formats/splat_format.h"
+#include "shared/tool.h"
+
+namespace ngs::cli {
+
+struct Outputs {
+  const Output &object, &background, &decided, &supersplat, &npz, &inpaint;
+};
+
+inline Outputs declare_outputs(Tool& tool) {
+  return {
+      tool.optional_output("--object", "the object, as plain 3DGS .ply, .compressed.ply, .spz, .sog, .splat or .glb"),
+      tool.optional_output("--background", "everything else, in the same formats"),
+      tool.optional_output("--labelled", "the labelled model with ngs_label decided to 0 or 1"),
+      tool.optional_output("--supersplat", "the same with the object selected in SuperSplat"),
+      tool.optional_output("--npz", "labels and row numbers of the object, for numpy"),
+      tool.optional_output_dir("--inpaint",
+                               "folder for an inpainting tool: background, cameras, hole masks of every view")};
+}
+
+/// Formats that cannot be written are refused; outputs that are not wanted have no path.
+inline void check_formats(const Outputs& out) {
+  for (const std::string& splat : {out.object.path, out.background.path}) (void)io::output_format(splat);
+  for (const std::string& labelled : {out.decided.path, out.supersplat.path}) io::require_ply_output(labelled);
+}
+
+}  // namespace ngs::cli
