@@ -330,8 +330,7 @@ class ContourRun {
     if (count == 0) count = 1;
     for (double* sum : {&rendered_, &refined_biou_, &own_contrast_, &refined_contrast_, &rendered_contrast_})
       *sum /= count;
-    if (gain_by_masks(refined_) >= -kSignificant) return true;
-    return misaligned() && !explains_photos(exec_, setup_.problem, {model_.cloud, model_.labels}, refined_);
+    return !masks_refuse(exec_, refine_setup(detail_), {model_.cloud, model_.labels}, refined_);
   }
 
   /// Without labels. `scene` with the windows' cameras.

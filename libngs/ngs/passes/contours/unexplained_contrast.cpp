@@ -4,6 +4,7 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/ops/splat/splat.h"
+#include "ngs/passes/detectors.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/scene/mask_threshold.h"
 #include "ngs/stages/render/render_stage.h"
@@ -96,6 +97,16 @@ bool explains_photos(const Exec& exec, const Problem& problem, const LabelledMod
   for (std::size_t v = 0; v < refined.size(); ++v)
     if (refined[v].compared) compared.push_back(v);
   return unexplained_contrast(exec, problem, model, compared, refined) < kExplained;
+}
+
+bool masks_refuse(const Exec& exec, const RefineSetup& setup, const LabelledModel& model,
+                  const std::vector<RefinedView>& refined) {
+  if (gain_by_masks(refined) >= -kSignificant) return false;
+  const Problem& problem = setup.problem;
+  if (!problem.labels.empty() && gain_by_masks(refine_views(exec, setup, {problem.cloud, problem.labels}, problem.views,
+                                                            problem.views)) >= -kSignificant)
+    return false;
+  return !masks_misaligned(refined) || explains_photos(exec, problem, model, refined);
 }
 
 }  // namespace ngs

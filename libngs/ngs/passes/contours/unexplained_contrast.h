@@ -25,4 +25,11 @@ inline constexpr double kExplained = 0.065;
 bool explains_photos(const Exec& exec, const Problem& problem, const LabelledModel& model,
                      const std::vector<RefinedView>& refined);
 
+/// Whether the masks refuse the contours of `model` as refined: they agree significantly less with these, both from the
+/// model and from the labels of the problem, and they are reliable: aligned with the photos' edges, or the model
+/// explains the photos. A model that was trained on the masks agrees with them by construction; the problem's labels do
+/// less so.
+bool masks_refuse(const Exec& exec, const RefineSetup& setup, const LabelledModel& model,
+                  const std::vector<RefinedView>& refined);
+
 }  // namespace ngs
