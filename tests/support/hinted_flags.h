@@ -6,16 +6,16 @@
 namespace ngs::test {
 
 struct HintedFlag {
-  std::vector<std::string> command;  // {"ngs-scene", "import"}
-  std::string flag;                  // "--mask-invert"
+  std::vector<std::vector<std::string>>
+      commands;      // {"ngs-scene", "import"}: those that the sentence names, and its tool
+  std::string flag;  // "--mask-invert"
 };
 
-/// Of the lines "TOOL [COMMAND]: hint: ..." and "...: warning: ..." of a tool's stderr. A flag belongs to the command
-/// that the text names before it, in the same sentence, else to the one that says it; those of programs that are not
-/// ours are left out.
+/// Of the lines "TOOL [COMMAND]: hint: ..." and "...: warning: ..." of a tool's stderr. Flags of programs that are not
+/// ours are left out. A sentence that says "import" names ngs-scene import.
 std::vector<HintedFlag> hinted_flags(const std::string& err);
 
-/// Whether the command's help lists the flag.
+/// Whether the help of one of the commands lists the flag.
 bool has_flag(const HintedFlag& hinted);
 
 }  // namespace ngs::test

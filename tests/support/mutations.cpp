@@ -133,7 +133,8 @@ void apply_mutation(const Json& step) {
   if (step.contains("remove")) return require(fs::remove_all(step["remove"].get<std::string>()) > 0, step);
   if (step.contains("mkdir")) return void(fs::create_directories(step["mkdir"].get<std::string>()));
   if (step.contains("copy"))
-    return fs::copy(step["copy"].get<std::string>(), step["to"].get<std::string>(), fs::copy_options::recursive);
+    return fs::copy(step["copy"].get<std::string>(), step["to"].get<std::string>(),
+                    fs::copy_options::recursive | fs::copy_options::overwrite_existing);
   if (step.contains("link")) return fs::create_symlink(step["link"].get<std::string>(), step["to"].get<std::string>());
   require(false, step);
 }
