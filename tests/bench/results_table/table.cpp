@@ -141,13 +141,12 @@ std::string markdown_of(const Result& result, const std::string& defaults) {
     text += "\n";
   }
   constexpr std::size_t kWidth = 140;  // of a line of a page
+  const bool changed = !result.defaults.empty() && result.defaults != defaults;
   const std::string title = result.title + ".",
                     source = "Commit `" + result.commit + "`, " + result.machine +
                              (result.seconds > 0 ? ", " + duration_text(result.seconds) : "") + ": `" + result.command +
-                             "`.";
+                             "`." + (changed ? " **The tools' default options have changed since.**" : "");
   text += "\n" + title + (title.size() + source.size() < kWidth ? " " : "\n") + source;
-  if (!result.defaults.empty() && result.defaults != defaults)
-    text += "\n**The tools' default options have changed since.**";
   return text + "\n";
 }
 
