@@ -165,7 +165,7 @@ TEST_CASE("bash completes options, their values and commands") {
   CHECK(completed("ngs-joint s.json b.ply --qual") == "--quality\n");
   CHECK(completed("ngs-joint s.json b.ply --quality d") == "draft\n");
   CHECK(completed("ngs-scene ''") == "import orbit check undistort degrade\n");
-  CHECK(completed("ngs-scene check --check-") == "--check-views\n");
+  CHECK(completed("ngs-scene check --check-") == "--check-polarity --check-views\n");
   CHECK(completed("ngs-variance merge --ex") == "--exclusive\n");
   CHECK(completed("ngs-eval --allow-m") == "--allow-missing\n");
   CHECK(completed("ngs-joint --field f") == "\n");  // a path, which bash completes
@@ -203,7 +203,7 @@ TEST_CASE("fish completes options, their values and commands") {
   CHECK(offered("ngs-joint s.json b.ply --qual") == "--quality\n");
   CHECK(offered("ngs-joint s.json b.ply --quality d") == "draft\n");
   CHECK(offered("ngs-scene ") == "check\ndegrade\nimport\norbit\nundistort\n");
-  CHECK(offered("ngs-scene check --check-") == "--check-views\n");
+  CHECK(offered("ngs-scene check --check-") == "--check-polarity\n--check-views\n");
   CHECK(offered("ngs-scene import --check-v") == "--check-views\n");
   CHECK(offered("ngs-variance merge --ex") == "--exclusive\n");
   CHECK(offered("ngs-joint --field pre") == "prefix/\n");

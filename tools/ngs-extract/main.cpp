@@ -61,8 +61,8 @@ int main(int argc, char** argv) {
       tool.optional_input("--scene", "scene.json, for --inpaint, --strokes and for what no view saw");
   const cli::Inputs& strokes =
       tool.inputs("--strokes",
-                  "marks on views of the scene, as ngs-mask --prompts takes them: of the object "
-                  "only the connected pieces that its strokes touch (repeatable, or PATH,PATH)");
+                  "marks on views of the scene, as of ngs-mask --prompts: of the object only the "
+                  "connected pieces they touch (repeatable, or PATH,PATH)");
   const cli::Outputs out = cli::declare_outputs(tool);
 
   return tool.run(argc, argv, [&](cli::Run& run) {

@@ -18,8 +18,7 @@ inline Outputs declare_outputs(Tool& tool) {
       tool.optional_output("--labelled", "the labelled model with ngs_label decided to 0 or 1"),
       tool.optional_output("--supersplat", "the same with the object selected in SuperSplat"),
       tool.optional_output("--npz", "labels and row numbers of the object, for numpy"),
-      tool.optional_output_dir("--inpaint",
-                               "folder for an inpainting tool: background, cameras, hole masks of every view")};
+      tool.optional_output_dir("--inpaint", "folder for inpainting: background, cameras, hole masks of every view")};
 }
 
 /// Formats that cannot be written are refused; outputs that are not wanted have no path.

@@ -121,8 +121,9 @@ Activated find_activated(const PlyTable& rows) {
   if (std::int64_t(lengths.size()) < kFewestRows) return found;
   found.median_scale = at_share(lengths, 0.5);
   const double high = at_share(lengths, 0.99);
-  const bool spread = high > 0 && kLeastRatio * at_share(lengths, 0.01) <= high;
-  found.scale = spread && (found.opacity || high < 1 || std::exp(found.median_scale) > bulk_side(rows));
+  const bool spread = kLeastRatio * at_share(lengths, 0.01) <= high;
+  const bool small = high < 1 || std::exp(found.median_scale) > bulk_side(rows);  // for logarithms
+  found.scale = high > 0 && int(found.opacity) + int(spread) + int(small) >= 2;
   return found;
 }
 

@@ -73,8 +73,9 @@ std::size_t rest_columns_of(const PlyTable& rows);
 PlyTable cut_sh(const PlyTable& rows, int degree);
 
 /// Columns that hold values after their activation functions: scale_* lengths in place of logarithms, opacity a share
-/// in place of a logit. Lengths are never negative, differ by large factors, and make Gaussians larger than the scene
-/// where they are read as logarithms; shares fill 0 to 1. Of fewer than 16 rows nothing is concluded.
+/// in place of a logit. Shares fill 0 to 1. Lengths are never negative, and two of these hold: they differ by large
+/// factors, they make Gaussians larger than the scene where they are read as logarithms, the opacities are shares. Of
+/// fewer than 16 rows nothing is concluded.
 struct Activated {
   bool scale = false, opacity = false;
   double median_scale = 0;
