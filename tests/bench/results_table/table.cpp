@@ -145,7 +145,7 @@ std::string markdown_of(const Result& result, const std::string& defaults) {
   const std::string title = result.title + ".",
                     source = "Commit `" + result.commit + "`, " + result.machine +
                              (result.seconds > 0 ? ", " + duration_text(result.seconds) : "") + ": `" + result.command +
-                             "`." + (changed ? " **The tools' default options have changed since.**" : "");
+                             "`." + (changed ? " Tools' default options have changed since." : "");
   text += "\n" + title + (title.size() + source.size() < kWidth ? " " : "\n") + source;
   return text + "\n";
 }
