@@ -26,7 +26,7 @@ verdict_no-harm() {
   awk -v a="$least" -v b="$(tool ngs_results value "$results/no-harm.json" gain_wide least)" \
     'BEGIN { exit !(a >= -0.003 && b >= -0.003) }' ||
     fail 1 "the default scores below the closed form by $least, expected at most 0.003" \
-      "see pipelines/results.sh --table no-harm"
+      "the table above names the cells"
 }
 
 # The captures, with the masks of a network that come with them.
