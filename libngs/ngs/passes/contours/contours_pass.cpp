@@ -72,7 +72,7 @@ std::vector<Effect> ContoursPass::effects() const {
        .saves = "the search for it, and the rows it adds",
        .needs = "contours",
        .detector = {"most weight that a Gaussian can have on a wrong side, px", kSplit_px,
-                    "the default of --contour-split: nothing is halved",
+                    "less than what is halved: nothing would be",
                     [trained](SceneProbe& probe) { return straddling(probe, trained); }}},
       {.name = "contour-iterations",
        .help = "refine contours more than once",
