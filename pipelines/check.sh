@@ -18,5 +18,5 @@ failed=0
 ctest --test-dir build --output-on-failure --output-junit tests.xml --test-output-size-passed 10000000 \
   "$@" || failed=$?
 
-awk -f "$pipelines/count-tests.awk" build/tests.xml
+awk -f "$top/tests/ci/count-tests.awk" build/tests.xml
 exit "$failed"

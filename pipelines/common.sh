@@ -3,6 +3,8 @@
 
 unset CDPATH  # with it `cd NAME` may go to another folder of that name, and prints where
 pipelines=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+# shellcheck disable=SC2034  # for scripts elsewhere in the tree
+top=$(cd "$pipelines/.." && pwd)
 
 # say TEXT: on stderr; on a terminal no word is cut at its edge.
 say() {

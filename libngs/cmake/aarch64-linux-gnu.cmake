@@ -1,5 +1,5 @@
 # Cross compilation for arm64 with Debian's g++-aarch64-linux-gnu. NGS_AARCH64_ROOT, as a variable of CMake or of the
-# environment, is the folder into which pipelines/aarch64-root.sh unpacked the arm64 packages.
+# environment, is the folder into which tests/ci/aarch64-root.sh unpacked the arm64 packages.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
 set(CMAKE_C_COMPILER aarch64-linux-gnu-gcc)
@@ -8,7 +8,7 @@ if(NOT NGS_AARCH64_ROOT)
   set(NGS_AARCH64_ROOT "$ENV{NGS_AARCH64_ROOT}")
 endif()
 if(NOT EXISTS "${NGS_AARCH64_ROOT}/usr/include/opencv4")
-  message(FATAL_ERROR "NGS_AARCH64_ROOT='${NGS_AARCH64_ROOT}': no arm64 packages there; pipelines/aarch64-root.sh unpacks them")
+  message(FATAL_ERROR "NGS_AARCH64_ROOT='${NGS_AARCH64_ROOT}': no arm64 packages there; tests/ci/aarch64-root.sh unpacks them")
 endif()
 list(APPEND CMAKE_TRY_COMPILE_PLATFORM_VARIABLES NGS_AARCH64_ROOT)
 set(CMAKE_SYSROOT "${NGS_AARCH64_ROOT}")

@@ -6,7 +6,7 @@
 # scene, made by this machine's tools ($NGS_BIN, else those of the build folder), the evidence is gathered and eight joint
 # steps are run, once by each set of kernels: same work, same bytes (compared, of both processors where both are counted).
 # One thread, since counters are not shared. A table on stdout. Exit code 1 where bytes differ, 77 where no processor could
-# be counted. aarch64 needs the tools of pipelines/aarch64.sh; NGS_AARCH64_ROOT as there.
+# be counted. aarch64 needs the tools of tests/ci/aarch64.sh; NGS_AARCH64_ROOT as there.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 # shellcheck source=pipelines/common.sh
@@ -59,7 +59,7 @@ if ! command -v valgrind > /dev/null; then say "left out: x86-64, no valgrind"; 
 if ! command -v qemu-aarch64 > /dev/null || ! command -v c++ > /dev/null; then
   say "left out: aarch64, no qemu-aarch64 or no c++"
 elif [ ! -x "$emulated/ngs-joint" ]; then
-  say "left out: aarch64, no tools in build-aarch64, pipelines/aarch64.sh builds them"
+  say "left out: aarch64, no tools in build-aarch64, tests/ci/aarch64.sh builds them"
 else
   c++ -std=c++20 -O2 -shared -fPIC -o count.so "$here/instructions/count.cpp"
   counted+=("aarch64 neon")

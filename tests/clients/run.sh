@@ -41,7 +41,7 @@ expect() { if [ "$2" = "$3" ]; then ok "$1: $2"; else bad "$1: $2, expected $3";
 npm_install() {
   require npm npm || return 1
   if [ -x "$transform" ] && cmp -s "$here/package-lock.json" "$out/package-lock.json"; then return; fi
-  [ -z "$quick" ] || { skip "the npm programs are not installed, pipelines/clients.sh installs them"; return 1; }
+  [ -z "$quick" ] || { skip "the npm programs are not installed, tests/ci/clients.sh installs them"; return 1; }
   cp "$here/package.json" "$here/package-lock.json" "$out/"
   (cd "$out" && timeout 600 npm ci --legacy-peer-deps --no-audit --no-fund > npm.log 2>&1) ||
     { rm -f "$out/package-lock.json"; skip "npm ci failed, see $out/npm.log"; return 1; }

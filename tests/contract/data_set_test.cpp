@@ -184,7 +184,7 @@ TEST_CASE("ablation.mk compares the full method with its variants and leaves out
 TEST_CASE("removed-views.sh scores views that are there beside views that are not") {
   const DataSet data;
   test::ProcessSpec spec;
-  spec.argv = {NGS_SOURCE_DIR "/pipelines/removed-views.sh",
+  spec.argv = {NGS_SOURCE_DIR "/tests/bench/removed-views.sh",
                "-o",
                "out",
                "--run",
@@ -226,7 +226,7 @@ TEST_CASE("removed-views.sh scores views that are there beside views that are no
           "../" + std::string(splat));
   CHECK(test::read_bytes(data.path("recipes/out/tiny/every:4:2/novel.ply")) !=
         test::read_bytes(data.path("recipes/out/tiny/capture/point_cloud.ply")));
-  spec.argv = {NGS_SOURCE_DIR "/pipelines/removed-views.sh", "--split", "every:4", "tiny"};
+  spec.argv = {NGS_SOURCE_DIR "/tests/bench/removed-views.sh", "--split", "every:4", "tiny"};
   CHECK(test::run_process(spec).exit_code == 2);
 }
 

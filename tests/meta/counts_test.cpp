@@ -10,7 +10,7 @@ namespace {
 /// What check.sh prints of suites with these outputs.
 std::string counted(const std::vector<std::pair<std::string, std::string>>& suites) {
   test::ProcessSpec spec;
-  spec.argv = {"awk", "-f", NGS_SOURCE_DIR "/pipelines/count-tests.awk"};
+  spec.argv = {"awk", "-f", NGS_SOURCE_DIR "/tests/ci/count-tests.awk"};
   spec.input = "<testsuite>\n";
   for (const auto& [name, output] : suites)
     spec.input +=

@@ -23,7 +23,7 @@ results::Result collected(const std::string& lines) {
 // Two methods on two splits; two labels, so that each method has a reference line of its own.
 const std::string kLines =
     "meta\tquestion\tshown\nmeta\ttitle\tA title\nmeta\tcommit\tabc1234\nmeta\tmachine\ttwo cores\n"
-    "meta\tcommand\tpipelines/results.sh shown\nmeta\tdefaults\t0123456789abcdef\nmeta\tseconds\t119.6\n"
+    "meta\tcommand\ttests/bench/results.sh shown\nmeta\tdefaults\t0123456789abcdef\nmeta\tseconds\t119.6\n"
     "column\tmethod\t\tmethod\tlabel\ncolumn\twithout\t\twithout\tlabel\n"
     "column\tIoU\t\tiou\tmean\t4\ncolumn\tof b\t\tiou\tmean\t2\trun=b\ncolumn\teach\t\tiou\teach\t2\n"
     "column\twall\ts\twall_s\tmedian\t1\ncolumn\tchange\t\tiou\tchange\t2\ncolumn\ttimes\t\twall_s\tratio\t1\n"
@@ -57,7 +57,7 @@ TEST_CASE("a table says where it comes from, and whether the defaults have chang
   const std::string same = results::markdown_of(result, "0123456789abcdef");
   CHECK(same.find("| method | without | IoU |") == 0);
   CHECK(same.find("|---|---|---:|") != std::string::npos);
-  CHECK(same.find("A title. Commit `abc1234`, two cores, 2 min: `pipelines/results.sh shown`.\n") != std::string::npos);
+  CHECK(same.find("A title. Commit `abc1234`, two cores, 2 min: `tests/bench/results.sh shown`.\n") != std::string::npos);
   CHECK(same.find("have changed since") == std::string::npos);
   CHECK(results::markdown_of(result, "fedcba9876543210").find("default options have changed since") !=
         std::string::npos);

@@ -26,7 +26,7 @@ std::string page(const char* name) { return test::read_bytes((kTop / name).strin
 
 test::ProcessResult results_script(const char* option) {
   test::ProcessSpec spec;
-  spec.argv = {"bash", (kTop / "pipelines/results.sh").string(), option};
+  spec.argv = {"bash", (kTop / "tests/bench/results.sh").string(), option};
   spec.environment = {{"NGS_BIN", NGS_TOOL_DIR}};
   return test::run_process(spec);
 }
@@ -105,7 +105,7 @@ TEST_CASE("README.md shows the qualities and the methods") {
   }
 }
 
-TEST_CASE("the tables of pages and help are what the results give; otherwise run pipelines/results.sh --write") {
+TEST_CASE("the tables of pages and help are what the results give; otherwise run tests/bench/results.sh --write") {
   const test::ProcessResult check = results_script("--check");
   INFO(check.out << check.err);
   CHECK(check.exit_code == 0);

@@ -20,7 +20,7 @@ const fs::path kTree = NGS_SOURCE_DIR;
 
 test::ProcessResult tool_pages(std::vector<std::string> arguments) {
   test::ProcessSpec spec;
-  spec.argv = {"bash", (kTree / "pipelines/tool-pages.sh").string()};
+  spec.argv = {"bash", (kTree / "tests/ci/tool-pages.sh").string()};
   spec.argv.insert(spec.argv.end(), arguments.begin(), arguments.end());
   spec.environment = {{"NGS_BIN", NGS_TOOL_DIR}};
   return test::run_process(spec);
@@ -28,7 +28,7 @@ test::ProcessResult tool_pages(std::vector<std::string> arguments) {
 
 }  // namespace
 
-TEST_CASE("the pages of the tools show the tools' own help; otherwise run pipelines/tool-pages.sh --write") {
+TEST_CASE("the pages of the tools show the tools' own help; otherwise run tests/ci/tool-pages.sh --write") {
   const test::ProcessResult result = tool_pages({"--check"});
   INFO(result.out << result.err);
   CHECK(result.exit_code == 0);

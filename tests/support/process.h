@@ -24,7 +24,7 @@ struct ProcessResult {
   bool timed_out = false;  // killed after 60 s, under an emulator after an hour
 };
 
-/// Whether an emulator of another processor runs this program (pipelines/aarch64.sh). Then it runs the tools too, 10 to
+/// Whether an emulator of another processor runs this program (tests/ci/aarch64.sh). Then it runs the tools too, 10 to
 /// 30 times slower, but not the compilers, shells and interpreters that a case starts.
 bool emulated();
 

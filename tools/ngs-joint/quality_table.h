@@ -1,5 +1,5 @@
 #pragma once
-// Written by pipelines/results.sh from tests/bench/results/qualities.json; do not edit.
+// Written by tests/bench/results.sh from tests/bench/results/qualities.json; do not edit.
 
 namespace ngs::joint {
 

@@ -1,4 +1,4 @@
-// Scenes of a size that nobody has lying about, for pipelines/large.sh.
+// Scenes of a size that nobody has lying about, for tests/bench/large.sh.
 //
 //   ngs_large rooms OUT CAPTURE MODEL ROOMS VIEWS WIDTHxHEIGHT   a capture several times side by side
 //   ngs_large copies OUT.ply CAPTURE MODEL COPIES hidden|outside  its model several times, for its own cameras

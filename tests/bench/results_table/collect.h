@@ -1,5 +1,5 @@
 #pragma once
-// From the lines that a question of pipelines/results prints to a result. Fields are separated by tabs:
+// From the lines that a question of tests/bench/results prints to a result. Fields are separated by tabs:
 //
 //   meta   KEY VALUE                      question, title, commit, machine, command, defaults, seconds
 //   column NAME UNIT KEY SHOW [DIGITS] [WHERE_KEY=VALUE]      DIGITS as 4, or 2g for significant ones; label has none

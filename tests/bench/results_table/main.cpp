@@ -1,4 +1,4 @@
-// Results and their tables, for pipelines/results.sh; everything goes to stdout.
+// Results and their tables, for tests/bench/results.sh; everything goes to stdout.
 //
 //   ngs_results collect                          lines of a question on stdin -> its JSON (collect.h)
 //   ngs_results table FILE DEFAULTS              markdown; DEFAULTS is the hash of what the tools print now
@@ -26,7 +26,7 @@ using Words = std::vector<std::string>;
 void write_page(const std::string& page, const std::filesystem::path& results, const std::string& defaults) {
   std::cout << with_blocks(read_text(page), [&](const std::string& question) {
     const std::filesystem::path file = results / (question + ".json");
-    if (!std::filesystem::exists(file)) return "Not measured yet: `pipelines/results.sh " + question + "`.\n";
+    if (!std::filesystem::exists(file)) return "Not measured yet: `tests/bench/results.sh " + question + "`.\n";
     return markdown_of(read_result(file), defaults);
   });
 }
@@ -68,7 +68,7 @@ void run(const Words& words) {
   const auto command = words.empty() ? commands().end() : commands().find(words[0]);
   if (command == commands().end() || words.size() - 1 < command->second.least_words)
     throw Error(ErrorCode::kUsage, "expected collect, table, page, help, value or about with their arguments",
-                "pipelines/results.sh is the way to call this");
+                "tests/bench/results.sh is the way to call this");
   command->second.run(Words(words.begin() + 1, words.end()));
 }
 

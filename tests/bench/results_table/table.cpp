@@ -154,7 +154,7 @@ std::string help_header_of(const Result& result) {
   const std::vector<Cells> table = cells_of(result);
   std::string text =
       "#pragma once\n"
-      "// Written by pipelines/results.sh from tests/bench/results/" +
+      "// Written by tests/bench/results.sh from tests/bench/results/" +
       result.question +
       ".json; do not edit.\n\n"
       "namespace ngs::joint {\n\n"

@@ -1,4 +1,4 @@
-// Strokes by a rule from the truth, and what a cut made of them is worth: for pipelines/around.sh, two-points.sh and
+// Strokes by a rule from the truth, and what a cut made of them is worth: for tests/bench/around.sh, two-points.sh and
 // no-photos.sh.
 //
 //   ngs_strokes ball    MODEL IDS ID               X,Y,Z,R of the Gaussians with this id

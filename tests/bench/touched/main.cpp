@@ -1,4 +1,4 @@
-// What a run changed, counted by whose Gaussians they are: for pipelines/results.sh ids.
+// What a run changed, counted by whose Gaussians they are: for tests/bench/results.sh ids.
 //
 //   ngs_touched IDS BOUNDARY LABELLED ID...
 //

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Scores of views that nobody photographed, beside scores of views whose photo is there but whose mask is not:
 #
-#   pipelines/removed-views.sh [-o OUT] [--split every:N:K]... [--run NAME=FLAGS]... [--seeds N] SCENE...
+#   tests/bench/removed-views.sh [-o OUT] [--split every:N:K]... [--run NAME=FLAGS]... [--seeds N] SCENE...
 #
 #   SCENE              folder as for ngs-gs.sh with COLMAP text, masks_sam/ or masks/ and true masks in masks_gt/; or the
 #                      name of a recipe of ngs-synth, made here with masks that are wrong by 2 px
@@ -26,7 +26,7 @@
 set -euo pipefail
 shopt -s inherit_errexit
 # shellcheck source=pipelines/common.sh
-. "$(dirname "$0")/common.sh"
+. "$(dirname "$0")/../../pipelines/common.sh"
 
 out=removed-views splits=() runs=() seeds=1 fit_steps=1500 scores=(transductive inductive) novel='' scenes=()
 fit_flags=(--sh-degree 1 --max-gaussians 8000)

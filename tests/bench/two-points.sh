@@ -2,7 +2,7 @@
 # Masks of a capture from two points on one photo, by GrabCut and by the network of segmenters/minisam, and the labels that
 # they lead to: a table, scored where the truth is.
 #
-#   pipelines/two-points.sh [-o OUT] [--truth NAME] [--view STEM] CAPTURE
+#   tests/bench/two-points.sh [-o OUT] [--truth NAME] [--view STEM] CAPTURE
 #
 #   CAPTURE       a folder with images/, poses, point_cloud.ply and masks
 #   -o OUT        folder that keeps all that is made                                                (default: two-points)
@@ -16,7 +16,7 @@
 set -euo pipefail
 shopt -s inherit_errexit
 # shellcheck source=pipelines/common.sh
-. "$(dirname "$0")/common.sh"
+. "$(dirname "$0")/../../pipelines/common.sh"
 
 out=two-points truth=masks_gt view=""
 while [ $# -gt 0 ]; do

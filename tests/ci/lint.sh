@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Holds changed source files against .clang-format and .clang-tidy:
-#   pipelines/lint.sh [--base COMMIT] [--most N] [--libcxx] [FILE...]
+#   tests/ci/lint.sh [--base COMMIT] [--most N] [--libcxx] [FILE...]
 # Without FILE: what has changed since COMMIT (default: where this branch left origin/main, else HEAD~1), committed or not.
 # clang-tidy needs compile_commands.json in build/ (pipelines/build.sh makes it), and takes some seconds a file: --most
 # looks at N of them, evenly chosen, and says so. --libcxx has clang compile them with libc++ instead, code generation left
@@ -8,7 +8,7 @@
 # skipped because a program, that file or the commit is absent.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
-. "$(dirname "$0")/common.sh"
+. "$(dirname "$0")/../../pipelines/common.sh"
 
 base="" most=0 libcxx="" files=()
 while [ $# -gt 0 ]; do
@@ -23,7 +23,7 @@ while [ $# -gt 0 ]; do
   esac
 done
 [[ $most =~ ^[0-9]+$ ]] || fail 2 "--most $most: expected a number"
-cd "$pipelines/.."
+cd "$top"
 if [ ${#files[@]} -eq 0 ]; then
   base=${base:-$(git merge-base origin/main HEAD 2> /dev/null || echo HEAD~1)}
   git rev-parse --quiet --verify "$base^{commit}" > /dev/null ||

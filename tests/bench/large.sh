@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # One object of a large scene from beginning to end: import, evidence, draft; wall and CPU seconds and peak memory of each.
 #
-#   pipelines/large.sh six CAPTURE [OUT]    three rooms of CAPTURE: 6.2e6 Gaussians of museum, 300 photos of 2.1 Mpx
-#   pipelines/large.sh ten CAPTURE [OUT]    five rooms: 1.03e7 Gaussians of museum, 1000 photos of 0.3 Mpx
-#   pipelines/large.sh beside CAPTURE [OUT] CAPTURE alone, with two copies of its model behind its walls, and with nine
+#   tests/bench/large.sh six CAPTURE [OUT]    three rooms of CAPTURE: 6.2e6 Gaussians of museum, 300 photos of 2.1 Mpx
+#   tests/bench/large.sh ten CAPTURE [OUT]    five rooms: 1.03e7 Gaussians of museum, 1000 photos of 0.3 Mpx
+#   tests/bench/large.sh beside CAPTURE [OUT] CAPTURE alone, with two copies of its model behind its walls, and with nine
 #                                           where no camera looks: what Gaussians cost that do not show
-#   pipelines/large.sh balls [OUT]          100 objects at once: 1e6 Gaussians, 60 photos of 0.3 Mpx
+#   tests/bench/large.sh balls [OUT]          100 objects at once: 1e6 Gaussians, 60 photos of 0.3 Mpx
 #
 #   CAPTURE   a folder with sparse/, images/, masks_label/ and point_cloud.compressed.ply, such as the scene museum
 #   OUT       folder that keeps all that is made      (default: large/WHAT)
@@ -19,7 +19,7 @@
 set -euo pipefail
 shopt -s inherit_errexit
 # shellcheck source=pipelines/common.sh
-. "$(dirname "$0")/common.sh"
+. "$(dirname "$0")/../../pipelines/common.sh"
 
 case ${1:-} in
   six | ten | beside)

@@ -3,7 +3,7 @@
 # tests/bench/results_table/collect.h.
 # shellcheck shell=bash disable=SC2034,SC2154
 
-scenes=${NGS_SCENES:-$pipelines/../../shared/scenes}
+scenes=${NGS_SCENES:-$top/../shared/scenes}
 splits=${SPLITS:-every:4:0 every:4:1 every:4:2 every:4:3}
 recipes=${RECIPES:-torus-box leaves table bones two-spheres}
 repeats=${REPEATS:-3}
@@ -44,7 +44,7 @@ machine_name() {
 restrictions() {
   local name
   for name in SPLITS RECIPES METHODS REPEATS; do
-    if [ -n "${!name:-}" ] && grep -q "${name,,}" "$pipelines/results/$question.sh"; then
+    if [ -n "${!name:-}" ] && grep -q "${name,,}" "$top/tests/bench/results/$question.sh"; then
       printf "%s='%s' " "$name" "${!name}"
     fi
   done

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # ngs cut --around --quality flash on every object of a splat whose truth is known, from strokes made by a rule:
 #
-#   pipelines/around.sh [-o OUT] [--scene SCENE_JSON] MODEL IDS ID...
+#   tests/bench/around.sh [-o OUT] [--scene SCENE_JSON] MODEL IDS ID...
 #
 #   MODEL                a splat
 #   IDS                  a file of one byte a Gaussian: the number of its object
@@ -17,7 +17,7 @@
 set -euo pipefail
 shopt -s inherit_errexit
 # shellcheck source=pipelines/common.sh
-. "$(dirname "$0")/common.sh"
+. "$(dirname "$0")/../../pipelines/common.sh"
 
 out=around scene=""
 while [ $# -gt 0 ]; do

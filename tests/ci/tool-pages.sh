@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Lays the tools' own help into their pages (tools/ngs-NAME/ngs-NAME.md):
 #
-#   pipelines/tool-pages.sh --write [DIR]     writes the pages anew
-#   pipelines/tool-pages.sh --check [DIR]     changes nothing, shows what differs; exit code 1 where something does
+#   tests/ci/tool-pages.sh --write [DIR]     writes the pages anew
+#   tests/ci/tool-pages.sh --check [DIR]     changes nothing, shows what differs; exit code 1 where something does
 #
 # What stands between two marks of a page is written by this script, 100 columns wide:
 #
@@ -13,14 +13,14 @@
 # DIR is the folder of the pages (default: tools). The tools come from $NGS_BIN, else from the build folder, else from PATH.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
-. "$(dirname "$0")/common.sh"
+. "$(dirname "$0")/../../pipelines/common.sh"
 
 case ${1:-} in
   -h | --help) usage_of "$0"; exit 0 ;;
   --write | --check) [ $# -le 2 ] || fail 2 "expected --write or --check, and a folder" "see $0 --help" ;;
   *) fail 2 "expected --write or --check" "see $0 --help" ;;
 esac
-task=$1 pages=${2:-$pipelines/../tools}
+task=$1 pages=${2:-$top/tools}
 [ -f "$pages/README.md" ] || fail 3 "$pages: no README.md, expected the folder of the tools' pages"
 bin=$(find_bin)
 work=$(mktemp -d)

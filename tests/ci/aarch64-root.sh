@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # Unpacks the arm64 packages of Debian 12 that ngs is built from into a folder: what the preset aarch64 compiles and links
 # against, and what qemu-aarch64 runs the tools in. Nothing is installed on this machine. A folder that is whole is kept.
-#   pipelines/aarch64-root.sh ROOT
+#   tests/ci/aarch64-root.sh ROOT
 #   NGS_DEBIAN_MIRROR=http://... for another mirror than deb.debian.org
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
-. "$(dirname "$0")/common.sh"
+. "$(dirname "$0")/../../pipelines/common.sh"
 
 case ${1:-} in -h | --help) usage_of "$0"; exit 0 ;; '') fail 2 "no folder" "see $0 --help" ;; esac
 mkdir -p "$1"

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # ngs cut of splats alone, without a photo, marked on two renders by a rule, scored against a truth that the cut never sees:
 #
-#   pipelines/no-photos.sh [-o OUT] [--quality Q] [--up AXIS] photos CAPTURE
-#   pipelines/no-photos.sh [-o OUT] [--quality Q] [--up AXIS] statue MODEL IDS ID PLANE SCENE_JSON
+#   tests/bench/no-photos.sh [-o OUT] [--quality Q] [--up AXIS] photos CAPTURE
+#   tests/bench/no-photos.sh [-o OUT] [--quality Q] [--up AXIS] statue MODEL IDS ID PLANE SCENE_JSON
 #
 #   photos CAPTURE  point_cloud.ply is cut; images/, poses and masks_gt/ score it, at the held-out views every:4:2. The marks
 #                   are by labels from masks_gt/ of the other views
@@ -19,7 +19,7 @@
 set -euo pipefail
 shopt -s inherit_errexit
 # shellcheck source=pipelines/common.sh
-. "$(dirname "$0")/common.sh"
+. "$(dirname "$0")/../../pipelines/common.sh"
 
 out=no-photos quality=standard up=auto
 while [ $# -gt 0 ]; do

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Whether two builds make the same bytes of the same inputs: the chain of tools on several scenes, with every method.
 #
-#   pipelines/same-bytes.sh OLD_BUILD NEW_BUILD [--quick] [--scenes DIR] [-o OUT]
+#   tests/ci/same-bytes.sh OLD_BUILD NEW_BUILD [--quick] [--scenes DIR] [-o OUT]
 #
 #   OLD_BUILD, NEW_BUILD  folders that hold bin/ with the tools
 #   --quick               a small torus-box with every method, and the draft of bird, alone: less than a minute
@@ -17,9 +17,9 @@
 set -euo pipefail
 shopt -s inherit_errexit
 # shellcheck source=pipelines/common.sh
-. "$(dirname "$0")/common.sh"
+. "$(dirname "$0")/../../pipelines/common.sh"
 
-scenes=$pipelines/../../shared/scenes out=$pipelines/../build/same-bytes quick='' builds=()
+scenes=$top/../shared/scenes out=$top/build/same-bytes quick='' builds=()
 while [ $# -gt 0 ]; do
   case $1 in
     -h | --help) usage_of "$0"; exit 0 ;;
@@ -124,7 +124,7 @@ run_chain() {
   local side=$1 name=$2 bin=${!1} source=$3 masks=$4 truth=$5 label_map='' import=() run_name key
   shift 5
   case $masks in */labels) label_map=1 import=(--mask-mode label) ;; esac
-  key=$(printf '%s\n' "$*" && fingerprint "$bin" "$source" "$pipelines/same-bytes.sh")
+  key=$(printf '%s\n' "$*" && fingerprint "$bin" "$source" "$top/tests/ci/same-bytes.sh")
   if [ "$side" = old ] && [ "$(cat "$out/old/$name.key" 2> /dev/null)" = "$key" ]; then return; fi
   say "== $name: $side build"
   rm -rf "$out/${side:?}/$name" "$out/$side/$name.key"

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Fuzzes the readers of files from strangers with libFuzzer (clang++, Debian package clang) under ASan and UBSan, and says
 # how often each reader ran:
-#   pipelines/fuzz.sh [--minutes M] [--jobs N] [--keep DIR] [READER...]
+#   tests/ci/fuzz.sh [--minutes M] [--jobs N] [--keep DIR] [READER...]
 # READER: a folder of tests/fuzz/corpus; default: all of them. M minutes (default 30) each, N (default: one per CPU) at
 # once, at the lowest priority. What a reader learns stays in build-fuzz/corpus, where the next call goes on. --keep copies
 # 16 inputs per reader, of all sizes, out of those that together reach every edge into DIR/READER: with tests/fuzz/corpus
@@ -9,10 +9,10 @@
 # A finding is left in build-fuzz/findings and makes the exit code 1; without clang++ the exit code is 77 (skipped).
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
-. "$(dirname "$0")/common.sh"
+. "$(dirname "$0")/../../pipelines/common.sh"
 
 case ${1:-} in -h | --help) usage_of "$0"; exit 0 ;; esac
-cd "$pipelines/.."
+cd "$top"
 
 minutes=30 jobs=$(nproc) keep="" readers=()
 while [ $# -gt 0 ]; do

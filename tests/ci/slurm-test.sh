@@ -4,15 +4,15 @@
 # serially, with make -j, with GNU parallel and as array jobs; then again as array jobs while a node is killed, a task gets
 # SIGKILL and the disk of another is full. The final artifacts of all must hash alike. It ends with one table.
 #
-#   pipelines/slurm-test.sh [TABLE_FILE] [--no-setup]
+#   tests/ci/slurm-test.sh [TABLE_FILE] [--no-setup]
 #
 # Needs root (it installs packages and mounts small tmpfs). Everything lies below one temporary folder and is gone at the end,
 # daemons included, also on failure. Exit code 1 if any hash differs.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
-. "$(dirname "$0")/common.sh"
-# shellcheck source=pipelines/slurm-cluster.sh
-. "$pipelines/slurm-cluster.sh"
+. "$(dirname "$0")/../../pipelines/common.sh"
+# shellcheck source=tests/ci/slurm-cluster.sh
+. "$top/tests/ci/slurm-cluster.sh"
 
 case ${1:-} in -h | --help) usage_of "$0"; exit 0 ;; esac
 table='' setup=1
@@ -22,7 +22,7 @@ for argument; do
     *) table=$argument ;;
   esac
 done
-[ "$(id -u)" -eq 0 ] || fail 8 "needs root" "in a container or a virtual machine: sudo pipelines/slurm-test.sh"
+[ "$(id -u)" -eq 0 ] || fail 8 "needs root" "in a container or a virtual machine: sudo tests/ci/slurm-test.sh"
 if [ -n "$setup" ]; then
   "$pipelines/setup.sh"
   "$pipelines/build.sh"
@@ -175,7 +175,7 @@ begin=$(now)
 mkdir "$shared/steps"
 while read -r name scene; do
   eval "$(sed -n "s/^$name .* \(VARIANCE_FLAGS=\"[^\"]*\"\) .*--hold-out \([^ ]*\) --method \([a-z0-9]*\) .*/export \1 HOLD_OUT=\2 METHOD=\3/p" "$shared/runs")"
-  QUALITY=draft UNKEYED_FLAGS=-q SCENE=$scene OUT=$shared/steps/$name make -s -f "$pipelines/experiment.mk" SHELL="$pipelines/srunsh" "$shared/steps/$name/report.html" &
+  QUALITY=draft UNKEYED_FLAGS=-q SCENE=$scene OUT=$shared/steps/$name make -s -f "$pipelines/experiment.mk" SHELL="$top/tests/ci/srunsh" "$shared/steps/$name/report.html" &
 done << RUNS
 spheres-flash-0.6-2 $shared/two-spheres
 cut-ngs-0.4-0 $shared/torus-box

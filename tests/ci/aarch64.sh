@@ -1,17 +1,17 @@
 #!/usr/bin/env bash
 # Builds ngs for aarch64 on Debian, and runs the test suites under qemu-user: into build-aarch64/.
-#   pipelines/aarch64.sh [SUITE...]            SUITE of unit grad property stability golden contract; all of these where none
+#   tests/ci/aarch64.sh [SUITE...]            SUITE of unit grad property stability golden contract; all of these where none
 #                                              is named. What is missing on this machine is said and skipped.
 #   NGS_AARCH64_ROOT=DIR                       where the arm64 packages are, or are to be, unpacked: build-aarch64.root
 #   NGS_SUITE_MINUTES=15                       what one suite may take; emulation is 10 to 30 times slower than a processor, and
 #                                              contract then takes more than an hour
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
-. "$(dirname "$0")/common.sh"
+. "$(dirname "$0")/../../pipelines/common.sh"
 
 case ${1:-} in -h | --help) usage_of "$0"; exit 0 ;; esac
 if [ $# -gt 0 ]; then suites=("$@"); else suites=(unit grad property stability golden contract); fi
-cd "$pipelines/.."
+cd "$top"
 if ! command -v aarch64-linux-gnu-g++ > /dev/null; then
   say "skipped: no aarch64-linux-gnu-g++ (Debian: apt-get install g++-aarch64-linux-gnu)"
   exit 77
@@ -37,7 +37,7 @@ tools_as_linked() {
 }
 
 tools_as_linked  # a run that was killed may have left them
-"$pipelines/aarch64-root.sh" "$NGS_AARCH64_ROOT"
+"$top/tests/ci/aarch64-root.sh" "$NGS_AARCH64_ROOT"
 cmake --preset aarch64
 cmake --build --preset aarch64 --target tools "${suites[@]/#/test_}"
 

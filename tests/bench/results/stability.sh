@@ -13,7 +13,7 @@ question_stability() {
   column 'worst ratio of the others' '' textbook_ratio mean 2g
   if [ ! -f "$work/stability.json" ]; then
     rm -rf "$work/part"
-    NGS_BIN=$bin "$pipelines/stability.sh" "$work/part" >&2
+    NGS_BIN=$bin "$top/tests/bench/stability.sh" "$work/part" >&2
     mv "$work/part/stability.json" "$work/"
   fi
   line rows stability "$work/stability.json"

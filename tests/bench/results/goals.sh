@@ -8,7 +8,7 @@ question_goals() {
   label met met
   local key
   for key in commit machine defaults; do line meta "$key" "$(head_of captures "$key")"; done
-  line meta command 'pipelines/results.sh goals'
+  line meta command 'tests/bench/results.sh goals'
   goal 'B-IoU 0.005 of ngs above flash, bird, mean of the splits' '>=' 0.06 \
     "$(difference captures biou_005 $'set=bird\tmethod=ngs' $'set=bird\tmethod=flash')"
   goal 'B-IoU 0.02 of ngs on bird, every:4:2: half-way from flash to 1' '>=' 0.965 \

@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
 # Packs ngs as a .deb, installs it with its dependencies on a bare Debian 12, runs the chain there, and removes it:
-#   pipelines/package-test.sh [ROOT]           ROOT: a folder for the bare system, made by debootstrap where it is empty;
+#   tests/ci/package-test.sh [ROOT]           ROOT: a folder for the bare system, made by debootstrap where it is empty;
 #                                              default: build/package-root. It keeps the system for the next call.
 #   NGS_DEBIAN_MIRROR=http://... for another mirror than deb.debian.org; NGS_BUILD=DIR for another build than build/
 # A line per check: ok or FAIL. Exit code 1 if one failed, 77 where debootstrap, the rights for chroot or the mirror is missing.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
-. "$(dirname "$0")/common.sh"
+. "$(dirname "$0")/../../pipelines/common.sh"
 
 case ${1:-} in -h | --help) usage_of "$0"; exit 0 ;; esac
 skip() { say "SKIP $*"; exit 77; }
-build=$(cd "${NGS_BUILD:-$pipelines/../build}" && pwd)
+build=$(cd "${NGS_BUILD:-$top/build}" && pwd)
 root=${1:-$build/package-root}
 mirror=${NGS_DEBIAN_MIRROR:-http://deb.debian.org/debian}
 command -v cpack > /dev/null || skip "no cpack (Debian: cmake)"

@@ -2,17 +2,17 @@
 # Installs the programs that people open our files with (COLMAP, Chromium, npm's splat-transform and viewers, EXR tools), builds,
 # and runs every check of tests/clients; screenshots of the viewers are left in build/clients/screenshots.
 #
-#   pipelines/clients.sh [--no-setup] [--only REGEX]
+#   tests/ci/clients.sh [--no-setup] [--only REGEX]
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
-. "$(dirname "$0")/common.sh"
+. "$(dirname "$0")/../../pipelines/common.sh"
 
 case ${1:-} in -h | --help) usage_of "$0"; exit 0 ;; esac
 if [ "${1:-}" = --no-setup ]; then
   shift
 else
   "$pipelines/setup.sh"
-  "$pipelines/setup.sh" "$pipelines/packages-clients.txt"
+  "$pipelines/setup.sh" "$top/tests/ci/packages-clients.txt"
   "$pipelines/build.sh"
 fi
-"$pipelines/../tests/clients/run.sh" "$@"
+"$top/tests/clients/run.sh" "$@"

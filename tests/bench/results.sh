@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # Measured results: a question each, with a JSON file each, and the tables that are made of them.
 #
-#   pipelines/results.sh QUESTION...        measures; tests/bench/results/QUESTION.json; `all` is every question
-#   pipelines/results.sh --list             the questions, how long each took, what they ask
-#   pipelines/results.sh --table QUESTION   prints its table
-#   pipelines/results.sh no-harm            a gate: its table, exit code 1 where the default is below the closed form
-#   pipelines/results.sh --write            fills the tables of BENCHMARKS.md, README.md and ngs-joint --help
-#   pipelines/results.sh --check            says what --write would change; exit code 1 where there is anything
+#   tests/bench/results.sh QUESTION...        measures; tests/bench/results/QUESTION.json; `all` is every question
+#   tests/bench/results.sh --list             the questions, how long each took, what they ask
+#   tests/bench/results.sh --table QUESTION   prints its table
+#   tests/bench/results.sh no-harm            a gate: its table, exit code 1 where the default is below the closed form
+#   tests/bench/results.sh --write            fills the tables of BENCHMARKS.md, README.md and ngs-joint --help
+#   tests/bench/results.sh --check            says what --write would change; exit code 1 where there is anything
 #
 # Two threads, one run at a time; nothing else may run on the machine where a table has times. A call that was broken
 # off goes on where it was while the commit is the same: the runs are in build/results/COMMIT/QUESTION/ (delete a
@@ -19,17 +19,16 @@
 set -euo pipefail
 shopt -s inherit_errexit
 # shellcheck source=pipelines/common.sh
-. "$(dirname "$0")/common.sh"
-# shellcheck source=pipelines/results/helpers.sh
-. "$pipelines/results/helpers.sh"
+. "$(dirname "$0")/../../pipelines/common.sh"
+# shellcheck source=tests/bench/results/helpers.sh
+. "$top/tests/bench/results/helpers.sh"
 
-top=$(cd "$pipelines/.." && pwd)
 results=$top/tests/bench/results
 questions=(captures removed museum masks recipes qualities effects ablation times kernels stability goals)
 gates=(no-harm)  # measured before a default changes: the result goes to build/results, the table to stdout
 for question in "${questions[@]}" "${gates[@]}"; do
   # shellcheck disable=SC1090
-  . "$pipelines/results/$question.sh"
+  . "$top/tests/bench/results/$question.sh"
 done
 
 # The last commit that changed what is measured: not the documents, nor what --write itself writes.
@@ -76,7 +75,7 @@ result_of() {
     line meta question "$question"
     line meta commit "$commit"
     line meta machine "$(machine_name)"
-    line meta command "$(restrictions)pipelines/results.sh $question"
+    line meta command "$(restrictions)tests/bench/results.sh $question"
     line meta defaults "$defaults"
     cat "$1"
     line meta seconds "$2"
@@ -98,7 +97,7 @@ list_questions() {
     if [ -f "$results/$question.json" ]; then
       about="$(tool ngs_results about "$results/$question.json" | cut -f1) s"
     fi
-    printf '%-10s %12s   %s\n' "$question" "$about" "$(sed -n "s/^# $question: //p" "$pipelines/results/$question.sh")"
+    printf '%-10s %12s   %s\n' "$question" "$about" "$(sed -n "s/^# $question: //p" "$top/tests/bench/results/$question.sh")"
   done
 }
 

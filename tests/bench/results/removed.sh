@@ -12,7 +12,7 @@ question_removed() {
     if wanted "$method"; then runs+=(--run "$method=--method $method"); fi
   done
   # shellcheck disable=SC2086
-  NGS_BIN=$bin "$pipelines/removed-views.sh" -o "$work/scenes" --novel "${runs[@]}" $recipes "$(capture bird)" > "$work/lines"
+  NGS_BIN=$bin "$top/tests/bench/removed-views.sh" -o "$work/scenes" --novel "${runs[@]}" $recipes "$(capture bird)" > "$work/lines"
   awk -F '\t' -v OFS='\t' '$2 != "mean" {
     print "row", "method=" $3, "views=" $5 ", " $1, "score=" $5, "run=" $2 " " $4, "biou_005=" $8
   }' "$work/lines"
