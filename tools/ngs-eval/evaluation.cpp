@@ -38,13 +38,16 @@ std::uint32_t id_of(const std::string& object, const ObjectIds& ids) {
               "say it: --object-id " + object + "=ID");
 }
 
-std::vector<std::string> select_truth(const ImageList& truth, const std::string& rule, Pairing& pairing) {
+std::vector<std::string> select_truth(const ImageList& truth, const EvalFileOptions& options, Pairing& pairing) {
+  const std::string& rule = options.views;
+  const bool of_scene = !options.scene_views.empty();
   std::vector<std::string> selected;
-  if (rule == "all" || rule.starts_with("every:")) {
+  if (!of_scene && (rule == "all" || rule.starts_with("every:"))) {
     for (std::size_t i : io::select_every(rule, truth.names.size())) selected.push_back(truth.names[i]);
     return selected;
   }
-  const std::vector<std::string> listed = with_folders(io::read_name_list(rule), depth(truth));
+  const std::vector<std::string> listed =
+      with_folders(of_scene ? options.scene_views : io::read_name_list(rule), depth(truth));
   const io::NameMatch match = io::match_names(listed, truth.names);
   for (const io::NamePair& pair : match.pairs) selected.push_back(truth.names[pair.truth]);
   for (std::size_t i : match.unmatched_predicted) pairing.listed_only.push_back(listed[i]);
@@ -97,7 +100,7 @@ io::RawMask read_mask(const std::string& path, bool is_label_map) {
 
 Pairing matched_files(const ImageList& predicted, const ImageList& truth, const EvalFileOptions& options) {
   Pairing pairing;
-  const std::vector<std::string> selected = select_truth(truth, options.views, pairing);
+  const std::vector<std::string> selected = select_truth(truth, options, pairing);
   io::NameMatch match = io::match_names(predicted.names, truth.names);
   note_unmatched(match, predicted, pairing);
   // One file each: the caller has said what belongs together.

@@ -17,6 +17,7 @@ struct EvalFileOptions {
   std::string views = "all";
   Layout layout = Layout::kViewObject;
   bool image_metrics = false, opacity = false, allow_missing = false;
+  std::vector<std::string> scene_views = {};  // no option: names of the views to score, in place of `views`
 
   static constexpr NamedValue<Layout> kLayouts[] = {
       {Layout::kViewObject, "view/object"}, {Layout::kObjectView, "object/view"}, {Layout::kView, "view"}};

@@ -1,25 +1,54 @@
 // ngs-eval: predicted and true masks -> scores (ops/image/metrics.h).
+#include <optional>
+
 #include "ngs/io/files/atomic_file.h"
 #include "opacity_scores.h"
 #include "outcome.h"
+#include "scene_masks.h"
 #include "shared/tool.h"
 
 namespace {
 
+using namespace ngs;
+
 /// The scores that --fail-below may name.
-std::map<std::string, double> scores_of(const ngs::cli::EvalFileOptions& files) {
-  using namespace ngs::cli;
+std::map<std::string, double> scores_of(const cli::EvalFileOptions& files) {
+  using namespace cli;
   if (files.image_metrics) return mean_scores({PhotoScore{}});
   if (files.opacity) return mean_scores({OpacityScore{}});
-  return mean_scores(ngs::EvalSummary{});
+  return mean_scores(EvalSummary{});
+}
+
+struct Masks {
+  cli::ImageList predicted, truth;
+};
+
+/// `options` and `files` are completed by the scene. None: nothing can be scored, and --allow-empty is given.
+std::optional<Masks> masks_of_scene(cli::Run& run, const std::string& predicted, const std::string& scene_json,
+                                    EvalOptions& options, cli::EvalFileOptions& files) {
+  const cli::SceneMasks scene(scene_json);
+  const bool scores_inputs = cli::is_scene_file(predicted);
+  std::string problem = scene.problem();
+  if (problem.empty()) {
+    scene.complete(options, files);
+    if (scores_inputs) problem = scene.problem_of_inputs(options);
+  }
+  if (!problem.empty()) {
+    run.nothing_found(
+        "nothing is scored: " + problem,
+        "record true masks in the scene, or hold views out: ngs-scene import --truth DIR --hold-out RULE");
+    return {};
+  }
+  if (scene.inputs_are_truth())
+    run.text("no true masks are known: compared with the input masks of the held-out views\n");
+  return Masks{scores_inputs ? scene.input_masks() : cli::list_images(predicted), scene.truth()};
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  using namespace ngs;
   cli::Tool tool("ngs-eval", "Score predicted masks against true ones: IoU, accuracy, boundary IoU, contour F.",
-                 {"ngs-eval masks masks_gt -o metrics.json",
+                 {"ngs-eval masks masks_gt -o metrics.json", "ngs-eval masks scene.json -o metrics.json",
                   "ngs-eval masks masks_gt --views every:4:2 --fail-below iou=0.9,biou=0.6 -o metrics.json",
                   "ngs-eval labels labels_gt --label-map --void-id 255 -o metrics.json",
                   "ngs-eval renders photos --image-metrics -o photos.json",
@@ -28,8 +57,10 @@ int main(int argc, char** argv) {
   cli::EvalFileOptions files;
   tool.options(options);
   tool.options(files);
-  const cli::Input& predicted = tool.input("predicted", "folder of masks by any tool, or one file");
-  const cli::Input& truth = tool.input("truth", "folder of true masks, or one file");
+  const cli::Input& predicted =
+      tool.input("predicted", "folder of masks by any tool, or one file; a scene.json: its input masks");
+  const cli::Input& truth = tool.input(
+      "truth", "folder of true masks, or one file; a scene.json: those that it names, of its held-out views");
   const cli::Output& out = tool.output("-o,--output", "metrics.json");
   return tool.run(argc, argv, [&](cli::Run& run) {
     require_consistent(options);
@@ -42,8 +73,13 @@ int main(int argc, char** argv) {
       run.warn_unused({"--threshold"}, "with --label-map");
     // A misspelt score is found before the work.
     check_scores(options.fail_below, scores_of(files));
-    const cli::Pairing pairing =
-        cli::paired(cli::list_images(predicted.path), cli::list_images(truth.path), options, files);
+    const std::optional<Masks> masks = [&]() -> std::optional<Masks> {
+      if (!cli::is_scene_file(truth.path)) return Masks{cli::list_images(predicted.path), cli::list_images(truth.path)};
+      run.warn_unused({"--layout"}, "with a scene.json, which tells it");
+      return masks_of_scene(run, predicted.path, truth.path, options, files);
+    }();
+    if (!masks) return cli::kDone;
+    const cli::Pairing pairing = cli::paired(masks->predicted, masks->truth, options, files);
     run.result()["pairs"] = pairing.pairs.size();
     run.result()["pairing"] = cli::pairing_json(pairing);
     if (run.dry_run()) return cli::kDone;

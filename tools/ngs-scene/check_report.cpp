@@ -42,6 +42,7 @@ Json import_json(const io::ImportedScene& imported) {
           {"cameras", imported.cameras_file},
           {"images", imported.images_dir},
           {"masks", imported.masks_dir},
+          {"truth", imported.truth_dir},
           {"model_path", imported.scene.model_path},
           {"mask_rules", imported.views_by_mask_rule},
           {"views", imported.scene.views.size()}};

@@ -16,9 +16,10 @@ namespace {
 
 using namespace ngs;
 
-int write_scene(const cli::Run& run, const cli::Output& out, const Scene& scene) {
-  io::write_scene_json(out.path, scene,
-                       run.goes_to_stdout(out) ? io::StoredPaths::kAbsolute : io::StoredPaths::kRelative);
+int write_scene(const cli::Run& run, const cli::Output& out, const io::ImportedScene& imported) {
+  io::write_scene_json(out.path, imported.scene,
+                       run.goes_to_stdout(out) ? io::StoredPaths::kAbsolute : io::StoredPaths::kRelative,
+                       imported.truth_dir);
   return cli::kDone;
 }
 
@@ -39,7 +40,10 @@ int import_command(int argc, char** argv) {
       "the 3DGS model (.ply, .spz, .sog, .splat, .ksplat); else point_cloud.ply or model.ply beside the cameras",
       "--model");
   const cli::Input& images = tool.optional_input("--images", "folder of photos; else images/ beside the cameras");
-  const cli::Input& masks = tool.optional_input("--masks", "folder of masks; else masks/ beside the cameras");
+  const cli::Input& masks =
+      tool.optional_input("--masks", "folder of masks; else masks/ or masks_sam/ beside the cameras");
+  const cli::Input& truth = tool.optional_input(
+      "--truth", "folder of true masks, which ngs-eval reads alone; else masks_gt/ or gt/ beside the cameras", "--gt");
   const cli::Input& world = tool.optional_input("--world-transform",
                                                 "JSON {transform, scale}: from the cameras' world to the "
                                                 "model's (nerfstudio's dataparser_transforms.json)");
@@ -50,7 +54,7 @@ int import_command(int argc, char** argv) {
     io::ImportedScene imported = [&] {
       const auto timed = run.monitor().scope("import");
       return io::import_scene(
-          capture::request_from(options, source.value, {ply.path, images.path, masks.path, world.path}));
+          capture::request_from(options, source.value, {ply.path, images.path, masks.path, truth.path, world.path}));
     }();
     if (imported.format != "transforms.json") run.warn_unused({"--original-world"}, "but by transforms.json");
     run.add_input("cameras", imported.cameras_file);
@@ -62,7 +66,7 @@ int import_command(int argc, char** argv) {
     }
     if (imported.scene.renders) {
       capture::check_renders(run, checks, imported);
-      return write_scene(run, out, imported.scene);
+      return write_scene(run, out, imported);
     }
     capture::SceneChecks scene(run, checks, imported.scene, std::move(imported.notes));
     if (options.compat == CompatChoice::kGsplat) imported.scene.compat = Compat::kGsplat;
@@ -77,7 +81,7 @@ int import_command(int argc, char** argv) {
       scene.find_filter();
     if (options.align_views) scene.align_views(!settled);
     if (!settled) scene.find_background();
-    return write_scene(run, out, imported.scene);
+    return write_scene(run, out, imported);
   });
 }
 

@@ -61,7 +61,7 @@ bool CutChain::stage(const std::string& name, const Words& words) {
   const bool marked = !inputs_.strokes.empty();
   const bool makes_scene = inputs_.kind != SourceKind::kScene && !reused_orbit_;
   const bool only_pictures = inputs_.kind == SourceKind::kSplat && !marked && inputs_.masks.empty();
-  const bool scored = marked || !inputs_.truth.empty();
+  const bool scored = marked || !inputs_.truth.empty() || !options_.hold_out.empty();
   constexpr std::size_t kAlways = 5;  // variance, joint, extract, render, report
   stages_.expect(only_pictures ? 1 : std::size_t(makes_scene) + std::size_t(marked) + kAlways + std::size_t(scored));
   return stages_.run(name, words);
@@ -74,6 +74,7 @@ bool CutChain::make_scene() {
     case SourceKind::kScene: break;
   }
   plain_scene_ = inputs_.source;
+  if (inputs_.truth.empty()) inputs_.truth = io::truth_of_scene_json(plain_scene_);
   return true;
 }
 
@@ -114,21 +115,23 @@ bool CutChain::orbit() {
 bool CutChain::import() {
   plain_scene_ = at("capture.json");
   if (inputs_.model.empty()) require_model_in(inputs_.source);
-  if (inputs_.strokes.empty() && inputs_.masks.empty()) inputs_.masks = masks_in(inputs_.source);
-  if (inputs_.truth.empty()) inputs_.truth = truth_in(inputs_.source);
-  if (const std::string unused = masks_in(inputs_.source); !inputs_.strokes.empty() && !unused.empty())
-    run_.monitor().warn(unused + ": not used, the strokes are");
   Words words{
       "ngs-scene", "import", inputs_.source, "-o", plain_scene_, "--image-scale", std::to_string(options_.image_scale)};
   append(words, "--ply", inputs_.model);
   append(words, "--hold-out", options_.hold_out);
   append(words, "--masks", inputs_.strokes.empty() ? inputs_.masks : "");
   if (!inputs_.strokes.empty()) words.emplace_back("--no-check-polarity");  // of masks that are not used
+  append(words, "--truth", inputs_.truth);
   append(words, "--images", inputs_.images);
   append(words, "--world-transform", inputs_.world_transform);
   words.insert(words.end(), inputs_.import_words.begin(), inputs_.import_words.end());
   inputs_.masks.clear();  // the scene names them
-  return stage("ngs-scene", words);
+  if (!stage("ngs-scene", words)) return false;
+  if (run_.dry_run()) return true;
+  inputs_.truth = io::truth_of_scene_json(plain_scene_);
+  if (!inputs_.strokes.empty() && has_masks(io::read_scene_json(plain_scene_)))
+    run_.monitor().warn(inputs_.source + ": its masks are not used, the strokes are");
+  return true;
 }
 
 std::optional<FlashCut> CutChain::flash(const io::GaussianPly& ply, int longer_side_px) {
@@ -208,7 +211,8 @@ void CutChain::write_scene_with(const std::string& masks) const {
     scene.mask_mode = MaskMode::kBinary, scene.mask_invert = false, scene.mask_threshold = 128;
     scene.objects = {SceneObject{}};
   }
-  io::write_scene_json(at("scene.json"), scene);
+  const std::string truth = inputs_.truth.empty() ? io::truth_of_scene_json(plain_scene_) : inputs_.truth;
+  io::write_scene_json(at("scene.json"), scene, io::StoredPaths::kRelative, truth);
 }
 
 /// Of the labels that training would begin with. kInconsistent where they break a stroke and nobody insists.
@@ -280,7 +284,8 @@ void CutChain::keep_the_better() {
   write_flash_models(run_, inputs_.out, io::read_gaussian_ply(inputs_.source), first_->labels);
 }
 
-/// The masks of the result against the truth where there is one, else against the masks that went in.
+/// Compares the masks of the result with the truth, which may be the input masks of held-out views; without truth with
+/// the masks from strokes.
 bool CutChain::score() {
   const bool held_out = !options_.hold_out.empty();
   std::error_code ignored;
@@ -290,10 +295,11 @@ bool CutChain::score() {
     return false;
   if (!run_.dry_run())
     for (const char* scores : {"metrics.json", "agreement.json"}) fs::remove(at(scores), ignored);
-  if (!inputs_.truth.empty()) {
-    if (!stage("ngs-eval", {"ngs-eval", at("masks"), inputs_.truth, "-o", at("metrics.json")})) return false;
-  } else if (!inputs_.strokes.empty()) {
+  if (inputs_.truth.empty() && !inputs_.strokes.empty()) {
     if (!stage("ngs-eval-agreement", {"ngs-eval", at("masks"), at("strokes"), "-o", at("agreement.json")}))
+      return false;
+  } else if (!inputs_.truth.empty() || held_out) {
+    if (!stage("ngs-eval", {"ngs-eval", at("masks"), at("scene.json"), "-o", at("metrics.json"), "--allow-empty"}))
       return false;
   }
   return stage("ngs-report", {"ngs-report", inputs_.out, "-o", at("report.html")});

@@ -1,8 +1,6 @@
 #include "cut_source.h"
 
-#include <cstring>
 #include <filesystem>
-#include <initializer_list>
 
 #include "ngs/core/error.h"
 #include "ngs/io/capture/capture_source.h"
@@ -12,23 +10,8 @@
 #include "ngs/io/scene/find_model.h"
 
 namespace ngs::front {
-namespace {
 
 namespace fs = std::filesystem;
-
-fs::path folder_of(const std::string& path) {
-  std::error_code unreadable;
-  return fs::is_directory(path, unreadable) ? fs::path(path) : fs::path(path).parent_path();
-}
-
-std::string first_of(const std::string& path, std::initializer_list<const char*> names) {
-  std::error_code unreadable;
-  for (const char* name : names)
-    if (const fs::path found = folder_of(path) / name; fs::exists(found, unreadable)) return found.string();
-  return {};
-}
-
-}  // namespace
 
 SourceKind kind_of(const std::string& path) {
   std::error_code unreadable;
@@ -52,7 +35,5 @@ void require_model_in(const std::string& path) {
               "name the splat with --model PATH; to make one of the photos: ngs-scene import " + io::shell_word(path) +
                   " -o scene.json, then ngs-fit scene.json -o model.ply");
 }
-std::string masks_in(const std::string& path) { return first_of(path, {"masks", "masks_sam"}); }
-std::string truth_in(const std::string& path) { return first_of(path, {"masks_gt", "gt"}); }
 
 }  // namespace ngs::front

@@ -13,8 +13,5 @@ SourceKind kind_of(const std::string& path);
 /// kBadInput, with the files that are there and what they are, where ngs-scene import will find no splat in the
 /// capture.
 void require_model_in(const std::string& path);
-/// What lies in a capture's folder under a usual name; empty: nothing. Where `path` is a file, beside it.
-std::string masks_in(const std::string& path);
-std::string truth_in(const std::string& path);
 
 }  // namespace ngs::front

@@ -63,12 +63,14 @@ std::string doubt_about(const CutChain& chain) {
   return share;
 }
 
-std::string score_line(const Scores& scores) {
+std::string score_line(const Scores& scores, bool has_truth) {
   std::ostringstream text;
   text << std::fixed << std::setprecision(3) << "IoU " << scores.mean.value("iou", 0.0) << ", boundary IoU "
        << scores.mean.value("biou", 0.0) << " (wide) " << scores.mean.value("biou_005", 0.0) << " (narrow), "
        << scores.views << " views, "
-       << (scores.kind == "scores" ? "against the true masks" : "with the masks from your strokes, which are no truth");
+       << (scores.kind == "agreement" ? "with the masks from your strokes, which are no truth"
+           : has_truth                ? "against the true masks"
+                                      : "against the input masks of the held-out views");
   return text.str();
 }
 
@@ -117,7 +119,8 @@ std::string summary_of(const CutChain& chain) {
   if (chain.kept_first())
     row(text, "kept", "the result without training: the trained one agrees less with the strokes");
   if (const std::string doubt = doubt_about(chain); !doubt.empty()) row(text, "odd", doubt);
-  if (const Scores scores = scores_of(chain); !scores.kind.empty()) row(text, scores.kind, score_line(scores));
+  if (const Scores scores = scores_of(chain); !scores.kind.empty())
+    row(text, scores.kind, score_line(scores, !chain.inputs().truth.empty()));
   row(text, "time", time_line(chain));
   const std::vector<std::string>& warnings = chain.stages().warnings();
   for (std::size_t i = 0; i < std::min(kShownWarnings, warnings.size()); ++i) row(text, "odd", warnings[i]);

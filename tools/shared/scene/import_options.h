@@ -86,7 +86,7 @@ inline void require_consistent(const ImportOptions& options) {
 
 /// The inputs of the command line; empty: not given.
 struct ImportPaths {
-  std::string ply, images, masks, world_transform;
+  std::string ply, images, masks, truth, world_transform;
 };
 
 inline io::ImportRequest request_from(const ImportOptions& options, const std::string& source,
@@ -94,7 +94,7 @@ inline io::ImportRequest request_from(const ImportOptions& options, const std::s
   require_consistent(options);
   io::ImportRequest request;
   request.capture = {source, paths.images, paths.world_transform, options.original_world};
-  request.model_path = paths.ply, request.masks_dir = paths.masks;
+  request.model_path = paths.ply, request.masks_dir = paths.masks, request.truth_dir = paths.truth;
   request.object_ids = options.object_id, request.hold_out = options.hold_out;
   request.mask_mode = options.mask_mode, request.mask_invert = options.mask_invert;
   request.mask_threshold = options.mask_threshold, request.missing_mask = options.missing_mask;

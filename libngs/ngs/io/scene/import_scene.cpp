@@ -57,6 +57,8 @@ std::string find_masks_dir(const ImportRequest& request, const std::string& base
                       " beside it not (name another with --masks DIR)");
     return usual;
   }
+  if (const char* preferred = "masks_sam"; std::ranges::find(candidates, preferred) != candidates.end())
+    candidates = {preferred};
   if (candidates.size() == 1) {
     std::string chosen = (fs::path(base) / candidates[0]).string();
     notes.push_back(chosen + ": taken as the masks, by its name (name another with --masks DIR)");
@@ -71,6 +73,12 @@ std::string find_masks_dir(const ImportRequest& request, const std::string& base
   else if (!out.images_dir.empty() && holds_masks_beside(out.images_dir, out.scene.views))
     return out.images_dir;
   return {};
+}
+
+std::string find_truth_dir(const ImportRequest& request, const std::string& base) {
+  if (!request.truth_dir.empty()) return request.truth_dir;
+  const std::string usual = folder_called(base, "masks_gt");
+  return usual.empty() ? folder_called(base, "gt") : usual;
 }
 
 /// "7" -> {"object-7", 7} for label maps, {"7", 0} else; "cup=7" -> {"cup", 7}; "cup" -> {"cup", 0}.
@@ -238,6 +246,7 @@ ImportedScene import_scene(const ImportRequest& request) {
     scene.filter_px2 *= finer * finer;
   }
   out.masks_dir = find_masks_dir(request, source.base, out);
+  out.truth_dir = find_truth_dir(request, source.base);
   assign_splits(request.hold_out, scene.views);
   attach_masks(request, out);
   int shortest_px = kMaxSide;

@@ -17,7 +17,8 @@ struct ImportRequest {
   CaptureRequest capture;
   std::string model_path;               // empty: looked for beside the cameras
   std::string masks_dir;                // in place of the source's own; empty: masks/ beside the cameras, or the only
-                                        // other folder *mask* that is none of truth (*_gt, gt*)
+                                        // other folder *mask* that is none of truth (*_gt, gt*), or masks_sam/
+  std::string truth_dir;                // empty: masks_gt/ or gt/ beside the cameras
   std::vector<std::string> object_ids;  // "7", "cup=7" (label maps), "cup" (one folder per object)
   std::string hold_out;                 // "every:N:K", a file of names, or empty
   MaskMode mask_mode = MaskMode::kBinary;
@@ -32,6 +33,7 @@ struct ImportedScene {
   Scene scene;
   std::string format;
   std::string cameras_file, images_dir, masks_dir;
+  std::string truth_dir;  // of true masks, which are not read; empty: none
   std::map<std::string, int> views_by_mask_rule;
   std::vector<std::string> notes;
 };

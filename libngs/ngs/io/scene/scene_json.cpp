@@ -188,6 +188,7 @@ Scene parse_scene_json(const json& root, const std::string& folder, const std::s
                 "write it again with this version: ngs-scene import SOURCE -o scene.json");
   Scene scene;
   scene.model_path = path_from_folder(folder, reader.text_or("model", ""));
+  reader.text_or("truth", "");  // truth_of_scene_json()
   scene.image_scale = reader.number("image_scale");
   scene.filter_px2 = reader.number_or("filter_px2", scene.filter_px2);
   if (reader.has("compat")) scene.compat = value_of(kCompats, reader, "compat");
@@ -223,14 +224,18 @@ Scene read_scene_json(const std::string& path) {
   return scene;
 }
 
-void write_scene_json(const std::string& path, const Scene& scene, StoredPaths stored) {
+std::string truth_of_scene_json(const std::string& path) {
+  const json root = read_json_file(path);
+  return path_from_folder(folder_of_file(path), JsonReader(root, path).text_or("truth", ""));
+}
+
+void write_scene_json(const std::string& path, const Scene& scene, StoredPaths stored, const std::string& truth_dir) {
   validate_scene(scene, path);
   const FileFolder folder = stored_folder(path, stored);
-  ordered_json out{{"ngs_scene", kSceneVersion},
-                   {"model", path_to_folder(folder, scene.model_path)},
-                   {"image_scale", scene.image_scale},
-                   {"filter_px2", scene.filter_px2},
-                   {"compat", name_of(kCompats, scene.compat)}};
+  ordered_json out{{"ngs_scene", kSceneVersion}, {"model", path_to_folder(folder, scene.model_path)}};
+  if (!truth_dir.empty()) out["truth"] = path_to_folder(folder, truth_dir);
+  out["image_scale"] = scene.image_scale, out["filter_px2"] = scene.filter_px2;
+  out["compat"] = name_of(kCompats, scene.compat);
   if (scene.antialiased) out["antialiased"] = *scene.antialiased;
   if (const auto& b = scene.background) out["background"] = {b->x, b->y, b->z};
   if (scene.renders) out["renders"] = {{"note", kRenderedPhotosNote}, {"coverage", scene.renders->coverage}};

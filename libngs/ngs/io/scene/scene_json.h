@@ -2,7 +2,8 @@
 // scene.json, the canonical description of a capture (scene/scene.h). Written by ngs-scene, read by every
 // tool.
 //
-//   {"ngs_scene": 1, "model": PATH, "image_scale": S, "filter_px2": V (optional, default 0.3),
+//   {"ngs_scene": 1, "model": PATH, "truth": PATH (optional: a folder of true masks),
+//    "image_scale": S, "filter_px2": V (optional, default 0.3),
 //    "compat": "inria"|"gsplat" (optional, default inria), "antialiased": BOOL (optional: as the PLY's comments say),
 //    "background": [R, G, B] (optional: none where photos do not tell it), each in [0, 1],
 //    "renders": {"note": "renders of the model, no photos", "coverage": SHARE} (optional: the photos are photos),
@@ -29,8 +30,12 @@ namespace ngs::io {
 inline constexpr int kSceneVersion = 1;
 
 Scene read_scene_json(const std::string& path);
-/// Refuses (kBadInput) what read_scene_json would refuse. Appears by rename.
-void write_scene_json(const std::string& path, const Scene& scene, StoredPaths stored = StoredPaths::kRelative);
+/// The folder of true masks that the file records, relative to the working directory; empty: none. It is no part of
+/// Scene, so that no stage can read it.
+std::string truth_of_scene_json(const std::string& path);
+/// Refuses (kBadInput) what read_scene_json would refuse. Appears by rename. `truth_dir`: truth_of_scene_json() of it.
+void write_scene_json(const std::string& path, const Scene& scene, StoredPaths stored = StoredPaths::kRelative,
+                      const std::string& truth_dir = {});
 
 /// The same without files: `folder` is what relative paths start from, `object` names the text in messages.
 Scene parse_scene_json(const nlohmann::json& json, const std::string& folder, const std::string& object);

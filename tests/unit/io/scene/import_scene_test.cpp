@@ -187,6 +187,21 @@ TEST_CASE("a folder of truth is not taken for the masks, and a guess is said") {
   CHECK(noted(usual, "/masks: taken as the masks, masks_sam beside it not"));
 }
 
+TEST_CASE("masks_sam/ is taken before other folders of masks; masks_gt/ or gt/ is recorded as the truth") {
+  const TempDir dir;
+  make_scene(dir, 1);
+  mask(dir, "masks_sam/0.jpg.png"), mask(dir, "masks_other/0.jpg.png");
+  CHECK(import_scene(request_for(dir)).masks_dir == dir.path() + "/masks_sam");
+  CHECK(import_scene(request_for(dir)).truth_dir.empty());
+  mask(dir, "gt/0.jpg.png");
+  CHECK(import_scene(request_for(dir)).truth_dir == dir.path() + "/gt");
+  mask(dir, "masks_gt/0.jpg.png");
+  CHECK(import_scene(request_for(dir)).truth_dir == dir.path() + "/masks_gt");
+  ImportRequest request = request_for(dir);
+  request.truth_dir = "elsewhere";
+  CHECK(import_scene(request).truth_dir == "elsewhere");
+}
+
 TEST_CASE("masks that the user names come in place of those that the source names") {
   const TempDir dir;
   for (const char* name : {"a.png", "valid/a.png", "masks/a.png", "other/a.png"}) mask(dir, name);

@@ -44,6 +44,16 @@ void refused(const nlohmann::json& json, const char* message) {
 
 }  // namespace
 
+TEST_CASE("the folder of true masks is stored relative to the file and is no part of the scene") {
+  const TempDir dir;
+  write_scene_json(dir.file("scene.json"), two_views(dir), StoredPaths::kRelative, dir.path() + "/masks_gt");
+  CHECK(read_json_file(dir.file("scene.json"))["truth"] == "masks_gt");
+  CHECK(truth_of_scene_json(dir.file("scene.json")) == dir.path() + "/masks_gt");
+  CHECK(read_scene_json(dir.file("scene.json")).views.size() == 2);
+  write_scene_json(dir.file("none.json"), two_views(dir));
+  CHECK(truth_of_scene_json(dir.file("none.json")).empty());
+}
+
 TEST_CASE("a scene comes back with every bit of its cameras and rules") {
   const TempDir dir;
   const Scene scene = two_views(dir);
