@@ -38,11 +38,11 @@ variant-full:
 variant-without-%:
 	$(call variant,without-$*,$(BASE) --effect $*=off)
 variant-tau-%:
-	VARIANCE_FLAGS="$$VARIANCE_FLAGS --tau $*" $(call variant,tau-$*,$(BASE))
+	export VARIANCE_FLAGS="$$VARIANCE_FLAGS --tau $*"; $(call variant,tau-$*,$(BASE))
 variant-sigma-%:
-	RBF_FLAGS="$$RBF_FLAGS --width-factor $*" $(call variant,sigma-$*,$(BASE) --width-factor $*)
+	export RBF_FLAGS="$$RBF_FLAGS --width-factor $*"; $(call variant,sigma-$*,$(BASE) --width-factor $*)
 variant-K-%:
-	RBF_FLAGS="$$RBF_FLAGS --neighbours $*" $(call variant,K-$*,$(BASE) --neighbours $*)
+	export RBF_FLAGS="$$RBF_FLAGS --neighbours $*"; $(call variant,K-$*,$(BASE) --neighbours $*)
 $(OUT)/damaged-%: FORCE
 	@$(call degrade,$@,$(MASKS),--mask-noise $(damage_$*) --seed $(SEED))
 variant-masks-%: $(OUT)/damaged-%

@@ -37,11 +37,109 @@ find_bin() {
 # tool NAME ARGUMENTS...: a tool of the folder `bin`, which is what find_bin said.
 tool() { "${bin:+$bin/}$1" "${@:2}"; }
 
+# need OPTION VALUE...: fails where an option ends the command line.
+need() { [ $# -ge 2 ] || fail 2 "$1: no value given" "see $0 --help"; }
+
+# run COMMAND...: with pass=check only the options of a tool are read, with pass=print the command is printed, with pass=run it
+# runs. The last word of a tool's command is its report, beside which the command is kept for the page. A budget that was hit (7)
+# leaves a partial result that the chain uses; a bound that was not met (1) sets `failed`; any other failure ends the script.
+pass='' stages=0 stage=0 failed=0 child=''
+# shellcheck disable=SC2034  # `failed` is for the script
+run() {
+  local code=0 report=${!#}
+  case $pass:$1 in
+    check:ngs-*) stages=$((stages + 1)); "$@" --print-options > /dev/null || exit ;;
+    print:*) printf '%q ' "$@"; printf '\n' ;;
+    run:ngs-*)
+      stage=$((stage + 1))
+      { printf '%q ' "$@"; printf '\n'; } > "${report%.json}.sh"
+      NGS_STAGE_OF=$stage/$stages "$@" &
+      child=$!
+      trap 'stop 143' TERM HUP
+      trap 'stop 130' INT
+      wait "$child" || code=$?
+      case $code in
+        0) ;;
+        1) failed=1 ;;
+        7) say "$1 stopped at its budget; going on with its partial result" ;;
+        *) exit "$code" ;;
+      esac ;;
+    run:*) "$@" || exit 8 ;;
+  esac
+}
+
+# stop CODE: ends the tool that is at work, then the script.
+stop() {
+  kill -TERM "$child" 2> /dev/null || true
+  wait "$child" 2> /dev/null || true
+  exit "$1"
+}
+
+# refuse_out OUT INPUT...: exit code 2 where the chain would write over an input, or over a file that no run of it has written.
+# A folder that the chain has made holds .state/, with a copy of the masks that it has rendered.
+refuse_out() {
+  local out=$1 path name hint="choose another folder for the outputs"
+  local chain_files=({scene,metrics,metrics_input}.json {boundary,queries,field,labelled,object,background}.ply masks reports trace.jsonl report.html)
+  shift
+  for path in "$@"; do
+    if [ ! -e "$path" ]; then continue; fi
+    for name in . "${chain_files[@]}"; do
+      if [ "$out/$name" -ef "$path" ]; then fail 2 "$(realpath "$out/$name"): is the input $path, a result goes there" "$hint"; fi
+    done
+    case $(realpath "$path") in
+      "$(realpath -m "$out/masks")"/*) fail 2 "$out/masks: holds the input $path, the masks of the result go there" "$hint" ;;
+    esac
+  done
+  if [ -d "$out/.state" ]; then
+    name=$(LC_ALL=C comm -23 <(files_in "$out/masks") <(files_in "$out/.state/masks") | head -n 1)
+    name=${name:+masks/$name}
+  else
+    for name in "${chain_files[@]}" ''; do if [ -e "$out/$name" ]; then break; fi; done
+  fi
+  if [ -n "$name" ]; then fail 2 "$out/$name: no run of this chain has written it, and a result goes there" "$hint, or move it"; fi
+}
+files_in() { (cd "$1" 2> /dev/null && find . ! -type d -printf '%P\n' | LC_ALL=C sort) || true; }
+
+# claim OUT: waits for another run in the folder, then removes what an earlier one left: unfinished files, and results that the
+# next run may not write anew.
+claim() {
+  mkdir -p -- "$1/.state" "$1/reports" || fail 8 "$1: cannot be made"
+  exec 9> "$1/.state/run.lock" || fail 8 "$1: cannot be written"
+  flock -n 9 || { say "another run is at work in $1, waiting for it"; flock 9; }
+  rm -f -- "$1"/{queries,field}.ply "$1"/trace.jsonl "$1"/metrics{,_input}.json "$1"/reports/ngs-* "$1"/.state/done
+  find "$1" -maxdepth 1 -name '.ngs-*.tmp*' -delete
+}
+
 # score_masks SCENE_JSON LABELLED TRUTH METRICS: the masks of the held-out views at the photos' size against TRUTH.
 score_masks() {
   rm -rf "$4.masks"
   tool ngs-render "$1" "$2" --views held-out --layers mask --scale 0 -o "$4.masks" -w -q > /dev/null &&
     tool ngs-eval "$4.masks" "$3" -o "$4" -w -q > /dev/null && rm -r "$4.masks"
+}
+
+# once FOLDER COMMAND...: the command, which fills FOLDER, unless it has ended well there with the same words, flags, tools and
+# files.
+once() {
+  local folder=$1 key word bin code=0
+  shift
+  bin=$(find_bin) || return
+  key=$(printf '%s\n' "$@" && { env | grep '^[A-Z]*_FLAGS=' | sort || true; } &&
+    stat -L -c '%n %s %Y' "$(PATH=${bin:+$bin:}$PATH command -v ngs-joint)" &&
+    for word in "$@"; do if [ "$word" != "$folder" ] && [ -e "$word" ]; then fingerprint "$word"; fi; done)
+  if [ "$(cat "$folder/.state/done" 2> /dev/null)" = "$key" ]; then return; fi
+  "$@" || code=$?
+  if [ "$code" -eq 0 ]; then mkdir -p "$folder/.state" && printf '%s\n' "$key" > "$folder/.state/done"; fi
+  return "$code"
+}
+
+# evidence_of SCENE_DIR OUT_DIR [options of ngs-scene import]: OUT_DIR/scene.json and OUT_DIR/boundary.ply.
+evidence_of() {
+  local scene=$1 out=$2 flags
+  shift 2
+  eval "flags=(${SCENE_FLAGS:-})"
+  mkdir -p "$out"
+  tool ngs-scene import "$scene" "$@" "${flags[@]}" -o "$out/scene.json" -w -q > /dev/null &&
+    tool ngs-variance "$out/scene.json" -o "$out/boundary.ply" -w -q > /dev/null
 }
 
 # run_scene NAME SCENE_DIR OUT_DIR [options of ngs-gs.sh]: one scene of a loop. A failure is said and counted in
@@ -52,19 +150,34 @@ run_scene() {
   local name=$1 scene=$2 out=$3 code=0
   shift 3
   say "== $name"
-  "$pipelines/ngs-gs.sh" "$scene" "$out" "$@" || code=$?
+  once "$out" "$pipelines/ngs-gs.sh" "$scene" "$out" "$@" || code=$?
   if [ "$code" -le 1 ]; then finished_runs+=("$out"); fi
   if [ "$code" -eq 1 ]; then say "$name: a bound of --fail-below was not met"; fi
   if [ "$code" -gt 1 ]; then say "$name failed with exit code $code"; fi
   if [ "$code" -ne 0 ]; then failed_scenes=$((failed_scenes + 1)); fi
 }
 
-fingerprint() {  # names, sizes and times of the files under the given paths
+fingerprint() {  # names, sizes and times of the files under the given paths, but for folders that the chain has made
   local path
   for path in "$@"; do
     [ -n "$path" ] || continue
     printf '%s\n' "$path"
-    { find -L "$path" -type f -printf '%p %s %T@\n' 2>/dev/null || true; } | LC_ALL=C sort  # it may be absent
+    # it may be absent
+    { find -L "$path" -type d -exec test -d '{}/.state' \; -prune -o -type f -printf '%p %s %T@\n' 2>/dev/null || true; } | LC_ALL=C sort
+  done
+}
+
+# inputs_of TOOL NAME...: what the result of a tool depends on: its binary, the variables NAME, those with its flags, and the files
+# that they name.
+inputs_of() {
+  local tool=$1 name flag_words=() word
+  shift
+  stat -L -c '%n %s %Y' "$(command -v "$tool")" || true
+  tool=${tool#ngs-}
+  for name in "$@" COMMON_FLAGS "${tool^^}_FLAGS"; do
+    printf '%s=%s\n' "$name" "${!name:-}"
+    case $name in *_FLAGS) eval "flag_words=(${!name:-})" ;; *) flag_words=("${!name:-}") ;; esac
+    for word in "${flag_words[@]}"; do if [ -e "${word#--*=}" ]; then fingerprint "${word#--*=}"; fi; done
   done
 }
 

@@ -4,13 +4,13 @@
 #
 #   pipelines/demo.sh [OUT_DIR] [--no-setup] [options of ngs-gs.sh]        (OUT_DIR: build/demo)
 #
-# 12 to 26 seconds on two cores once built. A second call does only what changed.
+# 12 to 26 seconds on two cores once built. A second call takes the scene of the first, and cuts again.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"
 
 case ${1:-} in -h | --help) usage_of "$0"; exit 0 ;; esac
-out=$pipelines/../build/demo setup=1
+out=$top/build/demo setup=1
 if [ $# -gt 0 ] && [ "${1#-}" = "$1" ]; then out=$1; shift; fi
 if [ "${1:-}" = --no-setup ]; then setup=; shift; fi
 
@@ -29,7 +29,8 @@ if [ ! -f "$out/scene/point_cloud.ply" ]; then
     --mask-noise jitter:1.5 --report "$out/ngs-synth.json"
 fi
 say "== cutting out the object"
-REPORT_FLAGS="--viewer object.html ${REPORT_FLAGS:-}" "$pipelines/ngs-gs.sh" "$out/scene" "$out/torus-box" --gt "$out/scene/masks_gt" --hold-out every:4:2 --quality draft "$@"
+REPORT_FLAGS="--viewer $(printf %q "$out/torus-box/object.html") ${REPORT_FLAGS:-}" "$pipelines/ngs-gs.sh" "$out/scene" "$out/torus-box" \
+  --gt "$out/scene/masks_gt" --hold-out every:4:2 --quality draft "$@"
 if [ "$out/torus-box/labelled.ply" -nt "$out/pictures" ]; then
   "${bin:+$bin/}ngs-render" "$out/torus-box/scene.json" "$out/torus-box/labelled.ply" --views held-out --layers overlay,color,mask \
     -o "$out/pictures" -w -q > /dev/null

@@ -1,79 +1,84 @@
-# One scene from photos, poses and masks to a cut-out object, as one dependency graph. Rebuilds only what changed:
+# The chain of ngs-gs.sh as one dependency graph: a second call does only what changed.
 #
 #   make -f pipelines/experiment.mk SCENE=scenes/bird MASKS=scenes/bird/masks_sam out/object.ply
 #   make -f pipelines/experiment.mk SCENE=... OUT=other GT=... HOLD_OUT=every:4:2 other/metrics.json
 #
-# SCENE MODEL MASKS GT HOLD_OUT IMAGE_SCALE METHOD QUALITY DEVICE and *_FLAGS are the inputs; their defaults follow.
-# A stage runs again when an earlier stage wrote its artifact anew, when its own options, input files (names,
-# sizes, times) or its binary changed. OUT must not contain spaces (make cannot have them in a target); the
-# other paths may, if they come through the environment. pipelines/ngs-gs.sh takes care of both.
+# SCENE, which ngs-scene import reads, MODEL MASKS GT HOLD_OUT IMAGE_SCALE METHOD QUALITY DEVICE ARTIFACTS, which are the
+# options of ngs-gs.sh, and *_FLAGS, further options of each tool, are the inputs. COMMON_FLAGS are of every tool;
+# UNKEYED_FLAGS too, but they change no result (-j 4 -q) and rerun nothing. A tool runs again when an earlier artifact is newer,
+# or when its own options, a file that they name, a file in SCENE, MODEL, MASKS or GT (by name, size and time) or its binary
+# changed. OUT must not contain spaces (make cannot have them in a target); the other paths may.
 SHELL := bash
 .SHELLFLAGS := -o pipefail -c
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-
+HERE := $(dir $(lastword $(MAKEFILE_LIST)))
 OUT ?= out
-SCENE ?=
-MODEL ?=
-MASKS ?=
-GT ?=
-HOLD_OUT ?=
-IMAGE_SCALE ?= 0
-METHOD ?=
+SCENE ?= $(error SCENE is not set)
 ARTIFACTS ?= needed
-QUALITY ?=
-DEVICE ?=
-SCENE_FLAGS ?=
-VARIANCE_FLAGS ?=
-SAMPLE_FLAGS ?=
-RBF_FLAGS ?=
-JOINT_FLAGS ?=
-EXTRACT_FLAGS ?=
-RENDER_FLAGS ?=
-EVAL_FLAGS ?=
-REPORT_FLAGS ?=
-# Of every tool: those that may change a result, and those that cannot (-j 4 -q), which rerun nothing.
-COMMON_FLAGS ?=
-UNKEYED_FLAGS ?=
-export ARTIFACTS OUT SCENE MODEL MASKS GT HOLD_OUT IMAGE_SCALE METHOD QUALITY DEVICE
+export SCENE MODEL MASKS GT HOLD_OUT IMAGE_SCALE METHOD QUALITY DEVICE ARTIFACTS COMMON_FLAGS
 export SCENE_FLAGS VARIANCE_FLAGS SAMPLE_FLAGS RBF_FLAGS JOINT_FLAGS EXTRACT_FLAGS RENDER_FLAGS EVAL_FLAGS REPORT_FLAGS
-export COMMON_FLAGS UNKEYED_FLAGS
+BIN := $(shell . '$(HERE)common.sh'; find_bin)
+export PATH := $(if $(BIN),$(BIN):)$(PATH)
 
-NGS_STAGE ?= $(dir $(lastword $(MAKEFILE_LIST)))stage.sh
-export NGS_STAGE
-STAGE := bash "$$NGS_STAGE"
-# field.ply where a stage reads it, or where ARTIFACTS is all. A shell of make knows only what came by the environment.
-FIELD := $(shell ARTIFACTS=$(ARTIFACTS) METHOD='$(METHOD)' JOINT_FLAGS="$$JOINT_FLAGS $(if $(findstring command,$(origin JOINT_FLAGS)),$(JOINT_FLAGS))" OUT=. bash "$(NGS_STAGE)" field)
+# One that is not empty: refused before anything runs.
+REFUSED := $(shell . '$(HERE)common.sh'; \
+  (refuse_out '$(OUT)' '$(SCENE)' '$(SCENE)'/{images,masks,masks_sam,masks_gt,gt} '$(MODEL)' '$(MASKS)' '$(GT)') || echo refused)
+$(if $(REFUSED),$(error $(OUT) is refused))
+
+S := $(OUT)/.state
+ALL = $(COMMON_FLAGS) $(UNKEYED_FLAGS) -w --report $(OUT)/reports
+ON := $(if $(DEVICE),--device $(DEVICE))
+OURS := $(filter ngs ng-gs,$(METHOD) $(if $(METHOD),,ngs))
+FIELD := $(if $(filter all,$(ARTIFACTS))$(filter ng-gs,$(METHOD))$(findstring ng-gs,$(JOINT_FLAGS))$(findstring nerf=on,$(JOINT_FLAGS))$(findstring all=on,$(JOINT_FLAGS)),$(OUT)/field.ply)
+# What a budget (7) ended is a partial result that the chain uses.
+BUDGET := || [ $$? -eq 7 ]
 
 .PHONY: all FORCE
 all: $(OUT)/report.html
+	@[ ! -e $(S)/check_failed ] || { echo "a bound of --fail-below was not met" >&2; exit 1; }
+$(S):
+	@mkdir -p $@ $(OUT)/reports
 
-$(OUT)/.state:
-	@mkdir -p $@
+# What each tool depends on beside the artifacts before it, written anew only where it differs.
+INPUTS_scene := SCENE MODEL MASKS HOLD_OUT IMAGE_SCALE
+INPUTS_variance := DEVICE
+INPUTS_rbf := DEVICE
+INPUTS_joint := METHOD QUALITY DEVICE
+INPUTS_render := DEVICE HOLD_OUT
+INPUTS_eval := GT
+$(S)/%.flags: FORCE | $(S)
+	@. '$(HERE)common.sh'; inputs_of ngs-$* $(INPUTS_$*) > $@.new; if cmp -s $@.new $@; then rm $@.new; else mv $@.new $@; fi
 
-# What a stage depends on beside the artifacts before it; written anew only where it differs.
-$(OUT)/.state/%.key: FORCE | $(OUT)/.state
-	@$(STAGE) key $*
-
-$(OUT)/scene.json: $(OUT)/.state/scene.key
-	$(STAGE) scene
-$(OUT)/boundary.ply: $(OUT)/scene.json $(OUT)/.state/variance.key
-	$(STAGE) variance
-$(OUT)/queries.ply: $(OUT)/boundary.ply $(OUT)/.state/sample.key
-	$(STAGE) sample
-$(OUT)/field.ply: $(OUT)/queries.ply $(OUT)/.state/rbf.key
-	$(STAGE) rbf
-$(OUT)/labelled.ply: $(OUT)/boundary.ply $(addprefix $(OUT)/,$(FIELD)) $(OUT)/.state/joint.key
-	$(STAGE) joint
-$(OUT)/object.ply $(OUT)/background.ply &: $(OUT)/labelled.ply $(OUT)/.state/extract.key
-	$(STAGE) extract
-$(OUT)/.state/render.done: $(OUT)/labelled.ply $(OUT)/.state/render.key
-	$(STAGE) render
+$(OUT)/scene.json: $(S)/scene.flags
+	ngs-scene import "$$SCENE" $${MODEL:+--model "$$MODEL"} $${MASKS:+--masks "$$MASKS"} $${GT:+--truth "$$GT"} \
+	  $${HOLD_OUT:+--hold-out "$$HOLD_OUT"} $${IMAGE_SCALE:+--image-scale $$IMAGE_SCALE} -o $@ $(SCENE_FLAGS) $(ALL)/ngs-scene.json
+$(OUT)/boundary.ply: $(OUT)/scene.json $(S)/variance.flags
+	ngs-variance $< -o $@ $(VARIANCE_FLAGS) $(ON) $(ALL)/ngs-variance.json
+$(OUT)/queries.ply: $(OUT)/boundary.ply $(S)/sample.flags
+	ngs-sample $(OUT)/scene.json $< -o $@ $(SAMPLE_FLAGS) $(ALL)/ngs-sample.json
+$(OUT)/field.ply: $(OUT)/queries.ply $(S)/rbf.flags
+	ngs-rbf $(OUT)/boundary.ply $< -o $@ $(RBF_FLAGS) $(ON) $(ALL)/ngs-rbf.json
+$(OUT)/labelled.ply: $(OUT)/boundary.ply $(FIELD) $(S)/joint.flags
+	rm -f $(OUT)/trace.jsonl
+	ngs-joint $(OUT)/scene.json $< $(FIELD:%=--field %) -o $@ $(if $(OURS),$(ON) --trace $(OUT)/trace.jsonl) \
+	  $(if $(METHOD),--method $(METHOD)) $(if $(QUALITY),--quality $(QUALITY)) $(JOINT_FLAGS) $(ALL)/ngs-joint.json $(BUDGET)
+$(OUT)/object.ply $(OUT)/background.ply &: $(OUT)/labelled.ply $(S)/extract.flags
+	ngs-extract $< --object $(OUT)/object.ply --background $(OUT)/background.ply $(EXTRACT_FLAGS) $(ALL)/ngs-extract.json
+$(S)/rendered: $(OUT)/labelled.ply $(S)/render.flags $(if $(wildcard $(OUT)/masks),,FORCE)
+	rm -rf $(OUT)/masks $(S)/masks
+	ngs-render $(OUT)/scene.json $< --views $(if $(HOLD_OUT),held-out,all) --layers mask --scale 0 --format png -o $(S)/masks \
+	  $(RENDER_FLAGS) $(ON) $(ALL)/ngs-render.json
+	cp -r $(S)/masks $(OUT)/masks
 	@touch $@
-$(OUT)/.state/eval.done: $(OUT)/.state/render.done $(OUT)/.state/eval.key
-	$(STAGE) eval
-	@touch $@
-$(OUT)/metrics.json: $(OUT)/.state/eval.done
-	@$(STAGE) scored
-$(OUT)/report.html: $(OUT)/object.ply $(OUT)/background.ply $(OUT)/.state/eval.done $(OUT)/.state/report.key
-	$(STAGE) report
+$(S)/scored: $(S)/rendered $(S)/eval.flags $(if $(wildcard $(OUT)/metrics.json $(S)/unscored),,FORCE)
+	rm -f $(S)/check_failed $(S)/unscored $(OUT)/metrics.json $(OUT)/metrics_input.json
+	ngs-eval $(OUT)/scene.json $(OUT)/scene.json --allow-empty -q -o $(OUT)/metrics_input.json $(EVAL_FLAGS) \
+	  $(ALL)/ngs-eval-input.json || [ $$? -eq 1 ]
+	ngs-eval $(OUT)/masks $(OUT)/scene.json --allow-empty -o $(OUT)/metrics.json $(EVAL_FLAGS) $(ALL)/ngs-eval.json || \
+	  { [ $$? -eq 1 ] && touch $(S)/check_failed; }
+	@[ -e $(OUT)/metrics.json ] || touch $(S)/unscored; touch $@
+$(OUT)/metrics.json: $(S)/scored
+	@[ -e $@ ] || { echo "nothing was scored: give GT or HOLD_OUT" >&2; exit 5; }
+$(OUT)/report.html: $(OUT)/object.ply $(S)/scored $(S)/report.flags
+	ngs-report $(OUT) -o $@ $(REPORT_FLAGS) $(ALL)/ngs-report.json

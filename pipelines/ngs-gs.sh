@@ -1,205 +1,85 @@
 #!/usr/bin/env bash
-# One scene from photos, poses, masks and a trained splat to the cut-out object:
+# One scene from photos, poses, masks and a trained splat to the cut-out object: the chain of tools, one command each.
 #
 #   pipelines/ngs-gs.sh SCENE_DIR OUT_DIR [options] [options of ngs-joint]
 #
-#   --model PLY          trained splat            (default: SCENE_DIR/point_cloud.ply, point_cloud/iteration_*/)
-#   --masks DIR          input masks, by stem     (default: SCENE_DIR/masks, masks_sam)
-#   --gt DIR             true masks               (default: SCENE_DIR/masks_gt, gt; else the held-out input masks)
-#   --hold-out RULE      every:N:K or a file of names: views whose masks no stage sees, and which are scored
+#   --model PLY, --masks DIR, --gt DIR    the trained splat, the input masks and the true masks, where
+#                        `ngs-scene import SCENE_DIR` does not find them by itself
+#   --hold-out RULE      every:N:K or a file of names: views whose masks no stage reads, and which are scored
 #   --image-scale S      working size             (default: 1, 1/2, 1/3 ... so that no side exceeds 800 px)
 #   --quality Q          draft|standard|high|reference
 #   --method M           ngs|ng-gs|bce|cob|flash|sa3d|saga|released
 #   --artifacts all      make queries.ply and field.ply too where no stage reads them (default: needed)
-#   --until FILE         stop at this artifact of OUT_DIR, e.g. --until boundary.ply
-#   -j N, --threads N    threads of every tool; as are --seed N, --log-format F, --allow-empty, -q, -v
+#   -j N, --seed N, --log-format F, --allow-empty, -q, -v     options of every tool
 #   --device D           of the tools that have a CUDA path; the others stay on the CPU
-#   -n, --dry-run        print the commands only
-#   -h, --help
+#   -n, --dry-run        print the commands only; they can be run by hand, with the tools in PATH
 #
-# SCENE_DIR holds images/ and the poses: sparse/0 or colmap/sparse/0 (COLMAP), transforms.json, transforms_train.json,
-# cameras.json or poses_bounds.npy; or images/ and scene.json of ngs-scene orbit, for a splat without photos.
-# OUT_DIR then holds scene.json boundary.ply labelled.ply object.ply background.ply, queries.ply and field.ply where the
-# field is asked for (--method ng-gs, --effect nerf=on) or --artifacts all is given,
-# masks/STEM.png of the held-out views (of all views without --hold-out), metrics.json, report.html and each
-# tool's report in reports/. OUT_DIR is none of the input folders, it holds no input model, its masks/ no masks of yours.
-# A second call does only what changed. Exit codes are those of the tools; 1 where --fail-below in EVAL_FLAGS
-# was not met.
-#
-# Options for the other tools go in SCENE_FLAGS, VARIANCE_FLAGS, SAMPLE_FLAGS, RBF_FLAGS, EXTRACT_FLAGS,
-# RENDER_FLAGS, EVAL_FLAGS and REPORT_FLAGS, quoted as for the shell: SCENE_FLAGS='--mask-mode label --object-id 7' ...
-# (JOINT_FLAGS too; options of ngs-joint given here come behind them). Paths in these variables are absolute or relative
-# to OUT_DIR, paths among the options here to the folder of the call.
-#
+# Options for the other tools go in SCENE_FLAGS, VARIANCE_FLAGS, SAMPLE_FLAGS, RBF_FLAGS, EXTRACT_FLAGS, RENDER_FLAGS,
+# EVAL_FLAGS and REPORT_FLAGS (JOINT_FLAGS too), quoted as for the shell: SCENE_FLAGS='--mask-mode label --object-id 7' ...
+# Every call runs the whole chain; experiment.mk runs only what changed. Files that no earlier call has written are never
+# replaced. The exit code is that of the tool that failed; 1 where a bound of --fail-below in EVAL_FLAGS was not met.
 # The tools come from $NGS_BIN, else from the build folder, else from PATH.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"
 
-absolute() { case $1 in '' | /*) printf '%s' "$1" ;; *) printf '%s/%s' "$PWD" "$1" ;; esac; }
-existing() { [ -e "$2" ] || fail 3 "$1 $2: no such file or folder"; absolute "$2"; }
-
-export ARTIFACTS=needed SCENE='' MODEL='' MASKS='' GT='' HOLD_OUT='' IMAGE_SCALE=0 METHOD='' QUALITY='' DEVICE='' COMMON_FLAGS='' UNKEYED_FLAGS=''
-out='' until=report.html dry_run='' joint=()
+scene='' out='' artifacts=needed views=all passes='check run' inputs=() import=() joint=() common=() device=() report=
 while [ $# -gt 0 ]; do
-  option=$1 value=
-  case $option in
+  case $1 in --*=*) set -- "${1%%=*}" "${1#*=}" "${@:2}" ;; esac
+  case $1 in
     -h | --help) usage_of "$0"; exit 0 ;;
-    -n | --dry-run) dry_run=1; shift; continue ;;
-    -q | -v) UNKEYED_FLAGS+=" $option"; shift; continue ;;
-    --allow-empty) COMMON_FLAGS+=" $option"; shift; continue ;;
-    -j?*) UNKEYED_FLAGS+=" $option"; shift; continue ;;
-    --model | --masks | --gt | --hold-out | --image-scale | --quality | --method | --until | --artifacts | \
-      --seed | --device | --log-format | -j | --threads)
-      [ $# -ge 2 ] || fail 2 "$option: no value given" "see $0 --help"
-      value=$2
-      shift 2 ;;
-    --model=* | --masks=* | --gt=* | --hold-out=* | --image-scale=* | --quality=* | --method=* | --until=* | --artifacts=* | \
-      --seed=* | --device=* | --log-format=* | --threads=*)
-      value=${option#*=} option=${option%%=*}
-      shift ;;
-    --effects-from=* | --field=* | --options=* | --checkpoint=*)
-      joint+=("${option%%=*}=$(absolute "${option#*=}")"); shift; continue ;;
-    -*) joint+=("$option"); shift
-      # A word behind an option of ngs-joint is its value, once both folders are named.
-      if [ -n "$out" ] && [ $# -gt 0 ] && [ "${1#-}" = "$1" ]; then
-        case $option in  # the stages run in OUT_DIR
-          --effects-from | --field | --options | --checkpoint) joint+=("$(absolute "$1")") ;;
-          *) joint+=("$1") ;;
-        esac
-        shift
-      fi
-      continue ;;
-    *)
-      if [ -z "$SCENE" ]; then SCENE=$option
-      elif [ -z "$out" ]; then out=$option
-      else fail 2 "unexpected argument '$option'" "see $0 --help"; fi
-      shift; continue ;;
-  esac
-  case $option in
-    --model) MODEL=$(existing --model "$value") ;;
-    --masks) MASKS=$(existing --masks "$value") ;;
-    --gt) GT=$(existing --gt "$value") ;;
-    --hold-out) if [ -f "$value" ]; then HOLD_OUT=$(absolute "$value"); else HOLD_OUT=$value; fi ;;
-    --image-scale) IMAGE_SCALE=$value ;;
-    --quality) QUALITY=$value ;;
-    --method) METHOD=$value ;;
-    --until) until=$value ;;
-    --artifacts)
-      case $value in all | needed) ARTIFACTS=$value ;; *) fail 2 "--artifacts $value: expected all or needed" ;; esac ;;
-    -j | --threads) UNKEYED_FLAGS+=$(printf ' %q' -j "$value") ;;
-    --log-format) UNKEYED_FLAGS+=$(printf ' %q' "$option" "$value") ;;
-    --device) DEVICE=$value ;;
-    --seed) COMMON_FLAGS+=$(printf ' %q' "$option" "$value") ;;
+    -n | --dry-run) passes='check print'; shift ;;
+    -q | -v | --allow-empty | -j?*) common+=("$1"); shift ;;
+    --model | --masks | --gt) need "$@"; inputs+=("$2"); import+=("$1" "$2"); shift 2 ;;
+    --hold-out) need "$@"; views=held-out; import+=("$1" "$2"); shift 2 ;;
+    --image-scale) need "$@"; import+=("$1" "$2"); shift 2 ;;
+    --artifacts) need "$@"; artifacts=$2; shift 2 ;;
+    --device) need "$@"; device=("$1" "$2"); shift 2 ;;
+    -j | --threads | --seed | --log-format) need "$@"; common+=("$1" "$2"); shift 2 ;;
+    -*) joint+=("$1"); shift ;;
+    *) if [ -z "$scene" ]; then scene=$1; elif [ -z "$out" ]; then out=$1; else joint+=("$1"); fi; shift ;;
   esac
 done
 [ -n "$out" ] || fail 2 "expected SCENE_DIR and OUT_DIR" "see $0 --help"
-SCENE=$(existing SCENE_DIR "$SCENE")
-[[ $IMAGE_SCALE =~ ^[0-9]*\.?[0-9]+$ ]] || fail 2 "--image-scale $IMAGE_SCALE: expected a number, 0 for automatic"
-export JOINT_FLAGS="${JOINT_FLAGS:-}"
-if [ ${#joint[@]} -gt 0 ]; then JOINT_FLAGS+=$(printf ' %q' "${joint[@]}"); fi
-case ${until#./} in
-  scene.json | boundary.ply | queries.ply | field.ply | labelled.ply | object.ply | background.ply) ;;
-  metrics.json | report.html) ;;
-  masks | masks/) until=.state/render.done ;;
-  *) fail 2 "--until $until: expected scene.json, boundary.ply, queries.ply, field.ply, labelled.ply, object.ply, background.ply, masks, metrics.json or report.html" ;;
-esac
+case $artifacts in all | needed) ;; *) fail 2 "--artifacts $artifacts: expected all or needed" ;; esac
+refuse_out "$out" "$scene" "$scene"/{images,masks,masks_sam,masks_gt,gt} "${inputs[@]}"
+bin=$(find_bin)
+PATH=${bin:+$bin:}$PATH
+told=" ${JOINT_FLAGS:-} ${joint[*]}" method=ngs trace=() field=()
+if [[ $told =~ .*\ --method[\ =]([a-z0-9-]+) ]]; then method=${BASH_REMATCH[1]}; fi
+case $method in ngs | ng-gs) trace=(--trace "$out/trace.jsonl") ;; esac  # the baselines have no steps
 
-# stages_until FILE [field.ply]: the stages that make FILE, in the order in which they run.
-stages_until() {
-  local to_labels="scene variance ${2:+sample rbf} joint"
-  case $1 in
-    scene.json) echo scene ;;
-    boundary.ply) echo scene variance ;;
-    queries.ply) echo scene variance sample ;;
-    field.ply) echo scene variance sample rbf ;;
-    labelled.ply) echo "$to_labels" ;;
-    object.ply | background.ply) echo "$to_labels extract" ;;
-    .state/render.done) echo "$to_labels render" ;;
-    metrics.json) echo "$to_labels render eval" ;;
-    *) echo "$to_labels extract render eval report" ;;
-  esac
+# step TOOL ARGUMENTS...: the tool with the options that all tools share, its *_FLAGS and its report.
+step() {
+  local name=${report:-$1} flags=${1#ngs-} words=()
+  flags=${flags^^}_FLAGS
+  eval "words=(${!flags:-})"
+  case $1:$method in ngs-variance:* | ngs-rbf:* | ngs-render:* | ngs-joint:ngs | ngs-joint:ng-gs) words+=("${device[@]}") ;; esac
+  run "$@" "${words[@]}" "${common[@]}" -w --report "$out/reports/$name.json"
 }
 
-# The end of the chain, for people: what was made, where, the scores, how much was odd, what comes next.
-summary() {
-  local odd masks scores took="$((SECONDS % 60)) s"
-  if [ "$SECONDS" -ge 60 ]; then took="$((SECONDS / 60)) min $took"; fi
-  odd=$(awk '/^  "warnings": \[$/ { inside = 1; next } /^  \]/ { inside = 0 } inside { ++n } END { print n + 0 }' reports/*.json)
-  say "ngs-gs.sh: done in $took, in $PWD"
-  if [ -f object.ply ]; then say "  object.ply, background.ply: plain splats for every viewer"; fi
-  if [ -d masks ]; then
-    masks=$(find masks -name '*.png' | wc -l)
-    say "  masks/: $masks mask(s) of the result"
+chain() {
+  run mkdir -p "$out/.state" "$out/reports"
+  step ngs-scene import "$scene" "${import[@]}" -o "$out/scene.json"
+  step ngs-variance "$out/scene.json" -o "$out/boundary.ply"
+  if [[ $artifacts = all || $method = ng-gs || $told =~ (nerf|all)=on ]]; then  # else ngs-joint needs no field
+    step ngs-sample "$out/scene.json" "$out/boundary.ply" -o "$out/queries.ply"
+    step ngs-rbf "$out/boundary.ply" "$out/queries.ply" -o "$out/field.ply"
+    field=(--field "$out/field.ply")
   fi
-  if [ -f metrics.json ]; then
-    scores=$(awk -F'[:,]' '/^  "mean": / { inside = 1; next } /^  \}/ { inside = 0 }
-      BEGIN { called["iou"] = "IoU"; called["biou"] = "boundary IoU"; called["biou_005"] = "in its 0.5 % band" }
-      inside && /"(iou|biou|biou_005)"/ { gsub(/[ "]/, "", $1); text = text sprintf("%s%s %.4f", text == "" ? "" : ", ", called[$1], $2) }
-      END { print text }' metrics.json)
-    say "  scores: $scores"
-  fi
-  if [ "$odd" -gt 0 ]; then say "  odd: $odd warning(s), in reports/"; fi
-  if [ -f report.html ]; then say "  next: open $PWD/report.html in a browser"; fi
+  step ngs-joint "$out/scene.json" "$out/boundary.ply" "${field[@]}" "${trace[@]}" "${joint[@]}" -o "$out/labelled.ply"
+  step ngs-extract "$out/labelled.ply" --object "$out/object.ply" --background "$out/background.ply"
+  run rm -rf "$out/masks" "$out/.state/masks"
+  step ngs-render "$out/scene.json" "$out/labelled.ply" --views $views --layers mask --scale 0 --format png -o "$out/.state/masks"
+  run cp -r "$out/.state/masks" "$out/masks"
+  report=ngs-eval-input step ngs-eval "$out/scene.json" "$out/scene.json" --allow-empty -q -o "$out/metrics_input.json"
+  failed=0  # the input masks are scored for comparison, whatever the bound
+  step ngs-eval "$out/masks" "$out/scene.json" --allow-empty -o "$out/metrics.json"
+  step ngs-report "$out" -o "$out/report.html"
 }
 
-command -v make > /dev/null || fail 8 "make: not found" "$pipelines/setup.sh installs it"
-mkdir -p -- "$out" || fail 8 "$out: cannot be made"
-BIN=$(find_bin)
-export BIN NGS_STAGE=$pipelines/stage.sh
-# In its own folder every target is a plain name, so OUT_DIR may hold spaces although make cannot.
-cd -- "$out"
-export OUT=.
-NGS_STAGES=$(stages_until "${until#./}" "$(bash "$NGS_STAGE" field)")
-export NGS_STAGES
-bash "$NGS_STAGE" check
-bash "$NGS_STAGE" options
-if [ -n "$dry_run" ]; then
-  printf 'cd %q && mkdir -p .state reports\n' "$PWD"
-  for stage in $(stages_until report.html "$(bash "$NGS_STAGE" field)"); do
-    NGS_DRY_RUN=1 bash "$NGS_STAGE" "$stage"
-  done
-  exit 0
-fi
-# Called twice at once on one OUT_DIR, the second waits and then finds nothing to do. The lock lasts as long as any
-# process of the run, so that what a killed run left is gone before another begins.
-{ mkdir -p .state && : > .state/run.lock; } || fail 8 "$out: cannot be written"
-exec 9> .state/run.lock
-flock -n 9 || { say "another run is at work in $out, waiting for it"; flock 9; }
-for folder in . reports .state; do  # not below: what a run of its own there has in work is no leftover
-  if [ -d "$folder" ]; then flock .state/stage.lock find "$folder" -maxdepth 1 -name '.ngs-*.tmp*' -delete; fi
+for pass in $passes; do
+  if [ "$pass" = run ]; then claim "$out"; fi
+  chain
 done
-rm -f .state/exit_code
-unset MAKEFLAGS MFLAGS MAKEOVERRIDES  # of a make that called this
-# make and all that it starts are a group of their own: a signal that reaches this script alone, as a scheduler sends it,
-# goes to every one of them, and the script ends when they have ended: make waits for its stage, that for its tool.
-stopped=''
-start_make() {
-  set -m
-  NGS_STDERR=7 make --no-print-directory --silent -f "$pipelines/experiment.mk" "./$until" 2> .state/make.log &
-  group=$!
-  set +m
-  trap 'stopped=143; kill -TERM -- "-$group" 2> /dev/null || true' TERM HUP
-  trap 'stopped=130; kill -TERM -- "-$group" 2> /dev/null || true' INT
-}
-wait_for_make() {
-  wait "$group" || made=$?
-  if [ -n "$stopped" ]; then  # which the signal broke off
-    wait "$group" || true
-    exit "$stopped"
-  fi
-}
-made=0
-exec 7>&2  # of the tools; what make itself says of a failure is shown only where no tool has said why
-start_make
-wait_for_make
-if [ "$made" -ne 0 ] && [ ! -s .state/exit_code ]; then cat .state/make.log >&2; fi
-if [ "$made" -gt 128 ]; then exit "$made"; fi
-if [ "$made" -ne 0 ]; then
-  code=$(cat .state/exit_code 2> /dev/null || true)
-  if [ -n "$code" ]; then exit "$code"; fi
-  printf 0 2> /dev/null > .state/writable || fail 8 "$out: cannot be written"
-  exit 70
-fi
-case " $UNKEYED_FLAGS " in *" -q "*) ;; *) if [ -t 2 ]; then summary; fi ;; esac
-if [ -f .state/check_failed ]; then exit 1; fi
+exit "$failed"

@@ -39,7 +39,7 @@ from_scribbles() {
   bin=$(find_bin)
   mkdir -p "$to"
   if [ ! -d "$to/masks" ]; then
-    NO_MASKS=1 "$pipelines/ngs-gs.sh" "$2" "$to" --hold-out "$out/$1.target" --until scene.json -q || return
+    "${bin:+$bin/}ngs-scene" import "$2" --hold-out "$out/$1.target" -o "$to/scene.json" -w -q > /dev/null || return
     "${bin:+$bin/}ngs-mask" "$to/scene.json" --view "${view%.*}" -q -o "$to/masks" --report "$to/ngs-mask.json" \
       --object-scribbles "$(ls "$strokes"/pos_*.png | head -n 1)" --background-scribbles "$(ls "$strokes"/neg_*.png | head -n 1)" || return
   fi

@@ -4,7 +4,7 @@
 .PHONY: all FORCE
 export SCENE
 # variant NAME OPTIONS: one run; a failure is said and does not end the series, nor do scores of an earlier call stand in for it.
-variant = bash '$(HERE)ngs-gs.sh' "$$SCENE" '$(OUT)/$(1)' $(ARGS) -q $(2); \
+variant = . '$(HERE)common.sh'; once '$(OUT)/$(1)' '$(HERE)ngs-gs.sh' "$$SCENE" '$(OUT)/$(1)' $(ARGS) -q $(2); \
   case $$? in 0 | 1) rm -f '$(OUT)/$(1)/.state/failed' ;; \
     *) echo "variant $(1) failed, left out" >&2; touch '$(OUT)/$(1)/.state/failed' 2> /dev/null || true ;; esac
 # degrade FOLDER MASKS FLAGS

@@ -44,7 +44,7 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/data-schema DESTINATION ${NGS_SHARE} FIL
 if(NGS_BUILD_TOOLS)
   install(TARGETS ${NGS_TOOLS} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
   # The chain and the loops over data sets; not what builds and tests a checkout.
-  set(scripts common.sh stage.sh ngs-gs.sh sweep.sh nvos.sh lerf-mask.sh scannet.sh)
+  set(scripts common.sh ngs-gs.sh sweep.sh work-point.sh nvos.sh lerf-mask.sh scannet.sh)
   list(APPEND scripts experiment.mk sharded.mk variants.mk ablation.mk robustness.mk work-precision.mk)
   list(TRANSFORM scripts PREPEND ${PROJECT_SOURCE_DIR}/pipelines/)
   install(PROGRAMS ${scripts} DESTINATION ${NGS_SHARE}/pipelines)

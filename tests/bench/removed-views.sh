@@ -87,7 +87,7 @@ masks_of() { if [ -d "$1/masks_sam" ]; then printf '%s\n' "$1/masks_sam"; else p
 # prepared WORK CAPTURE MASKS SPLIT-OR-NOTHING [MODEL]: WORK/scene.json and WORK/boundary.ply.
 prepared() {
   if [ ! -f "$1/boundary.ply" ]; then
-    "$pipelines/ngs-gs.sh" "$2" "$1" --masks "$3" ${4:+--hold-out "$4"} ${5:+--model "$5"} --until boundary.ply -q >&2
+    evidence_of "$2" "$1" --masks "$3" ${4:+--hold-out "$4"} ${5:+--model "$5"} >&2
   fi
 }
 

@@ -1,4 +1,4 @@
-// pipelines/ngs-gs.sh on the tiny scene with the built tools.
+// pipelines/ngs-gs.sh and experiment.mk on the tiny scene with the built tools.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -31,6 +31,16 @@ test::ProcessResult run_script(const std::string& folder, std::vector<std::strin
   return test::run_process(spec);
 }
 
+/// make -f pipelines/experiment.mk WORDS..., which makes OUT=out of SCENE=my scene, v2 held out.
+test::ProcessResult run_make(const std::string& folder, std::vector<std::string> words) {
+  test::ProcessSpec spec;
+  spec.argv = {"make", "-s", "-f", NGS_SOURCE_DIR "/pipelines/experiment.mk", "SCENE=my scene", "OUT=out"};
+  spec.argv.insert(spec.argv.end(), words.begin(), words.end());
+  spec.folder = folder;
+  spec.environment = {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}, {"SAMPLE_FLAGS", "--rows 8 --cols 8"}};
+  return test::run_process(spec);
+}
+
 std::map<std::string, fs::file_time_type> times_of(const std::string& folder) {
   std::map<std::string, fs::file_time_type> times;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
@@ -56,29 +66,63 @@ struct Capture {
   }
 };
 
-TEST_CASE("ngs-gs.sh makes every promised file, then runs only what changed") {
+TEST_CASE("ngs-gs.sh makes every promised file, and exits 1 where a bound of --fail-below is not met") {
   REQUIRE(fs::exists(NGS_TOOL_DIR "/ngs-joint"));
   const Capture capture;
   const test::ProcessResult first = capture.run({"--method", "flash"});
   INFO(first.err);
   REQUIRE(first.exit_code == 0);
-  for (const char* name : {"scene.json", "boundary.ply", "labelled.ply", "object.ply", "background.ply", "masks/v2.png",
-                           "metrics.json", "report.html", "reports/ngs-joint.json"}) {
+  for (const char* name :
+       {"scene.json", "boundary.ply", "labelled.ply", "object.ply", "background.ply", "masks/v2.png", "metrics.json",
+        "metrics_input.json", "report.html", "reports/ngs-joint.json", "reports/ngs-joint.sh"}) {
     CAPTURE(name);
     CHECK(fs::exists(capture.out + "/" + name));
   }
-  const auto before = times_of(capture.out);
+  CHECK_FALSE(fs::exists(capture.out + "/masks/v0.png"));
+  const test::ProcessResult below = capture.run({"--method", "flash"}, {{"EVAL_FLAGS", "--fail-below iou=1.01"}});
+  INFO(below.err);
+  CHECK(below.exit_code == 1);
+  CHECK(fs::exists(capture.out + "/report.html"));
+}
+
+TEST_CASE("ngs-gs.sh leaves no result of an earlier call with other options") {
+  const Capture capture;
+  REQUIRE(capture.run({"--steps", "2", "--artifacts", "all"}).exit_code == 0);
+  CHECK(fs::exists(capture.out + "/trace.jsonl"));
+  REQUIRE(run_script(capture.dir.path(), {"my scene", "the output", "--method", "flash"}).exit_code == 0);
+  for (const char* name : {"trace.jsonl", "field.ply", "metrics.json", "reports/ngs-rbf.json"}) {
+    CAPTURE(name);
+    CHECK_FALSE(fs::exists(capture.out + "/" + name));
+  }
+  CHECK(fs::exists(capture.out + "/masks/v0.png"));
+}
+
+TEST_CASE("experiment.mk runs only what changed") {
+  const Capture capture;
+  const std::string out = capture.dir.path() + "/out";
+  const auto make = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"HOLD_OUT=every:4:2", "GT=my scene/masks"});
+    return run_make(capture.dir.path(), words);
+  };
+  const test::ProcessResult first = make({"METHOD=flash"});
+  INFO(first.err);
+  REQUIRE(first.exit_code == 0);
+  for (const char* name : {"scene.json", "boundary.ply", "labelled.ply", "object.ply", "background.ply", "masks/v2.png",
+                           "metrics.json", "metrics_input.json", "report.html", "reports/ngs-joint.json"}) {
+    CAPTURE(name);
+    CHECK(fs::exists(out + "/" + name));
+  }
+  const auto before = times_of(out);
 
   SUBCASE("nothing, if nothing changed") {
-    const test::ProcessResult second = capture.run({"--method", "flash", "-q", "-j", "1"});
+    const test::ProcessResult second = make({"METHOD=flash", "UNKEYED_FLAGS=-q -j 1"});
     CHECK(second.exit_code == 0);
     CHECK(second.err == "");
-    CHECK(times_of(capture.out) == before);
+    CHECK(times_of(out) == before);
   }
   SUBCASE("the optimisation and what follows it, if the method changed") {
-    const test::ProcessResult second = capture.run({"--method", "sa3d"});
-    CHECK(second.exit_code == 0);
-    auto after = times_of(capture.out);
+    CHECK(make({"METHOD=sa3d"}).exit_code == 0);
+    auto after = times_of(out);
     CHECK(after["boundary.ply"] == before.at("boundary.ply"));
     CHECK(after["labelled.ply"] != before.at("labelled.ply"));
     CHECK(after["report.html"] != before.at("report.html"));
@@ -86,20 +130,54 @@ TEST_CASE("ngs-gs.sh makes every promised file, then runs only what changed") {
   SUBCASE("everything, if a mask changed") {
     fs::copy_file(capture.dir.path() + "/my scene/masks/v0.png", capture.dir.path() + "/my scene/masks/v1.png",
                   fs::copy_options::overwrite_existing);
-    const test::ProcessResult second = capture.run({"--method", "flash"});
+    const test::ProcessResult second = make({"METHOD=flash"});
     INFO(second.err);
     CHECK(second.exit_code == 0);
-    auto after = times_of(capture.out);
+    auto after = times_of(out);
     CHECK(after["boundary.ply"] != before.at("boundary.ply"));
     CHECK(after["metrics.json"] != before.at("metrics.json"));
   }
-  SUBCASE("the scores, if a bound was added; it exits 1 where it is not met") {
-    const test::ProcessResult second = capture.run({"--method", "flash"}, {{"EVAL_FLAGS", "--fail-below iou=1.01"}});
+  SUBCASE("the optimisation, if a file changed that its options name") {
+    const auto steps = [&](const char* text) {
+      capture.dir.write("joint.json", text);
+      CHECK(make({"METHOD=flash", "JOINT_FLAGS=--options joint.json"}).exit_code == 0);
+      std::ifstream file(out + "/reports/ngs-joint.json");
+      return nlohmann::json::parse(file)["options"]["steps"].get<int>();
+    };
+    CHECK(steps("{\"steps\": 3}") == 3);
+    CHECK(steps("{\"steps\": 14}") == 14);
+    CHECK(times_of(out)["boundary.ply"] == before.at("boundary.ply"));
+  }
+  SUBCASE("the scores, if a bound was added; make fails where it is not met") {
+    const test::ProcessResult second = make({"METHOD=flash", "EVAL_FLAGS=--fail-below iou=1.01"});
     INFO(second.err);
-    CHECK(second.exit_code == 1);
-    auto after = times_of(capture.out);
+    CHECK(second.exit_code != 0);
+    CHECK(second.err.find("a bound of --fail-below was not met") != std::string::npos);
+    auto after = times_of(out);
     CHECK(after["labelled.ply"] == before.at("labelled.ply"));
     CHECK(after["metrics.json"] != before.at("metrics.json"));
+    CHECK(after["report.html"] != before.at("report.html"));
+  }
+}
+
+TEST_CASE("ngs cut of a capture and ngs-gs.sh, with the same options, write the same labelled.ply and object.ply") {
+  const Capture capture;
+  const std::vector<std::string> same{"--quality", "draft", "--hold-out", "every:4:2", "--gt", "my scene/masks"};
+  std::vector<std::string> script{"my scene", "the output"};
+  script.insert(script.end(), same.begin(), same.end());
+  const test::ProcessResult by_script = run_script(capture.dir.path(), script);
+  INFO(by_script.err);
+  REQUIRE(by_script.exit_code == 0);
+  test::ProcessSpec cut;
+  cut.argv = {NGS_TOOL_DIR "/ngs", "cut", "my scene", "-o", "cut", "-j", "2"};
+  cut.argv.insert(cut.argv.end(), same.begin(), same.end());
+  cut.folder = capture.dir.path();
+  const test::ProcessResult by_cut = test::run_process(cut);
+  INFO(by_cut.err);
+  REQUIRE(by_cut.exit_code == 0);
+  for (const char* name : {"labelled.ply", "object.ply", "background.ply", "masks/v2.png", "metrics.json"}) {
+    CAPTURE(name);
+    CHECK(test::read_bytes(capture.out + "/" + name) == test::read_bytes(capture.dir.path() + "/cut/" + name));
   }
 }
 
@@ -116,10 +194,10 @@ TEST_CASE("ngs-gs.sh prints the commands in a dry run and writes nothing") {
   const test::ProcessResult result = capture.run({"-n", "--steps", "5", "--quality", "draft"});
   INFO(result.err);
   CHECK(result.exit_code == 0);
-  CHECK(result.out.find("ngs-variance ./scene.json -o ./boundary.ply") != std::string::npos);
+  CHECK(result.out.find("ngs-variance the\\ output/scene.json -o the\\ output/boundary.ply") != std::string::npos);
   CHECK(result.out.find("--quality draft") != std::string::npos);
   CHECK(result.out.find("--steps 5") != std::string::npos);
-  CHECK(times_of(capture.out).empty());
+  CHECK_FALSE(fs::exists(capture.out));
 }
 
 TEST_CASE("ngs-gs.sh gives --device to the tools that have a CUDA path, and to no other") {
@@ -167,42 +245,36 @@ TEST_CASE("ngs-gs.sh refuses what it cannot use") {
   CHECK(run_script(dir.path(), {".", "out", "--image-scale", "none"}).exit_code == 2);
   const test::ProcessResult empty = run_script(dir.path(), {".", "out"});
   CHECK(empty.exit_code == 3);
-  CHECK(empty.err.find("no poses found") != std::string::npos);
+  CHECK(empty.err.find("no cameras found") != std::string::npos);
 }
 
-TEST_CASE("ngs-gs.sh stops at the artifact that --until names, and names those that there are") {
+TEST_CASE("experiment.mk makes the artifact that is asked for, and says where nothing was scored") {
   const Capture capture;
-  const test::ProcessResult unknown = capture.run({"--until", "boundary.png"});
-  CHECK(unknown.exit_code == 2);
-  CHECK(unknown.err.find("--until boundary.png: expected scene.json") != std::string::npos);
-  CHECK(capture.run({"--method", "flash", "--until", "masks"}).exit_code == 0);
-  CHECK(fs::exists(capture.out + "/masks/v2.png"));
-  CHECK_FALSE(fs::exists(capture.out + "/metrics.json"));
-  const test::ProcessResult unscored =
-      run_script(capture.dir.path(), {"my scene", "other", "--method", "flash", "--until", "metrics.json"});
-  CHECK(unscored.exit_code == 5);
+  const std::string out = capture.dir.path() + "/out/";
+  CHECK(run_make(capture.dir.path(), {"METHOD=flash", "out/labelled.ply"}).exit_code == 0);
+  CHECK(fs::exists(out + "labelled.ply"));
+  CHECK_FALSE(fs::exists(out + "field.ply"));
+  CHECK_FALSE(fs::exists(out + "masks"));
+  CHECK(run_make(capture.dir.path(), {"METHOD=flash", "out/field.ply"}).exit_code == 0);
+  CHECK(fs::exists(out + "field.ply"));
+  const test::ProcessResult unscored = run_make(capture.dir.path(), {"METHOD=flash", "out/metrics.json"});
+  CHECK(unscored.exit_code != 0);
   CHECK(unscored.err.find("nothing was scored") != std::string::npos);
 }
 
-TEST_CASE("ngs-gs.sh makes the field where a stage reads it or it is asked for, and else says that it is not needed") {
+TEST_CASE("ngs-gs.sh makes the field where a stage reads it or it is asked for") {
   const Capture capture;
   const auto has_field = [&] {
     return fs::exists(capture.out + "/queries.ply") && fs::exists(capture.out + "/field.ply");
   };
-  const test::ProcessResult without = capture.run({"--method", "flash", "--until", "labelled.ply"});
-  REQUIRE(without.exit_code == 0);
+  REQUIRE(capture.run({"--method", "flash"}).exit_code == 0);
   CHECK_FALSE(has_field());
-  CHECK(without.err.find("queries.ply and field.ply are not needed") != std::string::npos);
   const auto bytes = [&] { return test::read_bytes(capture.out + "/labelled.ply"); };
   const std::string labelled = bytes();
   SUBCASE("asked for") {
-    CHECK(capture.run({"--method", "flash", "--until", "labelled.ply", "--artifacts", "all"}).exit_code == 0);
+    CHECK(capture.run({"--method", "flash", "--artifacts", "all"}).exit_code == 0);
     CHECK(has_field());
     CHECK(bytes() == labelled);
-  }
-  SUBCASE("as a target") {
-    CHECK(capture.run({"--method", "flash", "--until", "field.ply"}).exit_code == 0);
-    CHECK(has_field());
   }
   SUBCASE("read") {
     const test::ProcessResult plan = capture.run({"--effect", "nerf=on", "-n"});
@@ -214,29 +286,33 @@ TEST_CASE("ngs-gs.sh makes the field where a stage reads it or it is asked for, 
   CHECK(capture.run({"--artifacts", "some"}).exit_code == 2);
 }
 
-TEST_CASE("ngs-gs.sh says a failure once: what the tool says, nothing of make") {
+TEST_CASE("ngs-gs.sh says a failure once, as the tool says it") {
   const Capture capture;
   fs::remove_all(capture.dir.path() + "/my scene/masks");
   fs::create_directories(capture.dir.path() + "/my scene/masks");
   const test::ProcessResult failed = run_script(capture.dir.path(), {"my scene", "other", "--method", "flash"});
   CHECK(failed.exit_code >= 3);
-  CHECK(failed.err.find("error: ") != std::string::npos);
-  CHECK(failed.err.find("make") == std::string::npos);
+  const std::size_t said = failed.err.find("error: ");
+  CHECK(said != std::string::npos);
+  CHECK(failed.err.find("error: ", said + 1) == std::string::npos);
 }
 
-TEST_CASE("ngs-gs.sh makes again what was taken out of the output folder") {
+TEST_CASE("experiment.mk makes again what was taken out of the output folder") {
   const Capture capture;
-  const std::vector<std::string> all{"--method", "flash", "--artifacts", "all"};
-  REQUIRE(capture.run(all).exit_code == 0);
-  for (const char* name : {"background.ply", "masks", "masks/v2.png", "metrics.json", "field.ply"}) {
+  const std::string out = capture.dir.path() + "/out";
+  const auto make = [&] {
+    return run_make(capture.dir.path(), {"METHOD=flash", "ARTIFACTS=all", "HOLD_OUT=every:4:2"}).exit_code;
+  };
+  REQUIRE(make() == 0);
+  for (const char* name : {"background.ply", "masks", "metrics.json", "field.ply"}) {
     CAPTURE(name);
-    fs::remove_all(capture.out + "/" + name);
-    CHECK(capture.run(all).exit_code == 0);
-    CHECK(fs::exists(capture.out + "/" + name));
+    fs::remove_all(out + "/" + name);
+    CHECK(make() == 0);
+    CHECK(fs::exists(out + "/" + name));
   }
-  const auto before = times_of(capture.out);
-  CHECK(capture.run(all).exit_code == 0);
-  CHECK(times_of(capture.out) == before);
+  const auto before = times_of(out);
+  CHECK(make() == 0);
+  CHECK(times_of(out) == before);
 }
 
 TEST_CASE("ngs-gs.sh lets input masks stand in for the truth as ngs-scene reads them, or not at all") {
@@ -282,7 +358,8 @@ TEST_CASE("ngs-gs.sh lets input masks stand in for the truth as ngs-scene reads 
     const test::ProcessResult result = run("--mask-invert");
     INFO(result.err);
     REQUIRE(result.exit_code == 0);
-    CHECK(result.err.find("the input masks are inverted: nothing is scored") != std::string::npos);
+    CHECK(result.err.find("nothing is scored: no true masks are known, and the input masks are inverted") !=
+          std::string::npos);
     CHECK_FALSE(fs::exists(capture.out + "/metrics.json"));
     CHECK(fs::exists(capture.out + "/report.html"));
   }
@@ -291,15 +368,17 @@ TEST_CASE("ngs-gs.sh lets input masks stand in for the truth as ngs-scene reads 
     const test::ProcessResult result = run("");
     INFO(result.err);
     REQUIRE(result.exit_code == 0);
-    CHECK(result.err.find("no held-out view has an input mask: nothing is scored") != std::string::npos);
+    CHECK(result.err.find("nothing is scored: no true masks are known, and no held-out view has an input mask") !=
+          std::string::npos);
     CHECK(fs::exists(capture.out + "/report.html"));
-    const auto before = times_of(capture.out);
-    CHECK(run("").exit_code == 0);
-    CHECK(times_of(capture.out) == before);
+    REQUIRE(run_make(capture.dir.path(), {"METHOD=flash", "HOLD_OUT=every:4:2"}).exit_code == 0);
+    const auto before = times_of(capture.dir.path() + "/out");
+    CHECK(run_make(capture.dir.path(), {"METHOD=flash", "HOLD_OUT=every:4:2"}).exit_code == 0);
+    CHECK(times_of(capture.dir.path() + "/out") == before);
   }
 }
 
-TEST_CASE("ngs-gs.sh finds poses where ngs-scene does") {
+TEST_CASE("experiment.mk finds poses where ngs-scene does") {
   for (const auto& [from, to] : {std::pair{"sparse", "colmap/sparse"}, {"transforms.json", "transforms_train.json"}}) {
     CAPTURE(to);
     const Capture capture;
@@ -308,15 +387,14 @@ TEST_CASE("ngs-gs.sh finds poses where ngs-scene does") {
     for (const char* other : {"sparse", "transforms.json", "cameras.json"}) fs::remove_all(scene + other);
     fs::create_directories(fs::path(scene + to).parent_path());
     fs::rename(kept, scene + to);
-    const test::ProcessResult result =
-        run_script(capture.dir.path(), {"my scene", "the output", "--until", "scene.json"});
+    const test::ProcessResult result = run_make(capture.dir.path(), {"out/scene.json"});
     INFO(result.err);
     CHECK(result.exit_code == 0);
-    CHECK(fs::exists(capture.out + "/scene.json"));
+    CHECK(fs::exists(capture.dir.path() + "/out/scene.json"));
   }
 }
 
-TEST_CASE("ngs-gs.sh sees a photo that changed where only the transforms file names its folder") {
+TEST_CASE("experiment.mk sees a photo that changed where only the transforms file names its folder") {
   const Capture capture;
   const std::string scene = capture.dir.path() + "/my scene/";
   fs::remove_all(scene + "sparse"), fs::remove(scene + "cameras.json");
@@ -326,16 +404,17 @@ TEST_CASE("ngs-gs.sh sees a photo that changed where only the transforms file na
   std::string poses = text.str();
   for (std::size_t at = 0; (at = poses.find("images/", at)) != poses.npos;) poses.replace(at, 7, "train photos/");
   std::ofstream(scene + "transforms.json") << poses;
-  const auto run = [&] { return run_script(capture.dir.path(), {"my scene", "the output", "--until", "scene.json"}); };
+  const std::string out = capture.dir.path() + "/out";
+  const auto run = [&] { return run_make(capture.dir.path(), {"out/scene.json"}); };
   const test::ProcessResult first = run();
   INFO(first.err);
   REQUIRE(first.exit_code == 0);
-  const auto before = times_of(capture.out);
+  const auto before = times_of(out);
   CHECK(run().exit_code == 0);
-  CHECK(times_of(capture.out) == before);
+  CHECK(times_of(out) == before);
   fs::copy_file(scene + "train photos/v0.png", scene + "train photos/v1.png", fs::copy_options::overwrite_existing);
   CHECK(run().exit_code == 0);
-  CHECK(times_of(capture.out)["scene.json"] != before.at("scene.json"));
+  CHECK(times_of(out)["scene.json"] != before.at("scene.json"));
 }
 
 TEST_CASE("ngs-gs.sh refuses an output folder where it would replace masks that it did not render") {
@@ -365,17 +444,19 @@ TEST_CASE("ngs-gs.sh refuses an output folder where it would replace masks that 
   }
   SUBCASE("a model that the result would replace") {
     REQUIRE(capture.run({"--method", "flash"}).exit_code == 0);
-    refused({"my scene", "the output", "--model", "the output/background.ply"}, "is the input model");
+    refused({"my scene", "the output", "--model", "the output/background.ply"},
+            "is the input the output/background.ply");
   }
   SUBCASE("masks that somebody laid beside the rendered ones") {
     REQUIRE(capture.run({"--method", "flash"}).exit_code == 0);
     fs::copy(scene + "/masks/v0.png", out + "/masks/mine.png");
-    refused({"my scene", "the output", "--method", "sa3d"}, "holds mine.png, which no run has rendered");
+    refused({"my scene", "the output", "--method", "sa3d"},
+            "the output/masks/mine.png: no run of this chain has written it");
   }
   SUBCASE("masks that nobody names, until they are moved away") {
     fs::create_directories(out);
     fs::copy(scene + "/masks", out + "/masks");
-    refused({"my scene", "the output"}, "no run has rendered");
+    refused({"my scene", "the output"}, "the output/masks: no run of this chain has written it");
     test::ProcessSpec make;
     make.argv = {"make",
                  "-f",
@@ -388,7 +469,7 @@ TEST_CASE("ngs-gs.sh refuses an output folder where it would replace masks that 
     fs::rename(out, capture.dir.path() + "/the-output");
     const test::ProcessResult direct = test::run_process(make);
     CHECK(direct.exit_code != 0);
-    CHECK(direct.err.find("no run has rendered") != std::string::npos);
+    CHECK(direct.err.find("no run of this chain has written it") != std::string::npos);
     fs::rename(capture.dir.path() + "/the-output/masks", out);
     CHECK(test::run_process(make).exit_code == 0);
   }

@@ -80,8 +80,8 @@ capture() {
   printf '%s\n' "$scenes/$1"
 }
 
-# prepare NAME SCENE_DIR [options of ngs-gs.sh]: $work/NAME/ holds scene.json and boundary.ply.
-prepare() { "$pipelines/ngs-gs.sh" "$2" "$work/$1" --until boundary.ply -q "${@:3}" >&2; }
+# prepare NAME SCENE_DIR [options of ngs-scene import]: $work/NAME/ holds scene.json and boundary.ply.
+prepare() { once "$work/$1" evidence_of "$2" "$work/$1" "${@:3}" >&2; }
 
 # The flags of ngs-joint behind a name of the tables.
 flags_of() {
