@@ -80,5 +80,5 @@ $(S)/scored: $(S)/rendered $(S)/eval.flags $(if $(wildcard $(OUT)/metrics.json $
 	@[ -e $(OUT)/metrics.json ] || touch $(S)/unscored; touch $@
 $(OUT)/metrics.json: $(S)/scored
 	@[ -e $@ ] || { echo "nothing was scored: give GT or HOLD_OUT" >&2; exit 5; }
-$(OUT)/report.html: $(OUT)/object.ply $(S)/scored $(S)/report.flags
+$(OUT)/report.html: $(OUT)/object.ply $(OUT)/background.ply $(S)/scored $(S)/report.flags
 	ngs-report $(OUT) -o $@ $(REPORT_FLAGS) $(ALL)/ngs-report.json

@@ -439,7 +439,7 @@ TEST_CASE("ngs-gs.sh refuses an output folder where it would replace masks that 
   SUBCASE("masks or truth in OUT_DIR/masks, or below it") {
     fs::create_directories(out + "/masks");
     fs::copy(scene + "/masks", out + "/masks/cup");
-    refused({"my scene", "the output", "--masks", "the output/masks"}, "holds the input");
+    refused({"my scene", "the output", "--masks", "the output/masks"}, "is the input the output/masks");
     refused({"my scene", "the output", "--gt", "the output/masks/cup"}, "holds the input");
   }
   SUBCASE("a model that the result would replace") {
