@@ -10,7 +10,7 @@
 # smooth. BASE is what all variants share: the joint stage alone, as the paper has it, without what this project adds. SIGMAS
 # are in units of the boundary's spacing. DAMAGES need MASKS, the folder whose masks are made wrong: erode dilate blob (see
 # robustness.mk for more). OUT/VARIANT/ are the runs, OUT/report.html and OUT/summary.json compare them. A variant that fails
-# is said and left out. A second call does only what changed.
+# is said and left out. A second call runs only variants whose options or inputs changed.
 SHELL := bash
 .DEFAULT_GOAL := all
 HERE := $(dir $(lastword $(MAKEFILE_LIST)))

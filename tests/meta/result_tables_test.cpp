@@ -57,7 +57,8 @@ TEST_CASE("a table says where it comes from, and whether the defaults have chang
   const std::string same = results::markdown_of(result, "0123456789abcdef");
   CHECK(same.find("| method | without | IoU |") == 0);
   CHECK(same.find("|---|---|---:|") != std::string::npos);
-  CHECK(same.find("A title. Commit `abc1234`, two cores, 2 min: `tests/bench/results.sh shown`.\n") != std::string::npos);
+  CHECK(same.find("A title. Commit `abc1234`, two cores, 2 min: `tests/bench/results.sh shown`.\n") !=
+        std::string::npos);
   CHECK(same.find("have changed since") == std::string::npos);
   CHECK(results::markdown_of(result, "fedcba9876543210").find("default options have changed since") !=
         std::string::npos);

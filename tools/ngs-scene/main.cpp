@@ -40,10 +40,9 @@ int import_command(int argc, char** argv) {
       "the 3DGS model (.ply, .spz, .sog, .splat, .ksplat); else point_cloud.ply or model.ply beside the cameras",
       "--model");
   const cli::Input& images = tool.optional_input("--images", "folder of photos; else images/ beside the cameras");
-  const cli::Input& masks =
-      tool.optional_input("--masks", "folder of masks; else masks/ or masks_sam/ beside the cameras");
+  const cli::Input& masks = tool.optional_input("--masks", "folder of masks; else masks/ or masks_sam/ beside them");
   const cli::Input& truth = tool.optional_input(
-      "--truth", "folder of true masks, which ngs-eval reads alone; else masks_gt/ or gt/ beside the cameras", "--gt");
+      "--truth", "folder of true masks, which ngs-eval reads alone; else masks_gt/ or gt/ beside them", "--gt");
   const cli::Input& world = tool.optional_input("--world-transform",
                                                 "JSON {transform, scale}: from the cameras' world to the "
                                                 "model's (nerfstudio's dataparser_transforms.json)");

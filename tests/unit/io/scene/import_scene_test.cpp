@@ -192,7 +192,6 @@ TEST_CASE("masks_sam/ is taken before other folders of masks; masks_gt/ or gt/ i
   make_scene(dir, 1);
   mask(dir, "masks_sam/0.jpg.png"), mask(dir, "masks_other/0.jpg.png");
   CHECK(import_scene(request_for(dir)).masks_dir == dir.path() + "/masks_sam");
-  CHECK(import_scene(request_for(dir)).truth_dir.empty());
   mask(dir, "gt/0.jpg.png");
   CHECK(import_scene(request_for(dir)).truth_dir == dir.path() + "/gt");
   mask(dir, "masks_gt/0.jpg.png");

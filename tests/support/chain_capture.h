@@ -1,0 +1,65 @@
+#pragma once
+// The tiny scene as a capture in a folder of its own, and the two ways to run the chain on it.
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "support/process.h"
+#include "support/temp_dir.h"
+#include "support/tiny_scene.h"
+
+namespace ngs::test {
+
+namespace fs = std::filesystem;
+
+inline ProcessResult run_script(const std::string& folder, std::vector<std::string> arguments,
+                                std::vector<std::pair<std::string, std::string>> environment = {}) {
+  ProcessSpec spec;
+  spec.argv = {NGS_SOURCE_DIR "/pipelines/ngs-gs.sh"};
+  spec.argv.insert(spec.argv.end(), arguments.begin(), arguments.end());
+  spec.folder = folder;
+  spec.environment = std::move(environment);
+  spec.environment.emplace_back("NGS_BIN", NGS_TOOL_DIR);
+  spec.environment.emplace_back("NGS_THREADS", "2");
+  return run_process(spec);
+}
+
+/// make -f pipelines/experiment.mk WORDS..., which makes OUT=out of SCENE=my scene.
+inline ProcessResult run_make(const std::string& folder, std::vector<std::string> words) {
+  ProcessSpec spec;
+  spec.argv = {"make", "-s", "-f", NGS_SOURCE_DIR "/pipelines/experiment.mk", "SCENE=my scene", "OUT=out"};
+  spec.argv.insert(spec.argv.end(), words.begin(), words.end());
+  spec.folder = folder;
+  spec.environment = {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}, {"SAMPLE_FLAGS", "--rows 8 --cols 8"}};
+  return run_process(spec);
+}
+
+inline std::map<std::string, fs::file_time_type> times_of(const std::string& folder) {
+  std::map<std::string, fs::file_time_type> times;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file() && entry.path().string().find("/.state/") == std::string::npos)
+      times[fs::relative(entry.path(), folder).string()] = entry.last_write_time();
+  return times;
+}
+
+struct Capture {
+  TempDir dir;
+  std::string out;
+  Capture() {
+    fs::create_directories(dir.path() + "/my scene");
+    write_tiny_scene(dir.path() + "/my scene");
+    fs::remove(dir.path() + "/my scene/scene.json");
+    out = dir.path() + "/the output";
+  }
+  /// The tiny scene with spaces in both folders, v2 held out.
+  ProcessResult run(std::vector<std::string> further,
+                    std::vector<std::pair<std::string, std::string>> environment = {}) const {
+    further.insert(further.begin(), {"my scene", "the output", "--hold-out", "every:4:2", "--gt", "my scene/masks"});
+    return run_script(dir.path(), further, std::move(environment));
+  }
+};
+
+}  // namespace ngs::test
