@@ -21,7 +21,7 @@ export SCENE_FLAGS VARIANCE_FLAGS SAMPLE_FLAGS RBF_FLAGS JOINT_FLAGS EXTRACT_FLA
 BIN := $(shell . '$(HERE)common.sh'; find_bin)
 export PATH := $(if $(BIN),$(BIN):)$(PATH)
 
-# One that is not empty: refused before anything runs.
+# Empty where the chain may write into OUT.
 REFUSED := $(shell . '$(HERE)common.sh'; \
   (refuse_out '$(OUT)' '$(SCENE)' '$(SCENE)'/{images,masks,masks_sam,masks_gt,gt} '$(MODEL)' '$(MASKS)' '$(GT)') || echo refused)
 $(if $(REFUSED),$(error $(OUT) is refused))
@@ -41,12 +41,11 @@ $(S):
 	@mkdir -p $@ $(OUT)/reports
 
 # What each tool depends on beside the artifacts before it, written anew only where it differs.
-INPUTS_scene := SCENE MODEL MASKS HOLD_OUT IMAGE_SCALE
+INPUTS_scene := SCENE MODEL MASKS GT HOLD_OUT IMAGE_SCALE
 INPUTS_variance := DEVICE
 INPUTS_rbf := DEVICE
 INPUTS_joint := METHOD QUALITY DEVICE
 INPUTS_render := DEVICE HOLD_OUT
-INPUTS_eval := GT
 $(S)/%.flags: FORCE | $(S)
 	@. '$(HERE)common.sh'; inputs_of ngs-$* $(INPUTS_$*) > $@.new; if cmp -s $@.new $@; then rm $@.new; else mv $@.new $@; fi
 
