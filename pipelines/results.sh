@@ -59,7 +59,7 @@ measure() {
 measure_gate() {
   results=$top/build/results measure "$1"
   tool ngs_results table "$top/build/results/$1.json" "$defaults"
-  results=$top/build/results "verdict_$1"
+  results=$top/build/results "fixed_$1"
 }
 
 # Adds the time since `began`.

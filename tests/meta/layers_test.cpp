@@ -119,7 +119,7 @@ Offenders word_offences(const SourceFile& file) {
   search("#\\s*pragma\\s+omp", backend, "OpenMP pragmas belong to backend/");
   search("\\batomic(Add|CAS|Max|Min|Exch)\\b|omp\\s+(atomic|critical)|std::atomic_ref",
          file.path == "libngs/ngs/backend/cuda_launcher.cuh", "kernels gather, they do not scatter");
-  search("\\b(Grid|Launcher)::add_to\\b",
+  search("\\b(Grid|Launcher)::atomic_add\\b",
          file.text.find("DeviceSums::kAtomic") != std::string::npos || !file.in("libngs/ngs/ops"),
          "kernels scatter by request only, DeviceSums::kAtomic");
   return offences;
@@ -179,7 +179,7 @@ TEST_CASE("CUDA and OpenMP words stand in the backend only, and nothing scatters
   CHECK(word_offences({"libngs/ngs/ops/x.cpp", "#pragma omp parallel for\n"}).size() == 1);
   CHECK(word_offences({"libngs/ngs/ops/x.h", "__device__ float f();\n"}).size() == 1);
   CHECK(word_offences({"libngs/ngs/ops/x.cu", "__global__ void f() { atomicAdd(p, 1); }\n"}).size() == 1);
-  CHECK(word_offences({"libngs/ngs/ops/x.h", "NGS_HD void f() { Grid::add_to(p, 1); }\n"}).size() == 1);
+  CHECK(word_offences({"libngs/ngs/ops/x.h", "NGS_HD void f() { Grid::atomic_add(p, 1); }\n"}).size() == 1);
 }
 
 TEST_CASE("no build file asks for fast-math or contraction, or for Eigen as it comes") {

@@ -90,7 +90,7 @@ TEST_CASE("joint: every part of the method can be switched off alone, and matter
   // Stages of their own, or the tool's: unit/stages, unit/passes.
   const std::set<std::string_view> elsewhere{
       "windows",  "exposure", "floaters",           "components",      "mask-outliers", "joint",
-      "contours", "split",    "contour-iterations", "full-resolution", "seen-through",  "antialias"};
+      "contours", "split",    "contour-iterations", "full-resolution", "bleed-through",  "antialias"};
   const std::set<std::string_view> nothing_here{"region", "fine-hash"};  // small pictures, few levels: unit/stages
   for (const Effect& effect : Pipeline(all_passes()).effects()) {
     if (elsewhere.contains(effect.name) || nothing_here.contains(effect.name)) continue;

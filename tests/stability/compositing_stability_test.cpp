@@ -310,7 +310,7 @@ TEST_CASE("compositing: alpha below 1/255 adds exactly nothing, from there on it
                     Stack stack;
                     stack.add(8.5, 8.5, 1, 0, 1, float(kAlphaMin), 1);
                     const float opacity = h == 1 ? float(kAlphaMin) : float(h / 255);
-                    stack.record[0].two_cut = std::max(0.f, 2 * std::log(255 * opacity)),
+                    stack.record[0].max_mahalanobis2 = std::max(0.f, 2 * std::log(255 * opacity)),
                     stack.record[0].log2_opacity = float(std::log2(double(opacity)));
                     const auto [channel, through] = stack.composite(lane_types().back());
                     const auto centre = std::size_t(8 * 16 + 8), other = std::size_t(random.below(kTilePixels));
@@ -373,11 +373,11 @@ TEST_CASE("compositing: every tile that a needle reaches lists it") {
                         const double u = g.mean_x - (x + 0.5), v = g.mean_y - (y + 0.5);
                         const double form =
                             double(g.form.a()) * u * u + 2 * double(g.form.b()) * u * v + double(g.form.c()) * v * v;
-                        if (form < double(g.two_cut) * (1 - 1e-4)) reached[y / 16 * 8 + x / 16] = true;
+                        if (form < double(g.max_mahalanobis2) * (1 - 1e-4)) reached[y / 16 * 8 + x / 16] = true;
                       }
                     const TileRect r = view.rect[0];
                     const float a = g.form.a(), b = g.form.b(), c = g.form.c(), det = a * c - b * b,
-                                half = std::sqrt(g.two_cut * c / det);
+                                half = std::sqrt(g.max_mahalanobis2 * c / det);
                     for (int tile = 0; tile < 64; ++tile) {
                       const int tx = tile % 8, ty = tile / 8;
                       if (tx < r.x_begin || tx >= r.x_end || ty < r.y_begin || ty >= r.y_end || !reached[tile])

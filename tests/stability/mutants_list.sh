@@ -83,7 +83,7 @@ mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: a resumed run does no
 mutant passes/resumed_decisions.cpp $t passes/resumed_decisions.cpp "resumed: what was left out is not told of" 's/if \(holds\(left_out, std::string\(effect\.name\)\)\)/if (false)/'
 mutant passes/resumed_decisions.cpp $t passes/resumed_decisions.cpp "resumed: decisions are not repeated" 's/if \(holds\(effects, text_of\(effect\.name, on\)\)\).*;$/;/'
 mutant passes/resumed_decisions.cpp $t passes/resumed_decisions.cpp "resumed: contours are kept too" 's/if \(find_effect\(anew, d\.effect->name\) == nullptr\)//'
-mutant passes/decisions.cpp $t passes/decisions.cpp "budget: what is ruled is left out" 's/return mode\(name\) != EffectMode::kAuto \|\|/return/'
+mutant passes/decisions.cpp $t passes/decisions.cpp "budget: what is ruled is left out" 's/return mode\(name\) != Switch::kAuto \|\|/return/'
 mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: half a look is believed" 's/^  by\.probe\.emplace\(run\.exec, run\.training, by\.seen\);//'
 mutant passes/floaters/floaters_pass.cpp $t passes/floaters/floaters_pass.cpp "floaters: half a refit is kept" 's/if \(run\.monitor\.stop_requested\(\)\) return false;//'
 mutant passes/mask_outliers/mask_outliers_pass.cpp $t passes/mask_outliers/mask_outliers_pass.cpp "mask outliers: half of the labels are kept" 's/^    if \(run\.monitor\.stop_requested\(\)\) return;//'
@@ -92,17 +92,17 @@ mutant passes/joint/trained_labels.cpp $t passes/joint/trained_labels.cpp "label
 mutant passes/joint/trained_labels.cpp $t passes/joint/trained_labels.cpp "labels: nobody's Gaussian is not trained" 's/if \(!own\.empty\(\)\) return own;/if (!input.region.empty()) return own;/'
 mutant passes/joint/trained_labels.cpp $t passes/joint/trained_labels.cpp "labels: what no view saw is trained" 's/input\.labels\[k\]\.views\[i\] > 0\.f && //'
 t=unit/ops/image/mask_pair_test.cpp
-mutant ops/image/mask_pair.h $t "" "mask pairs: only where it is rendered" 's/if \(mask_says_object\(target\[pixel\(x, y\)\]\)\) at\.add\(x, y\);//'
+mutant ops/image/mask_pair.h $t "" "mask pairs: only where it is rendered" 's/if \(mask_is_foreground\(target\[pixel\(x, y\)\]\)\) at\.add\(x, y\);//'
 mutant ops/image/mask_pair.h $t "" "mask pairs: the band is of the part" 's/band_width_px\(0\.02, view_width_px, view_height_px\)/band_width_px(0.02, width_px(), height_px())/'
-t=unit/passes/seen_through/seen_through_test.cpp f=passes/seen_through/seen_through.cpp
-mutant $f $t $f "seen through: weighed as it is drawn" 's/, PixelWeight::kByVisibility//'
-mutant $f $t $f "seen through: without a vote" 's/gain > kSignificant/gain == gain/'
-mutant $f $t $f "seen through: the vote is for the labels as they are" 's/gain \+= \(now - mask\) \* \(now - mask\) - \(then/gain += -(now - mask) * (now - mask) + (then/'
-mutant $f $t $f "seen through: labels beyond doubt are asked" 's/ && labels\[k\]\.prob\[i\] < kCertainShare//'
-mutant $f $t $f "seen through: rows fixed by hand change" 's/ && !is_fixed\(problem, i\)//'
-mutant $f $t $f "seen through: the first object's mask of all" 's/object_weight\(v, doubt\.object\)/object_weight(v, 0)/'
-mutant passes/pipeline.cpp $t passes/pipeline.cpp "seen through: the clock decides what kept steps begin with" 's/ \|\| run\.store != nullptr//'
-mutant passes/seen_through/seen_through_pass.cpp $t passes/seen_through/seen_through_pass.cpp "seen through: half a look is believed" 's/if \(run\.monitor\.stop_requested\(\)\) return;//'
+t=unit/passes/bleed_through/seen_through_test.cpp f=passes/bleed_through/bleed_through.cpp
+mutant $f $t $f "bleed through: weighed as it is drawn" 's/, PixelWeight::kByVisibility//'
+mutant $f $t $f "bleed through: without a vote" 's/gain > kSignificant/gain == gain/'
+mutant $f $t $f "bleed through: the vote is for the labels as they are" 's/gain \+= \(now - mask\) \* \(now - mask\) - \(then/gain += -(now - mask) * (now - mask) + (then/'
+mutant $f $t $f "bleed through: labels beyond doubt are asked" 's/ && labels\[k\]\.prob\[i\] < kCertainShare//'
+mutant $f $t $f "bleed through: rows fixed by hand change" 's/ && !is_fixed\(problem, i\)//'
+mutant $f $t $f "bleed through: the first object's mask of all" 's/object_weight\(v, doubt\.object\)/object_weight(v, 0)/'
+mutant passes/pipeline.cpp $t passes/pipeline.cpp "bleed through: the clock decides what kept steps begin with" 's/ \|\| run\.store != nullptr//'
+mutant passes/bleed_through/seen_through_pass.cpp $t passes/bleed_through/seen_through_pass.cpp "bleed through: half a look is believed" 's/if \(run\.monitor\.stop_requested\(\)\) return;//'
 t=unit/ops/splat/evidence_test.cpp
 mutant ops/splat/evidence_tile.h $t ops/splat/tile_isa.cpp "evidence: visibility weighs as drawn" 's/if constexpr \(kByVisibility\) weight = weight \* hit\.transmittance;//'
 mutant ops/splat/evidence.cpp $t ops/splat/evidence.cpp "evidence: tiles of the first Gaussian alone" 's/std::any_of\(work\.visible, work\.visible \+ work\.entries,/std::any_of(work.visible, work.visible + std::min(work.entries, 1u),/'
@@ -264,35 +264,35 @@ mutant math/median.h $t "" "a third instead of the middle" 's/values\.size\(\) \
 f=ops/image/image_metrics.cpp
 mutant $f $t $f "squares, not the square of the difference" 's/sum \+= w \* d \* d;/const float p = a.at(x, int(y), c), q = b.at(x, int(y), c); sum += w * double(p * p - 2 * p * q + q * q) + 0 * d;/'
 
-t="parity/emulated_main.cpp parity/backends.cpp parity/splat_parity.cpp" f=ops/device/tiles_schedule.h
+t="parity/emulated_main.cpp parity/backends.cpp parity/splat_parity.cpp" f=ops/device/tiles_kernel.h
 mutant $f "$t" "" "device: pairs of a Gaussian in one row of tiles only" 's/ty < rect\[i\]\.y_end/ty < rect[i].y_begin + 1/'
-mutant $f "$t" "" "device: last tile without an end" 's/launcher\.each\(tile_count_ \+ 1, FindTiles/launcher.each(tile_count_, FindTiles/'
+mutant $f "$t" "" "device: last tile without an end" 's/launcher\.each\(tile_count_ \+ 1, FindTiles/launcher.parallel_for(tile_count_, FindTiles/'
 mutant $f "$t" "" "device: keys sorted by tile only" 's/\| near_first;/| 0;/'
-f=ops/device/splat_forward_schedule.h
+f=ops/device/splat_forward_kernel.h
 mutant $f "$t" "" "device: a batch of the whole tile" 's/min2<std::int64_t>\(kBatch, end - first\)/kBatch/'
 mutant $f "$t" "" "device: background behind an opaque tile" 's/fma_lanes\(own\.traversal\.transmittance, channels\.background\[c\], own\.sum\[c\]\)/own.sum[c]/'
-f=ops/device/splat_backward_schedule.h
-mutant $f unit/ops/device/splat_backward_schedule_test.cpp "" "device: transmittances kept by the wrong tile" 's/return begin \/ kBatch \+ tile;/return begin \/ kBatch;/'
+f=ops/device/splat_backward_kernel.h
+mutant $f unit/ops/device/splat_backward_kernel_test.cpp "" "device: transmittances kept by the wrong tile" 's/return begin \/ kBatch \+ tile;/return begin \/ kBatch;/'
 mutant $f "$t" "" "device: no barrier before memory is used again" 's/if \(j < used\) sum_segment\(shared, (.*), own\.part\);/if (j < used) { sum_segment(shared, \1, own.part); for (int k = 0; k < kSums; ++k) shared.segment[s][j * kSums + k] = own.part[k]; }/'
-mutant $f "$t" "" "device: chunks from the near end" 's/for \(int chunk = divided_up\(count, kChunk\); chunk-- > 0;\)/for (int chunk = 0; chunk < divided_up(count, kChunk); ++chunk)/'
+mutant $f "$t" "" "device: chunks from the near end" 's/for \(int chunk = ceil_div\(count, kChunk\); chunk-- > 0;\)/for (int chunk = 0; chunk < ceil_div(count, kChunk); ++chunk)/'
 mutant $f "$t" "" "device: geometry of channel groups not added" 's/channels\.first > 0 \? \*to \+ value : value/false ? value : value/'
 mutant $f "$t" "" "device: segments that overlap" 's/at = s \/ 2 \* kTilePx \+ x/at = s \/ 2 * kTilePx + i/'
 mutant $f "$t" "" "device: an atomic sum without its last column" 's/if \(sums == DeviceSums::kAtomic\)$/if (sums == DeviceSums::kAtomic \&\& k + 1 < kPairGeometry + channels.used)/'
-mutant ops/device/splat_schedule.h "$t" "" "device: atomic sums read as those of pairs" 's/summed \? i \+ 1 : end/end/; s/summed \? i : begin/begin/'
-mutant ops/device/evidence_schedule.h "$t" "" "device: second group of objects over the first" 's/k \+ 2 \* first\)\]/k)]/'
+mutant ops/device/splat_kernel.h "$t" "" "device: atomic sums read as those of pairs" 's/summed \? i \+ 1 : end/end/; s/summed \? i : begin/begin/'
+mutant ops/device/evidence_kernel.h "$t" "" "device: second group of objects over the first" 's/k \+ 2 \* first\)\]/k)]/'
 t="parity/emulated_main.cpp parity/backends.cpp parity/field_parity.cpp"
-mutant ops/device/knn_schedule.h "$t" "" "device: equal distances lose their order" 's/if \(!placed \&\& !/if (!/'
-mutant ops/device/knn_schedule.h "$t" "" "device: float distances rejected without slack" 's/ \* 1\.000002f;/ * 0.999f;/'
-mutant ops/device/hash_grid_schedule.h "$t" "" "device: every contribution starts a sum" 's/if \(i > 0 \&\& key\[i - 1\] == key\[i\]\) return;//'
-mutant ops/device/hash_grid_schedule.h "$t" "" "device: an atomic sum drops a contribution" 's/(\[\]\(float\* to, float x\) \{ )(Launcher::add_to)/[i](float* to, float x) { if (i != 77) \2/'
-mutant ops/device/film_backward_schedule.h "$t" "" "device: parts lose the last tile" 's/\(block\.index \+ 1\) \* tiles \/ kParts;/(block.index + 1) * tiles \/ kParts - 1;/'
-mutant ops/device/film_backward_schedule.h "$t" "" "device: conditions not loaded again" 's/Tile::load_condition\(t, net, first, shared\.condition\);//'
-mutant ops/device/film_forward_schedule.h "$t" "" "device: activations written while they are read" 's/(Tile::product\(t, .*, shared\.x, own\.cells\);)/\1 shared.x[t] = own.cells[0][0];/'
+mutant ops/device/knn_kernel.h "$t" "" "device: equal distances lose their order" 's/if \(!placed \&\& !/if (!/'
+mutant ops/device/knn_kernel.h "$t" "" "device: float distances rejected without slack" 's/ \* 1\.000002f;/ * 0.999f;/'
+mutant ops/device/hash_grid_kernel.h "$t" "" "device: every contribution starts a sum" 's/if \(i > 0 \&\& key\[i - 1\] == key\[i\]\) return;//'
+mutant ops/device/hash_grid_kernel.h "$t" "" "device: an atomic sum drops a contribution" 's/(\[\]\(float\* to, float x\) \{ )(Launcher::add_to)/[i](float* to, float x) { if (i != 77) \2/'
+mutant ops/device/film_backward_kernel.h "$t" "" "device: parts lose the last tile" 's/\(block\.index \+ 1\) \* tiles \/ kParts;/(block.index + 1) * tiles \/ kParts - 1;/'
+mutant ops/device/film_backward_kernel.h "$t" "" "device: conditions not loaded again" 's/Tile::load_condition\(t, net, first, shared\.condition\);//'
+mutant ops/device/film_forward_kernel.h "$t" "" "device: activations written while they are read" 's/(Tile::product\(t, .*, shared\.x, own\.cells\);)/\1 shared.x[t] = own.cells[0][0];/'
 t="parity/emulated_main.cpp parity/backends.cpp parity/loss_parity.cpp"
-mutant ops/device/sum_schedule.h "$t" "" "device: a chunk one short" 's/row < rows\.end; row \+= rows\.step\)$/row + rows.step < rows.end; row += rows.step)/'
-mutant ops/device/photometric_schedule.h "$t" "" "device: padding not cleared" 's/products\.zero\(\);//'
-mutant ops/device/adam_schedule.h "$t" "" "device: negative overflow passes" 's/if \(!\(value\[i\] <= limit \&\& -value\[i\] <= limit\)\)/if (!(value[i] <= limit))/'
-mutant ops/device/adam_schedule.h "$t" "" "device: the last unusable gradient found" 's/found = i < found \? i : found;/found = i;/'
+mutant ops/device/sum_kernel.h "$t" "" "device: a chunk one short" 's/row < rows\.end; row \+= rows\.step\)$/row + rows.step < rows.end; row += rows.step)/'
+mutant ops/device/photometric_kernel.h "$t" "" "device: padding not cleared" 's/products\.zero\(\);//'
+mutant ops/device/adam_kernel.h "$t" "" "device: negative overflow passes" 's/if \(!\(value\[i\] <= limit \&\& -value\[i\] <= limit\)\)/if (!(value[i] <= limit))/'
+mutant ops/device/adam_kernel.h "$t" "" "device: the last unusable gradient found" 's/found = i < found \? i : found;/found = i;/'
 
 t=unit/passes/exposure/exposure_test.cpp f=passes/exposure/exposure.cpp
 mutant $f $t $f "one pixel for the median of an exposure" 's/upper_median\(std::move\(ratio\)\)/ratio[0]/'
@@ -301,7 +301,7 @@ mutant $f $t $f "clipped pixels have a say on exposure" 's/ && std::max\(a, b\) 
 
 t=unit/passes/pipeline_test.cpp f=passes/decisions.cpp
 mutant $f $t $f "an effect decided without what it needs" 's/need != nullptr && !need->on/false/'
-mutant $f $t $f "a verdict before an entry" 's/mode != EffectMode::kAuto\)/mode != EffectMode::kAuto \&\& verdicts_.empty())/'
+mutant $f $t $f "a verdict before an entry" 's/mode != Switch::kAuto\)/mode != Switch::kAuto \&\& fixed_.empty())/'
 
 t=unit/stages/render/background_test.cpp f=stages/render/background.cpp
 mutant $f $t $f "background: black whatever the photos show" 's/found\.gain_db >= kBackgroundMarginDb/false/'
@@ -328,10 +328,10 @@ t=unit/passes/contours/refined_masks_test.cpp
 f=passes/contours/refined_masks.cpp
 mutant $f $t $f "masks: one-sided ones have a say" 's/masks_misaligned\(refined\) && masks_err_to_one_side\(refined\)/false/'
 mutant $f $t $f "masks: misaligned ones have no say" 's/masks_misaligned\(refined\) && masks_err_to_one_side\(refined\)/masks_misaligned(refined)/'
-mutant passes/contours/unexplained_contrast.cpp unit/passes/contours/unexplained_contrast_test.cpp passes/contours/unexplained_contrast.cpp "photos: a residual at pixels that were not moved" 's/if \(bool\(mask\[p\]\) == label_says_object/if (bool(mask[p]) != label_says_object/'
+mutant passes/contours/unexplained_contrast.cpp unit/passes/contours/unexplained_contrast_test.cpp passes/contours/unexplained_contrast.cpp "photos: a residual at pixels that were not moved" 's/if \(bool\(mask\[p\]\) == label_is_foreground/if (bool(mask[p]) != label_is_foreground/'
 mutant $f $t $f "masks: too large by much is no error to one side" 's/std::abs\(beyond - lacking\)/lacking - beyond/'
 
-t=unit/ops/splat/kept_view_test.cpp f=ops/splat/kept/kept_view.cpp
+t=unit/ops/splat/cached_view_test.cpp f=ops/splat/cached/cached_view.cpp
 mutant $f $t "$f" "kept view: pixels that leave the mask do not count" 's/target\[p\] == float\(mask\[p\]\)/target[p] >= float(mask[p])/'
 mutant $f $t "$f" "kept view: what was summed once stays" 's/if \(!changed\[v\]\) continue;/if (changed[v] \&\& s.sums.weight[s.place[v]] > 0) continue;/'
 t=unit/stages/live/correction_test.cpp f=stages/live/correction.cpp
@@ -361,7 +361,7 @@ mutant $f $t $f "label column: later values not counted on" 's/\+\+before\[later
 mutant $f $t $f "label column: pages shared that hold other values" 's/return a\.has == b\.has && .*;/return a.has == b.has;/'
 mutant $f $t $f "label column: rows come back that were cut off" 's/if \(rows < rows_ && rows % kPageRows != 0\)/if (false)/'
 mutant stages/fit/photo_refit.cpp unit/passes/floaters/floaters_test.cpp stages/fit/photo_refit.cpp "refit: rows that are not to be trained" 's/trained\(exec, in\.trained, /trained(exec, {}, /; s/kept\[r\] = !in\.trained\[row\]/kept[r] = 0/'
-t=unit/ops/splat/asked_test.cpp
+t=unit/ops/splat/cull_request_test.cpp
 mutant ops/splat/binned_view.h $t "" "where: tiles that nothing is asked of are drawn" 's/lists\.last_z = last_asked\(.*\);/lists.last_z.clear();/'
 mutant ops/splat/tile_lists.h $t "" "where: spans of the first rows alone" 's/row < kFirstRows \? view\.first\[v\]\[std::size_t\(row\)\] : tile_span\(.*\);/row < kFirstRows ? view.first[v][std::size_t(row)] : TileSpan{0, 0};/'
 mutant ops/splat/splat_gaussian.h $t "" "where: a tile short to the right" 's/kTilePx \* drawn\.x_end \* z/kTilePx * (drawn.x_end - 9) * z/'

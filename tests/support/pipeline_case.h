@@ -86,7 +86,7 @@ class PipelineCase {
   Monitor monitor_;
   Pipeline pipeline_;
   TrainingOptions training_;
-  EffectModes modes_;
+  EffectSwitches modes_;
   Decisions decisions_;
   Budget budget_{0, std::nullopt};
   Json report_ = Json::object();

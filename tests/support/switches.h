@@ -11,19 +11,19 @@
 
 namespace ngs::test {
 
-inline EffectModes modes_of(const std::vector<std::string>& entries) {
+inline EffectSwitches modes_of(const std::vector<std::string>& entries) {
   return {Pipeline(all_passes()).effects(), entries};
 }
 
 /// auto is on.
 inline JointSwitches joint_switched(const std::vector<std::string>& entries) {
-  const EffectModes modes = modes_of(entries);
-  return joint_switches([&](std::string_view name) { return modes.of(name) != EffectMode::kOff; });
+  const EffectSwitches modes = modes_of(entries);
+  return joint_switches([&](std::string_view name) { return modes.of(name) != Switch::kOff; });
 }
 
 inline ContourSwitches contours_switched(const std::vector<std::string>& entries) {
-  const EffectModes modes = modes_of(entries);
-  const auto on = [&](std::string_view name) { return modes.of(name) != EffectMode::kOff; };
+  const EffectSwitches modes = modes_of(entries);
+  const auto on = [&](std::string_view name) { return modes.of(name) != Switch::kOff; };
   return {.split = on("split"), .iterations = on("contour-iterations"), .full_resolution = on("full-resolution")};
 }
 

@@ -11,7 +11,7 @@ std::vector<FitView> load_views(Run& run, const Scene& scene) {
   const auto timed = run.monitor().scope("load");
   std::vector<FitView> views;
   for (std::size_t i = 0; i < scene.views.size(); ++i) {
-    HeldPhoto photo = io::hold_photo(scene, i);
+    PackedPhoto photo = io::read_packed_photo(scene, i);
     if (!photo.empty()) views.push_back({scene.views[i].camera, std::move(photo), scene.views[i].split});
   }
   if (views.size() < scene.views.size())

@@ -2,15 +2,15 @@
 
 #include <span>
 
-#include "verdicts.h"
+#include "fixed_decisions.h"
 
 namespace ngs::joint {
 namespace {
 
-using Rules = std::vector<EffectVerdict>;
+using Rules = std::vector<FixedDecision>;
 
 std::string mode_of(const Effect& effect, const Rules& rules) {
-  for (const EffectVerdict& rule : rules)
+  for (const FixedDecision& rule : rules)
     if (rule.name == effect.name) return rule.on ? "on" : "off";
   return effect.always.empty() ? "auto" : "on";
 }
@@ -41,7 +41,7 @@ std::string part_names(std::span<const Effect> parts, const Rules& rules) {
 }  // namespace
 
 std::string effects_help(const Options& options, bool in_full) {
-  const Rules rules = verdicts_of(options, "");
+  const Rules rules = fixed_decisions_of(options, "");
   std::string text = "effects: --effect NAME=auto|on|off; auto: where the scene calls for it (--explain lists why)\n";
   for (const std::unique_ptr<Pass>& pass : options.pipeline.passes()) {
     if (pass->stage() != PassStage::kMend && !options.runs_passes()) continue;

@@ -21,7 +21,7 @@
 #include "shared/run/checkpoints.h"
 #include "shared/scene/scene_model.h"
 #include "step_files.h"
-#include "verdicts.h"
+#include "fixed_decisions.h"
 
 namespace ngs::joint {
 namespace {
@@ -52,8 +52,8 @@ void warn_of_baseline(cli::Run& run, const Options& options, const Paths& paths)
     if (!path.empty()) unused.push_back(flag);
   };
   file("--field", paths.field), file("--trace", paths.trace);
-  const EffectModes modes(options.pipeline.effects(), options.choice.effect);
-  if (options.choice.quality != MethodChoice{}.quality && modes.of("floaters") != EffectMode::kOn)
+  const EffectSwitches modes(options.pipeline.effects(), options.choice.effect);
+  if (options.choice.quality != MethodChoice{}.quality && modes.of("floaters") != Switch::kOn)
     unused.push_back("--quality");  // it says how thoroughly floaters are searched
   const std::vector<Effect> effects = options.pipeline.effects(PassStage::kMend);
   for (const std::string& entry : options.choice.effect)
@@ -134,7 +134,7 @@ class MethodRun {
         paths_(paths),
         budget_(start_s, parse_seconds(options.steps.time_budget)),
         modes_(options.pipeline.effects(), options.choice.effect),
-        decisions_(options.pipeline.effects(), modes_, verdicts_of(options, paths.effects_from)),
+        decisions_(options.pipeline.effects(), modes_, fixed_decisions_of(options, paths.effects_from)),
         input_(run, options, paths),
         store_(run.monitor(), {options.steps.checkpoint, options.steps.resume, options.steps.checkpoint_every}) {}
 
@@ -283,7 +283,7 @@ class MethodRun {
   Options& options_;
   const Paths& paths_;
   Budget budget_;
-  EffectModes modes_;
+  EffectSwitches modes_;
   Decisions decisions_;
   Input input_;
   StepFile store_;

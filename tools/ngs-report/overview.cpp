@@ -122,7 +122,7 @@ ImageF side_picture(const io::GaussianPly& ply, const LabelColumns& labels, int 
     const std::size_t at = std::size_t(y) * kSidePx + std::size_t(x);
     if (is_set(labels.boundary[i]))
       boundary[at] += 1;
-    else if (label_says_object(labels.label[i]))
+    else if (label_is_foreground(labels.label[i]))
       object[at] += 1;
   }
   ImageF picture(kSidePx, kSidePx, 3, 0.08f);
@@ -204,7 +204,7 @@ std::string boundary_section(RunFolder& run, Pictures& pictures) {
     const auto range = range_of(ply, labels);
     if (!(range[0][1] > range[0][0])) return {};
     boundary = std::ranges::count_if(labels.boundary, is_set);
-    object = std::ranges::count_if(labels.label, label_says_object);
+    object = std::ranges::count_if(labels.label, label_is_foreground);
     for (const int axis : {0, 1, 2}) {
       const std::string name = "along " + std::string(1, char('x' + axis));
       const std::string figure = "<figure><span class=stack>" +

@@ -37,7 +37,7 @@ struct UndistortOptions {
 
 /// A view before and after.
 struct Straightening {
-  Camera bent, straight;
+  Camera distorted, straight;
   const Lens* lens;  // null: a pinhole, whose files are copied
 };
 
@@ -72,7 +72,7 @@ void write_samples(const std::string& path, const io::RawMask& picture, int jpeg
 io::RawMask straight_picture(const io::RawMask& picture, const Straightening& view, Resampling resampling) {
   io::RawMask out = picture;
   out.width_px = view.straight.width_px, out.height_px = view.straight.height_px;
-  out.data = straightened({}, picture.samples(), {view.bent, *view.lens}, view.straight, resampling);
+  out.data = straightened({}, picture.samples(), {view.distorted, *view.lens}, view.straight, resampling);
   return out;
 }
 
@@ -117,20 +117,20 @@ class Undistortion {
       : run_(run), options_(options), source_(std::move(source)), folder_(std::move(folder)) {
     for (const SceneView& view : source_.capture.views) {
       const auto lens = source_.capture.lenses.find(view.camera.name);
-      const bool bent = lens != source_.capture.lenses.end();
-      Straightening& s = views_.emplace_back(Straightening{view.camera, view.camera, bent ? &lens->second : nullptr});
-      if (!bent) continue;
+      const bool distorted = lens != source_.capture.lenses.end();
+      Straightening& s = views_.emplace_back(Straightening{view.camera, view.camera, distorted ? &lens->second : nullptr});
+      if (!distorted) continue;
       s.straight = straight_camera({view.camera, lens->second});
       if (!is_jpeg(view.camera.name)) s.straight.name = as_png(view.camera.name);
     }
   }
 
-  std::size_t bent() const { return source_.capture.lenses.size(); }
+  std::size_t distorted() const { return source_.capture.lenses.size(); }
   Json sizes() const {
     std::map<std::string, std::size_t> count;
     for (const Straightening& v : views_)
       if (v.lens)
-        ++count[io::to_string({v.bent.width_px, v.bent.height_px}) + " -> " +
+        ++count[io::to_string({v.distorted.width_px, v.distorted.height_px}) + " -> " +
                 io::to_string({v.straight.width_px, v.straight.height_px})];
     return count;
   }
@@ -161,7 +161,7 @@ class Undistortion {
     return write_each([&](std::size_t v) { return io::mask_files(scene, v); },
                       [&](std::size_t v, const std::string& path) {
                         const std::string below = masks_dir.empty()
-                                                      ? image_stem(views_[v].bent.name) + ".png"
+                                                      ? image_stem(views_[v].distorted.name) + ".png"
                                                       : fs::path(path).lexically_relative(masks_dir).string();
                         const std::string to = folder_ + "/" + name + "/" + below;
                         make_folder_of(to);
@@ -243,9 +243,9 @@ int undistort_command(int argc, char** argv) {
     if (folders.empty()) folders.emplace_back();  // those that the source names
     const std::size_t views = capture.capture.views.size();
     const Undistortion undistortion(run, options, std::move(capture), out.path);
-    if (undistortion.bent() == 0)
+    if (undistortion.distorted() == 0)
       run.monitor().warn(source.value + ": no camera has lens distortion, all files are copied");
-    run.result() = {{"views", views}, {"distorted", undistortion.bent()}, {"sizes", undistortion.sizes()}};
+    run.result() = {{"views", views}, {"distorted", undistortion.distorted()}, {"sizes", undistortion.sizes()}};
     if (run.dry_run()) {
       run.plan({{"views", views}});
       return cli::kDone;

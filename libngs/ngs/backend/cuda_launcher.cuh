@@ -79,7 +79,7 @@ struct AddWide {
 
 class CudaLauncher {
  public:
-  static NGS_HD void add_to(float* to, float x) {
+  static NGS_HD void atomic_add(float* to, float x) {
 #ifdef __CUDA_ARCH__
     atomicAdd(to, x);
 #else
@@ -88,11 +88,11 @@ class CudaLauncher {
   }
 
   template <class Kernel>
-  void each(std::int64_t n, const Kernel& kernel) {
+  void parallel_for(std::int64_t n, const Kernel& kernel) {
     if (n <= 0) return;
     constexpr int kBlock = 256;
     constexpr std::int64_t kMostBlocks = std::int64_t(1) << 20;
-    const std::int64_t blocks = divided_up<std::int64_t>(n, kBlock);
+    const std::int64_t blocks = ceil_div<std::int64_t>(n, kBlock);
     detail::KernelClock clock(Kernel::kName, stream());
     detail::each_kernel<<<unsigned(blocks < kMostBlocks ? blocks : kMostBlocks), kBlock, 0, stream()>>>(n, kernel);
     check_cuda(cudaGetLastError(), Kernel::kName);
@@ -101,7 +101,7 @@ class CudaLauncher {
   }
 
   template <class Kernel>
-  void blocks(std::int64_t n, const Kernel& kernel) {
+  void launch_blocks(std::int64_t n, const Kernel& kernel) {
     static_assert(sizeof(typename Kernel::Shared) <= 48 * 1024, "beyond it a block needs an attribute");
     constexpr std::int64_t kMost = 0x7fffffff;
     for (std::int64_t first = 0; first < n; first += kMost) {
@@ -130,7 +130,7 @@ class CudaLauncher {
     if (v.Current() != values) copy(values, v.Current(), std::size_t(n) * sizeof *values);
   }
 
-  void sum_before(const std::uint32_t* in, std::int64_t* out, std::int64_t n) {
+  void exclusive_scan(const std::uint32_t* in, std::int64_t* out, std::int64_t n) {
     fill_zero(out, sizeof *out);
     if (n == 0) return;
     std::size_t bytes = 0;

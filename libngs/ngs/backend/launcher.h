@@ -1,13 +1,13 @@
 #pragma once
-// What a device offers to the schedules of ops/device/*_schedule.h. A schedule is written once, against a Launcher:
+// What a device offers to the schedules of ops/device/*_kernel.h. A schedule is written once, against a Launcher:
 // CudaLauncher runs it on a GPU (backend/cuda_launcher.cuh), the emulator of the tests thread by thread on the CPU
 // (tests/support/host_launcher.h).
 //
-//   launcher.each(n, kernel)              kernel(i) for i in [0, n), in no order; kernel(i) writes only what i owns
-//   launcher.blocks(n, kernel)            n cooperating blocks, see below
+//   launcher.parallel_for(n, kernel)              kernel(i) for i in [0, n), in no order; kernel(i) writes only what i owns
+//   launcher.launch_blocks(n, kernel)            n cooperating blocks, see below
 //   launcher.sort(keys, values, n, bits)  stable, ascending by the lowest `bits` of the 64-bit keys; both are replaced
-//   launcher.sum_before(in, out, n)       out[i] = in[0] + ... + in[i - 1], i <= n: n + 1 results
-//   Launcher::add_to(float*, x)           in a kernel: adds where other threads may add too, in no order
+//   launcher.exclusive_scan(in, out, n)       out[i] = in[0] + ... + in[i - 1], i <= n: n + 1 results
+//   Launcher::atomic_add(float*, x)           in a kernel: adds where other threads may add too, in no order
 //   launcher.upload / download / fill_zero, launcher.allocate / release
 //
 // All pointers in kernels are the device's. Launches run in order; download waits for them. A kernel has a kName.
@@ -76,18 +76,18 @@ class DeviceBuffer {
 };
 
 template <class T>
-NGS_HD constexpr T divided_up(T a, T b) {
+NGS_HD constexpr T ceil_div(T a, T b) {
   return (a + b - 1) / b;
 }
 
 /// The rows of chunk i where n rows are cut into chunks of `rows`: 32 chunks deal theirs out among them, so that
 /// neighbouring threads read neighbouring rows.
-struct DealtRows {
+struct InterleavedChunk {
   std::int64_t first, step, end;
-  NGS_HD DealtRows(std::int64_t chunk, std::int64_t n, std::int64_t rows) {
-    constexpr std::int64_t kDealers = 32;
-    const std::int64_t before = chunk / kDealers * kDealers, others = divided_up(n, rows) - before;
-    step = others < kDealers ? others : kDealers;
+  NGS_HD InterleavedChunk(std::int64_t chunk, std::int64_t n, std::int64_t rows) {
+    constexpr std::int64_t kInterleaved = 32;
+    const std::int64_t before = chunk / kInterleaved * kInterleaved, others = ceil_div(n, rows) - before;
+    step = others < kInterleaved ? others : kInterleaved;
     first = before * rows + (chunk - before);
     end = (before + step) * rows < n ? (before + step) * rows : n;
   }

@@ -70,7 +70,7 @@ bool Monitor::limit_reached() const {
 }
 
 /// A tenth of a loop tells how long the rest takes.
-void Monitor::foresee_end(std::int64_t done, std::int64_t total) {
+void Monitor::abort_if_late(std::int64_t done, std::int64_t total) {
   constexpr std::int64_t kTelling = 10, kLeast = 3;
   const double now_s = wall_seconds();
   if (done <= 1) first_done_s_ = now_s;
@@ -80,7 +80,7 @@ void Monitor::foresee_end(std::int64_t done, std::int64_t total) {
 }
 
 void Monitor::progress(std::int64_t done, std::int64_t total) {
-  if (until_s_ != kNever) foresee_end(done, total);
+  if (until_s_ != kNever) abort_if_late(done, total);
   if (on_progress) on_progress(current_->name, done, total);
 }
 

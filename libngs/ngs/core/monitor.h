@@ -75,7 +75,7 @@ class Monitor {
   static constexpr double kNever = std::numeric_limits<double>::infinity();
 
   bool limit_reached() const;
-  void foresee_end(std::int64_t done, std::int64_t total);
+  void abort_if_late(std::int64_t done, std::int64_t total);
 
   StageNode root_;
   StageNode* current_;

@@ -27,7 +27,7 @@ struct Lens {
 inline constexpr double kNegligibleDistortion = 1e-9;
 
 /// Whether a pinhole's picture differs.
-inline bool is_bent(const Lens& lens) {
+inline bool has_distortion(const Lens& lens) {
   const auto acts = [](const auto& parameters) {
     for (const double p : parameters)
       if (!(std::abs(p) < kNegligibleDistortion)) return true;
@@ -38,7 +38,7 @@ inline bool is_bent(const Lens& lens) {
 }
 
 /// Where the photo shows what a pinhole shows at p.
-inline Vec2<double> bent(const Lens& lens, Vec2<double> p) {
+inline Vec2<double> distort(const Lens& lens, Vec2<double> p) {
   const double radius = std::hypot(p.x, p.y);
   if (lens.kind == Lens::Kind::kFisheye && radius > 0) {
     const double shrunk = std::atan(radius) / radius;  // the angle to the axis takes the place of its tangent

@@ -44,14 +44,14 @@ class SparseTable {
     Cell cell;
   };
   /// Adds to a cell; different ones from several threads at a time. One that was never touched is put off.
-  void add(std::size_t row, std::size_t column, const Cell& cell, std::vector<First>& put_off) {
+  void add(std::size_t row, std::size_t column, const Cell& cell, std::vector<First>& deferred_inserts) {
     if (Cell* const known = find(row, column))
       known->add(cell);
     else
-      put_off.push_back({std::uint32_t(row), std::uint32_t(column), cell});
+      deferred_inserts.push_back({std::uint32_t(row), std::uint32_t(column), cell});
   }
-  void add(const std::vector<First>& put_off) {
-    for (const First& first : put_off) touch(first.row, first.column).add(first.cell);
+  void add(const std::vector<First>& deferred_inserts) {
+    for (const First& first : deferred_inserts) touch(first.row, first.column).add(first.cell);
   }
   /// f(column, cell) of the cells of a row that were touched.
   template <class F>

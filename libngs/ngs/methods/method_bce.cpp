@@ -24,9 +24,9 @@ void note_figures(const LabelSolution& s, const std::string& suffix, std::map<st
 
 /// The masks of one object, kept run by run where that takes less than a byte per pixel, since every evaluation reads
 /// them; others are decoded anew.
-class KeptTargets {
+class CachedTargets {
  public:
-  KeptTargets(const Problem& input, std::size_t object) : input_(input), object_(object), kept_(input.views.size()) {}
+  CachedTargets(const Problem& input, std::size_t object) : input_(input), object_(object), kept_(input.views.size()) {}
 
   /// Decodes all masks, several at a time.
   void preload(const Exec& exec) {
@@ -82,7 +82,7 @@ BceResult solve_bce(const Exec& exec, Monitor& monitor, const BceOptions& option
     // The working set is solved with rounded weights, the certificate is not: on real scenes the rounding costs a
     // relative gap of about 1e-5.
     problem.half_weights = options.relative_gap >= kHalfWeightsGap;
-    KeptTargets targets(input, k);
+    CachedTargets targets(input, k);
     targets.preload(exec);
     problem.load_targets = [&](std::size_t i) { return targets.load(i); };
     std::vector<double> start(n);

@@ -33,7 +33,7 @@ double mask_agreement(const Exec& exec, const ObjectState& state, const Problem&
   std::int64_t both = 0, either = 0;
   for (std::size_t p = 0; p < target.size(); ++p) {
     if (!masks.known.empty() && !masks.known[p]) continue;
-    const bool rendered = label_says_object(view.label.data[p]), given = mask_says_object(target[p]);
+    const bool rendered = label_is_foreground(view.label.data[p]), given = mask_is_foreground(target[p]);
     both += rendered && given, either += rendered || given;
   }
   return either == 0 ? 1.0 : double(both) / double(either);

@@ -22,7 +22,7 @@ std::vector<int> pixel_ids(const ViewMasks& masks, int width_px, int height_px) 
       const std::size_t p = row * std::size_t(masks.width_px) + column;
       int found = masks.known.empty() || masks.known[p] ? 0 : -1;
       for (std::size_t k = masks.target.size(); found >= 0 && k-- > 0;)
-        if (mask_says_object(masks.target[k][p])) found = int(k) + 1;
+        if (mask_is_foreground(masks.target[k][p])) found = int(k) + 1;
       id.push_back(found);
     }
   return id;

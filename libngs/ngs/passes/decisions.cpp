@@ -17,29 +17,29 @@ double measured_by(const Effect& effect, SceneProbe& probe) {
 /// Null: not decided yet.
 template <class All>
 auto found_in(All& all, std::string_view name) -> decltype(all.data()) {
-  const auto found = std::ranges::find_if(all, [&](const EffectDecision& d) { return d.effect->name == name; });
+  const auto found = std::ranges::find_if(all, [&](const Decision& d) { return d.effect->name == name; });
   return found == all.end() ? nullptr : &*found;
 }
 
 }  // namespace
 
-Decisions::Decisions(std::vector<Effect> effects, EffectModes modes, std::vector<EffectVerdict> verdicts)
-    : effects_(std::move(effects)), modes_(std::move(modes)), verdicts_(std::move(verdicts)) {}
+Decisions::Decisions(std::vector<Effect> effects, EffectSwitches modes, std::vector<FixedDecision> verdicts)
+    : effects_(std::move(effects)), modes_(std::move(modes)), fixed_(std::move(verdicts)) {}
 
-const EffectDecision* Decisions::find(std::string_view name) const { return found_in(all_, name); }
+const Decision* Decisions::find(std::string_view name) const { return found_in(all_, name); }
 
 /// An effect it needs that is off, whatever else is said, for it could not run; then an entry of --effect, then the
 /// first verdict, then being always on. Null: its detector is asked.
-std::optional<EffectDecision> Decisions::settled_decision(const Effect& e) const {
-  if (const EffectDecision* need = find(e.needs); need != nullptr && !need->on)
-    return EffectDecision{&e, "auto", false, "needs " + std::string(e.needs)};
-  if (const EffectMode mode = modes_.of(e.name); mode != EffectMode::kAuto) {
-    const bool on = mode == EffectMode::kOn;
-    return EffectDecision{&e, on ? "on" : "off", on, "--effect"};
+std::optional<Decision> Decisions::decision_without_heuristic(const Effect& e) const {
+  if (const Decision* need = find(e.needs); need != nullptr && !need->on)
+    return Decision{&e, "auto", false, "needs " + std::string(e.needs)};
+  if (const Switch mode = modes_.of(e.name); mode != Switch::kAuto) {
+    const bool on = mode == Switch::kOn;
+    return Decision{&e, on ? "on" : "off", on, "--effect"};
   }
-  for (const EffectVerdict& v : verdicts_)
-    if (v.name == e.name) return EffectDecision{&e, v.mode, v.on, v.reason};
-  if (!e.always.empty()) return EffectDecision{&e, "auto", true, "always: " + std::string(e.always)};
+  for (const FixedDecision& v : fixed_)
+    if (v.name == e.name) return Decision{&e, v.mode, v.on, v.reason};
+  if (!e.always.empty()) return Decision{&e, "auto", true, "always: " + std::string(e.always)};
   return std::nullopt;
 }
 
@@ -47,8 +47,8 @@ bool Decisions::decide(const std::vector<Effect>& some, SceneProbe& probe) {
   bool asked = false;
   for (const Effect& one : some) {
     const Effect& e = *find_effect(effects_, one.name);
-    if (std::optional<EffectDecision> settled = settled_decision(e)) {
-      all_.push_back(std::move(*settled));
+    if (std::optional<Decision> known = decision_without_heuristic(e)) {
+      all_.push_back(std::move(*known));
       continue;
     }
     if (e.detector.possible != nullptr && !e.detector.possible(probe.problem())) {
@@ -63,39 +63,39 @@ bool Decisions::decide(const std::vector<Effect>& some, SceneProbe& probe) {
   return asked;
 }
 
-bool Decisions::ruled(std::string_view name) const {
-  return mode(name) != EffectMode::kAuto ||
-         std::ranges::any_of(verdicts_, [&](const EffectVerdict& v) { return v.name == name; });
+bool Decisions::is_fixed(std::string_view name) const {
+  return mode(name) != Switch::kAuto ||
+         std::ranges::any_of(fixed_, [&](const FixedDecision& v) { return v.name == name; });
 }
 
 void Decisions::abort(std::string_view name, std::string reason) {
-  if (EffectDecision* decision = found_in(all_, name))
+  if (Decision* decision = found_in(all_, name))
     decision->on = false, decision->aborted = true, decision->reason = std::move(reason);
 }
 
 bool Decisions::on(std::string_view name) const {
-  const EffectDecision* decision = find(name);
+  const Decision* decision = find(name);
   if (decision == nullptr) throw std::logic_error("an effect is asked for before it is decided");
   return decision->on;
 }
 
-std::optional<bool> Decisions::settled(std::string_view name) const {
-  if (const EffectDecision* decision = find(name)) return decision->on;
+std::optional<bool> Decisions::known(std::string_view name) const {
+  if (const Decision* decision = find(name)) return decision->on;
   const Effect& e = *find_effect(effects_, name);
-  if (!e.needs.empty() && settled(e.needs) == false) return false;
-  const std::optional<EffectDecision> decision = settled_decision(e);
+  if (!e.needs.empty() && known(e.needs) == false) return false;
+  const std::optional<Decision> decision = decision_without_heuristic(e);
   return decision ? std::optional(decision->on) : std::nullopt;
 }
 
 bool Decisions::may_be_on(std::string_view name, const Problem& problem) const {
-  if (const std::optional<bool> known = settled(name)) return *known;
+  if (const std::optional<bool> known = known(name)) return *known;
   const auto& possible = find_effect(effects_, name)->detector.possible;
   return !possible || possible(problem);
 }
 
 Json Decisions::json() const {
   Json table = Json::array();
-  for (const EffectDecision& d : all_) {
+  for (const Decision& d : all_) {
     Json entry = {{"name", d.effect->name}, {"mode", d.mode}, {"on", d.on}, {"reason", d.reason}};
     entry["measured"] = d.measured && std::isfinite(*d.measured) ? Json(*d.measured) : Json();
     entry["threshold"] = d.effect->always.empty() ? Json(d.effect->detector.threshold) : Json();
@@ -107,9 +107,9 @@ Json Decisions::json() const {
 
 std::string Decisions::table() const {
   std::size_t widest = 0;
-  for (const EffectDecision& d : all_) widest = std::max(widest, d.effect->name.size());
+  for (const Decision& d : all_) widest = std::max(widest, d.effect->name.size());
   std::string text;
-  for (const EffectDecision& d : all_) {
+  for (const Decision& d : all_) {
     std::string name(d.effect->name);
     name.resize(widest + 2, ' ');
     text += name + (d.on ? "on  " : "off ") + d.mode + ": " + d.reason + "\n";
@@ -117,7 +117,7 @@ std::string Decisions::table() const {
   return text;
 }
 
-std::string decision_line(const EffectDecision& d) {
+std::string decision_line(const Decision& d) {
   return d.mode + ": " + std::string(d.effect->name) + "=" + (d.on ? "on" : "off") + " (" + d.reason + ")" +
          (d.on || d.effect->saves.empty() ? "" : ", leaves out " + std::string(d.effect->saves));
 }

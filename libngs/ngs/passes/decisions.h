@@ -12,7 +12,7 @@
 
 namespace ngs {
 
-struct EffectDecision {
+struct Decision {
   const Effect* effect;
   std::string mode;  // auto, on, off, or where the decision was taken over from
   bool on;
@@ -22,7 +22,7 @@ struct EffectDecision {
 };
 
 /// A decision that something else than the scene takes: an option, or the time that is left.
-struct EffectVerdict {
+struct FixedDecision {
   std::string_view name;
   bool on;
   std::string reason;
@@ -31,18 +31,18 @@ struct EffectVerdict {
 
 class Decisions {
  public:
-  Decisions(std::vector<Effect> effects, EffectModes modes, std::vector<EffectVerdict> verdicts = {});
+  Decisions(std::vector<Effect> effects, EffectSwitches modes, std::vector<FixedDecision> verdicts = {});
   Decisions(const Decisions&) = delete;
   Decisions& operator=(const Decisions&) = delete;
 
   const std::vector<Effect>& effects() const { return effects_; }
-  EffectMode mode(std::string_view name) const { return modes_.of(name); }
+  Switch mode(std::string_view name) const { return modes_.of(name); }
 
   /// Another decision that the scene has no say in; entries of --effect and earlier verdicts still win.
-  void rule(EffectVerdict verdict) { verdicts_.push_back(std::move(verdict)); }
+  void fix(FixedDecision verdict) { fixed_.push_back(std::move(verdict)); }
 
   /// Whether --effect or a verdict decides it.
-  bool ruled(std::string_view name) const;
+  bool is_fixed(std::string_view name) const;
 
   /// Of an effect that is on: it turned out not to be done.
   void abort(std::string_view name, std::string reason);
@@ -54,26 +54,26 @@ class Decisions {
   /// Of a decided effect.
   bool on(std::string_view name) const;
   /// What is known of an effect before any detector, also by an effect that it needs; null: nothing yet.
-  std::optional<bool> settled(std::string_view name) const;
+  std::optional<bool> known(std::string_view name) const;
   /// Whether it may be on, as far as that is known without a look at pictures.
   bool may_be_on(std::string_view name, const Problem& problem) const;
 
-  const std::vector<EffectDecision>& all() const { return all_; }
+  const std::vector<Decision>& all() const { return all_; }
   Json json() const;
   /// A line per decision, for people.
   std::string table() const;
 
  private:
-  const EffectDecision* find(std::string_view name) const;
-  std::optional<EffectDecision> settled_decision(const Effect& effect) const;
+  const Decision* find(std::string_view name) const;
+  std::optional<Decision> decision_without_heuristic(const Effect& effect) const;
 
   std::vector<Effect> effects_;
-  EffectModes modes_;
-  std::vector<EffectVerdict> verdicts_;
-  std::vector<EffectDecision> all_;
+  EffectSwitches modes_;
+  std::vector<FixedDecision> fixed_;
+  std::vector<Decision> all_;
 };
 
 /// "auto: sh=off (view-dependent colour 0.12 <= 0.5 levels), leaves out ...".
-std::string decision_line(const EffectDecision& decision);
+std::string decision_line(const Decision& decision);
 
 }  // namespace ngs

@@ -17,7 +17,7 @@ class SceneProbe;
 struct Problem;
 
 /// One number of the scene; the effect is on where it lies above the threshold.
-struct Detector {
+struct Heuristic {
   std::string_view measured;  // what is measured, with its unit
   double threshold = 0;
   std::string_view why;  // that threshold
@@ -32,7 +32,7 @@ struct Effect {
   std::string_view saves = {};   // what is not done where it is off
   std::string_view needs = {};   // an effect without which this one has nothing to do
   std::string_view always = {};  // why it is on whatever the scene; empty: the detector decides
-  Detector detector = {};
+  Heuristic detector = {};
 };
 
 /// Mean change of the rendered mask values, in [0, 1], that an effect may cause where `auto` leaves it out.
@@ -41,30 +41,30 @@ inline constexpr double kEffectBound = 0.005;
 /// Views that a decision looks at where it need not see all.
 inline constexpr std::size_t kDecisionViews = 8;
 
-enum class EffectMode : std::uint8_t { kAuto, kOn, kOff };
+enum class Switch : std::uint8_t { kAuto, kOn, kOff };
 
 /// Null: there is none of that name.
 const Effect* find_effect(std::span<const Effect> effects, std::string_view name);
 
 /// What --effect asks for.
-class EffectModes {
+class EffectSwitches {
  public:
-  EffectModes() = default;
+  EffectSwitches() = default;
   /// "NAME=auto|on|off" entries, of which the last that names an effect counts; NAME may be "all". An effect that is on
   /// by its own name switches on what it needs. kUsage for anything else, and where what it needs is off by its own
   /// name.
-  EffectModes(std::span<const Effect> effects, const std::vector<std::string>& entries);
+  EffectSwitches(std::span<const Effect> effects, const std::vector<std::string>& entries);
 
-  EffectMode of(std::string_view name) const;
+  Switch of(std::string_view name) const;
 
  private:
   struct Entry {
     std::string_view name;
-    EffectMode mode;
+    Switch mode;
     bool by_name;  // not by "all"
   };
   Entry* find(std::string_view name);
-  void set(std::string_view name, EffectMode mode, bool by_name);
+  void set(std::string_view name, Switch mode, bool by_name);
   void read(std::span<const Effect> effects, const std::string& entry);
   void require(std::span<const Effect> effects, const Effect& effect);
 
@@ -72,6 +72,6 @@ class EffectModes {
 };
 
 /// "MEASURED: 0.12 <= 0.5".
-std::string decision_reason(const Detector& detector, double measured);
+std::string decision_reason(const Heuristic& detector, double measured);
 
 }  // namespace ngs

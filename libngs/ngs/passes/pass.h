@@ -78,12 +78,12 @@ class Pass {
   /// Adds its options, as `group` under a name of its own.
   virtual void declare(OptionSet&, const OptionGroup& /*group*/) {}
   /// What its options decide without naming an effect.
-  virtual std::vector<EffectVerdict> rules(const TrainingOptions&) const { return {}; }
+  virtual std::vector<FixedDecision> fixed_decisions(const TrainingOptions&) const { return {}; }
   /// Whether it ends by the clock itself. Others may be aborted under a time budget, and then change nothing in the
   /// run.
   virtual bool follows_clock() const { return false; }
   /// Whether a run that is resumed decides it anew, as nothing of it is kept.
-  virtual bool decided_anew() const { return false; }
+  virtual bool decided_again_on_resume() const { return false; }
   /// Sets what follows from decisions in the training options, as far as they are known: before those of a stage, and
   /// after them; from the last pass to the first, so that a pass knows what follows.
   virtual void prepare(PassRun&) {}

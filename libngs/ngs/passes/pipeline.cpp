@@ -24,13 +24,13 @@ void abort_pass(PassRun& run, std::string_view name) {
 
 }  // namespace
 
-void leave_out_for_time(PassRun& run, std::string_view effect, bool decided_anew) {
-  if (run.decisions.ruled(effect)) return;
+void leave_out_for_time(PassRun& run, std::string_view effect, bool decided_again_on_resume) {
+  if (run.decisions.is_fixed(effect)) return;
   if (run.decisions.may_be_on(effect, *run.problem)) {
     run.budget.note_cut();
-    if (!decided_anew) run.left_out.emplace(effect);
+    if (!decided_again_on_resume) run.left_out.emplace(effect);
   }
-  run.decisions.rule({effect, false, kNoTime});
+  run.decisions.fix({effect, false, kNoTime});
 }
 
 namespace {
@@ -54,18 +54,18 @@ std::vector<Effect> Pipeline::effects(PassStage stage) const {
   return effects_of(passes_, [&](const Pass& pass) { return pass.stage() == stage; });
 }
 
-std::vector<Effect> Pipeline::decided_anew() const {
-  return effects_of(passes_, [](const Pass& pass) { return pass.decided_anew(); });
+std::vector<Effect> Pipeline::decided_again_on_resume() const {
+  return effects_of(passes_, [](const Pass& pass) { return pass.decided_again_on_resume(); });
 }
 
 void Pipeline::declare(OptionSet& options, const OptionGroup& group) const {
   for (const auto& pass : passes_) pass->declare(options, group);
 }
 
-std::vector<EffectVerdict> Pipeline::rules(const TrainingOptions& training) const {
-  std::vector<EffectVerdict> all;
+std::vector<FixedDecision> Pipeline::fixed_decisions(const TrainingOptions& training) const {
+  std::vector<FixedDecision> all;
   for (const auto& pass : passes_)
-    for (EffectVerdict& verdict : pass->rules(training)) all.push_back(std::move(verdict));
+    for (FixedDecision& verdict : pass->fixed_decisions(training)) all.push_back(std::move(verdict));
   return all;
 }
 
@@ -84,7 +84,7 @@ struct Pipeline::Detection {
 /// of part of the views, and forgotten.
 void Pipeline::decide_pass(const Pass& pass, PassRun& run, Detection& by) const {
   std::vector<Effect> effects = pass.effects();
-  if (!run.budget.allows(0)) leave_out_for_time(run, effects.front().name, pass.decided_anew());
+  if (!run.budget.allows(0)) leave_out_for_time(run, effects.front().name, pass.decided_again_on_resume());
   if (!by.probe) by.probe.emplace(run.exec, run.training, by.seen);
   {
     const Monitor::Limit limit(run.monitor, by.until_s);
@@ -93,7 +93,7 @@ void Pipeline::decide_pass(const Pass& pass, PassRun& run, Detection& by) const 
   }
   by.probe.emplace(run.exec, run.training, by.seen);
   std::erase_if(effects, [&](const Effect& effect) { return run.decisions.decided(effect.name); });
-  for (const Effect& effect : effects) leave_out_for_time(run, effect.name, pass.decided_anew());
+  for (const Effect& effect : effects) leave_out_for_time(run, effect.name, pass.decided_again_on_resume());
   run.decisions.decide(effects, *by.probe);
 }
 
@@ -104,7 +104,7 @@ void Pipeline::decide(PassStage stage, PassRun& run, const Problem& seen) const 
   Detection detection{seen, run.budget.end_of_s(kPassShare)};
   for (const auto& pass : passes_)
     if (pass->stage() == stage && !run.monitor.stop_requested()) decide_pass(*pass, run, detection);
-  for (const EffectDecision& d : std::span(run.decisions.all()).subspan(known))
+  for (const Decision& d : std::span(run.decisions.all()).subspan(known))
     if (d.measured) run.say(decision_line(d));
   run.report["effects"] = run.decisions.json();
 }
@@ -113,7 +113,7 @@ void Pipeline::decide(PassStage stage, PassRun& run, const Problem& seen) const 
 /// must be the same where they are resumed: there the clock has no say.
 void Pipeline::run_in_time(Pass& pass, PassRun& run) const {
   const std::string_view name = pass.effects().front().name;
-  const bool insisted = run.decisions.mode(name) != EffectMode::kAuto;
+  const bool insisted = run.decisions.mode(name) != Switch::kAuto;
   if (run.resumed && was_aborted(*run.resumed, name)) return abort_pass(run, name);
   if (run.resumed || insisted || run.store != nullptr || pass.follows_clock()) return pass.run(run);
   const Monitor::Limit limit(run.monitor, run.budget.end_of_s(kPassShare));

@@ -15,10 +15,10 @@ class Pipeline {
   std::vector<Effect> effects() const;
   std::vector<Effect> effects(PassStage stage) const;
   /// Of the passes that a resumed run decides anew.
-  std::vector<Effect> decided_anew() const;
+  std::vector<Effect> decided_again_on_resume() const;
   const std::vector<std::unique_ptr<Pass>>& passes() const { return passes_; }
   void declare(OptionSet& options, const OptionGroup& group) const;
-  std::vector<EffectVerdict> rules(const TrainingOptions& training) const;
+  std::vector<FixedDecision> fixed_decisions(const TrainingOptions& training) const;
 
   /// Decides on `seen`, which may be the problem at a fraction of its size. Where the time is up, passes are left out.
   void decide(PassStage stage, PassRun& run, const Problem& seen) const;
@@ -35,7 +35,7 @@ class Pipeline {
 };
 
 /// Leaves an effect out for want of time. Nothing is cut short where it was off anyway, or where --effect or a verdict
-/// insists. `decided_anew`: as of its pass.
-void leave_out_for_time(PassRun& run, std::string_view effect, bool decided_anew = false);
+/// insists. `decided_again_on_resume`: as of its pass.
+void leave_out_for_time(PassRun& run, std::string_view effect, bool decided_again_on_resume = false);
 
 }  // namespace ngs

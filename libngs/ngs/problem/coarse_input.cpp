@@ -27,18 +27,18 @@ Scene with_shrunk_cameras(Scene scene, int shrink) {
 
 }  // namespace
 
-CoarseInput::CoarseInput(const Problem& fine, int shrink, std::size_t kept_bytes)
+CoarseInput::CoarseInput(const Problem& fine, int shrink, std::size_t cache_bytes)
     : fine_(fine),
       shrink_(shrink),
       scene_(with_shrunk_cameras(fine.scene, shrink)),
       coarse_(fine.with_views(
           scene_, [this](std::size_t view) { return masks(view); }, [this](std::size_t view) { return photo(view); })),
-      kept_bytes_(kept_bytes) {
+      kept_bytes_(cache_bytes) {
   coarse_.splat = filter_at_scale(fine.splat, 1.0 / shrink);
 }
 
 template <class T, class Load>
-std::shared_ptr<const T> CoarseInput::remembered(Kept<T>& kept, std::size_t view, const Load& load) {
+std::shared_ptr<const T> CoarseInput::cached(Cached<T>& kept, std::size_t view, const Load& load) {
   {
     const std::lock_guard lock(mutex_);
     const auto known = kept.find(view);
@@ -52,11 +52,11 @@ std::shared_ptr<const T> CoarseInput::remembered(Kept<T>& kept, std::size_t view
 }
 
 ImageF CoarseInput::photo(std::size_t view) {
-  return *remembered(photos_, view, [&] { return shrunk(fine_.load_photo(view), shrink_); });
+  return *cached(photos_, view, [&] { return shrunk(fine_.load_photo(view), shrink_); });
 }
 
 ViewMasks CoarseInput::masks(std::size_t view) {
-  return remembered(masks_, view, [&] { return RleMasks(load_masks(view)); })->unpacked();
+  return cached(masks_, view, [&] { return RleMasks(load_masks(view)); })->unpacked();
 }
 
 ViewMasks CoarseInput::load_masks(std::size_t view) const {

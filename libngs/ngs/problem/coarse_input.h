@@ -17,11 +17,11 @@ int decision_shrink(const Scene& scene);
 
 /// Cameras and the low-pass filter are those of images of ceil(size / shrink) pixels; photos and masks are
 /// the means of shrink x shrink pixels, unknown where one of them is. Loads only; nothing is written back.
-/// What was loaded is kept, masks run by run, up to `kept_bytes`. `fine` must outlive it, and load for several
+/// What was loaded is kept, masks run by run, up to `cache_bytes`. `fine` must outlive it, and load for several
 /// threads at once where preload() is used.
 class CoarseInput {
  public:
-  CoarseInput(const Problem& fine, int shrink, std::size_t kept_bytes = 256u << 20);
+  CoarseInput(const Problem& fine, int shrink, std::size_t cache_bytes = 256u << 20);
   CoarseInput(const CoarseInput&) = delete;
   CoarseInput& operator=(const CoarseInput&) = delete;
 
@@ -35,22 +35,22 @@ class CoarseInput {
 
  private:
   template <class T>
-  using Kept = std::map<std::size_t, std::shared_ptr<const T>>;  // by view
+  using Cached = std::map<std::size_t, std::shared_ptr<const T>>;  // by view
 
   ViewMasks load_masks(std::size_t view) const;
   ImageF photo(std::size_t view);
   ViewMasks masks(std::size_t view);
   /// What is kept of `view`, or loaded by load() and then kept if there is room.
   template <class T, class Load>
-  std::shared_ptr<const T> remembered(Kept<T>& kept, std::size_t view, const Load& load);
+  std::shared_ptr<const T> cached(Cached<T>& kept, std::size_t view, const Load& load);
 
   const Problem& fine_;
   int shrink_;
   Scene scene_;
   Problem coarse_;
   mutable std::mutex mutex_;  // of what follows
-  Kept<ImageF> photos_;
-  Kept<RleMasks> masks_;
+  Cached<ImageF> photos_;
+  Cached<RleMasks> masks_;
   std::size_t kept_bytes_, bytes_ = 0;
 };
 

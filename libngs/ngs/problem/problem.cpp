@@ -7,9 +7,9 @@ namespace {
 /// named here.
 Problem rebound(const Problem& from, const GaussianCloud& cloud, const Scene& scene) {
   const auto& [old_cloud, old_scene, views, load_masks, load_photo, splat, background, seed, fixed, labels, weight,
-               load_fine_photo, held, region, window_share, whole, owns, monitor] = from;
+               load_fine_photo, frozen, region, window_share, whole, owns, monitor] = from;
   return {cloud,  scene,  views,           load_masks, load_photo, splat,        background, seed, fixed,
-          labels, weight, load_fine_photo, held,       region,     window_share, whole,      owns, monitor};
+          labels, weight, load_fine_photo, frozen,       region,     window_share, whole,      owns, monitor};
 }
 
 }  // namespace

@@ -64,7 +64,7 @@ struct Problem {
                                                                // known, nor in a window
   // As load_photo, finer where the photo has more pixels than the camera; empty function or image: no photo.
   std::function<ImageF(std::size_t view)> load_fine_photo = {};
-  std::vector<std::uint8_t> held = {};    // [N] 1: shape, opacity and colour stay as they are; empty: none
+  std::vector<std::uint8_t> frozen = {};    // [N] 1: shape, opacity and colour stay as they are; empty: none
   std::vector<std::uint8_t> region = {};  // [N] 0: nothing of the row may change; empty: all may
   std::vector<double> window_share = {};  // [views of the scene] of its pixels that the camera shows; empty: all
   std::shared_ptr<const Problem> whole = nullptr;      // the same in whole views; null: this one is

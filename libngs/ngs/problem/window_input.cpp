@@ -92,14 +92,14 @@ ObjectWindows mask_windows(const Exec& exec, const Problem& problem) {
 PixelWindow enlarged(const PixelWindow& w) { return {w.x0 * kShrink, w.y0 * kShrink, w.w * kShrink, w.h * kShrink}; }
 
 /// Where the labelled Gaussians show, in pictures of a kShrink-th of the views' size.
-class SmallPictures {
+class LowResVisibility {
  public:
-  SmallPictures(const Exec& exec, const Problem& problem)
+  LowResVisibility(const Exec& exec, const Problem& problem)
       : exec_(exec), problem_(problem), label_(std::size_t(problem.cloud.size())) {
     std::vector<std::int64_t> rows;
     for (const LabelColumns& object : problem.labels)
       for (std::size_t i = 0; i < label_.size(); ++i)
-        if (label_says_object(object.label[i])) label_[i] = 1;
+        if (label_is_foreground(object.label[i])) label_[i] = 1;
     for (std::size_t i = 0; i < label_.size(); ++i)
       if (label_[i] > 0) rows.push_back(std::int64_t(i));
     objects_ = gather_rows(exec, problem.cloud, rows);
@@ -156,7 +156,7 @@ double share_outside(const Scene& scene, const std::vector<std::size_t>& views, 
 ObjectWindows object_windows(const Exec& exec, const Problem& problem, ObjectWindows of_masks) {
   const Scene& scene = problem.scene;
   ObjectWindows out = of_masks.window.empty() ? mask_windows(exec, problem) : std::move(of_masks);
-  SmallPictures pictures(exec, problem);
+  LowResVisibility pictures(exec, problem);
   const std::vector<std::size_t> seen = views_in_use(problem);
   const bool all = for_each_view(problem.monitor, seen, [&](std::size_t, std::size_t v) {
     PixelWindow& window = out.window[v];

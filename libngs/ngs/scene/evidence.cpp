@@ -12,7 +12,7 @@ namespace {
 std::uint64_t quantised(double unit) { return std::uint64_t(std::llround(unit * 0x1p32)); }
 
 /// Where an object has neither weight nor a pixel, all pixels say that the Gaussian is none of its: r = 1.
-bool says_something(const double* sum, std::size_t k) { return sum[2 + 2 * k] != 0 || sum[3 + 2 * k] != 0; }
+bool has_evidence(const double* sum, std::size_t k) { return sum[2 + 2 * k] != 0 || sum[3 + 2 * k] != 0; }
 
 /// What one view says of object k.
 ObjectShare share_of(const double* sum, std::size_t k) {
@@ -21,7 +21,7 @@ ObjectShare share_of(const double* sum, std::size_t k) {
   of.weight = ExactSum::of(object_w);
   of.pixels = std::uint64_t(object_count);
   of.add_signal(object_w / w);
-  of.contrast_lack = quantised(1) - quantised(std::abs(2 * object_count - count) / count);
+  of.one_minus_contrast_sum = quantised(1) - quantised(std::abs(2 * object_count - count) / count);
   return of;
 }
 
@@ -85,7 +85,7 @@ void ObjectShare::add(const ObjectShare& other) {
   pixels += other.pixels;
   signal_sum += other.signal_sum;
   signal_square_sum.add(other.signal_square_sum);
-  contrast_lack += other.contrast_lack;
+  one_minus_contrast_sum += other.one_minus_contrast_sum;
 }
 
 void ObjectShare::add_signal(double m) {
@@ -111,16 +111,16 @@ void Evidence::add(const Evidence& other) {
   }
 }
 
-void Evidence::add(std::size_t gaussian, const double* sum, FirstShares& put_off) {
-  add_nobodys(gaussian, sum[0], sum[1]);
+void Evidence::add(std::size_t gaussian, const double* sum, FirstShares& deferred_inserts) {
+  add_background(gaussian, sum[0], sum[1]);
   for (std::size_t k = 0; k < std::size_t(objects); ++k)
-    if (says_something(sum, k)) share.add(gaussian, k, share_of(sum, k), put_off);
+    if (has_evidence(sum, k)) share.add(gaussian, k, share_of(sum, k), deferred_inserts);
 }
 
 void Evidence::add(std::size_t gaussian, const double* sum) {
-  FirstShares put_off;
-  add(gaussian, sum, put_off);
-  share.add(put_off);
+  FirstShares deferred_inserts;
+  add(gaussian, sum, deferred_inserts);
+  share.add(deferred_inserts);
 }
 
 std::vector<float> Evidence::weights() const {

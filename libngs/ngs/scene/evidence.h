@@ -70,7 +70,7 @@ struct ObjectShare {
   ExactSum signal_square_sum;
   // Per-view r = |n₊ - n₋| / (n₊ + n₋) of the unweighted counts (COB-GS), quantised to 2^-32. Kept is what the views
   // lack to r = 1, Σ (1 - r) in these units: 0 of a Gaussian that no mask of the object shows.
-  std::uint64_t contrast_lack = 0;
+  std::uint64_t one_minus_contrast_sum = 0;
 
   void add(const ObjectShare& other);
   /// The signal m in [0, 1] of one view. m² is kept as the exact square of the quantised m: as a double it could fall
@@ -95,9 +95,9 @@ struct Evidence {
   void add(std::size_t gaussian, const double* sum);
   using FirstShares = std::vector<SparseTable<ObjectShare>::First>;
   /// The same of different Gaussians from several threads. What is put off is for share.add().
-  void add(std::size_t gaussian, const double* sum, FirstShares& put_off);
+  void add(std::size_t gaussian, const double* sum, FirstShares& deferred_inserts);
   /// Of a Gaussian of which no object has anything.
-  void add_nobodys(std::size_t gaussian, double w, double count) {
+  void add_background(std::size_t gaussian, double w, double count) {
     weight.add(gaussian, w);
     pixels[gaussian] += std::uint64_t(count);
     views[gaussian] += 1;
@@ -118,7 +118,7 @@ struct Evidence {
   /// W, as it is kept beside the labels.
   std::vector<float> weights() const;
   std::uint64_t contrast_sum(std::size_t gaussian, const ObjectShare& of) const {
-    return (std::uint64_t(views[gaussian]) << 32) - of.contrast_lack;
+    return (std::uint64_t(views[gaussian]) << 32) - of.one_minus_contrast_sum;
   }
 };
 

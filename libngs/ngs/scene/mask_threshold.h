@@ -12,10 +12,10 @@ namespace ngs {
 inline constexpr float kHalfShare = 0.5f;
 
 /// Whether a given mask says that the pixel is the object's.
-NGS_HD inline bool mask_says_object(float mask) { return mask >= kHalfShare; }
+NGS_HD inline bool mask_is_foreground(float mask) { return mask >= kHalfShare; }
 
 /// Whether a label, or a mask rendered from labels, says object.
-NGS_HD inline bool label_says_object(float label) { return label > kHalfShare; }
+NGS_HD inline bool label_is_foreground(float label) { return label > kHalfShare; }
 
 /// Whether a 0/1 column, or the share of a pixel of which something is known, says yes.
 NGS_HD inline bool is_set(float flag) { return flag >= kHalfShare; }

@@ -82,7 +82,7 @@ void print_ball(const Truth& truth) {
 
 PixelMask mask_of(const ImageF& label) {
   PixelMask mask(std::size_t(label.pixels()));
-  for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = label_says_object(label.data[p]);
+  for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = label_is_foreground(label.data[p]);
   return mask;
 }
 
@@ -157,8 +157,8 @@ double ratio(std::int64_t both, std::int64_t either) { return either > 0 ? doubl
 double gaussian_iou(const std::vector<float>& label, const std::vector<float>& share) {
   std::int64_t both = 0, either = 0;
   for (std::size_t i = 0; i < label.size(); ++i) {
-    both += label_says_object(label[i]) && share[i] > 0;
-    either += label_says_object(label[i]) || share[i] > 0;
+    both += label_is_foreground(label[i]) && share[i] > 0;
+    either += label_is_foreground(label[i]) || share[i] > 0;
   }
   return ratio(both, either);
 }
@@ -191,7 +191,7 @@ void write_ids(const std::string& path, const std::vector<std::uint8_t>& ids) {
 
 void write_labelled_ids(const char* labelled, const char* out) {
   std::vector<std::uint8_t> ids;
-  for (const float label : io::read_gaussian_ply(labelled).labels.label) ids.push_back(label_says_object(label));
+  for (const float label : io::read_gaussian_ply(labelled).labels.label) ids.push_back(label_is_foreground(label));
   write_ids(out, ids);
 }
 

@@ -100,7 +100,7 @@ std::vector<Counts> count(const std::vector<std::uint8_t>& ids, const Run& run, 
     for (std::size_t k = 0; k < counts.size(); ++k) {
       Counts& c = counts[k];
       const bool own = ids[row] == object_id[k], others = !own && ids[row] != 0;
-      if (label_says_object(run.made_labels[k].label[row])) ++(own ? c.own : others ? c.others : c.nobodys);
+      if (label_is_foreground(run.made_labels[k].label[row])) ++(own ? c.own : others ? c.others : c.nobodys);
       c.removed += others && floater && floater.value_float(std::int64_t(row)) != 0;
       if (own || (same_model && run.same_labels(k, row))) continue;
       c.changed += others, c.beyond_given += !of_given[row], c.beyond += !of_given[row] && !of_made[row];

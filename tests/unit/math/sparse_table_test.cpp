@@ -42,15 +42,15 @@ TEST_CASE("what is put off arrives, once for each time it was") {
     void add(const Count& other) { of += other.of; }
   };
   SparseTable<Count> table(2, 3);
-  std::vector<SparseTable<Count>::First> put_off;
-  table.add(1, 2, {4}, put_off), table.add(1, 2, {5}, put_off);
+  std::vector<SparseTable<Count>::First> deferred_inserts;
+  table.add(1, 2, {4}, deferred_inserts), table.add(1, 2, {5}, deferred_inserts);
   CHECK(table.find(1, 2) == nullptr);  // others may look for theirs
-  CHECK(put_off.size() == 2);
-  table.add(put_off);
+  CHECK(deferred_inserts.size() == 2);
+  table.add(deferred_inserts);
   REQUIRE(table.find(1, 2) != nullptr);
   CHECK(table.find(1, 2)->of == 9);
-  put_off.clear(), table.add(1, 2, {1}, put_off);
-  CHECK(put_off.empty());
+  deferred_inserts.clear(), table.add(1, 2, {1}, deferred_inserts);
+  CHECK(deferred_inserts.empty());
   CHECK(table.find(1, 2)->of == 10);
 }
 

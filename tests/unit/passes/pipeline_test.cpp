@@ -26,13 +26,13 @@ void set_contours(const EffectCase& c, test::PipelineCase& passes) {
   passes.set("contour_band", "3");
 }
 
-EffectDecision decision_on(const EffectCase& c, std::string_view name, const std::vector<std::string>& entries) {
+Decision decision_on(const EffectCase& c, std::string_view name, const std::vector<std::string>& entries) {
   const Problem in = c.input();
   test::PipelineCase passes(in, c.training, entries);
   set_contours(c, passes);
-  for (const EffectDecision& d : passes.decide().all())
+  for (const Decision& d : passes.decide().all())
     if (d.effect->name == name) {
-      EffectDecision decision = d;
+      Decision decision = d;
       decision.effect = nullptr;  // of the decisions that end here
       return decision;
     }
@@ -183,7 +183,7 @@ TEST_CASE(
     const std::vector<std::string> entries = surroundings(pair.name);
     EffectCase needs, does_not;
     pair.needs(needs), pair.does_not(does_not);
-    const EffectDecision yes = decision_on(needs, pair.name, entries), no = decision_on(does_not, pair.name, entries);
+    const Decision yes = decision_on(needs, pair.name, entries), no = decision_on(does_not, pair.name, entries);
     CAPTURE(yes.reason);
     CAPTURE(no.reason);
     CHECK(yes.on);
@@ -207,7 +207,7 @@ TEST_CASE("always on: auto decides so without a look, gives the bytes of on, and
     large_ball(c);
     c.relabel(0.05);
     const std::vector<std::string> entries = surroundings(e.name);
-    const EffectDecision decision = decision_on(c, e.name, entries);
+    const Decision decision = decision_on(c, e.name, entries);
     CHECK((decision.on && decision.mode == "auto" && !decision.measured));
     std::vector<std::string> on = entries, off = entries;
     on.push_back(std::string(e.name) + "=on"), off.push_back(std::string(e.name) + "=off");
@@ -255,33 +255,33 @@ TEST_CASE("few steps come only before contour iterations at half the size, which
 }
 
 TEST_CASE("entries: the last one that names an effect counts, all names every one") {
-  const EffectModes modes = test::modes_of({"all=off", "nerf=auto", "cont=on", "cont=auto", "components=on"});
-  CHECK(modes.of("contours") == EffectMode::kOff);
-  CHECK(modes.of("cont") == EffectMode::kAuto);
-  CHECK(modes.of("components") == EffectMode::kOn);
-  CHECK(test::modes_of({}).of("sh") == EffectMode::kAuto);
+  const EffectSwitches modes = test::modes_of({"all=off", "nerf=auto", "cont=on", "cont=auto", "components=on"});
+  CHECK(modes.of("contours") == Switch::kOff);
+  CHECK(modes.of("cont") == Switch::kAuto);
+  CHECK(modes.of("components") == Switch::kOn);
+  CHECK(test::modes_of({}).of("sh") == Switch::kAuto);
   for (const char* wrong : {"nerf", "nerv=on", "nerf=yes", "=on", "", "all"})
     CHECK_THROWS_AS(test::modes_of({wrong}), Error);
 }
 
 TEST_CASE("entries: an effect that is asked for by name switches on what it needs, unless that is off by name") {
-  const EffectModes modes = test::modes_of({"all=off", "align=on"});
-  for (const char* name : {"align", "nerf", "joint"}) CHECK(modes.of(name) == EffectMode::kOn);
-  CHECK(modes.of("film") == EffectMode::kOff);
+  const EffectSwitches modes = test::modes_of({"all=off", "align=on"});
+  for (const char* name : {"align", "nerf", "joint"}) CHECK(modes.of(name) == Switch::kOn);
+  CHECK(modes.of("film") == Switch::kOff);
   CHECK_THROWS_WITH_AS(test::modes_of({"nerf=on", "joint=off"}), doctest::Contains("nerf=on: it needs joint"), Error);
-  CHECK(test::modes_of({"all=on", "joint=off"}).of("joint") == EffectMode::kOff);  // nothing asks for its parts by name
+  CHECK(test::modes_of({"all=on", "joint=off"}).of("joint") == Switch::kOff);  // nothing asks for its parts by name
 }
 
 TEST_CASE("decisions: an entry wins over a verdict, a verdict over the detector, and a need that is off over that") {
   const EffectCase c;
   const Problem in = c.input();
   test::PipelineCase passes(in, c.training, {"sh=on", "contours=off"});
-  for (EffectVerdict& verdict : std::vector<EffectVerdict>{{"sh", false, "because"},
+  for (FixedDecision& verdict : std::vector<FixedDecision>{{"sh", false, "because"},
                                                            {"cont", false, "because", "replayed"},
                                                            {"nerf", false, "too"},
                                                            {"joint", true, "so"}})
-    passes.decisions().rule(std::move(verdict));
-  for (const EffectDecision& d : passes.decide().all()) {
+    passes.decisions().fix(std::move(verdict));
+  for (const Decision& d : passes.decide().all()) {
     CAPTURE(d.effect->name);
     if (d.effect->name == "sh") CHECK((d.on && d.mode == "on"));
     if (d.effect->name == "cont") CHECK((!d.on && d.mode == "replayed" && d.reason == "because"));
@@ -290,20 +290,20 @@ TEST_CASE("decisions: an entry wins over a verdict, a verdict over the detector,
 }
 
 TEST_CASE("decisions without a detector: what it needs, else an entry, else the first verdict, else always on") {
-  const EffectVerdict no_steps{"joint", false, "no time"}, off{"nerf", false, "first"}, on{"nerf", true, "second"};
-  const auto settled = [](std::string_view name, const std::vector<std::string>& entries,
-                          std::vector<EffectVerdict> verdicts) {
-    return Decisions(Pipeline(all_passes()).effects(), test::modes_of(entries), std::move(verdicts)).settled(name);
+  const FixedDecision no_steps{"joint", false, "no time"}, off{"nerf", false, "first"}, on{"nerf", true, "second"};
+  const auto known = [](std::string_view name, const std::vector<std::string>& entries,
+                          std::vector<FixedDecision> verdicts) {
+    return Decisions(Pipeline(all_passes()).effects(), test::modes_of(entries), std::move(verdicts)).known(name);
   };
-  CHECK(settled("nerf", {"nerf=on"}, {off, on, no_steps}) == false);  // nothing would train it
-  CHECK(settled("nerf", {"nerf=on"}, {off, on}) == true);
-  CHECK(settled("nerf", {}, {off, on}) == false);
-  CHECK(settled("nerf", {}, {on, no_steps}) == false);
-  CHECK(settled("nerf", {}, {on}) == true);
-  CHECK(settled("nerf", {}, {no_steps}) == false);  // it has nothing to do
-  CHECK(settled("nerf", {"nerf=auto"}, {}) == std::nullopt);
-  CHECK(settled("film", {}, {}) == true);
-  CHECK(settled("film", {}, {off}) == false);
+  CHECK(known("nerf", {"nerf=on"}, {off, on, no_steps}) == false);  // nothing would train it
+  CHECK(known("nerf", {"nerf=on"}, {off, on}) == true);
+  CHECK(known("nerf", {}, {off, on}) == false);
+  CHECK(known("nerf", {}, {on, no_steps}) == false);
+  CHECK(known("nerf", {}, {on}) == true);
+  CHECK(known("nerf", {}, {no_steps}) == false);  // it has nothing to do
+  CHECK(known("nerf", {"nerf=auto"}, {}) == std::nullopt);
+  CHECK(known("film", {}, {}) == true);
+  CHECK(known("film", {}, {off}) == false);
 }
 
 TEST_CASE("every effect says what it is, what off saves, and why it is always on or has its threshold") {
@@ -323,7 +323,7 @@ TEST_CASE("every effect says what it is, what off saves, and why it is always on
 }
 
 TEST_CASE("reasons have three digits of a number, and no exponent of a large one") {
-  const Detector widths{"width, px", 3, "", {}};
+  const Heuristic widths{"width, px", 3, "", {}};
   CHECK(decision_reason(widths, 3128431.2) == "width, px: 3128431 > 3");
   CHECK(decision_reason(widths, 0.12345) == "width, px: 0.123 <= 3");
 }

@@ -32,7 +32,7 @@ struct ProbeCase {
     const TrainingOptions training;
     SceneProbe probe({}, training, in);
     const std::vector<Effect> effects = Pipeline(all_passes()).effects();
-    const Detector& detector = find_effect(effects, effect)->detector;
+    const Heuristic& detector = find_effect(effects, effect)->detector;
     return detector.possible && !detector.possible(in) ? 0 : detector.measure(probe);  // as Decisions::decide() asks
   }
 };

@@ -11,7 +11,7 @@
 #include "ngs/passes/floaters/floaters.h"
 #include "ngs/passes/mask_outliers/mask_outliers.h"
 #include "ngs/passes/scene_probe.h"
-#include "ngs/passes/seen_through/seen_through.h"
+#include "ngs/passes/bleed_through/bleed_through.h"
 #include "ngs/problem/coarse_input.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/boundary/method_labels.h"

@@ -44,7 +44,7 @@ SmallMasks small_masks(const ViewMasks& masks, int width_px, int height_px) {
   for (const std::vector<float>& target : masks.target) {
     small.objects.emplace_back();
     for (int y = 0; y < height_px; ++y)
-      for (int x = 0; x < width_px; ++x) small.objects.back().push_back(mask_says_object(target[source(x, y)]));
+      for (int x = 0; x < width_px; ++x) small.objects.back().push_back(mask_is_foreground(target[source(x, y)]));
   }
   for (int y = 0; y < height_px; ++y)
     for (int x = 0; x < width_px; ++x) small.known.push_back(masks.known.empty() || masks.known[source(x, y)] != 0);
@@ -65,7 +65,7 @@ std::string caption(const Scene& scene, std::size_t view, const ViewMasks& masks
   std::string text = "<b>" + escaped(scene.views[view].camera.name) + "</b>";
   if (scene.views[view].split == Split::kHeldOut) text += " held out";
   for (std::size_t k = 0; k < masks.target.size(); ++k) {
-    const auto object = std::ranges::count_if(masks.target[k], [](float value) { return mask_says_object(value); });
+    const auto object = std::ranges::count_if(masks.target[k], [](float value) { return mask_is_foreground(value); });
     const double share = double(object) / double(std::max<std::size_t>(1, masks.target[k].size()));
     const bool odd = object == 0 || object == std::ssize(masks.target[k]);
     if (masks.target.size() > 1 && object == 0) continue;  // an object that this view does not show

@@ -149,7 +149,7 @@ ColmapIntrinsics intrinsics_of(const ColmapCamera& given, const std::string& whe
 
 void set_intrinsics(const ColmapIntrinsics& from, const std::string& name, Capture& capture, SceneView& view) {
   view.camera = from.camera, view.camera.name = name;
-  if (is_bent(from.lens)) capture.lenses[name] = from.lens;
+  if (has_distortion(from.lens)) capture.lenses[name] = from.lens;
 }
 
 }  // namespace ngs::io

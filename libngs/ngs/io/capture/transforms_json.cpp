@@ -205,7 +205,7 @@ Capture parse_transforms_json(const json& root, const TransformsSource& source) 
   }
   if (!capture.views.empty()) name_views(capture);
   for (std::size_t v = 0; v < lenses.size(); ++v)
-    if (is_bent(lenses[v])) capture.lenses[capture.views[v].camera.name] = lenses[v];
+    if (has_distortion(lenses[v])) capture.lenses[capture.views[v].camera.name] = lenses[v];
   if (const auto undo = undo_applied(file)) {
     if (source.original_world)
       for (SceneView& view : capture.views) apply(*undo, view.camera);

@@ -90,14 +90,14 @@ ImageF resize(const ImageF& image, int width_px, int height_px, int method) {
 
 }  // namespace
 
-HeldPhoto read_photo(const std::string& path, Vec3<float> behind) {
+PackedPhoto read_photo(const std::string& path, Vec3<float> behind) {
   const MappedFile file = map_regular_file(path);
   parse_image_header(file.bytes(), path);
   Picture picture = decode(file.bytes(), path);
   const auto as_image = [&]<class T>(Image<T> image, std::vector<T> samples) {
     image.width_px = picture.width_px, image.height_px = picture.height_px, image.channels = picture.channels;
     image.data = std::move(samples);
-    return HeldPhoto(std::move(image), behind);
+    return PackedPhoto(std::move(image), behind);
   };
   if (picture.bits == 8) return as_image(ImageU8(), std::move(picture.samples));
   const auto* wide = reinterpret_cast<const std::uint16_t*>(picture.samples.data());

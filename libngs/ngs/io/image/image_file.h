@@ -6,14 +6,14 @@
 #include <vector>
 
 #include "ngs/math/vec.h"
-#include "ngs/scene/held_photo.h"
+#include "ngs/scene/packed_photo.h"
 #include "ngs/scene/mask_samples.h"
 #include "ngs/scene/views.h"
 
 namespace ngs::io {
 
 /// The samples as they are in the file, 8 or 16 bit; where pixels are transparent, `behind` shows through.
-HeldPhoto read_photo(const std::string& path, Vec3<float> behind = {0, 0, 0});
+PackedPhoto read_photo(const std::string& path, Vec3<float> behind = {0, 0, 0});
 
 /// The same as [H, W, 3] RGB in [0, 1]: grey is replicated; where pixels are transparent, `behind` shows through.
 ImageF read_image_rgb(const std::string& path, Vec3<float> behind = {0, 0, 0});

@@ -13,8 +13,8 @@ namespace ngs::io {
 ImageF load_photo(const Scene& scene, std::size_t view);
 
 /// The same, as the samples of the file where it has the camera's size.
-HeldPhoto hold_photo(const Scene& scene, std::size_t view);
-/// What hold_photo() will take, from the file's header alone; 0 where the view has no photo.
+PackedPhoto read_packed_photo(const Scene& scene, std::size_t view);
+/// What read_packed_photo() will take, from the file's header alone; 0 where the view has no photo.
 double held_photo_bytes(const Scene& scene, std::size_t view);
 
 /// The same with up to `most` times the camera's pixels per side, as far as the file has them.

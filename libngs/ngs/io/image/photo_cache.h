@@ -20,14 +20,14 @@ class PhotoCache {
   /// As load_photo(scene, view), from any thread.
   ImageF load(std::size_t view);
 
-  std::size_t kept_bytes() const { return bytes_; }
+  std::size_t cache_bytes() const { return bytes_; }
 
  private:
   const Scene& scene_;
   const std::set<std::size_t> to_keep_;
   const std::size_t most_bytes_;
   std::mutex mutex_;  // of what follows
-  std::map<std::size_t, HeldPhoto> kept_;
+  std::map<std::size_t, PackedPhoto> cache_;
   std::size_t bytes_ = 0;
 };
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "ngs/io/ply/gaussian_columns.h"
-#include "ngs/io/ply/kept_columns.h"
+#include "ngs/io/ply/selected_columns.h"
 #include "ngs/math/stable.h"
 
 namespace ngs::io {
@@ -18,7 +18,7 @@ double filtered_log_scale(double log_scale, double log_filter) {
 double fainter_logit(double x, double loss) { return -loss - std::log(std::exp(-x) + one_minus_exp(loss)); }
 
 PlyTable without(const PlyTable& from, std::string_view name) {
-  const KeptColumns kept(from, [&](const std::string& column) { return column != name; });
+  const SelectedColumns kept(from, [&](const std::string& column) { return column != name; });
   PlyTable to;
   to.set_properties(kept.properties());
   to.rows = from.rows;

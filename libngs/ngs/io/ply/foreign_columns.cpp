@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "ngs/io/ply/gaussian_columns.h"
-#include "ngs/io/ply/kept_columns.h"
+#include "ngs/io/ply/selected_columns.h"
 #include "ngs/math/stable.h"
 
 namespace ngs::io {
@@ -26,7 +26,7 @@ int rest_index(std::string_view name) {
   return name.size() == kRest.size() ? -1 : k;
 }
 
-PlyTable copy_of(const PlyTable& from, const KeptColumns& kept) {
+PlyTable copy_of(const PlyTable& from, const SelectedColumns& kept) {
   PlyTable to;
   to.set_properties(kept.properties());
   to.rows = from.rows;

@@ -7,7 +7,7 @@
 #include "ngs/core/version.h"
 #include "ngs/io/ply/gaussian_columns.h"
 #include "ngs/io/ply/gaussian_ply.h"
-#include "ngs/io/ply/kept_columns.h"
+#include "ngs/io/ply/selected_columns.h"
 #include "ngs/scene/precision/local_origin.h"
 
 namespace ngs::io {
@@ -110,7 +110,7 @@ class RowSource {
 
   const GaussianPly& source_;
   const LabelledWrite& options_;
-  KeptColumns kept_;
+  SelectedColumns kept_;
   std::vector<Edited> edits_;
 };
 

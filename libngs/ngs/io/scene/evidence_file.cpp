@@ -57,7 +57,7 @@ void set_contrasts(std::vector<std::uint64_t> sum, Evidence& e) {
   for (std::size_t cell = 0; cell < sum.size(); ++cell)
     sum[cell] = (std::uint64_t(e.views[cell / std::size_t(e.objects)]) << 32) - sum[cell];
   set_shares(
-      sum, [](ObjectShare& s) -> std::uint64_t& { return s.contrast_lack; }, e);
+      sum, [](ObjectShare& s) -> std::uint64_t& { return s.one_minus_contrast_sum; }, e);
 }
 
 std::vector<std::string> names_in(const TensorFile& file, const std::string& key) {

@@ -1,8 +1,8 @@
 #pragma once
 // DeviceSplatOps on a Launcher: copies in, the schedules, copies out.
 #include "ngs/ops/device/device_ops.h"
-#include "ngs/ops/device/evidence_schedule.h"
-#include "ngs/ops/device/splat_schedule.h"
+#include "ngs/ops/device/evidence_kernel.h"
+#include "ngs/ops/device/splat_kernel.h"
 
 namespace ngs {
 

@@ -12,7 +12,7 @@ namespace ngs {
 /// 0/1 plane of what a mask gives to its object.
 inline std::vector<std::uint8_t> object_pixels(const std::vector<float>& target) {
   std::vector<std::uint8_t> plane(target.size());
-  for (std::size_t p = 0; p < plane.size(); ++p) plane[p] = mask_says_object(target[p]);
+  for (std::size_t p = 0; p < plane.size(); ++p) plane[p] = mask_is_foreground(target[p]);
   return plane;
 }
 
@@ -40,7 +40,7 @@ inline std::vector<ShownBox> boxes_shown(const ImageF& label) {
     for (int x = 0; x < label.width_px; ++x) {
       const float* at = &label.data[label.index(x, y)];
       for (std::size_t k = 0; k < objects; ++k)
-        if (label_says_object(at[k])) boxes[k].add(x, y);
+        if (label_is_foreground(at[k])) boxes[k].add(x, y);
     }
   return boxes;
 }
@@ -60,20 +60,20 @@ struct MaskPair {
   int view_width_px, view_height_px;
   std::vector<std::uint8_t> rendered, own;
 
-  /// `label` [H, W, K] as rendered: object k where label_says_object(), all of which is in `shown`.
+  /// `label` [H, W, K] as rendered: object k where label_is_foreground(), all of which is in `shown`.
   MaskPair(const ImageF& label, const ViewMasks& masks, std::size_t k, const ShownBox& shown)
       : at(shown), view_width_px(masks.width_px), view_height_px(masks.height_px) {
     const std::vector<float>& target = masks.target[k];
     for (int y = 0; y < view_height_px; ++y)
       for (int x = 0; x < view_width_px; ++x)
-        if (mask_says_object(target[pixel(x, y)])) at.add(x, y);
+        if (mask_is_foreground(target[pixel(x, y)])) at.add(x, y);
     rendered.reserve(std::size_t(width_px()) * std::size_t(height_px())), own.reserve(rendered.capacity());
     for (int y = at.y0; y < at.y1; ++y)
       for (int x = at.x0; x < at.x1; ++x) {
         const std::size_t p = pixel(x, y);
         const bool known = masks.known.empty() || masks.known[p];
-        rendered.push_back(known && label_says_object(label.data[label.index(x, y, int(k))]));
-        own.push_back(known && mask_says_object(target[p]));
+        rendered.push_back(known && label_is_foreground(label.data[label.index(x, y, int(k))]));
+        own.push_back(known && mask_is_foreground(target[p]));
       }
   }
 

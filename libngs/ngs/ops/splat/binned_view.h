@@ -5,7 +5,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "ngs/ops/splat/asked.h"
+#include "ngs/ops/splat/cull_request.h"
 #include "ngs/ops/splat/prepared/project_block.h"
 #include "ngs/ops/splat/splat_view.h"
 
@@ -17,14 +17,14 @@ template <class S>
 class BinnedView {
  public:
   BinnedView(const Exec& exec, const CloudView<S>& cloud, const Camera& camera, const SplatOptions& options,
-             const Asked& asked = {}) {
+             const CullRequest& cull = {}) {
     if constexpr (std::is_same_v<S, float>)
       if (options.prepared && options.prepared->serves(cloud)) lender_ = options.prepared;
     memory_ = lent();
     ViewProjector<S> projector = view_projector<S>(camera, options);
     TileLists& lists = memory_->lists;
     lists.tiles_x = projector.tiles_x, lists.tiles_y = projector.tiles_y;
-    lists.last_z = last_asked(exec, cloud, projector, asked);
+    lists.last_z = last_needed_z(exec, cloud, projector, cull);
     if (!lists.last_z.empty()) {
       projector.drawn = box_of(lists);
       projector.far_z = just_beyond(*std::max_element(lists.last_z.begin(), lists.last_z.end()));
@@ -49,20 +49,20 @@ class BinnedView {
 
  private:
   /// TileLists::last_z. Where Gaussians say what is asked for, they are projected first.
-  std::vector<double> last_asked(const Exec& exec, const CloudView<S>& cloud, const ViewProjector<S>& projector,
-                                 const Asked& asked) {
+  std::vector<double> last_needed_z(const Exec& exec, const CloudView<S>& cloud, const ViewProjector<S>& projector,
+                                 const CullRequest& cull) {
     const TileLists& lists = memory_->lists;
-    if (asked.limit != nullptr) return last_z_of(*asked.limit, lists);
-    const std::uint8_t* const until = are_few(asked.until, cloud.size) ? asked.until : nullptr;
-    if (until == nullptr && !are_few(asked.where, cloud.size)) return {};
+    if (cull.max_depth != nullptr) return last_z_of(*cull.max_depth, lists);
+    const std::uint8_t* const stop_after = are_few(cull.stop_after, cloud.size) ? cull.stop_after : nullptr;
+    if (stop_after == nullptr && !are_few(cull.tiles_touching, cloud.size)) return {};
     CloudView<S> some = cloud;
-    some.include = until != nullptr ? until : asked.where;
+    some.include = stop_after != nullptr ? stop_after : cull.tiles_touching;
     project(exec, some, projector);
     std::vector<double> last = last_z_of(memory_->view, lists, nullptr);
-    if (until == nullptr)
+    if (stop_after == nullptr)
       for (double& z : last) z = z > 0 ? std::numeric_limits<double>::infinity() : 0;
-    if (until != nullptr && asked.where != nullptr && asked.where != until) {
-      const std::vector<double> reached = last_z_of(memory_->view, lists, asked.where);
+    if (stop_after != nullptr && cull.tiles_touching != nullptr && cull.tiles_touching != stop_after) {
+      const std::vector<double> reached = last_z_of(memory_->view, lists, cull.tiles_touching);
       for (std::size_t tile = 0; tile < last.size(); ++tile) last[tile] = reached[tile] > 0 ? last[tile] : 0;
     }
     return last;

@@ -59,7 +59,7 @@ class ViewPairs {
  public:
   ViewPairs(const Exec& exec, const GaussianCloud& cloud, const MaskedView& of, const SplatOptions& options,
             const RowNumbers* wanted)
-      : binned_(exec, cloud_view(cloud, 0, nullptr), relative_camera(of.camera, cloud), options, asked_of(wanted)),
+      : binned_(exec, cloud_view(cloud, 0, nullptr), relative_camera(of.camera, cloud), options, cull_request_of(wanted)),
         wanted_(wanted),
         columns_(2 + 2 * of.masks.target.size()),
         objects_(exec, of.masks, binned_.lists()) {
@@ -103,7 +103,7 @@ class ViewPairs {
   };
 
   /// What a Gaussian is seen of depends on nothing behind it.
-  static Asked asked_of(const RowNumbers* wanted) {
+  static CullRequest cull_request_of(const RowNumbers* wanted) {
     const std::uint8_t* const flags = wanted ? wanted->chosen.data() : nullptr;
     return {flags, flags};
   }
@@ -289,13 +289,13 @@ void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const Maske
     return;
   }
   const ViewPairs pairs(exec, cloud, view, options, nullptr);
-  std::vector<Evidence::FirstShares> put_off(std::size_t(pairs.chunks()));
+  std::vector<Evidence::FirstShares> deferred_inserts(std::size_t(pairs.chunks()));
   for_each_task(exec, pairs.chunks(), [&](std::int64_t chunk) {
     pairs.for_each_seen(chunk, [&](std::uint32_t gaussian, const double* sum, bool some) {
-      some ? evidence.add(gaussian, sum, put_off[std::size_t(chunk)]) : evidence.add_nobodys(gaussian, sum[0], sum[1]);
+      some ? evidence.add(gaussian, sum, deferred_inserts[std::size_t(chunk)]) : evidence.add_background(gaussian, sum[0], sum[1]);
     });
   });
-  for (const Evidence::FirstShares& of : put_off) evidence.share.add(of);
+  for (const Evidence::FirstShares& of : deferred_inserts) evidence.share.add(of);
 }
 
 }  // namespace ngs

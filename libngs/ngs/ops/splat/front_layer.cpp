@@ -131,7 +131,7 @@ FrontView::FrontView(const Exec& exec, const GaussianCloud& cloud, const ImageF&
   state_ =
       std::make_unique<State>(State{exec, camera, options.compat, cloud.size(), limit,
                                     BinnedView<float>(exec, cloud_view(cloud, 0, nullptr),
-                                                      relative_camera(camera, cloud), options, {.limit = &limit})});
+                                                      relative_camera(camera, cloud), options, {.max_depth = &limit})});
 }
 FrontView::~FrontView() = default;
 

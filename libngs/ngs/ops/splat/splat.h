@@ -33,11 +33,12 @@ struct RenderRequest {
   Matrix<const float> label;              // [N, K] label channel values in [0, 1]; n = 0: none
   Vec3<float> background{0, 0, 0};        // colour behind everything
   const std::uint8_t* include = nullptr;  // [N] 1: draw; null: draw all (amodal rendering passes a subset)
-  // [N] 1: of render(), tiles that none of these reaches may stay as if nothing were there; null: all tiles are drawn
-  const std::uint8_t* where = nullptr;
-  // [N] 1: all with a label are of these, and render() is asked for labels alone: what lies behind the last of them in
-  // a tile may be left out; null: it is drawn
-  const std::uint8_t* until = nullptr;
+  // [N] 1: render() may skip every tile that none of these Gaussians touches: its pixels are then undefined, in
+  // practice the background; null: all tiles are rendered
+  const std::uint8_t* tiles_touching = nullptr;
+  // [N] 1: every Gaussian with a label that is not 0 is one of these, and only labels are rendered: render() may then
+  // skip the Gaussians behind the last of these in each tile, with the same labels to the bit; null: none is skipped
+  const std::uint8_t* stop_after = nullptr;
 };
 
 /// Forward only.

@@ -18,7 +18,7 @@ class SplatEngine {
       : kernels_(kernels), options_(options), cloud_(cloud), camera_(camera), plan_(plan) {}
 
   /// Of views that are prepared from now on. What it names must outlive them.
-  void ask(const Asked& asked) { asked_ = asked; }
+  void cull(const CullRequest& request) { cull_ = request; }
   /// Writes channel c to out[c] and 1 - T_final to out[count()].
   void forward(const Exec& exec, const std::vector<Plane<S>>& out) {
     prepare(exec);
@@ -27,7 +27,7 @@ class SplatEngine {
   /// The two halves of forward.
   void prepare(const Exec& exec) {
     binned_.reset();
-    binned_.emplace(exec, cloud_, camera_, options_, asked_);
+    binned_.emplace(exec, cloud_, camera_, options_, cull_);
     gather_channels(exec);
   }
   /// Other channels of the view that is prepared.
@@ -115,7 +115,7 @@ class SplatEngine {
   CloudView<S> cloud_;
   Camera camera_;
   ChannelPlan<S> plan_;
-  Asked asked_;
+  CullRequest cull_;
   std::optional<BinnedView<S>> binned_;
   std::vector<S> background_, channel_;  // [C], [V, C]
 };

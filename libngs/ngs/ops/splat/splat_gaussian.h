@@ -105,7 +105,7 @@ NGS_HD TileRect tile_rect(const ProjectedGaussian<S>& p, Compat compat, int tile
 
 /// The members of SplatRecord that depend on the opacity alone.
 template <class S>
-NGS_HD S two_cut_of(S opacity) {
+NGS_HD S max_mahalanobis2_of(S opacity) {
   using std::log;
   return S(2) * log(S(255) * opacity);
 }
@@ -118,11 +118,11 @@ NGS_HD S log2_opacity_of(S opacity) {
 template <class S>
 NGS_HD SplatRecord<S> record_of(const ProjectedGaussian<S>& p, WideOf<S> mean_x, WideOf<S> mean_y) {
   using std::sqrt;
-  const S two_cut = two_cut_of(p.opacity);
-  const S reach2 = max2(two_cut, S(0)), half_width = sqrt(reach2 * p.cov_xx), half_height = sqrt(reach2 * p.cov_yy);
+  const S max_mahalanobis2 = max_mahalanobis2_of(p.opacity);
+  const S reach2 = max2(max_mahalanobis2, S(0)), half_width = sqrt(reach2 * p.cov_xx), half_height = sqrt(reach2 * p.cov_yy);
   const S log2_opacity = log2_opacity_of(p.opacity);
   return {mean_x,          mean_y,      PowerForm<S>::of(p.conic_a, p.conic_b, p.cov_yy),
-          log2_opacity,    two_cut,     S(1) / p.det,
+          log2_opacity,    max_mahalanobis2,     S(1) / p.det,
           half_width,      half_height, -p.conic_b / p.conic_a * half_height,
           S(1) / p.conic_c};
 }
@@ -135,11 +135,11 @@ struct TileRange {
   int first, end;
 };
 
-/// What tells the tiles that an ellipse {quadratic form <= two_cut} reaches; T is float or double.
+/// What tells the tiles that an ellipse {quadratic form <= max_mahalanobis2} reaches; T is float or double.
 template <class T>
 struct EllipseShape {
   static constexpr T kEps = std::numeric_limits<T>::epsilon();
-  T a, b, two_cut;            // of the quadratic form a u² + 2 b u v + c v²
+  T a, b, max_mahalanobis2;            // of the quadratic form a u² + 2 b u v + c v²
   T inv_det, inv_c;           // 1 / (a c - b²), 1 / c
   T half_width, half_height;  // of its box                                    px
 };
@@ -157,7 +157,7 @@ NGS_HD inline TileRange tiles_of_row(const EllipseShape<T>& g, double mean_x, do
   const T v_lo = max2(T(y_lo - mean_y), -height), v_hi = min2(T(y_hi - mean_y), height);
   const T v_right = -g.b * g.inv_c * g.half_width, v_most = clamp3(v_right, v_lo, v_hi),
           v_least = clamp3(-v_right, v_lo, v_hi);
-  const T inv_a = T(1) / g.a, cut = T(1 + 8 * kEps) * g.two_cut * g.a;
+  const T inv_a = T(1) / g.a, cut = T(1 + 8 * kEps) * g.max_mahalanobis2 * g.a;
   const T right = -g.b * v_most, right_root = std::sqrt(max2(T(0), cut - v_most * v_most * g.inv_det));
   const T left = -g.b * v_least, left_root = std::sqrt(max2(T(0), cut - v_least * v_least * g.inv_det));
   const T right_slack = kSlack + (std::fabs(right) + right_root) * inv_a * (4 * kEps),
@@ -178,7 +178,7 @@ NGS_HD inline TileRange tiles_of_row(const EllipseShape<T>& g, double mean_x, do
 template <class S>
 NGS_HD TileSpan tile_span(const SplatRecord<S>& g, const TileRect& r, int ty) {
   using T = std::conditional_t<std::is_same_v<S, float>, float, double>;  // a Dual's tiles have no derivative
-  const EllipseShape<T> shape{T(g.form.a()), T(g.form.b()),   T(g.two_cut),    T(g.inv_det),
+  const EllipseShape<T> shape{T(g.form.a()), T(g.form.b()),   T(g.max_mahalanobis2),    T(g.inv_det),
                               T(g.inv_c),    T(g.half_width), T(g.half_height)};
   const TileRange range = tiles_of_row(shape, double(g.mean_x), double(g.mean_y), {r.x_begin, r.x_end}, ty);
   return {std::uint16_t(range.first), std::uint16_t(range.end)};
@@ -210,7 +210,7 @@ struct ViewProjector {
   ProjectionCamera<S> camera;
   ProjectionCamera<Wide> wide;
   Vec3<double> centre;
-  double spread, blur_px;  // of beside(): px · world per unit of scale; px
+  double spread, blur_px;  // of outside_frustum(): px · world per unit of scale; px
   int width_px, height_px, tiles_x, tiles_y;
   Compat compat;
   TileRect drawn;  // all tiles, or those that something is asked of
@@ -226,7 +226,7 @@ struct ViewProjector {
   /// both radii are at most 3.33 (cov_xx + cov_yy + 0.32)^½ + 1 px and cov_xx + cov_yy <= (largest scale · `spread` /
   /// z)² + 2 blur. All multiplied by z; what the factors exceed 3.33 and 1 by is for rounding. Without branches: a loop
   /// over Gaussians becomes one of packs.
-  NGS_HD bool beside(const CloudView<S>& cloud, std::int64_t i) const {
+  NGS_HD bool outside_frustum(const CloudView<S>& cloud, std::int64_t i) const {
     const Vec3<Wide> t = wide.rotation * offset(cloud, i);
     const S* log_scale = cloud.log_scale + i * 3;
     const double x = double(t.x), y = double(t.y), z = double(t.z);

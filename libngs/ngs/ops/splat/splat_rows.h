@@ -50,10 +50,10 @@ class RowsAhead {
     x_[k] = S(g.mean_x - W(frame.x_px + 0.5)), y_[k] = S(g.mean_y - W(frame.y_px + 0.5));
     mean_x_[k] = T(x_[k]), mean_y_[k] = T(y_[k]), b_[k] = T(g.form.b()), inv_c_[k] = T(g.inv_c),
     inv_det_[k] = T(g.inv_det);
-    cut_c_[k] = T(1 + 8 * kEps) * T(g.two_cut) * T(g.form.c()), bottom_x_[k] = T(g.bottom_x);
+    cut_c_[k] = T(1 + 8 * kEps) * T(g.max_mahalanobis2) * T(g.form.c()), bottom_x_[k] = T(g.bottom_x);
   }
 
-  /// The ellipse {quadratic form <= two_cut} has its lowest point within the columns at its own lowest point, or on the
+  /// The ellipse {quadratic form <= max_mahalanobis2} has its lowest point within the columns at its own lowest point, or on the
   /// border nearest to that. Rounding adds rows and takes none: the square is widened by what cancels in it, the border
   /// by what cancels in v. Where the ellipse misses the columns, at most a row too many.
   [[gnu::always_inline]] void find_rows(std::uint32_t k, int band, int rows) {

@@ -71,7 +71,7 @@ template <class L>
 }
 /// The transmittance behind a Gaussian.
 template <class L>
-[[gnu::always_inline]] NGS_HD inline L splat_behind(L alpha, L before) {
+[[gnu::always_inline]] NGS_HD inline L attenuate(L alpha, L before) {
   return fma_lanes(-alpha, before, before);
 }
 
@@ -97,7 +97,7 @@ struct PixelTraversal {
         splat_exponent(u, g.form.along_u, g.form.along_v * v, splat_row_constant(g.form.across, v, g.log2_opacity));
     if (!splat_reaches(live, exponent)) return S(0);
     const S alpha = splat_alpha(true, exponent);
-    const S after = splat_behind(alpha, before);
+    const S after = attenuate(alpha, before);
     live = after >= stop;
     if (!live) return S(0);
     transmittance = after;

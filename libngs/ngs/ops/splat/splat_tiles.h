@@ -162,7 +162,7 @@ template <class L, class Sink>
       sink.begin_column(column);
       for (std::uint32_t left = visited; left != 0; left &= left - 1) {
         const std::uint32_t row = std::uint32_t(__builtin_ctz(left)), pack = std::uint32_t(column * kTilePx) + row;
-        const L before = transmittance[pack], after = splat_behind(alpha_of[row], before);
+        const L before = transmittance[pack], after = attenuate(alpha_of[row], before);
         // A lane that is not reached stays as it is, for no transmittance is ever below `stop`.
         const Mask lasts = and_at_least(live[pack], after, stop);
         const L alpha = select(lasts, alpha_of[row], zero);

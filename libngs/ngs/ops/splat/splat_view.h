@@ -21,7 +21,7 @@ ProjectedView<S> project_view(const Exec& exec, const CloudView<S>& cloud, const
     ProjectedView<S>& out = part[std::size_t(chunk)];
     const std::int64_t begin = chunk * kChunk, count = std::min(cloud.size - begin, kChunk);
     std::uint8_t beside[kChunk];
-    for (std::int64_t k = 0; k < count; ++k) beside[k] = projector.beside(cloud, begin + k);
+    for (std::int64_t k = 0; k < count; ++k) beside[k] = projector.outside_frustum(cloud, begin + k);
     for (std::int64_t i = begin; i < begin + count; ++i) {
       VisibleGaussian<S> g;
       if (beside[i - begin] || !projector.project(cloud, i, g)) continue;

@@ -223,10 +223,10 @@ class TileBinner {
       std::uint32_t* next = chunk.next.data() + std::ptrdiff_t(r.y_begin) * lists_.tiles_x;
       int ty = r.y_begin;
       for (const TileSpan span : view_.first[v])
-        slots += kAll ? count(span, next) : count_asked(v, span, ty, next), ++ty, next += lists_.tiles_x;
+        slots += kAll ? count(span, next) : count_needed(v, span, ty, next), ++ty, next += lists_.tiles_x;
       for (; ty < r.y_end; ++ty, next += lists_.tiles_x) {
         chunk.span.push_back(tile_span(view_.record[v], r, ty));
-        slots += kAll ? count(chunk.span.back(), next) : count_asked(v, chunk.span.back(), ty, next);
+        slots += kAll ? count(chunk.span.back(), next) : count_needed(v, chunk.span.back(), ty, next);
       }
     }
     NGS_CHECK(slots <= 0xffffffff, "slots are counted in 32 bits");
@@ -235,14 +235,14 @@ class TileBinner {
 
   /// f(tx) for the tiles of a span of row `ty` in whose lists Gaussian v is.
   template <class F>
-  void for_each_asked(std::size_t v, TileSpan span, int ty, const F& f) const {
+  void for_each_needed(std::size_t v, TileSpan span, int ty, const F& f) const {
     const double depth = double(view_.depth[v]);
     for (int tx = span.first; tx < span.end; ++tx)
       if (depth <= lists_.last_z[std::size_t(ty) * std::size_t(lists_.tiles_x) + std::size_t(tx)]) f(tx);
   }
-  std::uint64_t count_asked(std::size_t v, TileSpan span, int ty, std::uint32_t* next) const {
+  std::uint64_t count_needed(std::size_t v, TileSpan span, int ty, std::uint32_t* next) const {
     std::uint64_t tiles = 0;
-    for_each_asked(v, span, ty, [&](int tx) { ++next[tx], ++tiles; });
+    for_each_needed(v, span, ty, [&](int tx) { ++next[tx], ++tiles; });
     return tiles;
   }
 
@@ -291,7 +291,7 @@ class TileBinner {
   template <bool kAll>
   void put(TileSpan span, int ty, std::uint32_t* next, TileEntry& entry) {
     if (!kAll)
-      return for_each_asked(entry.visible, span, ty, [&](int tx) { scratch_.entry[next[tx]++] = entry, ++entry.slot; });
+      return for_each_needed(entry.visible, span, ty, [&](int tx) { scratch_.entry[next[tx]++] = entry, ++entry.slot; });
     TileEntry nowhere, *const to = scratch_.entry.data();
     const int tiles = span.end - span.first;
     const std::uint32_t at[2] = {next[span.first], next[span.first + 1]}, slot = entry.slot;

@@ -22,16 +22,16 @@ using WideOf = std::conditional_t<std::is_same_v<S, float>, double, S>;
 ///   form, log2_opacity       alpha = min(0.99, 2^exponent) by splat_exponent; log2_opacity rounded once, so that an
 ///   opacity
 ///                            of 1/255 reaches its centre
-///   two_cut                  2 ln(255 · opacity): the quadratic form above which alpha < 1/255
+///   max_mahalanobis2                  2 ln(255 · opacity): the quadratic form above which alpha < 1/255
 ///   inv_det                  1 / det(blurred covariance) = a c - b²
-///   half_width, half_height  px, of the ellipse {quadratic form <= two_cut}
+///   half_width, half_height  px, of the ellipse {quadratic form <= max_mahalanobis2}
 ///   bottom_x                 px, where the ellipse's lowest point lies, from the mean
 ///   inv_c                    1 / c of the conic
 template <class S>
 struct SplatRecord {
   WideOf<S> mean_x, mean_y;
   PowerForm<S> form;
-  S log2_opacity, two_cut, inv_det, half_width, half_height, bottom_x, inv_c;
+  S log2_opacity, max_mahalanobis2, inv_det, half_width, half_height, bottom_x, inv_c;
 };
 
 /// The pixels of one tile.

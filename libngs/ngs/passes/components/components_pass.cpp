@@ -19,8 +19,8 @@ void ComponentsPass::run(PassRun& run) {
   problem.labels = std::move(finding.labels);
   run.report["components"] = {{"found", finding.count}};
   if (finding.count == 0) return;
-  problem.held.resize(finding.disconnected.size());
-  for (std::size_t i = 0; i < finding.disconnected.size(); ++i) problem.held[i] |= finding.disconnected[i];
+  problem.frozen.resize(finding.disconnected.size());
+  for (std::size_t i = 0; i < finding.disconnected.size(); ++i) problem.frozen[i] |= finding.disconnected[i];
   run.fields_fit = false;
   run.say(std::to_string(finding.count) + " Gaussians that masks claim lie apart from the object: taken for unseen");
 }

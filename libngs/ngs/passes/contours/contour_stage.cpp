@@ -72,7 +72,7 @@ ExactSums weight_in_all(const Exec& exec, const ContourSetup& setup, const std::
 /// costs more than an iteration does in windows: there it is done once, and halves are as what they were halved from.
 std::vector<float> kept_rows(const Exec& exec, const ContourSetup& setup, const std::vector<std::size_t>& views,
                              const ExactSums& inside, Model& model) {
-  const std::vector<std::uint8_t>& held = setup.problem.held;
+  const std::vector<std::uint8_t>& held = setup.problem.frozen;
   std::vector<float> out(std::size_t(model.cloud.size()), 0.f);
   if (model.shows_outside.empty()) {
     const ExactSums all = weight_in_all(exec, setup, views, model.cloud);

@@ -95,8 +95,8 @@ void ContoursPass::declare(OptionSet& options, const OptionGroup& given) {
   options.add(options_, std::move(group));
 }
 
-std::vector<EffectVerdict> ContoursPass::rules(const TrainingOptions& training) const {
-  std::vector<EffectVerdict> rules;
+std::vector<FixedDecision> ContoursPass::fixed_decisions(const TrainingOptions& training) const {
+  std::vector<FixedDecision> rules;
   if (contour_epochs(options_, training.joint.quality, 1) == 0)
     rules.push_back({"contours", false, "no epochs: --quality draft without --contour-epochs"});
   if (options_.iterations == 1) rules.push_back({"contour-iterations", false, "--contour-iterations 1"});
@@ -104,7 +104,7 @@ std::vector<EffectVerdict> ContoursPass::rules(const TrainingOptions& training) 
 }
 
 void ContoursPass::prepare(PassRun& run) {
-  const auto on = [&](std::string_view name) { return run.decisions.settled(name).value_or(true); };
+  const auto on = [&](std::string_view name) { return run.decisions.known(name).value_or(true); };
   options_.on = {
       .split = on("split"), .iterations = on("contour-iterations"), .full_resolution = on("full-resolution")};
   run.training.joint.contours_go_on = on("contours") && options_.on.iterations && !options_.on.full_resolution;

@@ -23,15 +23,15 @@ namespace {
 class Pictures {
  public:
   Pictures(const Exec& exec, const Problem& input, const GaussianCloud& cloud, const std::vector<std::size_t>& views,
-           std::size_t kept_bytes)
+           std::size_t cache_bytes)
       : exec_(exec), scene_(input.scene), splat_(input.splat) {
     request_.background = input.background;
     for_each_view(input.monitor, views, [&](std::size_t, std::size_t v) {
       const Camera& camera = scene_.views[v].camera;
       const std::size_t bytes = 3 * sizeof(float) * std::size_t(camera.width_px) * std::size_t(camera.height_px);
       std::optional<ImageF>& picture = picture_[v];
-      if (bytes > kept_bytes) return;
-      kept_bytes -= bytes;
+      if (bytes > cache_bytes) return;
+      cache_bytes -= bytes;
       picture = drawn(cloud, v);
     });
     if (std::any_of(picture_.begin(), picture_.end(), [](const auto& of_view) { return !of_view.second; }))
@@ -60,8 +60,8 @@ class Pictures {
 }  // namespace
 
 Problem with_pictures(const Exec& exec, const Problem& input, const GaussianCloud& cloud,
-                      const std::vector<std::size_t>& views, std::size_t kept_bytes) {
-  const auto pictures = std::make_shared<const Pictures>(exec, input, cloud, views, kept_bytes);
+                      const std::vector<std::size_t>& views, std::size_t cache_bytes) {
+  const auto pictures = std::make_shared<const Pictures>(exec, input, cloud, views, cache_bytes);
   Problem out = input;
   const auto instead_of = [&](const auto& load) {
     return [pictures, load](std::size_t v) { return pictures->has(v) ? pictures->of(v) : load(v); };

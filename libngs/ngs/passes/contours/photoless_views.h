@@ -17,10 +17,10 @@ namespace ngs {
 std::vector<std::size_t> judges_of(const std::vector<std::size_t>& views);
 
 /// The input with the model's picture of the given views in place of their photos. Pictures are kept up to
-/// `kept_bytes`; where that is too little a copy of the model is, of which the others are drawn whenever they are asked
+/// `cache_bytes`; where that is too little a copy of the model is, of which the others are drawn whenever they are asked
 /// for, by several threads at once if need be. What `input` refers to must outlive the result, `cloud` need not.
 Problem with_pictures(const Exec& exec, const Problem& input, const GaussianCloud& cloud,
-                      const std::vector<std::size_t>& views, std::size_t kept_bytes = 256u << 20);
+                      const std::vector<std::size_t>& views, std::size_t cache_bytes = 256u << 20);
 
 struct Trial {
   double pictured = 0, skipped = 0;  // mean boundary IoU (0.005) with the contours as refined in the photos

@@ -44,7 +44,7 @@ double agreement(const std::vector<float>& mask, const ViewMasks& own, int band_
   std::vector<std::uint8_t> a(mask.size()), b(mask.size());
   for (std::size_t p = 0; p < mask.size(); ++p) {
     const bool known = own.known.empty() || own.known[p];
-    a[p] = known && mask_says_object(mask[p]), b[p] = known && mask_says_object(own.target[0][p]);
+    a[p] = known && mask_is_foreground(mask[p]), b[p] = known && mask_is_foreground(own.target[0][p]);
   }
   Exec serial;
   const int w = own.width_px, h = own.height_px;
@@ -69,7 +69,7 @@ std::vector<std::uint8_t> enlarged_mask(const std::vector<float>& coarse, int w,
 
 void add_differences(const std::vector<float>& own, const std::vector<float>& refined, RefinedView& out) {
   for (std::size_t p = 0; p < own.size(); ++p) {
-    const bool mine = mask_says_object(own[p]), its = mask_says_object(refined[p]);
+    const bool mine = mask_is_foreground(own[p]), its = mask_is_foreground(refined[p]);
     out.beyond_px2 += mine && !its, out.short_px2 += its && !mine;
   }
 }
@@ -138,11 +138,11 @@ class ObjectRefinement {
     std::vector<std::uint8_t> mask;
     mask.reserve(std::size_t(fine.w) * std::size_t(fine.h));
     for (int y = fine.y0; y < fine.y0 + fine.h; ++y)
-      for (int x = fine.x0; x < fine.x0 + fine.w; ++x) mask.push_back(label_says_object(label.at(x, y, int(k))));
+      for (int x = fine.x0; x < fine.x0 + fine.w; ++x) mask.push_back(label_is_foreground(label.at(x, y, int(k))));
     ImageF photo(fine.w, fine.h, 0);
     photo.data = cropped(photo_.data, photo_.width_px, photo_.channels, fine), photo.channels = photo_.channels;
     std::vector<float> soft = refine_contour(refine_, {mask.data(), fine.w, fine.h}, photo);
-    for (float& x : soft) x = label_says_object(x) ? 1.f : 0.f;
+    for (float& x : soft) x = label_is_foreground(x) ? 1.f : 0.f;
     std::vector<float> target = reduce(soft, fine.w, fine.h, at.w, at.h);
     if (own.available) compare(mask, soft, target, {cropped(own, at), photo, objects});
     return {at, std::move(target)};

@@ -59,8 +59,8 @@ ViewResidual residual_of(const Problem& problem, const SplatOptions& splat, cons
   for (std::size_t k = 0; k < labels.objects(); ++k) {
     std::vector<std::uint8_t> mask(std::size_t(win.w) * std::size_t(win.h));
     for (std::size_t p = 0; p < mask.size(); ++p) {
-      mask[p] = mask_says_object(moved_to.target[k][p]);
-      if (bool(mask[p]) == label_says_object(rendered.data[p * labels.objects() + k])) continue;
+      mask[p] = mask_is_foreground(moved_to.target[k][p]);
+      if (bool(mask[p]) == label_is_foreground(rendered.data[p * labels.objects() + k])) continue;
       out.difference += difference_at(photo, picture, p), ++out.moved_px;
     }
     out.contrast += contour_contrast(mask, photo) / double(labels.objects());

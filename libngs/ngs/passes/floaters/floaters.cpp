@@ -176,7 +176,7 @@ class FloaterSearch {
   };
 
   /// Pixels at which the photo shows the surface although something is drawn in front of it.
-  std::vector<std::uint8_t> seen_through(std::size_t v, const Surface& s, const ImageF& photo,
+  std::vector<std::uint8_t> sees_past(std::size_t v, const Surface& s, const ImageF& photo,
                                          const ImageF& front) const {
     ViewMasks masks;
     if (trained_[v]) masks = input_.load_masks(v);
@@ -199,7 +199,7 @@ class FloaterSearch {
   static bool vetoed(const ViewMasks& masks, std::size_t p) {
     if (!masks.available || (!masks.known.empty() && !masks.known[p])) return false;
     return std::all_of(masks.target.begin(), masks.target.end(),
-                       [&](const std::vector<float>& target) { return !mask_says_object(target[p]); });
+                       [&](const std::vector<float>& target) { return !mask_is_foreground(target[p]); });
   }
 
   /// [N] 1: candidates that lie in front of the surface in some view; all candidates where the core is so much of the
@@ -242,7 +242,7 @@ class FloaterSearch {
       });
       const FrontView view = front_view(v, s);
       const ImageF layer = view.layer({asked, {elsewhere.value.data(), asked.size(), 4}});
-      const FrontSums sums = view.sums(asked.chosen, seen_through(v, s, photo, layer));
+      const FrontSums sums = view.sums(asked.chosen, sees_past(v, s, photo, layer));
       for (std::size_t k = 0; k < sums.row.size(); ++k) {
         const std::size_t i = asked.number[sums.row[k]];
         front[i] += sums.front[k], through[i] += sums.marked[k];
@@ -255,7 +255,7 @@ class FloaterSearch {
     std::vector<std::size_t> found;
     double hidden_px = 0;
     for (std::size_t i = 0; i < n; ++i) {
-      if (!(front[i] > 0) || reach[i] < options_.least_reach || through[i] < options_.seen_through * front[i]) continue;
+      if (!(front[i] > 0) || reach[i] < options_.least_reach || through[i] < options_.sees_past * front[i]) continue;
       found.push_back(std::size_t(asked.row[i])), hidden_px += through[i];
     }
     hidden_ = surface_px > 0 ? hidden_px / surface_px : 0;
@@ -299,7 +299,7 @@ std::vector<std::uint8_t> uncovered_rows(const Exec& exec, const Problem& input,
     const Camera& camera = input.scene.views[v].camera;
     RenderRequest request;
     request.colour = false, request.label = {label.data(), std::int64_t(label.size()), 1};
-    request.where = request.until = floater.data();
+    request.tiles_touching = request.stop_after = floater.data();
     ViewMasks covered{camera.width_px, camera.height_px, {}, {}, true};
     covered.target.push_back(std::move(render(exec, input.cloud, camera, with, request).label.data));
     for (float& pixel : covered.target[0]) pixel = float(pixel >= kDrawn);

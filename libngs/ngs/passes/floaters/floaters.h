@@ -10,7 +10,7 @@
 // nearer to the camera than that surface is a candidate. At a pixel the photo decides between the two: it shows the
 // surface where it is closer to the core's colour than to the one that the Gaussians in front have in the other views'
 // photos, by more than the noise. A training view's own mask vetoes where it says that something else is seen. A
-// candidate is a floater if the photos see through it in at least `seen_through` of its weight before the
+// candidate is a floater if the photos see through it in at least `sees_past` of its weight before the
 // surface.
 #include "ngs/options/field.h"
 #include "ngs/passes/components/object_core.h"
@@ -22,7 +22,7 @@ namespace ngs {
 struct FloaterOptions {
   CoreOptions core = {};       // whose margin is also the one from the surface
   double surface_alpha = 0.9;  // opacity of the core from which a pixel has a surface
-  double seen_through = 0.5;   // of a candidate's weight before the surface
+  double sees_past = 0.5;   // of a candidate's weight before the surface
   double least_reach = 0.1;    // share of a candidate's weight before the surface, in its best view
   double noise_factor = 2;     // times the median difference of core and photo: what colours must differ by
   double least_hidden = 1e-3;  // of the surface's pixels that floaters hide, over all views; less is not worth a refit

@@ -63,7 +63,7 @@ void FloatersPass::run(PassRun& run) {
   report["removed"] = finding.count;
   report["reason"] = finding.count > 0 ? "the photos show the object behind them"
                                        : "what lies before the object hides too little of it";
-  report["seen_through"] = options.seen_through, report["least_hidden"] = options.least_hidden;
+  report["sees_past"] = options.sees_past, report["least_hidden"] = options.least_hidden;
   note(finding.figures, report);
   run.state["floaters"] = {{"draft", draft}};
 }

@@ -13,7 +13,7 @@ namespace {
 
 /// Not where the effect was switched off; that no mask claims anything apart does not say that training will not.
 bool may_withdraw(const Decisions& decisions) {
-  return std::ranges::any_of(decisions.all(), [](const EffectDecision& decision) {
+  return std::ranges::any_of(decisions.all(), [](const Decision& decision) {
     return decision.effect->name == "components" && (decision.on || decision.measured);
   });
 }
@@ -70,7 +70,7 @@ Solution labels_alone(const PassRun& run) {
 
 std::vector<Effect> JointPass::effects() const { return joint_effects(); }
 
-std::vector<EffectVerdict> JointPass::rules(const TrainingOptions& training) const {
+std::vector<FixedDecision> JointPass::fixed_decisions(const TrainingOptions& training) const {
   if (training.joint.steps > 0) return {{"joint", true, "--steps"}};
   return {};
 }
@@ -78,7 +78,7 @@ std::vector<EffectVerdict> JointPass::rules(const TrainingOptions& training) con
 void JointPass::prepare(PassRun& run) {
   if (run.budget.given()) leave_out_for_time(run, "nerf");  // it gains least for its time
   run.training.joint.on =
-      joint_switches([&](std::string_view name) { return run.decisions.settled(name).value_or(true); });
+      joint_switches([&](std::string_view name) { return run.decisions.known(name).value_or(true); });
 }
 
 void JointPass::begin(PassRun& run) {

@@ -8,7 +8,7 @@ class JointPass : public Pass {
  public:
   PassStage stage() const override { return PassStage::kOptimise; }
   std::vector<Effect> effects() const override;
-  std::vector<EffectVerdict> rules(const TrainingOptions&) const override;
+  std::vector<FixedDecision> fixed_decisions(const TrainingOptions&) const override;
   bool follows_clock() const override { return true; }
   void prepare(PassRun& run) override;
   /// Makes the trainer, whose labels as they come are the solution where the steps are off.

@@ -89,7 +89,7 @@ struct JointTrainer::Impl {
         given_field(s.field),
         rates(group_rates(s, effects)),
         cloud(s.input.cloud),
-        trained(e, s.input.region, s.frozen.empty() ? s.input.held : s.frozen, cloud),
+        trained(e, s.input.region, s.frozen.empty() ? s.input.frozen : s.frozen, cloud),
         labels(trained),
         splat_options(trained.prepared(splat_of(s.input.splat, effects))),
         splat(splat_options),

@@ -39,7 +39,7 @@ struct JointSetup {
   const Problem& input;
   const QueryField* field = nullptr;  // of the initial model; null: sampled here
   GaussianRates rates = {};
-  std::vector<std::uint8_t> frozen = {};  // [N] 1: shape, opacity and colour stay; empty: input.held
+  std::vector<std::uint8_t> frozen = {};  // [N] 1: shape, opacity and colour stay; empty: input.frozen
 };
 
 /// What is boundary before the first step. kNothingFound where no usable Gaussian is (allow with

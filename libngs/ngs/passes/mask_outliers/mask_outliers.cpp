@@ -66,7 +66,7 @@ struct Consensus {
     float* to = &label[gaussian * channels];
     object[gaussian] = 0;
     for (std::size_t k = 0; k < objects; ++k) {
-      to[k] = label_says_object(shares.share[k]) ? 1.f : 0.f;
+      to[k] = label_is_foreground(shares.share[k]) ? 1.f : 0.f;
       object[gaussian] |= to[k] > 0;
     }
     if (channels > objects) to[objects] = float(shares.seen);
@@ -86,12 +86,12 @@ class ConsensusViews {
   /// the model as it stands is not rendered; nor where they disagree by no more than `enough`.
   /// `shown` [N]: 1 for all that the view shows; null: for all.
   double disagreement_of(const Camera& camera, const Planes& mask, const std::uint8_t* shown, double enough) {
-    request_.include = consensus_.object.data(), request_.where = request_.until = nullptr;
+    request_.include = consensus_.object.data(), request_.tiles_touching = request_.stop_after = nullptr;
     const double alone = disagreement(exec_, mask, drawn(camera, false));
     if (alone == kNothingThere || alone <= enough) return alone;
     request_.include = shown;
     // Where none of the objects is, the consensus shows none; which pixels the others have seen is asked everywhere.
-    request_.where = request_.until = asks_seen() ? nullptr : consensus_.object.data();
+    request_.tiles_touching = request_.stop_after = asks_seen() ? nullptr : consensus_.object.data();
     return std::min(alone, disagreement(exec_, mask, drawn(camera, asks_seen())));
   }
 
@@ -106,7 +106,7 @@ class ConsensusViews {
     for_each_index(exec_, view.label.pixels(), [&](std::int64_t pixel) {
       const auto i = std::size_t(pixel);
       const float* at = &view.label.data[i * consensus_.channels];
-      for (std::size_t k = 0; k < consensus_.objects; ++k) p.object[k][i] = label_says_object(at[k]);
+      for (std::size_t k = 0; k < consensus_.objects; ++k) p.object[k][i] = label_is_foreground(at[k]);
       if (seen_only) p.compared[i] = at[consensus_.objects] > 0.5f;
     });
     return p;
@@ -199,7 +199,7 @@ class Judge {
     std::vector<std::uint8_t> shown(gaussians, 0);
     others.for_all([&](std::size_t i, const LeaveOneOut::Shares& all) { consensus.set(row(i), all); });
     const bool every = for_each_view(input_.monitor, input_.views, [&](std::size_t n, std::size_t view) {
-      if (settled(n)) return;
+      if (known(n)) return;
       const ViewMasks masks = input_.load_masks(view);
       if (!masks.available) {
         found_[n] = kNoMask;
@@ -228,11 +228,11 @@ class Judge {
   }
 
   std::size_t row(std::size_t number) const { return std::size_t(seen_.row[number]); }
-  bool settled(std::size_t n) const { return found_[n] < kSettled * threshold_; }
+  bool known(std::size_t n) const { return found_[n] < kSettled * threshold_; }
   /// Whether there is a view to ask.
   bool asks() const {
     bool any = false;
-    for (std::size_t n = 0; n < found_.size(); ++n) any |= !settled(n);
+    for (std::size_t n = 0; n < found_.size(); ++n) any |= !known(n);
     return any;
   }
 
@@ -281,7 +281,7 @@ std::vector<double> first_look(const Exec& exec, const MaskOutlierOptions& optio
   for_each_index(exec, input.cloud.size(), [&](std::int64_t i) {
     float* to = &consensus.label[std::size_t(i) * objects];
     for (std::size_t k = 0; k < objects; ++k) {
-      to[k] = label_says_object(input.labels[k].label[std::size_t(i)]) ? 1.f : 0.f;
+      to[k] = label_is_foreground(input.labels[k].label[std::size_t(i)]) ? 1.f : 0.f;
       consensus.object[std::size_t(i)] |= to[k] > 0;
     }
   });

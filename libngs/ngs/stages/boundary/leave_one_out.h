@@ -11,14 +11,14 @@
 
 namespace ngs {
 
-/// Keeps the weights of single views up to `kept_bytes`; those of further views are gathered anew when they are asked
+/// Keeps the weights of single views up to `cache_bytes`; those of further views are gathered anew when they are asked
 /// for.
 class LeaveOneOut {
  public:
   /// What view n says.
   using Gather = std::function<ViewWeights(std::size_t n)>;
   LeaveOneOut(const Exec& exec, std::int64_t gaussians, int objects, Gather gather,
-              std::size_t kept_bytes = 512u << 20);
+              std::size_t cache_bytes = 512u << 20);
 
   /// Begins with what these views say, as labels and weight [N] hold it: with a float's rounding. A view's weights are
   /// gathered where they are asked for.
@@ -86,7 +86,7 @@ class LeaveOneOut {
   std::size_t left_bytes_;
   ExactSums weight_;                                                // [N] of all views
   SparseTable<ExactSum> object_weight_;                             // [N, K]
-  std::map<std::size_t, std::shared_ptr<const ViewWeights>> kept_;  // by view
+  std::map<std::size_t, std::shared_ptr<const ViewWeights>> cache_;  // by view
   std::set<std::size_t> not_kept_;                                  // views that were added too
 };
 

@@ -158,7 +158,7 @@ void restore_fixed(const Problem& input, const std::vector<std::int64_t>& source
 }
 
 double labelled_count(const LabelColumns& labels) {
-  return double(std::ranges::count_if(labels.label, label_says_object));
+  return double(std::ranges::count_if(labels.label, label_is_foreground));
 }
 
 }  // namespace ngs

@@ -43,7 +43,7 @@ Renders rendered(const Exec& exec, const AtlasInput& in) {
     value[i * kChannels + kObject] = in.labels.label[i];
     value[i * kChannels + kBarely] = in.labels.views[i] <= kBarelySeenViews;
     value[i * kChannels + kBoundary] = in.labels.boundary[i];
-    object[i] = label_says_object(in.labels.label[i]), other[i] = !object[i];
+    object[i] = label_is_foreground(in.labels.label[i]), other[i] = !object[i];
   }
   RenderRequest request;
   request.colour = false;

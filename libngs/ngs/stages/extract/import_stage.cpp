@@ -158,7 +158,7 @@ RowPairs match_rounded(const GaussianCloud& cloud, const GaussianCloud& edit) {
 }
 
 /// [rows of the model] -1 not in the edit, 0 background, 1 object.
-std::vector<std::int8_t> verdicts_of(const std::vector<std::int64_t>& found, const std::vector<std::uint8_t>& state,
+std::vector<std::int8_t> fixed_decisions_of(const std::vector<std::int64_t>& found, const std::vector<std::uint8_t>& state,
                                      bool by_selection, std::size_t rows) {
   std::vector<std::int8_t> verdict(rows, -1);
   for (std::size_t e = 0; e < found.size(); ++e) {
@@ -204,7 +204,7 @@ ImportedEdit import_edit(const GaussianCloud& cloud, const std::vector<std::uint
                 "edit an output of this model and do not move, rotate or scale it in the editor");
 
   out.by_selection = std::any_of(state.begin(), state.end(), [](std::uint8_t s) { return s & kSelected; });
-  const std::vector<std::int8_t> verdict = verdicts_of(found, state, out.by_selection, n);
+  const std::vector<std::int8_t> verdict = fixed_decisions_of(found, state, out.by_selection, n);
   if (!out.by_selection) refuse_whole_model(cloud, object, verdict);
   for (std::size_t i = 0; i < n; ++i) {
     if (verdict[i] < 0 && !object[i]) continue;

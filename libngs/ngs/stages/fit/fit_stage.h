@@ -13,7 +13,7 @@
 #include "ngs/ops/losses/photometric.h"
 #include "ngs/ops/splat/splat.h"
 #include "ngs/options/field.h"
-#include "ngs/scene/held_photo.h"
+#include "ngs/scene/packed_photo.h"
 #include "ngs/scene/scene.h"
 #include "ngs/stages/fit/fit_state.h"
 #include "ngs/stages/render/background.h"
@@ -61,7 +61,7 @@ FitCost fit_cost(const FitOptions& options, std::span<const Camera> cameras, dou
 
 struct FitView {
   Camera camera;
-  HeldPhoto photo;  // of the camera's size
+  PackedPhoto photo;  // of the camera's size
   Split split = Split::kTrain;
 };
 

@@ -76,7 +76,7 @@ RenderedView with_labels(const Canvas& on, const std::vector<float>& channel) {
   auto& [view, colour] = *on.last;
   if (!view || !same_view(view->camera(), on.camera)) {
     view.reset(), colour = {};  // its memory serves the next one
-    view = std::make_unique<KeptView>(on.exec, on.model.cloud, on.camera, on.model.splat);
+    view = std::make_unique<CachedView>(on.exec, on.model.cloud, on.camera, on.model.splat);
   }
   request.colour = colour.empty();
   RenderedView rendered;

@@ -3,7 +3,7 @@
 #include <array>
 #include <memory>
 
-#include "ngs/ops/splat/kept/kept_view.h"
+#include "ngs/ops/splat/cached/cached_view.h"
 #include "ngs/stages/live/object_evidence.h"
 
 namespace ngs::live {
@@ -33,7 +33,7 @@ struct FrameRequest {
 
 /// What the last frame of the whole model was made of, for the next one from the same camera: of one model alone.
 struct LastFrame {
-  std::unique_ptr<KeptView> view;
+  std::unique_ptr<CachedView> view;
   ImageF colour;  // without the selection
 };
 

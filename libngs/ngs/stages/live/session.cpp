@@ -125,7 +125,7 @@ Session::Kept& Session::kept(int id) {
 /// `sums` are of the others and `before`, the view as it was so far.
 void Session::segment(MarkedView& view, const MarkedView* before, const MarkedViews& others, ObjectEvidence& sums) {
   const Camera& camera = view.camera;
-  RecentView& here = recent_.of(view.look, camera);
+  CachedFrame& here = recent_.of(view.look, camera);
   const ViewPrompt strokes = rasterise(view.strokes, camera.width_px, camera.height_px);
   if (others.empty()) {
     view.mask = live_mask(here.picture(), strokes, 0);
@@ -266,7 +266,7 @@ void Session::restore(Marks marks) {
     for (std::shared_ptr<const MarkedView>& view : object.views) {
       MarkedView whole = *view;
       whole.camera = segmented_camera(whole.look), whole.camera.name = whole.name;
-      RecentView(exec_, model_, whole.look, whole.camera).weigh(whole);
+      CachedFrame(exec_, model_, whole.look, whole.camera).weigh(whole);
       view = std::make_shared<const MarkedView>(std::move(whole));
     }
   forget_steps();

@@ -9,7 +9,7 @@
 // give the same masks and labels for any number of threads.
 #include <mutex>
 
-#include "ngs/stages/live/recent_views.h"
+#include "ngs/stages/live/frame_cache.h"
 
 namespace ngs::live {
 
@@ -81,7 +81,7 @@ class Session {
 
   const Exec exec_;
   const Model model_;
-  RecentViews recent_;
+  FrameCache recent_;
   std::vector<Kept> kept_;
   std::vector<std::shared_ptr<const Marks>> before_, after_;
   mutable std::mutex mutex_;  // of what is published

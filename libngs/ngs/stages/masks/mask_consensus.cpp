@@ -31,7 +31,7 @@ constexpr float kClear = 0.8f;
 constexpr double kMiddle = 0.6;
 
 bool hides_object(const Consensus& c, std::size_t p) {
-  return !label_says_object(c.object[p]) && label_says_object(c.alone[p]);
+  return !label_is_foreground(c.object[p]) && label_is_foreground(c.alone[p]);
 }
 
 /// Unseen Gaussians take the side of their nearest seen ones where those agree.
@@ -53,7 +53,7 @@ void ask_neighbours(const Exec& exec, const GaussianCloud& cloud, const std::vec
   for (std::size_t q = 0; q < unseen.size(); ++q) {
     std::size_t votes = 0;
     for (std::size_t k = 0; k < voters; ++k)
-      votes += label_says_object(channels[2 * seen[graph.index[q * voters + k]]]);
+      votes += label_is_foreground(channels[2 * seen[graph.index[q * voters + k]]]);
     side[q] = votes == voters ? 1.f : votes == 0 ? 0.f : -1.f;
   }
   for (std::size_t q = 0; q < unseen.size(); ++q)
@@ -209,7 +209,7 @@ Consensus render_consensus(const Exec& exec, const LiftedModel& model, const Cam
   request.label = {channels.data(), cloud.size(), 2};
   const RenderedView view = render(exec, cloud, camera, splat, request);
   std::vector<std::uint8_t> is_object(n);
-  for (std::size_t i = 0; i < n; ++i) is_object[i] = label_says_object(channels[2 * i]);
+  for (std::size_t i = 0; i < n; ++i) is_object[i] = label_is_foreground(channels[2 * i]);
   RenderRequest alone;
   alone.colour = false;
   alone.include = is_object.data();
@@ -233,7 +233,7 @@ ViewPrompt prompt_from(const Consensus& c, int band_px, const PixelMask& before)
   std::vector<std::uint8_t> inside(c.object.size()), outside(c.object.size());
   for (std::size_t p = 0; p < inside.size(); ++p) {
     if (!is_set(c.known[p])) continue;  // on neither side
-    inside[p] = label_says_object(c.object[p]), outside[p] = !inside[p] && !hides_object(c, p);
+    inside[p] = label_is_foreground(c.object[p]), outside[p] = !inside[p] && !hides_object(c, p);
   }
   const std::vector<std::uint8_t> sure_in =
       certain(inside, c, band_px, [&](std::size_t p) { return c.object[p] > kClear; });
@@ -257,7 +257,7 @@ double agreement(const Consensus& consensus, const PixelMask& mask) {
   std::int64_t both = 0, either = 0;
   for (std::size_t p = 0; p < mask.size(); ++p) {
     if (!is_set(consensus.known[p]) || hides_object(consensus, p)) continue;
-    const bool expected = label_says_object(consensus.object[p]), found = mask[p] != 0;
+    const bool expected = label_is_foreground(consensus.object[p]), found = mask[p] != 0;
     both += expected && found, either += expected || found;
   }
   return either > 0 ? double(both) / double(either) : 1;

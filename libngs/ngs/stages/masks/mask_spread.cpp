@@ -132,7 +132,7 @@ class Spreader {
     for (const float known : consensus.known) out.known += double(known) / double(consensus.known.size());
     out.mask.resize(consensus.object.size());
     for (std::size_t p = 0; p < out.mask.size(); ++p)
-      out.mask[p] = label_says_object(consensus.object[p]) && is_set(consensus.known[p]);
+      out.mask[p] = label_is_foreground(consensus.object[p]) && is_set(consensus.known[p]);
     if (!is_empty(out.mask) || is_marked(view)) {
       out.source = MaskSource::kRendered;
       if (in_.has_photo[view]) try_segmenter(view, prompt, consensus, out);

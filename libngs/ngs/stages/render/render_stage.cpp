@@ -84,12 +84,12 @@ ImageF LabelChannels::masks(const Exec& exec, const Camera& camera, const SplatO
   return view(exec, camera, splat, object_.data(), some_.data());
 }
 
-ImageF LabelChannels::view(const Exec& exec, const Camera& camera, const SplatOptions& splat, const std::uint8_t* where,
-                           const std::uint8_t* until) const {
+ImageF LabelChannels::view(const Exec& exec, const Camera& camera, const SplatOptions& splat, const std::uint8_t* tiles_touching,
+                           const std::uint8_t* stop_after) const {
   RenderRequest request;
   request.colour = false;
   request.label = {label_.data(), cloud_.size(), int(objects_)};
-  request.where = where, request.until = until;
+  request.tiles_touching = tiles_touching, request.stop_after = stop_after;
   return std::move(render(exec, cloud_, camera, splat, request).label);
 }
 
@@ -109,7 +109,7 @@ RenderedView render_labelled(const Exec& exec, const LabelledModel& model, const
 ObjectsAlone::ObjectsAlone(const GaussianCloud& cloud, const std::vector<LabelColumns>& objects) : cloud_(cloud) {
   for (const LabelColumns& object : objects) {
     std::vector<std::uint8_t>& mine = mine_.emplace_back(object.label.size());
-    for (std::size_t i = 0; i < mine.size(); ++i) mine[i] = label_says_object(object.label[i]);
+    for (std::size_t i = 0; i < mine.size(); ++i) mine[i] = label_is_foreground(object.label[i]);
   }
 }
 

@@ -51,10 +51,10 @@ RenderedView render_labelled(const Exec& exec, const LabelledModel& model, const
 class LabelChannels {
  public:
   LabelChannels(const GaussianCloud& cloud, const std::vector<LabelColumns>& objects);
-  /// [H, W, K]; `where` and `until` as in RenderRequest.
-  ImageF view(const Exec& exec, const Camera& camera, const SplatOptions& splat, const std::uint8_t* where = nullptr,
-              const std::uint8_t* until = nullptr) const;
-  /// The same for those who ask label_says_object() alone: 0 where no object is near.
+  /// [H, W, K]; `tiles_touching` and `stop_after` as in RenderRequest.
+  ImageF view(const Exec& exec, const Camera& camera, const SplatOptions& splat, const std::uint8_t* tiles_touching = nullptr,
+              const std::uint8_t* stop_after = nullptr) const;
+  /// The same for those who ask label_is_foreground() alone: 0 where no object is near.
   ImageF masks(const Exec& exec, const Camera& camera, const SplatOptions& splat) const;
   std::size_t objects() const { return objects_; }
   const GaussianCloud& cloud() const { return cloud_; }

@@ -47,8 +47,8 @@ class Witness {
     for (std::size_t p = 0; p < shown.data.size(); ++p) {
       if (!masks.known.empty() && masks.known[p] == 0) continue;
       const bool in_mask =
-          std::ranges::any_of(masks.target, [&](const auto& target) { return mask_says_object(target[p]); });
-      const bool is_shown = label_says_object(shown.data[p]);
+          std::ranges::any_of(masks.target, [&](const auto& target) { return mask_is_foreground(target[p]); });
+      const bool is_shown = label_is_foreground(shown.data[p]);
       counts.known += 1, counts.mask += in_mask, counts.shown += is_shown, counts.both += in_mask && is_shown;
     }
     return counts;

@@ -13,7 +13,7 @@ namespace {
 constexpr double kLargest = 2, kScanStep = 0.01;
 
 Vec2<double> photo_px(const Camera& camera, const Lens& lens, Vec2<double> p) {
-  const Vec2<double> at = bent(lens, p);
+  const Vec2<double> at = distort(lens, p);
   return {camera.fx * at.x + camera.cx, camera.fy * at.y + camera.cy};
 }
 
@@ -61,8 +61,8 @@ double largest_scale(const Camera& camera, const Lens& lens) {
 
 }  // namespace
 
-Camera straight_camera(const LensCamera& bent) {
-  const auto& [camera, lens] = bent;
+Camera straight_camera(const LensCamera& distorted) {
+  const auto& [camera, lens] = distorted;
   const double scale = largest_scale(camera, lens), width = scale * camera.width_px, height = scale * camera.height_px;
   if (width < 1 || height < 1)
     throw Error(ErrorCode::kBadInput,
@@ -77,9 +77,9 @@ Camera straight_camera(const LensCamera& bent) {
   return straight;
 }
 
-std::vector<std::uint16_t> straightened(const Exec& exec, const MaskSamples& photo, const LensCamera& bent,
+std::vector<std::uint16_t> straightened(const Exec& exec, const MaskSamples& photo, const LensCamera& distorted,
                                         const Camera& to, Resampling resampling) {
-  const Camera from = resized(bent.camera, photo.width_px, photo.height_px);
+  const Camera from = resized(distorted.camera, photo.width_px, photo.height_px);
   const auto channels = std::size_t(photo.channels), row = std::size_t(to.width_px) * channels;
   const auto sample = [&](Vec2<double> at, std::size_t channel) {
     return read_bilinear(at.x, at.y, photo.width_px, photo.height_px, [&](int i, int j) {
@@ -89,7 +89,7 @@ std::vector<std::uint16_t> straightened(const Exec& exec, const MaskSamples& pho
   std::vector<std::uint16_t> out(row * std::size_t(to.height_px));
   for_each_index(exec, to.height_px, [&](std::int64_t y) {
     for (int x = 0; x < to.width_px; ++x) {
-      Vec2<double> at = photo_px(from, bent.lens, {(x + 0.5 - to.cx) / to.fx, (double(y) + 0.5 - to.cy) / to.fy});
+      Vec2<double> at = photo_px(from, distorted.lens, {(x + 0.5 - to.cx) / to.fx, (double(y) + 0.5 - to.cy) / to.fy});
       if (resampling == Resampling::kNearest) at = {std::floor(at.x) + 0.5, std::floor(at.y) + 0.5};
       for (std::size_t c = 0; c < channels; ++c)
         out[std::size_t(y) * row + std::size_t(x) * channels + c] = std::uint16_t(std::lround(sample(at, c)));

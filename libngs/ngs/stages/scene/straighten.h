@@ -19,12 +19,12 @@ struct LensCamera {
 /// The pinhole of the same place, axes and focal lengths whose picture lies wholly in that of the lens: the largest
 /// rectangle of the photo's proportions about the principal point, at most twice as wide and high as the photo.
 /// kBadInput: there is none, as where the lens maps two directions to one pixel near its axis.
-Camera straight_camera(const LensCamera& bent);
+Camera straight_camera(const LensCamera& distorted);
 
 enum class Resampling : std::uint8_t { kBilinear, kNearest };
 
 /// [H, W, C] of camera `to` from the samples of the lens, which may have another size than its camera.
-std::vector<std::uint16_t> straightened(const Exec& exec, const MaskSamples& photo, const LensCamera& bent,
+std::vector<std::uint16_t> straightened(const Exec& exec, const MaskSamples& photo, const LensCamera& distorted,
                                         const Camera& to, Resampling resampling);
 
 }  // namespace ngs

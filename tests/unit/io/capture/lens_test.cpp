@@ -59,7 +59,7 @@ TEST_CASE("lenses of COLMAP's camera models bend a direction as their formulas s
       {"SIMPLE_RADIAL 640 480 500 320 240 5e-10", 0.5, -0.25}};
   for (const auto& want : known) {
     CAPTURE(want.camera);
-    const Vec2<double> at = bent(colmap_lens(want.camera), {0.5, -0.25});
+    const Vec2<double> at = distort(colmap_lens(want.camera), {0.5, -0.25});
     CHECK(std::abs(at.x - want.x) < kRounding);
     CHECK(std::abs(at.y - want.y) < kRounding);
   }
@@ -67,7 +67,7 @@ TEST_CASE("lenses of COLMAP's camera models bend a direction as their formulas s
 
 TEST_CASE("lenses on their axis, where the radius is zero") {
   for (const char* camera : {"OPENCV_FISHEYE 640 480 500 501 320 240 0 0 0 0", "FOV 640 480 500 501 320 240 0.9"}) {
-    const Vec2<double> at = bent(colmap_lens(camera), {0, 0});
+    const Vec2<double> at = distort(colmap_lens(camera), {0, 0});
     CHECK(at.x == 0);
     CHECK(at.y == 0);
   }
@@ -107,8 +107,8 @@ TEST_CASE("transforms.json: the same parameters mean the same lens as in COLMAP"
     const Capture capture = transforms_capture(transforms(pair.keys));
     REQUIRE(capture.lenses.size() == 1);
     CHECK(capture.lenses.begin()->first == capture.views[0].camera.name);
-    const Vec2<double> got = bent(capture.lenses.begin()->second, {0.4, 0.3}),
-                       want = bent(colmap_lens(pair.colmap), {0.4, 0.3});
+    const Vec2<double> got = distort(capture.lenses.begin()->second, {0.4, 0.3}),
+                       want = distort(colmap_lens(pair.colmap), {0.4, 0.3});
     CHECK(got.x == want.x);
     CHECK(got.y == want.y);
   }

@@ -66,7 +66,7 @@ TEST_CASE(
     SceneView view;
     view.camera.width_px = 6, view.camera.height_px = 4, view.image_path = path;
     scene.views = {view};
-    const HeldPhoto held = hold_photo(scene, 0);
+    const PackedPhoto held = read_packed_photo(scene, 0);
     CHECK(held.bytes() == 24 * bytes_per_pixel);
     if (channels == 3) CHECK(held_photo_bytes(scene, 0) == double(held.bytes()));
     const ImageF whole = read_image_rgb(path, {0.25f, 0.5f, 1.f});
@@ -74,7 +74,7 @@ TEST_CASE(
     CHECK(load_photo(scene, 0).data == held.rgb().data);
   }
   scene.views[0].image_path.clear();
-  CHECK(hold_photo(scene, 0).empty());
+  CHECK(read_packed_photo(scene, 0).empty());
   CHECK(load_photo(scene, 0).empty());
   CHECK(held_photo_bytes(scene, 0) == 0);
 }

@@ -42,8 +42,8 @@ struct Planes {
 std::vector<std::uint8_t> whole(const Planes& of, std::size_t k, bool rendered) {
   std::vector<std::uint8_t> plane(kPixels);
   for (std::size_t p = 0; p < kPixels; ++p)
-    plane[p] = of.masks.known[p] && (rendered ? label_says_object(of.label.data[p * kObjects + k])
-                                              : mask_says_object(of.masks.target[k][p]));
+    plane[p] = of.masks.known[p] && (rendered ? label_is_foreground(of.label.data[p * kObjects + k])
+                                              : mask_is_foreground(of.masks.target[k][p]));
   return plane;
 }
 

@@ -76,7 +76,7 @@ TEST_CASE(
         ProjectionContext<float> context;
         const TileRect r = tile_rect(project_gaussian(view.camera, t, {g.rotation, g.log_scale, 9.f}, context), compat,
                                      view.tiles_x, view.tiles_y);
-        const bool none = r.x_begin >= r.x_end || r.y_begin >= r.y_end, left_out = view.beside(cloud, 0);
+        const bool none = r.x_begin >= r.x_end || r.y_begin >= r.y_end, left_out = view.outside_frustum(cloud, 0);
         empty += none, culled += left_out, wrong += left_out && !none;
       }
     }

@@ -47,7 +47,7 @@ std::vector<SplatRecord<double>> wide(const std::vector<SplatRecord<float>>& rec
                    g.mean_y,
                    {g.form.along_u, g.form.along_v, g.form.across},
                    g.log2_opacity,
-                   g.two_cut,
+                   g.max_mahalanobis2,
                    g.inv_det,
                    g.half_width,
                    g.half_height,

@@ -65,23 +65,23 @@ TEST_CASE("what is refined and compared about an object has the bits of the whol
     const ImageF own = label.view({}, camera, {});
     ViewMasks& masks = c->masks[0] = {120, 100, {own.data}, {}, true};
     std::rotate(masks.target[0].begin(), masks.target[0].begin() + 2, masks.target[0].end());
-    for (float& m : masks.target[0]) m = label_says_object(m) ? 1.f : 0.f;
+    for (float& m : masks.target[0]) m = label_is_foreground(m) ? 1.f : 0.f;
     Problem in = c->input();
     in.load_fine_photo = [&](std::size_t) { return photo; };
     const ContourRefineOptions refine{.band_px = 3, .reach_px = 4};
     const RefinedView got = refine_views({}, {refine, 5, in}, {c->model, c->labels}, {0}, {0})[0];
 
     std::vector<std::uint8_t> mask;
-    for (const float x : label.view({}, fine, splat).data) mask.push_back(label_says_object(x));
+    for (const float x : label.view({}, fine, splat).data) mask.push_back(label_is_foreground(x));
     const std::vector<float> soft = refine_contour(refine, {mask.data(), 240, 200}, photo);
     std::vector<float> target(120 * 100);
     for (std::size_t p = 0; p < soft.size(); ++p)
-      target[p / 240 / 2 * 120 + p % 240 / 2] += label_says_object(soft[p]) ? 0.25f : 0.f;
+      target[p / 240 / 2 * 120 + p % 240 / 2] += label_is_foreground(soft[p]) ? 0.25f : 0.f;
     CHECK(whole_masks(got, 120, 100).target[0] == target);
     std::vector<std::uint8_t> a, b;
     double beyond = 0;
     for (std::size_t p = 0; p < target.size(); ++p) {
-      a.push_back(mask_says_object(target[p])), b.push_back(mask_says_object(masks.target[0][p]));
+      a.push_back(mask_is_foreground(target[p])), b.push_back(mask_is_foreground(masks.target[0][p]));
       beyond += b[p] && !a[p];
     }
     CHECK(got.refined_biou == boundary_iou({}, chessboard_distance({a.data(), 120, 100}),

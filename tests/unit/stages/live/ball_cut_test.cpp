@@ -102,7 +102,7 @@ struct Room {
     request.label = {channel.data(), cloud.size(), 1};
     const RenderedView seen = render({}, cloud, scene.views[view].camera, splat, request);
     PixelMask mask;
-    for (const float share : seen.label.data) mask.push_back(label_says_object(share));
+    for (const float share : seen.label.data) mask.push_back(label_is_foreground(share));
     return mask;
   }
 

@@ -44,7 +44,7 @@ Vec2<double> unbent(const Lens& lens, Vec2<double> wanted) {
   Vec2<double> p = wanted;
   for (int i = 0; i < 50; ++i) {
     constexpr double kStep = 1e-6;
-    const Vec2<double> at = bent(lens, p), dx = bent(lens, {p.x + kStep, p.y}), dy = bent(lens, {p.x, p.y + kStep});
+    const Vec2<double> at = distort(lens, p), dx = distort(lens, {p.x + kStep, p.y}), dy = distort(lens, {p.x, p.y + kStep});
     const double a = (dx.x - at.x) / kStep, b = (dy.x - at.x) / kStep, c = (dx.y - at.y) / kStep,
                  d = (dy.y - at.y) / kStep, ex = wanted.x - at.x, ey = wanted.y - at.y, det = a * d - b * c;
     p.x += (d * ex - b * ey) / det, p.y += (a * ey - c * ex) / det;
@@ -89,7 +89,7 @@ TEST_CASE("straightened: what a lens photographed, a pinhole shows in the same d
   CHECK(largest_error(photo_camera(), barrel(), 2) < 4 * kCurved * 3 + 2 * kBorder + 1.5);
   // The pattern taken as it is in the photo would be off by most of its range.
   const Camera camera = photo_camera();
-  CHECK(std::abs(pattern({0.7, 0.5}) - pattern(bent(barrel(), {0.7, 0.5}))) > 2000);
+  CHECK(std::abs(pattern({0.7, 0.5}) - pattern(distort(barrel(), {0.7, 0.5}))) > 2000);
   CHECK(camera.fx == straight_camera({camera, barrel()}).fx);
 }
 
@@ -103,7 +103,7 @@ TEST_CASE("straight camera: the largest rectangle about the principal point that
         const double w = straight.width_px, h = straight.height_px, t = i / 200.0;
         for (const Vec2<double> px : {Vec2<double>{t * w, 0}, {t * w, h}, {0, t * h}, {w, t * h}}) {
           const Vec2<double> at =
-              bent(lens, {grown * (px.x - straight.cx) / straight.fx, grown * (px.y - straight.cy) / straight.fy});
+              distort(lens, {grown * (px.x - straight.cx) / straight.fx, grown * (px.y - straight.cy) / straight.fy});
           const double x = at.x * camera.fx + camera.cx, y = at.y * camera.fy + camera.cy;
           double& beyond = grown > 1 ? out : most;
           beyond = std::max({beyond, -x, -y, x - camera.width_px, y - camera.height_px});

@@ -47,7 +47,7 @@ class PreparedCloud {
   std::array<RawColumn<float>, 3> position;  // world, relative to the cloud's origin
   std::array<RawColumn<float>, 9> shape;     // rotation · diag(scale), row-major            world
   RawColumn<float> opacity;                  // sigmoid of the logit; 0 where the row is not usable
-  RawColumn<float> two_cut, log2_opacity;    // as in SplatRecord, without the compensation of antialiasing
+  RawColumn<float> max_mahalanobis2, log2_opacity;    // as in SplatRecord, without the compensation of antialiasing
   RawColumn<float> scale_bound;              // at least the largest scale                   world
   std::vector<BlockBounds> bounds;           // [blocks]
   std::vector<BlockBounds> group_bounds;     // [groups] of kGroupBlocks blocks that follow each other

@@ -46,7 +46,7 @@ int count_of(const std::uint8_t* flag, int rows) {
 struct PassRows {
   Column<double> x, y, z;  // the centre in camera coordinates
   Column<float> depth, mean_x, mean_y, variance_x, variance_y, det_raw, det, conic_a, conic_b, conic_c;
-  Column<float> opacity, two_cut, log2_opacity;
+  Column<float> opacity, max_mahalanobis2, log2_opacity;
   Column<float> along_u, along_v, across, inv_det, half_width, half_height, bottom_x, inv_c;
   Column<double> wide_x, wide_y, radius_x, radius_y;
   Column<int> x_begin, x_end, y_begin, y_end;
@@ -88,7 +88,7 @@ class BlockProjector {
   const View& view_;
 };
 
-/// The four linear forms of ViewProjector::beside at the corners of the box: where one is beyond the largest Gaussian's
+/// The four linear forms of ViewProjector::outside_frustum at the corners of the box: where one is beyond the largest Gaussian's
 /// reach at all corners, it is so at every centre.
 bool BlockProjector::may_reach(const BlockBounds& bounds) const {
   if (bounds.empty()) return false;
@@ -187,15 +187,15 @@ void BlockProjector::covariance(std::size_t base, PassRows& rows) const {
 }
 
 void BlockProjector::opacity(std::size_t base, const std::uint8_t* reaches, PassRows& rows) const {
-  const float *opacity = &cloud_.opacity[base], *two_cut = &cloud_.two_cut[base], *log2 = &cloud_.log2_opacity[base];
-  each_row([&rows, opacity, two_cut, log2](int i) {
-    rows.opacity[i] = opacity[i], rows.two_cut[i] = two_cut[i], rows.log2_opacity[i] = log2[i];
+  const float *opacity = &cloud_.opacity[base], *max_mahalanobis2 = &cloud_.max_mahalanobis2[base], *log2 = &cloud_.log2_opacity[base];
+  each_row([&rows, opacity, max_mahalanobis2, log2](int i) {
+    rows.opacity[i] = opacity[i], rows.max_mahalanobis2[i] = max_mahalanobis2[i], rows.log2_opacity[i] = log2[i];
   });
   if (!view_.camera.antialiased) return;
   for (int i = 0; i < kPassRows; ++i) {
     if (!reaches[i]) continue;
     rows.opacity[i] *= std::sqrt(max2(rows.det_raw[i] / rows.det[i], float(kCompensationFloor2)));
-    rows.two_cut[i] = two_cut_of(rows.opacity[i]), rows.log2_opacity[i] = log2_opacity_of(rows.opacity[i]);
+    rows.max_mahalanobis2[i] = max_mahalanobis2_of(rows.opacity[i]), rows.log2_opacity[i] = log2_opacity_of(rows.opacity[i]);
   }
 }
 
@@ -235,7 +235,7 @@ void BlockProjector::record(PassRows& rows) const {
   each_row([&rows](int i) {
     constexpr float kMost = std::numeric_limits<float>::max();
     const auto form = PowerForm<float>::of(rows.conic_a[i], rows.conic_b[i], rows.variance_y[i]);
-    const float reach2 = max2(rows.two_cut[i], 0.f), half_height = std::sqrt(reach2 * rows.variance_y[i]);
+    const float reach2 = max2(rows.max_mahalanobis2[i], 0.f), half_height = std::sqrt(reach2 * rows.variance_y[i]);
     rows.along_u[i] = form.along_u, rows.along_v[i] = form.along_v, rows.across[i] = form.across;
     rows.inv_det[i] = 1.f / rows.det[i], rows.inv_c[i] = 1.f / rows.conic_c[i];
     rows.half_width[i] = std::sqrt(reach2 * rows.variance_x[i]), rows.half_height[i] = half_height;
@@ -251,7 +251,7 @@ void BlockProjector::span_of(int row, PassRows& rows) const {
   Column<int>&first = rows.span_first[std::size_t(row)], &end = rows.span_end[std::size_t(row)];
   each_row([&rows, &first, &end, row](int i) {
     const PowerForm<float> form{rows.along_u[i], rows.along_v[i], rows.across[i]};
-    const EllipseShape<float> shape{form.a(),      form.b(),           rows.two_cut[i],    rows.inv_det[i],
+    const EllipseShape<float> shape{form.a(),      form.b(),           rows.max_mahalanobis2[i],    rows.inv_det[i],
                                     rows.inv_c[i], rows.half_width[i], rows.half_height[i]};
     const int ty = rows.y_begin[i] + row;
     const TileRange range = tiles_of_row(shape, rows.wide_x[i], rows.wide_y[i], {rows.x_begin[i], rows.x_end[i]}, ty);
@@ -280,7 +280,7 @@ void BlockProjector::project_all(std::size_t base, const std::uint8_t* reaches, 
     for (std::size_t row = 0; row < rows.span_first.size(); ++row)
       out.first[at][row] = {half(rows.span_first[row][i]), half(rows.span_end[row][i])};
     out.record[at] = {rows.wide_x[i],       rows.wide_y[i],      {rows.along_u[i], rows.along_v[i], rows.across[i]},
-                      rows.log2_opacity[i], rows.two_cut[i],     rows.inv_det[i],
+                      rows.log2_opacity[i], rows.max_mahalanobis2[i],     rows.inv_det[i],
                       rows.half_width[i],   rows.half_height[i], rows.bottom_x[i],
                       rows.inv_c[i]};
     ++at;

@@ -1,0 +1,161 @@
+#include "ngs/passes/bleed_through/bleed_through.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ngs/ops/splat/evidence.h"
+#include "ngs/passes/detectors.h"
+#include "ngs/problem/cloud_rows.h"
+#include "ngs/problem/pixel_window.h"
+#include "ngs/problem/view_list.h"
+#include "ngs/scene/mask_threshold.h"
+#include "ngs/stages/boundary/method_labels.h"
+#include "ngs/stages/render/render_stage.h"
+
+namespace ngs {
+namespace {
+
+// A label is in doubt below this share. What shows through in every view, with more, shows nowhere else.
+constexpr float kCertainShare = 0.8f;
+
+using RowList = std::vector<std::int64_t>;  // increasing
+
+/// The views of a problem where some of its Gaussians show, cut to where they do.
+class ViewsOf {
+ public:
+  ViewsOf(const Exec& exec, const Problem& problem, const RowList& rows)
+      : exec_(exec),
+        problem_(problem),
+        some_(gather_rows(exec, problem.cloud, rows)),
+        splat_(prepared_for(exec, problem.splat, some_)) {}
+
+  /// f(camera, masks) of these views, up to the one where it is asked to stop.
+  template <class F>
+  void for_each(const F& f) const {
+    for_each_view(problem_.monitor, problem_.views, [&](std::size_t, std::size_t view) {
+      const Camera& camera = problem_.scene.views[view].camera;
+      const PixelWindow window = shown(camera);
+      if (window.w == 0) return;
+      ViewMasks masks = problem_.load_masks(view);
+      if (!masks.available) return;
+      f(window_camera(camera, window), cropped(std::move(masks), window));
+    });
+  }
+
+ private:
+  PixelWindow shown(const Camera& camera) const {
+    RenderRequest request;
+    request.colour = false;
+    ImageF alpha = render(exec_, some_, camera, splat_, request).alpha;
+    const PixelWindow window = window_of({std::move(alpha.data)}, camera.width_px, camera.height_px, 0);
+    return widened(window, 0, camera.width_px, camera.height_px);
+  }
+
+  const Exec& exec_;
+  const Problem& problem_;
+  GaussianCloud some_;
+  SplatOptions splat_;
+};
+
+/// A label in doubt, and what the views say of it by visibility: Σ α T², Σ α T² M.
+struct Doubt {
+  std::int64_t row;
+  std::size_t object;
+  double all = 0, objects = 0;
+};
+
+/// [N] 1: one of these.
+std::vector<std::uint8_t> flags_of(const RowList& rows, std::int64_t n) {
+  std::vector<std::uint8_t> flag(std::size_t(n), 0);
+  for (const std::int64_t row : rows) flag[std::size_t(row)] = 1;
+  return flag;
+}
+
+/// By row.
+std::vector<Doubt> labels_in_doubt(const Problem& problem, const std::vector<LabelColumns>& labels) {
+  std::vector<Doubt> doubts;
+  for (std::size_t i = 0; i < std::size_t(problem.cloud.size()); ++i)
+    for (std::size_t k = 0; k < labels.size() && !is_fixed(problem, i); ++k)
+      if (label_is_foreground(labels[k].label[i]) && labels[k].prob[i] < kCertainShare)
+        doubts.push_back({std::int64_t(i), k});
+  return doubts;
+}
+
+/// `rows` of the doubts, as the sums number them.
+void add_view(const ViewSums& sums, const RowNumbers& rows, std::vector<Doubt>& doubts) {
+  std::size_t v = 0;
+  for (Doubt& doubt : doubts) {
+    const std::uint32_t number = rows.number[std::size_t(doubt.row)];
+    while (v < sums.size() && sums.row[v] < number) ++v;
+    if (v == sums.size()) return;
+    if (sums.row[v] == number) doubt.all += sums.weight(v), doubt.objects += sums.object_weight(v, doubt.object);
+  }
+}
+
+/// Per object the rows that are labelled as it and less than half its own by visibility.
+std::vector<RowList> rows_seen_through(const Exec& exec, const Problem& problem,
+                                       const std::vector<LabelColumns>& labels) {
+  std::vector<Doubt> doubts = labels_in_doubt(problem, labels);
+  std::vector<RowList> found(labels.size());
+  if (doubts.empty()) return found;
+  RowList rows;
+  for (const Doubt& doubt : doubts) rows.push_back(doubt.row);
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+  const RowNumbers wanted(rows, problem.cloud.size());
+  ViewsOf(exec, problem, rows).for_each([&](const Camera& camera, const ViewMasks& masks) {
+    const MaskedView by_visibility{camera, masks, PixelWeight::kByVisibility};
+    add_view(view_sums(exec, problem.cloud, by_visibility, problem.splat, &wanted), wanted, doubts);
+  });
+  for (const Doubt& doubt : doubts)
+    if (2 * doubt.objects < doubt.all) found[doubt.object].push_back(doubt.row);
+  return found;
+}
+
+/// How much nearer to the mask the second channel is than the first: the difference of their squared errors over the
+/// pixels of a view, in units of the root of that between the channels. Not the pixels whose label changes: a mask that
+/// is wrong by a pixel speaks of its neighbours too.
+double vote(const ImageF& drawn, const ViewMasks& masks, std::size_t object) {
+  double gain = 0, change = 0;
+  for (std::size_t p = 0; p < masks.target[object].size(); ++p) {
+    if (!masks.known.empty() && !masks.known[p]) continue;
+    const double mask = masks.target[object][p], now = drawn.data[2 * p], then = drawn.data[2 * p + 1];
+    gain += (now - mask) * (now - mask) - (then - mask) * (then - mask), change += (then - now) * (then - now);
+  }
+  return change > 0 ? gain / std::sqrt(change) : 0;
+}
+
+/// What the masks of an object gain without the rows, standard errors of the mean over the views that show them.
+double gain_without(const Exec& exec, const Problem& problem, std::size_t object, const LabelColumn& label,
+                    const RowList& rows) {
+  std::vector<LabelColumns> both(2);
+  both[0].label = both[1].label = label;
+  for (const std::int64_t row : rows) both[1].label[std::size_t(row)] = 0;
+  const LabelChannels channels(problem.cloud, both);
+  const std::vector<std::uint8_t> differ = flags_of(rows, problem.cloud.size());  // elsewhere the two are equal
+  std::vector<double> votes;
+  ViewsOf(exec, problem, rows).for_each([&](const Camera& camera, const ViewMasks& masks) {
+    const double of_view = vote(channels.view(exec, camera, problem.splat, differ.data()), masks, object);
+    if (of_view != 0) votes.push_back(of_view);
+  });
+  return gain_in_errors(votes);
+}
+
+}  // namespace
+
+BleedThrough without_seen_through(const Exec& exec, const Problem& problem, std::vector<LabelColumns> labels) {
+  BleedThrough finding{std::move(labels), {}};
+  finding.objects.resize(finding.labels.size());
+  const std::vector<RowList> found = rows_seen_through(exec, problem, finding.labels);
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    if (found[k].empty()) continue;
+    LabelColumn& label = finding.labels[k].label;
+    const double gain = gain_without(exec, problem, k, label, found[k]);
+    if (stop_requested(problem.monitor)) break;
+    finding.objects[k] = {std::ssize(found[k]), gain, gain > kSignificant};
+    if (!finding.objects[k].taken) continue;
+    for (const std::int64_t row : found[k]) label[std::size_t(row)] = 0;
+  }
+  return finding;
+}
+
+}  // namespace ngs
