@@ -31,10 +31,9 @@ struct EffectCase {
   }
   void relabel(double tau = 0.2) {
     Monitor monitor;
-    VarianceOptions options;
-    options.tau = tau;
+    base->rule.tau = tau;
     base->labels = label_gaussians(
-        options,
+        base->rule,
         accumulate_evidence({}, monitor,
                             {base->model, base->scene, {0, 1, 2, 3}, base->input().splat, base->input().load_masks}));
   }

@@ -17,6 +17,7 @@ struct JointCase {
   std::vector<ImageF> photos;
   std::vector<ViewMasks> masks;
   std::vector<LabelColumns> labels;
+  BoundaryRule rule{.tau = 0.2};
   std::shared_ptr<const std::vector<float>> weight = nullptr;  // of the labels' evidence
 
   Problem input() const {
@@ -30,6 +31,7 @@ struct JointCase {
             .seed = 7,
             .fixed = {},
             .labels = labels,
+            .rule = rule,
             .weight = weight};
   }
   /// A camera that looks the other way, with an empty mask; its index.
@@ -96,9 +98,7 @@ inline std::unique_ptr<JointCase> joint_case(int ball = 160, int wall = 120) {
   Monitor monitor;
   const auto load = [&](std::size_t v) { return c->masks[v]; };
   const Evidence evidence = accumulate_evidence({}, monitor, {c->model, c->scene, {0, 1, 2, 3}, {}, load});
-  VarianceOptions options;
-  options.tau = 0.2;
-  c->labels = label_gaussians(options, evidence);
+  c->labels = label_gaussians(c->rule, evidence);
   return c;
 }
 

@@ -93,6 +93,7 @@ struct Input {
             .seed = seed,
             .fixed = ply.fixed,
             .labels = labels,
+            .rule = ply.rule.value_or(BoundaryRule()),
             .weight = weight,
             .load_fine_photo = [this](std::size_t view) { return io::load_fine_photo(scene, view); },
             .monitor = &monitor};

@@ -71,7 +71,7 @@ int label_scene(int argc, char** argv) {
     }
     if (!out) return 0;
     const auto labelled = variance::label(options, scene, ply, std::move(part.evidence));
-    variance::write_labels(run, labelled, options.tau, out.path);
+    variance::write_labels(run, labelled, out.path);
     if (layers) variance::write_layers(run, labelled, splat_options(raster, ply.cloud, scene), layers.path);
     return 0;
   });
@@ -94,7 +94,7 @@ int merge_parts(int argc, char** argv) {
     variance::check_complete(sum, scene);
     const io::GaussianPly ply = io::read_gaussian_ply(scene.model_path, {io::HigherBands::kCheckOnly});
     if (run.dry_run()) return 0;
-    variance::write_labels(run, variance::label(options, scene, ply, std::move(sum.evidence)), options.tau, out.path);
+    variance::write_labels(run, variance::label(options, scene, ply, std::move(sum.evidence)), out.path);
     return 0;
   });
 }

@@ -41,7 +41,7 @@ Scene with_columns(Scene scene, const std::vector<std::string>& columns, const s
 
 /// Into the report; returns the boundary Gaussians of all objects.
 std::int64_t report_counts(cli::Run& run, const LabelledScene& labelled) {
-  const auto& [scene, ply, labels, weight] = labelled;
+  const auto& [scene, ply, labels, weight, rule] = labelled;
   const auto count = [](const LabelColumn& column) { return std::count(column.begin(), column.end(), 1.f); };
   std::int64_t boundary_total = 0;
   for (std::size_t k = 0; k < labels.size(); ++k) {
@@ -123,15 +123,15 @@ void check_complete(const io::EvidencePart& sum, const Scene& scene) {
         "merge the parts of all shards");
 }
 
-LabelledScene label(const VarianceOptions& options, const Scene& scene, const io::GaussianPly& ply,
+LabelledScene label(const BoundaryRule& rule, const Scene& scene, const io::GaussianPly& ply,
                     Evidence&& evidence) {
   const Evidence from = std::move(evidence);
-  return {scene, ply, label_gaussians(options, from), from.weights()};
+  return {scene, ply, label_gaussians(rule, from), from.weights(), rule};
 }
 
-void write_labels(cli::Run& run, const LabelledScene& labelled, double tau, const std::string& path) {
+void write_labels(cli::Run& run, const LabelledScene& labelled, const std::string& path) {
   const auto timed = run.monitor().scope("write");
-  const auto& [scene, ply, labels, weight] = labelled;
+  const auto& [scene, ply, labels, weight, rule] = labelled;
   const std::int64_t boundary = report_counts(run, labelled);
   const bool any_evidence = std::any_of(labels.begin(), labels.end(), [](const LabelColumns& l) {
     return std::any_of(l.views.begin(), l.views.end(), [](float views) { return views > 0; });
@@ -142,12 +142,12 @@ void write_labels(cli::Run& run, const LabelledScene& labelled, double tau, cons
         "masks of held-out views do not count; see what was found: ngs-scene check scene.json; make masks with "
         "ngs-mask, and import the scene again with --masks DIR");
   else if (boundary == 0)
-    run.nothing_found("no Gaussian has a normalised mask variance above tau = " + std::to_string(tau),
+    run.nothing_found("no Gaussian has a normalised mask variance above tau = " + std::to_string(rule.tau),
                       "lower --tau, or check the masks: ngs-scene check scene.json");
   std::vector<io::LabelSet> named;
   for (std::size_t k = 0; k < labels.size(); ++k) named.push_back({scene.objects[k].name, labels[k]});
   io::LabelledWrite columns;
-  columns.weight = weight;
+  columns.weight = weight, columns.rule = rule;
   io::write_labelled_ply(path, ply, named, columns);
 }
 

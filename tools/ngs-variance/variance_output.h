@@ -33,14 +33,15 @@ struct LabelledScene {
   const io::GaussianPly& ply;
   std::vector<LabelColumns> labels;  // [objects of the scene]
   std::vector<float> weight;         // [N] of their evidence
+  BoundaryRule rule;
 };
 
 /// The evidence, the most that there is in memory, is gone then.
-LabelledScene label(const VarianceOptions& options, const Scene& scene, const io::GaussianPly& ply,
+LabelledScene label(const BoundaryRule& rule, const Scene& scene, const io::GaussianPly& ply,
                     Evidence&& evidence);
 
 /// Writes the labelled PLY and the counts; an empty boundary set is kNothingFound unless allowed.
-void write_labels(cli::Run& run, const LabelledScene& labelled, double tau, const std::string& path);
+void write_labels(cli::Run& run, const LabelledScene& labelled, const std::string& path);
 
 /// One EXR per training view: the first object's ngs.mask, ngs.prob, ngs.variance and ngs.boundary,
 /// composited.

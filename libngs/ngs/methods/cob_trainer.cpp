@@ -44,7 +44,7 @@ void CobTrainer::mask_phase(const Exec& exec, Monitor& monitor) {
       label_step(exec, one);
       if (pass == 0) evidence_.add(one), ++mask_views_;  // the second pass sees the same pixels
     }
-  columns_ = label_gaussians({}, evidence_);
+  columns_ = label_gaussians(input_.rule, evidence_);
 }
 
 /// The linear loss -Σ G M + λ Σ (1 - G) M has the constant gradient λ (W - W1) - W1 in m = sigmoid(logit).

@@ -80,7 +80,7 @@ Solution run_sa3d(const Exec& exec, Monitor& monitor, const Sa3dOptions& options
   for (int k = 0; k < int(input.scene.objects.size()); ++k) {
     ObjectState state{k, threshold, input.cloud, Evidence(input.cloud.size(), 1), {}};
     first_pass(exec, monitor, options, input, state);
-    VarianceOptions closed_form;
+    BoundaryRule closed_form = input.rule;
     closed_form.label_threshold = threshold;
     LabelColumns columns = label_gaussians(closed_form, state.evidence)[0];
     for (int pass = 1; pass < options.passes && !monitor.stop_requested(); ++pass) {

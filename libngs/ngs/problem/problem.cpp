@@ -6,10 +6,10 @@ namespace {
 /// References cannot be set anew: the one place where all members are copied. A new member does not compile until it is
 /// named here.
 Problem rebound(const Problem& from, const GaussianCloud& cloud, const Scene& scene) {
-  const auto& [old_cloud, old_scene, views, load_masks, load_photo, splat, background, seed, fixed, labels, weight,
+  const auto& [old_cloud, old_scene, views, load_masks, load_photo, splat, background, seed, fixed, labels, rule, weight,
                load_fine_photo, frozen, region, window_share, whole, owns, monitor] = from;
   return {cloud,  scene,  views,           load_masks, load_photo, splat,        background, seed, fixed,
-          labels, weight, load_fine_photo, frozen,       region,     window_share, whole,      owns, monitor};
+          labels, rule,   weight, load_fine_photo, frozen,       region,     window_share, whole,      owns, monitor};
 }
 
 }  // namespace

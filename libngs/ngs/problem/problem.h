@@ -12,6 +12,7 @@
 #include "ngs/core/monitor.h"
 #include "ngs/ops/splat/splat.h"
 #include "ngs/scene/evidence.h"
+#include "ngs/scene/labels/boundary_rule.h"
 #include "ngs/scene/labels/label_columns.h"
 #include "ngs/scene/scene.h"
 
@@ -60,6 +61,7 @@ struct Problem {
   std::uint64_t seed = 0;
   std::vector<float> fixed;  // [N] ngs_fixed of a hand edit: 1 keeps its label; may be empty
   SharedLabels labels;       // of ngs-variance, one per object
+  BoundaryRule rule = {};    // by which the labels follow from their evidence
   std::shared_ptr<const std::vector<float>> weight = nullptr;  // [N] W of the evidence that they follow from; null: not
                                                                // known, nor in a window
   // As load_photo, finer where the photo has more pixels than the camera; empty function or image: no photo.

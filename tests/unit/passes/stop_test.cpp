@@ -71,7 +71,7 @@ const Phase kPhases[] = {
     {"exposures", [](const StopCase&, const Problem& in) { view_exposures({}, in, in.views); }},
     {"detectors", [](const StopCase&, const Problem& in) { measure(in); }},
     {"mask outliers", [](const StopCase& c, const Problem& in) { judge_views({}, c.monitor, {}, in); }},
-    {"evidence anew", [](const StopCase& c, const Problem& in) { labels_anew({}, c.monitor, in, in.cloud); }},
+    {"recomputed evidence", [](const StopCase& c, const Problem& in) { recompute_labels({}, c.monitor, in, in.cloud); }},
     {"floaters", [](const StopCase& c, const Problem& in) { find_floaters({}, c.monitor, {}, in); }},
     {"agreement",
      [](const StopCase&, const Problem& in) {

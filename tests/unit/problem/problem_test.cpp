@@ -11,6 +11,7 @@ namespace {
 Problem full(const test::JointCase& c, Monitor& monitor) {
   Problem problem = c.input();
   const auto n = std::size_t(c.model.size());
+  problem.rule = {.tau = 0.3, .criterion = Criterion::kBetweenViews};
   problem.background = {0.1f, 0.2f, 0.3f}, problem.seed = 7;
   problem.fixed.assign(n, 1.f), problem.frozen.assign(n, 1), problem.region.assign(n, 1);
   problem.weight = std::make_shared<const std::vector<float>>(n, 2.f);
@@ -27,7 +28,8 @@ void check_rest(const Problem& next, const Problem& from) {
   CHECK(next.background.y == from.background.y);
   CHECK(next.seed == from.seed);
   CHECK(next.fixed == from.fixed);
-  CHECK(next.held == from.held);
+  CHECK(next.rule == from.rule);
+  CHECK(next.frozen == from.frozen);
   CHECK(next.region == from.region);
   CHECK(bool(next.load_fine_photo));
   CHECK(next.whole == from.whole);

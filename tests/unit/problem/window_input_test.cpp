@@ -45,7 +45,7 @@ std::unique_ptr<test::JointCase> wide_case(int wall = 120) {
   Monitor monitor;
   const auto load = [&](std::size_t v) { return c->masks[v]; };
   const Evidence evidence = accumulate_evidence({}, monitor, {c->model, c->scene, {0, 1, 2, 3}, {}, load});
-  c->labels = label_gaussians({.tau = 0.2}, evidence);
+  c->labels = label_gaussians(c->rule, evidence);
   c->weight = std::make_shared<const std::vector<float>>(evidence.weights());
   return c;
 }
@@ -177,7 +177,7 @@ TEST_CASE("labels without a view are those of the other views' evidence") {
   c.whole.weight = nullptr;  // as of a file of another program
   c.enter();
   CHECK(labels_without_views({}, monitor, *c.problem, {})[0].prob ==
-        labels_anew({}, monitor, *c.problem, c.whole.cloud)[0].prob);
+        recompute_labels({}, monitor, *c.problem, c.whole.cloud)[0].prob);
 }
 
 TEST_CASE("of a Gaussian that only views without a say have seen, no rounding is left") {

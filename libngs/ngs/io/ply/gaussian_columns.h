@@ -7,6 +7,7 @@
 
 #include "ngs/io/ply/ply.h"
 #include "ngs/scene/gaussian_cloud.h"
+#include "ngs/scene/labels/boundary_rule.h"
 #include "ngs/scene/labels/label_columns.h"
 
 namespace ngs::io {
@@ -27,6 +28,7 @@ inline constexpr std::string_view kWeightColumn = "ngs_weight";
 inline constexpr std::string_view kStateColumn = "state";
 inline constexpr std::string_view kFilter3dColumn = "filter_3D";     // Mip-Splatting: a width per Gaussian, world
 inline constexpr std::string_view kObjectsComment = "ngs-objects ";  // then a JSON array of names
+inline constexpr std::string_view kRuleComment = "ngs-boundary ";     // then JSON: {"tau", "criterion", "exclusive"}
 inline constexpr std::string_view kOriginComment = "ngs-origin ";    // then x y z: positions are relative to them
 
 /// The Inria record for a degree: x y z nx ny nz f_dc f_rest opacity scale rot, all float.
@@ -50,6 +52,11 @@ std::optional<std::array<double, 3>> far_origin(const std::array<PlyColumn, 3>& 
 /// The comment that names the origin of the positions in a file, and what such a comment says.
 std::string origin_comment(const std::array<double, 3>& origin);
 std::optional<std::array<double, 3>> origin_in(const std::vector<std::string>& comments);
+
+/// The comment that records the rule of the labels, and the rule in the comments of `file`; kBadInput for a comment
+/// that is no such rule.
+std::string rule_comment(const BoundaryRule& rule);
+std::optional<BoundaryRule> rule_in(const std::vector<std::string>& comments, const std::string& file);
 
 /// compressed.ply: decodes the chunk, vertex and sh elements of `file` into an Inria-like table of floats.
 /// `is_compressed` tells whether the file is one.

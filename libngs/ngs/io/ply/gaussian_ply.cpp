@@ -311,6 +311,7 @@ class Reader {
                                 comment.find("true") != std::string::npos;
     }
     if (ply_.cloud.antialiased) ply_.notes.push_back("trained with antialiasing");
+    ply_.rule = rule_in(ply_.comments, name_);
   }
 
   static constexpr float kLog1000 = 6.9077554f;

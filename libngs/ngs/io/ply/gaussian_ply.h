@@ -14,12 +14,14 @@
 //   labelled    the input's own columns bit for bit, then float ngs_label ngs_prob ngs_variance ngs_views
 //               ngs_boundary (replacing columns of these names); see write_labelled_ply for several objects
 //   supersplat  labelled, then `uchar state`, 1 = selected: the editor opens with the object selected
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "ngs/io/ply/ply.h"
 #include "ngs/scene/gaussian_cloud.h"
+#include "ngs/scene/labels/boundary_rule.h"
 #include "ngs/scene/labels/label_columns.h"
 
 namespace ngs::io {
@@ -41,6 +43,7 @@ struct GaussianPly {
   bool names_object = false;         // it has
   std::vector<float> fixed;          // ngs_fixed: 1 = labelled by hand (ngs-extract --import); empty: absent
   std::vector<float> weight;         // ngs_weight: what the labels' views draw of it, W of Evidence; empty: absent
+  std::optional<BoundaryRule> rule;  // by which the labels follow from evidence; nullopt: the file names none
   std::vector<std::uint8_t> state;   // SuperSplat: bit 1 selected, 2 locked, 4 deleted; empty: absent
   std::vector<std::string> notes;    // what a reader of the file should know, one sentence each
 };
@@ -96,6 +99,7 @@ struct LabelledWrite {
   std::span<const float> floater;            // [rows] adds ngs_floater; empty: the input's column, if any, is kept
   std::span<const float> weight;             // [rows] adds ngs_weight; empty: none, whatever the input has
   std::span<const std::uint8_t> state;       // [rows] adds `uchar state` (supersplat)
+  std::optional<BoundaryRule> rule = {};     // recorded in a comment; nullopt: the input's comment, if any, is copied
   std::vector<std::string> history;          // appended to the input's comments
 };
 

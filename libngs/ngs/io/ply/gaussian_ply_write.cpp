@@ -149,11 +149,12 @@ std::vector<std::string> labelled_comments(const GaussianPly& source, std::span<
                                            const LabelledWrite& options) {
   std::vector<std::string> comments;
   for (const std::string& c : source.comments)
-    if (!c.starts_with(kObjectsComment)) comments.push_back(c);
+    if (!c.starts_with(kObjectsComment) && !(options.rule && c.starts_with(kRuleComment))) comments.push_back(c);
   nlohmann::json names = nlohmann::json::array();
   for (const LabelSet& object : objects) names.push_back(object.object);
   comments.push_back(std::string(kObjectsComment) +
                      names.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
+  if (options.rule) comments.push_back(rule_comment(*options.rule));
   comments.insert(comments.end(), options.history.begin(), options.history.end());
   return comments;
 }

@@ -107,8 +107,8 @@ void edit_model(const Exec& exec, const ContourSetup& setup, const std::vector<C
 }
 
 /// Halves, the last rows, take the closed form of their own evidence, the others keep their labels.
-void label_halves(const Evidence& halves, std::vector<LabelColumns>& labels) {
-  const std::vector<LabelColumns> closed = label_gaussians({}, halves);
+void label_halves(const BoundaryRule& rule, const Evidence& halves, std::vector<LabelColumns>& labels) {
+  const std::vector<LabelColumns> closed = label_gaussians(rule, halves);
   for (std::size_t k = 0; k < labels.size(); ++k) {
     const std::size_t first = labels[k].prob.size() - closed[k].prob.size();
     for (std::size_t i = 0; i < closed[k].prob.size(); ++i)
@@ -134,7 +134,7 @@ TrainedRows split_model(const Exec& exec, const ContourSetup& setup, const Probl
     const auto halves =
         std::count_if(rows.begin(), rows.end(), [](CloudRow row) { return row.origin != RowOrigin::kKept; });
     across = straddling(exec, window, model.cloud, halves);
-    label_halves(across.last, model.labels);
+    label_halves(setup.problem.rule, across.last, model.labels);
   }
   TrainedRows part;
   for (std::size_t i = 0; i < kept.size(); ++i) {

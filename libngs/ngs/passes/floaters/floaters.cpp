@@ -332,7 +332,7 @@ FloaterRemoval remove_floaters(const Exec& exec, Monitor& monitor, const RefitOp
 std::vector<LabelColumns> labels_without_floaters(const Exec& exec, Monitor& monitor, const Problem& input,
                                                   const GaussianCloud& cloud,
                                                   const std::vector<std::uint8_t>& floater) {
-  std::vector<LabelColumns> labels = labels_anew(exec, monitor, input, cloud);
+  std::vector<LabelColumns> labels = recompute_labels(exec, monitor, input, cloud);
   for (std::size_t k = 0; k < labels.size(); ++k)
     for (std::size_t i = 0; i < floater.size(); ++i)
       if (floater[i]) {

@@ -102,7 +102,7 @@ void MaskOutliersPass::run(PassRun& run) {
       return consistent_masks(*outliers, view, load(view));
     };
     next->labels = next->whole ? labels_without_views(run.exec, run.monitor, *next, outliers->ignored)
-                               : labels_anew(run.exec, run.monitor, *next, next->cloud);
+                               : recompute_labels(run.exec, run.monitor, *next, next->cloud);
     if (run.monitor.stop_requested()) return;
   }
   Json names = Json::array();

@@ -84,16 +84,16 @@ Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const EvidenceI
   return evidence;
 }
 
-void check_tau(const VarianceOptions& options) {
-  if (options.tau >= 0 && options.tau < 1) return;
+void check_tau(const BoundaryRule& rule) {
+  if (rule.tau >= 0 && rule.tau < 1) return;
   std::ostringstream found;
-  found << "tau = " << options.tau << ", expected a value in [0, 1): the normalised variance 4 Var never exceeds 1";
+  found << "tau = " << rule.tau << ", expected a value in [0, 1): the normalised variance 4 Var never exceeds 1";
   throw Error(ErrorCode::kUsage, found.str(),
               "a raw variance threshold v (at most 0.25) is --tau 4v; the default is 0.6");
 }
 
-std::vector<LabelColumns> label_gaussians(const VarianceOptions& options, const Evidence& e) {
-  check_tau(options);
+std::vector<LabelColumns> label_gaussians(const BoundaryRule& rule, const Evidence& e) {
+  check_tau(rule);
   const auto n = std::size_t(e.gaussians);
   std::vector<LabelColumns> columns(std::size_t(e.objects));
   for (LabelColumns& c : columns)
@@ -101,16 +101,16 @@ std::vector<LabelColumns> label_gaussians(const VarianceOptions& options, const 
   LabelColumn views(n, 0.f);  // the same of all objects
   for (std::size_t i = 0; i < n; ++i) {
     if (e.views[i] == 0) continue;
-    const bool one_of_several = options.exclusive && e.objects > 1;
+    const bool one_of_several = rule.exclusive && e.objects > 1;
     const int owner = one_of_several ? heaviest_object(e, i) : -1;
     views[i] = float(e.views[i]);
     e.share.for_each_in(i, [&](std::size_t k, const ObjectShare& of) {  // of others all is 0
       LabelColumns& c = columns[k];
       const double prob = of.weight.value() / e.weight.value(i);
-      const double variance = normalised_variance(options.criterion, e, i, of, prob);
+      const double variance = normalised_variance(rule.criterion, e, i, of, prob);
       c.prob[i] = float(prob), c.variance[i] = float(variance);
-      c.label[i] = one_of_several ? float(owner == int(k)) : float(prob > options.label_threshold);
-      c.boundary[i] = float(variance > options.tau);
+      c.label[i] = one_of_several ? float(owner == int(k)) : float(prob > rule.label_threshold);
+      c.boundary[i] = float(variance > rule.tau);
     });
   }
   for (LabelColumns& c : columns) c.views = views;

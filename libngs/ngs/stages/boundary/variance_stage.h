@@ -8,21 +8,16 @@
 #include "ngs/core/monitor.h"
 #include "ngs/ops/splat/evidence.h"
 #include "ngs/options/field.h"
+#include "ngs/scene/labels/boundary_rule.h"
 #include "ngs/scene/labels/label_columns.h"
 
 namespace ngs {
 
-enum class Criterion : std::uint8_t { kPooled, kBetweenViews, kRelativeDiff };
-inline constexpr NamedValue<Criterion> kCriterionNames[] = {{Criterion::kPooled, "pooled"},
-                                                            {Criterion::kBetweenViews, "between-views"},
-                                                            {Criterion::kRelativeDiff, "relative-diff"}};
+inline constexpr NamedValue<Criterion> kCriterionNames[] = {{Criterion::kPooled, kCriterionName[0]},
+                                                            {Criterion::kBetweenViews, kCriterionName[1]},
+                                                            {Criterion::kRelativeDiff, kCriterionName[2]}};
 
-struct VarianceOptions {
-  double tau = 0.6;
-  Criterion criterion = Criterion::kPooled;
-  double label_threshold = 0.5;  // closed-form label: 1 where prob exceeds it; no flag sets it
-  bool exclusive = true;
-
+struct VarianceOptions : BoundaryRule {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.tau,
@@ -54,11 +49,11 @@ Scene with_objects(Scene scene, const std::vector<std::string>& names);
 std::vector<std::size_t> training_views(const Scene& scene);
 
 /// kUsage unless tau lies in the attainable range [0, 1) of the normalised variance.
-void check_tau(const VarianceOptions& options);
+void check_tau(const BoundaryRule& rule);
 
 /// Labels, probabilities, variances and boundary membership, one LabelColumns per object. Gaussians without
 /// evidence have views = 0, prob = 0, label = 0: the third state that ngs-extract resolves by its rule.
 /// Calls check_tau.
-std::vector<LabelColumns> label_gaussians(const VarianceOptions& options, const Evidence& evidence);
+std::vector<LabelColumns> label_gaussians(const BoundaryRule& rule, const Evidence& evidence);
 
 }  // namespace ngs

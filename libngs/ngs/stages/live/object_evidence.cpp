@@ -47,7 +47,7 @@ double ObjectEvidence::share(std::size_t gaussian) const {
 
 void label_rows(const Exec& exec, const ObjectEvidence& evidence, const std::vector<std::uint32_t>& rows,
                 ObjectLabels& labels) {
-  const VarianceOptions rule;
+  const BoundaryRule rule;
   constexpr std::int64_t kChunk = 1 << 12;
   std::vector<std::int64_t> more(std::size_t((std::ssize(rows) + kChunk - 1) / kChunk));
   for_each_task(exec, std::ssize(more), [&](std::int64_t chunk) {

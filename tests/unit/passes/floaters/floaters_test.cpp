@@ -49,8 +49,9 @@ struct FloaterCase {
     base->scene.views[0].split = Split::kHeldOut;
     Monitor monitor;
     const auto load = [&](std::size_t v) { return base->masks[v]; };
+    base->rule = {};
     base->labels =
-        label_gaussians({}, accumulate_evidence({}, monitor, {base->model, base->scene, {1, 2, 3}, {}, load}));
+        label_gaussians(base->rule, accumulate_evidence({}, monitor, {base->model, base->scene, {1, 2, 3}, {}, load}));
   }
   Problem input() {
     Problem in = base->input();
