@@ -81,7 +81,7 @@ const Phase kPhases[] = {
      [](const StopCase&, const Problem& in) {
        std::vector<LabelColumns> in_doubt = in.labels;
        test::change(in_doubt[0].prob, [](float p) { return std::min(p, 0.7f); });
-       without_seen_through({}, in, std::move(in_doubt));
+       without_bleed_through({}, in, std::move(in_doubt));
      }},
     {"straddling", [](const StopCase&, const Problem& in) { straddling({}, in, in.cloud, 0); }},
     {"refinement",

@@ -93,7 +93,7 @@ void add_view(const ViewSums& sums, const RowNumbers& rows, std::vector<Doubt>& 
 }
 
 /// Per object the rows that are labelled as it and less than half its own by visibility.
-std::vector<RowList> rows_seen_through(const Exec& exec, const Problem& problem,
+std::vector<RowList> rows_bleed_through(const Exec& exec, const Problem& problem,
                                        const std::vector<LabelColumns>& labels) {
   std::vector<Doubt> doubts = labels_in_doubt(problem, labels);
   std::vector<RowList> found(labels.size());
@@ -142,10 +142,10 @@ double gain_without(const Exec& exec, const Problem& problem, std::size_t object
 
 }  // namespace
 
-BleedThrough without_seen_through(const Exec& exec, const Problem& problem, std::vector<LabelColumns> labels) {
+BleedThrough without_bleed_through(const Exec& exec, const Problem& problem, std::vector<LabelColumns> labels) {
   BleedThrough finding{std::move(labels), {}};
   finding.objects.resize(finding.labels.size());
-  const std::vector<RowList> found = rows_seen_through(exec, problem, finding.labels);
+  const std::vector<RowList> found = rows_bleed_through(exec, problem, finding.labels);
   for (std::size_t k = 0; k < found.size(); ++k) {
     if (found[k].empty()) continue;
     LabelColumn& label = finding.labels[k].label;

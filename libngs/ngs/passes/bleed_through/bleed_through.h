@@ -26,6 +26,6 @@ struct BleedThrough {
 
 /// `labels`: the problem's, which become those of the finding. Rows fixed by hand stay, as does what no view shows.
 /// Where it was asked to stop, nothing is taken.
-BleedThrough without_seen_through(const Exec& exec, const Problem& problem, std::vector<LabelColumns> labels);
+BleedThrough without_bleed_through(const Exec& exec, const Problem& problem, std::vector<LabelColumns> labels);
 
 }  // namespace ngs

@@ -1,4 +1,4 @@
-#include "ngs/passes/bleed_through/seen_through_pass.h"
+#include "ngs/passes/bleed_through/bleed_through_pass.h"
 
 #include <cmath>
 
@@ -25,7 +25,7 @@ std::vector<FixedDecision> BleedThroughPass::fixed_decisions(const TrainingOptio
 void BleedThroughPass::run(PassRun& run) {
   const auto timed = run.monitor.scope("seen through");
   Problem& problem = *run.problem;
-  BleedThrough finding = without_seen_through(run.exec, problem, problem.labels);
+  BleedThrough finding = without_bleed_through(run.exec, problem, problem.labels);
   if (run.monitor.stop_requested()) return;
   problem.labels = std::move(finding.labels);
   Json objects = Json::array();

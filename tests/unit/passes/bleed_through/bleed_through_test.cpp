@@ -9,7 +9,7 @@
 
 #include "ngs/math/stable.h"
 #include "ngs/ops/splat/evidence.h"
-#include "ngs/passes/bleed_through/seen_through_pass.h"
+#include "ngs/passes/bleed_through/bleed_through_pass.h"
 #include "support/pipeline_case.h"
 
 namespace ngs {
@@ -72,7 +72,7 @@ struct Pane {
 };
 
 BleedThrough finding_of(const Problem& in, int threads = 1) {
-  return without_seen_through({.threads = threads}, in, in.labels);
+  return without_bleed_through({.threads = threads}, in, in.labels);
 }
 
 }  // namespace
