@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "ngs/ops/field/knn.h"
-#include "ngs/passes/joint/joint_field.h"
+#include "ngs/stages/optimise/joint_field.h"
 #include "support/adjoint.h"
 #include "support/random.h"
 

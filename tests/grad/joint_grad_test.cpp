@@ -10,7 +10,7 @@
 #include <cmath>
 #include <limits>
 
-#include "ngs/passes/joint/joint_stage.h"
+#include "ngs/stages/optimise/joint_trainer.h"
 #include "support/adjoint.h"
 #include "support/joint_case.h"
 #include "support/switches.h"

@@ -24,7 +24,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"problem", {"core", "math", "scene", "backend", "ops", "options", "problem"}},
     {"stages", {"core", "math", "scene", "backend", "ops", "options", "problem", "stages"}},
     {"passes", {"core", "math", "scene", "backend", "ops", "options", "problem", "stages", "passes"}},
-    {"methods", {"core", "math", "scene", "backend", "ops", "options", "problem", "stages", "passes", "methods"}},
+    {"methods", {"core", "math", "scene", "backend", "ops", "options", "problem", "stages", "methods"}},
     {"io", {"core", "math", "scene", "options", "io"}},
 };
 
@@ -97,6 +97,22 @@ Offenders layer_offences(const SourceFile& file) {
   return offences;
 }
 
+/// A pass is a folder of passes/. It sees no other pass, and of the files that all passes share only pass_list.cpp sees
+/// passes. time/ is shared.
+Offenders pass_offences(const SourceFile& file) {
+  static const std::regex pass("(?:libngs/)?ngs/passes/([a-z_]+)/.*");
+  const auto pass_of = [](const std::string& path) {
+    std::smatch match;
+    return std::regex_match(path, match, pass) && match[1] != "time" ? match[1].str() : std::string();
+  };
+  Offenders offences;
+  if (layer_of(file.path) != "passes" || file.path == "libngs/ngs/passes/pass_list.cpp") return offences;
+  for (const std::string& header : included(file.text))
+    if (const std::string other = pass_of(header); !other.empty() && other != pass_of(file.path))
+      offences.push_back(file.path + ": includes " + header + ", but a pass sees no other pass");
+  return offences;
+}
+
 Offenders third_party_offences(const SourceFile& file) {
   Offenders offences;
   for (const std::string& header : included(file.text))
@@ -157,6 +173,11 @@ TEST_CASE("the layers include only what lies below them") {
   CHECK(layer_offences({"libngs/ngs/io/x.cpp", "#include \"ngs/ops/splat/splat.h\"\n"}).size() == 1);
   CHECK(layer_offences({"libngs/ngs/ops/x_kernels.h", "#include \"ngs/backend/exec.h\"\n"}).size() == 1);
   CHECK(layer_offences({"tools/ngs-x/main.cpp", "#include \"ngs/io/ply/ply.h\"\n"}).empty());
+
+  CHECK(over(test::code_files(), pass_offences) == "");
+  CHECK(pass_offences({"libngs/ngs/passes/a/x.h", "#include \"ngs/passes/b/y.h\"\n"}).size() == 1);
+  CHECK(pass_offences({"libngs/ngs/passes/pass.h", "#include \"ngs/passes/b/y.h\"\n"}).size() == 1);
+  CHECK(pass_offences({"libngs/ngs/passes/a/x.h", "#include \"ngs/passes/time/watch.h\"\n"}).empty());
 }
 
 TEST_CASE("every folder of the library is a known layer") {

@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "ngs/core/error.h"
-#include "ngs/passes/joint/joint_stage.h"
+#include "ngs/stages/optimise/joint_trainer.h"
 #include "parity/backends.h"
 #include "support/joint_case.h"
 #include "support/switches.h"

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <set>
 
-#include "ngs/passes/joint/joint_stage.h"
+#include "ngs/stages/optimise/joint_trainer.h"
 #include "support/joint_case.h"
 #include "support/switches.h"
 

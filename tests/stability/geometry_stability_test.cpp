@@ -4,7 +4,7 @@
 #include "ngs/ops/field/ray_query.h"
 #include "ngs/ops/field/ray_query_kernels.h"
 #include "ngs/ops/field/sample_grid.h"
-#include "ngs/passes/components/object_core.h"
+#include "ngs/problem/object_core.h"
 #include "support/cameras.h"
 #include "support/stability.h"
 

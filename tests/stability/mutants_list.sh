@@ -71,7 +71,7 @@ mutant passes/components/components.h $t $f "components: a quarter of the views 
 mutant $f $t $f "components: only the core's own cells are linked" 's/if \(labelled\.contains\(next\) .*$//'
 mutant $f $t $f "components: rows fixed by hand change" 's/ \|\| is_fixed\(input, i\)//'
 mutant $f $t $f "components: another object's Gaussian is held" 's/finding\.disconnected\[i\] = 0;/(void)0;/'
-mutant passes/components/object_core.cpp $t passes/components/object_core.cpp "core: the best seen of the whole model" 's/cloud\.usable\[i\] && double\(object\.prob\[i\]\) >= options\.share/cloud.usable[i]/'
+mutant problem/object_core.cpp $t problem/object_core.cpp "core: the best seen of the whole model" 's/cloud\.usable\[i\] && double\(object\.prob\[i\]\) >= options\.share/cloud.usable[i]/'
 t=unit/core/monitor_test.cpp
 mutant core/monitor.cpp $t core/monitor.cpp "limit: loops are not foreseen" 's/if \(now_s \+ rest_s > until_s_\)/if (rest_s < 0)/'
 mutant core/monitor.cpp $t core/monitor.cpp "limit: all loops are foreseen from the first" 's/if \(done <= 1\)/if (first_done_s_ == 0)/'
@@ -87,10 +87,10 @@ mutant passes/decisions.cpp $t passes/decisions.cpp "budget: what is ruled is le
 mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: half a look is believed" 's/^  by\.probe\.emplace\(run\.exec, run\.training, by\.seen\);//'
 mutant passes/floaters/floaters_pass.cpp $t passes/floaters/floaters_pass.cpp "floaters: half a refit is kept" 's/if \(run\.monitor\.stop_requested\(\)\) return false;//'
 mutant passes/mask_outliers/mask_outliers_pass.cpp $t passes/mask_outliers/mask_outliers_pass.cpp "mask outliers: half of the labels are kept" 's/^    if \(run\.monitor\.stop_requested\(\)\) return;//'
-t=unit/passes/joint/trained_labels_test.cpp
-mutant passes/joint/trained_labels.cpp $t passes/joint/trained_labels.cpp "labels: those of other objects are trained too" 's/if \(in_region\(input\.labels\[k\], row\)\)//'
-mutant passes/joint/trained_labels.cpp $t passes/joint/trained_labels.cpp "labels: nobody's Gaussian is not trained" 's/if \(!own\.empty\(\)\) return own;/if (!input.region.empty()) return own;/'
-mutant passes/joint/trained_labels.cpp $t passes/joint/trained_labels.cpp "labels: what no view saw is trained" 's/input\.labels\[k\]\.views\[i\] > 0\.f && //'
+t=unit/stages/optimise/trained_labels_test.cpp
+mutant stages/optimise/trained_labels.cpp $t stages/optimise/trained_labels.cpp "labels: those of other objects are trained too" 's/if \(in_region\(input\.labels\[k\], row\)\)//'
+mutant stages/optimise/trained_labels.cpp $t stages/optimise/trained_labels.cpp "labels: nobody's Gaussian is not trained" 's/if \(!own\.empty\(\)\) return own;/if (!input.region.empty()) return own;/'
+mutant stages/optimise/trained_labels.cpp $t stages/optimise/trained_labels.cpp "labels: what no view saw is trained" 's/input\.labels\[k\]\.views\[i\] > 0\.f && //'
 t=unit/ops/image/mask_pair_test.cpp
 mutant ops/image/mask_pair.h $t "" "mask pairs: only where it is rendered" 's/if \(mask_is_foreground\(target\[pixel\(x, y\)\]\)\) at\.add\(x, y\);//'
 mutant ops/image/mask_pair.h $t "" "mask pairs: the band is of the part" 's/band_width_px\(0\.02, view_width_px, view_height_px\)/band_width_px(0.02, width_px(), height_px())/'
@@ -117,7 +117,7 @@ mutant ops/field/ray_query_kernels.h $t ops/field/ray_query.cpp "window through 
 mutant ops/field/ray_query_kernels.h $t ops/field/ray_query.cpp "spacing divided by K - 1 = 0" 's/samples > 1 \? samples - 1 : 1/samples - 1/'
 mutant ops/field/ray_query_kernels.h $t ops/field/ray_query.cpp "third component from the other two" 's/cosine = T\(1\) \/ sqrt\(x \* x \+ y \* y \+ T\(1\)\);/cosine = T(1) \/ sqrt(x * x + y * y + T(1)); cosine = sqrt(T(1) - cosine * cosine * (x * x + y * y));/'
 mutant ops/field/ray_query_kernels.h $t ops/field/ray_query.cpp "depth divided by no alpha" 's/if \(!\(covered > least_alpha\)\) return 0;//'
-mutant passes/components/object_core.cpp $t passes/components/object_core.cpp "radius of a core about the origin" 's/ - core\.centre\[a\];/;/'
+mutant problem/object_core.cpp $t problem/object_core.cpp "radius of a core about the origin" 's/ - core\.centre\[a\];/;/'
 mutant math/pixel_grid.h $t ops/field/ray_query.cpp "positions beyond the border not clamped" 's/const double at = clamp3\(position_px - 0\.5, 0\.0, double\(size_px - 1\)\);/const double at = position_px - 0.5 < 0 ? 0 : position_px - 0.5;/'
 
 t=stability/neighbours_stability_test.cpp
@@ -197,24 +197,24 @@ mutant $f $t $f "0 \/ 0 of a label without evidence" 's/object \+ rest > 0 \? (o
 mutant $f $t $f "what is left as 1 - rest" 's/\? object \/ \(object \+ rest\)/? 1 - rest \/ (object + rest)/'
 mutant $f $t $f "gap of one bound only" 's/gap \+= std::max\(g \* m\[i\], .*;/gap += g * m[i];/'
 
-t=grad/joint_grad_test.cpp f=passes/joint/joint_stage.cpp
+t=grad/joint_grad_test.cpp f=stages/optimise/joint_trainer.cpp
 mutant $f $t $f "colour continuity without its gradient" 's/(gradients\.sh_dc\[\*to \* 3 \+ c\] \+= float\()kShC0 \* /\10 * /'
 mutant $f $t $f "mask loss without its weight" 's/(loss_mask\(.*)/\1/; s/options\.lambda_mask, \&grad\.label\)/1.0, \&grad.label)/'
-mutant passes/joint/trained_labels.cpp $t passes/joint/trained_labels.cpp "label gradient without the sigmoid" 's/grad\[place\] \* sigmoid_slope\(logit_\[cell\]\)/grad[place]/'
+mutant stages/optimise/trained_labels.cpp $t stages/optimise/trained_labels.cpp "label gradient without the sigmoid" 's/grad\[place\] \* sigmoid_slope\(logit_\[cell\]\)/grad[place]/'
 mutant $f $t $f "smoothness gradient doubled" 's/field->smoothness\(exec, rays, boundary\.positions\(\), options\.lambda_smooth/field->smoothness(exec, rays, boundary.positions(), 2 * options.lambda_smooth/'
 
-f=passes/contours/contour_stage.cpp t=unit/passes/contours/contour_stage_test.cpp
+f=stages/contours/contour_stage.cpp t=unit/stages/contours/contour_stage_test.cpp
 mutant $f $t $f "edges: what is not trained does not show" 's/!\(across\.weight\.value\(i\) > 0\)/true/'
 mutant $f $t $f "edges: all that shows is trained" 's/part\.frozen\.push_back\(!trained\)/part.frozen.push_back(0)/'
 mutant $f $t $f "edges: what was trained is not put back" 's/scatter_rows\(exec, \*trained\.cloud, rows, model\.cloud\);//'
 mutant $f $t $f "edges: small photos are always walked enlarged" 's/if \(gain_in_errors.*\) return;$//'
 mutant $f $t $f "edges: trained labels get another start" 's/joint\.start_steps = 1;//'
 mutant $f $t $f "contours: no iteration at the full size" 's/iteration \+ 1 < iterations \&\& //'
-mutant passes/contours/refined_masks.cpp $t passes/contours/refined_masks.cpp "edges: enlarged, reach and band stay" 's/refine\.band_px \*= .*;//'
+mutant stages/contours/refined_masks.cpp $t stages/contours/refined_masks.cpp "edges: enlarged, reach and band stay" 's/refine\.band_px \*= .*;//'
 mutant scene/enlarge.cpp unit/scene/enlarge_test.cpp scene/enlarge.cpp "enlarged: half a pixel beside" 's/\(i \+ 0\.5\) \* from_px \/ to_px - 0\.5/double(i) * from_px \/ to_px/'
 mutant scene/enlarge.cpp unit/scene/enlarge_test.cpp scene/enlarge.cpp "enlarged: beyond the border nothing" 's/sum \+= taps\.weight\[t\] \* double\(image/if (taps.pixel[t] > 0) &/'
-mutant passes/joint/label_start.h unit/passes/joint/label_start_test.cpp passes/joint/trained_labels.cpp "labels start at their share" 's/steps \* logit\(/logit(/'
-mutant passes/joint/label_start.h unit/passes/joint/label_start_test.cpp passes/joint/trained_labels.cpp "start of the labels without a bound" 's/return std::clamp\((steps \* logit\(.*\)), -most, most\);/return \1;/'
+mutant stages/optimise/label_start.h unit/stages/optimise/label_start_test.cpp stages/optimise/trained_labels.cpp "labels start at their share" 's/steps \* logit\(/logit(/'
+mutant stages/optimise/label_start.h unit/stages/optimise/label_start_test.cpp stages/optimise/trained_labels.cpp "start of the labels without a bound" 's/return std::clamp\((steps \* logit\(.*\)), -most, most\);/return \1;/'
 
 t="unit/ops/image/contour_refine_test.cpp stability/alignment_stability_test.cpp" f=ops/image/contour_refine.cpp
 mutant $f "$t" $f "densities of colours without a least variance" 's/\(i == j \? kColourNoise : 0\.0\)/0.0/; s/std::max\(c\[i\]\[i\], 0\.5 \* kColourNoise\)/c[i][i]/'
@@ -223,11 +223,11 @@ mutant $f "$t" $f "edges are steps along x" 's/if \(y \+ 1 < win\.h\) sum .*//'
 mutant $f "$t" $f "pixels beside the band forgotten" 's/system\.right\[std::size_t\(row\)\] \+= w \* double\(system\.given\[q\]\);/;/'
 mutant $f "$t" $f "nothing says where the contour was" 's/right\.push_back\(shape_weight \* sigmoid\(.*\) \+$/right.push_back(0 +/'
 mutant $f "$t" $f "colours that are no numbers in the means" 's/if \(std::isfinite\(v\)\) sum/sum/'
-t=unit/passes/detectors_test.cpp f=passes/detectors.cpp
+t=unit/problem/scene_measures_test.cpp f=problem/scene_measures.cpp
 mutant $f $t $f "narrow: corners of the squares left out" 's/away\[p\] > kReach/away[p] >= kReach/'
 mutant $f $t $f "narrow: beyond the picture is nothing" 's/chessboard_distance\(mask, Outside::kUnknown\)/chessboard_distance(mask)/'
-mutant passes/contours/contour_stage.cpp unit/passes/contours/contour_stage_test.cpp passes/contours/contour_stage.cpp "contours: early iterations take all epochs" 's/early \? early_epochs\(epochs\) : epochs/epochs/'
-mutant passes/joint/joint_options.h unit/passes/contours/contour_stage_test.cpp "" "joint: few epochs where no iterations follow" 's/options\.contours_go_on \? kEpochsBeforeContours : 1/kEpochsBeforeContours/'
+mutant stages/contours/contour_stage.cpp unit/stages/contours/contour_stage_test.cpp stages/contours/contour_stage.cpp "contours: early iterations take all epochs" 's/early \? early_epochs\(epochs\) : epochs/epochs/'
+mutant stages/optimise/joint_options.h unit/stages/contours/contour_stage_test.cpp "" "joint: few epochs where no iterations follow" 's/options\.contours_go_on \? kEpochsBeforeContours : 1/kEpochsBeforeContours/'
 t="unit/ops/optim/pose_step_test.cpp stability/alignment_stability_test.cpp" f=ops/optim/pose_step.cpp
 mutant $f "$t" $f "no prior on the motion" 's/const double prior = .*;/const double prior = 0;/'
 mutant $f "$t" $f "exposures not laid on each other" 's/match_exposure\(photo, view\.alpha, from\);//'
@@ -321,14 +321,14 @@ mutant problem/window_input.cpp $t problem/window_input.cpp "windows where other
 mutant problem/window_input.cpp $t problem/window_input.cpp "no window where a mask shows what others hide" 's/out\.masks\[v\]\.available\(\) && window\.w == 0;/out.masks[v].available();/'
 mutant stages/boundary/method_labels.cpp $t stages/boundary/method_labels.cpp "views that stay in the evidence" 's/    rest\.remove\(v\);//'
 mutant stages/boundary/method_labels.cpp $t stages/boundary/method_labels.cpp "rounding taken for evidence" 's/const bool unseen = .*;/const bool unseen = false;/'
-mutant problem/trained_rows.h $t passes/joint/joint_stage.cpp "gradients in the rows of others" 's/wanted_\.place\[i\] = std::int32_t\(rows_\.size\(\)\)/wanted_.place[i] = 0/'
+mutant problem/trained_rows.h $t stages/optimise/joint_trainer.cpp "gradients in the rows of others" 's/wanted_\.place\[i\] = std::int32_t\(rows_\.size\(\)\)/wanted_.place[i] = 0/'
 mutant problem/region.cpp $t problem/region.cpp "a region of everything" 's/object\.prob\[row\] >= kLeastRegionShare/true/'
 mutant problem/region.cpp $t problem/region.cpp "changed rows that do not count" 's/changed \+= !same;//'
-t=unit/passes/contours/refined_masks_test.cpp
-f=passes/contours/refined_masks.cpp
+t=unit/stages/contours/refined_masks_test.cpp
+f=stages/contours/refined_masks.cpp
 mutant $f $t $f "masks: one-sided ones have a say" 's/masks_misaligned\(refined\) && masks_err_to_one_side\(refined\)/false/'
 mutant $f $t $f "masks: misaligned ones have no say" 's/masks_misaligned\(refined\) && masks_err_to_one_side\(refined\)/masks_misaligned(refined)/'
-mutant passes/contours/unexplained_contrast.cpp unit/passes/contours/unexplained_contrast_test.cpp passes/contours/unexplained_contrast.cpp "photos: a residual at pixels that were not moved" 's/if \(bool\(mask\[p\]\) == label_is_foreground/if (bool(mask[p]) != label_is_foreground/'
+mutant stages/contours/unexplained_contrast.cpp unit/stages/contours/unexplained_contrast_test.cpp stages/contours/unexplained_contrast.cpp "photos: a residual at pixels that were not moved" 's/if \(bool\(mask\[p\]\) == label_is_foreground/if (bool(mask[p]) != label_is_foreground/'
 mutant $f $t $f "masks: too large by much is no error to one side" 's/std::abs\(beyond - lacking\)/lacking - beyond/'
 
 t=unit/ops/splat/cached_view_test.cpp f=ops/splat/cached/cached_view.cpp

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "ngs/passes/joint/training_options.h"
+#include "ngs/stages/optimise/training_options.h"
 #include "ngs/stages/boundary/variance_stage.h"
 #include "ngs/stages/render/render_stage.h"
 #include "support/joint_case.h"

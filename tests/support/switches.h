@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "ngs/passes/contours/contour_options.h"
+#include "ngs/stages/contours/contour_options.h"
 #include "ngs/passes/effect.h"
 #include "ngs/passes/joint/joint_effects.h"
 #include "ngs/passes/pass_list.h"

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "methods.h"
-#include "ngs/passes/joint/training_options.h"
+#include "ngs/stages/optimise/training_options.h"
 #include "ngs/passes/pass_list.h"
 #include "ngs/passes/pipeline.h"
 #include "ngs/stages/render/background.h"

@@ -12,7 +12,7 @@
 #include "ngs/io/image/masks.h"
 #include "ngs/io/image/photo.h"
 #include "ngs/io/ply/query_ply.h"
-#include "ngs/passes/joint/first_queries.h"
+#include "ngs/stages/optimise/first_queries.h"
 #include "ngs/passes/resumed_decisions.h"
 #include "ngs/problem/coarse_input.h"
 #include "ngs/problem/view_list.h"

@@ -10,7 +10,7 @@
 
 #include "ngs/options/option_set.h"
 #include "ngs/passes/decisions.h"
-#include "ngs/passes/joint/joint_stage.h"
+#include "ngs/stages/optimise/joint_trainer.h"
 #include "ngs/passes/time/watch.h"
 #include "ngs/scene/query_field.h"
 
@@ -93,6 +93,8 @@ class Pass {
   virtual void run(PassRun&) = 0;
   /// After all passes of its stage, whether it is on or off.
   virtual void finish(PassRun&) {}
+  /// After finish() of all passes of the last stage: edits run.solution, whether the pass is on or off.
+  virtual void edit_solution(PassRun&) {}
 };
 
 }  // namespace ngs

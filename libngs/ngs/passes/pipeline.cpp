@@ -123,19 +123,23 @@ void Pipeline::run_in_time(Pass& pass, PassRun& run) const {
 
 bool Pipeline::run(PassStage stage, PassRun& run) const {
   prepare(run);
-  const auto each = [&](const auto& what) {
+  const auto each_of = [&](const auto& is_wanted, const auto& what) {
     for (const auto& pass : passes_) {
-      if (pass->stage() != stage) continue;
+      if (!is_wanted(*pass)) continue;
       if (run.monitor.stop_requested()) return false;
       what(*pass);
     }
     return !run.monitor.stop_requested();
   };
-  return each([&](Pass& pass) {
-           pass.begin(run);
-           if (run.on(pass.effects().front().name)) run_in_time(pass, run);
-         }) &&
-         each([&](Pass& pass) { pass.finish(run); });
+  const auto in_stage = [&](const Pass& pass) { return pass.stage() == stage; };
+  const auto in_last_stage = [&](const Pass&) { return stage == PassStage::kOptimise; };
+  return each_of(in_stage,
+                 [&](Pass& pass) {
+                   pass.begin(run);
+                   if (run.on(pass.effects().front().name)) run_in_time(pass, run);
+                 }) &&
+         each_of(in_stage, [&](Pass& pass) { pass.finish(run); }) &&
+         each_of(in_last_stage, [&](Pass& pass) { pass.edit_solution(run); });
 }
 
 }  // namespace ngs

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "ngs/ops/image/metrics.h"
-#include "ngs/passes/joint/training_options.h"
+#include "ngs/stages/optimise/training_options.h"
 #include "ngs/problem/problem.h"
 #include "ngs/scene/boundary_set.h"
 #include "ngs/scene/knn_graph.h"
@@ -58,7 +58,7 @@ class SceneProbe {
   /// How much better contours refined to the photos' edges agree with the masks than the contours of the labels do: a
   /// normal score over at most kVotingViews views, or over kFirstVotes views if that is below -kClearVote. 0 where the
   /// masks cannot tell: no photos, photos with edges that the model does not show
-  /// (passes/contours/unexplained_contrast.h), or masks that all err to one side.
+  /// (stages/contours/unexplained_contrast.h), or masks that all err to one side.
   double edge_gain();
   const BoundarySet& boundary();
   Rows<const float, 3> boundary_colours();

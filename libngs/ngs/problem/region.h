@@ -6,7 +6,7 @@
 namespace ngs {
 
 /// Share of the masks' evidence from which on a Gaussian is of the region: what soft labels start from at least
-/// (1 - kMaxInitialConfidence of passes/joint/label_start.h); below it a mask's weight is its contour's error.
+/// (1 - kMaxInitialConfidence of stages/optimise/label_start.h); below it a mask's weight is its contour's error.
 inline constexpr float kLeastRegionShare = 0.01f;
 
 /// Whether a row is of an object's region: partly the object's (prob of at least kLeastRegionShare), labelled, or

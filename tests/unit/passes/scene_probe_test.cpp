@@ -8,8 +8,8 @@
 #include <cmath>
 
 #include "ngs/ops/image/mask_pair.h"
-#include "ngs/passes/contours/unexplained_contrast.h"
-#include "ngs/passes/detectors.h"
+#include "ngs/stages/contours/unexplained_contrast.h"
+#include "ngs/problem/scene_measures.h"
 #include "ngs/passes/pass_list.h"
 #include "ngs/passes/pipeline.h"
 #include "ngs/stages/render/render_stage.h"

@@ -5,8 +5,8 @@
 #include <atomic>
 
 #include "ngs/passes/agreement.h"
-#include "ngs/passes/contours/refined_masks.h"
-#include "ngs/passes/contours/straddler_split.h"
+#include "ngs/stages/contours/refined_masks.h"
+#include "ngs/stages/contours/straddler_split.h"
 #include "ngs/passes/exposure/exposure.h"
 #include "ngs/passes/floaters/floaters.h"
 #include "ngs/passes/mask_outliers/mask_outliers.h"

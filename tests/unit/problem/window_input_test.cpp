@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "ngs/passes/joint/joint_stage.h"
+#include "ngs/stages/optimise/joint_trainer.h"
 #include "ngs/passes/mask_outliers/mask_outliers.h"
 #include "ngs/problem/region.h"
 #include "ngs/stages/boundary/method_labels.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "ngs/ops/splat/evidence.h"
-#include "ngs/passes/detectors.h"
+#include "ngs/problem/scene_measures.h"
 #include "ngs/problem/cloud_rows.h"
 #include "ngs/problem/pixel_window.h"
 #include "ngs/problem/view_list.h"

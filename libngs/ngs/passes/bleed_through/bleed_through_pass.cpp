@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "ngs/passes/detectors.h"
+#include "ngs/problem/scene_measures.h"
 #include "ngs/passes/bleed_through/bleed_through.h"
 
 namespace ngs {

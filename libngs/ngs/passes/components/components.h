@@ -6,7 +6,7 @@
 // is drawn as object. Evidence that small cannot be weighed against itself; but an object hangs together. Gaussians
 // labelled as the object are linked where they lie in neighbouring cells whose side is the core's margin
 // (object_core.h); what is claimed and lies beside no cell that is linked with the core is disconnected.
-#include "ngs/passes/components/object_core.h"
+#include "ngs/problem/object_core.h"
 
 namespace ngs {
 

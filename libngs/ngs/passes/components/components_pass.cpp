@@ -1,5 +1,7 @@
 #include "ngs/passes/components/components_pass.h"
 
+#include <algorithm>
+
 #include "ngs/passes/components/components.h"
 
 namespace ngs {
@@ -11,6 +13,15 @@ std::vector<Effect> ComponentsPass::effects() const {
        .saves = "linking what is labelled",
        .detector = {"Gaussians that masks claim apart from the object", 0, "one is enough: it may be large",
                     [](SceneProbe& probe) { return double(count_disconnected(probe.exec(), {}, probe.problem())); }}}};
+}
+
+void ComponentsPass::edit_solution(PassRun& run) {
+  const bool labels_were_trained = run.trainer != nullptr;
+  const bool is_switched_off = std::ranges::none_of(run.decisions.all(), [](const Decision& decision) {
+    return decision.effect->name == "components" && (decision.on || decision.measured);
+  });
+  if (!labels_were_trained || is_switched_off) return;
+  run.report["components"]["withdrawn"] = withdraw_apart(run.exec, {}, *run.problem, *run.solution);
 }
 
 void ComponentsPass::run(PassRun& run) {

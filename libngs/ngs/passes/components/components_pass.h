@@ -9,6 +9,7 @@ class ComponentsPass : public Pass {
   PassStage stage() const override { return PassStage::kMend; }
   std::vector<Effect> effects() const override;
   void run(PassRun& run) override;
+  void edit_solution(PassRun& run) override;
 };
 
 }  // namespace ngs

@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "ngs/ops/image/mask_pair.h"
-#include "ngs/passes/contours/contour_stage.h"
-#include "ngs/passes/contours/refined_masks.h"
-#include "ngs/passes/detectors.h"
+#include "ngs/stages/contours/contour_stage.h"
+#include "ngs/stages/contours/refined_masks.h"
+#include "ngs/problem/scene_measures.h"
 #include "ngs/problem/view_list.h"
 
 namespace ngs {

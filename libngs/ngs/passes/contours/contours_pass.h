@@ -1,6 +1,6 @@
 #pragma once
 // Contour refinement as a pass.                                                                  PAPER.md §5.10
-#include "ngs/passes/contours/contour_options.h"
+#include "ngs/stages/contours/contour_options.h"
 #include "ngs/passes/pass.h"
 
 namespace ngs {

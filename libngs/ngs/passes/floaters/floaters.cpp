@@ -7,7 +7,7 @@
 #include "ngs/math/median.h"
 #include "ngs/ops/field/knn.h"
 #include "ngs/ops/splat/front_layer.h"
-#include "ngs/passes/components/object_core.h"
+#include "ngs/problem/object_core.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/scene/mask_threshold.h"
 #include "ngs/stages/boundary/leave_one_out.h"

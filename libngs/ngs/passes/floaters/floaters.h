@@ -6,14 +6,14 @@
 // rendered mask has a hole. Nothing here reads a mask of a held-out view; photos of all views are read, as
 // when the model was trained.
 //
-// The object's surface is what its core (passes/components/object_core.h) renders. A Gaussian far from the core and
+// The object's surface is what its core (problem/object_core.h) renders. A Gaussian far from the core and
 // nearer to the camera than that surface is a candidate. At a pixel the photo decides between the two: it shows the
 // surface where it is closer to the core's colour than to the one that the Gaussians in front have in the other views'
 // photos, by more than the noise. A training view's own mask vetoes where it says that something else is seen. A
 // candidate is a floater if the photos see through it in at least `sees_past` of its weight before the
 // surface.
 #include "ngs/options/field.h"
-#include "ngs/passes/components/object_core.h"
+#include "ngs/problem/object_core.h"
 #include "ngs/problem/problem.h"
 #include "ngs/stages/fit/photo_refit.h"
 

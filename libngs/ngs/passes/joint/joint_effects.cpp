@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "ngs/ops/image/mask_pair.h"
-#include "ngs/passes/detectors.h"
-#include "ngs/passes/joint/joint_field.h"
+#include "ngs/problem/scene_measures.h"
+#include "ngs/stages/optimise/joint_field.h"
 #include "ngs/passes/scene_probe.h"
 #include "ngs/problem/view_list.h"
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "ngs/passes/effect.h"
-#include "ngs/passes/joint/joint_switches.h"
+#include "ngs/stages/optimise/joint_switches.h"
 
 namespace ngs {
 

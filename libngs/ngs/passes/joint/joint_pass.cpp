@@ -3,20 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ngs/passes/components/components.h"
 #include "ngs/passes/joint/joint_effects.h"
 #include "ngs/passes/pipeline.h"
 #include "ngs/problem/region.h"
 
 namespace ngs {
 namespace {
-
-/// Not where the effect was switched off; that no mask claims anything apart does not say that training will not.
-bool may_withdraw(const Decisions& decisions) {
-  return std::ranges::any_of(decisions.all(), [](const Decision& decision) {
-    return decision.effect->name == "components" && (decision.on || decision.measured);
-  });
-}
 
 /// Tells the store when steps begin and end.
 class TakingSteps {
@@ -127,10 +119,7 @@ void JointPass::finish(PassRun& run) {
     longer.figures.merge(run.solution->figures);
     run.solution = std::move(longer);
   }
-  if (is_labels_alone(run))
-    run.solution->labels = run.problem->labels.taken();  // the last that asks for them
-  else if (may_withdraw(run.decisions))
-    run.report["components"]["withdrawn"] = withdraw_apart(run.exec, {}, *run.problem, *run.solution);
+  if (is_labels_alone(run)) run.solution->labels = run.problem->labels.taken();  // nothing reads them after this
   run.solution->converged = run.watch->target_met() || (!run.watch->cut() && !run.budget.cut());
   const LossTerms& l = run.watch->last_loss();
   run.report["last_loss"] = {{"total", l.total}, {"photometric", l.photometric},

@@ -301,6 +301,13 @@ MaskOutliers judge_views(const Exec& exec, Monitor& monitor, const MaskOutlierOp
   return Judge(exec, options, input, first).run(monitor);
 }
 
+double outlier_score(const std::vector<double>& disagreement) {
+  if (disagreement.size() < 2) return 0;
+  double median = 0;
+  return *std::max_element(disagreement.begin(), disagreement.end()) /
+         (0.5 * ignore_threshold({}, disagreement, median));
+}
+
 ViewMasks consistent_masks(const MaskOutliers& trust, std::size_t view, ViewMasks masks) {
   if (std::binary_search(trust.ignored.begin(), trust.ignored.end(), view)) masks.available = false;
   return masks;

@@ -24,6 +24,10 @@ struct MaskOutlierOptions {
 /// The disagreement above which a view is ignored, from those of all views (at least one). `median`: of them.
 double ignore_threshold(const MaskOutlierOptions& options, const std::vector<double>& disagreement, double& median);
 
+/// How far the worst view stands out, in units of half the distance at which it would be ignored; 0 for fewer than two
+/// views. Not the worst disagreement: of a thin object all views disagree alike.
+double outlier_score(const std::vector<double>& disagreement);
+
 struct MaskOutliers {
   std::vector<std::size_t> ignored;       // indices of scene.views, ascending
   std::vector<double> disagreement;       // per entry of input.views: 1 - IoU with the others; negative: no mask

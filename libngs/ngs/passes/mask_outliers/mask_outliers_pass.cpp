@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "ngs/ops/image/mask_pair.h"
-#include "ngs/passes/detectors.h"
+#include "ngs/problem/scene_measures.h"
 #include "ngs/passes/mask_outliers/mask_outliers.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/boundary/method_labels.h"

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "ngs/passes/agreement.h"
-#include "ngs/passes/joint/joint_stage.h"
+#include "ngs/stages/optimise/joint_trainer.h"
 #include "ngs/passes/time/budget.h"
 
 namespace ngs {

@@ -1,0 +1,74 @@
+#pragma once
+// Options of contour refinement.                                                                 PAPER.md §5.10
+#include <cstdint>
+
+#include "ngs/ops/image/contour_refine.h"
+#include "ngs/options/field.h"
+#include "ngs/stages/optimise/joint_options.h"
+
+namespace ngs {
+
+enum class ContourViews : std::uint8_t { kAll, kTrain };
+inline constexpr NamedValue<ContourViews> kContourViewsNames[] = {{ContourViews::kAll, "all"},
+                                                                  {ContourViews::kTrain, "train"}};
+
+/// What a view without a photo is trained on: nothing, the model's own picture of it, or what serves other views
+/// better.
+enum class PhotolessViews : std::uint8_t { kAuto, kLeave, kPicture };
+inline constexpr NamedValue<PhotolessViews> kPhotolessViewsNames[] = {
+    {PhotolessViews::kAuto, "auto"}, {PhotolessViews::kLeave, "leave"}, {PhotolessViews::kPicture, "picture"}};
+
+/// Parts that can be switched: --effect split, contour-iterations, full-resolution.
+struct ContourSwitches {
+  bool split = true;            // Gaussians across contours are halved
+  bool iterations = true;       // more than one
+  bool full_resolution = true;  // in all of them; off: in the last alone
+};
+
+/// Gaussians with more weight across contours are halved.
+inline constexpr double kSplit_px = 3;
+
+struct ContourOptions {
+  int iterations = 0, epochs = 0;  // 0: contour_iterations(), contour_epochs()
+  ContourViews views = ContourViews::kAll;
+  PhotolessViews photoless = PhotolessViews::kAuto;
+  ContourRefineOptions refine;
+  double margin_px = 64;  // of the trained window; no flag sets it
+  ContourSwitches on;     // as the effects are decided
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.iterations,
+          Field<int>{"contour_iterations", "",
+                     "refinements; 0: 2, or 3 where the masks' contours miss the photos' edges, and 2 more at high, "
+                     "5 more at reference",
+                     0, 100}
+              .of("contour-iterations"));
+    visit(self.epochs, Field<int>{"contour_epochs", "",
+                                  "epochs of an iteration, half as many at half the size; 0: 15, fewer of many views",
+                                  0, 1'000'000});
+    visit(self.views,
+          Choice<ContourViews>{"contour_views", "whose photos are used; no held-out mask ever is", kContourViewsNames});
+    visit(self.photoless,
+          Choice<PhotolessViews>{"contour_photoless",
+                                 "views without a photo: left, trained on the model's own picture, or what serves "
+                                 "views with a photo better",
+                                 kPhotolessViewsNames});
+    visit(self.refine.band_px,
+          Field<double>{"contour_band", "px of the photo", "how far a contour may move in an iteration", 0.5, 1e3});
+  }
+};
+
+/// Of more views than this the default takes each less often: steps grow with the root of the views.
+inline constexpr int kViewsOfAllEpochs = 21;
+
+/// Epochs of the last iteration where there are `views` of them; 0: nothing is done.
+int contour_epochs(const ContourOptions& contour, Quality quality, std::size_t views);
+
+/// `misaligned`: the masks' contours miss the photos' edges, by more than one refinement reaches.
+int contour_iterations(const ContourOptions& contour, Quality quality, bool misaligned);
+
+/// Of `epochs` in the last iteration, those of an iteration at half the size.
+int early_epochs(int epochs);
+
+}  // namespace ngs

@@ -1,0 +1,112 @@
+#pragma once
+// Options of the joint optimisation. Paper's values where it gives any; else our reading (PAPER.md §4).
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "ngs/ops/field/film_mlp.h"
+#include "ngs/ops/field/hash_grid.h"
+#include "ngs/options/field.h"
+#include "ngs/stages/optimise/joint_switches.h"
+#include "ngs/problem/preset.h"
+#include "ngs/stages/boundary/rbf_stage.h"
+#include "ngs/stages/boundary/sample_stage.h"
+
+namespace ngs {
+
+/// Adam rates of the Gaussians' parameters; position per world unit of the cameras' extent. The defaults are
+/// 3DGS's for a trained model (C20).
+struct GaussianRates {
+  double position = 1.6e-6, rotation = 1e-3, log_scale = 5e-3, logit_opacity = 2.5e-2, sh_dc = 2.5e-3,
+         sh_rest = 1.25e-4;
+};
+
+/// About an object, where the anchor to the photos is kept to it (--effect region=off).
+inline constexpr int kRegionMargin_px = 64;
+
+/// Share of the epochs that is taken before contour iterations at half the size, which do the rest of their work.
+inline constexpr double kEpochsBeforeContours = 0.3;
+
+/// The NeRF's Adam rates.
+inline constexpr double kHashRate = 1e-2, kMlpRate = 1e-3, kFeatureRate = 2.5e-3;
+/// Features per level of its encoding, and SH bands of the view direction that its colour sees (C14).
+inline constexpr int kHashFeatures = 2, kDirectionDegree = 2;
+
+/// The NeRF: its encoding and its network.
+struct FieldOptions {
+  int hash_levels = 8, hash_log2_table = 15, hash_base = 16, hash_finest = 512;
+  int mlp_hidden = 64, mlp_layers = 2;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.hash_levels,
+          Field<int>{"hash_levels", "", "resolutions L of the hash encoding (Eq. 11)", 1, kMaxHashLevels});
+    visit(self.hash_log2_table, Field<int>{"hash_log2_table", "", "log2 of the entries of a hashed level", 3, 24});
+    visit(self.hash_finest,
+          Field<int>{"hash_finest", "vertices", "finest resolution, along an axis", 2, kMaxHashResolution});
+    visit(self.mlp_hidden, Field<int>{"mlp_hidden", "", "width of the network", 16, 128});
+    visit(self.mlp_layers, Field<int>{"mlp_layers", "", "hidden layers, each modulated (Eq. 14)", 1, kMaxFilmLayers});
+  }
+};
+
+/// Query points per step for L_smth, and its finite difference in kernel widths (D14).
+inline constexpr int kSmoothPoints = 2048;
+inline constexpr double kSmoothStep = 0.01;
+/// Adam rate of the label logits, and the factor to which all rates fall exponentially in a run.
+inline constexpr double kLabelRate = 0.1, kRateDecay = 0.1;
+/// EM steps from labels of 1/2 to those that the joint steps start from (PAPER.md 5.4, decision 011).
+inline constexpr int kStartSteps = 3;
+
+/// The steps of Eq. 20. describe() leaves the field to that of FieldOptions.
+struct JointOptions : FieldOptions {
+  Quality quality = Quality::kStandard;
+  std::int64_t steps = 0;
+  JointSwitches on;             // as the effects are decided
+  bool contours_go_on = false;  // contour iterations at half the size follow and do a part of the work
+  double lambda_mask = 0.5, lambda_cont = 0.1, lambda_smooth = 0.05;
+  double weight_opacity = 0.5, weight_variance = 0.01;
+  double photometric_weight = 1.0;
+  int start_steps = kStartSteps;
+  double rate_label = kLabelRate, rate_scale = 0.1;
+  int smooth_points = kSmoothPoints;
+  double smooth_step = kSmoothStep;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.steps,
+          Field<std::int64_t>{"steps", "", "optimiser steps, one view each; 0: as --quality says", 0, 100'000'000}.of(
+              "joint"));
+    visit(self.lambda_mask,
+          Field<double>{"lambda_mask", "", "weight of L_mask (Eq. 20)", 0, 1e6}.of("joint|contours,mask"));
+    visit(self.lambda_cont, Field<double>{"lambda_cont", "", "weight of L_cont (Eq. 20)", 0, 1e6}.of("cont"));
+    visit(self.lambda_smooth, Field<double>{"lambda_smooth", "", "weight of L_smth (Eq. 20)", 0, 1e6}.of("smooth"));
+    visit(self.weight_opacity, Field<double>{"weight_opacity", "", "w_alpha of L_align (Eq. 16)", 0, 1e6}.of("align"));
+    visit(self.weight_variance,
+          Field<double>{"weight_variance", "", "w_v of L_align (Eq. 16, C17)", 0, 1e6}.of("variance"));
+    visit(self.photometric_weight,
+          Field<double>{"photometric_weight", "", "weight of 0.8 L1 + 0.2 DSSIM (C16)", 0, 1e6}.of(
+              "joint|contours,photometric"));
+    visit(self.rate_scale,
+          Field<double>{"rate_scale", "", "factor on 3DGS's rates of the Gaussians (C20)", 0, 1e3}.of("joint"));
+  }
+};
+
+inline int epochs_of(const JointOptions& options) {
+  return int(std::ceil((options.contours_go_on ? kEpochsBeforeContours : 1) * preset_of(options.quality).epochs));
+}
+
+/// Steps of Eq. 20 in all, for `views` training views.
+inline std::int64_t steps_of(const JointOptions& options, std::size_t views) {
+  return options.steps > 0 ? options.steps : epochs_of(options) * std::int64_t(views);
+}
+
+/// The samples of a run: the whole image without its box (Sp), and half of the nodes and depths along each axis where
+/// the quality asks for it.
+inline SampleOptions sample_of(SampleOptions sample, const JointOptions& options) {
+  sample.whole_image = !options.on.box;
+  if (!preset_of(options.quality).half_samples) return sample;
+  for (int* count : {&sample.rows, &sample.cols, &sample.depth_samples}) *count = (*count + 1) / 2;
+  return sample;
+}
+
+}  // namespace ngs

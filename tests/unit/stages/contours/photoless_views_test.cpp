@@ -1,0 +1,185 @@
+#include "ngs/stages/contours/photoless_views.h"
+
+#include <doctest/doctest.h>
+
+#include <numeric>
+
+#include "ngs/backend/for_each.h"
+#include "ngs/methods/method_flash.h"
+#include "ngs/stages/contours/contour_stage.h"
+#include "ngs/stages/render/render_stage.h"
+#include "support/joint_case.h"
+#include "support/switches.h"
+
+namespace ngs {
+namespace {
+
+/// Seven cameras about the ball of support/joint_case.h, whose model is too large; the last `unseen` have neither photo
+/// nor mask.
+struct SevenViews {
+  static constexpr int kViews = 7;
+  std::unique_ptr<test::JointCase> base = test::joint_case();
+  ContourOptions contour;
+  JointOptions joint;
+  std::size_t seen;
+
+  explicit SevenViews(int unseen) : seen(std::size_t(kViews - unseen)) {
+    contour.epochs = 3, contour.margin_px = 6, contour.refine.reach_px = 8, contour.refine.band_px = 3;
+    for (int v = 4; v < kViews; ++v) {
+      SceneView view = base->scene.views[0];
+      Camera& camera = view.camera;
+      camera.name = "view" + std::to_string(v) + ".png";
+      const double angle = 0.12 * (v - 1.5);
+      camera.rotation = {{std::cos(angle), 0, std::sin(angle), 0, 1, 0, -std::sin(angle), 0, std::cos(angle)}};
+      camera.translation = {-4 * std::sin(angle), 0, 4 - 4 * std::cos(angle)};
+      base->scene.views.push_back(view);
+      RenderRequest request;
+      request.label = {base->is_ball.data(), base->truth.size(), 1};
+      const RenderedView truth = render({}, base->truth, camera, {}, request);
+      base->photos.push_back(truth.colour);
+      ViewMasks masks = base->masks[0];
+      for (std::size_t p = 0; p < truth.label.data.size(); ++p)
+        masks.target[0][p] = truth.label.data[p] > 0.5f ? 1.f : 0.f;
+      base->masks.push_back(masks);
+    }
+    for (std::size_t i = 0; i < base->is_ball.size(); ++i)
+      if (base->is_ball[i] > 0)
+        for (std::size_t k = 0; k < 3; ++k) base->model.log_scale[i * 3 + k] += 0.35f;
+  }
+  Problem input() const {
+    Problem in = base->input();
+    in.views.resize(seen);
+    std::iota(in.views.begin(), in.views.end(), std::size_t(0));
+    in.load_photo = [this](std::size_t v) { return v < seen ? base->photos[v] : ImageF(); };
+    in.load_fine_photo = in.load_photo;
+    return in;
+  }
+  Solution run(PhotolessViews unseen, int threads = 1, std::vector<int>* told = nullptr, int most_rounds = 9) {
+    contour.photoless = unseen;
+    Monitor monitor;
+    Exec exec;
+    exec.threads = threads;
+    const Problem in = input();
+    const auto allow = [&](int iterations) {
+      if (told != nullptr) told->push_back(iterations);
+      return std::min(iterations, most_rounds);
+    };
+    return refine_contours(exec, monitor, {contour, {joint, {}, {}}, in, {}, allow}, run_flash({}, monitor, {}, in));
+  }
+};
+
+bool same(const Solution& a, const Solution& b) {
+  return a.cloud->position == b.cloud->position && a.cloud->log_scale == b.cloud->log_scale &&
+         a.cloud->sh_dc == b.cloud->sh_dc && a.labels[0].label == b.labels[0].label && a.source_row == b.source_row;
+}
+
+TEST_CASE("photoless views: every third photo judges, and at least two of at least five") {
+  CHECK(judges_of({}).empty());
+  CHECK(judges_of({0, 1, 2, 3}).empty());
+  CHECK(judges_of({0, 2, 4, 6, 8}) == std::vector<std::size_t>{2, 8});
+  CHECK(judges_of({0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}) == std::vector<std::size_t>{1, 4, 7, 10});
+}
+
+TEST_CASE("photoless views: a rendered picture over the background stands in for the photo of the named views") {
+  SevenViews c(2);
+  Problem in = c.input();
+  in.background = {0.2f, 0.4f, 0.6f};
+  const Problem out = with_pictures({}, in, c.base->model, {1, 6});
+  RenderRequest request;
+  request.background = in.background;
+  for (const std::size_t v : {std::size_t(1), std::size_t(6)}) {
+    const ImageF want = render({}, c.base->model, c.base->scene.views[v].camera, {}, request).colour;
+    CHECK(out.load_photo(v).data == want.data);
+    CHECK(out.load_fine_photo(v).data == want.data);
+  }
+  CHECK(out.load_photo(0).data == c.base->photos[0].data);
+  CHECK(out.load_fine_photo(5).empty());
+}
+
+TEST_CASE("photoless views: pictures that do not fit into memory are rendered again from the first model") {
+  SevenViews c(2);
+  Problem in = c.input();
+  in.background = {0.2f, 0.4f, 0.6f};
+  std::vector<Problem> out;
+  {
+    const GaussianCloud passing = c.base->model;
+    const std::size_t one = 3 * sizeof(float) * 48 * 40;
+    for (const std::size_t room : {10 * one, one, std::size_t(0)})
+      out.push_back(with_pictures({}, in, passing, {1, 5, 6}, room));
+  }
+  for (const std::size_t v : {1u, 5u, 6u})
+    for (const Problem& pictured : {out[1], out[2]}) CHECK(pictured.load_photo(v).data == out[0].load_photo(v).data);
+  Exec exec;
+  exec.threads = 3;
+  std::vector<ImageF> at_once(6);
+  for_each_task(exec, 6, [&](std::int64_t i) { at_once[std::size_t(i)] = out[2].load_fine_photo(5); });
+  for (const ImageF& picture : at_once) CHECK(picture.data == out[0].load_fine_photo(5).data);
+}
+
+TEST_CASE("photoless views: a picture is used where its contours are nearer to the photo's than without the view") {
+  SevenViews c(0);
+  const Problem in = c.input();
+  const std::vector<std::size_t> judges = judges_of(in.views);
+  REQUIRE(judges.size() == 2);
+  Monitor monitor;
+  const std::vector<LabelColumns> labels = run_flash({}, monitor, {}, in).labels;
+  const LabelledModel truth{c.base->truth, labels}, swollen{c.base->model, labels};
+  const RefineSetup walk{c.contour.refine, c.contour.margin_px, in};
+  const std::vector<RefinedView> in_photos = refine_views({}, walk, truth, in.views, {});
+  const Trial good = try_pictures({}, walk, {truth, swollen}, in_photos, judges);
+  const Trial bad = try_pictures({}, walk, {swollen, truth}, in_photos, judges);
+  const Trial even = try_pictures({}, walk, {truth, truth}, in_photos, judges);
+  MESSAGE("pictured, unseen: " << good.pictured << " " << good.skipped << "; " << bad.pictured << " " << bad.skipped
+                               << "; " << even.pictured << " " << even.skipped);
+  CHECK(good.picture_serves);
+  CHECK(good.pictured > good.skipped + 0.1);
+  CHECK_FALSE(bad.picture_serves);
+  CHECK(bad.pictured < bad.skipped);
+  CHECK(good.skipped < even.skipped);
+}
+
+TEST_CASE("photoless views: the trial decides whether pictures are used, and leaves nothing else behind") {
+  SevenViews c(2);
+  std::vector<int> told_leave, told_auto;
+  const Solution leave = c.run(PhotolessViews::kLeave, 1, &told_leave), picture = c.run(PhotolessViews::kPicture),
+                 decided = c.run(PhotolessViews::kAuto, 1, &told_auto);
+  CHECK(leave.figures.at("contour_pictures") == 0);
+  CHECK(leave.figures.count("contour_biou_skipped") == 0);
+  CHECK(picture.figures.at("contour_pictures") == 2);
+  CHECK_FALSE(same(leave, picture));
+  CHECK(decided.figures.at("contour_biou_pictured") > 0);
+  CHECK(same(decided, decided.figures.at("contour_pictures") > 0 ? picture : leave));
+  CHECK(decided.figures.at("contour_iterations") == leave.figures.at("contour_iterations"));
+  CHECK(told_auto[0] == told_leave[0] + 1);  // the trial takes the time of an iteration
+  CHECK(same(decided, c.run(PhotolessViews::kAuto, 3)));
+  const Solution short_of_time = c.run(PhotolessViews::kAuto, 1, nullptr, 1);  // an iteration, not its trial
+  CHECK(short_of_time.figures.count("contour_biou_skipped") == 0);
+  CHECK(short_of_time.figures.at("contour_iterations") == 1);
+}
+
+TEST_CASE("photoless views: a trial that is cut short counts as an iteration and reports no measurements") {
+  SevenViews c(2);
+  Monitor monitor;
+  const Problem in = c.input();
+  int steps = 0;
+  const auto cut = [&](const JointProgress&, JointTrainer&, const std::function<Solution()>&) { return ++steps == 2; };
+  const Solution result =
+      refine_contours({}, monitor, {c.contour, {c.joint, {}, {}}, in, cut}, run_flash({}, monitor, {}, in));
+  CHECK(steps == 2);
+  CHECK_FALSE(result.converged);
+  CHECK(result.figures.at("contour_iterations") == 1);
+  CHECK(result.figures.count("contour_biou_pictured") == 0);
+  CHECK(result.figures.count("contour_biou_skipped") == 0);
+}
+
+TEST_CASE("photoless views: with a photo of every view, or with too few to judge, there is no trial") {
+  SevenViews all(0), few(3);
+  const Solution leave = all.run(PhotolessViews::kLeave), decided = all.run(PhotolessViews::kAuto);
+  CHECK(same(leave, decided));
+  CHECK(same(leave, all.run(PhotolessViews::kPicture)));
+  CHECK(decided.figures.count("contour_biou_skipped") == 0);
+  CHECK(same(few.run(PhotolessViews::kLeave), few.run(PhotolessViews::kAuto)));
+}
+
+}  // namespace
+}  // namespace ngs
