@@ -79,16 +79,16 @@ bool Decisions::on(std::string_view name) const {
   return decision->on;
 }
 
-std::optional<bool> Decisions::known(std::string_view name) const {
+std::optional<bool> Decisions::on_if_known(std::string_view name) const {
   if (const Decision* decision = find(name)) return decision->on;
   const Effect& e = *find_effect(effects_, name);
-  if (!e.needs.empty() && known(e.needs) == false) return false;
+  if (!e.needs.empty() && on_if_known(e.needs) == false) return false;
   const std::optional<Decision> decision = decision_without_heuristic(e);
   return decision ? std::optional(decision->on) : std::nullopt;
 }
 
 bool Decisions::may_be_on(std::string_view name, const Problem& problem) const {
-  if (const std::optional<bool> known = known(name)) return *known;
+  if (const std::optional<bool> known = on_if_known(name)) return *known;
   const auto& possible = find_effect(effects_, name)->detector.possible;
   return !possible || possible(problem);
 }

@@ -54,7 +54,7 @@ class Decisions {
   /// Of a decided effect.
   bool on(std::string_view name) const;
   /// What is known of an effect before any detector, also by an effect that it needs; null: nothing yet.
-  std::optional<bool> known(std::string_view name) const;
+  std::optional<bool> on_if_known(std::string_view name) const;
   /// Whether it may be on, as far as that is known without a look at pictures.
   bool may_be_on(std::string_view name, const Problem& problem) const;
 

@@ -293,7 +293,7 @@ TEST_CASE("decisions without a detector: what it needs, else an entry, else the 
   const FixedDecision no_steps{"joint", false, "no time"}, off{"nerf", false, "first"}, on{"nerf", true, "second"};
   const auto known = [](std::string_view name, const std::vector<std::string>& entries,
                           std::vector<FixedDecision> verdicts) {
-    return Decisions(Pipeline(all_passes()).effects(), test::modes_of(entries), std::move(verdicts)).known(name);
+    return Decisions(Pipeline(all_passes()).effects(), test::modes_of(entries), std::move(verdicts)).on_if_known(name);
   };
   CHECK(known("nerf", {"nerf=on"}, {off, on, no_steps}) == false);  // nothing would train it
   CHECK(known("nerf", {"nerf=on"}, {off, on}) == true);

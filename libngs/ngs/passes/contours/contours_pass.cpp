@@ -104,7 +104,7 @@ std::vector<FixedDecision> ContoursPass::fixed_decisions(const TrainingOptions& 
 }
 
 void ContoursPass::prepare(PassRun& run) {
-  const auto on = [&](std::string_view name) { return run.decisions.known(name).value_or(true); };
+  const auto on = [&](std::string_view name) { return run.decisions.on_if_known(name).value_or(true); };
   options_.on = {
       .split = on("split"), .iterations = on("contour-iterations"), .full_resolution = on("full-resolution")};
   run.training.joint.contours_go_on = on("contours") && options_.on.iterations && !options_.on.full_resolution;

@@ -70,7 +70,7 @@ std::vector<FixedDecision> JointPass::fixed_decisions(const TrainingOptions& tra
 void JointPass::prepare(PassRun& run) {
   if (run.budget.given()) leave_out_for_time(run, "nerf");  // it gains least for its time
   run.training.joint.on =
-      joint_switches([&](std::string_view name) { return run.decisions.known(name).value_or(true); });
+      joint_switches([&](std::string_view name) { return run.decisions.on_if_known(name).value_or(true); });
 }
 
 void JointPass::begin(PassRun& run) {
