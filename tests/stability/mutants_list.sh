@@ -102,7 +102,7 @@ mutant $f $t $f "bleed through: labels beyond doubt are asked" 's/ && labels\[k\
 mutant $f $t $f "bleed through: rows fixed by hand change" 's/ && !is_fixed\(problem, i\)//'
 mutant $f $t $f "bleed through: the first object's mask of all" 's/object_weight\(v, doubt\.object\)/object_weight(v, 0)/'
 mutant passes/pipeline.cpp $t passes/pipeline.cpp "bleed through: the clock decides what kept steps begin with" 's/ \|\| run\.store != nullptr//'
-mutant passes/bleed_through/seen_through_pass.cpp $t passes/bleed_through/seen_through_pass.cpp "bleed through: half a look is believed" 's/if \(run\.monitor\.stop_requested\(\)\) return;//'
+mutant passes/bleed_through/bleed_through_pass.cpp $t passes/bleed_through/bleed_through_pass.cpp "bleed through: half a look is believed" 's/if \(run\.monitor\.stop_requested\(\)\) return;//'
 t=unit/ops/splat/evidence_test.cpp
 mutant ops/splat/evidence_tile.h $t ops/splat/tile_isa.cpp "evidence: visibility weighs as drawn" 's/if constexpr \(kByVisibility\) weight = weight \* hit\.transmittance;//'
 mutant ops/splat/evidence.cpp $t ops/splat/evidence.cpp "evidence: tiles of the first Gaussian alone" 's/std::any_of\(work\.visible, work\.visible \+ work\.entries,/std::any_of(work.visible, work.visible + std::min(work.entries, 1u),/'

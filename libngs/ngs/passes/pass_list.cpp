@@ -6,7 +6,7 @@
 #include "ngs/passes/floaters/floaters_pass.h"
 #include "ngs/passes/joint/joint_pass.h"
 #include "ngs/passes/mask_outliers/mask_outliers_pass.h"
-#include "ngs/passes/bleed_through/seen_through_pass.h"
+#include "ngs/passes/bleed_through/bleed_through_pass.h"
 #include "ngs/passes/windows/windows_pass.h"
 
 namespace ngs {

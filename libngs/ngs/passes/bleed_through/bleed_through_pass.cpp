@@ -1,4 +1,4 @@
-#include "ngs/passes/bleed_through/seen_through_pass.h"
+#include "ngs/passes/bleed_through/bleed_through_pass.h"
 
 #include <cmath>
 

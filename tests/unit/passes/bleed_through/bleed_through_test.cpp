@@ -9,7 +9,7 @@
 
 #include "ngs/math/stable.h"
 #include "ngs/ops/splat/evidence.h"
-#include "ngs/passes/bleed_through/seen_through_pass.h"
+#include "ngs/passes/bleed_through/bleed_through_pass.h"
 #include "support/pipeline_case.h"
 
 namespace ngs {
