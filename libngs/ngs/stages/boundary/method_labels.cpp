@@ -26,7 +26,7 @@ std::vector<LabelColumns> closed_form_labels(const Exec& exec, Monitor& monitor,
 
 namespace {
 
-/// How far the variances of the Gaussians that both have seen lie apart, summed up.
+/// Sum of the absolute differences of variances, over Gaussians with evidence in both.
 double variance_distance(const std::vector<LabelColumns>& a, const std::vector<LabelColumns>& b) {
   double sum = 0;
   for (std::size_t k = 0; k < a.size(); ++k)
@@ -35,8 +35,8 @@ double variance_distance(const std::vector<LabelColumns>& a, const std::vector<L
   return sum;
 }
 
-/// Labels by the criterion that gives the variances which are nearest to the given ones: what changed in masks and
-/// model since concerns few Gaussians, another criterion nearly all.
+/// Labels by the criterion whose variances are nearest to the given ones. Changed masks or a changed model alter few
+/// variances, another criterion nearly all.
 std::vector<LabelColumns> labels_like(const std::vector<LabelColumns>& given, VarianceOptions rule,
                                       const Evidence& evidence) {
   std::vector<LabelColumns> best;
@@ -50,8 +50,8 @@ std::vector<LabelColumns> labels_like(const std::vector<LabelColumns>& given, Va
   return best;
 }
 
-/// Just above the largest variance that is not boundary: the column is rounded, and what it was rounded from must not
-/// be boundary either.
+/// tau is the next float above the largest variance that is not boundary: the column is rounded, and the unrounded
+/// variance must not become boundary either.
 VarianceOptions rule_of(const std::vector<LabelColumns>& labels) {
   VarianceOptions rule;
   float largest = -1;
@@ -71,7 +71,7 @@ bool is_pooled(const std::vector<LabelColumns>& labels) {
   return true;
 }
 
-/// Sets the columns of a Gaussian from its weights that are left.
+/// Sets the columns of Gaussian i from its remaining weights [1 + K]: total, then per object.
 void set_labels(const VarianceOptions& rule, const double* weight, std::size_t i, std::vector<LabelColumns>& labels) {
   double most = 0, all = 0;
   std::size_t heaviest = 0;
@@ -132,7 +132,7 @@ std::vector<LabelColumns> labels_without_views(const Exec& exec, Monitor& monito
   std::vector<double> weight(1 + objects);
   for (std::size_t i = 0; i < seen_less.size(); ++i) {
     if (seen_less[i] == 0) continue;
-    const bool unseen = of_claimed[0].views[i] <= seen_less[i];  // but for rounding, nothing of it is left
+    const bool unseen = of_claimed[0].views[i] <= seen_less[i];  // no weight remains except rounding
     for (LabelColumns& c : of_claimed) c.views[i] -= std::min(float(c.views[i]), seen_less[i]);
     weight[0] = unseen ? 0 : rest.weight(i);
     for (std::size_t k = 0; k < objects; ++k) weight[1 + k] = unseen ? 0 : rest.object_weight(i, k);
