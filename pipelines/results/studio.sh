@@ -26,7 +26,7 @@ studio_visit() {
     mv "$report.part" "$report"
   fi
   for kind in 'on a new view' corrections 'frames, moving' 'frames, still'; do
-    sed -nE "s/^ *$kind +([0-9]+) answers, median ([0-9.]+) ms, 95 % within ([0-9.]+) ms; of processor time ([0-9.]+) .*/\
+    sed -nE "s/^ *$kind +([0-9]+) responses, median ([0-9.]+) ms, 95th percentile ([0-9.]+) ms; CPU time ([0-9.]+) .*/\
 \1 \2 \3 \4/p" "$log" |
       while read -r n median p95 cpu; do
         row scene="$1" answer="$kind" n="$n" median_ms="$median" p95_ms="$p95" cpu_ms="$cpu" times="$report"
