@@ -23,11 +23,11 @@ struct MethodChoice {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.method,
-          Choice<Method>{"method", "what decides the labels (--method M --help: its options)", kMethodNames});
-    visit(self.quality, Choice<Quality>{"quality", "how long to train", kQualityNames});
-    visit(self.objects, Text{"objects", "NAME", "only this object of the scene"});
-    visit(self.effect, Text{"effect", "NAME=auto|on|off", "switch a pass or a part of one, or all=... of them"});
-    visit(self.explain, Flag{"explain", "decide what this scene calls for, list it, run nothing else"});
+          Choice<Method>{"method", "Method that computes the labels (--method M --help: its options)", kMethodNames});
+    visit(self.quality, Choice<Quality>{"quality", "How long to train", kQualityNames});
+    visit(self.objects, Text{"objects", "NAME", "Use only this object of the scene"});
+    visit(self.effect, Text{"effect", "NAME=auto|on|off", "Switch a pass or a part of one, or all=... of them"});
+    visit(self.explain, Flag{"explain", "List the effects chosen for this scene with reasons, then stop"});
     visit(self.background, background_option());
   }
 };
@@ -42,17 +42,18 @@ struct StepOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.time_budget,
-          Text{"time_budget", "60s|5m", "the whole process ends by then, with what there is (exit 7)"});
-    visit(self.target, Text{"target", "iou=X|biou=X", "stop when the training views agree this well with their masks"});
-    visit(self.checkpoint, Text{"checkpoint", "DIR", "folder in which the state of the run is kept"}.of("joint"));
+          Text{"time_budget", "60s|5m", "End the process within this time, with a partial result (exit 7)"});
+    visit(self.target,
+          Text{"target", "iou=X|biou=X", "Stop when renders agree this well with the masks of training views"});
+    visit(self.checkpoint, Text{"checkpoint", "DIR", "Folder for checkpoints of the run"}.of("joint"));
     visit(self.checkpoint_every,
-          Field<std::int64_t>{"checkpoint_every", "", "steps between; 0: when interrupted, and before contours", 0,
+          Field<std::int64_t>{"checkpoint_every", "", "Steps between checkpoints; 0: on a signal, before contours", 0,
                               1'000'000'000}
               .of("joint"));
-    visit(self.resume, Flag{"resume", "go on from the checkpoint in --checkpoint, if there is one"}.of("joint"));
+    visit(self.resume, Flag{"resume", "Continue from the checkpoint in --checkpoint, if there is one"}.of("joint"));
     visit(self.trace_every,
-          Field<int>{"trace_every", "", "steps between scores in the trace; 0: once per epoch", 0, 1 << 30});
-    visit(self.fast_atomics, Flag{"fast_atomics", "on CUDA: sums as they come, not the same bits again"});
+          Field<int>{"trace_every", "", "Steps between scores in the trace; 0: once per epoch", 0, 1 << 30});
+    visit(self.fast_atomics, Flag{"fast_atomics", "Use atomic adds on CUDA: faster, not bit-reproducible"});
   }
 };
 

@@ -19,9 +19,10 @@ struct CobOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.rounds, Field<int>{"cob_rounds", "",
-                                  "mask and texture phase pairs before the last mask phase; 0: labels only", 0, 1000});
-    visit(self.lambda, Field<double>{"cob_lambda", "", "weight of pixels outside the mask", 1e-6, 1e6});
+    visit(self.rounds,
+          Field<int>{"cob_rounds", "", "Pairs of mask and texture phases before the last mask phase; 0: labels only", 0,
+                     1000});
+    visit(self.lambda, Field<double>{"cob_lambda", "", "Weight of pixels outside the mask", 1e-6, 1e6});
     visit(
         self.ambiguity,
         Field<double>{"cob_ambiguity", "",

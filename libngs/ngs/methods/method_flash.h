@@ -21,9 +21,9 @@ struct FlashOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.gamma,
-          Field<double>{"flash_gamma", "", "bias towards the background; < 0 favours the object", -1.0, 1.0});
+          Field<double>{"flash_gamma", "", "Bias towards the background; < 0 favours the object", -1.0, 1.0});
     visit(self.norm,
-          Choice<FlashNorm>{"flash_norm", "normalisation of the shares that gamma is added to", kFlashNormNames});
+          Choice<FlashNorm>{"flash_norm", "Normalisation of the shares that gamma is added to", kFlashNormNames});
   }
 };
 

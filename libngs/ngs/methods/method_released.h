@@ -19,7 +19,7 @@ struct ReleasedOptions {
     visit(self.count,
           Field<int>{"released_count", "", "number of Gaussians to regularise, most uncertain first", 0, 1 << 20});
     visit(self.align,
-          Field<double>{"released_align", "", "weight of the distance to the neighbours' mean colour", 0.0, 1e6});
+          Field<double>{"released_align", "", "Weight of the distance to the neighbours' mean colour", 0.0, 1e6});
   }
 };
 

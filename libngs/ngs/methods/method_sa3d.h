@@ -17,10 +17,10 @@ struct Sa3dOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.lambda, Field<double>{"sa3d_lambda", "", "weight of pixels outside the mask", 1e-6, 1e6});
+    visit(self.lambda, Field<double>{"sa3d_lambda", "", "Weight of pixels outside the mask", 1e-6, 1e6});
     visit(self.gate_iou,
           Field<double>{"sa3d_gate_iou", "", "skip views whose IoU with the current labels is below this", 0.0, 1.0});
-    visit(self.passes, Field<int>{"sa3d_passes", "", "number of passes over the views", 1, 100});
+    visit(self.passes, Field<int>{"sa3d_passes", "", "number of Number of passes over the views", 1, 100});
   }
 };
 

@@ -21,8 +21,8 @@ struct SagaOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.dims, Field<int>{"saga_dims", "", "length of a Gaussian's feature", 2, 64});
-    visit(self.steps, Field<int>{"saga_steps", "", "optimisation steps, one view each", 1, 1000000});
+    visit(self.dims, Field<int>{"saga_dims", "", "Length of a Gaussian's feature", 2, 64});
+    visit(self.steps, Field<int>{"saga_steps", "", "Optimisation steps, one view each", 1, 1000000});
     visit(self.threshold,
           Field<double>{"saga_threshold", "", "label 1 if the cosine to the prototype exceeds this", -1.0, 1.0});
   }

@@ -18,9 +18,9 @@ struct RbfOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.neighbours,
-          Field<int>{"neighbours", "", "boundary Gaussians per query point (before Eq. 8)", 1, kMaxNeighbours});
+          Field<int>{"neighbours", "", "Boundary Gaussians used per query point (before Eq. 8)", 1, kMaxNeighbours});
     visit(self.width, Text{"width", "auto|WORLD",
-                           "kernel width, the paper's sigma (Eq. 8); auto: from the mean spacing of the boundary (C22)"}
+                           "Kernel width, the paper's sigma (Eq. 8); auto: from the mean spacing of the boundary (C22)"}
                           .of("nerf"));
     visit(self.width_factor,
           Field<double>{"width_factor", "", "factor on the width of --width auto", 1e-3, 1e3}.of("nerf"));

@@ -34,15 +34,15 @@ struct EvalOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.threshold, Field<double>{"threshold", "of 255", "object where the sample is greater", 0, 254});
-    visit(self.label_map, Flag{"label_map", "files are label maps: score every object id by itself"});
-    visit(self.void_id, Field<int>{"void_id", "",
-                                   "label maps: id of the true pixels that are not scored, such as 255 in VOC; "
-                                   "-1: all are",
-                                   -1, 0xffffff});
-    visit(self.object_id, Text{"object_id", "ID|NAME=ID", "score only this id of the label maps (repeatable)"});
+    visit(self.threshold, Field<double>{"threshold", "of 255", "Pixels with a larger value are object", 0, 254});
+    visit(self.label_map, Flag{"label_map", "Files are label maps: score each object id separately"});
+    visit(self.void_id,
+          Field<int>{"void_id", "",
+                     "Label maps: true pixels with this id are not scored, such as 255 in VOC; -1: score all", -1,
+                     0xffffff});
+    visit(self.object_id, Text{"object_id", "ID|NAME=ID", "Score only this id of the label maps (repeatable)"});
     visit(self.fail_below,
-          Text{"fail_below", "SCORE=MIN,...", "exit 1 where a mean score is lower, e.g. iou=0.9,biou=0.6"});
+          Text{"fail_below", "SCORE=MIN,...", "Exit with 1 if a mean score is lower, e.g. iou=0.9,biou=0.6"});
   }
 };
 

@@ -37,20 +37,19 @@ struct ExtractOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.rule, Text{"rule", "RULE",
-                          "threshold:T (score >= T), flash:GAMMA (f > (1+GAMMA)/2), flash-l2:GAMMA (as its code "
-                          "normalises), sa3d (f > 0.3/1.3), cob:T (score > T)"});
-    visit(self.score, Choice<ScoreColumn>{"score",
-                                          "what the rule compares; auto: ngs_prob for flash and sa3d, else "
-                                          "ngs_label",
-                                          kScoreColumnNames});
-    visit(self.unseen, Choice<UnseenRule>{"unseen",
-                                          "Gaussians that no view has seen: vote of the nearest seen ones if these are "
-                                          "near, else background; or all to one side",
-                                          kUnseenRuleNames});
-    visit(self.min_component, Field<int>{"min_component", "Gaussians",
-                                         "smaller connected pieces of the object go to the "
-                                         "background; 0 keeps all",
-                                         0, 1 << 30});
+                          "Object test: threshold:T (score >= T), flash:GAMMA (f > (1+GAMMA)/2), flash-l2:GAMMA "
+                          "(normalised as in its code), sa3d (f > 0.3/1.3), cob:T (score > T)"});
+    visit(self.score,
+          Choice<ScoreColumn>{"score", "Column that the rule tests; auto: ngs_prob for flash and sa3d, else ngs_label",
+                              kScoreColumnNames});
+    visit(self.unseen,
+          Choice<UnseenRule>{
+              "unseen",
+              "Label of Gaussians that no view sees; knn: majority of near seen Gaussians, background if none is near",
+              kUnseenRuleNames});
+    visit(self.min_component,
+          Field<int>{"min_component", "Gaussians",
+                     "Move smaller connected components of the object to the background; 0: keep all", 0, 1 << 30});
   }
 };
 

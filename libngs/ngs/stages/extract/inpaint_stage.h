@@ -17,7 +17,8 @@ struct InpaintOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.inpaint_dilate_px, Field<int>{"inpaint_dilate_px", "px", "margin of the dilated hole masks", 0, 4096});
+    visit(self.inpaint_dilate_px,
+          Field<int>{"inpaint_dilate_px", "px", "Margin by which hole masks are dilated", 0, 4096});
   }
 };
 

@@ -29,7 +29,7 @@ struct SpreadOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.passes, Field<int>{"passes", "", "times that every view is segmented", 1, 20});
+    visit(self.passes, Field<int>{"passes", "", "Number of times that every view is segmented", 1, 20});
   }
 };
 

@@ -19,7 +19,7 @@ namespace ngs {
 
 /// The option of every tool that draws colours.
 inline constexpr Text background_option() {
-  return {"background", "COLOUR", "behind the model: black, white or R,G,B in [0, 1]; empty: the scene's"};
+  return {"background", "COLOUR", "Background: black, white or R,G,B in [0, 1]; default: the scene's"};
 }
 
 /// "R,G,B" with three numbers in [0, 1], "black" or "white"; kUsage otherwise.

@@ -20,10 +20,10 @@ struct RasterOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.compat,
-          Choice<CompatChoice>{"compat", "near plane and footprint rule; auto: as scene.json says", kCompatChoices});
+    visit(self.compat, Choice<CompatChoice>{"compat", "Near plane and footprint rule to use; auto: from scene.json",
+                                            kCompatChoices});
     visit(self.antialias,
-          Choice<Antialias>{"antialias", "opacity compensation; auto: as scene.json, else the PLY, says",
+          Choice<Antialias>{"antialias", "Opacity compensation; auto: from scene.json, else from the PLY",
                             kAntialiasNames});
   }
 };

@@ -22,11 +22,11 @@ struct RenderOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.views, Text{"views", "train|held-out|all|NAME,...", "which cameras"});
-    visit(self.layers, Text{"layers", "color,mask,alpha,depth,labels,overlay", "what to render; default mask"});
-    visit(self.scale,
-          Field<double>{"scale", "", "image size relative to the scene's working size; 0: the photos' size", 0, 64.0});
-    visit(self.amodal, Flag{"amodal", "mask of the object alone, as if nothing stood before it"});
+    visit(self.views, Text{"views", "train|held-out|all|NAME,...", "Cameras to render"});
+    visit(self.layers, Text{"layers", "color,mask,alpha,depth,labels,overlay", "Images to render; default: mask"});
+    visit(self.scale, Field<double>{"scale", "",
+                                    "Image size relative to the scene's working size; 0: that of the photos", 0, 64.0});
+    visit(self.amodal, Flag{"amodal", "Render the object's mask without occluders"});
     visit(self.threshold,
           Field<double>{"threshold", "", "PNG masks: 255 where the rendered mask exceeds this", 0.0, 1.0});
     visit(self.background, background_option());
@@ -52,8 +52,8 @@ class LabelChannels {
  public:
   LabelChannels(const GaussianCloud& cloud, const std::vector<LabelColumns>& objects);
   /// [H, W, K]; `tiles_touching` and `stop_after` as in RenderRequest.
-  ImageF view(const Exec& exec, const Camera& camera, const SplatOptions& splat, const std::uint8_t* tiles_touching = nullptr,
-              const std::uint8_t* stop_after = nullptr) const;
+  ImageF view(const Exec& exec, const Camera& camera, const SplatOptions& splat,
+              const std::uint8_t* tiles_touching = nullptr, const std::uint8_t* stop_after = nullptr) const;
   /// The same for those who ask label_is_foreground() alone: 0 where no object is near.
   ImageF masks(const Exec& exec, const Camera& camera, const SplatOptions& splat) const;
   std::size_t objects() const { return objects_; }

@@ -24,15 +24,15 @@ struct SceneCheckOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.check_views, Field<int>{"check_views", "",
-                                       "photos to compare the rendered model with, evenly spaced; 0: none", 0, 100000});
-    visit(
-        self.min_fit_db,
-        Field<double>{"min_fit_db", "dB",
-                      "refuse where the model's PSNR exceeds that of the photo's mean colour by less", -100.0, 100.0});
-    visit(
-        self.check_polarity,
-        Flag{"check_polarity", "refuse masks that look inverted: they cover most of the images and of their borders"});
+    visit(self.check_views,
+          Field<int>{"check_views", "", "Number of evenly spaced photos to compare with renders of the model; 0: none",
+                     0, 100000});
+    visit(self.min_fit_db,
+          Field<double>{"min_fit_db", "dB",
+                        "Fail if the model's PSNR exceeds that of the photo's mean colour by less than this", -100.0,
+                        100.0});
+    visit(self.check_polarity,
+          Flag{"check_polarity", "Fail if masks look inverted: they cover most of the images and of their borders"});
   }
 };
 

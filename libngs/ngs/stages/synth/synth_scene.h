@@ -40,21 +40,21 @@ struct Recipe {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.scene, Choice<SceneKind>{"scene", "what stands in the room", kSceneNames});
-    visit(self.rig, Choice<Rig>{"rig", "where the cameras stand", kRigNames});
-    visit(self.views, Field<int>{"views", "", "number of cameras", 1, 10000});
-    visit(self.width_px, Field<int>{"width_px", "px", "image width", 8, 16384});
-    visit(self.height_px, Field<int>{"height_px", "px", "image height", 8, 16384});
-    visit(self.fov_deg, Field<double>{"fov_deg", "deg", "horizontal field of view", 5, 120});
-    visit(self.samples_per_side, Field<int>{"samples_per_side", "", "colour samples per pixel and axis", 1, 16});
-    visit(self.principal_shift, Field<double>{"principal_shift", "of the size",
-                                              "how far the principal point of every third view is off-centre", 0, 0.4});
-    visit(self.mixed_sizes, Flag{"mixed_sizes", "every fourth view has another image size"});
-    visit(self.gloss, Field<double>{"gloss", "", "strength of the view-dependent highlight", 0, 1});
-    visit(self.grey, Flag{"grey", "luminance only: colours that do not tell the objects apart"});
-    visit(self.points, Field<int>{"points", "", "sparse points sampled on the surfaces", 1, 10000000});
-    visit(self.target, Text{"target", "NAME", "object whose masks go to masks/; empty: the scene's first"});
-    visit(self.scene_seed, Field<std::int64_t>{"scene_seed", "", "textures, layout and rig", 0, 1ll << 53});
+    visit(self.scene, Choice<SceneKind>{"scene", "Objects to place in the room", kSceneNames});
+    visit(self.rig, Choice<Rig>{"rig", "Arrangement of the cameras", kRigNames});
+    visit(self.views, Field<int>{"views", "", "Number of cameras", 1, 10000});
+    visit(self.width_px, Field<int>{"width_px", "px", "Image width", 8, 16384});
+    visit(self.height_px, Field<int>{"height_px", "px", "Image height", 8, 16384});
+    visit(self.fov_deg, Field<double>{"fov_deg", "deg", "Horizontal field of view", 5, 120});
+    visit(self.samples_per_side, Field<int>{"samples_per_side", "", "Colour samples per pixel and axis", 1, 16});
+    visit(self.principal_shift,
+          Field<double>{"principal_shift", "of the size", "Offset of the principal point in every third view", 0, 0.4});
+    visit(self.mixed_sizes, Flag{"mixed_sizes", "Give every fourth view another image size"});
+    visit(self.gloss, Field<double>{"gloss", "", "Strength of the view-dependent highlight", 0, 1});
+    visit(self.grey, Flag{"grey", "Use luminance only, so that colour does not separate the objects"});
+    visit(self.points, Field<int>{"points", "", "Sparse points sampled on the surfaces", 1, 10000000});
+    visit(self.target, Text{"target", "NAME", "Object whose masks go to masks/; empty: the scene's first"});
+    visit(self.scene_seed, Field<std::int64_t>{"scene_seed", "", "Seed of textures, layout and rig", 0, 1ll << 53});
   }
 };
 
