@@ -26,7 +26,7 @@ struct CobOptions {
     visit(
         self.ambiguity,
         Field<double>{"cob_ambiguity", "",
-                      "split Gaussians with mean r below this, prune them at the end (0.8: object-centric)", 0.0, 1.0});
+                      "Split Gaussians with mean r below this, prune them at the end (0.8: object-centric)", 0.0, 1.0});
   }
 };
 

@@ -19,7 +19,7 @@ struct BceOptions {
   static void describe(Self& self, Visitor&& visit) {
     visit(self.relative_gap,
           Field<double>{"bce_gap", "of the loss", "Stop at this duality gap (bound on loss - optimum)", 1e-6, 1.0});
-    visit(self.max_evaluations, Field<int>{"bce_evaluations", "", "maximum number of loss evaluations", 1, 1000000});
+    visit(self.max_evaluations, Field<int>{"bce_evaluations", "", "Maximum number of loss evaluations", 1, 1000000});
   }
 };
 

@@ -17,7 +17,7 @@ struct ReleasedOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.count,
-          Field<int>{"released_count", "", "number of Gaussians to regularise, most uncertain first", 0, 1 << 20});
+          Field<int>{"released_count", "", "Number of Gaussians to regularise, most uncertain first", 0, 1 << 20});
     visit(self.align,
           Field<double>{"released_align", "", "Weight of the distance to the neighbours' mean colour", 0.0, 1e6});
   }

@@ -19,8 +19,8 @@ struct Sa3dOptions {
   static void describe(Self& self, Visitor&& visit) {
     visit(self.lambda, Field<double>{"sa3d_lambda", "", "Weight of pixels outside the mask", 1e-6, 1e6});
     visit(self.gate_iou,
-          Field<double>{"sa3d_gate_iou", "", "skip views whose IoU with the current labels is below this", 0.0, 1.0});
-    visit(self.passes, Field<int>{"sa3d_passes", "", "number of Number of passes over the views", 1, 100});
+          Field<double>{"sa3d_gate_iou", "", "Skip views whose IoU with the current labels is below this", 0.0, 1.0});
+    visit(self.passes, Field<int>{"sa3d_passes", "", "Number of passes over the views", 1, 100});
   }
 };
 

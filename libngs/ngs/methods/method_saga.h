@@ -24,7 +24,7 @@ struct SagaOptions {
     visit(self.dims, Field<int>{"saga_dims", "", "Length of a Gaussian's feature", 2, 64});
     visit(self.steps, Field<int>{"saga_steps", "", "Optimisation steps, one view each", 1, 1000000});
     visit(self.threshold,
-          Field<double>{"saga_threshold", "", "label 1 if the cosine to the prototype exceeds this", -1.0, 1.0});
+          Field<double>{"saga_threshold", "", "Label 1 if the cosine to the prototype exceeds this", -1.0, 1.0});
   }
 };
 

@@ -23,7 +23,7 @@ struct RbfOptions {
                            "Kernel width, the paper's sigma (Eq. 8); auto: from the mean spacing of the boundary (C22)"}
                           .of("nerf"));
     visit(self.width_factor,
-          Field<double>{"width_factor", "", "factor on the width of --width auto", 1e-3, 1e3}.of("nerf"));
+          Field<double>{"width_factor", "", "Factor on the width of --width auto", 1e-3, 1e3}.of("nerf"));
   }
 };
 

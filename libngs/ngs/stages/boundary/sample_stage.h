@@ -28,11 +28,11 @@ struct SampleOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.rows,
-          Field<int>{"rows", "", "grid rows per view, fewer if a cell would be under 1 px (Eq. 5)", 1, 4096});
-    visit(self.cols, Field<int>{"cols", "", "grid columns per view (Eq. 5)", 1, 4096});
+          Field<int>{"rows", "", "Grid rows per view, fewer if a cell would be under 1 px (Eq. 5)", 1, 4096});
+    visit(self.cols, Field<int>{"cols", "", "Grid columns per view (Eq. 5)", 1, 4096});
     visit(self.depth_samples, Field<int>{"depth_samples", "", "Query points per ray, the paper's K (Eq. 7)", 1, 256});
     visit(self.bbox_pad_px, Field<double>{"bbox_pad_px", "px",
-                                          "margin of the box around the boundary, the paper's delta (Eq. 4)", 0, 1e4});
+                                          "Margin of the box around the boundary, the paper's delta (Eq. 4)", 0, 1e4});
     visit(self.depth_span,
           Field<double>{"depth_span", "", "Half depth window relative to the depth, the paper's alpha (Eq. 7)", 0, 1});
   }

@@ -25,10 +25,10 @@ struct VarianceOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.tau,
-          Field<double>{"tau", "", "boundary if the normalised mask variance exceeds this (Eq. 3, C1)", 0.0, 0.999999});
-    visit(self.criterion, Choice<Criterion>{"criterion", "how the mask variance is measured (C2)", kCriterionNames});
-    visit(self.exclusive, Flag{"exclusive", "with several objects, label a Gaussian as the heaviest one only"});
+    visit(self.tau, Field<double>{"tau", "", "Normalised mask variance above which a Gaussian is boundary (Eq. 3, C1)",
+                                  0.0, 0.999999});
+    visit(self.criterion, Choice<Criterion>{"criterion", "How the mask variance is measured (C2)", kCriterionNames});
+    visit(self.exclusive, Flag{"exclusive", "Assign each Gaussian to at most one object, that of most weight"});
   }
 };
 

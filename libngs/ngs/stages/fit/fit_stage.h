@@ -38,12 +38,12 @@ struct FitOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.steps, Field<int>{"steps", "", "Optimisation steps, one view each", 1, 10000000});
-    visit(self.sh_degree, Field<int>{"sh_degree", "", "highest degree of the spherical harmonics", 0, 3});
-    visit(self.max_gaussians, Field<int>{"max_gaussians", "", "maximum number of Gaussians", 1, 1 << 30});
+    visit(self.sh_degree, Field<int>{"sh_degree", "", "Highest degree of the spherical harmonics", 0, 3});
+    visit(self.max_gaussians, Field<int>{"max_gaussians", "", "Maximum number of Gaussians", 1, 1 << 30});
     visit(self.background, background_option());
     visit(self.antialiased, Flag{"antialiased", "Fit with the opacity compensation of Mip-Splatting"});
     visit(self.random_points,
-          Field<int>{"random_points", "", "number of random initial Gaussians if there is no point cloud", 1, 1 << 24});
+          Field<int>{"random_points", "", "Number of random initial Gaussians if there is no point cloud", 1, 1 << 24});
   }
 };
 
