@@ -153,7 +153,7 @@ TEST_CASE("ngs-joint writes its result where there is no room for a checkpoint, 
   INFO(result.err);
   CHECK(result.exit_code == 0);
   CHECK(c.bytes("full") == c.bytes("whole"));
-  CHECK(says(result, "the checkpoint was not written, the run goes on without it"));
+  CHECK(says(result, "the checkpoint was not written, the run continues without it"));
   CHECK(fs::is_empty(c.keep));
 }
 

@@ -17,7 +17,7 @@ void require_checkpoint_folder(const std::string& folder, const std::string& pat
   std::filesystem::create_directories(folder, error);
   if (error)
     throw Error(ErrorCode::kEnvironment,
-                folder + ": " + error.message() + ", expected a folder to keep a checkpoint in",
+                folder + ": " + error.message() + ", expected a writable folder for checkpoints",
                 "name another folder with --checkpoint");
   const io::AtomicFile unfinished(path);
 }
@@ -43,7 +43,8 @@ void Checkpoints::on_the_way(std::int64_t step, const std::function<void()>& wri
     kept_step_ = step;
   } catch (const Error& e) {
     if (e.code() != ErrorCode::kEnvironment) throw;
-    if (!failed_) monitor_.warn("the checkpoint was not written, the run goes on without it: " + std::string(e.what()));
+    if (!failed_)
+      monitor_.warn("the checkpoint was not written, the run continues without it: " + std::string(e.what()));
     failed_ = true;
   }
 }
