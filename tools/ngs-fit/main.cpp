@@ -62,7 +62,7 @@ int fit(cli::Run& run, FitOptions& options, const cli::CheckpointOptions& keep, 
   const double began_s = wall_seconds();
   const auto save = [&] { cli::write_checkpoint(keep.checkpoint, fitter.state(), identity); };
   cli::Checkpoints checkpoints(run.monitor());
-  std::optional<cli::KeepsState> keeps;
+  std::optional<cli::SignalGrace> keeps;
   if (keep.is_on()) keeps.emplace();
   run_fit(run.exec(), run.monitor(), fitter, options, [&](const Fitter& f) {
     if (keep.is_on() && f.state().step % keep.checkpoint_every == 0) checkpoints.on_the_way(f.state().step, save);

@@ -29,8 +29,8 @@ void BaselineOptions::declare(cli::Tool& tool, const Method& method) {
     return OptionGroup{
         .name = name,
         .about = std::string(cites),
-        .listens = [&method, one] { return method == one || (one == Method::kCob && method == Method::kReleased); },
-        .listener = "--method " + name};
+        .applies = [&method, one] { return method == one || (one == Method::kCob && method == Method::kReleased); },
+        .needs = "--method " + name};
   };
   tool.options(flash, group(Method::kFlash, "FlashSplat, closed form"));
   tool.options(sa3d, group(Method::kSa3d, "SA3D-GS, closed form"));

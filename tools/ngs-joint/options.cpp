@@ -10,8 +10,8 @@ void Options::declare(cli::Tool& tool) {
     return OptionGroup{.name = std::move(name),
                        .about = std::move(about),
                        .effect = std::move(effect),
-                       .listens = [this] { return runs_passes(); },
-                       .listener = "--method ngs",
+                       .applies = [this] { return runs_passes(); },
+                       .needs = "--method ngs",
                        .shown = shown};
   };
   tool.options(choice, {.name = "method", .shown = Shown::kInShortHelp});

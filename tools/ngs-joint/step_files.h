@@ -39,7 +39,7 @@ class StepFile : public StepStore {
 
   Setup setup_;
   cli::Checkpoints on_the_way_;
-  std::optional<cli::KeepsState> keeps_;
+  std::optional<cli::SignalGrace> keeps_;
   std::string identity_;
   std::optional<Json> before_;
 };

@@ -138,7 +138,7 @@ struct CommandSegmenter {
     if (child.end == ChildResult::End::kTimedOut) found << "not done after " << time_s << " s";
     if (child.end == ChildResult::End::kSignalled) found << "ended by signal " << child.code;
     if (child.end == ChildResult::End::kExited) found << "exit code " << child.code;
-    const std::string said = child.last_words.substr(child.last_words.rfind('\n') + 1);
+    const std::string said = child.output_tail.substr(child.output_tail.rfind('\n') + 1);
     throw Error(ErrorCode::kEnvironment,
                 who + ": " + found.str() + (kept_running ? ", expected a line" : ", expected exit code 0 and a mask") +
                     (said.empty() ? "" : "; it said: " + said),

@@ -81,7 +81,7 @@ void Job::run_program(const JobStep& step, double before) {
                (before + step.share * record.value("done", 0.0) / total) / share_sum_);
   };
   constexpr double kPatienceS = 2;
-  const cli::KeepsState waits;  // waits until the program has removed its unfinished files
+  const cli::SignalGrace waits;  // waits until the program has removed its unfinished files
   const cli::ChildResult child = cli::run_child(argv, {.time_s = std::numeric_limits<double>::infinity(),
                                                        .stop = [this] { return stop_.load(); },
                                                        .patience_on_stop_s = kPatienceS,
@@ -90,7 +90,7 @@ void Job::run_program(const JobStep& step, double before) {
   if (child.end == cli::ChildResult::End::kSignalled)
     throw Error(ErrorCode::kEnvironment, step.words[0] + ": ended by signal " + std::to_string(child.code));
   if (child.code != cli::kDone && child.code != cli::kCheckFailed && child.code != cli::kBudgetHit)
-    throw Error(ErrorCode(child.code), step.words[0] + ": " + (error.empty() ? child.last_words : error), hint);
+    throw Error(ErrorCode(child.code), step.words[0] + ": " + (error.empty() ? child.output_tail : error), hint);
 }
 
 nlohmann::ordered_json Job::json() const {

@@ -90,7 +90,7 @@ bool StageRunner::run(const std::string& name, const Words& words) {
   setenv("NGS_PROGRESS_S", "0.3", 1);  // often enough for those who look at this tool's own progress
   const double start_s = wall_seconds();
   error_.clear(), hint_.clear();
-  const cli::KeepsState waits;  // for the tool to end, which takes its unfinished files away
+  const cli::SignalGrace waits;  // for the tool to end, which takes its unfinished files away
   const cli::ChildResult child = cli::run_child(argv, {.time_s = std::numeric_limits<double>::infinity(),
                                                        .stop = [this] { return run_.monitor().stop_requested(); },
                                                        .patience_on_stop_s = kPatienceS,
@@ -102,7 +102,7 @@ bool StageRunner::run(const std::string& name, const Words& words) {
                 child.code == 9 ? "was there enough memory? --dry-run of the tool estimates it" : "");
   }
   if (child.code != cli::kDone && child.code != cli::kCheckFailed && child.code != cli::kBudgetHit)
-    throw Error(ErrorCode(child.code), words[0] + ": " + (error_.empty() ? child.last_words : error_), hint_for(words));
+    throw Error(ErrorCode(child.code), words[0] + ": " + (error_.empty() ? child.output_tail : error_), hint_for(words));
   names_.push_back(name);
   results_.push_back({words[0], wall_seconds() - start_s, io::read_json_file(report)});
   return true;

@@ -36,7 +36,7 @@ class Tool {
   Tool(const Tool&) = delete;
   Tool& operator=(const Tool&) = delete;
 
-  /// Any number of structs with describe(). What is given of a group that nothing listens to is warned about before the
+  /// Any number of structs with describe(). Options given for a group that does not apply are warned about before the
   /// body runs.
   template <class Options>
   void options(Options& options, OptionGroup group = {}) {

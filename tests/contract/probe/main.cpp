@@ -84,7 +84,7 @@ void work_deaf() {
 /// Takes longer to keep its state than a signal lets others work on, and is then deaf.
 void keep_state(cli::Run& run, const std::string& path) {
   {
-    const cli::KeepsState keeps;
+    const cli::SignalGrace keeps;
     std::fprintf(stderr, "keeps a state\n");
     while (!run.monitor().stop_requested()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
     std::this_thread::sleep_for(std::chrono::milliseconds(900));
@@ -125,8 +125,8 @@ int main(int argc, char** argv) {
   tool.options(options);
   tool.options(echo, {.name = "echo",
                       .prefix = "echo_",
-                      .listens = [&options] { return options.act == Act::kEcho; },
-                      .listener = "--act echo"});
+                      .applies = [&options] { return options.act == Act::kEcho; },
+                      .needs = "--act echo"});
   const cli::Input& in = tool.input("text", "any file");
   const cli::Input& more = tool.optional_input("--more", "any file or folder");
   const cli::Output& out = tool.output("-o,--output", "lines");

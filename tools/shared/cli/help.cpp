@@ -111,8 +111,8 @@ std::vector<Part> parts_of(const OptionSet& options, const std::function<bool(co
 }
 
 /// Those that somebody listens to, in a help as short as `least`.
-std::vector<Part> heard_parts(const OptionSet& options, Shown least) {
-  return parts_of(options, [&](const OptionEntry& e) { return is_heard(e) && e.group->shown <= least; });
+std::vector<Part> used_parts(const OptionSet& options, Shown least) {
+  return parts_of(options, [&](const OptionEntry& e) { return is_used(e) && e.group->shown <= least; });
 }
 std::vector<Part> all_parts(const OptionSet& options) {
   return parts_of(options, [](const OptionEntry&) { return true; });
@@ -130,7 +130,7 @@ std::string option_rows(const std::vector<Part>& parts, int width) {
   std::string text;
   for (const Part& part : parts) {
     std::string title = part.group->name + (part.group->about.empty() ? "" : ": " + part.group->about);
-    if (!is_heard(*part.entries.front())) title += ", only with " + part.group->listener;
+    if (!is_used(*part.entries.front())) title += ", only with " + part.group->needs;
     text += "\n" + wrapped("", title + (text.empty() ? " [default; range]:" : ":"), {2, width}) + "\n";
     for (const OptionEntry* entry : part.entries) text += option_row(*entry, width);
   }
@@ -232,7 +232,7 @@ std::string group_text(const Spec& spec, const std::string& group, int width) {
 /// The groups that --help alone leaves out or cuts short.
 std::string further_groups(const Spec& spec, int width) {
   std::vector<std::string> names = group_names(spec);
-  for (const Part& part : heard_parts(spec.options, Shown::kInHelp)) std::erase(names, part.group->name);
+  for (const Part& part : used_parts(spec.options, Shown::kInHelp)) std::erase(names, part.group->name);
   for (const HelpTopic& topic : spec.help_topics)
     if (topic.text(true) == topic.text(false)) std::erase(names, topic.name);
   return names.size() < 2 ? "" : "\n" + wrapped("more: --help", joined(names, "|"), {2, width}) + "\n";
@@ -246,8 +246,8 @@ std::string short_help_text(const Spec& spec, int width) {
       "\n" +
       wrapped("more:", "--help has further options and the flags of all tools, --help all everything", {2, width}) +
       "\n";
-  std::vector<Part> parts = heard_parts(spec.options, Shown::kInShortHelp);
-  if (parts.empty()) parts = heard_parts(spec.options, Shown::kInHelp);
+  std::vector<Part> parts = used_parts(spec.options, Shown::kInShortHelp);
+  if (parts.empty()) parts = used_parts(spec.options, Shown::kInHelp);
   if (parts.empty()) return head + tail;
   std::string text = head + option_rows(parts, width) + tail;
   if (std::ranges::count(text, '\n') > kShortHelpLines) text = head + option_list(parts, width) + tail;
@@ -258,7 +258,7 @@ std::string help_text(const Spec& spec, const std::string& group, int width) {
   if (group != kUsualHelp && group != kAllGroups) return group_text(spec, group, width);
   const bool all = group == kAllGroups;
   std::string text = examples_and_usage(spec, width) + inputs_and_outputs(spec, width);
-  text += option_rows(all ? all_parts(spec.options) : heard_parts(spec.options, Shown::kInHelp), width);
+  text += option_rows(all ? all_parts(spec.options) : used_parts(spec.options, Shown::kInHelp), width);
   for (const HelpTopic& topic : spec.help_topics)
     if (const std::string table = topic.text(all); !table.empty()) text += "\n" + rewrapped(table, width);
   text += "\nflags of all tools:\n" + common_rows(width);

@@ -1,6 +1,6 @@
 #pragma once
 // The texts of -h, --help [GROUP] and --version. Rendered once the command line is read: -h and --help show the groups
-// of options that it lets listen (OptionGroup::listens).
+// of options that it lets listen (OptionGroup::applies).
 #include <string>
 
 #include "shared/cli/spec.h"

@@ -18,12 +18,12 @@ Splitter::~Splitter() = default;
 
 void Splitter::value(const std::string& flags) {
   app_->add_option(flags, texts_[flags])->take_all()->expected(1)->allow_extra_args(false);
-  remember(flags);
+  register_names(flags);
 }
 
 void Splitter::flag(const std::string& flags) {
   app_->add_flag(flags, texts_[flags])->take_all();
-  remember(flags);
+  register_names(flags);
 }
 
 Texts Splitter::split(Texts words) {
@@ -49,7 +49,7 @@ Texts Splitter::split(Texts words) {
   return rest;
 }
 
-void Splitter::remember(const std::string& flags) {
+void Splitter::register_names(const std::string& flags) {
   for (std::size_t begin = 0; begin < flags.size();) {
     const std::size_t end = std::min(flags.find(',', begin), flags.size());
     known_.push_back(flags.substr(begin, end - begin));

@@ -29,7 +29,7 @@ class Splitter {
   bool has(const std::string& flags) const { return !texts_.at(flags).empty(); }
 
  private:
-  void remember(const std::string& flags);
+  void register_names(const std::string& flags);
   [[noreturn]] void refuse(const std::string& word) const;
 
   struct App;

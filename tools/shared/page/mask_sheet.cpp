@@ -161,7 +161,7 @@ std::string mask_sheet_page(const Scene& scene, const MaskSheet& sheet) {
              title + " – given masks", title,
              "The given masks over their photos. What no mask calls the object is dark, what is unknown is grey.") +
          (sheet.html.empty() ? "<p>No view has a mask that can be shown.</p>" : sheet.html) +
-         (odd.empty() ? "" : section("oddities", "Oddities", "<ul class=odd>" + odd + "</ul>")) + page_end();
+         (odd.empty() ? "" : section("warnings", "Warnings", "<ul class=odd>" + odd + "</ul>")) + page_end();
 }
 
 std::string scene_title(const Scene& scene) {
