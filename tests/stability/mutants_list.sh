@@ -73,9 +73,9 @@ mutant $f $t $f "components: rows fixed by hand change" 's/ \|\| is_fixed\(input
 mutant $f $t $f "components: another object's Gaussian is held" 's/finding\.disconnected\[i\] = 0;/(void)0;/'
 mutant passes/components/object_core.cpp $t passes/components/object_core.cpp "core: the best seen of the whole model" 's/cloud\.usable\[i\] && double\(object\.prob\[i\]\) >= options\.share/cloud.usable[i]/'
 t=unit/core/monitor_test.cpp
-mutant core/monitor.cpp $t core/monitor.cpp "limit: loops are not foreseen" 's/if \(now_s \+ rest_s > until_s_\)/if (rest_s < 0)/'
-mutant core/monitor.cpp $t core/monitor.cpp "limit: all loops are foreseen from the first" 's/if \(done <= 1\)/if (first_done_s_ == 0)/'
-mutant core/monitor.cpp $t core/monitor.cpp "limit: it outlives its scope" 's/monitor_\.told_ = false, monitor_\.until_s_ = kNever/monitor_.told_ = false/'
+mutant core/monitor.cpp $t core/monitor.cpp "limit: the end of a loop is not estimated" 's/if \(now_s \+ rest_s > deadline_s_\)/if (rest_s < 0)/'
+mutant core/monitor.cpp $t core/monitor.cpp "limit: all loops are timed from the start of the first" 's/if \(done <= 1\)/if (first_done_s_ == 0)/'
+mutant core/monitor.cpp $t core/monitor.cpp "limit: it outlives its scope" 's/monitor_\.stopped_by_limit_ = false, monitor_\.deadline_s_ = kNever/monitor_.stopped_by_limit_ = false/'
 t=unit/passes/aborted_pass_test.cpp
 mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: passes are not aborted" 's/if \(limit\.reached\(\)\) abort_pass\(run, name\);//'
 mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: a resumed run asks its clock" 's/if \(run\.resumed \|\| insisted/if (insisted/'
@@ -126,7 +126,7 @@ mutant ops/field/knn.cpp $t ops/field/knn.cpp "ties not admitted" 's/std::nextaf
 mutant ops/field/knn.cpp $t ops/field/knn.cpp "a point is its own neighbour" 's/index == excluded_ \|\| //'
 mutant ops/field/knn.cpp unit/ops/field/knn_test.cpp ops/field/knn.cpp "within: a tie is outside" 's/admitted_\(std::nextafter\(most_dist2, kInfinity\)\)/admitted_(most_dist2)/'
 mutant ops/field/knn.cpp unit/ops/field/knn_test.cpp ops/field/knn.cpp "within: a tie with the box is outside" 's/box\.dist2\(query\) > radius/box.dist2(query) >= radius/'
-mutant ops/field/knn.cpp unit/ops/field/knn_test.cpp ops/field/knn.cpp "within: all are asked" 's/if \(!asked\.empty\(\) .* continue;//'
+mutant ops/field/knn.cpp unit/ops/field/knn_test.cpp ops/field/knn.cpp "within: all are asked" 's/if \(!active\.empty\(\) .* continue;//'
 mutant ops/field/knn.cpp $t ops/field/knn.cpp "search in float" 's/return \{rows\.data, rows\.data \+ rows\.n \* 3\};/std::vector<double> out; for (std::int64_t i = 0; i < rows.n * 3; ++i) out.push_back(double(_Float16(rows.data[i]))); return out;/'
 f=ops/field/rbf_kernels.h
 mutant $f $t "" "the farther of two neighbours first" 's/max2\((dot\(x0 - xj, .*\)), T\(0\)\)/\1/'
@@ -150,9 +150,9 @@ mutant $f $t "" "modulation without its offset" 's/fma_lanes\(load\(gamma \+ i\)
 mutant ops/field/film_gemm_kernels.h $t "" "bias dropped" 's/bias \? bias\[r\] : S\(0\)/S(0)/'
 
 t=stability/volume_stability_test.cpp f=ops/field/volume_kernels.h
-mutant $f $t "" "weights as T_k - T_k+1" 's/weight\[at\] = through \* one_minus_exp\(tau\);/weight[at] = through - exp(-(depth + tau));/'
+mutant $f $t "" "weights as T_k - T_k+1" 's/weight\[at\] = transmittance \* one_minus_exp\(tau\);/weight[at] = transmittance - exp(-(depth + tau));/'
 mutant $f $t "" "alpha as 1 - e^-D" 's/alpha\[r\] = one_minus_exp\(depth\);/alpha[r] = T(1) - exp(-depth);/'
-mutant $f $t "" "transmittance as a product of 1 - α" 's/through = exp\(-depth\);/through = through * (T(1) - one_minus_exp(tau));/'
+mutant $f $t "" "transmittance as a product of 1 - α" 's/transmittance = exp\(-depth\);/transmittance = transmittance * (T(1) - one_minus_exp(tau));/'
 mutant $f $t "" "no background behind the ray" 's/T behind = end \* dot\(g, in\.background\);/T behind = T(0);/'
 mutant $f "$t grad/volume_grad_test.cpp" "" "suffix sum includes the sample" 's/(grad_density\[at\] = .*)behind \+ common/\1behind - weight[at] * along + common/'
 mutant ops/losses/loss_mask_kernels.h $t ops/losses/loss_mask.cpp "0 times an overflowed depth" 's/min2\(double\(depth\), 0x1\.fffffep127\)/double(depth)/'
@@ -253,7 +253,7 @@ mutant $f $t $f "nothing of nothing is 0" 's/whole == 0 \? if_nothing/whole == 0
 mutant $f $t $f "union of the bands from one mask" 's/in_any \+= p \|\| t/in_any += p/'
 t=unit/ops/splat/front_layer_test.cpp f=ops/splat/front_layer.cpp
 mutant $f $t $f "what lies in front without its transmittance" 's/hit\.alpha \* hit\.transmittance, L/hit.alpha, L/'
-mutant $f $t $f "every Gaussian may be in front" 's/may = candidate.*;/may = true;/; s/if \(!query\.candidate\[i\]\) return;//'
+mutant $f $t $f "every Gaussian may be in front" 's/is_candidate = candidate.*;/is_candidate = true;/'
 mutant $f $t $f "depths not compared" 's/select\(L\(depth\) < limit\[hit\.pack\], /select(L(depth) < L(1e30f), /'
 
 t=stability/pictures_stability_test.cpp
@@ -266,13 +266,13 @@ mutant $f $t $f "squares, not the square of the difference" 's/sum \+= w \* d \*
 
 t="parity/emulated_main.cpp parity/backends.cpp parity/splat_parity.cpp" f=ops/device/tiles_kernel.h
 mutant $f "$t" "" "device: pairs of a Gaussian in one row of tiles only" 's/ty < rect\[i\]\.y_end/ty < rect[i].y_begin + 1/'
-mutant $f "$t" "" "device: last tile without an end" 's/launcher\.each\(tile_count_ \+ 1, FindTiles/launcher.parallel_for(tile_count_, FindTiles/'
+mutant $f "$t" "" "device: last tile without an end" 's/launcher\.parallel_for\(tile_count_ \+ 1, FindTiles/launcher.parallel_for(tile_count_, FindTiles/'
 mutant $f "$t" "" "device: keys sorted by tile only" 's/\| near_first;/| 0;/'
 f=ops/device/splat_forward_kernel.h
 mutant $f "$t" "" "device: a batch of the whole tile" 's/min2<std::int64_t>\(kBatch, end - first\)/kBatch/'
 mutant $f "$t" "" "device: background behind an opaque tile" 's/fma_lanes\(own\.traversal\.transmittance, channels\.background\[c\], own\.sum\[c\]\)/own.sum[c]/'
 f=ops/device/splat_backward_kernel.h
-mutant $f unit/ops/device/splat_backward_kernel_test.cpp "" "device: transmittances kept by the wrong tile" 's/return begin \/ kBatch \+ tile;/return begin \/ kBatch;/'
+mutant $f unit/ops/device/splat_backward_kernel_test.cpp "" "device: checkpoints stored by the wrong tile" 's/return begin \/ kBatch \+ tile;/return begin \/ kBatch;/'
 mutant $f "$t" "" "device: no barrier before memory is used again" 's/if \(j < used\) sum_segment\(shared, (.*), own\.part\);/if (j < used) { sum_segment(shared, \1, own.part); for (int k = 0; k < kSums; ++k) shared.segment[s][j * kSums + k] = own.part[k]; }/'
 mutant $f "$t" "" "device: chunks from the near end" 's/for \(int chunk = ceil_div\(count, kChunk\); chunk-- > 0;\)/for (int chunk = 0; chunk < ceil_div(count, kChunk); ++chunk)/'
 mutant $f "$t" "" "device: geometry of channel groups not added" 's/channels\.first > 0 \? \*to \+ value : value/false ? value : value/'
@@ -284,7 +284,7 @@ t="parity/emulated_main.cpp parity/backends.cpp parity/field_parity.cpp"
 mutant ops/device/knn_kernel.h "$t" "" "device: equal distances lose their order" 's/if \(!placed \&\& !/if (!/'
 mutant ops/device/knn_kernel.h "$t" "" "device: float distances rejected without slack" 's/ \* 1\.000002f;/ * 0.999f;/'
 mutant ops/device/hash_grid_kernel.h "$t" "" "device: every contribution starts a sum" 's/if \(i > 0 \&\& key\[i - 1\] == key\[i\]\) return;//'
-mutant ops/device/hash_grid_kernel.h "$t" "" "device: an atomic sum drops a contribution" 's/(\[\]\(float\* to, float x\) \{ )(Launcher::add_to)/[i](float* to, float x) { if (i != 77) \2/'
+mutant ops/device/hash_grid_kernel.h "$t" "" "device: an atomic sum drops a contribution" 's/(\[\]\(float\* to, float x\) \{ )(Launcher::atomic_add)/[i](float* to, float x) { if (i != 77) \2/'
 mutant ops/device/film_backward_kernel.h "$t" "" "device: parts lose the last tile" 's/\(block\.index \+ 1\) \* tiles \/ kParts;/(block.index + 1) * tiles \/ kParts - 1;/'
 mutant ops/device/film_backward_kernel.h "$t" "" "device: conditions not loaded again" 's/Tile::load_condition\(t, net, first, shared\.condition\);//'
 mutant ops/device/film_forward_kernel.h "$t" "" "device: activations written while they are read" 's/(Tile::product\(t, .*, shared\.x, own\.cells\);)/\1 shared.x[t] = own.cells[0][0];/'
@@ -351,8 +351,8 @@ mutant $f $t $f "leave one out: begun with shares for weights" 's/\.add\(prob \*
 mutant math/exact_sum.h $t $f "exact sum: less than nothing is left" 's/    if \(whole < other\.whole .*return void\(\*this = \{\}\);//'
 
 t=unit/math/sparse_table_test.cpp f=math/sparse_table.h
-mutant $f $t $f "sparse table: what was put off is lost" 's/touch\(first\.row, first\.column\)\.add\(first\.cell\)/touch(first.row, first.column)/'
-mutant $f $t "" "sparse table: cells of a row as they came" 's/while \(\*at != kNone && node_\[\*at\]\.column < column\) at = .*;//'
+mutant $f $t $f "sparse table: deferred inserts are lost" 's/touch\(insert\.row, insert\.column\)\.add\(insert\.cell\)/touch(insert.row, insert.column)/'
+mutant $f $t "" "sparse table: cells of a row in the order of touching" 's/while \(\*at != kNone && node_\[\*at\]\.column < column\) at = .*;//'
 mutant $f $t "" "sparse table: a cell made again" 's/if \(\*at == kNone \|\| node_\[\*at\]\.column != column\)/if (true)/'
 mutant $f $t "" "sparse table: the next cell for the one that is missing" 's/at != kNone && node_\[at\]\.column == column \?/at != kNone ?/'
 t=unit/scene/labels/label_column_test.cpp f=scene/labels/label_column.cpp
@@ -360,7 +360,7 @@ mutant $f $t $f "label column: written where others read" 's/if \(page\.use_coun
 mutant $f $t $f "label column: later values not counted on" 's/\+\+before\[later\]/before[later]/'
 mutant $f $t $f "label column: pages shared that hold other values" 's/return a\.has == b\.has && .*;/return a.has == b.has;/'
 mutant $f $t $f "label column: rows come back that were cut off" 's/if \(rows < rows_ && rows % kPageRows != 0\)/if (false)/'
-mutant stages/fit/photo_refit.cpp unit/passes/floaters/floaters_test.cpp stages/fit/photo_refit.cpp "refit: rows that are not to be trained" 's/trained\(exec, in\.trained, /trained(exec, {}, /; s/kept\[r\] = !in\.trained\[row\]/kept[r] = 0/'
+mutant stages/fit/photo_refit.cpp unit/passes/floaters/floaters_test.cpp stages/fit/photo_refit.cpp "refit: rows that are not to be trained" 's/trained\(exec, in\.trained, /trained(exec, {}, /; s/fixed_colour\[r\] = !in\.trained\[row\]/fixed_colour[r] = 0/'
 t=unit/ops/splat/cull_request_test.cpp
 mutant ops/splat/binned_view.h $t "" "where: tiles that nothing is asked of are drawn" 's/lists\.last_z = last_asked\(.*\);/lists.last_z.clear();/'
 mutant ops/splat/tile_lists.h $t "" "where: spans of the first rows alone" 's/row < kFirstRows \? view\.first\[v\]\[std::size_t\(row\)\] : tile_span\(.*\);/row < kFirstRows ? view.first[v][std::size_t(row)] : TileSpan{0, 0};/'

@@ -139,16 +139,16 @@ void SceneChecks::align_views(bool for_background) {
                                                {"error_before", a.error_before},
                                                {"error_after", a.error_after},
                                                {"applied", a.applied}});
-    if (a.background) witnesses_.push_back(*a.background);
+    if (a.background) measurements_.push_back(*a.background);
   }
 }
 
 void SceneChecks::find_background() {
   if (!model_) return;
   const auto timed = run_.monitor().scope("background");
-  const BackgroundFinding found = witnesses_.empty() ? ngs::find_background(run_.exec(), run_.monitor(), photographed(),
+  const BackgroundFinding found = measurements_.empty() ? ngs::find_background(run_.exec(), run_.monitor(), photographed(),
                                                                             background_views(options_, scene_))
-                                                     : ngs::find_background(witnesses_);
+                                                     : ngs::find_background(measurements_);
   scene_.background = found.colour;
   run_.result()["background"] = {{"found", found.colour.has_value()}, {"fitted", triple(found.fitted)},
                                  {"error", triple(found.error)},      {"shown", found.shown},

@@ -51,7 +51,7 @@ class SceneChecks {
   std::vector<std::size_t> compared_;  // views
   io::PhotoCache photos_;              // of these, of which every step asks for some
   Model model_;
-  std::vector<BackgroundWitness> witnesses_;
+  std::vector<BackgroundMeasurement> measurements_;
   std::vector<std::size_t> lost_masks_;  // views
 };
 

@@ -167,14 +167,14 @@ struct Batch {
                      &part[std::size_t(chunk) * kNetwork], &grad_in[std::size_t(r) * kInputs]);
     });
     for (std::size_t i = 0; i < part.size(); ++i) grad[kTables + i % kNetwork] += part[i];
-    for_each_task(exec, kLevels,
-                  [&](std::int64_t level) {  // one task per level: its table gradient is summed in row order
-                    for (std::size_t r = 0; r < state.size(); ++r)
-                      for (std::size_t f = 0; f < kFeatures; ++f) {
-                        const std::size_t l = std::size_t(level);
-                        grad[entry[r * kLevels + l] * kFeatures + f] += grad_in[r * kInputs + l * kFeatures + f];
-                      }
-                  });
+    // One task per level: the gradient of its table is summed in row order.
+    for_each_task(exec, kLevels, [&](std::int64_t level) {
+      for (std::size_t r = 0; r < state.size(); ++r)
+        for (std::size_t f = 0; f < kFeatures; ++f) {
+          const std::size_t l = std::size_t(level);
+          grad[entry[r * kLevels + l] * kFeatures + f] += grad_in[r * kInputs + l * kFeatures + f];
+        }
+    });
     for (std::size_t i = 0; i < grad_base.size(); ++i)
       grad_base[i] += grad_in[i / 3 * kInputs + kLevels * kFeatures + i % 3];
   }

@@ -1,9 +1,9 @@
 #pragma once
-// Which Gaussians are the object: a threshold on what was accumulated, an answer for those that no view has
-// seen, hand-made constraints, and small pieces removed.                            PAPER.md §5.4
+// Selects the Gaussians of the object: a threshold on label or prob, a rule for Gaussians visible in no view,
+// hand-made constraints, and removal of small components.                           PAPER.md §5.4
 //
-// The vote about an unseen Gaussian is local: of its nearest seen ones those farther than kVoteReach count as
-// background, so that nothing is decided across a scene.
+// The k-NN vote on an unseen Gaussian is local: its nearest seen Gaussians count as background if they are farther
+// than kVoteReach, so that labels do not spread across the scene.
 #include <span>
 #include <string>
 
@@ -14,8 +14,8 @@
 
 namespace ngs {
 
-/// Median distances of the object's seen Gaussians to the farthest of as many neighbours among themselves as have a
-/// vote.
+/// In units of the median distance of the object's seen Gaussians to their k-th nearest neighbour among themselves,
+/// with k = unseen_neighbours.
 inline constexpr double kVoteReach = 5;
 
 enum class UnseenRule : std::uint8_t { kKnn, kObject, kBackground };
@@ -30,9 +30,9 @@ struct ExtractOptions {
   std::string rule = "threshold:0.5";
   ScoreColumn score = ScoreColumn::kAuto;
   UnseenRule unseen = UnseenRule::kKnn;
-  int unseen_neighbours = 8;  // voters per unseen Gaussian; no flag sets it
+  int unseen_neighbours = 8;  // seen neighbours that vote on an unseen Gaussian; no option sets it
   int min_component = 0;
-  int component_neighbours = 8;  // that a piece may connect through; no flag sets it
+  int component_neighbours = 8;  // nearest neighbours that may connect two Gaussians; no option sets it
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -53,7 +53,7 @@ struct ExtractOptions {
   }
 };
 
-/// A Gaussian is object where score > cut, or score >= cut if `inclusive`.
+/// A Gaussian is object if score > cut, or score >= cut if `inclusive`.
 struct ExtractRule {
   double cut = 0.5;
   bool inclusive = true;
@@ -64,21 +64,21 @@ ExtractRule parse_extract_rule(const std::string& rule);
 
 struct ExtractInput {
   const GaussianCloud& cloud;
-  const LabelColumns& labels;         // label or prob; without `views` every Gaussian counts as seen
-  std::span<const float> fixed = {};  // [N] 1: label is final; empty: none is
+  const LabelColumns& labels;         // has label or prob; without `views` every Gaussian counts as seen
+  std::span<const float> fixed = {};  // [N] 1: label is final; empty: none
 };
 
 struct Extraction {
-  std::vector<std::uint8_t> object;  // [N] 1: object. Gaussians that cannot be used are background
+  std::vector<std::uint8_t> object;  // [N] 1: object; unusable Gaussians are background
   std::int64_t objects = 0, unusable = 0, unseen = 0, unseen_to_object = 0, fixed = 0;
-  std::int64_t components = 0, removed_components = 0, removed = 0;  // only counted with min_component > 0
+  std::int64_t components = 0, removed_components = 0, removed = 0;  // counted if min_component > 0
 };
 
-/// kBadInput where neither ngs_label nor ngs_prob is there.
+/// Throws kBadInput without both ngs_label and ngs_prob.
 Extraction extract_object(const Exec& exec, const ExtractOptions& options, const ExtractInput& input);
 
-/// Pieces of the Gaussians with member[i] != 0: piece[i] >= 0 numbers them in order of their first row, -1
-/// elsewhere. Two nearest neighbours touch if their distance is at most 3 (σ_i + σ_j), σ the largest scale,
+/// Connected components of the Gaussians with member[i] != 0: component numbers in order of their first row, -1
+/// elsewhere. Two nearest neighbours are connected if their distance is at most 3 (σ_i + σ_j), σ the largest scale,
 /// or at most three times the median distance to the nearest neighbour.
 std::vector<std::int32_t> connected_pieces(const Exec& exec, const GaussianCloud& cloud,
                                            const std::vector<std::uint8_t>& member, int neighbours);

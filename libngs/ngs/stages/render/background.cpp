@@ -50,7 +50,7 @@ double least_deviations(const std::vector<std::size_t>& pixels, const RenderedVi
 }
 
 /// Σ (r - T b)² over black's Σ r², as decibels.
-double gain_db(const BackgroundWitness& w, const Rgb& b) {
+double gain_db(const BackgroundMeasurement& w, const Rgb& b) {
   double black = 0, over = 0;
   for (std::size_t c = 0; c < 3; ++c)
     black += w.residual2[c], over += w.residual2[c] - 2 * b[c] * w.residual[c] + b[c] * b[c] * w.open2;
@@ -101,8 +101,8 @@ RenderedView over_background(RenderedView view, Vec3<float> background) {
   return view;
 }
 
-BackgroundWitness question_background(const RenderedView& view, const ImageF& photo) {
-  BackgroundWitness w;
+BackgroundMeasurement measure_background(const RenderedView& view, const ImageF& photo) {
+  BackgroundMeasurement w;
   std::vector<std::size_t> pixels;
   for (std::size_t p = 0; p < view.alpha.data.size(); ++p) {
     const double t = 1 - double(view.alpha.data[p]);
@@ -122,10 +122,10 @@ BackgroundWitness question_background(const RenderedView& view, const ImageF& ph
   return w;
 }
 
-BackgroundFinding find_background(std::span<const BackgroundWitness> witnesses) {
+BackgroundFinding find_background(std::span<const BackgroundMeasurement> measurements) {
   BackgroundFinding found;
   std::array<std::vector<double>, 3> values;
-  for (const BackgroundWitness& w : witnesses)
+  for (const BackgroundMeasurement& w : measurements)
     for (std::size_t c = 0; w.open && c < 3; ++c) values[c].push_back(w.colour[c]);
   found.views = int(values[0].size());
   if (found.views == 0) return found;
@@ -138,7 +138,7 @@ BackgroundFinding find_background(std::span<const BackgroundWitness> witnesses) 
     error[c] = 1.4826 * 1.2533 * upper_median(values[c]) / std::sqrt(double(found.views));
   }
   std::vector<double> gains, shown;
-  for (const BackgroundWitness& w : witnesses) gains.push_back(gain_db(w, fitted)), shown.push_back(w.shown);
+  for (const BackgroundMeasurement& w : measurements) gains.push_back(gain_db(w, fitted)), shown.push_back(w.shown);
   found.fitted = vec(fitted), found.error = vec(error);
   found.gain_db = upper_median(gains), found.shown = upper_median(shown);
   const bool agreed = *std::max_element(error.begin(), error.end()) <= kMostBackgroundError;
@@ -149,15 +149,15 @@ BackgroundFinding find_background(std::span<const BackgroundWitness> witnesses) 
 BackgroundFinding find_background(const Exec& exec, Monitor& monitor, const PhotographedModel& model,
                                   const std::vector<std::size_t>& views) {
   const SplatOptions splat = splat_options({}, model.cloud, model.scene);
-  std::vector<BackgroundWitness> witnesses(views.size());
+  std::vector<BackgroundMeasurement> measurements(views.size());
   ProgressCount progress(monitor, std::int64_t(views.size()));
   for_each_task(exec, std::int64_t(views.size()), [&](std::int64_t i) {
     const std::size_t v = views[std::size_t(i)];
-    witnesses[std::size_t(i)] =
-        question_background(render({}, model.cloud, model.scene.views[v].camera, splat, {}), model.load_photo(v));
+    measurements[std::size_t(i)] =
+        measure_background(render({}, model.cloud, model.scene.views[v].camera, splat, {}), model.load_photo(v));
     progress.add_one();
   });
-  return find_background(witnesses);
+  return find_background(measurements);
 }
 
 double psnr_over_background(const Exec& exec, const GaussianCloud& cloud, const Scene& scene,

@@ -36,7 +36,7 @@ void choose_background(const std::string& given, Monitor& monitor, Scene& scene)
 RenderedView over_background(RenderedView view, Vec3<float> background);
 
 /// What one photo says about it. T: the share of a pixel that the model leaves open; r: photo less view over black.
-struct BackgroundWitness {
+struct BackgroundMeasurement {
   bool open = false;                              // some pixel shows the background
   std::array<double, 3> colour{};                 // that which fits the open pixels best, not clamped
   double open2 = 0, shown = 0;                    // Σ T², and its mean over all pixels
@@ -44,7 +44,7 @@ struct BackgroundWitness {
 };
 
 /// `view`: rendered over black at the photo's camera. The photo is opaque.
-BackgroundWitness question_background(const RenderedView& view, const ImageF& photo);
+BackgroundMeasurement measure_background(const RenderedView& view, const ImageF& photo);
 
 /// What the photos together say about it.
 struct BackgroundFinding {
@@ -61,7 +61,7 @@ struct BackgroundFinding {
 // put there. It is found as well, but not taken: a model without its floaters is refitted worse over it (PAPER.md 5.1).
 inline constexpr double kLeastShown = 0.01, kMostBackgroundError = 0.1, kBackgroundMarginDb = 0.02;
 
-BackgroundFinding find_background(std::span<const BackgroundWitness> witnesses);
+BackgroundFinding find_background(std::span<const BackgroundMeasurement> measurements);
 
 /// The same from renders of the `views`, whose photos are opaque.
 BackgroundFinding find_background(const Exec& exec, Monitor& monitor, const PhotographedModel& model,

@@ -148,7 +148,7 @@ TEST_CASE("the usual mistakes in pose files are refused and named") {
     c.translation = {c.translation.x, -c.translation.y, -c.translation.z};
     return c;
   });
-  refused("the translation holds the camera's centre", [](Camera c) {
+  refused("the translation is the camera's centre", [](Camera c) {
     c.translation = c.centre();
     return c;
   });
@@ -176,7 +176,7 @@ TEST_CASE("another scene's model is not said to need a larger world where none w
   const Error error = thrown_by([&] { other.check(); });
   CHECK(error.code() == ErrorCode::kInconsistent);
   CHECK(error.remedy().find("scale the world") == std::string::npos);
-  CHECK(error.remedy().find("it is another scene's model") != std::string::npos);
+  CHECK(error.remedy().find("the model is of another scene") != std::string::npos);
 }
 
 TEST_CASE("a model between the near planes of 3DGS and gsplat is sent to gsplat's, where it passes") {
@@ -194,7 +194,7 @@ TEST_CASE(
   const SceneCheckOptions anything{.min_fit_db = -100};
   const SceneCheck as_inria = part.check(anything);
   REQUIRE(as_inria.warnings.size() == 1);
-  CHECK(as_inria.warnings[0].find("better by the rules of gsplat") != std::string::npos);
+  CHECK(as_inria.warnings[0].find("better with the rules of gsplat") != std::string::npos);
   part.scene.compat = Compat::kGsplat;
   CHECK(part.check(anything).warnings.empty());
   CHECK(tiny_capture().check(anything).warnings.empty());
@@ -224,7 +224,7 @@ TEST_CASE("poses that no known mistake explains are refused without a wrong gues
   for (SceneView& view : bad.scene.views) view.camera.translation = 4.0 * view.camera.translation;
   const Error error = thrown_by([&] { bad.check(); });
   CHECK(error.code() == ErrorCode::kInconsistent);
-  CHECK(error.remedy().find("trained on other poses") != std::string::npos);
+  CHECK(error.remedy().find("another scene or other poses") != std::string::npos);
 }
 
 TEST_CASE("photos in other colours than the model's are refused as that, and --min-fit-db takes them") {

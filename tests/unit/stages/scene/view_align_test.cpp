@@ -59,14 +59,14 @@ TEST_CASE("what a photo says about the background is read off the view at the ca
   Measured m({{0.01, -0.015, 0.03}, {0.02, 0.01, -0.05}});
   const Camera before = m.c->scene.views[1].camera;
   apply_alignment(m.views, m.c->scene);
-  CHECK(!m.views[0].background);  // was not questioned
+  CHECK(!m.views[0].background);  // was not background_views
   const auto from_render = [&](std::size_t v, const Camera& camera) {
-    return question_background(render({}, m.c->truth, camera, {}, {}), m.c->photos[v]);
+    return measure_background(render({}, m.c->truth, camera, {}, {}), m.c->photos[v]);
   };
   for (const std::size_t v : {std::size_t(1), std::size_t(2)}) {  // moved, and left
     CAPTURE(v);
     REQUIRE(m.views[v].background);
-    const BackgroundWitness told = *m.views[v].background, own = from_render(v, m.c->scene.views[v].camera);
+    const BackgroundMeasurement told = *m.views[v].background, own = from_render(v, m.c->scene.views[v].camera);
     CHECK(told.open);
     CHECK(told.colour == own.colour);
     CHECK(told.residual == own.residual);
@@ -118,7 +118,7 @@ TEST_CASE("of many views the others are aligned where one of those that come fir
   const std::vector<ViewAlignment> all = aligned(5), few = aligned(9);
   CHECK(all.size() == 30);
   CHECK(std::ranges::count_if(all, &ViewAlignment::applied) == 1);
-  CHECK(has(few, 4));  // was questioned, and is none of the first
+  CHECK(has(few, 4));  // was background_views, and is none of the first
   CHECK_FALSE(has(few, 9));
   CHECK(few.size() == kAlignedFirst + 1);
 }
