@@ -110,7 +110,7 @@ TEST_CASE("prompts whose file has the name of two views of a rig need to say whi
   const test::ProcessResult result = rig.run({"ngs-mask", "scene.json", "--prompts", "0.json", "-o", "made"});
   INFO(result.err);
   CHECK(result.exit_code == 2);
-  CHECK(result.err.find("has the name of several views, cam0/0.png and cam1/0.png") != std::string::npos);
+  CHECK(result.err.find("matches the names of several views, cam0/0.png and cam1/0.png") != std::string::npos);
 }
 
 }  // namespace ngs

@@ -1,6 +1,6 @@
 #pragma once
-// The flags that every tool has. Declared once, as options are: the parser, --help and the schema of the report read
-// this list.
+// The flags that every tool has, declared once like options: the parser, --help and the schema of the report read this
+// list.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -19,7 +19,7 @@ inline constexpr NamedValue<LogFormat> kLogFormats[] = {{LogFormat::kText, "text
 inline constexpr NamedValue<DeviceChoice> kDevices[] = {
     {DeviceChoice::kCpu, "cpu"}, {DeviceChoice::kCuda, "cuda"}, {DeviceChoice::kAuto, "auto"}};
 
-inline constexpr const char* kUsualHelp = "usual";         // the group that --help alone means
+inline constexpr const char* kUsualHelp = "usual";         // the group shown by --help without a value
 inline constexpr const char* kForScripts = "for scripts";  // not shown by --help
 
 struct CommonFlags {
@@ -37,7 +37,7 @@ struct CommonFlags {
   LogLevel log_level = LogLevel::kWarning;
   LogFormat log_format = LogFormat::kText;
 
-  std::vector<std::string> warnings;  // of options given by earlier names
+  std::vector<std::string> warnings;  // about options given by an earlier name
 
   LogLevel shown_level() const { return quiet ? LogLevel::kError : verbose ? LogLevel::kInfo : log_level; }
 

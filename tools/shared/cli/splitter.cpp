@@ -30,10 +30,10 @@ Texts Splitter::split(Texts words) {
   const auto end_of_flags = std::find(words.begin(), words.end(), "--");
   Texts plain(end_of_flags == words.end() ? end_of_flags : end_of_flags + 1, words.end());
   words.erase(end_of_flags, words.end());
-  std::reverse(words.begin(), words.end());  // CLI11 takes them from the back
+  std::reverse(words.begin(), words.end());  // CLI11 reads them from the back
   try {
     app_->parse(words);
-  } catch (const CLI::ArgumentMismatch& e) {  // its message begins with the flag
+  } catch (const CLI::ArgumentMismatch& e) {  // the message begins with the flag
     const std::string message = e.what();
     throw Error(ErrorCode::kUsage, message.substr(0, message.find(':')) + ": no value given, expected one",
                 "see --help");
