@@ -65,16 +65,16 @@ int fit(cli::Run& run, FitOptions& options, const cli::CheckpointOptions& keep, 
   std::optional<cli::SignalGrace> keeps;
   if (keep.is_on()) keeps.emplace();
   run_fit(run.exec(), run.monitor(), fitter, options, [&](const Fitter& f) {
-    if (keep.is_on() && f.state().step % keep.checkpoint_every == 0) checkpoints.on_the_way(f.state().step, save);
+    if (keep.is_on() && f.state().step % keep.checkpoint_every == 0) checkpoints.write_during_run(f.state().step, save);
   });
   const double taken_s = std::max(wall_seconds() - began_s, 1e-9);
   run.result()["step"] = fitter.state().step;
   if (fitter.state().step < options.steps) {
-    if (keep.is_on()) checkpoints.at_the_stop(fitter.state().step, save);  // all that is left of the run
+    if (keep.is_on()) checkpoints.write_on_stop(fitter.state().step, save);  // all that is left of the run
     warn_of_stop(run, fitter.state().step, options.steps, keep);
     return run.stop_code();
   }
-  if (keep.is_on() && options.steps % keep.checkpoint_every != 0) checkpoints.on_the_way(options.steps, save);
+  if (keep.is_on() && options.steps % keep.checkpoint_every != 0) checkpoints.write_during_run(options.steps, save);
   keeps.reset();
 
   const GaussianCloud& cloud = fitter.state().cloud;

@@ -12,7 +12,7 @@ namespace ngs::joint {
 namespace {
 
 /// Photos that are kept at the working size and at that of decisions, and what the core looks like at the latter.
-double kept_picture_bytes(const Scene& scene) {
+double photo_cache_bytes(const Scene& scene) {
   constexpr double kMost = 256 * cli::kMib;  // of each
   double px = 0;
   for (const std::size_t v : photo_views(scene)) px += cli::view_px(scene.views[v]);
@@ -61,7 +61,7 @@ Json memory_plan(const Problem& problem) {
   const double search = drawn + 16 + 8 + 1 + 3 * 8 + 2;               // for floaters, and the model without them
   const double labels_alone = read + evidence + search + shown * pass_bytes(objects + 3);
   const double steps = labels_alone + drawn + 4 * objects + shown * 4 * 12 * cli::kTilesReached;  // and their gradients
-  const double pictures = kept_picture_bytes(problem.scene);
+  const double pictures = photo_cache_bytes(problem.scene);
   return {{"visible_share", shown},
           {"bytes_per_gaussian", labels_alone},
           {"bytes_per_gaussian_with_steps", steps},

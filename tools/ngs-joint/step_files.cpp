@@ -71,14 +71,14 @@ void StepFile::save(JointTrainer& trainer) {
 }
 
 void StepFile::save_on_the_way(JointTrainer& trainer) {
-  on_the_way_.on_the_way(trainer.steps_done(), [&] { save(trainer); });
+  checkpoints_.write_during_run(trainer.steps_done(), [&] { save(trainer); });
 }
 
 void StepFile::taking_steps(bool begins) {
   if (begins)
-    keeps_.emplace();
+    grace_.emplace();
   else
-    keeps_.reset();
+    grace_.reset();
 }
 
 bool StepFile::load(JointTrainer& trainer) {

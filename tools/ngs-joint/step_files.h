@@ -19,7 +19,7 @@ class StepFile : public StepStore {
     bool resume = false;
     std::int64_t every = 0;
   };
-  StepFile(Monitor& monitor, Setup setup) : setup_(std::move(setup)), on_the_way_(monitor) {}
+  StepFile(Monitor& monitor, Setup setup) : setup_(std::move(setup)), checkpoints_(monitor) {}
 
   static std::string path_in(const std::string& folder);
   /// The identity of the run that is resumed; none: there is no such run. kInconsistent where it is of other things
@@ -38,8 +38,8 @@ class StepFile : public StepStore {
   std::string path() const { return path_in(setup_.folder); }
 
   Setup setup_;
-  cli::Checkpoints on_the_way_;
-  std::optional<cli::SignalGrace> keeps_;
+  cli::Checkpoints checkpoints_;
+  std::optional<cli::SignalGrace> grace_;
   std::string identity_;
   std::optional<Json> before_;
 };

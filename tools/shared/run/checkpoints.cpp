@@ -36,7 +36,7 @@ std::string masks_hash(const Scene& scene) {
   return io::files_hash(files);
 }
 
-void Checkpoints::on_the_way(std::int64_t step, const std::function<void()>& write) {
+void Checkpoints::write_during_run(std::int64_t step, const std::function<void()>& write) {
   try {
     write();
     failed_ = false;
@@ -49,7 +49,7 @@ void Checkpoints::on_the_way(std::int64_t step, const std::function<void()>& wri
   }
 }
 
-void Checkpoints::at_the_stop(std::int64_t step, const std::function<void()>& write) {
+void Checkpoints::write_on_stop(std::int64_t step, const std::function<void()>& write) {
   if (step == kept_step_) return;
   write();
   kept_step_ = step;

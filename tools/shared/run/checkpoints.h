@@ -24,10 +24,10 @@ class Checkpoints {
 
   /// If `write` fails (kEnvironment), the run continues and keeps the previous checkpoint; the first of several
   /// failures in a row is a warning.
-  void on_the_way(std::int64_t step, const std::function<void()>& write);
+  void write_during_run(std::int64_t step, const std::function<void()>& write);
   /// For a run that a signal stopped: writes unless the state after `step` is already written. A signal that arrives
   /// while a large state is being written does not have to wait for a second write.
-  void at_the_stop(std::int64_t step, const std::function<void()>& write);
+  void write_on_stop(std::int64_t step, const std::function<void()>& write);
 
  private:
   Monitor& monitor_;
