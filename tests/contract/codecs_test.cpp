@@ -27,7 +27,7 @@ TEST_CASE("a tool without its codecs says what is missing and where it belongs, 
   const test::ProcessResult result = test::run_command({alone, test::fixture_folder() + "/scene.json", "-o", out});
   CHECK(result.exit_code == int(ErrorCode::kEnvironment));
   CHECK(result.err.find("libngs_codecs.so") != std::string::npos);
-  CHECK(result.err.find("hint: keep it in the folder of the executables") != std::string::npos);
+  CHECK(result.err.find("hint: keep it next to the executables") != std::string::npos);
   CHECK(!fs::exists(out));
 }
 

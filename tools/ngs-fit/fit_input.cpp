@@ -42,7 +42,7 @@ Json fit_plan(const FitOptions& options, const Scene& scene, bool resumes, int t
   double photo_bytes = 0;
   for (std::size_t i = 0; i < scene.views.size(); ++i) {
     cameras.push_back(scene.views[i].camera);
-    photo_bytes += io::held_photo_bytes(scene, i);
+    photo_bytes += io::packed_photo_bytes(scene, i);
   }
   const FitCost cost = fit_cost(options, cameras, photo_bytes);
   return {{"steps", options.steps},

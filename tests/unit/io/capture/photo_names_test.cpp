@@ -54,7 +54,7 @@ TEST_CASE("cameras that name HEIC, DNG or AVIF find the copies of another format
     dir.write(std::string("images/a b.1") + ending, "not to be read");
     const CaptureSource got = read(dir);
     CHECK(got.capture.views[0].image_path == dir.path() + "/images/a b.1.png");
-    CHECK(note_with(got, "another ending").find("1 photos have") == 0);
+    CHECK(note_with(got, "another file extension").find("1 photos have") == 0);
   }
 }
 
@@ -104,7 +104,7 @@ TEST_CASE("photos beside the cameras are found where there is no folder of image
     const CaptureSource got = read(dir);
     CHECK(std::filesystem::path(got.capture.views[0].image_path).filename() == "0.png");
     CHECK(note_with(got, "no photo") == "");
-    CHECK(note_with(got, "photos of no camera") == "");  // a mask is none
+    CHECK(note_with(got, "images without a camera") == "");  // a mask is none
   }
 }
 
@@ -116,7 +116,7 @@ TEST_CASE("folders and endings in upper case are found") {
   const CaptureSource got = read(dir);
   CHECK(got.capture.views[0].image_path != "");
   CHECK(got.capture.views[1].image_path != "");
-  CHECK(note_with(got, "another ending") == "");
+  CHECK(note_with(got, "another file extension") == "");
 }
 
 TEST_CASE("what lies beside the cameras and is not read is named") {
@@ -128,7 +128,7 @@ TEST_CASE("what lies beside the cameras and is not read is named") {
   write_photo(dir, "masks/1.png");
   const CaptureSource got = read(dir);
   CHECK(note_with(got, "no photo for 1 of 2 views (first: 1.png)") != "");
-  CHECK(note_with(got, "/images: 1 of its pictures are photos of no camera (first: 5.png)") != "");
+  CHECK(note_with(got, "/images: 1 images without a camera (first: 5.png)") != "");
   CHECK(note_with(got, "--images " + dir.path() + "/photos") != "");
   CHECK(note_with(got, "/masks") == "");
 }

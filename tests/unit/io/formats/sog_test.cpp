@@ -176,7 +176,7 @@ TEST_CASE("a .sog that lies is refused, before memory is taken for it") {
   check_refused(with([](Files& f) { f.meta["sh0"]["codebook"] = json::array(); }), "holds 0 numbers, expected 256");
   check_refused(with([](Files& f) { f.meta["sh0"]["files"] = {"../../etc/passwd"}; }), "no entry '../../etc/passwd'");
   check_refused(with([](Files& f) { f.meta["shN"]["bands"] = 2; }), "contradicts the width");
-  check_refused(with([](Files& f) { f.meta = json::array(); }), "no JSON object");
+  check_refused(with([](Files& f) { f.meta = json::array(); }), "not a JSON object");
   check_refused(with([](Files& f) {
                   f.picture_of("q.webp") = picture({{0, 0, 0, 255}, {0, 0, 0, 251}});
                 }),
@@ -186,7 +186,7 @@ TEST_CASE("a .sog that lies is refused, before memory is taken for it") {
                 }),
                 "label 64 of Gaussian 0, expected less than 64");
   check_refused(with([](Files& f) { f.picture_of("p.webp") = picture({{0, 0, 0, 255}}, 100); }), "100 pixels wide");
-  check_refused(with([](Files& f) { f.picture_of("s.webp") = {'R', 'I', 'F', 'F'}; }), "no WebP picture");
+  check_refused(with([](Files& f) { f.picture_of("s.webp") = {'R', 'I', 'F', 'F'}; }), "not a WebP image");
   check_refused(with([](Files& f) { f.picture_of("s.webp").resize(30); }), "WebP picture");
   // 16383 x 16383 constant pixels are a few hundred bytes of WebP
   io::RgbaTable large{16383, 400, std::vector<std::uint8_t>(std::size_t(16383) * 400 * 4, 7)};

@@ -102,14 +102,14 @@ TEST_CASE("an EXR header that claims far more pixels than its bytes can hold is 
     bytes.replace(at + 12, 4, reinterpret_cast<const char*>(&bottom), 4);
     return refusal(bytes);
   };
-  CHECK(refused(9000, 9000).find("header claims") != std::string::npos);
+  CHECK(refused(9000, 9000).find("header declares") != std::string::npos);
   CHECK(refused(12000, 12000).find("image of 12001x12001 px") != std::string::npos);
   // One row of 4 MB, which the library would unpack 16 rows at a time, with a buffer for each of several chunks.
-  CHECK(refused(999999, 0).find("header claims") != std::string::npos);
+  CHECK(refused(999999, 0).find("header declares") != std::string::npos);
   // A larger file may claim more, but no more than its way of packing can hold: here 11 million columns, which the
   // library would unpack 16 rows at a time, 700 MB in one piece.
   write_exr(dir.file("a.exr"), sample(60, 60));
-  CHECK(refused(11272195, 2).find("header claims") != std::string::npos);
+  CHECK(refused(11272195, 2).find("header declares") != std::string::npos);
 }
 
 TEST_CASE("an EXR of one value, which packs best, is read however it is packed") {

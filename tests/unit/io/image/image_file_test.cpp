@@ -68,7 +68,7 @@ TEST_CASE(
     scene.views = {view};
     const PackedPhoto held = read_packed_photo(scene, 0);
     CHECK(held.bytes() == 24 * bytes_per_pixel);
-    if (channels == 3) CHECK(held_photo_bytes(scene, 0) == double(held.bytes()));
+    if (channels == 3) CHECK(packed_photo_bytes(scene, 0) == double(held.bytes()));
     const ImageF whole = read_image_rgb(path, {0.25f, 0.5f, 1.f});
     CHECK(held.rgb().data == resize_area(whole, 6, 4).data);
     CHECK(load_photo(scene, 0).data == held.rgb().data);
@@ -76,7 +76,7 @@ TEST_CASE(
   scene.views[0].image_path.clear();
   CHECK(read_packed_photo(scene, 0).empty());
   CHECK(load_photo(scene, 0).empty());
-  CHECK(held_photo_bytes(scene, 0) == 0);
+  CHECK(packed_photo_bytes(scene, 0) == 0);
 }
 
 TEST_CASE("a PNG comes back as it was written, 8 and 16 bit, 1, 3 and 4 channels") {

@@ -60,13 +60,13 @@ TEST_CASE("masks among the photos are told from them, and pictures that are no v
     dir.write(file, "x");
   std::vector<SceneView> views = views_named({"a.jpg", "b.jpg"});
   for (SceneView& view : views) view.image_path = dir.path() + "/" + view.camera.name;
-  CHECK(holds_masks_beside(dir.path(), views));
+  CHECK(photo_folder_holds_masks(dir.path(), views));
   const MaskMatches matches = match_masks(dir.path(), {}, views);
   CHECK(views[0].mask_path == dir.path() + "/a.jpg.mask.png");
   CHECK(views[1].mask_path == dir.path() + "/b_mask.png");
   CHECK(matches.several == 0);
   CHECK(matches.of_no_view == std::vector<std::string>{dir.path() + "/c.png", dir.path() + "/sub/b.png"});
-  CHECK_FALSE(holds_masks_beside(dir.path(), views_named({"c.png"})));
+  CHECK_FALSE(photo_folder_holds_masks(dir.path(), views_named({"c.png"})));
 }
 
 TEST_CASE("the files of a rig keep their folders; one that two views could mean is refused") {
@@ -79,8 +79,7 @@ TEST_CASE("the files of a rig keep their folders; one that two views could mean 
     FAIL("accepted");
   } catch (const Error& e) {
     CHECK(e.code() == ErrorCode::kInconsistent);
-    CHECK(std::string(e.what()).find("1.png: is called like both views cam0/1.jpg and cam1/1.jpg") !=
-          std::string::npos);
+    CHECK(std::string(e.what()).find("1.png: matches both views cam0/1.jpg and cam1/1.jpg") != std::string::npos);
     CHECK(e.remedy().find("/cam1/1.png") != std::string::npos);
   }
   dir.write("cam0/1.png", "x");  // the file without a folder is then the other's

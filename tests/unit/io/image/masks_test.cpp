@@ -185,7 +185,7 @@ TEST_CASE("a binary mask twice as large is reduced by majority, the object wins 
   const LoadedMasks got = load_masks_with_notes(one_view(MaskMode::kBinary, 3, 1, path), 0);
   CHECK(got.masks.target[0] == Values{0, 1, 1});
   CHECK(got.resized);
-  CHECK(got.notes[0].find("6x2 px brought to the camera's 3x1 px") != std::string::npos);
+  CHECK(got.notes[0].find("6x2 px resampled to the camera's 3x1 px") != std::string::npos);
 }
 
 TEST_CASE("a label map is reduced to the label with the largest share") {

@@ -125,13 +125,13 @@ TEST_CASE("photos and masks in a ratio that is no whole number are brought to on
   const ImportedScene got = import_scene(request);
   CHECK(got.scene.views[0].camera.width_px == 96);
   CHECK(std::ranges::any_of(got.notes, [](const std::string& note) {
-    return note.find("1 cameras of 240x180 px brought to the photos' 96x72 px") != note.npos;
+    return note.find("1 cameras of 240x180 px scaled to the photos' 96x72 px") != note.npos;
   }));
   const LoadedMasks loaded = load_masks_with_notes(got.scene, 0);
   const std::vector<float>& target = loaded.masks.target[0];
   CHECK(std::count(target.begin(), target.end(), 1.f) == 48 * 72);  // the left half, as in the file
   REQUIRE(loaded.notes.size() == 1);
-  CHECK(loaded.notes[0].find("mask of 144x108 px brought to the camera's 96x72 px") != std::string::npos);
+  CHECK(loaded.notes[0].find("mask of 144x108 px resampled to the camera's 96x72 px") != std::string::npos);
 }
 
 TEST_CASE("without its photo the full size of a view is the camera's over image_scale") {

@@ -159,7 +159,7 @@ TEST_CASE("several folders of masks are not guessed between") {
   const ImportedScene got = import_scene(request_for(dir));
   CHECK(got.masks_dir.empty());
   CHECK(std::any_of(got.notes.begin(), got.notes.end(), [](const std::string& note) {
-    return note.find("several folders of masks (masks_a masks_b)") != std::string::npos;
+    return note.find("several mask folders (masks_a masks_b)") != std::string::npos;
   }));
 }
 
@@ -175,16 +175,16 @@ TEST_CASE("a folder of truth is not taken for the masks, and a guess is said") {
   const ImportedScene none = import_scene(request_for(dir));
   CHECK(none.masks_dir.empty());
   CHECK(none.scene.views[0].mask_path.empty());
-  CHECK(noted(none, "/masks_gt: holds the truth by its name"));
-  CHECK(noted(none, "/gt_masks: holds the truth by its name"));
+  CHECK(noted(none, "/masks_gt: not read, its name suggests ground truth"));
+  CHECK(noted(none, "/gt_masks: not read, its name suggests ground truth"));
   mask(dir, "masks_sam/0.jpg.png");
   const ImportedScene guessed = import_scene(request_for(dir));
   CHECK(guessed.masks_dir == dir.path() + "/masks_sam");
-  CHECK(noted(guessed, "/masks_sam: taken as the masks, by its name"));
+  CHECK(noted(guessed, "/masks_sam: used for masks because of its name"));
   mask(dir, "masks/0.jpg.png");
   const ImportedScene usual = import_scene(request_for(dir));
   CHECK(usual.masks_dir == dir.path() + "/masks");
-  CHECK(noted(usual, "/masks: taken as the masks, masks_sam beside it not"));
+  CHECK(noted(usual, "/masks: used for masks, not masks_sam ("));
 }
 
 TEST_CASE("masks that the user names come in place of those that the source names") {
@@ -199,7 +199,7 @@ TEST_CASE("masks that the user names come in place of those that the source name
   CHECK(got.scene.views[0].mask_path == dir.path() + "/other/a.png");
   CHECK(got.views_by_mask_rule == std::map<std::string, int>{{"<name>", 1}});
   CHECK(std::any_of(got.notes.begin(), got.notes.end(), [](const std::string& note) {
-    return note.find("mask_path of 1 views left out") != std::string::npos;
+    return note.find("mask_path of 1 views ignored") != std::string::npos;
   }));
 }
 
@@ -218,7 +218,7 @@ TEST_CASE("cameras follow the size of their photos, then image_scale") {
 TEST_CASE("small photos that are worked on smaller because others are large are told of") {
   const auto told = [](const ImportedScene& scene) {
     return std::count_if(scene.notes.begin(), scene.notes.end(), [](const std::string& note) {
-      return note.find("2 views of at most 800 px are worked on at 1/2 of their size") == 0;
+      return note.find("2 views of at most 800 px are reduced to 1/2 of their size") == 0;
     });
   };
   const TempDir dir;

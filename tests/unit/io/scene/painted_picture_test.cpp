@@ -166,7 +166,7 @@ TEST_CASE("a photo is no scribble of one side; a mask is, compressed or not") {
     FAIL("nothing was thrown");
   } catch (const Error& e) {
     CHECK(e.code() == ErrorCode::kBadInput);
-    CHECK(std::string(e.what()).find("100 % of it is not black and in many colours") != std::string::npos);
+    CHECK(std::string(e.what()).find("100 % of the picture is not black and has many colours") != std::string::npos);
   }
   ImageU8 mask(kWidth, kHeight, 1, 250);
   for (std::size_t p = 0; p < mask.data.size(); p += 3) mask.data[p] = 255;

@@ -114,7 +114,7 @@ TEST_CASE("a link to a scene whose files are not beside the link is refused with
     read_scene_json(dir.path() + "/link/scene.json");
     FAIL("was accepted");
   } catch (const Error& e) {
-    const std::string expected = "/link/scene.json: is a link, and " + dir.path() + "/link/model.ply is not there";
+    const std::string expected = "/link/scene.json: is a link, and " + dir.path() + "/link/model.ply does not exist";
     CHECK(std::string(e.what()).find(expected) == dir.path().size());
     CHECK(e.remedy() == "name the file itself: " + std::filesystem::canonical(dir.path() + "/scene.json").string());
   }
@@ -127,7 +127,7 @@ TEST_CASE("a view whose name is more than a line is refused") {
   for (const char* name : {"a\nb.png", "a\tb.png", "\x7f.png"}) {
     nlohmann::json json = written(dir);
     json["views"][0]["name"] = name;
-    refused(json, "with a line end or another control character");
+    refused(json, "contains a line end or another control character");
   }
   nlohmann::json json = written(dir);
   json["views"][0]["name"] = "a\nb.png";
@@ -173,8 +173,8 @@ TEST_CASE("every broken field of a scene is refused with its place") {
   refused(with("/views/0/fx", "500"), "views[0].fx: \"500\", expected a finite number");
   refused(with("/views/0/fx", -1), "focal length");
   refused(with("/views/0/rotation", {1, 0, 0}), "views[0].rotation");
-  refused(with("/views/0/rotation", {1, 0, 0, 0, 1, 0, 0, 0, -1}), "rotation that is none");
-  refused(with("/views/0/rotation", {2, 0, 0, 0, 2, 0, 0, 0, 2}), "rotation that is none");
+  refused(with("/views/0/rotation", {1, 0, 0, 0, 1, 0, 0, 0, -1}), "not a rotation matrix");
+  refused(with("/views/0/rotation", {2, 0, 0, 0, 2, 0, 0, 0, 2}), "not a rotation matrix");
   refused(with("/views/1/name", "a b.png"), "view a b.png twice");
   refused(with("/views", nlohmann::json::array()), "no views");
   refused(with("/objects", nlohmann::json::array()), "no objects");
@@ -182,7 +182,7 @@ TEST_CASE("every broken field of a scene is refused with its place") {
   refused(with("/objects/1/id", 3), "object id 3 twice");
   refused(with("/masks/mode", "binary"), "2 objects in one mask per view");
   refused(with("/masks/invert", true), "inverted label maps");
-  refused(with("/masks/void_id", 9), "id 9 is void and object \"spoon\"");
+  refused(with("/masks/void_id", 9), "id 9 is both void and object \"spoon\"");
   refused(with("/masks/void_id", 65536), "masks.void_id: 65536");
   nlohmann::json bands = with("/masks/mode", "bands");
   bands["objects"].erase(1);
