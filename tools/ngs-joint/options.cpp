@@ -16,7 +16,7 @@ void Options::declare(cli::Tool& tool) {
   };
   tool.options(choice, {.name = "method", .shown = Shown::kInShortHelp});
   tool.options(steps, group("steps", "time, target, checkpoints", {}, Shown::kInHelp));
-  tool.options(training.joint, group("joint", "losses and rates of Eq. 20"));
+  tool.options(training.joint, group("joint", "loss weights and learning rates of Eq. 20"));
   tool.options<FieldOptions>(training.joint, group("field", "hash grid and network of the NeRF", "nerf"));
   pipeline.declare(tool.option_set(), group("", ""));
   tool.options(training.sample, group("sampling", "query points of the NeRF", "nerf"));

@@ -1,5 +1,5 @@
 #pragma once
-// The options of ngs-joint beside those of its passes, and how they are grouped.
+// The options of ngs-joint besides those of its passes, and their groups.
 #include <string>
 #include <vector>
 
@@ -12,7 +12,7 @@
 
 namespace ngs::joint {
 
-/// What any method listens to.
+/// Options that apply to every method.
 struct MethodChoice {
   Method method = Method::kNgs;
   std::vector<std::string> objects, effect;
@@ -32,7 +32,7 @@ struct MethodChoice {
   }
 };
 
-/// What goes with the steps of a run.
+/// Budget, target, checkpoints and trace of a run.
 struct StepOptions {
   std::string time_budget, target, checkpoint;
   std::int64_t checkpoint_every = 0;
@@ -57,7 +57,7 @@ struct StepOptions {
   }
 };
 
-/// All that a command line decides.
+/// All options of a command line.
 struct Options {
   MethodChoice choice;
   StepOptions steps;
@@ -66,7 +66,7 @@ struct Options {
   BaselineOptions baselines;
   Pipeline pipeline{all_passes()};
 
-  /// By groups, of which --help shows those that the method listens to.
+  /// Declares the options in groups; --help shows the groups that apply to the method.
   void declare(cli::Tool& tool);
   bool runs_passes() const { return choice.method == Method::kNgs || choice.method == Method::kNgGs; }
 };
