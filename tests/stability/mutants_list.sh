@@ -183,7 +183,7 @@ mutant $f unit/ops/losses/photometric_test.cpp ops/losses/photometric_impl.cpp "
 mutant $f $t "" "C2 dropped" 's/ \+ L\(T\(kC2\)\)//'
 mutant $f $t "" "C1 dropped" 's/ \+ L\(T\(kC1\)\)//'
 mutant $f $t "" "covariance not doubled" 's/a2 = two \* \(moment/a2 = (moment/'
-mutant ops/losses/photometric_strips.h unit/ops/losses/photometric_test.cpp ops/losses/photometric_impl.cpp "padding not cleared" 's/clear_beside\(layout, .*\);/continue;/'
+mutant ops/losses/photometric_strips.h unit/ops/losses/photometric_test.cpp ops/losses/photometric_impl.cpp "padding not cleared" 's/clear_padding\(layout, .*\);/continue;/'
 
 t=stability/optimiser_stability_test.cpp f=ops/optim/adam.cpp
 mutant ops/optim/adam_kernels.h $t $f "no eps" 's/ \* inv_root \+ eps\)/ * inv_root)/'
@@ -239,7 +239,7 @@ mutant $f "$t" $f "combined step without the points' differences" 's/dx_\[std::s
 t=unit/ops/labels/label_solve_test.cpp f=ops/labels/label_evaluate.cpp
 mutant $f $t $f "label sums: background of a pixel from m" 's/c = fma_lanes\(weight, rest, c\)/c = fma_lanes(weight, m, c)/'
 mutant $f $t $f "label sums: the other factor of binary targets" 's/select\(inside > L\(0\.f\), m, rest\)/select(inside > L(0.f), rest, m)/'
-mutant $f $t $f "label sums: one side of a pack on both sides of the mask" 's/add_to\(sums\.outside\.data\(\), f\.c\)/any(f.q > L(0.f)) ? void() : add_to(sums.outside.data(), f.c)/'
+mutant $f $t $f "label sums: one side of a pack on both sides of the mask" 's/accumulate\(sums\.outside\.data\(\), f\.c\)/any(f.q > L(0.f)) ? void() : accumulate(sums.outside.data(), f.c)/'
 mutant $f $t $f "label sums: the first band twice" 's/\(inside\[at\] \+ inside\[at \+ 1\]\)/(inside[at] + inside[at])/'
 f=ops/labels/label_packs.h g="ops/labels/label_evaluate.cpp ops/labels/label_collect.cpp"
 mutant $f $t "$g" "label sums: unknown pixels count as background" 's/select\(p\.inside \+ p\.outside > L\(0\.f\), factor, L\(1\.f\)\)/factor/'
@@ -362,7 +362,7 @@ mutant $f $t $f "label column: pages shared that hold other values" 's/return a\
 mutant $f $t $f "label column: rows come back that were cut off" 's/if \(rows < rows_ && rows % kPageRows != 0\)/if (false)/'
 mutant stages/fit/photo_refit.cpp unit/passes/floaters/floaters_test.cpp stages/fit/photo_refit.cpp "refit: rows that are not to be trained" 's/trained\(exec, in\.trained, /trained(exec, {}, /; s/fixed_colour\[r\] = !in\.trained\[row\]/fixed_colour[r] = 0/'
 t=unit/ops/splat/cull_request_test.cpp
-mutant ops/splat/binned_view.h $t "" "where: tiles that nothing is asked of are drawn" 's/lists\.last_z = last_asked\(.*\);/lists.last_z.clear();/'
+mutant ops/splat/binned_view.h $t "" "tiles_touching: untouched tiles are rasterised" 's/lists\.last_z = last_needed_z\(.*\);/lists.last_z.clear();/'
 mutant ops/splat/tile_lists.h $t "" "where: spans of the first rows alone" 's/row < kFirstRows \? view\.first\[v\]\[std::size_t\(row\)\] : tile_span\(.*\);/row < kFirstRows ? view.first[v][std::size_t(row)] : TileSpan{0, 0};/'
 mutant ops/splat/splat_gaussian.h $t "" "where: a tile short to the right" 's/kTilePx \* drawn\.x_end \* z/kTilePx * (drawn.x_end - 9) * z/'
 mutant ops/splat/prepared/project_block.cpp $t ops/splat/prepared/project_block.cpp "far: a block is as far as its farthest" 's/float\(z_least\) < view_\.far_z/float(z_most) < view_.far_z/'

@@ -39,15 +39,15 @@ TEST_CASE("a label column reads as the vector that was written alike") {
 TEST_CASE("a copy of a label column goes its own way, and shares the rest") {
   LabelColumn given(8 * kPage, 1.f);
   for (std::size_t row = 0; row < given.size(); ++row) given[row] = float(row % 7);
-  const std::size_t alone = given.own_bytes();
+  const std::size_t alone = given.unshared_bytes();
   LabelColumn copy = given;
-  CHECK(copy.own_bytes() < alone / 16);  // but the list of pages
+  CHECK(copy.unshared_bytes() < alone / 16);  // but the list of pages
   copy[kPage] = float(given[kPage]);     // the same value again
-  CHECK(copy.own_bytes() < alone / 16);
+  CHECK(copy.unshared_bytes() < alone / 16);
   copy[kPage] = 9.f;
   CHECK(float(given[kPage]) == float(kPage % 7));
   CHECK(float(copy[kPage]) == 9.f);
-  CHECK(copy.own_bytes() < alone / 4);
+  CHECK(copy.unshared_bytes() < alone / 4);
   CHECK_FALSE(copy == given);
   CHECK(std::ranges::equal(std::vector<float>(copy.begin() + 2 * kPage, copy.end()),
                            std::vector<float>(given.begin() + 2 * kPage, given.end())));
@@ -61,10 +61,10 @@ TEST_CASE("what is 0 takes no memory, and what is not takes its own") {
     if (row % 100 == 3) one_in_100[row] = 1.f;
     nothing[row] = 0.f;
   }
-  CHECK(nothing.own_bytes() < rows / 32);
-  CHECK(one_in_100.own_bytes() < rows / 2);  // of 4 bytes a row
-  CHECK(all.own_bytes() < rows * 5);
-  CHECK(LabelColumn(rows, 1.f).own_bytes() < rows / 32);  // one page for all
+  CHECK(nothing.unshared_bytes() < rows / 32);
+  CHECK(one_in_100.unshared_bytes() < rows / 2);  // of 4 bytes a row
+  CHECK(all.unshared_bytes() < rows * 5);
+  CHECK(LabelColumn(rows, 1.f).unshared_bytes() < rows / 32);  // one page for all
 }
 
 TEST_CASE("equal pages of two label columns become one") {
@@ -72,10 +72,10 @@ TEST_CASE("equal pages of two label columns become one") {
   for (std::size_t row = 0; row < a.size(); ++row) a[row] = b[row] = float(row % 5);
   b[1] = 7.f;
   const std::vector<float> before = b.values();
-  const std::size_t alone = b.own_bytes();
+  const std::size_t alone = b.unshared_bytes();
   b.share(a);
   CHECK(b.values() == before);
-  CHECK(b.own_bytes() < alone / 2);
+  CHECK(b.unshared_bytes() < alone / 2);
   b[kPage] = 8.f;
   CHECK(float(a[kPage]) == float(kPage % 5));
 }
