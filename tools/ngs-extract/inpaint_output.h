@@ -1,7 +1,7 @@
 #pragma once
-// The folder that an inpainting tool starts from.
+// Writes the input folder for an inpainting tool.
 //
-//   background.ply      what is left, plain 3DGS
+// background.ply model without the object, plain 3DGS
 //   images/STEM.png     it, rendered at the scene's cameras, over the scene's background
 //   holes/STEM.png      255: nobody knows what is there
 //   dilated/STEM.png    the same with a margin

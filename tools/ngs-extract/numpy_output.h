@@ -1,5 +1,5 @@
 #pragma once
-// Labels for programs that work on arrays (numpy, gsplat, nerfstudio): one .npz, rows in the order of the model.
+// Labels for array programs (numpy, gsplat, nerfstudio): one .npz, rows in the order of the model.
 //
 //   labels       float32 [N]  how much of each Gaussian is the object, in [0, 1], before it is decided
 //   seen         bool [N]     some view has evidence of it; where not, its label says nothing
@@ -15,10 +15,10 @@ namespace ngs::cli {
 
 class NumpyLabels {
  public:
-  /// Before Extractor::decide(), which rounds the labels.
+  /// Construct it before Extractor::decide(), which rounds the labels.
   explicit NumpyLabels(const Extractor& extractor);
 
-  /// After it. Uncompressed, dated 1980: the same labels give the same bytes.
+  /// Call it after decide(). Uncompressed and dated 1980, so that the same labels give the same bytes.
   void write(const std::string& path, const Extractor& extractor) const;
 
  private:
