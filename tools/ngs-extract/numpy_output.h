@@ -1,11 +1,12 @@
 #pragma once
 // Labels for array programs (numpy, gsplat, nerfstudio): one .npz, rows in the order of the model.
 //
-//   labels       float32 [N]  how much of each Gaussian is the object, in [0, 1], before it is decided
-//   seen         bool [N]     some view has evidence of it; where not, its label says nothing
-//   object       int64 [M]    rows that are the object, as --object writes them, ascending
-//   labels_NAME, seen_NAME, object_NAME   the same of each object, where there are several: the three above are then of
-//                             all of them together
+// clang-format off
+//   labels    float32 [N]  label of each Gaussian in [0, 1], before rounding
+//   seen      bool [N]     some view has evidence of the Gaussian; if false, its label carries no information
+//   object    int64 [M]    rows of the object, as written by --object, ascending
+//   labels_NAME, seen_NAME, object_NAME   with several objects: the same per object; the above are for their union
+// clang-format on
 #include <string>
 #include <vector>
 

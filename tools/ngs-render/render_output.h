@@ -1,10 +1,12 @@
 #pragma once
 // The output files of ngs-render.
-//   png, one layer:     DIR/STEM.png              several layers: DIR/<layer>/STEM.png
-//   masks of several objects: .../<object>/STEM.png
-//   exr:                DIR/STEM.exr with R G B A Z ngs.mask ngs.id (masks of several objects:
-//   ngs.mask_<object>)
-// STEM holds folders where the photos of several folders are called alike (scene/view_names.h).
+// clang-format off
+//   png, one layer                  DIR/STEM.png
+//   png, several layers             DIR/<layer>/STEM.png
+//   png, masks of several objects   .../<object>/STEM.png
+//   exr                             DIR/STEM.exr with R G B A Z ngs.mask ngs.id (several objects: ngs.mask_<object>)
+// clang-format on
+// STEM includes folders if photos in several folders have the same name (scene/view_names.h).
 #include <set>
 #include <string>
 #include <vector>

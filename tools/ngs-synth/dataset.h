@@ -1,11 +1,13 @@
 #pragma once
 // The folder that ngs-synth writes: a capture, and its ground truth.
 //
+// clang-format off
 //   images/NNNN.png sparse/0/{cameras,images,points3D}.txt   photos and poses
 //   masks/NNNN.png     0/255, the target, with the requested errors       masks_gt/    the same, exact
 //   labels/NNNN.png    16 bit ids, with the requested errors              labels_gt/   the same, exact
 //   objects/NAME/NNNN.png  0/255, exact       layers/NNNN.exr  Z, ngs.id, ngs.mask (share of the pixel)
-// recipe.json input of ngs-synth for the same scene ground_truth.json ids, names, errors
+//   recipe.json        input of ngs-synth for the same scene          ground_truth.json  ids, names, errors
+// clang-format on
 #include <string>
 #include <vector>
 
