@@ -63,7 +63,7 @@ out=$(cd "$out" && pwd)
 [ -n "$scenes" ] || scenes=$(cd "$scans" && for s in */pose; do printf '%s ' "${s%/pose}"; done)
 for name in $scenes; do
   scene=$scans/$name view=$out/$name/scene
-  if [ ! -d "$scene/pose" ]; then say "== $name skipped: $scene/pose is not there"; continue; fi
+  if [ ! -d "$scene/pose" ]; then say "== $name skipped: $scene/pose does not exist"; continue; fi
   # A folder that reads like any other capture.
   mkdir -p "$view"
   ln -sfn "$scene/color" "$view/images"

@@ -18,7 +18,7 @@ if command -v dpkg-query >/dev/null; then
     installed "$package" || { [ -n "$command" ] && command -v "$command" >/dev/null; } || missing+=("$package")
   done < <(grep -v '^#' "$list")
 else
-  fail 8 "this is no Debian or Ubuntu" "install the equivalents of pipelines/packages.txt, then run pipelines/build.sh"
+  fail 8 "not a Debian or Ubuntu system" "install the equivalents of pipelines/packages.txt, then run pipelines/build.sh"
 fi
 if [ ${#missing[@]} -eq 0 ]; then
   say "setup: all $(grep -vc '^#' "$list") packages are installed"

@@ -174,7 +174,7 @@ case $on in
   slurm) command -v sbatch > /dev/null || fail 8 "--on slurm: sbatch: not found" "call this on a node that can submit jobs" ;;
   *) fail 2 "--on $on: expected here, make, parallel or slurm" ;;
 esac
-mkdir -p "$out/.sweep/log" || fail 8 "$out: cannot be made"
+mkdir -p "$out/.sweep/log" || fail 8 "$out: cannot be created"
 out=$(cd "$out" && pwd) state=$out/.sweep
 touch "$state/tries"
 

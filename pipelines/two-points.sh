@@ -34,7 +34,7 @@ done
 capture=$1
 [ -d "$capture/$truth" ] || fail 3 "$capture/$truth: no such folder" "--truth names the folder of masks to score with"
 bin=$(find_bin)
-mkdir -p "$out" || fail 8 "$out: cannot be made"
+mkdir -p "$out" || fail 8 "$out: cannot be created"
 photos=("$capture"/images/*)
 photo=${photos[3]}
 if [ -n "$view" ]; then photo=$(printf '%s\n' "$capture/images/$view".*); fi
@@ -55,7 +55,7 @@ labels() {
   score_masks "$1/scene.json" "$1/$2.ply" "$capture/$truth" "$1/$2.json"
 }
 
-# row MARKS SEGMENTER [FLAGS...]: a mask that cannot be made is said, with the exit code.
+# row MARKS SEGMENTER [FLAGS...]: a mask that cannot be created is said, with the exit code.
 row() {
   local folder=$out/$1-$2 code=0 TIMEFORMAT=%U
   mkdir -p "$folder"

@@ -1,4 +1,4 @@
-# studio: how long a person waits in ngs-studio, by scripted visits of a hundred strokes
+# studio: response times of ngs-studio in scripted sessions of a hundred strokes
 # shellcheck shell=bash disable=SC2154
 question_studio() {
   title 'A hundred strokes in ngs-studio on 21 or 25 views, with frames between them; two threads'
@@ -14,8 +14,8 @@ question_studio() {
   studio_visit museum point_cloud.compressed.ply
 }
 
-# studio_visit SCENE MODEL: a row for every kind of answer. The visits are those of a rule: on each view a line through
-# the object, then strokes through the longest wrong run of pixels; three moving frames and a large still one come first.
+# studio_visit SCENE MODEL: a row for every kind of response. A rule generated the sessions: on each view three moving frames
+# and a large still one, then a line through the object, then strokes through the longest wrong run of pixels.
 studio_visit() {
   local log=$work/$1.log report=$work/$1.json kind
   if [ ! -f "$report" ]; then

@@ -255,7 +255,7 @@ TEST_CASE("robustness.mk makes the masks anew where the seed changed, and compar
   const test::ProcessResult failed = series({options + " --tau-of-nothing 3"});
   CHECK(failed.exit_code != 0);
   CHECK(failed.err.find("variant wrong@flash failed, left out") != std::string::npos);
-  CHECK(failed.err.find("no scene was finished") != std::string::npos);
+  CHECK(failed.err.find("no scene finished") != std::string::npos);
 }
 
 TEST_CASE("sharded.mk joins no shards of other options, and leaves the bytes of one run") {
