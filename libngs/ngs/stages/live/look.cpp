@@ -34,10 +34,10 @@ std::vector<orbit::Pose> within(const orbit::RoomFinding& room, double radius) {
   constexpr int kDirections = 8;
   constexpr double kDown = 0.2;  // tangent
   std::vector<orbit::Pose> poses;
-  for (std::size_t s = 0; s < std::min(kStands, room.stands.size()); ++s)
+  for (std::size_t s = 0; s < std::min(kStands, room.viewpoints.size()); ++s)
     for (int k = 0; k < kDirections; ++k) {
       const double turn = 2 * std::numbers::pi * k / kDirections;
-      poses.push_back({room.stands[s], room.stands[s] + radius * Vec{std::cos(turn), std::sin(turn), -kDown}});
+      poses.push_back({room.viewpoints[s], room.viewpoints[s] + radius * Vec{std::cos(turn), std::sin(turn), -kDown}});
     }
   return poses;
 }

@@ -1,12 +1,12 @@
 #pragma once
-// What ngs-scene orbit asks for: where cameras stand, how many, and what they see.
+// Options of ngs-scene orbit: placement, number and field of view of the cameras.
 #include <string>
 
 #include "ngs/options/field.h"
 
 namespace ngs {
 
-/// Whether cameras look at a model from outside or stand in it.
+/// Whether cameras are placed outside or inside the model.
 enum class Place : std::uint8_t { kAuto, kOutside, kInside };
 inline constexpr NamedValue<Place> kPlaceNames[] = {
     {Place::kAuto, "auto"}, {Place::kOutside, "outside"}, {Place::kInside, "inside"}};

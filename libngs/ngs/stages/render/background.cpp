@@ -17,9 +17,9 @@ namespace ngs {
 namespace {
 
 using Rgb = std::array<double, 3>;
-constexpr double kLeastOpen = 1.0 / 255;                    // less shows less than one level of any background
-constexpr std::size_t kMostSamples = std::size_t(1) << 16;  // per view; their median is exact to 1 % of their spread
-constexpr double kMuchApart = 0.1;
+constexpr double kLeastOpen = 1.0 / 255;                    // least T of a pixel that shows the background: one level
+constexpr std::size_t kMostSamples = std::size_t(1) << 16;  // per view; the median is accurate to 1 % of the spread
+constexpr double kWarnDifference = 0.1;
 
 Vec3<double> vec(const Rgb& c) { return {c[0], c[1], c[2]}; }
 
@@ -27,7 +27,7 @@ struct Sample {
   double value, weight;
 };
 
-/// Where half of the weight lies below.
+/// The smallest value with at least half of the weight at or below it.
 double weighted_median(std::vector<Sample>& samples) {
   std::sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) { return a.value < b.value; });
   double half = 0, below = 0;
@@ -37,8 +37,8 @@ double weighted_median(std::vector<Sample>& samples) {
   return samples.back().value;
 }
 
-/// arg min over b of Σ |r - T b|: the median of r / T with weights T. Squares instead would let the pixels decide
-/// that no trainer has ever fitted: the largest holes at the edges of what the cameras saw.
+/// arg min over b of Σ |r - T b|: the median of r / T with weights T. With squares, pixels that no trainer has fitted
+/// would dominate: the largest holes at the edges of the captured region.
 double least_deviations(const std::vector<std::size_t>& pixels, const RenderedView& view, const ImageF& photo, int c) {
   std::vector<Sample> samples;
   for (const std::size_t p : pixels) {
@@ -49,13 +49,13 @@ double least_deviations(const std::vector<std::size_t>& pixels, const RenderedVi
   return weighted_median(samples);
 }
 
-/// Σ (r - T b)² over black's Σ r², as decibels.
+/// PSNR gain of background b over black, in dB: Σ r² / Σ (r - T b)².
 double gain_db(const BackgroundMeasurement& w, const Rgb& b) {
   double black = 0, over = 0;
   for (std::size_t c = 0; c < 3; ++c)
     black += w.residual2[c], over += w.residual2[c] - 2 * b[c] * w.residual[c] + b[c] * b[c] * w.open2;
-  constexpr double kNothing = 1e-12;  // of a photo that is explained to the last bit
-  return 10 * std::log10(std::max(black, kNothing) / std::max(over, kNothing));
+  constexpr double kLeastError = 1e-12;  // avoids division by 0 for an exact match
+  return 10 * std::log10(std::max(black, kLeastError) / std::max(over, kLeastError));
 }
 
 }  // namespace
@@ -87,10 +87,10 @@ void choose_background(const std::string& given, Monitor& monitor, Scene& scene)
   if (given.empty()) return;
   const Vec3<float> colour = parse_background(given), known = background_of(scene);
   const Vec3<float> off = colour - known;
-  const double apart = std::max({std::abs(off.x), std::abs(off.y), std::abs(off.z)});
-  if (scene.background && apart > kMuchApart)
+  const double difference = std::max({std::abs(off.x), std::abs(off.y), std::abs(off.z)});
+  if (scene.background && difference > kWarnDifference)
     monitor.warn("--background " + given + " is not the scene's, " + background_text(known) +
-                 "; leave it out to take that");
+                 "; leave it out to use the scene's");
   scene.background = Vec3<double>{colour.x, colour.y, colour.z};
 }
 
@@ -134,7 +134,8 @@ BackgroundFinding find_background(std::span<const BackgroundMeasurement> measure
     const double middle = upper_median(values[c]);
     fitted[c] = std::clamp(std::round(255 * middle) / 255, 0.0, 1.0) + 0.0;  // no -0
     for (double& v : values[c]) v = std::abs(v - middle);
-    // 1.4826 MAD is the deviation of normal values, and their median's standard error is √(π/2) that of their mean
+    // For normal values the standard deviation is 1.4826 MAD and the standard error of the median √(π/2) that of the
+    // mean.
     error[c] = 1.4826 * 1.2533 * upper_median(values[c]) / std::sqrt(double(found.views));
   }
   std::vector<double> gains, shown;

@@ -1,5 +1,5 @@
 #pragma once
-// Options every tool shares that splats a model.
+// Options of every tool that renders a model.
 #include "ngs/ops/splat/splat.h"
 #include "ngs/options/field.h"
 #include "ngs/scene/scene.h"
@@ -28,7 +28,7 @@ struct RasterOptions {
   }
 };
 
-/// For renders of `scene`'s views at its working size.
+/// Options for renders of the scene's views at its working size.
 inline SplatOptions splat_options(const RasterOptions& options, const GaussianCloud& cloud, const Scene& scene) {
   const bool antialiased = options.antialias == Antialias::kAuto ? scene.antialiased.value_or(cloud.antialiased)
                                                                  : options.antialias == Antialias::kOn;

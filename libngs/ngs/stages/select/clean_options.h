@@ -1,5 +1,5 @@
 #pragma once
-// What of a whole scene is taken out as debris, and from which size.
+// Thresholds for debris that is removed from a full scene.
 #include "ngs/options/field.h"
 
 namespace ngs {

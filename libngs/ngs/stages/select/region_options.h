@@ -1,5 +1,5 @@
 #pragma once
-// What of a model is the object, said by where it is: no labels, no photos.
+// Selection of an object by its position alone, without labels or photos.
 #include <string>
 #include <vector>
 
@@ -40,7 +40,7 @@ struct RegionOptions {
                         "Cell size for clustering; 0: four times the usual distance between neighbours", 0.0, 1e30});
   }
 
-  /// Whether anything is asked for.
+  /// Whether any option selects a region.
   bool any() const {
     return !keep_box.empty() || !keep_sphere.empty() || !drop_below_plane.empty() || !cluster_at.empty() || largest > 0;
   }

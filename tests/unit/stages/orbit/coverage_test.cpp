@@ -21,7 +21,7 @@ Camera camera_along_z() {
 
 TEST_CASE("coverage counts the worth of what three views show, of what any place shows") {
   // Five points worth 1, 2, 3, 4 and 100; no place sees the last one.
-  const std::vector<Sight> pool = {{{0, 1, 2}, {0, 1, 2}, 0}, {{0, 1}, {0, 1}, 0}, {{0, 3}, {3}, 0}};
+  const std::vector<Visibility> pool = {{{0, 1, 2}, {0, 1, 2}, 0}, {{0, 1}, {0, 1}, 0}, {{0, 3}, {3}, 0}};
   Coverage coverage({1, 2, 3, 4, 100}, pool);
   CHECK(coverage.gaussians() == 4);
   CHECK(coverage.share() == 0);
@@ -50,12 +50,12 @@ TEST_CASE("what stands behind something opaque does not show, what stands beside
   test::add_gaussian(cloud, {0.6, 0, 3}, 0.05);
   test::add_gaussian(cloud, {0, 0, -3}, 0.05);  // behind the camera
   const std::vector<std::int32_t> point_of_row = {-1, -1, -1, -1, -1, -1, 0, 1, 2};
-  const Sights sights(Exec{}, cloud, point_of_row);
-  const Sight sight = sights.of(Exec{}, camera_along_z(), 2.5);
-  CHECK(sight.shown == std::vector<std::uint32_t>{1});
-  CHECK(sight.surface == std::vector<std::uint32_t>{1});
-  CHECK(sight.blocked > 0.5);
-  CHECK(sights.of(Exec{}, camera_along_z(), 1.5).blocked == 0);  // nothing lies before that
+  const PointVisibility renderer(Exec{}, cloud, point_of_row);
+  const Visibility visibility = renderer.of(Exec{}, camera_along_z(), 2.5);
+  CHECK(visibility.shown == std::vector<std::uint32_t>{1});
+  CHECK(visibility.surface == std::vector<std::uint32_t>{1});
+  CHECK(visibility.blocked > 0.5);
+  CHECK(renderer.of(Exec{}, camera_along_z(), 1.5).blocked == 0);  // nothing lies before that
 }
 
 }  // namespace ngs::orbit

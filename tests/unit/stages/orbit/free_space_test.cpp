@@ -47,15 +47,15 @@ TEST_CASE("a room shows more from within than from without, a hollow box the sam
   test::add_box(box, {-1, -1, -1}, {1, 1, 1}, 0.1);
   test::add_floor(open, 1, -0.6, 0.1), test::add_sphere(open, {0, 0, 0}, 0.5, 400);
   const RoomFinding hollow = find_room(Exec{}, space_of(box, 1.9), 1.7);
-  CHECK_FALSE(hollow.stands.empty());
+  CHECK_FALSE(hollow.viewpoints.empty());
   CHECK_FALSE(hollow.is_room());
   CHECK_FALSE(find_room(Exec{}, space_of(open, 1.9), 1.7).is_room());
   test::add_box(box, {-0.4, -0.4, -0.9}, {0.3, 0.3, 0}, 0.1);
   const RoomFinding room = find_room(Exec{}, space_of(box, 1.9), 1.7);
   CHECK(room.is_room());
-  for (const Vec& stand : room.stands) {
-    CHECK(std::max({std::abs(stand.x), std::abs(stand.y), std::abs(stand.z)}) < 0.9);
-    CHECK((stand.x < -0.4 || stand.x > 0.3 || stand.y < -0.4 || stand.y > 0.3 || stand.z > 0));  // not in the box
+  for (const Vec& viewpoint : room.viewpoints) {
+    CHECK(std::max({std::abs(viewpoint.x), std::abs(viewpoint.y), std::abs(viewpoint.z)}) < 0.9);
+    CHECK((viewpoint.x < -0.4 || viewpoint.x > 0.3 || viewpoint.y < -0.4 || viewpoint.y > 0.3 || viewpoint.z > 0));  // not in the box
   }
 }
 
