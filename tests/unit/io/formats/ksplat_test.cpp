@@ -109,7 +109,7 @@ void check_refused(const std::string& bytes, const std::string& part) {
   }
 }
 
-TEST_CASE("a .ksplat that lies or is cut short is refused before memory is taken for it") {
+TEST_CASE("a truncated .ksplat, or one with invalid counts, is rejected before memory is allocated") {
   File good(1, 2, 0);
   for (int i = 0; i < 2; ++i) good.body += words({1, 2, 3, 4, 5, 6, 7, 8, 9, 10}) + kColour;
   CHECK(read_bytes(good.bytes()).size() == 2);
