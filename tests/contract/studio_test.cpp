@@ -218,7 +218,7 @@ TEST_CASE("a stroke on nothing is refused with what to do") {
     camera["look_at"][a] = 2 * camera["position"][a].get<double>() - camera["look_at"][a].get<double>();
   const auto answer = server.post("/api/strokes", strokes(camera.dump()));
   CHECK(answer.status == 409);
-  CHECK(answer.body.find("nothing is there") != std::string::npos);
+  CHECK(answer.body.find("no part of the splat is under it") != std::string::npos);
   CHECK(json_of(server.get("/api/state"))["objects"][0]["strokes"] == 0);
 }
 

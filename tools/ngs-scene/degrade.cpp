@@ -87,11 +87,11 @@ int degrade_command(int argc, char** argv) {
       return cli::kDone;
     }
     require_unique_stems(masks.path, names);
-    const std::vector<int> fate = synth::view_fates(int(names.size()), options.missing, options.wrong, run.seed());
+    const std::vector<int> assigned = synth::mask_assignment(int(names.size()), options.missing, options.wrong, run.seed());
     Json missing = Json::array(), wrong = Json::object();
     for (std::size_t v = 0; v < names.size(); ++v) {
-      if (fate[v] < 0) missing.push_back(names[v]);
-      if (fate[v] >= 0 && fate[v] != int(v)) wrong[names[v]] = names[std::size_t(fate[v])];
+      if (assigned[v] < 0) missing.push_back(names[v]);
+      if (assigned[v] >= 0 && assigned[v] != int(v)) wrong[names[v]] = names[std::size_t(assigned[v])];
     }
     run.result() = {{"masks", names.size()}, {"missing", missing}, {"wrong", wrong}};
     if (run.dry_run()) {
@@ -100,8 +100,8 @@ int degrade_command(int argc, char** argv) {
     }
     bool any_object = false;
     for (std::size_t v = 0; v < names.size(); ++v) {
-      if (fate[v] < 0) continue;
-      const std::string& name = names[std::size_t(fate[v])];
+      if (assigned[v] < 0) continue;
+      const std::string& name = names[std::size_t(assigned[v])];
       const ImageU16 mask = read_binary(masks.path + "/" + name);
       const ImageF photo = noise.snap_px > 0 ? photo_of(photo_index, name, mask) : ImageF();
       write_binary(out.path + "/" + image_stem(names[v]) + ".png",

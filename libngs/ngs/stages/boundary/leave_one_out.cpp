@@ -48,7 +48,7 @@ void LeaveOneOut::keep(std::size_t n, const std::shared_ptr<const ViewWeights>& 
 
 void LeaveOneOut::add(std::size_t n) {
   const auto own = std::make_shared<const ViewWeights>(gather_(n));
-  std::vector<std::vector<SparseTable<ExactSum>::First>> deferred_inserts(own->parts());
+  std::vector<std::vector<SparseTable<ExactSum>::Insert>> deferred_inserts(own->parts());
   for_each_task(exec_, std::int64_t(own->parts()), [&](std::int64_t part) {
     own->for_each(std::size_t(part), [&](std::uint32_t gaussian, const double* mine) {
       weight_.add(gaussian, mine[0]);

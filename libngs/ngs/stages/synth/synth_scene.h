@@ -1,8 +1,8 @@
 #pragma once
-// Analytic scenes by name, and the rig of cameras that looks at them.
+// Analytic scenes by name, and their camera rigs.
 //
-// A scene is a list of objects (unions of solids) in a textured room, so that every pixel shows something. Object k
-// has the id k + 1; id 0 is the room. World units; +z is up.
+// A scene is a list of objects (unions of solids) in a textured room, so that no pixel is empty. Object k has the id
+// k + 1; id 0 is the room. World units; +z is up.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -22,7 +22,7 @@ inline constexpr NamedValue<SceneKind> kSceneNames[] = {{SceneKind::kTwoSpheres,
                                                         {SceneKind::kTable, "table"}};
 inline constexpr NamedValue<Rig> kRigNames[] = {{Rig::kOrbit, "orbit"}, {Rig::kForward, "forward"}};
 
-/// Everything that decides what a scene looks like.
+/// All parameters of a scene.
 struct Recipe {
   SceneKind scene = SceneKind::kTorusBox;
   Rig rig = Rig::kOrbit;
@@ -58,7 +58,8 @@ struct Recipe {
   }
 };
 
-/// A recipe by name: the five scenes, and `tiny` (two spheres, 6 views of 64x48, for tests). Unknown: Error kUsage.
+/// A recipe by name: the five scenes, and `tiny` (two spheres, 6 views of 64x48, for tests). Throws kUsage for an
+/// unknown name.
 Recipe named_recipe(const std::string& name);
 std::vector<std::string> recipe_names();
 
@@ -79,13 +80,13 @@ struct AnalyticScene {
   Room room;
   Vec3<double> light{0.45, -0.3, 0.84};  // unit, towards the light
   double ambient = 0.4, gloss = 0;
-  bool grey = false;      // pictures have luminance only
-  Vec3<double> focus{};   // what the cameras look at
-  double rig_radius = 3;  // distance of the cameras from it
+  bool grey = false;      // images have luminance only
+  Vec3<double> focus{};   // the point that the cameras look at
+  double rig_radius = 3;  // distance of the cameras from `focus`
   int target = 0;         // index into objects
 };
 
-/// Builds the scene of a recipe. An unknown target is an Error (kUsage) that lists the objects.
+/// Builds the scene of a recipe. For an unknown target throws kUsage with a list of the objects.
 AnalyticScene build_scene(const Recipe& recipe);
 
 /// The cameras, named 0000.png, 0001.png, …, all inside the room.

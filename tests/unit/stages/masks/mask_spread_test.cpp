@@ -207,7 +207,7 @@ TEST_CASE("background alone marked on a further view starts nothing there, and h
   }
   SpreadCase none;
   none.mark(0, PixelHint::kBackground), none.mark(2, PixelHint::kBackground);
-  CHECK_THROWS_WITH_AS(none.spread({}), "the marked views: background alone is marked, expected the object too", Error);
+  CHECK_THROWS_WITH_AS(none.spread({}), "the marked views: only background is marked, expected the object too", Error);
 }
 
 TEST_CASE("views follow from near to far, each from its nearest done view") {

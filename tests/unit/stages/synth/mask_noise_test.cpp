@@ -138,25 +138,25 @@ TEST_CASE("mask noise depends on seed and view, and not on the thread count") {
   CHECK(a.data != disturb_labels({}, exact, noise, {0, 4, 10}).data);
 }
 
-TEST_CASE("view_fates leaves out and exchanges exactly the asked shares, by seed alone") {
+TEST_CASE("mask_assignment leaves out and exchanges exactly the asked shares, by seed alone") {
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
-    const std::vector<int> fate = view_fates(20, 0.2, 0.1, seed);
+    const std::vector<int> assigned = mask_assignment(20, 0.2, 0.1, seed);
     int missing = 0, wrong = 0;
     for (int v = 0; v < 20; ++v) {
-      const int f = fate[std::size_t(v)];
+      const int f = assigned[std::size_t(v)];
       CHECK(f >= -1);
       CHECK(f < 20);
       missing += f < 0, wrong += f >= 0 && f != v;
     }
     CHECK(missing == 4);
     CHECK(wrong == 2);
-    CHECK(fate == view_fates(20, 0.2, 0.1, seed));
+    CHECK(assigned == mask_assignment(20, 0.2, 0.1, seed));
   }
-  CHECK(view_fates(20, 0.2, 0.1, 0) != view_fates(20, 0.2, 0.1, 1));
-  CHECK(view_fates(0, 1, 1, 0).empty());
-  CHECK(view_fates(1, 0, 1, 0) == std::vector<int>{-1});  // there is no other view's mask
-  CHECK(view_fates(3, 0, 0, 5) == std::vector<int>{0, 1, 2});
-  CHECK(view_fates(3, 1, 1, 5) == std::vector<int>{-1, -1, -1});
+  CHECK(mask_assignment(20, 0.2, 0.1, 0) != mask_assignment(20, 0.2, 0.1, 1));
+  CHECK(mask_assignment(0, 1, 1, 0).empty());
+  CHECK(mask_assignment(1, 0, 1, 0) == std::vector<int>{-1});  // there is no other view's mask
+  CHECK(mask_assignment(3, 0, 0, 5) == std::vector<int>{0, 1, 2});
+  CHECK(mask_assignment(3, 1, 1, 5) == std::vector<int>{-1, -1, -1});
 }
 
 }  // namespace ngs::synth
