@@ -170,7 +170,7 @@ struct Binder {
     e.get = [&value, values = field.values] {
       for (const NamedValue<E>& choice : values)
         if (choice.value == value) return Json(std::string(choice.name));
-      throw std::logic_error("an option holds a value outside its choices");
+      throw std::logic_error("an option has a value outside its choices");
     };
     e.set = [&value, values = field.values, name = e.name, names = e.choices](const Json& json) {
       value = values[checked_choice(name, json, names)].value;

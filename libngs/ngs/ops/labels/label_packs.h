@@ -10,7 +10,7 @@ namespace ngs::label {
 
 using L = LabelPack;
 inline constexpr std::size_t kTilePacks = std::size_t(kLabelPacks);
-inline constexpr std::uint32_t kBands = kTilePx / L::kLanes;  // of columns, each one pack wide; there is one sum per band
+inline constexpr std::uint32_t kBands = kTilePx / L::kLanes;  // of columns, one pack wide; one sum per band
 
 inline L squeezed(L sum) { return fma_lanes(L(float(1 - 2 * kMaskEps)), sum, L(float(kMaskEps))); }
 

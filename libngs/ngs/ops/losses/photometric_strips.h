@@ -9,7 +9,7 @@
 
 namespace ngs::ssim {
 
-inline constexpr int kStrip = 128;  // values per row of a strip; only speed and the order of the loss's sums depend on it
+inline constexpr int kStrip = 128;  // values per row of a strip; affects only speed and the order of the loss's sums
 inline constexpr int kBand = 128;   // rows of a strip per work item
 inline constexpr int kRing = 2 * kRadius + 1;
 
