@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Installs the Debian packages of packages.txt, or of the list given, that are missing (Debian 12).
-# A line is a package, and behind it the command, if any, that makes it unnecessary where somebody else has installed it: the
-# npm of a foreign Node.js cannot stand beside Debian's.
+# Installs missing Debian packages of packages.txt, or of LIST (Debian 12).
+# A line is: PACKAGE [COMMAND]. If COMMAND exists, PACKAGE is not installed: npm of another Node.js conflicts with Debian's
+# npm.
 #   pipelines/setup.sh [LIST]
 set -euo pipefail
 # shellcheck source=pipelines/common.sh

@@ -280,7 +280,7 @@ TEST_CASE("work-precision.mk draws its points with their frontier, and keeps tho
   CHECK(fs::exists(data.path("out/points/method@sa3d/1/done")));
   const test::ProcessResult mixed = again("STEPS=3");
   CHECK(mixed.exit_code != 0);
-  CHECK(mixed.err.find("its points are of other settings: STEPS=2") != std::string::npos);
+  CHECK(mixed.err.find("contains points with other settings: STEPS=2") != std::string::npos);
 }
 
 }  // namespace

@@ -352,16 +352,16 @@ TEST_CASE("ngs-gs.sh refuses an output folder where it would replace masks that 
     CHECK(times_of(capture.dir.path()) == before);
   };
   SUBCASE("the scene, by any name") {
-    refused({"my scene", "my scene", "--hold-out", "every:4:2"}, "is the input");
+    refused({"my scene", "my scene", "--hold-out", "every:4:2"}, "is also the input");
     fs::create_directory_symlink("my scene", capture.dir.path() + "/link");
-    refused({"my scene", "link", "-n"}, "is the input");
-    refused({"my scene", "my scene/masks"}, "is the input");
+    refused({"my scene", "link", "-n"}, "is also the input");
+    refused({"my scene", "my scene/masks"}, "is also the input");
   }
   SUBCASE("masks or truth in OUT_DIR/masks, or below it") {
     fs::create_directories(out + "/masks");
     fs::copy(scene + "/masks", out + "/masks/cup");
-    refused({"my scene", "the output", "--masks", "the output/masks"}, "holds the input");
-    refused({"my scene", "the output", "--gt", "the output/masks/cup"}, "holds the input");
+    refused({"my scene", "the output", "--masks", "the output/masks"}, "contains the input");
+    refused({"my scene", "the output", "--gt", "the output/masks/cup"}, "contains the input");
   }
   SUBCASE("a model that the result would replace") {
     REQUIRE(capture.run({"--method", "flash"}).exit_code == 0);
@@ -370,7 +370,7 @@ TEST_CASE("ngs-gs.sh refuses an output folder where it would replace masks that 
   SUBCASE("masks that somebody laid beside the rendered ones") {
     REQUIRE(capture.run({"--method", "flash"}).exit_code == 0);
     fs::copy(scene + "/masks/v0.png", out + "/masks/mine.png");
-    refused({"my scene", "the output", "--method", "sa3d"}, "holds mine.png, which no run has rendered");
+    refused({"my scene", "the output", "--method", "sa3d"}, "contains mine.png, which no run has rendered");
   }
   SUBCASE("masks that nobody names, until they are moved away") {
     fs::create_directories(out);

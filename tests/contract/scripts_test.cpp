@@ -139,9 +139,9 @@ TEST_CASE("sweep.sh refuses a series that it could not bring to an end, before a
     CHECK(result.err.find(because) != std::string::npos);
     CHECK_FALSE(f.has("out/a"));
   };
-  refused("a capture --method flash\na capture --method sa3d\n", "runs:2: a run 'a' is there already");
-  refused("a capture VARIANCES_FLAGS='--tau 0.1'\n", "VARIANCES_FLAGS is read by no run");
-  refused("a capture --method flash\nb/c capture\n", "runs:2: 'b/c' is no name of a run");
+  refused("a capture --method flash\na capture --method sa3d\n", "runs:2: duplicate run name 'a'");
+  refused("a capture VARIANCES_FLAGS='--tau 0.1'\n", "VARIANCES_FLAGS is not used by any run");
+  refused("a capture --method flash\nb/c capture\n", "runs:2: 'b/c' is not a valid run name");
   const test::ProcessResult absent =
       f.run({kPipelines + "sweep.sh", "runs", "out", "--on", "slurm"}, {{"PATH", "/bin"}});
   if (!fs::exists("/bin/sbatch")) CHECK(absent.exit_code == 8);
