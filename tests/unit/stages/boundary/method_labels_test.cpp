@@ -1,4 +1,4 @@
-// Labels gathered anew for a changed model or changed masks follow the rule of the labels that were given.
+// Labels recomputed for a changed model or changed masks follow the rule of the given labels.
 #include "ngs/stages/boundary/method_labels.h"
 
 #include <doctest/doctest.h>
@@ -11,11 +11,11 @@
 namespace ngs {
 namespace {
 
-struct Anew {
+struct Recomputed {
   std::unique_ptr<test::JointCase> base = test::joint_case();
   Problem input;
 
-  explicit Anew(const VarianceOptions& rule) : input(base->input()) {
+  explicit Recomputed(const VarianceOptions& rule) : input(base->input()) {
     Monitor monitor;
     input.labels = label_gaussians(
         rule, accumulate_evidence({}, monitor, {base->model, base->scene, input.views, input.splat, input.load_masks}));
@@ -28,12 +28,12 @@ struct Anew {
 
 }  // namespace
 
-TEST_CASE("labels anew are those that were given where nothing changed, whatever their criterion and tau") {
+TEST_CASE("recomputed labels equal the given ones if nothing changed, for every criterion and tau") {
   for (const NamedValue<Criterion>& criterion : kCriterionNames)
     for (const double tau : {0.05, 0.3}) {
       CAPTURE(criterion.name);
       CAPTURE(tau);
-      const Anew c({.tau = tau, .criterion = criterion.value});
+      const Recomputed c({.tau = tau, .criterion = criterion.value});
       const LabelColumns& given = c.input.labels[0];
       const LabelColumns found = c.labels();
       CHECK(std::count(given.boundary.begin(), given.boundary.end(), 1.f) > 0);
@@ -43,10 +43,10 @@ TEST_CASE("labels anew are those that were given where nothing changed, whatever
     }
 }
 
-TEST_CASE("labels anew keep the criterion where a mask is gone") {
+TEST_CASE("recomputed labels keep the criterion if a mask is removed") {
   for (const NamedValue<Criterion>& criterion : kCriterionNames) {
     CAPTURE(criterion.name);
-    Anew c({.tau = 0.1, .criterion = criterion.value});
+    Recomputed c({.tau = 0.1, .criterion = criterion.value});
     c.base->masks[3].available = false;
     const LabelColumns found = c.labels();
     Monitor monitor;
