@@ -1,4 +1,4 @@
-// The help of every tool and command, as a person sees it.
+// The help of every tool and command.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -46,7 +46,7 @@ std::vector<std::string> tools() {
   return names;
 }
 
-/// Every command line that has a help of its own: {"ngs-rbf"}, {"ngs-scene", "import"}.
+/// Every command line with its own help: {"ngs-rbf"}, {"ngs-scene", "import"}.
 std::vector<Words> commands() {
   std::vector<Words> all;
   for (const std::string& tool : tools())
@@ -80,7 +80,7 @@ TEST_CASE("no help is wider than the terminal; -h has at most 30 lines of 100 co
   for (const std::string& tool : tools()) check_width(said({tool}, "--help", "60"), 60);
 }
 
-TEST_CASE("-h and --help begin with what the tool is and examples, and --help has more") {
+TEST_CASE("-h and --help begin with the purpose of the tool and examples, and --help is longer") {
   for (const Words& command : commands()) {
     const std::string brief = said(command, "-h"), full = said(command, "--help");
     std::string name = command.front();
@@ -97,7 +97,7 @@ TEST_CASE("-h and --help begin with what the tool is and examples, and --help ha
   }
 }
 
-TEST_CASE("--help of ngs-joint shows what the method listens to, and ends with the groups it does not explain") {
+TEST_CASE("--help of ngs-joint shows the options of the method, and ends with a list of the other groups") {
   const std::string usual = said({"ngs-joint", "--help"}), cob = said({"ngs-joint", "--method", "cob", "--help"});
   for (const char* method : {"ng-gs", "bce", "cob", "flash", "sa3d", "saga", "released"})
     CHECK(lines_of(said({"ngs-joint", "--method", method, "--help"})).size() <= 80);
@@ -112,7 +112,7 @@ TEST_CASE("--help of ngs-joint shows what the method listens to, and ends with t
   CHECK(last_of_cob.find("|cob|") == last_of_cob.npos);
 }
 
-TEST_CASE("the modes in the help are those of the method") {
+TEST_CASE("the help shows the switches of the selected method") {
   const auto has_row = [](const std::string& help, const std::string& name, const std::string& mode) {
     return std::ranges::any_of(lines_of(help), [&](const std::string& line) {
       std::istringstream words(line);
@@ -124,14 +124,14 @@ TEST_CASE("the modes in the help are those of the method") {
   const std::string ng_gs = said({"ngs-joint", "--method", "ng-gs", "--help", "effects"});
   CHECK(has_row(ngs, "contours", "auto"));
   CHECK(has_row(ngs, "joint", "auto"));
-  CHECK_FALSE(has_row(ngs, "nerf", "auto"));  // a part: in full only
+  CHECK_FALSE(has_row(ngs, "nerf", "auto"));  // a part: shown with --help all only
   CHECK(has_row(all, "nerf", "auto"));
   CHECK(has_row(ng_gs, "nerf", "on"));
   CHECK(has_row(ng_gs, "contours", "off"));
   CHECK_FALSE(has_row(said({"ngs-joint", "--method", "cob", "--help", "effects"}), "joint", "auto"));
 }
 
-TEST_CASE("--help GROUP shows one group, whoever listens to it, and refuses a group that there is none of") {
+TEST_CASE("--help GROUP shows one group, whether it applies or not, and rejects an unknown group") {
   const std::string rbf = said({"ngs-joint", "--help", "rbf"});
   CHECK(rbf.starts_with("rbf: "));
   CHECK(rbf.find("\n  --neighbours N ") != rbf.npos);
@@ -163,7 +163,7 @@ TEST_CASE("--help all has every option of every tool once, in the group that --h
   }
 }
 
-TEST_CASE("every tool says its version as text and as JSON, in any order of the flags") {
+TEST_CASE("every tool prints its version as text and as JSON, in any order of the flags") {
   for (const std::string& tool : tools()) {
     CAPTURE(tool);
     CHECK(said({tool, "--version"}).starts_with(tool + " 0."));
@@ -176,7 +176,7 @@ TEST_CASE("every tool says its version as text and as JSON, in any order of the 
   }
 }
 
-TEST_CASE("a tool with commands refuses --json without --version, and a command it does not have") {
+TEST_CASE("a tool with commands rejects --json without --version, and an unknown command") {
   test::ProcessSpec spec;
   for (const Words& words : {Words{"--json"}, Words{"imprt"}}) {
     spec.argv = {NGS_TOOL_DIR "/ngs-scene", words[0]};

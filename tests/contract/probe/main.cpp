@@ -1,5 +1,4 @@
-// ngs-probe: a tool that does nothing but what the contract tests ask of it, so that the rules which hold for
-// every tool are tested without the work of any.
+// ngs-probe: a tool for the contract tests only. It tests the rules of all tools without the work of a real one.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -64,7 +63,7 @@ struct EchoOptions {
 
 /// Two stages with progress, and a warning in the first.
 void show_progress(cli::Run& run, int count) {
-  // longer than a terminal waits between two states of the line
+  // longer than the interval between two updates of the line
   const auto nap = [] { std::this_thread::sleep_for(std::chrono::milliseconds(120)); };
   for (const char* stage : {"work", "rest"}) {
     const auto timed = run.monitor().scope(stage);
@@ -75,13 +74,13 @@ void show_progress(cli::Run& run, int count) {
   }
 }
 
-/// Works on for longer than a signal lets it.
+/// Works for longer than the grace period after a signal.
 void work_deaf() {
   std::fprintf(stderr, "hears nothing\n");
   std::this_thread::sleep_for(std::chrono::seconds(20));
 }
 
-/// Takes longer to keep its state than a signal lets others work on, and is then deaf.
+/// Takes longer than the grace period to write its state, then ignores stop requests.
 void keep_state(cli::Run& run, const std::string& path) {
   {
     const cli::SignalGrace keeps;
