@@ -34,7 +34,7 @@ using test::command, test::fixture_folder, test::resolved, test::words;
 const fs::path kCases = fs::path(NGS_SOURCE_DIR) / "tests/contract/cases";
 
 /// The error line, else the first line.
-std::string said(const std::string& err) {
+std::string error_line(const std::string& err) {
   static const std::regex error("(^|\n)(ngs(-[a-z]+)?( [a-z]+)?: error: [^\n]+)");
   std::smatch match;
   return std::regex_search(err, match, error) ? match[2].str() : err.substr(0, err.find('\n'));
@@ -101,7 +101,7 @@ void check_failure(const Prepared& prepared, const Words& argv, const ProcessRes
       INFO("a failed run left " << path);
       CHECK((!fs::exists(path) || (fs::is_directory(path) && fs::is_empty(path))));
     }
-  if (result.exit_code < 128) CHECK(said(result.err).find(": error: ") != std::string::npos);
+  if (result.exit_code < 128) CHECK(error_line(result.err).find(": error: ") != std::string::npos);
 }
 
 void check_texts(const Json& expected, const std::string& text) {
@@ -272,12 +272,11 @@ TEST_CASE("every tool satisfies the contract in every listed case") {
       CHECK_NOTHROW(result = run_case(spec));
       static const std::regex folder("/[^ ]*/ngs-test-[A-Za-z0-9]+");  // differs from run to run
       table += name + " | " + std::to_string(result.exit_code) + " | " +
-               std::regex_replace(said(result.err), folder, "...") + "\n";
+               std::regex_replace(error_line(result.err), folder, "...") + "\n";
       ++cases;
     }
   std::cout << table << "contract cases: " << cases << "\n";
-  if (const char* path = std::getenv("NGS_CONTRACT_TABLE"))
-    std::ofstream(path) << "case | exit | what stderr says\n" << table;
+  if (const char* path = std::getenv("NGS_CONTRACT_TABLE")) std::ofstream(path) << "case | exit | stderr\n" << table;
 }
 
 }  // namespace ngs

@@ -60,7 +60,7 @@ struct Case {
   }
 };
 
-bool says(const test::ProcessResult& result, const std::string& text) {
+bool has_message(const test::ProcessResult& result, const std::string& text) {
   return result.err.find(text) != std::string::npos;
 }
 
@@ -97,7 +97,7 @@ TEST_CASE(
     const test::ProcessResult refused = c.merge();
     INFO(refused.err);
     CHECK(refused.exit_code == 4);
-    CHECK(says(refused, message));
+    CHECK(has_message(refused, message));
     CHECK_FALSE(fs::exists(c.out));
   }
 }
@@ -111,7 +111,7 @@ TEST_CASE(
   const test::ProcessResult refused = c.merge({"--scene", c.path("another.json")});
   INFO(refused.err);
   CHECK(refused.exit_code == 4);
-  CHECK(says(refused, "another.json: is scene "));
+  CHECK(has_message(refused, "another.json: is scene "));
   fs::copy(c.scene, c.path("same.json"));
   CHECK(c.merge({"--scene", c.path("same.json")}).exit_code == 0);
   c.write_part([](io::EvidencePart& part) { part.made_with.clear(); });
@@ -141,10 +141,10 @@ TEST_CASE("merging parts whose scene was read from a pipe requires --scene") {
   const test::ProcessResult part =
       c.run({"ngs-variance", "-", "--object", "ball", "--partial", c.part}, {}, test::read_bytes(c.scene));
   REQUIRE(part.exit_code == 0);
-  const test::ProcessResult asked = c.merge();
-  INFO(asked.err);
-  CHECK(asked.exit_code == 2);
-  CHECK(says(asked, "--scene scene.json"));
+  const test::ProcessResult merged = c.merge();
+  INFO(merged.err);
+  CHECK(merged.exit_code == 2);
+  CHECK(has_message(merged, "--scene scene.json"));
   CHECK(c.merge({"--scene", c.scene}).exit_code == 0);
 }
 
@@ -159,14 +159,14 @@ TEST_CASE("a scene or model path inside a file is rejected before opening unless
     const test::ProcessResult refused = c.run(argv);
     INFO(argv[0] << ": " << refused.err);
     CHECK(refused.exit_code == 3);
-    CHECK(says(refused, "model.ply: not a regular file, expected one"));
+    CHECK(has_message(refused, "model.ply: not a regular file, expected one"));
   }
   fs::remove(c.scene);
   REQUIRE(mkfifo(c.scene.c_str(), 0600) == 0);
   const test::ProcessResult refused = c.merge();
   INFO(refused.err);
   CHECK(refused.exit_code == 3);
-  CHECK(says(refused, "scene.json: not a regular file, expected one"));
+  CHECK(has_message(refused, "scene.json: not a regular file, expected one"));
 }
 
 }  // namespace ngs

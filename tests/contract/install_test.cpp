@@ -67,7 +67,7 @@ struct Installed {
   }
 };
 
-const char* const kSaid = " 1 48\n";  // output of that program after the version
+const char* const kOutput = " 1 48\n";  // output of that program after the version
 
 }  // namespace
 
@@ -111,10 +111,10 @@ TEST_CASE("another project finds an installed ngs with find_package, links ngs::
                       "cmake_minimum_required(VERSION 3.25)\nproject(user CXX)\nfind_package(ngs 0.1 REQUIRED)\n"
                       "add_executable(user user.cpp)\ntarget_link_libraries(user PRIVATE ngs::ngs)\n");
   installed.output({"cmake", "-S", ".", "-B", "build", "-DCMAKE_PREFIX_PATH=" + installed.prefix});
-  const std::string said = installed.output({"cmake", "--build", "build", "--verbose"});
-  CHECK(said.find("-ffp-contract=off") != said.npos);
-  CHECK(said.find(NGS_SOURCE_DIR) == said.npos);  // no path of the source tree
-  CHECK(installed.output({"build/user"}).ends_with(kSaid));
+  const std::string log = installed.output({"cmake", "--build", "build", "--verbose"});
+  CHECK(log.find("-ffp-contract=off") != log.npos);
+  CHECK(log.find(NGS_SOURCE_DIR) == log.npos);  // no path of the source tree
+  CHECK(installed.output({"build/user"}).ends_with(kOutput));
 }
 
 TEST_CASE("pkg-config gives working flags to compile and link against an installed ngs") {
@@ -126,7 +126,7 @@ TEST_CASE("pkg-config gives working flags to compile and link against an install
   installed.output({"bash", "-c",
                     "export PKG_CONFIG_PATH=" + folder +
                         "; c++ $(pkg-config --cflags ngs) user.cpp $(pkg-config --libs ngs) -o user"});
-  CHECK(installed.output({"./user"}).ends_with(kSaid));
+  CHECK(installed.output({"./user"}).ends_with(kOutput));
 }
 
 TEST_CASE("every tool has a man page that renders without a warning and lists its options") {

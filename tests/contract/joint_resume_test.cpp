@@ -46,7 +46,7 @@ Words operator+(Words words, const Words& more) {
   return words;
 }
 
-bool says(const test::ProcessResult& result, const std::string& text) {
+bool has_message(const test::ProcessResult& result, const std::string& text) {
   return result.err.find(text) != std::string::npos;
 }
 
@@ -62,7 +62,7 @@ test::ProcessResult stop_and_resume(const Case& c, const Words& options, const s
   CHECK(fs::exists(c.kept) == keeps);
   test::ProcessResult resumed = c.joint("resumed", kept + Words{"--resume"});
   REQUIRE(resumed.exit_code == 0);
-  CHECK(says(resumed, "resumed after step") == keeps);
+  CHECK(has_message(resumed, "resumed after step") == keeps);
   CHECK(c.bytes("resumed") == c.bytes("whole"));
   return resumed;
 }
@@ -115,7 +115,7 @@ TEST_CASE("ngs-joint stopped during contour refinement resumes the refinement") 
                     "--contour-epochs", "400"};
   const test::ProcessResult resumed =
       stop_and_resume(c, Words{"--steps", "4", "--effect", "nerf=off"} + edges, "contours begin", true);
-  CHECK(says(resumed, "resumed after step 4"));
+  CHECK(has_message(resumed, "resumed after step 4"));
 }
 
 TEST_CASE("ngs-joint shortens the joint stage only before contour iterations at half resolution") {
@@ -137,8 +137,8 @@ TEST_CASE("ngs-joint shortens the joint stage only before contour iterations at 
   // The refinement is refused: then the other steps follow. Stopped in these it goes on with the contours.
   lay_stripes(c);
   const std::string rest = "step " + std::to_string(3 * n + 1) + " begins";
-  CHECK(
-      says(stop_and_resume(c, coarse + report("refused"), rest, true), "resumed after step " + std::to_string(3 * n)));
+  CHECK(has_message(stop_and_resume(c, coarse + report("refused"), rest, true),
+                    "resumed after step " + std::to_string(3 * n)));
   REQUIRE(figure(c, "refused", "contour_iterations") == 0);
   CHECK(figure(c, "refused", "steps") == 10 * n);
 }
@@ -154,7 +154,7 @@ TEST_CASE("ngs-joint without disk space for a checkpoint writes its result and w
   INFO(result.err);
   CHECK(result.exit_code == 0);
   CHECK(c.bytes("full") == c.bytes("whole"));
-  CHECK(says(result, "the checkpoint was not written, the run continues without it"));
+  CHECK(has_message(result, "the checkpoint was not written, the run continues without it"));
   CHECK(fs::is_empty(c.keep));
 }
 
@@ -165,7 +165,7 @@ TEST_CASE("ngs-joint stopped without disk space for a checkpoint returns an erro
       test::run_process(test::with_files_of_at_most(32, c.spec("full", many, "step 1 begins")));
   INFO(result.err);
   CHECK(result.exit_code == 8);
-  CHECK(says(result, "checkpoint.safetensors: writing failed"));
+  CHECK(has_message(result, "checkpoint.safetensors: writing failed"));
   CHECK_FALSE(fs::exists(c.path("full")));
 }
 
@@ -198,7 +198,7 @@ TEST_CASE("ngs-joint rejects the checkpoint of another run") {
     const test::ProcessResult refused = c.joint("other", resume + other);
     INFO(other[0] << ": " << refused.err);
     CHECK(refused.exit_code == 4);
-    CHECK(says(refused, "the checkpoint of a run with other inputs, options or effects"));
+    CHECK(has_message(refused, "the checkpoint of a run with other inputs, options or effects"));
   }
   // A scene next to the other, so that its photos are found, with one training view less.
   std::string text = test::read_bytes(c.scene);
@@ -218,7 +218,7 @@ TEST_CASE("ngs-joint resumes with a copy of its files, but not with a different 
   const fs::path copy = c.dir.path() + "/scene";
   fs::copy(test::fixture_folder(), copy, fs::copy_options::recursive);
   c.scene = (copy / "scene.json").string();
-  CHECK(says(c.joint("copied", resume), "resumed after step 6"));
+  CHECK(has_message(c.joint("copied", resume), "resumed after step 6"));
   for (const std::string file : {"masks/v1.png", "images/v3.png"}) {
     const fs::path other = copy / (file[0] == 'm' ? "masks/v2.png" : "images/v4.png"), kept = copy / "kept.png";
     fs::copy_file(copy / file, kept);
@@ -226,7 +226,7 @@ TEST_CASE("ngs-joint resumes with a copy of its files, but not with a different 
     const test::ProcessResult refused = c.joint("other", resume);
     INFO(file << ": " << refused.err);
     CHECK(refused.exit_code == 4);
-    CHECK(says(refused, "the checkpoint of a run with other inputs, options or effects"));
+    CHECK(has_message(refused, "the checkpoint of a run with other inputs, options or effects"));
     fs::remove(copy / file), fs::rename(kept, copy / file);
   }
   CHECK(c.joint("again", resume).exit_code == 0);
@@ -250,7 +250,7 @@ TEST_CASE(
   const test::ProcessResult refused = c.joint("other", options + Words{"--resume", "--lambda-cont", "0.2"});
   INFO(refused.err);
   CHECK(refused.exit_code == 4);
-  CHECK_FALSE(says(refused, "auto: exposure="));
+  CHECK_FALSE(has_message(refused, "auto: exposure="));
 }
 
 TEST_CASE("ngs-joint rejects a checkpoint with a step beyond its plan or with values that are not finite") {
@@ -265,7 +265,7 @@ TEST_CASE("ngs-joint rejects a checkpoint with a step beyond its plan or with va
     const test::ProcessResult refused = c.joint("other", resume);
     INFO(step << ": " << refused.err);
     CHECK(refused.exit_code == 3);
-    CHECK(says(refused, "'step' is '" + step + "', expected a whole number from 0 to 10"));
+    CHECK(has_message(refused, "'step' is '" + step + "', expected a whole number from 0 to 10"));
   }
   for (const std::string name : {"position", "label", "label.m", "sh_dc.v"}) {
     io::TensorFile forged = whole;
@@ -275,7 +275,7 @@ TEST_CASE("ngs-joint rejects a checkpoint with a step beyond its plan or with va
     const test::ProcessResult refused = c.joint("other", resume);
     INFO(name << ": " << refused.err);
     CHECK(refused.exit_code == 3);
-    CHECK(says(refused, "'" + name + "' has a value that is not finite"));
+    CHECK(has_message(refused, "'" + name + "' has a value that is not finite"));
   }
   CHECK_FALSE(fs::exists(c.path("other")));
 }
@@ -317,7 +317,7 @@ TEST_CASE(
     const test::ProcessResult resumed = c.joint("resumed", resume);
     INFO(resumed.err);
     CHECK(resumed.exit_code == exit_code);
-    CHECK(says(resumed, "resumed after step 6") == (exit_code != 4));
+    CHECK(has_message(resumed, "resumed after step 6") == (exit_code != 4));
   };
   run["left_out"] = {"mask-outliers"};
   goes_on(7);
@@ -349,7 +349,7 @@ TEST_CASE("ngs-joint resumed removes the floaters that the interrupted run found
   const test::ProcessResult resumed = c.joint("resumed", options + Words{"--resume"});
   INFO(resumed.err);
   CHECK(resumed.exit_code == 0);
-  CHECK(says(resumed, "resumed after step 6"));
+  CHECK(has_message(resumed, "resumed after step 6"));
   for (const Json& wrong :
        {Json(), Json(3), Json{{"draft", 1}, {"refit_epochs", 0}}, Json{{"draft", true}, {"refit_epochs", 1000000}}}) {
     run["passes"]["floaters"] = wrong;
@@ -372,7 +372,7 @@ TEST_CASE("ngs-joint rejects a checkpoint whose arrays have another length") {
     const test::ProcessResult refused = c.joint("other", resume);
     INFO(refused.err);
     CHECK(refused.exit_code == 3);
-    CHECK(says(refused, "checkpoint.safetensors: '" + name + "' has "));
+    CHECK(has_message(refused, "checkpoint.safetensors: '" + name + "' has "));
   }
 }
 

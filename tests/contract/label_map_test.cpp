@@ -73,7 +73,7 @@ TEST_CASE("the ids of an EXR are read from its id channel, not from its soft mas
   }
 }
 
-TEST_CASE("an EXR without ids or with NaN ids is rejected with its name") {
+TEST_CASE("an EXR without ids or with invalid values is rejected with its name") {
   const Maps maps;
   const auto refused = [&](std::map<std::string, std::vector<float>> channels, std::vector<std::string> flags,
                            const std::string& because) {

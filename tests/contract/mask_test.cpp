@@ -88,8 +88,8 @@ TEST_CASE(
   dir.write("segment.sh",
             "cp \"$2\" kept-$(basename \"$2\")\ncat /proc/$PPID/comm > comm\n"
             "v=$(sed -n 's/.*\"view\": \"\\(.*\\)\".*/\\1/p' \"$2\"); cp \"scene/masks_gt/$v\" \"$3\"\n");
-  run_tool(dir, {"ngs-mask", "scene.json", "--prompts", "strokes.json", "-o", "asked", "-q", "--passes", "1",
-                 "--segmenter", "sh segment.sh {image} {prompts} {out}", "--report", "asked.json"});
+  run_tool(dir, {"ngs-mask", "scene.json", "--prompts", "strokes.json", "-o", "program", "-q", "--passes", "1",
+                 "--segmenter", "sh segment.sh {image} {prompts} {out}", "--report", "program.json"});
   if (!test::emulated())
     CHECK(test::read_bytes(dir.path() + "/comm") == "ngs-mask\n");  // the process name in top and killall
   for (int call = 0; call < 8; ++call) {

@@ -195,7 +195,7 @@ TEST_CASE("ngs-gs.sh computes the field if a stage reads it or it is requested, 
   CHECK(without.err.find("queries.ply and field.ply are not needed") != std::string::npos);
   const auto bytes = [&] { return test::read_bytes(capture.out + "/labelled.ply"); };
   const std::string labelled = bytes();
-  SUBCASE("asked for") {
+  SUBCASE("requested") {
     CHECK(capture.run({"--method", "flash", "--until", "labelled.ply", "--artifacts", "all"}).exit_code == 0);
     CHECK(has_field());
     CHECK(bytes() == labelled);
