@@ -102,7 +102,7 @@ objects_table() {
 
 ids_table() {
   local method
-  echo '| method | object | own | of others | background | of others, removed | of others, changed | outside the input region | outside the final region |'
+  echo '| method | object | own | of others | background | of others, removed | of others, changed | outside the input region | outside both regions |'
   echo '|---|---|---:|---:|---:|---:|---:|---:|---:|'
   for method in "$@"; do
     if [ ! -f "$out/$method/touched" ]; then continue; fi

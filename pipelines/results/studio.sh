@@ -14,8 +14,9 @@ question_studio() {
   studio_visit museum point_cloud.compressed.ply
 }
 
-# studio_visit SCENE MODEL: a row for every kind of response. A rule generated the sessions: on each view three moving frames
-# and a large still one, then a line through the object, then strokes through the longest wrong run of pixels.
+# studio_visit SCENE MODEL: a row for every kind of response. The sessions are generated: per view three moving frames, then
+# five strokes with a still frame before each. The first stroke is a line through the object, the others go through the
+# longest wrong run of pixels.
 studio_visit() {
   local log=$work/$1.log report=$work/$1.json kind
   if [ ! -f "$report" ]; then
