@@ -136,7 +136,7 @@ TEST_CASE("joint: photometric and mask loss decrease, and the ball is labelled")
   CHECK(wrong <= seen / 20);
 }
 
-TEST_CASE("joint: an empty boundary set fails with kNothingFound, or trains labels only if allowed") {
+TEST_CASE("joint: an empty boundary set throws, or trains labels alone if allowed") {
   auto c = test::joint_case();
   c->labels[0].boundary.assign(c->labels[0].boundary.size(), 0.f);
   Monitor monitor;
