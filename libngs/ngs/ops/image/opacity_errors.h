@@ -13,7 +13,7 @@ inline constexpr std::array<int, 4> kHaloBands_px = {1, 2, 3, 5};
 /// Margin around occluders: the silhouette ends there, the object may not.
 inline constexpr int kOccluderMargin_px = 4;
 
-/// In px of full opacity per px of contour: the width of an opaque seam along the contour of the same area.
+/// In px of full opacity per px of contour: the width of an opaque seam of equal area along the contour.
 struct OpacityErrors {
   double contour_px = 0;  // silhouette pixels at its contour; 0: the errors are undefined, and 0
   std::array<double, kHaloBands_px.size()> halo_px{}, holes_px{};  // farther outside and inside than each band
