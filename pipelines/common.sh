@@ -1,10 +1,10 @@
 # Functions that the scripts of this folder share; sourced, never run.
 # shellcheck shell=bash
 
-unset CDPATH  # with it `cd NAME` may go to another folder of that name, and prints where
+unset CDPATH  # otherwise `cd NAME` may change to another folder and prints its path
 pipelines=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 
-# say TEXT: on stderr; on a terminal no word is cut at its edge.
+# say TEXT: prints to stderr, wrapped at words on a terminal.
 say() {
   local columns=0
   if [ -t 2 ]; then columns=$(stty size <&2 2> /dev/null | cut -d ' ' -f 2) || true; fi
@@ -18,11 +18,11 @@ fail() {
   exit "$1"
 }
 
-# The folder of the tools, absolute: $NGS_BIN, else the build folder's, else nothing (PATH).
+# The absolute folder of the tools: $NGS_BIN, then the build folder, else empty (PATH).
 find_bin() {
-  local folder hint="$pipelines/build.sh builds them; NGS_BIN names their folder"
+  local folder hint="build them with $pipelines/build.sh, or set NGS_BIN to their folder"
   if [ -n "${NGS_BIN:-}" ]; then
-    [ -x "$NGS_BIN/ngs-scene" ] || fail 8 "NGS_BIN=$NGS_BIN: the tools are not there" "$hint"
+    [ -x "$NGS_BIN/ngs-scene" ] || fail 8 "NGS_BIN=$NGS_BIN: does not contain the tools" "$hint"
     (cd -- "$NGS_BIN" && pwd)
     return
   fi
@@ -32,19 +32,19 @@ find_bin() {
   command -v ngs-scene > /dev/null || fail 8 "ngs-scene: not in the build folder, not in PATH" "$hint"
 }
 
-# tool NAME ARGUMENTS...: a tool of the folder `bin`, which is what find_bin said.
+# tool NAME ARGUMENTS...: runs a tool of folder `bin` (the output of find_bin).
 tool() { "${bin:+$bin/}$1" "${@:2}"; }
 
-# score_masks SCENE_JSON LABELLED TRUTH METRICS: the masks of the held-out views at the photos' size against TRUTH.
+# score_masks SCENE_JSON LABELLED TRUTH METRICS: scores the masks of the held-out views against TRUTH, at photo size.
 score_masks() {
   rm -rf "$4.masks"
   tool ngs-render "$1" "$2" --views held-out --layers mask --scale 0 -o "$4.masks" -w -q > /dev/null &&
     tool ngs-eval "$4.masks" "$3" -o "$4" -w -q > /dev/null && rm -r "$4.masks"
 }
 
-# run_scene NAME SCENE_DIR OUT_DIR [options of ngs-gs.sh]: one scene of a loop. A failure is said and counted in
-# `failed_scenes`; the loop goes on. Finished folders are collected in `finished_runs`, those below --fail-below too: a mean
-# over the others would say that all is well.
+# run_scene NAME SCENE_DIR OUT_DIR [options of ngs-gs.sh]: one scene of a loop. Prints a failure, counts it in
+# `failed_scenes` and returns, so that the loop continues. `finished_runs` collects finished folders, including those below
+# --fail-below: a mean without them would be biased.
 finished_runs=() failed_scenes=0
 run_scene() {
   local name=$1 scene=$2 out=$3 code=0
@@ -62,11 +62,11 @@ fingerprint() {  # names, sizes and times of the files under the given paths
   for path in "$@"; do
     [ -n "$path" ] || continue
     printf '%s\n' "$path"
-    { find -L "$path" -type f -printf '%p %s %T@\n' 2>/dev/null || true; } | LC_ALL=C sort  # it may be absent
+    { find -L "$path" -type f -printf '%p %s %T@\n' 2>/dev/null || true; } | LC_ALL=C sort  # path may be absent
   done
 }
 
-# degraded_masks MASKS TO FLAGS...: MASKS made wrong by `ngs-scene degrade FLAGS` in the folder TO, anew where any of it changed.
+# degraded_masks MASKS TO FLAGS...: `ngs-scene degrade FLAGS` of MASKS to folder TO; repeated only if the input changed.
 degraded_masks() {
   local masks=$1 to=$2 bin key
   shift 2
@@ -79,17 +79,17 @@ degraded_masks() {
     printf '%s\n' "$key" > "$to.key"
 }
 
-# compare_runs OUT_DIR RUN...: report.html and summary.json of several runs, their table on stderr.
+# compare_runs OUT_DIR RUN...: writes report.html and summary.json of several runs; prints their table to stderr.
 compare_runs() {
   local out=$1 bin
   shift
-  [ $# -gt 0 ] || fail 5 "no scene was finished"
+  [ $# -gt 0 ] || fail 5 "no scene finished"
   bin=$(find_bin) || return
   "${bin:+$bin/}ngs-report" "$@" -o "$out/report.html" -w --report "$out/summary.json" || return
   say "summary: $out/summary.json, page: $out/report.html"
 }
 
-# mean_of_summaries SUMMARY...: the mean over scenes of the means that compare_runs left; of each score over those that have it.
+# mean_of_summaries SUMMARY...: means over the summaries of compare_runs; each score over the scenes that have it.
 mean_of_summaries() {
   awk '
     FNR == 1 { inside = 0 }
@@ -100,17 +100,17 @@ mean_of_summaries() {
   ' "$@" >&2
 }
 
-# usage_of SCRIPT: its leading comment.
+# usage_of SCRIPT: prints its leading comment.
 usage_of() { sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "$1"; }
 
-# held_out SCENE_DIR every:N:K: the names of these photos.
+# held_out SCENE_DIR every:N:K: prints the names of the held-out photos.
 held_out() {
   local rule=${2#every:}
   find -L "$1/images" -type f -printf '%f\n' | LC_ALL=C sort |
     awk -v n="${rule%:*}" -v k="${rule#*:}" '(NR - 1) % n == k'
 }
 
-# without_views SCENE_DIR MASKS SPLIT TO: the capture as if the views of SPLIT had never been taken (COLMAP text).
+# without_views SCENE_DIR MASKS SPLIT TO: a copy of the capture without the views of SPLIT (COLMAP text).
 without_views() {
   local kept
   rm -rf "$4"
@@ -122,7 +122,7 @@ without_views() {
     ln -s "$(realpath "$2/${kept%.*}.png")" "$4/masks/"
   done
   cp "$1/sparse/0/cameras.txt" "$1/sparse/0/points3D.txt" "$4/sparse/0/"
-  # An image is two lines, the first of which ends with its name; the second may be empty.
+  # An image has two lines; the first ends with its name, the second may be empty.
   awk '
     FNR == NR { taken[$1]; next }
     /^#/ { print; next }

@@ -1,12 +1,12 @@
-# One scene from photos, poses and masks to a cut-out object, as one dependency graph. Rebuilds only what changed:
+# Dependency graph of one scene: photos, poses and masks -> cut-out object. Rebuilds only what changed:
 #
 #   make -f pipelines/experiment.mk SCENE=scenes/bird MASKS=scenes/bird/masks_sam out/object.ply
 #   make -f pipelines/experiment.mk SCENE=... OUT=other GT=... HOLD_OUT=every:4:2 other/metrics.json
 #
 # SCENE MODEL MASKS GT HOLD_OUT IMAGE_SCALE METHOD QUALITY DEVICE and *_FLAGS are the inputs; their defaults follow.
-# A stage runs again when an earlier stage wrote its artifact anew, when its own options, input files (names,
-# sizes, times) or its binary changed. OUT must not contain spaces (make cannot have them in a target); the
-# other paths may, if they come through the environment. pipelines/ngs-gs.sh takes care of both.
+# A stage runs again if an earlier stage rewrote its artifact, or if its options, input files (names, sizes, times) or
+# binary changed. OUT must not contain spaces (a limit of make); other paths may, if passed through the environment.
+# pipelines/ngs-gs.sh handles both.
 SHELL := bash
 .SHELLFLAGS := -o pipefail -c
 .DELETE_ON_ERROR:
@@ -32,7 +32,7 @@ EXTRACT_FLAGS ?=
 RENDER_FLAGS ?=
 EVAL_FLAGS ?=
 REPORT_FLAGS ?=
-# Of every tool: those that may change a result, and those that cannot (-j 4 -q), which rerun nothing.
+# Flags of every tool: those that may change results, and those that cannot (-j 4 -q) and trigger no rerun.
 COMMON_FLAGS ?=
 UNKEYED_FLAGS ?=
 export ARTIFACTS OUT SCENE MODEL MASKS GT HOLD_OUT IMAGE_SCALE METHOD QUALITY DEVICE
@@ -42,7 +42,7 @@ export COMMON_FLAGS UNKEYED_FLAGS
 NGS_STAGE ?= $(dir $(lastword $(MAKEFILE_LIST)))stage.sh
 export NGS_STAGE
 STAGE := bash "$$NGS_STAGE"
-# field.ply where a stage reads it, or where ARTIFACTS is all. A shell of make knows only what came by the environment.
+# field.ply if a stage reads it or ARTIFACTS is all. $(shell) sees only environment variables, so pass them on.
 FIELD := $(shell ARTIFACTS=$(ARTIFACTS) METHOD='$(METHOD)' JOINT_FLAGS="$$JOINT_FLAGS $(if $(findstring command,$(origin JOINT_FLAGS)),$(JOINT_FLAGS))" OUT=. bash "$(NGS_STAGE)" field)
 
 .PHONY: all FORCE
@@ -51,7 +51,7 @@ all: $(OUT)/report.html
 $(OUT)/.state:
 	@mkdir -p $@
 
-# What a stage depends on beside the artifacts before it; written anew only where it differs.
+# Further dependencies of a stage, besides earlier artifacts; rewritten only on change.
 $(OUT)/.state/%.key: FORCE | $(OUT)/.state
 	@$(STAGE) key $*
 

@@ -1,37 +1,36 @@
 #!/usr/bin/env bash
-# One scene from photos, poses, masks and a trained splat to the cut-out object:
+# Cuts the object out of one scene: photos, poses, masks and a trained splat -> object:
 #
 #   pipelines/ngs-gs.sh SCENE_DIR OUT_DIR [options] [options of ngs-joint]
 #
 #   --model PLY          trained splat            (default: SCENE_DIR/point_cloud.ply, point_cloud/iteration_*/)
 #   --masks DIR          input masks, by stem     (default: SCENE_DIR/masks, masks_sam)
 #   --gt DIR             true masks               (default: SCENE_DIR/masks_gt, gt; else the held-out input masks)
-#   --hold-out RULE      every:N:K or a file of names: views whose masks no stage sees, and which are scored
+#   --hold-out RULE      every:N:K or a file of names: test views, whose masks are used only for scoring
 #   --image-scale S      working size             (default: 1, 1/2, 1/3 ... so that no side exceeds 800 px)
 #   --quality Q          draft|standard|high|reference
 #   --method M           ngs|ng-gs|bce|cob|flash|sa3d|saga|released
-#   --artifacts all      make queries.ply and field.ply too where no stage reads them (default: needed)
+#   --artifacts all      also write queries.ply and field.ply if no stage reads them (default: needed)
 #   --until FILE         stop at this artifact of OUT_DIR, e.g. --until boundary.ply
-#   -j N, --threads N    threads of every tool; as are --seed N, --log-format F, --allow-empty, -q, -v
-#   --device D           of the tools that have a CUDA path; the others stay on the CPU
+#   -j N, --threads N    threads of every tool; --seed N, --log-format F, --allow-empty, -q, -v likewise
+#   --device D           device of tools with a CUDA path; other tools use the CPU
 #   -n, --dry-run        print the commands only
 #   -h, --help
 #
 # SCENE_DIR holds images/ and the poses: sparse/0 or colmap/sparse/0 (COLMAP), transforms.json, transforms_train.json,
 # cameras.json or poses_bounds.npy; or images/ and scene.json of ngs-scene orbit, for a splat without photos.
-# OUT_DIR then holds scene.json boundary.ply labelled.ply object.ply background.ply, queries.ply and field.ply where the
-# field is asked for (--method ng-gs, --effect nerf=on) or --artifacts all is given,
-# masks/STEM.png of the held-out views (of all views without --hold-out), metrics.json, report.html and each
-# tool's report in reports/. OUT_DIR is none of the input folders, it holds no input model, its masks/ no masks of yours.
-# A second call does only what changed. Exit codes are those of the tools; 1 where --fail-below in EVAL_FLAGS
-# was not met.
+# Writes to OUT_DIR: scene.json boundary.ply labelled.ply object.ply background.ply, masks/STEM.png of the held-out views
+# (of all views without --hold-out), metrics.json, report.html and each tool's report in reports/; also queries.ply and
+# field.ply if a stage needs the field (--method ng-gs, --effect nerf=on) or with --artifacts all. OUT_DIR must not be an
+# input folder or contain input models or masks. A second call repeats only what changed. Exit codes are those of the tools;
+# 1 if a bound of --fail-below in EVAL_FLAGS was not met.
 #
 # Options for the other tools go in SCENE_FLAGS, VARIANCE_FLAGS, SAMPLE_FLAGS, RBF_FLAGS, EXTRACT_FLAGS,
 # RENDER_FLAGS, EVAL_FLAGS and REPORT_FLAGS, quoted as for the shell: SCENE_FLAGS='--mask-mode label --object-id 7' ...
-# (JOINT_FLAGS too; options of ngs-joint given here come behind them). Paths in these variables are absolute or relative
-# to OUT_DIR, paths among the options here to the folder of the call.
+# (JOINT_FLAGS too; options of ngs-joint given here follow them). Paths in these variables are absolute or relative
+# to OUT_DIR; paths in options are relative to the current folder.
 #
-# The tools come from $NGS_BIN, else from the build folder, else from PATH.
+# Tools are searched in $NGS_BIN, then in the build folder, then in PATH.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"
@@ -61,7 +60,7 @@ while [ $# -gt 0 ]; do
     --effects-from=* | --field=* | --options=* | --checkpoint=*)
       joint+=("${option%%=*}=$(absolute "${option#*=}")"); shift; continue ;;
     -*) joint+=("$option"); shift
-      # A word behind an option of ngs-joint is its value, once both folders are named.
+      # After both folders, a word that follows an option of ngs-joint is its value.
       if [ -n "$out" ] && [ $# -gt 0 ] && [ "${1#-}" = "$1" ]; then
         case $option in  # the stages run in OUT_DIR
           --effects-from | --field | --options | --checkpoint) joint+=("$(absolute "$1")") ;;
@@ -105,7 +104,7 @@ case ${until#./} in
   *) fail 2 "--until $until: expected scene.json, boundary.ply, queries.ply, field.ply, labelled.ply, object.ply, background.ply, masks, metrics.json or report.html" ;;
 esac
 
-# stages_until FILE [field.ply]: the stages that make FILE, in the order in which they run.
+# stages_until FILE [field.ply]: the stages needed for FILE, in order.
 stages_until() {
   local to_labels="scene variance ${2:+sample rbf} joint"
   case $1 in
@@ -121,7 +120,7 @@ stages_until() {
   esac
 }
 
-# The end of the chain, for people: what was made, where, the scores, how much was odd, what comes next.
+# Prints the result: outputs, scores, number of warnings, next step.
 summary() {
   local odd masks scores took="$((SECONDS % 60)) s"
   if [ "$SECONDS" -ge 60 ]; then took="$((SECONDS / 60)) min $took"; fi
@@ -139,15 +138,15 @@ summary() {
       END { print text }' metrics.json)
     say "  scores: $scores"
   fi
-  if [ "$odd" -gt 0 ]; then say "  odd: $odd warning(s), in reports/"; fi
+  if [ "$odd" -gt 0 ]; then say "  warnings: $odd, see reports/"; fi
   if [ -f report.html ]; then say "  next: open $PWD/report.html in a browser"; fi
 }
 
-command -v make > /dev/null || fail 8 "make: not found" "$pipelines/setup.sh installs it"
-mkdir -p -- "$out" || fail 8 "$out: cannot be made"
+command -v make > /dev/null || fail 8 "make: not found" "install it with $pipelines/setup.sh"
+mkdir -p -- "$out" || fail 8 "$out: cannot be created"
 BIN=$(find_bin)
 export BIN NGS_STAGE=$pipelines/stage.sh
-# In its own folder every target is a plain name, so OUT_DIR may hold spaces although make cannot.
+# Run in OUT_DIR, where every target is a plain name: make cannot handle spaces in OUT_DIR.
 cd -- "$out"
 export OUT=.
 NGS_STAGES=$(stages_until "${until#./}" "$(bash "$NGS_STAGE" field)")
@@ -161,18 +160,18 @@ if [ -n "$dry_run" ]; then
   done
   exit 0
 fi
-# Called twice at once on one OUT_DIR, the second waits and then finds nothing to do. The lock lasts as long as any
-# process of the run, so that what a killed run left is gone before another begins.
+# A second concurrent call on the same OUT_DIR waits for the lock, then finds nothing to do. All processes of a run hold the
+# lock, so that a new run starts only after those of a killed run ended.
 { mkdir -p .state && : > .state/run.lock; } || fail 8 "$out: cannot be written"
 exec 9> .state/run.lock
 flock -n 9 || { say "another run is at work in $out, waiting for it"; flock 9; }
-for folder in . reports .state; do  # not below: what a run of its own there has in work is no leftover
+for folder in . reports .state; do  # not recursively: nested runs own their temporary files
   if [ -d "$folder" ]; then flock .state/stage.lock find "$folder" -maxdepth 1 -name '.ngs-*.tmp*' -delete; fi
 done
 rm -f .state/exit_code
-unset MAKEFLAGS MFLAGS MAKEOVERRIDES  # of a make that called this
-# make and all that it starts are a group of their own: a signal that reaches this script alone, as a scheduler sends it,
-# goes to every one of them, and the script ends when they have ended: make waits for its stage, that for its tool.
+unset MAKEFLAGS MFLAGS MAKEOVERRIDES  # from a calling make
+# make and its children form a process group. A signal to this script alone, as sent by a scheduler, is forwarded to the
+# group, and the script waits for its end: make waits for its stage, the stage for its tool.
 stopped=''
 start_make() {
   set -m
@@ -184,13 +183,13 @@ start_make() {
 }
 wait_for_make() {
   wait "$group" || made=$?
-  if [ -n "$stopped" ]; then  # which the signal broke off
+  if [ -n "$stopped" ]; then  # interrupted by the signal
     wait "$group" || true
     exit "$stopped"
   fi
 }
 made=0
-exec 7>&2  # of the tools; what make itself says of a failure is shown only where no tool has said why
+exec 7>&2  # stderr of the tools; errors of make itself are shown only if no tool printed an error
 start_make
 wait_for_make
 if [ "$made" -ne 0 ] && [ ! -s .state/exit_code ]; then cat .state/make.log >&2; fi

@@ -1,17 +1,17 @@
 #!/usr/bin/env bash
-# One stage of experiment.mk: `stage.sh STAGE` runs its tool, `stage.sh key STAGE` writes what the stage depends on beside
-# the artifacts before it to OUT/.state/STAGE.key where that differs; with NGS_DRY_RUN set the commands are printed only.
-# `stage.sh check` only refuses an OUT where a stage would replace what is not its own, as every other call does first;
-# `stage.sh options` refuses options that a tool would refuse when its turn comes;
-# `stage.sh scored` fails where nothing was scored; `stage.sh field` says field.ply where a stage reads it or it is asked for.
-# NGS_STAGES, where set, names the stages of the whole run: the tools then say which of them they are (NGS_STAGE_OF).
-# All values come through the environment, so that paths may hold any character. Not called by hand.
+# One stage of experiment.mk: `stage.sh STAGE` runs its tool. `stage.sh key STAGE` writes the dependencies of the stage,
+# besides earlier artifacts, to OUT/.state/STAGE.key if they changed. With NGS_DRY_RUN, only prints commands.
+# `stage.sh check` fails if a stage would replace foreign files in OUT; every other call checks this first, too.
+# `stage.sh options` fails if a tool would reject its options; `stage.sh scored` fails without scores;
+# `stage.sh field` prints field.ply if a stage reads it or ARTIFACTS is all.
+# NGS_STAGES names the stages of the whole run; tools then print their position (NGS_STAGE_OF).
+# All values are passed in the environment, so that paths may contain any character. Not called by hand.
 set -euo pipefail
 if [ -n "${NGS_STDERR:-}" ]; then exec 2>&"$NGS_STDERR"; fi
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"
 
-# The tool is sent the same signal, and has files to take away.
+# The tool gets the same signal and removes its unfinished files.
 trap 'exit 143' TERM HUP
 trap 'exit 130' INT
 
@@ -19,24 +19,24 @@ for name in ARTIFACTS SCENE MODEL MASKS GT HOLD_OUT METHOD QUALITY DEVICE {SCENE
   declare "$name=${!name:-}"
 done
 
-# Make turns every failure into its own code; ngs-gs.sh finds the tool's here.
-# It is 1 only where --fail-below was not met; a 1 from here is a mkdir, rm or mv that could not.
+# make replaces exit codes by its own; this file passes the tool's code to ngs-gs.sh.
+# Code 1 is reserved for --fail-below; a 1 here means that mkdir, rm or mv failed.
 trap 'code=$?; if [ $code -eq 1 ]; then code=8; fi; if [ $code -ne 0 ] && [ -d "$OUT/.state" ]; then printf %s $code > "$OUT/.state/exit_code"; fi' EXIT
 
-first_existing() {  # the first path that exists, else nothing
+first_existing() {  # prints the first path that exists
   local path
   for path in "$@"; do
     if [ -e "$path" ]; then printf '%s' "$path"; return; fi
   done
 }
 
-source_of_scene() {  # in the order in which ngs-scene looks
+source_of_scene() {  # same order as ngs-scene
   first_existing "$SCENE/cameras.bin" "$SCENE/cameras.txt" "$SCENE/sparse" "$SCENE/colmap/sparse/0" \
     "$SCENE/transforms.json" "$SCENE/transforms_train.json" "$SCENE/cameras.json" "$SCENE/poses_bounds.npy" \
     "$SCENE/scene.json"
 }
 
-photo_folders() {  # a line each: images/, and those that the frames of a transforms file name
+photo_folders() {  # one per line: images/, and the folders named in a transforms file
   local source
   printf '%s\n' "$SCENE/images"
   source=$(source_of_scene)
@@ -50,11 +50,11 @@ model_of_scene() {
   if [ -n "$MODEL" ]; then printf '%s' "$MODEL"; return; fi
   local trained
   trained=$(first_existing "$SCENE/point_cloud.ply" "$SCENE/model.ply")
-  # A folder of the Inria trainer: the last iteration, as ngs-scene takes it; what else lies there is somebody's copy.
+  # Output of the Inria trainer: the last iteration, as in ngs-scene; other folders there are copies.
   if [ -z "$trained" ] && [ -d "$SCENE/point_cloud" ]; then
     trained=$(find -L "$SCENE/point_cloud" -mindepth 2 -maxdepth 2 -regex '.*/iteration_[0-9]+/point_cloud\.ply' | sort -V | tail -n 1)
   fi
-  if [ -z "$trained" ] && [ "$(source_of_scene)" = "$SCENE/scene.json" ]; then  # of ngs-scene orbit, which names it
+  if [ -z "$trained" ] && [ "$(source_of_scene)" = "$SCENE/scene.json" ]; then  # scene of ngs-scene orbit names its model
     trained=$(sed -n 's/^ *"model": "\(.*\)",$/\1/p' "$SCENE/scene.json")
     case $trained in '' | /*) ;; *) trained=$SCENE/$trained ;; esac
   fi
@@ -65,20 +65,20 @@ masks_of_scene() {
   if [ -n "$MASKS" ]; then printf '%s' "$MASKS"; else first_existing "$SCENE/masks" "$SCENE/masks_sam"; fi
 }
 
-# The truth: GT, else the scene's own, else the input masks of the held-out views, which no stage has seen.
+# True masks: GT, else masks_gt/ or gt/ of the scene, else the input masks of the held-out views, which no stage reads.
 truth_of_scene() {
   if [ -n "$GT" ]; then printf '%s' "$GT"; return; fi
   local truth
   truth=$(first_existing "$SCENE/masks_gt" "$SCENE/gt")
-  if [ -z "$truth" ] && [ -z "$(no_stand_in)" ]; then truth=$(masks_of_scene); fi
+  if [ -z "$truth" ] && [ -z "$(no_input_as_truth)" ]; then truth=$(masks_of_scene); fi
   printf '%s' "$truth"
 }
 
-# mask_setting NAME: how ngs-scene reads the input masks; nothing before it has run.
+# mask_setting NAME: mask setting in scene.json; empty before ngs-scene has run.
 mask_setting() { sed -n "/^ *\"masks\":/{s/.*\"$1\":\"\{0,1\}\([a-z0-9]*\).*/\1/p;q}" "$OUT/scene.json" 2> /dev/null || true; }
 
-# Why the input masks cannot stand in for the truth; nothing where they can.
-no_stand_in() {
+# Prints why input masks cannot be used as ground truth; empty if they can.
+no_input_as_truth() {
   if [ -z "$HOLD_OUT" ] || [ -z "$(masks_of_scene)" ]; then
     echo "no held-out views"
   elif [ -f "$OUT/scene.json" ] && ! grep -q '"mask":.*"split":"held-out"' "$OUT/scene.json"; then
@@ -88,7 +88,7 @@ no_stand_in() {
   fi
 }
 
-# What about the input masks ngs-eval cannot read as ngs-scene does; nothing where it can.
+# Prints why ngs-eval cannot read the input masks as ngs-scene does; empty if it can.
 unlike_truth() {
   if [ "$(mask_setting invert)" = true ]; then
     echo "the input masks are inverted"
@@ -101,19 +101,19 @@ tool_path() {
   if [ -n "${BIN:-}" ]; then printf '%s/%s' "$BIN" "$1"; else command -v "$1" || printf '%s' "$1"; fi
 }
 
-# device_of TOOL: its --device. A tool, or a method, without a CUDA path refuses one that it cannot have.
+# device_of TOOL: prints its --device option. Tools and methods without a CUDA path would reject it.
 device_of() {
   case $1:${METHOD:-ngs} in
     ngs-variance:* | ngs-rbf:* | ngs-render:* | ngs-joint:ngs | ngs-joint:ng-gs) if [ -n "$DEVICE" ]; then printf -- '--device %q' "$DEVICE"; fi ;;
   esac
 }
 
-# at NAME: a path of OUT as a word of `step`; absolute, or a printed rm would do harm in another folder.
+# at NAME: a path in OUT, quoted for `step`; absolute, so that a printed rm is safe in any folder.
 at() { printf %q "$(realpath -m "$OUT")/$1"; }
-# step COMMAND: what a stage does beside its tool; a dry run prints it.
+# step COMMAND: runs a shell command of a stage; a dry run prints it.
 step() { if [ -n "${NGS_DRY_RUN:-}" ]; then printf '%s\n' "$1"; else eval "$1"; fi; }
 
-# run TOOL ARGUMENTS...: the report goes to reports/. A budget that was hit leaves a usable result: code 7 goes on.
+# run TOOL ARGUMENTS...: runs a tool with its report in reports/. Continues after code 7 (budget reached, partial result).
 run() {
   local tool=$1 name=$1 code=0
   shift
@@ -125,18 +125,18 @@ run() {
     return
   fi
   mkdir -p "$OUT/reports"
-  { printf '%q ' "$tool" "$@"; printf '\n'; } > "$OUT/reports/$name.sh"  # for the page: how to repeat it
+  { printf '%q ' "$tool" "$@"; printf '\n'; } > "$OUT/reports/$name.sh"  # for the report page
   "$(tool_path "$tool")" "$@" || code=$?
   if [ "$code" -eq 7 ]; then
-    say "$tool stopped at its budget; going on with its partial result"
-  elif [ "$code" -eq 1 ]; then  # done; --fail-below was not met
+    say "$tool stopped at its budget; continuing with its partial result"
+  elif [ "$code" -eq 1 ]; then  # finished, but a bound of --fail-below was not met
     if [ "$name" = ngs-eval ]; then printf 1 > "$OUT/.state/check_failed"; fi
   elif [ "$code" -ne 0 ]; then
     exit "$code"
   fi
 }
 
-flags() {  # words of a *_FLAGS variable, which is quoted for the shell, into the array `words`
+flags() {  # splits a *_FLAGS variable, quoted for the shell, into the array `words`
   eval "words=(${1:-})"
 }
 
@@ -144,7 +144,7 @@ stage_scene() {
   local source model masks optional=()
   source=$(source_of_scene) model=$(model_of_scene) masks=$(masks_of_scene)
   [ -n "$source" ] || fail 3 "$SCENE: no poses found (sparse/, colmap/sparse/0, transforms.json, cameras.json, poses_bounds.npy, or the scene.json of ngs-scene orbit)" \
-    "colmap automatic_reconstructor makes poses of photos; a splat alone needs none: ngs cut MODEL.ply"
+    "make poses from photos with colmap automatic_reconstructor; for a splat without photos use: ngs cut MODEL.ply"
   [ -n "$model" ] || fail 3 "$SCENE: no point_cloud.ply found" "give one with --model, or fit one: ngs-fit"
   [ -n "$masks" ] || [ -n "${NO_MASKS:-}" ] || fail 3 "$SCENE: no folder 'masks' found" "give one with --masks DIR"
   case $source in */sparse | */sparse/0 | */cameras.bin | */cameras.txt) source=$SCENE ;; esac
@@ -173,7 +173,7 @@ stage_rbf() {
 
 say_unless_quiet() { case " $UNKEYED_FLAGS " in *" -q "*) ;; *) say "$1" ;; esac; }
 
-# Elsewhere ngs-joint has the field off, or samples and interpolates by itself, with the same result.
+# Prints field.ply if ngs-joint reads it. Otherwise ngs-joint has the field off, or computes it itself with the same result.
 field() {
   local i
   flags "$JOINT_FLAGS"
@@ -192,10 +192,10 @@ stage_joint() {
   field=$(field)
   if [ -n "$METHOD" ]; then words+=(--method "$METHOD"); fi
   if [ -n "$QUALITY" ]; then words+=(--quality "$QUALITY"); fi
-  if [ -z "$field" ]; then say_unless_quiet "queries.ply and field.ply are not needed (--artifacts all makes them)"; fi
+  if [ -z "$field" ]; then say_unless_quiet "queries.ply and field.ply are not needed (write them with --artifacts all)"; fi
   case " ${words[*]/#--method=/--method } " in
     *" --method ngs "* | *" --method ng-gs "*) ;;
-    *" --method "*)  # a baseline, which has no steps to trace
+    *" --method "*)  # baselines have no steps to trace
       trace=()
       step "rm -f $(at trace.jsonl)" ;;
   esac
@@ -208,28 +208,28 @@ stage_extract() {
   run ngs-extract "$OUT/labelled.ply" --object "$OUT/object.ply" --background "$OUT/background.ply" "${words[@]}"
 }
 
-# The render stage replaces OUT/masks as a whole. Masks that came from elsewhere would be lost, and as the truth they
-# would be compared with themselves.
+# The render stage replaces the folder OUT/masks. Foreign masks in it would be lost, and if used as ground truth they would
+# be compared with themselves.
 refuse_foreign_masks() {
   local path out
   out=$(realpath -m "$OUT")
   for path in "$SCENE" "$SCENE"/{images,masks,masks_sam,masks_gt,gt} "$MASKS" "$GT"; do
     if [ -z "$path" ] || [ ! -e "$path" ]; then continue; fi
-    if [ "$OUT" -ef "$path" ]; then fail 2 "$out: is the input $path too" "choose another folder for the outputs"; fi
+    if [ "$OUT" -ef "$path" ]; then fail 2 "$out: is also the input $path" "choose another folder for the outputs"; fi
     case $(realpath "$path")/ in
       "$(realpath -m "$OUT/masks")"/*)
-        fail 2 "$out/masks: holds the input $path, the masks of the result go there" \
+        fail 2 "$out/masks: contains the input $path, but result masks are written there" \
           "choose another folder for the outputs" ;;
     esac
   done
   path=$(foreign_masks)
   if [ -n "$path" ]; then
-    fail 2 "$out/masks: holds $path, which no run has rendered; the masks of the result go there" \
-      "move it elsewhere, and name it with --masks or --gt if it is an input"
+    fail 2 "$out/masks: contains $path, which no run has rendered; result masks are written there" \
+      "move it elsewhere; if it is an input, pass it with --masks or --gt"
   fi
 }
 
-# The first file of OUT/masks that is not in the list of the last render; an empty list is of a version that wrote none.
+# The first file of OUT/masks that is not in the list of the last render; older versions wrote an empty list.
 foreign_masks() {
   local rendered=$OUT/.state/masks_rendered
   if [ ! -d "$OUT/masks" ] || { [ -e "$rendered" ] && [ ! -s "$rendered" ]; }; then return; fi
@@ -238,18 +238,18 @@ foreign_masks() {
 }
 listed_in() { (cd "$1" && find . ! -type d | LC_ALL=C sort); }
 
-# The model is read at every call; where a stage replaced it, the next call would cut the object out of its own result.
+# The model must not be an output file: the next call would cut the object out of its own result.
 refuse_own_model() {
   local model path
   model=$(model_of_scene)
   for path in "$OUT"/{boundary,queries,field,labelled,object,background}.ply; do
     if [ -n "$model" ] && [ "$path" -ef "$model" ]; then
-      fail 2 "$(realpath -m "$path"): is the input model, the result goes there" "choose another folder for the outputs"
+      fail 2 "$(realpath -m "$path"): is the input model, but the result is written there" "choose another folder for the outputs"
     fi
   done
 }
 
-# Masks at the size of the photos, not at the working size: the truth is compared there.
+# Renders masks at the size of the photos, which is that of the ground truth.
 stage_render() {
   local views=all
   if [ -n "$HOLD_OUT" ]; then views=held-out; fi
@@ -257,14 +257,14 @@ stage_render() {
   flags "$RENDER_FLAGS"
   run ngs-render "$OUT/scene.json" "$OUT/labelled.ply" --views "$views" --layers mask --scale 0 --format png \
     "${words[@]}" -o "$OUT/.state/masks"
-  # The list first: a run that ends between the two leaves no masks that nobody owns.
+  # Write the list first: an interrupted run then leaves no unlisted masks.
   step "(cd $(at .state/masks) && find . ! -type d | LC_ALL=C sort) > $(at .state/masks_rendered)"
   step "mv $(at .state/masks) $(at masks)"
 }
 
-# eval_words DIR TRUTH: the options of ngs-eval for the masks in DIR, into `words`. Masks of several objects lie in a folder
-# each; folders of a single object belong to the views' names, as the cameras of a rig. Label maps that stand in for the truth
-# have the ids that ngs-scene found in them and its void id, and so do those that EVAL_FLAGS says nothing else of.
+# eval_words DIR TRUTH: sets `words` to the options of ngs-eval for the masks in DIR. Several objects have one folder each;
+# folders of a single object are part of the view names, such as cameras of a rig. Label maps used as ground truth, and those
+# without ids in EVAL_FLAGS, get the object ids and void id of scene.json.
 eval_words() {
   local labels layout=view ids id
   flags "$EVAL_FLAGS"
@@ -289,18 +289,18 @@ stage_eval() {
   step "rm -f $(at .state/check_failed) $(at metrics_input.json) $(at reports/ngs-eval-input.json)"
   step "(cd $(at masks) && find . -name '*.png' | sed 's|^\./||' | LC_ALL=C sort) > $(at .state/scored_views.txt)"
   if [ -z "$truth" ]; then
-    say "no ground truth, and $(no_stand_in): nothing is scored"
+    say "no ground truth, and $(no_input_as_truth): nothing is scored"
     step "rm -f $(at metrics.json) $(at reports/ngs-eval.json)"
     return
   fi
   if [ "$truth" = "$masks" ]; then
-    say "no ground truth given: the input masks of the held-out views stand in for it"
-  else  # the input masks' own score on the same views, for comparison
+    say "no ground truth given: scoring against the input masks of the held-out views"
+  else  # score the input masks on the same views, for comparison
     unlike=$(unlike_truth)
     if [ "$(mask_setting mode)" = label ] && [[ $EVAL_FLAGS != *--label-map* ]]; then unlike="the input masks are label maps, the truth is not"; fi
   fi
   if [ -n "${unlike:-}" ]; then
-    say "$unlike: they are not scored themselves"
+    say "$unlike: no score of the input masks"
   elif [ "$truth" != "$masks" ]; then
     eval_words "$masks" "$truth"
     run ngs-eval --report-name ngs-eval-input "$masks" "$truth" --views "$names" "${words[@]}" -q -o "$OUT/metrics_input.json"
@@ -310,7 +310,7 @@ stage_eval() {
 }
 
 stage_scored() {
-  [ -f "$OUT/metrics.json" ] || fail 5 "no ground truth, and $(no_stand_in): nothing was scored" "give --gt or --hold-out"
+  [ -f "$OUT/metrics.json" ] || fail 5 "no ground truth, and $(no_input_as_truth): nothing was scored" "give --gt or --hold-out"
 }
 
 stage_report() {
@@ -343,7 +343,7 @@ key() {
   named_files "$COMMON_FLAGS ${!own:-}"
 }
 
-# named_files FLAGS: what is in the files that these options name, as far as they are inputs.
+# named_files FLAGS: fingerprints of the input files named in these options.
 named_files() {
   local words=() i file
   flags "$1"
@@ -360,7 +360,7 @@ named_files() {
   done
 }
 
-# A misspelt option of the last tool is found before the first has worked for an hour.
+# Checks the options of all tools before the first one runs.
 stage_options() {
   accepted "$SCENE_FLAGS" ngs-scene import
   accepted "$VARIANCE_FLAGS" ngs-variance
@@ -373,24 +373,24 @@ stage_options() {
   accepted "$REPORT_FLAGS" ngs-report
 }
 chosen() { if [ -n "$2" ]; then printf ' %q' "$1" "$2"; fi; }
-# accepted FLAGS TOOL [COMMAND]: the tool reads the options and does nothing with them.
+# accepted FLAGS TOOL [COMMAND]: lets the tool parse the options without running.
 accepted() {
   flags "$1 $COMMON_FLAGS $(device_of "$2") $UNKEYED_FLAGS"
   "$(tool_path "$2")" "${@:3}" "${words[@]}" --print-options > /dev/null || exit $?
 }
 
-# is_whole STAGE: whether the stage's artifacts that make does not see are all there.
-is_whole() {
+# is_complete STAGE: whether artifacts that make does not track are complete.
+is_complete() {
   case $1 in
     render) [ -d "$OUT/masks" ] && [ -z "$(listed_in "$OUT/masks" | LC_ALL=C comm -13 - "$OUT/.state/masks_rendered" 2> /dev/null)" ] ;;
     eval) [ -f "$OUT/metrics.json" ] || [ -z "$(truth_of_scene)" ] ;;
   esac
 }
 
-write_key() {  # a key that is new makes the stage run
+write_key() {  # a changed key makes the stage run
   local file=$OUT/.state/$1.key
   key "$1" > "$file.new"
-  if cmp -s "$file.new" "$file" && is_whole "$1"; then rm "$file.new"; else mv "$file.new" "$file"; fi
+  if cmp -s "$file.new" "$file" && is_complete "$1"; then rm "$file.new"; else mv "$file.new" "$file"; fi
 }
 
 if [ "$1" = field ]; then field; exit; fi
@@ -401,12 +401,12 @@ refuse_own_model
 if [ "$1" = check ]; then exit; fi
 BIN=${BIN:-$(find_bin)}
 if [ "$1" = options ]; then stage_options; exit; fi
-# Two makes at once on one OUT take turns.
+# Serialises concurrent runs on one OUT.
 if [ -z "${NGS_DRY_RUN:-}" ]; then
   exec 8> "$OUT/.state/stage.lock"
   flock 8
 fi
-# place_of STAGE: "3/9" among NGS_STAGES; nothing where it is none of them.
+# place_of STAGE: position in NGS_STAGES, such as "3/9"; empty if not in the list.
 place_of() {
   local name names index=0
   read -ra names <<< "${NGS_STAGES:-}"

@@ -1,4 +1,4 @@
-# captures: what every method makes of real captures, of views that were taken away, of a splat with floaters
+# captures: all methods on real captures, on removed views, on a splat with floaters
 # shellcheck shell=bash disable=SC2154
 question_captures() {
   title "Held out: $(splits_text) (means) of bird, else every:4:2; floaters are in another splat of bird; CPU time on bird"
@@ -18,7 +18,7 @@ question_captures() {
   capture_floaters
 }
 
-# capture_floaters: the splat of bird that has floaters before the object.
+# capture_floaters: the splat of bird with floaters in front of the object.
 capture_floaters() {
   local bird
   bird=$(capture bird)
@@ -26,7 +26,7 @@ capture_floaters() {
   described_methods floaters "$bird/masks_gt" set=floaters run=every:4:2
 }
 
-# capture_bird SPLIT: with the photos of the held-out views, and with nothing of them.
+# capture_bird SPLIT: with the photos of the held-out views, and without these views.
 capture_bird() {
   local bird
   bird=$(capture bird)
@@ -37,7 +37,7 @@ capture_bird() {
   seen_in=$1 described_methods "$1-less" "$bird/masks_gt" set=taken-away run="$1"
 }
 
-# all_methods PREPARED CAPTURE KEY=VALUE...: the input masks' own score, and that of every method.
+# all_methods PREPARED CAPTURE KEY=VALUE...: scores of the input masks and of every method.
 all_methods() {
   local scored=$work/$1/input.json rule
   rule=$(printf '%s\n' "${@:3}" | sed -n 's/^run=//p')

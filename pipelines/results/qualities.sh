@@ -1,4 +1,4 @@
-# qualities: what --quality buys, and what it costs
+# qualities: gain and cost of each --quality
 # shellcheck shell=bash disable=SC2154
 question_qualities() {
   title "Bird, means over $(splits_text); two threads"

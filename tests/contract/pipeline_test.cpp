@@ -48,7 +48,7 @@ struct Capture {
     fs::remove(dir.path() + "/my scene/scene.json");
     out = dir.path() + "/the output";
   }
-  /// The tiny scene with spaces in both folders, v2 held out.
+  /// The tiny scene with spaces in both folder names, v2 held out.
   test::ProcessResult run(std::vector<std::string> further,
                           std::vector<std::pair<std::string, std::string>> environment = {}) const {
     further.insert(further.begin(), {"my scene", "the output", "--hold-out", "every:4:2", "--gt", "my scene/masks"});
@@ -56,7 +56,7 @@ struct Capture {
   }
 };
 
-TEST_CASE("ngs-gs.sh makes every promised file, then runs only what changed") {
+TEST_CASE("ngs-gs.sh writes every documented file, then reruns only what changed") {
   REQUIRE(fs::exists(NGS_TOOL_DIR "/ngs-joint"));
   const Capture capture;
   const test::ProcessResult first = capture.run({"--method", "flash"});
@@ -103,7 +103,7 @@ TEST_CASE("ngs-gs.sh makes every promised file, then runs only what changed") {
   }
 }
 
-TEST_CASE("ngs-gs.sh renders masks at the photos' size where the working size is no whole part of it") {
+TEST_CASE("ngs-gs.sh renders masks at the photos' size if the working size does not divide it") {
   const Capture capture;
   const test::ProcessResult result = capture.run({"--image-scale", "0.3", "--method", "flash"});
   INFO(result.err);
@@ -122,9 +122,9 @@ TEST_CASE("ngs-gs.sh prints the commands in a dry run and writes nothing") {
   CHECK(times_of(capture.out).empty());
 }
 
-TEST_CASE("ngs-gs.sh gives --device to the tools that have a CUDA path, and to no other") {
+TEST_CASE("ngs-gs.sh passes --device only to tools with a CUDA path") {
   const Capture capture;
-  const auto given = [&](std::vector<std::string> further) {  // tool -> whether its command has the option
+  const auto given = [&](std::vector<std::string> further) {  // tool -> true if its command has the option
     further.insert(further.end(), {"-n", "--artifacts", "all", "--device", "cuda"});
     const test::ProcessResult result = capture.run(further);
     REQUIRE(result.exit_code == 0);
@@ -146,13 +146,13 @@ TEST_CASE("ngs-gs.sh gives --device to the tools that have a CUDA path, and to n
   expected["ngs-joint"] = false;
   CHECK(given({"--method", "flash"}) == expected);
 
-  // Where a tool is told of a device that is not there, it is the first one that could use it.
+  // If the device does not exist, the first tool with a CUDA path fails.
   const test::ProcessResult result = capture.run({"--device", "cuda"});
   if (result.exit_code != 0) CHECK(result.err.find("no CUDA path") == std::string::npos);
   CHECK(fs::exists(capture.out + "/scene.json"));
 }
 
-TEST_CASE("ngs-gs.sh passes on the exit code of the tool that failed") {
+TEST_CASE("ngs-gs.sh returns the exit code of the failed tool") {
   const Capture capture;
   fs::resize_file(capture.dir.path() + "/my scene/model.ply", 300);
   const test::ProcessResult result = capture.run({});
@@ -160,7 +160,7 @@ TEST_CASE("ngs-gs.sh passes on the exit code of the tool that failed") {
   CHECK(result.err.find("model.ply") != std::string::npos);
 }
 
-TEST_CASE("ngs-gs.sh refuses what it cannot use") {
+TEST_CASE("ngs-gs.sh rejects invalid arguments") {
   const test::TempDir dir;
   CHECK(run_script(dir.path(), {}).exit_code == 2);
   CHECK(run_script(dir.path(), {"nowhere", "out"}).exit_code == 3);
@@ -170,7 +170,7 @@ TEST_CASE("ngs-gs.sh refuses what it cannot use") {
   CHECK(empty.err.find("no poses found") != std::string::npos);
 }
 
-TEST_CASE("ngs-gs.sh stops at the artifact that --until names, and names those that there are") {
+TEST_CASE("ngs-gs.sh stops at the artifact of --until, and lists the artifacts for an unknown one") {
   const Capture capture;
   const test::ProcessResult unknown = capture.run({"--until", "boundary.png"});
   CHECK(unknown.exit_code == 2);
@@ -184,7 +184,7 @@ TEST_CASE("ngs-gs.sh stops at the artifact that --until names, and names those t
   CHECK(unscored.err.find("nothing was scored") != std::string::npos);
 }
 
-TEST_CASE("ngs-gs.sh makes the field where a stage reads it or it is asked for, and else says that it is not needed") {
+TEST_CASE("ngs-gs.sh computes the field if a stage reads it or it is requested, else reports that it is not needed") {
   const Capture capture;
   const auto has_field = [&] {
     return fs::exists(capture.out + "/queries.ply") && fs::exists(capture.out + "/field.ply");
@@ -195,7 +195,7 @@ TEST_CASE("ngs-gs.sh makes the field where a stage reads it or it is asked for, 
   CHECK(without.err.find("queries.ply and field.ply are not needed") != std::string::npos);
   const auto bytes = [&] { return test::read_bytes(capture.out + "/labelled.ply"); };
   const std::string labelled = bytes();
-  SUBCASE("asked for") {
+  SUBCASE("requested") {
     CHECK(capture.run({"--method", "flash", "--until", "labelled.ply", "--artifacts", "all"}).exit_code == 0);
     CHECK(has_field());
     CHECK(bytes() == labelled);
@@ -214,7 +214,7 @@ TEST_CASE("ngs-gs.sh makes the field where a stage reads it or it is asked for, 
   CHECK(capture.run({"--artifacts", "some"}).exit_code == 2);
 }
 
-TEST_CASE("ngs-gs.sh says a failure once: what the tool says, nothing of make") {
+TEST_CASE("ngs-gs.sh prints a failure once: the message of the tool, not that of make") {
   const Capture capture;
   fs::remove_all(capture.dir.path() + "/my scene/masks");
   fs::create_directories(capture.dir.path() + "/my scene/masks");
@@ -224,7 +224,7 @@ TEST_CASE("ngs-gs.sh says a failure once: what the tool says, nothing of make") 
   CHECK(failed.err.find("make") == std::string::npos);
 }
 
-TEST_CASE("ngs-gs.sh makes again what was taken out of the output folder") {
+TEST_CASE("ngs-gs.sh recreates files that were removed from the output folder") {
   const Capture capture;
   const std::vector<std::string> all{"--method", "flash", "--artifacts", "all"};
   REQUIRE(capture.run(all).exit_code == 0);
@@ -239,7 +239,7 @@ TEST_CASE("ngs-gs.sh makes again what was taken out of the output folder") {
   CHECK(times_of(capture.out) == before);
 }
 
-TEST_CASE("ngs-gs.sh lets input masks stand in for the truth as ngs-scene reads them, or not at all") {
+TEST_CASE("ngs-gs.sh scores against input masks as ngs-scene reads them, or not at all") {
   const Capture capture;
   const std::string masks = capture.dir.path() + "/my scene/masks/";
   const auto run = [&](const char* scene_flags, std::vector<std::string> more = {}) {
@@ -299,7 +299,7 @@ TEST_CASE("ngs-gs.sh lets input masks stand in for the truth as ngs-scene reads 
   }
 }
 
-TEST_CASE("ngs-gs.sh finds poses where ngs-scene does") {
+TEST_CASE("ngs-gs.sh finds poses in the same places as ngs-scene") {
   for (const auto& [from, to] : {std::pair{"sparse", "colmap/sparse"}, {"transforms.json", "transforms_train.json"}}) {
     CAPTURE(to);
     const Capture capture;
@@ -316,7 +316,7 @@ TEST_CASE("ngs-gs.sh finds poses where ngs-scene does") {
   }
 }
 
-TEST_CASE("ngs-gs.sh sees a photo that changed where only the transforms file names its folder") {
+TEST_CASE("ngs-gs.sh detects a changed photo in a folder that only the transforms file names") {
   const Capture capture;
   const std::string scene = capture.dir.path() + "/my scene/";
   fs::remove_all(scene + "sparse"), fs::remove(scene + "cameras.json");
@@ -338,7 +338,7 @@ TEST_CASE("ngs-gs.sh sees a photo that changed where only the transforms file na
   CHECK(times_of(capture.out)["scene.json"] != before.at("scene.json"));
 }
 
-TEST_CASE("ngs-gs.sh refuses an output folder where it would replace masks that it did not render") {
+TEST_CASE("ngs-gs.sh rejects an output folder where it would replace masks that it did not render") {
   const Capture capture;
   const std::string scene = capture.dir.path() + "/my scene", out = capture.out;
   const auto refused = [&](std::vector<std::string> arguments, const std::string& because) {
@@ -352,16 +352,16 @@ TEST_CASE("ngs-gs.sh refuses an output folder where it would replace masks that 
     CHECK(times_of(capture.dir.path()) == before);
   };
   SUBCASE("the scene, by any name") {
-    refused({"my scene", "my scene", "--hold-out", "every:4:2"}, "is the input");
+    refused({"my scene", "my scene", "--hold-out", "every:4:2"}, "is also the input");
     fs::create_directory_symlink("my scene", capture.dir.path() + "/link");
-    refused({"my scene", "link", "-n"}, "is the input");
-    refused({"my scene", "my scene/masks"}, "is the input");
+    refused({"my scene", "link", "-n"}, "is also the input");
+    refused({"my scene", "my scene/masks"}, "is also the input");
   }
   SUBCASE("masks or truth in OUT_DIR/masks, or below it") {
     fs::create_directories(out + "/masks");
     fs::copy(scene + "/masks", out + "/masks/cup");
-    refused({"my scene", "the output", "--masks", "the output/masks"}, "holds the input");
-    refused({"my scene", "the output", "--gt", "the output/masks/cup"}, "holds the input");
+    refused({"my scene", "the output", "--masks", "the output/masks"}, "contains the input");
+    refused({"my scene", "the output", "--gt", "the output/masks/cup"}, "contains the input");
   }
   SUBCASE("a model that the result would replace") {
     REQUIRE(capture.run({"--method", "flash"}).exit_code == 0);
@@ -370,7 +370,7 @@ TEST_CASE("ngs-gs.sh refuses an output folder where it would replace masks that 
   SUBCASE("masks that somebody laid beside the rendered ones") {
     REQUIRE(capture.run({"--method", "flash"}).exit_code == 0);
     fs::copy(scene + "/masks/v0.png", out + "/masks/mine.png");
-    refused({"my scene", "the output", "--method", "sa3d"}, "holds mine.png, which no run has rendered");
+    refused({"my scene", "the output", "--method", "sa3d"}, "contains mine.png, which no run has rendered");
   }
   SUBCASE("masks that nobody names, until they are moved away") {
     fs::create_directories(out);

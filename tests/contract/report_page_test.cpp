@@ -62,13 +62,13 @@ std::size_t occurrences(const std::string& text, const std::string& part) {
   return count;
 }
 
-TEST_CASE("the page of a run holds every section, names what is odd and needs nothing from outside") {
+TEST_CASE("the page of a run holds every section, lists warnings and loads nothing external") {
   const test::TempDir dir;
   const std::string out = made_run(dir);
   run_tool(out, {"ngs-report", ".", "-o", "report.html"});
   const std::string page = test::read_bytes(out + "/report.html");
 
-  for (const char* id : {"overview", "oddities", "accuracy", "views", "objects", "decisions", "times", "trace",
+  for (const char* id : {"overview", "warnings", "accuracy", "views", "objects", "decisions", "times", "trace",
                          "inputs", "repeat", "tools"}) {
     CAPTURE(id);
     CHECK(page.find("<section id=\"" + std::string(id) + "\">") != page.npos);
@@ -100,14 +100,14 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
     CHECK(occurrences(page, "url(") == 0);
     CHECK(occurrences(page, "src=") == occurrences(page, "src=\"data:image/jpeg;base64,"));
   }
-  SUBCASE("scores of views whose masks were learnt from are named so") {
-    CHECK(page.find("learnt from") == page.npos);
+  SUBCASE("scores of views whose masks were used in training are named so") {
+    CHECK(page.find("used in training") == page.npos);
     fs::copy_file(dir.path() + "/scene/masks/v1.png", out + "/masks/v1.png");
     run_tool(out, {"ngs-eval", "masks", dir.path() + "/scene/masks", "-q", "-w", "-o", "metrics.json"});
     run_tool(out, {"ngs-report", ".", "-o", "trained.html"});
     const std::string trained = test::read_bytes(out + "/trained.html");
-    CHECK(trained.find("1 held out, 1 of 2 scored were learnt from") != trained.npos);
-    CHECK(trained.find("1 of 2 scored views were learnt from") != trained.npos);
+    CHECK(trained.find("1 held out, 1 of 2 scored were used in training") != trained.npos);
+    CHECK(trained.find("1 of 2 scored views were used in training") != trained.npos);
   }
   SUBCASE("input masks that stand in for the truth are never called the truth") {
     CHECK(page.find("no ground truth") == page.npos);
@@ -117,7 +117,7 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
     run_tool(out, {"ngs-report", ".", "-o", "stand-in.html"});
     const std::string stand_in = test::read_bytes(out + "/stand-in.html");
     CHECK(stand_in.find("<dt>IoU</dt><dd>1.000<small>against input masks, no ground truth") != stand_in.npos);
-    CHECK(stand_in.find("</svg>input mask, in place of the truth</label>") != stand_in.npos);
+    CHECK(stand_in.find("</svg>input mask (no ground truth)</label>") != stand_in.npos);
     CHECK(stand_in.find("</svg>truth</label>") == stand_in.npos);
     CHECK(stand_in.find("</svg>input mask</label>") == stand_in.npos);
     CHECK(stand_in.find("the true mask") == stand_in.npos);
@@ -128,7 +128,7 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
     for (const char* file : {"/metrics.json", "/metrics_input.json", "/reports/ngs-eval.json"}) fs::remove(out + file);
     run_tool(out, {"ngs-report", ".", "-o", "unscored.html"});
     const std::string unscored = test::read_bytes(out + "/unscored.html");
-    CHECK(unscored.find("A view from the middle of the list.") != unscored.npos);
+    CHECK(unscored.find("The middle view of the list.") != unscored.npos);
     CHECK(unscored.find("median boundary IoU") == unscored.npos);
   }
   SUBCASE("each picture has a text and the outlines of prediction, truth and input") {
@@ -148,7 +148,7 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
     run_tool(out, {"ngs-report", ".", "--picture-budget", "0", "-o", "bare.html"});
     const std::string bare = test::read_bytes(out + "/bare.html");
     CHECK(occurrences(bare, "<img ") == 0);
-    CHECK(bare.find("better views are not shown") != bare.npos);
+    CHECK(bare.find("better views are left out") != bare.npos);
   }
   SUBCASE("a small error lies in the middle of its crop") {
     const io::RawMask raw = io::read_mask_raw(out + "/masks/v5.png", io::Palette::kMask);

@@ -1,4 +1,4 @@
-// The chain as a person at a terminal, and a scheduler, sees it.
+// The chain on a terminal and under a scheduler.
 #include <doctest/doctest.h>
 #include <signal.h>
 
@@ -12,7 +12,7 @@
 
 namespace ngs {
 
-TEST_CASE("ngs-gs.sh on a terminal says which of all stages each tool is, and at the end what was made") {
+TEST_CASE("ngs-gs.sh on a terminal prints the stage number of each tool, and lists the outputs at the end") {
   const test::TempDir dir;
   std::filesystem::create_directories(dir.path() + "/my scene");
   test::write_tiny_scene(dir.path() + "/my scene");
@@ -36,19 +36,19 @@ TEST_CASE("ngs-gs.sh on a terminal says which of all stages each tool is, and at
   for (const char* text : {"[1/4] ngs-scene import: done", "[2/4] ngs-variance: done", "[3/4] ngs-joint: done",
                            "[4/4] ngs-render: done", ", masks\r\n", "  masks/: 1 mask(s) of the result"})
     has(part, text);
-  CHECK(part.out.find("not used") == std::string::npos);  // an option that nobody has given
+  CHECK(part.out.find("not used") == std::string::npos);  // an option that was not given
   const test::ProcessResult whole = on_terminal("");
   CAPTURE(whole.out);
-  CHECK(whole.out.find("ngs-joint: done") == std::string::npos);  // nothing of it changed
+  CHECK(whole.out.find("ngs-joint: done") == std::string::npos);  // nothing changed for this tool
   for (const char* text :
        {"[4/7] ngs-extract: done", "[7/7] ngs-report: done", "ngs-gs.sh: done in ", "  object.ply, background.ply: ",
         "  scores: IoU 1.0000, boundary IoU 1.0000, in its 0.5 % band 1.0000", "/out/report.html in a browser"})
     has(whole, text);
-  CHECK(whole.out.find("\nrun ") == std::string::npos);  // the scores of the only run, which ngs-eval has shown
+  CHECK(whole.out.find("\nrun ") == std::string::npos);  // the scores of a single run, already shown by ngs-eval
   CHECK(on_terminal(" -q").out == "");
 }
 
-TEST_CASE("what ngs-gs.sh says itself is cut between words at the edge of the terminal") {
+TEST_CASE("messages of ngs-gs.sh are wrapped between words at the width of the terminal") {
   const test::TempDir dir;
   std::filesystem::create_directories(dir.path() + "/empty");
   const test::ProcessResult refused = test::run_process(
@@ -63,11 +63,11 @@ TEST_CASE("what ngs-gs.sh says itself is cut between words at the edge of the te
     CHECK(refused.out.find(word) != refused.out.npos);
   std::istringstream lines(refused.out);
   int count = 0;
-  for (std::string line; std::getline(lines, line); ++count) CHECK(line.size() <= 61);  // and the carriage return
+  for (std::string line; std::getline(lines, line); ++count) CHECK(line.size() <= 61);  // including the carriage return
   CHECK(count >= 4);
 }
 
-TEST_CASE("--explain prints its list alone on a terminal, and the report too where stdout is none") {
+TEST_CASE("--explain prints only its list on a terminal, and also the report if stdout is no terminal") {
   const test::TempDir dir;
   test::write_tiny_scene(dir.path());
   const std::string tools = NGS_TOOL_DIR "/";
@@ -91,7 +91,7 @@ TEST_CASE("--explain prints its list alone on a terminal, and the report too whe
   CHECK(shown.out.find('{') == shown.out.npos);
 }
 
-TEST_CASE("ngs-joint on a terminal ends with figures by the names that people know, and the next command") {
+TEST_CASE("ngs-joint on a terminal ends with readable figures and the next command") {
   const test::TempDir dir;
   test::write_tiny_scene(dir.path());
   const std::string tools = NGS_TOOL_DIR "/";
@@ -111,11 +111,11 @@ TEST_CASE("ngs-joint on a terminal ends with figures by the names that people kn
   CHECK(shown.out.find("biou") == shown.out.npos);
 }
 
-TEST_CASE("ngs-gs.sh ends the tool that is at work when a signal reaches the script alone") {
+TEST_CASE("ngs-gs.sh ends the running tool when only the script receives a signal") {
   const test::TempDir dir;
   test::write_tiny_scene(dir.path());
   std::filesystem::remove(dir.path() + "/scene.json");
-  // Tools of which the first never ends by itself, nor at the end of the shell that has started it.
+  // Tools of which the first never ends by itself, even if its shell ends.
   std::filesystem::create_directory(dir.path() + "/bin");
   for (const auto& tool : std::filesystem::directory_iterator(NGS_TOOL_DIR))
     std::filesystem::create_symlink(tool.path(), dir.path() + "/bin/" + tool.path().filename().string());

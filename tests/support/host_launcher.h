@@ -1,9 +1,11 @@
 #pragma once
-// The Launcher of backend/launcher.h, emulated: blocks one after the other, in every phase thread after thread. Finds
-// without a device what would go wrong on one:
-//   a read of memory never written    allocations, Shared and Thread start as NaN / all bits set
-//   a race within a phase or launch    results must not depend on `order` (ascending, descending, shuffled)
-//   an access out of bounds           allocations are exact, for the address sanitizer
+// Emulates the Launcher of backend/launcher.h on the host: blocks run one after the other, and in every phase thread
+// after thread. Finds device errors without a device:
+// clang-format off
+//   reads of uninitialised memory    allocations, Shared and Thread start as NaN / all bits set
+//   races in a phase or launch       results must not depend on `order` (ascending, descending, shuffled)
+//   accesses out of bounds           allocations have the exact size, for the address sanitizer
+// clang-format on
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>

@@ -1,6 +1,6 @@
 #pragma once
-// A tiny capture for the joint stage: a ball of Gaussians before a wall, seen by four cameras; photos are renders of
-// the true model, masks those of the ball, and the model to optimise is the true one with shifted colours.
+// A tiny capture for the joint stage: a ball of Gaussians in front of a wall, seen by four cameras. Photos are renders
+// of the true model, masks are those of the ball; the model to be optimised is the true one with shifted colours.
 #include <algorithm>
 #include <memory>
 
@@ -34,8 +34,8 @@ struct JointCase {
             .rule = rule,
             .weight = weight};
   }
-  /// A camera that looks the other way, with an empty mask; its index.
-  std::size_t look_away() {
+  /// Adds a view that looks the other way, with an empty mask; returns its index.
+  std::size_t add_empty_view() {
     const Mat3<double> turned{{-1, 0, 0, 0, 1, 0, 0, 0, -1}};
     SceneView view = scene.views[0];
     view.camera.rotation = turned * view.camera.rotation;

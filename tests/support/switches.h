@@ -1,5 +1,5 @@
 #pragma once
-// Parts of the method switched by name, as --effect does.
+// Parts of the method switched on or off by name, as with --effect.
 #include <string>
 #include <vector>
 
@@ -15,7 +15,7 @@ inline EffectSwitches modes_of(const std::vector<std::string>& entries) {
   return {Pipeline(all_passes()).effects(), entries};
 }
 
-/// auto is on.
+/// auto counts as on.
 inline JointSwitches joint_switched(const std::vector<std::string>& entries) {
   const EffectSwitches modes = modes_of(entries);
   return joint_switches([&](std::string_view name) { return modes.of(name) != Switch::kOff; });

@@ -1,4 +1,4 @@
-// ngs-eval: predicted and true masks -> scores (ops/image/metrics.h).
+// ngs-eval: scores predicted masks against true masks (ops/image/metrics.h).
 #include "ngs/io/files/atomic_file.h"
 #include "opacity_scores.h"
 #include "outcome.h"
@@ -6,7 +6,7 @@
 
 namespace {
 
-/// The scores that --fail-below may name.
+/// The scores that --fail-below accepts.
 std::map<std::string, double> scores_of(const ngs::cli::EvalFileOptions& files) {
   using namespace ngs::cli;
   if (files.image_metrics) return mean_scores({PhotoScore{}});
@@ -28,7 +28,7 @@ int main(int argc, char** argv) {
   cli::EvalFileOptions files;
   tool.options(options);
   tool.options(files);
-  const cli::Input& predicted = tool.input("predicted", "folder of masks by any tool, or one file");
+  const cli::Input& predicted = tool.input("predicted", "folder of masks from any tool, or one file");
   const cli::Input& truth = tool.input("truth", "folder of true masks, or one file");
   const cli::Output& out = tool.output("-o,--output", "metrics.json");
   return tool.run(argc, argv, [&](cli::Run& run) {
@@ -40,7 +40,7 @@ int main(int argc, char** argv) {
       run.warn_unused({"--threshold"}, "with --image-metrics");
     else if (options.label_map)
       run.warn_unused({"--threshold"}, "with --label-map");
-    // A misspelt score is found before the work.
+    // A misspelt score name fails before the work.
     check_scores(options.fail_below, scores_of(files));
     const cli::Pairing pairing =
         cli::paired(cli::list_images(predicted.path), cli::list_images(truth.path), options, files);
@@ -55,7 +55,7 @@ int main(int argc, char** argv) {
     outcome.metrics["pairing"] = cli::pairing_json(pairing);
     outcome.metrics["checks"] = cli::checks_json(checks);
     cli::warn_about_leftovers(run, pairing);
-    // Names of files may be no UTF-8, as JSON asks for.
+    // File names may be invalid UTF-8, which JSON does not allow.
     io::write_file(out.path, outcome.metrics.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 
     run.result()["mean"] = outcome.metrics["mean"];

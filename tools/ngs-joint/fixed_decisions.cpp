@@ -6,14 +6,14 @@
 namespace ngs::joint {
 namespace {
 
-/// What the report says of its method.
+/// The method recorded in the report; empty: none.
 std::string method_of(const Json& report) {
   const Json options = report.is_object() ? report.value("options", Json()) : Json();
   const Json method = options.is_object() ? options.value("method", Json()) : Json();
   return method.is_string() ? method.get<std::string>() : "";
 }
 
-/// The report's list of decisions; an empty one where it has none.
+/// The decisions recorded in the report; empty if there are none.
 Json effects_of(const Json& report) {
   const Json result = report.is_object() ? report.value("result", Json()) : Json();
   const Json effects = result.is_object() ? result.value("effects", Json()) : Json();
@@ -24,41 +24,42 @@ std::vector<FixedDecision> replayed(const std::string& path, const Options& opti
   const Json report =
       parse_strict_json<Json>(cli::read_text_file(path, ErrorCode::kBadInput), path, ErrorCode::kBadInput);
   const std::string ran = method_of(report), wanted = method_name(options.choice.method);
-  if (!ran.empty() && ran != wanted)  // what a method does not ask for it calls off
+  if (!ran.empty() && ran != wanted)  // effects that a method does not use are recorded as off
     throw Error(ErrorCode::kInconsistent, path + ": decisions of --method " + ran + ", expected those of " + wanted,
                 "give the report of a run of this method");
   const std::vector<Effect> effects = options.pipeline.effects();
-  std::vector<FixedDecision> verdicts;
+  std::vector<FixedDecision> decisions;
   for (const Json& entry : effects_of(report)) {
     const Json name = entry.is_object() ? entry.value("name", Json()) : Json(),
                on = entry.is_object() ? entry.value("on", Json()) : Json();
     if (!name.is_string() || !on.is_boolean()) continue;
     if (const Effect* known = find_effect(effects, name.get<std::string>()))
-      verdicts.push_back({known->name, on.get<bool>(), "--effects-from", "replayed"});
+      decisions.push_back({known->name, on.get<bool>(), "--effects-from", "replayed"});
   }
-  if (verdicts.empty())
+  if (decisions.empty())
     throw Error(ErrorCode::kBadInput, path + ": no decisions on effects, expected a report of ngs-joint",
                 "write one: ngs-joint ... --report FILE");
-  return verdicts;
+  return decisions;
 }
 
 }  // namespace
 
 std::vector<FixedDecision> fixed_decisions_of(const Options& options, const std::string& effects_from) {
-  std::vector<FixedDecision> verdicts;
-  const auto rule_out = [&](std::string_view effect) { verdicts.push_back({effect, false, "part of --method ngs"}); };
-  if (options.choice.method != Method::kNgs)  // the other methods are as their papers say
+  std::vector<FixedDecision> decisions;
+  const auto fix_off = [&](std::string_view effect) { decisions.push_back({effect, false, "part of --method ngs"}); };
+  if (options.choice.method != Method::kNgs)  // the other methods run as published
     for (const PassStage stage : {PassStage::kFocus, PassStage::kMend})
-      for (const Effect& effect : options.pipeline.effects(stage)) rule_out(effect.name);
+      for (const Effect& effect : options.pipeline.effects(stage)) fix_off(effect.name);
   if (options.choice.method == Method::kNgGs) {
-    rule_out("contours");
-    verdicts.push_back({"nerf", true, "--method ng-gs"});
+    fix_off("contours");
+    decisions.push_back({"nerf", true, "--method ng-gs"});
   }
-  for (FixedDecision& rule : options.pipeline.fixed_decisions(options.training)) verdicts.push_back(std::move(rule));
+  for (FixedDecision& decision : options.pipeline.fixed_decisions(options.training))
+    decisions.push_back(std::move(decision));
   if (!effects_from.empty())
-    for (FixedDecision& verdict : replayed(effects_from, options)) verdicts.push_back(std::move(verdict));
-  if (options.choice.method == Method::kNgGs) verdicts.push_back({"joint", true, "--method ng-gs"});
-  return verdicts;
+    for (FixedDecision& decision : replayed(effects_from, options)) decisions.push_back(std::move(decision));
+  if (options.choice.method == Method::kNgGs) decisions.push_back({"joint", true, "--method ng-gs"});
+  return decisions;
 }
 
 }  // namespace ngs::joint

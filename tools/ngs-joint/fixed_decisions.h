@@ -1,5 +1,5 @@
 #pragma once
-// What decides effects before any detector does: the method, options, and another run's report.
+// Decisions on effects that need no heuristic: from the method, from options, and from another run's report.
 #include <string>
 #include <vector>
 
@@ -7,8 +7,8 @@
 
 namespace ngs::joint {
 
-/// `effects_from`: a report of ngs-joint whose decisions are taken over where nothing
-/// else rules, or empty; kBadInput if it holds none, kInconsistent if it is another method's.
+/// `effects_from`: empty, or a report of ngs-joint whose decisions are repeated unless the method or an option fixes
+/// them. Throws kBadInput if the report has no decisions, kInconsistent if it belongs to another method.
 std::vector<FixedDecision> fixed_decisions_of(const Options& options, const std::string& effects_from);
 
 }  // namespace ngs::joint

@@ -23,7 +23,7 @@ constexpr int kMostViews = 32;
 
 }  // namespace
 
-void take_masks_of_labels(const cli::Run& run, const GaussianCloud& cloud, FlashCut& cut) {
+void render_masks_from_labels(const cli::Run& run, const GaussianCloud& cloud, FlashCut& cut) {
   const SplatOptions splat = prepared_for(run.exec(), splat_options({}, cloud, cut.scene), cloud);
   RenderRequest request;
   request.colour = false;

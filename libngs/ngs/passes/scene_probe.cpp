@@ -19,7 +19,7 @@ namespace {
 std::size_t add_view(const Exec& exec, const ImageF& rendered, const ViewMasks& masks, LabelViews& views) {
   double sum = 0;
   bool shown = false;
-  const std::vector<ShownBox> boxes = boxes_shown(rendered);
+  const std::vector<ForegroundBox> boxes = foreground_boxes(rendered);
   for (std::size_t k = 0; k < masks.target.size(); ++k) {
     const MaskPair pair(rendered, masks, k, boxes[k]);
     const Confusion counts = pair.counts(exec);

@@ -13,7 +13,7 @@ struct PixelWindow {
 };
 
 /// The box with a margin, inside of the picture; empty stays empty.
-PixelWindow window_about(const ShownBox& box, int margin_px, int w, int h);
+PixelWindow window_about(const ForegroundBox& box, int margin_px, int w, int h);
 
 /// The same about the pixels where any of the [h, w] targets exceeds 0.
 PixelWindow window_of(const std::vector<std::vector<float>>& targets, int w, int h, int margin_px);

@@ -6,15 +6,15 @@
 namespace ngs {
 namespace {
 
-/// A pixel's own colour, not premultiplied, over another one. Before any resizing: the means of what is seen are
-/// then those of premultiplied colours, and colours under alpha 0 reach no other pixel.
-void lay_over(float rgb[3], float alpha, Vec3<float> behind) {
-  const float under[3] = {behind.x, behind.y, behind.z};
+/// Composites a straight (not premultiplied) colour over a background. Must precede resizing: means are then those of
+/// premultiplied colours, and colours with alpha 0 do not bleed into other pixels.
+void blend_over(float rgb[3], float alpha, Vec3<float> background) {
+  const float under[3] = {background.x, background.y, background.z};
   for (int c = 0; c < 3; ++c) rgb[c] = alpha * rgb[c] + (1 - alpha) * under[c];
 }
 
 template <class T>
-ImageF rgb_of(const Image<T>& samples, Vec3<float> behind) {
+ImageF rgb_of(const Image<T>& samples, Vec3<float> background) {
   const std::size_t stride = std::size_t(samples.channels), green = stride > 1 ? 1 : 0, blue = 2 * green;
   constexpr float scale = 1.f / float(std::numeric_limits<T>::max());
   ImageF out(samples.width_px, samples.height_px, 3);
@@ -23,7 +23,7 @@ ImageF rgb_of(const Image<T>& samples, Vec3<float> behind) {
     out.data[i] = float(sample[0]) * scale;
     out.data[i + 1] = float(sample[green]) * scale;
     out.data[i + 2] = float(sample[blue]) * scale;
-    if (stride == 4) lay_over(&out.data[i], float(sample[3]) * scale, behind);
+    if (stride == 4) blend_over(&out.data[i], float(sample[3]) * scale, background);
   }
   return out;
 }
@@ -48,7 +48,7 @@ ImageF PackedPhoto::rgb() const {
         if constexpr (std::is_same_v<T, float>)
           return image;
         else
-          return rgb_of(image, behind_);
+          return rgb_of(image, background_);
       },
       samples_);
 }

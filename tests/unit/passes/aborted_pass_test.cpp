@@ -128,7 +128,7 @@ TEST_CASE("with time, by request, or in a run that is resumed, a pass runs to it
     CHECK(run.state == Json::object());
   }
   SlowCase resumed(SlowPass::Part::kWorks, "slow=auto");
-  resumed.passes->goes_on_from(Json::object());
+  resumed.passes->resume_from(Json::object());
   resumed.passes->run();
   CHECK(resumed.took_label());
 }
@@ -136,7 +136,7 @@ TEST_CASE("with time, by request, or in a run that is resumed, a pass runs to it
 TEST_CASE("a resumed run leaves out what was aborted, and keeps the same state") {
   SlowCase c(SlowPass::Part::kWorks, "slow=auto", 1e6);
   const Json state = {{"aborted", {"slow"}}};
-  c.passes->goes_on_from(state);
+  c.passes->resume_from(state);
   const PassRun& run = c.passes->run();
   CHECK(c.steps == 0);
   CHECK_FALSE(c.took_label());
@@ -144,7 +144,7 @@ TEST_CASE("a resumed run leaves out what was aborted, and keeps the same state")
   for (const Json& hostile :
        {Json({{"aborted", 3}}), Json({{"aborted", {1, nullptr}}}), Json({{"aborted", {{"slow", 1}}}})}) {
     SlowCase other(SlowPass::Part::kWorks, "slow=auto", 1e6);
-    other.passes->goes_on_from(hostile);
+    other.passes->resume_from(hostile);
     other.passes->run();
     CHECK(other.took_label());
   }
@@ -159,7 +159,7 @@ TEST_CASE("a resumed run decides as the run before it, and looks at nothing for 
   CHECK(run.left_out == std::set<std::string>{"slow"});
   for (const bool left_out : {true, false}) {
     SlowCase c(SlowPass::Part::kLooks, "slow=auto", 1e6);
-    c.passes->goes_on_from(run.state, effects, left_out ? Json(run.left_out) : Json());
+    c.passes->resume_from(run.state, effects, left_out ? Json(run.left_out) : Json());
     const PassRun& resumed = c.passes->run();
     CHECK(c.steps == 0);
     CHECK_FALSE(c.took_label());
@@ -170,13 +170,13 @@ TEST_CASE("a resumed run decides as the run before it, and looks at nothing for 
   }
   for (const Json& other : {Json{"slow=on"}, Json{"slow=on", 3, nullptr, "slow", "fast=off"}}) {
     SlowCase c(SlowPass::Part::kLooks, "slow=auto", 1e6);
-    c.passes->goes_on_from(run.state, other, Json{"fast", 3});
+    c.passes->resume_from(run.state, other, Json{"fast", 3});
     c.passes->run();
     CHECK(c.steps == 0);
     CHECK(c.took_label());
   }
   SlowCase insists(SlowPass::Part::kLooks, "slow=on", 1e6);
-  insists.passes->goes_on_from(run.state, effects, Json(run.left_out));
+  insists.passes->resume_from(run.state, effects, Json(run.left_out));
   CHECK_FALSE(insists.passes->run().budget.cut());
   CHECK(insists.took_label());
 }
@@ -225,7 +225,7 @@ TEST_CASE("a mending pass that is stopped, wherever it is, has changed nothing o
     void (*needs)(EffectCase&);
   };
   for (const Case& one : {Case{"exposure", test::dark_photo}, Case{"mask-outliers", test::shifted_mask},
-                          Case{"floaters", test::floaters_before}}) {
+                          Case{"floaters", test::floaters_in_front}}) {
     const std::string effect = one.effect;
     CAPTURE(effect);
     const std::vector<std::string> entries{"all=off", effect + "=on"};

@@ -126,7 +126,7 @@ std::vector<Pair> pairs() {
   return {
       {"exposure", test::dark_photo, as_it_is},
       {"mask-outliers", test::shifted_mask, as_it_is},
-      {"floaters", test::floaters_before, as_it_is},
+      {"floaters", test::floaters_in_front, as_it_is},
       {"components",
        [](EffectCase& c) {  // a piece of the wall that one of sixteen views claims
          test::change(c.base->labels[0].views, [](float v) { return 4 * v; });

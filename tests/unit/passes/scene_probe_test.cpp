@@ -1,5 +1,5 @@
 // The detectors that look at pictures, each on a case in which the naive measure that it replaces decides wrongly.
-// Those that look at columns alone: effect_detectors_test.cpp.
+// Those that look at columns alone: scene_measures_test.cpp.
 #include "ngs/passes/scene_probe.h"
 
 #include <doctest/doctest.h>
@@ -66,7 +66,7 @@ TEST_CASE("view trust: views that do not see the object do not make the others' 
   }
   const double few = c.measure("mask-outliers");
   CHECK(few <= threshold_of("mask-outliers"));
-  for (int more = 0; more < 20; ++more) c.views.push_back(c.base->look_away());  // naive: the median is zero
+  for (int more = 0; more < 20; ++more) c.views.push_back(c.base->add_empty_view());  // naive: the median is zero
   CHECK(c.measure("mask-outliers") == few);
 }
 
@@ -99,8 +99,8 @@ TEST_CASE("mask outliers: of several objects, the better of modal and alone is t
     show_objects_alone({}, {in.cloud, in.labels}, camera, {}, view);
     double modal = 0, alone = 0;
     for (std::size_t k = 0; k < kObjects; ++k)
-      modal += disagreement(MaskPair(modal_label, masks, k, boxes_shown(modal_label)[k]).counts({})),
-          alone += disagreement(MaskPair(view.label, masks, k, boxes_shown(view.label)[k]).counts({}));
+      modal += disagreement(MaskPair(modal_label, masks, k, foreground_boxes(modal_label)[k]).counts({})),
+          alone += disagreement(MaskPair(view.label, masks, k, foreground_boxes(view.label)[k]).counts({}));
     modal_is_better += modal < alone, alone_is_better += alone < modal;
     better.push_back(std::min(modal, alone) / double(kObjects));
   }
@@ -210,7 +210,7 @@ TEST_CASE("region: a view that does not show the object is no reason to train on
   const std::size_t last = c.base->is_ball.size() - 1;
   hang(c.base->model, last, 0, 0, -4);  // behind the cameras that see the ball
   c.base->labels[0].label[last] = 1;
-  c.views.push_back(c.base->look_away());  // naive: what it shows is all outside of its empty mask's window
+  c.views.push_back(c.base->add_empty_view());  // naive: what it shows is all outside of its empty mask's window
   CHECK(c.measure("region") <= threshold_of("region"));
 }
 

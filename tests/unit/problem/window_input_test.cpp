@@ -121,7 +121,7 @@ TEST_CASE("boxes of the masks bound what lies beside the windows, and windows be
 
 TEST_CASE("a view that shows nothing has no window, supervises nothing and has no photo") {
   WindowCase c;
-  const std::size_t away = c.base->look_away();
+  const std::size_t away = c.base->add_empty_view();
   c.whole.views.push_back(away);
   c.enter();
   CHECK(c.windows->window[away].w == 0);
@@ -132,7 +132,7 @@ TEST_CASE("a view that shows nothing has no window, supervises nothing and has n
 
 TEST_CASE("a view in which others hide all of the object has no window, if its mask agrees") {
   const std::unique_ptr<test::JointCase> c = wide_case(1200);
-  const std::size_t behind = c->look_away();
+  const std::size_t behind = c->add_empty_view();
   c->scene.views[behind].camera.translation.z += 13;  // the wall lies between it and the ball
   for (std::size_t i = kBall; i < c->is_ball.size(); ++i) c->labels[0].label[i] = 0;  // and is none of it
   const auto window = [&] {

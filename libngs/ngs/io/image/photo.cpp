@@ -10,7 +10,7 @@ namespace ngs::io {
 
 namespace {
 
-/// The file as it is, checked against the camera; empty where the view has none.
+/// The decoded file, with its size checked against the camera; empty if the view has no photo.
 PackedPhoto checked_photo(const Scene& scene, std::size_t view) {
   NGS_CHECK(view < scene.views.size(), "view index");
   const SceneView& v = scene.views[view];
@@ -37,7 +37,7 @@ PackedPhoto read_packed_photo(const Scene& scene, std::size_t view) {
 
 ImageF load_photo(const Scene& scene, std::size_t view) { return read_packed_photo(scene, view).rgb(); }
 
-double held_photo_bytes(const Scene& scene, std::size_t view) {
+double packed_photo_bytes(const Scene& scene, std::size_t view) {
   const SceneView& v = scene.views.at(view);
   if (v.image_path.empty()) return 0;
   const double pixels = double(v.camera.width_px) * v.camera.height_px;

@@ -8,7 +8,7 @@ ImageF PhotoCache::load(std::size_t view) {
     const std::lock_guard lock(mutex_);
     if (const auto found = cache_.find(view); found != cache_.end()) return found->second.rgb();
   }
-  PackedPhoto photo = read_packed_photo(scene_, view);  // outside the lock: others load theirs meanwhile
+  PackedPhoto photo = read_packed_photo(scene_, view);  // outside the lock, so that threads load in parallel
   ImageF rgb = photo.rgb();
   const std::lock_guard lock(mutex_);
   const std::size_t bytes = photo.bytes();

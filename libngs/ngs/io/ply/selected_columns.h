@@ -1,5 +1,5 @@
 #pragma once
-// Rows of a table without some of its columns: neighbouring columns are copied at once.
+// Copies rows of a table without some of its columns; neighbouring columns are copied in one block.
 #include <cstring>
 #include <vector>
 

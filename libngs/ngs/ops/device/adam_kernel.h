@@ -1,6 +1,5 @@
 #pragma once
-// Adam on a device: the step of ops/optim/adam_kernels.h element by element, and the search for gradients that it
-// cannot take.
+// Adam on a device: the step of ops/optim/adam_kernels.h per element, and the search for unusable gradients.
 #include <limits>
 
 #include "ngs/ops/device/sum_kernel.h"
@@ -22,7 +21,7 @@ struct SparseAdamRow {
 
 inline constexpr std::int64_t kNoIndex = std::numeric_limits<std::int64_t>::max();
 
-/// The least index in each chunk whose value is not finite or above the limit.
+/// The least index in each chunk of a value that is not finite or above the limit in magnitude.
 struct FindUnusable {
   static constexpr const char* kName = "find_unusable";
   static constexpr std::int64_t kRows = 256;
@@ -39,7 +38,8 @@ struct FindUnusable {
   }
 };
 
-/// The least index of a value that is not finite or above `limit`, -1 if there is none; `value` is the device's memory.
+/// The least index of a value that is not finite or above `limit` in magnitude; -1 if none. `value` is
+/// a device pointer.
 template <class Launcher>
 std::int64_t first_unusable_on_device(Launcher& launcher, const float* value, std::int64_t n, float limit) {
   if (n == 0) return -1;

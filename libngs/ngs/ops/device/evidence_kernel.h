@@ -1,13 +1,13 @@
 #pragma once
-// Mask evidence on a device: what ops/splat/evidence_tile.h sums per (Gaussian, tile) pair, and the sums per Gaussian.
-// A thread is a pixel of the traversal, then eight pixels of one Gaussian, as in ops/device/splat_backward_kernel.h.
-// before Eq. (3)
+// Mask evidence on a device (before Eq. (3)): the sums of ops/splat/evidence_tile.h per (Gaussian, tile) pair, then per
+// Gaussian. A thread first traverses one pixel, then sums eight pixels of one Gaussian, as in
+// ops/device/splat_backward_kernel.h.
 #include "ngs/ops/device/tiles_kernel.h"
 #include "ngs/scene/mask_threshold.h"
 
 namespace ngs {
 
-/// K objects of the launch, from object `first` on; `used` of them exist.
+/// The evidence of up to K objects in one launch, from object `first` on; `used` of the K exist.
 template <int K>
 struct EvidenceTileOnDevice {
   static constexpr const char* kName = "evidence_tile";
@@ -102,7 +102,7 @@ struct EvidenceTileOnDevice {
   }
 };
 
-/// Sums of a Gaussian's pairs in double; zeros for those without.
+/// Sums the pairs of Gaussian i in double; zeros if it has none.
 struct SumPairs {
   static constexpr const char* kName = "sum_pairs";
   const std::int64_t* slot_begin;  // [N + 1]
@@ -138,12 +138,13 @@ DeviceBuffer<Launcher, double> evidence_sums(Launcher& launcher, const TileBins<
   pair.zero();
   if (objects == 1) {
     launcher.launch_blocks(bins.tiles(),
-                    EvidenceTileOnDevice<1>{bins.view(), known, target, pixels, 0, 1, pair.data(), columns});
+                           EvidenceTileOnDevice<1>{bins.view(), known, target, pixels, 0, 1, pair.data(), columns});
   } else {
     constexpr int kGroup = 4;
     for (int first = 0; first < max2(objects, 1); first += kGroup)
-      launcher.launch_blocks(bins.tiles(), EvidenceTileOnDevice<kGroup>{bins.view(), known, target, pixels, first,
-                                                                 min2(kGroup, objects - first), pair.data(), columns});
+      launcher.launch_blocks(bins.tiles(),
+                             EvidenceTileOnDevice<kGroup>{bins.view(), known, target, pixels, first,
+                                                          min2(kGroup, objects - first), pair.data(), columns});
   }
   DeviceBuffer<Launcher, double> sum(launcher, bins.gaussians() * columns);
   launcher.parallel_for(bins.gaussians(), SumPairs{bins.slot_begin(), pair.data(), columns, sum.data()});

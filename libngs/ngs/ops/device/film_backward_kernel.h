@@ -1,6 +1,6 @@
 #pragma once
-// The FiLM network backward on a device. kParts blocks each take a fixed range of tiles and add up their own copy of
-// the parameters' gradient; the copies are summed in order.                            adjoint of Eqs. (12)-(15)
+// The FiLM network backward on a device. Each of kParts blocks processes a fixed range of tiles and accumulates its own
+// copy of the parameter gradient. The copies are then summed in order. Adjoint of Eqs. (12)-(15).
 #include "ngs/ops/device/film_tile_kernel.h"
 
 namespace ngs {
@@ -90,7 +90,7 @@ struct FilmBackwardTiles {
     });
   }
 
-  /// ∂L/∂ of the query's raw outputs and what its column starts with; zeros beyond the last query.
+  /// ∂L/∂ of the query's raw outputs, and the initial values of its column; zeros beyond the last query.
   NGS_HD void start(int q, std::int64_t query, const float* raw, Shared& shared) const {
     const bool real = query < net.input.n;
     shared.raw[0][q] = real ? grad_density[query] * net.density_scale * sigmoid(raw[q]) : 0.f;
@@ -149,7 +149,7 @@ struct FilmBackwardTiles {
     });
   }
 
-  /// The layer's own product: its parameters' gradient, and ∂L/∂x_l in g.
+  /// Backward pass of the layer's matrix product: the parameter gradient, and ∂L/∂x_l in g.
   template <class Block>
   NGS_HD void layer(Block& block, int l, std::int64_t first, const float* context, float* g) const {
     const FilmMlpLayout::Layer layer = net.at.layer[l];
@@ -208,7 +208,7 @@ struct FilmGradientsOnDevice {
   float *input, *condition;    // [Q, inputs], [Q, condition] out
 };
 
-/// `net` with the context of the forward pass; adds to `params_accumulate`.
+/// `net` has the context of the forward pass. Adds to `params_accumulate`.
 template <class Launcher>
 void film_backward_on_device(Launcher& launcher, const FilmOnDevice& net, const FilmGradientsOnDevice& gradients,
                              float* params_accumulate) {
@@ -217,8 +217,8 @@ void film_backward_on_device(Launcher& launcher, const FilmOnDevice& net, const 
     using Kernel = FilmBackwardTiles<width, queries>;
     DeviceBuffer<Launcher, float> part(launcher, Kernel::kParts * parameters);
     part.zero();
-    launcher.launch_blocks(Kernel::kParts,
-                    Kernel{net, gradients.density, gradients.rgb, gradients.input, gradients.condition, part.data()});
+    launcher.launch_blocks(Kernel::kParts, Kernel{net, gradients.density, gradients.rgb, gradients.input,
+                                                  gradients.condition, part.data()});
     launcher.parallel_for(parameters, FilmPartSums{part.data(), Kernel::kParts, parameters, params_accumulate});
   });
 }

@@ -1,5 +1,5 @@
 #pragma once
-// The FiLM network forward on a device: a block takes a tile of queries through all layers.   Eqs. (12)-(15)
+// The FiLM network forward on a device: a block evaluates all layers for a tile of queries.   Eqs. (12)-(15)
 #include "ngs/ops/device/film_tile_kernel.h"
 
 namespace ngs {
@@ -77,7 +77,7 @@ struct FilmForwardTile {
   }
 };
 
-/// Density and colour of all queries of `net`; returns its context.
+/// Computes density and colour of all queries of `net`. Returns the context for the backward pass.
 template <class Launcher>
 DeviceBuffer<Launcher, float> film_forward_on_device(Launcher& launcher, FilmOnDevice net, float* density, float* rgb) {
   DeviceBuffer<Launcher, float> context;

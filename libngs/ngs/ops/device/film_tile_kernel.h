@@ -1,7 +1,7 @@
 #pragma once
-// Pieces of the FiLM network on a tile of queries in a block's shared memory, for ops/device/film_forward_kernel.h
-// and film_backward_kernel.h. Sums run in the order of ops/field/film_gemm_kernels.h, so that activations are equal
-// to the CPU's but for the exponentials of the two ends.                                               Eqs. (12)-(15)
+// Building blocks of the FiLM network on a tile of queries in shared memory, for ops/device/film_forward_kernel.h and
+// film_backward_kernel.h. Sums run in the order of ops/field/film_gemm_kernels.h. Hidden activations are therefore
+// equal to the CPU's; only the output exponentials can differ. See Eqs. (12)-(15).
 #include "ngs/backend/launcher.h"
 #include "ngs/core/check.h"
 #include "ngs/math/lane_scalar.h"
@@ -14,13 +14,13 @@ namespace ngs {
 
 inline constexpr int kMostConditions = 4, kMostDirections = 15;
 
-/// What makes the γ or the β of a layer from the condition.
+/// The affine map from the condition to γ or β of a layer.
 struct FilmModulation {
   const float *weight, *bias;
   int conditions;
 };
 
-/// What goes in and comes out for all queries; as FilmMlpData, on a device.
+/// Inputs and outputs of all queries: FilmMlpData on a device.
 struct FilmOnDevice {
   FilmMlpConfig config;
   FilmMlpLayout at;
@@ -42,9 +42,9 @@ struct FilmOnDevice {
   }
 };
 
-/// A block of 256 threads works on kQueries queries and up to kWidth features. Registers hold kCells values of a
-/// [features, queries] array: thread t the features t / 16 + 16 i and the queries t % 16 + 16 j. Rows of shared arrays
-/// are odd in length: neighbours in a row as in a column lie in different banks.
+/// A block of 256 threads works on kQueries queries and up to kWidth features. A [features, queries] array is held in
+/// registers: thread t has the features t / 16 + 16 i and the queries t % 16 + 16 j. Rows of shared arrays have an odd
+/// length, so that neighbours in a row or column are in different banks.
 template <int kWidth, int kQueries>
 struct FilmTile {
   static constexpr int kThreads = 256, kStride = kQueries + 1;
@@ -87,7 +87,7 @@ struct FilmTile {
       }
   }
 
-  /// g[r][c] += Σ_q u[r][q] x[c][q], g the block's own in memory.
+  /// g[r][c] += Σ_q u[r][q] x[c][q]; g is in global memory and belongs to the block.
   struct Outer {
     static constexpr int kTile = 4;  // 64 rows by 64 columns of g at a time
     const Plane& u;
@@ -108,7 +108,7 @@ struct FilmTile {
   }
   NGS_HD static float relu(float x) { return x < 0.f ? 0.f : x; }  // keeps NaN
 
-  /// Rows [first, first + kQueries) of `rows` as columns; zeros beyond the last.
+  /// Loads rows [first, first + kQueries) of `rows` as columns; zeros beyond the last row.
   NGS_HD static void load_rows(int t, const Matrix<const float>& rows, std::int64_t first, float* columns, int stride) {
     for (int i = t; i < rows.c * kQueries; i += kThreads) {
       const int q = i / rows.c, k = i % rows.c;
@@ -147,7 +147,7 @@ struct FilmTile {
   }
 };
 
-/// body(width, queries) of the tiles that fit the network and 48 KiB.
+/// Calls body(width, queries) with the tile size that fits the network and 48 KiB of shared memory.
 template <class Body>
 void with_film_tile(const FilmMlpConfig& c, const Body& body) {
   NGS_CHECK(c.condition <= kMostConditions, "the device path takes up to 4 conditions");

@@ -1,6 +1,6 @@
 #pragma once
-// The hash encoding on a device. In order, the table's gradient is a sum per entry over contributions sorted by entry,
-// in the order in which the CPU visits them: the sums are the CPU's.                             Eqs. (10)-(11)
+// The hash encoding on a device. With DeviceSums::kInOrder, the contributions to the table's gradient are sorted by
+// entry and summed per entry in the order of the CPU: the sums are equal to the CPU's. See Eqs. (10)-(11).
 #include "ngs/backend/exec.h"
 #include "ngs/backend/launcher.h"
 #include "ngs/core/check.h"
@@ -27,7 +27,7 @@ struct HashContributions {
   }
 };
 
-/// The first contribution of an entry sums them all. Owns that entry.
+/// Index i is a contribution. The first one of an entry sums all of that entry, and owns the entry.
 template <int F>
 struct HashEntrySums {
   static constexpr const char* kName = "hash_entry_sums";
@@ -53,7 +53,7 @@ struct HashEntrySums {
   }
 };
 
-/// Every contribution where it belongs; index i = level · Q + query.
+/// Adds every contribution to its entry with atomic adds; index i = level · Q + query.
 template <int F, class Launcher>
 struct HashAtomicSums {
   static constexpr const char* kName = "hash_atomic_sums";
@@ -64,7 +64,7 @@ struct HashAtomicSums {
   }
 };
 
-/// Adds to the kernel's table; its pointers are the device's.
+/// Adds to the kernel's table; its pointers are device pointers.
 template <int F, class Launcher>
 void hash_backward_on_device(Launcher& launcher, const HashBackwardTable<float, F>& kernel, std::uint64_t entries,
                              DeviceSums sums) {
@@ -80,7 +80,7 @@ void hash_backward_on_device(Launcher& launcher, const HashBackwardTable<float, 
   launcher.parallel_for(pairs, HashContributions{view, key.data(), which.data(), weight.data()});
   launcher.sort(key.data(), which.data(), n, bits);
   launcher.parallel_for(n, HashEntrySums<F>{key.data(), which.data(), weight.data(), n, view.point.n, view.levels,
-                                    kernel.grad_out, kernel.grad_table_accumulate});
+                                            kernel.grad_out, kernel.grad_table_accumulate});
 }
 
 }  // namespace ngs

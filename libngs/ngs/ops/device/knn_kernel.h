@@ -1,13 +1,13 @@
 #pragma once
-// Exact K nearest neighbours on a device: every query against all points, a tile of points at a time. The same numbers
-// in the same order as ops/field/knn.cpp, so graphs are equal.                               before Eq. (8)
+// Exact K nearest neighbours on a device: brute force, a tile of points at a time. Distances are compared in the order
+// of ops/field/knn.cpp, so graphs are equal. Used before Eq. (8).
 #include "ngs/backend/launcher.h"
 #include "ngs/math/stable.h"
 #include "ngs/scene/knn_graph.h"
 
 namespace ngs {
 
-/// Thread = query. K: how many are kept, at least `neighbours`; sorting them takes no memory then but registers.
+/// Thread = query. K >= `neighbours` candidates are stored: with a constant K they are sorted in registers.
 template <int K>
 struct NearestPoints {
   static constexpr const char* kName = "nearest_points";
@@ -23,7 +23,7 @@ struct NearestPoints {
   };
   struct Thread {
     float x, y, z;
-    float reject;  // float distances beyond it cannot be among the nearest
+    float reject;  // larger squared distances in float cannot be among the nearest
     double nearest[K];
     std::uint32_t of[K];
   };
@@ -57,14 +57,14 @@ struct NearestPoints {
   }
 
  private:
-  /// Points come in ascending order, so one at an equal distance is not nearer than those before.
+  /// Points are visited in ascending order. At equal distance the earlier point therefore stays first.
   NGS_HD void consider(Thread& own, const float* p, std::uint32_t which) const {
     const float fx = p[0] - own.x, fy = p[1] - own.y, fz = p[2] - own.z;
     if (fx * fx + fy * fy + fz * fz > own.reject) return;
     const double dx = double(p[0]) - double(own.x), dy = double(p[1]) - double(own.y),
                  dz = double(p[2]) - double(own.z);
     double distance = dx * dx + dy * dy + dz * dz;
-    bool placed = false;  // all behind it move on, in their order
+    bool placed = false;  // the farther candidates then move back one place
     for (int s = 0; s < K; ++s) {
       if (!placed && !(distance < own.nearest[s])) continue;
       placed = true;
@@ -87,7 +87,7 @@ struct EdgeKeys {
   NGS_HD void operator()(std::int64_t e) const { key[e] = index[e], edge[e] = std::uint32_t(e); }
 };
 
-/// Thread = point, and one more.
+/// Thread = point; one extra thread writes the end.
 struct TransposedRows {
   static constexpr const char* kName = "edge_rows";
   const std::uint64_t* key;  // [edges] sorted
@@ -127,7 +127,7 @@ struct GraphOnDevice {
   }
 };
 
-/// `points`, `queries`: the device's.
+/// `points`, `queries`: device pointers.
 template <class Launcher>
 GraphOnDevice<Launcher> nearest_on_device(Launcher& launcher, Rows<const float, 3> points, Rows<const float, 3> queries,
                                           int neighbours, bool exclude_self) {
@@ -141,11 +141,11 @@ GraphOnDevice<Launcher> nearest_on_device(Launcher& launcher, Rows<const float, 
     graph.dist2 = DeviceBuffer<Launcher, float>(launcher, queries.n * k);
     const std::int64_t blocks = ceil_div<std::int64_t>(queries.n, NearestPoints<8>::kThreads);
     if (k <= 8)
-      launcher.launch_blocks(blocks,
-                      NearestPoints<8>{points, queries, k, exclude_self, graph.index.data(), graph.dist2.data()});
+      launcher.launch_blocks(
+          blocks, NearestPoints<8>{points, queries, k, exclude_self, graph.index.data(), graph.dist2.data()});
     else
-      launcher.launch_blocks(blocks,
-                      NearestPoints<32>{points, queries, k, exclude_self, graph.index.data(), graph.dist2.data()});
+      launcher.launch_blocks(
+          blocks, NearestPoints<32>{points, queries, k, exclude_self, graph.index.data(), graph.dist2.data()});
   }
   graph.transpose(launcher);
   return graph;

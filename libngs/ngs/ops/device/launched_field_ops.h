@@ -1,5 +1,5 @@
 #pragma once
-// DeviceFieldOps on a Launcher: copies in, the schedules, copies out.
+// DeviceFieldOps on a Launcher: uploads, runs the kernels, downloads.
 #include "ngs/ops/device/device_ops.h"
 #include "ngs/ops/device/film_backward_kernel.h"
 #include "ngs/ops/device/film_forward_kernel.h"
@@ -35,12 +35,12 @@ class LaunchedFieldOps final : public DeviceFieldOps {
     const Floats weight(launcher_, std::int64_t(out.weight.size())),
         feature(launcher_, std::int64_t(out.feature.size()));
     launcher_.parallel_for(problem.query.n, RbfForward<float>{a.queries(),
-                                                      a.points(),
-                                                      a.indices(),
-                                                      a.features(),
-                                                      inv_2h2,
-                                                      {weight.data(), problem.query.n, graph.neighbours},
-                                                      {feature.data(), problem.query.n, problem.feature.c}});
+                                                              a.points(),
+                                                              a.indices(),
+                                                              a.features(),
+                                                              inv_2h2,
+                                                              {weight.data(), problem.query.n, graph.neighbours},
+                                                              {feature.data(), problem.query.n, problem.feature.c}});
     weight.to(out.weight.data()), feature.to(out.feature.data());
   }
 
@@ -52,10 +52,10 @@ class LaunchedFieldOps final : public DeviceFieldOps {
         feature(launcher_, std::int64_t(out.size()));
     const DeviceBuffer<Launcher, std::int64_t> row_begin(launcher_, graph.row_begin), edge(launcher_, graph.edge);
     launcher_.parallel_for(points, RbfBackwardFeature<float>{row_begin.data(),
-                                                     edge.data(),
-                                                     {weight.data(), queries, graph.neighbours},
-                                                     {grad.data(), queries, grad_feature.c},
-                                                     {feature.data(), points, problem.feature.c}});
+                                                             edge.data(),
+                                                             {weight.data(), queries, graph.neighbours},
+                                                             {grad.data(), queries, grad_feature.c},
+                                                             {feature.data(), points, problem.feature.c}});
     feature.to(out.data());
   }
 
@@ -117,8 +117,8 @@ class LaunchedFieldOps final : public DeviceFieldOps {
     const Floats weight(launcher_, forward.weight), after(launcher_, forward.transmittance_after),
         colour(launcher_, grad.colour), alpha(launcher_, grad.alpha), depth(launcher_, grad.optical_depth),
         density(launcher_, samples), rgb(launcher_, samples * 3);
-    launcher_.parallel_for(in.rays, VolumeBackward<float>{a.view, weight.data(), after.data(), colour.data(), alpha.data(),
-                                                  depth.data(), density.data(), rgb.data()});
+    launcher_.parallel_for(in.rays, VolumeBackward<float>{a.view, weight.data(), after.data(), colour.data(),
+                                                          alpha.data(), depth.data(), density.data(), rgb.data()});
     density.to(out.density.data()), rgb.to(out.rgb.data());
   }
 

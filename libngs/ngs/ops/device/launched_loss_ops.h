@@ -1,5 +1,5 @@
 #pragma once
-// DeviceLossOps on a Launcher: copies in, the kernels, copies out.
+// DeviceLossOps on a Launcher: uploads, runs the kernels, downloads.
 #include <algorithm>
 
 #include "ngs/ops/device/adam_kernel.h"
@@ -32,13 +32,13 @@ class LaunchedLossOps final : public DeviceLossOps {
     const AlignArrays in(launcher_, image.in);
     const NodeArrays node(launcher_, nodes, image.node);
     const Floats field_colour(launcher_, nodes * 3), field_alpha(launcher_, nodes);
-    launcher_.parallel_for(nodes, AlignBackwardField<float>{node.view(), field.weight_alpha, field.scale, field_colour.data(),
-                                                    field_alpha.data()});
+    launcher_.parallel_for(nodes, AlignBackwardField<float>{node.view(), field.weight_alpha, field.scale,
+                                                            field_colour.data(), field_alpha.data()});
     field_colour.to(field.grad_colour), field_alpha.to(field.grad_alpha);
     const Floats colour(launcher_, image.grad_colour_accumulate, pixels * 3),
         alpha(launcher_, image.grad_alpha_accumulate, pixels);
     launcher_.parallel_for(rect_pixels, AlignBackwardImage<float>{in.view, node.view(), image.scale, image.x0, image.y0,
-                                                          image.rect_width, colour.data(), alpha.data()});
+                                                                  image.rect_width, colour.data(), alpha.data()});
     colour.to(image.grad_colour_accumulate), alpha.to(image.grad_alpha_accumulate);
   }
 
@@ -161,7 +161,7 @@ class LaunchedLossOps final : public DeviceLossOps {
           share(launcher, h.patch_share, n) {}
     AlignNodes<float> view() const { return {colour.data(), alpha.data(), mean.data(), share.data()}; }
   };
-  /// A crop of a host image as a dense one; null stays null.
+  /// A dense device copy of a crop of a host image; null stays null.
   template <class T>
   struct Crops {
     Floats memory;

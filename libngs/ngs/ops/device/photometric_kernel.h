@@ -48,7 +48,7 @@ struct BlurColumnValues {
   }
 };
 
-/// Pixel i: its sums, and the partials times the factor of S in the loss.
+/// Pixel i: its two loss terms, and the partials times the factor of S in the loss.
 struct PixelLoss {
   static constexpr const char* kName = "ssim_loss";
   Layout layout;
@@ -94,14 +94,14 @@ struct ValueGradient {
   }
 };
 
-/// What PhotometricPass does between preparing the crop and dividing the sums: Σ w |x - y| and Σ w S into `sums`; all
-/// of it on the device.
+/// The device part of PhotometricPass: the gradient, and Σ w |x - y| and Σ w S in `sums`. All pointers
+/// are device pointers.
 template <class Launcher>
 void photometric_on_device(Launcher& launcher, const Comparison<float>& in, double* sums) {
   const Layout& layout = in.layout;
   const std::int64_t values = layout.width() * layout.h, pixels = std::int64_t(layout.w) * layout.h;
   DeviceBuffer<Launcher, float> products(launcher, layout.plane() * kMoments);
-  products.zero();  // the padding stays
+  products.zero();  // the padding stays zero
   const DeviceBuffer<Launcher, float> rows(launcher, layout.plane() * kMoments),
       both(launcher, layout.plane() * kMoments);
   const DeviceBuffer<Launcher, double> term(launcher, pixels * 2);
@@ -112,11 +112,12 @@ void photometric_on_device(Launcher& launcher, const Comparison<float>& in, doub
   };
   launcher.parallel_for(values, ProductValues{layout, in.x, in.y, products.data()});
   blur(kMoments);
-  launcher.parallel_for(pixels, PixelLoss{layout, both.data(), products.data(), in.x, in.y, in.weights, float(in.ssim_factor),
-                                  term.data()});
+  launcher.parallel_for(pixels, PixelLoss{layout, both.data(), products.data(), in.x, in.y, in.weights,
+                                          float(in.ssim_factor), term.data()});
   if (in.gradient.first != nullptr) {
     blur(kPartials);
-    launcher.parallel_for(values, ValueGradient{layout, both.data(), in.x, in.y, in.weights, float(in.l1_factor), in.gradient});
+    launcher.parallel_for(values,
+                          ValueGradient{layout, both.data(), in.x, in.y, in.weights, float(in.l1_factor), in.gradient});
   }
   sums_on_device(launcher, term.data(), pixels, 2, sums);
 }

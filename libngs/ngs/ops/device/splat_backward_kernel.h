@@ -1,12 +1,13 @@
 #pragma once
-// The backward pass of one tile on a device. In order, every (Gaussian, tile) pair has one row, written by one block;
-// with atomic sums a Gaussian has one, and its tiles add to it.                         adjoint of Eq. (2)
+// The backward pass of one tile on a device: the adjoint of Eq. (2). With DeviceSums::kInOrder, every (Gaussian, tile)
+// pair has one row of gradients, written by one block. With atomic sums, every Gaussian has one row, to which
+// its tiles add.
 //
-// As on the CPU (ops/splat/splat_backward.h) a traversal is gone through from its far end, and nothing is divided by 1
-// - alpha. The traversal is not recorded: transmittances are kept every kBatch entries in memory and every kChunk in
-// the block, and from there the steps are taken again, which gives the same bits. Per chunk the threads then change
-// roles: from a pixel with kChunk Gaussians to a Gaussian with eight pixels of half a row, so that sums over pixels
-// need no exchange within warps.
+// As on the CPU (ops/splat/splat_backward.h), a pixel is traversed from its far end, and nothing is divided by 1 -
+// alpha. The traversal is not recorded. Transmittance checkpoints are stored every kBatch entries in global memory and
+// every kChunk entries in shared memory; replaying the steps from a checkpoint gives the same bits. Per chunk, the
+// threads then change roles: from one pixel with kChunk Gaussians to one Gaussian with eight pixels of half a row. Sums
+// over pixels then need no exchange within warps.
 #include "ngs/backend/exec.h"
 #include "ngs/ops/device/splat_forward_kernel.h"
 
@@ -24,15 +25,19 @@ struct SplatBackwardTile {
   ChannelGroup<C> channels;
   Plane<const float> grad[C + 1];  // ∂L/∂(channel), the last one ∂L/∂alpha; null: zero
   std::uint32_t moves;             // bit c: channel c's gradient reaches alpha
-  float* kept;                     // [kept_rows(), kTilePixels] transmittance, negative: the pixel has stopped
+  float* checkpoints;              // [checkpoint_rows(), kTilePixels] transmittance; negative: the pixel has stopped
   float* row_grad;                 // [pairs or Gaussians, row_columns], zeros before the first group of channels
   int row_columns;
   DeviceSums sums;
 
-  /// Rows of `kept` for all tiles.
-  static std::int64_t kept_rows(std::int64_t pairs, std::int64_t tile_count) { return pairs / kBatch + tile_count; }
+  /// Rows of `checkpoints` for all tiles.
+  static std::int64_t checkpoint_rows(std::int64_t pairs, std::int64_t tile_count) {
+    return pairs / kBatch + tile_count;
+  }
   /// The first row of a tile whose entries begin at `begin`; it has ceil_div(entries, kBatch) of them.
-  NGS_HD static std::int64_t first_kept_row(std::int64_t begin, std::int64_t tile) { return begin / kBatch + tile; }
+  NGS_HD static std::int64_t first_checkpoint_row(std::int64_t begin, std::int64_t tile) {
+    return begin / kBatch + tile;
+  }
 
   struct Pairs {
     float first[kChunk][kTilePixels];   // alpha, then ∂L/∂power
@@ -61,13 +66,13 @@ struct SplatBackwardTile {
     if (begin == end) return;
     const bool any_gradient =
         block.any([&](int t, Shared& shared, Thread& own) { return start(t, frame, shared, own); });
-    if (!any_gradient) return;  // a loss that does not look at this tile costs nothing here
-    float* const kept_here = kept + first_kept_row(begin, block.index) * kTilePixels;
-    const int batches = traverse(block, frame, begin, end, kept_here);
+    if (!any_gradient) return;  // tiles without a gradient are skipped
+    float* const tile_checkpoints = checkpoints + first_checkpoint_row(begin, block.index) * kTilePixels;
+    const int batches = traverse(block, frame, begin, end, tile_checkpoints);
     for (int batch = batches; batch-- > 0;) {
       const std::int64_t first = begin + std::int64_t(batch) * kBatch;
       const int count = int(min2<std::int64_t>(kBatch, end - first));
-      replay(block, frame, first, count, kept_here + std::int64_t(batch) * kTilePixels);
+      replay(block, frame, first, count, tile_checkpoints + std::int64_t(batch) * kTilePixels);
       for (int chunk = ceil_div(count, kChunk); chunk-- > 0;) {
         const int from = chunk * kChunk, used = min2(kChunk, count - from);
         gradients_of_pixels(block, frame, chunk, used);
@@ -92,15 +97,16 @@ struct SplatBackwardTile {
     return some;
   }
 
-  /// Walks to the end, keeping the transmittances every kBatch entries; returns the number of batches.
+  /// Traverses the tile and stores the transmittances every kBatch entries. Returns the number of batches.
   template <class Block>
   NGS_HD int traverse(Block& block, const TileFrame& frame, std::int64_t begin, std::int64_t end,
-                      float* kept_here) const {
+                      float* tile_checkpoints) const {
     int batches = 0;
     for (std::int64_t first = begin; first < end; first += kBatch, ++batches) {
       const int count = int(min2<std::int64_t>(kBatch, end - first));
       const bool more = block.any([&](int t, Shared& shared, Thread& own) {
-        kept_here[std::int64_t(batches) * kTilePixels + t] = own.traversal.live ? own.traversal.transmittance : -1.f;
+        tile_checkpoints[std::int64_t(batches) * kTilePixels + t] =
+            own.traversal.live ? own.traversal.transmittance : -1.f;
         shared.staged.template load<kThreads>(t, tiles, frame, channels, {first, count});
         return own.traversal.live;
       });
@@ -115,17 +121,17 @@ struct SplatBackwardTile {
     return batches;
   }
 
-  /// Brings a batch in again and finds the transmittances at its chunks.
+  /// Loads a batch again and computes the transmittances at its chunks.
   template <class Block>
   NGS_HD void replay(Block& block, const TileFrame& frame, std::int64_t first, int count,
-                     const float* kept_batch) const {
+                     const float* batch_checkpoints) const {
     block.phase([&](int t, Shared& shared, Thread&) {
       shared.staged.template load<kThreads>(t, tiles, frame, channels, {first, count});
     });
     block.phase([&](int t, Shared& shared, Thread& own) {
       const TilePixel pixel(t, frame);
-      const float kept_value = kept_batch[t];
-      own.traversal = {kept_value, kept_value >= 0.f};
+      const float checkpoint = batch_checkpoints[t];
+      own.traversal = {checkpoint, checkpoint >= 0.f};
       float before;
       for (int k = 0; k < count; ++k) {
         if (k % kChunk == 0) shared.start[k / kChunk][t] = own.traversal.live ? own.traversal.transmittance : -1.f;
@@ -163,14 +169,14 @@ struct SplatBackwardTile {
     });
   }
 
-  /// The rows of the chunk's pairs.
+  /// Sums over pixels: the gradient rows of the chunk's pairs.
   template <class Block>
   NGS_HD void sums_of_pairs(Block& block, std::int64_t entry, int from, int used) const {
     block.phase([&](int t, Shared& shared, Thread& own) {
       const int j = t / kSegments, s = t % kSegments;
       if (j < used) sum_segment(shared, shared.staged.gaussian[from + j], j, s, own.part);
     });
-    block.phase([&](int t, Shared& shared, Thread& own) {  // over the memory that has been read
+    block.phase([&](int t, Shared& shared, Thread& own) {  // overwrites `pair`, which has been read
       const int j = t / kSegments, s = t % kSegments;
       if (j >= used) return;
       for (int k = 0; k < kSums; ++k) shared.segment[s][j * kSums + k] = own.part[k];
@@ -184,7 +190,7 @@ struct SplatBackwardTile {
     block.phase([&](int t, Shared& shared, Thread&) {
       if (t >= used * kSums) return;
       const int j = t / kSums, k = t % kSums;
-      const bool of_geometry = k < kPairGeometry;  // which all groups of channels move
+      const bool of_geometry = k < kPairGeometry;  // to which all channel groups contribute
       if (k >= kPairGeometry + channels.used) return;
       const float value =
           of_geometry ? geometry(shared.staged.gaussian[from + j], shared.total + j * kSums, k) : shared.total[t];
@@ -198,7 +204,7 @@ struct SplatBackwardTile {
   }
 
   /// Moments of ∂L/∂power in the distance from the mean, and weighted channel gradients, over eight pixels of a row.
-  /// They begin at another one in every fourth segment: the threads of a warp then read from 32 banks.
+  /// The starting pixel shifts with every fourth segment, so that the threads of a warp read from 32 banks.
   NGS_HD static void sum_segment(const Shared& shared, const TileGaussian<float>& g, int j, int s, float* part) {
     float p = 0.f, pu = 0.f, puu = 0.f, channel[C];
     for (int c = 0; c < C; ++c) channel[c] = 0.f;

@@ -1,11 +1,12 @@
 #pragma once
 // Compositing one tile on a device: a thread is a pixel, a block a tile. The same steps in the same order as on the CPU
-// (ops/splat/splat_step_kernels.h), so the images are equal to the last bit where the records are.           Eq. (2)
+// (ops/splat/splat_step_kernels.h), so equal records give bit-identical images. See Eq. (2).
 #include "ngs/ops/device/tiles_kernel.h"
 
 namespace ngs {
 
-/// C channels of the `stride` that every Gaussian has, from channel `first` on; unused ones have null planes.
+/// C of the `stride` channels of every Gaussian, from channel `first` on. Channels from `used` on are 0,
+/// with null planes.
 template <int C>
 struct ChannelGroup {
   const float* data;  // [N, stride]
@@ -28,7 +29,7 @@ struct StagedGaussians {
   TileGaussian<float> gaussian[kBatch];
   float value[kBatch][C];
 
-  /// Thread's part of bringing the entries in.
+  /// The thread's part of loading the entries.
   template <int kThreads>
   NGS_HD void load(int thread, const TilesOnDevice& tiles, const TileFrame& frame, const ChannelGroup<C>& channels,
                    const EntryRange& entries) {

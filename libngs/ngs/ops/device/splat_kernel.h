@@ -1,12 +1,12 @@
 #pragma once
-// Forward and backward of one view on a device: what SplatEngine is on the CPU.
+// Forward and backward pass of one view on a device: the counterpart of SplatEngine on the CPU.
 #include <memory>
 
 #include "ngs/ops/device/splat_backward_kernel.h"
 
 namespace ngs {
 
-/// Copies of the columns of a cloud on a device. Columns that `cloud` does not have stay null.
+/// A device copy of the columns of a cloud. Columns that are null in `cloud` stay null.
 template <class Launcher>
 class CloudOnDevice {
  public:
@@ -60,7 +60,7 @@ struct GaussiansBackward {
 
 inline constexpr int kMostChannels = 8;  // in one launch
 
-/// One view. All pointers are the device's; `cloud` and `plan.label` outlive it.
+/// One view. All pointers are device pointers; `cloud` and `plan.label` must outlive it.
 template <class Launcher>
 class SplatOnDevice {
  public:
@@ -74,7 +74,7 @@ class SplatOnDevice {
         channel_(launcher, cloud.size * plan.count()) {
     if (plan.count() > 0)
       launcher.parallel_for(cloud.size,
-                    ChannelRows{plan, projector_, cloud, bins_.depth(), bins_.slot_begin(), channel_.data()});
+                            ChannelRows{plan, projector_, cloud, bins_.depth(), bins_.slot_begin(), channel_.data()});
   }
 
   /// out[c]: channel c; out[count]: 1 - T_final.
@@ -88,19 +88,20 @@ class SplatOnDevice {
       });
   }
 
-  /// As SplatEngine::backward; columns of `out` are overwritten.
+  /// Like SplatEngine::backward. The columns of `out` are overwritten.
   void backward(const std::vector<Plane<const float>>& grad, const std::vector<std::uint8_t>& moves,
                 const CloudGradientView<float>& out, DeviceSums sums) {
     const int columns = kPairGeometry + plan_.count();
     DeviceBuffer<Launcher, float> rows(launcher_,
                                        (sums == DeviceSums::kAtomic ? cloud_.size : bins_.pairs()) * columns);
     rows.zero();
-    const DeviceBuffer<Launcher, float> kept(
-        launcher_, SplatBackwardTile<1, Launcher>::kept_rows(bins_.pairs(), bins_.tiles()) * std::int64_t(kTilePixels));
+    const DeviceBuffer<Launcher, float> checkpoints(
+        launcher_,
+        SplatBackwardTile<1, Launcher>::checkpoint_rows(bins_.pairs(), bins_.tiles()) * std::int64_t(kTilePixels));
     for (int first = 0; first == 0 || first < plan_.count(); first += kMostChannels)
       with_group(first, [&](auto size) {
-        SplatBackwardTile<size, Launcher> kernel{bins_.view(), group<size>(first), {},      0,
-                                                 kept.data(),  rows.data(),        columns, sums};
+        SplatBackwardTile<size, Launcher> kernel{bins_.view(),       group<size>(first), {},      0,
+                                                 checkpoints.data(), rows.data(),        columns, sums};
         for (int c = 0; c < kernel.channels.used; ++c) {
           kernel.grad[c] = grad[std::size_t(first + c)];
           if (moves[std::size_t(first + c)]) kernel.moves |= 1u << c;

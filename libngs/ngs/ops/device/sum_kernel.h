@@ -1,6 +1,6 @@
 #pragma once
-// Sums over rows on a device, in double: fixed chunks, whose sums are summed in fixed chunks, and so on; likewise the
-// least value.
+// Sums and minima over rows on a device. Sums are in double, by a tree reduction over fixed chunks, so their
+// order is fixed.
 #include <vector>
 
 #include "ngs/backend/launcher.h"
@@ -25,7 +25,7 @@ struct SumChunk {
   }
 };
 
-/// total[c] = the sum of column c of `value` [n, columns]; all of it the device's memory.
+/// total[c] = the sum of column c of `value` [n, columns]. All pointers are device pointers.
 template <class T, class Launcher>
 void sums_on_device(Launcher& launcher, const T* value, std::int64_t n, int columns, double* total) {
   const std::int64_t chunks = ceil_div(n, SumChunk<T>::kRows);
@@ -50,7 +50,7 @@ struct LeastOfChunk {
   }
 };
 
-/// The least of n > 0 values in the device's memory.
+/// The least of n > 0 values in device memory.
 template <class Launcher>
 std::int64_t least_on_device(Launcher& launcher, const std::int64_t* value, std::int64_t n) {
   const std::int64_t chunks = ceil_div(n, LeastOfChunk::kRows);
@@ -62,7 +62,7 @@ std::int64_t least_on_device(Launcher& launcher, const std::int64_t* value, std:
   return least;
 }
 
-/// The sums on the host.
+/// The sums of all columns, copied to the host.
 template <class T, class Launcher>
 std::vector<double> ordered_sums(Launcher& launcher, const T* value, std::int64_t n, int columns) {
   const DeviceBuffer<Launcher, double> total(launcher, columns);

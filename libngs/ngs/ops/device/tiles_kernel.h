@@ -1,17 +1,17 @@
 #pragma once
 // Projection and tile lists of a view on a device (backend/launcher.h). The lists are those of the CPU
-// (ops/splat/splat_view.h), but that Gaussians keep their rows: nothing is compacted, a Gaussian that reaches no tile
+// (ops/splat/splat_view.h), without compaction: Gaussians keep their row numbers, and a Gaussian that reaches no tile
 // has no slots.
 //
-// One radix sort of (tile, depth) keys over pairs that are made Gaussian by Gaussian: it is stable, so that equal
-// depths are ordered by index.
+// Pairs (Gaussian, tile) are created in the order of Gaussians and radix-sorted by (tile, depth). The sort is stable,
+// so equal depths are ordered by index.
 #include "ngs/backend/launcher.h"
 #include "ngs/core/check.h"
 #include "ngs/ops/splat/splat_gaussian.h"
 
 namespace ngs {
 
-/// What the kernels of a tile read; tile t has the entries [begin[t], begin[t + 1]), nearest first.
+/// Inputs of the tile kernels. Tile t has the entries [begin[t], begin[t + 1]), nearest first.
 struct TilesOnDevice {
   const SplatRecord<float>* record;      // [N]
   const std::uint32_t *gaussian, *slot;  // [pairs]
@@ -24,7 +24,7 @@ struct TilesOnDevice {
   }
 };
 
-/// A pixel of a tile as a thread sees it: threads are pixels, row by row.
+/// The pixel of a thread in its tile: thread t is pixel t, row by row.
 struct TilePixel {
   int column, row;
   bool inside;
@@ -43,7 +43,7 @@ struct ProjectGaussians {
   SplatRecord<float>* record;  // [N] out, of Gaussians with tiles > 0
   float* depth;                // [N] out
   TileRect* rect;              // [N] out
-  std::uint32_t* tiles;        // [N] out: how many the Gaussian reaches
+  std::uint32_t* tiles;        // [N] out: number of tiles that the Gaussian reaches
 
   NGS_HD void operator()(std::int64_t i) const {
     VisibleGaussian<float> g;
@@ -105,7 +105,7 @@ struct GaussianOfEntry {
 template <class Launcher>
 class TileBins {
  public:
-  /// All arrays of `cloud` are the device's. Waits for the number of pairs, which is how much memory they take.
+  /// All arrays of `cloud` are device pointers. Waits for the number of pairs, to allocate their memory.
   TileBins(Launcher& launcher, const ViewProjector<float>& view, const CloudView<float>& cloud)
       : width_px_(view.width_px),
         height_px_(view.height_px),
@@ -118,7 +118,8 @@ class TileBins {
         begin_(launcher, tile_count_ + 1) {
     const DeviceBuffer<Launcher, TileRect> rect(launcher, cloud.size);
     const DeviceBuffer<Launcher, std::uint32_t> tiles(launcher, cloud.size);
-    launcher.parallel_for(cloud.size, ProjectGaussians{view, cloud, record_.data(), depth_.data(), rect.data(), tiles.data()});
+    launcher.parallel_for(cloud.size,
+                          ProjectGaussians{view, cloud, record_.data(), depth_.data(), rect.data(), tiles.data()});
     launcher.exclusive_scan(tiles.data(), slot_begin_.data(), cloud.size);
     launcher.download(&pairs_, slot_begin_.data() + cloud.size, sizeof pairs_);
     NGS_CHECK(pairs_ <= 0xffffffff, "slots are counted in 32 bits");
@@ -126,8 +127,8 @@ class TileBins {
     const DeviceBuffer<Launcher, std::uint32_t> of_slot(launcher, pairs_);
     slot_ = DeviceBuffer<Launcher, std::uint32_t>(launcher, pairs_),
     gaussian_ = DeviceBuffer<Launcher, std::uint32_t>(launcher, pairs_);
-    launcher.parallel_for(cloud.size, MakePairs{record_.data(), depth_.data(), rect.data(), slot_begin_.data(), tiles_x_,
-                                        key.data(), slot_.data(), of_slot.data()});
+    launcher.parallel_for(cloud.size, MakePairs{record_.data(), depth_.data(), rect.data(), slot_begin_.data(),
+                                                tiles_x_, key.data(), slot_.data(), of_slot.data()});
     launcher.sort(key.data(), slot_.data(), pairs_, 32 + bits_of(tile_count_));
     launcher.parallel_for(tile_count_ + 1, FindTiles{key.data(), pairs_, begin_.data()});
     launcher.parallel_for(pairs_, GaussianOfEntry{slot_.data(), of_slot.data(), gaussian_.data()});

@@ -31,7 +31,7 @@ class DisagreementAlone {
     for (const std::size_t k : order) {
       const ImageF alone = objects_.view(exec, k, camera, problem_.splat);
       const ViewMasks own{masks.width_px, masks.height_px, {masks.target[k]}, masks.known, true};
-      last_[k] = disagreement(MaskPair(alone, own, 0, boxes_shown(alone)[0]).counts(exec));
+      last_[k] = disagreement(MaskPair(alone, own, 0, foreground_boxes(alone)[0]).counts(exec));
       if ((so_far += last_[k]) > kCertain * enough) return std::max(so_far, enough);
     }
     return std::accumulate(last_.begin(), last_.end(), 0.0);

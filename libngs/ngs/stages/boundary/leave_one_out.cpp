@@ -5,7 +5,7 @@
 namespace ngs {
 namespace {
 
-constexpr double kLeastRest = 1e-3;  // of a Gaussian's weight
+constexpr double kLeastRest = 1e-3;  // fraction of a Gaussian's weight that must remain without a view
 
 }  // namespace
 
@@ -48,12 +48,13 @@ void LeaveOneOut::keep(std::size_t n, const std::shared_ptr<const ViewWeights>& 
 
 void LeaveOneOut::add(std::size_t n) {
   const auto own = std::make_shared<const ViewWeights>(gather_(n));
-  std::vector<std::vector<SparseTable<ExactSum>::First>> deferred_inserts(own->parts());
+  std::vector<std::vector<SparseTable<ExactSum>::Insert>> deferred_inserts(own->parts());
   for_each_task(exec_, std::int64_t(own->parts()), [&](std::int64_t part) {
     own->for_each(std::size_t(part), [&](std::uint32_t gaussian, const double* mine) {
       weight_.add(gaussian, mine[0]);
       for (std::size_t k = 0; k < objects_; ++k)
-        if (mine[1 + k] != 0) object_weight_.add(gaussian, k, ExactSum::of(mine[1 + k]), deferred_inserts[std::size_t(part)]);
+        if (mine[1 + k] != 0)
+          object_weight_.add(gaussian, k, ExactSum::of(mine[1 + k]), deferred_inserts[std::size_t(part)]);
     });
   });
   for (const auto& of : deferred_inserts) object_weight_.add(of);

@@ -26,7 +26,7 @@ std::vector<LabelColumns> closed_form_labels(const Exec& exec, Monitor& monitor,
 
 namespace {
 
-/// Sets the columns of a Gaussian from its weights that are left.
+/// Sets the columns of Gaussian i from its remaining weights [1 + K]: total, then per object.
 void set_labels(const BoundaryRule& rule, const double* weight, std::size_t i, std::vector<LabelColumns>& labels) {
   double most = 0, all = 0;
   std::size_t heaviest = 0;
@@ -87,7 +87,7 @@ std::vector<LabelColumns> labels_without_views(const Exec& exec, Monitor& monito
   std::vector<double> weight(1 + objects);
   for (std::size_t i = 0; i < seen_less.size(); ++i) {
     if (seen_less[i] == 0) continue;
-    const bool unseen = of_claimed[0].views[i] <= seen_less[i];  // but for rounding, nothing of it is left
+    const bool unseen = of_claimed[0].views[i] <= seen_less[i];  // no weight remains except rounding
     for (LabelColumns& c : of_claimed) c.views[i] -= std::min(float(c.views[i]), seen_less[i]);
     weight[0] = unseen ? 0 : rest.weight(i);
     for (std::size_t k = 0; k < objects; ++k) weight[1 + k] = unseen ? 0 : rest.object_weight(i, k);

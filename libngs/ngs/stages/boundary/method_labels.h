@@ -1,11 +1,11 @@
 #pragma once
-// What the methods of ngs-joint share: where evidence comes from, and whose label no method may change.
+// Labels shared by the methods of ngs-joint: closed form, recomputation, and labels fixed by hand.
 #include "ngs/problem/problem.h"
 #include "ngs/stages/boundary/variance_stage.h"
 
 namespace ngs {
 
-/// One LabelColumns per object: the input's, or those of the closed form over its views where it brings none.
+/// One LabelColumns per object: those of the input, or the closed form over its views if the input has none.
 std::vector<LabelColumns> closed_form_labels(const Exec& exec, Monitor& monitor, const Problem& input);
 
 /// Labels from the evidence of `cloud` and the current masks, by input.rule. Hand-fixed labels stay. For passes that
@@ -19,8 +19,8 @@ std::vector<LabelColumns> recompute_labels(const Exec& exec, Monitor& monitor, c
 std::vector<LabelColumns> labels_without_views(const Exec& exec, Monitor& monitor, const Problem& input,
                                                const std::vector<std::size_t>& views);
 
-/// Hand-fixed Gaussians get their input label (and prob) back. Rows of `labels` are the input's unless
-/// `source_row` says from which input row each descends.
+/// Restores label and prob of hand-fixed Gaussians from the input. Row r of `labels` descends from input row
+/// source_row[r]; an empty `source_row` is the identity.
 void restore_fixed(const Problem& input, const std::vector<std::int64_t>& source_row,
                    std::vector<LabelColumns>& labels);
 

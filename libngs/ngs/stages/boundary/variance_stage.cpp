@@ -10,8 +10,7 @@
 namespace ngs {
 namespace {
 
-/// Normalised mask variance in [0, 1] of a Gaussian of which an object has `of`, a share `prob` in [0, 1] of its
-/// weight.
+/// Normalised mask variance in [0, 1] of a Gaussian. `of`: the object's weight in it, the fraction `prob` of all.
 double normalised_variance(Criterion criterion, const Evidence& e, std::size_t gaussian, const ObjectShare& of,
                            double prob) {
   switch (criterion) {
@@ -25,7 +24,7 @@ double normalised_variance(Criterion criterion, const Evidence& e, std::size_t g
   return 0.0;
 }
 
-/// The object that outweighs every other object and the background; -1 if none does.
+/// The object with the largest weight, if it exceeds the background's weight; otherwise -1.
 int heaviest_object(const Evidence& e, std::size_t gaussian) {
   double background = e.weight.value(gaussian), best_weight = 0;
   int best = -1;
@@ -37,7 +36,7 @@ int heaviest_object(const Evidence& e, std::size_t gaussian) {
   return best_weight > background ? best : -1;
 }
 
-/// Decoding one picture takes one thread: those of the next views together take more, and memory for each.
+/// Number of views whose masks are decoded in parallel: one image per thread, bounded for memory.
 std::size_t views_ahead(const Exec& exec, std::size_t objects) {
   constexpr std::size_t kMostPlanes = 36;
   return std::clamp<std::size_t>(kMostPlanes / std::max<std::size_t>(objects, 1), 1,
@@ -98,13 +97,13 @@ std::vector<LabelColumns> label_gaussians(const BoundaryRule& rule, const Eviden
   std::vector<LabelColumns> columns(std::size_t(e.objects));
   for (LabelColumns& c : columns)
     for (const auto column : kLabelColumns) (c.*column).assign(n, 0.f);
-  LabelColumn views(n, 0.f);  // the same of all objects
+  LabelColumn views(n, 0.f);  // the same for all objects
   for (std::size_t i = 0; i < n; ++i) {
     if (e.views[i] == 0) continue;
     const bool one_of_several = rule.exclusive && e.objects > 1;
     const int owner = one_of_several ? heaviest_object(e, i) : -1;
     views[i] = float(e.views[i]);
-    e.share.for_each_in(i, [&](std::size_t k, const ObjectShare& of) {  // of others all is 0
+    e.share.for_each_in(i, [&](std::size_t k, const ObjectShare& of) {  // objects without weight keep zeros
       LabelColumns& c = columns[k];
       const double prob = of.weight.value() / e.weight.value(i);
       const double variance = normalised_variance(rule.criterion, e, i, of, prob);

@@ -38,24 +38,23 @@ struct ContourOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.iterations,
-          Field<int>{"contour_iterations", "",
-                     "refinements; 0: 2, or 3 where the masks' contours miss the photos' edges, and 2 more at high, "
-                     "5 more at reference",
-                     0, 100}
-              .of("contour-iterations"));
+    visit(self.iterations, Field<int>{"contour_iterations", "",
+                                      "Number of refinements; 0: 2, or 3 if the masks' contours miss the photos' "
+                                      "edges, and 2 more at high, 5 more at reference",
+                                      0, 100}
+                               .of("contour-iterations"));
     visit(self.epochs, Field<int>{"contour_epochs", "",
-                                  "epochs of an iteration, half as many at half the size; 0: 15, fewer of many views",
+                                  "Epochs per iteration, half as many at half resolution; 0: 15, fewer with many views",
                                   0, 1'000'000});
-    visit(self.views,
-          Choice<ContourViews>{"contour_views", "whose photos are used; no held-out mask ever is", kContourViewsNames});
+    visit(self.views, Choice<ContourViews>{"contour_views", "Views whose photos are used; held-out masks never are",
+                                           kContourViewsNames});
     visit(self.photoless,
-          Choice<PhotolessViews>{"contour_photoless",
-                                 "views without a photo: left, trained on the model's own picture, or what serves "
-                                 "views with a photo better",
-                                 kPhotolessViewsNames});
+          Choice<PhotolessViews>{
+              "contour_photoless",
+              "Views without a photo: skip, train on the model's own render, or what is better in views with a photo",
+              kPhotolessViewsNames});
     visit(self.refine.band_px,
-          Field<double>{"contour_band", "px of the photo", "how far a contour may move in an iteration", 0.5, 1e3});
+          Field<double>{"contour_band", "px of the photo", "Largest move of a contour in one iteration", 0.5, 1e3});
   }
 };
 

@@ -82,14 +82,14 @@ struct ObjectPart {
 /// About what is rendered [fine] and the view's own mask [coarse; may be empty] shows, with what refinement looks at
 /// and a few pixels more: all that is left out shows no object in either, and adds nothing to any sum. The whole
 /// picture where the sizes are not 1, 2 or 4 times each other: positions in the part would be rounded otherwise.
-ObjectPart part_of(const ShownBox& rendered, const std::vector<float>& own, const Camera& camera, const ImageF& photo,
-                   double reach_px) {
+ObjectPart part_of(const ForegroundBox& rendered, const std::vector<float>& own, const Camera& camera,
+                   const ImageF& photo, double reach_px) {
   constexpr double kMore_px = 8;
   const int w = camera.width_px, h = camera.height_px, scale = photo.width_px / w;
   const PixelWindow all{0, 0, w, h}, all_fine{0, 0, photo.width_px, photo.height_px};
   if ((scale != 1 && scale != 2 && scale != 4) || photo.width_px != scale * w || photo.height_px != scale * h)
     return {all, all_fine};
-  ShownBox shown = own.empty() ? ShownBox{} : box_shown(own, w, h);
+  ForegroundBox shown = own.empty() ? ForegroundBox{} : foreground_box(own, w, h);
   if (!rendered.empty())
     shown.add({rendered.x0 / scale, rendered.y0 / scale, (rendered.x1 - 1) / scale + 1, (rendered.y1 - 1) / scale + 1});
   const double margin_px = std::min(reach_px / scale + kMore_px, double(w + h));
@@ -103,8 +103,8 @@ struct PartOfMask {
   std::vector<float> plane;  // [at.h, at.w]
 };
 
-ShownBox box_of(const PartOfMask& part) {
-  const ShownBox box = box_shown(part.plane, part.at.w, part.at.h);
+ForegroundBox box_of(const PartOfMask& part) {
+  const ForegroundBox box = foreground_box(part.plane, part.at.w, part.at.h);
   return {box.x0 + part.at.x0, box.y0 + part.at.y0, box.x1 + part.at.x0, box.y1 + part.at.y0};
 }
 
@@ -127,7 +127,7 @@ class ObjectRefinement {
 
   /// The refined mask of object k, of which `label` [fine, K] is in `shown`, and its agreement with the view's own of
   /// the same object [coarse; not available: no such mask], which counts as 1 / K of the view's.
-  PartOfMask refined(const ImageF& label, std::size_t k, const ShownBox& shown, const ViewMasks& own) {
+  PartOfMask refined(const ImageF& label, std::size_t k, const ForegroundBox& shown, const ViewMasks& own) {
     const double objects = label.channels;
     const auto [at, fine] = part_of(shown, own.available ? own.target[0] : std::vector<float>(), camera_, photo_,
                                     std::max(refine_.reach_px, refine_.band_px));
@@ -196,9 +196,9 @@ RefinedView refine_view(const RefineSetup& setup, const SplatOptions& splat, con
   const std::size_t objects = model.objects();
   out.compared = own.available;
   ObjectRefinement refinement(refine, photo, camera, out);
-  const std::vector<ShownBox> boxes = boxes_shown(label);
+  const std::vector<ForegroundBox> boxes = foreground_boxes(label);
   std::vector<PartOfMask> targets(objects);
-  ShownBox shown;
+  ForegroundBox shown;
   for (std::size_t k = 0; k < objects; ++k) {
     ViewMasks one{own.width_px, own.height_px, {}, own.known, own.available};
     if (own.available) one.target.push_back(std::move(own.target[k]));

@@ -10,7 +10,7 @@
 namespace ngs::live {
 namespace {
 
-/// What `evidence` knows of the Gaussians `rows`, [N, 2]: the share of the object, and 1 where it is known.
+/// Channels [N, 2] of the Gaussians `rows`: the object's share of the weight, and 1 if the Gaussian has evidence.
 std::vector<float> known_channels(const Exec& exec, const ObjectEvidence& evidence,
                                   const std::vector<std::uint32_t>& rows) {
   std::vector<float> channel(2 * evidence.gaussians());
@@ -21,7 +21,8 @@ std::vector<float> known_channels(const Exec& exec, const ObjectEvidence& eviden
   return channel;
 }
 
-/// Of a render of known_channels(): where at least half is known, what is empty too, and most of that is the object.
+/// Selection from a render of known_channels(): at least half of the pixel is known (empty counts as known background),
+/// and most of the known part is the object.
 PixelMask selection_of(const RenderedView& rendered) {
   PixelMask selection(rendered.alpha.data.size());
   for (std::size_t p = 0; p < selection.size(); ++p) {
@@ -36,7 +37,7 @@ PixelMask selection_of(const RenderedView& rendered) {
 CachedFrame::CachedFrame(const Exec& exec, const Model& model, const Look& look, const Camera& camera)
     : exec_(exec), model_(model), look_(look), kept_(exec, model.cloud, camera, model.splat) {}
 
-/// The picture unless there is one, and the selection by `channel` unless that is empty.
+/// Renders the picture unless it is cached, and the selection by `channel` unless that is empty.
 void CachedFrame::draw(const std::vector<float>& channel) {
   RenderRequest request;
   request.colour = picture_.empty(), request.background = model_.background;
@@ -86,7 +87,7 @@ CachedFrame& FrameCache::of(const Look& look, const Camera& camera) {
   if (found != views_.end()) {
     std::rotate(views_.begin(), found, found + 1);
   } else {
-    if (views_.size() == kMost) views_.pop_back();  // its memory serves the next one
+    if (views_.size() == kMost) views_.pop_back();  // frees its memory for the next one
     views_.insert(views_.begin(), std::make_unique<CachedFrame>(exec_, model_, look, camera));
   }
   return *views_.front();

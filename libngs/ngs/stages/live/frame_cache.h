@@ -1,6 +1,6 @@
 #pragma once
-// The views that were drawn on last, kept so that the next stroke on them costs what it changes: projected and sorted
-// into tiles, their pictures, what the object's other views say of them. All of it can be made again from the marks.
+// Cache of the views with the latest strokes, so that the next stroke on them costs only its changes: projected and
+// tile-sorted Gaussians, renders, and the selection from the object's other views. All of it can be recomputed.
 #include <memory>
 #include <vector>
 
@@ -13,19 +13,19 @@ using MarkedViews = std::vector<std::shared_ptr<const MarkedView>>;
 
 class CachedFrame {
  public:
-  /// `look`, `camera`: what is seen and at which size. The model must outlive it.
+  /// `look`: the view; `camera`: the same at the segmented size. The model must outlive this object.
   CachedFrame(const Exec& exec, const Model& model, const Look& look, const Camera& camera);
 
   const Look& look() const { return look_; }
-  /// As Session::picture(); drawn once.
+  /// As Session::picture(); rendered once.
   const ImageU8& picture();
-  /// [H·W] of the model in it; drawn with the picture.
+  /// [H·W] opacity of the model; rendered together with the picture.
   const std::vector<float>& alpha();
-  /// What `others`, whose sums are `evidence`, select in it, as far as they know; drawn when they are not those of the
-  /// call before.
+  /// The selection in this view by the labels of `others`, whose sums are `evidence`. Rendered again only if `others`
+  /// differs from the previous call.
   const PixelMask& selection(const ObjectEvidence& evidence, const MarkedViews& others);
   bool has_selection(const MarkedViews& others) const { return !others.empty() && others == others_; }
-  /// Sets what the view's mask and strokes say of the Gaussians.
+  /// Sets the rendering weights of the Gaussians in the view and under its mask and strokes.
   void weigh(MarkedView& view);
 
  private:
@@ -41,7 +41,7 @@ class CachedFrame {
   PixelMask selection_;
 };
 
-/// The last few, of a model that must outlive them.
+/// The kMost latest frames of a model that must outlive this object.
 class FrameCache {
  public:
   static constexpr std::size_t kMost = 2;
@@ -52,7 +52,7 @@ class FrameCache {
  private:
   const Exec& exec_;
   const Model& model_;
-  std::vector<std::unique_ptr<CachedFrame>> views_;  // the last one first
+  std::vector<std::unique_ptr<CachedFrame>> views_;  // latest first
 };
 
 }  // namespace ngs::live

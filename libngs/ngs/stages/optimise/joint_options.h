@@ -40,12 +40,12 @@ struct FieldOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.hash_levels,
-          Field<int>{"hash_levels", "", "resolutions L of the hash encoding (Eq. 11)", 1, kMaxHashLevels});
-    visit(self.hash_log2_table, Field<int>{"hash_log2_table", "", "log2 of the entries of a hashed level", 3, 24});
+          Field<int>{"hash_levels", "", "Resolutions L of the hash encoding (Eq. 11)", 1, kMaxHashLevels});
+    visit(self.hash_log2_table, Field<int>{"hash_log2_table", "", "log2 of the table size of a hashed level", 3, 24});
     visit(self.hash_finest,
-          Field<int>{"hash_finest", "vertices", "finest resolution, along an axis", 2, kMaxHashResolution});
-    visit(self.mlp_hidden, Field<int>{"mlp_hidden", "", "width of the network", 16, 128});
-    visit(self.mlp_layers, Field<int>{"mlp_layers", "", "hidden layers, each modulated (Eq. 14)", 1, kMaxFilmLayers});
+          Field<int>{"hash_finest", "vertices", "Finest resolution along an axis", 2, kMaxHashResolution});
+    visit(self.mlp_hidden, Field<int>{"mlp_hidden", "", "Width of the network", 16, 128});
+    visit(self.mlp_layers, Field<int>{"mlp_layers", "", "Hidden layers, each modulated (Eq. 14)", 1, kMaxFilmLayers});
   }
 };
 
@@ -74,20 +74,21 @@ struct JointOptions : FieldOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.steps,
-          Field<std::int64_t>{"steps", "", "optimiser steps, one view each; 0: as --quality says", 0, 100'000'000}.of(
+          Field<std::int64_t>{"steps", "", "Optimiser steps, one view each; 0: set by --quality", 0, 100'000'000}.of(
               "joint"));
     visit(self.lambda_mask,
-          Field<double>{"lambda_mask", "", "weight of L_mask (Eq. 20)", 0, 1e6}.of("joint|contours,mask"));
-    visit(self.lambda_cont, Field<double>{"lambda_cont", "", "weight of L_cont (Eq. 20)", 0, 1e6}.of("cont"));
-    visit(self.lambda_smooth, Field<double>{"lambda_smooth", "", "weight of L_smth (Eq. 20)", 0, 1e6}.of("smooth"));
-    visit(self.weight_opacity, Field<double>{"weight_opacity", "", "w_alpha of L_align (Eq. 16)", 0, 1e6}.of("align"));
+          Field<double>{"lambda_mask", "", "Weight of L_mask (Eq. 20)", 0, 1e6}.of("joint|contours,mask"));
+    visit(self.lambda_cont, Field<double>{"lambda_cont", "", "Weight of L_cont (Eq. 20)", 0, 1e6}.of("cont"));
+    visit(self.lambda_smooth, Field<double>{"lambda_smooth", "", "Weight of L_smth (Eq. 20)", 0, 1e6}.of("smooth"));
+    visit(self.weight_opacity,
+          Field<double>{"weight_opacity", "", "Opacity weight w_alpha of L_align (Eq. 16)", 0, 1e6}.of("align"));
     visit(self.weight_variance,
-          Field<double>{"weight_variance", "", "w_v of L_align (Eq. 16, C17)", 0, 1e6}.of("variance"));
+          Field<double>{"weight_variance", "", "Variance weight w_v of L_align (Eq. 16, C17)", 0, 1e6}.of("variance"));
     visit(self.photometric_weight,
-          Field<double>{"photometric_weight", "", "weight of 0.8 L1 + 0.2 DSSIM (C16)", 0, 1e6}.of(
+          Field<double>{"photometric_weight", "", "Weight of 0.8 L1 + 0.2 DSSIM (C16)", 0, 1e6}.of(
               "joint|contours,photometric"));
     visit(self.rate_scale,
-          Field<double>{"rate_scale", "", "factor on 3DGS's rates of the Gaussians (C20)", 0, 1e3}.of("joint"));
+          Field<double>{"rate_scale", "", "Factor on the learning rates of 3DGS (C20)", 0, 1e3}.of("joint"));
   }
 };
 

@@ -10,7 +10,7 @@ namespace {
 
 struct Counted {
   std::int64_t pixels = 0, wrong = 0;
-  int x = 0, y = 0;  // of the first wrong pixel
+  int x = 0, y = 0;  // first wrong pixel
 };
 
 }  // namespace

@@ -11,12 +11,12 @@ namespace ngs {
 
 namespace {
 
-// About a chunk, and about the 32 chunks that deal their rows out among them.
+// Around the size of a chunk, and of a group of 32 interleaved chunks.
 constexpr std::int64_t kSizes[] = {1, 2, 255, 256, 257, 511, 8191, 8192, 8193, 70000};
 
 }  // namespace
 
-TEST_CASE("interleaved chunks cover every row once, and read neighbouring rows at the same time") {
+TEST_CASE("interleaved chunks cover every row once, and neighbouring chunks start at neighbouring rows") {
   for (const std::int64_t n : kSizes) {
     CAPTURE(n);
     std::vector<int> times(static_cast<std::size_t>(n));
@@ -32,7 +32,7 @@ TEST_CASE("interleaved chunks cover every row once, and read neighbouring rows a
   }
 }
 
-TEST_CASE("sums and minima of a device schedule are those of all rows") {
+TEST_CASE("ordered_sums equals the sum of all rows for every number of chunks") {
   test::HostLauncher launcher;
   for (const std::int64_t n : kSizes)
     for (const int columns : {1, 3}) {
@@ -48,7 +48,7 @@ TEST_CASE("sums and minima of a device schedule are those of all rows") {
     }
 }
 
-TEST_CASE("the first value that is not finite is found by a device schedule wherever it lies") {
+TEST_CASE("first_unusable_on_device finds the first value above the limit at every position") {
   test::HostLauncher launcher;
   for (const std::int64_t n : kSizes)
     for (const std::int64_t bad : {std::int64_t(0), n / 3, n / 2, n - 1}) {

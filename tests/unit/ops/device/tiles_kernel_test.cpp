@@ -9,7 +9,7 @@
 
 namespace ngs {
 
-TEST_CASE("more than 2^32 entries of tiles are refused on a device before any memory is allocated for them") {
+TEST_CASE("TileBins throws for more than 2^32 tile entries before it allocates memory for them") {
   test::SplatCase c = test::splat_case(5, 1100, 32000, 32000);
   const Vec3<double> ahead = c.camera.centre() + transpose(c.camera.rotation) * Vec3<double>{0, 0, 2};
   for (std::size_t i = 0; i < std::size_t(c.gaussians); ++i) {
@@ -26,13 +26,13 @@ TEST_CASE("more than 2^32 entries of tiles are refused on a device before any me
     return bins.pairs();
   };
   CHECK(entries_of(1) == 2000 * 2000);
-  std::string said;
+  std::string message;
   try {
     entries_of(1100);
   } catch (const std::logic_error& e) {
-    said = e.what();
+    message = e.what();
   }
-  CHECK(said.find("slots are counted in 32 bits") != std::string::npos);
+  CHECK(message.find("slots are counted in 32 bits") != std::string::npos);
 }
 
 }  // namespace ngs

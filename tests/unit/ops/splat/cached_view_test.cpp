@@ -32,7 +32,7 @@ Camera camera_in_front() {
   return camera;
 }
 
-/// A model, its camera, and what serves passes over it where `prepared`.
+/// A model and its camera; `prepared`: with a prepared cloud in the options.
 struct Case {
   explicit Case(bool prepared, int threads = 2) {
     exec.threads = threads;
@@ -51,7 +51,7 @@ PixelMask mask_of(const Camera& camera, const auto& is_object) {
   return mask;
 }
 
-/// view_sums() with a row for every Gaussian of the kept view.
+/// view_sums(), expanded to a row for every Gaussian of the cached view.
 MaskSums sums_of(const Case& c, const PixelMask& mask, const std::vector<std::uint32_t>& rows) {
   ViewMasks masks{c.camera.width_px, c.camera.height_px, {}, {}, true};
   masks.target.emplace_back(mask.begin(), mask.end());
@@ -67,10 +67,10 @@ MaskSums sums_of(const Case& c, const PixelMask& mask, const std::vector<std::ui
 
 }  // namespace
 
-TEST_CASE("a kept view is drawn as any other, whatever was drawn of it before") {
+TEST_CASE("cached view: renders are bit-identical to render(), whatever was rendered before") {
   for (const bool prepared : {false, true}) {
     const Case c(prepared);
-    CachedView kept(c.exec, c.cloud, c.camera, c.options);
+    CachedView cached(c.exec, c.cloud, c.camera, c.options);
     std::vector<float> label(2 * std::size_t(c.cloud.size()));
     for (std::size_t i = 0; i < label.size(); ++i) label[i] = float(i % 7) / 6;
     RenderRequest colour, labels, both, depth;
@@ -79,7 +79,7 @@ TEST_CASE("a kept view is drawn as any other, whatever was drawn of it before") 
     depth.depth = true;
     for (const RenderRequest* request : {&colour, &labels, &both, &depth, &colour}) {
       const RenderedView wanted = render(c.exec, c.cloud, c.camera, c.options, *request);
-      const RenderedView drawn = kept.render(c.exec, *request);
+      const RenderedView drawn = cached.render(c.exec, *request);
       CHECK(drawn.width_px == wanted.width_px);
       CHECK(drawn.colour.data == wanted.colour.data);
       CHECK(drawn.label.data == wanted.label.data);
@@ -89,11 +89,11 @@ TEST_CASE("a kept view is drawn as any other, whatever was drawn of it before") 
   }
 }
 
-TEST_CASE("a kept view weighs one mask after the other as if each were its first") {
+TEST_CASE("cached view: the sums over a mask are bit-identical to view_sums(), for masks in any sequence") {
   for (const int threads : {1, 3}) {
     const Case c(true, threads);
-    CachedView kept(c.exec, c.cloud, c.camera, c.options);
-    REQUIRE(kept.rows().size() > 100);
+    CachedView cached(c.exec, c.cloud, c.camera, c.options);
+    REQUIRE(cached.rows().size() > 100);
     const auto left = [](int x, int) { return x < 61; };
     const auto masks = {mask_of(c.camera, left),
                         mask_of(c.camera, [&](int x, int y) { return left(x, y) || (x == 149 && y == 89); }),
@@ -104,7 +104,7 @@ TEST_CASE("a kept view weighs one mask after the other as if each were its first
     std::vector<double> before;
     std::size_t differing = 0;
     for (const PixelMask& mask : masks) {
-      const MaskSums wanted = sums_of(c, mask, kept.rows()), &found = kept.weigh(c.exec, mask);
+      const MaskSums wanted = sums_of(c, mask, cached.rows()), &found = cached.weigh(c.exec, mask);
       CHECK(found.weight == wanted.weight);
       CHECK(found.object_weight == wanted.object_weight);
       differing += found.object_weight != before;
@@ -114,7 +114,7 @@ TEST_CASE("a kept view weighs one mask after the other as if each were its first
   }
 }
 
-TEST_CASE("a kept view in which nothing is seen is empty") {
+TEST_CASE("cached view: without visible Gaussians it has no rows and renders nothing") {
   Case c(true);
   c.camera.translation.z = -50;
   CachedView nothing(c.exec, c.cloud, c.camera, c.options);

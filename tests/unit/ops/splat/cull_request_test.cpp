@@ -10,8 +10,8 @@ namespace {
 
 using test::by_index, test::camera_at, test::for_each_scene, test::random_cloud, test::RandomView;
 
-/// [N] 1: one Gaussian in `every`, of those in the upper left eighth of the picture.
-std::vector<std::uint8_t> some_in_a_corner(const RandomView& scene, std::size_t every) {
+/// [N] 1: one in `every` of the Gaussians in the upper left corner of the image.
+std::vector<std::uint8_t> flagged_in_corner(const RandomView& scene, std::size_t every) {
   std::vector<std::uint8_t> some(std::size_t(scene.cloud.size()), 0);
   const ProjectedView<float> view = project_view({}, scene.view(), scene.camera, scene.options);
   for (std::size_t v = 0; v < view.id.size(); v += every)
@@ -19,17 +19,17 @@ std::vector<std::uint8_t> some_in_a_corner(const RandomView& scene, std::size_t 
   return some;
 }
 
-/// Pairs of a Gaussian and a tile that are drawn for what is asked.
-std::int64_t pairs_of(const RandomView& scene, const CullRequest& asked) {
-  return BinnedView<float>({}, scene.view(), scene.camera, scene.options, asked).lists().pairs();
+/// (Gaussian, tile) pairs that remain after culling.
+std::int64_t pairs_of(const RandomView& scene, const CullRequest& cull) {
+  return BinnedView<float>({}, scene.view(), scene.camera, scene.options, cull).lists().pairs();
 }
 
 }  // namespace
 
-TEST_CASE("where a view is looked at only about some Gaussians, their tiles are those of the whole view to the bit") {
-  int left_out = 0, drawn = 0;
+TEST_CASE("tiles_touching: labels are bit-identical to those of the full view, other tiles may be skipped") {
+  int skipped = 0, drawn = 0;
   for_each_scene([&](RandomView& scene) {
-    const std::vector<std::uint8_t> some = some_in_a_corner(scene, 3);
+    const std::vector<std::uint8_t> some = flagged_in_corner(scene, 3);
     std::vector<float> label(some.begin(), some.end());
     RenderRequest request;
     request.colour = false, request.include = scene.included();
@@ -43,19 +43,19 @@ TEST_CASE("where a view is looked at only about some Gaussians, their tiles are 
       CHECK(part.label.data == whole.label.data);
       for (std::size_t p = 0; p < whole.alpha.data.size(); ++p) {
         CHECK((part.alpha.data[p] == whole.alpha.data[p] || part.alpha.data[p] == 0));
-        left_out += part.alpha.data[p] != whole.alpha.data[p], drawn += part.label.data[p] > 0;
+        skipped += part.alpha.data[p] != whole.alpha.data[p], drawn += part.label.data[p] > 0;
       }
     }
   });
-  CHECK(left_out > 100000);
+  CHECK(skipped > 100000);
   CHECK(drawn > 1000);
 }
 
-TEST_CASE("labels of a view need nothing behind the last Gaussian that has one, to the bit") {
-  std::int64_t drawn = 0, of_their_tiles = 0;
+TEST_CASE("stop_after: culling Gaussians behind the last labelled one keeps label images bit-identical") {
+  std::int64_t pairs = 0, pairs_without_stop = 0;
   for_each_scene([&](RandomView& scene) {
-    // Some labels that say object, and fainter ones of which no tile is asked for.
-    const std::vector<std::uint8_t> object = some_in_a_corner(scene, 3);
+    // Object labels, and fainter labels whose tiles are not requested.
+    const std::vector<std::uint8_t> object = flagged_in_corner(scene, 3);
     std::vector<std::uint8_t> some = object;
     for (std::size_t i = 0; i < some.size(); i += 29) some[i] = 1;
     std::vector<float> label(some.size());
@@ -64,20 +64,20 @@ TEST_CASE("labels of a view need nothing behind the last Gaussian that has one, 
     request.colour = false, request.include = scene.included();
     request.label = {label.data(), scene.cloud.size(), 1}, request.tiles_touching = object.data();
     const RenderedView whole = render({}, scene.cloud, scene.camera, scene.options, request);
-    of_their_tiles += pairs_of(scene, {.tiles_touching = object.data()});
+    pairs_without_stop += pairs_of(scene, {.tiles_touching = object.data()});
     request.stop_after = some.data();
-    drawn += pairs_of(scene, {.tiles_touching = object.data(), .stop_after = some.data()});
+    pairs += pairs_of(scene, {.tiles_touching = object.data(), .stop_after = some.data()});
     for (const bool prepared : {false, true}) {
       SplatOptions options = scene.options;
       if (prepared) options.prepared = prepare_cloud({}, scene.cloud);
       CHECK(render({.threads = 3}, scene.cloud, scene.camera, options, request).label.data == whole.label.data);
     }
   });
-  CHECK(drawn > 1000);
-  CHECK(drawn < of_their_tiles - 2000);  // faint ones lie at any depth
+  CHECK(pairs > 1000);
+  CHECK(pairs < pairs_without_stop - 2000);  // faint labels lie at any depth
 }
 
-TEST_CASE("where most of a model is asked of, or none of it, a view is drawn as a whole, or not at all") {
+TEST_CASE("tiles_touching: with all Gaussians flagged the full view is rendered, with none it is empty") {
   RandomView scene{random_cloud(3000, 7), camera_at(6), {}, {}};
   std::vector<std::uint8_t> some(3000, 1);
   RenderRequest request;
@@ -89,7 +89,7 @@ TEST_CASE("where most of a model is asked of, or none of it, a view is drawn as 
   CHECK(std::ranges::count(none.alpha.data, 0.f) == std::ssize(none.alpha.data));
 }
 
-TEST_CASE("nothing of a view that is as far as it is asked of is projected, and all that is nearer") {
+TEST_CASE("max_depth: exactly the Gaussians nearer than the largest requested depth are projected") {
   for_each_scene([](RandomView& scene) {
     ViewProjector<float> near = view_projector<float>(scene.camera, scene.options);
     near.far_z = 5;

@@ -178,9 +178,9 @@ TEST_CASE("bleed through: the labels of a run, unless they take too long; kept s
   CHECK_FALSE(late.decisions().on("bleed-through"));
   CHECK_FALSE(late.report().contains("bleed_through"));
 
-  test::KeepsNothing store;
+  test::NullStepStore store;
   test::PipelineCase kept(slow, {}, trained);
-  kept.time_budget(0.1), kept.keeps_steps(store);
+  kept.time_budget(0.1), kept.store_steps(store);
   CHECK(bleed_through(kept).report["bleed_through"]["gaussians"] == 1);
 }
 

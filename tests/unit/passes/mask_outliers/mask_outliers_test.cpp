@@ -85,7 +85,7 @@ TEST_CASE("views that do not see the object are no measure of how well the other
   CHECK(few.figures.at("median_disagreement") > 0.15);
 
   Problem in = c.input();
-  for (int more = 0; more < 20; ++more) in.views.push_back(c.base->look_away());
+  for (int more = 0; more < 20; ++more) in.views.push_back(c.base->add_empty_view());
   Monitor monitor;
   const MaskOutliers many = judge_views({}, monitor, {}, in);
   CHECK(many.ignored.empty());
@@ -103,7 +103,7 @@ TEST_CASE("no mask is an outlier where fewer than four show the object, however 
   Problem in = c.input();
   in.views = {0, 1, 2};
   c.mirror(0);
-  for (int more = 0; more < 5; ++more) in.views.push_back(c.base->look_away());
+  for (int more = 0; more < 5; ++more) in.views.push_back(c.base->add_empty_view());
   Monitor monitor;
   CHECK(judge_views({}, monitor, {}, in).ignored.empty());
 }

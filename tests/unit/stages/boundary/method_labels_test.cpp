@@ -1,4 +1,4 @@
-// Labels recomputed for a changed model or changed masks follow the rule of the labels that were read.
+// Labels recomputed for a changed model or changed masks follow the rule of the given labels.
 #include "ngs/stages/boundary/method_labels.h"
 
 #include <doctest/doctest.h>
@@ -11,12 +11,11 @@
 namespace ngs {
 namespace {
 
-struct RecomputeCase {
+struct Recomputed {
   std::unique_ptr<test::JointCase> base = test::joint_case();
   Problem input;
 
-  explicit RecomputeCase(const BoundaryRule& rule) : input(base->input()) {
-    input.rule = rule;
+  explicit Recomputed(const VarianceOptions& rule) : input(base->input()) {
     Monitor monitor;
     input.labels = label_gaussians(
         rule, accumulate_evidence({}, monitor, {base->model, base->scene, input.views, input.splat, input.load_masks}));
@@ -29,12 +28,12 @@ struct RecomputeCase {
 
 }  // namespace
 
-TEST_CASE("recomputed labels equal the input's if neither masks nor model changed, for every criterion and tau") {
+TEST_CASE("recomputed labels equal the given ones if nothing changed, for every criterion and tau") {
   for (const NamedValue<Criterion>& criterion : kCriterionNames)
     for (const double tau : {0.05, 0.3}) {
       CAPTURE(criterion.name);
       CAPTURE(tau);
-      const RecomputeCase c({.tau = tau, .criterion = criterion.value});
+      const Recomputed c({.tau = tau, .criterion = criterion.value});
       const LabelColumns& given = c.input.labels[0];
       const LabelColumns found = c.labels();
       CHECK(std::count(given.boundary.begin(), given.boundary.end(), 1.f) > 0);
@@ -44,10 +43,10 @@ TEST_CASE("recomputed labels equal the input's if neither masks nor model change
     }
 }
 
-TEST_CASE("recomputed labels without one mask equal the labels of the other masks by the same criterion") {
+TEST_CASE("recomputed labels keep the criterion if a mask is removed") {
   for (const NamedValue<Criterion>& criterion : kCriterionNames) {
     CAPTURE(criterion.name);
-    RecomputeCase c({.tau = 0.1, .criterion = criterion.value});
+    Recomputed c({.tau = 0.1, .criterion = criterion.value});
     c.base->masks[3].available = false;
     const LabelColumns found = c.labels();
     Monitor monitor;

@@ -9,7 +9,7 @@
 namespace ngs {
 namespace {
 
-/// A wall of Gaussians across the picture, of which a disc is more or less an object's.
+/// A wall of Gaussians across the image, with soft labels on a disc.
 struct SoftObject {
   GaussianCloud cloud;
   std::vector<LabelColumns> objects{1};
@@ -38,7 +38,7 @@ struct SoftObject {
 
 }  // namespace
 
-TEST_CASE("masks of soft labels say the same of every pixel as the labels, and are not drawn far from the object") {
+TEST_CASE("masks of soft labels equal the thresholded labels at every pixel, and are 0 far from the object") {
   const SoftObject c;
   const LabelChannels channels(c.cloud, c.objects);
   const ImageF view = channels.view({}, c.camera, {}), masks = channels.masks({}, c.camera, {});

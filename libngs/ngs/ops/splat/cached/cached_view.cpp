@@ -11,22 +11,22 @@
 namespace ngs {
 namespace {
 
-constexpr std::size_t kColumns = 4;       // of a pair's sums: weight, pixels, and both inside the mask
-constexpr std::int64_t kChunk = 1 << 12;  // visible Gaussians
+constexpr std::size_t kColumns = 4;       // per (Gaussian, tile) pair: weight, pixels, and both inside the mask
+constexpr std::int64_t kChunk = 1 << 12;  // visible Gaussians per task
 
 }  // namespace
 
 struct CachedView::State {
   SplatEngine<float> engine;
-  std::vector<std::uint32_t> row;    // [V] as rows()
-  std::vector<std::uint32_t> place;  // [V] in `row`, of each Gaussian in the order of the engine's view
-  std::vector<float> target;         // [H·W] the mask; empty before the first
+  std::vector<std::uint32_t> row;    // [V] returned by rows()
+  std::vector<std::uint32_t> place;  // [V] index into `row`, in the order of the engine's view
+  std::vector<float> target;         // [H·W] the last mask; empty before the first one
   MaskSums sums;
 };
 
 CachedView::CachedView(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options)
     : camera_(camera) {
-  NGS_CHECK(!exec.device_ops, "a kept view is one of the CPU");
+  NGS_CHECK(!exec.device_ops, "a cached view needs the CPU");
   state_ = std::make_unique<State>(
       State{{float_tile_kernels(exec.isa), options, cloud_view(cloud, options.max_sh_degree, nullptr),
              relative_camera(camera, cloud), channel_plan(RenderRequest{.colour = false, .label = {}})},
@@ -51,16 +51,16 @@ CachedView::~CachedView() = default;
 const std::vector<std::uint32_t>& CachedView::rows() const { return state_->row; }
 
 RenderedView CachedView::render(const Exec& exec, const RenderRequest& request) {
-  NGS_CHECK(request.include == nullptr, "a kept view shows all Gaussians");
+  NGS_CHECK(request.include == nullptr, "a cached view renders all Gaussians");
   const ChannelPlan<float> plan = channel_plan(request);
   RenderedView view;
   allocate(camera_, plan, view);
-  state_->engine.take_channels(exec, plan);
+  state_->engine.set_channels(exec, plan);
   state_->engine.composite(exec, planes<float>(plan, view));
   return view;
 }
 
-std::vector<std::uint8_t> CachedView::take(const PixelMask& mask) {
+std::vector<std::uint8_t> CachedView::update_mask(const PixelMask& mask) {
   const int w = camera_.width_px, h = camera_.height_px;
   NGS_CHECK(mask.size() == std::size_t(w) * std::size_t(h), "mask size");
   std::vector<float>& target = state_->target;
@@ -90,7 +90,7 @@ std::vector<std::uint8_t> CachedView::in_tiles(const std::vector<std::uint8_t>& 
 const MaskSums& CachedView::weigh(const Exec& exec, const PixelMask& mask) {
   State& s = *state_;
   const TileLists& lists = s.engine.lists();
-  const std::vector<std::uint8_t> tiles = take(mask), changed = in_tiles(tiles);
+  const std::vector<std::uint8_t> tiles = update_mask(mask), changed = in_tiles(tiles);
   const TileKernels<float> kernels = float_tile_kernels(exec.isa);
   std::vector<float>& pairs = s.engine.binned().sums(std::size_t(lists.pairs()) * kColumns);  // by slot
   for_each_task(exec, lists.tiles(), [&](std::int64_t tile) {

@@ -1,5 +1,5 @@
 #pragma once
-// One view of a cloud that does not change, drawn and weighed again and again: projected and sorted into tiles once.
+// One view of a fixed cloud, rendered and weighed many times: projected and binned into tiles once.
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -9,14 +9,14 @@
 
 namespace ngs {
 
-/// What a mask says of the Gaussians of a view, [V]; m_ij before Eq. (3), PAPER.md §5.2.
+/// Rendering weights of a view's Gaussians, summed over a mask, [V]; m_ij before Eq. (3), PAPER.md §5.2.
 struct MaskSums {
-  std::vector<double> weight;         // rendering weight over all pixels; 0: not seen
-  std::vector<double> object_weight;  // of it inside the mask, at most `weight`
+  std::vector<double> weight;         // Σ α T over all pixels; 0: hidden
+  std::vector<double> object_weight;  // Σ α T inside the mask, at most `weight`
 };
 
-/// The cloud must outlive it, and its columns stay as they are. On the CPU. Takes about 90 bytes for every Gaussian
-/// that may reach a pixel and 40 for every tile that one reaches.
+/// The cloud must outlive this object and must not change. CPU only. Takes about 90 bytes per Gaussian that may reach a
+/// pixel and 40 bytes per (Gaussian, tile) pair.
 class CachedView {
  public:
   CachedView(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options);
@@ -25,21 +25,21 @@ class CachedView {
   CachedView& operator=(const CachedView&) = delete;
 
   const Camera& camera() const { return camera_; }
-  /// [V] the Gaussians that may reach a pixel, increasing.
+  /// [V] rows of the Gaussians that may reach a pixel, ascending.
   const std::vector<std::uint32_t>& rows() const;
 
-  /// As render(), to the bit. request.include is null.
+  /// Bit-identical to ngs::render(). request.include must be null.
   RenderedView render(const Exec& exec, const RenderRequest& request);
 
-  /// As view_sums() of a view with this mask [H·W] and nothing unknown, to the bit, until the next call. Only tiles in
-  /// which it differs from the mask of the call before are gone through.
+  /// Bit-identical to view_sums() with this mask [H·W] and no unknown pixels; valid until the next call. Only tiles
+  /// whose mask differs from that of the previous call are composited again.
   const MaskSums& weigh(const Exec& exec, const PixelMask& mask);
 
  private:
   struct State;
-  /// [tiles] 1: to be gone through. Takes the mask.
-  std::vector<std::uint8_t> take(const PixelMask& mask);
-  /// [V] 1: in one of the tiles, in the order of the projected view.
+  /// Stores the mask; [tiles] 1: the tile's mask has changed.
+  std::vector<std::uint8_t> update_mask(const PixelMask& mask);
+  /// [V] 1: listed in one of `tiles`; in the order of the projected view.
   std::vector<std::uint8_t> in_tiles(const std::vector<std::uint8_t>& tiles) const;
 
   Camera camera_;

@@ -9,8 +9,8 @@
 namespace ngs {
 namespace {
 
-/// Rows that follow each other along the curve lie anywhere in the cloud: memory is asked for so many ahead.
-constexpr std::size_t kAhead = 16;
+/// Prefetch distance in rows: neighbours along the curve are scattered in the cloud.
+constexpr std::size_t kPrefetchRows = 16;
 
 void prefetch_row(const CloudView<float>& cloud, std::size_t i) {
   __builtin_prefetch(cloud.position + 3 * i);
@@ -36,7 +36,7 @@ PreparedCloud::PreparedCloud(const Exec& exec, const CloudView<float>& cloud)
   for_each_task(exec, blocks(), [&](std::int64_t block) {
     const auto begin = std::size_t(block) * kBlockRows, end = std::min(row.size(), begin + kBlockRows);
     for (std::size_t place = begin; place < end; ++place) {
-      if (place + kAhead < row.size()) prefetch_row(source_, row[place + kAhead]);
+      if (place + kPrefetchRows < row.size()) prefetch_row(source_, row[place + kPrefetchRows]);
       prepare_place(place);
     }
     for (std::size_t place = end; place < begin + kBlockRows; ++place) clear_place(place);
@@ -102,7 +102,7 @@ void PreparedCloud::bound_groups() {
 }
 
 std::shared_ptr<PreparedCloud> prepare_cloud(const Exec& exec, const GaussianCloud& cloud) {
-  if (exec.device_ops) return nullptr;  // the device prepares rows itself
+  if (exec.device_ops) return nullptr;  // the device has its own preparation
   return std::make_shared<PreparedCloud>(exec, cloud_view(cloud, 0, nullptr));
 }
 
