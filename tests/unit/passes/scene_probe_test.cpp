@@ -9,6 +9,7 @@
 
 #include "ngs/ops/image/mask_pair.h"
 #include "ngs/stages/contours/unexplained_contrast.h"
+#include "ngs/passes/mask_outliers/mask_outliers.h"
 #include "ngs/problem/scene_measures.h"
 #include "ngs/passes/pass_list.h"
 #include "ngs/passes/pipeline.h"

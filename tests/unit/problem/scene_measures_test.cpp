@@ -145,15 +145,6 @@ TEST_CASE("cells: points in a cluster are nearer than their count and extent say
   CHECK(std::isinf(cells_per_spacing({0.f, 0.f}, 10, 512)));
 }
 
-TEST_CASE(
-    "outliers: a thin object on which all views disagree alike has none, one odd view among good ones is "
-    "one") {
-  CHECK(outlier_score({0.42, 0.45, 0.44, 0.47, 0.43, 0.46}) < 1);  // naive: 0.47 > 0.2
-  CHECK(outlier_score({0.02, 0.03, 0.02, 0.03, 0.02, 0.15}) > 1);  // naive: 0.15 < 0.2
-  CHECK(outlier_score({}) == 0);
-  CHECK(outlier_score({0.9}) == 0);
-}
-
 TEST_CASE("gain: one view that gains much is no gain of all") {
   CHECK(gain_in_errors({0.3, -0.01, 0, -0.02, 0.01, 0}) < 2);     // naive: mean gain 0.047
   CHECK(gain_in_errors({0.01, 0.012, 0.008, 0.011, 0.009}) > 2);  // naive: only 0.01

@@ -167,4 +167,13 @@ TEST_CASE("what floaters hide does not make a good mask a bad one") {
   CHECK(c.judge().ignored.empty());
 }
 
+TEST_CASE(
+    "outliers: a thin object on which all views disagree alike has none, one odd view among good ones is "
+    "one") {
+  CHECK(outlier_score({0.42, 0.45, 0.44, 0.47, 0.43, 0.46}) < 1);  // naive: 0.47 > 0.2
+  CHECK(outlier_score({0.02, 0.03, 0.02, 0.03, 0.02, 0.15}) > 1);  // naive: 0.15 < 0.2
+  CHECK(outlier_score({}) == 0);
+  CHECK(outlier_score({0.9}) == 0);
+}
+
 }  // namespace ngs

@@ -15,8 +15,9 @@ struct Recomputed {
   std::unique_ptr<test::JointCase> base = test::joint_case();
   Problem input;
 
-  explicit Recomputed(const VarianceOptions& rule) : input(base->input()) {
+  explicit Recomputed(const BoundaryRule& rule) : input(base->input()) {
     Monitor monitor;
+    input.rule = rule;
     input.labels = label_gaussians(
         rule, accumulate_evidence({}, monitor, {base->model, base->scene, input.views, input.splat, input.load_masks}));
   }
