@@ -99,6 +99,36 @@ std::vector<SourceFile> readable_files() {
   return files;
 }
 
+/// The words of a comment line; empty for a line of code. Slashes are skipped.
+std::vector<std::string> comment_words(const std::string& line) {
+  std::istringstream words(line);
+  std::vector<std::string> all;
+  for (std::string word; words >> word;) all.push_back(word);
+  if (all.empty() || (all[0] != "//" && all[0] != "///")) return {};
+  return {all.begin() + 1, all.end()};
+}
+
+/// Line numbers where the formatter has reflowed a table: a single word in the middle of a sentence, below a full line
+/// and above another comment line.
+std::vector<std::size_t> reflowed(const std::vector<std::string>& lines) {
+  constexpr std::size_t kFullLine = 100;
+  std::vector<std::size_t> found;
+  for (std::size_t i = 1; i + 1 < lines.size(); ++i) {
+    const std::vector<std::string> words = comment_words(lines[i]);
+    if (words.size() == 1 && std::string(".:;!?)").find(words[0].back()) == std::string::npos &&
+        !comment_words(lines[i - 1]).empty() && lines[i - 1].size() > kFullLine && !comment_words(lines[i + 1]).empty())
+      found.push_back(i + 1);
+  }
+  return found;
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
 }  // namespace
 
 TEST_CASE("names, comments, help, pages and test names contain no banned word") {
@@ -126,6 +156,19 @@ TEST_CASE("the search for banned words finds them across case, and not across th
   CHECK(offences(banned, "A mask says where").size() == 1);
   CHECK(offences(banned, "of a mask; say where").empty());
   CHECK(offences(banned, "masks say what Nobody knows").size() == 2);
+}
+
+TEST_CASE("no table in a comment was reflowed by the formatter") {
+  std::vector<std::string> all;
+  for (const SourceFile& file : test::source_files({"libngs", "tools", "tests"}, {".h", ".cpp", ".cu", ".cuh"}))
+    for (const std::size_t line : reflowed(lines_of(file.text)))
+      all.push_back(file.path + ":" + std::to_string(line) + ": put the table between // clang-format off and on");
+  CHECK(test::listed(all) == "");
+
+  const std::string full = "//   strict      " + std::string(90, 'x');
+  CHECK(reflowed({full, "//   all", "//               float"}) == std::vector<std::size_t>{2});
+  CHECK(reflowed({full, "//   all.", "//               float"}).empty());
+  CHECK(reflowed({full, "//   all", "int x;"}).empty());
 }
 
 }  // namespace ngs
