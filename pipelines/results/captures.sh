@@ -1,13 +1,13 @@
 # captures: all methods on real captures, on removed views, on a splat with floaters
 # shellcheck shell=bash disable=SC2154
 question_captures() {
-  title "Held out: $(splits_text) (means) of bird, else every:4:2; floaters are in another splat of bird; CPU time on bird"
+  title "Bird: average of $(splits_text), else every:4:2; deleted photos: run without test photos; floaters: another splat; CPU time: bird"
   label method method
   label 'what it is' what
   column IoU '' iou mean 4 set=bird
   column 'B-IoU 0.02' '' biou mean 4 set=bird
   column 'B-IoU 0.005' '' biou_005 mean 4 set=bird
-  column 'removed: B-IoU 0.005' '' biou_005 mean 4 set=taken-away
+  column 'deleted photos: B-IoU 0.005' '' biou_005 mean 4 set=deleted
   column 'skull: B-IoU 0.005' '' biou_005 mean 4 set=skull
   column 'floaters: B-IoU 0.005' '' biou_005 mean 4 set=floaters
   column CPU s cpu_s mean 2 set=bird
@@ -34,7 +34,7 @@ capture_bird() {
   all_methods "$1" "$bird" set=bird run="$1"
   without_views "$bird" "$bird/masks_sam" "$1" "$work/$1-less-scene"
   prepare "$1-less" "$work/$1-less-scene" --masks "$work/$1-less-scene/masks"
-  seen_in=$1 described_methods "$1-less" "$bird/masks_gt" set=taken-away run="$1"
+  seen_in=$1 described_methods "$1-less" "$bird/masks_gt" set=deleted run="$1"
 }
 
 # all_methods PREPARED CAPTURE KEY=VALUE...: scores of the input masks and of every method.
@@ -61,9 +61,9 @@ what_is() {
     sa3d) echo 'SA3D-GS' ;;
     saga) echo 'SAGA' ;;
     cob) echo 'COB-GS' ;;
-    bce) echo 'best labels of the Gaussians as they are' ;;
+    bce) echo 'best labels of unchanged Gaussians' ;;
     released) echo 'steps of the published NG-GS code' ;;
-    ng-gs) echo 'NG-GS as the paper has it, NeRF on' ;;
+    ng-gs) echo 'NG-GS as in the paper, NeRF on' ;;
     ngs) echo 'the default' ;;
   esac
 }

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 }  // namespace
 
 TEST_CASE("a tool without the codecs plug-in names the missing file and its folder, and needs it for images only") {
-  if (test::emulated()) return test::skip("a script that starts the emulator may stand for the tool");
+  if (test::emulated()) return test::skip("the tool may be a script that starts the emulator");
   const test::TempDir dir;
   const fs::path alone = fs::path(dir.path()) / "ngs-variance";
   fs::copy_file(fs::path(NGS_TOOL_DIR) / "ngs-variance", alone);

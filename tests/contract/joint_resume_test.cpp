@@ -110,7 +110,7 @@ TEST_CASE("ngs-joint stopped during its steps resumes with the next step") {
 
 TEST_CASE("ngs-joint stopped during contour refinement resumes the refinement") {
   const Case c;
-  // The walk may move nothing, so that the round is taken; its many visits leave time for the signal.
+  // Contours must not move, so that the iteration is accepted; its many steps leave time for the signal.
   const Words edges{"--effect",         "contours=on", "--contour-band", "0.5", "--contour-iterations", "1",
                     "--contour-epochs", "400"};
   const test::ProcessResult resumed =
@@ -134,7 +134,7 @@ TEST_CASE("ngs-joint shortens the joint stage only before contour iterations at 
   REQUIRE(figure(c, "one", "contour_iterations") == 1);
   CHECK(figure(c, "one", "steps") == 10 * n);
 
-  // The refinement is refused: then the other steps follow. Stopped in these it goes on with the contours.
+  // The refinement is rejected, so the remaining joint steps follow. A run stopped in these resumes with the contours.
   lay_stripes(c);
   const std::string rest = "step " + std::to_string(3 * n + 1) + " begins";
   CHECK(has_message(stop_and_resume(c, coarse + report("refused"), rest, true),

@@ -77,12 +77,12 @@ TEST_CASE("ngs-joint --dry-run estimates the peak memory, without and with steps
          Words{"--effect", steps ? "joint=on" : "joint=off", "--effect", "mask-outliers=on", "--effect", "floaters=on"})
       words.push_back(word);
     const nlohmann::json plan = report_of(words, true).at("plan");
-    const double foreseen = plan.at(steps ? "estimated_peak_mib_with_steps" : "estimated_peak_mib").get<double>(),
+    const double estimated = plan.at(steps ? "estimated_peak_mib_with_steps" : "estimated_peak_mib").get<double>(),
                  measured = peak_mib(report_of(words, false));
-    CAPTURE(foreseen);
+    CAPTURE(estimated);
     CAPTURE(measured);
-    CHECK(foreseen >= measured * 0.95);
-    CHECK(foreseen <= measured * 1.6);
+    CHECK(estimated >= measured * 0.95);
+    CHECK(estimated <= measured * 1.6);
   }
 }
 

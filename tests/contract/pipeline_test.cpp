@@ -93,7 +93,7 @@ TEST_CASE("ngs-gs.sh writes every documented file, then reruns only what changed
     CHECK(after["boundary.ply"] != before.at("boundary.ply"));
     CHECK(after["metrics.json"] != before.at("metrics.json"));
   }
-  SUBCASE("the scores, if a bound was added; it exits 1 where it is not met") {
+  SUBCASE("the scores, if a bound was added; returns 1 if it is not met") {
     const test::ProcessResult second = capture.run({"--method", "flash"}, {{"EVAL_FLAGS", "--fail-below iou=1.01"}});
     INFO(second.err);
     CHECK(second.exit_code == 1);
@@ -272,7 +272,7 @@ TEST_CASE("ngs-gs.sh scores against input masks as ngs-scene reads them, or not 
     for (const nlohmann::json& view : metrics["views"])
       CHECK(view["counts"]["void_px"] == 3 * view["width_px"].get<int>());
   }
-  SUBCASE("inverted ones") {
+  SUBCASE("inverted masks") {
     for (const fs::directory_entry& file : fs::directory_iterator(masks)) {
       const io::RawMask mask = io::read_mask_raw(file.path().string(), io::Palette::kMask);
       ImageU8 inverted(mask.width_px, mask.height_px, 1);
@@ -286,7 +286,7 @@ TEST_CASE("ngs-gs.sh scores against input masks as ngs-scene reads them, or not 
     CHECK_FALSE(fs::exists(capture.out + "/metrics.json"));
     CHECK(fs::exists(capture.out + "/report.html"));
   }
-  SUBCASE("none of the held-out views has one") {
+  SUBCASE("no held-out view has a mask") {
     fs::remove(masks + "v2.png"), fs::remove(masks + "v6.png");
     const test::ProcessResult result = run("");
     INFO(result.err);
@@ -367,12 +367,12 @@ TEST_CASE("ngs-gs.sh rejects an output folder where it would replace masks that 
     REQUIRE(capture.run({"--method", "flash"}).exit_code == 0);
     refused({"my scene", "the output", "--model", "the output/background.ply"}, "is the input model");
   }
-  SUBCASE("masks that somebody laid beside the rendered ones") {
+  SUBCASE("masks added next to the rendered ones") {
     REQUIRE(capture.run({"--method", "flash"}).exit_code == 0);
     fs::copy(scene + "/masks/v0.png", out + "/masks/mine.png");
     refused({"my scene", "the output", "--method", "sa3d"}, "contains mine.png, which no run has rendered");
   }
-  SUBCASE("masks that nobody names, until they are moved away") {
+  SUBCASE("masks without a record, until they are moved away") {
     fs::create_directories(out);
     fs::copy(scene + "/masks", out + "/masks");
     refused({"my scene", "the output"}, "no run has rendered");

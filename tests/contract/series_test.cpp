@@ -134,11 +134,11 @@ TEST_CASE("sweep.sh keeps finished and rejected runs, and restarts killed runs")
   const std::string tries = bytes_of(out + "/.sweep/tries");
   CHECK(std::count(tries.begin(), tries.end(), '\n') == 2);
 
-  SUBCASE("nothing is started where nothing changed") {
+  SUBCASE("nothing is started if nothing changed") {
     CHECK(test::run_process(script("sweep.sh", dir.path(), {runs, "out"})).exit_code == 1);
     CHECK(bytes_of(out + "/.sweep/tries") == tries);
   }
-  SUBCASE("a run that left no exit code, or whose line changed, is started") {
+  SUBCASE("a run without an exit code or with a changed line is started") {
     fs::remove(out + "/.sweep/plain.code");
     std::ofstream(runs) << "plain capture --hold-out every:4:2 --method flash\nrefused capture --method flash\n";
     const test::ProcessResult plan = test::run_process(script("sweep.sh", dir.path(), {runs, "out", "-n"}));

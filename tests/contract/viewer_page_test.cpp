@@ -54,7 +54,7 @@ TEST_CASE("the viewer is one file, escapes names and loads no other file") {
   make(out, {"ngs-report", ".", "-o", "again.html", "--viewer", "again-3d.html", "-q", "-j", "1"});
   CHECK(test::read_bytes(out + "/again-3d.html") == viewer);
 
-  SUBCASE("it holds as many Gaussians as it is allowed, and says how many it leaves out") {
+  SUBCASE("it has at most the given number of Gaussians, and shows how many are omitted") {
     make(out, {"ngs-report", ".", "-o", "few.html", "--viewer", "few-3d.html", "--viewer-gaussians", "3", "-q"});
     const std::string few = test::read_bytes(out + "/few-3d.html");
     const std::size_t from = few.find("id=splats>") + 10;
@@ -62,7 +62,7 @@ TEST_CASE("the viewer is one file, escapes names and loads no other file") {
     CHECK(few.find("3 Gaussians, ") != few.npos);
     CHECK(viewer.find("left out") == viewer.npos);
   }
-  SUBCASE("a run without an object is told what makes one") {
+  SUBCASE("a run without an object is rejected with the command that writes one") {
     fs::remove(out + "/object.ply");
     const test::ProcessResult result = run_in(out, {"ngs-report", ".", "-o", "r.html", "--viewer", "v.html", "-q"});
     CHECK(result.exit_code == 3);

@@ -22,7 +22,7 @@ struct SelectOptions {
     visit(self.activated, Flag{"activated",
                                "Input has activated values (scale_* as lengths, opacity in [0, 1]): convert them to "
                                "logarithms and logits; without labels and region the whole model is the object"});
-    visit(self.view, Text{"view", "NAME", "View on which the strokes were drawn; default: read from each file"});
+    visit(self.view, Text{"view", "NAME", "Picture that the strokes belong to; default: the name in each file"});
   }
 
   io::ReadOptions reading() const {

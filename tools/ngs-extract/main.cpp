@@ -54,14 +54,14 @@ int main(int argc, char** argv) {
   InpaintOptions inpaint_options;
   tool.options(inpaint_options);
   const cli::Input& labelled =
-      tool.input("labelled", "labelled PLY of ngs-variance or ngs-joint; with region options any splat");
+      tool.input("labelled", "labelled PLY of ngs-variance or ngs-joint; with a region any splat");
   const cli::Input& edited = tool.optional_input(
       "--import", "hand-edited splat: its rows (its selected rows, if it has a selection) are the object");
   const cli::Input& scene_json =
       tool.optional_input("--scene", "scene.json, for --inpaint, for --strokes and to report unseen surface");
   const cli::Inputs& strokes = tool.inputs("--strokes",
-                                           "strokes on views of the scene, as for ngs-mask --prompts: keep only the "
-                                           "components of the object that they touch (repeatable, or PATH,PATH)");
+                                           "strokes on views of the scene, as for ngs-mask --prompts: keep only "
+                                           "components that they touch (repeatable, or PATH,PATH)");
   const cli::Outputs out = cli::declare_outputs(tool);
 
   return tool.run(argc, argv, [&](cli::Run& run) {

@@ -35,7 +35,7 @@ int main(int argc, char** argv) {
       tool.optional_input("--effects-from", "report of a run whose decisions on effects are repeated");
   const cli::Output& out = tool.output("-o,--output", "labelled PLY with optimised attributes");
   const cli::Output& trace =
-      tool.optional_output("--trace", "one JSON line per step: time, loss terms; per epoch: scores against the masks");
+      tool.optional_output("--trace", "one JSON line per step: time, loss terms; per epoch: mask scores");
   tool.writes_nothing_if(options.choice.explain);
   tool.stops_on_request();
   tool.runs_partly_on_device();  // only the joint steps run on the device

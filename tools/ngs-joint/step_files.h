@@ -10,8 +10,8 @@
 namespace ngs::joint {
 
 /// The checkpoint in one folder. `identity` has the inputs and options that determine the state; a checkpoint with a
-/// different identity is kInconsistent. Contents are validated: kBadInput for arrays of another length, for values that
-/// are not finite where the trainer's are, and for a step beyond the plan.
+/// different identity is kInconsistent. Contents are validated: throws kBadInput for arrays of another length, for
+/// values that are not finite where the trainer's are, and for a step beyond the plan.
 class StepFile : public StepStore {
  public:
   struct Setup {

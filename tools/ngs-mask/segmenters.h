@@ -18,10 +18,10 @@ struct SegmenterOptions {
   static void describe(Self& self, Visitor&& visit) {
     visit(self.segmenter,
           Text{"segmenter", "CMD {image} {prompts} {out}",
-               "program that segments one view, run without a shell; without placeholders, the program stays "
+               "Program that segments one view, run without a shell; without placeholders, the program stays "
                "running and reads one line per view; default: built-in GrabCut"});
     visit(self.segmenter_timeout_s,
-          Field<double>{"segmenter_timeout_s", "s", "time limit of the program per view", 0.01, 1e6});
+          Field<double>{"segmenter_timeout_s", "s", "Time limit of the program per view", 0.01, 1e6});
     visit(self.window, Field<double>{"window", "of the object",
                                      "GrabCut: size of overlapping windows with separate colour "
                                      "models; 0: one cut per view",

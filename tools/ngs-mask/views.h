@@ -16,9 +16,9 @@ struct ViewOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.view, Text{"view", "NAME", "picture of the prompts; default: the name in each file"});
+    visit(self.view, Text{"view", "NAME", "Picture of the prompts; default: the name in each file"});
     visit(self.detail, Field<int>{"detail", "",
-                                  "size of the masks: at most this many times the scene's working size, and "
+                                  "Size of the masks: at most this many times the scene's working size, and "
                                   "at most that of the photos",
                                   1, 16});
   }

@@ -19,8 +19,8 @@ struct ReportOptions : ngs::cli::PictureOptions {
   static void describe(Self& self, Visitor&& visit) {
     using ngs::Field;
     visit(self.crop_side_px,
-          Field<int>{"crop_side", "px", "side of the zoomed crops, in pixels of the truth", 16, 512});
-    visit(self.budget_mib, Field<double>{"picture_budget", "MiB", "size of all pictures on the page", 0, 1000});
+          Field<int>{"crop_side", "px", "Side of the zoomed crops, in pixels of the truth", 16, 512});
+    visit(self.budget_mib, Field<double>{"picture_budget", "MiB", "Size of all pictures on the page", 0, 1000});
   }
 };
 

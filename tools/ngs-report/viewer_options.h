@@ -10,7 +10,7 @@ struct ViewerOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.gaussians,
-          Field<int>{"viewer_gaussians", "", "most Gaussians in --viewer, largest on screen first; 44 bytes each", 1,
+          Field<int>{"viewer_gaussians", "", "Most Gaussians in --viewer, largest on screen first; 44 bytes each", 1,
                      20000000});
   }
 };

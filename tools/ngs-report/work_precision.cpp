@@ -214,8 +214,8 @@ struct WorkPrecisionOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.score, Text{"score", "iou|biou|biou_005|...", "accuracy score: a mean in metrics.json"});
-    visit(self.time, Text{"time", "wall|cpu", "time to plot; use cpu on a shared machine"});
+    visit(self.score, Text{"score", "iou|biou|biou_005|...", "Accuracy score: a mean in metrics.json"});
+    visit(self.time, Text{"time", "wall|cpu", "Time to plot; use cpu on a shared machine"});
   }
 };
 

@@ -20,10 +20,10 @@ struct DegradeOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.mask_noise, Text{"mask_noise", "KIND:AMOUNT",
-                                "errors in every mask: erode:PX dilate:PX jitter:PX snap:PX drop:P blob:P"});
-    visit(self.missing, Field<double>{"missing", "of the views", "fraction of masks left out", 0, 1});
+                                "Errors in every mask: erode:PX dilate:PX jitter:PX snap:PX drop:P blob:P"});
+    visit(self.missing, Field<double>{"missing", "of the views", "Fraction of masks left out", 0, 1});
     visit(self.wrong,
-          Field<double>{"wrong", "of the views", "fraction of masks replaced by that of another view", 0, 1});
+          Field<double>{"wrong", "of the views", "Fraction of masks replaced by that of another view", 0, 1});
   }
 };
 
@@ -87,7 +87,8 @@ int degrade_command(int argc, char** argv) {
       return cli::kDone;
     }
     require_unique_stems(masks.path, names);
-    const std::vector<int> assigned = synth::mask_assignment(int(names.size()), options.missing, options.wrong, run.seed());
+    const std::vector<int> assigned =
+        synth::mask_assignment(int(names.size()), options.missing, options.wrong, run.seed());
     Json missing = Json::array(), wrong = Json::object();
     for (std::size_t v = 0; v < names.size(); ++v) {
       if (assigned[v] < 0) missing.push_back(names[v]);

@@ -34,11 +34,11 @@ struct PictureOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.size, Text{"size", "WxH", "size of the pictures in px"});
+    visit(self.size, Text{"size", "WxH", "Size of the pictures in px"});
     visit(self.background, Text{"background", "COLOUR",
-                                "background: black, white or R,G,B in [0, 1]; empty: black or white, whichever "
+                                "Background: black, white or R,G,B in [0, 1]; empty: black or white, whichever "
                                 "contrasts more with the model"});
-    visit(self.hold_out, Text{"hold_out", "every:N:K|FILE", "test views, as for ngs-scene import"});
+    visit(self.hold_out, Text{"hold_out", "every:N:K|FILE", "Test views, as for ngs-scene import"});
   }
 };
 

@@ -32,7 +32,7 @@ struct UndistortOptions {
   static void describe(Self& self, Visitor&& visit) {
     visit(self.jpeg_quality,
           Field<int>{"jpeg_quality", "", "JPEG quality for JPEG photos; others become PNGs", 1, 100});
-    visit(self.original_world, Flag{"original_world", "transforms.json: undo applied_transform"});
+    visit(self.original_world, Flag{"original_world", "Undo the applied_transform of transforms.json"});
   }
 };
 

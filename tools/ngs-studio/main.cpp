@@ -22,8 +22,8 @@ struct PageOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.port, Field<int>{"port", "", "port on 127.0.0.1; 0: any free port", 0, 65535});
-    visit(self.browser, Flag{"browser", "open the page in the browser; off: only print its address"});
+    visit(self.port, Field<int>{"port", "", "Port on 127.0.0.1; 0: any free port", 0, 65535});
+    visit(self.browser, Flag{"browser", "Open the page in the browser; off: only print its address"});
   }
 };
 

@@ -22,7 +22,7 @@ std::string scene_identity(const std::string& path) { return "scene " + io::cont
 /// The scene with the objects of the evidence, in column order.
 Scene with_columns(Scene scene, const std::vector<std::string>& columns, const std::string& path) {
   const auto refuse = [](const std::string& what) {
-    throw Error(ErrorCode::kInconsistent, what, "make the parts again from this scene");
+    throw Error(ErrorCode::kInconsistent, what, "write the parts again from this scene");
   };
   if (columns.empty()) refuse(path + ": the parts have no object, expected at least one object of the scene");
   std::vector<SceneObject> objects;

@@ -156,7 +156,7 @@ int cut_command(int argc, char** argv) {
                     "a splat (.ply, .spz, .sog, .splat, .ksplat), a folder of photos, poses, a splat and masks, "
                     "or a scene.json");
   const cli::Inputs& strokes =
-      tool.inputs("--strokes", "strokes on one or more views, as for ngs-mask --prompts (repeatable, or PATH,PATH)");
+      tool.inputs("--strokes", "strokes on views, as for ngs-mask --prompts (repeatable, or PATH,PATH)");
   const cli::Input& model =
       tool.optional_input("--model", "the splat, if the capture or scene has none or another one", "--ply");
   const cli::Input& masks = tool.optional_input("--masks", "folder of masks named like the images, instead of strokes");

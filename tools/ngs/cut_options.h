@@ -28,20 +28,18 @@ struct CutOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.quality,
-          Choice<CutQuality>{
-              "quality",
-              "How long ngs-joint trains; flash: no training, labels from small renders of the ball (splats only)",
-              kCutQualities});
+          Choice<CutQuality>{"quality", "How long ngs-joint trains; flash: seconds, no training (splats only)",
+                             kCutQualities});
     visit(self.keep, Flag{"keep", "Keep intermediate files: boundary.ply and the training trace"});
     visit(self.all_pieces, Flag{"all_pieces", "Keep components of the object that no stroke touches"});
     visit(self.force, Flag{"force", "Train even if the result contradicts a stroke"});
     visit(self.hold_out, Text{"hold_out", "every:N:K|FILE", "Views whose masks are used for scoring only"});
-    visit(self.view, Text{"view", "NAME", "View on which the strokes were drawn; default: read from each file"});
-    visit(self.around, Text{"around", "X,Y,Z,R", "Splat: ball that the cameras look at; default: its bulk"});
+    visit(self.view, Text{"view", "NAME", "Picture that the strokes belong to; default: the name in each file"});
+    visit(self.around,
+          Text{"around", "X,Y,Z,R", "Splat: where the object is (centre, radius); default: the bulk of the splat"});
     visit(self.up, Text{"up", "AXIS", "Splat: axis that points upwards, as in ngs-scene orbit"});
     visit(self.size, Text{"size", "WxH", "Splat: size of the renders in pixels; default: as ngs-scene orbit"});
-    visit(self.views,
-          Field<int>{"views", "", "Splat: number of cameras to start with; 0: as ngs-scene orbit", 0, 10000});
+    visit(self.views, Field<int>{"views", "", "Splat: pictures to make at least; 0: 24 to 96, as needed", 0, 10000});
     visit(self.image_scale, Field<double>{"image_scale", "",
                                           "Capture: working size relative to the photos; 0: 800 px at most", 0.0, 1.0});
   }

@@ -12,9 +12,9 @@ namespace ngs::front {
 
 const std::vector<Sibling>& siblings() {
   static const std::vector<Sibling> all = {
-      {"scene", "ngs-scene", "cameras, photos, masks, a splat -> scene.json, checked; cameras for a splat alone"},
+      {"scene", "ngs-scene", "cameras, photos, masks, a splat -> checked scene.json; makes pictures of a bare splat"},
       {"mask", "ngs-mask", "strokes on some photos -> masks of all views"},
-      {"variance", "ngs-variance", "masks -> the Gaussians at the object's boundary"},
+      {"variance", "ngs-variance", "masks -> the Gaussians on the edge of the object"},
       {"sample", "ngs-sample", "query points on rays over the boundary"},
       {"rbf", "ngs-rbf", "boundary features interpolated at the query points"},
       {"joint", "ngs-joint", "labels and Gaussians optimised together"},

@@ -84,7 +84,7 @@ class SmoothedFeatures {
 };
 
 /// Loss over all pairs of S rendered pixel features P [S, D] with cos = P_i · P_j / (|P_i| |P_j|):
-///   - mean cos over pairs of one object + mean max(0, cos) over pairs of different ids + (1 - mean |P|)²
+///   L = -mean cos over pairs of one object + mean max(0, cos) over pairs of different ids + (1 - mean |P|)²
 /// id 0 is background: pairs of an object and background count as different, pairs of two background pixels are
 /// ignored. Features shorter than 1e-3 (hardly covered pixels) enter the last term only. Overwrites `grad` [S, D].
 double contrastive_loss(const Exec& exec, int dims, std::span<const float> features, std::span<const int> id,

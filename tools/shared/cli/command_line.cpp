@@ -127,13 +127,14 @@ CommonFlags parse_command_line(int argc, char** argv, Spec& spec) {
 
 void check_required(const Spec& spec, bool dry_run) {
   const auto require = [](bool given, const std::string& name, const std::string& help) {
-    if (!given) throw Error(ErrorCode::kUsage, name + ": not given, expected " + help, "see --help");
+    if (!given) throw Error(ErrorCode::kUsage, name + ": missing, expected " + help, "see --help");
   };
   for (const Input& input : spec.inputs) require(!input.required || input, input.name, input.help);
   for (const Argument& argument : spec.arguments) require(!argument.value.empty(), argument.name, argument.help);
   for (const Inputs& list : spec.input_lists) require(list.is_flag() || list, list.name, list.help);
   if (dry_run || spec.writes_nothing()) return;
-  for (const Output& output : spec.outputs) require(!output.required || output, output.long_flag(), output.help);
+  for (const Output& output : spec.outputs)
+    require(!output.required || output, output.long_flag(), "where to write: " + output.help);
 }
 
 }  // namespace ngs::cli

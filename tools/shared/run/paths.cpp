@@ -75,7 +75,9 @@ void check_output(const Spec& spec, const Output& output, bool overwrite) {
 void check_inputs(const Spec& spec) {
   for_each_input(spec, [](const std::string& name, const std::string& path) {
     if (access(path.c_str(), R_OK) != 0)
-      throw Error(ErrorCode::kBadInput, path + ": " + std::strerror(errno) + ", expected the input '" + name + "'");
+      throw Error(ErrorCode::kBadInput, path + ": " +
+                                            (errno == ENOENT ? "no such file or folder" : std::strerror(errno)) +
+                                            " (given as input '" + name + "')");
   });
 }
 

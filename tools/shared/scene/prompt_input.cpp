@@ -70,7 +70,7 @@ struct ViewFinder {
     if (found.size() == 1) return found[0];
     throw Error(ErrorCode::kUsage,
                 "view = " + name + ": " + (found.empty() ? "no view" : "several views") + " of that name, expected one",
-                "say which with --view NAME; the first view is '" + scene.views.front().camera.name + "'");
+                "choose one with --view NAME; the first view is '" + scene.views.front().camera.name + "'");
   }
   std::string named_like(const std::string& path) const {
     const std::string stem = std::filesystem::path(path).stem().string();

@@ -170,7 +170,7 @@ std::string percent(double share) {
 
 std::string shares_of(const Reading& r) {
   return percent(r.share(PixelHint::kObject)) + " is green, " + percent(r.share(PixelHint::kBackground)) + " red, " +
-         percent(r.unclear_share()) + " neither these nor unpainted";
+         percent(r.unclear_share()) + " other colours";
 }
 
 [[noreturn]] void refuse(const std::string& path, const std::string& found) {
@@ -200,6 +200,9 @@ HandPrompt read_painted_picture(const std::string& path, const std::string& phot
   }
   Reading alone = read_markers(picture);
   if (alone.marked() == 0) refuse(path, "nothing is marked");
+  if (!alone.is_clear() && !photo.empty() && read_image_size(photo) != size_of(picture))
+    refuse(path, "not a marked copy of " + photo + " (" + to_string(size_of(picture)) + " px against " +
+                     to_string(read_image_size(photo)) + " px)");
   if (!alone.is_clear()) refuse(path, shares_of(alone));
   prompt.painted = std::move(alone.mark);
   return prompt;

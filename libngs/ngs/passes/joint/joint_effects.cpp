@@ -61,7 +61,7 @@ const JointPart kParts[] = {
       .needs = "joint",
       .detector = {"without photos: 1 - boundary IoU of the labels as they come with the masks", 0.02,
                    "two points, what masks of one object differ by from tool to tool", gap_without_photos, has_no_photo,
-                   "there are photos, beside which it gained nothing"}}},
+                   "there are photos, with which the NeRF gained nothing"}}},
     {&Switch::boundary,
      {.name = "boundary",
       .help = "boundary set; off: every seen Gaussian",

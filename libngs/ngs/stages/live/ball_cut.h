@@ -6,9 +6,8 @@
 // cost of a view therefore depends on the Gaussians in the ball, not on the model.
 //
 // The expected object is found in one of two ways:
-//   - In two or more views a background stroke surrounds the object: the Gaussians within all these strokes, without
-//   the
-//     supporting plane, which continues outside of them.
+//   - In two or more views a background stroke surrounds the object: the Gaussians within all these strokes.
+//     The supporting plane, which continues outside of the strokes, is left out.
 //   - A plane separates the strokes on the object (above) from those on the background (below): the pieces above the
 //     plane that strokes on the object touch.
 // Each view is then segmented independently, with a free band around the expected contour. In all other cases

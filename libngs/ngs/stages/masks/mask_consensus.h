@@ -74,9 +74,8 @@ struct LiftedModel {
 Consensus render_consensus(const Exec& exec, const LiftedModel& model, const Camera& camera, const SplatOptions& splat);
 
 /// Hints from a consensus.
-///   - Certain: at least half is known and the contour is farther than `band_px` (chessboard distance), or the pixel is
-///   in
-///     the middle of a thinner part with a clear consensus.
+///   - Certain: at least half is known and the contour is farther than `band_px` (chessboard distance).
+///     Also certain: the middle of a thinner part with a clear consensus.
 ///   - Likely: all other pixels, with the likelier side. This includes occluders of the object, which may be floaters.
 ///   - If less than half is known, the side is that of `before` (an earlier mask of the view, may be empty), else
 ///     background.
