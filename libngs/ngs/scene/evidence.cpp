@@ -111,14 +111,14 @@ void Evidence::add(const Evidence& other) {
   }
 }
 
-void Evidence::add(std::size_t gaussian, const double* sum, FirstShares& deferred_inserts) {
+void Evidence::add(std::size_t gaussian, const double* sum, DeferredInserts& deferred_inserts) {
   add_background(gaussian, sum[0], sum[1]);
   for (std::size_t k = 0; k < std::size_t(objects); ++k)
     if (has_evidence(sum, k)) share.add(gaussian, k, share_of(sum, k), deferred_inserts);
 }
 
 void Evidence::add(std::size_t gaussian, const double* sum) {
-  FirstShares deferred_inserts;
+  DeferredInserts deferred_inserts;
   add(gaussian, sum, deferred_inserts);
   share.add(deferred_inserts);
 }

@@ -93,9 +93,9 @@ struct Evidence {
   void add(const Evidence& other);
   /// Adds the evidence of one view for a Gaussian, a row of ViewSums. Not thread-safe.
   void add(std::size_t gaussian, const double* sum);
-  using FirstShares = std::vector<SparseTable<ObjectShare>::Insert>;
+  using DeferredInserts = std::vector<SparseTable<ObjectShare>::Insert>;
   /// Thread-safe for different Gaussians. Afterwards pass `deferred_inserts` to share.add().
-  void add(std::size_t gaussian, const double* sum, FirstShares& deferred_inserts);
+  void add(std::size_t gaussian, const double* sum, DeferredInserts& deferred_inserts);
   /// For a Gaussian without a share of any object.
   void add_background(std::size_t gaussian, double w, double count) {
     weight.add(gaussian, w);

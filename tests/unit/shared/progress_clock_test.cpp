@@ -4,7 +4,7 @@
 
 namespace ngs::cli {
 
-TEST_CASE("what is left of a part of the work follows its own pace, also where a stage counts anew or is another") {
+TEST_CASE("the remaining time of a part follows its own pace, also if a stage restarts its count or is replaced") {
   ProgressClock clock;
   CHECK(!clock.stage_ended("contours"));
   clock.update("contours", 1, 100);

@@ -289,14 +289,14 @@ void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const Maske
     return;
   }
   const ViewPairs pairs(exec, cloud, view, options, nullptr);
-  std::vector<Evidence::FirstShares> deferred_inserts(std::size_t(pairs.chunks()));
+  std::vector<Evidence::DeferredInserts> deferred_inserts(std::size_t(pairs.chunks()));
   for_each_task(exec, pairs.chunks(), [&](std::int64_t chunk) {
     pairs.for_each_seen(chunk, [&](std::uint32_t gaussian, const double* sum, bool has_object) {
       has_object ? evidence.add(gaussian, sum, deferred_inserts[std::size_t(chunk)])
                  : evidence.add_background(gaussian, sum[0], sum[1]);
     });
   });
-  for (const Evidence::FirstShares& of : deferred_inserts) evidence.share.add(of);
+  for (const Evidence::DeferredInserts& of : deferred_inserts) evidence.share.add(of);
 }
 
 }  // namespace ngs
