@@ -7,14 +7,14 @@
 namespace ngs {
 namespace {
 
-/// What a detector measures; its time has a stage of its own.
+/// The measured value. Its time is reported as a stage with the effect's name.
 double measured_by(const Effect& effect, SceneProbe& probe) {
   if (probe.problem().monitor == nullptr) return effect.detector.measure(probe);
   const auto timed = probe.problem().monitor->scope(std::string(effect.name));
   return effect.detector.measure(probe);
 }
 
-/// Null: not decided yet.
+/// Null: not decided.
 template <class All>
 auto found_in(All& all, std::string_view name) -> decltype(all.data()) {
   const auto found = std::ranges::find_if(all, [&](const Decision& d) { return d.effect->name == name; });
@@ -28,8 +28,8 @@ Decisions::Decisions(std::vector<Effect> effects, EffectSwitches modes, std::vec
 
 const Decision* Decisions::find(std::string_view name) const { return found_in(all_, name); }
 
-/// An effect it needs that is off, whatever else is said, for it could not run; then an entry of --effect, then the
-/// first verdict, then being always on. Null: its detector is asked.
+/// Precedence: off if a needed effect is off; then the switch of --effect; then the first fixed decision; then "always
+/// on". Null: the heuristic decides.
 std::optional<Decision> Decisions::decision_without_heuristic(const Effect& e) const {
   if (const Decision* need = find(e.needs); need != nullptr && !need->on)
     return Decision{&e, "auto", false, "needs " + std::string(e.needs)};
@@ -75,7 +75,7 @@ void Decisions::abort(std::string_view name, std::string reason) {
 
 bool Decisions::on(std::string_view name) const {
   const Decision* decision = find(name);
-  if (decision == nullptr) throw std::logic_error("an effect is asked for before it is decided");
+  if (decision == nullptr) throw std::logic_error("an effect is used before it is decided");
   return decision->on;
 }
 

@@ -6,18 +6,18 @@
 namespace ngs {
 namespace {
 
-constexpr const char* kNoTime = "--time-budget has no time for it";
-constexpr const char* kAborted = "aborted";  // of the state that a resumed run repeats
+constexpr const char* kNoTime = "--time-budget: skipped, no time left";
+constexpr const char* kAborted = "aborted";  // key of PassRun::state
 
 bool was_aborted(const Json& before, std::string_view name) {
   const Json names = before.value(kAborted, Json::array());
   return std::ranges::any_of(names, [&](const Json& n) { return n.is_string() && n.get<std::string>() == name; });
 }
 
-/// Nothing of a pass is left.
+/// Records that a pass was aborted.
 void abort_pass(PassRun& run, std::string_view name) {
   run.budget.note_cut();
-  run.decisions.abort(name, "--time-budget: aborted, it would have taken too long");
+  run.decisions.abort(name, "--time-budget: aborted, it would have exceeded its share");
   run.state[kAborted].push_back(std::string(name));
   run.report["effects"] = run.decisions.json();
 }
@@ -73,15 +73,15 @@ void Pipeline::prepare(PassRun& run) const {
   for (auto pass = passes_.rbegin(); pass != passes_.rend(); ++pass) (*pass)->prepare(run);
 }
 
-/// The detectors of a stage at work.
+/// Context in which the heuristics of one stage are measured.
 struct Pipeline::Detection {
   const Problem& seen;
   double until_s;
   std::optional<SceneProbe> probe = {};
 };
 
-/// Asks the detectors of a pass. Where they take too long, it and its parts are left out; what the probe then knows is
-/// of part of the views, and forgotten.
+/// Measures the heuristics of a pass. If the time limit ends a measurement, the pass and its parts are skipped, and the
+/// probe is replaced, because its cached values cover only part of the views.
 void Pipeline::decide_pass(const Pass& pass, PassRun& run, Detection& by) const {
   std::vector<Effect> effects = pass.effects();
   if (!run.budget.allows(0)) leave_out_for_time(run, effects.front().name, pass.decided_again_on_resume());
@@ -99,7 +99,7 @@ void Pipeline::decide_pass(const Pass& pass, PassRun& run, Detection& by) const 
 
 void Pipeline::decide(PassStage stage, PassRun& run, const Problem& seen) const {
   prepare(run);
-  const auto timed = run.monitor.scope("detectors");
+  const auto timed = run.monitor.scope("heuristics");
   const std::size_t known = run.decisions.all().size();
   Detection detection{seen, run.budget.end_of_s(kPassShare)};
   for (const auto& pass : passes_)
@@ -109,8 +109,8 @@ void Pipeline::decide(PassStage stage, PassRun& run, const Problem& seen) const 
   run.report["effects"] = run.decisions.json();
 }
 
-/// Runs a pass, or aborts it where it takes more than its share: then nothing of it is left. What kept steps begin with
-/// must be the same where they are resumed: there the clock has no say.
+/// Runs a pass, and aborts it without a trace if it exceeds its share of the time. Checkpointed steps must start from the
+/// same state when they are resumed, so with a checkpoint no pass is aborted.
 void Pipeline::run_in_time(Pass& pass, PassRun& run) const {
   const std::string_view name = pass.effects().front().name;
   const bool insisted = run.decisions.mode(name) != Switch::kAuto;

@@ -15,7 +15,7 @@
 namespace ngs {
 namespace {
 
-/// One view's part of LabelViews; returns the number of objects that count towards the mean.
+/// Adds one view to LabelViews. Returns the number of objects added to the mean.
 std::size_t add_view(const Exec& exec, const ImageF& rendered, const ViewMasks& masks, LabelViews& views) {
   double sum = 0;
   bool shown = false;
@@ -32,9 +32,9 @@ std::size_t add_view(const Exec& exec, const ImageF& rendered, const ViewMasks& 
   return masks.target.size();
 }
 
-constexpr double kMargin_px = 16;  // about the object, in pictures of the model
+constexpr double kMargin_px = 16;  // of the windows about the object
 
-/// `views` less `some`; both increase.
+/// `views` without `some`; both must be sorted.
 std::vector<std::size_t> without(const std::vector<std::size_t>& views, const std::vector<std::size_t>& some) {
   std::vector<std::size_t> rest;
   std::ranges::set_difference(views, some, std::back_inserter(rest));

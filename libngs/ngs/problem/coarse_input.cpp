@@ -79,7 +79,7 @@ double CoarseInput::preload(const Exec& exec, const std::function<bool()>& go_on
   for_each_task(exec, all, [&](std::int64_t i) {
     {
       const std::lock_guard lock(mutex_);
-      if (bytes_ > kept_bytes_ / 10 * 9) return;  // what is loaded now would not be kept
+      if (bytes_ > kept_bytes_ / 10 * 9) return;  // another image would not fit into the cache
     }
     if (stop_requested(fine_.monitor) || (go_on && !go_on())) {
       ++refused;

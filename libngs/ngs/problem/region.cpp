@@ -21,7 +21,7 @@ std::uint32_t different_bits(float a, float b) {
 
 bool same_value(float a, float b) { return different_bits(a, b) == 0; }
 
-/// Rows of one column, bit for bit.
+/// True: the rows of one column have the same bits.
 bool same_row(const std::vector<float>& a, std::size_t i, const std::vector<float>& b, std::size_t j,
               std::size_t width) {
   std::uint32_t different = 0;

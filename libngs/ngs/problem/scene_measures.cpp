@@ -20,7 +20,7 @@ struct Seen {
   double picture_px2 = 0;
 };
 
-/// False behind the camera or far outside of its picture.
+/// False: behind the camera or far outside the image.
 bool sees(const Camera& camera, const GaussianCloud& cloud, std::size_t i, Seen& seen) {
   const float* p = &cloud.position[3 * i];
   const Vec3<double> x{double(p[0]), double(p[1]), double(p[2])};
@@ -35,7 +35,7 @@ bool sees(const Camera& camera, const GaussianCloud& cloud, std::size_t i, Seen&
   return true;
 }
 
-/// Calls use(i, seen, opacity) for every usable Gaussian that a camera sees.
+/// Calls use(i, seen, opacity) for every camera and every usable Gaussian in its view.
 template <class Use>
 void for_each_seen(const GaussianCloud& cloud, std::span<const Camera> cameras, const Use& use) {
   for (const Camera& world : cameras) {
@@ -83,7 +83,7 @@ double antialias_levels(const GaussianCloud& cloud, std::span<const Camera> came
   for_each_seen(cloud, cameras, [&](std::size_t i, const Seen& seen, double opacity) {
     float s[3] = {cloud.log_scale[3 * i], cloud.log_scale[3 * i + 1], cloud.log_scale[3 * i + 2]};
     std::sort(s, s + 3);
-    double kept = 1;  // sqrt(det / det blurred), with the two shorter axes in the picture
+    double kept = 1;  // sqrt(det / det blurred), if the two shorter axes are parallel to the image
     for (int a = 0; a < 2; ++a) {
       const double px = std::exp(double(s[a])) * seen.px_per_unit;
       kept *= std::sqrt(px * px / (px * px + splat.blur_px2));
@@ -98,7 +98,7 @@ double straddling_bound_px(const GaussianCloud& cloud, std::span<const Camera> c
   for_each_seen(cloud, cameras, [&](std::size_t i, const Seen& seen, double opacity) {
     float s[3] = {cloud.log_scale[3 * i], cloud.log_scale[3 * i + 1], cloud.log_scale[3 * i + 2]};
     std::sort(s, s + 3);
-    double area = 2 * std::numbers::pi;  // of a Gaussian: its integral; at most half of it is on the wrong side
+    double area = 2 * std::numbers::pi;  // integral of a Gaussian of unit scales; at most half of it is on the wrong side
     for (int a = 1; a < 3; ++a) {
       const double px = std::exp(double(s[a])) * seen.px_per_unit;
       area *= std::sqrt(px * px + blur_px2);
@@ -140,12 +140,12 @@ namespace {
 
 constexpr int kDeviationRadius_px = 3;
 
-/// Of one channel about (x, y).
+/// Variance of one channel in the patch about (x, y).
 double window_variance(const ImageF& photo, int x, int y, int channel) {
   double first = 0, second = 0;
   for (int v = y - kDeviationRadius_px; v <= y + kDeviationRadius_px; ++v)
     for (int u = x - kDeviationRadius_px; u <= x + kDeviationRadius_px; ++u) {
-      const double value = double(photo.at(u, v, channel)) - double(photo.at(x, y, channel));  // no cancellation
+      const double value = double(photo.at(u, v, channel)) - double(photo.at(x, y, channel));  // relative to the centre: avoids cancellation
       first += value, second += value * value;
     }
   constexpr double kCount = (2 * kDeviationRadius_px + 1) * (2 * kDeviationRadius_px + 1);
@@ -186,7 +186,7 @@ double gain_in_errors(const std::vector<double>& gains) {
 double normal_score(double gain_in_errors, std::size_t views) {
   if (views < 2) return 0;
   const double freedom = double(views) - 1;
-  const double t = gain_in_errors * std::sqrt(freedom / double(views));  // with the unbiased variance
+  const double t = gain_in_errors * std::sqrt(freedom / double(views));  // t of the unbiased variance
   const double limit = (1 - 1 / (4 * freedom)) * std::sqrt(2 * freedom);
   if (std::isinf(t)) return std::copysign(limit, t);
   return t * (1 - 1 / (4 * freedom)) / std::sqrt(1 + t * t / (2 * freedom));
@@ -195,7 +195,7 @@ double normal_score(double gain_in_errors, std::size_t views) {
 NarrowParts narrow_parts(MaskPlane mask) {
   constexpr std::int32_t kReach = kNarrow_px / 2;
   const std::vector<std::int32_t> depth = chessboard_distance(mask, Outside::kUnknown);
-  std::vector<std::uint8_t> no_middle(depth.size());  // of such a square
+  std::vector<std::uint8_t> no_middle(depth.size());  // 1: not the centre of such a square
   for (std::size_t p = 0; p < depth.size(); ++p) no_middle[p] = depth[p] <= kReach;
   const std::vector<std::int32_t> away =
       chessboard_distance({no_middle.data(), mask.width_px, mask.height_px}, Outside::kUnknown);

@@ -14,8 +14,8 @@ namespace ngs {
 namespace {
 
 constexpr int kLeastMargin_px = 48, kMostMargin_px = 64;
-constexpr int kShrink = 4;      // of the pictures of the objects alone
-constexpr float kShows = 0.1f;  // opacity from which on they show
+constexpr int kShrink = 4;      // reduction of the renderings of the objects
+constexpr float kShows = 0.1f;  // minimum opacity of a visible pixel
 
 PixelWindow merged(const PixelWindow& a, const PixelWindow& b) {
   if (a.w == 0) return b;
@@ -24,7 +24,7 @@ PixelWindow merged(const PixelWindow& a, const PixelWindow& b) {
   return {x0, y0, std::max(a.x0 + a.w, b.x0 + b.w) - x0, std::max(a.y0 + a.h, b.y0 + b.h) - y0};
 }
 
-/// The range of indices that holds `count` but for kStrayShare of it a side, half open.
+/// The half-open range of indices that contains all of `count` except kStrayShare of the sum at each side.
 std::pair<int, int> core_range(const std::vector<double>& count) {
   double all = 0;
   for (const double c : count) all += c;
@@ -34,7 +34,7 @@ std::pair<int, int> core_range(const std::vector<double>& count) {
   return {begin, end};
 }
 
-/// Where an opacity image shows something.
+/// Box of the visible pixels of an opacity image, without outliers.
 PixelWindow shown_window(const ImageF& alpha) {
   std::vector<double> columns(std::size_t(alpha.width_px)), rows(std::size_t(alpha.height_px));
   double all = 0;
@@ -61,7 +61,7 @@ Scene with_windows(Scene scene, const std::vector<PixelWindow>& windows) {
   return scene;
 }
 
-/// Share of a view that its window holds; 1 where it has none.
+/// Share of each view's pixels inside its window; 1 without a window.
 std::vector<double> shares(const Scene& whole, const std::vector<PixelWindow>& windows) {
   std::vector<double> share(windows.size(), 1.0);
   for (std::size_t v = 0; v < windows.size(); ++v) {
@@ -75,7 +75,7 @@ std::vector<double> shares(const Scene& whole, const std::vector<PixelWindow>& w
 
 namespace {
 
-/// What masks alone say: their boxes, without a margin.
+/// The boxes of the masks, without margins.
 ObjectWindows mask_windows(const Exec& exec, const Problem& problem) {
   ObjectWindows out;
   out.window.resize(problem.scene.views.size()), out.masks.resize(problem.scene.views.size());
@@ -91,7 +91,7 @@ ObjectWindows mask_windows(const Exec& exec, const Problem& problem) {
 
 PixelWindow enlarged(const PixelWindow& w) { return {w.x0 * kShrink, w.y0 * kShrink, w.w * kShrink, w.h * kShrink}; }
 
-/// Where the labelled Gaussians show, in pictures of a kShrink-th of the views' size.
+/// Visibility of the labelled Gaussians in renderings at 1 / kShrink of the views' size.
 class LowResVisibility {
  public:
   LowResVisibility(const Exec& exec, const Problem& problem)
@@ -111,7 +111,7 @@ class LowResVisibility {
     request.colour = false;
     return shown_window(render(exec_, objects_, camera(view), alone_, request).alpha);
   }
-  /// Whether what is before the objects hides all that they alone would show, in `alone`.
+  /// True: inside the window `alone`, other Gaussians occlude all objects.
   bool hidden(std::size_t view, const PixelWindow& alone) {
     if (!among_all_) among_all_ = prepared_for(exec_, filter_at_scale(problem_.splat, 1.0 / kShrink), problem_.cloud);
     RenderRequest request;
@@ -125,13 +125,13 @@ class LowResVisibility {
 
   const Exec& exec_;
   const Problem& problem_;
-  std::vector<float> label_;  // [N] 1: an object's
-  GaussianCloud objects_;     // those alone
+  std::vector<float> label_;  // [N] 1: labelled as an object
+  GaussianCloud objects_;     // the labelled Gaussians
   SplatOptions alone_;
-  std::optional<SplatOptions> among_all_;  // once a view asks for it
+  std::optional<SplatOptions> among_all_;  // created at its first use
 };
 
-/// Views that supervise or have a photo.
+/// The training views and the views with a photo, sorted.
 std::vector<std::size_t> views_in_use(const Problem& problem) {
   std::vector<std::size_t> seen = photo_views(problem.scene);
   seen.insert(seen.end(), problem.views.begin(), problem.views.end());
@@ -140,7 +140,7 @@ std::vector<std::size_t> views_in_use(const Problem& problem) {
   return seen;
 }
 
-/// Share of the pixels of these views that lie in no window.
+/// Share of the pixels of these views outside their windows.
 double share_outside(const Scene& scene, const std::vector<std::size_t>& views, const ObjectWindows& windows) {
   double inside_px = 0, all_px = 0;
   for (const std::size_t v : views) {
@@ -201,7 +201,7 @@ ViewMasks WindowInput::masks(std::size_t view) const {
   return whole.available ? cropped(std::move(whole), windows_->window[view]) : whole;
 }
 
-/// Of a photo of any size: the edges of the window on the nearest pixel.
+/// Crops a photo of any size. The window's edges are rounded to the nearest pixel.
 ImageF WindowInput::cropped_photo(const ImageF& whole, std::size_t view) const {
   const PixelWindow& window = windows_->window[view];
   if (whole.empty()) return {};

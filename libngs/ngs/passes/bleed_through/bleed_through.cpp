@@ -15,12 +15,12 @@
 namespace ngs {
 namespace {
 
-// A label is in doubt below this share. What shows through in every view, with more, shows nowhere else.
+// A label is uncertain below this share. A Gaussian with a larger share is rarely visible outside the object.
 constexpr float kCertainShare = 0.8f;
 
 using RowList = std::vector<std::int64_t>;  // increasing
 
-/// The views of a problem where some of its Gaussians show, cut to where they do.
+/// The views in which some Gaussians are visible, cropped to those Gaussians.
 class ViewsOf {
  public:
   ViewsOf(const Exec& exec, const Problem& problem, const RowList& rows)
@@ -29,7 +29,7 @@ class ViewsOf {
         some_(gather_rows(exec, problem.cloud, rows)),
         splat_(prepared_for(exec, problem.splat, some_)) {}
 
-  /// f(camera, masks) of these views, up to the one where it is asked to stop.
+  /// Calls f(camera, masks) for these views until a stop is requested.
   template <class F>
   void for_each(const F& f) const {
     for_each_view(problem_.monitor, problem_.views, [&](std::size_t, std::size_t view) {
@@ -57,21 +57,21 @@ class ViewsOf {
   SplatOptions splat_;
 };
 
-/// A label in doubt, and what the views say of it by visibility: Σ α T², Σ α T² M.
+/// An uncertain label and its sums over the views, weighted by visibility: Σ α T², Σ α T² M.
 struct Doubt {
   std::int64_t row;
   std::size_t object;
   double all = 0, objects = 0;
 };
 
-/// [N] 1: one of these.
+/// [N] 1: the row is in `rows`.
 std::vector<std::uint8_t> flags_of(const RowList& rows, std::int64_t n) {
   std::vector<std::uint8_t> flag(std::size_t(n), 0);
   for (const std::int64_t row : rows) flag[std::size_t(row)] = 1;
   return flag;
 }
 
-/// By row.
+/// Sorted by row.
 std::vector<Doubt> labels_in_doubt(const Problem& problem, const std::vector<LabelColumns>& labels) {
   std::vector<Doubt> doubts;
   for (std::size_t i = 0; i < std::size_t(problem.cloud.size()); ++i)
@@ -81,7 +81,7 @@ std::vector<Doubt> labels_in_doubt(const Problem& problem, const std::vector<Lab
   return doubts;
 }
 
-/// `rows` of the doubts, as the sums number them.
+/// Adds the sums of one view. `rows`: the rows of the uncertain labels, in the numbering of `sums`.
 void add_view(const ViewSums& sums, const RowNumbers& rows, std::vector<Doubt>& doubts) {
   std::size_t v = 0;
   for (Doubt& doubt : doubts) {
@@ -92,7 +92,7 @@ void add_view(const ViewSums& sums, const RowNumbers& rows, std::vector<Doubt>& 
   }
 }
 
-/// Per object the rows that are labelled as it and less than half its own by visibility.
+/// Per object, the rows that are labelled as the object and have f_T < 1/2.
 std::vector<RowList> rows_bleed_through(const Exec& exec, const Problem& problem,
                                        const std::vector<LabelColumns>& labels) {
   std::vector<Doubt> doubts = labels_in_doubt(problem, labels);
@@ -111,9 +111,9 @@ std::vector<RowList> rows_bleed_through(const Exec& exec, const Problem& problem
   return found;
 }
 
-/// How much nearer to the mask the second channel is than the first: the difference of their squared errors over the
-/// pixels of a view, in units of the root of that between the channels. Not the pixels whose label changes: a mask that
-/// is wrong by a pixel speaks of its neighbours too.
+/// Gain of the second channel over the first in one view: the difference of their squared errors against the mask,
+/// divided by the L2 distance of the channels. Counting changed pixels instead would let a mask that is wrong by one
+/// pixel count for its neighbours too.
 double vote(const ImageF& drawn, const ViewMasks& masks, std::size_t object) {
   double gain = 0, change = 0;
   for (std::size_t p = 0; p < masks.target[object].size(); ++p) {
@@ -124,7 +124,8 @@ double vote(const ImageF& drawn, const ViewMasks& masks, std::size_t object) {
   return change > 0 ? gain / std::sqrt(change) : 0;
 }
 
-/// What the masks of an object gain without the rows, standard errors of the mean over the views that show them.
+/// Gain in agreement with the masks of an object if `rows` lose the label, in standard errors of the mean over the views
+/// that show the rows.
 double gain_without(const Exec& exec, const Problem& problem, std::size_t object, const LabelColumn& label,
                     const RowList& rows) {
   std::vector<LabelColumns> both(2);

@@ -12,10 +12,10 @@
 namespace ngs {
 namespace {
 
-/// The cells that hang together with an object's core.
+/// The grid cells that are connected to an object's core.
 class LinkedCells {
  public:
-  /// None without a core that has a size.
+  /// Nullopt: there is no core, or it has no extent.
   static std::optional<LinkedCells> of(const Exec& exec, const ComponentOptions& options, const GaussianCloud& cloud,
                                        const LabelColumns& object) {
     const ObjectCore core = core_of(options.core, cloud, std::span(&object, 1));
@@ -26,7 +26,7 @@ class LinkedCells {
     return cells;
   }
 
-  /// Of the core's Gaussians.
+  /// Minimum number of views of the core's Gaussians.
   double least_views() const { return least_views_; }
   bool has_near(const float* position) const {
     bool near = false;
@@ -63,7 +63,7 @@ class LinkedCells {
 
 using RowList = std::vector<std::size_t>;
 
-/// Rows that are claimed, and not linked with the core.
+/// Rows with object evidence that are not linked to the core.
 RowList far_from_core(const Exec& exec, const ComponentOptions& options, const Problem& input,
                       const LabelColumns& object) {
   const GaussianCloud& cloud = input.cloud;
@@ -76,7 +76,7 @@ RowList far_from_core(const Exec& exec, const ComponentOptions& options, const P
   return far;
 }
 
-/// Of each object: one alone takes all threads, several one each.
+/// The same for each object. One object uses all threads; several objects use one thread each.
 std::vector<RowList> far_from_cores(const Exec& exec, const ComponentOptions& options, const Problem& input,
                                     const std::vector<LabelColumns>& objects) {
   std::vector<RowList> far(objects.size());
@@ -123,7 +123,7 @@ std::int64_t withdraw_apart(const Exec& exec, const ComponentOptions& options, c
   for (std::size_t k = 0; k < solution.labels.size(); ++k) {
     LabelColumns& object = solution.labels[k];
     const LabelColumns& given = input.labels[k];
-    std::optional<LinkedCells> cells;  // only where something is claimed anew
+    std::optional<LinkedCells> cells;  // computed once a newly labelled row is found
     bool looked = false;
     for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
       const std::size_t source = solution.source_row.empty() ? i : std::size_t(solution.source_row[i]);

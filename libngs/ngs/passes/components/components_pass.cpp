@@ -9,9 +9,9 @@ namespace ngs {
 std::vector<Effect> ComponentsPass::effects() const {
   return {
       {.name = "components",
-       .help = "claim nothing that does not hang together with the object",
-       .saves = "linking what is labelled",
-       .detector = {"Gaussians that masks claim apart from the object", 0, "one is enough: it may be large",
+       .help = "unlabel pieces that are disconnected from the object",
+       .saves = "linking of labelled Gaussians",
+       .detector = {"labelled Gaussians that are disconnected from the object", 0, "one is enough: it may be large",
                     [](SceneProbe& probe) { return double(count_disconnected(probe.exec(), {}, probe.problem())); }}}};
 }
 
@@ -33,7 +33,7 @@ void ComponentsPass::run(PassRun& run) {
   problem.frozen.resize(finding.disconnected.size());
   for (std::size_t i = 0; i < finding.disconnected.size(); ++i) problem.frozen[i] |= finding.disconnected[i];
   run.fields_fit = false;
-  run.say(std::to_string(finding.count) + " Gaussians that masks claim lie apart from the object: taken for unseen");
+  run.say(std::to_string(finding.count) + " labelled Gaussians are disconnected from the object: treated as unseen");
 }
 
 }  // namespace ngs

@@ -1,5 +1,5 @@
 #pragma once
-// Takes what masks claim far from the object for unseen.                                        PAPER.md §5.13
+// Treats labelled Gaussians that are disconnected from the object as unseen.                    PAPER.md §5.13
 #include "ngs/passes/pass.h"
 
 namespace ngs {

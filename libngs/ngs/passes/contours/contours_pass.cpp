@@ -11,7 +11,7 @@
 namespace ngs {
 namespace {
 
-/// A refinement takes about as long as so many times that the training views are scored.
+/// A refinement takes about as long as this many evaluations of the training agreement.
 constexpr double kRefineChecks = 8;
 
 bool has_photos(const Problem& problem) { return photo_count(problem.scene, problem.views) > 0; }
@@ -26,7 +26,7 @@ double straddling(SceneProbe& probe, ContourViews trained) {
 double narrow_share(SceneProbe& probe) {
   const Problem& problem = probe.problem();
   if (photo_views(problem.scene).size() < problem.scene.views.size())
-    return 1;  // what no photo holds drifts further at half the size
+    return 1;  // views without a photo drift further at half the size
   std::vector<NarrowParts> sum(problem.labels.size());
   for_each_view(problem.monitor, probe.some_views(), [&](std::size_t, std::size_t v) {
     const ViewMasks masks = problem.load_masks(v);
@@ -43,13 +43,13 @@ double narrow_share(SceneProbe& probe) {
   return most;
 }
 
-/// Under a budget the iterations may have ended too early to earn their place: whether the outcome agrees significantly
-/// less with the views' own masks than what it started from, as the stage asks of its refinement.
+/// With a time budget the iterations may end too early. True: the result agrees significantly less with the views' masks
+/// than the start did. The stage applies the same test to its refinement.
 bool has_lost(const Solution& outcome, const std::vector<Agreement>& before, const std::vector<Agreement>& after) {
   const auto given = outcome.figures.find("contour_contrast_given"),
              refined = outcome.figures.find("contour_contrast_refined");
   if (given == outcome.figures.end() || given->second < kOffEdges * refined->second)
-    return false;  // those masks do not lie on edges
+    return false;  // the masks' contours do not lie on edges
   std::vector<double> gains;
   for (std::size_t i = 0; i < before.size(); ++i) gains.push_back(after[i].biou - before[i].biou);
   return gain_in_errors(gains) < -kSignificant;
@@ -61,37 +61,37 @@ std::vector<Effect> ContoursPass::effects() const {
   const ContourViews trained = options_.views;
   return {
       {.name = "contours",
-       .help = "contours follow the photos' edges",
+       .help = "move contours to the photos' edges",
        .saves = "refinement, halving, training on the windows",
-       .detector = {"views that have a photo; 0: the photos add no edge and the masks refuse refined contours", 0,
-                    "one is enough; the refinement then has its own test",
+       .detector = {"views that have a photo; 0: the photos add no edge and the masks reject refined contours", 0,
+                    "one is enough; the refinement has its own test",
                     [](SceneProbe& probe) { return probe.edge_gain() < -kSignificant ? 0 : probe.photos(); },
                     has_photos, "no view has a photo"}},
       {.name = "split",
-       .help = "halve what lies across contours",
-       .saves = "the search for it, and the rows it adds",
+       .help = "halve Gaussians that straddle contours",
+       .saves = "the search for straddling Gaussians, and the added rows",
        .needs = "contours",
-       .detector = {"most weight that a Gaussian can have on a wrong side, px", kSplit_px,
-                    "less than what is halved: nothing would be",
+       .detector = {"largest weight that a Gaussian can have on the wrong side, px", kSplit_px,
+                    "below it no Gaussian would be halved",
                     [trained](SceneProbe& probe) { return straddling(probe, trained); }}},
       {.name = "contour-iterations",
        .help = "refine contours more than once",
        .saves = "all iterations but the first",
        .needs = "contours",
-       .always = "what replaced it cost up to 2 points of boundary IoU on scenes with inaccurate masks"},
+       .always = "one iteration lost up to 2 points of boundary IoU on scenes with inaccurate masks"},
       {.name = "full-resolution",
        .help = "all iterations at full size, after all steps; off: coarse to fine",
-       .saves = "half of the other iterations' rows, columns and epochs, 0.7 of the steps before them",
+       .saves = "half of the rows, columns and epochs of the other iterations, and 0.7 of the joint steps",
        .needs = "contour-iterations",
-       .detector = {"most of an object that lies in parts narrower than 9 px, share (1: some view has no photo)", 0.03,
-                    "between solid things (at most 0.02) and small or thin ones (from 0.04), which half the size "
-                    "leaves few pixels of",
+       .detector = {"largest share of an object in parts narrower than 9 px (1: some view has no photo)", 0.03,
+                    "between solid objects (at most 0.02) and small or thin ones (from 0.04), which have few pixels at "
+                    "half the size",
                     narrow_share}}};
 }
 
 void ContoursPass::declare(OptionSet& options, const OptionGroup& given) {
   OptionGroup group = given;
-  group.name = group.effect = "contours", group.about = "follow the photos' edges";
+  group.name = group.effect = "contours", group.about = "move contours to the photos' edges";
   options.add(options_, std::move(group));
 }
 
@@ -115,10 +115,10 @@ void ContoursPass::run(PassRun& run) {
   const bool has_epochs = contour_epochs(options_, run.training.joint.quality, 1) > 0;
   if (!has_epochs)
     run.monitor.warn(
-        "--effect contours=on with --quality draft, which has no epochs for them: they are left out; --contour-epochs "
-        "N gives some");
+        "--effect contours=on: skipped, because --quality draft has no contour epochs; set --contour-epochs N to run "
+        "them");
   if (run.watch->target_met() || !has_epochs) return;
-  // Contours keep no state of their own: what is interrupted from here on begins with them.
+  // Contour iterations are not checkpointed: a run that is interrupted in them resumes at their start.
   if (run.store != nullptr && run.on("joint")) run.store->save_on_the_way(*run.trainer);
   std::vector<Agreement> before;
   const double began_s = wall_seconds();
@@ -139,7 +139,7 @@ void ContoursPass::run(PassRun& run) {
   if (run.monitor.stop_requested() || !budget.given() || run.solution->source_row.empty()) return;
   const std::vector<Agreement> after = training_agreement(run.exec, *run.problem, *run.solution);
   if (run.monitor.stop_requested() || !has_lost(*run.solution, before, after)) return;
-  run.say("the contours are left out again: too few steps, or the masks disagree");
+  run.say("contour iterations undone: they reduced the agreement with the masks");
   const double undone = run.solution->figures["contour_iterations"];
   run.solution = start;
   run.solution->figures["contour_iterations_undone"] = undone;

@@ -10,12 +10,12 @@
 namespace ngs {
 namespace {
 
-constexpr float kSolid = 0.9f;                    // opacity from which the model says what is there
-constexpr float kDark = 0.08f, kClipped = 0.97f;  // of photo and render: below, above, a ratio says nothing
+constexpr float kSolid = 0.9f;                    // minimum opacity of a compared pixel
+constexpr float kDark = 0.08f, kClipped = 0.97f;  // range of photo and rendering in which a ratio is meaningful
 constexpr std::size_t kLeastPixels = 256;
-constexpr double kMostLog = 1.4;  // two stops: beyond it photo and render show different things
+constexpr double kMostLog = 1.4;  // two stops: beyond it photo and rendering differ in content
 
-/// ln(photo / render) in the median pixel; NaN: too few.
+/// Median over the pixels of ln(photo / rendering); NaN: too few pixels.
 double log_gain(const RenderedView& rendered, const ImageF& photo, std::size_t channel) {
   std::vector<double> ratio;
   for (std::size_t p = 0; p < rendered.alpha.data.size(); ++p) {

@@ -17,9 +17,9 @@ bool has_photos(const Problem& problem) { return !photo_views(problem.scene).emp
 
 std::vector<Effect> ExposurePass::effects() const {
   return {{.name = "exposure",
-           .help = "take differences of exposure from the photos",
-           .saves = "a gain per view and channel",
-           .detector = {"furthest exposure of a view from the others', percent", 2, "two and a half levels of mid-grey",
+           .help = "equalise exposure and white balance of the photos",
+           .saves = "estimation of one gain per view and channel",
+           .detector = {"largest deviation of a view's exposure from the median, percent", 2, "two and a half levels of mid-grey",
                         measured_spread, has_photos, "no view has a photo"}}};
 }
 

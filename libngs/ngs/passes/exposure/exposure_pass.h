@@ -1,5 +1,5 @@
 #pragma once
-// Takes differences of exposure between the photos out of them.                                 PAPER.md §5.14
+// Equalises the exposure and white balance of the photos.                                       PAPER.md §5.14
 #include "ngs/passes/pass.h"
 
 namespace ngs {

@@ -16,10 +16,10 @@
 namespace ngs {
 namespace {
 
-constexpr std::size_t kScoredViews = 8;  // of which the figures PSNR are means
-constexpr std::size_t kFrontViews = 32;  // of which front_opacity() is one
+constexpr std::size_t kScoredViews = 8;  // views for the mean PSNR in the figures
+constexpr std::size_t kFrontViews = 32;  // views for front_opacity()
 
-/// Neither core nor near it, nor fixed by hand.
+/// [N] 1: usable, neither in the core nor near it, and not fixed by hand.
 std::vector<std::uint8_t> candidates_of(const Exec& exec, const Problem& input, const ObjectCore& core, double margin) {
   const auto n = std::size_t(input.cloud.size());
   const std::vector<float> centres = core_centres(input.cloud, core);
@@ -31,17 +31,17 @@ std::vector<std::uint8_t> candidates_of(const Exec& exec, const Problem& input, 
   return candidate;
 }
 
-/// What the core alone looks like from one camera.
+/// The rendering of the core alone from one camera.
 struct Surface {
-  ImageF colour;  // of the surface, where there is one
-  ImageF limit;   // [H, W, 1] camera z before which things are in front of it; 0: no surface
+  ImageF colour;  // [H, W, 3] valid at pixels with a surface
+  ImageF limit;   // [H, W, 1] camera z; nearer Gaussians are in front of the surface; 0: no surface
 
   double pixels() const {
     return double(std::count_if(limit.data.begin(), limit.data.end(), [](float z) { return z > 0; }));
   }
 };
 
-/// Of what `alone` shows, from `surface_alpha` on.
+/// The surface at the pixels where `alone` has at least the opacity `surface_alpha`.
 Surface surface_of(RenderedView alone, double surface_alpha, double margin) {
   Surface s{std::move(alone.colour), ImageF(alone.width_px, alone.height_px, 1)};
   for (std::size_t p = 0; p < alone.alpha.data.size(); ++p) {
@@ -59,7 +59,7 @@ double difference(const float* a, const float* b) {
   return sum / 3;
 }
 
-/// The photo's colours as three soft masks: their evidence is the mean colour of what a Gaussian covers.
+/// The photo's colour channels as three soft masks. A Gaussian's evidence is then its mean photo colour.
 ViewMasks colours_as_masks(const ImageF& photo) {
   ViewMasks channels;
   channels.width_px = photo.width_px, channels.height_px = photo.height_px, channels.available = true;
@@ -124,21 +124,21 @@ class FloaterSearch {
 
  private:
   const Camera& camera(std::size_t v) const { return input_.scene.views[v].camera; }
-  /// Without the floaters of the rounds before.
+  /// The cloud without the floaters of earlier rounds.
   const GaussianCloud& cloud() const { return without_ ? *without_ : input_.cloud; }
 
   void take_out(const std::vector<std::size_t>& rows) {
     if (!without_) without_.emplace(input_.cloud);
     for (const std::size_t i : rows) without_->logit_opacity[i] = kRemovedLogit;
-    splat_.prepared = prepare_cloud(exec_, *without_);  // its opacities have changed
+    splat_.prepared = prepare_cloud(exec_, *without_);  // the opacities changed
   }
 
-  /// What has to do with what lies in front of the core's surface.
+  /// The Gaussians in front of the core's surface, in view `v`.
   FrontView front_view(std::size_t v, const Surface& surface) const {
     return {exec_, cloud(), surface.limit, camera(v), splat_};
   }
 
-  /// The core is the same in all rounds; its surfaces are kept up to 256 MiB.
+  /// The core is the same in all rounds, so its surfaces are cached, up to 256 MiB.
   Surface surface(std::size_t v) {
     const auto known = surfaces_.find(v);
     if (known != surfaces_.end()) return known->second;
@@ -151,7 +151,7 @@ class FloaterSearch {
     return s;
   }
 
-  /// Median over views of the median difference between core and photo.
+  /// Median over the views of the median difference between core and photo.
   double core_noise() {
     std::vector<double> medians;
     for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) {
@@ -165,9 +165,9 @@ class FloaterSearch {
     return medians.empty() ? 1.0 : upper_median(medians);
   }
 
-  /// Mean photo colour of some Gaussians in some views, and 1; zeros where they do not show it.
+  /// Mean photo colour of each candidate over some views, followed by a 1; zeros if those views do not show it.
   struct MeanColours {
-    std::vector<float> value;  // [some, 4]
+    std::vector<float> value;  // [candidates, 4]
 
     void set(std::size_t number, const LeaveOneOut::Shares& shares) {
       std::copy_n(shares.share, 3, &value[4 * number]);
@@ -175,7 +175,7 @@ class FloaterSearch {
     }
   };
 
-  /// Pixels at which the photo shows the surface although something is drawn in front of it.
+  /// [H, W] 1: the photo shows the surface although the model has Gaussians in front of it.
   std::vector<std::uint8_t> sees_past(std::size_t v, const Surface& s, const ImageF& photo,
                                          const ImageF& front) const {
     ViewMasks masks;
@@ -195,17 +195,17 @@ class FloaterSearch {
     }
     return marked;
   }
-  /// The view's own masks are known to say that the pixel shows none of the objects.
+  /// True: the view's masks are known at the pixel and label it background.
   static bool vetoed(const ViewMasks& masks, std::size_t p) {
     if (!masks.available || (!masks.known.empty() && !masks.known[p])) return false;
     return std::all_of(masks.target.begin(), masks.target.end(),
                        [&](const std::vector<float>& target) { return !mask_is_foreground(target[p]); });
   }
 
-  /// [N] 1: candidates that lie in front of the surface in some view; all candidates where the core is so much of the
-  /// model that to look takes longer than it saves.
+  /// [N] 1: candidates that lie in front of the surface in some view. Returns all candidates if the core is a large part
+  /// of the model, because the test would take longer than it saves.
   std::vector<std::uint8_t> candidates_in_front() {
-    constexpr std::int64_t kLookedAt = 8;  // cores of which the model has room for so many
+    constexpr std::int64_t kLookedAt = 8;  // minimum size of the model, in sizes of the core
     if (kLookedAt * std::int64_t(core_.count) >= cloud().size()) return candidate_;
     std::vector<std::uint8_t> in_front(candidate_.size(), 0);
     for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) {
@@ -217,7 +217,7 @@ class FloaterSearch {
     return in_front;
   }
 
-  /// Rows of the floaters of this round, and hidden_.
+  /// Finds the rows of this round's floaters. Sets hidden_.
   std::vector<std::size_t> round() {
     const RowNumbers asked(candidates_in_front());
     const auto n = std::size_t(asked.size());
@@ -233,7 +233,7 @@ class FloaterSearch {
     double surface_px = 0;
     for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) {
       const Surface s = surface(v);
-      if (s.pixels() == 0) return;  // nothing is before it
+      if (s.pixels() == 0) return;
       surface_px += s.pixels();
       const ImageF photo = input_.load_photo(v);
       const std::shared_ptr<const ViewWeights> shown = colours.weights_of(v);
@@ -265,7 +265,7 @@ class FloaterSearch {
   const Exec& exec_;
   const FloaterOptions& options_;
   const Problem& input_;
-  std::optional<GaussianCloud> without_;  // floaters of the rounds before; none: there were none
+  std::optional<GaussianCloud> without_;  // the cloud without earlier floaters; nullopt: none found yet
   SplatOptions splat_;                    // prepared for cloud()
   ObjectCore core_;
   std::vector<std::size_t> views_;
@@ -287,7 +287,7 @@ FloaterFinding find_floaters(const Exec& exec, Monitor& monitor, const FloaterOp
 
 namespace {
 
-/// What is drawn, once the floaters are out, where a view drew some of them.
+/// [N] 1: Gaussians that become visible at pixels where floaters were rendered.
 std::vector<std::uint8_t> uncovered_rows(const Exec& exec, const Problem& input, const std::vector<std::size_t>& views,
                                          const std::vector<std::uint8_t>& floater, const GaussianCloud& without) {
   constexpr float kDrawn = 1.f / 255;

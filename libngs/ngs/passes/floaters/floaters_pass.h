@@ -1,5 +1,5 @@
 #pragma once
-// Takes floaters before the object out of the model.                                            PAPER.md §5.8
+// Removes floaters in front of the object.                                                      PAPER.md §5.8
 #include "ngs/passes/pass.h"
 
 namespace ngs {

@@ -10,7 +10,7 @@
 namespace ngs {
 namespace {
 
-/// Tells the store when steps begin and end.
+/// Notifies the store of the start and the end of the steps.
 class TakingSteps {
  public:
   explicit TakingSteps(StepStore* store) : store_(store) {
@@ -26,7 +26,8 @@ class TakingSteps {
   StepStore* store_;
 };
 
-/// Steps until `keep_s` of the budget are left, the plan, the target or a signal. `store`: null, nothing is kept.
+/// Runs steps until the planned number, the target, a signal, or until `keep_s` seconds of the budget are left. `store`:
+/// null: no checkpoints.
 void take_steps(PassRun& run, double keep_s, StepStore* store) {
   const TakingSteps taking(store);
   JointTrainer& trainer = *run.trainer;
@@ -38,17 +39,17 @@ void take_steps(PassRun& run, double keep_s, StepStore* store) {
     run.monitor.progress(progress.step, progress.steps);
     ended = run.watch->after_step(progress, trainer, [&] { return trainer.result(); });
     if (run.monitor.stop_requested()) {
-      if (store != nullptr) store->save(trainer);  // all that is left of the run
+      if (store != nullptr) store->save(trainer);
       return;
     }
     if (store != nullptr && store->every() > 0 && progress.step % store->every() == 0) store->save_on_the_way(trainer);
   }
 }
 
-/// Nothing optimises: the labels as they come are the solution's.
+/// True: neither joint steps nor contours run, so the closed-form labels are the solution.
 bool is_labels_alone(const PassRun& run) { return !run.on("joint") && !run.on("contours"); }
 
-/// The problem's, whose labels are still to come.
+/// The problem's model as the solution, still without labels.
 Solution labels_alone(const PassRun& run) {
   const Problem& problem = *run.problem;
   const BoundarySet boundary = boundary_to_train(problem, run.training.joint.on.boundary, run.allow_empty);
@@ -68,7 +69,7 @@ std::vector<FixedDecision> JointPass::fixed_decisions(const TrainingOptions& tra
 }
 
 void JointPass::prepare(PassRun& run) {
-  if (run.budget.given()) leave_out_for_time(run, "nerf");  // it gains least for its time
+  if (run.budget.given()) leave_out_for_time(run, "nerf");  // smallest gain per second
   run.training.joint.on =
       joint_switches([&](std::string_view name) { return run.decisions.on_if_known(name).value_or(true); });
 }
@@ -76,11 +77,11 @@ void JointPass::prepare(PassRun& run) {
 void JointPass::begin(PassRun& run) {
   Problem& problem = *run.problem;
   problem.splat.antialiased = problem.splat.antialiased && run.on("antialias");
-  // The field of the paper is trained against all that is rendered, and moves it.
+  // The NeRF is trained against the whole rendering, and moves all Gaussians in it.
   if (!run.on("nerf") && run.on("boundary")) problem.region = region_of(problem.labels);
   const TrainingOptions& o = run.training;
   run.watch.emplace(run.exec, run.watching, problem, run.budget);
-  if (is_labels_alone(run)) {  // a trainer would be as large as the model
+  if (is_labels_alone(run)) {  // saves the memory of a trainer, which is as large as the model
     run.solution = labels_alone(run);
     run.watch->begin([&] {
       Solution start = *run.solution;
@@ -99,7 +100,7 @@ void JointPass::begin(PassRun& run) {
 void JointPass::run(PassRun& run) {
   if (run.store != nullptr && run.store->load(*run.trainer))
     run.say("resumed after step " + std::to_string(run.trainer->steps_done()));
-  run.solution.reset();  // of many objects as large as all that the steps keep
+  run.solution.reset();  // frees memory: with many objects it is as large as the trainer
   const double share = run.on("contours") ? kStepsShare : 1;
   take_steps(run, run.budget.given() ? (1 - share) * run.budget.left_s() : 0, run.store);
   run.solution = run.trainer->result();
@@ -114,12 +115,12 @@ void JointPass::finish(PassRun& run) {
   const bool time_left = run.budget.allows(run.watch->longest_step_s());
   if (too_few && run.on("contours") && !run.watch->target_met() && time_left) {
     run.trainer->plan_steps(all_steps);
-    take_steps(run, 0, nullptr);  // what is kept is the state before the contours: they would be refined anew
+    take_steps(run, 0, nullptr);  // no checkpoints: a resumed run refines the contours again
     Solution longer = run.trainer->result();
     longer.figures.merge(run.solution->figures);
     run.solution = std::move(longer);
   }
-  if (is_labels_alone(run)) run.solution->labels = run.problem->labels.taken();  // nothing reads them after this
+  if (is_labels_alone(run)) run.solution->labels = run.problem->labels.taken();  // last use of the problem's labels
   run.solution->converged = run.watch->target_met() || (!run.watch->cut() && !run.budget.cut());
   const LossTerms& l = run.watch->last_loss();
   run.report["last_loss"] = {{"total", l.total}, {"photometric", l.photometric},

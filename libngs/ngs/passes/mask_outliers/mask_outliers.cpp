@@ -16,7 +16,7 @@
 namespace ngs {
 namespace {
 
-/// Binary planes of all objects, and where they can be compared.
+/// Binary masks of all objects, and the pixels at which they are known.
 struct Planes {
   std::vector<std::vector<std::uint8_t>> object;  // [K][H·W]
   std::vector<std::uint8_t> compared;             // [H·W]
@@ -33,9 +33,9 @@ Planes planes_of(const Exec& exec, const ViewMasks& masks) {
 }
 
 constexpr double kNothingThere = -1, kNoMask = -2;
-constexpr double kSettled = 0.5;  // of the threshold: views below it are not asked again
+constexpr double kSettled = 0.5;  // share of the threshold; views below it are not tested again
 
-/// 1 - IoU over all objects, where both can be compared; kNothingThere where neither shows any of them.
+/// 1 - IoU over all objects, at the pixels known in both; kNothingThere if neither shows any object.
 double disagreement(const Exec& exec, const Planes& mask, const Planes& consensus) {
   std::vector<std::int64_t> both(mask.object.size(), 0), either = both;
   for_each_task(exec, std::ssize(mask.object), [&](std::int64_t task) {
@@ -54,11 +54,11 @@ double disagreement(const Exec& exec, const Planes& mask, const Planes& consensu
   return 1 - double(std::accumulate(both.begin(), both.end(), std::int64_t(0))) / double(all);
 }
 
-/// What views say of every Gaussian, as label channels; last, where it is asked, that they have seen it.
+/// Majority labels of the views as label channels. An optional last channel is 1 for Gaussians that these views see.
 struct Consensus {
   std::size_t objects, channels;
   std::vector<float> label;          // [N, channels]
-  std::vector<std::uint8_t> object;  // [N] one of the labels is 1
+  std::vector<std::uint8_t> object;  // [N] 1: one of the labels is 1
 
   Consensus(std::size_t gaussians, std::size_t k, bool seen)
       : objects(k), channels(k + std::size_t(seen)), label(gaussians * channels, 0.f), object(gaussians, 0) {}
@@ -73,7 +73,7 @@ struct Consensus {
   }
 };
 
-/// A consensus drawn into views of a problem, and compared with their masks.
+/// Renders a consensus into the views of a problem and compares it with their masks.
 class ConsensusViews {
  public:
   ConsensusViews(const Exec& exec, const Problem& input, const Consensus& consensus)
@@ -82,22 +82,22 @@ class ConsensusViews {
     request_.label = {consensus.label.data(), input.cloud.size(), int(consensus.channels)};
   }
 
-  /// Disagreement of a mask with the better consensus. Where mask and object alone show nothing, nothing is less, and
-  /// the model as it stands is not rendered; nor where they disagree by no more than `enough`.
-  /// `shown` [N]: 1 for all that the view shows; null: for all.
+  /// The smaller disagreement of a mask with the two renderings of the consensus. The whole model is not rendered if
+  /// neither the mask nor the object alone shows anything, or if these disagree by at most `enough`.
+  /// `shown` [N]: 1 for the Gaussians visible in the view; null: all.
   double disagreement_of(const Camera& camera, const Planes& mask, const std::uint8_t* shown, double enough) {
     request_.include = consensus_.object.data(), request_.tiles_touching = request_.stop_after = nullptr;
     const double alone = disagreement(exec_, mask, drawn(camera, false));
     if (alone == kNothingThere || alone <= enough) return alone;
     request_.include = shown;
-    // Where none of the objects is, the consensus shows none; which pixels the others have seen is asked everywhere.
+    // Tiles without an object show no consensus and can be skipped. The "seen" channel is needed at every pixel.
     request_.tiles_touching = request_.stop_after = asks_seen() ? nullptr : consensus_.object.data();
     return std::min(alone, disagreement(exec_, mask, drawn(camera, asks_seen())));
   }
 
  private:
   bool asks_seen() const { return consensus_.channels > consensus_.objects; }
-  /// `seen_only`: compared only where most of the pixel was seen by the others.
+  /// `seen_only`: pixels are known only if the other views see most of their weight.
   Planes drawn(const Camera& camera, bool seen_only) const {
     const RenderedView view = render(exec_, input_.cloud, camera, input_.splat, request_);
     const std::size_t pixels = std::size_t(view.label.pixels());
@@ -167,9 +167,9 @@ class Judge {
  private:
   const Camera& camera(std::size_t n) const { return input_.scene.views[input_.views[n]].camera; }
 
-  /// [N] W of all views; null: not known.
+  /// [N] Total weight W over all views; null: unknown.
   const std::vector<float>* known_weight() const { return input_.whole && whole_.weight ? &*whole_.weight : nullptr; }
-  /// [N] 1: a view may show it.
+  /// [N] 1: some view may show the Gaussian.
   std::vector<std::uint8_t> seen_rows() const {
     std::vector<std::uint8_t> seen(std::size_t(input_.cloud.size()), 1);
     if (const std::vector<float>* const weight = known_weight())
@@ -177,8 +177,8 @@ class Judge {
     return seen;
   }
 
-  /// Evidence of the trusted views, from that of those that were trusted before; false where too few have masks, or it
-  /// was asked to stop.
+  /// Updates the evidence from the previous inlier views to the current ones. False: too few inlier views have masks, or
+  /// a stop was requested.
   bool gather(LeaveOneOut& others) {
     int with_masks = 0;
     const bool all = for_each_view(input_.monitor, input_.views, [&](std::size_t n, std::size_t view) {
@@ -190,8 +190,8 @@ class Judge {
     return all && with_masks >= options_.least_views;
   }
 
-  /// True where another view is ignored now, or one no longer is. Views that agree on showing nothing are trusted, and
-  /// no measure of how well contours agree: where most views do not see the object, their zeros would be the median.
+  /// Tests the views. True: the set of outliers changed. Views in which mask and consensus show no object are inliers, and
+  /// do not enter the median: if most views do not see the object, the median would be 0.
   bool judge(LeaveOneOut& others, MaskOutliers& trust) {
     const auto gaussians = std::size_t(input_.cloud.size());
     Consensus consensus(gaussians, input_.scene.objects.size(), true);
@@ -206,7 +206,7 @@ class Judge {
         return;
       }
       const std::shared_ptr<const ViewWeights> own = others.weights_of(n);
-      const bool known = own && !own->empty();  // what a view shows; else all is drawn
+      const bool known = own && !own->empty();  // visible Gaussians are known; otherwise all are rendered
       if (known)
         others.for_others_in(*own, [&](std::size_t i, const LeaveOneOut::Shares& shares, double) {
           consensus.set(row(i), shares), shown[row(i)] = 1;
@@ -229,14 +229,14 @@ class Judge {
 
   std::size_t row(std::size_t number) const { return std::size_t(seen_.row[number]); }
   bool known(std::size_t n) const { return found_[n] < kSettled * threshold_; }
-  /// Whether there is a view to ask.
+  /// True: some view must be tested against the consensus of the others.
   bool asks() const {
     bool any = false;
     for (std::size_t n = 0; n < found_.size(); ++n) any |= !known(n);
     return any;
   }
 
-  /// What was found, and the threshold that follows from it; false: of too few views.
+  /// Copies the disagreements to the result and sets the threshold. False: too few views show an object.
   bool note(MaskOutliers& trust) {
     std::vector<double> all;
     trust.disagreement.assign(found_.size(), -1.0);
@@ -253,11 +253,11 @@ class Judge {
   const Exec& exec_;
   const MaskOutlierOptions& options_;
   const Problem& input_;
-  const Problem& whole_;                          // the same in whole views, whose evidence is asked
-  RowNumbers seen_;                               // what the evidence is of
+  const Problem& whole_;                          // the uncropped problem, from which evidence is gathered
+  RowNumbers seen_;                               // Gaussians with evidence
   std::vector<std::uint8_t> trusted_, gathered_;  // per entry of input.views
-  std::vector<double> found_;                     // disagreement of each, or kNothingThere or kNoMask
-  double threshold_ = 0;                          // of the round before
+  std::vector<double> found_;                     // per entry of input.views: disagreement, kNothingThere or kNoMask
+  double threshold_ = 0;                          // of the previous round
 };
 
 }  // namespace
@@ -269,7 +269,7 @@ double ignore_threshold(const MaskOutlierOptions& options, const std::vector<dou
   for (const double d : disagreement) deviations.push_back(std::abs(d - median));
   const double sigma = kMadToSigma * upper_median(std::move(deviations));
   const double threshold = std::max({options.factor * median, median + options.spreads * sigma, options.least});
-  // Of nine masks three empty ones are spread enough for a threshold that no 1 - IoU can exceed.
+  // With three empty masks of nine, the deviation is so large that no 1 - IoU could exceed the threshold.
   const bool strangers = *std::max_element(disagreement.begin(), disagreement.end()) > options.most;
   return strangers && median < 0.5 ? std::min(threshold, options.most) : threshold;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Ignores masks that the other views' masks contradict.                                         PAPER.md §5.9
+// Ignores masks that contradict the other views' masks.                                         PAPER.md §5.9
 #include <memory>
 #include <vector>
 
@@ -14,7 +14,7 @@ class MaskOutliersPass : public Pass {
   void run(PassRun& run) override;
 
  private:
-  /// first_look() at the problem: the detector's is the pass's.
+  /// Cached first_look(), shared by the heuristic and the pass.
   std::shared_ptr<std::vector<double>> first_ = std::make_shared<std::vector<double>>();
 };
 

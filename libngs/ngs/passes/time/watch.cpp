@@ -5,7 +5,7 @@
 namespace ngs {
 namespace {
 
-/// An iteration that takes fewer of its steps gains nothing (decision 031).
+/// Minimum share of its steps that an iteration needs to gain anything (decision 031).
 constexpr double kLeastOfNext = 0.5;
 
 }  // namespace
@@ -55,7 +55,7 @@ void Watch::begin_iterations(double keep_s) {
   iterations_known(1);
 }
 
-/// After the first step of an iteration: all before it was the refinement.
+/// Called after the first step of an iteration. The time before that step was the refinement.
 void Watch::begin_iteration(const JointProgress& first, double now_s) {
   refine_s_ = now_s - last_s_;
   --iterations_left_;
@@ -63,7 +63,7 @@ void Watch::begin_iteration(const JointProgress& first, double now_s) {
   began_s_ = last_s_ = now_s, longest_step_s_ = 0;
 }
 
-/// It cannot be stopped midway: one like the longest, and the step that led to it.
+/// Scoring cannot be interrupted, so the longest score so far and the longest step must fit.
 bool Watch::score_fits() const { return budget_.allows(keep_s_ + 1.2 * (longest_score_s_ + longest_step_s_)); }
 
 void Watch::replan(const JointProgress& progress, JointTrainer& trainer) {

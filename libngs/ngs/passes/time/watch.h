@@ -1,5 +1,5 @@
 #pragma once
-// What goes with the steps of a run: the trace, the target and the clock.
+// Tracks the steps of a run: writes the trace, tests the target, and ends the steps in time.
 #include <optional>
 #include <string>
 
@@ -19,26 +19,26 @@ class Watch {
  public:
   Watch(const Exec& exec, const WatchOptions& options, const Problem& problem, const Budget& budget);
 
-  /// The model before the first step: a line of the trace without losses.
+  /// Scores the model before the first step and adds it to the trace, without losses.
   void begin(const std::function<Solution()>& result);
-  /// The steps to come, from where the trainer is, go on until only `keep_s` of the budget are left.
+  /// Starts to track joint steps, which end when only `keep_s` seconds of the budget are left.
   void begin_steps(double keep_s, const JointTrainer& trainer);
-  /// The same for contour iterations. Another begins where the time left allows a refinement as long as the last one,
-  /// and half of the last one's steps.
+  /// Starts to track contour iterations. The next iteration starts only if the time left suffices for a refinement as
+  /// long as the last one and half of its steps.
   void begin_iterations(double keep_s);
-  /// How many there will be, known after the first refinement.
+  /// Sets the number of iterations, which is known after the first refinement.
   void iterations_known(int iterations) { iterations_left_ = iterations + 1; }
 
-  /// True: no further step, because the target is met or the time is up. `whole` gives the model as it is, for scoring.
-  /// Under a budget the trainer's plan follows the time that its steps turn out to take.
+  /// True: stop, because the target is met or the time is up. `whole` returns the current model, for scoring. With a
+  /// budget, the trainer's number of steps is adapted to the measured time per step.
   bool after_step(const JointProgress& progress, JointTrainer& trainer, const std::function<Solution()>& whole);
 
   bool target_met() const { return target_met_; }
-  /// Steps were left out for want of time.
+  /// True: steps were skipped for lack of time.
   bool cut() const { return cut_; }
   double longest_step_s() const { return longest_step_s_; }
   const LossTerms& last_loss() const { return last_loss_; }
-  /// JSON lines (data-schema/trace.schema.json). Time spent on scoring is kept out of `t` and stated by itself.
+  /// JSON lines (data-schema/trace.schema.json). `t` excludes the time spent on scoring, which is reported separately.
   const std::string& trace() const { return text_; }
 
  private:
@@ -57,11 +57,11 @@ class Watch {
   bool target_met_ = false, cut_ = false;
   std::int64_t every_, step_ = 0;
   double scoring_s_ = 0, longest_score_s_ = 0, last_s_ = 0;
-  // Of the steps or the iteration that runs: its steps before time ran short; when it began, at which step; the time
-  // that it must leave.
+  // Of the current joint steps or contour iteration: planned steps without a time limit, step and time at its start,
+  // time to leave at its end.
   std::int64_t planned_ = 0, began_step_ = 0;
   double began_s_ = 0, longest_step_s_ = 0, keep_s_ = 0;
-  int iterations_left_ = 0;  // of contours, this one included; 0: these are joint steps
+  int iterations_left_ = 0;  // contour iterations left, including the current one; 0: joint steps
   double refine_s_ = 0;
   LossTerms last_loss_;
   std::string text_;

@@ -5,7 +5,7 @@
 namespace ngs {
 namespace {
 
-constexpr double kWorthIt = 0.5;  // share of pixels beside the windows
+constexpr double kWorthIt = 0.5;  // minimum share of pixels outside the windows
 
 }  // namespace
 
@@ -21,9 +21,9 @@ const ObjectWindows& WindowsPass::windows(const Exec& exec, const Problem& probl
 
 std::vector<Effect> WindowsPass::effects() const {
   return {{.name = "windows",
-           .help = "work on the parts of the views that show the objects",
-           .saves = "nothing: whole views are worked on",
-           .detector = {"share of the views' pixels beside the objects' windows", kWorthIt,
+           .help = "crop the views to windows about the objects",
+           .saves = "nothing: whole views are processed",
+           .detector = {"share of the views' pixels outside the objects' windows", kWorthIt,
                         "below it windows save less than half of the work",
                         [this](SceneProbe& probe) { return outside(probe.exec(), probe.problem()); }}}};
 }

@@ -19,7 +19,7 @@ std::vector<std::size_t> judges_of(const std::vector<std::size_t>& views) {
 
 namespace {
 
-/// What a model shows in some views.
+/// Renderings of a model in some views.
 class Pictures {
  public:
   Pictures(const Exec& exec, const Problem& input, const GaussianCloud& cloud, const std::vector<std::size_t>& views,
@@ -53,8 +53,8 @@ class Pictures {
   const Scene& scene_;
   SplatOptions splat_;
   RenderRequest request_;
-  std::map<std::size_t, std::optional<ImageF>> picture_;  // by view; none: drawn anew
-  GaussianCloud model_;                                   // empty where all pictures are kept
+  std::map<std::size_t, std::optional<ImageF>> picture_;  // by view; nullopt: rendered at every load
+  GaussianCloud model_;                                   // empty if all renderings are cached
 };
 
 }  // namespace

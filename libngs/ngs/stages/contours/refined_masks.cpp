@@ -15,7 +15,7 @@
 namespace ngs {
 namespace {
 
-/// Mean over the area of every coarse pixel; sides of any ratio.
+/// Resizes to [h, w] by means over the area of every coarse pixel. The ratio of the sizes may be fractional.
 std::vector<float> reduce(const std::vector<float>& fine, int fw, int fh, int w, int h) {
   std::vector<float> rows(std::size_t(w) * std::size_t(fh)), out(std::size_t(w) * std::size_t(h));
   const auto along = [](int n, int coarse, const auto& from, const auto& to) {
@@ -39,7 +39,7 @@ std::vector<float> reduce(const std::vector<float>& fine, int fw, int fh, int w,
   return out;
 }
 
-/// Agreement of a mask at the camera's size with the view's own of one object, over the pixels that are known.
+/// Boundary IoU of a mask at the camera's size with the view's own mask of one object, over the known pixels.
 double agreement(const std::vector<float>& mask, const ViewMasks& own, int band_px) {
   std::vector<std::uint8_t> a(mask.size()), b(mask.size());
   for (std::size_t p = 0; p < mask.size(); ++p) {
@@ -74,14 +74,14 @@ void add_differences(const std::vector<float>& own, const std::vector<float>& re
   }
 }
 
-/// The part of a picture that has to do with one object, at the camera's size and at the photo's.
+/// A crop about one object, at the camera's size and at the photo's.
 struct ObjectPart {
   PixelWindow coarse, fine;
 };
 
-/// About what is rendered [fine] and the view's own mask [coarse; may be empty] shows, with what refinement looks at
-/// and a few pixels more: all that is left out shows no object in either, and adds nothing to any sum. The whole
-/// picture where the sizes are not 1, 2 or 4 times each other: positions in the part would be rounded otherwise.
+/// A crop about the rendered mask [fine] and the view's own mask [coarse; may be empty], with the reach of the refinement
+/// and a few pixels more. Outside the crop neither mask shows the object, so no sum changes. The crop is the whole image
+/// if the size ratio is not 1, 2 or 4, because crop positions would need rounding.
 ObjectPart part_of(const ForegroundBox& rendered, const std::vector<float>& own, const Camera& camera,
                    const ImageF& photo, double reach_px) {
   constexpr double kMore_px = 8;
@@ -97,7 +97,7 @@ ObjectPart part_of(const ForegroundBox& rendered, const std::vector<float>& own,
   return {at, {at.x0 * scale, at.y0 * scale, at.w * scale, at.h * scale}};
 }
 
-/// A mask at the camera's size where it shows something.
+/// A cropped mask at the camera's size.
 struct PartOfMask {
   PixelWindow at;
   std::vector<float> plane;  // [at.h, at.w]
@@ -108,7 +108,7 @@ ForegroundBox box_of(const PartOfMask& part) {
   return {box.x0 + part.at.x0, box.y0 + part.at.y0, box.x1 + part.at.x0, box.y1 + part.at.y0};
 }
 
-/// [win.h, win.w]
+/// The mask in a window, [win.h, win.w].
 std::vector<float> plane_of(const PartOfMask& part, const PixelWindow& win) {
   std::vector<float> plane(std::size_t(win.w) * std::size_t(win.h));
   const int x0 = std::max(part.at.x0, win.x0), x1 = std::min(part.at.x0 + part.at.w, win.x0 + win.w);
@@ -119,14 +119,14 @@ std::vector<float> plane_of(const PartOfMask& part, const PixelWindow& win) {
   return plane;
 }
 
-/// One object of a view on the way to RefinedView.
+/// Refines the mask of one object of a view and adds the comparison to a RefinedView.
 class ObjectRefinement {
  public:
   ObjectRefinement(const ContourRefineOptions& refine, const ImageF& photo, const Camera& camera, RefinedView& out)
       : refine_(refine), photo_(photo), camera_(camera), out_(out) {}
 
-  /// The refined mask of object k, of which `label` [fine, K] is in `shown`, and its agreement with the view's own of
-  /// the same object [coarse; not available: no such mask], which counts as 1 / K of the view's.
+  /// Refines the mask of object k. `label` [fine, K]: rendered masks; `shown`: box of object k in it; `own` [coarse]: the
+  /// view's own mask of object k, if available. The agreement with it counts 1 / K of the view's.
   PartOfMask refined(const ImageF& label, std::size_t k, const ForegroundBox& shown, const ViewMasks& own) {
     const double objects = label.channels;
     const auto [at, fine] = part_of(shown, own.available ? own.target[0] : std::vector<float>(), camera_, photo_,
@@ -174,7 +174,7 @@ class ObjectRefinement {
   RefinedView& out_;
 };
 
-/// `splat` serves the model.
+/// `splat` must be prepared for the model.
 RefinedView refine_view(const RefineSetup& setup, const SplatOptions& splat, const LabelChannels& model, std::size_t v,
                         bool compare) {
   const Exec serial;

@@ -18,8 +18,7 @@ struct ViewResidual {
   bool shows_object = false;
 };
 
-/// The model's picture of the window as the photo was reduced to the camera's size: rendered at the photo's size where
-/// that is `scale` times the camera's, then averaged.
+/// Rendering of the window at `scale` times the camera's size, averaged to the camera's size like the photo.
 ImageF picture_of(const Problem& problem, const SplatOptions& splat, const GaussianCloud& cloud, const Camera& window,
                   int scale) {
   const Exec serial;

@@ -61,7 +61,7 @@ struct JointTrainer::Impl {
   RbfOptions rbf;
   const Problem& input;
   const QueryField* given_field;
-  GroupRates rates;  // of a step, before they fall
+  GroupRates rates;  // at the first step, before decay
 
   GaussianCloud cloud;
   TrainedRows trained;
@@ -112,7 +112,7 @@ struct JointTrainer::Impl {
     }
   }
 
-  /// To what is rendered, from what is trained.
+  /// Copies the trained values to the rendered cloud, labels and boundary.
   void put_back() {
     labels.put_back(exec);
     trained.put_back();
@@ -123,7 +123,7 @@ struct JointTrainer::Impl {
     return "view '" + input.scene.views[input.views[view_of(s)]].camera.name + "', step " + std::to_string(s + 1);
   }
 
-  /// Position in input.views of step `s` (from 0): every round is a new permutation.
+  /// Position in input.views of step `s` (from 0). Every round is a new permutation.
   std::size_t view_of(std::int64_t s) const {
     const auto n = input.views.size();
     const std::uint64_t round = std::uint64_t(s) / n;
@@ -152,7 +152,7 @@ struct JointTrainer::Impl {
     return rays;
   }
 
-  /// What a view of a step shows: the model's image of it, and what was given.
+  /// Rendering, photo and masks of the view of a step.
   struct StepImages {
     const RenderedView& rendered;
     const ViewCache::View& view;
@@ -164,7 +164,7 @@ struct JointTrainer::Impl {
   void sum_up(LossTerms& loss) const;
 };
 
-/// The field's weights of the mask loss; empty: all 1.
+/// Adds the terms of the field. Returns the density weights of the mask loss; empty: all 1.
 ImageF JointTrainer::Impl::field_terms(const FieldRays& rays, const StepImages& images, LossTerms& loss,
                                        ViewGradients& grad) {
   ImageF weights;
@@ -222,7 +222,7 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
     const auto timed = monitor.scope("splat forward");
     return splat.forward(exec, cloud, camera, request);
   }();
-  const double shown = window_share(input, input.views[n]);  // losses are means over whole views
+  const double shown = window_share(input, input.views[n]);  // scales losses to means over uncropped views
   LossTerms loss;
   ViewGradients grad;
   grad.label_moves_geometry = effects.mask_geometry;
@@ -250,7 +250,7 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
   }
   {
     const auto timed = monitor.scope("splat backward");
-    splat.backward(exec, grad, gradients, trained.wanted());  // where nothing is wanted, moments and steps stay zero
+    splat.backward(exec, grad, gradients, trained.wanted());  // rows that are not wanted keep zero moments
   }
   cont_term(loss);
   sum_up(loss);

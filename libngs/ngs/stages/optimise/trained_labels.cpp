@@ -11,7 +11,7 @@
 namespace ngs {
 namespace {
 
-/// Of whose region a row is; all where it is of none's, or nothing has one.
+/// The objects whose region contains a row; all objects if none does, or without a region.
 std::vector<std::size_t> objects_of(const Problem& input, std::size_t row) {
   std::vector<std::size_t> own;
   for (std::size_t k = 0; k < input.labels.size() && !input.region.empty(); ++k)
@@ -65,7 +65,7 @@ void TrainedLabels::put_back(const Exec& exec) {
   });
 }
 
-/// The first trained row beyond the page of label columns in which `row` of them lies.
+/// The first trained row after the page of label columns that contains trained row `row`.
 std::size_t TrainedLabels::end_of_page(std::size_t row) const {
   const std::size_t page = rows_.row(row) / LabelColumn::kPageRows;
   while (row < rows_.size() && rows_.row(row) / LabelColumn::kPageRows == page) ++row;
@@ -82,7 +82,7 @@ void TrainedLabels::write(std::vector<LabelColumns>& columns) const {
         columns[k].label[i] = columns[k].prob[i] = label_[i * objects_ + k];
         written[k] = 1;
       });
-    // Most pages are the same, and have no cell that is 0: with many objects these are the largest part of a result.
+    // label and prob are equal in most pages, so they share them: with many objects pages are most of a result.
     for (std::size_t k = 0; k < objects_; ++k)
       if (written[k]) columns[k].label.share(columns[k].prob, rows_.row(begin));
   }
