@@ -31,15 +31,15 @@ struct FixedDecision {
 
 class Decisions {
  public:
-  Decisions(std::vector<Effect> effects, EffectSwitches modes, std::vector<FixedDecision> verdicts = {});
+  Decisions(std::vector<Effect> effects, EffectSwitches switches, std::vector<FixedDecision> fixed = {});
   Decisions(const Decisions&) = delete;
   Decisions& operator=(const Decisions&) = delete;
 
   const std::vector<Effect>& effects() const { return effects_; }
-  Switch mode(std::string_view name) const { return modes_.of(name); }
+  Switch switch_of(std::string_view name) const { return switches_.of(name); }
 
   /// Adds a fixed decision. Switches of --effect and earlier fixed decisions take precedence.
-  void fix(FixedDecision verdict) { fixed_.push_back(std::move(verdict)); }
+  void fix(FixedDecision decision) { fixed_.push_back(std::move(decision)); }
 
   /// True: --effect or a fixed decision sets it.
   bool is_fixed(std::string_view name) const;
@@ -68,7 +68,7 @@ class Decisions {
   std::optional<Decision> decision_without_heuristic(const Effect& effect) const;
 
   std::vector<Effect> effects_;
-  EffectSwitches modes_;
+  EffectSwitches switches_;
   std::vector<FixedDecision> fixed_;
   std::vector<Decision> all_;
 };

@@ -31,7 +31,7 @@ struct Effect {
   std::string_view saves = {};   // work that is skipped if the effect is off
   std::string_view needs = {};   // effect that must be on for this one to be on
   std::string_view always = {};  // why the effect is on for every scene; empty: the heuristic decides
-  Heuristic detector = {};
+  Heuristic heuristic = {};
 };
 
 /// Bound on the mean change of the rendered mask values, in [0, 1], by an effect that `auto` switches off.
@@ -71,6 +71,6 @@ class EffectSwitches {
 };
 
 /// "MEASURED: 0.12 <= 0.5".
-std::string decision_reason(const Heuristic& detector, double measured);
+std::string decision_reason(const Heuristic& heuristic, double measured);
 
 }  // namespace ngs

@@ -10,9 +10,9 @@
 
 #include "ngs/options/option_set.h"
 #include "ngs/passes/decisions.h"
-#include "ngs/stages/optimise/joint_trainer.h"
-#include "ngs/passes/time/watch.h"
+#include "ngs/passes/time/step_tracker.h"
 #include "ngs/scene/query_field.h"
+#include "ngs/stages/optimise/joint_trainer.h"
 
 namespace ngs {
 
@@ -25,12 +25,12 @@ class StepStore {
   /// Writes the final checkpoint of an interrupted run. Throws if it cannot be written.
   virtual void save(JointTrainer& trainer) = 0;
   /// Writes a checkpoint during the run. Warns if it cannot be written.
-  virtual void save_on_the_way(JointTrainer& trainer) = 0;
+  virtual void try_save(JointTrainer& trainer) = 0;
   /// Called with true before the first step and with false after the last one. In between, a signal must leave time
   /// for a save.
-  virtual void taking_steps(bool running) = 0;
+  virtual void steps_running(bool running) = 0;
   /// Steps between checkpoints; 0: none during the run.
-  virtual std::int64_t every() const = 0;
+  virtual std::int64_t save_interval() const = 0;
 };
 
 /// State of a run, shared by all passes. Passes communicate only through it.
@@ -42,7 +42,7 @@ struct PassRun {
   Decisions& decisions;
   Budget& budget;
   Json& report;  // "result" of the run's report: one key per pass
-  WatchOptions watching = {};
+  TrackerOptions tracking = {};
   bool allow_empty = false;                           // an empty boundary set is no error
   std::function<void(const std::string&)> info = {};  // receives log lines; may be empty
 
@@ -52,23 +52,23 @@ struct PassRun {
   StepStore* store = nullptr;           // null: no checkpoints
   std::optional<Json> resumed = {};     // `state` of the run that is resumed
   Json state = Json::object();          // by pass: time-dependent choices, which a resumed run repeats
-  std::set<std::string> left_out = {};  // effects skipped for lack of time, except those that a resumed run redecides
+  std::set<std::string> skipped = {};   // effects skipped for lack of time, except those that a resumed run redecides
 
   std::vector<float> floater = {};  // [N] 1: removed from the model; empty: none
-  bool fields_fit = true;           // false: query points made for the input model no longer match the model
+  bool field_matches_model = true;  // false: query points made for the input model no longer match the model
   std::unique_ptr<JointTrainer> trainer = {};
-  std::optional<Watch> watch = {};
+  std::optional<StepTracker> tracker = {};
   std::optional<Solution> solution = {};
 
-  void say(const std::string& line) const {
+  void log(const std::string& line) const {
     if (info) info(line);
   }
   bool on(std::string_view effect) const { return decisions.on(effect); }
 };
 
 /// Passes of one stage are decided together, on the output of the stage before.
-/// kFocus crops the views; kMend repairs masks, photos and model; kOptimise computes the solution.
-enum class PassStage : std::uint8_t { kFocus, kMend, kOptimise };
+/// kCrop crops the views; kRepair repairs masks, photos and model; kOptimise computes the solution.
+enum class PassStage : std::uint8_t { kCrop, kRepair, kOptimise };
 
 class Pass {
  public:
@@ -80,8 +80,8 @@ class Pass {
   virtual void declare(OptionSet&, const OptionGroup& /*group*/) {}
   /// Decisions that follow from option values.
   virtual std::vector<FixedDecision> fixed_decisions(const TrainingOptions&) const { return {}; }
-  /// True: the pass polls the time budget itself. Any other pass may be aborted under a time budget, and must then leave
-  /// the run unchanged.
+  /// True: the pass polls the time budget itself. Any other pass may be aborted under a time budget, and must then
+  /// leave the run unchanged.
   virtual bool follows_clock() const { return false; }
   /// True: a resumed run decides this pass again, because the checkpoint does not depend on it.
   virtual bool decided_again_on_resume() const { return false; }

@@ -20,15 +20,15 @@ class Pipeline {
   void declare(OptionSet& options, const OptionGroup& group) const;
   std::vector<FixedDecision> fixed_decisions(const TrainingOptions& training) const;
 
-  /// Decides the effects of a stage by heuristics measured on `seen`, which may have a reduced size. Without time left,
-  /// passes are skipped.
-  void decide(PassStage stage, PassRun& run, const Problem& seen) const;
+  /// Decides the effects of a stage by heuristics measured on `problem`, which may have a reduced size. Without time
+  /// left, passes are skipped.
+  void decide(PassStage stage, PassRun& run, const Problem& problem) const;
   /// Runs the passes that are on. False: a stop was requested, and `run` holds no result.
   bool run(PassStage stage, PassRun& run) const;
 
  private:
-  struct Detection;
-  void decide_pass(const Pass& pass, PassRun& run, Detection& by) const;
+  struct HeuristicContext;
+  void decide_pass(const Pass& pass, PassRun& run, HeuristicContext& context) const;
   void run_in_time(Pass& pass, PassRun& run) const;
   void prepare(PassRun& run) const;
 
@@ -37,6 +37,6 @@ class Pipeline {
 
 /// Switches an effect off for lack of time. Has no effect if --effect or a fixed decision sets it. The budget is marked
 /// as cut only if the effect might have been on. `decided_again_on_resume`: of its pass.
-void leave_out_for_time(PassRun& run, std::string_view effect, bool decided_again_on_resume = false);
+void skip_for_time(PassRun& run, std::string_view effect, bool decided_again_on_resume = false);
 
 }  // namespace ngs

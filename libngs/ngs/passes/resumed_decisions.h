@@ -8,10 +8,10 @@ namespace ngs {
 /// makes again are not included.
 Json kept_decisions(const Pipeline& pipeline, const Decisions& decisions);
 
-/// Adds the stored decisions of the stopped run as fixed decisions. Switches of --effect and earlier fixed decisions take
-/// precedence. Entries that are no decision on a known effect are ignored.
+/// Adds the stored decisions of the stopped run as fixed decisions. Switches of --effect and earlier fixed decisions
+/// take precedence. Entries that are no decision on a known effect are ignored.
 ///   effects    kept_decisions() of the stopped run
-///   left_out   its PassRun::left_out
-void repeat_decisions(const Pipeline& pipeline, PassRun& run, const Json& effects, const Json& left_out);
+///   skipped   its PassRun::skipped
+void repeat_decisions(const Pipeline& pipeline, PassRun& run, const Json& effects, const Json& skipped);
 
 }  // namespace ngs

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "ngs/ops/image/metrics.h"
-#include "ngs/stages/optimise/training_options.h"
 #include "ngs/problem/problem.h"
 #include "ngs/scene/boundary_set.h"
 #include "ngs/scene/knn_graph.h"
+#include "ngs/stages/optimise/training_options.h"
 
 namespace ngs {
 
@@ -26,9 +26,10 @@ struct LabelViews {
 };
 
 inline constexpr std::size_t kPhotoViews = 4;  // views in which photos are compared with renderings
-inline constexpr std::size_t kVotingViews = 32;
-inline constexpr std::size_t kFirstVotes = 8;
-inline constexpr double kClearVote = 2.5;  // of kFirstVotes views, whose normal score has a magnitude below 3.6
+inline constexpr std::size_t kComparedViews = 32;
+inline constexpr std::size_t kFirstComparedViews = 8;
+inline constexpr double kClearScore =
+    2.5;  // of kFirstComparedViews views, whose normal score has a magnitude below 3.6
 
 /// 1 - IoU; 0 where both masks are empty.
 double disagreement(const Confusion& counts);
@@ -45,10 +46,10 @@ class SceneProbe {
   const Problem& problem() const { return problem_; }
 
   /// At most kDecisionViews training views, evenly spread.
-  std::vector<std::size_t> some_views() const;
-  std::vector<Camera> some_cameras() const;
+  std::vector<std::size_t> sample_views() const;
+  std::vector<Camera> sample_cameras() const;
   /// Number of training views with a photo.
-  double photos() const;
+  double views_with_photo() const;
 
   /// True: a stop was requested, and measured values are invalid.
   bool stopped() const;
@@ -57,8 +58,8 @@ class SceneProbe {
   const LabelViews& label_views();
   const LabelViews& label_sample();
   /// Gain in agreement with the masks from refining the label contours to the photos' edges, as a normal score. It uses
-  /// at most kVotingViews views, or only kFirstVotes views if their score is below -kClearVote. It is 0 if the masks are
-  /// no evidence: without photos, if the photos have edges that the model does not show
+  /// at most kComparedViews views, or only kFirstComparedViews views if their score is below -kClearScore. It is 0 if
+  /// the masks are no evidence: without photos, if the photos have edges that the model does not show
   /// (stages/contours/unexplained_contrast.h), or if all masks err to one side.
   double edge_gain();
   const BoundarySet& boundary();

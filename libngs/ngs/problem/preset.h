@@ -13,9 +13,9 @@ inline constexpr NamedValue<Quality> kQualityNames[] = {{Quality::kDraft, "draft
                                                         {Quality::kReference, "reference"}};
 
 struct Preset {
-  int epochs;           // joint steps per training view
-  bool half_samples;    // halve the NeRF's rows, columns and depths: in one epoch more samples gain little (decision 013)
-  bool contours;        // refine contours also without --contour-epochs
+  int epochs;         // joint steps per training view
+  bool half_samples;  // halve the NeRF's rows, columns and depths: in one epoch more samples gain little (decision 013)
+  bool contours;      // refine contours also without --contour-epochs
   int more_iterations;  // contour iterations in addition to the two or three that depend on the masks
   bool half_floaters;   // search floaters in fewer views, at half the size
 };

@@ -21,8 +21,8 @@ namespace ngs {
 /// Minimum share of object evidence of a Gaussian that is partly an object's.
 inline constexpr double kLeastForegroundShare = 0.05;
 
-/// Immutable label columns, one per object, shared by the problems of a run. With many objects they need more memory than
-/// the model.
+/// Immutable label columns, one per object, shared by the problems of a run. With many objects they need more memory
+/// than the model.
 class SharedLabels {
  public:
   SharedLabels() : SharedLabels(std::vector<LabelColumns>()) {}
@@ -36,9 +36,9 @@ class SharedLabels {
   auto end() const { return labels_->cend(); }
 
   /// Moves the labels out, leaving none here. Copies them only if another object shares them.
-  std::vector<LabelColumns> taken() {
-    const std::shared_ptr<std::vector<LabelColumns>> mine = std::exchange(labels_, SharedLabels().labels_);
-    return mine.use_count() == 1 ? std::move(*mine) : *mine;
+  std::vector<LabelColumns> release() {
+    const std::shared_ptr<std::vector<LabelColumns>> labels = std::exchange(labels_, SharedLabels().labels_);
+    return labels.use_count() == 1 ? std::move(*labels) : *labels;
   }
 
  private:
@@ -68,7 +68,7 @@ struct Problem {
   std::vector<std::uint8_t> frozen = {};  // [N] 1: shape, opacity and colour must not change; empty: no row is frozen
   std::vector<std::uint8_t> region = {};  // [N] 0: no value of the row may change; empty: all rows may change
   std::vector<double> window_share = {};  // [views of the scene] share of its pixels inside the camera; empty: all 1
-  std::shared_ptr<const Problem> whole = nullptr;      // the problem with uncropped views; null: this one is uncropped
+  std::shared_ptr<const Problem> uncropped = nullptr;  // the problem with uncropped views; null: this one is uncropped
   std::vector<std::shared_ptr<const void>> owns = {};  // objects behind the references above that need an owner
   Monitor* monitor = nullptr;                          // polled before every view for a stop request; null: none
 

@@ -16,7 +16,7 @@ bool in_region(const LabelColumns& object, std::size_t row);
 std::vector<std::uint8_t> region_of(const std::vector<LabelColumns>& labels);
 
 /// [N] 1: some object has prob > 0.
-std::vector<std::uint8_t> claimed_rows(const std::vector<LabelColumns>& labels);
+std::vector<std::uint8_t> rows_with_evidence(const std::vector<LabelColumns>& labels);
 
 /// Copies the rows outside both regions from `given` to `labels`. Both must belong to the same model.
 void keep_outside(const std::vector<LabelColumns>& given, std::vector<LabelColumns>& labels);

@@ -12,8 +12,8 @@ namespace ngs {
 
 class TrainedRows {
  public:
-  /// `region` [N] 1: trained; empty: all are trained. `frozen` [N] 1: only the label is trained; may be empty. `all` must
-  /// outlive this object.
+  /// `region` [N] 1: trained; empty: all are trained. `frozen` [N] 1: only the label is trained; may be empty. `all`
+  /// must outlive this object.
   TrainedRows(const Exec& exec, const std::vector<std::uint8_t>& region, const std::vector<std::uint8_t>& frozen,
               GaussianCloud& all)
       : exec_(exec), all_(all) {
@@ -36,9 +36,9 @@ class TrainedRows {
     if (!is_part()) return gaussian;
     return wanted_.place[gaussian] < 0 ? std::nullopt : std::optional(std::size_t(wanted_.place[gaussian]));
   }
-  /// The trained rows. put_back() copies them to the whole cloud.
+  /// The trained rows. write_back() copies them to the whole cloud.
   GaussianCloud& cloud() { return is_part() ? part_ : all_; }
-  void put_back() {
+  void write_back() {
     if (!is_part()) return;
     scatter_rows(exec_, part_, rows_, all_);
     update_prepared(exec_, rows_, *prepared_);

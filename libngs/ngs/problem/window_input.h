@@ -18,32 +18,33 @@ struct ObjectWindows {
 
 /// Windows that contain the masks of the training views and, in all views with masks or a photo, the labelled Gaussians
 /// rendered alone. A window has a margin of a fifth of its longer side, 48 to 64 px, and is aligned to tiles. At each
-/// side, up to kStrayShare of an object's rendered pixels are ignored as outliers. A view has no window if its masks are
-/// empty and other Gaussians occlude all objects. The result is empty if a stop was requested.
-/// `of_masks`: result of windows_of_masks(); empty: computed here.
+/// side, up to kStrayShare of an object's rendered pixels are ignored as outliers. A view has no window if its masks
+/// are empty and other Gaussians occlude all objects. The result is empty if a stop was requested. `of_masks`: result
+/// of windows_of_masks(); empty: computed here.
 ObjectWindows object_windows(const Exec& exec, const Problem& problem, ObjectWindows of_masks = {});
 inline constexpr double kStrayShare = 0.002;
 
-/// The boxes of the masks alone, without margins. `outside` is an upper bound, because visible labelled Gaussians outside
-/// the masks enlarge the windows.
+/// The boxes of the masks alone, without margins. `outside` is an upper bound, because visible labelled Gaussians
+/// outside the masks enlarge the windows.
 ObjectWindows windows_of_masks(const Exec& exec, const Problem& problem);
 
 class WindowInput {
  public:
-  /// Copies `whole`; the objects that it refers to must outlive this object.
-  WindowInput(const Problem& whole, std::shared_ptr<const ObjectWindows> windows);
+  /// Copies `uncropped`; the objects that it refers to must outlive this object.
+  WindowInput(const Problem& uncropped, std::shared_ptr<const ObjectWindows> windows);
   WindowInput(const WindowInput&) = delete;
   WindowInput& operator=(const WindowInput&) = delete;
 
-  /// The problem with cropped cameras, masks and photos. Views without a window are no training views and have no photo.
+  /// The problem with cropped cameras, masks and photos. Views without a window are no training views and have no
+  /// photo.
   const Problem& get() const { return in_windows_; }
-  const Problem& whole() const { return whole_; }
+  const Problem& uncropped() const { return uncropped_; }
 
  private:
   ViewMasks masks(std::size_t view) const;
-  ImageF cropped_photo(const ImageF& whole, std::size_t view) const;
+  ImageF cropped_photo(const ImageF& photo, std::size_t view) const;
 
-  Problem whole_;
+  Problem uncropped_;
   std::shared_ptr<const ObjectWindows> windows_;
   Scene scene_;
   Problem in_windows_;

@@ -13,15 +13,15 @@ namespace {
 /// Takes Gaussians larger than a share of the scene out of the labels: a pass as somebody might add it.
 class OversizedPass : public Pass {
  public:
-  PassStage stage() const override { return PassStage::kMend; }
+  PassStage stage() const override { return PassStage::kRepair; }
   std::vector<Effect> effects() const override {
     return {{.name = "oversized",
              .help = "label no Gaussian larger than --oversized-scale",
              .saves = "a look at every scale",
-             .detector = {"largest scale, world", 0.5, "half of a unit", [](SceneProbe& probe) {
-                            const std::vector<float>& s = probe.problem().cloud.log_scale;
-                            return double(std::exp(*std::max_element(s.begin(), s.end())));
-                          }}}};
+             .heuristic = {"largest scale, world", 0.5, "half of a unit", [](SceneProbe& probe) {
+                             const std::vector<float>& s = probe.problem().cloud.log_scale;
+                             return double(std::exp(*std::max_element(s.begin(), s.end())));
+                           }}}};
   }
   void declare(OptionSet& options, const OptionGroup& given) override {
     OptionGroup group = given;

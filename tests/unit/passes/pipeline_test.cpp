@@ -246,7 +246,7 @@ TEST_CASE("few steps come only before contour iterations at half the size, which
     const Problem in = c.input();
     test::PipelineCase passes(in, c.training, entries);
     passes.set("contour_epochs", "1");
-    return passes.run().training.joint.contours_go_on;
+    return passes.run().training.joint.coarse_contours_follow;
   };
   CHECK(go_on({"contours=on", "full-resolution=off"}));
   CHECK_FALSE(go_on({"contours=off", "full-resolution=off"}));
@@ -255,21 +255,22 @@ TEST_CASE("few steps come only before contour iterations at half the size, which
 }
 
 TEST_CASE("entries: the last one that names an effect counts, all names every one") {
-  const EffectSwitches modes = test::modes_of({"all=off", "nerf=auto", "cont=on", "cont=auto", "components=on"});
+  const EffectSwitches modes = test::switches_of({"all=off", "nerf=auto", "cont=on", "cont=auto", "components=on"});
   CHECK(modes.of("contours") == Switch::kOff);
   CHECK(modes.of("cont") == Switch::kAuto);
   CHECK(modes.of("components") == Switch::kOn);
-  CHECK(test::modes_of({}).of("sh") == Switch::kAuto);
+  CHECK(test::switches_of({}).of("sh") == Switch::kAuto);
   for (const char* wrong : {"nerf", "nerv=on", "nerf=yes", "=on", "", "all"})
-    CHECK_THROWS_AS(test::modes_of({wrong}), Error);
+    CHECK_THROWS_AS(test::switches_of({wrong}), Error);
 }
 
 TEST_CASE("entries: an effect that is asked for by name switches on what it needs, unless that is off by name") {
-  const EffectSwitches modes = test::modes_of({"all=off", "align=on"});
+  const EffectSwitches modes = test::switches_of({"all=off", "align=on"});
   for (const char* name : {"align", "nerf", "joint"}) CHECK(modes.of(name) == Switch::kOn);
   CHECK(modes.of("film") == Switch::kOff);
-  CHECK_THROWS_WITH_AS(test::modes_of({"nerf=on", "joint=off"}), doctest::Contains("nerf=on: it needs joint"), Error);
-  CHECK(test::modes_of({"all=on", "joint=off"}).of("joint") == Switch::kOff);  // nothing asks for its parts by name
+  CHECK_THROWS_WITH_AS(test::switches_of({"nerf=on", "joint=off"}), doctest::Contains("nerf=on: it needs joint"),
+                       Error);
+  CHECK(test::switches_of({"all=on", "joint=off"}).of("joint") == Switch::kOff);  // nothing asks for its parts by name
 }
 
 TEST_CASE("decisions: an entry wins over a verdict, a verdict over the detector, and a need that is off over that") {
@@ -292,8 +293,9 @@ TEST_CASE("decisions: an entry wins over a verdict, a verdict over the detector,
 TEST_CASE("decisions without a detector: what it needs, else an entry, else the first verdict, else always on") {
   const FixedDecision no_steps{"joint", false, "no time"}, off{"nerf", false, "first"}, on{"nerf", true, "second"};
   const auto known = [](std::string_view name, const std::vector<std::string>& entries,
-                          std::vector<FixedDecision> verdicts) {
-    return Decisions(Pipeline(all_passes()).effects(), test::modes_of(entries), std::move(verdicts)).on_if_known(name);
+                        std::vector<FixedDecision> verdicts) {
+    return Decisions(Pipeline(all_passes()).effects(), test::switches_of(entries), std::move(verdicts))
+        .on_if_known(name);
   };
   CHECK(known("nerf", {"nerf=on"}, {off, on, no_steps}) == false);  // nothing would train it
   CHECK(known("nerf", {"nerf=on"}, {off, on}) == true);
@@ -313,12 +315,12 @@ TEST_CASE("every effect says what it is, what off saves, and why it is always on
     CHECK_FALSE(e.help.empty());
     CHECK(find_effect(effects, e.name) == &e);
     if (!e.needs.empty()) CHECK(find_effect(effects, e.needs) < &e);  // decided before
-    CHECK(e.always.empty() == !e.detector.why.empty());
+    CHECK(e.always.empty() == !e.heuristic.why.empty());
     if (!e.always.empty()) continue;
     CHECK_FALSE(e.saves.empty());
-    CHECK_FALSE(e.detector.measured.empty());
-    CHECK(bool(e.detector.measure));
-    CHECK((e.detector.possible == nullptr) == e.detector.impossible.empty());
+    CHECK_FALSE(e.heuristic.measured.empty());
+    CHECK(bool(e.heuristic.measure));
+    CHECK((e.heuristic.possible == nullptr) == e.heuristic.impossible.empty());
   }
 }
 

@@ -8,11 +8,11 @@
 #include <cmath>
 
 #include "ngs/ops/image/mask_pair.h"
-#include "ngs/stages/contours/unexplained_contrast.h"
 #include "ngs/passes/mask_outliers/mask_outliers.h"
-#include "ngs/problem/scene_measures.h"
 #include "ngs/passes/pass_list.h"
 #include "ngs/passes/pipeline.h"
+#include "ngs/problem/scene_measures.h"
+#include "ngs/stages/contours/unexplained_contrast.h"
 #include "ngs/stages/render/render_stage.h"
 #include "support/joint_case.h"
 
@@ -33,14 +33,14 @@ struct ProbeCase {
     const TrainingOptions training;
     SceneProbe probe({}, training, in);
     const std::vector<Effect> effects = Pipeline(all_passes()).effects();
-    const Heuristic& detector = find_effect(effects, effect)->detector;
-    return detector.possible && !detector.possible(in) ? 0 : detector.measure(probe);  // as Decisions::decide() asks
+    const Heuristic& heuristic = find_effect(effects, effect)->heuristic;
+    return heuristic.possible && !heuristic.possible(in) ? 0 : heuristic.measure(probe);  // as Decisions::decide() asks
   }
 };
 
 double threshold_of(std::string_view effect) {
   const std::vector<Effect> effects = Pipeline(all_passes()).effects();
-  return find_effect(effects, effect)->detector.threshold;
+  return find_effect(effects, effect)->heuristic.threshold;
 }
 
 /// Row `i` becomes a speck at (x, y, z), ball radius 0.6 about (0, 0, 4), cameras about the origin.
@@ -245,7 +245,7 @@ double gain_of_masks(test::JointCase& c) {
   in.load_fine_photo = in.load_photo;
   std::vector<std::size_t> all;
   for (std::size_t v = 0; v < c.scene.views.size(); ++v) all.push_back(v);
-  return gain_by_masks(refine_views({}, {ContourRefineOptions{}, 0, in}, {c.model, c.labels}, all, all));
+  return mask_agreement_gain(refine_views({}, {ContourRefineOptions{}, 0, in}, {c.model, c.labels}, all, all));
 }
 
 /// A darker core of the ball: an edge inside of the true contour, to which refinement goes.
@@ -284,7 +284,7 @@ TEST_CASE("edge gain: where the photos are the model's own pictures the masks de
     std::size_t loads = 0;
     const double gain = edge_gain(*c, loads);
     CHECK(gain != 0);
-    CHECK(loads == (gain < -kClearVote ? std::min(views, kFirstVotes) : views));
+    CHECK(loads == (gain < -kClearScore ? std::min(views, kFirstComparedViews) : views));
     if (loads == views) CHECK(gain == gain_of_masks(*c));
   }
 }

@@ -5,16 +5,16 @@
 #include <atomic>
 
 #include "ngs/passes/agreement.h"
-#include "ngs/stages/contours/refined_masks.h"
-#include "ngs/stages/contours/straddler_split.h"
+#include "ngs/passes/bleed_through/bleed_through.h"
 #include "ngs/passes/exposure/exposure.h"
 #include "ngs/passes/floaters/floaters.h"
 #include "ngs/passes/mask_outliers/mask_outliers.h"
 #include "ngs/passes/scene_probe.h"
-#include "ngs/passes/bleed_through/bleed_through.h"
 #include "ngs/problem/coarse_input.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/boundary/method_labels.h"
+#include "ngs/stages/contours/refined_masks.h"
+#include "ngs/stages/contours/straddler_split.h"
 #include "support/changed_labels.h"
 #include "support/joint_case.h"
 
@@ -70,8 +70,9 @@ const Phase kPhases[] = {
     {"load views", [](const StopCase&, const Problem& in) { CoarseInput(in, 1).preload({}); }},
     {"exposures", [](const StopCase&, const Problem& in) { view_exposures({}, in, in.views); }},
     {"detectors", [](const StopCase&, const Problem& in) { measure(in); }},
-    {"mask outliers", [](const StopCase& c, const Problem& in) { judge_views({}, c.monitor, {}, in); }},
-    {"recomputed evidence", [](const StopCase& c, const Problem& in) { recompute_labels({}, c.monitor, in, in.cloud); }},
+    {"mask outliers", [](const StopCase& c, const Problem& in) { find_mask_outliers({}, c.monitor, {}, in); }},
+    {"recomputed evidence",
+     [](const StopCase& c, const Problem& in) { recompute_labels({}, c.monitor, in, in.cloud); }},
     {"floaters", [](const StopCase& c, const Problem& in) { find_floaters({}, c.monitor, {}, in); }},
     {"agreement",
      [](const StopCase&, const Problem& in) {

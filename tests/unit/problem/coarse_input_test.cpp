@@ -63,7 +63,7 @@ TEST_CASE("an input at its own size is the same, and is loaded once") {
   CHECK(same.get().load_photo(2).data == c->input().load_photo(2).data);
   CHECK(same.get().load_photo(2).width_px == c->input().load_photo(2).width_px);
   CHECK(loads == 1);
-  same.forget();
+  same.clear_cache();
   for (int again = 0; again < 2; ++again) CHECK(same.get().load_photo(2).data == c->input().load_photo(2).data);
   CHECK(loads == 3);  // nothing is kept any more
 }

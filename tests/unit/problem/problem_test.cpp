@@ -17,7 +17,7 @@ Problem full(const test::JointCase& c, Monitor& monitor) {
   problem.weight = std::make_shared<const std::vector<float>>(n, 2.f);
   problem.load_fine_photo = problem.load_photo;
   problem.window_share.assign(c.scene.views.size(), 0.5);
-  problem.whole = std::make_shared<const Problem>(c.input());
+  problem.uncropped = std::make_shared<const Problem>(c.input());
   problem.owns.push_back(std::make_shared<int>(1));
   problem.monitor = &monitor;
   return problem;
@@ -32,7 +32,7 @@ void check_rest(const Problem& next, const Problem& from) {
   CHECK(next.frozen == from.frozen);
   CHECK(next.region == from.region);
   CHECK(bool(next.load_fine_photo));
-  CHECK(next.whole == from.whole);
+  CHECK(next.uncropped == from.uncropped);
   CHECK(next.monitor == from.monitor);
 }
 

@@ -146,12 +146,12 @@ TEST_CASE("cells: points in a cluster are nearer than their count and extent say
 }
 
 TEST_CASE("gain: one view that gains much is no gain of all") {
-  CHECK(gain_in_errors({0.3, -0.01, 0, -0.02, 0.01, 0}) < 2);     // naive: mean gain 0.047
-  CHECK(gain_in_errors({0.01, 0.012, 0.008, 0.011, 0.009}) > 2);  // naive: only 0.01
-  CHECK(gain_in_errors({}) == 0);
-  CHECK(gain_in_errors({0, 0, 0}) == 0);
-  CHECK(gain_in_errors({0.1, 0.1}) == INFINITY);
-  CHECK(gain_in_errors({-0.1, -0.1}) == -INFINITY);
+  CHECK(gain_in_standard_errors({0.3, -0.01, 0, -0.02, 0.01, 0}) < 2);     // naive: mean gain 0.047
+  CHECK(gain_in_standard_errors({0.01, 0.012, 0.008, 0.011, 0.009}) > 2);  // naive: only 0.01
+  CHECK(gain_in_standard_errors({}) == 0);
+  CHECK(gain_in_standard_errors({0, 0, 0}) == 0);
+  CHECK(gain_in_standard_errors({0.1, 0.1}) == INFINITY);
+  CHECK(gain_in_standard_errors({-0.1, -0.1}) == -INFINITY);
 }
 
 TEST_CASE("outside: the share of weight counts, not the share of the picture") {

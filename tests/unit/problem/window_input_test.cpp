@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <optional>
 
-#include "ngs/stages/optimise/joint_trainer.h"
 #include "ngs/passes/mask_outliers/mask_outliers.h"
 #include "ngs/problem/region.h"
 #include "ngs/stages/boundary/method_labels.h"
+#include "ngs/stages/optimise/joint_trainer.h"
 #include "support/joint_case.h"
 
 namespace ngs {
@@ -67,7 +67,7 @@ struct WindowCase {
     windows = std::make_shared<const ObjectWindows>(std::move(found));
     const auto input = std::make_shared<const WindowInput>(whole, windows);
     problem.emplace(input->get());
-    problem->whole = std::shared_ptr<const Problem>(input, &input->whole());
+    problem->uncropped = std::shared_ptr<const Problem>(input, &input->uncropped());
   }
 };
 
@@ -158,7 +158,7 @@ TEST_CASE("a view in which others hide all of the object has no window, if its m
 TEST_CASE("labels without a view are those of the other views' evidence") {
   WindowCase c;
   Monitor monitor;
-  REQUIRE(c.problem->whole->weight != nullptr);
+  REQUIRE(c.problem->uncropped->weight != nullptr);
   const std::vector<LabelColumns> got = labels_without_views({}, monitor, *c.problem, {2});
   const std::vector<LabelColumns> want = label_gaussians(
       {},
@@ -200,12 +200,12 @@ TEST_CASE("mask outliers are judged in windows as in whole views, however much l
     CAPTURE(tight);
     WindowCase c;
     Monitor monitor;
-    const MaskOutliers whole = judge_views({}, monitor, {}, c.whole);
+    const MaskOutliers whole = find_mask_outliers({}, monitor, {}, c.whole);
     for (const bool known : {true, false}) {
       CAPTURE(known);
       if (!known) c.whole.weight = nullptr;
       c.enter(tight);
-      const MaskOutliers windows = judge_views({}, monitor, {}, *c.problem);
+      const MaskOutliers windows = find_mask_outliers({}, monitor, {}, *c.problem);
       CHECK(windows.ignored == whole.ignored);
       REQUIRE(windows.disagreement.size() == whole.disagreement.size());
       for (std::size_t n = 0; n < whole.disagreement.size(); ++n)

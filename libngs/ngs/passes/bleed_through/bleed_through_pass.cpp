@@ -2,15 +2,15 @@
 
 #include <cmath>
 
-#include "ngs/problem/scene_measures.h"
 #include "ngs/passes/bleed_through/bleed_through.h"
+#include "ngs/problem/scene_measures.h"
 
 namespace ngs {
 std::vector<Effect> BleedThroughPass::effects() const {
   return {{.name = "bleed-through",
            .help = "unlabel Gaussians that are only visible through the object",
            .saves = "evidence weighted by visibility, and its test against the masks",
-           .detector = {
+           .heuristic = {
                "loss of agreement with the masks by contour refinement, normal score (0: the photos show edges that "
                "the model does not, or the masks err to one side)",
                kSignificant, "above it the masks are accurate on average, so labels can be tested against them",
@@ -39,7 +39,7 @@ void BleedThroughPass::run(PassRun& run) {
     if (of.taken) count += of.found;
   }
   run.report["bleed_through"] = {{"gaussians", count}, {"objects", std::move(objects)}};
-  if (count > 0) run.say(std::to_string(count) + " Gaussians are only visible through the object: label removed");
+  if (count > 0) run.log(std::to_string(count) + " Gaussians are only visible through the object: label removed");
 }
 
 }  // namespace ngs

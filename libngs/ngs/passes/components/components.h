@@ -2,18 +2,18 @@
 // Disconnected components: labelled Gaussians that are not connected to the object.              PAPER.md §5.13
 //
 // A Gaussian behind the object is nearly hidden in the views across the object. Its faint contribution lies within the
-// mask, so its closed-form label is 1, and a view that sees it unoccluded shows background as object. So little evidence
-// does not allow a test, but an object is connected. Labelled Gaussians in neighbouring cells of a grid are linked; the
-// side of a cell is the core's margin (object_core.h). A Gaussian with object evidence is disconnected if none of the
-// neighbouring cells is linked to the core.
+// mask, so its closed-form label is 1, and a view that sees it unoccluded shows background as object. So little
+// evidence does not allow a test, but an object is connected. Labelled Gaussians in neighbouring cells of a grid are
+// linked; the side of a cell is the core's margin (object_core.h). A Gaussian with object evidence is disconnected if
+// none of the neighbouring cells is linked to the core.
 #include "ngs/problem/object_core.h"
 
 namespace ngs {
 
 struct ComponentOptions {
   CoreOptions core{.seen = 0.5, .margin = 0.5};
-  double labelled = 0.5;                   // share from which a Gaussian links others to the core
-  double claimed = kLeastForegroundShare;  // share from which a Gaussian is tested
+  double labelled = 0.5;                     // share from which a Gaussian links others to the core
+  double candidate = kLeastForegroundShare;  // share from which a Gaussian is tested
 };
 
 struct ComponentFinding {
@@ -31,7 +31,7 @@ std::int64_t count_disconnected(const Exec& exec, const ComponentOptions& option
 
 /// Restores the input's label of Gaussians that training labelled as object although they are not connected to it.
 /// Training can follow the faint contribution of a Gaussian behind the object. Returns the number of restored labels.
-std::int64_t withdraw_apart(const Exec& exec, const ComponentOptions& options, const Problem& input,
-                            Solution& solution);
+std::int64_t restore_disconnected_labels(const Exec& exec, const ComponentOptions& options, const Problem& input,
+                                         Solution& solution);
 
 }  // namespace ngs

@@ -6,7 +6,7 @@ namespace ngs {
 
 class ComponentsPass : public Pass {
  public:
-  PassStage stage() const override { return PassStage::kMend; }
+  PassStage stage() const override { return PassStage::kRepair; }
   std::vector<Effect> effects() const override;
   void run(PassRun& run) override;
   void edit_solution(PassRun& run) override;

@@ -27,6 +27,6 @@ std::vector<ViewExposure> view_exposures(const Exec& exec, const Problem& input,
 double exposure_spread_percent(const std::vector<ViewExposure>& exposures);
 
 /// The photo of `view` divided by its gains; unchanged if `exposures` lacks the view.
-ImageF levelled_photo(const std::vector<ViewExposure>& exposures, std::size_t view, ImageF photo);
+ImageF equalised_photo(const std::vector<ViewExposure>& exposures, std::size_t view, ImageF photo);
 
 }  // namespace ngs

@@ -100,7 +100,7 @@ class FloaterSearch {
       if (rounds == 1) finding.figures["hidden"] = hidden_;
       if (found.empty() || (rounds == 1 && hidden_ < options_.least_hidden)) break;
       for (const std::size_t i : found) finding.floater[i] = 1, candidate_[i] = 0;
-      take_out(found);
+      remove(found);
       finding.count += std::int64_t(found.size());
     }
     finding.figures["rounds"] = rounds, finding.figures["noise"] = noise_;
@@ -125,12 +125,12 @@ class FloaterSearch {
  private:
   const Camera& camera(std::size_t v) const { return input_.scene.views[v].camera; }
   /// The cloud without the floaters of earlier rounds.
-  const GaussianCloud& cloud() const { return without_ ? *without_ : input_.cloud; }
+  const GaussianCloud& cloud() const { return remaining_ ? *remaining_ : input_.cloud; }
 
-  void take_out(const std::vector<std::size_t>& rows) {
-    if (!without_) without_.emplace(input_.cloud);
-    for (const std::size_t i : rows) without_->logit_opacity[i] = kRemovedLogit;
-    splat_.prepared = prepare_cloud(exec_, *without_);  // the opacities changed
+  void remove(const std::vector<std::size_t>& rows) {
+    if (!remaining_) remaining_.emplace(input_.cloud);
+    for (const std::size_t i : rows) remaining_->logit_opacity[i] = kRemovedLogit;
+    splat_.prepared = prepare_cloud(exec_, *remaining_);  // the opacities changed
   }
 
   /// The Gaussians in front of the core's surface, in view `v`.
@@ -142,12 +142,12 @@ class FloaterSearch {
   Surface surface(std::size_t v) {
     const auto known = surfaces_.find(v);
     if (known != surfaces_.end()) return known->second;
-    constexpr std::size_t kKeptBytes = 256u << 20;
+    constexpr std::size_t kCacheBytes = 256u << 20;
     RenderRequest request;
     request.depth = true, request.include = core_.member.data();
     Surface s = surface_of(render(exec_, cloud(), camera(v), splat_, request), options_.surface_alpha, margin_);
     const std::size_t bytes = std::size_t(s.limit.pixels()) * 4 * sizeof(float);
-    if ((surfaces_.size() + 1) * bytes <= kKeptBytes) surfaces_[v] = s;
+    if ((surfaces_.size() + 1) * bytes <= kCacheBytes) surfaces_[v] = s;
     return s;
   }
 
@@ -176,8 +176,7 @@ class FloaterSearch {
   };
 
   /// [H, W] 1: the photo shows the surface although the model has Gaussians in front of it.
-  std::vector<std::uint8_t> sees_past(std::size_t v, const Surface& s, const ImageF& photo,
-                                         const ImageF& front) const {
+  std::vector<std::uint8_t> sees_past(std::size_t v, const Surface& s, const ImageF& photo, const ImageF& front) const {
     ViewMasks masks;
     if (trained_[v]) masks = input_.load_masks(v);
     std::vector<std::uint8_t> marked(s.limit.data.size(), 0);
@@ -202,11 +201,11 @@ class FloaterSearch {
                        [&](const std::vector<float>& target) { return !mask_is_foreground(target[p]); });
   }
 
-  /// [N] 1: candidates that lie in front of the surface in some view. Returns all candidates if the core is a large part
-  /// of the model, because the test would take longer than it saves.
+  /// [N] 1: candidates that lie in front of the surface in some view. Returns all candidates if the core is a large
+  /// part of the model, because the test would take longer than it saves.
   std::vector<std::uint8_t> candidates_in_front() {
-    constexpr std::int64_t kLookedAt = 8;  // minimum size of the model, in sizes of the core
-    if (kLookedAt * std::int64_t(core_.count) >= cloud().size()) return candidate_;
+    constexpr std::int64_t kMinCoresPerModel = 8;  // minimum size of the model, in sizes of the core
+    if (kMinCoresPerModel * std::int64_t(core_.count) >= cloud().size()) return candidate_;
     std::vector<std::uint8_t> in_front(candidate_.size(), 0);
     for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) {
       const Surface s = surface(v);
@@ -219,13 +218,13 @@ class FloaterSearch {
 
   /// Finds the rows of this round's floaters. Sets hidden_.
   std::vector<std::size_t> round() {
-    const RowNumbers asked(candidates_in_front());
-    const auto n = std::size_t(asked.size());
+    const RowNumbers front_rows(candidates_in_front());
+    const auto n = std::size_t(front_rows.size());
     const auto weights = [&](std::size_t v) {
       const ViewMasks channels = colours_as_masks(input_.load_photo(v));
-      return view_weights(exec_, cloud(), {camera(v), channels}, splat_, &asked);
+      return view_weights(exec_, cloud(), {camera(v), channels}, splat_, &front_rows);
     };
-    LeaveOneOut colours(exec_, asked.size(), 3, weights);
+    LeaveOneOut colours(exec_, front_rows.size(), 3, weights);
     if (!for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) { colours.add(v); })) return {};
     MeanColours elsewhere{std::vector<float>(4 * n)};
     colours.for_all([&](std::size_t i, const LeaveOneOut::Shares& all) { elsewhere.set(i, all); });
@@ -241,10 +240,10 @@ class FloaterSearch {
         elsewhere.set(i, others), own[i] = weight;
       });
       const FrontView view = front_view(v, s);
-      const ImageF layer = view.layer({asked, {elsewhere.value.data(), asked.size(), 4}});
-      const FrontSums sums = view.sums(asked.chosen, sees_past(v, s, photo, layer));
+      const ImageF layer = view.layer({front_rows, {elsewhere.value.data(), front_rows.size(), 4}});
+      const FrontSums sums = view.sums(front_rows.chosen, sees_past(v, s, photo, layer));
       for (std::size_t k = 0; k < sums.row.size(); ++k) {
-        const std::size_t i = asked.number[sums.row[k]];
+        const std::size_t i = front_rows.number[sums.row[k]];
         front[i] += sums.front[k], through[i] += sums.marked[k];
         if (own[i] > 0) reach[i] = std::max(reach[i], sums.front[k] / own[i]);
       }
@@ -256,7 +255,7 @@ class FloaterSearch {
     double hidden_px = 0;
     for (std::size_t i = 0; i < n; ++i) {
       if (!(front[i] > 0) || reach[i] < options_.least_reach || through[i] < options_.sees_past * front[i]) continue;
-      found.push_back(std::size_t(asked.row[i])), hidden_px += through[i];
+      found.push_back(std::size_t(front_rows.row[i])), hidden_px += through[i];
     }
     hidden_ = surface_px > 0 ? hidden_px / surface_px : 0;
     return found;
@@ -265,8 +264,8 @@ class FloaterSearch {
   const Exec& exec_;
   const FloaterOptions& options_;
   const Problem& input_;
-  std::optional<GaussianCloud> without_;  // the cloud without earlier floaters; nullopt: none found yet
-  SplatOptions splat_;                    // prepared for cloud()
+  std::optional<GaussianCloud> remaining_;  // the cloud without earlier floaters; nullopt: none found yet
+  SplatOptions splat_;                      // prepared for cloud()
   ObjectCore core_;
   std::vector<std::size_t> views_;
   std::vector<std::uint8_t> trained_;  // [views of the scene]

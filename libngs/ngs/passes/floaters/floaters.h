@@ -8,8 +8,8 @@
 // The object's surface is the rendering of its core (problem/object_core.h). Gaussians far from the core and nearer to
 // the camera than the surface are candidates. Each pixel of a photo is compared with two colours: the core's, and the
 // mean colour of the Gaussians in front in the photos of all other views. The pixel sees past the floater if the core's
-// colour is closer by more than the noise. Pixels that a training view's mask labels background never count. A candidate
-// is a floater if the photos see past at least `sees_past` of its weight in front of the surface.
+// colour is closer by more than the noise. Pixels that a training view's mask labels background never count. A
+// candidate is a floater if the photos see past at least `sees_past` of its weight in front of the surface.
 #include "ngs/options/field.h"
 #include "ngs/problem/object_core.h"
 #include "ngs/problem/problem.h"
@@ -35,8 +35,8 @@ struct FloaterFinding {
   std::map<std::string, double> figures;  // core, candidates, margin (world), noise, rounds
 };
 
-/// Mean opacity of the Gaussians in front of the object's surface, over the surface's pixels in the views with photos. At
-/// 0 a search finds nothing.
+/// Mean opacity of the Gaussians in front of the object's surface, over the surface's pixels in the views with photos.
+/// At 0 a search finds nothing.
 double front_opacity(const Exec& exec, const FloaterOptions& options, const Problem& input);
 
 /// Needs input.labels. `count` is 0 without a core, without photos, and without floaters.
@@ -46,8 +46,8 @@ FloaterFinding find_floaters(const Exec& exec, Monitor& monitor, const FloaterOp
 inline constexpr float kRemovedLogit = -20.f;
 
 struct FloaterRemoval {
-  // Floaters have kRemovedLogit. The uncovered Gaussians are refitted to the photos: colours of all of them, geometry of
-  // those far from the core.
+  // Floaters have kRemovedLogit. The uncovered Gaussians are refitted to the photos: colours of all of them, geometry
+  // of those far from the core.
   GaussianCloud cloud;
   // PSNR with the floaters, without them, and after the refit, at the input's size, over at most 8 views.
   std::map<std::string, double> figures;
@@ -56,8 +56,8 @@ struct FloaterRemoval {
 FloaterRemoval remove_floaters(const Exec& exec, Monitor& monitor, const RefitOptions& refit, const Problem& input,
                                const FloaterFinding& finding);
 
-/// Recomputes the labels from the evidence of `cloud`, which has the floaters removed. Floaters get label, prob, variance
-/// and boundary 0.
+/// Recomputes the labels from the evidence of `cloud`, which has the floaters removed. Floaters get label, prob,
+/// variance and boundary 0.
 std::vector<LabelColumns> labels_without_floaters(const Exec& exec, Monitor& monitor, const Problem& input,
                                                   const GaussianCloud& cloud, const std::vector<std::uint8_t>& floater);
 

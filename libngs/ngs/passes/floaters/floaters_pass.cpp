@@ -14,7 +14,7 @@ constexpr std::size_t kDraftViews = 48;
 bool is_draft(const PassRun& run) {
   const Json kept = run.resumed ? run.resumed->value("floaters", Json()) : Json();
   if (kept.is_object() && kept.value("draft", Json()).is_boolean()) return kept["draft"].get<bool>();
-  return preset_of(run.training.joint.quality).half_floaters || run.budget.given();
+  return preset_of(run.training.joint.quality).half_floaters || run.budget.is_set();
 }
 
 void note(const std::map<std::string, double>& figures, Json& report) {
@@ -33,8 +33,8 @@ bool remove(PassRun& run, const CoarseInput& coarse, const FloaterFinding& findi
       run.problem->with_model(std::make_shared<const GaussianCloud>(std::move(removal.cloud)), std::move(labels));
   run.problem.emplace(std::move(next));
   run.floater.assign(finding.floater.begin(), finding.floater.end());
-  run.fields_fit = false;
-  run.say(std::to_string(finding.count) + " floaters in front of the object were removed (column ngs_floater)");
+  run.field_matches_model = false;
+  run.log(std::to_string(finding.count) + " floaters in front of the object were removed (column ngs_floater)");
   return true;
 }
 
@@ -44,9 +44,9 @@ std::vector<Effect> FloatersPass::effects() const {
   return {{.name = "floaters",
            .help = "remove floaters in front of the object",
            .saves = "search, removal and refit",
-           .detector = {"mean opacity in front of the object's surface", 1e-3,
-                        "the search removes nothing that hides less (FloaterOptions::least_hidden)",
-                        [](SceneProbe& probe) { return front_opacity(probe.exec(), {}, probe.problem()); }}}};
+           .heuristic = {"mean opacity in front of the object's surface", 1e-3,
+                         "the search removes nothing that hides less (FloaterOptions::least_hidden)",
+                         [](SceneProbe& probe) { return front_opacity(probe.exec(), {}, probe.problem()); }}}};
 }
 
 void FloatersPass::run(PassRun& run) {

@@ -3,10 +3,10 @@
 #include <algorithm>
 
 #include "ngs/ops/image/mask_pair.h"
-#include "ngs/problem/scene_measures.h"
-#include "ngs/stages/optimise/joint_field.h"
 #include "ngs/passes/scene_probe.h"
+#include "ngs/problem/scene_measures.h"
 #include "ngs/problem/view_list.h"
+#include "ngs/stages/optimise/joint_field.h"
 
 namespace ngs {
 namespace {
@@ -34,7 +34,7 @@ double finest_cell(SceneProbe& probe) {
 
 double patch_deviation(SceneProbe& probe) {
   double most = 0;
-  for_each_view(probe.problem().monitor, probe.some_views(), [&](std::size_t, std::size_t v) {
+  for_each_view(probe.problem().monitor, probe.sample_views(), [&](std::size_t, std::size_t v) {
     const ViewMasks masks = probe.problem().load_masks(v);
     const ImageF photo = probe.problem().load_photo(v);
     if (!masks.available || photo.empty()) return;
@@ -59,9 +59,9 @@ const JointPart kParts[] = {
       .help = "train a NeRF and the terms that need it",
       .saves = "rays, field, network, L_align, L_smth",
       .needs = "joint",
-      .detector = {"without photos: 1 - boundary IoU of the closed-form labels with the masks", 0.02,
-                   "two points: masks of one object differ as much between tools", gap_without_photos, has_no_photo,
-                   "there are photos; in addition to them the NeRF gained nothing"}}},
+      .heuristic = {"without photos: 1 - boundary IoU of the closed-form labels with the masks", 0.02,
+                    "two points: masks of one object differ as much between tools", gap_without_photos, has_no_photo,
+                    "there are photos; in addition to them the NeRF gained nothing"}}},
     {&Switch::boundary,
      {.name = "boundary",
       .help = "use the boundary set; off: every seen Gaussian",
@@ -75,8 +75,8 @@ const JointPart kParts[] = {
       .help = "interpolate features by RBF; off: nearest feature",
       .saves = "all neighbours of a query point except the nearest",
       .needs = "nerf",
-      .detector = {"largest colour difference between neighbours, levels", 0.5, kHalfLevel,
-                   largest_neighbour_difference}}},
+      .heuristic = {"largest colour difference between neighbours, levels", 0.5, kHalfLevel,
+                    largest_neighbour_difference}}},
     {&Switch::hash,
      {.name = "hash",
       .help = "multi-level hash encoding; off: one coarse level",
@@ -88,8 +88,8 @@ const JointPart kParts[] = {
       .help = "use hash levels finer than the boundary's spacing",
       .saves = "levels with cells below half the boundary's spacing",
       .needs = "nerf",
-      .detector = {"side of the finest cell, in spacings of the boundary", kFinestCell,
-                   "two cells per spacing: finer detail has no support", finest_cell}}},
+      .heuristic = {"side of the finest cell, in spacings of the boundary", kFinestCell,
+                    "two cells per spacing: finer detail has no support", finest_cell}}},
     {&Switch::film,
      {.name = "film",
       .help = "condition the network on f_inter",
@@ -106,8 +106,8 @@ const JointPart kParts[] = {
       .help = "use the 7x7 variance term of L_align",
       .saves = "the pass over the patches",
       .needs = "align",
-      .detector = {"standard deviation of 7x7 patches at the masks' contours, levels", 0.5, kHalfLevel,
-                   patch_deviation}}},
+      .heuristic = {"standard deviation of 7x7 patches at the masks' contours, levels", 0.5, kHalfLevel,
+                    patch_deviation}}},
     {&Switch::density,
      {.name = "density", .help = "weight L_mask by density", .needs = "nerf", .always = "a by-product of the field"}},
     {&Switch::mask, {.name = "mask", .help = "use L_mask", .always = "the labels are trained by it"}},
@@ -116,46 +116,46 @@ const JointPart kParts[] = {
       .help = "use L_cont",
       .saves = "the pass over the neighbours",
       .needs = "joint",
-      .detector = {"RMS colour difference of neighbours on the boundary, levels", 0.5, kHalfLevel,
-                   [](SceneProbe& probe) {
-                     return neighbour_rms_levels(probe.boundary_neighbours(), probe.boundary_colours());
-                   }}}},
+      .heuristic = {"RMS colour difference of neighbours on the boundary, levels", 0.5, kHalfLevel,
+                    [](SceneProbe& probe) {
+                      return neighbour_rms_levels(probe.boundary_neighbours(), probe.boundary_colours());
+                    }}}},
     {&Switch::smooth,
      {.name = "smooth",
       .help = "use L_smth",
       .saves = "two more evaluations of the field",
       .needs = "nerf",
-      .detector = {"range of the boundary's colours, levels", 0.5, kHalfLevel,
-                   [](SceneProbe& probe) { return colour_range_levels(probe.boundary_colours()); }}}},
+      .heuristic = {"range of the boundary's colours, levels", 0.5, kHalfLevel,
+                    [](SceneProbe& probe) { return colour_range_levels(probe.boundary_colours()); }}}},
     {&Switch::photometric,
      {.name = "photometric",
       .help = "anchor the colours to the photos",
       .saves = "compositing of colour, and SSIM",
-      .detector = {"views that have a photo", 0, "one is enough", [](SceneProbe& probe) { return probe.photos(); }}}},
+      .heuristic = {"views that have a photo", 0, "one is enough",
+                    [](SceneProbe& probe) { return probe.views_with_photo(); }}}},
     {&Switch::region,
      {.name = "region",
       .help = "anchor to the whole photo; off: near the object",
       .saves = "SSIM away from the object",
       .needs = "joint",
-      .detector = {"share of the labels' weight outside the windows", 1e-3,
-                   "a thousandth: masks move nothing there",
-                   [](SceneProbe& probe) { return probe.label_sample().outside; }}}},
+      .heuristic = {"share of the labels' weight outside the windows", 1e-3, "a thousandth: masks move nothing there",
+                    [](SceneProbe& probe) { return probe.label_sample().outside; }}}},
     {&Switch::sh,
      {.name = "sh",
       .help = "use view-dependent colour",
       .saves = "SH bands, their gradients and steps",
-      .detector = {"strongest view-dependent colour, levels", 0.5, kHalfLevel,
-                   [](SceneProbe& probe) {
-                     return view_dependence_levels(probe.problem().cloud, probe.some_cameras());
-                   }}}},
+      .heuristic = {"strongest view-dependent colour, levels", 0.5, kHalfLevel,
+                    [](SceneProbe& probe) {
+                      return view_dependence_levels(probe.problem().cloud, probe.sample_cameras());
+                    }}}},
     {&Switch::antialias,
      {.name = "antialias",
       .help = "use the opacity compensation of the model's training",
       .saves = "the compensation",
-      .detector = {"largest opacity removed by the compensation, levels", 0.5, kHalfLevel,
-                   [](SceneProbe& probe) {
-                     return antialias_levels(probe.problem().cloud, probe.some_cameras(), probe.problem().splat);
-                   }}}},
+      .heuristic = {"largest opacity removed by the compensation, levels", 0.5, kHalfLevel,
+                    [](SceneProbe& probe) {
+                      return antialias_levels(probe.problem().cloud, probe.sample_cameras(), probe.problem().splat);
+                    }}}},
     {&Switch::geometry,
      {.name = "geometry",
       .help = "move the Gaussians",
@@ -171,11 +171,10 @@ std::vector<Effect> joint_effects() {
       {.name = "joint",
        .help = "optimise by Eq. 20; off: closed-form labels",
        .saves = "all steps before contour refinement",
-       .detector = {"gain of agreement with the masks by contour refinement, normal score (0: the photos show edges "
-                    "that the model does not, or the masks err to one side)",
-                    -kSignificant,
-                    "below it the photos add no edge, and refined contours agree less with the masks",
-                    [](SceneProbe& probe) { return probe.edge_gain(); }}}};
+       .heuristic = {"gain of agreement with the masks by contour refinement, normal score (0: the photos show edges "
+                     "that the model does not, or the masks err to one side)",
+                     -kSignificant, "below it the photos add no edge, and refined contours agree less with the masks",
+                     [](SceneProbe& probe) { return probe.edge_gain(); }}}};
   for (const JointPart& part : kParts) effects.push_back(part.effect);
   return effects;
 }

@@ -3,8 +3,8 @@
 //
 // Each view's mask is compared with the consensus of the others: labels from the evidence of all other inlier views,
 // rendered into the view. The consensus is rendered twice, with the whole model (modal) and with the object alone
-// (amodal), because the occluder may be a floater. The better agreement counts. A view is an outlier if it disagrees far
-// more than the median view. Views in which neither mask nor consensus shows an object do not enter the median.
+// (amodal), because the occluder may be a floater. The better agreement counts. A view is an outlier if it disagrees
+// far more than the median view. Views in which neither mask nor consensus shows an object do not enter the median.
 //
 // With many masks, one mask changes the labels little. A pretest then compares each mask with the closed-form labels of
 // all masks. Only views that reach half of the threshold in the pretest are compared with the consensus of the others.
@@ -35,19 +35,19 @@ struct MaskOutliers {
 };
 
 /// Minimum number of views for the pretest.
-inline constexpr std::size_t kManyVotes = 32;
+inline constexpr std::size_t kPretestViews = 32;
 
-/// Compares each mask with the input's labels. Per entry of input.views: 1 - IoU with all objects rendered alone; if that
-/// exceeds half of MaskOutlierOptions::least, the smaller of it and 1 - IoU with the whole model. Negative: the view has
-/// no mask, or neither shows any object. Empty with fewer than kManyVotes views, without labels, or if a stop was
-/// requested.
-std::vector<double> first_look(const Exec& exec, const MaskOutlierOptions& options, const Problem& input);
+/// Compares each mask with the input's labels. Per entry of input.views: 1 - IoU with all objects rendered alone; if
+/// that exceeds half of MaskOutlierOptions::least, the smaller of it and 1 - IoU with the whole model. Negative: the
+/// view has no mask, or neither shows any object. Empty with fewer than kPretestViews views, without labels, or if a
+/// stop was requested.
+std::vector<double> pretest_masks(const Exec& exec, const MaskOutlierOptions& options, const Problem& input);
 
-/// `first`: result of first_look(); empty: every view is tested.
-MaskOutliers judge_views(const Exec& exec, Monitor& monitor, const MaskOutlierOptions& options, const Problem& input,
-                         const std::vector<double>& first = {});
+/// `pretest`: result of pretest_masks(); empty: every view is tested.
+MaskOutliers find_mask_outliers(const Exec& exec, Monitor& monitor, const MaskOutlierOptions& options,
+                                const Problem& input, const std::vector<double>& pretest = {});
 
 /// The masks of a view, marked as not available if the view is an outlier.
-ViewMasks consistent_masks(const MaskOutliers& trust, std::size_t view, ViewMasks masks);
+ViewMasks consistent_masks(const MaskOutliers& outliers, std::size_t view, ViewMasks masks);
 
 }  // namespace ngs

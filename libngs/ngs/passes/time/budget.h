@@ -1,7 +1,7 @@
 #pragma once
-// The time budget of the process (--time-budget). No cost is predicted. A pass before the joint steps may use a share of
-// the time left; a pass that exceeds its share is aborted and undone. Joint steps and contour iterations poll the clock
-// (watch.h).
+// The time budget of the process (--time-budget). No cost is predicted. A pass before the joint steps may use a share
+// of the time left; a pass that exceeds its share is aborted and undone. Joint steps and contour iterations poll the
+// clock (step_tracker.h).
 #include <optional>
 #include <string>
 
@@ -18,26 +18,26 @@ class Budget {
   /// `start_s`: wall_seconds() at the start of the process. `seconds`: nullopt: no budget.
   Budget(double start_s, std::optional<double> seconds) : start_s_(start_s), seconds_(seconds) {}
 
-  bool given() const { return seconds_.has_value(); }
+  bool is_set() const { return seconds_.has_value(); }
   double elapsed_s() const;
-  double left_s() const;
+  double remaining_s() const;
   /// True: work of `next_s` seconds still fits.
-  bool allows(double next_s) const { return !given() || next_s <= left_s(); }
+  bool allows(double next_s) const { return !is_set() || next_s <= remaining_s(); }
   /// wall_seconds() after `share` of the time left.
-  double end_of_s(double share) const;
+  double deadline_s(double share) const;
   /// Reserves time to write the result, estimated from the time that reading the model took.
-  void keep_for_writing(double reading_s);
+  void reserve_for_writing(double reading_s);
 
   /// Records that work was skipped or shortened for lack of time.
-  void note_cut() { cut_ = true; }
-  bool cut() const { return cut_; }
+  void mark_cut() { cut_ = true; }
+  bool was_cut() const { return cut_; }
   /// "budget" of the report's result.
   Json json() const;
 
  private:
   double start_s_;
   std::optional<double> seconds_;
-  double closing_s_ = 0;
+  double writing_s_ = 0;
   bool cut_ = false;
 };
 

@@ -7,7 +7,7 @@ namespace ngs {
 
 class WindowsPass final : public Pass {
  public:
-  PassStage stage() const override { return PassStage::kFocus; }
+  PassStage stage() const override { return PassStage::kCrop; }
   std::vector<Effect> effects() const override;
   void run(PassRun& run) override;
 

@@ -12,8 +12,8 @@ enum class ContourViews : std::uint8_t { kAll, kTrain };
 inline constexpr NamedValue<ContourViews> kContourViewsNames[] = {{ContourViews::kAll, "all"},
                                                                   {ContourViews::kTrain, "train"}};
 
-/// What a view without a photo is trained on: kLeave: nothing; kPicture: the model's own rendering; kAuto: the better of
-/// both, as measured on views with a photo.
+/// What a view without a photo is trained on: kLeave: nothing; kPicture: the model's own rendering; kAuto: the better
+/// of both, as measured on views with a photo.
 enum class PhotolessViews : std::uint8_t { kAuto, kLeave, kPicture };
 inline constexpr NamedValue<PhotolessViews> kPhotolessViewsNames[] = {
     {PhotolessViews::kAuto, "auto"}, {PhotolessViews::kLeave, "leave"}, {PhotolessViews::kPicture, "picture"}};

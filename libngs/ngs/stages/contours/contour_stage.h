@@ -2,10 +2,10 @@
 // Contour refinement after the joint optimisation: moves contours to the photos' edges and trains the model on them.
 // An addition to the paper, after its step 6.                                                     PAPER.md §5.10
 //
-// Each iteration has four steps. The labels are rendered into every photo, including views without a mask. Each rendered
-// mask is refined to the photo's edges (ops/image/contour_refine.h). Gaussians that straddle a contour are halved. Labels
-// and Gaussians are trained on the refined masks and the photos, in a window about the object. No mask of a held-out view
-// is read; such a view contributes only its photo, as in the model's training.
+// Each iteration has four steps. The labels are rendered into every photo, including views without a mask. Each
+// rendered mask is refined to the photo's edges (ops/image/contour_refine.h). Gaussians that straddle a contour are
+// halved. Labels and Gaussians are trained on the refined masks and the photos, in a window about the object. No mask
+// of a held-out view is read; such a view contributes only its photo, as in the model's training.
 //
 // Refinement is rejected if the refined masks of the training views agree significantly less with the views' own masks
 // than the rendered masks did: the photos' edges are then not the object's, and the model stays unchanged. Misaligned
@@ -33,12 +33,11 @@ struct ContourSetup {
 /// --quality draft, or if the given masks reject the refined ones. The result is not converged if time ran out.
 /// Figures:
 /// contour_iterations: iterations done; contour_gaussians: rows of the result.
-/// contour_biou_rendered, contour_biou_refined: mean boundary IoU (0.005) with the training views' own masks, before the
-/// first iteration.
-/// contour_contrast_given, contour_contrast_refined: mean colour difference of the photos across the contours.
-/// contour_detail: 2 if small photos were refined at twice the camera's size, else 1.
-/// contour_pictures: number of views trained on the model's own rendering.
-/// contour_biou_pictured, contour_biou_skipped: results of the trial, if there was one (photoless_views.h).
+/// contour_biou_rendered, contour_biou_refined: mean boundary IoU (0.005) with the training views' own masks, before
+/// the first iteration. contour_contrast_given, contour_contrast_refined: mean colour difference of the photos across
+/// the contours. contour_detail: 2 if small photos were refined at twice the camera's size, else 1. contour_pictures:
+/// number of views trained on the model's own rendering. contour_biou_pictured, contour_biou_skipped: results of the
+/// trial, if there was one (photoless_views.h).
 Solution refine_contours(const Exec& exec, Monitor& monitor, const ContourSetup& setup, Solution start);
 
 }  // namespace ngs

@@ -17,8 +17,8 @@ struct Straddling {
   ExactSums weight;  // [N] W, summed over the views
   Evidence last;     // evidence of the last rows, summed over the views
 };
-/// Gathers evidence only for the last `last_rows` rows: with many objects, evidence of all rows needs more memory than the
-/// model.
+/// Gathers evidence only for the last `last_rows` rows: with many objects, evidence of all rows needs more memory than
+/// the model.
 Straddling straddling(const Exec& exec, const Problem& input, const GaussianCloud& cloud, std::int64_t last_rows);
 
 /// Rows of a cloud in which at most `most` Gaussians, those with the largest values above `least_px`, are halved. The

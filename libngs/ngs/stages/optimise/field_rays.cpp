@@ -77,7 +77,7 @@ FieldRays JointField::rays(const Exec& exec, const Camera& camera, const QueryFi
     rays.spacing.push_back(float(2 * half / double(std::max<std::size_t>(samples - 1, 1))));
   }
   rays.grid = lattice(rays.pixel, grid);
-  if (own_neighbours_ || field.neighbours == 0) {
+  if (recompute_neighbours_ || field.neighbours == 0) {
     out.graph = nearest_points(exec, boundary.positions(), rays.positions(), shape_.neighbours);
   } else {
     out.graph.neighbours = field.neighbours;

@@ -1,15 +1,15 @@
 #pragma once
 // Query points for the first step of a view, sampled from the initial model (C23).
-#include "ngs/stages/optimise/joint_field.h"
 #include "ngs/problem/problem.h"
+#include "ngs/stages/optimise/joint_field.h"
 
 namespace ngs {
 
 /// [N] 1: in the boundary set of some object. If `boundary_effect` is false: seen by some view.
 std::vector<float> boundary_flags(const Problem& input, bool boundary_effect);
 
-/// Validates a field written by ngs-sample. kBadInput: it does not have the nodes of every grid in order, each with pixel
-/// and depth. kInconsistent: it is relative to another origin. `name`: of the file, for messages.
+/// Validates a field written by ngs-sample. kBadInput: it does not have the nodes of every grid in order, each with
+/// pixel and depth. kInconsistent: it is relative to another origin. `name`: of the file, for messages.
 void require_grids(const QueryField& field, const GaussianCloud& cloud, const std::string& name);
 
 struct FirstQueries {

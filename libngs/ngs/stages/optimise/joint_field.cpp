@@ -66,7 +66,7 @@ JointField::JointField(const FieldShape& shape, std::uint64_t seed)
 JointField::JointField(const Exec& exec, const Setup& s) : JointField(shape_of(exec, s), s.seed) {
   smooth_points_ = s.options.smooth_points, smooth_step_ = s.options.smooth_step;
   sample_ = s.sample;
-  own_neighbours_ = !s.effects.rbf;
+  recompute_neighbours_ = !s.effects.rbf;
   for (std::size_t i = 0; i < std::size_t(shape_.boundary) * kFeatures; ++i)
     store_.values[feature_offset_ + i] = std::clamp(s.boundary.colour[i], 0.f, 1.f);
 }

@@ -1,6 +1,6 @@
 #pragma once
-// The NeRF of the joint optimisation: boundary features, RBF condition, hash encoding, FiLM network and volume rendering
-// along the rays of one view, forward and backward.                                    Eqs. (1), (4)-(15)
+// The NeRF of the joint optimisation: boundary features, RBF condition, hash encoding, FiLM network and volume
+// rendering along the rays of one view, forward and backward.                                    Eqs. (1), (4)-(15)
 #include <vector>
 
 #include "ngs/core/monitor.h"
@@ -10,9 +10,9 @@
 #include "ngs/ops/field/volume.h"
 #include "ngs/ops/losses/loss_align.h"
 #include "ngs/ops/optim/adam.h"
-#include "ngs/stages/optimise/joint_options.h"
 #include "ngs/scene/boundary_set.h"
 #include "ngs/scene/param_store.h"
+#include "ngs/stages/optimise/joint_options.h"
 
 namespace ngs {
 
@@ -109,7 +109,7 @@ class JointField {
   RbfProblem rbf_problem(const Points& points) const;
   Points points_of(const FieldRays& rays, Rows<const float, 3> boundary) const;
 
-  bool own_neighbours_ = false;  // true: ignore neighbours stored in a file
+  bool recompute_neighbours_ = false;  // true: ignore neighbours stored in a file
   int smooth_points_ = 0;
   double smooth_step_ = 0;
   SampleOptions sample_;

@@ -7,10 +7,10 @@
 #include "ngs/ops/field/film_mlp.h"
 #include "ngs/ops/field/hash_grid.h"
 #include "ngs/options/field.h"
-#include "ngs/stages/optimise/joint_switches.h"
 #include "ngs/problem/preset.h"
 #include "ngs/stages/boundary/rbf_stage.h"
 #include "ngs/stages/boundary/sample_stage.h"
+#include "ngs/stages/optimise/joint_switches.h"
 
 namespace ngs {
 
@@ -61,8 +61,8 @@ inline constexpr int kStartSteps = 3;
 struct JointOptions : FieldOptions {
   Quality quality = Quality::kStandard;
   std::int64_t steps = 0;
-  JointSwitches on;             // set by the decisions on effects
-  bool contours_go_on = false;  // contour iterations at half the size follow and replace part of the steps
+  JointSwitches on;                     // set by the decisions on effects
+  bool coarse_contours_follow = false;  // contour iterations at half the size follow and replace part of the steps
   double lambda_mask = 0.5, lambda_cont = 0.1, lambda_smooth = 0.05;
   double weight_opacity = 0.5, weight_variance = 0.01;
   double photometric_weight = 1.0;
@@ -93,7 +93,8 @@ struct JointOptions : FieldOptions {
 };
 
 inline int epochs_of(const JointOptions& options) {
-  return int(std::ceil((options.contours_go_on ? kEpochsBeforeContours : 1) * preset_of(options.quality).epochs));
+  return int(
+      std::ceil((options.coarse_contours_follow ? kEpochsBeforeContours : 1) * preset_of(options.quality).epochs));
 }
 
 /// Total number of steps for `views` training views.
@@ -101,8 +102,8 @@ inline std::int64_t steps_of(const JointOptions& options, std::size_t views) {
   return options.steps > 0 ? options.steps : epochs_of(options) * std::int64_t(views);
 }
 
-/// The sampling options of a run: the whole image if the effect `box` is off, and half of the nodes and depths along each
-/// axis if the preset halves the samples.
+/// The sampling options of a run: the whole image if the effect `box` is off, and half of the nodes and depths along
+/// each axis if the preset halves the samples.
 inline SampleOptions sample_of(SampleOptions sample, const JointOptions& options) {
   sample.whole_image = !options.on.box;
   if (!preset_of(options.quality).half_samples) return sample;

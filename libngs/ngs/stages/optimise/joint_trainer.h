@@ -5,8 +5,8 @@
 // given. Later steps sample them from the current model (C23). Every round over the views has a new random order.
 #include <memory>
 
-#include "ngs/stages/optimise/joint_field.h"
 #include "ngs/problem/problem.h"
+#include "ngs/stages/optimise/joint_field.h"
 
 namespace ngs {
 
@@ -40,14 +40,14 @@ struct JointSetup {
   std::vector<std::uint8_t> frozen = {};  // [N] 1: only the label is trained; empty: input.frozen
 };
 
-/// The boundary set before the first step. kNothingFound: the set is empty, unless `empty_boundary_is_fine`; then only
+/// The boundary set before the first step. kNothingFound: the set is empty, unless `allow_empty`; then only
 /// labels are trained.
-BoundarySet boundary_to_train(const Problem& input, bool boundary_effect, bool empty_boundary_is_fine);
+BoundarySet boundary_to_train(const Problem& input, bool boundary_effect, bool allow_empty);
 
 class JointTrainer {
  public:
   /// Throws as boundary_to_train().
-  JointTrainer(const Exec& exec, Monitor& monitor, const JointSetup& setup, bool empty_boundary_is_fine);
+  JointTrainer(const Exec& exec, Monitor& monitor, const JointSetup& setup, bool allow_empty);
   ~JointTrainer();
 
   bool finished() const;

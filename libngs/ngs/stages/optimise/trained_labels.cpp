@@ -4,9 +4,9 @@
 #include <numeric>
 
 #include "ngs/backend/for_each.h"
-#include "ngs/stages/optimise/label_start.h"
 #include "ngs/problem/region.h"
 #include "ngs/stages/boundary/method_labels.h"
+#include "ngs/stages/optimise/label_start.h"
 
 namespace ngs {
 namespace {
@@ -56,7 +56,7 @@ void TrainedLabels::step(const Exec& exec, double rate, std::int64_t t, const st
   adam_step(exec, {.lr = rate}, t, {"label", logit_, grad_}, moments_);
 }
 
-void TrainedLabels::put_back(const Exec& exec) {
+void TrainedLabels::write_back(const Exec& exec) {
   for_each_index(exec, std::int64_t(rows_.size()), [&](std::int64_t r) {
     const std::size_t row = rows_.row(std::size_t(r));
     for_each_cell(std::size_t(r), [&](std::size_t cell, std::size_t, std::size_t k) {

@@ -1,8 +1,8 @@
 #pragma once
 // The labels of the joint steps: log-odds of the trained labels, and rendered values of all labels.  PAPER.md §5.4
 //
-// A trained label is a cell (Gaussian, object). A trained Gaussian has a cell for each object whose region contains it, or
-// for all objects if no region does. With many objects, storing all cells would need most of the memory.
+// A trained label is a cell (Gaussian, object). A trained Gaussian has a cell for each object whose region contains it,
+// or for all objects if no region does. With many objects, storing all cells would need most of the memory.
 #include <vector>
 
 #include "ngs/ops/optim/adam.h"
@@ -17,15 +17,15 @@ class TrainedLabels {
   /// `rows` must outlive this object.
   explicit TrainedLabels(const TrainedRows& rows) : rows_(rows) {}
 
-  /// Sets the labels to the problem's, after `steps` EM steps from 1/2. Labels of unseen Gaussians and labels fixed by hand
-  /// are not trained. Without a region all others are.
+  /// Sets the labels to the problem's, after `steps` EM steps from 1/2. Labels of unseen Gaussians and labels fixed by
+  /// hand are not trained. Without a region all others are.
   void start(const Problem& input, int steps);
   /// [N, K] the rendered labels.
   Matrix<const float> rendered() const { return {label_.data(), gaussians_, int(objects_)}; }
   /// Adam step `t` from 1. `grad` [rows, K]: ∂L/∂(rendered).
   void step(const Exec& exec, double rate, std::int64_t t, const std::vector<float>& grad);
   /// Copies the trained labels to the rendered ones.
-  void put_back(const Exec& exec);
+  void write_back(const Exec& exec);
   /// Writes label and prob of the result, one LabelColumns per object.
   void write(std::vector<LabelColumns>& columns) const;
 

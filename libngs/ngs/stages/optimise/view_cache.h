@@ -6,8 +6,8 @@
 
 #include "ngs/ops/losses/photometric.h"
 #include "ngs/problem/pixel_window.h"
-#include "ngs/stages/optimise/joint_options.h"
 #include "ngs/problem/problem.h"
+#include "ngs/stages/optimise/joint_options.h"
 
 namespace ngs {
 

@@ -146,7 +146,7 @@ TEST_CASE("bleed through: asked where many masks refuse the photos' edges, and n
   const BleedThroughPass pass;
   const std::vector<Effect> effects = pass.effects();
   REQUIRE(effects.size() == 1);
-  CHECK_FALSE(effects[0].detector.measure(probe) > effects[0].detector.threshold);  // 24 masks, and no photo
+  CHECK_FALSE(effects[0].heuristic.measure(probe) > effects[0].heuristic.threshold);  // 24 masks, and no photo
   CHECK(pass.fixed_decisions(training).empty());
   training.joint.quality = Quality::kDraft;
   REQUIRE(pass.fixed_decisions(training).size() == 1);

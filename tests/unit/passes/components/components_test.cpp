@@ -138,7 +138,7 @@ TEST_CASE("a label that was trained apart from the object is taken back, one bes
                    .labels = std::vector<LabelColumns>(input.labels),
                    .figures = {}};
   for (const std::size_t row : {200, 201}) trained.labels[0].prob[row] = trained.labels[0].label[row] = 0.6f;
-  CHECK(withdraw_apart({}, {}, input, trained) == 1);
+  CHECK(restore_disconnected_labels({}, {}, input, trained) == 1);
   CHECK(trained.labels[0].prob[200] == 0.2f);
   CHECK(trained.labels[0].label[200] == 0.f);
   CHECK(trained.labels[0].prob[201] == 0.6f);
@@ -156,11 +156,11 @@ TEST_CASE("halves are taken back to the label of what they were halved from, row
   for (std::size_t i = 0; i < std::size_t(trained.cloud->size()); ++i) trained.source_row.push_back(std::int64_t(i));
   std::swap(trained.source_row[200], trained.source_row[203]);
   trained.labels[0].prob[200] = 0.6f;
-  CHECK(withdraw_apart({}, {}, input, trained) == 1);
+  CHECK(restore_disconnected_labels({}, {}, input, trained) == 1);
   CHECK(trained.labels[0].prob[200] == input.labels[0].prob[203]);
   trained.labels[0].prob[200] = 0.6f;
   input.fixed.assign(input.labels[0].prob.size(), 1.f);
-  CHECK(withdraw_apart({}, {}, input, trained) == 0);
+  CHECK(restore_disconnected_labels({}, {}, input, trained) == 0);
 }
 
 }  // namespace ngs

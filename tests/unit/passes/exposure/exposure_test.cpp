@@ -36,7 +36,7 @@ TEST_CASE("the gains of views and channels are found against the median view's")
   }
   CHECK(found[3].gain[0] == doctest::Approx(1.1).epsilon(1e-5));
   CHECK(exposure_spread_percent(found) == doctest::Approx(25).epsilon(1e-3));
-  const ImageF level = levelled_photo(found, 1, c.base->photos[1]);
+  const ImageF level = equalised_photo(found, 1, c.base->photos[1]);
   const ImageF want = render({}, c.base->model, c.base->scene.views[1].camera, {}, {}).colour;
   for (std::size_t i = 0; i < want.data.size(); ++i)
     CHECK(level.data[i] == doctest::Approx(want.data[i]).epsilon(1e-4));
@@ -73,7 +73,7 @@ TEST_CASE("what is clipped, dark, too little or not there has no say, and no pho
   }
   CHECK(view_exposures({}, c.base->input(), {}).empty());
   CHECK(exposure_spread_percent({}) == 0);
-  CHECK(levelled_photo(found, 2, {}).empty());
+  CHECK(equalised_photo(found, 2, {}).empty());
 }
 
 }  // namespace ngs

@@ -369,7 +369,7 @@ TEST_CASE(
 TEST_CASE("the joint stage is short before contour iterations at half the size, which correct more") {
   JointOptions joint;
   CHECK(epochs_of(joint) == 10);
-  joint.contours_go_on = true;
+  joint.coarse_contours_follow = true;
   CHECK(epochs_of(joint) == 3);
   joint.quality = Quality::kDraft;
   CHECK(epochs_of(joint) == 1);

@@ -73,18 +73,18 @@ bool same(const Solution& a, const Solution& b) {
          a.cloud->sh_dc == b.cloud->sh_dc && a.labels[0].label == b.labels[0].label && a.source_row == b.source_row;
 }
 
-TEST_CASE("photoless views: every third photo judges, and at least two of at least five") {
-  CHECK(judges_of({}).empty());
-  CHECK(judges_of({0, 1, 2, 3}).empty());
-  CHECK(judges_of({0, 2, 4, 6, 8}) == std::vector<std::size_t>{2, 8});
-  CHECK(judges_of({0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}) == std::vector<std::size_t>{1, 4, 7, 10});
+TEST_CASE("photoless views: every third photo trial_views, and at least two of at least five") {
+  CHECK(trial_views_of({}).empty());
+  CHECK(trial_views_of({0, 1, 2, 3}).empty());
+  CHECK(trial_views_of({0, 2, 4, 6, 8}) == std::vector<std::size_t>{2, 8});
+  CHECK(trial_views_of({0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}) == std::vector<std::size_t>{1, 4, 7, 10});
 }
 
 TEST_CASE("photoless views: a rendered picture over the background stands in for the photo of the named views") {
   SevenViews c(2);
   Problem in = c.input();
   in.background = {0.2f, 0.4f, 0.6f};
-  const Problem out = with_pictures({}, in, c.base->model, {1, 6});
+  const Problem out = with_renderings({}, in, c.base->model, {1, 6});
   RenderRequest request;
   request.background = in.background;
   for (const std::size_t v : {std::size_t(1), std::size_t(6)}) {
@@ -105,7 +105,7 @@ TEST_CASE("photoless views: pictures that do not fit into memory are rendered ag
     const GaussianCloud passing = c.base->model;
     const std::size_t one = 3 * sizeof(float) * 48 * 40;
     for (const std::size_t room : {10 * one, one, std::size_t(0)})
-      out.push_back(with_pictures({}, in, passing, {1, 5, 6}, room));
+      out.push_back(with_renderings({}, in, passing, {1, 5, 6}, room));
   }
   for (const std::size_t v : {1u, 5u, 6u})
     for (const Problem& pictured : {out[1], out[2]}) CHECK(pictured.load_photo(v).data == out[0].load_photo(v).data);
@@ -119,21 +119,21 @@ TEST_CASE("photoless views: pictures that do not fit into memory are rendered ag
 TEST_CASE("photoless views: a picture is used where its contours are nearer to the photo's than without the view") {
   SevenViews c(0);
   const Problem in = c.input();
-  const std::vector<std::size_t> judges = judges_of(in.views);
-  REQUIRE(judges.size() == 2);
+  const std::vector<std::size_t> trial_views = trial_views_of(in.views);
+  REQUIRE(trial_views.size() == 2);
   Monitor monitor;
   const std::vector<LabelColumns> labels = run_flash({}, monitor, {}, in).labels;
   const LabelledModel truth{c.base->truth, labels}, swollen{c.base->model, labels};
   const RefineSetup walk{c.contour.refine, c.contour.margin_px, in};
   const std::vector<RefinedView> in_photos = refine_views({}, walk, truth, in.views, {});
-  const Trial good = try_pictures({}, walk, {truth, swollen}, in_photos, judges);
-  const Trial bad = try_pictures({}, walk, {swollen, truth}, in_photos, judges);
-  const Trial even = try_pictures({}, walk, {truth, truth}, in_photos, judges);
+  const Trial good = evaluate_trial({}, walk, {truth, swollen}, in_photos, trial_views);
+  const Trial bad = evaluate_trial({}, walk, {swollen, truth}, in_photos, trial_views);
+  const Trial even = evaluate_trial({}, walk, {truth, truth}, in_photos, trial_views);
   MESSAGE("pictured, unseen: " << good.pictured << " " << good.skipped << "; " << bad.pictured << " " << bad.skipped
                                << "; " << even.pictured << " " << even.skipped);
-  CHECK(good.picture_serves);
+  CHECK(good.renderings_help);
   CHECK(good.pictured > good.skipped + 0.1);
-  CHECK_FALSE(bad.picture_serves);
+  CHECK_FALSE(bad.renderings_help);
   CHECK(bad.pictured < bad.skipped);
   CHECK(good.skipped < even.skipped);
 }

@@ -26,22 +26,22 @@ std::vector<RefinedView> views(double gain, double contrast, double beyond_px2, 
   return some;
 }
 
-bool masks_refuse(const std::vector<RefinedView>& refined) { return gain_by_masks(refined) < -kSignificant; }
+bool masks_reject(const std::vector<RefinedView>& refined) { return mask_agreement_gain(refined) < -kSignificant; }
 
 }  // namespace
 
 TEST_CASE("masks that lie on edges refuse what agrees with them less, whichever side they err to") {
-  CHECK(masks_refuse(views(-0.01, 0.9, 10, 0)));
-  CHECK(masks_refuse(views(-0.01, 0.9, 10, 10)));
-  CHECK_FALSE(masks_refuse(views(-0.001, 0.9, 10, 10)));  // within twice the standard error
-  CHECK_FALSE(masks_refuse(views(0.01, 0.9, 10, 10)));
+  CHECK(masks_reject(views(-0.01, 0.9, 10, 0)));
+  CHECK(masks_reject(views(-0.01, 0.9, 10, 10)));
+  CHECK_FALSE(masks_reject(views(-0.001, 0.9, 10, 10)));  // within twice the standard error
+  CHECK_FALSE(masks_reject(views(0.01, 0.9, 10, 10)));
 }
 
 TEST_CASE("masks beside the edges have a say only where they err to both sides alike") {
-  CHECK(masks_refuse(views(-0.01, 0.5, 10, 8)));
-  CHECK_FALSE(masks_refuse(views(-0.01, 0.5, 10, 1)));
-  CHECK_FALSE(masks_refuse(views(-0.01, 0.5, 1, 10)));
-  CHECK_FALSE(masks_refuse(views(-0.001, 0.5, 10, 8)));
+  CHECK(masks_reject(views(-0.01, 0.5, 10, 8)));
+  CHECK_FALSE(masks_reject(views(-0.01, 0.5, 10, 1)));
+  CHECK_FALSE(masks_reject(views(-0.01, 0.5, 1, 10)));
+  CHECK_FALSE(masks_reject(views(-0.001, 0.5, 10, 8)));
 }
 
 TEST_CASE("the side is that of all views together") {
@@ -77,7 +77,7 @@ TEST_CASE("what is refined and compared about an object has the bits of the whol
     std::vector<float> target(120 * 100);
     for (std::size_t p = 0; p < soft.size(); ++p)
       target[p / 240 / 2 * 120 + p % 240 / 2] += label_is_foreground(soft[p]) ? 0.25f : 0.f;
-    CHECK(whole_masks(got, 120, 100).target[0] == target);
+    CHECK(uncropped_masks(got, 120, 100).target[0] == target);
     std::vector<std::uint8_t> a, b;
     double beyond = 0;
     for (std::size_t p = 0; p < target.size(); ++p) {

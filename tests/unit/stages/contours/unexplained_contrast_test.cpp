@@ -54,7 +54,7 @@ TEST_CASE("unexplained contrast is the residual at moved pixels relative to the 
   CHECK(before < 1e-5);
   double contrast = 0;
   for (const std::size_t v : kViews) {
-    const ViewMasks masks = whole_masks(refined[v], 48, 40);
+    const ViewMasks masks = uncropped_masks(refined[v], 48, 40);
     std::vector<std::uint8_t> mask;
     for (const float m : masks.target[0]) mask.push_back(m > 0.5f);
     contrast += contour_contrast(mask, c->photos[v]) / 4;

@@ -46,7 +46,7 @@ std::string changed_by_step(const Cells& cells, const std::vector<std::uint8_t>&
   const Matrix<const float> drawn = trained.rendered();
   const std::vector<float> before(drawn.data, drawn.data + 12);
   trained.step({}, 0.1, 1, std::vector<float>(rows.size() * 2, 1.f));
-  trained.put_back({});
+  trained.write_back({});
   std::vector<LabelColumns> written = cells.labels;
   trained.write(written);
   std::string changed;
