@@ -1,6 +1,6 @@
 #pragma once
-// Which effects are on in a run. The order of precedence is: the command line, another run's report, the time left, the
-// heuristics.
+// Decides which effects are on in a run. Order of precedence: the command line, another run's report, the time left,
+// the heuristics.
 #include <functional>
 #include <optional>
 #include <string>

@@ -15,8 +15,7 @@
 
 namespace ngs {
 
-/// How the closed-form labels, rendered into the training views, compare with their masks. Views without masks have no
-/// entry.
+/// Comparison of the closed-form labels, rendered into the training views that have masks, with these masks.
 struct LabelViews {
   std::vector<double> disagreement;  // per view: 1 - IoU of the rendered model and the masks, summed over the objects
   std::vector<std::uint8_t> shown;   // per view, 1: mask or model shows an object
@@ -28,8 +27,8 @@ struct LabelViews {
 inline constexpr std::size_t kPhotoViews = 4;  // views in which photos are compared with renderings
 inline constexpr std::size_t kComparedViews = 32;
 inline constexpr std::size_t kFirstComparedViews = 8;
-inline constexpr double kClearScore =
-    2.5;  // of kFirstComparedViews views, whose normal score has a magnitude below 3.6
+/// Of kFirstComparedViews views, whose normal score has a magnitude below 3.6.
+inline constexpr double kClearScore = 2.5;
 
 /// 1 - IoU; 0 where both masks are empty.
 double disagreement(const Confusion& counts);

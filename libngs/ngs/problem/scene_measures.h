@@ -47,8 +47,8 @@ double contour_deviation_levels(const ImageF& photo, MaskPlane mask);
 /// The mean spacing in the box would be wrong: points lie on a curve or in clusters.
 double cells_per_spacing(const std::vector<float>& nearest_distance, double extent, int finest);
 
-/// Mean of the gains, in units of its standard error; 0 for fewer than two. The mean alone would be wrong: one view can
-/// dominate it.
+/// Mean of the gains, in units of its standard error; 0 for fewer than two. The mean alone would be wrong: a single
+/// view can dominate it.
 double gain_in_standard_errors(const std::vector<double>& gains);
 /// The same as a score of the normal distribution, because the standard error of few views is uncertain. With three
 /// views the score stays below 1.75. It is 2 for a gain_in_standard_errors() of 2.38 with 12 views, 2.12 with 32,

@@ -35,8 +35,7 @@ class WindowInput {
   WindowInput(const WindowInput&) = delete;
   WindowInput& operator=(const WindowInput&) = delete;
 
-  /// The problem with cropped cameras, masks and photos. Views without a window are no training views and have no
-  /// photo.
+  /// The problem with cropped cameras, masks and photos. A view without a window is no training view and has no photo.
   const Problem& get() const { return in_windows_; }
   const Problem& uncropped() const { return uncropped_; }
 

@@ -1,5 +1,5 @@
-// Under --time-budget a pass that takes too long is aborted, and nothing of it is left. A run that is resumed does
-// the same again, whatever its clock says.
+// With --time-budget a pass that takes too long is aborted and undone. A resumed run repeats this, independently of its
+// own clock.
 #include <doctest/doctest.h>
 
 #include <chrono>
@@ -16,7 +16,7 @@ using test::EffectCase;
 constexpr int kSteps = 100;
 constexpr std::chrono::milliseconds kStep(10);
 
-/// A second of work before its detector answers, or before the first label is taken away.
+/// Works for one second, either in its heuristic or before it removes the first label.
 class SlowPass final : public Pass {
  public:
   enum class Part : std::uint8_t { kLooks, kWorks };
@@ -53,7 +53,7 @@ class SlowPass final : public Pass {
   int& steps_;
 };
 
-/// Counts the views that the probe knows, which the slow one may have left half done.
+/// Counts the views in the probe's cache, to detect a cache that an aborted heuristic left incomplete.
 class CountingPass final : public Pass {
  public:
   explicit CountingPass(std::size_t& views) : views_(views) {}
@@ -101,7 +101,7 @@ struct SlowCase {
 TEST_CASE("a pass that would take too long is aborted early, undone and reported") {
   SlowCase c(SlowPass::Part::kWorks, "slow=auto");
   const PassRun& run = c.passes->run();
-  CHECK(c.steps == kSteps / 10);  // of a second where less is allowed
+  CHECK(c.steps == kSteps / 10);  // the limit is less than the second of work
   CHECK_FALSE(c.took_label());
   CHECK(run.budget.was_cut());
   CHECK(run.state == Json({{"aborted", {"slow"}}}));
@@ -110,7 +110,7 @@ TEST_CASE("a pass that would take too long is aborted early, undone and reported
   CHECK_FALSE(run.solution->converged);
 }
 
-TEST_CASE("a detector that would take too long leaves its pass out, and others know nothing of its half look") {
+TEST_CASE("a heuristic that would take too long skips its pass, and leaves no incomplete values in the probe") {
   SlowCase c(SlowPass::Part::kLooks, "slow=auto");
   c.passes->run();
   CHECK(c.steps == kSteps / 10);
@@ -119,7 +119,7 @@ TEST_CASE("a detector that would take too long leaves its pass out, and others k
   CHECK(c.views == 4);
 }
 
-TEST_CASE("with time, by request, or in a run that is resumed, a pass runs to its end") {
+TEST_CASE("a pass is not aborted with enough time, with --effect NAME=on, or in a resumed run") {
   for (const auto& [entry, budget_s] : {std::pair("slow=auto", 1e6), std::pair("slow=on", 2.0)}) {
     SlowCase c(SlowPass::Part::kWorks, entry, budget_s);
     const PassRun& run = c.passes->run();
@@ -133,7 +133,7 @@ TEST_CASE("with time, by request, or in a run that is resumed, a pass runs to it
   CHECK(resumed.took_label());
 }
 
-TEST_CASE("a resumed run leaves out what was aborted, and keeps the same state") {
+TEST_CASE("a resumed run skips the aborted passes and has the same state") {
   SlowCase c(SlowPass::Part::kWorks, "slow=auto", 1e6);
   const Json state = {{"aborted", {"slow"}}};
   c.passes->resume_from(state);
@@ -150,8 +150,8 @@ TEST_CASE("a resumed run leaves out what was aborted, and keeps the same state")
   }
 }
 
-TEST_CASE("a resumed run decides as the run before it, and looks at nothing for that") {
-  SlowCase before(SlowPass::Part::kLooks, "slow=auto");  // whose detector was aborted
+TEST_CASE("a resumed run repeats the decisions of the stopped run and measures no heuristic") {
+  SlowCase before(SlowPass::Part::kLooks, "slow=auto");  // its heuristic is aborted
   const PassRun& run = before.passes->run();
   const Json effects = before.passes->kept();
   CHECK(std::ranges::count(effects, Json("slow=off")) == 1);
@@ -183,7 +183,7 @@ TEST_CASE("a resumed run decides as the run before it, and looks at nothing for 
 
 namespace {
 
-/// All that a mending pass may change.
+/// Everything that a repair pass may change.
 struct Repaired {
   std::vector<float> label, prob, opacity, photos;
   std::vector<bool> masked;
@@ -200,7 +200,7 @@ Repaired repaired(const Problem& problem) {
   return all;
 }
 
-/// A scene whose n-th picture raises the flag.
+/// A scene whose n-th image load requests a stop.
 struct StoppedCase {
   EffectCase scene;
   std::atomic<bool> stop = false;
@@ -219,7 +219,7 @@ struct StoppedCase {
 
 }  // namespace
 
-TEST_CASE("a mending pass that is stopped, wherever it is, has changed nothing or all") {
+TEST_CASE("a repair pass that is stopped at any image has changed either nothing or everything") {
   struct Case {
     const char* effect;
     void (*needs)(EffectCase&);
@@ -259,7 +259,7 @@ TEST_CASE("a mending pass that is stopped, wherever it is, has changed nothing o
 
 namespace {
 
-/// The mask and all within `px` of it in its row.
+/// Dilates the mask by `px` along its rows.
 void widen(ViewMasks& masks, int px) {
   const std::vector<float> before = masks.target[0];
   for (int i = 0; i < int(before.size()); ++i)
@@ -274,7 +274,7 @@ void widen(ViewMasks& masks, int px) {
 TEST_CASE("a time budget with time for contours keeps them, and one without runs none") {
   EffectCase c;
   c.fine_photos = true;
-  for (ViewMasks& masks : c.base->masks) widen(masks, 2);  // off the edges, to one side: they refuse no contour
+  for (ViewMasks& masks : c.base->masks) widen(masks, 2);  // misaligned to one side: they reject no contour
   const Problem in = c.input();
   const auto figures = [&](std::optional<double> budget_s) {
     test::PipelineCase passes(in, c.training, {"all=off", "mask=on", "contours=on"});

@@ -7,7 +7,7 @@
 namespace ngs {
 namespace {
 
-/// With a value in every member that may be empty.
+/// A problem with a value in every optional member.
 Problem full(const test::JointCase& c, Monitor& monitor) {
   Problem problem = c.input();
   const auto n = std::size_t(c.model.size());
@@ -38,7 +38,7 @@ void check_rest(const Problem& next, const Problem& from) {
 
 }  // namespace
 
-TEST_CASE("problem: another model comes with its labels, without their evidence, and all else stays") {
+TEST_CASE("problem: with_model() replaces model and labels, clears the weight, and keeps all other members") {
   const auto c = test::joint_case();
   Monitor monitor;
   const Problem from = full(*c, monitor);
@@ -55,10 +55,10 @@ TEST_CASE("problem: another model comes with its labels, without their evidence,
     CHECK(next.owns.size() == 2);
     check_rest(next, from);
   }
-  CHECK(model.expired());  // the problem kept it
+  CHECK(model.expired());  // only the problem owned it
 }
 
-TEST_CASE("problem: other cameras bring their pictures; of a part of the views no evidence is known") {
+TEST_CASE("problem: with_views() replaces cameras and loaders; cropped() also clears the weight") {
   const auto c = test::joint_case();
   Monitor monitor;
   const Problem from = full(*c, monitor);

@@ -64,8 +64,7 @@ inline constexpr int kViewsOfAllEpochs = 21;
 /// Epochs of the last iteration for this number of views; 0: contours are not refined.
 int contour_epochs(const ContourOptions& contour, Quality quality, std::size_t views);
 
-/// Number of iterations. `misaligned`: the masks' contours miss the photos' edges by more than one refinement can move
-/// them.
+/// Number of iterations. `misaligned`: the masks' contours miss the photos' edges by more than one refinement moves.
 int contour_iterations(const ContourOptions& contour, Quality quality, bool misaligned);
 
 /// Epochs of an iteration at half the size, if the last iteration has `epochs`.

@@ -70,8 +70,8 @@ ExactSums weight_in_all(const Exec& exec, const ContourSetup& setup, const std::
 }
 
 /// [N] 1: not trained: the Gaussian is frozen, or is visible outside the windows, where no photo constrains it.
-/// Evidence of uncropped views costs more than an iteration in windows, so it is gathered once; halves inherit the
-/// flag.
+/// Evidence of uncropped views costs more than an iteration in windows, so it is gathered once. Halves inherit the
+/// value of their parent.
 std::vector<float> untrained_rows(const Exec& exec, const ContourSetup& setup, const std::vector<std::size_t>& views,
                                   const ExactSums& inside, ContourModel& model) {
   const std::vector<std::uint8_t>& frozen = setup.problem.frozen;
@@ -91,8 +91,8 @@ std::vector<float> untrained_rows(const Exec& exec, const ContourSetup& setup, c
   return out;
 }
 
-/// The rows with straddling Gaussians halved, except `untrained` rows: halves look slightly different until they are
-/// trained.
+/// The rows with straddling Gaussians halved. `untrained` rows are not halved: the rendering of halves differs slightly
+/// until they are trained.
 std::vector<CloudRow> halved_rows(std::vector<double> straddling_px, const std::vector<float>& untrained) {
   for (std::size_t i = 0; i < straddling_px.size(); ++i)
     if (untrained[i] > 0) straddling_px[i] = 0;
@@ -120,9 +120,10 @@ void label_halves(const BoundaryRule& rule, const Evidence& halves, std::vector<
 
 /// The rows of an iteration. Most Gaussians of a large model are visible in no window.
 struct IterationRows {
-  std::vector<std::int64_t> rows;  // rows that are visible in some window, or trained
-  std::vector<std::uint8_t>
-      frozen;  // [rows] 1: not trained: untrained_rows(), and background that straddles no contour
+  // Rows that are visible in some window, or trained.
+  std::vector<std::int64_t> rows;
+  // [rows] 1: not trained: those of untrained_rows(), and background that straddles no contour.
+  std::vector<std::uint8_t> frozen;
 };
 
 /// Halves the straddling Gaussians and selects the rows of the iteration.
@@ -209,7 +210,7 @@ class ContourRun {
   }
 
   /// Runs the trial: the first of `iterations` without the trial views, whose result is discarded. False: the iteration
-  /// ended early and its result is untrained.
+  /// ended early and its result is kept.
   bool run_trial(int iterations) {
     ContourModel start = model_;
     std::erase_if(views_, [&](std::size_t v) {

@@ -31,13 +31,18 @@ struct ContourSetup {
 
 /// Continues from the result `start` of a method. Returns `start` if no view has a photo, if nothing is labelled, for
 /// --quality draft, or if the given masks reject the refined ones. The result is not converged if time ran out.
+// clang-format off
 /// Figures:
-/// contour_iterations: iterations done; contour_gaussians: rows of the result.
-/// contour_biou_rendered, contour_biou_refined: mean boundary IoU (0.005) with the training views' own masks, before
-/// the first iteration. contour_contrast_given, contour_contrast_refined: mean colour difference of the photos across
-/// the contours. contour_detail: 2 if small photos were refined at twice the camera's size, else 1. contour_pictures:
-/// number of views trained on the model's own rendering. contour_biou_pictured, contour_biou_skipped: results of the
-/// trial, if there was one (photoless_views.h).
+///   contour_iterations                    iterations done
+///   contour_gaussians                     rows of the result
+///   contour_biou_rendered, _refined       mean boundary IoU (0.005) with the training views' own masks, before the
+///                                         first iteration
+///   contour_contrast_given, _refined, _rendered
+///                                         mean colour difference of the photos across the contours
+///   contour_detail                        2 if small photos were refined at twice the camera's size, else 1
+///   contour_pictures                      number of views trained on the model's own rendering
+///   contour_biou_pictured, _skipped       results of the trial, if there was one (photoless_views.h)
+// clang-format on
 Solution refine_contours(const Exec& exec, Monitor& monitor, const ContourSetup& setup, Solution start);
 
 }  // namespace ngs

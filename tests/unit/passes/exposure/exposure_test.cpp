@@ -9,7 +9,7 @@
 namespace ngs {
 namespace {
 
-/// Photos are renders of the model itself, times the gains.
+/// Photos are renderings of the model, multiplied by the gains.
 struct Exposed {
   std::unique_ptr<test::JointCase> base = test::joint_case();
 
@@ -26,7 +26,7 @@ const ExposureGain kSame{1, 1, 1};
 
 }  // namespace
 
-TEST_CASE("the gains of views and channels are found against the median view's") {
+TEST_CASE("gains of views and channels are estimated relative to the median over the views") {
   const Exposed c({kSame, {0.8f, 0.85f, 0.9f}, kSame, {1.1f, 1.f, 1.05f}});
   const auto found = c.found();
   REQUIRE(found.size() == 4);
@@ -42,12 +42,12 @@ TEST_CASE("the gains of views and channels are found against the median view's")
     CHECK(level.data[i] == doctest::Approx(want.data[i]).epsilon(1e-4));
 }
 
-TEST_CASE("an exposure that all photos share is the model's own: nothing is taken from them") {
+TEST_CASE("an exposure shared by all photos is the model's own, and all gains are 1") {
   const Exposed c({{0.7f, 0.7f, 0.7f}, {0.7f, 0.7f, 0.7f}, {0.7f, 0.7f, 0.7f}, {0.7f, 0.7f, 0.7f}});
   CHECK(exposure_spread_percent(c.found()) < 1e-3);
 }
 
-TEST_CASE("a shadow over a third of a photo is no exposure, though its mean darkens as if it were") {
+TEST_CASE("a shadow over a third of a photo does not change the gain, although the mean darkens") {
   Exposed c({kSame, kSame, kSame, kSame});
   ImageF& photo = c.base->photos[2];
   double before = 0, after = 0;
@@ -60,7 +60,7 @@ TEST_CASE("a shadow over a third of a photo is no exposure, though its mean dark
   CHECK(exposure_spread_percent(c.found()) < 1e-3);
 }
 
-TEST_CASE("what is clipped, dark, too little or not there has no say, and no photo keeps its gain of 1") {
+TEST_CASE("clipped, dark or too few pixels give a gain of 1, and a view without a photo has no entry") {
   Exposed c({kSame, kSame, kSame, kSame});
   std::fill(c.base->photos[0].data.begin(), c.base->photos[0].data.end(), 1.f);    // clipped
   std::fill(c.base->photos[1].data.begin(), c.base->photos[1].data.end(), 0.05f);  // dark
