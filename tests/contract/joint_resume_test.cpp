@@ -321,7 +321,7 @@ TEST_CASE(
   };
   run["left_out"] = {"mask-outliers"};
   goes_on(7);
-  CHECK(outliers(figure(c, "resumed", "effects")).at("reason") == "--time-budget has no time for it");
+  CHECK(outliers(figure(c, "resumed", "effects")).at("reason") == "--time-budget: skipped, no time left");
   run = as_decided;
   *std::find(run.at("effects").begin(), run.at("effects").end(), "mask-outliers=off") = "mask-outliers=on";
   goes_on(0);

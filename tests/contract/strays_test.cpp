@@ -44,7 +44,7 @@ TEST_CASE("ngs-joint samples again if removed components shrink the boundary set
                          "--steps", "2", "--mlp-hidden", "16", "--effect", "nerf=on", "-v", "-o", out});
   CAPTURE(result.err);
   CHECK(result.exit_code == 0);
-  CHECK(result.err.find("taken for unseen") != std::string::npos);
+  CHECK(result.err.find("treated as unseen") != std::string::npos);
   CHECK(std::filesystem::exists(out));
 }
 

@@ -17,9 +17,9 @@ class NullStepStore final : public StepStore {
  public:
   bool load(JointTrainer&) override { return false; }
   void save(JointTrainer&) override {}
-  void save_on_the_way(JointTrainer&) override {}
-  void taking_steps(bool) override {}
-  std::int64_t every() const override { return 0; }
+  void try_save(JointTrainer&) override {}
+  void steps_running(bool) override {}
+  std::int64_t save_interval() const override { return 0; }
 };
 
 /// One run; `problem` and the stores must outlive it.
@@ -29,8 +29,8 @@ class PipelineCase {
                std::vector<std::unique_ptr<Pass>> passes = all_passes())
       : pipeline_(std::move(passes)),
         training_(training),
-        modes_(pipeline_.effects(), entries),
-        decisions_(pipeline_.effects(), modes_, pipeline_.fixed_decisions(training)),
+        switches_(pipeline_.effects(), entries),
+        decisions_(pipeline_.effects(), switches_, pipeline_.fixed_decisions(training)),
         run_{.exec = exec_,
              .device_exec = exec_,
              .monitor = monitor_,
@@ -55,8 +55,8 @@ class PipelineCase {
   void stop_flag(const std::atomic<bool>& flag) { monitor_.stop_flag(&flag); }
   /// Resumes another run from its state (PassRun::state) and, if given, its stored decisions.
   void resume_from(const Json& state) { run_.resumed = state; }
-  void resume_from(const Json& state, const Json& effects, const Json& left_out) {
-    resume_from(state), repeat_decisions(pipeline_, run_, effects, left_out);
+  void resume_from(const Json& state, const Json& effects, const Json& skipped) {
+    resume_from(state), repeat_decisions(pipeline_, run_, effects, skipped);
   }
   /// Stores steps, so that another run can resume.
   void store_steps(StepStore& store) { run_.store = &store; }
@@ -64,14 +64,14 @@ class PipelineCase {
   void time_budget(double seconds) { budget_ = Budget(wall_seconds(), seconds); }
   /// Makes the decisions of both stages, without running passes.
   const Decisions& decide() {
-    pipeline_.decide(PassStage::kMend, run_, *run_.problem);
+    pipeline_.decide(PassStage::kRepair, run_, *run_.problem);
     pipeline_.decide(PassStage::kOptimise, run_, *run_.problem);
     return decisions_;
   }
   /// Makes the decisions of the first stage and runs it.
-  void mend() { pipeline_.decide(PassStage::kMend, run_, *run_.problem), pipeline_.run(PassStage::kMend, run_); }
+  void repair() { pipeline_.decide(PassStage::kRepair, run_, *run_.problem), pipeline_.run(PassStage::kRepair, run_); }
   PassRun& run() {
-    for (const PassStage stage : {PassStage::kMend, PassStage::kOptimise})
+    for (const PassStage stage : {PassStage::kRepair, PassStage::kOptimise})
       pipeline_.decide(stage, run_, *run_.problem), pipeline_.run(stage, run_);
     return run_;
   }
@@ -86,7 +86,7 @@ class PipelineCase {
   Monitor monitor_;
   Pipeline pipeline_;
   TrainingOptions training_;
-  EffectSwitches modes_;
+  EffectSwitches switches_;
   Decisions decisions_;
   Budget budget_{0, std::nullopt};
   Json report_ = Json::object();

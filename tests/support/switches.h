@@ -3,27 +3,27 @@
 #include <string>
 #include <vector>
 
-#include "ngs/stages/contours/contour_options.h"
 #include "ngs/passes/effect.h"
 #include "ngs/passes/joint/joint_effects.h"
 #include "ngs/passes/pass_list.h"
 #include "ngs/passes/pipeline.h"
+#include "ngs/stages/contours/contour_options.h"
 
 namespace ngs::test {
 
-inline EffectSwitches modes_of(const std::vector<std::string>& entries) {
+inline EffectSwitches switches_of(const std::vector<std::string>& entries) {
   return {Pipeline(all_passes()).effects(), entries};
 }
 
 /// auto counts as on.
 inline JointSwitches joint_switched(const std::vector<std::string>& entries) {
-  const EffectSwitches modes = modes_of(entries);
-  return joint_switches([&](std::string_view name) { return modes.of(name) != Switch::kOff; });
+  const EffectSwitches switches = switches_of(entries);
+  return joint_switches([&](std::string_view name) { return switches.of(name) != Switch::kOff; });
 }
 
 inline ContourSwitches contours_switched(const std::vector<std::string>& entries) {
-  const EffectSwitches modes = modes_of(entries);
-  const auto on = [&](std::string_view name) { return modes.of(name) != Switch::kOff; };
+  const EffectSwitches switches = switches_of(entries);
+  const auto on = [&](std::string_view name) { return switches.of(name) != Switch::kOff; };
   return {.split = on("split"), .iterations = on("contour-iterations"), .full_resolution = on("full-resolution")};
 }
 

@@ -48,7 +48,7 @@ std::vector<FixedDecision> fixed_decisions_of(const Options& options, const std:
   std::vector<FixedDecision> decisions;
   const auto fix_off = [&](std::string_view effect) { decisions.push_back({effect, false, "part of --method ngs"}); };
   if (options.choice.method != Method::kNgs)  // the other methods run as published
-    for (const PassStage stage : {PassStage::kFocus, PassStage::kMend})
+    for (const PassStage stage : {PassStage::kCrop, PassStage::kRepair})
       for (const Effect& effect : options.pipeline.effects(stage)) fix_off(effect.name);
   if (options.choice.method == Method::kNgGs) {
     fix_off("contours");

@@ -13,11 +13,11 @@
 #include "ngs/io/image/masks.h"
 #include "ngs/io/image/photo.h"
 #include "ngs/io/ply/query_ply.h"
-#include "ngs/stages/optimise/first_queries.h"
 #include "ngs/passes/resumed_decisions.h"
 #include "ngs/problem/coarse_input.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/boundary/variance_stage.h"
+#include "ngs/stages/optimise/first_queries.h"
 #include "photo_match.h"
 #include "shared/run/checkpoints.h"
 #include "shared/scene/scene_model.h"
@@ -55,7 +55,7 @@ void warn_of_baseline(cli::Run& run, const Options& options, const Paths& paths)
   const EffectSwitches switches(options.pipeline.effects(), options.choice.effect);
   if (options.choice.quality != MethodChoice{}.quality && switches.of("floaters") != Switch::kOn)
     unused.push_back("--quality");  // it sets the thoroughness of the floater search
-  const std::vector<Effect> effects = options.pipeline.effects(PassStage::kMend);
+  const std::vector<Effect> effects = options.pipeline.effects(PassStage::kRepair);
   for (const std::string& entry : options.choice.effect)
     if (const std::string name = entry.substr(0, entry.find('='));
         name != "all" && find_effect(effects, name) == nullptr)
@@ -104,7 +104,7 @@ struct LoadedInputs {
 /// loaded on demand.
 void load_views(cli::Run& run, Budget& budget, const CoarseInput& full, const CoarseInput& coarse) {
   const auto timed = run.monitor().scope("load views");
-  const double until_s = budget.end_of_s(kLoadShare);
+  const double until_s = budget.deadline_s(kLoadShare);
   if (full.preload(run.exec(), [&] { return wall_seconds() < until_s; }) >= 1) coarse.preload(run.exec());
 }
 
@@ -151,25 +151,25 @@ class MethodRun {
     PassRun passes = pass_run(from_files);
     Json identity = writes_checkpoints() ? identity_of(run_, options_, paths_, input_.scene) : Json();
     if (writes_checkpoints()) restore_decisions(passes, identity);
-    options_.pipeline.decide(PassStage::kFocus, passes, from_files);
-    if (!options_.pipeline.run(PassStage::kFocus, passes)) return run_.stop_code();
-    const Problem focused = *passes.problem;
-    budget_.keep_for_writing(input_.reading_s);
-    CoarseInput full(focused, 1), coarse(full.get(), decision_shrink(input_.scene));
+    options_.pipeline.decide(PassStage::kCrop, passes, from_files);
+    if (!options_.pipeline.run(PassStage::kCrop, passes)) return run_.stop_code();
+    const Problem cropped = *passes.problem;
+    budget_.reserve_for_writing(input_.reading_s);
+    CoarseInput full(cropped, 1), coarse(full.get(), decision_shrink(input_.scene));
     passes.problem.emplace(full.get()), passes.coarse = &coarse.get();
     if (options_.runs_passes()) {
       load_views(run_, budget_, full, coarse);
       compare_with_photos(run_, CoarseInput(from_files, decision_shrink(input_.scene), 0).get(), paths_.boundary);
     }
-    options_.pipeline.decide(PassStage::kMend, passes, coarse.get());
+    options_.pipeline.decide(PassStage::kRepair, passes, coarse.get());
     if (const int stopped = run_.stop_code()) return stopped;  // no state worth a checkpoint yet
     if (options_.choice.explain) return explain(passes, from_files);
     if (writes_checkpoints()) {
       identity["effects"] = kept_decisions(options_.pipeline, decisions_);
       store_.resumed(identity);  // again: the decisions may differ from those of the checkpoint
     }
-    if (!options_.pipeline.run(PassStage::kMend, passes)) return run_.stop_code();
-    coarse.forget();  // the decisions that need it have been made
+    if (!options_.pipeline.run(PassStage::kRepair, passes)) return run_.stop_code();
+    coarse.clear_cache();  // the decisions that need it have been made
     malloc_trim(0);
     return options_.runs_passes() ? optimise(passes, std::move(identity), full) : baseline(passes);
   }
@@ -206,7 +206,7 @@ class MethodRun {
                    .decisions = decisions_,
                    .budget = budget_,
                    .report = run_.result(),
-                   .watching = {parse_target(options_.steps.target), !paths_.trace.empty(), options_.steps.trace_every},
+                   .tracking = {parse_target(options_.steps.target), !paths_.trace.empty(), options_.steps.trace_every},
                    .allow_empty = run_.allow_empty(),
                    .info = [this](const std::string& line) { run_.info(line); }};
     passes.problem.emplace(problem);
@@ -235,9 +235,9 @@ class MethodRun {
   /// The query field of --field, if the NeRF is on and the field still belongs to the model.
   std::optional<QueryField> read_field(const PassRun& passes) {
     if (paths_.field.empty()) return std::nullopt;
-    const std::string_view unread = !passes.on("nerf")   ? "nerf=off"
-                                    : !passes.fields_fit ? "it has query points of removed Gaussians"
-                                                         : "";
+    const std::string_view unread = !passes.on("nerf")            ? "nerf=off"
+                                    : !passes.field_matches_model ? "it has query points of removed Gaussians"
+                                                                  : "";
     if (!unread.empty()) {
       run_.info("--field is not read: " + std::string(unread));
       return std::nullopt;
@@ -256,12 +256,12 @@ class MethodRun {
     if (writes_checkpoints()) {
       identity["effects"] = kept_decisions(options_.pipeline, decisions_), identity["passes"] = passes.state;
       identity["field"] = field ? io::content_hash(paths_.field).xxh3 : "";
-      if (!passes.left_out.empty()) identity["left_out"] = passes.left_out;
+      if (!passes.skipped.empty()) identity["left_out"] = passes.skipped;
       store_.identify(identity);
       passes.store = &store_;
     }
     if (!options_.pipeline.run(PassStage::kOptimise, passes)) return run_.stop_code();
-    views.forget();
+    views.clear_cache();
     passes.trainer.reset();  // unused from here on, and as large as the model
     malloc_trim(0);
     return write(passes);
@@ -269,14 +269,14 @@ class MethodRun {
 
   int write(PassRun& passes) {
     const Solution& solution = *passes.solution;
-    if (budget_.given()) run_.result()["budget"] = budget_.json();
-    if (budget_.given() && !solution.converged)
+    if (budget_.is_set()) run_.result()["budget"] = budget_.json();
+    if (budget_.is_set() && !solution.converged)
       run_.monitor().warn("--time-budget " + options_.steps.time_budget +
                           ": parts were skipped or shortened for lack of time");
-    if (passes.watching.target && !passes.watch->target_met())
+    if (passes.tracking.target && !passes.tracker->target_met())
       run_.monitor().warn("--target " + options_.steps.target + ": not reached in the training views");
     write_result(run_, {input_.ply, input_.scene, input_.labels, passes.floater}, solution, paths_.labelled);
-    if (!paths_.trace.empty()) io::write_file(paths_.trace, passes.watch->trace());
+    if (!paths_.trace.empty()) io::write_file(paths_.trace, passes.tracker->trace());
     return solution.converged ? cli::kDone : cli::kBudgetHit;
   }
 

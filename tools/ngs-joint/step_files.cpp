@@ -70,11 +70,11 @@ void StepFile::save(JointTrainer& trainer) {
   io::write_safetensors(path(), file);
 }
 
-void StepFile::save_on_the_way(JointTrainer& trainer) {
+void StepFile::try_save(JointTrainer& trainer) {
   checkpoints_.write_during_run(trainer.steps_done(), [&] { save(trainer); });
 }
 
-void StepFile::taking_steps(bool begins) {
+void StepFile::steps_running(bool begins) {
   if (begins)
     grace_.emplace();
   else

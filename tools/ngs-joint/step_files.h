@@ -30,9 +30,9 @@ class StepFile : public StepStore {
 
   bool load(JointTrainer& trainer) override;
   void save(JointTrainer& trainer) override;
-  void save_on_the_way(JointTrainer& trainer) override;
-  void taking_steps(bool begins) override;
-  std::int64_t every() const override { return setup_.every; }
+  void try_save(JointTrainer& trainer) override;
+  void steps_running(bool begins) override;
+  std::int64_t save_interval() const override { return setup_.every; }
 
  private:
   std::string path() const { return path_in(setup_.folder); }

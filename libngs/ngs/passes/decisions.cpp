@@ -7,14 +7,14 @@
 namespace ngs {
 namespace {
 
-/// What a detector measures; its time has a stage of its own.
+/// The measured value. Its time is reported as a stage with the effect's name.
 double measured_by(const Effect& effect, SceneProbe& probe) {
-  if (probe.problem().monitor == nullptr) return effect.detector.measure(probe);
+  if (probe.problem().monitor == nullptr) return effect.heuristic.measure(probe);
   const auto timed = probe.problem().monitor->scope(std::string(effect.name));
-  return effect.detector.measure(probe);
+  return effect.heuristic.measure(probe);
 }
 
-/// Null: not decided yet.
+/// Null: not decided.
 template <class All>
 auto found_in(All& all, std::string_view name) -> decltype(all.data()) {
   const auto found = std::ranges::find_if(all, [&](const Decision& d) { return d.effect->name == name; });
@@ -23,17 +23,17 @@ auto found_in(All& all, std::string_view name) -> decltype(all.data()) {
 
 }  // namespace
 
-Decisions::Decisions(std::vector<Effect> effects, EffectSwitches modes, std::vector<FixedDecision> verdicts)
-    : effects_(std::move(effects)), modes_(std::move(modes)), fixed_(std::move(verdicts)) {}
+Decisions::Decisions(std::vector<Effect> effects, EffectSwitches switches, std::vector<FixedDecision> fixed)
+    : effects_(std::move(effects)), switches_(std::move(switches)), fixed_(std::move(fixed)) {}
 
 const Decision* Decisions::find(std::string_view name) const { return found_in(all_, name); }
 
-/// An effect it needs that is off, whatever else is said, for it could not run; then an entry of --effect, then the
-/// first verdict, then being always on. Null: its detector is asked.
+/// Precedence: off if a needed effect is off; then the switch of --effect; then the first fixed decision; then "always
+/// on". Null: the heuristic decides.
 std::optional<Decision> Decisions::decision_without_heuristic(const Effect& e) const {
   if (const Decision* need = find(e.needs); need != nullptr && !need->on)
     return Decision{&e, "auto", false, "needs " + std::string(e.needs)};
-  if (const Switch mode = modes_.of(e.name); mode != Switch::kAuto) {
+  if (const Switch mode = switches_.of(e.name); mode != Switch::kAuto) {
     const bool on = mode == Switch::kOn;
     return Decision{&e, on ? "on" : "off", on, "--effect"};
   }
@@ -44,27 +44,27 @@ std::optional<Decision> Decisions::decision_without_heuristic(const Effect& e) c
 }
 
 bool Decisions::decide(const std::vector<Effect>& some, SceneProbe& probe) {
-  bool asked = false;
+  bool measured_any = false;
   for (const Effect& one : some) {
     const Effect& e = *find_effect(effects_, one.name);
     if (std::optional<Decision> known = decision_without_heuristic(e)) {
       all_.push_back(std::move(*known));
       continue;
     }
-    if (e.detector.possible != nullptr && !e.detector.possible(probe.problem())) {
-      all_.push_back({&e, "auto", false, std::string(e.detector.impossible), std::nan("")});
+    if (e.heuristic.possible != nullptr && !e.heuristic.possible(probe.problem())) {
+      all_.push_back({&e, "auto", false, std::string(e.heuristic.impossible), std::nan("")});
       continue;
     }
-    asked = true;
+    measured_any = true;
     const double measured = measured_by(e, probe);
     if (probe.stopped()) break;
-    all_.push_back({&e, "auto", measured > e.detector.threshold, decision_reason(e.detector, measured), measured});
+    all_.push_back({&e, "auto", measured > e.heuristic.threshold, decision_reason(e.heuristic, measured), measured});
   }
-  return asked;
+  return measured_any;
 }
 
 bool Decisions::is_fixed(std::string_view name) const {
-  return mode(name) != Switch::kAuto ||
+  return switch_of(name) != Switch::kAuto ||
          std::ranges::any_of(fixed_, [&](const FixedDecision& v) { return v.name == name; });
 }
 
@@ -75,7 +75,7 @@ void Decisions::abort(std::string_view name, std::string reason) {
 
 bool Decisions::on(std::string_view name) const {
   const Decision* decision = find(name);
-  if (decision == nullptr) throw std::logic_error("an effect is asked for before it is decided");
+  if (decision == nullptr) throw std::logic_error("an effect is used before it is decided");
   return decision->on;
 }
 
@@ -89,7 +89,7 @@ std::optional<bool> Decisions::on_if_known(std::string_view name) const {
 
 bool Decisions::may_be_on(std::string_view name, const Problem& problem) const {
   if (const std::optional<bool> known = on_if_known(name)) return *known;
-  const auto& possible = find_effect(effects_, name)->detector.possible;
+  const auto& possible = find_effect(effects_, name)->heuristic.possible;
   return !possible || possible(problem);
 }
 
@@ -98,7 +98,7 @@ Json Decisions::json() const {
   for (const Decision& d : all_) {
     Json entry = {{"name", d.effect->name}, {"mode", d.mode}, {"on", d.on}, {"reason", d.reason}};
     entry["measured"] = d.measured && std::isfinite(*d.measured) ? Json(*d.measured) : Json();
-    entry["threshold"] = d.effect->always.empty() ? Json(d.effect->detector.threshold) : Json();
+    entry["threshold"] = d.effect->always.empty() ? Json(d.effect->heuristic.threshold) : Json();
     entry["saving"] = d.on ? "" : d.effect->saves;
     table.push_back(std::move(entry));
   }

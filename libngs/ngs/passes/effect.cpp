@@ -16,7 +16,7 @@ std::string short_number(double value) {
   return text;
 }
 
-[[noreturn]] void refuse_entry(std::span<const Effect> effects, const std::string& entry) {
+[[noreturn]] void throw_bad_entry(std::span<const Effect> effects, const std::string& entry) {
   std::string names = "all";
   for (const Effect& e : effects) names += ", " + std::string(e.name);
   throw Error(ErrorCode::kUsage, "--effect: '" + entry + "', expected NAME=auto|on|off", "NAME is one of " + names);
@@ -54,7 +54,7 @@ void EffectSwitches::read(std::span<const Effect> effects, const std::string& en
   const std::string name = entry.substr(0, equals), value = entry.substr(std::min(equals + 1, entry.size()));
   const Effect* known = find_effect(effects, name);
   if ((known == nullptr && name != "all") || (value != "auto" && value != "on" && value != "off"))
-    refuse_entry(effects, entry);
+    throw_bad_entry(effects, entry);
   const Switch mode = value == "auto" ? Switch::kAuto : value == "on" ? Switch::kOn : Switch::kOff;
   if (known == nullptr) {
     for (const Effect& e : effects) set(e.name, mode, false);
@@ -81,9 +81,9 @@ Switch EffectSwitches::of(std::string_view name) const {
   return found == entries_.end() ? Switch::kAuto : found->mode;
 }
 
-std::string decision_reason(const Heuristic& detector, double measured) {
-  return std::string(detector.measured) + ": " + short_number(measured) +
-         (measured > detector.threshold ? " > " : " <= ") + short_number(detector.threshold);
+std::string decision_reason(const Heuristic& heuristic, double measured) {
+  return std::string(heuristic.measured) + ": " + short_number(measured) +
+         (measured > heuristic.threshold ? " > " : " <= ") + short_number(heuristic.threshold);
 }
 
 }  // namespace ngs

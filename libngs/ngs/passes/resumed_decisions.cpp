@@ -23,12 +23,12 @@ Json kept_decisions(const Pipeline& pipeline, const Decisions& decisions) {
   return kept;
 }
 
-void repeat_decisions(const Pipeline& pipeline, PassRun& run, const Json& effects, const Json& left_out) {
+void repeat_decisions(const Pipeline& pipeline, PassRun& run, const Json& effects, const Json& skipped) {
   const std::vector<Effect> redecided = pipeline.decided_again_on_resume();
   for (const Effect& effect : run.decisions.effects()) {
     if (find_effect(redecided, effect.name) != nullptr) continue;
-    if (holds(left_out, std::string(effect.name))) {
-      leave_out_for_time(run, effect.name);
+    if (holds(skipped, std::string(effect.name))) {
+      skip_for_time(run, effect.name);
     } else {
       for (const bool on : {false, true})
         if (holds(effects, text_of(effect.name, on))) run.decisions.fix({effect.name, on, "--resume", kMode});

@@ -13,15 +13,15 @@ namespace {
 
 constexpr double kLevels = 255;
 
-struct Seen {
+struct Visible {
   Vec3<double> offset;  // from the camera, world
   double depth = 0;     // camera z
   double px_per_unit = 0;
   double picture_px2 = 0;
 };
 
-/// False behind the camera or far outside of its picture.
-bool sees(const Camera& camera, const GaussianCloud& cloud, std::size_t i, Seen& seen) {
+/// False: behind the camera or far outside the image.
+bool in_view(const Camera& camera, const GaussianCloud& cloud, std::size_t i, Visible& visible) {
   const float* p = &cloud.position[3 * i];
   const Vec3<double> x{double(p[0]), double(p[1]), double(p[2])};
   const Vec3<double> at = camera.rotation * x + camera.translation;
@@ -31,18 +31,19 @@ bool sees(const Camera& camera, const GaussianCloud& cloud, std::size_t i, Seen&
   const double reach =
       3 * std::exp(double(*std::max_element(&cloud.log_scale[3 * i], &cloud.log_scale[3 * i] + 3))) * px_per_unit;
   if (u < -reach || v < -reach || u > camera.width_px + reach || v > camera.height_px + reach) return false;
-  seen = {x - camera.centre(), at.z, px_per_unit, double(camera.width_px) * camera.height_px};
+  visible = {x - camera.centre(), at.z, px_per_unit, double(camera.width_px) * camera.height_px};
   return true;
 }
 
-/// Calls use(i, seen, opacity) for every usable Gaussian that a camera sees.
+/// Calls use(i, visible, opacity) for every camera and every usable Gaussian in its view.
 template <class Use>
-void for_each_seen(const GaussianCloud& cloud, std::span<const Camera> cameras, const Use& use) {
+void for_each_visible(const GaussianCloud& cloud, std::span<const Camera> cameras, const Use& use) {
   for (const Camera& world : cameras) {
     const Camera camera = relative_to(world, cloud.origin);
-    Seen seen;
+    Visible visible;
     for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i)
-      if (cloud.usable[i] && sees(camera, cloud, i, seen)) use(i, seen, double(sigmoid(cloud.logit_opacity[i])));
+      if (cloud.usable[i] && in_view(camera, cloud, i, visible))
+        use(i, visible, double(sigmoid(cloud.logit_opacity[i])));
   }
 }
 
@@ -64,10 +65,10 @@ double view_dependence_levels(const GaussianCloud& cloud, std::span<const Camera
   const auto bands = std::size_t(cloud.rest_count());
   double most = 0;
   if (bands == 0) return 0;
-  for_each_seen(cloud, cameras, [&](std::size_t i, const Seen& seen, double opacity) {
+  for_each_visible(cloud, cameras, [&](std::size_t i, const Visible& visible, double opacity) {
     double basis[15];
-    const double length = std::sqrt(dot(seen.offset, seen.offset));
-    sh_rest_basis(cloud.sh_degree, (1 / length) * seen.offset, basis);
+    const double length = std::sqrt(dot(visible.offset, visible.offset));
+    sh_rest_basis(cloud.sh_degree, (1 / length) * visible.offset, basis);
     for (std::size_t c = 0; c < 3; ++c) {
       double change = 0;
       for (std::size_t k = 0; k < bands; ++k) change += basis[k] * double(cloud.sh_rest[(i * bands + k) * 3 + c]);
@@ -80,30 +81,31 @@ double view_dependence_levels(const GaussianCloud& cloud, std::span<const Camera
 double antialias_levels(const GaussianCloud& cloud, std::span<const Camera> cameras, const SplatOptions& splat) {
   double most = 0;
   if (!splat.antialiased) return 0;
-  for_each_seen(cloud, cameras, [&](std::size_t i, const Seen& seen, double opacity) {
+  for_each_visible(cloud, cameras, [&](std::size_t i, const Visible& visible, double opacity) {
     float s[3] = {cloud.log_scale[3 * i], cloud.log_scale[3 * i + 1], cloud.log_scale[3 * i + 2]};
     std::sort(s, s + 3);
-    double kept = 1;  // sqrt(det / det blurred), with the two shorter axes in the picture
+    double compensation = 1;  // sqrt(det / det blurred), if the two shorter axes are parallel to the image
     for (int a = 0; a < 2; ++a) {
-      const double px = std::exp(double(s[a])) * seen.px_per_unit;
-      kept *= std::sqrt(px * px / (px * px + splat.blur_px2));
+      const double px = std::exp(double(s[a])) * visible.px_per_unit;
+      compensation *= std::sqrt(px * px / (px * px + splat.blur_px2));
     }
-    most = std::max(most, opacity * (1 - kept));
+    most = std::max(most, opacity * (1 - compensation));
   });
   return kLevels * most;
 }
 
 double straddling_bound_px(const GaussianCloud& cloud, std::span<const Camera> cameras, double blur_px2) {
   std::vector<double> bound(std::size_t(cloud.size()), 0.0);
-  for_each_seen(cloud, cameras, [&](std::size_t i, const Seen& seen, double opacity) {
+  for_each_visible(cloud, cameras, [&](std::size_t i, const Visible& visible, double opacity) {
     float s[3] = {cloud.log_scale[3 * i], cloud.log_scale[3 * i + 1], cloud.log_scale[3 * i + 2]};
     std::sort(s, s + 3);
-    double area = 2 * std::numbers::pi;  // of a Gaussian: its integral; at most half of it is on the wrong side
+    double area =
+        2 * std::numbers::pi;  // integral of a Gaussian of unit scales; at most half of it is on the wrong side
     for (int a = 1; a < 3; ++a) {
-      const double px = std::exp(double(s[a])) * seen.px_per_unit;
+      const double px = std::exp(double(s[a])) * visible.px_per_unit;
       area *= std::sqrt(px * px + blur_px2);
     }
-    bound[i] += 0.5 * opacity * std::min(area, seen.picture_px2);
+    bound[i] += 0.5 * opacity * std::min(area, visible.picture_px2);
   });
   return bound.empty() ? 0 : *std::max_element(bound.begin(), bound.end());
 }
@@ -140,12 +142,13 @@ namespace {
 
 constexpr int kDeviationRadius_px = 3;
 
-/// Of one channel about (x, y).
+/// Variance of one channel in the patch about (x, y).
 double window_variance(const ImageF& photo, int x, int y, int channel) {
   double first = 0, second = 0;
   for (int v = y - kDeviationRadius_px; v <= y + kDeviationRadius_px; ++v)
     for (int u = x - kDeviationRadius_px; u <= x + kDeviationRadius_px; ++u) {
-      const double value = double(photo.at(u, v, channel)) - double(photo.at(x, y, channel));  // no cancellation
+      const double value = double(photo.at(u, v, channel)) -
+                           double(photo.at(x, y, channel));  // relative to the centre: avoids cancellation
       first += value, second += value * value;
     }
   constexpr double kCount = (2 * kDeviationRadius_px + 1) * (2 * kDeviationRadius_px + 1);
@@ -173,7 +176,7 @@ double cells_per_spacing(const std::vector<float>& nearest_distance, double exte
   return spacing > 0 ? extent / finest / spacing : INFINITY;
 }
 
-double gain_in_errors(const std::vector<double>& gains) {
+double gain_in_standard_errors(const std::vector<double>& gains) {
   const auto n = double(gains.size());
   if (gains.size() < 2) return 0;
   double sum = 0, square = 0;
@@ -183,10 +186,10 @@ double gain_in_errors(const std::vector<double>& gains) {
   return error > 0 ? sum / n / error : sum == 0 ? 0 : std::copysign(INFINITY, sum);
 }
 
-double normal_score(double gain_in_errors, std::size_t views) {
+double normal_score(double gain_in_standard_errors, std::size_t views) {
   if (views < 2) return 0;
   const double freedom = double(views) - 1;
-  const double t = gain_in_errors * std::sqrt(freedom / double(views));  // with the unbiased variance
+  const double t = gain_in_standard_errors * std::sqrt(freedom / double(views));  // t of the unbiased variance
   const double limit = (1 - 1 / (4 * freedom)) * std::sqrt(2 * freedom);
   if (std::isinf(t)) return std::copysign(limit, t);
   return t * (1 - 1 / (4 * freedom)) / std::sqrt(1 + t * t / (2 * freedom));
@@ -195,7 +198,7 @@ double normal_score(double gain_in_errors, std::size_t views) {
 NarrowParts narrow_parts(MaskPlane mask) {
   constexpr std::int32_t kReach = kNarrow_px / 2;
   const std::vector<std::int32_t> depth = chessboard_distance(mask, Outside::kUnknown);
-  std::vector<std::uint8_t> no_middle(depth.size());  // of such a square
+  std::vector<std::uint8_t> no_middle(depth.size());  // 1: not the centre of such a square
   for (std::size_t p = 0; p < depth.size(); ++p) no_middle[p] = depth[p] <= kReach;
   const std::vector<std::int32_t> away =
       chessboard_distance({no_middle.data(), mask.width_px, mask.height_px}, Outside::kUnknown);

@@ -1,8 +1,8 @@
 #pragma once
-// Numbers of a scene that the passes' heuristics compare with a threshold. Pure functions of loaded data, each small
-// enough to be tested against the naive measure that it replaces (tests/unit/problem/scene_measures_test.cpp).
+// Numbers that the passes' heuristics compare with thresholds. All are pure functions of loaded data. Each is tested
+// against the naive measure that it replaces (tests/unit/problem/scene_measures_test.cpp).
 //
-// A level is 1/255: a difference of colour below half a level leaves no trace in a photo of 8 bits.
+// A level is 1/255: a colour difference below half a level is invisible in an 8-bit photo.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -16,59 +16,56 @@
 
 namespace ngs {
 
-/// Largest opacity-weighted change of colour that the SH bands beyond the constant one cause in front of a
-/// camera, levels. Not the largest coefficient: bands of what is transparent, or lies in no picture, show
-/// nowhere.
+/// Largest opacity-weighted change of colour by the SH bands above degree 0 of Gaussians in view, levels. The largest
+/// coefficient would be wrong: it may belong to a Gaussian that is transparent or in no view.
 double view_dependence_levels(const GaussianCloud& cloud, std::span<const Camera> cameras);
 
-/// Largest opacity that the antialiasing compensation takes from a Gaussian, levels; 0 where `splat` does not
-/// ask for it. Not the flag alone: large footprints lose nothing.
+/// Largest opacity that the antialiasing compensation removes from a Gaussian, levels; 0 if `splat` has it off. The
+/// flag alone would be wrong: large footprints lose nothing.
 double antialias_levels(const GaussianCloud& cloud, std::span<const Camera> cameras, const SplatOptions& splat);
 
-/// Upper bound of the weight that any one Gaussian has on the wrong side of contours, summed over the views,
-/// px. Not the share alone: half of a speck is nothing.
+/// Upper bound on the weight of one Gaussian on the wrong side of contours, summed over the views, px. The share would
+/// be wrong: half of a tiny Gaussian does not matter.
 double straddling_bound_px(const GaussianCloud& cloud, std::span<const Camera> cameras, double blur_px2);
 
-/// RMS difference between the colours [B, 3] of neighbours, levels. Not the spread of all colours, which a
-/// boundary of two plain parts has too.
+/// RMS difference between the colours [B, 3] of neighbours, levels. The spread of all colours would be wrong: it is
+/// large for a boundary of two plain parts too.
 double neighbour_rms_levels(const KnnGraph& graph, Rows<const float, 3> colour);
 
-/// Largest such difference, levels. Not the mean, in which the one seam of a plain boundary is lost.
+/// Largest such difference, levels. The mean would be wrong: it hides a single seam in a plain boundary.
 double neighbour_most_levels(const KnnGraph& graph, Rows<const float, 3> colour);
 
-/// Largest range of a channel over the colours [B, 3], levels. Not the neighbours' difference: a ramp has
-/// none.
+/// Largest range of a channel over the colours [B, 3], levels. The difference of neighbours would be wrong: it is
+/// nearly 0 on a ramp.
 double colour_range_levels(Rows<const float, 3> colour);
 
-/// RMS standard deviation of the 7x7 patches about the mask's contour, levels; 0 without a contour. Not that
-/// of the whole photo, which may be textured elsewhere.
+/// RMS standard deviation of the 7x7 patches on the mask's contour, levels; 0 without a contour. The whole photo would
+/// be wrong: it may have texture elsewhere.
 double contour_deviation_levels(const ImageF& photo, MaskPlane mask);
 
-/// Side of the finest cell of an encoding with `finest` cells along `extent`, in median distances between
-/// nearest neighbours. Not from extent and count: points lie on a curve or in clusters, not all over their
-/// box.
+/// Side of the finest cell of an encoding with `finest` cells along `extent`, in median nearest-neighbour distances.
+/// The mean spacing in the box would be wrong: points lie on a curve or in clusters.
 double cells_per_spacing(const std::vector<float>& nearest_distance, double extent, int finest);
 
-/// Mean of the gains in units of its standard error; 0 for fewer than two. Not the mean, which one view can
-/// make.
-double gain_in_errors(const std::vector<double>& gains);
-/// The same as a score of the normal distribution: gains of few views have an uncertain standard error. Of three views
-/// it stays below 1.75, of 12 it is 2 where gain_in_errors() is 2.38, of 32 where it is 2.12, of 100 where it is 2.04.
-/// The transform of Student's t of Abramowitz and Stegun, 26.7.8. 0 for fewer than two.
-double normal_score(double gain_in_errors, std::size_t views);
-/// From here on a gain counts.
+/// Mean of the gains, in units of its standard error; 0 for fewer than two. The mean alone would be wrong: a single
+/// view can dominate it.
+double gain_in_standard_errors(const std::vector<double>& gains);
+/// The same as a score of the normal distribution, because the standard error of few views is uncertain. With three
+/// views the score stays below 1.75. It is 2 for a gain_in_standard_errors() of 2.38 with 12 views, 2.12 with 32,
+/// and 2.04 with 100. Transform of Student's t: Abramowitz and Stegun, 26.7.8. 0 for fewer than two views.
+double normal_score(double gain_in_standard_errors, std::size_t views);
+/// Minimum score of a significant gain.
 inline constexpr double kSignificant = 2;
 
-/// Pixels of a mask, and those that no square of kNarrow_px in it covers; beyond the picture it may go on. Not the
-/// contour's length by the area, which of a small thing is as large as of a thin one.
+/// Number of pixels of a mask, and of those that no square of kNarrow_px inside the mask covers. The mask may continue
+/// outside the image. Contour length by area would be wrong: it is as large for a small object as for a thin one.
 struct NarrowParts {
   double narrow_px2 = 0, all_px2 = 0;
 };
 inline constexpr int kNarrow_px = 9;
 NarrowParts narrow_parts(MaskPlane mask);
 
-/// Share of the rendered object weight that lies outside of the windows. Not the windows' share of the
-/// picture.
+/// Share of the rendered object weight outside the window. The share of pixels would be wrong: most of them are empty.
 double weight_outside(const ImageF& label, int x0, int y0, int x1, int y1);
 
 }  // namespace ngs

@@ -1,4 +1,4 @@
-// Each detector on a case in which the naive measure that it replaces decides wrongly.
+// Tests each measure on a case in which the naive measure that it replaces decides wrongly.
 #include "ngs/problem/scene_measures.h"
 
 #include <doctest/doctest.h>
@@ -19,7 +19,7 @@ Camera front_camera() {
   return camera;
 }
 
-/// `n` Gaussians 4 units before the camera, opaque, of scale e^log_scale.
+/// A row of `n` opaque Gaussians of scale e^log_scale, 4 units in front of the camera.
 GaussianCloud row_of(int n, float log_scale, int degree = 1) {
   GaussianCloud cloud;
   cloud.resize(n, degree);
@@ -44,20 +44,20 @@ std::vector<float> along_x(int n) {
 
 }  // namespace
 
-TEST_CASE("straddling: pixels may be higher than wide, and what reaches in from above counts") {
+TEST_CASE("straddling: Gaussians outside the image that reach into it count, also with fy > fx") {
   Camera camera = front_camera();
   camera.fy = 4 * camera.fx;
   GaussianCloud cloud = row_of(1, std::log(0.3f));
-  cloud.position[1] = -0.9f;  // 30 px above the picture, three deviations are 54 px
+  cloud.position[1] = -0.9f;  // 30 px above the image; three deviations are 54 px
   CHECK(straddling_bound_px(cloud, std::vector<Camera>{camera}, 0.3) > 0);
   cloud.position[1] = -2;
   CHECK(straddling_bound_px(cloud, std::vector<Camera>{camera}, 0.3) == 0);
 }
 
-TEST_CASE("view dependence: a large coefficient that nobody sees does not count, many small ones that add up do") {
+TEST_CASE("view dependence: a large coefficient that is not visible does not count, a sum of many small ones does") {
   const std::vector<Camera> cameras{front_camera()};
   GaussianCloud hidden = row_of(3, -2);
-  hidden.sh_rest[3] = 2;  // band z of the first, which is as good as transparent
+  hidden.sh_rest[3] = 2;  // band z of the first Gaussian, which is nearly transparent
   hidden.logit_opacity[0] = -12;
   CHECK(view_dependence_levels(hidden, cameras) < 0.5);
   hidden.logit_opacity[0] = 4, hidden.position[2] = -4;  // behind the camera
@@ -68,18 +68,18 @@ TEST_CASE("view dependence: a large coefficient that nobody sees does not count,
   CHECK(view_dependence_levels(row_of(3, -2, 0), cameras) == 0);
 }
 
-TEST_CASE("compensation: the flag alone says nothing where all footprints are large") {
+TEST_CASE("compensation: 0 for large footprints although the flag is set") {
   const std::vector<Camera> cameras{front_camera()};
   GaussianCloud small = row_of(3, -4.f);
   const GaussianCloud large = row_of(3, 1.f);
   const SplatOptions with{.antialiased = true};
   CHECK(antialias_levels(large, cameras, with) < 0.5);
   CHECK(antialias_levels(small, cameras, with) > 100);
-  small.antialiased = true;  // --antialias off: what the model says of itself is overruled
+  small.antialiased = true;  // --antialias off overrides the flag of the model
   CHECK(antialias_levels(small, cameras, {}) == 0);
 }
 
-TEST_CASE("straddling: a speck on the contour is nothing, a sheet with a hundredth of its share there is") {
+TEST_CASE("straddling: tiny Gaussians on the contour stay below 3 px, a large one exceeds 100 px") {
   const std::vector<Camera> cameras{front_camera()};
   GaussianCloud specks = row_of(3, -8);
   for (float& o : specks.logit_opacity) o = -1;
@@ -88,26 +88,24 @@ TEST_CASE("straddling: a speck on the contour is nothing, a sheet with a hundred
   CHECK(straddling_bound_px({}, cameras, 0.3) == 0);
 }
 
-TEST_CASE("straddling: the bound lies above what the picture can hold of a Gaussian by no more than the picture") {
-  GaussianCloud cloud = row_of(1, 3);  // larger than the picture
+TEST_CASE("straddling: the bound of a Gaussian larger than the image is at most half of the image per view") {
+  GaussianCloud cloud = row_of(1, 3);  // larger than the image
   const std::vector<Camera> cameras{front_camera(), front_camera()};
   CHECK(straddling_bound_px(cloud, cameras, 0.3) <= 2 * 0.5 * 64 * 48);
 }
 
-TEST_CASE(
-    "neighbours: two plain halves differ as a whole but not between neighbours; one seam counts for the "
-    "most") {
+TEST_CASE("neighbours: a seam between two plain halves hardly changes the RMS difference, but gives the largest one") {
   const int n = 400;
   const KnnGraph graph = chain(along_x(n));
   std::vector<float> halves(std::size_t(n) * 3, 0.f);
   for (std::size_t i = halves.size() / 2; i < halves.size(); ++i) halves[i] = 0.02f;
   const Rows<const float, 3> colour{halves.data(), n};
   CHECK(colour_range_levels(colour) > 5);            // the naive measure for L_cont: on
-  CHECK(neighbour_rms_levels(graph, colour) < 0.5);  // its few edges across the seam are lost in the mean: off
-  CHECK(neighbour_most_levels(graph, colour) > 5);   // but nearest and interpolated feature differ there: on
+  CHECK(neighbour_rms_levels(graph, colour) < 0.5);  // the few edges across the seam vanish in the mean: off
+  CHECK(neighbour_most_levels(graph, colour) > 5);   // nearest and interpolated feature differ at the seam: on
 }
 
-TEST_CASE("range: a ramp has no difference between neighbours and yet a range") {
+TEST_CASE("range: a ramp has a large range although neighbours hardly differ") {
   const int n = 400;
   std::vector<float> ramp;
   for (int i = 0; i < n; ++i) ramp.insert(ramp.end(), {float(i) / n, 0.5f, 0.5f});
@@ -134,37 +132,37 @@ TEST_CASE("patches: texture away from the contour does not count") {
   CHECK(contour_deviation_levels(photo, {mask.data(), w, h}) == 0);
 }
 
-TEST_CASE("cells: points in a cluster are nearer than their count and extent say") {
+TEST_CASE("cells: the spacing of clustered points is smaller than count and extent suggest") {
   // 1000 points within a hundredth of a box of side 10, and one at its far corner.
   std::vector<float> nearest(1000, 0.01f);
   nearest.push_back(10.f);
   const double naive_spacing = 10 / std::cbrt(1001.0);
-  CHECK(10.0 / 512 / naive_spacing < 0.5);           // naive: no use for 512 cells
-  CHECK(cells_per_spacing(nearest, 10, 512) > 0.5);  // their spacing has use for them
+  CHECK(10.0 / 512 / naive_spacing < 0.5);           // naive: 512 cells are too fine
+  CHECK(cells_per_spacing(nearest, 10, 512) > 0.5);  // the true spacing supports them
   CHECK(cells_per_spacing({}, 10, 512) == 0);
   CHECK(std::isinf(cells_per_spacing({0.f, 0.f}, 10, 512)));
 }
 
-TEST_CASE("gain: one view that gains much is no gain of all") {
-  CHECK(gain_in_errors({0.3, -0.01, 0, -0.02, 0.01, 0}) < 2);     // naive: mean gain 0.047
-  CHECK(gain_in_errors({0.01, 0.012, 0.008, 0.011, 0.009}) > 2);  // naive: only 0.01
-  CHECK(gain_in_errors({}) == 0);
-  CHECK(gain_in_errors({0, 0, 0}) == 0);
-  CHECK(gain_in_errors({0.1, 0.1}) == INFINITY);
-  CHECK(gain_in_errors({-0.1, -0.1}) == -INFINITY);
+TEST_CASE("gain: one view with a large gain is not significant") {
+  CHECK(gain_in_standard_errors({0.3, -0.01, 0, -0.02, 0.01, 0}) < 2);     // naive: mean gain 0.047
+  CHECK(gain_in_standard_errors({0.01, 0.012, 0.008, 0.011, 0.009}) > 2);  // naive: only 0.01
+  CHECK(gain_in_standard_errors({}) == 0);
+  CHECK(gain_in_standard_errors({0, 0, 0}) == 0);
+  CHECK(gain_in_standard_errors({0.1, 0.1}) == INFINITY);
+  CHECK(gain_in_standard_errors({-0.1, -0.1}) == -INFINITY);
 }
 
-TEST_CASE("outside: the share of weight counts, not the share of the picture") {
+TEST_CASE("outside: the share of weight counts, not the share of pixels") {
   ImageF label(100, 100, 1, 0.f);
   for (int y = 45; y < 55; ++y)
     for (int x = 45; x < 55; ++x) label.at(x, y) = 1;
-  CHECK(weight_outside(label, 40, 40, 60, 60) == 0);  // 96 % of the picture lie outside
+  CHECK(weight_outside(label, 40, 40, 60, 60) == 0);  // 96 % of the pixels lie outside
   label.at(2, 2) = 1;
   CHECK(weight_outside(label, 40, 40, 60, 60) == doctest::Approx(1.0 / 101));
   CHECK(weight_outside(ImageF(3, 3, 1), 0, 0, 1, 1) == 0);
 }
 
-TEST_CASE("narrow parts: a small solid thing has none, a large one of stripes nothing else") {
+TEST_CASE("narrow parts: a small solid mask has none, a large mask of stripes has many") {
   const int w = 120, h = 90;
   const auto drawn = [&](const auto& inside) {
     std::vector<std::uint8_t> mask(std::size_t(w * h));
@@ -181,14 +179,14 @@ TEST_CASE("narrow parts: a small solid thing has none, a large one of stripes no
     return double(std::count(depth.begin(), depth.end(), 1)) / double(std::count(mask.begin(), mask.end(), 1));
   };
   const auto box = drawn([](int x, int y) { return x >= 50 && x < 59 && y >= 40 && y < 49; });
-  // Six stripes of 8 px beside a solid quarter.
+  // Six stripes of 8 px next to a solid quarter.
   const auto stripes =
       drawn([](int x, int y) { return x >= 10 && x < 106 && y >= 20 && y < 60 && (x >= 82 || x % 12 < 8); });
   CHECK(share(box) == 0);
   CHECK(share(stripes) > 0.5);
-  CHECK(contour_by_area(stripes) < contour_by_area(box));  // naive: the box is the thinner one
+  CHECK(contour_by_area(stripes) < contour_by_area(box));  // naive: the box would be thinner
   const auto whisker = drawn([](int x, int y) { return (x < 60 && y < 60) || (y == 30 && x < 80); });
-  CHECK(share(whisker) == doctest::Approx(20.0 / 3620));  // beyond the picture's border it goes on
+  CHECK(share(whisker) == doctest::Approx(20.0 / 3620));  // the mask continues outside the image
   const auto cut = drawn([](int x, int) { return x < 5; });
   CHECK(share(cut) == 0);
   const NarrowParts none = narrow_parts({std::vector<std::uint8_t>(16).data(), 4, 4});
@@ -197,7 +195,7 @@ TEST_CASE("narrow parts: a small solid thing has none, a large one of stripes no
 
 TEST_CASE("normal_score: few views never reach significance, and the score is continuous in their number") {
   CHECK(normal_score(-INFINITY, 1) == 0);
-  CHECK(normal_score(-INFINITY, 3) > -kSignificant);  // of three views none is enough
+  CHECK(normal_score(-INFINITY, 3) > -kSignificant);  // three views never suffice
   CHECK(normal_score(-INFINITY, 12) < -kSignificant);
   CHECK(normal_score(-INFINITY, 3) == doctest::Approx(normal_score(-1e9, 3)));
   // The quantiles of Student's t for 2 standard errors (0.02275): 2.255 of 11 degrees of freedom, 2.079 of 31, 2.025

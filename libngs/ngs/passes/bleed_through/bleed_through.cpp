@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "ngs/ops/splat/evidence.h"
-#include "ngs/problem/scene_measures.h"
 #include "ngs/problem/cloud_rows.h"
 #include "ngs/problem/pixel_window.h"
+#include "ngs/problem/scene_measures.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/scene/mask_threshold.h"
 #include "ngs/stages/boundary/method_labels.h"
@@ -15,26 +15,26 @@
 namespace ngs {
 namespace {
 
-// A label is in doubt below this share. What shows through in every view, with more, shows nowhere else.
+// A label is uncertain below this share. A Gaussian with a larger share is rarely visible outside the object.
 constexpr float kCertainShare = 0.8f;
 
 using RowList = std::vector<std::int64_t>;  // increasing
 
-/// The views of a problem where some of its Gaussians show, cut to where they do.
-class ViewsOf {
+/// The views in which some Gaussians are visible, cropped to those Gaussians.
+class ViewsShowing {
  public:
-  ViewsOf(const Exec& exec, const Problem& problem, const RowList& rows)
+  ViewsShowing(const Exec& exec, const Problem& problem, const RowList& rows)
       : exec_(exec),
         problem_(problem),
-        some_(gather_rows(exec, problem.cloud, rows)),
-        splat_(prepared_for(exec, problem.splat, some_)) {}
+        part_(gather_rows(exec, problem.cloud, rows)),
+        splat_(prepared_for(exec, problem.splat, part_)) {}
 
-  /// f(camera, masks) of these views, up to the one where it is asked to stop.
+  /// Calls f(camera, masks) for these views until a stop is requested.
   template <class F>
   void for_each(const F& f) const {
     for_each_view(problem_.monitor, problem_.views, [&](std::size_t, std::size_t view) {
       const Camera& camera = problem_.scene.views[view].camera;
-      const PixelWindow window = shown(camera);
+      const PixelWindow window = visible_window(camera);
       if (window.w == 0) return;
       ViewMasks masks = problem_.load_masks(view);
       if (!masks.available) return;
@@ -43,78 +43,79 @@ class ViewsOf {
   }
 
  private:
-  PixelWindow shown(const Camera& camera) const {
+  PixelWindow visible_window(const Camera& camera) const {
     RenderRequest request;
     request.colour = false;
-    ImageF alpha = render(exec_, some_, camera, splat_, request).alpha;
+    ImageF alpha = render(exec_, part_, camera, splat_, request).alpha;
     const PixelWindow window = window_of({std::move(alpha.data)}, camera.width_px, camera.height_px, 0);
     return widened(window, 0, camera.width_px, camera.height_px);
   }
 
   const Exec& exec_;
   const Problem& problem_;
-  GaussianCloud some_;
+  GaussianCloud part_;
   SplatOptions splat_;
 };
 
-/// A label in doubt, and what the views say of it by visibility: Σ α T², Σ α T² M.
-struct Doubt {
+/// An uncertain label and its sums over the views, weighted by visibility: Σ α T², Σ α T² M.
+struct UncertainLabel {
   std::int64_t row;
   std::size_t object;
-  double all = 0, objects = 0;
+  double weight = 0, object_weight = 0;
 };
 
-/// [N] 1: one of these.
+/// [N] 1: the row is in `rows`.
 std::vector<std::uint8_t> flags_of(const RowList& rows, std::int64_t n) {
   std::vector<std::uint8_t> flag(std::size_t(n), 0);
   for (const std::int64_t row : rows) flag[std::size_t(row)] = 1;
   return flag;
 }
 
-/// By row.
-std::vector<Doubt> labels_in_doubt(const Problem& problem, const std::vector<LabelColumns>& labels) {
-  std::vector<Doubt> doubts;
+/// Sorted by row.
+std::vector<UncertainLabel> uncertain_labels(const Problem& problem, const std::vector<LabelColumns>& labels) {
+  std::vector<UncertainLabel> candidates;
   for (std::size_t i = 0; i < std::size_t(problem.cloud.size()); ++i)
     for (std::size_t k = 0; k < labels.size() && !is_fixed(problem, i); ++k)
       if (label_is_foreground(labels[k].label[i]) && labels[k].prob[i] < kCertainShare)
-        doubts.push_back({std::int64_t(i), k});
-  return doubts;
+        candidates.push_back({std::int64_t(i), k});
+  return candidates;
 }
 
-/// `rows` of the doubts, as the sums number them.
-void add_view(const ViewSums& sums, const RowNumbers& rows, std::vector<Doubt>& doubts) {
+/// Adds the sums of one view. `rows`: the rows of the uncertain labels, in the numbering of `sums`.
+void add_view(const ViewSums& sums, const RowNumbers& rows, std::vector<UncertainLabel>& candidates) {
   std::size_t v = 0;
-  for (Doubt& doubt : doubts) {
-    const std::uint32_t number = rows.number[std::size_t(doubt.row)];
+  for (UncertainLabel& candidate : candidates) {
+    const std::uint32_t number = rows.number[std::size_t(candidate.row)];
     while (v < sums.size() && sums.row[v] < number) ++v;
     if (v == sums.size()) return;
-    if (sums.row[v] == number) doubt.all += sums.weight(v), doubt.objects += sums.object_weight(v, doubt.object);
+    if (sums.row[v] == number)
+      candidate.weight += sums.weight(v), candidate.object_weight += sums.object_weight(v, candidate.object);
   }
 }
 
-/// Per object the rows that are labelled as it and less than half its own by visibility.
+/// Per object, the rows that are labelled as the object and have f_T < 1/2.
 std::vector<RowList> rows_bleed_through(const Exec& exec, const Problem& problem,
-                                       const std::vector<LabelColumns>& labels) {
-  std::vector<Doubt> doubts = labels_in_doubt(problem, labels);
+                                        const std::vector<LabelColumns>& labels) {
+  std::vector<UncertainLabel> candidates = uncertain_labels(problem, labels);
   std::vector<RowList> found(labels.size());
-  if (doubts.empty()) return found;
+  if (candidates.empty()) return found;
   RowList rows;
-  for (const Doubt& doubt : doubts) rows.push_back(doubt.row);
+  for (const UncertainLabel& candidate : candidates) rows.push_back(candidate.row);
   rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
   const RowNumbers wanted(rows, problem.cloud.size());
-  ViewsOf(exec, problem, rows).for_each([&](const Camera& camera, const ViewMasks& masks) {
+  ViewsShowing(exec, problem, rows).for_each([&](const Camera& camera, const ViewMasks& masks) {
     const MaskedView by_visibility{camera, masks, PixelWeight::kByVisibility};
-    add_view(view_sums(exec, problem.cloud, by_visibility, problem.splat, &wanted), wanted, doubts);
+    add_view(view_sums(exec, problem.cloud, by_visibility, problem.splat, &wanted), wanted, candidates);
   });
-  for (const Doubt& doubt : doubts)
-    if (2 * doubt.objects < doubt.all) found[doubt.object].push_back(doubt.row);
+  for (const UncertainLabel& candidate : candidates)
+    if (2 * candidate.object_weight < candidate.weight) found[candidate.object].push_back(candidate.row);
   return found;
 }
 
-/// How much nearer to the mask the second channel is than the first: the difference of their squared errors over the
-/// pixels of a view, in units of the root of that between the channels. Not the pixels whose label changes: a mask that
-/// is wrong by a pixel speaks of its neighbours too.
-double vote(const ImageF& drawn, const ViewMasks& masks, std::size_t object) {
+/// Gain of the second channel over the first in one view: the difference of their squared errors against the mask,
+/// divided by the L2 distance of the channels. Counting changed pixels instead would let a mask that is wrong by one
+/// pixel count for its neighbours too.
+double view_gain(const ImageF& drawn, const ViewMasks& masks, std::size_t object) {
   double gain = 0, change = 0;
   for (std::size_t p = 0; p < masks.target[object].size(); ++p) {
     if (!masks.known.empty() && !masks.known[p]) continue;
@@ -124,7 +125,8 @@ double vote(const ImageF& drawn, const ViewMasks& masks, std::size_t object) {
   return change > 0 ? gain / std::sqrt(change) : 0;
 }
 
-/// What the masks of an object gain without the rows, standard errors of the mean over the views that show them.
+/// Gain in agreement with the masks of an object if `rows` lose the label, in standard errors of the mean over the
+/// views that show the rows.
 double gain_without(const Exec& exec, const Problem& problem, std::size_t object, const LabelColumn& label,
                     const RowList& rows) {
   std::vector<LabelColumns> both(2);
@@ -132,12 +134,12 @@ double gain_without(const Exec& exec, const Problem& problem, std::size_t object
   for (const std::int64_t row : rows) both[1].label[std::size_t(row)] = 0;
   const LabelChannels channels(problem.cloud, both);
   const std::vector<std::uint8_t> differ = flags_of(rows, problem.cloud.size());  // elsewhere the two are equal
-  std::vector<double> votes;
-  ViewsOf(exec, problem, rows).for_each([&](const Camera& camera, const ViewMasks& masks) {
-    const double of_view = vote(channels.view(exec, camera, problem.splat, differ.data()), masks, object);
-    if (of_view != 0) votes.push_back(of_view);
+  std::vector<double> gains;
+  ViewsShowing(exec, problem, rows).for_each([&](const Camera& camera, const ViewMasks& masks) {
+    const double gain = view_gain(channels.view(exec, camera, problem.splat, differ.data()), masks, object);
+    if (gain != 0) gains.push_back(gain);
   });
-  return gain_in_errors(votes);
+  return gain_in_standard_errors(gains);
 }
 
 }  // namespace

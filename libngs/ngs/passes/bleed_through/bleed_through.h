@@ -1,12 +1,12 @@
 #pragma once
-// Labels that Gaussians have only because they show through the object.                          PAPER.md §5.17
+// Removes labels of Gaussians that are only visible through the object.                          PAPER.md §5.17
 //
-// What lies under the object or behind it shows through it a little in every view that looks at it across the object,
-// all of that within the mask. Where few views see it in the open, these traces are most of its weight. By visibility
-// they are not:
-//   f_T = Σ α T² M / Σ α T²     where the closed form is     f = Σ α T M / Σ α T     (T: what is left of the light)
-// A Gaussian that is labelled as the object and has f_T < 1/2 loses the label where the masks vote for that: object by
-// object, by the squared error of both labels drawn against the mask.
+// A Gaussian behind the object shows through it faintly in many views, always within the mask. If few views see the
+// Gaussian unoccluded, these faint contributions are most of its rendering weight. Weighting by visibility suppresses
+// them:
+//   f_T = Σ α T² M / Σ α T²     instead of the closed form     f = Σ α T M / Σ α T     (T: transmittance, M: mask)
+// Gaussians that are labelled as an object and have f_T < 1/2 lose the label if this reduces the squared error of the
+// rendered label against the masks significantly. Each object is tested separately.
 #include <cstdint>
 #include <vector>
 
@@ -17,15 +17,15 @@ namespace ngs {
 struct BleedThrough {
   struct OfObject {
     std::int64_t found = 0;  // Gaussians with f_T < 1/2
-    double gain = 0;         // of agreement with the masks without them, standard errors of the mean over the views
-    bool taken = false;      // they have lost the label
+    double gain = 0;         // gain in agreement with the masks without them, in standard errors of the mean over views
+    bool taken = false;      // true: these Gaussians lost the label
   };
   std::vector<LabelColumns> labels;
   std::vector<OfObject> objects;
 };
 
-/// `labels`: the problem's, which become those of the finding. Rows fixed by hand stay, as does what no view shows.
-/// Where it was asked to stop, nothing is taken.
+/// `labels`: those of the problem; returned with the changes. Rows fixed by hand and Gaussians that no view shows keep
+/// their labels. If a stop is requested, no label is removed.
 BleedThrough without_bleed_through(const Exec& exec, const Problem& problem, std::vector<LabelColumns> labels);
 
 }  // namespace ngs

@@ -2,18 +2,18 @@
 
 #include <cmath>
 
-#include "ngs/problem/scene_measures.h"
 #include "ngs/passes/bleed_through/bleed_through.h"
+#include "ngs/problem/scene_measures.h"
 
 namespace ngs {
 std::vector<Effect> BleedThroughPass::effects() const {
   return {{.name = "bleed-through",
-           .help = "no label for what only shows through the object",
-           .saves = "its evidence by visibility and a vote of the masks",
-           .detector = {
-               "agreement with the masks lost by refined contours, normal score (0: the photos show edges that the "
-               "model does not, or the masks err to one side)",
-               kSignificant, "the masks are right on the mean: they can vote",
+           .help = "unlabel Gaussians that are only visible through the object",
+           .saves = "evidence weighted by visibility, and its test against the masks",
+           .heuristic = {
+               "loss of agreement with the masks by contour refinement, normal score (0: the photos show edges that "
+               "the model does not, or the masks err to one side)",
+               kSignificant, "above it the masks are accurate on average, so labels can be tested against them",
                [](SceneProbe& probe) { return 0 - probe.edge_gain(); }}}};
 }
 
@@ -23,7 +23,7 @@ std::vector<FixedDecision> BleedThroughPass::fixed_decisions(const TrainingOptio
 }
 
 void BleedThroughPass::run(PassRun& run) {
-  const auto timed = run.monitor.scope("seen through");
+  const auto timed = run.monitor.scope("bleed-through");
   Problem& problem = *run.problem;
   BleedThrough finding = without_bleed_through(run.exec, problem, problem.labels);
   if (run.monitor.stop_requested()) return;
@@ -39,7 +39,7 @@ void BleedThroughPass::run(PassRun& run) {
     if (of.taken) count += of.found;
   }
   run.report["bleed_through"] = {{"gaussians", count}, {"objects", std::move(objects)}};
-  if (count > 0) run.say(std::to_string(count) + " Gaussians only show through the object: not labelled as it");
+  if (count > 0) run.log(std::to_string(count) + " Gaussians are only visible through the object: label removed");
 }
 
 }  // namespace ngs

@@ -9,10 +9,10 @@ namespace ngs {
 std::vector<Effect> ComponentsPass::effects() const {
   return {
       {.name = "components",
-       .help = "claim nothing that does not hang together with the object",
-       .saves = "linking what is labelled",
-       .detector = {"Gaussians that masks claim apart from the object", 0, "one is enough: it may be large",
-                    [](SceneProbe& probe) { return double(count_disconnected(probe.exec(), {}, probe.problem())); }}}};
+       .help = "unlabel pieces that are disconnected from the object",
+       .saves = "linking of labelled Gaussians",
+       .heuristic = {"labelled Gaussians that are disconnected from the object", 0, "one is enough: it may be large",
+                     [](SceneProbe& probe) { return double(count_disconnected(probe.exec(), {}, probe.problem())); }}}};
 }
 
 void ComponentsPass::edit_solution(PassRun& run) {
@@ -21,19 +21,19 @@ void ComponentsPass::edit_solution(PassRun& run) {
     return decision.effect->name == "components" && (decision.on || decision.measured);
   });
   if (!labels_were_trained || is_switched_off) return;
-  run.report["components"]["withdrawn"] = withdraw_apart(run.exec, {}, *run.problem, *run.solution);
+  run.report["components"]["withdrawn"] = restore_disconnected_labels(run.exec, {}, *run.problem, *run.solution);
 }
 
 void ComponentsPass::run(PassRun& run) {
   Problem& problem = *run.problem;
-  ComponentFinding finding = find_disconnected(run.exec, {}, problem, problem.labels.taken());
+  ComponentFinding finding = find_disconnected(run.exec, {}, problem, problem.labels.release());
   problem.labels = std::move(finding.labels);
   run.report["components"] = {{"found", finding.count}};
   if (finding.count == 0) return;
   problem.frozen.resize(finding.disconnected.size());
   for (std::size_t i = 0; i < finding.disconnected.size(); ++i) problem.frozen[i] |= finding.disconnected[i];
-  run.fields_fit = false;
-  run.say(std::to_string(finding.count) + " Gaussians that masks claim lie apart from the object: taken for unseen");
+  run.field_matches_model = false;
+  run.log(std::to_string(finding.count) + " labelled Gaussians are disconnected from the object: treated as unseen");
 }
 
 }  // namespace ngs

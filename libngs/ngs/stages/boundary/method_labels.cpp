@@ -21,7 +21,8 @@ std::vector<LabelColumns> closed_form_labels(const Exec& exec, Monitor& monitor,
   }
   const auto timed = monitor.scope("evidence");
   return label_gaussians(
-      input.rule, accumulate_evidence(exec, monitor, {input.cloud, input.scene, input.views, input.splat, input.load_masks}));
+      input.rule,
+      accumulate_evidence(exec, monitor, {input.cloud, input.scene, input.views, input.splat, input.load_masks}));
 }
 
 namespace {
@@ -48,14 +49,15 @@ void set_labels(const BoundaryRule& rule, const double* weight, std::size_t i, s
 }  // namespace
 
 std::vector<LabelColumns> recompute_labels(const Exec& exec, Monitor& monitor, const Problem& input,
-                                      const GaussianCloud& cloud) {
-  const Problem& whole = input.whole ? *input.whole : input;
+                                           const GaussianCloud& cloud) {
+  const Problem& uncropped = input.uncropped ? *input.uncropped : input;
   const auto masks = [&](std::size_t view) {
-    ViewMasks all = whole.load_masks(view);
-    if (input.whole) all.available = all.available && input.load_masks(view).available;
+    ViewMasks all = uncropped.load_masks(view);
+    if (input.uncropped) all.available = all.available && input.load_masks(view).available;
     return all;
   };
-  const Evidence evidence = accumulate_evidence(exec, monitor, {cloud, whole.scene, whole.views, input.splat, masks});
+  const Evidence evidence =
+      accumulate_evidence(exec, monitor, {cloud, uncropped.scene, uncropped.views, input.splat, masks});
   if (monitor.stop_requested()) return input.labels;
   std::vector<LabelColumns> labels = label_gaussians(input.rule, evidence);
   keep_outside(input.labels, labels);
@@ -65,18 +67,19 @@ std::vector<LabelColumns> recompute_labels(const Exec& exec, Monitor& monitor, c
 
 std::vector<LabelColumns> labels_without_views(const Exec& exec, Monitor& monitor, const Problem& input,
                                                const std::vector<std::size_t>& views) {
-  if (!input.whole || !input.whole->weight || input.rule.criterion != Criterion::kPooled)
+  if (!input.uncropped || !input.uncropped->weight || input.rule.criterion != Criterion::kPooled)
     return recompute_labels(exec, monitor, input, input.cloud);
   const auto timed = monitor.scope("evidence");
-  const Problem& whole = *input.whole;
+  const Problem& uncropped = *input.uncropped;
   const std::size_t objects = input.labels.size();
-  const RowNumbers claimed(claimed_rows(input.labels));
-  std::vector<LabelColumns> of_claimed = gather_labels(exec, input.labels, claimed.row);
-  std::vector<float> seen_less(of_claimed[0].prob.size(), 0.f);
-  LeaveOneOut rest(exec, claimed.size(), int(objects), [&](std::size_t v) {
-    return view_weights(exec, whole.cloud, {whole.scene.views[v].camera, whole.load_masks(v)}, whole.splat, &claimed);
+  const RowNumbers with_evidence(rows_with_evidence(input.labels));
+  std::vector<LabelColumns> gathered = gather_labels(exec, input.labels, with_evidence.row);
+  std::vector<float> seen_less(gathered[0].prob.size(), 0.f);
+  LeaveOneOut rest(exec, with_evidence.size(), int(objects), [&](std::size_t v) {
+    return view_weights(exec, uncropped.cloud, {uncropped.scene.views[v].camera, uncropped.load_masks(v)},
+                        uncropped.splat, &with_evidence);
   });
-  rest.start(of_claimed, gather_column(exec, *whole.weight, 1, claimed.row), views);
+  rest.start(gathered, gather_column(exec, *uncropped.weight, 1, with_evidence.row), views);
   const bool every = for_each_view(&monitor, views, [&](std::size_t, std::size_t v) {
     const std::shared_ptr<const ViewWeights> own = rest.weights_of(v);
     for (std::size_t part = 0; part < own->parts(); ++part)
@@ -87,14 +90,14 @@ std::vector<LabelColumns> labels_without_views(const Exec& exec, Monitor& monito
   std::vector<double> weight(1 + objects);
   for (std::size_t i = 0; i < seen_less.size(); ++i) {
     if (seen_less[i] == 0) continue;
-    const bool unseen = of_claimed[0].views[i] <= seen_less[i];  // no weight remains except rounding
-    for (LabelColumns& c : of_claimed) c.views[i] -= std::min(float(c.views[i]), seen_less[i]);
+    const bool unseen = gathered[0].views[i] <= seen_less[i];  // no weight remains except rounding
+    for (LabelColumns& c : gathered) c.views[i] -= std::min(float(c.views[i]), seen_less[i]);
     weight[0] = unseen ? 0 : rest.weight(i);
     for (std::size_t k = 0; k < objects; ++k) weight[1 + k] = unseen ? 0 : rest.object_weight(i, k);
-    set_labels(input.rule, weight.data(), i, of_claimed);
+    set_labels(input.rule, weight.data(), i, gathered);
   }
   std::vector<LabelColumns> labels = input.labels;
-  scatter_labels(exec, of_claimed, claimed.row, labels);
+  scatter_labels(exec, gathered, with_evidence.row, labels);
   keep_outside(input.labels, labels);
   restore_fixed(input, {}, labels);
   return labels;

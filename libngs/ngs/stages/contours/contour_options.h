@@ -12,20 +12,20 @@ enum class ContourViews : std::uint8_t { kAll, kTrain };
 inline constexpr NamedValue<ContourViews> kContourViewsNames[] = {{ContourViews::kAll, "all"},
                                                                   {ContourViews::kTrain, "train"}};
 
-/// What a view without a photo is trained on: nothing, the model's own picture of it, or what serves other views
-/// better.
+/// What a view without a photo is trained on: kLeave: nothing; kPicture: the model's own rendering; kAuto: the better
+/// of both, as measured on views with a photo.
 enum class PhotolessViews : std::uint8_t { kAuto, kLeave, kPicture };
 inline constexpr NamedValue<PhotolessViews> kPhotolessViewsNames[] = {
     {PhotolessViews::kAuto, "auto"}, {PhotolessViews::kLeave, "leave"}, {PhotolessViews::kPicture, "picture"}};
 
-/// Parts that can be switched: --effect split, contour-iterations, full-resolution.
+/// The effects split, contour-iterations and full-resolution.
 struct ContourSwitches {
-  bool split = true;            // Gaussians across contours are halved
-  bool iterations = true;       // more than one
-  bool full_resolution = true;  // in all of them; off: in the last alone
+  bool split = true;            // halve Gaussians that straddle contours
+  bool iterations = true;       // run more than one iteration
+  bool full_resolution = true;  // in all iterations; false: only in the last
 };
 
-/// Gaussians with more weight across contours are halved.
+/// Gaussians with more weight on the wrong side of contours are halved.
 inline constexpr double kSplit_px = 3;
 
 struct ContourOptions {
@@ -33,8 +33,8 @@ struct ContourOptions {
   ContourViews views = ContourViews::kAll;
   PhotolessViews photoless = PhotolessViews::kAuto;
   ContourRefineOptions refine;
-  double margin_px = 64;  // of the trained window; no flag sets it
-  ContourSwitches on;     // as the effects are decided
+  double margin_px = 64;  // of the trained windows; not an option
+  ContourSwitches on;     // set by the decisions on effects
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -58,16 +58,16 @@ struct ContourOptions {
   }
 };
 
-/// Of more views than this the default takes each less often: steps grow with the root of the views.
+/// With more views, the default number of epochs falls so that steps grow with the square root of the number of views.
 inline constexpr int kViewsOfAllEpochs = 21;
 
-/// Epochs of the last iteration where there are `views` of them; 0: nothing is done.
+/// Epochs of the last iteration for this number of views; 0: contours are not refined.
 int contour_epochs(const ContourOptions& contour, Quality quality, std::size_t views);
 
-/// `misaligned`: the masks' contours miss the photos' edges, by more than one refinement reaches.
+/// Number of iterations. `misaligned`: the masks' contours miss the photos' edges by more than one refinement moves.
 int contour_iterations(const ContourOptions& contour, Quality quality, bool misaligned);
 
-/// Of `epochs` in the last iteration, those of an iteration at half the size.
+/// Epochs of an iteration at half the size, if the last iteration has `epochs`.
 int early_epochs(int epochs);
 
 }  // namespace ngs

@@ -6,22 +6,22 @@
 #include <optional>
 
 #include "ngs/ops/splat/evidence.h"
+#include "ngs/problem/coarse_input.h"
+#include "ngs/problem/region.h"
+#include "ngs/problem/scene_measures.h"
+#include "ngs/problem/view_list.h"
+#include "ngs/stages/boundary/variance_stage.h"
 #include "ngs/stages/contours/photoless_views.h"
 #include "ngs/stages/contours/refined_masks.h"
 #include "ngs/stages/contours/straddler_split.h"
 #include "ngs/stages/contours/unexplained_contrast.h"
-#include "ngs/problem/scene_measures.h"
-#include "ngs/problem/coarse_input.h"
-#include "ngs/problem/region.h"
-#include "ngs/problem/view_list.h"
-#include "ngs/stages/boundary/variance_stage.h"
 
 namespace ngs {
 namespace {
 
-/// As fast as the mask and photo losses still fall on every iteration: positions at 3DGS's first rate, shapes
-/// above its rates, opacities below (they are what the colours of other views rest on). Gaussians that turn faster fit
-/// the photos no better and look worse between them.
+/// The largest rates with which mask and photo losses still fall in every iteration. Positions have 3DGS's first rate,
+/// shapes higher rates. Opacities have a lower one, because the colours of other views depend on them. Higher rotation
+/// rates do not fit the photos better, and look worse between them.
 constexpr GaussianRates kContourRates{.position = 1.6e-4,
                                       .rotation = 5e-3,
                                       .log_scale = 1e-1,
@@ -29,36 +29,37 @@ constexpr GaussianRates kContourRates{.position = 1.6e-4,
                                       .sh_dc = 2.5e-2,
                                       .sh_rest = 1.25e-3};
 
-// The size, relative to the camera's, that photos with fewer pixels are enlarged to where that serves.
+// Small photos are enlarged to this multiple of the camera's size if that improves the agreement with the masks.
 constexpr int kLargeDetail = 2;
 
-// Iterations before the last, where the object has no parts that would be lost by it: by how much the sides shrink, and
-// the share of the rates, since gradients of a quarter of the pixels are noisier and views that no photo shows drift.
+// Reduction of the image sides and factor on the rates in iterations before the last, without full_resolution.
+// Gradients of a quarter of the pixels are noisier, and views without a photo drift more.
 constexpr int kEarlyShrink = 2;
 constexpr double kEarlyRate = 0.75;
 
-// Which Gaussians are trained: share of the weight in the windows, weight across contours.
+// Trained Gaussians have at least this share of their weight in the windows. Background is trained only if it has more
+// than this weight on the wrong side of contours.
 constexpr double kLeastInside = 0.99, kLeastStraddling_px = 0.5;
 
-/// The model on its way through the iterations.
-struct Model {
+/// The model between iterations.
+struct ContourModel {
   GaussianCloud cloud;
   std::vector<LabelColumns> labels;
   std::vector<std::int64_t> source_row;
   std::vector<float> fixed;
-  std::vector<std::uint8_t> shows_outside =
-      {};  // [source rows] as the first iteration found it, of a problem in windows
+  // [source rows] 1: visible outside the windows. Set by the first iteration if the problem is cropped.
+  std::vector<std::uint8_t> shows_outside = {};
 };
 
-/// Weight of every Gaussian in the views' whole pictures, [N].
+/// [N] Weight of every Gaussian in the uncropped views.
 ExactSums weight_in_all(const Exec& exec, const ContourSetup& setup, const std::vector<std::size_t>& views,
                         const GaussianCloud& cloud) {
   ExactSums weight;
   weight.resize(std::size_t(cloud.size()));
-  const Problem& whole = setup.problem.whole ? *setup.problem.whole : setup.problem;
+  const Problem& uncropped = setup.problem.uncropped ? *setup.problem.uncropped : setup.problem;
   const SplatOptions splat = prepared_for(exec, setup.problem.splat, cloud);
   for_each_view(setup.problem.monitor, views, [&](std::size_t, std::size_t v) {
-    const Camera& camera = whole.scene.views[v].camera;
+    const Camera& camera = uncropped.scene.views[v].camera;
     ViewMasks all;
     all.width_px = camera.width_px, all.height_px = camera.height_px, all.available = true;
     all.target.emplace_back(std::size_t(camera.width_px) * std::size_t(camera.height_px), 1.f);
@@ -68,16 +69,17 @@ ExactSums weight_in_all(const Exec& exec, const ContourSetup& setup, const std::
   return weight;
 }
 
-/// 1: the Gaussian is held, or shows outside of the windows too, where no photo would hold it. Looking at whole views
-/// costs more than an iteration does in windows: there it is done once, and halves are as what they were halved from.
-std::vector<float> kept_rows(const Exec& exec, const ContourSetup& setup, const std::vector<std::size_t>& views,
-                             const ExactSums& inside, Model& model) {
-  const std::vector<std::uint8_t>& held = setup.problem.frozen;
+/// [N] 1: not trained: the Gaussian is frozen, or is visible outside the windows, where no photo constrains it.
+/// Evidence of uncropped views costs more than an iteration in windows, so it is gathered once. Halves inherit the
+/// value of their parent.
+std::vector<float> untrained_rows(const Exec& exec, const ContourSetup& setup, const std::vector<std::size_t>& views,
+                                  const ExactSums& inside, ContourModel& model) {
+  const std::vector<std::uint8_t>& frozen = setup.problem.frozen;
   std::vector<float> out(std::size_t(model.cloud.size()), 0.f);
   if (model.shows_outside.empty()) {
     const ExactSums all = weight_in_all(exec, setup, views, model.cloud);
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = inside.value(i) < kLeastInside * all.value(i);
-    if (setup.problem.whole) {
+    if (setup.problem.uncropped) {
       model.shows_outside.resize(std::size_t(setup.problem.cloud.size()), 0);
       for (std::size_t i = 0; i < out.size(); ++i) model.shows_outside[std::size_t(model.source_row[i])] |= out[i] > 0;
     }
@@ -85,19 +87,19 @@ std::vector<float> kept_rows(const Exec& exec, const ContourSetup& setup, const 
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = model.shows_outside[std::size_t(model.source_row[i])];
   }
   for (std::size_t i = 0; i < out.size(); ++i)
-    if (!held.empty() && held[std::size_t(model.source_row[i])]) out[i] = 1;
+    if (!frozen.empty() && frozen[std::size_t(model.source_row[i])]) out[i] = 1;
   return out;
 }
 
-/// The rows with the Gaussians that lie across a contour halved. Not what must stay whole: halves look a little
-/// different until they are trained.
-std::vector<CloudRow> halved_rows(std::vector<double> straddling_px, const std::vector<float>& kept) {
+/// The rows with straddling Gaussians halved. `untrained` rows are not halved: the rendering of halves differs slightly
+/// until they are trained.
+std::vector<CloudRow> halved_rows(std::vector<double> straddling_px, const std::vector<float>& untrained) {
   for (std::size_t i = 0; i < straddling_px.size(); ++i)
-    if (kept[i] > 0) straddling_px[i] = 0;
+    if (untrained[i] > 0) straddling_px[i] = 0;
   return split_straddlers(straddling_px, kSplit_px, std::int64_t(straddling_px.size()));
 }
 
-void edit_model(const Exec& exec, const ContourSetup& setup, const std::vector<CloudRow>& rows, Model& model) {
+void edit_model(const Exec& exec, const ContourSetup& setup, const std::vector<CloudRow>& rows, ContourModel& model) {
   edit_rows(exec, rows, setup.problem.seed, model.cloud);
   if (!model.fixed.empty()) edit_column(exec, rows, 1, model.fixed);
   edit_labels(exec, rows, model.labels);
@@ -106,7 +108,7 @@ void edit_model(const Exec& exec, const ContourSetup& setup, const std::vector<C
   model.source_row = std::move(source);
 }
 
-/// Halves, the last rows, take the closed form of their own evidence, the others keep their labels.
+/// Sets the labels of the halves, which are the last rows, to the closed form of their own evidence.
 void label_halves(const BoundaryRule& rule, const Evidence& halves, std::vector<LabelColumns>& labels) {
   const std::vector<LabelColumns> closed = label_gaussians(rule, halves);
   for (std::size_t k = 0; k < labels.size(); ++k) {
@@ -116,39 +118,40 @@ void label_halves(const BoundaryRule& rule, const Evidence& halves, std::vector<
   }
 }
 
-/// What an iteration works on: of a large model most shows in no window.
-struct TrainedRows {
-  std::vector<std::int64_t> rows;    // that show in some window, or are trained
-  std::vector<std::uint8_t> frozen;  // [rows] 1: not trained: the kept_rows, and background that does not lie across a
-                                     // contour
+/// The rows of an iteration. Most Gaussians of a large model are visible in no window.
+struct IterationRows {
+  // Rows that are visible in some window, or trained.
+  std::vector<std::int64_t> rows;
+  // [rows] 1: not trained: those of untrained_rows(), and background that straddles no contour.
+  std::vector<std::uint8_t> frozen;
 };
 
-/// Halves what lies across a contour.
-TrainedRows split_model(const Exec& exec, const ContourSetup& setup, const Problem& window, Model& model) {
+/// Halves the straddling Gaussians and selects the rows of the iteration.
+IterationRows split_model(const Exec& exec, const ContourSetup& setup, const Problem& window, ContourModel& model) {
   Straddling across = straddling(exec, window, model.cloud, 0);
-  std::vector<float> kept = kept_rows(exec, setup, window.views, across.weight, model);
+  std::vector<float> untrained = untrained_rows(exec, setup, window.views, across.weight, model);
   if (setup.contour.on.split) {
-    const std::vector<CloudRow> rows = halved_rows(across.px, kept);
+    const std::vector<CloudRow> rows = halved_rows(across.px, untrained);
     edit_model(exec, setup, rows, model);
-    edit_column(exec, rows, 1, kept);
+    edit_column(exec, rows, 1, untrained);
     const auto halves =
         std::count_if(rows.begin(), rows.end(), [](CloudRow row) { return row.origin != RowOrigin::kKept; });
     across = straddling(exec, window, model.cloud, halves);
     label_halves(setup.problem.rule, across.last, model.labels);
   }
-  TrainedRows part;
-  for (std::size_t i = 0; i < kept.size(); ++i) {
-    bool concerned = across.px[i] > kLeastStraddling_px;
-    for (const LabelColumns& object : model.labels) concerned |= object.prob[i] > kLeastForegroundShare;
-    const bool trained = concerned && kept[i] == 0;
+  IterationRows part;
+  for (std::size_t i = 0; i < untrained.size(); ++i) {
+    bool may_change = across.px[i] > kLeastStraddling_px;
+    for (const LabelColumns& object : model.labels) may_change |= object.prob[i] > kLeastForegroundShare;
+    const bool trained = may_change && untrained[i] == 0;
     if (!trained && !(across.weight.value(i) > 0)) continue;
     part.rows.push_back(std::int64_t(i)), part.frozen.push_back(!trained);
   }
   return part;
 }
 
-/// What was trained, back in its place.
-void put_back(const Exec& exec, const Solution& trained, const std::vector<std::int64_t>& rows, Model& model) {
+/// Copies the trained rows to the model.
+void write_back(const Exec& exec, const Solution& trained, const std::vector<std::int64_t>& rows, ContourModel& model) {
   scatter_rows(exec, *trained.cloud, rows, model.cloud);
   scatter_labels(exec, trained.labels, rows, model.labels);
 }
@@ -158,12 +161,12 @@ JointOptions window_options(const ContourSetup& setup, std::size_t views, bool e
   const int epochs = contour_epochs(setup.contour, setup.training.joint.quality, views);
   joint.steps = std::int64_t(early ? early_epochs(epochs) : epochs) * std::int64_t(views);
   joint.rate_scale = early ? kEarlyRate : 1;
-  joint.start_steps = 1;                  // from the labels as they have been trained
-  joint.on.nerf = joint.on.cont = false;  // rays are those of the whole image
+  joint.start_steps = 1;                  // start at the labels trained so far
+  joint.on.nerf = joint.on.cont = false;  // the NeRF samples rays of the whole image
   return joint;
 }
 
-/// The iterations.
+/// State of the iterations.
 class ContourRun {
  public:
   ContourRun(const Exec& exec, Monitor& monitor, const ContourSetup& setup, const Solution& start)
@@ -182,8 +185,8 @@ class ContourRun {
     }
   }
 
-  /// Masks of the model as it is; false where there is none to train on or, in the first iteration, where the
-  /// refinement disagrees with the given masks.
+  /// Refines the masks of the current model. False: no mask to train on or, in the first iteration, the given masks
+  /// reject the refinement.
   bool refine(bool first) {
     const auto timed = monitor_.scope("refine contours");
     refined_ = refined_at(detail_, first);
@@ -196,36 +199,38 @@ class ContourRun {
     return agrees_with_masks();
   }
 
-  /// Whether the given masks' contours do not lie on the edges that the last refinement found.
+  /// True: the given masks' contours do not lie on the edges found by the last refinement.
   bool misaligned() const { return masks_misaligned(refined_); }
 
-  /// Whether it has to be tried what views without a photo are trained on, and can be: then there are judges. After the
-  /// first refinement.
-  bool must_try() {
-    if (setup_.contour.photoless == PhotolessViews::kAuto && !photoless_.empty()) judges_ = judges_of(views_);
-    return !judges_.empty();
+  /// True: a trial must decide what views without a photo are trained on, and enough views have a photo. Selects the
+  /// trial views. Call after the first refinement.
+  bool needs_trial() {
+    if (setup_.contour.photoless == PhotolessViews::kAuto && !photoless_.empty()) trial_views_ = trial_views_of(views_);
+    return !trial_views_.empty();
   }
 
-  /// An iteration as the first one of `iterations`, but without the judges, which is forgotten. False if it ended
-  /// early: then it counts.
-  bool try_pictures_first(int iterations) {
-    Model start = model_;
-    std::erase_if(views_, [&](std::size_t v) { return std::find(judges_.begin(), judges_.end(), v) != judges_.end(); });
+  /// Runs the trial: the first of `iterations` without the trial views, whose result is discarded. False: the iteration
+  /// ended early and its result is kept.
+  bool run_trial(int iterations) {
+    ContourModel start = model_;
+    std::erase_if(views_, [&](std::size_t v) {
+      return std::find(trial_views_.begin(), trial_views_.end(), v) != trial_views_.end();
+    });
     if (!train(0, iterations)) return false;
-    const auto timed = monitor_.scope("pictures tried");
-    trial_ = try_pictures(exec_, refine_setup(detail_), {{start.cloud, start.labels}, {model_.cloud, model_.labels}},
-                          refined_, judges_);
+    const auto timed = monitor_.scope("photoless trial");
+    trial_ = evaluate_trial(exec_, refine_setup(detail_), {{start.cloud, start.labels}, {model_.cloud, model_.labels}},
+                            refined_, trial_views_);
     model_ = std::move(start), iterations_ = 0;
-    add_views(judges_);
+    add_views(trial_views_);
     return true;
   }
 
-  /// Views without a photo get the picture of the model as it is, where it serves or was asked for. Before the first
-  /// iteration.
-  void settle_photoless() {
-    const bool wanted = setup_.contour.photoless == PhotolessViews::kPicture || (trial_ && trial_->picture_serves);
+  /// Replaces the photos of views without one by renderings of the current model, if an option or the trial decides so.
+  /// Call before the first iteration.
+  void add_renderings() {
+    const bool wanted = setup_.contour.photoless == PhotolessViews::kPicture || (trial_ && trial_->renderings_help);
     if (photoless_.empty() || !wanted) return;
-    pictured_.emplace(with_pictures(exec_, setup_.problem, model_.cloud, photoless_));
+    rendered_problem_.emplace(with_renderings(exec_, setup_.problem, model_.cloud, photoless_));
     std::vector<RefinedView> more =
         refine_views(exec_, refine_setup(detail_), {model_.cloud, model_.labels}, photoless_, {});
     for (const std::size_t v : photoless_) refined_[v] = std::move(more[v]);
@@ -233,28 +238,28 @@ class ContourRun {
     drop_empty_views();
   }
 
-  /// One of `iterations`; the last is trained at the full size. False if it ended early.
+  /// Trains one of `iterations`, the last one at full size. False: it ended early.
   bool train(int iteration, int iterations) {
     Scene scene = setup_.problem.scene;
     for (const std::size_t v : views_) scene.views[v].camera = window_camera(scene.views[v].camera, refined_[v].window);
-    const TrainedRows rows = split_model(exec_, setup_, window_input(scene, iteration, model_.cloud), model_);
+    const IterationRows rows = split_model(exec_, setup_, window_input(scene, iteration, model_.cloud), model_);
     if (monitor_.stop_requested()) return false;
     const GaussianCloud part = gather_rows(exec_, model_.cloud, rows.rows);
     Problem input = window_input(scene, iteration, part);
     input.labels = gather_labels(exec_, model_.labels, rows.rows);
-    input.region = claimed_rows(input.labels);
+    input.region = rows_with_evidence(input.labels);
     for (std::size_t r = 0; r < rows.frozen.size(); ++r) input.region[r] |= !rows.frozen[r];
     if (!model_.fixed.empty()) input.fixed = gather_column(exec_, model_.fixed, 1, rows.rows);
     const bool early = iteration + 1 < iterations && !setup_.contour.on.full_resolution;
     const JointOptions joint = window_options(setup_, views_.size(), early);
     std::optional<CoarseInput> coarse;
-    if (early) coarse.emplace(input, kEarlyShrink, 0);  // the trainer keeps views
+    if (early) coarse.emplace(input, kEarlyShrink, 0);  // no cache: the trainer has its own
     JointTrainer trainer(exec_, monitor_,
                          {joint, setup_.training.sample, setup_.training.rbf, coarse ? coarse->get() : input, nullptr,
                           kContourRates, rows.frozen},
                          true);
     const auto whole = [&] {
-      put_back(exec_, trainer.result(), rows.rows, model_);
+      write_back(exec_, trainer.result(), rows.rows, model_);
       return Solution{
           .cloud = unchanged(model_.cloud), .source_row = model_.source_row, .labels = model_.labels, .figures = {}};
     };
@@ -264,7 +269,7 @@ class ContourRun {
       monitor_.progress(progress.step, progress.steps);
       ended = setup_.stop_after && setup_.stop_after(progress, trainer, whole);
     }
-    put_back(exec_, trainer.result(), rows.rows, model_);
+    write_back(exec_, trainer.result(), rows.rows, model_);
     ++iterations_;
     return trainer.finished() && !ended;
   }
@@ -277,9 +282,9 @@ class ContourRun {
     result.figures["contour_contrast_rendered"] = rendered_contrast_;
     result.figures["contour_detail"] = double(detail_);
     result.figures["contour_pictures"] =
-        pictured_ ? double(std::count_if(photoless_.begin(), photoless_.end(),
-                                         [&](std::size_t v) { return refined_[v].masks.available(); }))
-                  : 0.0;
+        rendered_problem_ ? double(std::count_if(photoless_.begin(), photoless_.end(),
+                                                 [&](std::size_t v) { return refined_[v].masks.available(); }))
+                          : 0.0;
     if (trial_)
       result.figures["contour_biou_pictured"] = trial_->pictured,
       result.figures["contour_biou_skipped"] = trial_->skipped;
@@ -300,7 +305,7 @@ class ContourRun {
     return {setup_.contour.refine, setup_.contour.margin_px, input(), detail};
   }
 
-  const Problem& input() const { return pictured_ ? *pictured_ : setup_.problem; }
+  const Problem& input() const { return rendered_problem_ ? *rendered_problem_ : setup_.problem; }
 
   void add_views(const std::vector<std::size_t>& more) {
     views_.insert(views_.end(), more.begin(), more.end());
@@ -311,14 +316,14 @@ class ContourRun {
     std::erase_if(views_, [&](std::size_t v) { return !refined_[v].masks.available(); });
   }
 
-  /// Keeps to enlarged photos if the contours refined there agree better with the given masks.
+  /// Switches to enlarged photos if contours refined in them agree better with the given masks.
   void try_enlarging() {
     std::vector<RefinedView> large = refined_at(kLargeDetail, true);
-    if (gain_in_errors(gains_over(large, refined_)) <= kSignificant) return;
+    if (gain_in_standard_errors(gains_over(large, refined_)) <= kSignificant) return;
     detail_ = kLargeDetail, refined_ = std::move(large);
   }
 
-  /// False where reliable masks agree significantly less with refined contours (PAPER.md §5.10). Fills both figures.
+  /// False: the given masks reject the refined contours (PAPER.md §5.10). Sets the figures of agreement and contrast.
   bool agrees_with_masks() {
     double count = 0;
     for (const RefinedView& view : refined_) {
@@ -330,10 +335,10 @@ class ContourRun {
     if (count == 0) count = 1;
     for (double* sum : {&rendered_, &refined_biou_, &own_contrast_, &refined_contrast_, &rendered_contrast_})
       *sum /= count;
-    return !masks_refuse(exec_, refine_setup(detail_), {model_.cloud, model_.labels}, refined_);
+    return !masks_reject(exec_, refine_setup(detail_), {model_.cloud, model_.labels}, refined_);
   }
 
-  /// Without labels. `scene` with the windows' cameras.
+  /// The problem of the windows, without labels. `scene` has the windows' cameras.
   Problem window_input(const Scene& scene, int iteration, const GaussianCloud& cloud) const {
     return {.cloud = cloud,
             .scene = scene,
@@ -358,12 +363,12 @@ class ContourRun {
   const Exec& exec_;
   Monitor& monitor_;
   const ContourSetup& setup_;
-  Model model_;
-  std::vector<std::size_t> views_;               // with a photo, and with something of the object in it
-  std::vector<std::size_t> photoless_, judges_;  // without a photo; with one, but not in the first iteration
-  std::vector<RefinedView> refined_;             // [scene views]
-  std::optional<Problem> pictured_;              // the input with pictures of these views, where these serve
-  std::optional<Trial> trial_;                   // where it came to its end
+  ContourModel model_;
+  std::vector<std::size_t> views_;                    // trained views: with a photo that shows the object
+  std::vector<std::size_t> photoless_, trial_views_;  // views without a photo; trial views
+  std::vector<RefinedView> refined_;                  // [scene views]
+  std::optional<Problem> rendered_problem_;           // the problem with renderings for photoless_; nullopt: not used
+  std::optional<Trial> trial_;                        // result of the completed trial
   double rendered_ = 0, refined_biou_ = 0, own_contrast_ = 0, refined_contrast_ = 0, rendered_contrast_ = 0;
   int iterations_ = 0, detail_ = 1;
 };
@@ -382,12 +387,12 @@ Solution refine_contours(const Exec& exec, Monitor& monitor, const ContourSetup&
     if (!run.refine(iteration == 0)) break;
     if (iteration == 0) {
       if (more) iterations = contour_iterations(setup.contour, setup.training.joint.quality, run.misaligned());
-      const int trial = run.must_try() ? 1 : 0;  // takes the time of an iteration
+      const int trial = run.needs_trial() ? 1 : 0;  // takes as long as an iteration
       const int allowed = setup.iterations_allowed ? setup.iterations_allowed(iterations + trial) : iterations + trial;
       if (allowed == 0) break;
       iterations = std::max(1, allowed - trial);
-      if (trial != 0 && allowed > 1 && !(start.converged = run.try_pictures_first(iterations))) break;
-      run.settle_photoless();
+      if (trial != 0 && allowed > 1 && !(start.converged = run.run_trial(iterations))) break;
+      run.add_renderings();
     }
     start.converged = run.train(iteration, iterations);
   }

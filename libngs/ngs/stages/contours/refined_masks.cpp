@@ -15,7 +15,7 @@
 namespace ngs {
 namespace {
 
-/// Mean over the area of every coarse pixel; sides of any ratio.
+/// Resizes to [h, w] by means over the area of every coarse pixel. The ratio of the sizes may be fractional.
 std::vector<float> reduce(const std::vector<float>& fine, int fw, int fh, int w, int h) {
   std::vector<float> rows(std::size_t(w) * std::size_t(fh)), out(std::size_t(w) * std::size_t(h));
   const auto along = [](int n, int coarse, const auto& from, const auto& to) {
@@ -39,7 +39,7 @@ std::vector<float> reduce(const std::vector<float>& fine, int fw, int fh, int w,
   return out;
 }
 
-/// Agreement of a mask at the camera's size with the view's own of one object, over the pixels that are known.
+/// Boundary IoU of a mask at the camera's size with the view's own mask of one object, over the known pixels.
 double agreement(const std::vector<float>& mask, const ViewMasks& own, int band_px) {
   std::vector<std::uint8_t> a(mask.size()), b(mask.size());
   for (std::size_t p = 0; p < mask.size(); ++p) {
@@ -74,17 +74,17 @@ void add_differences(const std::vector<float>& own, const std::vector<float>& re
   }
 }
 
-/// The part of a picture that has to do with one object, at the camera's size and at the photo's.
-struct ObjectPart {
+/// A crop about one object, at the camera's size and at the photo's.
+struct ObjectCrop {
   PixelWindow coarse, fine;
 };
 
-/// About what is rendered [fine] and the view's own mask [coarse; may be empty] shows, with what refinement looks at
-/// and a few pixels more: all that is left out shows no object in either, and adds nothing to any sum. The whole
-/// picture where the sizes are not 1, 2 or 4 times each other: positions in the part would be rounded otherwise.
-ObjectPart part_of(const ForegroundBox& rendered, const std::vector<float>& own, const Camera& camera,
-                   const ImageF& photo, double reach_px) {
-  constexpr double kMore_px = 8;
+/// A crop about the rendered mask [fine] and the view's own mask [coarse; may be empty], with the reach of the
+/// refinement and a few pixels more. Outside the crop neither mask shows the object, so no sum changes. The crop is the
+/// whole image if the size ratio is not 1, 2 or 4, because crop positions would need rounding.
+ObjectCrop crop_about(const ForegroundBox& rendered, const std::vector<float>& own, const Camera& camera,
+                      const ImageF& photo, double reach_px) {
+  constexpr double kMargin_px = 8;
   const int w = camera.width_px, h = camera.height_px, scale = photo.width_px / w;
   const PixelWindow all{0, 0, w, h}, all_fine{0, 0, photo.width_px, photo.height_px};
   if ((scale != 1 && scale != 2 && scale != 4) || photo.width_px != scale * w || photo.height_px != scale * h)
@@ -92,24 +92,24 @@ ObjectPart part_of(const ForegroundBox& rendered, const std::vector<float>& own,
   ForegroundBox shown = own.empty() ? ForegroundBox{} : foreground_box(own, w, h);
   if (!rendered.empty())
     shown.add({rendered.x0 / scale, rendered.y0 / scale, (rendered.x1 - 1) / scale + 1, (rendered.y1 - 1) / scale + 1});
-  const double margin_px = std::min(reach_px / scale + kMore_px, double(w + h));
+  const double margin_px = std::min(reach_px / scale + kMargin_px, double(w + h));
   const PixelWindow at = window_about(shown, int(std::ceil(margin_px)), w, h);
   return {at, {at.x0 * scale, at.y0 * scale, at.w * scale, at.h * scale}};
 }
 
-/// A mask at the camera's size where it shows something.
-struct PartOfMask {
+/// A cropped mask at the camera's size.
+struct CroppedMask {
   PixelWindow at;
   std::vector<float> plane;  // [at.h, at.w]
 };
 
-ForegroundBox box_of(const PartOfMask& part) {
+ForegroundBox box_of(const CroppedMask& part) {
   const ForegroundBox box = foreground_box(part.plane, part.at.w, part.at.h);
   return {box.x0 + part.at.x0, box.y0 + part.at.y0, box.x1 + part.at.x0, box.y1 + part.at.y0};
 }
 
-/// [win.h, win.w]
-std::vector<float> plane_of(const PartOfMask& part, const PixelWindow& win) {
+/// The mask in a window, [win.h, win.w].
+std::vector<float> plane_of(const CroppedMask& part, const PixelWindow& win) {
   std::vector<float> plane(std::size_t(win.w) * std::size_t(win.h));
   const int x0 = std::max(part.at.x0, win.x0), x1 = std::min(part.at.x0 + part.at.w, win.x0 + win.w);
   const int y0 = std::max(part.at.y0, win.y0), y1 = std::min(part.at.y0 + part.at.h, win.y0 + win.h);
@@ -119,18 +119,18 @@ std::vector<float> plane_of(const PartOfMask& part, const PixelWindow& win) {
   return plane;
 }
 
-/// One object of a view on the way to RefinedView.
+/// Refines the mask of one object of a view and adds the comparison to a RefinedView.
 class ObjectRefinement {
  public:
   ObjectRefinement(const ContourRefineOptions& refine, const ImageF& photo, const Camera& camera, RefinedView& out)
       : refine_(refine), photo_(photo), camera_(camera), out_(out) {}
 
-  /// The refined mask of object k, of which `label` [fine, K] is in `shown`, and its agreement with the view's own of
-  /// the same object [coarse; not available: no such mask], which counts as 1 / K of the view's.
-  PartOfMask refined(const ImageF& label, std::size_t k, const ForegroundBox& shown, const ViewMasks& own) {
+  /// Refines the mask of object k. `label` [fine, K]: rendered masks; `shown`: box of object k in it; `own` [coarse]:
+  /// the view's own mask of object k, if available. The agreement with it counts 1 / K of the view's.
+  CroppedMask refined(const ImageF& label, std::size_t k, const ForegroundBox& shown, const ViewMasks& own) {
     const double objects = label.channels;
-    const auto [at, fine] = part_of(shown, own.available ? own.target[0] : std::vector<float>(), camera_, photo_,
-                                    std::max(refine_.reach_px, refine_.band_px));
+    const auto [at, fine] = crop_about(shown, own.available ? own.target[0] : std::vector<float>(), camera_, photo_,
+                                       std::max(refine_.reach_px, refine_.band_px));
     if (fine.w == 0) {
       if (own.available) out_.rendered_biou += 1 / objects, out_.refined_biou += 1 / objects;
       return {};
@@ -174,7 +174,7 @@ class ObjectRefinement {
   RefinedView& out_;
 };
 
-/// `splat` serves the model.
+/// `splat` must be prepared for the model.
 RefinedView refine_view(const RefineSetup& setup, const SplatOptions& splat, const LabelChannels& model, std::size_t v,
                         bool compare) {
   const Exec serial;
@@ -197,7 +197,7 @@ RefinedView refine_view(const RefineSetup& setup, const SplatOptions& splat, con
   out.compared = own.available;
   ObjectRefinement refinement(refine, photo, camera, out);
   const std::vector<ForegroundBox> boxes = foreground_boxes(label);
-  std::vector<PartOfMask> targets(objects);
+  std::vector<CroppedMask> targets(objects);
   ForegroundBox shown;
   for (std::size_t k = 0; k < objects; ++k) {
     ViewMasks one{own.width_px, own.height_px, {}, own.known, own.available};
@@ -207,7 +207,7 @@ RefinedView refine_view(const RefineSetup& setup, const SplatOptions& splat, con
   }
   out.window = window_about(shown, int(std::lround(setup.margin_px)), w, h);
   ViewMasks masks{out.window.w, out.window.h, {}, {}, out.window.w > 0};
-  for (const PartOfMask& target : targets) masks.target.push_back(plane_of(target, out.window));
+  for (const CroppedMask& target : targets) masks.target.push_back(plane_of(target, out.window));
   out.masks = RleMasks(std::move(masks));
   return out;
 }
@@ -246,17 +246,17 @@ std::vector<RefinedView> refine_views(const Exec& exec, const RefineSetup& setup
   return refined;
 }
 
-ViewMasks whole_masks(const RefinedView& refined, int w, int h) {
+ViewMasks uncropped_masks(const RefinedView& refined, int w, int h) {
   const PixelWindow& win = refined.window;
   const ViewMasks parts = refined.masks.unpacked();
-  ViewMasks whole{w, h, {}, {}, parts.available};
+  ViewMasks masks{w, h, {}, {}, parts.available};
   for (const std::vector<float>& part : parts.target) {
-    std::vector<float>& target = whole.target.emplace_back(std::size_t(w) * std::size_t(h));
+    std::vector<float>& target = masks.target.emplace_back(std::size_t(w) * std::size_t(h));
     for (int y = 0; y < win.h; ++y)
       std::copy_n(part.begin() + std::ptrdiff_t(y) * win.w, win.w,
                   target.begin() + (std::ptrdiff_t(win.y0 + y) * w + win.x0));
   }
-  return whole;
+  return masks;
 }
 
 bool could_enlarge(const std::vector<RefinedView>& refined, int detail) {
@@ -290,10 +290,10 @@ bool masks_err_to_one_side(const std::vector<RefinedView>& refined) {
   return std::abs(beyond - lacking) > kOneSided * (beyond + lacking);
 }
 
-double gain_by_masks(const std::vector<RefinedView>& refined) {
+double mask_agreement_gain(const std::vector<RefinedView>& refined) {
   if (masks_misaligned(refined) && masks_err_to_one_side(refined)) return 0;
   const std::vector<double> gains = refinement_gains(refined);
-  return normal_score(gain_in_errors(gains), gains.size());
+  return normal_score(gain_in_standard_errors(gains), gains.size());
 }
 
 }  // namespace ngs

@@ -18,10 +18,9 @@ struct ViewResidual {
   bool shows_object = false;
 };
 
-/// The model's picture of the window as the photo was reduced to the camera's size: rendered at the photo's size where
-/// that is `scale` times the camera's, then averaged.
-ImageF picture_of(const Problem& problem, const SplatOptions& splat, const GaussianCloud& cloud, const Camera& window,
-                  int scale) {
+/// Rendering of the window at `scale` times the camera's size, averaged to the camera's size like the photo.
+ImageF rendering_of(const Problem& problem, const SplatOptions& splat, const GaussianCloud& cloud, const Camera& window,
+                    int scale) {
   const Exec serial;
   RenderRequest request;
   request.background = problem.background;
@@ -35,10 +34,11 @@ ImageF picture_of(const Problem& problem, const SplatOptions& splat, const Gauss
   return mean;
 }
 
-/// |photo - picture| summed over the channels, at pixel p.
-double difference_at(const ImageF& photo, const ImageF& picture, std::size_t p) {
+/// |photo - rendering| summed over the channels, at pixel p.
+double difference_at(const ImageF& photo, const ImageF& rendering, std::size_t p) {
   double sum = 0;
-  for (std::size_t c = 0; c < 3; ++c) sum += std::abs(double(photo.data[3 * p + c]) - double(picture.data[3 * p + c]));
+  for (std::size_t c = 0; c < 3; ++c)
+    sum += std::abs(double(photo.data[3 * p + c]) - double(rendering.data[3 * p + c]));
   return sum;
 }
 
@@ -53,7 +53,7 @@ ViewResidual residual_of(const Problem& problem, const SplatOptions& splat, cons
   const Exec serial;
   const Camera camera = window_camera(problem.scene.views[v].camera, win);
   const int scale = refined.detail == 2 || refined.detail == 4 ? int(refined.detail) : 1;
-  const ImageF picture = picture_of(problem, splat, labels.cloud(), camera, scale);
+  const ImageF rendering = rendering_of(problem, splat, labels.cloud(), camera, scale);
   const ImageF rendered = labels.masks(serial, camera, splat);
   const ViewMasks moved_to = refined.masks.unpacked();
   for (std::size_t k = 0; k < labels.objects(); ++k) {
@@ -61,7 +61,7 @@ ViewResidual residual_of(const Problem& problem, const SplatOptions& splat, cons
     for (std::size_t p = 0; p < mask.size(); ++p) {
       mask[p] = mask_is_foreground(moved_to.target[k][p]);
       if (bool(mask[p]) == label_is_foreground(rendered.data[p * labels.objects() + k])) continue;
-      out.difference += difference_at(photo, picture, p), ++out.moved_px;
+      out.difference += difference_at(photo, rendering, p), ++out.moved_px;
     }
     out.contrast += contour_contrast(mask, photo) / double(labels.objects());
   }
@@ -99,12 +99,12 @@ bool explains_photos(const Exec& exec, const Problem& problem, const LabelledMod
   return unexplained_contrast(exec, problem, model, compared, refined) < kExplained;
 }
 
-bool masks_refuse(const Exec& exec, const RefineSetup& setup, const LabelledModel& model,
+bool masks_reject(const Exec& exec, const RefineSetup& setup, const LabelledModel& model,
                   const std::vector<RefinedView>& refined) {
-  if (gain_by_masks(refined) >= -kSignificant) return false;
+  if (mask_agreement_gain(refined) >= -kSignificant) return false;
   const Problem& problem = setup.problem;
-  if (!problem.labels.empty() && gain_by_masks(refine_views(exec, setup, {problem.cloud, problem.labels}, problem.views,
-                                                            problem.views)) >= -kSignificant)
+  if (!problem.labels.empty() && mask_agreement_gain(refine_views(exec, setup, {problem.cloud, problem.labels},
+                                                                  problem.views, problem.views)) >= -kSignificant)
     return false;
   return !masks_misaligned(refined) || explains_photos(exec, problem, model, refined);
 }

@@ -1,35 +1,35 @@
 #pragma once
-// Whether the photos show edges that the model itself does not.                                    PAPER.md §5.10
+// Tests whether the photos show edges that the model does not.                                     PAPER.md §5.10
 //
-// Contour refinement moves contours to edges of the photos. Where the model's own picture equals the photo, every edge
-// of the photo is already an edge between Gaussians: nothing has to be split or moved, only the labels can be wrong,
-// and many masks tell these better than an edge does. Neither the masks' contours nor the refined ones can show this,
-// as both come from what is in question; the residual of the model's picture can.
+// Contour refinement moves contours to edges of the photos. If the model's rendering equals the photo, every edge of
+// the photo is already an edge between Gaussians. Then no Gaussian must be split or moved; only labels can be wrong,
+// and many masks determine labels better than an edge does. The residual of the rendering detects this case. The masks'
+// contours and the refined contours cannot, because they are what is tested.
 #include "ngs/stages/contours/refined_masks.h"
 
 namespace ngs {
 
-/// Mean absolute difference, summed over the colour channels, between photo and model picture at the pixels that
-/// refinement moved from one side to the other, divided by the mean contrast of the photos across the refined contours
-/// (refined_masks.h). Over the objects of `views`, which `refined` [scene views] must hold; a view without a photo is
-/// left out. 0: the model shows the photos exactly, or nothing was moved. At the camera's size; of a photo of 2 or 4
-/// times that size the picture is rendered like the photo and averaged.
+/// Mean absolute difference between photo and rendering, summed over the colour channels, at the pixels that refinement
+/// moved across a contour, divided by the mean contrast of the photos across the refined contours (refined_masks.h).
+/// The mean is over all objects of `views`, which `refined` [scene views] must contain; views without a photo are
+/// skipped. 0: the rendering equals the photos, or no pixel moved. Differences are taken at the camera's size. For
+/// photos of 2 or 4 times that size, the rendering has the photo's size and is averaged.
 double unexplained_contrast(const Exec& exec, const Problem& problem, const LabelledModel& model,
                             const std::vector<std::size_t>& views, const std::vector<RefinedView>& refined);
 
-/// Photos with less are explained by the model. Its renderings, saved as JPEG, have 0.003 to 0.034; photos that a splat
-/// was fitted to at 28 to 34 dB have 0.13 to 0.31 (decision 078).
+/// The model explains photos with a smaller value. Renderings of the model, saved as JPEG, have 0.003 to 0.034; photos
+/// that the model was fitted to, at 28 to 34 dB, have 0.13 to 0.31 (decision 078).
 inline constexpr double kExplained = 0.065;
 
-/// The same test over all views that were compared.
+/// True: the model explains the photos of all compared views.
 bool explains_photos(const Exec& exec, const Problem& problem, const LabelledModel& model,
                      const std::vector<RefinedView>& refined);
 
-/// Whether the masks refuse the contours of `model` as refined: they agree significantly less with these, both from the
-/// model and from the labels of the problem, and they are reliable: aligned with the photos' edges, or the model
-/// explains the photos. A model that was trained on the masks agrees with them by construction; the problem's labels do
-/// less so.
-bool masks_refuse(const Exec& exec, const RefineSetup& setup, const LabelledModel& model,
+/// True: the masks reject the refined contours of `model`. Two conditions must hold. First, refinement significantly
+/// reduces the agreement with the masks, both from the model and from the problem's labels, because a model trained on
+/// the masks agrees with them by construction. Second, the masks are reliable: aligned with the photos' edges, or the
+/// model explains the photos.
+bool masks_reject(const Exec& exec, const RefineSetup& setup, const LabelledModel& model,
                   const std::vector<RefinedView>& refined);
 
 }  // namespace ngs

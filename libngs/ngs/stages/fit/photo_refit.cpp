@@ -86,7 +86,7 @@ void train(const Exec& exec, Monitor& monitor, const RefitOptions& options, cons
                        options.opacity_lr,           options.dc_lr,       options.rest_lr};
       for (double& rate : rates) rate *= decay;
       step_gaussians(exec, {step, rates}, gradients, trained.cloud(), moments);
-      trained.put_back();
+      trained.write_back();
       monitor.progress(step, steps);
     }
 }

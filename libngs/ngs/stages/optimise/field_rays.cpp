@@ -1,4 +1,4 @@
-// Rays of one view through the field: sampled here, or from the artifact of ngs-sample and ngs-rbf.
+// Rays of one view through the field, sampled here or read from a file of ngs-sample and ngs-rbf.
 #include <algorithm>
 #include <cmath>
 
@@ -8,7 +8,7 @@
 namespace ngs {
 namespace {
 
-/// The lattice that `uv` [R, 2] samples row by row.
+/// The pixel grid whose nodes are `uv` [R, 2], row by row.
 PixelGrid lattice(const std::vector<float>& uv, const QueryView& view) {
   PixelGrid grid;
   grid.rows = view.rows, grid.cols = view.cols;
@@ -77,7 +77,7 @@ FieldRays JointField::rays(const Exec& exec, const Camera& camera, const QueryFi
     rays.spacing.push_back(float(2 * half / double(std::max<std::size_t>(samples - 1, 1))));
   }
   rays.grid = lattice(rays.pixel, grid);
-  if (own_neighbours_ || field.neighbours == 0) {
+  if (recompute_neighbours_ || field.neighbours == 0) {
     out.graph = nearest_points(exec, boundary.positions(), rays.positions(), shape_.neighbours);
   } else {
     out.graph.neighbours = field.neighbours;
@@ -87,8 +87,8 @@ FieldRays JointField::rays(const Exec& exec, const Camera& camera, const QueryFi
       const auto row = std::lower_bound(boundary.row.begin(), boundary.row.end(), field.neighbour[i]);
       if (row == boundary.row.end() || *row != field.neighbour[i])
         throw Error(ErrorCode::kInconsistent,
-                    "the field names Gaussian " + std::to_string(field.neighbour[i]) +
-                        " as a neighbour, which is not in the boundary set",
+                    "the field has the neighbour Gaussian " + std::to_string(field.neighbour[i]) +
+                        ", expected Gaussians of the boundary set",
                     "interpolate again: ngs-rbf boundary.ply queries.ply -o field.ply");
       out.graph.index.push_back(std::uint32_t(row - boundary.row.begin()));
     }

@@ -11,8 +11,8 @@
 namespace ngs {
 namespace {
 
-constexpr double kBoxWidths = 4;  // kernel widths that the encoding's box is larger than what is asked of it
-constexpr int kFeatures = 3;      // of f_j and f_inter, which start as the colour of Gaussian j
+constexpr double kBoxWidths = 4;  // margin of the encoding's box about the query points, in kernel widths
+constexpr int kFeatures = 3;      // length of f_j and f_inter; f_j starts as the colour of Gaussian j
 
 HashGridConfig hash_config(const Exec& exec, const JointField::Setup& s, double width) {
   const JointOptions& o = s.options;
@@ -66,7 +66,7 @@ JointField::JointField(const FieldShape& shape, std::uint64_t seed)
 JointField::JointField(const Exec& exec, const Setup& s) : JointField(shape_of(exec, s), s.seed) {
   smooth_points_ = s.options.smooth_points, smooth_step_ = s.options.smooth_step;
   sample_ = s.sample;
-  own_neighbours_ = !s.effects.rbf;
+  recompute_neighbours_ = !s.effects.rbf;
   for (std::size_t i = 0; i < std::size_t(shape_.boundary) * kFeatures; ++i)
     store_.values[feature_offset_ + i] = std::clamp(s.boundary.colour[i], 0.f, 1.f);
 }
@@ -100,7 +100,7 @@ void JointField::evaluate(const Exec& exec, const Points& points, Sampled& out) 
   mlp_.forward(exec, store_, out.inputs(points.direction, points.per_direction, mlp_.config()), out.network);
 }
 
-/// To the network, the tables and the features.
+/// Adds the gradients of the network, the hash tables and the features.
 void JointField::differentiate(const Exec& exec, const Points& points, const Sampled& at, const OutputGradients& grad) {
   const FilmMlpGradients inputs =
       mlp_.backward(exec, store_, at.inputs(points.direction, points.per_direction, mlp_.config()), at.network,

@@ -1,6 +1,6 @@
 #pragma once
-// The continuous field of the joint optimisation: boundary features, RBF condition, hash encoding, FiLM
-// network and volume rendering on the rays of one view, forward and backward.          Eqs. (1), (4)-(15)
+// The NeRF of the joint optimisation: boundary features, RBF condition, hash encoding, FiLM network and volume
+// rendering along the rays of one view, forward and backward.                                    Eqs. (1), (4)-(15)
 #include <vector>
 
 #include "ngs/core/monitor.h"
@@ -10,31 +10,30 @@
 #include "ngs/ops/field/volume.h"
 #include "ngs/ops/losses/loss_align.h"
 #include "ngs/ops/optim/adam.h"
-#include "ngs/stages/optimise/joint_options.h"
 #include "ngs/scene/boundary_set.h"
 #include "ngs/scene/param_store.h"
+#include "ngs/stages/optimise/joint_options.h"
 
 namespace ngs {
 
-/// The rays of one view with the neighbours of their query points. No rays: the view does not see the
-/// boundary.
+/// The rays of one view, with the neighbours of their query points. Empty if the boundary is not in view.
 struct FieldRays {
   RayQueries rays;
   KnnGraph graph;                        // query -> boundary
   std::vector<std::uint8_t> on_surface;  // [R] the ray takes part in L_align (C15)
 };
 
-/// How far query points may lie from the boundary, world.
+/// Maximum distance of query points from the boundary, world.
 double field_reach(const SampleOptions& sample, const GaussianCloud& cloud, const std::vector<Camera>& cameras,
                    const BoundarySet& boundary);
 
-/// Finest useful cell of the encoding, in spacings of the boundary: two cells to a spacing.
+/// Side of the finest useful cell of the encoding, in spacings of the boundary: two cells per spacing.
 inline constexpr double kFinestCell = 0.5;
 
 /// Side of the finest cell of the encoding, in spacings of the boundary (problem/scene_measures.h).
 double encoding_cells(const Exec& exec, double reach, double width, Rows<const float, 3> boundary, int finest);
 
-/// What a field is, beside its numbers.
+/// Architecture of a field, without its parameters.
 struct FieldShape {
   HashGridConfig hash;
   HashBox<float> box{};  // of the encoding, world, relative to the model's origin
@@ -54,33 +53,31 @@ class JointField {
     const RbfOptions& rbf;
     const GaussianCloud& cloud;
     const BoundarySet& boundary;
-    double reach = 0;  // world: how far query points may lie from the boundary; the encoding's box is grown by it
+    double reach = 0;  // maximum distance of query points from the boundary, world; grows the encoding's box
     std::uint64_t seed = 0;
   };
   JointField(const Exec& exec, const Setup& setup);
-  /// The same field with the numbers that its blocks start from, features zero.
+  /// A field with initial parameters; the features are zero.
   JointField(const FieldShape& shape, std::uint64_t seed);
 
-  /// Rays of `camera` (relative to the model's origin) about the boundary as it is now. `map`: see
-  /// sample_view.
+  /// Rays of `camera` (relative to the model's origin) about the current boundary. `map`: see sample_view().
   FieldRays rays(const Exec& exec, const Camera& camera, Rows<const float, 3> boundary, const DepthMap& map) const;
-  /// The same from one view of the artifact of ngs-sample and ngs-rbf.
+  /// Rays from one view of a file of ngs-sample and ngs-rbf.
   FieldRays rays(const Exec& exec, const Camera& camera, const QueryField& field, std::size_t view,
                  const BoundarySet& boundary) const;
 
-  /// Renders the field along the rays. `boundary` positions as they are now.
+  /// Renders the field along the rays. `boundary`: current positions.
   const VolumeOutput& forward(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary,
                               Vec3<float> background);
-  /// Adds the gradient of what the last forward rendered to the parameters' gradients.
+  /// Adds the gradient of the last forward() to the parameters' gradients.
   void backward(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary, Vec3<float> background,
                 const AlignFieldGradients& gradients);
 
-  /// L_smth (Eq. 18) at an evenly spaced subset of the last forward's query points; adds `weight` times its
-  /// gradient.
+  /// L_smth (Eq. 18) at an evenly spaced subset of the rays' query points. Adds `weight` times its gradient.
   double smoothness(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary, double weight,
                     std::int64_t step);
 
-  /// One Adam step on all parameters; clears the gradients. `decay` multiplies the rates.
+  /// One Adam step on all parameters, then clears the gradients. `decay` multiplies the rates.
   void step(const Exec& exec, std::int64_t step, double decay);
 
   ParamStore& parameters() { return store_; }
@@ -98,7 +95,7 @@ class JointField {
   struct OutputGradients {
     const std::vector<float>&density, &rgb;  // [Q], [Q, 3]
   };
-  struct Points {  // what is evaluated
+  struct Points {  // inputs of one evaluation
     Rows<const float, 3> position;
     const KnnGraph* graph;
     Rows<const float, 3> direction;
@@ -112,7 +109,7 @@ class JointField {
   RbfProblem rbf_problem(const Points& points) const;
   Points points_of(const FieldRays& rays, Rows<const float, 3> boundary) const;
 
-  bool own_neighbours_ = false;  // not those of the artifact
+  bool recompute_neighbours_ = false;  // true: ignore neighbours stored in a file
   int smooth_points_ = 0;
   double smooth_step_ = 0;
   SampleOptions sample_;

@@ -1,5 +1,5 @@
 #pragma once
-// Options of the joint optimisation. Paper's values where it gives any; else our reading (PAPER.md §4).
+// Options of the joint optimisation. Defaults are the paper's values, or our reading if it gives none (PAPER.md §4).
 #include <cmath>
 #include <string>
 #include <vector>
@@ -7,10 +7,10 @@
 #include "ngs/ops/field/film_mlp.h"
 #include "ngs/ops/field/hash_grid.h"
 #include "ngs/options/field.h"
-#include "ngs/stages/optimise/joint_switches.h"
 #include "ngs/problem/preset.h"
 #include "ngs/stages/boundary/rbf_stage.h"
 #include "ngs/stages/boundary/sample_stage.h"
+#include "ngs/stages/optimise/joint_switches.h"
 
 namespace ngs {
 
@@ -21,18 +21,18 @@ struct GaussianRates {
          sh_rest = 1.25e-4;
 };
 
-/// About an object, where the anchor to the photos is kept to it (--effect region=off).
+/// Margin about the object in which the photometric anchor applies with --effect region=off.
 inline constexpr int kRegionMargin_px = 64;
 
-/// Share of the epochs that is taken before contour iterations at half the size, which do the rest of their work.
+/// Share of the epochs of the joint steps if contour iterations at half the size follow, which replace the rest.
 inline constexpr double kEpochsBeforeContours = 0.3;
 
-/// The NeRF's Adam rates.
+/// Adam rates of the NeRF.
 inline constexpr double kHashRate = 1e-2, kMlpRate = 1e-3, kFeatureRate = 2.5e-3;
-/// Features per level of its encoding, and SH bands of the view direction that its colour sees (C14).
+/// Features per level of the NeRF's encoding, and SH degree of the view direction for its colour (C14).
 inline constexpr int kHashFeatures = 2, kDirectionDegree = 2;
 
-/// The NeRF: its encoding and its network.
+/// Encoding and network of the NeRF.
 struct FieldOptions {
   int hash_levels = 8, hash_log2_table = 15, hash_base = 16, hash_finest = 512;
   int mlp_hidden = 64, mlp_layers = 2;
@@ -49,20 +49,20 @@ struct FieldOptions {
   }
 };
 
-/// Query points per step for L_smth, and its finite difference in kernel widths (D14).
+/// Query points per step for L_smth, and its finite-difference step in kernel widths (D14).
 inline constexpr int kSmoothPoints = 2048;
 inline constexpr double kSmoothStep = 0.01;
-/// Adam rate of the label logits, and the factor to which all rates fall exponentially in a run.
+/// Adam rate of the label logits, and the factor by which all rates decay exponentially over a run.
 inline constexpr double kLabelRate = 0.1, kRateDecay = 0.1;
-/// EM steps from labels of 1/2 to those that the joint steps start from (PAPER.md 5.4, decision 011).
+/// EM steps from labels of 1/2 to the start labels of the joint steps (PAPER.md §5.4, decision 011).
 inline constexpr int kStartSteps = 3;
 
-/// The steps of Eq. 20. describe() leaves the field to that of FieldOptions.
+/// Options of the steps of Eq. 20. describe() does not visit the members of FieldOptions.
 struct JointOptions : FieldOptions {
   Quality quality = Quality::kStandard;
   std::int64_t steps = 0;
-  JointSwitches on;             // as the effects are decided
-  bool contours_go_on = false;  // contour iterations at half the size follow and do a part of the work
+  JointSwitches on;                     // set by the decisions on effects
+  bool coarse_contours_follow = false;  // contour iterations at half the size follow and replace part of the steps
   double lambda_mask = 0.5, lambda_cont = 0.1, lambda_smooth = 0.05;
   double weight_opacity = 0.5, weight_variance = 0.01;
   double photometric_weight = 1.0;
@@ -93,16 +93,17 @@ struct JointOptions : FieldOptions {
 };
 
 inline int epochs_of(const JointOptions& options) {
-  return int(std::ceil((options.contours_go_on ? kEpochsBeforeContours : 1) * preset_of(options.quality).epochs));
+  return int(
+      std::ceil((options.coarse_contours_follow ? kEpochsBeforeContours : 1) * preset_of(options.quality).epochs));
 }
 
-/// Steps of Eq. 20 in all, for `views` training views.
+/// Total number of steps for `views` training views.
 inline std::int64_t steps_of(const JointOptions& options, std::size_t views) {
   return options.steps > 0 ? options.steps : epochs_of(options) * std::int64_t(views);
 }
 
-/// The samples of a run: the whole image without its box (Sp), and half of the nodes and depths along each axis where
-/// the quality asks for it.
+/// The sampling options of a run: the whole image if the effect `box` is off, and half of the nodes and depths along
+/// each axis if the preset halves the samples.
 inline SampleOptions sample_of(SampleOptions sample, const JointOptions& options) {
   sample.whole_image = !options.on.box;
   if (!preset_of(options.quality).half_samples) return sample;

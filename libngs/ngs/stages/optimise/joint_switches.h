@@ -1,5 +1,5 @@
 #pragma once
-// The parts of the joint optimisation that can be switched off, each alone the ablation of one: --effect NAME=on|off.
+// Parts of the joint optimisation that --effect NAME=on|off switches. Each can be ablated alone.
 
 namespace ngs {
 

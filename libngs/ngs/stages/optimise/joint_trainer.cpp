@@ -11,13 +11,13 @@
 #include "ngs/ops/losses/loss_cont.h"
 #include "ngs/ops/losses/loss_mask.h"
 #include "ngs/ops/losses/photometric.h"
-#include "ngs/stages/optimise/first_queries.h"
-#include "ngs/stages/optimise/trained_labels.h"
-#include "ngs/stages/optimise/view_cache.h"
 #include "ngs/problem/trained_rows.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/boundary/method_labels.h"
 #include "ngs/stages/fit/fit_stage.h"
+#include "ngs/stages/optimise/first_queries.h"
+#include "ngs/stages/optimise/trained_labels.h"
+#include "ngs/stages/optimise/view_cache.h"
 
 namespace ngs {
 namespace {
@@ -44,9 +44,9 @@ SplatOptions splat_of(SplatOptions splat, const JointSwitches& effects) {
 
 }  // namespace
 
-BoundarySet boundary_to_train(const Problem& input, bool boundary_effect, bool empty_boundary_is_fine) {
+BoundarySet boundary_to_train(const Problem& input, bool boundary_effect, bool allow_empty) {
   BoundarySet boundary = boundary_set(input.cloud, boundary_flags(input, boundary_effect));
-  if (boundary.size() == 0 && !empty_boundary_is_fine)
+  if (boundary.size() == 0 && !allow_empty)
     throw Error(ErrorCode::kNothingFound, "the boundary set is empty",
                 "lower --tau of ngs-variance, or pass --allow-empty to train labels alone");
   return boundary;
@@ -61,7 +61,7 @@ struct JointTrainer::Impl {
   RbfOptions rbf;
   const Problem& input;
   const QueryField* given_field;
-  GroupRates rates;  // of a step, before they fall
+  GroupRates rates;  // at the first step, before decay
 
   GaussianCloud cloud;
   TrainedRows trained;
@@ -95,8 +95,8 @@ struct JointTrainer::Impl {
         splat(splat_options),
         cache(input, effects) {}
 
-  void start(bool empty_boundary_is_fine) {
-    boundary = boundary_to_train(input, effects.boundary, empty_boundary_is_fine);
+  void start(bool allow_empty) {
+    boundary = boundary_to_train(input, effects.boundary, allow_empty);
     if (boundary.size() == 0) effects.nerf = false;
     if (!effects.nerf) effects.align = effects.density = effects.smooth = effects.variance = false;
     steps = steps_of(options, input.views.size());
@@ -112,10 +112,10 @@ struct JointTrainer::Impl {
     }
   }
 
-  /// To what is rendered, from what is trained.
-  void put_back() {
-    labels.put_back(exec);
-    trained.put_back();
+  /// Copies the trained values to the rendered cloud, labels and boundary.
+  void write_back() {
+    labels.write_back(exec);
+    trained.write_back();
     refresh_positions(cloud, boundary);
   }
 
@@ -123,7 +123,7 @@ struct JointTrainer::Impl {
     return "view '" + input.scene.views[input.views[view_of(s)]].camera.name + "', step " + std::to_string(s + 1);
   }
 
-  /// Position in input.views of step `s` (from 0): every round is a new permutation.
+  /// Position in input.views of step `s` (from 0). Every round is a new permutation.
   std::size_t view_of(std::int64_t s) const {
     const auto n = input.views.size();
     const std::uint64_t round = std::uint64_t(s) / n;
@@ -152,7 +152,7 @@ struct JointTrainer::Impl {
     return rays;
   }
 
-  /// What a view of a step shows: the model's image of it, and what was given.
+  /// Rendering, photo and masks of the view of a step.
   struct StepImages {
     const RenderedView& rendered;
     const ViewCache::View& view;
@@ -161,10 +161,10 @@ struct JointTrainer::Impl {
   ImageF field_terms(const FieldRays& rays, const StepImages& images, LossTerms& loss, ViewGradients& grad);
   void cont_term(LossTerms& loss);
   void update(double decay);
-  void sum_up(LossTerms& loss) const;
+  void set_total(LossTerms& loss) const;
 };
 
-/// The field's weights of the mask loss; empty: all 1.
+/// Adds the terms of the field. Returns the density weights of the mask loss; empty: all 1.
 ImageF JointTrainer::Impl::field_terms(const FieldRays& rays, const StepImages& images, LossTerms& loss,
                                        ViewGradients& grad) {
   ImageF weights;
@@ -222,7 +222,7 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
     const auto timed = monitor.scope("splat forward");
     return splat.forward(exec, cloud, camera, request);
   }();
-  const double shown = window_share(input, input.views[n]);  // losses are means over whole views
+  const double shown = window_share(input, input.views[n]);  // scales losses to means over uncropped views
   LossTerms loss;
   ViewGradients grad;
   grad.label_moves_geometry = effects.mask_geometry;
@@ -250,14 +250,14 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
   }
   {
     const auto timed = monitor.scope("splat backward");
-    splat.backward(exec, grad, gradients, trained.wanted());  // where nothing is wanted, moments and steps stay zero
+    splat.backward(exec, grad, gradients, trained.wanted());  // rows that are not wanted keep zero moments
   }
   cont_term(loss);
-  sum_up(loss);
+  set_total(loss);
   return loss;
 }
 
-void JointTrainer::Impl::sum_up(LossTerms& loss) const {
+void JointTrainer::Impl::set_total(LossTerms& loss) const {
   loss.total = options.photometric_weight * loss.photometric + loss.align + options.lambda_mask * loss.mask +
                options.lambda_cont * loss.cont + options.lambda_smooth * loss.smooth;
 }
@@ -271,13 +271,13 @@ void JointTrainer::Impl::update(double decay) {
     for (double& rate : fallen) rate *= decay;
     step_gaussians(exec, {t, fallen}, gradients, trained.cloud(), moments);
   }
-  put_back();
+  write_back();
   if (field) field->step(exec, t, decay);
 }
 
-JointTrainer::JointTrainer(const Exec& exec, Monitor& monitor, const JointSetup& setup, bool empty_boundary_is_fine)
+JointTrainer::JointTrainer(const Exec& exec, Monitor& monitor, const JointSetup& setup, bool allow_empty)
     : impl_(std::make_unique<Impl>(exec, monitor, setup)) {
-  impl_->start(empty_boundary_is_fine);
+  impl_->start(allow_empty);
 }
 JointTrainer::~JointTrainer() = default;
 
@@ -339,7 +339,7 @@ std::vector<StateBlock> JointTrainer::state() {
 
 void JointTrainer::resume_at(std::int64_t step) {
   impl_->done = step;
-  impl_->put_back();
+  impl_->write_back();
 }
 
 }  // namespace ngs

@@ -1,14 +1,12 @@
 #pragma once
-// The joint NeRF-GS optimisation: labels, Gaussians and the field, one training view per step.
-//                                                                     Eqs. (1)-(2), (10)-(20), Algorithm 1
-//                                                                     step 6
-// Query points: the first visit of a view uses those of the initial model (the artifact of ngs-sample and
-// ngs-rbf, if given: the same), every later visit those of the model as it is (C23). Views come in a new
-// order every round.
+// The joint NeRF-GS optimisation of labels, Gaussians and the field, one training view per step.
+//                                                              Eqs. (1)-(2), (10)-(20), Algorithm 1 step 6
+// The first step of a view uses query points of the initial model, read from a file of ngs-sample and ngs-rbf if one is
+// given. Later steps sample them from the current model (C23). Every round over the views has a new random order.
 #include <memory>
 
-#include "ngs/stages/optimise/joint_field.h"
 #include "ngs/problem/problem.h"
+#include "ngs/stages/optimise/joint_field.h"
 
 namespace ngs {
 
@@ -23,12 +21,12 @@ struct JointProgress {
   LossTerms loss;
 };
 
-/// A named array of the trainer's state: what a checkpoint holds.
+/// A named array of the trainer's state, for checkpoints.
 struct StateBlock {
   std::string name;
   std::vector<float>* values;
-  std::size_t size;           // that the values have to have
-  bool may_be_empty = false;  // moments before their first step
+  std::size_t size;           // required number of values
+  bool may_be_empty = false;  // true for moments, which are empty before the first step
   bool fits(std::size_t count) const { return count == size || (may_be_empty && count == 0); }
 };
 
@@ -37,33 +35,32 @@ struct JointSetup {
   const SampleOptions& sample;
   const RbfOptions& rbf;
   const Problem& input;
-  const QueryField* field = nullptr;  // of the initial model; null: sampled here
+  const QueryField* field = nullptr;  // query points of the initial model; null: sampled here
   GaussianRates rates = {};
-  std::vector<std::uint8_t> frozen = {};  // [N] 1: shape, opacity and colour stay; empty: input.frozen
+  std::vector<std::uint8_t> frozen = {};  // [N] 1: only the label is trained; empty: input.frozen
 };
 
-/// What is boundary before the first step. kNothingFound where no usable Gaussian is (allow with
-/// `empty_boundary_is_fine`: labels are trained alone).
-BoundarySet boundary_to_train(const Problem& input, bool boundary_effect, bool empty_boundary_is_fine);
+/// The boundary set before the first step. kNothingFound: the set is empty, unless `allow_empty`; then only
+/// labels are trained.
+BoundarySet boundary_to_train(const Problem& input, bool boundary_effect, bool allow_empty);
 
 class JointTrainer {
  public:
   /// Throws as boundary_to_train().
-  JointTrainer(const Exec& exec, Monitor& monitor, const JointSetup& setup, bool empty_boundary_is_fine);
+  JointTrainer(const Exec& exec, Monitor& monitor, const JointSetup& setup, bool allow_empty);
   ~JointTrainer();
 
   bool finished() const;
-  /// Another number of steps in all; the rates go on falling towards that end. At least those that are done.
+  /// Changes the total number of steps; the rates decay towards the new end. At least the steps already done.
   void plan_steps(std::int64_t steps);
   JointProgress step();
   std::int64_t steps_done() const;
   std::int64_t steps_planned() const;
   Solution result() const;
-  /// Of the result.
+  /// Figures of the result.
   std::map<std::string, double> figures() const;
 
-  /// Everything that changes from step to step, by name; a copy of it and the step number resume byte for
-  /// byte.
+  /// All arrays that change between steps. Restoring them and the step number resumes bit-identically.
   std::vector<StateBlock> state();
   void resume_at(std::int64_t step);
 

@@ -4,14 +4,14 @@
 #include <numeric>
 
 #include "ngs/backend/for_each.h"
-#include "ngs/stages/optimise/label_start.h"
 #include "ngs/problem/region.h"
 #include "ngs/stages/boundary/method_labels.h"
+#include "ngs/stages/optimise/label_start.h"
 
 namespace ngs {
 namespace {
 
-/// Of whose region a row is; all where it is of none's, or nothing has one.
+/// The objects whose region contains a row; all objects if none does, or without a region.
 std::vector<std::size_t> objects_of(const Problem& input, std::size_t row) {
   std::vector<std::size_t> own;
   for (std::size_t k = 0; k < input.labels.size() && !input.region.empty(); ++k)
@@ -56,7 +56,7 @@ void TrainedLabels::step(const Exec& exec, double rate, std::int64_t t, const st
   adam_step(exec, {.lr = rate}, t, {"label", logit_, grad_}, moments_);
 }
 
-void TrainedLabels::put_back(const Exec& exec) {
+void TrainedLabels::write_back(const Exec& exec) {
   for_each_index(exec, std::int64_t(rows_.size()), [&](std::int64_t r) {
     const std::size_t row = rows_.row(std::size_t(r));
     for_each_cell(std::size_t(r), [&](std::size_t cell, std::size_t, std::size_t k) {
@@ -65,7 +65,7 @@ void TrainedLabels::put_back(const Exec& exec) {
   });
 }
 
-/// The first trained row beyond the page of label columns in which `row` of them lies.
+/// The first trained row after the page of label columns that contains trained row `row`.
 std::size_t TrainedLabels::end_of_page(std::size_t row) const {
   const std::size_t page = rows_.row(row) / LabelColumn::kPageRows;
   while (row < rows_.size() && rows_.row(row) / LabelColumn::kPageRows == page) ++row;
@@ -82,7 +82,7 @@ void TrainedLabels::write(std::vector<LabelColumns>& columns) const {
         columns[k].label[i] = columns[k].prob[i] = label_[i * objects_ + k];
         written[k] = 1;
       });
-    // Most pages are the same, and have no cell that is 0: with many objects these are the largest part of a result.
+    // label and prob are equal in most pages, so they share them: with many objects pages are most of a result.
     for (std::size_t k = 0; k < objects_; ++k)
       if (written[k]) columns[k].label.share(columns[k].prob, rows_.row(begin));
   }

@@ -1,5 +1,5 @@
 #pragma once
-// What everything that trains labels and Gaussians listens to.
+// Options shared by all code that trains labels and Gaussians.
 #include "ngs/stages/optimise/joint_options.h"
 
 namespace ngs {

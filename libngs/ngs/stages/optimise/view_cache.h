@@ -1,13 +1,13 @@
 #pragma once
-// Photos and masks of the training views, decoded once as far as memory is set aside for them.
+// Cache of the decoded photos and masks of the training views, with a limited size.
 #include <algorithm>
 #include <memory>
 #include <vector>
 
 #include "ngs/ops/losses/photometric.h"
 #include "ngs/problem/pixel_window.h"
-#include "ngs/stages/optimise/joint_options.h"
 #include "ngs/problem/problem.h"
+#include "ngs/stages/optimise/joint_options.h"
 
 namespace ngs {
 
@@ -16,12 +16,12 @@ class ViewCache {
   struct View {
     ImageF photo;
     ViewMasks masks;
-    PixelRegion region;  // of the anchor; empty: the whole photo
+    PixelRegion region;  // region of the photometric anchor; empty: the whole photo
   };
   ViewCache(const Problem& input, const JointSwitches& effects)
       : input_(input), effects_(effects), view_(input.views.size()) {}
 
-  /// View `n` of input.views; `scratch` holds it where it is not kept.
+  /// View `n` of input.views. Views that do not fit into the cache are returned in `scratch`.
   const View& load(Monitor& monitor, std::size_t n, View& scratch) {
     if (view_[n]) return *view_[n];
     const auto timed = monitor.scope("load view");
@@ -39,7 +39,7 @@ class ViewCache {
  private:
   static constexpr std::size_t kBytes = 512u << 20;
 
-  /// About the object, for --effect region=off; empty where its mask is.
+  /// Region about the object, for --effect region=off; empty if the mask is empty.
   static PixelRegion region_of(const ViewMasks& masks) {
     if (!masks.available) return {};
     const PixelWindow w = window_of(masks.target, masks.width_px, masks.height_px, kRegionMargin_px);

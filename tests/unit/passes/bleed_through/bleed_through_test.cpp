@@ -16,10 +16,10 @@ namespace ngs {
 namespace {
 
 constexpr std::size_t kPane = 0, kTrace = 1;
-constexpr float kAllPane = 0.85f;  // a tenth of the trace takes the rest
+constexpr float kAllPane = 0.85f;  // the Gaussian behind has a tenth of the weight
 
-/// A pane, the object, and a small thing behind it that is none: cameras close to the pane see it as a trace that is
-/// within the mask, cameras far behind both see it in the open. Masks are right.
+/// A semi-transparent pane, which is the object, and a small Gaussian behind it, which is background. Cameras in front
+/// see the Gaussian faintly through the pane, within the mask; cameras behind see it unoccluded. The masks are correct.
 struct Pane {
   GaussianCloud cloud;
   Scene scene;
@@ -77,7 +77,7 @@ BleedThrough finding_of(const Problem& in, int threads = 1) {
 
 }  // namespace
 
-TEST_CASE("bleed through: a trace behind the object loses its label, and nothing else changes") {
+TEST_CASE("bleed through: a Gaussian behind the object loses its label, and nothing else changes") {
   const Pane pane(12, 12);
   const Problem in = pane.problem();
   const BleedThrough found = finding_of(in), threaded = finding_of(in, 3);
@@ -91,8 +91,8 @@ TEST_CASE("bleed through: a trace behind the object loses its label, and nothing
   CHECK(threaded.objects[0].gain == found.objects[0].gain);
 }
 
-// By the closed form the trace is the object's: most of what it draws is drawn through the pane.
-TEST_CASE("bleed through: weighted as it is drawn, the trace would be the object's") {
+// The closed form labels the Gaussian as object: most of its rendering weight is seen through the pane.
+TEST_CASE("bleed through: with rendering weights the Gaussian behind the object would be labelled object") {
   const Pane pane(12, 12);
   double all = 0, objects = 0;
   for (std::size_t v = 0; v < pane.masks.size(); ++v) {
@@ -103,12 +103,12 @@ TEST_CASE("bleed through: weighted as it is drawn, the trace would be the object
   CHECK(objects / all > 0.5);
 }
 
-TEST_CASE("bleed through: without the masks' vote, in doubt of nothing, fixed by hand or with no mask, labels stay") {
+TEST_CASE("bleed through: labels stay if the masks do not improve, if they are certain or fixed, and without masks") {
   const Pane few(12, 2), pane(12, 12);
-  const BleedThrough outvoted = finding_of(few.problem());
-  CHECK(outvoted.objects[0].found == 1);
-  CHECK_FALSE(outvoted.objects[0].taken);
-  CHECK(outvoted.labels[0].label == few.labels[0].label);
+  const BleedThrough not_improved = finding_of(few.problem());
+  CHECK(not_improved.objects[0].found == 1);
+  CHECK_FALSE(not_improved.objects[0].taken);
+  CHECK(not_improved.labels[0].label == few.labels[0].label);
 
   Pane certain = pane, dark = pane;
   certain.labels[0].prob[kTrace] = 0.85f;
@@ -121,24 +121,24 @@ TEST_CASE("bleed through: without the masks' vote, in doubt of nothing, fixed by
   CHECK(finding_of(blind).objects[0].found == 0);
 }
 
-TEST_CASE("bleed through: of two objects each is asked about its own") {
+TEST_CASE("bleed through: two objects are tested separately") {
   Pane pane(12, 12);
   pane.scene.objects.push_back({"trace", 1});
   pane.labels.push_back(pane.labels[0]);
   pane.labels[0].label = {1, 0}, pane.labels[1].label = {0, 1};
   for (ViewMasks& mask : pane.masks) mask.target.push_back(std::vector<float>(mask.target[0].size(), 0.f));
-  const BleedThrough found = finding_of(pane.problem());  // no mask has anything of the second
+  const BleedThrough found = finding_of(pane.problem());  // all masks of the second object are empty
   CHECK(found.objects[0].found == 0);
   CHECK(found.objects[1].found == 1);
   CHECK(found.labels[0].label == pane.labels[0].label);
   CHECK(found.labels[1].label == LabelColumn({0, 0}));
 
-  for (ViewMasks& mask : pane.masks)  // all of the second's that is not the first's
+  for (ViewMasks& mask : pane.masks)  // masks of the second object: the complement of the first's
     for (std::size_t p = 0; p < mask.target[0].size(); ++p) mask.target[1][p] = 1 - mask.target[0][p];
   CHECK(finding_of(pane.problem()).objects[1].found == 0);
 }
 
-TEST_CASE("bleed through: asked where many masks refuse the photos' edges, and not in a draft") {
+TEST_CASE("bleed through: off without photos, and at draft quality") {
   const Pane pane(12, 12);
   const Problem in = pane.problem();
   TrainingOptions training;
@@ -146,14 +146,14 @@ TEST_CASE("bleed through: asked where many masks refuse the photos' edges, and n
   const BleedThroughPass pass;
   const std::vector<Effect> effects = pass.effects();
   REQUIRE(effects.size() == 1);
-  CHECK_FALSE(effects[0].detector.measure(probe) > effects[0].detector.threshold);  // 24 masks, and no photo
+  CHECK_FALSE(effects[0].heuristic.measure(probe) > effects[0].heuristic.threshold);  // 24 masks, no photo
   CHECK(pass.fixed_decisions(training).empty());
   training.joint.quality = Quality::kDraft;
   REQUIRE(pass.fixed_decisions(training).size() == 1);
   CHECK_FALSE(pass.fixed_decisions(training)[0].on);
 }
 
-TEST_CASE("bleed through: the labels of a run, unless they take too long; kept steps begin with them all the same") {
+TEST_CASE("bleed through: the pass changes the labels of a run, is aborted if too slow, but not with checkpoints") {
   const Pane pane(12, 12);
   const Problem in = pane.problem();
   Problem slow = in;
@@ -184,7 +184,7 @@ TEST_CASE("bleed through: the labels of a run, unless they take too long; kept s
   CHECK(bleed_through(kept).report["bleed_through"]["gaussians"] == 1);
 }
 
-TEST_CASE("bleed through: an interrupted search takes nothing") {
+TEST_CASE("bleed through: an interrupted search removes no label") {
   const Pane pane(12, 12);
   Monitor monitor;
   const std::atomic<bool> stop = true;

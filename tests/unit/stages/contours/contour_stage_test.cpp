@@ -25,7 +25,7 @@ struct ContourCase {
 
   ContourCase() {
     contour.epochs = 5, contour.margin_px = 6, contour.refine.reach_px = 8, contour.refine.band_px = 3;
-    // A model whose ball is too large: its contour lies outside the photos'.
+    // The model's ball is too large: its contour lies outside the photos' contour.
     for (std::size_t i = 0; i < base->is_ball.size(); ++i)
       if (base->is_ball[i] > 0)
         for (std::size_t k = 0; k < 3; ++k) base->model.log_scale[i * 3 + k] += 0.35f;
@@ -58,7 +58,7 @@ struct ContourCase {
   }
 };
 
-TEST_CASE("a model whose contours are misaligned with the photos' edges is moved to them") {
+TEST_CASE("contours that are misaligned with the photos' edges move to the edges") {
   ContourCase c;
   c.contour.on = test::contours_switched({"contour-iterations=on"});
   const Problem in = c.input();
@@ -75,9 +75,9 @@ TEST_CASE("a model whose contours are misaligned with the photos' edges is moved
   for (const float x : after.labels[0].label) REQUIRE(std::isfinite(x));
 }
 
-TEST_CASE("contours: small photos are enlarged only where their contours then agree better with the masks") {
+TEST_CASE("contours: small photos are enlarged only if that improves the agreement with the masks") {
   ContourCase c;
-  c.base = test::joint_case();  // as its masks say
+  c.base = test::joint_case();  // contours match the masks
   c.contour.refine.reach_px = 16;
   const Problem in = c.input();
   const Solution start = c.start(in), after = c.run(in);
@@ -89,15 +89,15 @@ TEST_CASE("contours: small photos are enlarged only where their contours then ag
   CHECK(could_enlarge(small, 2));
   CHECK(!could_enlarge(small, 1));
   for (const double gain : gains_over(large, small)) CHECK(gain > 0.01);
-  CHECK(std::abs(large[0].window.w - small[0].window.w) <= 2);  // at the camera's size both
+  CHECK(std::abs(large[0].window.w - small[0].window.w) <= 2);  // both at the camera's size
   CHECK(after.figures.at("contour_detail") == 2);
   CHECK(after.figures.at("contour_biou_refined") > 0.72);  // small: 0.68
   const ContourCase too_large;
   CHECK(too_large.run(too_large.input()).figures.at("contour_detail") == 1);
 }
 
-TEST_CASE("contours: in an enlarged photo a contour moves by the same part of the picture as in the photo") {
-  ContourCase c;  // whose contours lie outside the photos'
+TEST_CASE("contours: in an enlarged photo a contour moves by the same share of the image as in the photo") {
+  ContourCase c;  // contours lie outside the photos' contours
   c.contour.refine.band_px = 1;
   const Problem in = c.input();
   const Solution start = c.start(in);
@@ -130,11 +130,11 @@ TEST_CASE("contours: every iteration starts from the labels trained so far") {
   for (std::size_t i = 0; i < trained.size(); ++i) CHECK(std::abs(after.labels[0].prob[i] - trained[i]) < 1e-5f);
 }
 
-TEST_CASE("contours: of a held-out view the photo is read, the mask never") {
+TEST_CASE("contours: photos of held-out views are read, their masks never") {
   const ContourCase c;
   Problem in = c.input();
   in.views = {0, 1, 3};
-  std::set<std::size_t> masks, photos;  // one thread
+  std::set<std::size_t> masks, photos;  // run() uses one thread
   in.load_masks = [&, inner = in.load_masks](std::size_t v) { return masks.insert(v), inner(v); };
   in.load_fine_photo = [&, inner = in.load_fine_photo](std::size_t v) { return photos.insert(v), inner(v); };
   ContourCase only_train;
@@ -147,7 +147,7 @@ TEST_CASE("contours: of a held-out view the photo is read, the mask never") {
   CHECK(photos == std::set<std::size_t>{0, 1, 3});
 }
 
-TEST_CASE("contours: what shows outside of the trained windows keeps its Gaussians and its picture") {
+TEST_CASE("contours: the rendering outside the trained windows hardly changes") {
   ContourCase c;
   const Problem in = c.input();
   const Solution before = c.start(in), after = c.run(in);
@@ -157,7 +157,7 @@ TEST_CASE("contours: what shows outside of the trained windows keeps its Gaussia
     const Camera& camera = c.base->scene.views[v].camera;
     const RenderedView a = render({}, *before.cloud, camera, {}, request),
                        b = render({}, *after.cloud, camera, {}, request);
-    for (int x = 0; x < 48; ++x)  // the first and the last row lie outside of every window
+    for (int x = 0; x < 48; ++x)  // the first and the last row lie outside all windows
       for (const int y : {0, 39})
         for (int k = 0; k < 3; ++k)
           worst = std::max(worst, double(std::abs(a.colour.at(x, y, k) - b.colour.at(x, y, k))));
@@ -166,13 +166,13 @@ TEST_CASE("contours: what shows outside of the trained windows keeps its Gaussia
   CHECK(worst < 0.02);
 }
 
-TEST_CASE("contours: Gaussians that show in no trained window have no influence and are not changed") {
+TEST_CASE("contours: Gaussians that are visible in no window have no influence and do not change") {
   ContourCase plain, crowded;
   crowded.contour.on = plain.contour.on = test::contours_switched({"contour-iterations=on"});
   GaussianCloud& cloud = crowded.base->model;
   const std::int64_t n = cloud.size(), more = 40;
   cloud.resize(n + more, cloud.sh_degree);
-  for (std::int64_t i = n; i < n + more; ++i) {  // behind the cameras, and far beside what they see
+  for (std::int64_t i = n; i < n + more; ++i) {  // behind the cameras, or far outside their views
     cloud.position[std::size_t(i) * 3] = i % 2 == 0 ? 0.1f * float(i - n) : 40;
     cloud.position[std::size_t(i) * 3 + 2] = i % 2 == 0 ? -3 : 5;
     cloud.rotation[std::size_t(i) * 4] = 1, cloud.logit_opacity[std::size_t(i)] = 2;
@@ -199,7 +199,7 @@ TEST_CASE("contours: Gaussians that show in no trained window have no influence 
   CHECK(moved > 100);
 }
 
-TEST_CASE("contours: what is called after a step sees the whole model, not only its trained part") {
+TEST_CASE("contours: the callback after a step gets the whole model, not only the trained rows") {
   const ContourCase c;
   const Problem in = c.input();
   Monitor monitor;
@@ -222,7 +222,7 @@ TEST_CASE("contours: what is called after a step sees the whole model, not only 
   CHECK_FALSE(result.converged);
 }
 
-TEST_CASE("contours: before the first step the caller may limit the iterations that the first refinement wants") {
+TEST_CASE("contours: the caller may limit the number of iterations before the first step") {
   ContourCase c;
   c.contour.on = test::contours_switched({"contour-iterations=on"});
   const Problem in = c.input();
@@ -243,7 +243,7 @@ TEST_CASE("contours: before the first step the caller may limit the iterations t
     CHECK(stepped == (allowed > 0));
     CHECK(result.source_row.empty() == (allowed == 0));
     CHECK(result.figures.at("contour_iterations") == allowed);
-    CHECK(result.converged);  // whether less than wanted is too little is for whom was asked
+    CHECK(result.converged);  // a limit by the caller is no failure
   }
 }
 
@@ -264,7 +264,7 @@ TEST_CASE("contours: all iterations but the last may train at half the size") {
   CHECK(c.mean_biou(early_coarse) > c.mean_biou(fine) - 0.05);
 }
 
-TEST_CASE("contours: iterations at half the size take half of the epochs, the last all of them") {
+TEST_CASE("contours: iterations at half the size have half of the epochs, the last has all of them") {
   ContourCase c;
   c.contour.iterations = 2;
   const Problem in = c.input();
@@ -294,11 +294,11 @@ TEST_CASE("contours: the result does not depend on the number of threads") {
   CHECK(one.source_row == three.source_row);
 }
 
-TEST_CASE("contours: where the refined masks disagree with the given ones the model is not changed") {
+TEST_CASE("contours: the model does not change if the given masks reject the refined ones") {
   ContourCase c;
-  c.base = test::joint_case();  // as its masks say
+  c.base = test::joint_case();  // contours match the masks
   Problem in = c.input();
-  // Photos of something else, full of edges that no mask knows.
+  // Photos of another scene, with many edges that are no contours of the masks.
   in.load_fine_photo = [&](std::size_t) {
     ImageF photo(48, 40, 3);
     for (int y = 0; y < 40; ++y)
@@ -313,13 +313,13 @@ TEST_CASE("contours: where the refined masks disagree with the given ones the mo
   CHECK(after.labels[0].label == before.labels[0].label);
 }
 
-TEST_CASE("contours: masks that are all too small do not outvote the photos") {
+TEST_CASE("contours: masks that are all too small do not reject refinement") {
   ContourCase c;
   c.base = test::joint_case();
-  for (std::size_t i = 0; i < c.base->is_ball.size(); ++i)  // what is rendered is as small as they are
+  for (std::size_t i = 0; i < c.base->is_ball.size(); ++i)  // the rendered masks are as small
     if (c.base->is_ball[i] > 0)
       for (std::size_t k = 0; k < 3; ++k) c.base->model.log_scale[i * 3 + k] -= 0.6f;
-  for (ViewMasks& masks : c.base->masks) {  // a pixel off all around
+  for (ViewMasks& masks : c.base->masks) {  // erode by one pixel
     const std::vector<float> whole = masks.target[0];
     const int w = masks.width_px;
     for (int y = 1; y < masks.height_px - 1; ++y)
@@ -338,13 +338,12 @@ TEST_CASE("contours: masks that are all too small do not outvote the photos") {
                        << after.figures.at("contour_contrast_given") << " of "
                        << after.figures.at("contour_contrast_refined"));
   CHECK(after.figures.at("contour_contrast_given") < 0.75 * after.figures.at("contour_contrast_refined"));
-  CHECK(after.figures.at("contour_iterations") == 3);  // of two for masks on the edges
+  CHECK(after.figures.at("contour_iterations") == 3);  // two for masks on edges
   c.contour.iterations = 1;
   CHECK(c.run(in).figures.at("contour_iterations") == 1);
 }
 
-TEST_CASE(
-    "contours: without photos, without labels and at draft quality nothing changes; an unreadable photo is an error") {
+TEST_CASE("contours: no change without photos, without labels and at draft quality; an unreadable photo is an error") {
   ContourCase c;
   Problem in = c.input();
   const Solution before = c.start(in);
@@ -366,16 +365,16 @@ TEST_CASE(
   unchanged(in);
 }
 
-TEST_CASE("the joint stage is short before contour iterations at half the size, which correct more") {
+TEST_CASE("joint options: fewer epochs if contour iterations at half the size follow") {
   JointOptions joint;
   CHECK(epochs_of(joint) == 10);
-  joint.contours_go_on = true;
+  joint.coarse_contours_follow = true;
   CHECK(epochs_of(joint) == 3);
   joint.quality = Quality::kDraft;
   CHECK(epochs_of(joint) == 1);
 }
 
-TEST_CASE("contours: more views mean fewer epochs, higher qualities more iterations, and given options win") {
+TEST_CASE("contours: more views give fewer epochs, higher qualities more iterations, and options override both") {
   CHECK((contour_iterations({}, Quality::kStandard, false) == 2 &&
          contour_iterations({}, Quality::kStandard, true) == 3));
   CHECK((contour_iterations({}, Quality::kHigh, true) == 5 && contour_iterations({}, Quality::kReference, false) == 7));
@@ -387,10 +386,10 @@ TEST_CASE("contours: more views mean fewer epochs, higher qualities more iterati
   CHECK(contour_epochs({}, Quality::kStandard, 2100) == 2);
   CHECK(contour_epochs({}, Quality::kStandard, 100000) == 1);
   CHECK(contour_epochs({}, Quality::kDraft, 1000) == 0);
-  ContourOptions asked;
-  asked.epochs = 7, asked.iterations = 4;
-  CHECK(contour_iterations(asked, Quality::kReference, true) == 4);
-  CHECK(contour_epochs(asked, Quality::kDraft, 1000) == 7);
+  ContourOptions given;
+  given.epochs = 7, given.iterations = 4;
+  CHECK(contour_iterations(given, Quality::kReference, true) == 4);
+  CHECK(contour_epochs(given, Quality::kDraft, 1000) == 7);
   CHECK(early_epochs(15) == 8);
   CHECK(early_epochs(1) == 1);
 }

@@ -14,8 +14,8 @@
 namespace ngs {
 namespace {
 
-/// Seven cameras about the ball of support/joint_case.h, whose model is too large; the last `unseen` have neither photo
-/// nor mask.
+/// Seven cameras about the ball of support/joint_case.h, with a model that is too large. The last `unseen` views have
+/// neither photo nor mask.
 struct SevenViews {
   static constexpr int kViews = 7;
   std::unique_ptr<test::JointCase> base = test::joint_case();
@@ -54,14 +54,14 @@ struct SevenViews {
     in.load_fine_photo = in.load_photo;
     return in;
   }
-  Solution run(PhotolessViews unseen, int threads = 1, std::vector<int>* told = nullptr, int most_rounds = 9) {
+  Solution run(PhotolessViews unseen, int threads = 1, std::vector<int>* requested = nullptr, int most_rounds = 9) {
     contour.photoless = unseen;
     Monitor monitor;
     Exec exec;
     exec.threads = threads;
     const Problem in = input();
     const auto allow = [&](int iterations) {
-      if (told != nullptr) told->push_back(iterations);
+      if (requested != nullptr) requested->push_back(iterations);
       return std::min(iterations, most_rounds);
     };
     return refine_contours(exec, monitor, {contour, {joint, {}, {}}, in, {}, allow}, run_flash({}, monitor, {}, in));
@@ -73,18 +73,18 @@ bool same(const Solution& a, const Solution& b) {
          a.cloud->sh_dc == b.cloud->sh_dc && a.labels[0].label == b.labels[0].label && a.source_row == b.source_row;
 }
 
-TEST_CASE("photoless views: every third photo judges, and at least two of at least five") {
-  CHECK(judges_of({}).empty());
-  CHECK(judges_of({0, 1, 2, 3}).empty());
-  CHECK(judges_of({0, 2, 4, 6, 8}) == std::vector<std::size_t>{2, 8});
-  CHECK(judges_of({0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}) == std::vector<std::size_t>{1, 4, 7, 10});
+TEST_CASE("photoless views: every third view is a trial view, none of fewer than five") {
+  CHECK(trial_views_of({}).empty());
+  CHECK(trial_views_of({0, 1, 2, 3}).empty());
+  CHECK(trial_views_of({0, 2, 4, 6, 8}) == std::vector<std::size_t>{2, 8});
+  CHECK(trial_views_of({0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}) == std::vector<std::size_t>{1, 4, 7, 10});
 }
 
-TEST_CASE("photoless views: a rendered picture over the background stands in for the photo of the named views") {
+TEST_CASE("photoless views: with_renderings replaces the photos of the given views by renderings over the background") {
   SevenViews c(2);
   Problem in = c.input();
   in.background = {0.2f, 0.4f, 0.6f};
-  const Problem out = with_pictures({}, in, c.base->model, {1, 6});
+  const Problem out = with_renderings({}, in, c.base->model, {1, 6});
   RenderRequest request;
   request.background = in.background;
   for (const std::size_t v : {std::size_t(1), std::size_t(6)}) {
@@ -96,16 +96,16 @@ TEST_CASE("photoless views: a rendered picture over the background stands in for
   CHECK(out.load_fine_photo(5).empty());
 }
 
-TEST_CASE("photoless views: pictures that do not fit into memory are rendered again from the first model") {
+TEST_CASE("photoless views: renderings that do not fit into the cache are rendered again from a copy of the model") {
   SevenViews c(2);
   Problem in = c.input();
   in.background = {0.2f, 0.4f, 0.6f};
   std::vector<Problem> out;
   {
-    const GaussianCloud passing = c.base->model;
+    const GaussianCloud temporary = c.base->model;
     const std::size_t one = 3 * sizeof(float) * 48 * 40;
-    for (const std::size_t room : {10 * one, one, std::size_t(0)})
-      out.push_back(with_pictures({}, in, passing, {1, 5, 6}, room));
+    for (const std::size_t cache_bytes : {10 * one, one, std::size_t(0)})
+      out.push_back(with_renderings({}, in, temporary, {1, 5, 6}, cache_bytes));
   }
   for (const std::size_t v : {1u, 5u, 6u})
     for (const Problem& pictured : {out[1], out[2]}) CHECK(pictured.load_photo(v).data == out[0].load_photo(v).data);
@@ -116,33 +116,33 @@ TEST_CASE("photoless views: pictures that do not fit into memory are rendered ag
   for (const ImageF& picture : at_once) CHECK(picture.data == out[0].load_fine_photo(5).data);
 }
 
-TEST_CASE("photoless views: a picture is used where its contours are nearer to the photo's than without the view") {
+TEST_CASE("photoless views: renderings help if their contours are nearer to the photos' than those without the views") {
   SevenViews c(0);
   const Problem in = c.input();
-  const std::vector<std::size_t> judges = judges_of(in.views);
-  REQUIRE(judges.size() == 2);
+  const std::vector<std::size_t> trial_views = trial_views_of(in.views);
+  REQUIRE(trial_views.size() == 2);
   Monitor monitor;
   const std::vector<LabelColumns> labels = run_flash({}, monitor, {}, in).labels;
   const LabelledModel truth{c.base->truth, labels}, swollen{c.base->model, labels};
-  const RefineSetup walk{c.contour.refine, c.contour.margin_px, in};
-  const std::vector<RefinedView> in_photos = refine_views({}, walk, truth, in.views, {});
-  const Trial good = try_pictures({}, walk, {truth, swollen}, in_photos, judges);
-  const Trial bad = try_pictures({}, walk, {swollen, truth}, in_photos, judges);
-  const Trial even = try_pictures({}, walk, {truth, truth}, in_photos, judges);
+  const RefineSetup setup{c.contour.refine, c.contour.margin_px, in};
+  const std::vector<RefinedView> in_photos = refine_views({}, setup, truth, in.views, {});
+  const Trial good = evaluate_trial({}, setup, {truth, swollen}, in_photos, trial_views);
+  const Trial bad = evaluate_trial({}, setup, {swollen, truth}, in_photos, trial_views);
+  const Trial even = evaluate_trial({}, setup, {truth, truth}, in_photos, trial_views);
   MESSAGE("pictured, unseen: " << good.pictured << " " << good.skipped << "; " << bad.pictured << " " << bad.skipped
                                << "; " << even.pictured << " " << even.skipped);
-  CHECK(good.picture_serves);
+  CHECK(good.renderings_help);
   CHECK(good.pictured > good.skipped + 0.1);
-  CHECK_FALSE(bad.picture_serves);
+  CHECK_FALSE(bad.renderings_help);
   CHECK(bad.pictured < bad.skipped);
   CHECK(good.skipped < even.skipped);
 }
 
-TEST_CASE("photoless views: the trial decides whether pictures are used, and leaves nothing else behind") {
+TEST_CASE("photoless views: the trial decides whether renderings are used, and changes nothing else") {
   SevenViews c(2);
-  std::vector<int> told_leave, told_auto;
-  const Solution leave = c.run(PhotolessViews::kLeave, 1, &told_leave), picture = c.run(PhotolessViews::kPicture),
-                 decided = c.run(PhotolessViews::kAuto, 1, &told_auto);
+  std::vector<int> requested_leave, requested_auto;
+  const Solution leave = c.run(PhotolessViews::kLeave, 1, &requested_leave), picture = c.run(PhotolessViews::kPicture),
+                 decided = c.run(PhotolessViews::kAuto, 1, &requested_auto);
   CHECK(leave.figures.at("contour_pictures") == 0);
   CHECK(leave.figures.count("contour_biou_skipped") == 0);
   CHECK(picture.figures.at("contour_pictures") == 2);
@@ -150,9 +150,10 @@ TEST_CASE("photoless views: the trial decides whether pictures are used, and lea
   CHECK(decided.figures.at("contour_biou_pictured") > 0);
   CHECK(same(decided, decided.figures.at("contour_pictures") > 0 ? picture : leave));
   CHECK(decided.figures.at("contour_iterations") == leave.figures.at("contour_iterations"));
-  CHECK(told_auto[0] == told_leave[0] + 1);  // the trial takes the time of an iteration
+  CHECK(requested_auto[0] == requested_leave[0] + 1);  // the trial counts as an iteration
   CHECK(same(decided, c.run(PhotolessViews::kAuto, 3)));
-  const Solution short_of_time = c.run(PhotolessViews::kAuto, 1, nullptr, 1);  // an iteration, not its trial
+  const Solution short_of_time =
+      c.run(PhotolessViews::kAuto, 1, nullptr, 1);  // time for one iteration, not for the trial
   CHECK(short_of_time.figures.count("contour_biou_skipped") == 0);
   CHECK(short_of_time.figures.at("contour_iterations") == 1);
 }
@@ -172,7 +173,7 @@ TEST_CASE("photoless views: a trial that is cut short counts as an iteration and
   CHECK(result.figures.count("contour_biou_skipped") == 0);
 }
 
-TEST_CASE("photoless views: with a photo of every view, or with too few to judge, there is no trial") {
+TEST_CASE("photoless views: there is no trial if every view has a photo, or with too few photos") {
   SevenViews all(0), few(3);
   const Solution leave = all.run(PhotolessViews::kLeave), decided = all.run(PhotolessViews::kAuto);
   CHECK(same(leave, decided));

@@ -1,4 +1,4 @@
-// What refined contours say of the masks that were given.
+// Comparison of refined contours with the given masks.
 #include "ngs/stages/contours/refined_masks.h"
 
 #include <doctest/doctest.h>
@@ -13,8 +13,8 @@
 namespace ngs {
 namespace {
 
-/// Compared views whose refined masks agree with the given ones by `gain` more than the rendered ones did, which have
-/// `beyond_px2` more than the refined ones and lack `short_px2`; `contrast`: of their contours, the refined ones' is 1.
+/// Compared views. Agreement with the given masks rises by `gain` through refinement. `beyond_px2`, `short_px2`: pixels
+/// only in the given, only in the refined masks. `contrast`: of the given contours, relative to the refined ones.
 std::vector<RefinedView> views(double gain, double contrast, double beyond_px2, double short_px2) {
   std::vector<RefinedView> some(4);
   for (std::size_t v = 0; v < some.size(); ++v) {
@@ -26,36 +26,36 @@ std::vector<RefinedView> views(double gain, double contrast, double beyond_px2, 
   return some;
 }
 
-bool masks_refuse(const std::vector<RefinedView>& refined) { return gain_by_masks(refined) < -kSignificant; }
+bool masks_reject(const std::vector<RefinedView>& refined) { return mask_agreement_gain(refined) < -kSignificant; }
 
 }  // namespace
 
-TEST_CASE("masks that lie on edges refuse what agrees with them less, whichever side they err to") {
-  CHECK(masks_refuse(views(-0.01, 0.9, 10, 0)));
-  CHECK(masks_refuse(views(-0.01, 0.9, 10, 10)));
-  CHECK_FALSE(masks_refuse(views(-0.001, 0.9, 10, 10)));  // within twice the standard error
-  CHECK_FALSE(masks_refuse(views(0.01, 0.9, 10, 10)));
+TEST_CASE("aligned masks reject refined contours that agree less, whichever side the masks err to") {
+  CHECK(masks_reject(views(-0.01, 0.9, 10, 0)));
+  CHECK(masks_reject(views(-0.01, 0.9, 10, 10)));
+  CHECK_FALSE(masks_reject(views(-0.001, 0.9, 10, 10)));  // within two standard errors
+  CHECK_FALSE(masks_reject(views(0.01, 0.9, 10, 10)));
 }
 
-TEST_CASE("masks beside the edges have a say only where they err to both sides alike") {
-  CHECK(masks_refuse(views(-0.01, 0.5, 10, 8)));
-  CHECK_FALSE(masks_refuse(views(-0.01, 0.5, 10, 1)));
-  CHECK_FALSE(masks_refuse(views(-0.01, 0.5, 1, 10)));
-  CHECK_FALSE(masks_refuse(views(-0.001, 0.5, 10, 8)));
+TEST_CASE("misaligned masks can reject only if they err to both sides alike") {
+  CHECK(masks_reject(views(-0.01, 0.5, 10, 8)));
+  CHECK_FALSE(masks_reject(views(-0.01, 0.5, 10, 1)));
+  CHECK_FALSE(masks_reject(views(-0.01, 0.5, 1, 10)));
+  CHECK_FALSE(masks_reject(views(-0.001, 0.5, 10, 8)));
 }
 
-TEST_CASE("the side is that of all views together") {
+TEST_CASE("one-sided errors are summed over all views") {
   std::vector<RefinedView> both = views(-0.01, 0.5, 10, 1);
   for (const RefinedView& other : views(-0.01, 0.5, 1, 10)) both.push_back(other);
   CHECK_FALSE(masks_err_to_one_side(both));
   CHECK(masks_err_to_one_side(views(-0.01, 0.5, 10, 1)));
 }
 
-TEST_CASE("what is refined and compared about an object has the bits of the whole picture") {
+TEST_CASE("refinement and comparison in a crop about the object give the bits of the whole image") {
   const auto c = test::joint_case();
   Camera& camera = c->scene.views[0].camera;
   camera.width_px = 120, camera.height_px = 100;
-  for (const double cx : {70.5, 9.0}) {  // in the picture, and cut by its edge
+  for (const double cx : {70.5, 9.0}) {  // inside the image, and cut by its edge
     CAPTURE(cx);
     camera.cx = cx, camera.cy = 41;
     const Camera fine = resized(camera, 240, 200);
@@ -77,7 +77,7 @@ TEST_CASE("what is refined and compared about an object has the bits of the whol
     std::vector<float> target(120 * 100);
     for (std::size_t p = 0; p < soft.size(); ++p)
       target[p / 240 / 2 * 120 + p % 240 / 2] += label_is_foreground(soft[p]) ? 0.25f : 0.f;
-    CHECK(whole_masks(got, 120, 100).target[0] == target);
+    CHECK(uncropped_masks(got, 120, 100).target[0] == target);
     std::vector<std::uint8_t> a, b;
     double beyond = 0;
     for (std::size_t p = 0; p < target.size(); ++p) {

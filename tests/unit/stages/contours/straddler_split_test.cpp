@@ -30,7 +30,7 @@ TEST_CASE("two halves keep the centre, the covariance and the optical depth of t
     CHECK((a[k] + b[k]) / 2 == doctest::Approx(position[k]).epsilon(1e-6));
     shift2 += double(a[k] - b[k]) * double(a[k] - b[k]) / 4;
   }
-  // Along the longest axis: variance of the two = shift² + their own; the other axes as they were.
+  // Along the longest axis the joint variance is shift² + the halves' own; the other axes do not change.
   const double own = std::exp(2 * double(cloud.log_scale[4]));
   CHECK(shift2 + own == doctest::Approx(std::exp(2 * 0.4)).epsilon(1e-5));
   CHECK(cloud.log_scale[3] == log_scale[0]);
@@ -56,27 +56,27 @@ TEST_CASE("only Gaussians that a contour crosses count as straddling") {
   Problem input = c->input();
   const Straddling across = straddling({}, input, c->truth, 50);
   const std::vector<double>& px = across.px;
-  Evidence anew(c->truth.size(), 1);
+  Evidence expected(c->truth.size(), 1);
   for (const std::size_t v : input.views)
-    add_view_evidence({}, c->truth, {c->scene.views[v].camera, c->masks[v]}, input.splat, anew);
-  for (std::size_t i = 0; i < px.size(); ++i) CHECK(across.weight.value(i) == anew.weight.value(i));
+    add_view_evidence({}, c->truth, {c->scene.views[v].camera, c->masks[v]}, input.splat, expected);
+  for (std::size_t i = 0; i < px.size(); ++i) CHECK(across.weight.value(i) == expected.weight.value(i));
   REQUIRE(across.last.gaussians == 50);
   const std::size_t first = px.size() - 50;
   for (std::size_t i = 0; i < 50; ++i) {
-    CHECK(across.last.views[i] == anew.views[first + i]);
-    CHECK(across.last.object_weight(i, 0) == anew.object_weight(first + i, 0));
+    CHECK(across.last.views[i] == expected.views[first + i]);
+    CHECK(across.last.object_weight(i, 0) == expected.object_weight(first + i, 0));
   }
   double inside = 0, worst_wall = 0, most = 0;
   for (std::size_t i = 0; i < px.size(); ++i) {
     most = std::max(most, px[i]);
     if (c->is_ball[i] > 0) inside += px[i];
-    // The wall far from the ball's shadow on it: no contour near.
+    // The wall far from the ball's silhouette: no contour is near.
     else if (std::hypot(c->truth.position[i * 3], c->truth.position[i * 3 + 1]) > 2)
       worst_wall = std::max(worst_wall, px[i]);
   }
   CHECK(inside > 0);
   CHECK(worst_wall < 0.05 * most);
-  // Masks that hold everything cross nothing.
+  // Masks that cover the whole image have no contour.
   input.load_masks = [&](std::size_t v) {
     ViewMasks all = c->masks[v];
     for (float& x : all.target[0]) x = 1;

@@ -10,7 +10,7 @@ namespace {
 
 const std::vector<std::size_t> kViews{0, 1, 2, 3};
 
-/// The joint case with labels that miss part of the ball, so that refinement moves contours, and `photos` of its own.
+/// The value for the case's own photos.
 double unexplained(test::JointCase& c) {
   Problem in = c.input();
   in.load_fine_photo = in.load_photo;
@@ -19,6 +19,8 @@ double unexplained(test::JointCase& c) {
                               refine_views({}, {ContourRefineOptions{}, 64, in}, model, kViews, kViews));
 }
 
+/// The joint case with labels that miss part of the ball, so that refinement moves contours, and with renderings of the
+/// model as photos.
 std::unique_ptr<test::JointCase> labelled_case() {
   auto c = test::joint_case();
   c->labels[0].prob = c->labels[0].label = c->is_ball;
@@ -32,7 +34,7 @@ std::unique_ptr<test::JointCase> labelled_case() {
 
 }  // namespace
 
-TEST_CASE("unexplained contrast is 0 where the photos are the model's pictures") {
+TEST_CASE("unexplained contrast is 0 if the photos are renderings of the model") {
   const auto c = labelled_case();
   CHECK(unexplained(*c) < 1e-5);
 }
@@ -54,7 +56,7 @@ TEST_CASE("unexplained contrast is the residual at moved pixels relative to the 
   CHECK(before < 1e-5);
   double contrast = 0;
   for (const std::size_t v : kViews) {
-    const ViewMasks masks = whole_masks(refined[v], 48, 40);
+    const ViewMasks masks = uncropped_masks(refined[v], 48, 40);
     std::vector<std::uint8_t> mask;
     for (const float m : masks.target[0]) mask.push_back(m > 0.5f);
     contrast += contour_contrast(mask, c->photos[v]) / 4;

@@ -10,7 +10,7 @@
 namespace ngs {
 namespace {
 
-/// Two views of 1 x 2 rays with two samples, and one without any.
+/// Two views of 1 x 2 rays with two samples, and one view without rays.
 QueryField sampled() {
   QueryField field;
   field.origin = {1, 2, 3};
@@ -29,7 +29,7 @@ GaussianCloud cloud() {
   return cloud;
 }
 
-void refused(const std::function<void(QueryField&)>& spoil, ErrorCode code, const char* what) {
+void rejected(const std::function<void(QueryField&)>& spoil, ErrorCode code, const char* what) {
   CAPTURE(what);
   QueryField field = sampled();
   spoil(field);
@@ -44,19 +44,18 @@ void refused(const std::function<void(QueryField&)>& spoil, ErrorCode code, cons
 
 }  // namespace
 
-TEST_CASE(
-    "a given field is taken as ngs-sample writes it, and refused where a column, the order or the origin is another") {
+TEST_CASE("require_grids accepts a field of ngs-sample, and rejects missing columns, another order or another origin") {
   CHECK_NOTHROW(require_grids(sampled(), cloud(), "f.ply"));
-  refused([](QueryField& f) { f.uv.clear(); }, ErrorCode::kBadInput, "f.ply: no columns u v");
-  refused([](QueryField& f) { f.depth.clear(); }, ErrorCode::kBadInput, "f.ply: no columns depth");
-  refused([](QueryField& f) { f.view.clear(); }, ErrorCode::kBadInput, "f.ply: no columns view");
-  refused([](QueryField& f) { f.slot.clear(); }, ErrorCode::kBadInput, "f.ply: no columns slot");
-  refused([](QueryField& f) { f.origin[1] = 0; }, ErrorCode::kInconsistent, "another origin");
-  refused([](QueryField& f) { std::swap(f.slot[4], f.slot[5]); }, ErrorCode::kBadInput, "row 4 is slot 1 of view 2");
-  refused([](QueryField& f) { std::swap_ranges(f.view.begin(), f.view.begin() + 4, f.view.begin() + 4); },
-          ErrorCode::kBadInput, "row 4 is slot 0 of view 0");
-  refused([](QueryField& f) { f.depth[3] = NAN; }, ErrorCode::kBadInput, "row 3 has no pixel or no depth");
-  refused([](QueryField& f) { f.uv[9] = INFINITY; }, ErrorCode::kBadInput, "row 4 has no pixel or no depth");
+  rejected([](QueryField& f) { f.uv.clear(); }, ErrorCode::kBadInput, "f.ply: no columns u v");
+  rejected([](QueryField& f) { f.depth.clear(); }, ErrorCode::kBadInput, "f.ply: no columns depth");
+  rejected([](QueryField& f) { f.view.clear(); }, ErrorCode::kBadInput, "f.ply: no columns view");
+  rejected([](QueryField& f) { f.slot.clear(); }, ErrorCode::kBadInput, "f.ply: no columns slot");
+  rejected([](QueryField& f) { f.origin[1] = 0; }, ErrorCode::kInconsistent, "another origin");
+  rejected([](QueryField& f) { std::swap(f.slot[4], f.slot[5]); }, ErrorCode::kBadInput, "row 4 is slot 1 of view 2");
+  rejected([](QueryField& f) { std::swap_ranges(f.view.begin(), f.view.begin() + 4, f.view.begin() + 4); },
+           ErrorCode::kBadInput, "row 4 is slot 0 of view 0");
+  rejected([](QueryField& f) { f.depth[3] = NAN; }, ErrorCode::kBadInput, "row 3 has no pixel or no depth");
+  rejected([](QueryField& f) { f.uv[9] = INFINITY; }, ErrorCode::kBadInput, "row 4 has no pixel or no depth");
 }
 
 }  // namespace ngs

@@ -4,14 +4,15 @@
 
 #include <cmath>
 
-#include "ngs/stages/optimise/joint_trainer.h"
 #include "ngs/stages/boundary/variance_stage.h"
+#include "ngs/stages/optimise/joint_trainer.h"
 
 namespace ngs {
 namespace {
 
 constexpr int kSide_px = 48, kHalf_px = 3, kWallSide = 3 * kSide_px;
-constexpr float kDistance = kSide_px;  // of the bar: one unit is one pixel there, half a pixel on the wall behind it
+/// Of the bar: one unit is one pixel on the bar, half a pixel on the wall behind it.
+constexpr float kDistance = kSide_px;
 
 void add_plane(GaussianCloud& cloud, int first, int columns, int rows, float depth, float logit_opacity) {
   for (int i = 0; i < columns * rows; ++i) {
@@ -23,8 +24,8 @@ void add_plane(GaussianCloud& cloud, int first, int columns, int rows, float dep
   }
 }
 
-/// An upright bar of 6 px, not quite opaque, before a wall, seen from seven places in a row. A view's mask lies beside
-/// the bar by errors_px[view].
+/// A nearly opaque vertical bar of 6 px in front of a wall, seen from seven positions in a row. The mask of a view is
+/// shifted by errors_px[view].
 struct Bar {
   GaussianCloud cloud;
   Scene scene;
@@ -78,7 +79,7 @@ Bar bar(const std::vector<int>& errors_px) {
   return b;
 }
 
-/// IoU of the true bar with the mask that the labels show in the middle view before the first step.
+/// IoU of the true bar with the rendered mask in the middle view, before the first step.
 double iou_at_start(const Bar& b, int start_steps) {
   const Problem input = b.input();
   Monitor monitor;
@@ -101,18 +102,17 @@ double iou_at_start(const Bar& b, int start_steps) {
 
 TEST_CASE("label start: a thin object keeps its width under misaligned masks") {
   const Bar b = bar({-4, 2, -2, 0, 2, -2, 4});
-  const double as_they_are = iou_at_start(b, 1), started = iou_at_start(b, JointOptions{}.start_steps);
-  CAPTURE(as_they_are);
+  const double shares = iou_at_start(b, 1), started = iou_at_start(b, JointOptions{}.start_steps);
+  CAPTURE(shares);
   CAPTURE(started);
-  CHECK(as_they_are < 0.7);  // shares below 1, seen through a bar that is not opaque
+  CHECK(shares < 0.7);  // shares below 1, and a bar that is not opaque
   CHECK(started > 0.95);
 }
 
-TEST_CASE("label start: where the masks agree it changes hardly a contour") {
+TEST_CASE("label start: contours hardly change if the masks agree") {
   const Bar b = bar({0, 0, 0, 0, 0, 0, 0});
   CHECK(iou_at_start(b, 1) == 1);
-  CHECK(iou_at_start(b, JointOptions{}.start_steps) >
-        0.98);  // what is no error, an edge within a Gaussian, gets steeper too
+  CHECK(iou_at_start(b, JointOptions{}.start_steps) > 0.98);  // correct edges within a Gaussian get steeper too
 }
 
 TEST_CASE("label start: steps add log-odds up to a bound, and a half stays a half") {

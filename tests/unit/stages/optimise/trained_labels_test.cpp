@@ -1,4 +1,4 @@
-// Which labels the joint steps train: cells (Gaussian, object), and none of an object that has no part of a Gaussian.
+// Which labels the joint steps train: cells (Gaussian, object), only for objects whose region contains the Gaussian.
 #include "ngs/stages/optimise/trained_labels.h"
 
 #include <doctest/doctest.h>
@@ -8,7 +8,8 @@
 namespace ngs {
 namespace {
 
-/// Six Gaussians and two objects: the first's, the second's, both's, nobody's, one never seen, one fixed by hand.
+/// Two objects and six Gaussians: one of the first object, one of the second, one of both, one of neither, one unseen,
+/// one fixed by hand.
 struct Cells {
   GaussianCloud cloud;
   Scene scene;
@@ -36,7 +37,7 @@ struct Cells {
   }
 };
 
-/// What a step along a gradient of one everywhere changes: "gaussian,object " of every label.
+/// The labels that a step with gradient 1 everywhere changes, each as "gaussian,object ".
 std::string changed_by_step(const Cells& cells, const std::vector<std::uint8_t>& region) {
   const Problem in = cells.problem(region);
   GaussianCloud all = cells.cloud;
@@ -46,7 +47,7 @@ std::string changed_by_step(const Cells& cells, const std::vector<std::uint8_t>&
   const Matrix<const float> drawn = trained.rendered();
   const std::vector<float> before(drawn.data, drawn.data + 12);
   trained.step({}, 0.1, 1, std::vector<float>(rows.size() * 2, 1.f));
-  trained.put_back({});
+  trained.write_back({});
   std::vector<LabelColumns> written = cells.labels;
   trained.write(written);
   std::string changed;
@@ -68,14 +69,14 @@ std::string changed_by_step(const Cells& cells, const std::vector<std::uint8_t>&
 
 }  // namespace
 
-TEST_CASE("trained labels: of a region's Gaussian those of its objects, all where it is of none's") {
+TEST_CASE("trained labels: those of the objects whose region contains the Gaussian; all objects if none does") {
   const Cells cells;
   CHECK(changed_by_step(cells, {1, 1, 1, 1, 1, 1}) == "0,0 1,1 2,0 2,1 3,0 3,1 ");
   CHECK(changed_by_step(cells, {0, 1, 0, 0, 1, 1}) == "1,1 ");
   CHECK(changed_by_step(cells, {}) == "0,0 0,1 1,0 1,1 2,0 2,1 3,0 3,1 ");
 }
 
-TEST_CASE("trained labels: a step is Adam's along the gradient of the log-odds, in any number of threads") {
+TEST_CASE("trained labels: a step is an Adam step on the log-odds, for any number of threads") {
   const Cells cells;
   const std::vector<std::uint8_t> region{1, 1, 1, 1, 1, 1};
   const Problem in = cells.problem(region);
