@@ -6,8 +6,8 @@
 
 #include "ngs/core/error.h"
 #include "ngs/methods/method_bce.h"
-#include "ngs/stages/optimise/joint_trainer.h"
 #include "ngs/stages/boundary/variance_stage.h"
+#include "ngs/stages/optimise/joint_trainer.h"
 #include "support/changed_labels.h"
 #include "support/joint_case.h"
 #include "support/method_case.h"

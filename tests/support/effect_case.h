@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <memory>
 
-#include "ngs/stages/optimise/training_options.h"
 #include "ngs/stages/boundary/variance_stage.h"
+#include "ngs/stages/optimise/training_options.h"
 #include "ngs/stages/render/render_stage.h"
 #include "support/joint_case.h"
 

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "methods.h"
-#include "ngs/stages/optimise/training_options.h"
 #include "ngs/passes/pass_list.h"
 #include "ngs/passes/pipeline.h"
+#include "ngs/stages/optimise/training_options.h"
 #include "ngs/stages/render/background.h"
 #include "ngs/stages/render/render_options.h"
 

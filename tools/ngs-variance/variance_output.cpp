@@ -122,8 +122,7 @@ void check_complete(const io::EvidencePart& sum, const Scene& scene) {
         "merge the parts of all shards");
 }
 
-LabelledScene label(const BoundaryRule& rule, const Scene& scene, const io::GaussianPly& ply,
-                    Evidence&& evidence) {
+LabelledScene label(const BoundaryRule& rule, const Scene& scene, const io::GaussianPly& ply, Evidence&& evidence) {
   const Evidence from = std::move(evidence);
   return {scene, ply, label_gaussians(rule, from), from.weights(), rule};
 }

@@ -3,8 +3,8 @@
 //
 // clang-format off
 //   input                                      1/2 is        why
-//   a given mask                               foreground    soft masks; the mean of four pixels of which two are object
-//   a label, a rendered or refined mask        background    labels start at 1/2: undecided between object and background
+//   a given mask                               foreground    soft masks: the mean of four pixels, two of them object
+//   a label, a rendered or refined mask        background    labels start at 1/2: undecided
 //   a flag, the known share of a pixel         set           PLY columns hold 0 or 1; half a pixel's evidence counts
 // clang-format on
 #include "ngs/core/hd.h"

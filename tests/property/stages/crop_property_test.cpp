@@ -14,8 +14,8 @@
 #include "ngs/ops/losses/photometric.h"
 #include "ngs/ops/optim/adam.h"
 #include "ngs/ops/splat/splat_view.h"
-#include "ngs/stages/contours/refined_masks.h"
 #include "ngs/stages/boundary/variance_stage.h"
+#include "ngs/stages/contours/refined_masks.h"
 #include "support/joint_case.h"
 #include "support/skip.h"
 

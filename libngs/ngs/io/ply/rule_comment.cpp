@@ -8,9 +8,8 @@
 namespace ngs::io {
 
 std::string rule_comment(const BoundaryRule& rule) {
-  const nlohmann::ordered_json json{{"tau", rule.tau},
-                                    {"criterion", kCriterionName[std::size_t(rule.criterion)]},
-                                    {"exclusive", rule.exclusive}};
+  const nlohmann::ordered_json json{
+      {"tau", rule.tau}, {"criterion", kCriterionName[std::size_t(rule.criterion)]}, {"exclusive", rule.exclusive}};
   return std::string(kRuleComment) + json.dump();
 }
 
@@ -28,9 +27,10 @@ std::optional<BoundaryRule> rule_in(const std::vector<std::string>& comments, co
     rule.criterion = Criterion(criterion - kCriterionName.begin());
     if (rule.tau >= 0 && rule.tau < 1 && criterion != kCriterionName.end()) return rule;
   }
-  throw Error(ErrorCode::kBadInput, file + ": comment \"" + printable(*found) +
-                                        R"(", expected ngs-boundary {"tau": T in [0, 1), "criterion": "pooled", )"
-                                        R"("between-views" or "relative-diff", "exclusive": true or false})",
+  throw Error(ErrorCode::kBadInput,
+              file + ": comment \"" + printable(*found) +
+                  R"(", expected ngs-boundary {"tau": T in [0, 1), "criterion": "pooled", )"
+                  R"("between-views" or "relative-diff", "exclusive": true or false})",
               "write the file again: ngs-variance scene.json -o boundary.ply");
 }
 

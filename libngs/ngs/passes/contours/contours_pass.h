@@ -1,7 +1,7 @@
 #pragma once
 // Contour refinement as a pass.                                                                  PAPER.md §5.10
-#include "ngs/stages/contours/contour_options.h"
 #include "ngs/passes/pass.h"
+#include "ngs/stages/contours/contour_options.h"
 
 namespace ngs {
 

@@ -19,9 +19,8 @@
 namespace ngs {
 namespace {
 
-/// The largest rates with which mask and photo losses still fall in every iteration. Positions have 3DGS's first rate,
-/// shapes higher rates. Opacities have a lower one, because the colours of other views depend on them. Higher rotation
-/// rates do not fit the photos better, and look worse between them.
+/// The largest rates with which mask and photo losses fall in every iteration. Opacities have a low one, because the
+/// colours of other views depend on them. Higher rotation rates do not fit the photos better, and look worse between.
 constexpr GaussianRates kContourRates{.position = 1.6e-4,
                                       .rotation = 5e-3,
                                       .log_scale = 1e-1,
@@ -29,11 +28,10 @@ constexpr GaussianRates kContourRates{.position = 1.6e-4,
                                       .sh_dc = 2.5e-2,
                                       .sh_rest = 1.25e-3};
 
-// Small photos are enlarged to this multiple of the camera's size if that improves the agreement with the masks.
-constexpr int kLargeDetail = 2;
+constexpr int kLargeDetail = 2;  // multiple of the camera's size to which small photos may be enlarged
 
-// Reduction of the image sides and factor on the rates in iterations before the last, without full_resolution.
-// Gradients of a quarter of the pixels are noisier, and views without a photo drift more.
+// Reduction of the image sides and factor on the rates in iterations before the last, without full_resolution: the
+// gradients of a quarter of the pixels are noisier, and views without a photo drift more.
 constexpr int kEarlyShrink = 2;
 constexpr double kEarlyRate = 0.75;
 
@@ -70,8 +68,7 @@ ExactSums weight_in_all(const Exec& exec, const ContourSetup& setup, const std::
 }
 
 /// [N] 1: not trained: the Gaussian is frozen, or is visible outside the windows, where no photo constrains it.
-/// Evidence of uncropped views costs more than an iteration in windows, so it is gathered once. Halves inherit the
-/// value of their parent.
+/// Computed once, since uncropped views cost more than an iteration in windows; halves inherit from their parent.
 std::vector<float> untrained_rows(const Exec& exec, const ContourSetup& setup, const std::vector<std::size_t>& views,
                                   const ExactSums& inside, ContourModel& model) {
   const std::vector<std::uint8_t>& frozen = setup.problem.frozen;

@@ -187,7 +187,7 @@ TEST_CASE("a .sog with invalid metadata is rejected before memory is allocated")
                 "label 64 of Gaussian 0, expected less than 64");
   check_refused(with([](Files& f) { f.picture_of("p.webp") = picture({{0, 0, 0, 255}}, 100); }), "100 pixels wide");
   check_refused(with([](Files& f) { f.picture_of("s.webp") = {'R', 'I', 'F', 'F'}; }), "not a WebP image");
-  check_refused(with([](Files& f) { f.picture_of("s.webp").resize(30); }), "WebP picture");
+  check_refused(with([](Files& f) { f.picture_of("s.webp").resize(30); }), "WebP image");
   // 16383 x 16383 constant pixels are a few hundred bytes of WebP
   io::RgbaTable large{16383, 400, std::vector<std::uint8_t>(std::size_t(16383) * 400 * 4, 7)};
   check_refused(with([&](Files& f) { f.picture_of("c.webp") = io::encode_webp(large); }),

@@ -217,7 +217,7 @@ TEST_CASE("an edit with all rows and no selection is an error: all would become 
       CHECK(false);
     } catch (const Error& e) {
       CHECK(e.code() == ErrorCode::kInconsistent);
-      CHECK(e.remedy().find("delete the rest") != std::string::npos);
+      CHECK(e.remedy().find("select the object in the editor") != std::string::npos);
     }
   GaussianCloud broken = cloud;  // an export omits non-finite rows
   broken.usable[0] = 0;

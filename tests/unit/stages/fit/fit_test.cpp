@@ -124,7 +124,7 @@ TEST_CASE("initial_fit fails for a world that is nearer than the near plane") {
       FAIL("nothing was thrown");
     } catch (const Error& e) {
       CHECK(e.code() == ErrorCode::kInconsistent);
-      CHECK(std::string(e.remedy()).find("scale the world") != std::string::npos);
+      CHECK(std::string(e.remedy()).find("scale up the world") != std::string::npos);
     }
   }
 }

@@ -164,7 +164,7 @@ TEST_CASE("common mistakes in pose files are errors that name the mistake") {
 TEST_CASE("a world nearer than the near plane is an error with the right hint, not one about poses") {
   const Error error = thrown_by([] { shrunk(1e-3).check(); });
   CHECK(error.code() == ErrorCode::kInconsistent);
-  CHECK(error.remedy().find("scale the world") != std::string::npos);
+  CHECK(error.remedy().find("scale up the world") != std::string::npos);
 }
 
 TEST_CASE("another scene's model gets no hint to scale the world") {
@@ -175,7 +175,7 @@ TEST_CASE("another scene's model gets no hint to scale the world") {
         for (int c = 0; c < 3; ++c) photo.at(x, y, c) = (x / 3 + y / 3) % 2 == 0 ? 1.f : 0.f;
   const Error error = thrown_by([&] { other.check(); });
   CHECK(error.code() == ErrorCode::kInconsistent);
-  CHECK(error.remedy().find("scale the world") == std::string::npos);
+  CHECK(error.remedy().find("scale up the world") == std::string::npos);
   CHECK(error.remedy().find("the model is of another scene") != std::string::npos);
 }
 
@@ -213,7 +213,7 @@ TEST_CASE("with --compat auto gsplat's near plane is used if the photos match be
     const SceneCheck found = checked(shrunk(factor));
     CHECK(found.compat == Compat::kGsplat);
     CHECK(found.median_fit_db > 30);
-    CHECK((found.warnings.size() == 1 && found.warnings[0].find("taken (--compat inria") != std::string::npos));
+    CHECK((found.warnings.size() == 1 && found.warnings[0].find("they are used (--compat inria") != std::string::npos));
   }
   CHECK(checked(tiny_capture()).compat == Compat::kInria);
 }
