@@ -88,7 +88,7 @@ TEST_CASE(
             names,
             part.views};
   };
-  const std::pair<Words, std::string> forged[] = {{{}, "evidence of no object"},
+  const std::pair<Words, std::string> forged[] = {{{}, "the parts have no object"},
                                                   {{"cube"}, "no object 'cube'"},
                                                   {{"other", "ball", "cube"}, "no object 'cube'"},
                                                   {{"ball", "ball"}, "object 'ball' is in the parts twice"}};

@@ -104,7 +104,7 @@ TEST_CASE("NGS_BIN may be relative; missing tools are an environment error") {
   CHECK(f.has("out/scene.json"));
   const test::ProcessResult none = f.run(f.quick("none"), {{"NGS_BIN", "capture"}});
   CHECK(none.exit_code == 8);
-  CHECK(none.err.find("NGS_BIN=capture: the tools are not there") != std::string::npos);
+  CHECK(none.err.find("NGS_BIN=capture: does not contain the tools") != std::string::npos);
   CHECK_FALSE(f.has("none/scene.json"));
 }
 

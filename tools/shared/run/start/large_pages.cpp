@@ -4,17 +4,20 @@
 #if defined(__linux__) && !defined(__SANITIZE_ADDRESS__)
 #include <sys/mman.h>
 
+#include <cstdint>
 #include <cstdlib>
 #include <new>
 
 namespace {
 
-constexpr std::size_t kPage = std::size_t(2) << 20, kLarge = 2 * kPage;  // bytes
+constexpr std::size_t kPage = 4096, kLarge = std::size_t(4) << 20;  // bytes
 
 void* allocate(std::size_t bytes) noexcept {
-  if (bytes < kLarge) return std::malloc(bytes == 0 ? 1 : bytes);
-  void* const memory = std::aligned_alloc(kPage, (bytes + kPage - 1) / kPage * kPage);
-  if (memory != nullptr) madvise(memory, bytes, MADV_HUGEPAGE);
+  void* const memory = std::malloc(bytes == 0 ? 1 : bytes);
+  if (memory == nullptr || bytes < kLarge) return memory;
+  const std::uintptr_t begin = (std::uintptr_t(memory) + kPage - 1) / kPage * kPage;
+  const std::uintptr_t end = (std::uintptr_t(memory) + bytes) / kPage * kPage;
+  madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);  // without effect where there are none
   return memory;
 }
 
