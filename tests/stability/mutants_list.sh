@@ -329,6 +329,7 @@ f=stages/contours/refined_masks.cpp
 mutant $f $t $f "masks: refined although their error is one-sided" 's/masks_misaligned\(refined\) && masks_err_to_one_side\(refined\)/false/'
 mutant $f $t $f "masks: misaligned masks are never refined" 's/masks_misaligned\(refined\) && masks_err_to_one_side\(refined\)/masks_misaligned(refined)/'
 mutant stages/contours/unexplained_contrast.cpp unit/stages/contours/unexplained_contrast_test.cpp stages/contours/unexplained_contrast.cpp "photos: residual at pixels that did not change sides" 's/if \(bool\(mask\[p\]\) == label_is_foreground/if (bool(mask[p]) != label_is_foreground/'
+mutant stages/contours/unexplained_contrast.cpp unit/stages/contours/unexplained_contrast_test.cpp stages/contours/unexplained_contrast.cpp "masks: reject without a look at the closed-form labels" 's/if \(!problem\.labels\.empty\(\) &&/if (false \&\&/'
 mutant $f $t $f "masks: too large masks are not one-sided errors" 's/std::abs\(beyond - lacking\)/lacking - beyond/'
 
 t=unit/ops/splat/cached_view_test.cpp f=ops/splat/cached/cached_view.cpp

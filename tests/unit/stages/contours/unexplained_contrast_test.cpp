@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "ngs/problem/scene_measures.h"
 #include "ngs/stages/render/render_stage.h"
 #include "support/joint_case.h"
 
@@ -70,6 +71,32 @@ TEST_CASE("unexplained contrast without photos, views or moved pixels is 0") {
   const LabelledModel model{c->model, c->labels};
   CHECK(unexplained_contrast({}, in, model, {}, std::vector<RefinedView>(4)) == 0);
   CHECK(unexplained_contrast({}, in, model, kViews, std::vector<RefinedView>(4)) == 0);
+}
+
+TEST_CASE("masks reject refined contours only if the closed-form labels lose agreement by refinement too") {
+  const auto c = labelled_case();
+  Problem in = c->input();
+  in.load_fine_photo = in.load_photo;
+  const LabelledModel model{c->model, c->labels};
+  // Views whose masks are aligned with the photos' edges, and lose agreement by refinement.
+  std::vector<RefinedView> worse(4);
+  for (std::size_t v = 0; v < 4; ++v) {
+    worse[v].compared = true;
+    worse[v].rendered_biou = 0.8, worse[v].refined_biou = 0.7 + 0.001 * double(v);
+    worse[v].own_contrast = worse[v].refined_contrast = 1;
+  }
+  const ContourRefineOptions refine;
+  const RefineSetup setup{refine, 64, in};
+  REQUIRE(mask_agreement_gain(worse) < -kSignificant);
+
+  // The case's closed-form labels miss a part of the ball: refinement brings them closer to the masks.
+  REQUIRE(mask_agreement_gain(refine_views({}, setup, model, kViews, kViews)) > 0);
+  CHECK_FALSE(masks_reject({}, setup, model, worse));
+
+  in.labels = SharedLabels();
+  CHECK(masks_reject({}, setup, model, worse));
+  for (RefinedView& view : worse) view.refined_biou = 0.9;
+  CHECK_FALSE(masks_reject({}, setup, model, worse));
 }
 
 }  // namespace ngs
