@@ -1,16 +1,16 @@
-# The paper's ablation on one scene, and its hyper-parameters: each part of the method switched off by itself (the paper takes
-# them away one after the other), tau, sigma and K swept, masks made wrong; compared on one page with the time of each run beside its scores.
+# Ablation of the paper on one scene: each part of the method switched off alone (the paper removes them one after the
+# other), sweeps of tau, sigma and K, and degraded masks; one page compares scores and times.
 #
 #   make -f pipelines/ablation.mk SCENE=scenes/bird ARGS='--masks scenes/bird/masks_sam --hold-out every:4:2'
 #   make -f pipelines/ablation.mk SCENE=... OUT=out/ablation EFFECTS='nerf cont smooth' TAUS= SIGMAS= KS= DAMAGES= ARGS=...
-#   make -f pipelines/ablation.mk SCENE=... BASE= ARGS=...          each part left out of the default instead
+#   make -f pipelines/ablation.mk SCENE=... BASE= ARGS=...          ablation of the default method instead
 #
 # ARGS are options of ngs-gs.sh, the same for all variants; use absolute paths or paths from here. EFFECTS are the names that
 # `ngs-joint --explain` lists; the paper's columns Bd Sp RBF MRHE NeRF L_align L_smth are boundary box rbf hash nerf align
-# smooth. BASE is what all variants share: the joint stage alone, as the paper has it, without what this project adds. SIGMAS
-# are in units of the boundary's spacing. DAMAGES need MASKS, the folder whose masks are made wrong: erode dilate blob (see
-# robustness.mk for more). OUT/VARIANT/ are the runs, OUT/report.html and OUT/summary.json compare them. A variant that fails
-# is said and left out. A second call runs only variants whose options or inputs changed.
+# smooth. BASE are options of all variants: the joint stage of the paper, without the additions of this project. SIGMAS are
+# in units of the boundary's spacing. DAMAGES need MASKS, the folder of masks to degrade: erode dilate blob (see
+# robustness.mk for more). OUT/VARIANT/ are the runs, OUT/report.html and OUT/summary.json compare them. A failing variant is
+# reported and left out. A second call runs only variants whose options or inputs changed.
 SHELL := bash
 .DEFAULT_GOAL := all
 HERE := $(dir $(lastword $(MAKEFILE_LIST)))

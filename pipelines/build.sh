@@ -2,7 +2,7 @@
 # Builds the tools and tests into build/, for the CPU. Arguments go to `cmake --build`:
 #   pipelines/build.sh                       everything
 #   pipelines/build.sh --target tools        the tools only; also --target ngs-joint and so on
-#   NGS_PRESET=ci pipelines/build.sh         CUDA too where nvcc is found, for sm_80, from which newer devices compile at first
+#   NGS_PRESET=ci pipelines/build.sh         CUDA too if nvcc is found, for sm_80; newer devices compile from PTX at first
 #                                            use; NGS_PRESET=cuda for all architectures, into build-cuda/
 set -euo pipefail
 # shellcheck source=pipelines/common.sh

@@ -12,7 +12,7 @@ if [ "${1:-}" = "--no-setup" ]; then
 else
   "$pipelines/setup.sh"
 fi
-NGS_PRESET=${NGS_PRESET:-ci} "$pipelines/build.sh"  # all tests: the device code compiles where nvcc is found
+NGS_PRESET=${NGS_PRESET:-ci} "$pipelines/build.sh"  # all tests; device code is compiled if nvcc is found
 
 failed=0
 ctest --test-dir build --output-on-failure --output-junit tests.xml --test-output-size-passed 10000000 \

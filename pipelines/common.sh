@@ -1,12 +1,12 @@
 # Functions that the scripts of this folder share; sourced, never run.
 # shellcheck shell=bash
 
-unset CDPATH  # with it `cd NAME` may go to another folder of that name, and prints where
+unset CDPATH  # otherwise `cd NAME` may change to another folder and prints its path
 pipelines=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 # shellcheck disable=SC2034  # for scripts elsewhere in the tree
 top=$(cd "$pipelines/.." && pwd)
 
-# say TEXT: on stderr; on a terminal no word is cut at its edge.
+# say TEXT: prints to stderr, wrapped at words on a terminal.
 say() {
   local columns=0
   if [ -t 2 ]; then columns=$(stty size <&2 2> /dev/null | cut -d ' ' -f 2) || true; fi
@@ -20,11 +20,11 @@ fail() {
   exit "$1"
 }
 
-# The folder of the tools, absolute: $NGS_BIN, else the build folder's, else nothing (PATH).
+# The absolute folder of the tools: $NGS_BIN, then the build folder, else empty (PATH).
 find_bin() {
-  local folder hint="$pipelines/build.sh builds them; NGS_BIN names their folder"
+  local folder hint="build them with $pipelines/build.sh, or set NGS_BIN to their folder"
   if [ -n "${NGS_BIN:-}" ]; then
-    [ -x "$NGS_BIN/ngs-scene" ] || fail 8 "NGS_BIN=$NGS_BIN: the tools are not there" "$hint"
+    [ -x "$NGS_BIN/ngs-scene" ] || fail 8 "NGS_BIN=$NGS_BIN: does not contain the tools" "$hint"
     (cd -- "$NGS_BIN" && pwd)
     return
   fi
@@ -34,15 +34,15 @@ find_bin() {
   command -v ngs-scene > /dev/null || fail 8 "ngs-scene: not in the build folder, not in PATH" "$hint"
 }
 
-# tool NAME ARGUMENTS...: a tool of the folder `bin`, which is what find_bin said.
+# tool NAME ARGUMENTS...: runs a tool of folder `bin` (the output of find_bin).
 tool() { "${bin:+$bin/}$1" "${@:2}"; }
 
-# need OPTION VALUE...: fails where an option ends the command line.
+# need OPTION VALUE...: fails if an option ends the command line.
 need() { [ $# -ge 2 ] || fail 2 "$1: no value given" "see $0 --help"; }
 
-# run COMMAND...: with pass=check only the options of a tool are read, with pass=print the command is printed, with pass=run it
-# runs. The last word of a tool's command is its report, beside which the command is kept for the page. A budget that was hit (7)
-# leaves a partial result that the chain uses; a bound that was not met (1) sets `failed`; any other failure ends the script.
+# run COMMAND...: checks only the options of a tool (pass=check), prints the command (pass=print) or runs it (pass=run). The last
+# word of a tool's command is its report file; the command is stored next to it for the report page. After exit code 7 (budget
+# reached) the chain continues with the partial result; code 1 (bound not met) sets `failed`; other failures end the script.
 pass='' stages=0 stage=0 failed=0 child=''
 # shellcheck disable=SC2034  # `failed` is for the script
 run() {
@@ -61,22 +61,22 @@ run() {
       case $code in
         0) ;;
         1) failed=1 ;;
-        7) say "$1 stopped at its budget; going on with its partial result" ;;
+        7) say "$1 stopped at its budget; continuing with its partial result" ;;
         *) exit "$code" ;;
       esac ;;
     run:*) "$@" || exit 8 ;;
   esac
 }
 
-# stop CODE: ends the tool that is at work, then the script.
+# stop CODE: ends the running tool, then the script.
 stop() {
   kill -TERM "$child" 2> /dev/null || true
   wait "$child" 2> /dev/null || true
   exit "$1"
 }
 
-# refuse_out OUT INPUT...: exit code 2 where the chain would write over an input, or over a file that no run of it has written.
-# A folder that the chain has made holds .state/, with a copy of the masks that it has rendered.
+# refuse_out OUT INPUT...: exit code 2 if the chain would overwrite an input, or a file that no run of the chain has written.
+# A folder written by the chain contains .state/, with a copy of the rendered masks.
 refuse_out() {
   local out=$1 path name hint="choose another folder for the outputs"
   local chain_files=({scene,metrics,metrics_input}.json {boundary,queries,field,labelled,object,background}.ply masks reports trace.jsonl report.html)
@@ -84,10 +84,12 @@ refuse_out() {
   for path in "$@"; do
     if [ ! -e "$path" ]; then continue; fi
     for name in . "${chain_files[@]}"; do
-      if [ "$out/$name" -ef "$path" ]; then fail 2 "$(realpath "$out/$name"): is the input $path, a result goes there" "$hint"; fi
+      if [ "$out/$name" -ef "$path" ]; then
+        fail 2 "$(realpath "$out/$name"): is the input $path, but a result is written there" "$hint"
+      fi
     done
     case $(realpath "$path") in
-      "$(realpath -m "$out/masks")"/*) fail 2 "$out/masks: holds the input $path, the masks of the result go there" "$hint" ;;
+      "$(realpath -m "$out/masks")"/*) fail 2 "$out/masks: contains the input $path, but result masks are written there" "$hint" ;;
     esac
   done
   if [ -d "$out/.state" ]; then
@@ -96,29 +98,31 @@ refuse_out() {
   else
     for name in "${chain_files[@]}" ''; do if [ -e "$out/$name" ]; then break; fi; done
   fi
-  if [ -n "$name" ]; then fail 2 "$out/$name: no run of this chain has written it, and a result goes there" "$hint, or move it"; fi
+  if [ -n "$name" ]; then
+    fail 2 "$out/$name: no run of this chain has written it, but a result is written there" "$hint, or move it"
+  fi
 }
 files_in() { (cd "$1" 2> /dev/null && find . ! -type d -printf '%P\n' | LC_ALL=C sort) || true; }
 
-# claim OUT: waits for another run in the folder, then removes what an earlier one left: unfinished files, and results that the
-# next run may not write anew.
-claim() {
-  mkdir -p -- "$1/.state" "$1/reports" || fail 8 "$1: cannot be made"
+# lock_out OUT: waits for another run in the folder, then removes leftovers: unfinished files, and results that the next run
+# may not rewrite.
+lock_out() {
+  mkdir -p -- "$1/.state" "$1/reports" || fail 8 "$1: cannot be created"
   exec 9> "$1/.state/run.lock" || fail 8 "$1: cannot be written"
   flock -n 9 || { say "another run is at work in $1, waiting for it"; flock 9; }
   rm -f -- "$1"/{queries,field}.ply "$1"/trace.jsonl "$1"/metrics{,_input}.json "$1"/reports/ngs-* "$1"/.state/done
   find "$1" -maxdepth 1 -name '.ngs-*.tmp*' -delete
 }
 
-# score_masks SCENE_JSON LABELLED TRUTH METRICS: the masks of the held-out views at the photos' size against TRUTH.
+# score_masks SCENE_JSON LABELLED TRUTH METRICS: scores the masks of the held-out views against TRUTH, at photo size.
 score_masks() {
   rm -rf "$4.masks"
   tool ngs-render "$1" "$2" --views held-out --layers mask --scale 0 -o "$4.masks" -w -q > /dev/null &&
     tool ngs-eval "$4.masks" "$3" -o "$4" -w -q > /dev/null && rm -r "$4.masks"
 }
 
-# once FOLDER COMMAND...: the command, which fills FOLDER, unless it has ended well there with the same words, flags, tools and
-# files.
+# once FOLDER COMMAND...: runs the command, which fills FOLDER, unless it has already succeeded there with the same words,
+# flags, tools and files.
 once() {
   local folder=$1 key word bin code=0
   shift
@@ -132,7 +136,7 @@ once() {
   return "$code"
 }
 
-# evidence_of SCENE_DIR OUT_DIR [options of ngs-scene import]: OUT_DIR/scene.json and OUT_DIR/boundary.ply.
+# evidence_of SCENE_DIR OUT_DIR [options of ngs-scene import]: writes OUT_DIR/scene.json and OUT_DIR/boundary.ply.
 evidence_of() {
   local scene=$1 out=$2 flags
   shift 2
@@ -142,9 +146,9 @@ evidence_of() {
     tool ngs-variance "$out/scene.json" -o "$out/boundary.ply" -w -q > /dev/null
 }
 
-# run_scene NAME SCENE_DIR OUT_DIR [options of ngs-gs.sh]: one scene of a loop. A failure is said and counted in
-# `failed_scenes`; the loop goes on. Finished folders are collected in `finished_runs`, those below --fail-below too: a mean
-# over the others would say that all is well.
+# run_scene NAME SCENE_DIR OUT_DIR [options of ngs-gs.sh]: one scene of a loop. Prints a failure, counts it in
+# `failed_scenes` and returns, so that the loop continues. `finished_runs` collects finished folders, including those below
+# --fail-below: a mean without them would be biased.
 finished_runs=() failed_scenes=0
 run_scene() {
   local name=$1 scene=$2 out=$3 code=0
@@ -162,13 +166,13 @@ fingerprint() {  # names, sizes and times of the files under the given paths, bu
   for path in "$@"; do
     [ -n "$path" ] || continue
     printf '%s\n' "$path"
-    # it may be absent
+    # path may be absent
     { find -L "$path" -type d -exec test -d '{}/.state' \; -prune -o -type f -printf '%p %s %T@\n' 2>/dev/null || true; } | LC_ALL=C sort
   done
 }
 
-# inputs_of TOOL NAME...: what the result of a tool depends on: its binary, the variables NAME, those with its flags, and the files
-# that they name.
+# inputs_of TOOL NAME...: prints what the result of a tool depends on: its binary, the variables NAME, the variables of its flags,
+# and the files named in them.
 inputs_of() {
   local tool=$1 name flag_words=() word
   shift
@@ -181,7 +185,7 @@ inputs_of() {
   done
 }
 
-# degraded_masks MASKS TO FLAGS...: MASKS made wrong by `ngs-scene degrade FLAGS` in the folder TO, anew where any of it changed.
+# degraded_masks MASKS TO FLAGS...: `ngs-scene degrade FLAGS` of MASKS to folder TO; repeated only if the input changed.
 degraded_masks() {
   local masks=$1 to=$2 bin key
   shift 2
@@ -194,17 +198,17 @@ degraded_masks() {
     printf '%s\n' "$key" > "$to.key"
 }
 
-# compare_runs OUT_DIR RUN...: report.html and summary.json of several runs, their table on stderr.
+# compare_runs OUT_DIR RUN...: writes report.html and summary.json of several runs; prints their table to stderr.
 compare_runs() {
   local out=$1 bin
   shift
-  [ $# -gt 0 ] || fail 5 "no scene was finished"
+  [ $# -gt 0 ] || fail 5 "no scene finished"
   bin=$(find_bin) || return
   "${bin:+$bin/}ngs-report" "$@" -o "$out/report.html" -w --report "$out/summary.json" || return
   say "summary: $out/summary.json, page: $out/report.html"
 }
 
-# mean_of_summaries SUMMARY...: the mean over scenes of the means that compare_runs left; of each score over those that have it.
+# mean_of_summaries SUMMARY...: means over the summaries of compare_runs; each score over the scenes that have it.
 mean_of_summaries() {
   awk '
     FNR == 1 { inside = 0 }
@@ -215,17 +219,17 @@ mean_of_summaries() {
   ' "$@" >&2
 }
 
-# usage_of SCRIPT: its leading comment.
+# usage_of SCRIPT: prints its leading comment.
 usage_of() { sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "$1"; }
 
-# held_out SCENE_DIR every:N:K: the names of these photos.
+# held_out SCENE_DIR every:N:K: prints the names of the held-out photos.
 held_out() {
   local rule=${2#every:}
   find -L "$1/images" -type f -printf '%f\n' | LC_ALL=C sort |
     awk -v n="${rule%:*}" -v k="${rule#*:}" '(NR - 1) % n == k'
 }
 
-# without_views SCENE_DIR MASKS SPLIT TO: the capture as if the views of SPLIT had never been taken (COLMAP text).
+# without_views SCENE_DIR MASKS SPLIT TO: a copy of the capture without the views of SPLIT (COLMAP text).
 without_views() {
   local kept
   rm -rf "$4"
@@ -237,7 +241,7 @@ without_views() {
     ln -s "$(realpath "$2/${kept%.*}.png")" "$4/masks/"
   done
   cp "$1/sparse/0/cameras.txt" "$1/sparse/0/points3D.txt" "$4/sparse/0/"
-  # An image is two lines, the first of which ends with its name; the second may be empty.
+  # An image has two lines; the first ends with its name, the second may be empty.
   awk '
     FNR == NR { taken[$1]; next }
     /^#/ { print; next }

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# The whole chain on a scene of its own: installs, builds, makes a synthetic capture (a torus through a box in a
-# textured room, with disturbed masks), fits a splat to it, cuts the object out, scores it on views whose masks no stage has seen.
+# Demo of the whole chain: installs, builds, makes a synthetic capture (a torus through a box in a textured room, with
+# noisy masks), fits a splat, cuts the object out, and scores it in test views.
 #
 #   pipelines/demo.sh [OUT_DIR] [--no-setup] [options of ngs-gs.sh]        (OUT_DIR: build/demo)
 #
-# 12 to 26 seconds on two cores once built. A second call takes the scene of the first, and cuts again.
+# 12 to 26 seconds on two cores once built. A second call reuses the scene of the first, and cuts again.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"
@@ -22,7 +22,7 @@ bin=$(find_bin)
 mkdir -p "$out"
 out=$(cd "$out" && pwd)
 
-# masks/ is what a mask maker might have given: contours off by 1.5 px.
+# masks/ has contours off by 1.5 px, as from a typical segmenter.
 if [ ! -f "$out/scene/point_cloud.ply" ]; then
   say "== making the scene"
   "${bin:+$bin/}ngs-synth" torus-box -o "$out/scene" -w --views 16 --width-px 320 --height-px 240 --fit-steps 800 \
@@ -38,7 +38,7 @@ fi
 
 say "
 in $out/torus-box:
-  report.html    the page; object.html beside it turns the object in 3D
+  report.html    the report; object.html shows the object in 3D
   object.ply     the object, for SuperSplat or any viewer of splats
-  metrics.json   the scores; those of the input masks: metrics_input.json
-held-out views as pictures: $out/pictures"
+  metrics.json   scores; metrics_input.json: scores of the input masks
+pictures of the held-out views: $out/pictures"

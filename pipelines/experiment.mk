@@ -1,13 +1,13 @@
-# The chain of ngs-gs.sh as one dependency graph: a second call does only what changed.
+# The chain of ngs-gs.sh as a dependency graph. A second call runs only what changed.
 #
 #   make -f pipelines/experiment.mk SCENE=scenes/bird MASKS=scenes/bird/masks_sam out/object.ply
 #   make -f pipelines/experiment.mk SCENE=... OUT=other GT=... HOLD_OUT=every:4:2 other/metrics.json
 #
-# SCENE, which ngs-scene import reads, MODEL MASKS GT HOLD_OUT IMAGE_SCALE METHOD QUALITY DEVICE ARTIFACTS, which are the
-# options of ngs-gs.sh, and *_FLAGS, further options of each tool, are the inputs. COMMON_FLAGS are of every tool;
-# UNKEYED_FLAGS too, but they change no result (-j 4 -q) and rerun nothing. A tool runs again when an earlier artifact is newer,
-# or when its own options, a file that they name, a file in SCENE, MODEL, MASKS or GT (by name, size and time) or its binary
-# changed. OUT must not contain spaces (make cannot have them in a target); the other paths may.
+# Inputs: SCENE (read by ngs-scene import), MODEL MASKS GT HOLD_OUT IMAGE_SCALE METHOD QUALITY DEVICE ARTIFACTS (the options
+# of ngs-gs.sh), and *_FLAGS (further options of each tool). COMMON_FLAGS apply to every tool. UNKEYED_FLAGS do as well, but
+# cannot change results (-j 4 -q) and trigger no rerun. A tool runs again if an earlier artifact is newer, or if its options,
+# a file named in them, a file in SCENE, MODEL, MASKS or GT (name, size, time) or its binary changed. OUT must not contain
+# spaces (a limit of make); other paths may.
 SHELL := bash
 .SHELLFLAGS := -o pipefail -c
 .DELETE_ON_ERROR:
@@ -21,7 +21,7 @@ export SCENE_FLAGS VARIANCE_FLAGS SAMPLE_FLAGS RBF_FLAGS JOINT_FLAGS EXTRACT_FLA
 BIN := $(shell . '$(HERE)common.sh'; find_bin)
 export PATH := $(if $(BIN),$(BIN):)$(PATH)
 
-# Empty where the chain may write into OUT.
+# Empty if the chain may write to OUT.
 REFUSED := $(shell . '$(HERE)common.sh'; \
   (refuse_out '$(OUT)' '$(SCENE)' '$(SCENE)'/{images,masks,masks_sam,masks_gt,gt} '$(MODEL)' '$(MASKS)' '$(GT)') || echo refused)
 $(if $(REFUSED),$(error $(OUT) is refused))
@@ -31,7 +31,7 @@ ALL = $(COMMON_FLAGS) $(UNKEYED_FLAGS) -w --report $(OUT)/reports
 ON := $(if $(DEVICE),--device $(DEVICE))
 OURS := $(filter ngs ng-gs,$(METHOD) $(if $(METHOD),,ngs))
 FIELD := $(if $(filter all,$(ARTIFACTS))$(filter ng-gs,$(METHOD))$(findstring ng-gs,$(JOINT_FLAGS))$(findstring nerf=on,$(JOINT_FLAGS))$(findstring all=on,$(JOINT_FLAGS)),$(OUT)/field.ply)
-# What a budget (7) ended is a partial result that the chain uses.
+# After exit code 7 (budget reached) the chain continues with the partial result.
 BUDGET := || [ $$? -eq 7 ]
 
 .PHONY: all FORCE
@@ -40,7 +40,7 @@ all: $(OUT)/report.html
 $(S):
 	@mkdir -p $@ $(OUT)/reports
 
-# What each tool depends on beside the artifacts before it, written anew only where it differs.
+# Further dependencies of each tool, besides earlier artifacts; rewritten only on change.
 INPUTS_scene := SCENE MODEL MASKS GT HOLD_OUT IMAGE_SCALE
 INPUTS_variance := DEVICE
 INPUTS_rbf := DEVICE

@@ -7,8 +7,8 @@
 #   MASKS_DIR  SCENE/PROMPT/ with the input masks of the other views, named like the images
 #   OUT_DIR    SCENE/PROMPT/ per run, report.html and summary.json per scene
 #
-# VIEW must be the stem of an image, or its number where that is unique. No mask of a test view is read; their photos are, by the
-# alignment of cameras, floaters and edges (--contour-views train keeps them out of the edges).
+# VIEW must be the stem of an image, or its number if that is unique. No mask of a test view is read. Their photos are used
+# for camera alignment, floaters and edges (--contour-views train: not for edges).
 # Score: mean over the views of a prompt, over the prompts of a scene, over scenes; printed at the end.
 # Exit code 1 if a prompt failed.
 set -euo pipefail
@@ -23,16 +23,16 @@ shift 3
 summaries=() all_failed=0
 for scene in figurines ramen teatime; do
   if [ ! -d "$lerf/$scene/test_mask" ]; then
-    say "== $scene skipped: $lerf/$scene/test_mask is not there"
+    say "== $scene skipped: $lerf/$scene/test_mask does not exist"
     continue
   fi
   finished_runs=() failed_scenes=0
   while IFS= read -r prompt <&3; do
     if [ ! -d "$masks/$scene/$prompt" ]; then
-      say "== $scene, $prompt skipped: $masks/$scene/$prompt is not there"
+      say "== $scene, $prompt skipped: $masks/$scene/$prompt does not exist"
       continue
     fi
-    # The truth of one prompt as a folder of views.
+    # True masks of one prompt, as a folder of views.
     truth=$out/$scene/truth/$prompt
     mkdir -p "$truth"
     for view in "$lerf/$scene/test_mask"/*/; do
@@ -51,6 +51,6 @@ for scene in figurines ramen teatime; do
     summaries+=("$out/$scene/summary.json")
   fi
 done
-[ ${#summaries[@]} -gt 0 ] || fail 5 "no scene was finished"
+[ ${#summaries[@]} -gt 0 ] || fail 5 "no scene finished"
 mean_of_summaries "${summaries[@]}"
 [ "$all_failed" -eq 0 ]

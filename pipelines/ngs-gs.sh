@@ -1,24 +1,24 @@
 #!/usr/bin/env bash
-# One scene from photos, poses, masks and a trained splat to the cut-out object: the chain of tools, one command each.
+# Cuts the object out of one scene: photos, poses, masks and a trained splat -> object. The chain of tools, one command each:
 #
 #   pipelines/ngs-gs.sh SCENE_DIR OUT_DIR [options] [options of ngs-joint]
 #
-#   --model PLY, --masks DIR, --gt DIR    the trained splat, the input masks and the true masks, where
-#                        `ngs-scene import SCENE_DIR` does not find them by itself
-#   --hold-out RULE      every:N:K or a file of names: views whose masks no stage reads, and which are scored
+#   --model PLY, --masks DIR, --gt DIR    trained splat, input masks and true masks, if `ngs-scene import SCENE_DIR`
+#                        does not find them itself
+#   --hold-out RULE      every:N:K or a file of names: test views, whose masks are used only for scoring
 #   --image-scale S      working size             (default: 1, 1/2, 1/3 ... so that no side exceeds 800 px)
 #   --quality Q          draft|standard|high|reference
 #   --method M           ngs|ng-gs|bce|cob|flash|sa3d|saga|released
-#   --artifacts all      make queries.ply and field.ply too where no stage reads them (default: needed)
+#   --artifacts all      also write queries.ply and field.ply if no stage reads them (default: needed)
 #   -j N, --seed N, --log-format F, --allow-empty, -q, -v     options of every tool
-#   --device D           of the tools that have a CUDA path; the others stay on the CPU
-#   -n, --dry-run        print the commands only; they can be run by hand, with the tools in PATH
+#   --device D           device of tools with a CUDA path; other tools use the CPU
+#   -n, --dry-run        print the commands only; to run them by hand, put the tools in PATH
 #
 # Options for the other tools go in SCENE_FLAGS, VARIANCE_FLAGS, SAMPLE_FLAGS, RBF_FLAGS, EXTRACT_FLAGS, RENDER_FLAGS,
 # EVAL_FLAGS and REPORT_FLAGS (JOINT_FLAGS too), quoted as for the shell: SCENE_FLAGS='--mask-mode label --object-id 7' ...
 # Every call runs the whole chain; experiment.mk runs only what changed. Files that no earlier call has written are never
-# replaced. The exit code is that of the tool that failed; 1 where a bound of --fail-below in EVAL_FLAGS was not met.
-# The tools come from $NGS_BIN, else from the build folder, else from PATH.
+# replaced. The exit code is that of the failed tool; 1 if a bound of --fail-below in EVAL_FLAGS was not met.
+# The tools are searched in $NGS_BIN, then in the build folder, then in PATH.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"
@@ -45,11 +45,11 @@ case $artifacts in all | needed) ;; *) fail 2 "--artifacts $artifacts: expected 
 refuse_out "$out" "$scene" "$scene"/{images,masks,masks_sam,masks_gt,gt} "${inputs[@]}"
 bin=$(find_bin)
 PATH=${bin:+$bin:}$PATH
-told=" ${JOINT_FLAGS:-} ${joint[*]}" method=ngs trace=() field=()
-if [[ $told =~ .*\ --method[\ =]([a-z0-9-]+) ]]; then method=${BASH_REMATCH[1]}; fi
-case $method in ngs | ng-gs) trace=(--trace "$out/trace.jsonl") ;; esac  # the baselines have no steps
+joint_words=" ${JOINT_FLAGS:-} ${joint[*]}" method=ngs trace=() field=()
+if [[ $joint_words =~ .*\ --method[\ =]([a-z0-9-]+) ]]; then method=${BASH_REMATCH[1]}; fi
+case $method in ngs | ng-gs) trace=(--trace "$out/trace.jsonl") ;; esac  # baselines have no steps to trace
 
-# step TOOL ARGUMENTS...: the tool with the options that all tools share, its *_FLAGS and its report.
+# step TOOL ARGUMENTS...: runs the tool with the options of all tools, its *_FLAGS and its report.
 step() {
   local name=${report:-$1} flags=${1#ngs-} words=()
   flags=${flags^^}_FLAGS
@@ -62,7 +62,7 @@ chain() {
   run mkdir -p "$out/.state" "$out/reports"
   step ngs-scene import "$scene" "${import[@]}" -o "$out/scene.json"
   step ngs-variance "$out/scene.json" -o "$out/boundary.ply"
-  if [[ $artifacts = all || $method = ng-gs || $told =~ (nerf|all)=on ]]; then  # else ngs-joint needs no field
+  if [[ $artifacts = all || $method = ng-gs || $joint_words =~ (nerf|all)=on ]]; then  # otherwise ngs-joint needs no field
     step ngs-sample "$out/scene.json" "$out/boundary.ply" -o "$out/queries.ply"
     step ngs-rbf "$out/boundary.ply" "$out/queries.ply" -o "$out/field.ply"
     field=(--field "$out/field.ply")
@@ -73,13 +73,13 @@ chain() {
   step ngs-render "$out/scene.json" "$out/labelled.ply" --views $views --layers mask --scale 0 --format png -o "$out/.state/masks"
   run cp -r "$out/.state/masks" "$out/masks"
   report=ngs-eval-input step ngs-eval "$out/scene.json" "$out/scene.json" --allow-empty -q -o "$out/metrics_input.json"
-  failed=0  # the input masks are scored for comparison, whatever the bound
+  failed=0  # the scores of the input masks need not meet a bound
   step ngs-eval "$out/masks" "$out/scene.json" --allow-empty -o "$out/metrics.json"
   step ngs-report "$out" -o "$out/report.html"
 }
 
 for pass in $passes; do
-  if [ "$pass" = run ]; then claim "$out"; fi
+  if [ "$pass" = run ]; then lock_out "$out"; fi
   chain
 done
 exit "$failed"

@@ -5,15 +5,15 @@
 #
 #   NVOS_DIR   the labels: masks/TASK/IMAGE_mask.png
 #   LLFF_DIR   SCENE/ with images/, the poses and a trained splat (point_cloud.ply or point_cloud/iteration_*/)
-#   MASKS_DIR  TASK/ with the input masks of the views, named like the images; "scribbles": they are made by ngs-mask
-#              from the strokes in NVOS_DIR/scribbles/TASK/ (pos_*.png, neg_*.png) on the view reference_image/TASK/ names
+#   MASKS_DIR  TASK/ with the input masks of the views, named like the images; "scribbles": made by ngs-mask
+#              from the strokes in NVOS_DIR/scribbles/TASK/ (pos_*.png, neg_*.png) on the view named in reference_image/TASK/
 #   OUT_DIR    one folder per task, report.html and summary.json
 #
-# No mask of the target view is read, and where masks are made from scribbles its photo makes no other view's. Alignment of the
-# cameras, floaters and the edges do read that photo; --contour-views train keeps it out of the edges. The mean is over tasks,
-# unweighted; "mAcc" of the papers is pixel accuracy. Which views have an input mask, and how the splat was trained, decides the
-# numbers: state both.
-# Tasks without a scene, masks or truth are skipped and said. Exit code 1 if a task failed.
+# No mask of the target view is read, and with "scribbles" its photo does not affect masks of other views. Its photo is used for
+# camera alignment, floaters and edges (--contour-views train: not for edges). The mean is over tasks, unweighted; "mAcc" of
+# the papers is pixel accuracy. The scores depend on which views have an input mask and on how the splat was trained: state
+# both.
+# Tasks without a scene, masks or truth are reported and skipped. Exit code 1 if a task failed.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"
@@ -32,7 +32,7 @@ leaves IMG_2997
 orchids IMG_4480
 trex DJI_20200223_163619_411"
 
-# Masks of all views from the strokes of a task: from_scribbles TASK SCENE -> the folder, on stdout.
+# from_scribbles TASK SCENE: makes masks of all views from the strokes of a task; prints their folder.
 from_scribbles() {
   local to=$out/$1.scribbles view strokes=$nvos/scribbles/$1 bin
   view=$(basename "$(ls "$nvos/reference_image/$1"/* | head -n 1)")
@@ -56,7 +56,7 @@ while read -r task target <&3; do
     if [ ! -d "$path" ]; then missing=$path; fi
   done
   if [ -n "$missing" ]; then
-    say "== $task skipped: $missing is not there"
+    say "== $task skipped: $missing does not exist"
     continue
   fi
   printf '%s\n' "$target" > "$out/$task.target"

@@ -1,17 +1,17 @@
 #!/usr/bin/env bash
-# All objects of a label map in one run of each method: the score of each of them, and whose Gaussians a run touches.
+# All objects of label maps in one run per method: score of each object, and Gaussians of other objects that a run changes.
 #
 #   pipelines/objects.sh CAPTURE OUT [METHOD...]
 #
 #   CAPTURE   a folder like the scene museum: sparse/, images/, masks_label/ and their truth labels_gt/,
-#             point_cloud.compressed.ply and ids.u8, one byte a Gaussian: the number of its object, 0 for nobody's
-#   OUT       folder that keeps what is made; a call that was broken off goes on there
+#             point_cloud.compressed.ply and ids.u8, one byte per Gaussian: the id of its object, 0 for background
+#   OUT       output folder; an interrupted call resumes there
 #   METHOD    draft, standard or a --method of ngs-joint   (default: draft standard flash sa3d cob bce)
 #
 # Every fourth view is held out and scored at the photos' size. OUT/objects.md: IoU, B-IoU 0.02 and 0.005 of each object
-# and method, and where flash is better. OUT/ids.md: of draft and standard, Gaussians of other objects that were labelled,
-# removed or changed (tests/bench/touched). The exit code is 1 where one of another object was removed, or a row changed
-# beyond the region.
+# and method, and objects for which flash is better. OUT/ids.md: for draft and standard, Gaussians of other objects that were
+# labelled, removed or changed (tests/bench/touched). Exit code 1 if a Gaussian of another object was removed, or a Gaussian
+# outside the region was changed.
 set -euo pipefail
 shopt -s inherit_errexit
 # shellcheck source=pipelines/common.sh
@@ -24,7 +24,7 @@ capture=$1 out=$2
 shift 2
 if [ $# -eq 0 ]; then set -- draft standard flash sa3d cob bce; fi
 [ -f "$capture/ids.u8" ] || fail 3 "$capture/ids.u8: no such file" "see $0 --help"
-mkdir -p "$out" || fail 8 "$out: cannot be made"
+mkdir -p "$out" || fail 8 "$out: cannot be created"
 
 quiet() { tool "$@" -w -q > /dev/null; }
 
@@ -34,9 +34,9 @@ if [ ! -f "$out/boundary.ply" ]; then
   quiet ngs-variance "$out/scene.json" -o "$out/boundary.ply"
 fi
 ids=$(grep -o '"id": *[0-9]*' "$out/scene.json" | grep -o '[0-9]*$' | tr '\n' ' ' || true)
-[ -n "$ids" ] || fail 4 "$out/scene.json: no object has an id" "the masks are no label maps"
+[ -n "$ids" ] || fail 4 "$out/scene.json: no object has an id" "the masks are not label maps"
 
-# OUT/METHOD: the metrics of each object, and of draft and standard whose Gaussians were touched.
+# Writes to OUT/METHOD the metrics of each object, and for draft and standard the counts of ngs_touched.
 run_method() {
   local to=$out/$1 id flags=(--method "$1")
   case $1 in draft | standard | high) flags=(--quality "$1") ;; esac
@@ -102,7 +102,7 @@ objects_table() {
 
 ids_table() {
   local method
-  echo '| method | object | its own | of others | nobody'"'"'s | of others, removed | of others, changed | beyond the given region | beyond the region |'
+  echo '| method | object | own | of others | background | of others, removed | of others, changed | outside the input region | outside both regions |'
   echo '|---|---|---:|---:|---:|---:|---:|---:|---:|'
   for method in "$@"; do
     if [ ! -f "$out/$method/touched" ]; then continue; fi

@@ -1,11 +1,11 @@
-# What bad masks cost: a scene's true masks are degraded in known amounts, every method gets the same bad masks, one page
-# compares the scores on views whose masks no stage has seen.
+# Robustness against mask errors: adds errors of known size to a scene's true masks, runs every method with the same masks,
+# and compares the scores in test views on one page.
 #
 #   make -f pipelines/robustness.mk SCENE=scenes/bird TRUTH=scenes/bird/masks_gt ARGS='--hold-out every:4:2'
 #   make -f pipelines/robustness.mk ... OUT=out/robust DAMAGES='exact erode' METHODS='flash ngs' SEED=3
 #
 # DAMAGES are exact, erode and dilate (3 px, with 2 px of jitter), missing (20 % of the views), wrong (10 % of them get
-# another view's mask) and blob (ellipses cut off or added in half of the views); METHODS as ngs-joint knows them. Use
+# another view's mask) and blob (ellipses cut off or added in half of the views); METHODS are those of ngs-joint. Use
 # absolute paths or paths from here. OUT/masks-DAMAGE/ are the masks, OUT/DAMAGE@METHOD/ the runs.
 SHELL := bash
 .DEFAULT_GOAL := all

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# ScanNet scenes: poses of the exporter -> transforms.json, label maps as masks, scores per instance.
+# ScanNet scenes: converts exported poses to transforms.json, uses label maps as masks, scores per instance.
 #
 #   pipelines/scannet.sh SCANS_DIR OUT_DIR --objects ID,ID,... [--masks DIR] [--scenes "A B"] [options of ngs-gs.sh]
 #
@@ -7,7 +7,7 @@
 #              instance-filt/N.png, and a trained splat point_cloud.ply
 #   --masks    SCENE/ with label maps N.png that use the ids of instance-filt (default: instance-filt itself,
 #              that is, perfect input masks; only the held-out views are scored)
-#   --objects  the ids of instance-filt to cut out; of several scenes: one call each
+#   --objects  the ids of instance-filt to cut out; use one call per scene
 #
 # The paper states no protocol for ScanNet. Here: every 8th frame is held out, score per instance, mean over the
 # instances of a scene, then over scenes. Frames whose pose is not finite are left out.
@@ -29,7 +29,7 @@ while [ $# -gt 0 ]; do
   esac
 done
 
-# transforms SCENE FILE: nerfstudio's convention has the camera look along -z with y up, so columns 1 and 2 change sign.
+# transforms SCENE FILE: in nerfstudio's convention the camera looks along -z with y up, so columns 1 and 2 change sign.
 transforms() {
   local scene=$1 pose
   {
@@ -63,8 +63,8 @@ out=$(cd "$out" && pwd)
 [ -n "$scenes" ] || scenes=$(cd "$scans" && for s in */pose; do printf '%s ' "${s%/pose}"; done)
 for name in $scenes; do
   scene=$scans/$name view=$out/$name/scene
-  if [ ! -d "$scene/pose" ]; then say "== $name skipped: $scene/pose is not there"; continue; fi
-  # A folder that reads like any other capture.
+  if [ ! -d "$scene/pose" ]; then say "== $name skipped: $scene/pose does not exist"; continue; fi
+  # A folder with the layout of a capture.
   mkdir -p "$view"
   ln -sfn "$scene/color" "$view/images"
   for model in point_cloud.ply point_cloud; do
@@ -72,7 +72,7 @@ for name in $scenes; do
   done
   if [ -n "$masks" ]; then ln -sfn "$(cd "$masks/$name" && pwd)" "$view/masks"; else ln -sfn "$scene/instance-filt" "$view/masks"; fi
   transforms "$scene" "$view/transforms.json.new"
-  # The same poses keep their file, so that nothing is run again.
+  # Keep the file if the poses did not change, so that no stage runs again.
   cmp -s "$view/transforms.json.new" "$view/transforms.json" || cp "$view/transforms.json.new" "$view/transforms.json"
   rm "$view/transforms.json.new"
   run_scene "$name" "$view" "$out/$name/run" --gt "$scene/instance-filt" --hold-out every:8:0 "${rest[@]}"

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Installs the Debian packages of packages.txt, or of the list given, that are missing (Debian 12).
-# A line is a package, and behind it the command, if any, that makes it unnecessary where somebody else has installed it: the
-# npm of a foreign Node.js cannot stand beside Debian's.
+# Installs missing Debian packages of packages.txt, or of LIST (Debian 12).
+# A line is: PACKAGE [COMMAND]. If COMMAND exists, PACKAGE is not installed: npm of another Node.js conflicts with Debian's
+# npm.
 #   pipelines/setup.sh [LIST]
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
@@ -18,7 +18,7 @@ if command -v dpkg-query >/dev/null; then
     installed "$package" || { [ -n "$command" ] && command -v "$command" >/dev/null; } || missing+=("$package")
   done < <(grep -v '^#' "$list")
 else
-  fail 8 "this is no Debian or Ubuntu" "install the equivalents of pipelines/packages.txt, then run pipelines/build.sh"
+  fail 8 "not a Debian or Ubuntu system" "install the equivalents of pipelines/packages.txt, then run pipelines/build.sh"
 fi
 if [ ${#missing[@]} -eq 0 ]; then
   say "setup: all $(grep -vc '^#' "$list") packages are installed"

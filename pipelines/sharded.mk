@@ -1,11 +1,11 @@
 # The boundary set of one large scene from shards of its views, on this machine or as the tasks of a Slurm array. Sums of
-# evidence are exact, so the merged file has the bytes that one run of ngs-variance over all views writes.
+# evidence are exact, so the merged file equals that of one run of ngs-variance over all views, byte for byte.
 #
 #   make -f pipelines/sharded.mk -j 8 SCENE_JSON=out/scene.json OUT=out/boundary.ply SHARDS=8
 #   make -f pipelines/sharded.mk submit SCENE_JSON=... OUT=... SHARDS=200 SBATCH='--mem 8G --cpus-per-task 8'
 #
-# `submit` queues the array and the merge behind it and returns when merged. A second call makes only the shards that are not
-# there, or that were made of another SCENE_JSON or with other RASTER_FLAGS. RASTER_FLAGS are options of the shards (--compat,
+# `submit` queues the array and the merge, and returns after the merge. A second call makes only missing shards, and shards
+# made from another SCENE_JSON or with other RASTER_FLAGS. RASTER_FLAGS are options of the shards (--compat,
 # --antialias), VARIANCE_FLAGS of the merge (--tau ...).
 SHELL := bash
 .DELETE_ON_ERROR:
@@ -32,7 +32,7 @@ $(OUT).parts/%-of-$(SHARDS).evidence: $(SCENE_JSON) $(OUT).part.flags
 	$(TOOL) $(SCENE_JSON) --views $*/$(SHARDS) $(RASTER_FLAGS) -w -q --partial $@ --report $@.json
 
 .PHONY: submit FORCE
-# What parts and merge were made with, written anew only where it differs: parts of two settings are never merged.
+# Settings of parts and merge, rewritten only on change, so that parts with different settings are never merged.
 export PART_FLAGS = $(SCENE_JSON) $(RASTER_FLAGS)
 export JOIN_FLAGS = $(VARIANCE_FLAGS)
 flags_file = @mkdir -p $(@D); printf '%s\n' "$$$(1)" > $@.new-$$$$; if cmp -s $@.new-$$$$ $@; then rm $@.new-$$$$; else mv $@.new-$$$$ $@; fi

@@ -1,29 +1,29 @@
 #!/usr/bin/env bash
-# Many runs of ngs-gs.sh as one series, on one machine or on a cluster. A second call starts only what is not finished.
+# Series of runs of ngs-gs.sh, on one machine or on a cluster. A second call starts only unfinished runs.
 #
 #   pipelines/sweep.sh RUNS OUT [--on here|make|parallel|slurm] [-j N] [--retries R] [--sbatch FLAGS] [--no-wait] [-n]
 #
-#   RUNS             a run a line: NAME SCENE_DIR [..._FLAGS=...] [options of ngs-gs.sh], quoted as for the shell
-#   OUT              OUT/NAME/ per run; report.html and summary.json compare all that have scores; .sweep/ is the series' state
+#   RUNS             one run per line: NAME SCENE_DIR [..._FLAGS=...] [options of ngs-gs.sh], quoted as for the shell
+#   OUT              OUT/NAME/ per run; report.html and summary.json compare runs with scores; .sweep/ is the state of the series
 #   --on here        one run after the other                              (default)
 #        make        make -j N
 #        parallel    GNU parallel -j N
-#        slurm       array jobs with at most N tasks at a time, and a job behind them that starts lost runs again and
-#                    at last compares all
+#        slurm       array jobs with at most N tasks at a time, then a job that restarts lost runs and finally
+#                    compares all
 #   -j N             runs at once                                         (default: 1; slurm: no bound)
-#   --retries R      how often a run that was killed, or had no disk or memory, is started again   (default: 3)
+#   --retries R      restarts of a run that was killed or lacked disk or memory                    (default: 3)
 #   --sbatch FLAGS   further flags of sbatch: '--partition long --mem 4G --cpus-per-task 8'
-#   --no-wait        slurm: return after submitting; OUT/.sweep/ended appears at the end and holds the exit code
-#   -n, --dry-run    say which runs would start
+#   --no-wait        slurm: return after submitting; OUT/.sweep/ended is written at the end with the exit code
+#   -n, --dry-run    print the runs that would start
 #
-# Exit code 1 if a run failed: one that a tool refused (exit codes 2 to 7, 70) is not tried again until its line changes. That
-# of ngs-report if only the comparison failed.
+# Exit code 1 if a run failed; runs with exit codes 2 to 7 or 70 are not repeated until their line changes. The exit code of
+# ngs-report if only the comparison failed.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "${NGS_PIPELINES:-$(dirname "$0")}/common.sh"
 script=$pipelines/sweep.sh
 
-# The words of line $1 of RUNS into run_name, run_scene, run_flags (NAME_FLAGS=...) and run_options.
+# Parses line $1 of RUNS into run_name, run_scene, run_flags (NAME_FLAGS=...) and run_options.
 read_run() {
   local words word line
   line=$(sed -n "${1}p" "$runs")
@@ -32,20 +32,20 @@ read_run() {
   for word in "${words[@]:2}"; do
     if [[ $word =~ ^[A-Z]+_FLAGS= ]]; then run_flags+=("$word"); else run_options+=("$word"); fi
   done
-  [[ $run_name =~ ^[A-Za-z0-9_][A-Za-z0-9._@+=-]*$ ]] || fail 2 "$runs:$1: '$run_name' is no name of a run"
+  [[ $run_name =~ ^[A-Za-z0-9_][A-Za-z0-9._@+=-]*$ ]] || fail 2 "$runs:$1: '$run_name' is not a valid run name"
   [ -n "$run_scene" ] || fail 2 "$runs:$1: expected NAME SCENE_DIR"
 }
 
-# Refuses RUNS before anything is started: a line that cannot be read, two of one name, a variable that no run reads.
+# Checks RUNS before the first start: invalid lines, duplicate names, unknown variables.
 check_runs() {
   local line flag names=' '
   for line in $(lines_of_runs); do
     read_run "$line"
-    case $names in *" $run_name "*) fail 2 "$runs:$line: a run '$run_name' is there already" "give every line a name of its own" ;; esac
+    case $names in *" $run_name "*) fail 2 "$runs:$line: duplicate run name '$run_name'" "give every line a unique name" ;; esac
     names+="$run_name "
     for flag in "${run_flags[@]}"; do
       [[ ${flag%%=*} =~ ^(SCENE|VARIANCE|SAMPLE|RBF|JOINT|EXTRACT|RENDER|EVAL)_FLAGS$ ]] ||
-        fail 2 "$runs:$line: ${flag%%=*} is read by no run" "$pipelines/ngs-gs.sh --help lists the variables"
+        fail 2 "$runs:$line: ${flag%%=*} is not used by any run" "see the variables in $pipelines/ngs-gs.sh --help"
     done
   done
 }
@@ -53,7 +53,7 @@ check_runs() {
 lines_of_runs() { grep -nEv '^[[:space:]]*(#|$)' "$runs" | cut -d: -f1; }
 key_of() { sed -n "${1}p" "$runs" | cksum; }
 
-# The exit code that the run of line $1 ended with for good, else nothing.
+# Final exit code of the run of line $1; empty if it must (still) run.
 code_of() {
   local code key
   read_run "$1"
@@ -69,7 +69,7 @@ pending_lines() {
   done
 }
 
-# Runs line $1. An exit code that another try cannot change is kept; of 8 (disk, memory) and of signals nothing is.
+# Runs line $1. Stores final exit codes; after 8 (disk, memory) and after signals the run is tried again.
 task() {
   local code=0
   read_run "$1"
@@ -82,9 +82,9 @@ task() {
   return "$code"
 }
 
-# Compares what is finished, says what is not; the exit code of the series.
+# Compares finished runs, prints failed ones; returns the exit code of the series.
 finish() {
-  local line code finished=() failed=0 compared=0 said
+  local line code finished=() failed=0 compared=0 output
   for line in $(lines_of_runs); do
     code=$(code_of "$line")
     read_run "$line"
@@ -93,8 +93,8 @@ finish() {
       *) failed=$((failed + 1)); say "$run_name failed${code:+ with exit code $code}" ;;
     esac
   done
-  if [ ${#finished[@]} -gt 0 ]; then  # its table would be long; why there is none is not
-    said=$(compare_runs "$out" "${finished[@]}" 2>&1) || { compared=$?; say "$said"; }
+  if [ ${#finished[@]} -gt 0 ]; then  # print output only on failure: the table is long
+    output=$(compare_runs "$out" "${finished[@]}" 2>&1) || { compared=$?; say "$output"; }
   fi
   say "$(($(lines_of_runs | wc -l) - failed)) of $(lines_of_runs | wc -l) runs are finished, $(wc -l < "$state/tries") tries"
   [ "$failed" -eq 0 ] || return 1
@@ -116,7 +116,7 @@ round_make() {
   rm "$makefile"
 }
 
-# Submits the lines on stdin in arrays that the cluster accepts, and the gather job behind them.
+# Submits the lines on stdin as arrays of at most MaxArraySize tasks, and a dependent gather job.
 submit() {
   local round=$1 most list first=0 count size ids=''
   most=$(scontrol show config | awk '$1 == "MaxArraySize" { print $3 }')
@@ -133,7 +133,7 @@ submit() {
     "$(printf 'exec %q --gather %d %q %q --retries %d -j %q --sbatch %q' "$script" "$round" "$runs" "$out" "$retries" "${limit:-0}" "$flags")"
 }
 
-# A job of the script on stdin; its id. A lost node puts it back into the queue.
+# Submits the script on stdin; prints the job id. Slurm requeues the job if its node is lost.
 sbatch_job() {
   # shellcheck disable=SC2086  # flags are words
   { printf '#!/bin/bash\nexport NGS_PIPELINES=%q\n' "$pipelines"; cat; } |
@@ -171,10 +171,10 @@ limit=${jobs#0} jobs=${jobs:-1}
 case $on in
   here) ;;
   make | parallel) command -v "$on" > /dev/null || fail 8 "--on $on: not found" "install it, or run --on here" ;;
-  slurm) command -v sbatch > /dev/null || fail 8 "--on slurm: sbatch: not found" "call this on a node that can submit jobs" ;;
+  slurm) command -v sbatch > /dev/null || fail 8 "--on slurm: sbatch: not found" "run this on a node that can submit jobs" ;;
   *) fail 2 "--on $on: expected here, make, parallel or slurm" ;;
 esac
-mkdir -p "$out/.sweep/log" || fail 8 "$out: cannot be made"
+mkdir -p "$out/.sweep/log" || fail 8 "$out: cannot be created"
 out=$(cd "$out" && pwd) state=$out/.sweep
 touch "$state/tries"
 

@@ -1,9 +1,9 @@
-# Shared by ablation.mk and robustness.mk: runs VARIANTS one after the other and compares what was finished.
+# Shared by ablation.mk and robustness.mk: runs VARIANTS one after the other and compares the finished runs.
 .NOTPARALLEL:
 .SECONDARY:
 .PHONY: all FORCE
 export SCENE
-# variant NAME OPTIONS: one run; a failure is said and does not end the series, nor do scores of an earlier call stand in for it.
+# variant NAME OPTIONS: one run. A failure is reported and does not end the series; older scores of it are not used.
 variant = . '$(HERE)common.sh'; once '$(OUT)/$(1)' '$(HERE)ngs-gs.sh' "$$SCENE" '$(OUT)/$(1)' $(ARGS) -q $(2); \
   case $$? in 0 | 1) rm -f '$(OUT)/$(1)/.state/failed' ;; \
     *) echo "variant $(1) failed, left out" >&2; touch '$(OUT)/$(1)/.state/failed' 2> /dev/null || true ;; esac

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Part of work-precision.mk: one scene (once NAME), one run of one point (run KNOB@VALUE/REPEAT BOUNDARY FLAGS...), the page
-# (page), the check that OUT is of the same settings (settings). SCENE OUT MASKS GT HOLD_OUT IMAGE_SCALE STEPS come from the
-# environment.
+# (page), the check that OUT has the same settings (settings). SCENE OUT MASKS GT HOLD_OUT IMAGE_SCALE STEPS are environment
+# variables.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"
@@ -13,12 +13,12 @@ settings() {
     printf 'HOLD_OUT=%s\nIMAGE_SCALE=%s\nSTEPS=%s\n' "$HOLD_OUT" "$IMAGE_SCALE" "$STEPS")
   mkdir -p "$OUT"
   [ -f "$file" ] || printf '%s\n' "$now" > "$file"
-  [ "$now" = "$(cat "$file")" ] || fail 2 "$OUT: its points are of other settings: $(diff "$file" - <<< "$now" | sed -n 's/^< //p' | tr '\n' ' ')" \
+  [ "$now" = "$(cat "$file")" ] || fail 2 "$OUT: contains points with other settings: $(diff "$file" - <<< "$now" | sed -n 's/^< //p' | tr '\n' ' ')" \
     "choose another OUT, or remove this one"
 }
 
-# once NAME: scene.json and boundary.ply, for views@N (1, 2, 4, 8) with one mask in N, in a pattern that does not go in step
-# with every-nth hold-outs.
+# once NAME: scene.json and boundary.ply, for views@N (1, 2, 4, 8) with one mask in N, in a pattern that does not
+# coincide with every-nth hold-outs.
 once() {
   local folder=$OUT/once/$1 masks=$MASKS scale=$IMAGE_SCALE knob=${1%%@*} value=${1#*@}
   mkdir -p "$folder/reports"
@@ -35,10 +35,10 @@ once() {
   { tool ngs-scene import "$SCENE" --masks "$masks" --hold-out "$HOLD_OUT" ${scale:+--image-scale "$scale"} \
     -o "$folder/scene.json" -w -q --report "$folder/reports/ngs-scene.json" &&
     tool ngs-variance "$folder/scene.json" -o "$folder/boundary.ply" -w -q --report "$folder/reports/ngs-variance.json"
-  } || echo $? > "$folder/failed"  # the exit code of all its points
+  } || echo $? > "$folder/failed"  # exit code for all points of this scene
 }
 
-# run KNOB@VALUE/REPEAT BOUNDARY FLAGS...: a failure is kept as its exit code.
+# run KNOB@VALUE/REPEAT BOUNDARY FLAGS...: stores the exit code, also of a failure.
 run() {
   local folder=$OUT/points/$1 scene trace=() rc=0
   scene=$(dirname "$2")/scene.json
@@ -57,7 +57,7 @@ run() {
   echo "$rc" >"$folder/done"
 }
 
-# Where it was built (with the tests): the error of the arithmetic, a plot of its own.
+# If ngs_numerical was built (with the tests): numerical errors, for a separate plot.
 numerical() {
   local once=$OUT/once/scene
   [[ -x ${bin:+$bin/}ngs_numerical && -f $once/boundary.ply ]] || return 0

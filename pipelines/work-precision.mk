@@ -1,14 +1,14 @@
-# What accuracy costs in time: every knob swept to its end on one scene, drawn on one page, with the points as JSON and CSV.
+# Accuracy against time: sweeps every knob on one scene; writes one page, and the points as JSON and CSV.
 #
 #   make -f pipelines/work-precision.mk SCENE=scenes/bird MASKS=scenes/bird/masks_sam GT=scenes/bird/masks_gt HOLD_OUT=every:4:2
 #   make -f pipelines/work-precision.mk SCENE=... POINTS='method@flash quality@standard steps@16' REPEATS=5
 #
-# A point is KNOB@VALUE; the knobs and what they mean are below. REPEATS times each, for min, median and max. What is done
-# once for a scene (import, evidence) is timed apart from what every object pays (ngs-joint). A point that fails stays on the
-# page with its exit code. OUT/points/KNOB@VALUE/REPEAT/ are the runs; delete one and call again to repeat it. An OUT with
-# points of another scene, masks, hold-out or STEPS is refused: one page would show both. Times are only
-# comparable where the machine had nothing else to do: never call it with make -j. Where ngs_numerical was built (with the
-# tests), the page has what float, cuts and truncated neighbours get wrong too, in a plot of its own.
+# A point is KNOB@VALUE; the knobs are defined below. Each point runs REPEATS times, for min, median and max. One-off steps
+# per scene (import, evidence) are timed separately from steps per object (ngs-joint). A failing point stays on the page with
+# its exit code. OUT/points/KNOB@VALUE/REPEAT/ are the runs; delete one and call again to repeat it. An OUT with points of
+# another scene, masks, hold-out or STEPS is an error, since one page would mix them. Times are comparable only on an idle
+# machine: never use make -j. If ngs_numerical was built (with the tests), a further plot shows the numerical errors of
+# float, cut-offs and truncated neighbours.
 SHELL := bash
 .DEFAULT_GOAL := all
 .NOTPARALLEL:
@@ -20,7 +20,7 @@ GT ?= $(SCENE)/masks_gt
 HOLD_OUT ?= every:4:2
 IMAGE_SCALE ?= 0
 REPEATS ?= 3
-# Visits of the points that sweep a part of the joint stage: the same for all of them.
+# Steps of all points that sweep a part of the joint stage.
 STEPS ?= 160
 
 POINTS ?= method@flash method@sa3d method@bce method@cob \
@@ -32,16 +32,16 @@ POINTS ?= method@flash method@sa3d method@bce method@cob \
   hash-levels@1 hash-levels@4 hash-levels@8 hash-levels@12 \
   hash-table@10 hash-table@15 hash-table@19 mlp@16 mlp@32 mlp@64 mlp@128
 
-# The joint stage alone, as the paper has it: what its own knobs act on.
+# The joint stage of the paper without other stages, for the knobs of the joint stage.
 joint := --effect joint=on --effect nerf=on --effect contours=off --effect floaters=off
 flags_method = --method $(1)
 flags_quality = --quality $(1)
 flags_effects = $(if $(filter all-on,$(1)),--effect all=on)
 flags_steps = $(joint) --steps $(1)
 flags_neighbours = $(joint) --steps $(STEPS) --neighbours $(1)
-# One view in VALUE has a mask.
+# One in VALUE views has a mask.
 flags_views = $(joint) --steps $(STEPS)
-# Of the photos' size, scene and evidence too.
+# Relative to the photos; scene and evidence use it too.
 flags_image-scale = $(joint) --steps $(STEPS)
 flags_grid = $(joint) --steps $(STEPS) $(join --rows= --cols= --depth-samples=,$(subst x, ,$(1)))
 flags_hash-levels = $(joint) --steps $(STEPS) --hash-levels $(1)
@@ -59,7 +59,7 @@ all: $(OUT)/report.html
 settings:
 	@$(point) settings
 
-# Points that need a scene of their own, and the one that the others share.
+# Points with a separate scene; all others share one.
 once_of = $(if $(filter views image-scale,$(call knob,$(1))),$(1),scene)
 $(OUT)/once/%/boundary.ply: | settings
 	@$(point) once '$*'

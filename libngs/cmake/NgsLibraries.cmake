@@ -1,4 +1,13 @@
 # Third-party libraries. Each is linked by exactly the layer that may include it (libngs/CMakeLists.txt).
+# libgomp is linked statically where it exists as an archive: the tools set its spin count before it starts
+# (tools/shared/run/start/thread_wait.cpp), and a binary runs where the compiler's libraries are not installed.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT NGS_SANITIZE)
+  execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=libgomp.a
+    OUTPUT_VARIABLE gomp_archive OUTPUT_STRIP_TRAILING_WHITESPACE)
+  if(IS_ABSOLUTE "${gomp_archive}")
+    set(OpenMP_gomp_LIBRARY ${gomp_archive} CACHE FILEPATH "the OpenMP runtime of g++")
+  endif()
+endif()
 find_package(OpenMP REQUIRED COMPONENTS CXX)
 find_package(Eigen3 REQUIRED NO_MODULE)
 # -j alone says how many threads there are; vectorised, sums would have the order of the processor's vectors.

@@ -1,7 +1,7 @@
-"""What the adapters of networks in Python share: the requests of ngs-mask --segmenter (README.md) and their masks.
+"""Shared by the Python adapters of networks: requests of ngs-mask --segmenter (README.md) and their masks.
 
 An adapter gives `serve` a function that loads its network and returns segment(picture, prompts): picture is [H, W, 3]
-uint8, prompts are Prompts, the answer is a mask [H, W], larger than 0 where the object is.
+uint8, prompts are Prompts, the result is a mask [H, W], larger than 0 on the object.
 """
 import argparse
 import dataclasses
@@ -17,12 +17,12 @@ class Prompts:
     """Pixels of the picture; the centre of the first one is at (0.5, 0.5)."""
 
     points: list  # [[x, y], ...]
-    labels: list  # 1: on the object, 0: beside it
+    labels: list  # 1: object, 0: background
     box: list  # [left, top, right, bottom], or None
 
 
 def require(who, modules):
-    """Ends the program, with the command that helps, where one of `modules` ({name: what pip installs}) is absent."""
+    """Exits with an install command if one of `modules` ({name: pip package}) is missing."""
     for module, package in modules.items():
         try:
             importlib.import_module(module)
@@ -32,12 +32,12 @@ def require(who, modules):
 
 
 def read_prompts(path):
-    """The expected mask is not passed on: a network keeps to its gaps. Nor are the places beside it, which may lie in
-    them; where nothing is expected the marks are a person's."""
+    """Drops the expected mask, since a network would reproduce its holes, and background points outside it, which may lie
+    in holes. Without an expected mask the points are by hand and all are kept."""
     with open(path, encoding="utf-8") as file:
-        said = json.load(file)
-    points = [p for p in said.get("points", []) if p["object"] or "mask" not in said]
-    boxes = [] if said.get("box_of_marks") else said.get("boxes", [])
+        prompts = json.load(file)
+    points = [p for p in prompts.get("points", []) if p["object"] or "mask" not in prompts]
+    boxes = [] if prompts.get("box_of_marks") else prompts.get("boxes", [])
     return Prompts([[p["x"], p["y"]] for p in points], [int(p["object"]) for p in points], boxes[0] if boxes else None)
 
 
@@ -54,14 +54,14 @@ def answer(segment, request):
 
 
 def serve(description, default_model, modules, load):
-    """Runs an adapter: once with the three paths, else a request per line of stdin until it closes."""
+    """Runs an adapter: once for three paths, otherwise for each request line on stdin until stdin closes."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("--model", default=default_model, help="name or folder of the weights [%(default)s]")
-    parser.add_argument("--device", help="cuda or cpu; default: cuda where there is one")
+    parser.add_argument("--device", help="cuda or cpu; default: cuda if available")
     parser.add_argument("paths", nargs="*", metavar="IMAGE PROMPTS OUT", help="segment once")
     options = parser.parse_args()
     if len(options.paths) not in (0, 3):
-        parser.error("expected IMAGE PROMPTS OUT, or none of them")
+        parser.error("expected IMAGE PROMPTS OUT, or no arguments")
     require(parser.prog, modules)
     import torch
 
@@ -73,7 +73,7 @@ def serve(description, default_model, modules, load):
     for line in sys.stdin:
         try:
             answer(segment, json.loads(line))
-            said = {"ok": True}
-        except Exception as error:  # whatever a network throws is for the person who called the tool
-            said = {"error": f"{type(error).__name__}: {error}"}
-        print(json.dumps(said), flush=True)
+            response = {"ok": True}
+        except Exception as error:  # report any exception of a network to the caller
+            response = {"error": f"{type(error).__name__}: {error}"}
+        print(json.dumps(response), flush=True)

@@ -1,9 +1,9 @@
-"""SAM 2 as the program of ngs-mask --segmenter.
+"""SAM 2 as a segmenter of ngs-mask --segmenter.
 
   pip install torch numpy pillow git+https://github.com/facebookresearch/sam2
   ngs-mask scene.json --prompts strokes.json -o masks --passes 1 --segmenter 'python3 sam2_segmenter.py'
 
-The weights are fetched once by Hugging Face's client; --model names others, as facebook/sam2.1-hiera-tiny.
+Hugging Face's client downloads the weights once; --model selects others, such as facebook/sam2.1-hiera-tiny.
 """
 from mask_requests import serve
 

@@ -1,9 +1,9 @@
-"""SAM 3 as the program of ngs-mask --segmenter, by the tracker in Hugging Face's transformers: it takes points and boxes.
+"""SAM 3 as a segmenter of ngs-mask --segmenter, with points and boxes for the tracker in Hugging Face's transformers.
 
   pip install torch numpy pillow 'transformers>=5'
   ngs-mask scene.json --prompts strokes.json -o masks --passes 1 --segmenter 'python3 sam3_segmenter.py'
 
-The weights are fetched once by Hugging Face's client, where their licence has to be accepted; --model names a folder.
+Hugging Face's client downloads the weights once, after their licence was accepted there; --model may be a folder.
 """
 from mask_requests import serve
 
@@ -16,7 +16,7 @@ def load(model, device):
     processor = Sam3TrackerProcessor.from_pretrained(model)
 
     def segment(picture, prompts):
-        marks = {}  # of one picture, of one object in it
+        marks = {}  # for one picture and one object
         if prompts.points:
             marks.update(input_points=[[prompts.points]], input_labels=[[prompts.labels]])
         if prompts.box:

@@ -1,19 +1,19 @@
 #!/usr/bin/env bash
-# ngs cut --around --quality flash on every object of a splat whose truth is known, from strokes made by a rule:
+# ngs cut --around --quality flash on objects of a splat with known ground truth, with generated strokes:
 #
 #   tests/bench/around.sh [-o OUT] [--scene SCENE_JSON] MODEL IDS ID...
 #
 #   MODEL                a splat
-#   IDS                  a file of one byte a Gaussian: the number of its object
+#   IDS                  a file with one byte per Gaussian: the id of its object
 #   ID                   an object to cut out
-#   -o OUT               folder that keeps all that is made                                       (default: around)
-#   --scene SCENE_JSON   cameras to score at, the held-out ones where there are some              (default: the cut's own)
+#   -o OUT               output folder                                                            (default: around)
+#   --scene SCENE_JSON   cameras for scoring, held-out ones if there are any                      (default: those of the cut)
 #
-# Two cameras of ngs-scene orbit a quarter of a turn apart are marked: a line along the object and one around it
+# Marks two cameras of ngs-scene orbit, 90 degrees apart: a line along the object and a line around it
 # (tests/bench/strokes/stroke_rule.h). Needs ngs_strokes, a target of the build.
 #
-# stdout: a line per object: ID WALL_S CPU_S SCORES, the times of the cut alone, with reading and writing, as the scores
-# are: of masks rendered from the labels against those of the ids.
+# stdout: a line per object: ID WALL_S CPU_S SCORES. Times are those of the cut, including reading and writing. Scores compare
+# masks rendered from the labels with masks rendered from the ids.
 set -euo pipefail
 shopt -s inherit_errexit
 # shellcheck source=pipelines/common.sh
@@ -35,7 +35,7 @@ done
 model=$1 ids=$2
 shift 2
 bin=$(find_bin)
-mkdir -p "$out" || fail 8 "$out: cannot be made"
+mkdir -p "$out" || fail 8 "$out: cannot be created"
 
 for id in "$@"; do
   folder=$out/object-$id

@@ -1,6 +1,6 @@
 #pragma once
-// What the benchmarks run on: a synthetic cloud of any size, or the model and first training view of the scene.json
-// that the environment variable NGS_BENCH_SCENE names.
+// Scene of the benchmarks: a synthetic cloud of any size, or model and first view of the scene.json named in the
+// environment variable NGS_BENCH_SCENE.
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
@@ -15,11 +15,11 @@ namespace ngs::bench {
 struct BenchScene {
   GaussianCloud cloud;
   Camera camera;
-  ViewMasks masks;  // one object: the middle of the image
+  ViewMasks masks;  // one object: a disc in the middle of the image
 };
 
-/// A ball before a wall, both closed surfaces of flat Gaussians as wide as their spacing, with a tail of larger and
-/// of fainter ones: what a fit looks like. Every picture size sees the same scene.
+/// A ball in front of a wall, made of flat Gaussians as wide as their spacing, with a tail of larger and fainter ones,
+/// similar to a trained splat. The scene does not depend on the picture size.
 inline GaussianCloud surface_cloud(std::int64_t n) {
   GaussianCloud cloud;
   cloud.resize(n, 0);

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Everything for which a GPU is needed, in less than 8 minutes: builds for it, compares the device with the CPU, runs
-# the sanitizers over the cooperative kernels, measures, and writes one JSON (data-schema/device.schema.json), whatever fails.
+# All checks that need a GPU, in less than 8 minutes: builds, compares the device with the CPU, runs sanitizers on the
+# cooperative kernels, and measures. Writes one JSON (data-schema/device.schema.json), also after failures.
 #   tests/bench/device.sh OUT.json [SCENE_DIR...]      SCENE_DIR as for pipelines/ngs-gs.sh
 #   JOBS=N               compile N files at a time; default: all CPUs
-#   NGS_DEVICE_BUILD=DIR run DIR/bin, which somebody has built with -DNGS_WITH_CUDA=ON, and build nothing
-#   NGS_DEVICE_SECONDS=N begin no step after N seconds, and end the one that runs; default 465
-#   NGS_CUDA_ARCHITECTURE=90  as CMAKE_CUDA_ARCHITECTURES; default: native
-# Exit code 0: all passed; 1: a step failed or had no time, the JSON says which; 2: usage; 77: no device, no JSON.
+#   NGS_DEVICE_BUILD=DIR run DIR/bin, built before with -DNGS_WITH_CUDA=ON; build nothing
+#   NGS_DEVICE_SECONDS=N start no step after N seconds, and end the running one; default 465
+#   NGS_CUDA_ARCHITECTURE=90  value of CMAKE_CUDA_ARCHITECTURES; default: native
+# Exit code 0: all passed; 1: a step failed or had no time, listed in the JSON; 2: usage; 77: no device, no JSON.
 set -euo pipefail
 unset CDPATH
 [ $# -ge 1 ] || { sed -n '2,4p' "${BASH_SOURCE[0]}" >&2; exit 2; }
@@ -29,7 +29,7 @@ finish() {  # also after a signal
 trap finish EXIT
 trap 'exit 143' TERM INT
 
-step() {  # name, most seconds, the command: notes its exit code (124: out of time) and time; fails as it does
+step() {  # NAME LIMIT_S COMMAND...: records exit code (124: out of time) and time; returns the exit code
   local name=${1//[^A-Za-z0-9._ -]/_} limit=$2 code=0 begin=$SECONDS; shift 2
   [ "$limit" -lt $((last_s - begin)) ] || limit=$((last_s - begin))
   if [ "$limit" -gt 0 ]; then
@@ -53,7 +53,7 @@ if [ -z "${NGS_DEVICE_BUILD:-}" ]; then
 fi
 
 step parity 60 env NGS_PARITY_TABLE=1 "$bin/test_parity" || { [ $? != 77 ] || { echo "skipped: no device for CUDA"; exit 77; }; }
-# Every kernel in small cases; of those with shared memory every one, with both kinds of sums. Other kernels have none.
+# memcheck: small cases of every kernel. racecheck: all kernels with shared memory, with both kinds of sums.
 memory='splat: a*,evidence*,knn*,hash*,film*,volume*,rbf*,align*,photometric*,adam*,joint: losses and parameters*'
 races='splat: a*,evidence*,knn*,film*,joint: losses and parameters*'
 step memcheck 75 compute-sanitizer --tool memcheck --error-exitcode 9 "$bin/test_parity" -tc="$memory" || true
@@ -61,7 +61,7 @@ step racecheck 75 compute-sanitizer --tool racecheck --error-exitcode 9 --kernel
   -tc="$races" || true
 step bench 90 "$bin/ngs_device_bench" || true
 
-tool() {  # most seconds, tool, device, further words: in the scene's folder
+tool() {  # LIMIT_S TOOL DEVICE ARGUMENTS...: runs in the scene's folder
   local limit=$1 name=$2 device=$3; shift 3
   step "$(basename "$PWD")-$device-$name" "$limit" "$bin/ngs-${name%%-*}" "$@" --device "$device" -q --report "$device/$name.json"
 }

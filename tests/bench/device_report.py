@@ -1,7 +1,7 @@
-"""Writes what tests/bench/device.sh did as one JSON (data-schema/device.schema.json): device_report.py WORK OUT.json
+"""Writes the results of tests/bench/device.sh as one JSON (data-schema/device.schema.json): device_report.py WORK OUT.json
 
-WORK has smi, steps (name, exit code, seconds), logs/STEP, scenes/SCENE/DEVICE/TOOL.json, and ptxas where something was
-compiled. Any of them may be absent or broken off. Exit code 1 if a step failed, or none was begun.
+WORK has smi, steps (name, exit code, seconds), logs/STEP, scenes/SCENE/DEVICE/TOOL.json, and ptxas after a
+compilation. Any of them may be missing or truncated. Exit code 1 if a step failed, or none was started.
 """
 import json
 import math

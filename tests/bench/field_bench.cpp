@@ -1,4 +1,4 @@
-// What the joint stage runs beside the splat: neighbours, interpolation, encoding, network, volume, photometric loss.
+// Ops of the joint stage other than the splat: neighbours, interpolation, encoding, network, volume, photometric loss.
 // "GFLOP/s" counts multiplications and additions of the matrix products only, two per weight and query.
 #include <benchmark/benchmark.h>
 

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# How many instructions the compositing kernels take with vectors and without: on aarch64 NEON, counted by qemu-user, on
-# x86-64 AVX2, counted by callgrind:
+# Counts the instructions of the compositing kernels with and without vector code: NEON on aarch64 with qemu-user, AVX2 on
+# x86-64 with callgrind:
 #   tests/bench/instructions.sh [OUT_DIR]      OUT_DIR: build/instructions
-# Times under emulation say nothing of a processor; numbers of instructions are exact and the same for every run. Of a small
-# scene, made by this machine's tools ($NGS_BIN, else those of the build folder), the evidence is gathered and eight joint
-# steps are run, once by each set of kernels: same work, same bytes (compared, of both processors where both are counted).
-# One thread, since counters are not shared. A table on stdout. Exit code 1 where bytes differ, 77 where no processor could
-# be counted. aarch64 needs the tools of tests/ci/aarch64.sh; NGS_AARCH64_ROOT as there.
+# Times under emulation do not predict those of a processor; instruction counts are exact and reproducible. Tools of this
+# machine ($NGS_BIN, or the build folder) make a small scene. Then each set of kernels gathers the evidence and runs eight
+# joint steps: same work, same bytes (compared, also between both processors). One thread, since counters are not shared.
+# Prints a table to stdout. Exit code 1 if bytes differ, 77 if neither processor could be counted. aarch64 needs the tools of
+# tests/ci/aarch64.sh; NGS_AARCH64_ROOT as there.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 # shellcheck source=pipelines/common.sh
@@ -18,7 +18,7 @@ mkdir -p "${1:-$top/build/instructions}"
 cd "${1:-$top/build/instructions}"
 export QEMU_LD_PREFIX=${NGS_AARCH64_ROOT:-$top/build-aarch64.root} NGS_THREADS=1 GOMP_SPINCOUNT=0
 
-# counted_on PROCESSOR TO TOOL ARGUMENTS...: a line of TO for each function: instructions, its name.
+# counted_on PROCESSOR TO TOOL ARGUMENTS...: writes to TO a line per function: instructions, name.
 counted_on() {
   local processor=$1 to=$2 name=$3
   shift 3
@@ -41,7 +41,7 @@ count() {
   unset NGS_ISA
 }
 
-# table PROCESSOR ISA: against portable. The exponential has a row where the compiler left it a function of its own.
+# table PROCESSOR ISA: ratio to portable. The row of exp is nonzero only if the compiler did not inline it.
 table() {
   local kernel vectors portable
   for kernel in 'forward forward_tile|forward_any' 'backward TileBackward|backward_tile|backward_any' \
@@ -55,11 +55,11 @@ table() {
 }
 
 counted=()
-if ! command -v valgrind > /dev/null; then say "left out: x86-64, no valgrind"; else counted+=("x86-64 v3"); fi
+if ! command -v valgrind > /dev/null; then say "skipped: x86-64, no valgrind"; else counted+=("x86-64 v3"); fi
 if ! command -v qemu-aarch64 > /dev/null || ! command -v c++ > /dev/null; then
-  say "left out: aarch64, no qemu-aarch64 or no c++"
+  say "skipped: aarch64, no qemu-aarch64 or no c++"
 elif [ ! -x "$emulated/ngs-joint" ]; then
-  say "left out: aarch64, no tools in build-aarch64, tests/ci/aarch64.sh builds them"
+  say "skipped: aarch64, no tools in build-aarch64; build them with tests/ci/aarch64.sh"
 else
   c++ -std=c++20 -O2 -shared -fPIC -o count.so "$here/instructions/count.cpp"
   counted+=("aarch64 neon")

@@ -1,33 +1,33 @@
 #!/usr/bin/env bash
-# One object of a large scene from beginning to end: import, evidence, draft; wall and CPU seconds and peak memory of each.
+# The chain on large scenes: import, evidence, draft; wall and CPU seconds and peak memory of each tool.
 #
 #   tests/bench/large.sh six CAPTURE [OUT]    three rooms of CAPTURE: 6.2e6 Gaussians of museum, 300 photos of 2.1 Mpx
 #   tests/bench/large.sh ten CAPTURE [OUT]    five rooms: 1.03e7 Gaussians of museum, 1000 photos of 0.3 Mpx
-#   tests/bench/large.sh beside CAPTURE [OUT] CAPTURE alone, with two copies of its model behind its walls, and with nine
-#                                           where no camera looks: what Gaussians cost that do not show
+#   tests/bench/large.sh unseen CAPTURE [OUT] CAPTURE alone, with two copies of its model behind its walls, and with nine
+#                                           outside all views: cost of occluded and off-screen Gaussians
 #   tests/bench/large.sh balls [OUT]          100 objects at once: 1e6 Gaussians, 60 photos of 0.3 Mpx
 #
 #   CAPTURE   a folder with sparse/, images/, masks_label/ and point_cloud.compressed.ply, such as the scene museum
-#   OUT       folder that keeps all that is made      (default: large/WHAT)
+#   OUT       output folder     (default: large/WHAT)
 #
-# Rooms are the capture's model side by side, their photos the capture's, enlarged: no camera sees another room but
-# through its own, and a room has more views than the capture by taking cameras again. Object 2 of the first room is
-# cut out; the photos of the other rooms show nothing of it. What is made is made by ngs_large, a target of the build.
+# Rooms are copies of the capture's model side by side, with enlarged copies of its photos. A camera sees another room only
+# through its own room. A room reuses cameras to get more views than the capture. The chain cuts out object 2 of the first
+# room, which the photos of other rooms do not show. Needs ngs_large, a target of the build.
 #
-# stdout: a line per tool: TOOL WALL_S CPU_S PEAK_MIB EXIT_CODE; of beside, COPIES and where they are stand before
-# them. NGS_THREADS as ever.
+# stdout: a line per tool: TOOL WALL_S CPU_S PEAK_MIB EXIT_CODE; for `unseen`, after a line with number and place of the
+# copies. NGS_THREADS applies.
 set -euo pipefail
 shopt -s inherit_errexit
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/../../pipelines/common.sh"
 
 case ${1:-} in
-  six | ten | beside)
+  six | ten | unseen)
     [ $# -ge 2 ] || fail 2 "expected a CAPTURE" "see $0 --help"
     what=$1 capture=$2 out=${3:-large/$1} ;;
   balls) what=$1 capture='' out=${2:-large/$1} ;;
   -h | --help) usage_of "$0"; exit 0 ;;
-  *) fail 2 "expected six, ten, beside or balls" "see $0 --help" ;;
+  *) fail 2 "expected six, ten, unseen or balls" "see $0 --help" ;;
 esac
 bin=$(find_bin)
 scene=$out/scene
@@ -43,7 +43,7 @@ make_scene() {
   mv "$scene.part" "$scene"
 }
 
-# The run of a tool, its line, and its exit code where that is no success.
+# Runs a tool and prints its line; exits with its code on failure.
 timed() {
   local code=0
   /usr/bin/time -f '%e %U %S %M' -o "$out/$1.time" "${bin:+$bin/}$1" "${@:2}" -w -q --report "$out/$1.json" > /dev/null || code=$?
@@ -52,7 +52,7 @@ timed() {
   if [ "$code" -ne 0 ]; then exit "$code"; fi
 }
 
-# The chain to a draft of the photos and masks in CAPTURE, with MODEL and what else import is to know.
+# The chain up to a draft, for photos and masks of CAPTURE, with MODEL and further options of import.
 #   chain CAPTURE MODEL [OPTION...]
 chain() {
   timed ngs-scene import "$1" --model "$2" --masks "$1/masks_label" --mask-mode label "${@:3}" -o "$out/scene.json"
@@ -60,9 +60,9 @@ chain() {
   timed ngs-joint "$out/scene.json" "$out/boundary.ply" --quality draft -o "$out/labelled.ply"
 }
 
-mkdir -p "$out" || fail 8 "$out: cannot be made"
+mkdir -p "$out" || fail 8 "$out: cannot be created"
 case $what in
-  beside)
+  unseen)
     top=$out
     for model in '1 outside' '3 hidden' '10 outside'; do
       out=$top/${model/ /-}

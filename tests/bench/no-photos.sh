@@ -1,21 +1,21 @@
 #!/usr/bin/env bash
-# ngs cut of splats alone, without a photo, marked on two renders by a rule, scored against a truth that the cut never sees:
+# ngs cut of splats without photos, with generated strokes on two renders, scored against ground truth that the cut does not use:
 #
 #   tests/bench/no-photos.sh [-o OUT] [--quality Q] [--up AXIS] photos CAPTURE
 #   tests/bench/no-photos.sh [-o OUT] [--quality Q] [--up AXIS] statue MODEL IDS ID PLANE SCENE_JSON
 #
-#   photos CAPTURE  point_cloud.ply is cut; images/, poses and masks_gt/ score it, at the held-out views every:4:2. The marks
-#                   are by labels from masks_gt/ of the other views
+#   photos CAPTURE  cuts point_cloud.ply; scores with images/, poses and masks_gt/ at the held-out views every:4:2. Strokes
+#                   come from labels by masks_gt/ of the other views
 #   statue MODEL IDS ID PLANE SCENE_JSON
-#                   an object of a splat, taken alone, against what it stands on. The truth is what lies above PLANE, as
-#                   A,B,C,D; IDS as for around.sh; the held-out cameras of SCENE_JSON score it
-#   -o OUT          folder that keeps all that is made                                           (default: no-photos)
+#                   cuts an object, isolated from its splat, off its base. Ground truth: Gaussians above PLANE (A,B,C,D);
+#                   IDS as for around.sh; scored with the held-out cameras of SCENE_JSON
+#   -o OUT          output folder                                                                (default: no-photos)
 #   --quality Q     of ngs cut                                                                     (default: standard)
-#   --up AXIS       of ngs cut, where the pictures would lie on their side                             (default: auto)
+#   --up AXIS       of ngs cut, for tilted pictures                                                    (default: auto)
 #
-# The marks are two cameras of ngs-scene orbit a quarter of a turn apart, on each a line along the object and one around it
+# Marks two cameras of ngs-scene orbit, 90 degrees apart: a line along the object and a line around it
 # (tests/bench/strokes/stroke_rule.h). Needs ngs_strokes, a target of the build. stdout: IoU, B-IoU 0.02 and B-IoU 0.005 of
-# the photos' views, or of the statue what ngs_strokes says.
+# the photos' views; for a statue the output of ngs_strokes.
 set -euo pipefail
 shopt -s inherit_errexit
 # shellcheck source=pipelines/common.sh
@@ -36,9 +36,9 @@ done
 what=${1:-}
 [ "$what $#" = "photos 2" ] || [ "$what $#" = "statue 6" ] || fail 2 "expected photos or statue" "see $0 --help"
 bin=$(find_bin)
-mkdir -p "$out" || fail 8 "$out: cannot be made"
+mkdir -p "$out" || fail 8 "$out: cannot be created"
 
-# cut MODEL IDS: of id 1, into $out/cut.
+# cut MODEL IDS: cuts id 1 into $out/cut.
 cut() {
   local words=(cut "$1" --quality "$quality" "--up=$up" -o "$out/cut" -w -q)
   [ -f "$out/cut/orbit/scene.json" ] || tool ngs "${words[@]}" > /dev/null
@@ -46,7 +46,7 @@ cut() {
   tool ngs "${words[@]}" --strokes "$out/strokes.json" --report "$out/report.json" > /dev/null
 }
 
-# The capture's photos are looked at here alone: for the marks and for the score.
+# Photos of the capture are used only here: for strokes and score.
 photos() {
   local model=$1/point_cloud.ply
   tool ngs-scene import "$1" --ply "$model" --images "$1/images" --masks "$1/masks_gt" --hold-out every:4:2 \

@@ -1,24 +1,24 @@
 #!/usr/bin/env bash
-# Scores of views that nobody photographed, beside scores of views whose photo is there but whose mask is not:
+# Scores of views without photo, compared with scores of views with photo but without mask:
 #
 #   tests/bench/removed-views.sh [-o OUT] [--split every:N:K]... [--run NAME=FLAGS]... [--seeds N] SCENE...
 #
 #   SCENE              folder as for ngs-gs.sh with COLMAP text, masks_sam/ or masks/ and true masks in masks_gt/; or the
-#                      name of a recipe of ngs-synth, made here with masks that are wrong by 2 px
-#   -o OUT             folder that keeps scenes and runs; a second call makes only what is missing  (default: removed-views)
-#   --split RULE       the views that are held out or taken away                                  (default: every:4:2)
+#                      name of a recipe of ngs-synth, generated with masks off by 2 px
+#   -o OUT             folder of scenes and runs; a second call makes only missing ones              (default: removed-views)
+#   --split RULE       the views to hold out or remove                                            (default: every:4:2)
 #   --run NAME=FLAGS   a row: flags of ngs-joint, e.g. 'ours=--quality high'       (default: flash, cob, bce, ng-gs, ngs)
 #   --seeds N          seeds 0..N-1 of ngs-joint                                                  (default: 1)
 #   --only SCORE       transductive, inductive or novel                       (default: transductive and inductive)
-#   --novel            the novel score too
-#   --fit-steps N      of a recipe's splat, and of the splat of the novel score                   (default: 1500)
+#   --novel            also the novel score
+#   --fit-steps N      steps of ngs-fit for recipes and for the novel score                       (default: 1500)
 #   --fit-flags FLAGS  of ngs-fit for the novel score         (default: --sh-degree 1 --max-gaussians 8000, as ngs-synth)
 #
 # transductive: the views' masks are held out, their photos and poses are used, as in NVOS.
 # inductive: photo, mask and pose are deleted before the import; the result is rendered at the cameras of the whole
-# capture. The splat was fitted to the deleted photos all the same: what is left as it was is better there than between
-# the photos, and what moves looks worse than it is.
-# novel: inductive, with a splat fitted anew to the photos that are left; the cameras of the whole capture are aligned
+# capture. The splat was still fitted to the deleted photos: this favours methods that do not move Gaussians, and
+# penalises methods that do.
+# novel: inductive, with a splat fitted to the remaining photos only; the cameras of the whole capture are aligned
 # with that splat. All are scored on the true masks, at the photos' size.
 #
 # stdout: a line per run: SCENE SPLIT NAME SEED SCORE IoU B-IoU_0.02 B-IoU_0.005, with tabs; then the means over all splits
@@ -51,7 +51,7 @@ while [ $# -gt 0 ]; do
   esac
 done
 [ ${#scenes[@]} -gt 0 ] || fail 2 "expected SCENE..." "see $0 --help"
-[[ $seeds =~ ^[1-9][0-9]*$ ]] || fail 2 "--seeds $seeds: expected a number from 1 on"
+[[ $seeds =~ ^[1-9][0-9]*$ ]] || fail 2 "--seeds $seeds: expected a number of at least 1"
 [[ ${scores[0]} =~ ^(transductive|inductive|novel)$ ]] ||
   fail 2 "--only ${scores[0]}: expected transductive, inductive or novel"
 if [ -n "$novel" ] && [ "${scores[0]}" != novel ]; then scores+=(novel); fi
@@ -67,9 +67,9 @@ for run in "${runs[@]}"; do
 done
 
 bin=$(find_bin)
-mkdir -p "$out" || fail 8 "$out: cannot be made"
+mkdir -p "$out" || fail 8 "$out: cannot be created"
 
-# The folder of scene $1: itself, or a recipe made in OUT.
+# Prints the folder of scene $1: $1 itself, or a recipe generated in OUT.
 folder_of() {
   if [ -d "$1" ]; then realpath "$1"; return; fi
   local made=$out/$1/capture
@@ -84,22 +84,22 @@ folder_of() {
 
 masks_of() { if [ -d "$1/masks_sam" ]; then printf '%s\n' "$1/masks_sam"; else printf '%s\n' "$1/masks"; fi; }
 
-# prepared WORK CAPTURE MASKS SPLIT-OR-NOTHING [MODEL]: WORK/scene.json and WORK/boundary.ply.
+# prepared WORK CAPTURE MASKS SPLIT-OR-EMPTY [MODEL]: writes WORK/scene.json and WORK/boundary.ply.
 prepared() {
   if [ ! -f "$1/boundary.ply" ]; then
     evidence_of "$2" "$1" --masks "$3" ${4:+--hold-out "$4"} ${5:+--model "$5"} >&2
   fi
 }
 
-# fitted WORK: WORK/novel.ply, a splat of the photos that are left in WORK/capture, and nothing else.
+# fitted WORK: writes WORK/novel.ply, a splat of the photos in WORK/capture only.
 fitted() {
   if [ -f "$1/novel.ply" ]; then return; fi
-  say "$1: fitting a splat to the photos that are left"
+  say "$1: fitting a splat to the remaining photos"
   tool ngs-fit "$1/inductive/scene.json" --points "$1/capture/sparse/0/points3D.txt" -o "$1/novel.ply" -w -q \
     --steps "$fit_steps" "${fit_flags[@]}" > /dev/null
 }
 
-# scored WORK WHOLE TRUTH NAME SEED FLAGS...: a run on WORK, its masks at the held-out cameras of WHOLE.
+# scored WORK WHOLE TRUTH NAME SEED FLAGS...: runs ngs-joint on WORK and scores masks at the held-out cameras of WHOLE.
 scored() {
   local work=$1 whole=$2 truth=$3 run=$1/runs/$4-$5
   if [ "$(cat "$run.done" 2> /dev/null)" = "${*:6}." ]; then return; fi
@@ -113,7 +113,7 @@ scored() {
 
 mean_of() { sed -n '/"mean"/,/}/s/.*"'"$2"'": \([0-9.]*\).*/\1/p' "$1" | head -1; }
 
-# score_scene NAME FOLDER SPLIT: the lines of one scene and split.
+# score_scene NAME FOLDER SPLIT: prints the lines of one scene and split.
 score_scene() {
   local work=$out/$1/$3 masks whole score scene run flags seed metrics
   masks=$(masks_of "$2")
@@ -142,7 +142,7 @@ score_scene() {
   done
 }
 
-# The means of the lines on stdin, over splits and seeds, and the gains over flash.
+# Means of the lines on stdin over splits and seeds, and gains over flash.
 means() {
   awk -F '\t' -v OFS='\t' '
     { key = $1 OFS "mean" OFS $3 OFS "-" OFS $5
@@ -162,7 +162,7 @@ lines=$(mktemp)
 trap 'rm -f "$lines"' EXIT
 for scene in "${scenes[@]}"; do
   folder=$(folder_of "$scene")
-  [ -d "$folder/masks_gt" ] || fail 3 "$scene: no folder masks_gt" "true masks score the result"
+  [ -d "$folder/masks_gt" ] || fail 3 "$scene: no folder masks_gt" "true masks are needed for the scores"
   for rule in "${splits[@]}"; do score_scene "$(basename "$scene")" "$folder" "$rule" | tee -a "$lines"; done
 done
 means < "$lines"

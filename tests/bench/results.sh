@@ -1,21 +1,20 @@
 #!/usr/bin/env bash
-# Measured results: a question each, with a JSON file each, and the tables that are made of them.
+# Measured results: one JSON file per question, and the tables generated from these files.
 #
-#   tests/bench/results.sh QUESTION...        measures; tests/bench/results/QUESTION.json; `all` is every question
-#   tests/bench/results.sh --list             the questions, how long each took, what they ask
+#   tests/bench/results.sh QUESTION...        measures and writes tests/bench/results/QUESTION.json; `all`: every question
+#   tests/bench/results.sh --list             all questions with their measuring time and topic
 #   tests/bench/results.sh --table QUESTION   prints its table
-#   tests/bench/results.sh no-harm            a gate: its table, exit code 1 where the default is below the closed form
-#   tests/bench/results.sh --write            fills the tables of BENCHMARKS.md, README.md and ngs-joint --help
-#   tests/bench/results.sh --check            says what --write would change; exit code 1 where there is anything
+#   tests/bench/results.sh no-harm            a gate: prints its table; exit code 1 if the default scores below the closed form
+#   tests/bench/results.sh --write            updates the tables of BENCHMARKS.md, README.md and ngs-joint --help
+#   tests/bench/results.sh --check            prints what --write would change; exit code 1 if anything differs
 #
-# Two threads, one run at a time; nothing else may run on the machine where a table has times. A call that was broken
-# off goes on where it was while the commit is the same: the runs are in build/results/COMMIT/QUESTION/ (delete a
-# folder there to measure it anew).
+# Two threads, one run at a time; for tables with times, nothing else may run on the machine. An interrupted call resumes
+# if the commit is the same: the runs are in build/results/COMMIT/QUESTION/ (delete a folder to measure it again).
 #
-#   NGS_SCENES     folder of the captures            (default: ../shared/scenes beside the checkout)
-#   NGS_BIN        tools of another build, which is not built anew; NGS_COMMIT then names its commit
-#   NGS_MACHINE    how the tables call the machine   (default: by the processor)
-#   SPLITS='every:4:2' RECIPES='table' METHODS='flash ngs' REPEATS=1     a part of a question; its table says so
+#   NGS_SCENES     folder of the captures            (default: ../shared/scenes next to the checkout)
+#   NGS_BIN        tools of another build, used as it is; NGS_COMMIT then names its commit
+#   NGS_MACHINE    name of the machine in tables     (default: by the processor)
+#   SPLITS='every:4:2' RECIPES='table' METHODS='flash ngs' REPEATS=1     a part of a question; noted in its table
 set -euo pipefail
 shopt -s inherit_errexit
 # shellcheck source=pipelines/common.sh
@@ -25,23 +24,23 @@ shopt -s inherit_errexit
 
 results=$top/tests/bench/results
 questions=(captures removed museum masks recipes qualities effects ablation times kernels stability goals)
-gates=(no-harm)  # measured before a default changes: the result goes to build/results, the table to stdout
+gates=(no-harm)  # run before a default changes: result in build/results, table on stdout
 for question in "${questions[@]}" "${gates[@]}"; do
   # shellcheck disable=SC1090
   . "$top/tests/bench/results/$question.sh"
 done
 
-# The last commit that changed what is measured: not the documents, nor what --write itself writes.
+# The last commit that changed the measured sources, without documents and files that --write generates.
 commit_of_source() {
   local measured=(libngs tools ':!*.md' ":!tools/ngs-joint/quality_table.h")
   if [ -n "${NGS_COMMIT:-}" ]; then printf '%s\n' "$NGS_COMMIT"; return; fi
-  [ -z "${NGS_BIN:-}" ] || fail 2 "NGS_BIN is set, NGS_COMMIT is not" "name the commit that these tools were built from"
+  [ -z "${NGS_BIN:-}" ] || fail 2 "NGS_BIN is set, NGS_COMMIT is not" "set it to the commit of these tools"
   git -C "$top" diff --quiet HEAD -- "${measured[@]}" ||
-    fail 4 "libngs or tools differ from the last commit" "commit first: a table names a commit"
+    fail 4 "libngs or tools differ from the last commit" "commit first: tables contain the commit"
   git -C "$top" log -1 --format=%h --abbrev=7 -- "${measured[@]}"
 }
 
-# Measures question $1 and writes its file. The times of broken-off calls add up.
+# Measures question $1 and writes its file. Adds up the times of interrupted calls.
 measure() {
   question=$1 work=$runs/$1 began=$SECONDS
   mkdir -p "$work" "$results"
@@ -54,14 +53,14 @@ measure() {
   mv "$results/$question.json.part" "$results/$question.json"
 }
 
-# The same for a gate, whose result is no part of the pages; fails where its verdict does.
+# Measures a gate, whose result is not part of the pages; fails if check_NAME fails.
 measure_gate() {
   results=$top/build/results measure "$1"
   tool ngs_results table "$top/build/results/$1.json" "$defaults"
-  results=$top/build/results "verdict_$1"
+  results=$top/build/results "check_$1"
 }
 
-# Adds the time since `began`.
+# Adds the time since `began` to the seconds of the question.
 spent() {
   local before=0
   if [ -f "$work/seconds" ]; then before=$(cat "$work/seconds"); fi
@@ -69,7 +68,7 @@ spent() {
   began=$SECONDS
 }
 
-# result_of LINES SECONDS: the JSON of `question`. Lines of the question itself overrule what goes before them.
+# result_of LINES SECONDS: the JSON of `question`. Lines of the question override earlier lines.
 result_of() {
   {
     line meta question "$question"
@@ -82,7 +81,7 @@ result_of() {
   } | tool ngs_results collect
 }
 
-# The goals are made of the other results, in no time.
+# Goals are computed from the other results.
 write_goals() {
   local question=goals lines
   commit=''
@@ -101,7 +100,7 @@ list_questions() {
   done
 }
 
-# new_texts FOLDER: what the generated files should be.
+# new_texts FOLDER: writes the expected content of all generated files.
 new_texts() {
   local page
   mkdir "$1/results"
@@ -113,7 +112,7 @@ new_texts() {
   done
 }
 
-# Calls COMMAND with each generated file and what it should be.
+# Calls COMMAND with each generated file and its expected content.
 for_each_text() {  # FOLDER COMMAND...
   "${@:2}" "$results/goals.json" "$1/results/goals.json"
   "${@:2}" "$top/tools/ngs-joint/quality_table.h" "$1/quality_table.h"
@@ -124,7 +123,7 @@ differs=0
 compare_text() { diff "$@" || differs=1; }
 replace_text() { cmp -s "$@" || cp "$2" "$1"; }
 
-# Builds TARGETS, unless NGS_BIN says otherwise, and finds the tools.
+# Builds TARGETS unless NGS_BIN is set, and finds the tools.
 prepare_tools() {
   if [ -z "${NGS_BIN:-}" ]; then "$pipelines/build.sh" --target "$@" >&2; fi
   bin=$(find_bin)
@@ -154,15 +153,15 @@ case ${1:-} in
   '' | -*) fail 2 "expected QUESTION..., all, --list, --table, --write or --check" "see $0 --help" ;;
   *)
     if [ "$*" = all ]; then set -- "${questions[@]}"; fi
-    for asked in "$@"; do known "$asked"; done
+    for name in "$@"; do known "$name"; done
     commit=$(commit_of_source)
     prepare_tools tools ngs_results ngs_bench test_stability
     defaults=$(hash_of_defaults) runs=$top/build/results/$commit
-    for asked in "$@"; do
-      case $asked in
+    for name in "$@"; do
+      case $name in
         goals) write_goals > "$results/goals.json" ;;
-        no-harm) measure_gate "$asked" ;;
-        *) measure "$asked" ;;
+        no-harm) measure_gate "$name" ;;
+        *) measure "$name" ;;
       esac
     done ;;
 esac

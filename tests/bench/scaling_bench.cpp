@@ -1,5 +1,5 @@
-// Evidence of one view by number of Gaussians and by pixels: fit an exponent to the CPU times of a group. The largest
-// case takes 3 GiB.
+// Evidence of one view for varying numbers of Gaussians and pixels, to fit an exponent to the CPU times. The largest
+// case needs 3 GiB.
 #include <benchmark/benchmark.h>
 
 #include "bench/bench_scene.h"
@@ -22,7 +22,7 @@ ViewMasks disc(const Camera& camera) {
 void one_view(benchmark::State& state, std::int64_t gaussians, const Camera& camera) {
   const GaussianCloud cloud = surface_cloud(gaussians);
   const ViewMasks masks = disc(camera);
-  const SplatOptions splat = prepared_for({}, {}, cloud);  // as ngs-variance does for all its views
+  const SplatOptions splat = prepared_for({}, {}, cloud);  // once for all views, as in ngs-variance
   Evidence evidence(gaussians, 1);
   for (auto unused : state) add_view_evidence({}, cloud, {camera, masks}, splat, evidence);
 }

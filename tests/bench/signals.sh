@@ -1,19 +1,18 @@
 #!/usr/bin/env bash
-# How long every tool goes on after SIGTERM and SIGINT, in every phase of its work:
+# Time until every tool ends after SIGTERM and SIGINT, in every phase of its work:
 #   tests/bench/signals.sh SCENE_DIR MASKS_DIR OUT_DIR [CASE...]
-# SCENE_DIR: a capture as pipelines/ngs-gs.sh takes it; SCENE_FLAGS: as for that script. CASE: a name of the list below;
-# default: all. Held out is every:4:2.
-# Each case first runs as a whole, into OUT_DIR/CASE, where later cases find it and the next call too; its report says
-# which phases there are. Then it runs once for each phase that is a thirtieth of its work or more, and for the first and
-# the last tenth of the whole, and is sent a signal in the middle of it: at the CPU time at which the whole run was there,
-# so that other load on the machine does not matter. SIGTERM goes to the process, as a scheduler sends it, and SIGINT to
-# its group, as a terminal does.
-# A line each, divided by tabs, on stdout and in OUT_DIR/samples: case, phase, signal, CPU s before it, ms until every
-# process of the run has ended, exit code, MiB, unfinished files that it left. Then a table on stderr.
-# Exit code 1 where one took more than a second, ended with another code than the signal's or left a file.
-#   NGS_SIGNALS_MOST=N     at most N signals a case: first and last tenth, then the phases that take longest; default: all
-#   NGS_SIGNALS_CAP_S=12   CPU s after which the cases orbit, mask and fit, more of the same, are not followed further
-# The tools come from $NGS_BIN, else from the build folder.
+# SCENE_DIR: a capture as for pipelines/ngs-gs.sh; SCENE_FLAGS: as for that script. CASE: a name in the list below;
+# default: all. Views every:4:2 are held out.
+# Each case first runs completely, into OUT_DIR/CASE, which later cases and calls reuse; its report lists the phases. Then it
+# runs once for each phase with at least a thirtieth of the work, and for the first and last tenth of the whole run. Each of
+# these runs gets a signal in the middle of its phase, at the CPU time known from the complete run, so that other load does
+# not matter. SIGTERM goes to the process, as from a scheduler, and SIGINT to its group, as from a terminal.
+# Output: tab-separated lines on stdout and in OUT_DIR/samples: case, phase, signal, CPU s before the signal, ms until every
+# process of the run has ended, exit code, MiB, number of unfinished files left. Then a table on stderr.
+# Exit code 1 if a run took more than a second, ended with another code than that of the signal, or left a file.
+#   NGS_SIGNALS_MOST=N     at most N signals per case: first and last tenth, then the longest phases; default: all
+#   NGS_SIGNALS_CAP_S=12   last CPU s for signals in the cases orbit, mask and fit, which repeat the same work
+# Tools are searched in $NGS_BIN, then in the build folder.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 # shellcheck source=pipelines/common.sh
@@ -26,26 +25,26 @@ mkdir -p "$3"
 cd "$3"
 shift 3
 only=$* bin=$(find_bin) cap=${NGS_SIGNALS_CAP_S:-12} most=${NGS_SIGNALS_MOST:-1000} failed=0 turn=0
-# Whatever its name; of several the trainers' own.
+# The splat of any name; prefer point_cloud*, the name used by trainers.
 model=$(find "$scene" -maxdepth 1 -regextype egrep -regex '.*\.(ply|spz|sog|splat|ksplat)' |
   awk '{ print ($0 ~ /\/point_cloud[^\/]*$/ ? 0 : 1) "\t" $0 }' | LC_ALL=C sort | head -n 1 | cut -f 2)
-[ -n "$model" ] || fail 3 "$scene: no model" "a splat that ngs-scene import reads"
+[ -n "$model" ] || fail 3 "$scene: no model" "expected a splat for ngs-scene import"
 scene_flags=()
 eval "scene_flags=(${SCENE_FLAGS:-})"
 ticks=$(getconf CLK_TCK)
 [ -f samples ] || : > samples
 
-# CPU time of process $1, of its children and of those that they have waited for is added to `used`, in ticks.
+# Adds to `used` the CPU time in ticks of process $1, its children and their reaped children.
 add_ticks() {
   local rest fields child children=''
   { read -r rest < "/proc/$1/stat"; } 2> /dev/null || return 0
-  read -ra fields <<< "${rest##*) }"  # from the state on
+  read -ra fields <<< "${rest##*) }"  # from field "state" on
   used=$((used + fields[11] + fields[12] + fields[13] + fields[14]))
   { read -r children < "/proc/$1/task/$1/children"; } 2> /dev/null || true
   for child in $children; do add_ticks "$child"; done
 }
 
-# Whether a process of session $1 is left.
+# True while a process of session $1 exists.
 any_left() {
   local stat rest fields
   for stat in /proc/[0-9]*/stat; do
@@ -58,7 +57,7 @@ any_left() {
 
 now_ms() { printf '%s' $((${EPOCHREALTIME/./} / 1000)); }
 
-# start FOLDER COMMAND...: in a session of its own, with the folder for {}; its process is `pid`.
+# start FOLDER COMMAND...: starts the command in a new session, with {} replaced by FOLDER; sets `pid`.
 start() {
   local folder=$1 word words=()
   shift
@@ -69,7 +68,7 @@ start() {
   pid=$!
 }
 
-# phases REPORT: a line for each part of the work: CPU s at its middle, its share of the whole, its name.
+# phases REPORT: prints a line per phase: CPU s at its middle, share of the run, name.
 phases() {
   awk '
     /^  "stages": / { inside = 1 }
@@ -80,7 +79,7 @@ phases() {
       ++n; at[n] = depth; called[n] = name[depth]; cpu[n] = $2
     }
     END {
-      # A part is a child of the whole, or of such a child; what lies between counts as before it.
+      # A phase is a child of the run, or a child of such a child; time between phases is placed before them.
       top = at[1]; begin[1] = 0
       for (i = 2; i <= n; ++i) {
         step = at[2] - top
@@ -97,7 +96,7 @@ phases() {
     }' "$1"
 }
 
-# sample NAME PHASE AT_S COMMAND...: one run, ended at that CPU time.
+# sample NAME PHASE AT_S COMMAND...: runs the command and sends a signal at that CPU time.
 sample() {
   local name=$1 phase=$2 target signal=TERM to code=0 used=0 began took memory left
   target=$(awk -v s="$3" -v t="$ticks" 'BEGIN { print int(s * t) }')
@@ -115,7 +114,7 @@ sample() {
   kill "-$signal" -- "$to" 2> /dev/null || true
   wait "$pid" || code=$?
   took=$(($(now_ms) - began))
-  if [ "$code" -eq 0 ]; then return; fi  # it had ended
+  if [ "$code" -eq 0 ]; then return; fi  # finished before the signal
   while any_left "$pid"; do took=$(($(now_ms) - began)); done
   left=$(find work -name '.ngs-*.tmp*' | wc -l)
   printf '%s\t%s\t%s\t%s\t%d\t%d\t%s\t%d\n' \
@@ -124,7 +123,7 @@ sample() {
   if [ "$took" -gt 1000 ] || [ "$left" -gt 0 ]; then failed=1; fi
 }
 
-# measure NAME COMMAND...: {} is the folder of its outputs.
+# measure NAME COMMAND...: samples all phases of a command; {} is its output folder.
 measure() {
   local name=$1 middle share phase
   shift
@@ -140,7 +139,7 @@ measure() {
   done 3< <(phases "$name.json" | sort -s -t "$(printf '\t')" -k 2,2gr | sed -n "1,${most}p")
 }
 
-# follow NAME COMMAND...: as measure, for what takes long and is more of the same; from the cap on nothing is asked.
+# follow NAME COMMAND...: samples a long, repetitive command at five times up to the cap.
 follow() {
   local name=$1 share
   shift
@@ -151,7 +150,7 @@ follow() {
   done
 }
 
-# chain_report FOLDER: its tools, as a report of one tool has its stages.
+# chain_report FOLDER: a report with one stage per tool of the chain.
 chain_report() {
   local report cpu
   cpu_of() { sed -n 's/^    "cpu_s": \(.*\),$/\1/p' "$@"; }

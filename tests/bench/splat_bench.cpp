@@ -1,6 +1,6 @@
 // Compositing forward and backward, and the evidence of one view. A pair is a (pixel, Gaussian) combination that
-// contributes: alpha >= 1/255 and the pixel has not stopped. Lanes that are evaluated in vain do not count, so rates
-// compare between widths. "view": projection and tile lists included.
+// contributes: alpha >= 1/255 and the pixel is not saturated. Idle lanes do not count, so that rates of different
+// vector widths are comparable. "view": includes projection and tile lists.
 #include <benchmark/benchmark.h>
 
 #include "bench/bench_scene.h"
@@ -19,7 +19,7 @@ const BenchScene& scene() {
   return s;
 }
 
-/// Counts contributions.
+/// Sink that counts contributions.
 struct TallySink {
   static constexpr bool kTakesEmpty = false;
   std::int64_t entries = 0, pairs = 0;
@@ -52,7 +52,7 @@ void count_pairs(benchmark::State& state) {
   state.counters["entries"] = double(t.entries);
 }
 
-/// The whole cloud in scalar S, for the engines that the production path does not use.
+/// The cloud in scalar type S, for engines outside the production path.
 template <class S>
 struct Columns {
   std::vector<S> position, rotation, log_scale, logit_opacity, sh_dc, sh_rest;
@@ -102,7 +102,7 @@ void backward(benchmark::State& state, TileKernels<S> kernels) {
   count_pairs(state);
 }
 
-/// What every view pays before compositing: projection, sorting, tile lists.
+/// Cost per view before compositing: projection, sorting, tile lists.
 void project_and_bin(benchmark::State& state) {
   const BenchScene& s = scene();
   for (auto unused : state) {

@@ -2,7 +2,7 @@
 # Builds and runs the stability suite; prints its table and writes stability.json (data-schema/stability.schema.json)
 # and stability.html, one page without network or scripts:
 #   tests/bench/stability.sh [--long] [OUT_DIR]      default: build/stability; --long: 20 times the random inputs
-# Where NGS_BIN is set, the suite is that of this folder, and nothing is built.
+# If NGS_BIN is set, runs the suite in this folder and builds nothing.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/../../pipelines/common.sh"

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # Builds ngs for aarch64 on Debian, and runs the test suites under qemu-user: into build-aarch64/.
-#   tests/ci/aarch64.sh [SUITE...]            SUITE of unit grad property stability golden contract; all of these where none
-#                                              is named. What is missing on this machine is said and skipped.
-#   NGS_AARCH64_ROOT=DIR                       where the arm64 packages are, or are to be, unpacked: build-aarch64.root
-#   NGS_SUITE_MINUTES=15                       what one suite may take; emulation is 10 to 30 times slower than a processor, and
-#                                              contract then takes more than an hour
+#   tests/ci/aarch64.sh [SUITE...]            SUITE: unit grad property stability golden contract; default: all.
+#                                              Reports and skips steps whose programs are missing.
+#   NGS_AARCH64_ROOT=DIR                       folder of the unpacked arm64 packages; default: build-aarch64.root
+#   NGS_SUITE_MINUTES=15                       time limit per suite; emulation is 10 to 30 times slower than a processor, and
+#                                              contract takes more than an hour
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/../../pipelines/common.sh"
@@ -18,8 +18,8 @@ if ! command -v aarch64-linux-gnu-g++ > /dev/null; then
 fi
 export NGS_AARCH64_ROOT=${NGS_AARCH64_ROOT:-$PWD/build-aarch64.root}
 
-# Where the kernel does not start aarch64 programs, scripts that hand them to qemu-aarch64 stand in the places of the tools
-# while the suites run. The programs lie beside them, NAME.aarch64, so that a tool still finds the others and its codecs.
+# If the kernel cannot start aarch64 programs, replaces the tools by scripts that run them with qemu-aarch64 during the
+# suites. The programs become NAME.aarch64 in the same folder, so that a tool still finds the others and its codecs.
 tools_by_qemu() {
   local tool
   for tool in "$PWD"/build-aarch64/bin/ngs*; do
@@ -36,7 +36,7 @@ tools_as_linked() {
   done
 }
 
-tools_as_linked  # a run that was killed may have left them
+tools_as_linked  # restore tools after a killed run
 "$top/tests/ci/aarch64-root.sh" "$NGS_AARCH64_ROOT"
 cmake --preset aarch64
 cmake --build --preset aarch64 --target tools "${suites[@]/#/test_}"
@@ -56,7 +56,7 @@ for suite in "${suites[@]}"; do
   timeout "$((60 * ${NGS_SUITE_MINUTES:-15}))" qemu-aarch64 "build-aarch64/bin/test_$suite" --no-intro=true || code=$?
   case $code in
     0) say "passed: $suite" ;;
-    124) say "cut: $suite, after ${NGS_SUITE_MINUTES:-15} minutes" ;;
+    124) say "stopped: $suite, after ${NGS_SUITE_MINUTES:-15} minutes" ;;
     *) failed=1; say "failed: $suite, exit code $code" ;;
   esac
 done

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs the programs that people open our files with (COLMAP, Chromium, npm's splat-transform and viewers, EXR tools), builds,
-# and runs every check of tests/clients; screenshots of the viewers are left in build/clients/screenshots.
+# Installs programs that read our files (COLMAP, Chromium, npm's splat-transform and viewers, EXR tools), builds, and runs
+# all checks of tests/clients; writes screenshots of the viewers to build/clients/screenshots.
 #
 #   tests/ci/clients.sh [--no-setup] [--only REGEX]
 set -euo pipefail

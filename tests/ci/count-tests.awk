@@ -1,6 +1,6 @@
-# Counts the cases of every suite in what `ctest --output-junit FILE` wrote:  awk -f count-tests.awk FILE
-# A suite is one ctest test; what it says about its cases is in its output. A case that found something absent says
-# "skipped: CASE: REASON" and its suite "skipped cases: N" (tests/support/skip.h): it counts as skipped, not as passed.
+# Counts the cases of every suite in the output of `ctest --output-junit FILE`:  awk -f count-tests.awk FILE
+# A suite is one ctest test; its output lists its cases. A case that lacks a dependency prints "skipped: CASE: REASON" and
+# its suite "skipped cases: N" (tests/support/skip.h): it counts as skipped, not as passed.
 function finish() {
   if (counted) {
     n[2] -= own; n[4] += own

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Fuzzes the readers of files from strangers with libFuzzer (clang++, Debian package clang) under ASan and UBSan, and says
-# how often each reader ran:
+# Fuzzes the readers of untrusted files with libFuzzer (clang++, Debian package clang) under ASan and UBSan, and prints how
+# often each reader ran:
 #   tests/ci/fuzz.sh [--minutes M] [--jobs N] [--keep DIR] [READER...]
-# READER: a folder of tests/fuzz/corpus; default: all of them. M minutes (default 30) each, N (default: one per CPU) at
-# once, at the lowest priority. What a reader learns stays in build-fuzz/corpus, where the next call goes on. --keep copies
-# 16 inputs per reader, of all sizes, out of those that together reach every edge into DIR/READER: with tests/fuzz/corpus
-# as DIR, every later run of the suite fuzz replays them.
-# A finding is left in build-fuzz/findings and makes the exit code 1; without clang++ the exit code is 77 (skipped).
+# READER: a folder of tests/fuzz/corpus; default: all of them. M minutes (default 30) each, N (default: one per CPU) in
+# parallel, at the lowest priority. New inputs stay in build-fuzz/corpus, and the next call resumes from them. --keep copies
+# 16 inputs per reader, of all sizes, from a set that covers all reached edges, to DIR/READER: with tests/fuzz/corpus as DIR,
+# later runs of the suite fuzz replay them.
+# A finding is written to build-fuzz/findings and gives exit code 1; without clang++ the exit code is 77 (skipped).
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/../../pipelines/common.sh"
@@ -33,8 +33,8 @@ fi
 cmake --preset fuzz >/dev/null
 ninja -C build-fuzz "${readers[@]/#/fuzz_}" >&2
 mkdir -p build-fuzz/findings build-fuzz/log
-# inputs beyond 64 KiB teach nothing that shorter ones do not; an allocation of 512 MiB, 2 GiB in all or minutes for one
-# input are findings
+# inputs above 64 KiB reach no further code; an allocation of 512 MiB, 2 GiB in total or 300 s for one input are
+# findings
 limits=(-max_len=65536 -malloc_limit_mb=512 -rss_limit_mb=2048 -timeout=300)
 
 fuzz() {  # READER

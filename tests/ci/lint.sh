@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Holds changed source files against .clang-format and .clang-tidy:
+# Checks changed source files with .clang-format and .clang-tidy:
 #   tests/ci/lint.sh [--base COMMIT] [--most N] [--libcxx] [FILE...]
-# Without FILE: what has changed since COMMIT (default: where this branch left origin/main, else HEAD~1), committed or not.
-# clang-tidy needs compile_commands.json in build/ (pipelines/build.sh makes it), and takes some seconds a file: --most
-# looks at N of them, evenly chosen, and says so. --libcxx has clang compile them with libc++ instead, code generation left
-# out: a warning is a finding. Exit code 1: something was found; 77: nothing was, but a part was
-# skipped because a program, that file or the commit is absent.
+# Without FILE: files changed since COMMIT (default: merge base with origin/main, or HEAD~1), committed or not.
+# clang-tidy needs compile_commands.json in build/ (made by pipelines/build.sh), and takes some seconds per file; --most
+# checks N files, evenly chosen, and prints that. --libcxx compiles them with clang and libc++ instead, without code
+# generation; warnings are findings. Exit code 1: findings; 77: no findings, but a part was skipped because a program,
+# compile_commands.json or the commit is missing.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/../../pipelines/common.sh"
@@ -19,7 +19,7 @@ while [ $# -gt 0 ]; do
     --libcxx) libcxx=1; shift ;;
     -*) fail 2 "$1: no such option" "$0 --help" ;;
     *.h | *.cpp | *.cu | *.cuh) files+=("$(realpath "$1")"); shift ;;
-    *) fail 2 "$1: no C++ or CUDA source" "shellcheck -x reads shell scripts" ;;
+    *) fail 2 "$1: not a C++ or CUDA source" "use shellcheck -x for shell scripts" ;;
   esac
 done
 [[ $most =~ ^[0-9]+$ ]] || fail 2 "--most $most: expected a number"
@@ -27,7 +27,7 @@ cd "$top"
 if [ ${#files[@]} -eq 0 ]; then
   base=${base:-$(git merge-base origin/main HEAD 2> /dev/null || echo HEAD~1)}
   git rev-parse --quiet --verify "$base^{commit}" > /dev/null ||
-    { say "skipped: $base is not a commit of this checkout, there is nothing to compare with"; exit 77; }
+    { say "skipped: $base is not a commit of this checkout"; exit 77; }
   mapfile -t files < <(
     git diff --name-only --diff-filter=d "$base" -- '*.h' '*.cpp' '*.cu' '*.cuh'
     git ls-files --others --exclude-standard -- '*.h' '*.cpp' '*.cu' '*.cuh'
@@ -49,7 +49,7 @@ for file in "${files[@]}"; do
   case $file in *.h | *.cpp) compiled+=("$file") ;; esac
 done
 if [ "$most" -gt 0 ] && [ ${#compiled[@]} -gt "$most" ]; then
-  say "clang looks at $most of ${#compiled[@]} files"
+  say "clang checks $most of ${#compiled[@]} files"
   for ((i = 0; i < most; ++i)); do compiled[i]=${compiled[i * ${#compiled[@]} / most]}; done
   compiled=("${compiled[@]:0:most}")
 fi
@@ -58,18 +58,18 @@ if [ -n "$libcxx" ]; then program=clang-check; fi
 if ! command -v "$program" > /dev/null; then
   skip "$program is not installed"
 elif [ ! -e build/compile_commands.json ]; then
-  skip "build/compile_commands.json is absent"
+  skip "build/compile_commands.json is missing"
 elif [ -n "$libcxx" ]; then
   headers=$(find /usr/lib/llvm-*/include/c++ /usr/include/c++ -maxdepth 1 -name v1 2> /dev/null | sort -V | tail -n 1)
   [ -n "$headers" ] || fail 8 "libc++ is not installed" "Debian: apt-get install libc++-dev"
-  # As libngs/cmake/NgsFlags.cmake has it for clang; the database was written for g++.
+  # Flags of libngs/cmake/NgsFlags.cmake for clang; the database was written for g++.
   flags=(-nostdinc++ -isystem "$headers" -Werror -Wno-sign-conversion -Wno-bitwise-instead-of-logical
     -Wno-unknown-warning-option -Wno-unused-command-line-argument -Wno-ignored-optimization-argument)
-  sources=()  # a header is compiled by what includes it
+  sources=()  # headers are compiled by including files
   for file in "${compiled[@]}"; do case $file in *.cpp) sources+=("$file") ;; esac; done
   printf '%s\0' "${sources[@]}" | xargs -0 -n 1 -P "$(nproc)" clang-check -p build "${flags[@]/#/--extra-arg=}" || code=1
 elif [ ${#compiled[@]} -gt 0 ]; then
-  # A file's own lines alone are checked, and what g++ does not warn of is no finding.
+  # Check only the file itself, and only warnings that g++ has too.
   printf '%s\0' "${compiled[@]}" | xargs -0 -n 1 -P "$(nproc)" clang-tidy -p build --quiet --header-filter='^$' \
     --extra-arg=-Wno-unknown-warning-option --extra-arg=-Wno-sign-conversion \
     --extra-arg=-Wno-bitwise-instead-of-logical || code=1

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Packs ngs as a .deb, installs it with its dependencies on a bare Debian 12, runs the chain there, and removes it:
-#   tests/ci/package-test.sh [ROOT]           ROOT: a folder for the bare system, made by debootstrap where it is empty;
-#                                              default: build/package-root. It keeps the system for the next call.
-#   NGS_DEBIAN_MIRROR=http://... for another mirror than deb.debian.org; NGS_BUILD=DIR for another build than build/
-# A line per check: ok or FAIL. Exit code 1 if one failed, 77 where debootstrap, the rights for chroot or the mirror is missing.
+#   tests/ci/package-test.sh [ROOT]           ROOT: folder of the bare system, made by debootstrap if empty and kept
+#                                              for the next call; default: build/package-root
+#   NGS_DEBIAN_MIRROR=http://... uses this mirror instead of deb.debian.org; NGS_BUILD=DIR uses this build instead of build/
+# A line per check: ok or FAIL. Exit code 1 if a check failed, 77 without debootstrap, rights for chroot, or mirror.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/../../pipelines/common.sh"
@@ -31,7 +31,7 @@ rm -f "$build"/ngs_*.deb
 (cd "$build" && cpack -G DEB > cpack.log 2>&1) || fail 1 "cpack failed" "see $build/cpack.log"
 package=$(find "$build" -maxdepth 1 -name 'ngs_*.deb')
 failed=0
-# check NAME COMMAND...: the command's output is shown where it fails
+# check NAME COMMAND...: prints the command's output if it fails
 check() {
   local name=$1
   shift
@@ -42,24 +42,24 @@ lists() { inside sh -c 'find /usr /etc /var/lib/dpkg/info -name "*ngs-*" -o -pat
 
 inside dpkg --purge ngs > /dev/null 2>&1 || true
 before=$(lists)
-mount -t proc proc "$root/proc" || skip "no right to mount /proc, from which programs learn where they lie"
+mount -t proc proc "$root/proc" || skip "no right to mount /proc, which programs need to find their folder"
 trap 'umount "$root/proc"' EXIT
 cp /etc/resolv.conf "$root/etc/resolv.conf"
 cp "$package" "$root/ngs.deb"
-check "apt finds the lists" inside apt-get update
+check "apt-get update" inside apt-get update
 check "apt install ./$(basename "$package") with its dependencies" inside apt-get install -y --no-install-recommends ./ngs.deb make
 check "ngs-joint --version" inside ngs-joint --version
-check "no library is missing" inside sh -c '! ldd /usr/bin/ngs-joint /usr/bin/ngs-scene $(find /usr/lib -name libngs_codecs.so) | grep "not found"'
+check "all libraries are found" inside sh -c '! ldd /usr/bin/ngs-joint /usr/bin/ngs-scene $(find /usr/lib -name libngs_codecs.so) | grep "not found"'
 check "ngs-synth makes a capture" inside ngs-synth torus-box -o /tmp/scene -w --views 8 --width-px 96 --height-px 72 --fit-steps 60 -q
 check "ngs-gs runs the whole chain" inside ngs-gs /tmp/scene /tmp/out --gt /tmp/scene/masks_gt --hold-out every:4:2 --quality draft -q
 for made in object.ply background.ply metrics.json report.html masks/0002.png; do
   check "$made was made" test -s "$root/tmp/out/$made"
 done
-check "there are pages for man" sh -c "test -s '$root'/usr/share/man/man1/ngs-joint.1*"
+check "man pages are installed" sh -c "test -s '$root'/usr/share/man/man1/ngs-joint.1*"
 for made in bash-completion/completions/ngs-joint zsh/vendor-completions/_ngs fish/vendor_completions.d/ngs-joint.fish; do
-  check "/usr/share/$made is there" test -s "$root/usr/share/$made"
+  check "/usr/share/$made is installed" test -s "$root/usr/share/$made"
 done
-check "it is removed" inside apt-get purge -y ngs
-check "nothing of it is left" test "$before" = "$(lists)"
+check "apt purge removes the package" inside apt-get purge -y ngs
+check "apt purge leaves no files" test "$before" = "$(lists)"
 rm -rf "$root/tmp/scene" "$root/tmp/out" "$root/ngs.deb"
 exit "$failed"

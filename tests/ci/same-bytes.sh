@@ -1,19 +1,19 @@
 #!/usr/bin/env bash
-# Whether two builds make the same bytes of the same inputs: the chain of tools on several scenes, with every method.
+# Checks that two builds write the same bytes for the same inputs: runs the chain on several scenes, with every method.
 #
 #   tests/ci/same-bytes.sh OLD_BUILD NEW_BUILD [--quick] [--scenes DIR] [-o OUT]
 #
-#   OLD_BUILD, NEW_BUILD  folders that hold bin/ with the tools
-#   --quick               a small torus-box with every method, and the draft of bird, alone: less than a minute
-#   --scenes DIR          where captures lie (default: ../shared/scenes beside the checkout); bird is compared if there
-#   -o, --output OUT      folder of all that is made (default: build/same-bytes)
+#   OLD_BUILD, NEW_BUILD  folders with bin/ of the tools
+#   --quick               only a small torus-box with every method, and the draft of bird: less than a minute
+#   --scenes DIR          folder of captures (default: ../shared/scenes next to the checkout); bird is compared if it exists
+#   -o, --output OUT      output folder (default: build/same-bytes)
 #
-# The scenes are made once, by OLD_BUILD: the demo's, the five recipes of ngs-synth at a small size, and one with two
+# OLD_BUILD generates the scenes once: that of the demo, the five recipes of ngs-synth at a small size, and one with two
 # objects. Each build then runs its own chain on them.
-# JSON files are compared key by key, without times, versions and paths; of all others every byte counts. The table on
-# stdout has a line per run; behind it stand the keys that one of the two lacks (renamed ones are in both lists) and the
-# texts that differ; these are no failure. OUT/artifacts.tsv lists every artifact. What OLD_BUILD has made is kept for
-# the next call. The exit code is 1 where an artifact or a number differs or is absent, and where a tool failed.
+# JSON files are compared key by key, without times, versions and paths; other files byte by byte. stdout: a table with a
+# line per run, then keys that only one build writes (renamed ones are in both lists) and texts that differ; these two are
+# no failures. OUT/artifacts.tsv lists every artifact. Outputs of OLD_BUILD are kept for the next call. Exit code 1 if an
+# artifact or a number differs or is missing, or if a tool failed.
 set -euo pipefail
 shopt -s inherit_errexit
 # shellcheck source=pipelines/common.sh
@@ -34,7 +34,7 @@ done
 [ ${#builds[@]} -eq 2 ] || fail 2 "expected OLD_BUILD NEW_BUILD" "see $0 --help"
 for build in "${builds[@]}"; do
   [ -x "$build/bin/ngs-scene" ] ||
-    fail 8 "$build: no bin/ngs-scene there" "$pipelines/build.sh builds the tools into build/"
+    fail 8 "$build: no bin/ngs-scene" "build the tools into build/ with $pipelines/build.sh"
 done
 # shellcheck disable=SC2034  # read by name: ${!side}
 old=$(cd "${builds[0]}/bin" && pwd) new=$(cd "${builds[1]}/bin" && pwd)
@@ -48,7 +48,7 @@ demo=(--views 16 --width-px 320 --height-px 240 --fit-steps 800 --mask-noise jit
 recipes=(torus-box two-spheres leaves bones table)
 every_method=(default draft ng-gs flash sa3d cob bce saga released)
 
-make_scene() {  # NAME RECIPE FLAGS...: once, by the old build
+make_scene() {  # NAME RECIPE FLAGS...: generated once, by the old build
   local folder=$out/inputs/$1
   if [ -f "$folder/point_cloud.ply" ]; then return; fi
   mkdir -p "$out/inputs"
@@ -57,7 +57,7 @@ make_scene() {  # NAME RECIPE FLAGS...: once, by the old build
 
 # --- the runs of one build --------------------------------------------------------------------------------------------
 
-# joint_words RUN: the options of a run of ngs-joint, into `words`.
+# joint_words RUN: sets `words` to the options of ngs-joint.
 joint_words() {
   case $1 in
     default) words=() ;;
@@ -67,7 +67,7 @@ joint_words() {
   esac
 }
 
-# run TOOL ARGUMENTS...: in the folder of the scene; its report, and its exit code for the comparison.
+# run TOOL ARGUMENTS...: runs a tool in the folder of the scene; writes its report and exit code for the comparison.
 run() {
   local tool=$1 report=$1 code=0
   shift
@@ -78,7 +78,7 @@ run() {
   [ "$code" -eq 0 ]
 }
 
-score() {  # MASKS METRICS REPORT: for binary masks, and for those of objects, which have a folder each
+score() {  # MASKS METRICS REPORT: for binary masks, or masks with one folder per object
   local words=() id
   if [ -n "$label_map" ]; then
     words=(--label-map --layout object/view)
@@ -87,7 +87,7 @@ score() {  # MASKS METRICS REPORT: for binary masks, and for those of objects, w
   run ngs-eval --report-name "$3" "$1" "$truth" "${words[@]}" -o "$2"
 }
 
-run_joint() {  # RUN: one method and what is cut out by it
+run_joint() {  # RUN: one method with its outputs
   local words
   joint_words "$1"
   mkdir -p "$1"
@@ -100,7 +100,7 @@ run_joint() {  # RUN: one method and what is cut out by it
   score "$1/masks" "$1/metrics.json" "$1/ngs-eval" || true
 }
 
-# What else the tools write, from the default's result.
+# Further outputs of the tools, from the result of the default method.
 run_others() {
   local size
   size=$(sed -n 's/.*"width":\([0-9]*\),"height":\([0-9]*\),.*/\1 \2/p;T;q' scene.json)
@@ -118,8 +118,8 @@ run_others() {
   run ngs-variance --report-name ngs-variance-shard scene.json --views 1/2 --partial others/shard.evidence || true
 }
 
-# run_chain SIDE SCENE SOURCE MASKS TRUTH RUNS...: all of one build on one scene, in OUT/SIDE/SCENE. Photos and masks
-# are the same files for both; what OLD_BUILD made is kept while its tools, inputs and this script are the same.
+# run_chain SIDE SCENE SOURCE MASKS TRUTH RUNS...: all runs of one build on one scene, in OUT/SIDE/SCENE. Both builds read the
+# same photos and masks; outputs of OLD_BUILD are reused while its tools, inputs and this script do not change.
 run_chain() {
   local side=$1 name=$2 bin=${!1} source=$3 masks=$4 truth=$5 label_map='' import=() run_name key
   shift 5
@@ -142,7 +142,7 @@ run_chain() {
   printf '%s\n' "$key" > "$out/$side/$name.key"
 }
 
-run_recipe() {  # SIDE RECIPE: the scene itself, made anew
+run_recipe() {  # SIDE RECIPE: generates the scene with this build
   local side=$1 bin=${!1}
   mkdir -p "$out/$side/synth"
   cd "$out/$side/synth"
@@ -153,8 +153,8 @@ run_recipe() {  # SIDE RECIPE: the scene itself, made anew
 
 # --- the comparison ---------------------------------------------------------------------------------------------------
 
-# json_leaves FILE: a line "path<TAB>value" for each value, as it is written; an element that begins with its name is
-# called by it. Without what differs from run to run, and what belongs to the machine or the folder.
+# json_leaves FILE: a line "path<TAB>value" for each value as written; array elements whose first key is "name" use that name
+# in the path. Leaves out values that depend on the run, the machine or the folder.
 json_leaves() {
   awk '
     function path(   d, p) {
@@ -184,45 +184,45 @@ json_leaves() {
     grep -Ev '^\.(version|stages|inputs|outputs|device|threads|isa)[.[	]|(_s|\.t|\.path)	' || true
 }
 
-# compare_json FOLDER FILE: key by key; lines for OUT/keys; fails where a number differs.
+# compare_json FOLDER FILE: compares key by key, appends to OUT/keys; fails if a number differs.
 compare_json() {
   json_leaves "$out/old/$1/$2" > "$out/.old" && json_leaves "$out/new/$1/$2" > "$out/.new"
   awk -F '\t' -v file="$1/$2" -v keys="$out/keys" '
     function kind_of(path) { gsub(/\[[0-9]+\]/, "[]", path); return path }
-    function tell(what, path, value) { printf "%s\t%s\t%s\t%s\n", what, file, kind_of(path), value >> keys }
+    function note(what, path, value) { printf "%s\t%s\t%s\t%s\n", what, file, kind_of(path), value >> keys }
     NR == FNR { old[$1] = $2; next }
-    !($1 in old) { tell("new", $1, $2); next }
+    !($1 in old) { note("new", $1, $2); next }
     {
       if (old[$1] != $2) {
         texts = old[$1] ~ /^"/ && $2 ~ /^"/
         if (!texts) different = 1
-        tell(texts ? "text" : "value", $1, old[$1] " / " $2)
+        note(texts ? "text" : "value", $1, old[$1] " / " $2)
       }
       delete old[$1]
     }
-    END { for (path in old) tell("old", path, old[path]); exit different }' "$out/.old" "$out/.new"
+    END { for (path in old) note("old", path, old[path]); exit different }' "$out/.old" "$out/.new"
 }
 
-# compare_files FOLDER: each file of either build, one line of OUT/artifacts.tsv each.
+# compare_files FOLDER: adds a line to OUT/artifacts.tsv for each file of either build.
 compare_files() {
-  local file verdict
+  local file status
   { cd "$out/old/$1" && find . -type f; cd "$out/new/$1" && find . -type f; } | sed 's|^\./||' | grep -v '\.log$' |
     LC_ALL=C sort -u | while IFS= read -r file; do
-    verdict=same
-    if [ ! -f "$out/old/$1/$file" ]; then verdict='only new'
-    elif [ ! -f "$out/new/$1/$file" ]; then verdict='only old'
+    status=same
+    if [ ! -f "$out/old/$1/$file" ]; then status='only new'
+    elif [ ! -f "$out/new/$1/$file" ]; then status='only old'
     else
       case $file in
-        *.json) compare_json "$1" "$file" || verdict=different ;;
-        *) cmp -s "$out/old/$1/$file" "$out/new/$1/$file" || verdict=different ;;
+        *.json) compare_json "$1" "$file" || status=different ;;
+        *) cmp -s "$out/old/$1/$file" "$out/new/$1/$file" || status=different ;;
       esac
     fi
-    printf '%s\t%s\t%s\n' "$1" "$file" "$verdict"
+    printf '%s\t%s\t%s\n' "$1" "$file" "$status"
   done >> "$out/artifacts.tsv"
   awk -v scene="$1" '$2 != 0 { print scene "\t" $1 "\texit code " $2 }' "$out/old/$1/exit_codes" >> "$out/artifacts.tsv"
 }
 
-table() {  # a line per scene and run, of OUT/artifacts.tsv
+table() {  # a line per scene and run, from OUT/artifacts.tsv
   awk -F '\t' '
     {
       run = $2 ~ /\// ? $2 : "chain"
@@ -248,7 +248,7 @@ table() {  # a line per scene and run, of OUT/artifacts.tsv
     }' "$out/artifacts.tsv"
 }
 
-keys_of() {  # WHAT TITLE: the keys of one kind, each once, with an example; no more than a screen of them
+keys_of() {  # WHAT TITLE: the keys of one kind, each once, with an example; at most 40
   awk -F '\t' -v what="$1" -v title="$2" '
     $1 == what && !seen[$3]++ {
       if (!some++) print "\n" title
@@ -288,7 +288,7 @@ fi
 printf '%s\n' "$key" > "$out/inputs.key"
 bird=$scenes/bird
 if [ ! -d "$bird" ]; then
-  say "$bird: not there, skipped"
+  say "$bird: does not exist, skipped"
 elif [ -n "$quick" ]; then
   compare bird "$(cd "$bird" && pwd)" "$bird/masks_sam" "$bird/masks_gt" draft
 else
@@ -298,8 +298,8 @@ rm -f "$out/.old" "$out/.new"
 
 code=0
 table || code=1
-keys_of old "keys of the old build alone:"
-keys_of new "keys of the new build alone:"
+keys_of old "keys of the old build only:"
+keys_of new "keys of the new build only:"
 keys_of value "numbers that differ, old / new:"
 keys_of text "texts that differ, old / new:"
 exit $code

@@ -1,4 +1,4 @@
-# A Slurm cluster of four virtual nodes on the loopback device, all of it below one folder; sourced by slurm-test.sh. Needs root.
+# A Slurm cluster of four virtual nodes on the loopback device, with all files in one folder; sourced by slurm-test.sh. Needs root.
 # shellcheck shell=bash
 
 cluster_nodes="n1 n2 n3 n4"
@@ -63,7 +63,7 @@ CONF
     sleep 1
   done
   cat "$cluster"/log/slurmctld.log >&2
-  fail 70 "the four nodes did not come up"
+  fail 70 "the four nodes did not start"
 }
 
 node_start() { NGS_VIRTUAL_NODE=$cluster/$1 /usr/sbin/slurmd -N "$1"; }
@@ -79,7 +79,7 @@ processes_with() {
   done
 }
 
-# A step manager has no environment of ours; it is the parent of what has.
+# slurmstepd does not inherit our environment; it is the parent of processes that do.
 processes_of_node() {
   local pid parent
   processes_with "NGS_VIRTUAL_NODE=$cluster/$1"
@@ -90,8 +90,8 @@ processes_of_node() {
   done
 }
 
-# Ends a node as a power cut would: its daemon, its step managers and all they run, at once. They are stopped first, or those that
-# are still alive would report the death of the others.
+# Ends a node as a power cut would: its daemon, its step managers and all their processes at once. SIGSTOP first, so that no
+# process can report the end of another.
 node_kill() {
   local pids
   mapfile -t pids < <(processes_of_node "$1" | sort -u)

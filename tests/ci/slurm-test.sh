@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# Proof that series of runs survive what happens on a cluster. On a bare Debian machine it installs what is missing (Slurm,
-# munge, GNU parallel), builds, starts a Slurm of four virtual nodes on the loopback device and runs one sweep of 48 runs
-# serially, with make -j, with GNU parallel and as array jobs; then again as array jobs while a node is killed, a task gets
-# SIGKILL and the disk of another is full. The final artifacts of all must hash alike. It ends with one table.
+# Tests that series of runs survive faults of a cluster. On a bare Debian machine, installs missing packages (Slurm, munge,
+# GNU parallel), builds, and starts Slurm with four virtual nodes on the loopback device. Runs one sweep of 48 runs serially,
+# with make -j, with GNU parallel and as array jobs; then again as array jobs while a node is killed, a task gets SIGKILL and
+# the disk of another task is full. All final artifacts must have equal hashes. Prints one table at the end.
 #
 #   tests/ci/slurm-test.sh [TABLE_FILE] [--no-setup]
 #
-# Needs root (it installs packages and mounts small tmpfs). Everything lies below one temporary folder and is gone at the end,
-# daemons included, also on failure. Exit code 1 if any hash differs.
+# Needs root (to install packages and mount small tmpfs). All files are in one temporary folder, which is removed at the end
+# together with the daemons, also on failure. Exit code 1 if any hash differs.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/../../pipelines/common.sh"
@@ -44,7 +44,7 @@ cleanup() {
   rm -rf "$scratch"
   exit "$code"
 }
-full_run=cut-sa3d-0.6-0 killed_run=spheres-ngs-0.4-2 lost_node=n3  # of the three faults
+full_run=cut-sa3d-0.6-0 killed_run=spheres-ngs-0.4-2 lost_node=n3  # targets of the three faults
 trap cleanup EXIT
 trap 'exit 130' INT
 trap 'exit 143' TERM HUP
@@ -54,16 +54,16 @@ mount -t tmpfs -o size=768m ngs-shared "$shared"  # the file system that the nod
 rows=()
 row() { rows+=("$(printf '| %s | %s | %s | %s | %s |' "$1" "$2" "$3" "$(cut -d' ' -f1 /proc/loadavg)" "$4")"); }
 
-# hashes_of FOLDER: what must be the same however it was made; the others hold times.
+# hashes_of FOLDER: hashes of artifacts that must not depend on the schedule; other files contain times.
 hashes_of() {
   (cd "$1" && find . -path ./.sweep -prune -o -type f \
     \( -name '*.ply' -o -name '*.png' -o -name scene.json -o -name 'metrics*.json' \) -print0 |
     LC_ALL=C sort -z | xargs -0 sha256sum)
 }
 
-# judge NAME FOLDER SECONDS: compares with the serial runs, adds a row.
+# compare_with_serial NAME FOLDER SECONDS: compares with the serial runs, adds a row.
 failures=0
-judge() {
+compare_with_serial() {
   local same=equal
   hashes_of "$2" > "$scratch/hashes"
   if ! cmp -s "$scratch/hashes" "$scratch/serial"; then same=DIFFERENT failures=$((failures + 1)); fi
@@ -75,7 +75,7 @@ judge() {
 now() { date +%s.%N; }
 since() { awk -v a="$1" -v b="$(now)" 'BEGIN { print b - a }'; }
 
-# sweep FOLDER OPTIONS: the 48 runs; its time in `seconds`.
+# sweep FOLDER OPTIONS: executes the 48 runs; sets `seconds`.
 sweep() {
   local begin
   begin=$(now)
@@ -108,22 +108,22 @@ row "serial" "$(awk -v s="$serial_s" 'BEGIN { printf "%.0f s, %.2f runs/s", s, 4
 
 say "== make -j $cores"
 sweep make --on make -j "$cores"
-judge "make -j $cores" "$shared/make" "$seconds"
+compare_with_serial "make -j $cores" "$shared/make" "$seconds"
 say "== GNU parallel -j $cores"
 sweep parallel --on parallel -j "$cores"
-judge "GNU parallel -j $cores" "$shared/parallel" "$seconds"
+compare_with_serial "GNU parallel -j $cores" "$shared/parallel" "$seconds"
 
 say "== two series at once on one folder"
 begin=$(now)
 "$pipelines/sweep.sh" "$shared/runs" "$shared/twice" --on make -j "$cores" 2> /dev/null &
 "$pipelines/sweep.sh" "$shared/runs" "$shared/twice" --on parallel -j "$cores" 2> /dev/null || true
 wait $!
-judge "make and parallel at once on one folder" "$shared/twice" "$(since "$begin")"
+compare_with_serial "make and parallel at once on one folder" "$shared/twice" "$(since "$begin")"
 
 say "== Slurm, four nodes"
 cluster_start "$scratch/cluster"
 sweep slurm --on slurm
-judge "Slurm array, 4 nodes" "$shared/slurm" "$seconds"
+compare_with_serial "Slurm array, 4 nodes" "$shared/slurm" "$seconds"
 
 say "== the same with a node killed, a task killed and a full disk"
 mkdir -p "$shared/faults/$full_run"
@@ -153,7 +153,7 @@ faults() {
       seen_disk=1
     fi
   done
-  # Slurm lets a job of a lost node wait; an administrator would not.
+  # Slurm delays requeued jobs of a lost node; start them now, as an administrator would.
   while sleep 1; do
     for job in $(squeue -h -t PD -o '%i %r' | awk '$2 == "BeginTime" { print $1 }'); do
       scontrol update jobid="$job" StartTime=now 2> /dev/null || true
@@ -164,7 +164,7 @@ faults &
 watcher=$!
 sweep faults --on slurm
 kill "$watcher" && watcher=
-judge "Slurm array with the three faults" "$shared/faults" "$seconds"
+compare_with_serial "Slurm array with the three faults" "$shared/faults" "$seconds"
 tries=$(wc -l < "$shared/faults/.sweep/tries")
 for event in '^node ' '^task ' '^disk '; do
   grep -q "$event" "$events" || { say "the fault '$event' did not happen"; failures=$((failures + 1)); }
@@ -203,7 +203,7 @@ row "ngs-variance in 5 array tasks, merged" "$(printf '%.0f s' "$(since "$begin"
   printf '%s\n' "${rows[@]}"
   echo
   cat "$events"
-  awk '$4 > 0 { print "task " $1 ": put back into the queue by Slurm, done on " $3 }' "$shared/faults/.sweep/tries"
-  echo "$tries tries came to an end, $(awk '$2 == 0' "$shared/faults/.sweep/tries" | wc -l) of them well"
+  awk '$4 > 0 { print "task " $1 ": requeued by Slurm, done on " $3 }' "$shared/faults/.sweep/tries"
+  echo "$tries tries ended, $(awk '$2 == 0' "$shared/faults/.sweep/tries" | wc -l) of them successfully"
 } | tee ${table:+"$table"}
 [ "$failures" -eq 0 ]

@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
-# Lays the tools' own help into their pages (tools/ngs-NAME/ngs-NAME.md):
+# Inserts the help texts of the tools into their pages (tools/ngs-NAME/ngs-NAME.md):
 #
-#   tests/ci/tool-pages.sh --write [DIR]     writes the pages anew
-#   tests/ci/tool-pages.sh --check [DIR]     changes nothing, shows what differs; exit code 1 where something does
+#   tests/ci/tool-pages.sh --write [DIR]     rewrites the pages
+#   tests/ci/tool-pages.sh --check [DIR]     prints differences without changing the pages; exit code 1 if there are any
 #
-# What stands between two marks of a page is written by this script, 100 columns wide:
+# The script writes the text between two marks of a page, 100 columns wide:
 #
 #   <!-- help -->            --help all of the tool and of each of its commands
-#   <!-- help: common -->    in DIR/README.md: what all tools have in common, which the pages leave out
-#   <!-- /help -->           the end of each
+#   <!-- help: common -->    in DIR/README.md: the part common to all tools, left out of the pages
+#   <!-- /help -->           end of a generated text
 #
-# DIR is the folder of the pages (default: tools). The tools come from $NGS_BIN, else from the build folder, else from PATH.
+# DIR is the folder of the pages (default: tools). Tools are searched in $NGS_BIN, then in the build folder, then in PATH.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/../../pipelines/common.sh"
@@ -26,14 +26,14 @@ bin=$(find_bin)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# help_of TOOL [COMMAND]: wherever it is called, the same.
+# help_of TOOL [COMMAND]: help text, independent of terminal and locale.
 help_of() { COLUMNS=100 LC_ALL=C "${bin:+$bin/}$1" "${@:2}" --help all < /dev/null; }
-# The paragraphs of a help text that say the same of every tool.
+# The paragraphs of a help text that are the same for every tool.
 common_part() { awk 'BEGIN { RS = ""; ORS = "\n\n" } tolower($0) ~ /^(common|flags of all tools|exit codes)/'; }
-# The others.
+# The other paragraphs.
 beyond_common() { awk 'BEGIN { RS = ""; ORS = "\n\n" } FILENAME != "-" { known[$0]; next } !($0 in known)' "$work/common" -; }
-# shellcheck disable=SC2016  # the backticks are those of the page
-fenced() { printf '```text\n%s\n```\n' "$(cat)"; }  # $(...) takes the empty lines off the end
+# shellcheck disable=SC2016  # literal backticks
+fenced() { printf '```text\n%s\n```\n' "$(cat)"; }  # $(...) strips trailing empty lines
 
 synopsis_of() {  # TOOL
   local command commands
@@ -45,7 +45,7 @@ synopsis_of() {  # TOOL
   done
 }
 
-# fill TOOL PAGE: writes it anew, or shows what would change.
+# fill TOOL PAGE: rewrites the page, or prints the differences.
 fill() {
   local line inside=
   while IFS= read -r line; do
@@ -56,7 +56,7 @@ fill() {
       '<!-- help: common -->') inside=1; fenced < "$work/common" ;;
     esac
   done < "$2" > "$work/new"
-  [ -z "$inside" ] || fail 3 "$2: expected '<!-- /help -->' behind the last mark"
+  [ -z "$inside" ] || fail 3 "$2: expected '<!-- /help -->' after the last mark"
   if [ "$task" = --check ]; then
     diff -u "$2" "$work/new" || differs=1
   elif ! cmp -s "$2" "$work/new"; then

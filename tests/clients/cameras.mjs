@@ -1,7 +1,7 @@
-// Cameras of scene.json for another renderer: `node cameras.mjs scene.json VIEWS OUT_PREFIX`.
+// Converts the cameras of scene.json for another renderer: `node cameras.mjs scene.json VIEWS OUT_PREFIX`.
 // Writes PREFIX.scene.json with the first VIEWS views, principal points centred and the reference low-pass filter (0.3 px^2),
-// and PREFIX.track.json, the same cameras for splat-transform. That program turns a PLY by 180 degrees about z, so x and y of
-// every vector change sign; it knows no principal point.
+// and PREFIX.track.json, the same cameras for splat-transform. That program rotates a PLY by 180 degrees about z, so x and y of
+// every vector change sign; it has no principal point.
 import fs from 'node:fs';
 import path from 'node:path';
 

@@ -1,5 +1,5 @@
-// Holds scene.json against COLMAP's text model: `node colmap-text.mjs TXT_DIR scene.json BOUND`. Prints the largest difference of
-// any number of any view (the rotation as a matrix, the others relative above 1); exit code 1 where it exceeds BOUND.
+// Compares scene.json with COLMAP's text model: `node colmap-text.mjs TXT_DIR scene.json BOUND`. Prints the largest difference over
+// all numbers of all views (rotation as a matrix, other numbers relative above 1). Exit code 1 if it exceeds BOUND.
 import fs from 'node:fs';
 
 const [folder, scenePath, bound] = process.argv.slice(2);
@@ -21,7 +21,7 @@ lines('images.txt').forEach((line, i) => {  // every second line lists the point
     ...[tx, ty, tz].map(Number), ...cameras.get(camera)]);
 });
 const { views } = JSON.parse(fs.readFileSync(scenePath, 'utf8'));
-if (views.length !== wanted.size) throw new Error(`${views.length} views against ${wanted.size}`);
+if (views.length !== wanted.size) throw new Error(`${views.length} views, expected ${wanted.size}`);
 let worst = 0;
 for (const view of views) {
   const found = [...view.rotation, ...view.translation, view.fx, view.fy, view.cx, view.cy];

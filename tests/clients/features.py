@@ -1,4 +1,4 @@
-"""Features of a COLMAP database whose pixel is white in the image's mask, and black: features.py DATABASE MASKS (NAME.pgm)."""
+"""Counts features of a COLMAP database on white and on black mask pixels: features.py DATABASE MASKS (NAME.pgm)."""
 import array
 import sqlite3
 import sys
@@ -19,6 +19,6 @@ for name, rows, cols, data in images:
     width, mask = read_pgm(f"{masks}/{name}.pgm")
     values = array.array("f", data)
     for i in range(rows):
-        x, y = values[i * cols:i * cols + 2]  # the middle of the first pixel is at 0.5
+        x, y = values[i * cols:i * cols + 2]  # the centre of the first pixel is at 0.5
         counts[mask[int(y) * width + int(x)] == 0] += 1
 print(*counts)

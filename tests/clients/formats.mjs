@@ -1,10 +1,10 @@
-// How far two models lie apart, read here independently of the tools (binary PLY of floats, and .glb turned to a PLY's axes):
+// Differences between two models, read independently of the tools (binary PLY of floats, and .glb converted to a PLY's axes):
 //
 //   formats.mjs A B POSITION SCALE OPACITY COLOUR SH AXES
 //
 // Rows are matched by the nearest position. Prints the largest difference of each attribute: position, ln scale, opacity as
-// a probability, f_dc, f_rest (of the degree that both have), axes of the ellipsoids (columns of their rotation matrices up
-// to the sign); exit code 1 where one is larger than its limit.
+// a probability, f_dc, f_rest (of the common degree), axes of the ellipsoids (columns of their rotation matrices up to the
+// sign). Exit code 1 if one exceeds its limit.
 import fs from 'node:fs';
 
 function readPly(path) {
@@ -57,7 +57,7 @@ function axes(rotation) {
 }
 
 const most = (a, b) => Math.max(0, ...a.map((v, k) => Math.abs(v - b[k])));
-function apart(a, b) {
+function differences(a, b) {
   const first = axes(a.rotation), second = axes(b.rotation), degree = Math.min(a.sh.length, b.sh.length);
   return [most(a.position, b.position), most(a.scale, b.scale), Math.abs(a.opacity - b.opacity), most(a.colour, b.colour),
     Math.max(0, ...a.sh.slice(0, degree).map((v, k) => most(v, b.sh[k]))),
@@ -67,14 +67,14 @@ function apart(a, b) {
 const read = (path) => (path.endsWith('.glb') ? readGlb(path) : readPly(path));
 const [pathA, pathB, ...limits] = process.argv.slice(2);
 const a = read(pathA), b = read(pathB);
-if (a.length !== b.length) { console.log(`${a.length} rows against ${b.length}`); process.exit(1); }
+if (a.length !== b.length) { console.log(`${a.length} rows, expected ${b.length}`); process.exit(1); }
 const found = [0, 0, 0, 0, 0, 0];
 for (const row of a) {
   const nearest = b.reduce((best, other) => {
     const distance = Math.hypot(...row.position.map((v, k) => v - other.position[k]));
     return distance < best.distance ? { distance, other } : best;
   }, { distance: Infinity });
-  apart(row, nearest.other).forEach((v, k) => { found[k] = Math.max(found[k], v); });
+  differences(row, nearest.other).forEach((v, k) => { found[k] = Math.max(found[k], v); });
 }
 const names = ['position', 'ln scale', 'opacity', 'f_dc', 'f_rest', 'axes'];
 console.log(names.map((name, k) => `${name} ${found[k].toPrecision(2)}`).join(', '));

@@ -1,10 +1,10 @@
-// Questions to binary PLY files, read here independently of the tools:
+// Queries on binary PLY files, read independently of the tools:
 //
 //   ply.mjs count FILE                  rows
 //   ply.mjs median FILE COLUMN
 //   ply.mjs equal-to FILE COLUMN VALUE  rows with that value
-//   ply.mjs same A B                    the columns that both have hold the same values, row by row; says how many columns
-//   ply.mjs fixed BEFORE AFTER          rows with ngs_fixed = 1 have the ngs_label in AFTER that they had in BEFORE; says how many
+//   ply.mjs same A B                    common columns have equal values in every row; prints their number
+//   ply.mjs fixed BEFORE AFTER          rows with ngs_fixed = 1 have equal ngs_label in BEFORE and AFTER; prints their number
 import fs from 'node:fs';
 
 const readers = { float: ['readFloatLE', 4], double: ['readDoubleLE', 8], uchar: ['readUInt8', 1], uint: ['readUInt32LE', 4], int: ['readInt32LE', 4] };
@@ -35,7 +35,7 @@ if (question === 'median') console.log(column(ply, rest[0]).sort((a, b) => a - b
 if (question === 'equal-to') console.log(column(ply, rest[0]).filter((x) => x === Number(rest[1])).length);
 if (question === 'same') {
   const other = read(rest[0]), common = Object.keys(ply.columns).filter((name) => name in other.columns);
-  if (ply.rows !== other.rows) fail(`${ply.rows} rows against ${other.rows}`);
+  if (ply.rows !== other.rows) fail(`${ply.rows} rows, expected ${other.rows}`);
   for (const name of common)
     for (let row = 0; row < ply.rows; ++row)
       if (!Object.is(ply.value(row, name), other.value(row, name))) fail(`${name} differs in row ${row}`);
@@ -43,8 +43,8 @@ if (question === 'same') {
 }
 if (question === 'fixed') {
   const other = read(rest[0]), rows = column(ply, 'ngs_fixed').flatMap((x, row) => (x === 1 ? [row] : []));
-  if (other.rows < ply.rows) fail(`${other.rows} rows of ${ply.rows} are left`);
+  if (other.rows < ply.rows) fail(`${other.rows} rows left of ${ply.rows}`);
   const lost = rows.filter((row) => other.value(row, 'ngs_label') !== ply.value(row, 'ngs_label'));
-  if (lost.length) fail(`${lost.length} of ${rows.length} rows fixed by hand have another label`);
+  if (lost.length) fail(`${lost.length} of ${rows.length} rows fixed by hand changed their label`);
   console.log(rows.length);
 }

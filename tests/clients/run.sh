@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Programs that people use open, filter, render, edit and feed what the tools read and write. One line per check: ok, FAIL, or
-# SKIP with what is missing.
+# Compatibility checks with other programs, which open, filter, render and edit the tools' files. One line per check: ok, FAIL,
+# or SKIP with the missing program.
 #
 #   tests/clients/run.sh [OUT_DIR] [--quick] [--only REGEX]
 #
-#   --quick  what needs no network, no larger scenes and no browser; the ctest test `clients`
+#   --quick  only checks without network, larger scenes and browser; the ctest test `clients`
 #
-# The npm programs are those of package-lock.json, installed into OUT_DIR (default: build/clients). Tools: $NGS_BIN, else build/bin.
+# npm programs are installed from package-lock.json into OUT_DIR (default: build/clients). Tools: $NGS_BIN, else build/bin.
 # Exit code 1 if a check failed, 77 if all were skipped.
 set -uo pipefail
 unset CDPATH
@@ -31,7 +31,7 @@ passed=0 failed=0 skipped=0
 ok() { printf 'ok   %s: %s\n' "$check" "$*"; passed=$((passed + 1)); }
 bad() { printf 'FAIL %s: %s\n' "$check" "$*"; failed=$((failed + 1)); }
 skip() { printf 'SKIP %s: %s\n' "$check" "$*"; skipped=$((skipped + 1)); }
-# require PROGRAM PACKAGE: false, and said, where the program is absent.
+# require PROGRAM PACKAGE: prints SKIP and returns false if the program is absent.
 require() { command -v "$1" > /dev/null && return; skip "$1 is absent, Debian package $2"; return 1; }
 ply() { node "$here/ply.mjs" "$@"; }
 tool() { "$bin/$1" "${@:2}" -w -q > /dev/null; }
@@ -47,7 +47,7 @@ npm_install() {
     { rm -f "$out/package-lock.json"; skip "npm ci failed, see $out/npm.log"; return 1; }
 }
 
-# A capture with exact truth, cut out once; everything below starts from it.
+# A synthetic capture with exact ground truth, segmented once; input of all checks below.
 make_run() {
   if [ -f "$out/run/report.html" ]; then return; fi
   tool ngs-synth two-spheres -o "$out/scene" --views 8 --width-px 96 --height-px 72 --fit-steps 120 --fit-max-gaussians 1500 \
@@ -59,12 +59,12 @@ make_run() {
 check_transform() {
   npm_install || return
   "$transform" -q -w "$out/decided.ply" -V ngs_label,gte,0.5 "$out/cut.ply" 2> /dev/null
-  expect "-V ngs_label,gte,0.5 gives object.ply, Gaussians" "$(ply count "$out/cut.ply")" "$(ply count "$out/run/object.ply")"
+  expect "Gaussians after -V ngs_label,gte,0.5, as in object.ply" "$(ply count "$out/cut.ply")" "$(ply count "$out/run/object.ply")"
   expect "columns with equal bytes" "$(ply same "$out/run/object.ply" "$out/cut.ply" 2>&1)" 26
   local model
   for model in run/object run/background run/boundary run/labelled decided edit_me; do
     "$transform" -q -w "$out/$model.ply" "$out/round.ply" 2> /dev/null
-    expect "${model#run/}.ply in and out again, columns kept" "$(ply same "$out/$model.ply" "$out/round.ply" 2>&1)" \
+    expect "columns kept after reading and writing ${model#run/}.ply" "$(ply same "$out/$model.ply" "$out/round.ply" 2>&1)" \
       "$(grep -a -c '^property' "$out/$model.ply")"
   done
 }
@@ -72,29 +72,29 @@ check_transform() {
 check_supersplat() {
   npm_install || return
   expect "edit_me.ply has a column state of bytes" "$(grep -a -c '^property uchar state$' "$out/edit_me.ply")" 1
-  expect "rows selected in it" "$(ply equal-to "$out/edit_me.ply" state 1)" "$(ply count "$out/run/object.ply")"
-  # What the editor exports: other order (Morton), no columns of ours; by hand, half of the object was deleted.
+  expect "rows selected in edit_me.ply" "$(ply equal-to "$out/edit_me.ply" state 1)" "$(ply count "$out/run/object.ply")"
+  # Like an export of the editor: reordered (Morton), without ngs columns, with half of the object deleted.
   local middle method left
   middle=$(ply median "$out/run/object.ply" f_dc_0)
   "$transform" -q -w "$out/run/object.ply" -V "f_dc_0,gte,$middle" -m "$out/edited.ply" 2> /dev/null
   left=$(ply count "$out/edited.ply")
   tool ngs-extract "$out/run/labelled.ply" --import "$out/edited.ply" --labelled "$out/corrected.ply" --object "$out/kept.ply"
   expect "--import of $left of $(ply count "$out/run/object.ply") rows, reordered, without our columns: object" "$(ply count "$out/kept.ply")" "$left"
-  for method in flash bce paper; do  # none of these changes the number of rows when edges are off
+  for method in flash bce paper; do  # without contours these methods keep the number of rows
     tool ngs-joint "$out/run/scene.json" "$out/corrected.ply" --method $method --quality draft --effect contours=off -o "$out/next.ply"
     expect "--method $method keeps the rows fixed by hand" "$(ply fixed "$out/corrected.ply" "$out/next.ply" 2>&1)" \
       "$(ply equal-to "$out/corrected.ply" ngs_fixed 1)"
   done
 }
 
-# within WHAT A B LIMITS...: how far two models lie apart, and that it is no more than the format's steps account for.
+# within WHAT A B LIMITS...: compares two models; the limits are the quantisation errors of the format.
 within() {
-  local said
-  if said=$(node "$here/formats.mjs" "${@:2}" 2>&1); then ok "$1: $said"; else bad "$1: $said; at most ${*:4}"; fi
+  local differences
+  if differences=$(node "$here/formats.mjs" "${@:2}" 2>&1); then ok "$1: $differences"; else bad "$1: $differences; limits ${*:4}"; fi
 }
 
-# Other formats of splats, ours read by splat-transform and its own read by us. Limits: position, ln scale, opacity, f_dc,
-# f_rest, axes. It does not turn an .spz to y up, so it is told to.
+# Other splat formats: our files read by splat-transform, and its files read by ngs. Limits: position, ln scale, opacity, f_dc,
+# f_rest, axes. splat-transform does not rotate an .spz to y up, so -r does.
 check_formats() {
   npm_install || return
   local folder=$out/formats format turn
@@ -105,24 +105,24 @@ check_formats() {
     tool ngs-extract "$out/run/labelled.ply" --object "$model"
     if [ $format = glb ]; then
       "$transform" -q -w "$out/run/object.ply" "$folder/theirs.glb" 2> /dev/null
-      within 'our .glb against that of splat-transform' "$folder/theirs.glb" "$model" 0 1e-6 1e-6 0 0 1e-5
+      within 'our .glb and that of splat-transform' "$folder/theirs.glb" "$model" 0 1e-6 1e-6 0 0 1e-5
       continue
     fi
     turn=()
     [ $format = spz ] && turn=(-r 180,0,0)
     "$transform" -q -w "$model" "${turn[@]}" "$folder/ours-$format.ply" 2> /dev/null
-    within "our .$format as splat-transform reads it, against the PLY" "$out/run/object.ply" "$folder/ours-$format.ply" \
+    within "our .$format read by splat-transform, and the PLY" "$out/run/object.ply" "$folder/ours-$format.ply" \
       $(limits_of $format)
     "$transform" -q -w -g cpu "$out/run/object.ply" "${turn[@]}" "$folder/theirs.$format" 2> /dev/null
     "$transform" -q -w "$folder/theirs.$format" "${turn[@]}" "$folder/theirs-$format.ply" 2> /dev/null
     tool ngs-extract "$folder/theirs.$format" --keep-sphere 0,0,0,1e9 --object "$folder/theirs-$format-ours.ply"
-    within "its .$format as we read it, against how it reads it" "$folder/theirs-$format.ply" \
+    within "the .$format of splat-transform, read by ngs and by splat-transform" "$folder/theirs-$format.ply" \
       "$folder/theirs-$format-ours.ply" 1e-6 1e-5 2e-6 1e-5 1e-6 "$([ $format = splat ] && echo 0.02 || echo 1e-5)"
   done
   check_ksplat "$folder"
 }
 
-# .ksplat, which splat-transform reads only: written by the viewer whose format it is, read by both, at each compression.
+# .ksplat, which splat-transform only reads: written by the viewer that defines it, read by both, at each compression level.
 check_ksplat() {
   local level
   for level in 0 1 2; do
@@ -130,19 +130,19 @@ check_ksplat() {
     node "$here/ksplat.mjs" "$out/run/object.ply" "$model" "$level" "$modules" > /dev/null 2>&1
     "$transform" -q -w "$model" "$1/level-$level-theirs.ply" 2> /dev/null
     tool ngs-extract "$model" --keep-sphere 0,0,0,1e9 --object "$1/level-$level-ours.ply"
-    within "mkkellogg's .ksplat of compression $level as we read it, against how splat-transform does" \
+    within "mkkellogg's .ksplat of compression $level, read by ngs and by splat-transform" \
       "$1/level-$level-theirs.ply" "$1/level-$level-ours.ply" 1e-6 1e-5 2e-6 1e-5 1e-6 1e-5
-    within "the same, against the PLY" "$out/run/object.ply" "$1/level-$level-ours.ply" 1e-4 1e-3 0.00394 4 0.0157 0.001
+    within "mkkellogg's .ksplat of compression $level, read by ngs, and the PLY" "$out/run/object.ply" "$1/level-$level-ours.ply" 1e-4 1e-3 0.00394 4 0.0157 0.001
   done
 }
 
-# Half a step of every attribute, as data-schema/formats.md has them; of codebooks a step of 1/255 of the range. The axes of
-# an ellipsoid turn by at most twice the error of its quaternion, with up to three components of it.
+# Half a step of every attribute (data-schema/formats.md); for codebooks a step of 1/255 of the range. The axes of an ellipsoid
+# rotate by at most twice the error of its quaternion, which may affect three components.
 limits_of() {
   case $1 in
     spz) echo 7.7e-6 0.0313 0.00197 0.0131 0.0040 0.01 ;;
     sog) echo 1e-4 0.05 0.00197 0.03 0.02 0.03 ;;
-    splat) echo 0 1e-6 0.00197 4 0 0.03 ;;  # it cuts colours beyond 0 and 1
+    splat) echo 0 1e-6 0.00197 4 0 0.03 ;;  # .splat clamps colours to 0..1
     compressed.ply) echo 0.01 0.01 0.00197 0.01 0.0157 0.01 ;;
   esac
 }
@@ -151,8 +151,8 @@ check_render() {
   npm_install || return
   require dwebp webp && require oiiotool openimageio-tools || return
   [ -f "$VK_ICD_FILENAMES" ] || { skip "no Vulkan driver without a GPU, Debian package chromium"; return; }
-  # splat-transform subtracts e^-4.5 from every footprint, so that it ends at 3 sigma; the reference does not. It is compared with
-  # that one constant set to 0, and as it is.
+  # splat-transform subtracts e^-4.5 from every footprint, so that it ends at 3 sigma; the reference does not. Both variants are
+  # compared: with that constant set to 0, and unchanged.
   local package=$modules/@playcanvas/splat-transform recipe
   sed 's/^const GAUSSIAN_FLOOR = .*/const GAUSSIAN_FLOOR = 0;/' "$package/dist/cli.mjs" > "$package/dist/cli-reference.mjs"
   sed 's/cli.mjs/cli-reference.mjs/' "$package/bin/cli.mjs" > "$package/bin/cli-reference.mjs"
@@ -176,12 +176,12 @@ check_render() {
     worst=$(worst_psnr cli-reference)
     tool ngs-eval "$folder/ngs-alpha" "$folder/cli-reference-object" -o "$folder/silhouettes.json"
     least=$(tr -d ' \n' < "$folder/silhouettes.json" | sed 's/.*"views"//' | grep -o '"iou":[0-9.]*' | cut -d: -f2 | sort -n | head -1)
-    local said="$recipe, 6 views: PSNR at least $worst dB (with the constant as it is: $(worst_psnr cli)), silhouette IoU at least $least"
-    if awk -v p="$worst" -v i="$least" 'BEGIN { exit !(p >= 40 && i >= 0.99) }'; then ok "$said"; else bad "$said"; fi
+    local result="$recipe, 6 views: PSNR at least $worst dB (unchanged constant: $(worst_psnr cli)), silhouette IoU at least $least"
+    if awk -v p="$worst" -v i="$least" 'BEGIN { exit !(p >= 40 && i >= 0.99) }'; then ok "$result"; else bad "$result"; fi
   done
 }
 
-# pictures PROGRAM MODEL NAME: six views by splat-transform, RGBA over black, as PNG; of `object` the alpha only.
+# pictures PROGRAM MODEL NAME: six views rendered by splat-transform, RGBA over black, as PNG; for `object` only alpha.
 pictures() {
   local to=$folder/$1-$3 view channels=R,G,B
   [ "$3" = object ] && channels=A
@@ -213,7 +213,7 @@ check_viewers() {
   while read -r line; do
     case $line in ok*) ok "${line#ok}" ;; *) bad "${line#FAIL}" ;; esac
   done < <(timeout 900 node "$here/view.mjs" "$modules" "$out/screenshots" "$out/run/scene.json" 0 "${models[@]}" 2>&1)
-  ok "pictures to look at are in $out/screenshots"
+  ok "screenshots are in $out/screenshots"
 }
 
 check_colmap_text() {
@@ -227,8 +227,8 @@ check_colmap_text() {
   tool ngs-scene import "$model/bin" --ply "$out/scene/point_cloud.ply" --images "$out/scene/images" --masks "$out/scene/masks" \
     --no-align-views -o "$model/scene.json"
   local worst
-  if worst=$(node "$here/colmap-text.mjs" "$model/txt" "$model/scene.json" 1e-12 2>&1); then ok "binary model as we read it against model_converter's text: $worst"
-  else bad "binary model as we read it against model_converter's text: $worst"; fi
+  if worst=$(node "$here/colmap-text.mjs" "$model/txt" "$model/scene.json" 1e-12 2>&1); then ok "binary model read by ngs, and model_converter's text: $worst"
+  else bad "binary model read by ngs, and model_converter's text: $worst"; fi
 }
 
 check_colmap_masks() {
@@ -245,11 +245,11 @@ check_colmap_masks() {
   done
   local before after
   before=$(python3 "$here/features.py" "$folder/all.db" "$folder/masks") after=$(python3 "$here/features.py" "$folder/masked.db" "$folder/masks")
-  local said="features of COLMAP on the object, beside it: $before; with the masks of ngs-render --names image: $after"
-  if [ "${after#* }" -eq 0 ] && [ "${after% *}" -gt 0 ] && [ "${before#* }" -gt 0 ]; then ok "$said"; else bad "$said"; fi
+  local result="COLMAP features on the object and outside: $before; with the masks of ngs-render --names image: $after"
+  if [ "${after#* }" -eq 0 ] && [ "${after% *}" -gt 0 ] && [ "${before#* }" -gt 0 ]; then ok "$result"; else bad "$result"; fi
 }
 
-# Nothing but photos and masks: COLMAP finds the poses, the chain does the rest; beside it the same with the exact poses.
+# Only photos and masks as input: COLMAP computes the poses, ngs does the rest. For comparison the same with exact poses.
 check_colmap_loop() {
   require colmap colmap || return
   local folder=$out/colmap-loop
@@ -265,11 +265,11 @@ check_colmap_loop() {
   local found exact registered
   registered=$(colmap model_analyzer --path "$folder/sparse/0" 2>&1 | sed -n 's/.*Registered images: //p')
   found=$(cut_from "$folder/sparse/0" points3D.bin) exact=$(cut_from "$folder/scene/sparse/0" points3D.txt)
-  local said="poses of $registered of 36 photos; held-out views, IoU and boundary IoU 0.02: $found (exact poses: $exact)"
-  if awk -v f="$found" 'BEGIN { split(f, v, " "); exit !(v[1] >= 0.97 && v[2] >= 0.93) }'; then ok "$said"; else bad "$said"; fi
+  local result="poses of $registered of 36 photos; held-out views, IoU and boundary IoU 0.02: $found (exact poses: $exact)"
+  if awk -v f="$found" 'BEGIN { split(f, v, " "); exit !(v[1] >= 0.97 && v[2] >= 0.93) }'; then ok "$result"; else bad "$result"; fi
 }
 
-# cut_from SPARSE POINTS: IoU and boundary IoU of the whole chain, from poses to masks.
+# cut_from SPARSE POINTS: IoU and boundary IoU of the complete chain, from poses to masks.
 cut_from() {
   local to
   to=$(mktemp -d "$folder/cut.XXXXXX")
@@ -293,20 +293,20 @@ check_exr() {
     oiiotool --stats "$file" | grep -E 'NanCount|InfCount' | grep -q '[1-9]' && wrong=$((wrong + 1))
     exrheader "$file" | grep -q 'ngs:schema' && exrheader "$file" | grep -q 'ngs.mask, 32-bit' || wrong=$((wrong + 1))
   done
-  expect "files of $files with NaN, infinity, or without ngs:schema and ngs.mask as float" "$wrong" 0
+  expect "files (of $files) with NaN or infinity, or without ngs:schema and ngs.mask as float" "$wrong" 0
   idiff -q "$out/exr/0000.exr" "$out/exr/0000.exr" && ok "idiff reads them" || bad "idiff does not read them"
 }
 
 check_cloudcompare() {
   require CloudCompare cloudcompare || return
-  # Its command line takes properties with "scal" in their names: the label under another name, behind the three scales.
+  # Its command line only reads properties with "scal" in their names: the label is renamed, and follows the three scales.
   LC_ALL=C sed 's/^property float ngs_label$/property float scalar_label/' "$out/decided.ply" > "$out/cc.ply"
   (cd "$out" && CloudCompare -SILENT -NO_TIMESTAMP -AUTO_SAVE OFF -O cc.ply -SET_ACTIVE_SF 3 -FILTER_SF 0.5 1.5 -C_EXPORT_FMT PLY \
     -SAVE_CLOUDS FILE cc-object.ply) > "$out/cc.log" 2>&1
   expect "points with scalar_label 1" "$(ply count "$out/cc-object.ply" 2>&1 | tail -1)" "$(ply count "$out/run/object.ply")"
 }
 
-make_run || { echo "FAIL: the scene for the checks was not made"; exit 1; }
+make_run || { echo "FAIL: the test scene could not be made"; exit 1; }
 checks="transform formats supersplat colmap_text colmap_masks exr cloudcompare"
 [ -n "$quick" ] || checks+=" render viewers colmap_loop"
 for check in $checks; do

@@ -1,10 +1,10 @@
-// Opens models in viewers of 3D Gaussian splats, in headless Chromium, and counts what each has loaded:
+// Opens models in web viewers in headless Chromium and counts the Gaussians that each has loaded:
 //
 //   node view.mjs MODULES OUT scene.json VIEW FILE=COUNT[,SELECTED]...
 //
-// MODULES is the node_modules folder with the viewers; the camera is that of view VIEW. OUT/VIEWER-FILE.png are the pictures.
-// SELECTED: how many Gaussians come selected; such a file is made for SuperSplat and is opened by its engine alone. One line
-// per viewer and file; exit code 1 if a count is wrong or a viewer reports an error.
+// MODULES is the node_modules folder with the viewers; the camera is that of view VIEW. Screenshots: OUT/VIEWER-FILE.png.
+// SELECTED: expected number of selected Gaussians; such a file is for SuperSplat and is opened only in its engine. One line
+// per viewer and file. Exit code 1 if a count is wrong or a viewer reports an error.
 import fs from 'node:fs';
 import http from 'node:http';
 import path from 'node:path';
@@ -64,10 +64,10 @@ for (const viewer of ['spark', 'mkkellogg', 'gsplat', 'playcanvas']) {
     page.on('pageerror', (error) => errors.push(String(error)));
     const begin = Date.now();
     await page.goto(`${root}/${viewer}.html?model=/models/${name}&camera=${encodeURIComponent(camera)}`);
-    await page.waitForFunction('window.done', null, { timeout: 180000 }).catch(() => errors.push('no picture within 180 s'));
+    await page.waitForFunction('window.done', null, { timeout: 180000 }).catch(() => errors.push('not rendered within 180 s'));
     const { loaded, selected, error } = await page.evaluate('({ loaded: window.loaded, selected: window.selected, error: window.error })');
     if (error) errors.push(error);
-    if (wantedSelected !== undefined && selected !== wantedSelected) errors.push(`${selected} come selected, expected ${wantedSelected}`);
+    if (wantedSelected !== undefined && selected !== wantedSelected) errors.push(`${selected} selected, expected ${wantedSelected}`);
     await page.screenshot({ path: path.join(out, `${viewer}-${name.replace('.ply', '')}.png`), timeout: 60000 });
     await page.close();
     const good = errors.length === 0 && loaded === count;

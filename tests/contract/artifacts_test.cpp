@@ -1,4 +1,4 @@
-// What the tools really write satisfies data-schema/.
+// The output files of the tools satisfy data-schema/.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -31,7 +31,7 @@ std::vector<std::string> fixture_files(const std::string& extension) {
   return paths;
 }
 
-/// The entry of a table whose name is `name`, '*' standing for anything; the exact ones come first.
+/// The entry of a table that matches `name`; '*' matches anything, exact entries come first.
 const Json* entry_of(const Json& table, const std::string& name) {
   for (const bool exact : {true, false})
     for (const Json& entry : table) {
@@ -55,7 +55,7 @@ std::string outside(const Json& entry, std::int64_t n, const Value& value) {
 
 }  // namespace
 
-TEST_CASE("every PLY of the chain has listed properties of the listed type and range only") {
+TEST_CASE("every PLY of the chain has only listed properties, with the listed types and ranges") {
   const Json table = schema("ply-properties.json");
   const std::vector<std::string> paths = fixture_files(".ply");
   REQUIRE_FALSE(paths.empty());
@@ -79,7 +79,7 @@ TEST_CASE("every PLY of the chain has listed properties of the listed type and r
   }
 }
 
-TEST_CASE("every EXR of the chain has listed channels in the listed range only") {
+TEST_CASE("every EXR of the chain has only listed channels, in the listed ranges") {
   const Json table = schema("exr-channels.json");
   for (const std::string& path : fixture_files(".exr")) {
     const io::ExrImage image = io::read_exr(path);
@@ -115,7 +115,7 @@ TEST_CASE("scene.json and metrics.json of the chain satisfy their schemas, and b
   CHECK(test::schema_violations(schema("metrics.schema.json"), broken) != "");
 }
 
-TEST_CASE("what ngs-synth says of its scene satisfies the schemas, and broken files do not") {
+TEST_CASE("the JSON files of ngs-synth satisfy the schemas, and broken files do not") {
   const test::TempDir dir;
   test::ProcessSpec spec =
       test::command(Json::parse(R"(["ngs-synth", "tiny", "--no-fit", "--mask-noise", "jitter:1", "-o"])"));

@@ -1,4 +1,4 @@
-// What lies behind a model: import finds it, the tools after it take it from scene.json.
+// The background colour of a model: import estimates it, later tools read it from scene.json.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -36,7 +36,7 @@ test::ProcessResult import(const std::string& dir, std::vector<std::string> furt
   return run(words);
 }
 
-/// Mean boundary IoU of all views, labelled by ngs-joint with `further`.
+/// Mean boundary IoU of all views, labelled by ngs-joint with the options `further`.
 double boundary_iou(const std::string& dir, std::vector<std::string> further) {
   std::vector<std::string> words{"ngs-joint", dir + "/scene.json", dir + "/boundary.ply", "-o", dir + "/l.ply", "-w"};
   words.insert(words.end(), further.begin(), further.end());
@@ -57,7 +57,8 @@ double colour_db(const std::string& dir, std::vector<std::string> further) {
 
 }  // namespace
 
-TEST_CASE("an object on white is labelled no worse than by its masks alone, because import finds the white") {
+TEST_CASE(
+    "ngs-joint labels an object on white no worse than its masks alone, because import finds the white background") {
   const test::TempDir dir;
   test::write_ball_scene(dir.path(), {1, 1, 1});
   import(dir.path());
@@ -72,7 +73,7 @@ TEST_CASE("an object on white is labelled no worse than by its masks alone, beca
   CHECK(over_found > over_black + 10);
 }
 
-TEST_CASE("a --background that contradicts the scene's is taken, with a warning") {
+TEST_CASE("a --background that differs from the scene's is used, with a warning") {
   const test::TempDir dir;
   test::write_ball_scene(dir.path(), {0.6f, 0, 0.4f});
   import(dir.path());
@@ -87,7 +88,7 @@ TEST_CASE("a --background that contradicts the scene's is taken, with a warning"
   CHECK(read(dir.path() + "/scene.json").at("background") == json({1.0, 1.0, 1.0}));
 }
 
-TEST_CASE("transparent photos are laid over the background that the model was fitted over") {
+TEST_CASE("transparent photos are composited over the background that the model was fitted with") {
   for (const double level : {0.0, 1.0}) {
     CAPTURE(level);
     const test::TempDir dir;

@@ -1,4 +1,4 @@
-// What --time-budget does to the trace and to the exit code.
+// Effect of --time-budget on the trace and on the exit code.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace {
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
-/// The fixture's scene with every training view `times` over.
+/// The fixture's scene with every training view repeated `times` times.
 std::string with_many_views(const test::TempDir& dir, int times) {
   Json scene = Json::parse(test::read_bytes(test::fixture_folder() + "/scene.json")), views = Json::array();
   for (const Json& view : scene.at("views"))
@@ -35,7 +35,7 @@ std::string with_many_views(const test::TempDir& dir, int times) {
 
 }  // namespace
 
-TEST_CASE("under a time budget the trace asks for no score that could end too late") {
+TEST_CASE("under a time budget the trace starts no score that could end too late") {
   if (test::emulated()) return test::skip("an emulator scores nothing within 6 s");
   const test::TempDir dir;
   constexpr double kBudget_s = 6;
@@ -69,15 +69,16 @@ TEST_CASE("under a time budget the trace asks for no score that could end too la
     const Json line = Json::parse(text);
     if (!line.contains("scoring_s")) continue;
     CHECK(line["t"].get<double>() + scored_s + longest_s <=
-          kBudget_s);  // it begins where one like the longest still fits
+          kBudget_s);  // a score begins only if the longest one would still fit
     const double now_s = line["scoring_s"];
     longest_s = std::max(longest_s, now_s - scored_s), scored_s = now_s, ++scores;
   }
   CHECK(scores > 1);
-  MESSAGE("longest score: " << longest_s << " s");  // below 0.1 s it would fit in what is kept for writing anyway
+  MESSAGE("longest score: " << longest_s
+                            << " s");  // below 0.1 s it would fit into the time reserved for writing anyway
 }
 
-TEST_CASE("a time budget that leaves out only passes that would not have run reports no cut") {
+TEST_CASE("a time budget that skips only passes that would not have run reports nothing skipped") {
   const test::TempDir dir;
   const std::string scene = with_many_views(dir, 40), model = test::fixture_folder() + "/boundary.ply";
   const auto run = [&](const std::string& name, const std::vector<std::string>& more) {

@@ -1,5 +1,4 @@
-// Programs that people already use open what the tools write. A case whose program is absent is
-// skipped:
+// Widely used programs open the outputs of the tools. A case whose program is missing is skipped:
 //   splat-transform   npm install -g @playcanvas/splat-transform@3.7.0
 //   oiiotool          Debian's openimageio-tools
 #include <doctest/doctest.h>
@@ -14,7 +13,7 @@
 namespace ngs {
 namespace {
 
-/// True if `program` can be started; else the case is skipped.
+/// True if `program` can be started; otherwise the case is skipped.
 bool present(const std::string& program) {
   if (test::run_command({"sh", "-c", "command -v " + program}).exit_code == 0) return true;
   test::skip(program + " is absent");
@@ -30,7 +29,7 @@ std::int64_t gaussians_in(const std::string& ply) {
 
 }  // namespace
 
-TEST_CASE("splat-transform opens every model the tools write, with the right count") {
+TEST_CASE("splat-transform opens every model that the tools write, with the right count") {
   if (!present("splat-transform")) return;
   const std::string& fixture = test::fixture_folder();
   const std::int64_t all = gaussians_in(fixture + "/model.ply");
@@ -41,7 +40,7 @@ TEST_CASE("splat-transform opens every model the tools write, with the right cou
   CHECK(gaussians_in(fixture + "/object.ply") + gaussians_in(fixture + "/background.ply") == all);
 }
 
-TEST_CASE("splat-transform cuts the object out of the labelled model by its label column") {
+TEST_CASE("splat-transform filters the object of the labelled model by its label column") {
   if (!present("splat-transform")) return;
   const test::TempDir tmp;
   const std::string& fixture = test::fixture_folder();

@@ -1,4 +1,4 @@
-// The codecs for pictures are a plug-in, because their libraries take longer to load than a small tool's work.
+// The image codecs are a plug-in, because loading their libraries takes longer than the work of a small tool.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -17,8 +17,8 @@ namespace fs = std::filesystem;
 
 }  // namespace
 
-TEST_CASE("a tool without its codecs says what is missing and where it belongs, and needs them for pictures only") {
-  if (test::emulated()) return test::skip("a script that starts the emulator may stand for the tool");
+TEST_CASE("a tool without the codecs plug-in names the missing file and its folder, and needs it for images only") {
+  if (test::emulated()) return test::skip("the tool may be a script that starts the emulator");
   const test::TempDir dir;
   const fs::path alone = fs::path(dir.path()) / "ngs-variance";
   fs::copy_file(fs::path(NGS_TOOL_DIR) / "ngs-variance", alone);
@@ -27,11 +27,11 @@ TEST_CASE("a tool without its codecs says what is missing and where it belongs, 
   const test::ProcessResult result = test::run_command({alone, test::fixture_folder() + "/scene.json", "-o", out});
   CHECK(result.exit_code == int(ErrorCode::kEnvironment));
   CHECK(result.err.find("libngs_codecs.so") != std::string::npos);
-  CHECK(result.err.find("hint: keep it in the folder of the executables") != std::string::npos);
+  CHECK(result.err.find("hint: keep it next to the executables") != std::string::npos);
   CHECK(!fs::exists(out));
 }
 
-TEST_CASE("no executable loads the picture codecs' libraries before it needs one") {
+TEST_CASE("no executable loads the libraries of the image codecs before it needs one") {
   for (const fs::directory_entry& entry : fs::directory_iterator(NGS_TOOL_DIR)) {
     const std::string name = entry.path().filename();
     if (name.rfind("ngs-", 0) != 0) continue;

@@ -1,7 +1,6 @@
-// Runs the cases of cases/*.json (see cases/README.md) against the built tools. Beside what a case says,
-// every case is held to the rules that all tools share: an error leaves stdout empty, says "error" on stderr,
-// and leaves no output and no temporary file; a success leaves one report that satisfies its own schema; flags that a
-// hint or a warning names exist.
+// Runs the cases of cases/*.json (see cases/README.md) against the built tools. Every case also checks the rules that
+// all tools share: an error leaves stdout empty, prints "error" on stderr, and leaves no output and no temporary file;
+// a success writes one report that satisfies its own schema; flags named in a hint or a warning exist.
 #include <doctest/doctest.h>
 #include <signal.h>
 
@@ -34,8 +33,8 @@ using test::command, test::fixture_folder, test::resolved, test::words;
 
 const fs::path kCases = fs::path(NGS_SOURCE_DIR) / "tests/contract/cases";
 
-/// The line that names the error, else the first line.
-std::string said(const std::string& err) {
+/// The error line, else the first line.
+std::string error_line(const std::string& err) {
   static const std::regex error("(^|\n)(ngs(-[a-z]+)?( [a-z]+)?: error: [^\n]+)");
   std::smatch match;
   return std::regex_search(err, match, error) ? match[2].str() : err.substr(0, err.find('\n'));
@@ -58,7 +57,7 @@ Words temporaries_under(const std::string& folder) {
   return found;
 }
 
-/// As the tool, or the command of one ("ngs-scene import"), prints it.
+/// The name as the tool, or the command of a tool ("ngs-scene import"), prints it.
 const Json& schema_of(const std::string& tool, const char* kind) {
   static std::map<std::string, Json> schemas;
   Json& schema = schemas[tool + " " + kind];
@@ -88,21 +87,21 @@ void check_report(const std::string& text) {
 struct Prepared {
   Json spec;
   std::string tmp;
-  std::set<std::string> before;  // outputs that are there already
+  std::set<std::string> before;  // outputs that exist before the run
 };
 
 void check_failure(const Prepared& prepared, const Words& argv, const ProcessResult& result) {
   if (result.exit_code < 128)
     CHECK(result.out == "");
   else if (!result.out.empty())
-    check_report(result.out);  // of a body that ended in its own way
+    check_report(result.out);  // the body returned by itself
   const Words present = words(prepared.spec.value("present", Json::array()));
   for (const std::string& path : outputs_of(argv))
     if (prepared.before.count(path) == 0 && std::count(present.begin(), present.end(), path) == 0) {
       INFO("a failed run left " << path);
       CHECK((!fs::exists(path) || (fs::is_directory(path) && fs::is_empty(path))));
     }
-  if (result.exit_code < 128) CHECK(said(result.err).find(": error: ") != std::string::npos);
+  if (result.exit_code < 128) CHECK(error_line(result.err).find(": error: ") != std::string::npos);
 }
 
 void check_texts(const Json& expected, const std::string& text) {
@@ -112,7 +111,7 @@ void check_texts(const Json& expected, const std::string& text) {
   }
 }
 
-/// Whoever follows a hint finds the flag that it names.
+/// Flags named in a hint must exist.
 void check_hints(const std::string& err) {
   for (const test::HintedFlag& hinted : test::hinted_flags(err)) {
     INFO("hint: " << hinted.flag);
@@ -138,7 +137,7 @@ void check_result(const Prepared& prepared, const Words& argv, const ProcessResu
     INFO("expected " << path);
     CHECK(fs::exists(path));
   }
-  const bool killed = spec.value("signal", "") == "KILL";  // nobody is left to tidy up
+  const bool killed = spec.value("signal", "") == "KILL";  // a killed process cannot remove its files
   if (!killed) CHECK(temporaries_under(prepared.tmp) == Words{});
   const bool done = result.exit_code == 0 || result.exit_code == 1 || result.exit_code == 7;
   if (!done)
@@ -148,7 +147,7 @@ void check_result(const Prepared& prepared, const Words& argv, const ProcessResu
   if (done && spec.contains("report")) check_report(test::read_bytes(spec["report"]));
 }
 
-/// The bytes of files, or of all files of folders.
+/// The bytes of files, or of all files in folders.
 std::map<std::string, std::string> contents(const Words& paths) {
   std::map<std::string, std::string> bytes;
   for (const std::string& path : paths) {
@@ -163,7 +162,7 @@ std::map<std::string, std::string> contents(const Words& paths) {
   return bytes;
 }
 
-/// Three threads and one, and again: the same bytes.
+/// The bytes with three threads, with one thread, and on a repeat are equal.
 void check_same_bytes(const Prepared& prepared, const ProcessSpec& base) {
   const Words paths = words(prepared.spec["same_bytes"]);
   const auto first = contents(paths);
@@ -184,7 +183,7 @@ void check_same_bytes(const Prepared& prepared, const ProcessSpec& base) {
   }
 }
 
-/// Killed at many moments: the output is either not there or the complete one.
+/// After a kill at many different moments the output is either absent or complete.
 void check_killed(const Prepared& prepared, const ProcessSpec& base) {
   const Words paths = words(prepared.spec["killed"]);
   const auto complete = contents(paths);
@@ -248,7 +247,7 @@ ProcessResult run_case(const Json& raw) {
 
 }  // namespace
 
-TEST_CASE("every tool keeps the contract in every listed case") {
+TEST_CASE("every tool satisfies the contract in every listed case") {
   std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(kCases))
     if (entry.path().extension() == ".json") files.push_back(entry.path());
@@ -273,12 +272,11 @@ TEST_CASE("every tool keeps the contract in every listed case") {
       CHECK_NOTHROW(result = run_case(spec));
       static const std::regex folder("/[^ ]*/ngs-test-[A-Za-z0-9]+");  // differs from run to run
       table += name + " | " + std::to_string(result.exit_code) + " | " +
-               std::regex_replace(said(result.err), folder, "...") + "\n";
+               std::regex_replace(error_line(result.err), folder, "...") + "\n";
       ++cases;
     }
   std::cout << table << "contract cases: " << cases << "\n";
-  if (const char* path = std::getenv("NGS_CONTRACT_TABLE"))
-    std::ofstream(path) << "case | exit | what stderr says\n" << table;
+  if (const char* path = std::getenv("NGS_CONTRACT_TABLE")) std::ofstream(path) << "case | exit | stderr\n" << table;
 }
 
 }  // namespace ngs

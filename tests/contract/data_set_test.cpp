@@ -1,4 +1,4 @@
-// The data-set loops of pipelines/ on data sets of one tiny scene each, laid out like the real ones.
+// The data-set scripts of pipelines/ on data sets of one tiny scene each, with the layout of the real ones.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -44,7 +44,7 @@ struct DataSet {
   Json json(const std::string& name) const { return Json::parse(std::ifstream(path(name)), nullptr, false); }
 };
 
-/// One task of NVOS: the tiny scene, whose view v2 is the target under its name there.
+/// One task of NVOS: the tiny scene, with view v2 as the target.
 void write_fern(const DataSet& data) {
   data.copy("images", "llff/fern/images");
   data.copy("model.ply", "llff/fern/point_cloud.ply");
@@ -73,7 +73,7 @@ TEST_CASE("nvos.sh makes the input masks from scribbles on the reference view") 
   CHECK(fs::exists(data.path("out/fern.scribbles/masks/v1.png")));
 }
 
-TEST_CASE("nvos.sh scores the target view of the tasks that are there and says which are not") {
+TEST_CASE("nvos.sh scores the target view of existing tasks and lists missing tasks") {
   const DataSet data;
   write_fern(data);
   data.copy("masks", "masks/fern");
@@ -88,7 +88,7 @@ TEST_CASE("nvos.sh scores the target view of the tasks that are there and says w
   CHECK(metrics["mean"]["iou"].get<double>() > 0.8);
   CHECK(data.json("out/summary.json")["result"]["mean_over_runs"]["iou"] == metrics["mean"]["iou"]);
   CHECK(fs::exists(data.path("out/report.html")));
-  // Below a bound: a failure of the loop, but not left out of the mean, which would be that of the good ones.
+  // A score below the bound makes the script fail, but stays in the mean.
   fs::remove(data.path("out/summary.json"));
   const test::ProcessResult below = data.run("nvos.sh", {"nvos", "llff", "masks", "out", "--method", "flash", "-q"},
                                              {{"EVAL_FLAGS", "--fail-below iou=1.01"}});
@@ -143,7 +143,7 @@ void write_scannet_poses(const DataSet& data) {
 TEST_CASE("scannet.sh turns poses into a capture and scores instances of label maps") {
   const DataSet data;
   write_scannet_poses(data);
-  data.copy("model.ply", "scans/scene0/point_cloud/iteration_30000/point_cloud.ply");  // as the Inria trainer leaves it
+  data.copy("model.ply", "scans/scene0/point_cloud/iteration_30000/point_cloud.ply");  // layout of the Inria trainer
   const test::ProcessResult result =
       data.run("scannet.sh", {"scans", "out", "--objects", "7", "--method", "flash", "-q"});
   INFO(result.err);
@@ -164,7 +164,7 @@ test::ProcessResult make(const DataSet& data, std::vector<std::string> arguments
   return test::run_process(spec);
 }
 
-TEST_CASE("ablation.mk compares the full method with its variants and leaves out those that fail") {
+TEST_CASE("ablation.mk compares the full method with its variants and omits failed ones") {
   const DataSet data;
   const test::ProcessResult result =
       make(data, {"-f", NGS_SOURCE_DIR "/pipelines/ablation.mk", "EFFECTS=cont nonsense", "TAUS=0.5", "SIGMAS=2",
@@ -181,7 +181,7 @@ TEST_CASE("ablation.mk compares the full method with its variants and leaves out
   CHECK(data.json("out/tau-0.5/reports/ngs-variance.json")["options"]["tau"] == 0.5);
 }
 
-TEST_CASE("removed-views.sh scores views that are there beside views that are not") {
+TEST_CASE("removed-views.sh scores removed and remaining views") {
   const DataSet data;
   test::ProcessSpec spec;
   spec.argv = {NGS_SOURCE_DIR "/tests/bench/removed-views.sh",
@@ -197,7 +197,7 @@ TEST_CASE("removed-views.sh scores views that are there beside views that are no
                "--fit-steps",
                "200",
                "tiny"};
-  spec.folder = data.path("recipes");  // without a folder `tiny`: then it is the recipe
+  spec.folder = data.path("recipes");  // there is no folder `tiny`, so the recipe is used
   fs::create_directories(spec.folder);
   spec.environment = {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}};
   const test::ProcessResult result = test::run_process(spec);
@@ -213,13 +213,13 @@ TEST_CASE("removed-views.sh scores views that are there beside views that are no
     return data.json("recipes/out/tiny/every:4:2/" + std::string(score) + "/scene.json")["views"].size();
   };
   CHECK(views_of("inductive") < views_of("transductive"));
-  // Nothing of a removed view is left for a tool to find.
+  // No file of a removed view remains.
   for (const char* score : {"inductive", "novel"}) {
     CHECK(views_of(score) == views_of("inductive"));
     for (const auto& view : data.json("recipes/out/tiny/every:4:2/" + std::string(score) + "/scene.json")["views"])
       CHECK(view["split"] == "train");
   }
-  // The splat of the novel score has not seen them either, in training and at the cameras where it is scored.
+  // The splat of the novel score was not trained on these views either, and is scored at their cameras.
   for (const auto& [score, splat] :
        {std::pair{"inductive", "capture/point_cloud.ply"}, {"novel", "novel.ply"}, {"novel-whole", "novel.ply"}})
     CHECK(data.json("recipes/out/tiny/every:4:2/" + std::string(score) + "/scene.json")["model"] ==
@@ -230,7 +230,7 @@ TEST_CASE("removed-views.sh scores views that are there beside views that are no
   CHECK(test::run_process(spec).exit_code == 2);
 }
 
-TEST_CASE("work-precision.mk draws its points with their frontier, and keeps those that fail") {
+TEST_CASE("work-precision.mk plots its points with their frontier, and keeps failed points") {
   const DataSet data;
   const test::ProcessResult result =
       make(data, {"-f", NGS_SOURCE_DIR "/pipelines/work-precision.mk", "GT=tiny/masks", "REPEATS=2", "STEPS=2",
@@ -250,7 +250,7 @@ TEST_CASE("work-precision.mk draws its points with their frontier, and keeps tho
   CHECK(points["points"][1]["failed"] == true);
   CHECK(points["points"][1]["runs"][0]["exit_code"] == 2);
   CHECK(points["once_cpu_s"].contains("views@2"));
-  CHECK(points["points"][4]["setting"] == "9");  // no view has a mask: not even the evidence can be had
+  CHECK(points["points"][4]["setting"] == "9");  // no view has a mask: even the evidence fails
   CHECK(points["points"][4]["runs"][0]["exit_code"] == 4);
   Json numerical = data.json("out/numerical.json");
   CHECK(test::schema_violations(schema("numerical.schema.json"), numerical) == "");
@@ -269,7 +269,7 @@ TEST_CASE("work-precision.mk draws its points with their frontier, and keeps tho
   CHECK(page.find("<script") == std::string::npos);
   CHECK(std::count(csv.begin(), csv.end(), '\n') == 1 + 10);
 
-  // One point removed is repeated, beside one more; points of other settings are not mixed with them.
+  // A removed point and one new point are computed; points of other settings are not mixed with them.
   fs::remove_all(data.path("out/points/method@flash/2"));
   const auto again = [&](const std::string& setting) {
     return make(data, {"-f", NGS_SOURCE_DIR "/pipelines/work-precision.mk", "GT=tiny/masks", "REPEATS=2", setting,
@@ -280,7 +280,7 @@ TEST_CASE("work-precision.mk draws its points with their frontier, and keeps tho
   CHECK(fs::exists(data.path("out/points/method@sa3d/1/done")));
   const test::ProcessResult mixed = again("STEPS=3");
   CHECK(mixed.exit_code != 0);
-  CHECK(mixed.err.find("its points are of other settings: STEPS=2") != std::string::npos);
+  CHECK(mixed.err.find("contains points with other settings: STEPS=2") != std::string::npos);
 }
 
 }  // namespace

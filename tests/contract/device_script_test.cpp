@@ -1,5 +1,4 @@
-// tests/bench/device.sh where there is no GPU: it says so; and, beside stand-ins for the GPU's programs, what it writes
-// is valid whatever fails.
+// tests/bench/device.sh reports a missing GPU; with stand-ins for the GPU programs its output is valid whatever fails.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -19,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-/// A folder of programs that come before those of the machine, and one of executables as a build leaves them.
+/// A folder of programs that precede those of the machine in PATH, and a folder of built executables.
 struct Machine {
   test::TempDir dir;
   std::string out = dir.path() + "/out.json";
@@ -27,7 +26,7 @@ struct Machine {
   Machine() {
     fs::create_directories(dir.path() + "/path"), fs::create_directories(dir.path() + "/build/bin");
     program("path/nvidia-smi", "echo 'GPU 0: stand-in'");
-    // Runs what it is given, if it knows the options.
+    // Runs its arguments if it knows the options.
     program(
         "path/compute-sanitizer",
         "while [[ $1 == --* ]]; do case $1 in --tool|--error-exitcode|--kernel-name) shift 2;; *) exit 3;; esac; done; "
@@ -51,7 +50,7 @@ struct Machine {
                         {"NGS_DEVICE_BUILD", dir.path() + "/build"}};
     return test::run_process(spec);
   }
-  /// What it wrote, which satisfies the schema.
+  /// The written report, which satisfies the schema.
   Json written() const {
     const Json report = Json::parse(test::read_bytes(out));
     CHECK(test::schema_violations(Json::parse(test::read_bytes(NGS_SOURCE_DIR "/data-schema/device.schema.json")),
@@ -60,7 +59,7 @@ struct Machine {
   }
 };
 
-/// python3 writes the report; no tool needs it, so a machine may lack it; the case is then skipped.
+/// python3 writes the report. No tool needs python3; without it the case is skipped.
 bool can_report() {
   test::ProcessSpec spec;
   spec.argv = {"sh", "-c", "command -v python3"};
@@ -86,12 +85,12 @@ TEST_CASE("device.sh exits with 77 without a device, and with 2 without the name
     CHECK_FALSE(fs::exists(machine.out));
   }
   machine.program("path/nvidia-smi", "echo 'GPU 0: stand-in'");
-  machine.program("build/bin/test_parity", "exit 77");  // a GPU that CUDA cannot use
+  machine.program("build/bin/test_parity", "exit 77");  // a GPU that CUDA does not support
   CHECK(machine.run({machine.out}).exit_code == 77);
   CHECK_FALSE(fs::exists(machine.out));
 }
 
-TEST_CASE("device.sh writes a valid report of a run in which all passes") {
+TEST_CASE("device.sh writes a valid report if everything passes") {
   if (!can_report()) return;
   const Machine machine;
   const test::ProcessResult result = machine.run({"out.json"});
@@ -131,10 +130,10 @@ TEST_CASE("device.sh writes a valid report whatever fails") {
   CHECK(report.at("benchmark").is_null());
   int on_cpu = 0;
   for (const Json& tool : report.at("tools")) on_cpu += tool.at("device") == "cpu";
-  CHECK(on_cpu == 3);  // variance, render and rbf; the report of joint is broken off
+  CHECK(on_cpu == 3);  // variance, render and rbf; the report of joint is truncated
 }
 
-TEST_CASE("device.sh begins no step for which there is no time") {
+TEST_CASE("device.sh starts no step that does not fit into the time limit") {
   if (!can_report()) return;
   const Machine machine;
   machine.program("build/bin/test_parity", "sleep 20");

@@ -1,4 +1,4 @@
-// Evidence in parts: whose columns they are, which scene they were made from, and where that scene lies.
+// Evidence parts: the objects of their columns, the scene that they were made from, and the path of that scene.
 #include <doctest/doctest.h>
 #include <sys/stat.h>
 
@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
-/// The tiny scene with label maps of two objects: 'other', all that is not the ball, and 'ball'.
+/// The tiny scene with label maps of two objects: 'ball', and 'other' for everything else.
 struct Case {
   test::TempDir dir;
   std::string scene = path("scene.json"), part = path("part.evidence"), out = path("merged.ply");
@@ -45,7 +45,7 @@ struct Case {
     for (const std::string& object : objects) argv.insert(argv.end(), {"--object-id", object});
     good(argv);
   }
-  /// Parts of the ball alone; then what is stored of them is what `change` makes of it.
+  /// Writes parts of the ball only, after `change` was applied to them.
   template <class Change>
   void write_part(Change&& change) const {
     good({"ngs-variance", scene, "--object", "ball", "--allow-empty", "-w", "--partial", part});
@@ -60,13 +60,13 @@ struct Case {
   }
 };
 
-bool says(const test::ProcessResult& result, const std::string& text) {
+bool has_message(const test::ProcessResult& result, const std::string& text) {
   return result.err.find(text) != std::string::npos;
 }
 
 }  // namespace
 
-TEST_CASE("ngs-variance merge names the object that the parts are of, not the scene's first") {
+TEST_CASE("ngs-variance merge labels the object of the parts, not the first object of the scene") {
   const Case c;
   c.write_part([](io::EvidencePart&) {});
   c.good({"ngs-variance", c.scene, "--object", "ball", "-o", c.path("whole.ply")});
@@ -77,7 +77,8 @@ TEST_CASE("ngs-variance merge names the object that the parts are of, not the sc
   CHECK(test::read_bytes(c.out) == test::read_bytes(c.path("whole.ply")));
 }
 
-TEST_CASE("ngs-variance merge refuses parts of no object, of objects the scene has not, and of one object twice") {
+TEST_CASE(
+    "ngs-variance merge rejects parts without objects, with objects that the scene lacks, and with one object twice") {
   const Case c;
   const auto with_columns = [](io::EvidencePart& part, const Words& names) {
     part = {Evidence(part.evidence.gaussians, int(names.size())),
@@ -87,7 +88,7 @@ TEST_CASE("ngs-variance merge refuses parts of no object, of objects the scene h
             names,
             part.views};
   };
-  const std::pair<Words, std::string> forged[] = {{{}, "evidence of no object"},
+  const std::pair<Words, std::string> forged[] = {{{}, "the parts have no object"},
                                                   {{"cube"}, "no object 'cube'"},
                                                   {{"other", "ball", "cube"}, "no object 'cube'"},
                                                   {{"ball", "ball"}, "object 'ball' is in the parts twice"}};
@@ -96,19 +97,21 @@ TEST_CASE("ngs-variance merge refuses parts of no object, of objects the scene h
     const test::ProcessResult refused = c.merge();
     INFO(refused.err);
     CHECK(refused.exit_code == 4);
-    CHECK(says(refused, message));
+    CHECK(has_message(refused, message));
     CHECK_FALSE(fs::exists(c.out));
   }
 }
 
-TEST_CASE("ngs-variance merge refuses a scene that the parts were not made from, and takes it where they do not say") {
+TEST_CASE(
+    "ngs-variance merge rejects a scene that the parts were not made from, and accepts any scene if the parts name "
+    "none") {
   const Case c;
   c.write_part([](io::EvidencePart&) {});
   c.import(c.path("another.json"), {"room=0", "ball=7"});
   const test::ProcessResult refused = c.merge({"--scene", c.path("another.json")});
   INFO(refused.err);
   CHECK(refused.exit_code == 4);
-  CHECK(says(refused, "another.json: is scene "));
+  CHECK(has_message(refused, "another.json: is scene "));
   fs::copy(c.scene, c.path("same.json"));
   CHECK(c.merge({"--scene", c.path("same.json")}).exit_code == 0);
   c.write_part([](io::EvidencePart& part) { part.made_with.clear(); });
@@ -125,26 +128,27 @@ TEST_CASE("evidence on stdout names its scene by an absolute path, evidence from
   INFO(from_root.err);
   CHECK(from_root.exit_code == 0);
 
-  c.write_part([](io::EvidencePart&) {});  // a file's part names the scene from its own folder, which a pipe has not
+  c.write_part([](io::EvidencePart&) {
+  });  // a part in a file has a scene path relative to its folder, which a pipe does not have
   const test::ProcessResult from_folder =
       c.run({"ngs-variance", "merge", "-", "-w", "-o", c.out}, {}, test::read_bytes(c.part));
   INFO(from_folder.err);
   CHECK(from_folder.exit_code == 0);
 }
 
-TEST_CASE("merging parts whose scene came through a pipe asks for the scene") {
+TEST_CASE("merging parts whose scene was read from a pipe requires --scene") {
   const Case c;
   const test::ProcessResult part =
       c.run({"ngs-variance", "-", "--object", "ball", "--partial", c.part}, {}, test::read_bytes(c.scene));
   REQUIRE(part.exit_code == 0);
-  const test::ProcessResult asked = c.merge();
-  INFO(asked.err);
-  CHECK(asked.exit_code == 2);
-  CHECK(says(asked, "--scene scene.json"));
+  const test::ProcessResult merged = c.merge();
+  INFO(merged.err);
+  CHECK(merged.exit_code == 2);
+  CHECK(has_message(merged, "--scene scene.json"));
   CHECK(c.merge({"--scene", c.scene}).exit_code == 0);
 }
 
-TEST_CASE("a scene or a model that a file names is refused before it is opened unless it is a regular file") {
+TEST_CASE("a scene or model path inside a file is rejected before opening unless it is a regular file") {
   const Case c;
   c.write_part([](io::EvidencePart&) {});
   fs::remove(c.path("model.ply"));
@@ -155,14 +159,14 @@ TEST_CASE("a scene or a model that a file names is refused before it is opened u
     const test::ProcessResult refused = c.run(argv);
     INFO(argv[0] << ": " << refused.err);
     CHECK(refused.exit_code == 3);
-    CHECK(says(refused, "model.ply: not a regular file, expected one"));
+    CHECK(has_message(refused, "model.ply: not a regular file, expected one"));
   }
   fs::remove(c.scene);
   REQUIRE(mkfifo(c.scene.c_str(), 0600) == 0);
   const test::ProcessResult refused = c.merge();
   INFO(refused.err);
   CHECK(refused.exit_code == 3);
-  CHECK(says(refused, "scene.json: not a regular file, expected one"));
+  CHECK(has_message(refused, "scene.json: not a regular file, expected one"));
 }
 
 }  // namespace ngs

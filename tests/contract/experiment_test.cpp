@@ -54,7 +54,7 @@ TEST_CASE("experiment.mk runs only what changed") {
     CHECK(after["boundary.ply"] != before.at("boundary.ply"));
     CHECK(after["metrics.json"] != before.at("metrics.json"));
   }
-  SUBCASE("the optimisation, if a file changed that its options name") {
+  SUBCASE("the optimisation, if a file named in its options changed") {
     const auto steps = [&](const char* text) {
       capture.dir.write("joint.json", text);
       CHECK(make({"METHOD=flash", "JOINT_FLAGS=--options joint.json"}).exit_code == 0);
@@ -65,7 +65,7 @@ TEST_CASE("experiment.mk runs only what changed") {
     CHECK(steps("{\"steps\": 14}") == 14);
     CHECK(times_of(out)["boundary.ply"] == before.at("boundary.ply"));
   }
-  SUBCASE("the scores, if a bound was added; make fails where it is not met") {
+  SUBCASE("the scores, if a bound was added; make fails if it is not met") {
     const test::ProcessResult second = make({"METHOD=flash", "EVAL_FLAGS=--fail-below iou=1.01"});
     INFO(second.err);
     CHECK(second.exit_code != 0);
@@ -77,7 +77,7 @@ TEST_CASE("experiment.mk runs only what changed") {
   }
 }
 
-TEST_CASE("experiment.mk makes the artifact that is asked for, and says where nothing was scored") {
+TEST_CASE("experiment.mk writes the artifact given as target, and fails if nothing was scored") {
   const Capture capture;
   const std::string out = capture.dir.path() + "/out/";
   CHECK(run_make(capture.dir.path(), {"METHOD=flash", "out/labelled.ply"}).exit_code == 0);
@@ -91,7 +91,7 @@ TEST_CASE("experiment.mk makes the artifact that is asked for, and says where no
   CHECK(unscored.err.find("nothing was scored") != std::string::npos);
 }
 
-TEST_CASE("experiment.mk makes again what was taken out of the output folder") {
+TEST_CASE("experiment.mk recreates files that were removed from the output folder") {
   const Capture capture;
   const std::string out = capture.dir.path() + "/out";
   const auto make = [&] {
@@ -109,15 +109,15 @@ TEST_CASE("experiment.mk makes again what was taken out of the output folder") {
   CHECK(times_of(out) == before);
 }
 
-TEST_CASE("experiment.mk finds poses where ngs-scene does") {
+TEST_CASE("experiment.mk finds poses in the same places as ngs-scene") {
   for (const auto& [from, to] : {std::pair{"sparse", "colmap/sparse"}, {"transforms.json", "transforms_train.json"}}) {
     CAPTURE(to);
     const Capture capture;
-    const std::string scene = capture.dir.path() + "/my scene/", kept = capture.dir.path() + "/kept";
-    fs::rename(scene + from, kept);
+    const std::string scene = capture.dir.path() + "/my scene/", moved = capture.dir.path() + "/moved";
+    fs::rename(scene + from, moved);
     for (const char* other : {"sparse", "transforms.json", "cameras.json"}) fs::remove_all(scene + other);
     fs::create_directories(fs::path(scene + to).parent_path());
-    fs::rename(kept, scene + to);
+    fs::rename(moved, scene + to);
     const test::ProcessResult result = run_make(capture.dir.path(), {"out/scene.json"});
     INFO(result.err);
     CHECK(result.exit_code == 0);
@@ -125,7 +125,7 @@ TEST_CASE("experiment.mk finds poses where ngs-scene does") {
   }
 }
 
-TEST_CASE("experiment.mk sees a photo that changed where only the transforms file names its folder") {
+TEST_CASE("experiment.mk detects a changed photo in a folder that only the transforms file names") {
   const Capture capture;
   const std::string scene = capture.dir.path() + "/my scene/";
   fs::remove_all(scene + "sparse"), fs::remove(scene + "cameras.json");

@@ -1,4 +1,4 @@
-// An interrupted fit, continued from its checkpoint, is the fit that was never interrupted.
+// A fit resumed from a checkpoint equals a fit that was never interrupted.
 #include <doctest/doctest.h>
 #include <signal.h>
 
@@ -35,7 +35,7 @@ test::ProcessResult fit(const std::string& out, const std::vector<std::string>& 
   return test::run_process(fit_spec(out, more, interrupt));
 }
 
-/// Room for the model of 90 Gaussians, not for the checkpoint, which has the moments beside.
+/// Disk space for the model of 90 Gaussians, but not for the checkpoint, which also has the Adam moments.
 test::ProcessResult fit_on_full_disk(const std::string& out, const std::vector<std::string>& more) {
   return test::run_process(test::with_files_of_at_most(16, fit_spec(out, more, false)));
 }
@@ -48,20 +48,21 @@ std::size_t count(const std::string& text, const std::string& part) {
 
 }  // namespace
 
-TEST_CASE("ngs-fit that was stopped by SIGTERM and resumed writes the bytes of one that was not") {
+TEST_CASE("ngs-fit stopped by SIGTERM and resumed writes the bytes of an uninterrupted run") {
   const test::TempDir dir;
   const std::string whole = dir.path() + "/whole.ply", resumed = dir.path() + "/resumed.ply",
                     keep = dir.path() + "/keep";
   REQUIRE(fit(whole, {}, false).exit_code == 0);
   REQUIRE(fit(resumed, {"--checkpoint", keep}, true).exit_code == 128 + SIGTERM);
   CHECK_FALSE(std::filesystem::exists(resumed));
-  // Options of another run do not go on from it.
+  // A run with other options does not resume from it.
   CHECK(fit(resumed, {"--checkpoint", keep, "--resume", "--background", "1,1,1"}, false).exit_code == 4);
   REQUIRE(fit(resumed, {"--checkpoint", keep, "--resume"}, false).exit_code == 0);
   CHECK(test::read_bytes(resumed) == test::read_bytes(whole));
 }
 
-TEST_CASE("ngs-fit writes its model where there is no room for a checkpoint, says so once, and keeps the one before") {
+TEST_CASE(
+    "ngs-fit without disk space for a checkpoint writes its model, warns once, and keeps the previous checkpoint") {
   const test::TempDir dir;
   const std::string whole = dir.path() + "/whole.ply", model = dir.path() + "/m.ply", keep = dir.path() + "/keep",
                     kept = keep + "/fit.safetensors";
@@ -80,9 +81,9 @@ TEST_CASE("ngs-fit writes its model where there is no room for a checkpoint, say
   CHECK(test::read_bytes(kept) == before);
 }
 
-TEST_CASE("ngs-fit that is stopped where there is no room for a checkpoint says that nothing was kept") {
+TEST_CASE("ngs-fit stopped without disk space for a checkpoint returns an error") {
   const test::TempDir dir;
-  // At the first step the checkpoint is no larger than the model.
+  // At the first step the checkpoint is not larger than the model.
   const test::ProcessResult result = test::run_process(
       test::with_files_of_at_most(1, fit_spec(dir.path() + "/m.ply", {"--checkpoint", dir.path() + "/keep"}, true)));
   INFO(result.err);
@@ -91,7 +92,7 @@ TEST_CASE("ngs-fit that is stopped where there is no room for a checkpoint says 
   CHECK_FALSE(std::filesystem::exists(dir.path() + "/m.ply"));
 }
 
-TEST_CASE("ngs-fit goes on with a copy of its files, and not where a photo or the points are others") {
+TEST_CASE("ngs-fit resumes with a copy of its files, but not with a different photo or different points") {
   const test::TempDir dir;
   const std::string scene = dir.path() + "/scene", keep = dir.path() + "/keep";
   std::filesystem::copy(test::fixture_folder(), scene, std::filesystem::copy_options::recursive);
@@ -121,7 +122,7 @@ TEST_CASE("ngs-fit goes on with a copy of its files, and not where a photo or th
   CHECK(points_fit(scene, {"--resume"}).exit_code == 0);
 }
 
-TEST_CASE("ngs-fit refuses a checkpoint whose step lies beyond the last, or whose numbers are not finite") {
+TEST_CASE("ngs-fit rejects a checkpoint with a step beyond the last or with values that are not finite") {
   const test::TempDir dir;
   const std::string model = dir.path() + "/m.ply", keep = dir.path() + "/keep", kept = keep + "/fit.safetensors";
   REQUIRE(fit(model, {"--checkpoint", keep}, false).exit_code == 0);

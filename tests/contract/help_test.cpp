@@ -1,4 +1,4 @@
-// The help of every tool and command, as a person sees it.
+// The help of every tool and command.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
-std::string said(Words argv, const std::string& columns = "100") {
+std::string output_of(Words argv, const std::string& columns = "100") {
   argv[0] = NGS_TOOL_DIR "/" + argv[0];
   test::ProcessSpec spec;
   spec.argv = std::move(argv);
@@ -26,9 +26,9 @@ std::string said(Words argv, const std::string& columns = "100") {
   return result.out;
 }
 
-std::string said(Words argv, const char* word, const std::string& columns = "100") {
+std::string output_of(Words argv, const char* word, const std::string& columns = "100") {
   argv.emplace_back(word);
-  return said(std::move(argv), columns);
+  return output_of(std::move(argv), columns);
 }
 
 Words lines_of(const std::string& text) {
@@ -46,11 +46,11 @@ std::vector<std::string> tools() {
   return names;
 }
 
-/// Every command line that has a help of its own: {"ngs-rbf"}, {"ngs-scene", "import"}.
+/// Every command line with its own help: {"ngs-rbf"}, {"ngs-scene", "import"}.
 std::vector<Words> commands() {
   std::vector<Words> all;
   for (const std::string& tool : tools())
-    for (const std::string& command : lines_of(said({tool, "--print-commands"})))
+    for (const std::string& command : lines_of(output_of({tool, "--print-commands"})))
       all.push_back(command.empty() ? Words{tool} : Words{tool, command});
   return all;
 }
@@ -70,19 +70,19 @@ TEST_CASE("no help is wider than the terminal; -h has at most 30 lines of 100 co
   for (const Words& command : all) {
     INFO(command.front(), " ", command.back());
     for (const char* columns : {"60", "100"}) {
-      check_width(said(command, "-h", columns), std::stoi(columns));
-      check_width(said(command, "--help", columns), std::stoi(columns));
-      check_width(said(command, "--help=all", columns), std::stoi(columns));
+      check_width(output_of(command, "-h", columns), std::stoi(columns));
+      check_width(output_of(command, "--help", columns), std::stoi(columns));
+      check_width(output_of(command, "--help=all", columns), std::stoi(columns));
     }
-    CHECK(lines_of(said(command, "-h")).size() <= 30);
-    CHECK(lines_of(said(command, "--help")).size() <= 80);
+    CHECK(lines_of(output_of(command, "-h")).size() <= 30);
+    CHECK(lines_of(output_of(command, "--help")).size() <= 80);
   }
-  for (const std::string& tool : tools()) check_width(said({tool}, "--help", "60"), 60);
+  for (const std::string& tool : tools()) check_width(output_of({tool}, "--help", "60"), 60);
 }
 
-TEST_CASE("-h and --help begin with what the tool is and examples, and --help has more") {
+TEST_CASE("-h and --help begin with the purpose of the tool and examples, and --help is longer") {
   for (const Words& command : commands()) {
-    const std::string brief = said(command, "-h"), full = said(command, "--help");
+    const std::string brief = output_of(command, "-h"), full = output_of(command, "--help");
     std::string name = command.front();
     if (command.size() > 1) name += " " + command.back();
     CAPTURE(name);
@@ -97,10 +97,11 @@ TEST_CASE("-h and --help begin with what the tool is and examples, and --help ha
   }
 }
 
-TEST_CASE("--help of ngs-joint shows what the method listens to, and ends with the groups it does not explain") {
-  const std::string usual = said({"ngs-joint", "--help"}), cob = said({"ngs-joint", "--method", "cob", "--help"});
+TEST_CASE("--help of ngs-joint shows the options of the method, and ends with a list of the other groups") {
+  const std::string usual = output_of({"ngs-joint", "--help"}),
+                    cob = output_of({"ngs-joint", "--method", "cob", "--help"});
   for (const char* method : {"ng-gs", "bce", "cob", "flash", "sa3d", "saga", "released"})
-    CHECK(lines_of(said({"ngs-joint", "--method", method, "--help"})).size() <= 80);
+    CHECK(lines_of(output_of({"ngs-joint", "--method", method, "--help"})).size() <= 80);
   CHECK(usual.find("--cob-rounds") == usual.npos);
   CHECK(cob.find("--cob-rounds") != cob.npos);
   CHECK(usual.find("--time-budget") != usual.npos);
@@ -112,7 +113,7 @@ TEST_CASE("--help of ngs-joint shows what the method listens to, and ends with t
   CHECK(last_of_cob.find("|cob|") == last_of_cob.npos);
 }
 
-TEST_CASE("the modes in the help are those of the method") {
+TEST_CASE("the help shows the switches of the selected method") {
   const auto has_row = [](const std::string& help, const std::string& name, const std::string& mode) {
     return std::ranges::any_of(lines_of(help), [&](const std::string& line) {
       std::istringstream words(line);
@@ -120,24 +121,24 @@ TEST_CASE("the modes in the help are those of the method") {
       return words >> first >> second && first == name && second == mode;
     });
   };
-  const std::string ngs = said({"ngs-joint", "--help"}), all = said({"ngs-joint", "--help", "effects"});
-  const std::string ng_gs = said({"ngs-joint", "--method", "ng-gs", "--help", "effects"});
+  const std::string ngs = output_of({"ngs-joint", "--help"}), all = output_of({"ngs-joint", "--help", "effects"});
+  const std::string ng_gs = output_of({"ngs-joint", "--method", "ng-gs", "--help", "effects"});
   CHECK(has_row(ngs, "contours", "auto"));
   CHECK(has_row(ngs, "joint", "auto"));
-  CHECK_FALSE(has_row(ngs, "nerf", "auto"));  // a part: in full only
+  CHECK_FALSE(has_row(ngs, "nerf", "auto"));  // a part: shown with --help all only
   CHECK(has_row(all, "nerf", "auto"));
   CHECK(has_row(ng_gs, "nerf", "on"));
   CHECK(has_row(ng_gs, "contours", "off"));
-  CHECK_FALSE(has_row(said({"ngs-joint", "--method", "cob", "--help", "effects"}), "joint", "auto"));
+  CHECK_FALSE(has_row(output_of({"ngs-joint", "--method", "cob", "--help", "effects"}), "joint", "auto"));
 }
 
-TEST_CASE("--help GROUP shows one group, whoever listens to it, and refuses a group that there is none of") {
-  const std::string rbf = said({"ngs-joint", "--help", "rbf"});
+TEST_CASE("--help GROUP shows one group, whether it applies or not, and rejects an unknown group") {
+  const std::string rbf = output_of({"ngs-joint", "--help", "rbf"});
   CHECK(rbf.starts_with("rbf: "));
   CHECK(rbf.find("\n  --neighbours N ") != rbf.npos);
   CHECK(rbf.find("\n\n") == rbf.npos);
-  CHECK(said({"ngs-joint", "--help=cob"}).find("only with --method cob [default; range]:\n") != std::string::npos);
-  CHECK(said({"ngs-joint", "--help", "quality"}).find("\n  standard ") != std::string::npos);
+  CHECK(output_of({"ngs-joint", "--help=cob"}).find("only with --method cob [default; range]:\n") != std::string::npos);
+  CHECK(output_of({"ngs-joint", "--help", "quality"}).find("\n  standard ") != std::string::npos);
   test::ProcessSpec spec;
   spec.argv = {NGS_TOOL_DIR "/ngs-joint", "--help", "contour"};
   const test::ProcessResult result = test::run_process(spec);
@@ -151,8 +152,8 @@ TEST_CASE("--help GROUP shows one group, whoever listens to it, and refuses a gr
 TEST_CASE("--help all has every option of every tool once, in the group that --help GROUP shows") {
   for (const Words& command : commands()) {
     INFO(command.front(), " ", command.back());
-    const Words lines = lines_of(said(command, "--help=all"));
-    const nlohmann::json schema = nlohmann::json::parse(said(command, "--print-schema"));
+    const Words lines = lines_of(output_of(command, "--help=all"));
+    const nlohmann::json schema = nlohmann::json::parse(output_of(command, "--print-schema"));
     for (const auto& [name, property] : schema["properties"].items()) {
       std::string flag = name;
       std::ranges::replace(flag, '_', '-');
@@ -163,12 +164,12 @@ TEST_CASE("--help all has every option of every tool once, in the group that --h
   }
 }
 
-TEST_CASE("every tool says its version as text and as JSON, in any order of the flags") {
+TEST_CASE("every tool prints its version as text and as JSON, in any order of the flags") {
   for (const std::string& tool : tools()) {
     CAPTURE(tool);
-    CHECK(said({tool, "--version"}).starts_with(tool + " 0."));
+    CHECK(output_of({tool, "--version"}).starts_with(tool + " 0."));
     for (const Words& flags : {Words{"--version", "--json"}, Words{"--json", "--version"}}) {
-      const nlohmann::json record = nlohmann::json::parse(said({tool, flags[0], flags[1]}), nullptr, false);
+      const nlohmann::json record = nlohmann::json::parse(output_of({tool, flags[0], flags[1]}), nullptr, false);
       REQUIRE_FALSE(record.is_discarded());
       CHECK(record["tool"] == tool);
       CHECK(record["version"].is_string());
@@ -176,7 +177,7 @@ TEST_CASE("every tool says its version as text and as JSON, in any order of the 
   }
 }
 
-TEST_CASE("a tool with commands refuses --json without --version, and a command it does not have") {
+TEST_CASE("a tool with commands rejects --json without --version, and an unknown command") {
   test::ProcessSpec spec;
   for (const Words& words : {Words{"--json"}, Words{"imprt"}}) {
     spec.argv = {NGS_TOOL_DIR "/ngs-scene", words[0]};

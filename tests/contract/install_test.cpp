@@ -1,5 +1,5 @@
-// The build compiles what was asked for, and what `cmake --install` copies serves those who know nothing of the
-// checkout: other projects, man, shells, packages.
+// The build compiles only what is requested, and installed files work without the source tree: for other projects, man,
+// shells, packages.
 #include <doctest/doctest.h>
 
 #include <cstdlib>
@@ -19,7 +19,7 @@ using Words = std::vector<std::string>;
 struct Installed {
   test::TempDir dir;
   std::string prefix = dir.path() + "/prefix";
-  std::string absent;  // what this machine lacks for it
+  std::string absent;  // what is missing on this machine
 
   Installed() {
     if (test::emulated()) {
@@ -39,21 +39,21 @@ struct Installed {
                               .input = {},
                               .signal_after = {}});
   }
-  /// Must succeed; what it says.
+  /// Runs a command that must succeed; returns its output.
   std::string output(const Words& argv) const {
     const test::ProcessResult result = run(argv);
     INFO(argv[0] << " " << argv.back() << ": " << result.out << result.err);
     REQUIRE(result.exit_code == 0);
     return result.out;
   }
-  /// Somewhere under the prefix; the folder's name depends on the system.
+  /// Searches a file under the prefix; the folder depends on the system.
   std::string found(const std::string& name) const {
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(prefix))
       if (entry.path().filename() == name) return entry.path().string();
     FAIL("nothing of this name was installed: " << name);
     return {};
   }
-  /// A program that reads a model and a photo of the tiny scene.
+  /// Builds a program that reads a model and a photo of the tiny scene.
   void write_user() const {
     fs::create_directories(dir.path() + "/scene");
     test::write_tiny_scene(dir.path() + "/scene");
@@ -67,15 +67,15 @@ struct Installed {
   }
 };
 
-const char* const kSaid = " 1 48\n";  // of that program, behind the version
+const char* const kOutput = " 1 48\n";  // output of that program after the version
 
 }  // namespace
 
-TEST_CASE("the build compiles no CUDA unless it is asked to, though there is an nvcc") {
+TEST_CASE("the build compiles no CUDA by default even if nvcc exists") {
   if (test::run_command({"cmake", "--version"}).exit_code == 127) return test::skip("no cmake");
   const test::TempDir dir;
   fs::create_directory(dir.path() + "/bin");
-  // The real cmake configures into this folder and builds nothing; an nvcc says that it was called.
+  // The real cmake configures into this folder and builds nothing; a fake nvcc records that it was called.
   dir.write("bin/cmake",
             "#!/bin/bash\ncase $1 in\n  --build) echo \"cmake $*\" ;;\n  *) PATH=${PATH#*:}; exec cmake -B " +
                 dir.path() + "/$NGS_PRESET \"$@\" ;;\nesac\n");
@@ -92,7 +92,7 @@ TEST_CASE("the build compiles no CUDA unless it is asked to, though there is an 
                            .signal_after = {}});
     INFO(result.out << result.err);
     REQUIRE(result.exit_code == 0);
-    CHECK(result.out.find("ngs: CUDA backend OFF\n") != result.out.npos);  // this nvcc compiles nothing
+    CHECK(result.out.find("ngs: CUDA backend OFF\n") != result.out.npos);  // the fake nvcc compiles nothing
     return result.out;
   };
   const std::string script = NGS_SOURCE_DIR "/pipelines/build.sh";
@@ -103,7 +103,7 @@ TEST_CASE("the build compiles no CUDA unless it is asked to, though there is an 
   CHECK(fs::exists(dir.path() + "/nvcc-called"));
 }
 
-TEST_CASE("another project finds an installed ngs with find_package, links ngs::ngs and runs where it likes") {
+TEST_CASE("another project finds an installed ngs with find_package, links ngs::ngs and runs in any folder") {
   const Installed installed;
   if (!installed.absent.empty()) return test::skip(installed.absent);
   installed.write_user();
@@ -111,13 +111,13 @@ TEST_CASE("another project finds an installed ngs with find_package, links ngs::
                       "cmake_minimum_required(VERSION 3.25)\nproject(user CXX)\nfind_package(ngs 0.1 REQUIRED)\n"
                       "add_executable(user user.cpp)\ntarget_link_libraries(user PRIVATE ngs::ngs)\n");
   installed.output({"cmake", "-S", ".", "-B", "build", "-DCMAKE_PREFIX_PATH=" + installed.prefix});
-  const std::string said = installed.output({"cmake", "--build", "build", "--verbose"});
-  CHECK(said.find("-ffp-contract=off") != said.npos);
-  CHECK(said.find(NGS_SOURCE_DIR) == said.npos);  // nothing of the checkout
-  CHECK(installed.output({"build/user"}).ends_with(kSaid));
+  const std::string log = installed.output({"cmake", "--build", "build", "--verbose"});
+  CHECK(log.find("-ffp-contract=off") != log.npos);
+  CHECK(log.find(NGS_SOURCE_DIR) == log.npos);  // no path of the source tree
+  CHECK(installed.output({"build/user"}).ends_with(kOutput));
 }
 
-TEST_CASE("pkg-config says how to compile and link against an installed ngs") {
+TEST_CASE("pkg-config gives working flags to compile and link against an installed ngs") {
   const Installed installed;
   if (!installed.absent.empty()) return test::skip(installed.absent);
   if (installed.run({"pkg-config", "--version"}).exit_code == 127) return test::skip("no pkg-config");
@@ -126,17 +126,17 @@ TEST_CASE("pkg-config says how to compile and link against an installed ngs") {
   installed.output({"bash", "-c",
                     "export PKG_CONFIG_PATH=" + folder +
                         "; c++ $(pkg-config --cflags ngs) user.cpp $(pkg-config --libs ngs) -o user"});
-  CHECK(installed.output({"./user"}).ends_with(kSaid));
+  CHECK(installed.output({"./user"}).ends_with(kOutput));
 }
 
-TEST_CASE("every tool has a page for man, which renders without a warning and names its options") {
+TEST_CASE("every tool has a man page that renders without a warning and lists its options") {
   const Installed installed;
   if (!installed.absent.empty()) return test::skip(installed.absent);
   if (installed.run({"man", "--version"}).exit_code == 127) return test::skip("no man");
   int pages = 0;
   for (const fs::directory_entry& tool : fs::directory_iterator(installed.prefix + "/bin")) {
     const std::string name = tool.path().filename().string();
-    if (name == "ngs-gs") continue;  // a script; its --help
+    if (name == "ngs-gs") continue;  // a script: only its --help
     CAPTURE(name);
     const std::string page = installed.prefix + "/share/man/man1/" + name + ".1";
     REQUIRE(fs::exists(page));
@@ -168,7 +168,7 @@ TEST_CASE("bash completes options, their values and commands") {
   CHECK(completed("ngs-scene check --check-") == "--check-polarity --check-views\n");
   CHECK(completed("ngs-variance merge --ex") == "--exclusive\n");
   CHECK(completed("ngs-eval --allow-m") == "--allow-missing\n");
-  CHECK(completed("ngs-joint --field f") == "\n");  // a path, which bash completes
+  CHECK(completed("ngs-joint --field f") == "\n");  // a path, completed by bash
 }
 
 TEST_CASE("zsh completes options, their values and commands") {
@@ -209,7 +209,7 @@ TEST_CASE("fish completes options, their values and commands") {
   CHECK(offered("ngs-joint --field pre") == "prefix/\n");
 }
 
-TEST_CASE("the installed chain runs, with the tools beside it") {
+TEST_CASE("the installed chain runs with the installed tools") {
   const Installed installed;
   if (!installed.absent.empty()) return test::skip(installed.absent);
   for (const char* name :

@@ -1,5 +1,5 @@
-// An interrupted ngs-joint, continued from its checkpoint, is the run that was never interrupted, wherever the signal
-// came; and no checkpoint serves another run.
+// An ngs-joint run resumed from its checkpoint equals an uninterrupted run, wherever the signal came; and a checkpoint
+// is rejected by any other run.
 #include <doctest/doctest.h>
 #include <signal.h>
 
@@ -28,7 +28,7 @@ struct Case {
   std::string path(const std::string& name) const { return dir.path() + "/" + name + ".ply"; }
   std::string bytes(const std::string& name) const { return test::read_bytes(path(name)); }
 
-  /// Writes NAME.ply. TERM comes once stderr holds `interrupt`, where that is given.
+  /// Writes NAME.ply. Sends TERM as soon as stderr contains `interrupt`, if that is given.
   test::ProcessResult joint(const std::string& name, const Words& more, const std::string& interrupt = {}) const {
     return test::run_process(spec(name, more, interrupt));
   }
@@ -46,11 +46,12 @@ Words operator+(Words words, const Words& more) {
   return words;
 }
 
-bool says(const test::ProcessResult& result, const std::string& text) {
+bool has_message(const test::ProcessResult& result, const std::string& text) {
   return result.err.find(text) != std::string::npos;
 }
 
-/// Stops the run of `options` where `interrupt` is said, goes on, and compares. Returns what was said when it went on.
+/// Stops the run with `options` when it prints `interrupt`, resumes it and compares. Returns the output of the resumed
+/// run.
 test::ProcessResult stop_and_resume(const Case& c, const Words& options, const std::string& interrupt, bool keeps) {
   REQUIRE(c.joint("whole", options).exit_code == 0);
   const Words kept = options + Words{"--checkpoint", c.keep};
@@ -61,12 +62,12 @@ test::ProcessResult stop_and_resume(const Case& c, const Words& options, const s
   CHECK(fs::exists(c.kept) == keeps);
   test::ProcessResult resumed = c.joint("resumed", kept + Words{"--resume"});
   REQUIRE(resumed.exit_code == 0);
-  CHECK(says(resumed, "resumed after step") == keeps);
+  CHECK(has_message(resumed, "resumed after step") == keeps);
   CHECK(c.bytes("resumed") == c.bytes("whole"));
   return resumed;
 }
 
-/// A copy of the scene whose photos show upright stripes, full of edges that no mask knows.
+/// A copy of the scene whose photos show vertical stripes: many edges that are in no mask.
 void lay_stripes(Case& c) {
   const fs::path copy = c.dir.path() + "/striped";
   fs::copy(test::fixture_folder(), copy, fs::copy_options::recursive);
@@ -86,7 +87,7 @@ Json figure(const Case& c, const std::string& name, const std::string& figure) {
   return Json::parse(test::read_bytes(c.dir.path() + "/" + name + ".json")).at("result").at(figure);
 }
 
-/// Ten steps of which a checkpoint keeps the first six.
+/// Ten steps, with a checkpoint after the first six.
 const Words kSteps{"--steps", "10", "--effect", "nerf=off", "--effect", "contours=off"};
 void keep_six(const Case& c, const Words& more = {}) {
   REQUIRE(c.joint("kept", kSteps + more + Words{"--checkpoint", c.keep, "--checkpoint-every", "6"}).exit_code == 0);
@@ -95,29 +96,29 @@ void keep_six(const Case& c, const Words& more = {}) {
 
 }  // namespace
 
-TEST_CASE("ngs-joint that was stopped while it prepared keeps nothing, and begins anew") {
+TEST_CASE("ngs-joint stopped during preparation writes no checkpoint, and starts from the beginning") {
   const Case c;
   const Words options{"--steps",  "4",           "--effect", "contours=off",
                       "--effect", "floaters=on", "--effect", "mask-outliers=on"};
   stop_and_resume(c, options, "device", false);
 }
 
-TEST_CASE("ngs-joint that was stopped in its steps goes on with the next one") {
+TEST_CASE("ngs-joint stopped during its steps resumes with the next step") {
   const Case c;
   stop_and_resume(c, {"--steps", "400", "--effect", "nerf=off", "--effect", "contours=off"}, "step 1 begins", true);
 }
 
-TEST_CASE("ngs-joint that was stopped in the contour refinement goes on with it") {
+TEST_CASE("ngs-joint stopped during contour refinement resumes the refinement") {
   const Case c;
-  // The walk may move nothing, so that the round is taken; its many visits leave time for the signal.
+  // Contours must not move, so that the iteration is accepted; its many steps leave time for the signal.
   const Words edges{"--effect",         "contours=on", "--contour-band", "0.5", "--contour-iterations", "1",
                     "--contour-epochs", "400"};
   const test::ProcessResult resumed =
       stop_and_resume(c, Words{"--steps", "4", "--effect", "nerf=off"} + edges, "contours begin", true);
-  CHECK(says(resumed, "resumed after step 4"));
+  CHECK(has_message(resumed, "resumed after step 4"));
 }
 
-TEST_CASE("ngs-joint shortens the joint stage before contour iterations at half the size, and only then") {
+TEST_CASE("ngs-joint shortens the joint stage only before contour iterations at half resolution") {
   Case c;
   const Json views = Json::parse(test::read_bytes(c.scene)).at("views");
   const auto n = std::count_if(views.begin(), views.end(), [](const Json& v) { return v.at("split") == "train"; });
@@ -133,42 +134,42 @@ TEST_CASE("ngs-joint shortens the joint stage before contour iterations at half 
   REQUIRE(figure(c, "one", "contour_iterations") == 1);
   CHECK(figure(c, "one", "steps") == 10 * n);
 
-  // The refinement is refused: then the other steps follow. Stopped in these it goes on with the contours.
+  // The refinement is rejected, so the remaining joint steps follow. A run stopped in these resumes with the contours.
   lay_stripes(c);
   const std::string rest = "step " + std::to_string(3 * n + 1) + " begins";
-  CHECK(
-      says(stop_and_resume(c, coarse + report("refused"), rest, true), "resumed after step " + std::to_string(3 * n)));
+  CHECK(has_message(stop_and_resume(c, coarse + report("refused"), rest, true),
+                    "resumed after step " + std::to_string(3 * n)));
   REQUIRE(figure(c, "refused", "contour_iterations") == 0);
   CHECK(figure(c, "refused", "steps") == 10 * n);
 }
 
-TEST_CASE("ngs-joint writes its result where there is no room for a checkpoint, and says so") {
+TEST_CASE("ngs-joint without disk space for a checkpoint writes its result and warns") {
   const Case c;
   const Words few{"--steps", "4", "--effect", "nerf=off", "--effect", "contours=on", "--contour-epochs", "2"};
   REQUIRE(c.joint("whole", few).exit_code == 0);
   const int room_kib =
-      int(fs::file_size(c.path("whole")) / 1024) + 8;  // for the model; a checkpoint holds the moments beside
+      int(fs::file_size(c.path("whole")) / 1024) + 8;  // enough for the model; a checkpoint also has the Adam moments
   const Words kept = few + Words{"--checkpoint", c.keep, "--checkpoint-every", "1"};
   const test::ProcessResult result = test::run_process(test::with_files_of_at_most(room_kib, c.spec("full", kept)));
   INFO(result.err);
   CHECK(result.exit_code == 0);
   CHECK(c.bytes("full") == c.bytes("whole"));
-  CHECK(says(result, "the checkpoint was not written, the run goes on without it"));
+  CHECK(has_message(result, "the checkpoint was not written, the run continues without it"));
   CHECK(fs::is_empty(c.keep));
 }
 
-TEST_CASE("ngs-joint that is stopped where there is no room for a checkpoint says that nothing was kept") {
+TEST_CASE("ngs-joint stopped without disk space for a checkpoint returns an error") {
   const Case c;
   const Words many{"--steps", "400", "--effect", "nerf=off", "--effect", "contours=off", "--checkpoint", c.keep};
   const test::ProcessResult result =
       test::run_process(test::with_files_of_at_most(32, c.spec("full", many, "step 1 begins")));
   INFO(result.err);
   CHECK(result.exit_code == 8);
-  CHECK(says(result, "checkpoint.safetensors: writing failed"));
+  CHECK(has_message(result, "checkpoint.safetensors: writing failed"));
   CHECK_FALSE(fs::exists(c.path("full")));
 }
 
-TEST_CASE("ngs-joint that resumes under a time budget does all remaining steps and continues their numbers") {
+TEST_CASE("ngs-joint resumed under a time budget runs all remaining steps and continues their numbers") {
   const Case c;
   REQUIRE(c.joint("whole", kSteps).exit_code == 0);
   keep_six(c);
@@ -182,7 +183,7 @@ TEST_CASE("ngs-joint that resumes under a time budget does all remaining steps a
   CHECK(steps == std::vector<int>{0, 7, 8, 9, 10});
 }
 
-TEST_CASE("ngs-joint refuses the checkpoint of another run") {
+TEST_CASE("ngs-joint rejects the checkpoint of another run") {
   Case c;
   keep_six(c);
   const Words resume = kSteps + Words{"--checkpoint", c.keep, "--resume"};
@@ -197,9 +198,9 @@ TEST_CASE("ngs-joint refuses the checkpoint of another run") {
     const test::ProcessResult refused = c.joint("other", resume + other);
     INFO(other[0] << ": " << refused.err);
     CHECK(refused.exit_code == 4);
-    CHECK(says(refused, "the checkpoint of a run with other inputs, options or effects"));
+    CHECK(has_message(refused, "the checkpoint of a run with other inputs, options or effects"));
   }
-  // A scene beside the other, so that its photos are found, with one view less to train on.
+  // A scene next to the other, so that its photos are found, with one training view less.
   std::string text = test::read_bytes(c.scene);
   const std::size_t at = text.find("\"train\"");
   REQUIRE(at != std::string::npos);
@@ -210,14 +211,14 @@ TEST_CASE("ngs-joint refuses the checkpoint of another run") {
   CHECK(c.joint("other", resume).exit_code == 4);
 }
 
-TEST_CASE("ngs-joint goes on with a copy of its files, and not where a mask or a photo is another") {
+TEST_CASE("ngs-joint resumes with a copy of its files, but not with a different mask or photo") {
   Case c;
   keep_six(c);
   const Words resume = kSteps + Words{"--checkpoint", c.keep, "--resume"};
   const fs::path copy = c.dir.path() + "/scene";
   fs::copy(test::fixture_folder(), copy, fs::copy_options::recursive);
   c.scene = (copy / "scene.json").string();
-  CHECK(says(c.joint("copied", resume), "resumed after step 6"));
+  CHECK(has_message(c.joint("copied", resume), "resumed after step 6"));
   for (const std::string file : {"masks/v1.png", "images/v3.png"}) {
     const fs::path other = copy / (file[0] == 'm' ? "masks/v2.png" : "images/v4.png"), kept = copy / "kept.png";
     fs::copy_file(copy / file, kept);
@@ -225,13 +226,13 @@ TEST_CASE("ngs-joint goes on with a copy of its files, and not where a mask or a
     const test::ProcessResult refused = c.joint("other", resume);
     INFO(file << ": " << refused.err);
     CHECK(refused.exit_code == 4);
-    CHECK(says(refused, "the checkpoint of a run with other inputs, options or effects"));
+    CHECK(has_message(refused, "the checkpoint of a run with other inputs, options or effects"));
     fs::remove(copy / file), fs::rename(kept, copy / file);
   }
   CHECK(c.joint("again", resume).exit_code == 0);
 }
 
-TEST_CASE("ngs-joint without steps refuses the checkpoint of a run that had some") {
+TEST_CASE("ngs-joint without steps rejects the checkpoint of a run with steps") {
   const Case c;
   keep_six(c);
   const test::ProcessResult refused =
@@ -241,17 +242,18 @@ TEST_CASE("ngs-joint without steps refuses the checkpoint of a run that had some
   CHECK_FALSE(fs::exists(c.path("other")));
 }
 
-TEST_CASE("ngs-joint refuses the checkpoint of another run before it looks for floaters, and takes none from it") {
+TEST_CASE(
+    "ngs-joint rejects the checkpoint of another run before it searches floaters, and uses none of its floaters") {
   const Case c;
   const Words options = kSteps + Words{"--effect", "floaters=on", "--checkpoint", c.keep};
   REQUIRE(c.joint("first", options + Words{"--checkpoint-every", "6"}).exit_code == 0);
   const test::ProcessResult refused = c.joint("other", options + Words{"--resume", "--lambda-cont", "0.2"});
   INFO(refused.err);
   CHECK(refused.exit_code == 4);
-  CHECK_FALSE(says(refused, "auto: exposure="));
+  CHECK_FALSE(has_message(refused, "auto: exposure="));
 }
 
-TEST_CASE("ngs-joint refuses a checkpoint whose step is none of its plan, or whose numbers are not finite") {
+TEST_CASE("ngs-joint rejects a checkpoint with a step beyond its plan or with values that are not finite") {
   const Case c;
   keep_six(c);
   const Words resume = kSteps + Words{"--checkpoint", c.keep, "--resume"};
@@ -263,7 +265,7 @@ TEST_CASE("ngs-joint refuses a checkpoint whose step is none of its plan, or who
     const test::ProcessResult refused = c.joint("other", resume);
     INFO(step << ": " << refused.err);
     CHECK(refused.exit_code == 3);
-    CHECK(says(refused, "'step' is '" + step + "', expected a whole number from 0 to 10"));
+    CHECK(has_message(refused, "'step' is '" + step + "', expected a whole number from 0 to 10"));
   }
   for (const std::string name : {"position", "label", "label.m", "sh_dc.v"}) {
     io::TensorFile forged = whole;
@@ -273,12 +275,12 @@ TEST_CASE("ngs-joint refuses a checkpoint whose step is none of its plan, or who
     const test::ProcessResult refused = c.joint("other", resume);
     INFO(name << ": " << refused.err);
     CHECK(refused.exit_code == 3);
-    CHECK(says(refused, "'" + name + "' has a value that is not finite"));
+    CHECK(has_message(refused, "'" + name + "' has a value that is not finite"));
   }
   CHECK_FALSE(fs::exists(c.path("other")));
 }
 
-TEST_CASE("ngs-joint goes on where Gaussians of the model are not finite") {
+TEST_CASE("ngs-joint resumes if Gaussians of the model are not finite") {
   const Case c;
   const std::string model = c.dir.path() + "/model.ply";
   fs::copy_file(test::fixture_folder() + "/boundary.ply", model);
@@ -296,7 +298,9 @@ TEST_CASE("ngs-joint goes on where Gaussians of the model are not finite") {
   CHECK(c.bytes("resumed") == c.bytes("whole"));
 }
 
-TEST_CASE("ngs-joint that resumes repeats what the interrupted run decided, and says what that had no time for") {
+TEST_CASE(
+    "ngs-joint resumed repeats the decisions of the interrupted run, and reports what that run skipped for lack of "
+    "time") {
   const Case c;
   keep_six(c);
   const Words resume =
@@ -313,11 +317,11 @@ TEST_CASE("ngs-joint that resumes repeats what the interrupted run decided, and 
     const test::ProcessResult resumed = c.joint("resumed", resume);
     INFO(resumed.err);
     CHECK(resumed.exit_code == exit_code);
-    CHECK(says(resumed, "resumed after step 6") == (exit_code != 4));
+    CHECK(has_message(resumed, "resumed after step 6") == (exit_code != 4));
   };
   run["left_out"] = {"mask-outliers"};
   goes_on(7);
-  CHECK(outliers(figure(c, "resumed", "effects")).at("reason") == "--time-budget has no time for it");
+  CHECK(outliers(figure(c, "resumed", "effects")).at("reason") == "--time-budget: skipped, no time left");
   run = as_decided;
   *std::find(run.at("effects").begin(), run.at("effects").end(), "mask-outliers=off") = "mask-outliers=on";
   goes_on(0);
@@ -332,7 +336,7 @@ TEST_CASE("ngs-joint that resumes repeats what the interrupted run decided, and 
   }
 }
 
-TEST_CASE("ngs-joint that resumes removes the floaters that the interrupted run had decided on under its budget") {
+TEST_CASE("ngs-joint resumed removes the floaters that the interrupted run found under its budget") {
   const Case c;
   const Words options = kSteps + Words{"--effect", "floaters=on", "--checkpoint", c.keep};
   REQUIRE(c.joint("first", options + Words{"--checkpoint-every", "6"}).exit_code == 0);
@@ -345,7 +349,7 @@ TEST_CASE("ngs-joint that resumes removes the floaters that the interrupted run 
   const test::ProcessResult resumed = c.joint("resumed", options + Words{"--resume"});
   INFO(resumed.err);
   CHECK(resumed.exit_code == 0);
-  CHECK(says(resumed, "resumed after step 6"));
+  CHECK(has_message(resumed, "resumed after step 6"));
   for (const Json& wrong :
        {Json(), Json(3), Json{{"draft", 1}, {"refit_epochs", 0}}, Json{{"draft", true}, {"refit_epochs", 1000000}}}) {
     run["passes"]["floaters"] = wrong;
@@ -355,7 +359,7 @@ TEST_CASE("ngs-joint that resumes removes the floaters that the interrupted run 
   }
 }
 
-TEST_CASE("ngs-joint refuses a checkpoint whose arrays have another length") {
+TEST_CASE("ngs-joint rejects a checkpoint whose arrays have another length") {
   const Case c;
   keep_six(c);
   const Words resume = kSteps + Words{"--checkpoint", c.keep, "--resume"};
@@ -368,7 +372,7 @@ TEST_CASE("ngs-joint refuses a checkpoint whose arrays have another length") {
     const test::ProcessResult refused = c.joint("other", resume);
     INFO(refused.err);
     CHECK(refused.exit_code == 3);
-    CHECK(says(refused, "checkpoint.safetensors: '" + name + "' has "));
+    CHECK(has_message(refused, "checkpoint.safetensors: '" + name + "' has "));
   }
 }
 

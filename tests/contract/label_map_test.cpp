@@ -1,5 +1,4 @@
-// Masks of every kind of file and name are scored; label maps mean the same ids when a scene is made and when it is
-// scored.
+// Masks of every file type and name are scored; label maps have the same ids in import and in scoring.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -16,7 +15,7 @@ namespace {
 
 constexpr int kWidthPx = 8, kHeightPx = 6;
 
-/// The left half of a picture.
+/// A mask of the left half of an image.
 std::vector<float> half(float left, float right) {
   std::vector<float> plane;
   for (int p = 0; p < kWidthPx * kHeightPx; ++p) plane.push_back(p % kWidthPx < kWidthPx / 2 ? left : right);
@@ -48,7 +47,7 @@ struct Maps {
 
 }  // namespace
 
-TEST_CASE("a grey label map saved as RGB has the ids that it has as grey") {
+TEST_CASE("a grey label map saved as RGB has the same ids as the grey one") {
   const Maps maps;
   maps.write_grey("p/a.png", 3, 7, 0);
   maps.write_grey("t/a.png", 1, 7, 0);
@@ -59,7 +58,7 @@ TEST_CASE("a grey label map saved as RGB has the ids that it has as grey") {
   CHECK(maps.metrics()["objects"][0]["object"] == "7");
 }
 
-TEST_CASE("the ids of an EXR are its channel of ids, not its soft mask") {
+TEST_CASE("the ids of an EXR are read from its id channel, not from its soft mask") {
   const Maps maps;
   maps.write_grey("t/a.png", 1, 7, 3);
   for (const char* name : {"p/a.exr", "p/a.EXR"}) {
@@ -74,7 +73,7 @@ TEST_CASE("the ids of an EXR are its channel of ids, not its soft mask") {
   }
 }
 
-TEST_CASE("an EXR that holds no ids, or no numbers, is refused by name") {
+TEST_CASE("an EXR without ids or with invalid values is rejected with its name") {
   const Maps maps;
   const auto refused = [&](std::map<std::string, std::vector<float>> channels, std::vector<std::string> flags,
                            const std::string& because) {
@@ -93,7 +92,7 @@ TEST_CASE("an EXR that holds no ids, or no numbers, is refused by name") {
   refused({{"ngs.mask", half(1, kInfinity)}}, {}, "mask value inf");
 }
 
-TEST_CASE("masks whose names are no UTF-8 are scored") {
+TEST_CASE("masks with names that are not UTF-8 are scored") {
   const Maps maps;
   for (const char* folder : {"p", "t"}) maps.write_grey(std::string(folder) + "/v\xfc.png", 1, 255, 0);
   REQUIRE(maps.eval({}).exit_code == 0);

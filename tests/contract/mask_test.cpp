@@ -1,4 +1,4 @@
-// ngs-mask from one stroke on a synthetic scene to masks of all views, against the exact truth.
+// ngs-mask computes masks of all views from strokes on one view of a synthetic scene, compared with the exact truth.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -35,15 +35,14 @@ void run_tool(const test::TempDir& dir, const std::vector<std::string>& argv, co
   REQUIRE(result.exit_code == 0);
 }
 
-/// As python3 sees the modules in tests/contract/stand_ins, which leave nothing behind there.
+/// Environment for python3 to find the modules in tests/contract/stand_ins and to write no cache files there.
 Environment stand_ins(const std::string& folders) {
   return {{"PYTHONPATH", folders}, {"PYTHONDONTWRITEBYTECODE", "1"}};
 }
 const std::string kStandIns = NGS_SOURCE_DIR "/tests/contract/stand_ins/";
 const std::string kAdapters = NGS_SOURCE_DIR "/pipelines/segmenters/";
 
-/// What a person would draw on view 0002 of two-spheres, 112 x 84 px: a stroke on the orange ball, one on the
-/// blue ball, one around both.
+/// Strokes on view 0002 of two-spheres, 112 x 84 px: one on the orange ball, one on the blue ball, one around both.
 const char* const kStrokes = R"({"ngs_prompts":1,"view":"0002.png","width":112,"height":84,"strokes":[
   {"object":true,"radius":2,"points":[[60,40],[75,25],[92,42]]},
   {"object":false,"radius":2,"points":[[12,52],[42,56]]},
@@ -66,7 +65,7 @@ const test::TempDir& stroke_scene() {
 
 }  // namespace
 
-TEST_CASE("strokes on one view bring masks of all views of a synthetic scene") {
+TEST_CASE("strokes on one view give masks of all views of a synthetic scene") {
   const test::TempDir& dir = stroke_scene();
   CHECK(test::schema_violations(schema(), Json::parse(kStrokes)) == "");
   CHECK(test::schema_violations(schema(), Json::parse(R"({"ngs_prompts":2,"views":[{"width":8,"height":6,
@@ -83,15 +82,16 @@ TEST_CASE("strokes on one view bring masks of all views of a synthetic scene") {
   CHECK(Json::parse(test::read_bytes(dir.path() + "/mask.json"))["result"]["segmented_masks"] == 7);
 }
 
-TEST_CASE("a program is given prompts that satisfy the schema: points and a box, then the expected mask too") {
+TEST_CASE(
+    "a segmenter program receives prompts that satisfy the schema: points and a box, then also the expected mask") {
   const test::TempDir& dir = stroke_scene();
   dir.write("segment.sh",
             "cp \"$2\" kept-$(basename \"$2\")\ncat /proc/$PPID/comm > comm\n"
             "v=$(sed -n 's/.*\"view\": \"\\(.*\\)\".*/\\1/p' \"$2\"); cp \"scene/masks_gt/$v\" \"$3\"\n");
-  run_tool(dir, {"ngs-mask", "scene.json", "--prompts", "strokes.json", "-o", "asked", "-q", "--passes", "1",
-                 "--segmenter", "sh segment.sh {image} {prompts} {out}", "--report", "asked.json"});
+  run_tool(dir, {"ngs-mask", "scene.json", "--prompts", "strokes.json", "-o", "program", "-q", "--passes", "1",
+                 "--segmenter", "sh segment.sh {image} {prompts} {out}", "--report", "program.json"});
   if (!test::emulated())
-    CHECK(test::read_bytes(dir.path() + "/comm") == "ngs-mask\n");  // as top and killall know the tool
+    CHECK(test::read_bytes(dir.path() + "/comm") == "ngs-mask\n");  // the process name in top and killall
   for (int call = 0; call < 8; ++call) {
     CAPTURE(call);
     const std::string path = dir.path() + "/kept-" + std::to_string(call) + "-prompts.json";
@@ -101,11 +101,11 @@ TEST_CASE("a program is given prompts that satisfy the schema: points and a box,
     CHECK(prompts["points"].size() > 1);
     CHECK(prompts["boxes"].size() == 1);
     CHECK(prompts.contains("mask") == (call > 0));
-    CHECK(prompts.contains("box_of_marks") == (call == 0));  // marked by strokes
+    CHECK(prompts.contains("box_of_marks") == (call == 0));  // the view has strokes
   }
 }
 
-TEST_CASE("the adapters of SAM 2 and SAM 3 ask their network in its words and write its masks, in both forms") {
+TEST_CASE("the adapters of SAM 2 and SAM 3 call their network correctly and write its masks, in both forms") {
   const std::string python = test::python_with("numpy, PIL");
   if (python.empty()) return test::skip("python3 with numpy and PIL is absent");
   const test::TempDir& dir = stroke_scene();
@@ -126,7 +126,7 @@ TEST_CASE("the adapters of SAM 2 and SAM 3 ask their network in its words and wr
   }
 }
 
-TEST_CASE("an adapter says which package is absent, and goes on after a request that it cannot answer") {
+TEST_CASE("an adapter names the missing package, and continues after a request that fails") {
   const std::string python = test::python_with("numpy, PIL");
   if (python.empty()) return test::skip("python3 with numpy and PIL is absent");
   const test::TempDir& dir = stroke_scene();

@@ -1,5 +1,4 @@
-// The memory that ngs-variance and ngs-joint say they need is what they take; the former leaves the SH bands in the
-// file.
+// The memory estimates of ngs-variance and ngs-joint match the real peak; ngs-variance does not load the SH bands.
 #include <doctest/doctest.h>
 
 #include <fstream>
@@ -27,7 +26,7 @@ GaussianCloud many_gaussians(std::int64_t n, int degree) {
 
 using Words = std::vector<std::string>;
 
-/// The report of `words`, or of its dry run.
+/// The report of the command `words`, or of its dry run.
 nlohmann::json report_of(Words words, bool dry) {
   for (const char* word : {"-w", "--allow-empty", "-q"}) words.emplace_back(word);
   if (dry) words.emplace_back("--dry-run");
@@ -38,7 +37,7 @@ nlohmann::json report_of(Words words, bool dry) {
   return nlohmann::json::parse(result.out);
 }
 
-/// The scene of the fixture with many Gaussians; the path of its scene.json.
+/// Writes the fixture's scene with many Gaussians; returns the path of its scene.json.
 std::string large_scene(const std::string& folder, int degree) {
   Scene scene = io::read_scene_json(test::fixture_folder() + "/scene.json");
   const std::string name = folder + "/" + std::to_string(degree);
@@ -52,7 +51,7 @@ double peak_mib(const nlohmann::json& run) { return run.at("stages").at("max_rss
 
 }  // namespace
 
-TEST_CASE("ngs-variance --dry-run foresees the peak memory, and SH bands do not add to it") {
+TEST_CASE("ngs-variance --dry-run estimates the peak memory, and SH bands do not add to it") {
   const test::TempDir folder;
   double peak[2];
   for (const int degree : {0, 2}) {
@@ -64,10 +63,10 @@ TEST_CASE("ngs-variance --dry-run foresees the peak memory, and SH bands do not 
     CHECK(plan.at("estimated_peak_mib").get<double>() >= measured * 0.95);
     CHECK(plan.at("estimated_peak_mib").get<double>() <= measured * 1.4);
   }
-  CHECK(std::abs(peak[1] - peak[0]) < 45);  // the bands themselves are 37 MiB; a part of the file is in memory
+  CHECK(std::abs(peak[1] - peak[0]) < 45);  // the bands are 37 MiB; part of the mapped file is in memory
 }
 
-TEST_CASE("ngs-joint --dry-run foresees the peak memory, of labels alone and with steps") {
+TEST_CASE("ngs-joint --dry-run estimates the peak memory, without and with steps") {
   const test::TempDir folder;
   const std::string scene = large_scene(folder.path(), 1), boundary = folder.path() + "/boundary.ply";
   report_of({NGS_TOOL_DIR "/ngs-variance", scene, "-o", boundary}, false);
@@ -78,12 +77,12 @@ TEST_CASE("ngs-joint --dry-run foresees the peak memory, of labels alone and wit
          Words{"--effect", steps ? "joint=on" : "joint=off", "--effect", "mask-outliers=on", "--effect", "floaters=on"})
       words.push_back(word);
     const nlohmann::json plan = report_of(words, true).at("plan");
-    const double foreseen = plan.at(steps ? "estimated_peak_mib_with_steps" : "estimated_peak_mib").get<double>(),
+    const double estimated = plan.at(steps ? "estimated_peak_mib_with_steps" : "estimated_peak_mib").get<double>(),
                  measured = peak_mib(report_of(words, false));
-    CAPTURE(foreseen);
+    CAPTURE(estimated);
     CAPTURE(measured);
-    CHECK(foreseen >= measured * 0.95);
-    CHECK(foreseen <= measured * 1.6);
+    CHECK(estimated >= measured * 0.95);
+    CHECK(estimated <= measured * 1.6);
   }
 }
 

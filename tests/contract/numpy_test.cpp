@@ -1,4 +1,4 @@
-// What ngs-extract --npz writes: read by our own reader, and by numpy as the FAQ says.
+// The output of ngs-extract --npz, read by our own reader and by numpy with the code of the FAQ.
 #include <doctest/doctest.h>
 
 #include <cstring>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kMostBytes = 1 << 20;
 
-/// What follows the header of an .npy file, whose text must say `descr` and `count`.
+/// The data after the header of an .npy file; the header must contain `descr` and `count`.
 template <class T>
 std::vector<T> values_of(const io::ZipReader& archive, const std::string& name, const std::string& descr,
                          std::size_t count) {
@@ -55,7 +55,7 @@ std::string documented_python() {
 
 }  // namespace
 
-TEST_CASE("ngs-extract --npz holds the labels before they are decided, and the rows that --object writes") {
+TEST_CASE("ngs-extract --npz contains the labels before rounding, and the rows that --object writes") {
   const test::TempDir tmp;
   const std::string& fixture = test::fixture_folder();
   const std::string npz = tmp.path() + "/labels.npz", object = tmp.path() + "/object.ply";
@@ -78,7 +78,7 @@ TEST_CASE("ngs-extract --npz holds the labels before they are decided, and the r
       CHECK(kept.cloud.position[3 * k + axis] == model.cloud.position[3 * std::size_t(rows[k]) + axis]);
 }
 
-TEST_CASE("numpy reads what ngs-extract --npz writes by the lines of the FAQ") {
+TEST_CASE("numpy reads the output of ngs-extract --npz with the code of the FAQ") {
   const std::string program = test::python_with("numpy");
   if (program.empty()) return test::skip("python3 with numpy is absent");
   const test::TempDir tmp;

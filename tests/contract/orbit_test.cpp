@@ -1,4 +1,4 @@
-// ngs-scene orbit on a splat without photos, then the other tools on its renders as if they were photos.
+// ngs-scene orbit on a splat without photos, then the other tools on its renders instead of photos.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -42,7 +42,8 @@ GaussianCloud ball_on_box() {
 
 }  // namespace
 
-TEST_CASE("a splat without photos is rendered, marked and labelled, and every report says what the photos are") {
+TEST_CASE(
+    "a splat without photos is rendered, marked and labelled, and every report records that the photos are renders") {
   const test::TempDir dir;
   dir.write("model.ply", test::strict_ply_bytes(ball_on_box()));
   fs::create_directory(dir.path() + "/alone");
@@ -55,7 +56,8 @@ TEST_CASE("a splat without photos is rendered, marked and labelled, and every re
   CHECK(scene["views"].size() == orbit["views"]);
   for (const Json& view : scene["views"]) CHECK(fs::exists(dir.path() + "/alone/" + std::string(view["image"])));
 
-  // The first camera is level with the bulk: the ball is the upper part of what it sees, the box the lower.
+  // The first camera is at the height of the bulk: the ball is in the upper part of its image, the box in the lower
+  // part.
   dir.write("strokes.json",
             R"({"ngs_prompts":1,"view":"0000.png","width":96,"height":96,"strokes":[
                {"object":true,"radius":2,"points":[[44,32],[52,32]]},
@@ -77,7 +79,7 @@ TEST_CASE("a splat without photos is rendered, marked and labelled, and every re
     CHECK(json_of(dir, report)["result"]["photos"] == "renders of the model, no photos");
   }
 
-  // Fewer views replace more: no render of before is left to be taken for one of now.
+  // Fewer views replace more: no render of an earlier run remains.
   run_tool(dir, {"ngs-scene", "orbit", "model.ply", "--up", "z", "--place", "outside", "--views", "4", "--max-views",
                  "4", "--size", "96x96", "-w", "-o", "alone/scene.json", "-q"});
   CHECK(fs::exists(dir.path() + "/alone/images/0003.png"));

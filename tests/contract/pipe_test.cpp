@@ -1,4 +1,4 @@
-// A scene that goes from tool to tool through a pipe, as "-" promises.
+// Scenes passed from tool to tool through pipes with "-".
 #include <doctest/doctest.h>
 
 #include <csignal>
@@ -21,7 +21,7 @@ test::ProcessResult run_in(const std::string& folder, std::vector<std::string> a
 
 }  // namespace
 
-TEST_CASE("a scene from stdin has paths relative to the working directory, one written to stdout has absolute paths") {
+TEST_CASE("a scene from stdin has paths relative to the working directory, a scene on stdout has absolute paths") {
   const test::TempDir dir;
   test::write_tiny_scene(dir.path());
   const auto label = [&](const std::string& folder, const std::string& scene, const std::string& input) {
@@ -65,7 +65,7 @@ TEST_CASE("output to stdout leaves no temporary file when the terminal closes, a
   CHECK(test::run_process(spec).exit_code == 0);
 }
 
-TEST_CASE("a failing child program is reported although the caller ignores SIGCHLD") {
+TEST_CASE("a failing child program is reported even if the parent ignores SIGCHLD") {
   const test::TempDir dir;
   test::write_tiny_scene(dir.path());
   dir.write("p.json", R"({"ngs_prompts":1,"view":"v0.png","width":48,"height":36,"boxes":[[12,6,36,30]]})");

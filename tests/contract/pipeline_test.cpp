@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 using test::Capture, test::run_make, test::run_script, test::times_of;
 
-TEST_CASE("ngs-gs.sh makes every promised file, and exits 1 where a bound of --fail-below is not met") {
+TEST_CASE("ngs-gs.sh writes every documented file, and exits with 1 if a bound of --fail-below is not met") {
   REQUIRE(fs::exists(NGS_TOOL_DIR "/ngs-joint"));
   const Capture capture;
   const test::ProcessResult first = capture.run({"--method", "flash"});
@@ -67,7 +67,7 @@ TEST_CASE("ngs cut of a capture and ngs-gs.sh, with the same options, write the 
   }
 }
 
-TEST_CASE("ngs-gs.sh renders masks at the photos' size where the working size is no whole part of it") {
+TEST_CASE("ngs-gs.sh renders masks at the photos' size if the working size does not divide it") {
   const Capture capture;
   const test::ProcessResult result = capture.run({"--image-scale", "0.3", "--method", "flash"});
   INFO(result.err);
@@ -86,9 +86,9 @@ TEST_CASE("ngs-gs.sh prints the commands in a dry run and writes nothing") {
   CHECK_FALSE(fs::exists(capture.out));
 }
 
-TEST_CASE("ngs-gs.sh gives --device to the tools that have a CUDA path, and to no other") {
+TEST_CASE("ngs-gs.sh passes --device only to tools with a CUDA path") {
   const Capture capture;
-  const auto given = [&](std::vector<std::string> further) {  // tool -> whether its command has the option
+  const auto given = [&](std::vector<std::string> further) {  // tool -> true if its command has the option
     further.insert(further.end(), {"-n", "--artifacts", "all", "--device", "cuda"});
     const test::ProcessResult result = capture.run(further);
     REQUIRE(result.exit_code == 0);
@@ -110,13 +110,13 @@ TEST_CASE("ngs-gs.sh gives --device to the tools that have a CUDA path, and to n
   expected["ngs-joint"] = false;
   CHECK(given({"--method", "flash"}) == expected);
 
-  // Where a tool is told of a device that is not there, it is the first one that could use it.
+  // If the device does not exist, the first tool with a CUDA path fails.
   const test::ProcessResult result = capture.run({"--device", "cuda"});
   if (result.exit_code != 0) CHECK(result.err.find("no CUDA path") == std::string::npos);
   CHECK(fs::exists(capture.out + "/scene.json"));
 }
 
-TEST_CASE("ngs-gs.sh passes on the exit code of the tool that failed") {
+TEST_CASE("ngs-gs.sh returns the exit code of the failed tool") {
   const Capture capture;
   fs::resize_file(capture.dir.path() + "/my scene/model.ply", 300);
   const test::ProcessResult result = capture.run({});
@@ -124,7 +124,7 @@ TEST_CASE("ngs-gs.sh passes on the exit code of the tool that failed") {
   CHECK(result.err.find("model.ply") != std::string::npos);
 }
 
-TEST_CASE("ngs-gs.sh refuses what it cannot use") {
+TEST_CASE("ngs-gs.sh rejects invalid arguments") {
   const test::TempDir dir;
   CHECK(run_script(dir.path(), {}).exit_code == 2);
   CHECK(run_script(dir.path(), {"nowhere", "out"}).exit_code == 3);
@@ -134,7 +134,7 @@ TEST_CASE("ngs-gs.sh refuses what it cannot use") {
   CHECK(empty.err.find("no cameras found") != std::string::npos);
 }
 
-TEST_CASE("ngs-gs.sh makes the field where a stage reads it or it is asked for") {
+TEST_CASE("ngs-gs.sh computes the field only if a stage reads it or with --artifacts all") {
   const Capture capture;
   const auto has_field = [&] {
     return fs::exists(capture.out + "/queries.ply") && fs::exists(capture.out + "/field.ply");
@@ -143,7 +143,7 @@ TEST_CASE("ngs-gs.sh makes the field where a stage reads it or it is asked for")
   CHECK_FALSE(has_field());
   const auto bytes = [&] { return test::read_bytes(capture.out + "/labelled.ply"); };
   const std::string labelled = bytes();
-  SUBCASE("asked for") {
+  SUBCASE("requested") {
     CHECK(capture.run({"--method", "flash", "--artifacts", "all"}).exit_code == 0);
     CHECK(has_field());
     CHECK(bytes() == labelled);
@@ -158,18 +158,18 @@ TEST_CASE("ngs-gs.sh makes the field where a stage reads it or it is asked for")
   CHECK(capture.run({"--artifacts", "some"}).exit_code == 2);
 }
 
-TEST_CASE("ngs-gs.sh says a failure once, as the tool says it") {
+TEST_CASE("ngs-gs.sh prints a failure once: the message of the tool") {
   const Capture capture;
   fs::remove_all(capture.dir.path() + "/my scene/masks");
   fs::create_directories(capture.dir.path() + "/my scene/masks");
   const test::ProcessResult failed = run_script(capture.dir.path(), {"my scene", "other", "--method", "flash"});
   CHECK(failed.exit_code >= 3);
-  const std::size_t said = failed.err.find("error: ");
-  CHECK(said != std::string::npos);
-  CHECK(failed.err.find("error: ", said + 1) == std::string::npos);
+  const std::size_t first = failed.err.find("error: ");
+  CHECK(first != std::string::npos);
+  CHECK(failed.err.find("error: ", first + 1) == std::string::npos);
 }
 
-TEST_CASE("ngs-gs.sh lets input masks stand in for the truth as ngs-scene reads them, or not at all") {
+TEST_CASE("ngs-gs.sh scores against input masks as ngs-scene reads them, or not at all") {
   const Capture capture;
   const std::string masks = capture.dir.path() + "/my scene/masks/";
   const auto run = [&](const char* scene_flags, std::vector<std::string> more = {}) {
@@ -202,7 +202,7 @@ TEST_CASE("ngs-gs.sh lets input masks stand in for the truth as ngs-scene reads 
     for (const nlohmann::json& view : metrics["views"])
       CHECK(view["counts"]["void_px"] == 3 * view["width_px"].get<int>());
   }
-  SUBCASE("inverted ones") {
+  SUBCASE("inverted masks") {
     for (const fs::directory_entry& file : fs::directory_iterator(masks)) {
       const io::RawMask mask = io::read_mask_raw(file.path().string(), io::Palette::kMask);
       ImageU8 inverted(mask.width_px, mask.height_px, 1);
@@ -217,7 +217,7 @@ TEST_CASE("ngs-gs.sh lets input masks stand in for the truth as ngs-scene reads 
     CHECK_FALSE(fs::exists(capture.out + "/metrics.json"));
     CHECK(fs::exists(capture.out + "/report.html"));
   }
-  SUBCASE("none of the held-out views has one") {
+  SUBCASE("no held-out view has a mask") {
     fs::remove(masks + "v2.png"), fs::remove(masks + "v6.png");
     const test::ProcessResult result = run("");
     INFO(result.err);
@@ -232,7 +232,7 @@ TEST_CASE("ngs-gs.sh lets input masks stand in for the truth as ngs-scene reads 
   }
 }
 
-TEST_CASE("ngs-gs.sh refuses an output folder where it would replace masks that it did not render") {
+TEST_CASE("ngs-gs.sh rejects an output folder where it would replace masks that it did not render") {
   const Capture capture;
   const std::string scene = capture.dir.path() + "/my scene", out = capture.out;
   const auto refused = [&](std::vector<std::string> arguments, const std::string& because) {
@@ -255,20 +255,20 @@ TEST_CASE("ngs-gs.sh refuses an output folder where it would replace masks that 
     fs::create_directories(out + "/masks");
     fs::copy(scene + "/masks", out + "/masks/cup");
     refused({"my scene", "the output", "--masks", "the output/masks"}, "is the input the output/masks");
-    refused({"my scene", "the output", "--gt", "the output/masks/cup"}, "holds the input");
+    refused({"my scene", "the output", "--gt", "the output/masks/cup"}, "contains the input");
   }
   SUBCASE("a model that the result would replace") {
     REQUIRE(capture.run({"--method", "flash"}).exit_code == 0);
     refused({"my scene", "the output", "--model", "the output/background.ply"},
             "is the input the output/background.ply");
   }
-  SUBCASE("masks that somebody laid beside the rendered ones") {
+  SUBCASE("masks added next to the rendered ones") {
     REQUIRE(capture.run({"--method", "flash"}).exit_code == 0);
     fs::copy(scene + "/masks/v0.png", out + "/masks/mine.png");
     refused({"my scene", "the output", "--method", "sa3d"},
             "the output/masks/mine.png: no run of this chain has written it");
   }
-  SUBCASE("masks that nobody names, until they are moved away") {
+  SUBCASE("masks without a record, until they are moved away") {
     fs::create_directories(out);
     fs::copy(scene + "/masks", out + "/masks");
     refused({"my scene", "the output"}, "the output/masks: no run of this chain has written it");

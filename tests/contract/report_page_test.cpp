@@ -62,13 +62,13 @@ std::size_t occurrences(const std::string& text, const std::string& part) {
   return count;
 }
 
-TEST_CASE("the page of a run holds every section, names what is odd and needs nothing from outside") {
+TEST_CASE("the page of a run holds every section, lists warnings and loads nothing external") {
   const test::TempDir dir;
   const std::string out = made_run(dir);
   run_tool(out, {"ngs-report", ".", "-o", "report.html"});
   const std::string page = test::read_bytes(out + "/report.html");
 
-  for (const char* id : {"overview", "oddities", "accuracy", "views", "objects", "decisions", "times", "trace",
+  for (const char* id : {"overview", "warnings", "accuracy", "views", "objects", "decisions", "times", "trace",
                          "inputs", "repeat", "tools"}) {
     CAPTURE(id);
     CHECK(page.find("<section id=\"" + std::string(id) + "\">") != page.npos);
@@ -91,7 +91,7 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
   CHECK(page.find("<section id=\"given\">") != page.npos);
   CHECK(occurrences(page, "under its given mask") == 6);
 
-  SUBCASE("no address, script or foreign file is named") {
+  SUBCASE("no URL, script or external file occurs") {
     CHECK(page.find("http:") == page.npos);
     CHECK(page.find("https:") == page.npos);
     CHECK(page.find("<script") == page.npos);
@@ -100,16 +100,16 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
     CHECK(occurrences(page, "url(") == 0);
     CHECK(occurrences(page, "src=") == occurrences(page, "src=\"data:image/jpeg;base64,"));
   }
-  SUBCASE("scores of views whose masks were learnt from are named so") {
-    CHECK(page.find("learnt from") == page.npos);
+  SUBCASE("scores of views used in training are marked") {
+    CHECK(page.find("used in training") == page.npos);
     fs::copy_file(dir.path() + "/scene/masks/v1.png", out + "/masks/v1.png");
     run_tool(out, {"ngs-eval", "masks", dir.path() + "/scene/masks", "-q", "-w", "-o", "metrics.json"});
     run_tool(out, {"ngs-report", ".", "-o", "trained.html"});
     const std::string trained = test::read_bytes(out + "/trained.html");
-    CHECK(trained.find("1 held out, 1 of 2 scored were learnt from") != trained.npos);
-    CHECK(trained.find("1 of 2 scored views were learnt from") != trained.npos);
+    CHECK(trained.find("1 held out, 1 of 2 scored were used in training") != trained.npos);
+    CHECK(trained.find("1 of 2 scored views were used in training") != trained.npos);
   }
-  SUBCASE("input masks that stand in for the truth are never called the truth") {
+  SUBCASE("input masks used as truth are not called the truth") {
     CHECK(page.find("no ground truth") == page.npos);
     CHECK(page.find("</svg>truth</label>") != page.npos);
     run_tool(out, {"ngs-eval", "masks", dir.path() + "/scene/masks", "-q", "-w", "-o", "metrics.json", "--report",
@@ -117,21 +117,21 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
     run_tool(out, {"ngs-report", ".", "-o", "stand-in.html"});
     const std::string stand_in = test::read_bytes(out + "/stand-in.html");
     CHECK(stand_in.find("<dt>IoU</dt><dd>1.000<small>against input masks, no ground truth") != stand_in.npos);
-    CHECK(stand_in.find("</svg>input mask, in place of the truth</label>") != stand_in.npos);
+    CHECK(stand_in.find("</svg>input mask (no ground truth)</label>") != stand_in.npos);
     CHECK(stand_in.find("</svg>truth</label>") == stand_in.npos);
     CHECK(stand_in.find("</svg>input mask</label>") == stand_in.npos);
     CHECK(stand_in.find("the true mask") == stand_in.npos);
     CHECK(stand_in.find("<li><b>scores</b> are against input masks") != stand_in.npos);
   }
-  SUBCASE("a page without scores speaks of none") {
+  SUBCASE("a page without scores mentions no scores") {
     CHECK(page.find("The view with the median boundary IoU.") != page.npos);
     for (const char* file : {"/metrics.json", "/metrics_input.json", "/reports/ngs-eval.json"}) fs::remove(out + file);
     run_tool(out, {"ngs-report", ".", "-o", "unscored.html"});
     const std::string unscored = test::read_bytes(out + "/unscored.html");
-    CHECK(unscored.find("A view from the middle of the list.") != unscored.npos);
+    CHECK(unscored.find("The middle view of the list.") != unscored.npos);
     CHECK(unscored.find("median boundary IoU") == unscored.npos);
   }
-  SUBCASE("each picture has a text and the outlines of prediction, truth and input") {
+  SUBCASE("each image has alt text and the outlines of prediction, truth and input") {
     CHECK(occurrences(page, "<img ") >= 2);  // the sheet and a crop
     CHECK(occurrences(page, "<img ") == occurrences(page, "<img alt=\"View") + occurrences(page, "<img alt=\"Crop"));
     for (const char* kind : {"predicted", "truth", "input"}) {
@@ -139,18 +139,18 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
       CHECK(occurrences(page, std::string("<g class=") + kind + "><path class=casing d=\"M") >= 3);  // and the legend
     }
   }
-  SUBCASE("the page is small and the same for the same run") {
+  SUBCASE("the page is small, and has the same bytes for the same run") {
     CHECK(page.size() < 5u << 20);
     run_tool(out, {"ngs-report", ".", "-o", "again.html", "-j", "1"});
     CHECK(test::read_bytes(out + "/again.html") == page);
   }
-  SUBCASE("pictures stop at the budget and the page says so") {
+  SUBCASE("images stop at the budget with a note on the page") {
     run_tool(out, {"ngs-report", ".", "--picture-budget", "0", "-o", "bare.html"});
     const std::string bare = test::read_bytes(out + "/bare.html");
     CHECK(occurrences(bare, "<img ") == 0);
-    CHECK(bare.find("better views are not shown") != bare.npos);
+    CHECK(bare.find("better views are left out") != bare.npos);
   }
-  SUBCASE("a small error lies in the middle of its crop") {
+  SUBCASE("a small error is in the centre of its crop") {
     const io::RawMask raw = io::read_mask_raw(out + "/masks/v5.png", io::Palette::kMask);
     REQUIRE(raw.width_px == 48);
     ImageU8 mask(48, raw.height_px, 1);
@@ -160,7 +160,7 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
     run_tool(out, {"ngs-report", ".", "--crop-side", "17", "-o", "crop.html"});
     CHECK(test::read_bytes(out + "/crop.html").find("17×17 px at (22, 11)") != std::string::npos);
   }
-  SUBCASE("wrong pixels are shown by cause where the labelled model is there") {
+  SUBCASE("wrong pixels are shown by cause if the labelled model exists") {
     CHECK(page.find("<section id=\"errors\">") == page.npos);
     const std::string scene = dir.path() + "/scene";
     run_tool(out, {"ngs-variance", "scene.json", "-o", "labelled.ply", "-q"});
@@ -174,7 +174,7 @@ TEST_CASE("the page of a run holds every section, names what is odd and needs no
     CHECK(fs::is_regular_file(out + "/atlas/v5.png"));
     CHECK(errors.find("<section id=\"boundary\">") != errors.npos);
 
-    // As of forty objects: the page shows the worst of them and says so, the atlas holds them all.
+    // With forty objects the page shows the worst ones with a note, the atlas shows all.
     using Json = nlohmann::json;
     const auto with_objects = [&](const std::string& file, const Json::json_pointer& where) {
       Json json = Json::parse(test::read_bytes(file));

@@ -1,4 +1,4 @@
-// A capture by a rig: the photos of its cameras lie in a folder each and are called alike.
+// A capture by a rig: each camera has its own folder, with the same photo names.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The tiny scene with its views v0 ... v5 called cam0/0 cam0/1 cam0/2 cam1/0 cam1/1 cam1/2.
+/// The tiny scene with its views v0 ... v5 renamed to cam0/0 cam0/1 cam0/2 cam1/0 cam1/1 cam1/2.
 struct Rig {
   test::TempDir dir;
   Rig() {
@@ -41,7 +41,7 @@ struct Rig {
     spec.environment = {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}};
     return test::run_process(spec);
   }
-  /// The files below a folder without their extension.
+  /// The files below a folder, without their extensions.
   std::set<std::string> files(const std::string& folder) const {
     std::set<std::string> names;
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(dir.path() + "/" + folder))
@@ -103,14 +103,14 @@ TEST_CASE("ngs-gs.sh scores the held-out views of a rig one by one") {
   CHECK(rig.files("atlas") == std::set<std::string>{"cam0/1", "cam1/1"});
 }
 
-TEST_CASE("prompts whose file has the name of two views of a rig need to say which") {
+TEST_CASE("a prompts file that matches two views of a rig requires --view") {
   const Rig rig;
   REQUIRE(rig.run({"ngs-scene", "import", ".", "-o", "scene.json"}).exit_code == 0);
   rig.dir.write("0.json", R"({"ngs_prompts": 1, "width": 48, "height": 36, "boxes": [[12, 6, 36, 30]]})");
   const test::ProcessResult result = rig.run({"ngs-mask", "scene.json", "--prompts", "0.json", "-o", "made"});
   INFO(result.err);
   CHECK(result.exit_code == 2);
-  CHECK(result.err.find("has the name of several views, cam0/0.png and cam1/0.png") != std::string::npos);
+  CHECK(result.err.find("matches the names of several views, cam0/0.png and cam1/0.png") != std::string::npos);
 }
 
 }  // namespace ngs

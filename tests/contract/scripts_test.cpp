@@ -1,5 +1,5 @@
-// What every script of pipelines/ owes to whoever calls it: an answer to --help, the right folder, the tools that were
-// named, and never the scores, masks or parts of an earlier call with other settings.
+// Requirements for every script of pipelines/: --help, the right output folder, the given tools, and never scores,
+// masks or parts of an earlier call with other settings.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -45,11 +45,11 @@ struct Folder {
     words.insert(words.begin(), {"make", "-s", "-f", kPipelines + file});
     return run(words);
   }
-  /// OUT/scene.json and OUT/boundary.ply.
+  /// Writes OUT/scene.json and OUT/boundary.ply.
   test::ProcessResult evidence(const std::string& out, const std::string& hold_out) const {
     return make("experiment.mk", {"SCENE=capture", "OUT=" + out, "HOLD_OUT=" + hold_out, out + "/boundary.ply"});
   }
-  /// The quickest run of ngs-gs.sh, v2 held out.
+  /// The fastest run of ngs-gs.sh, v2 held out.
   Words quick(const std::string& out, Words more = {}) const {
     Words words{kPipelines + "ngs-gs.sh", "capture", out, "--hold-out", "every:4:2", "--method", "flash", "-q"};
     words.insert(words.end(), more.begin(), more.end());
@@ -57,7 +57,7 @@ struct Folder {
   }
 };
 
-TEST_CASE("every script for use by hand explains itself with --help and does nothing else") {
+TEST_CASE("every user script prints its usage with --help and does nothing else") {
   const test::TempDir dir;
   const std::set<std::string> parts{"work-point.sh", "common.sh", "slurm-cluster.sh", "device.sh"};
   std::vector<std::string> scripts;
@@ -70,7 +70,7 @@ TEST_CASE("every script for use by hand explains itself with --help and does not
     test::ProcessSpec spec;
     spec.argv = {std::string(NGS_SOURCE_DIR "/") + script, "--help"};
     spec.folder = dir.path();
-    // A PATH without what installs or builds: an attempt would fail.
+    // A PATH without programs that install or build: an attempt would fail.
     spec.environment = {{"PATH", dir.path() + "/bin"}};
     fs::create_directories(dir.path() + "/bin");
     for (const char* needed : {"bash", "dirname", "sed", "env"})
@@ -84,7 +84,7 @@ TEST_CASE("every script for use by hand explains itself with --help and does not
   CHECK(scripts.size() >= 28);
 }
 
-TEST_CASE("an exported CDPATH sends no output to another folder") {
+TEST_CASE("an exported CDPATH does not redirect output to another folder") {
   const Folder f;
   fs::create_directories(f.path("elsewhere/out"));
   const test::ProcessResult result = f.run(f.quick("out"), {{"CDPATH", f.path("elsewhere")}});
@@ -100,7 +100,7 @@ TEST_CASE("an exported CDPATH sends no output to another folder") {
   CHECK(test::run_process(relative).err == "");
 }
 
-TEST_CASE("NGS_BIN may be relative; where the tools are not there it is said, as an error of the environment") {
+TEST_CASE("NGS_BIN may be relative; missing tools are an environment error") {
   const Folder f;
   fs::create_directory_symlink(NGS_TOOL_DIR, f.path("tools"));
   const test::ProcessResult relative = f.run(f.quick("out"), {{"NGS_BIN", "tools"}});
@@ -109,11 +109,11 @@ TEST_CASE("NGS_BIN may be relative; where the tools are not there it is said, as
   CHECK(f.has("out/scene.json"));
   const test::ProcessResult none = f.run(f.quick("none"), {{"NGS_BIN", "capture"}});
   CHECK(none.exit_code == 8);
-  CHECK(none.err.find("NGS_BIN=capture: the tools are not there") != std::string::npos);
+  CHECK(none.err.find("NGS_BIN=capture: does not contain the tools") != std::string::npos);
   CHECK_FALSE(f.has("none/scene.json"));
 }
 
-TEST_CASE("the commands of a dry run do by hand what a run does") {
+TEST_CASE("the printed commands of a dry run give the same files as a run") {
   const Folder f;
   const test::ProcessResult plan = f.run(f.quick("by hand", {"-n"}));
   REQUIRE(plan.exit_code == 0);
@@ -130,11 +130,11 @@ TEST_CASE("the commands of a dry run do by hand what a run does") {
     CAPTURE(name);
     CHECK(f.bytes(std::string("by hand/") + name) == f.bytes(std::string("out/") + name));
   }
-  // A run afterwards knows the masks as its own.
+  // A later run recognises the masks as its own.
   CHECK(f.run(f.quick("by hand")).exit_code == 0);
 }
 
-TEST_CASE("sweep.sh refuses a series that it could not bring to an end, before anything is started") {
+TEST_CASE("sweep.sh rejects a series that it could not finish, before any run starts") {
   const Folder f;
   const auto refused = [&](const std::string& runs, const std::string& because) {
     f.dir.write("runs", runs);
@@ -144,15 +144,15 @@ TEST_CASE("sweep.sh refuses a series that it could not bring to an end, before a
     CHECK(result.err.find(because) != std::string::npos);
     CHECK_FALSE(f.has("out/a"));
   };
-  refused("a capture --method flash\na capture --method sa3d\n", "runs:2: a run 'a' is there already");
-  refused("a capture VARIANCES_FLAGS='--tau 0.1'\n", "VARIANCES_FLAGS is read by no run");
-  refused("a capture --method flash\nb/c capture\n", "runs:2: 'b/c' is no name of a run");
+  refused("a capture --method flash\na capture --method sa3d\n", "runs:2: duplicate run name 'a'");
+  refused("a capture VARIANCES_FLAGS='--tau 0.1'\n", "VARIANCES_FLAGS is not used by any run");
+  refused("a capture --method flash\nb/c capture\n", "runs:2: 'b/c' is not a valid run name");
   const test::ProcessResult absent =
       f.run({kPipelines + "sweep.sh", "runs", "out", "--on", "slurm"}, {{"PATH", "/bin"}});
   if (!fs::exists("/bin/sbatch")) CHECK(absent.exit_code == 8);
 }
 
-TEST_CASE("sweep.sh gives JOINT_FLAGS to ngs-joint, and runs in a folder of any name with make") {
+TEST_CASE("sweep.sh passes JOINT_FLAGS to ngs-joint, and runs in a folder of any name with make") {
   const Folder f;
   f.dir.write("runs", "a '" + f.path("capture") + "' JOINT_FLAGS='--method sa3d' --hold-out every:4:2\n");
   const test::ProcessResult result =
@@ -162,7 +162,7 @@ TEST_CASE("sweep.sh gives JOINT_FLAGS to ngs-joint, and runs in a folder of any 
   CHECK(f.json("it's $HOME, \xc3\xbc/a/reports/ngs-joint.json")["options"]["method"] == "sa3d");
 }
 
-TEST_CASE("sweep.sh says why there is no comparison, and fails") {
+TEST_CASE("sweep.sh reports why there is no comparison, and fails") {
   const Folder f;
   f.dir.write("runs", "a '" + f.path("capture") + "' --hold-out every:4:2 --method flash\n");
   fs::create_directories(f.path("out/report.html"));
@@ -173,7 +173,7 @@ TEST_CASE("sweep.sh says why there is no comparison, and fails") {
   CHECK(result.err.find("1 of 1 runs are finished") != std::string::npos);
 }
 
-TEST_CASE("the chain takes the model of the last iteration") {
+TEST_CASE("the chain uses the model of the last iteration") {
   const Folder f;
   for (const char* name : {"iteration_7", "iteration_30", "iteration_9_copy", "old", "iteration_30/zz"}) {
     fs::create_directories(f.path("capture/point_cloud/") + name);
@@ -185,7 +185,7 @@ TEST_CASE("the chain takes the model of the last iteration") {
   CHECK(f.json("out/scene.json")["model"] == "../capture/point_cloud/iteration_30/point_cloud.ply");
 }
 
-TEST_CASE("ngs-gs.sh finds the files that options name in the folder of the call") {
+TEST_CASE("ngs-gs.sh resolves option files relative to the working directory") {
   const Folder f;
   const auto steps = [&](const char* text, Words more, const std::string& flags = {}) {
     f.dir.write("joint.json", text);
@@ -200,7 +200,7 @@ TEST_CASE("ngs-gs.sh finds the files that options name in the folder of the call
   CHECK(steps("{\"steps\": 1666}", {}, "--options joint.json") == 1666);
 }
 
-TEST_CASE("ngs-gs.sh refuses an option that a later tool would refuse before the first tool runs") {
+TEST_CASE("ngs-gs.sh rejects an option that a later tool would reject before the first tool runs") {
   const Folder f;
   const auto refused = [&](Words more, std::vector<std::pair<std::string, std::string>> environment,
                            const std::string& because) {
@@ -217,7 +217,7 @@ TEST_CASE("ngs-gs.sh refuses an option that a later tool would refuse before the
   refused({"--log-format", "xml"}, {}, "log_format");
 }
 
-TEST_CASE("the mean over scenes counts every score that exists, once") {
+TEST_CASE("the mean over scenes counts every existing score once") {
   const Folder f;
   const auto summary = [&](const char* name, const char* biou) {
     return f.dir.write(
@@ -231,7 +231,7 @@ TEST_CASE("the mean over scenes counts every score that exists, once") {
         "mean over 1 scenes: biou             0.7500\n");
 }
 
-TEST_CASE("robustness.mk makes the masks anew where the seed changed, and compares no scores of an earlier call") {
+TEST_CASE("robustness.mk makes new masks if the seed changed, and compares no scores of an earlier call") {
   const Folder f;
   const auto series = [&](Words more) {
     more.insert(more.begin(),
@@ -258,10 +258,10 @@ TEST_CASE("robustness.mk makes the masks anew where the seed changed, and compar
   const test::ProcessResult failed = series({options + " --tau-of-nothing 3"});
   CHECK(failed.exit_code != 0);
   CHECK(failed.err.find("variant wrong@flash failed, left out") != std::string::npos);
-  CHECK(failed.err.find("no scene was finished") != std::string::npos);
+  CHECK(failed.err.find("no scene finished") != std::string::npos);
 }
 
-TEST_CASE("sharded.mk joins no shards of other options, and leaves the bytes of one run") {
+TEST_CASE("sharded.mk merges no shards of other options, and writes the bytes of one run") {
   const Folder f;
   REQUIRE(f.evidence("one", "every:4:2").exit_code == 0);
   const auto sharded = [&](Words more) {
@@ -275,7 +275,7 @@ TEST_CASE("sharded.mk joins no shards of other options, and leaves the bytes of 
   CHECK(sharded({}) == one);
   CHECK(sharded({"VARIANCE_FLAGS=--tau 0.2"}) != one);
   CHECK(sharded({}) == one);
-  // A series that was stopped half way and is taken up with other options.
+  // A series that was stopped half way and is resumed with other options.
   fs::remove(f.path("s.ply.parts/1-of-2.evidence"));
   const std::string other = sharded({"RASTER_FLAGS=--antialias on"});
   REQUIRE(
@@ -285,7 +285,7 @@ TEST_CASE("sharded.mk joins no shards of other options, and leaves the bytes of 
   CHECK(other != one);
 }
 
-TEST_CASE("sharded.mk joins no parts of another scene, though that one is older") {
+TEST_CASE("sharded.mk merges no parts of another scene, even if that scene is older") {
   const Folder f;
   REQUIRE(f.evidence("held", "every:2:0").exit_code == 0);
   REQUIRE(f.evidence("all", "every:4:2").exit_code == 0);
@@ -309,14 +309,14 @@ TEST_CASE(
               " ngs)\n"
               "if(TARGET test_unit)\n  message(FATAL_ERROR \"the tests came along\")\nendif()\n"
               "add_library(user OBJECT user.cpp)\ntarget_link_libraries(user PRIVATE ngs::ngs)\n");
-  // What the library's inline functions need of whoever compiles them: the same instructions, no contraction.
+  // Compiler flags that the library's inline functions require: the same instruction set, no contraction.
   f.dir.write(
       "user.cpp",
       "#include \"ngs/core/version.h\"\n#include \"ngs/io/ply/gaussian_ply.h\"\n#include \"ngs/ops/splat/splat.h\"\n"
       "#if defined(__x86_64__) && !defined(__AVX2__)\n#error not compiled for x86-64-v3\n#endif\n"
       "const char* version() { return ngs::kVersion; }\n"
       "long rows(const char* path) { return ngs::io::read_gaussian_ply(path).cloud.size(); }\n");
-  // A compiler for devices that is found by chance is not so much as asked what it can.
+  // A CUDA compiler that happens to exist is not called at all.
   f.dir.write("cuda/bin/nvcc", "#!/bin/sh\ntouch " + f.path("nvcc-was-called") + "\nexit 1\n");
   fs::permissions(f.path("cuda/bin/nvcc"), fs::perms::owner_all);
   const test::ProcessResult configured =
@@ -329,10 +329,10 @@ TEST_CASE(
   INFO(compiled.out << compiled.err);
   CHECK(compiled.exit_code == 0);
   CHECK(compiled.out.find("-ffp-contract=off") != std::string::npos);
-  CHECK_FALSE(f.has("build/bin/ngs-joint"));  // nothing but what was asked for
+  CHECK_FALSE(f.has("build/bin/ngs-joint"));  // only the requested target
 }
 
-TEST_CASE("a build for AVX2 says so on a processor without it, before it does anything else") {
+TEST_CASE("a build for AVX2 reports a processor without AVX2 before it does anything else") {
 #ifndef __x86_64__
   return test::skip("this build is for another processor");
 #endif

@@ -1,4 +1,4 @@
-// Runs that share a folder: two at once, and series of runs that are taken up again.
+// Runs that share a folder: two concurrent runs, and resumed series of runs.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -40,7 +40,7 @@ test::ProcessSpec script(const std::string& name, const std::string& folder, std
   return spec;
 }
 
-/// Both results of two processes that run at the same time.
+/// The results of two concurrent processes.
 std::pair<test::ProcessResult, test::ProcessResult> at_once(const test::ProcessSpec& a, const test::ProcessSpec& b) {
   std::pair<test::ProcessResult, test::ProcessResult> results;
   std::thread other([&] { results.second = test::run_process(b); });
@@ -59,7 +59,7 @@ std::string tiny_capture(const test::TempDir& dir) {
 
 }  // namespace
 
-TEST_CASE("every tool, run twice at once on one output, leaves the bytes of one run and nothing else") {
+TEST_CASE("every tool, run twice concurrently on one output, leaves the bytes of one run and nothing else") {
   std::set<std::string> tools;
   for (const fs::directory_entry& file : fs::directory_iterator(NGS_SOURCE_DIR "/tests/contract/cases")) {
     if (file.path().extension() != ".json") continue;
@@ -95,7 +95,7 @@ TEST_CASE("every tool, run twice at once on one output, leaves the bytes of one 
   CHECK(tools.size() >= 10);
 }
 
-TEST_CASE("ngs-gs.sh, called twice at once on one folder, leaves what one call leaves") {
+TEST_CASE("ngs-gs.sh, called twice concurrently on one folder, leaves the files of one call") {
   const test::TempDir dir;
   tiny_capture(dir);
   const auto run = [&](const std::string& out) {
@@ -117,7 +117,7 @@ TEST_CASE("ngs-gs.sh, called twice at once on one folder, leaves what one call l
   }
 }
 
-TEST_CASE("sweep.sh keeps what is finished or refused, and starts again what was killed") {
+TEST_CASE("sweep.sh keeps finished and rejected runs, and restarts killed runs") {
   const test::TempDir dir;
   tiny_capture(dir);
   const std::string runs = dir.path() + "/runs", out = dir.path() + "/out";
@@ -134,11 +134,11 @@ TEST_CASE("sweep.sh keeps what is finished or refused, and starts again what was
   const std::string tries = bytes_of(out + "/.sweep/tries");
   CHECK(std::count(tries.begin(), tries.end(), '\n') == 2);
 
-  SUBCASE("nothing is started where nothing changed") {
+  SUBCASE("nothing is started if nothing changed") {
     CHECK(test::run_process(script("sweep.sh", dir.path(), {runs, "out"})).exit_code == 1);
     CHECK(bytes_of(out + "/.sweep/tries") == tries);
   }
-  SUBCASE("a run that left no exit code, or whose line changed, is started") {
+  SUBCASE("a run without an exit code or with a changed line is started") {
     fs::remove(out + "/.sweep/plain.code");
     std::ofstream(runs) << "plain capture --hold-out every:4:2 --method flash\nrefused capture --method flash\n";
     const test::ProcessResult plan = test::run_process(script("sweep.sh", dir.path(), {runs, "out", "-n"}));

@@ -1,4 +1,4 @@
-// A field that was made for a boundary set, and components that leave this set, meet in ngs-joint.
+// ngs-joint with a --field of a boundary set from which the components pass removes Gaussians.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -13,8 +13,8 @@
 namespace ngs {
 namespace {
 
-/// A copy of the fixture's boundary.ply in which a Gaussian of the boundary that the field rests on lies far
-/// away, seen by no view.
+/// A copy of the fixture's boundary.ply in which a boundary Gaussian used by the field lies far away, outside all
+/// views.
 std::string with_a_component(const test::TempDir& dir) {
   const std::string source = test::fixture_folder() + "/boundary.ply", copy = dir.path() + "/stray.ply";
   const io::GaussianPly ply = io::read_gaussian_ply(source);
@@ -36,7 +36,7 @@ std::string with_a_component(const test::TempDir& dir) {
 
 }  // namespace
 
-TEST_CASE("ngs-joint samples again where removed components shrink the boundary set that --field was made for") {
+TEST_CASE("ngs-joint samples again if removed components shrink the boundary set of --field") {
   const test::TempDir dir;
   const std::string fixture = test::fixture_folder(), model = with_a_component(dir), out = dir.path() + "/labelled.ply";
   const test::ProcessResult result =
@@ -44,7 +44,7 @@ TEST_CASE("ngs-joint samples again where removed components shrink the boundary 
                          "--steps", "2", "--mlp-hidden", "16", "--effect", "nerf=on", "-v", "-o", out});
   CAPTURE(result.err);
   CHECK(result.exit_code == 0);
-  CHECK(result.err.find("taken for unseen") != std::string::npos);
+  CHECK(result.err.find("treated as unseen") != std::string::npos);
   CHECK(std::filesystem::exists(out));
 }
 

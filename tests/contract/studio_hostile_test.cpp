@@ -1,4 +1,4 @@
-// What ngs-studio does with requests that are not of its page.
+// ngs-studio and requests that do not come from its page.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -34,7 +34,7 @@ std::string stroke(const std::string& inner) {
   return std::string(R"({"object":1,"camera":)") + kCamera + R"(,"strokes":[)" + inner + "]}";
 }
 
-/// Requests without one of the things that the page has; all are refused with 403 and an empty body.
+/// Requests without one of the required properties; all are rejected with 403 and an empty body.
 std::vector<std::string> of_strangers(const StudioServer& server) {
   const std::string port = std::to_string(server.port()), host = "Host: 127.0.0.1:" + port + "\r\n",
                     token = "X-Ngs-Token: " + server.token() + "\r\n", end = "Connection: close\r\n\r\n",
@@ -64,7 +64,7 @@ struct Refused {
   const char* path;
   std::string body;
   int status;
-  const char* object;  // of the error
+  const char* object;  // object of the error
 };
 
 std::vector<Refused> broken_requests() {
@@ -110,7 +110,7 @@ std::vector<Refused> broken_requests() {
 
 }  // namespace
 
-TEST_CASE("strangers get nothing: no token, another Host or Origin") {
+TEST_CASE("requests without a token or with another Host or Origin are rejected") {
   if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
   const test::TempDir dir;
   dir.write("model.ply", test::strict_ply_bytes(test::tiny_scene().cloud));
@@ -136,7 +136,7 @@ TEST_CASE("strangers get nothing: no token, another Host or Origin") {
   CHECK(page.headers.find("Content-Security-Policy: default-src 'self'") != std::string::npos);
 }
 
-TEST_CASE("requests that are broken get one clear error, and the studio stays as it was") {
+TEST_CASE("malformed requests get one clear error and do not change the studio's state") {
   if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
   const test::TempDir dir;
   dir.write("model.ply", test::strict_ply_bytes(test::tiny_scene().cloud));
@@ -155,7 +155,7 @@ TEST_CASE("requests that are broken get one clear error, and the studio stays as
   CHECK_FALSE(std::filesystem::exists(dir.path() + "/visit/visit.jsonl"));
 }
 
-TEST_CASE("no path leads to a file, and bodies are bounded, plain and JSON") {
+TEST_CASE("no URL path reads a file, and bodies are bounded, uncompressed and JSON") {
   if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
   const test::TempDir dir;
   dir.write("model.ply", test::strict_ply_bytes(test::tiny_scene().cloud));
@@ -184,7 +184,7 @@ TEST_CASE("no path leads to a file, and bodies are bounded, plain and JSON") {
   CHECK(server.get("/api/state").status == 200);
 }
 
-TEST_CASE("clients that stop in the middle of a request hold nobody up, and are cut off") {
+TEST_CASE("clients that stop in the middle of a request do not block others, and are disconnected") {
   if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
   const test::TempDir dir;
   dir.write("model.ply", test::strict_ply_bytes(test::tiny_scene().cloud));
@@ -194,7 +194,7 @@ TEST_CASE("clients that stop in the middle of a request hold nobody up, and are 
   for (std::string& answer : answers)
     slow.emplace_back([&] { answer = server.send("POST /api/undo HTTP/1.1\r\nHost: x\r\nX-Slow", 30); });
   CHECK(server.get("/api/state").status == 200);
-  for (std::thread& one : slow) one.join();  // each ends because the server closes it
+  for (std::thread& one : slow) one.join();  // each ends when the server closes the connection
   for (const std::string& answer : answers) CHECK(answer.find("200 OK") == std::string::npos);
   CHECK(server.get("/api/state").status == 200);
   CHECK(server.quit() == 0);

@@ -1,4 +1,4 @@
-// ngs-studio as a browser meets it: what it answers, whom it refuses, and that its files are those of the command line.
+// ngs-studio as seen by a browser: its responses, its errors, and that its files equal those of the command line.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 using test::StudioServer;
 
-/// A folder with the tiny scene in it.
+/// A folder with the tiny scene.
 struct Place {
   Place() { test::write_tiny_scene(dir.path() + "/scene"); }
   test::TempDir dir;
@@ -33,7 +33,7 @@ std::string camera_of(const Json& state, std::size_t view) {
   return camera.dump();
 }
 
-/// A dab on the middle, which is the ball, and a stroke along the top, which is the wall.
+/// A point in the middle, on the ball, and a stroke along the top, on the wall.
 std::string strokes(const std::string& camera, int object = 1) {
   return R"({"object":)" + std::to_string(object) + R"(,"camera":)" + camera +
          R"(,"strokes":[{"label":"object","radius_px":6,"points":[[96,72]]},)"
@@ -74,8 +74,8 @@ void run_tool(const std::string& folder, std::vector<std::string> argv) {
   REQUIRE(result.exit_code == 0);
 }
 
-/// The tiny scene with most of its Gaussians behind all cameras, the nearest of them nearer to the ball than to the
-/// wall.
+/// The tiny scene with most of its Gaussians behind all cameras; the nearest of these are closer to the ball than to
+/// the wall.
 void hide_a_museum_behind(const Place& place) {
   GaussianCloud cloud = test::tiny_scene().cloud;
   const std::int64_t before = cloud.size();
@@ -93,7 +93,7 @@ constexpr const char* kModel = "scene/scene.json";
 
 }  // namespace
 
-TEST_CASE("a visit in the page selects, corrects and steps back, and can be closed and opened again") {
+TEST_CASE("a session on the page selects, corrects and undoes, and can be closed and reopened") {
   if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
   const Place place;
   Json left;
@@ -134,7 +134,7 @@ TEST_CASE("a visit in the page selects, corrects and steps back, and can be clos
   CHECK(state["undo"] == 0);
 }
 
-TEST_CASE("exported files are those that the commands make when they are typed, and that a replay makes") {
+TEST_CASE("exported files equal those of the printed commands, and those of a replay") {
   if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
   const Place place;
   StudioServer server(place.dir.path(), {kModel, "-o", "visit"});
@@ -165,7 +165,7 @@ TEST_CASE("exported files are those that the commands make when they are typed, 
   }
 }
 
-TEST_CASE("exported are exactly the Gaussians that the page counts, where most of the scene is unseen") {
+TEST_CASE("the export has exactly the Gaussians that the page counts, if most of the scene is unseen") {
   if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
   const Place place;
   hide_a_museum_behind(place);
@@ -184,14 +184,14 @@ TEST_CASE("exported are exactly the Gaussians that the page counts, where most o
 
   const Json marked = json_of(server.post("/api/objects", R"({"all_pieces":true})"));
   CHECK(marked["all_pieces"] == true);
-  CHECK_FALSE(marked.contains("export"));  // the files are of another selection
+  CHECK_FALSE(marked.contains("export"));  // the files belong to another selection
   CHECK(marked["objects"][0]["gaussians"] == count + done["objects"][0]["left_out"].get<std::int64_t>());
   CHECK(server.post("/api/export", "{}").status == 202);
   CHECK(finished_job(server)["state"] == "done");
   CHECK(io::read_gaussian_ply(folder + "object.ply").cloud.size() == marked["objects"][0]["gaussians"]);
 }
 
-TEST_CASE("after Refine the page counts the Gaussians of the refined object, and no older file lies beside it") {
+TEST_CASE("after Refine the page counts the Gaussians of the refined object, and no older file remains") {
   if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
   const Place place;
   StudioServer server(place.dir.path(), {kModel, "-o", "visit"});
@@ -208,7 +208,7 @@ TEST_CASE("after Refine the page counts the Gaussians of the refined object, and
   CHECK_FALSE(fs::exists(folder + "object.ply"));
 }
 
-TEST_CASE("a stroke on nothing is refused with what to do") {
+TEST_CASE("a stroke on nothing is rejected with a hint") {
   if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
   const Place place;
   StudioServer server(place.dir.path(), {kModel, "-o", "visit"});
@@ -218,11 +218,11 @@ TEST_CASE("a stroke on nothing is refused with what to do") {
     camera["look_at"][a] = 2 * camera["position"][a].get<double>() - camera["look_at"][a].get<double>();
   const auto answer = server.post("/api/strokes", strokes(camera.dump()));
   CHECK(answer.status == 409);
-  CHECK(answer.body.find("nothing is there") != std::string::npos);
+  CHECK(answer.body.find("no part of the splat is under it") != std::string::npos);
   CHECK(json_of(server.get("/api/state"))["objects"][0]["strokes"] == 0);
 }
 
-TEST_CASE("Refine runs ngs cut over the scene's views and the marked ones, and Export hands its files over") {
+TEST_CASE("Refine runs ngs cut on the scene's views and the marked ones, and Export delivers its files") {
   if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
   const Place place;
   StudioServer server(place.dir.path(), {kModel, "-o", "visit"});
@@ -245,7 +245,7 @@ TEST_CASE("Refine runs ngs cut over the scene's views and the marked ones, and E
   CHECK(after["objects"][0]["refined"] == false);
 }
 
-TEST_CASE("a job that is cancelled ends, and leaves the studio as it was") {
+TEST_CASE("a cancelled job ends without changing the studio's state") {
   if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
   const Place place;
   StudioServer server(place.dir.path(), {kModel, "-o", "visit"});

@@ -1,4 +1,4 @@
-// The chain as a person at a terminal, and a scheduler, sees it.
+// The chain on a terminal and under a scheduler.
 #include <doctest/doctest.h>
 #include <signal.h>
 
@@ -12,7 +12,7 @@
 
 namespace ngs {
 
-TEST_CASE("ngs-gs.sh on a terminal says which of all stages each tool is") {
+TEST_CASE("ngs-gs.sh on a terminal prints the stage number of each tool") {
   const test::TempDir dir;
   std::filesystem::create_directories(dir.path() + "/my scene");
   test::write_tiny_scene(dir.path() + "/my scene");
@@ -34,12 +34,12 @@ TEST_CASE("ngs-gs.sh on a terminal says which of all stages each tool is") {
     CAPTURE(text);
     CHECK(whole.out.find(text) != std::string::npos);
   }
-  CHECK(whole.out.find("not used") == std::string::npos);  // an option that nobody has given
-  CHECK(whole.out.find("\nrun ") == std::string::npos);    // the scores of the only run, which ngs-eval has shown
+  CHECK(whole.out.find("not used") == std::string::npos);  // an option that was not given
+  CHECK(whole.out.find("\nrun ") == std::string::npos);    // the scores of a single run, already shown by ngs-eval
   CHECK(on_terminal(" -q").out == "");
 }
 
-TEST_CASE("what ngs-gs.sh says itself is cut between words at the edge of the terminal") {
+TEST_CASE("messages of ngs-gs.sh are wrapped between words at the width of the terminal") {
   const test::TempDir dir;
   std::filesystem::create_directories(dir.path() + "/empty");
   const test::ProcessResult refused = test::run_process(
@@ -54,11 +54,11 @@ TEST_CASE("what ngs-gs.sh says itself is cut between words at the edge of the te
     CHECK(refused.out.find(word) != refused.out.npos);
   std::istringstream lines(refused.out);
   int count = 0;
-  for (std::string line; std::getline(lines, line); ++count) CHECK(line.size() <= 61);  // and the carriage return
+  for (std::string line; std::getline(lines, line); ++count) CHECK(line.size() <= 61);  // including the carriage return
   CHECK(count >= 3);
 }
 
-TEST_CASE("--explain prints its list alone on a terminal, and the report too where stdout is none") {
+TEST_CASE("--explain prints only its list on a terminal, and also the report if stdout is no terminal") {
   const test::TempDir dir;
   test::write_tiny_scene(dir.path());
   const std::string tools = NGS_TOOL_DIR "/";
@@ -82,7 +82,7 @@ TEST_CASE("--explain prints its list alone on a terminal, and the report too whe
   CHECK(shown.out.find('{') == shown.out.npos);
 }
 
-TEST_CASE("ngs-joint on a terminal ends with figures by the names that people know, and the next command") {
+TEST_CASE("ngs-joint on a terminal ends with readable figures and the next command") {
   const test::TempDir dir;
   test::write_tiny_scene(dir.path());
   const std::string tools = NGS_TOOL_DIR "/";
@@ -102,11 +102,11 @@ TEST_CASE("ngs-joint on a terminal ends with figures by the names that people kn
   CHECK(shown.out.find("biou") == shown.out.npos);
 }
 
-TEST_CASE("ngs-gs.sh ends the tool that is at work when a signal reaches the script alone") {
+TEST_CASE("ngs-gs.sh ends the running tool when only the script receives a signal") {
   const test::TempDir dir;
   test::write_tiny_scene(dir.path());
   std::filesystem::remove(dir.path() + "/scene.json");
-  // Tools of which the first never ends by itself, nor at the end of the shell that has started it.
+  // Tools of which the first never ends by itself, even if its shell ends.
   std::filesystem::create_directory(dir.path() + "/bin");
   for (const auto& tool : std::filesystem::directory_iterator(NGS_TOOL_DIR))
     std::filesystem::create_symlink(tool.path(), dir.path() + "/bin/" + tool.path().filename().string());

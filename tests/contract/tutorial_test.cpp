@@ -1,6 +1,5 @@
-// What pipelines/tutorial.md and the pages of the tools tell people to type: their ```sh blocks are run as they
-// stand, in one folder, with the tools and scripts of this tree in PATH. (```bash blocks need what a test lacks:
-// somebody's data, other programs.)
+// Runs the ```sh blocks of pipelines/tutorial.md and of the tool pages unchanged, in one folder, with the tools and
+// scripts of this tree in PATH. (```bash blocks need user data or other programs.)
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -22,7 +21,7 @@ const std::string kTutorial = NGS_SOURCE_DIR "/pipelines/tutorial.md";
 
 struct Step {
   std::string commands;
-  std::vector<std::string> made;  // files that the paragraph "Made: ..." behind the block names
+  std::vector<std::string> made;  // files listed in the paragraph "Made: ..." after the block
 };
 
 void add_quoted(const std::string& line, std::vector<std::string>& names) {
@@ -65,7 +64,7 @@ test::ProcessResult run_step(const std::string& folder, const std::string& comma
   return test::run_process(spec);
 }
 
-/// The folder in which the tutorial was worked through, once for all tests.
+/// The folder in which the tutorial was run, once for all tests.
 const std::string& tour() {
   static const test::TempDir dir;
   static const bool worked = [] {
@@ -88,12 +87,12 @@ const std::string& tour() {
 
 }  // namespace
 
-TEST_CASE("every command of the tutorial runs, and makes the files that the text names") {
+TEST_CASE("every command of the tutorial runs and writes the files named in the text") {
   CHECK(steps_of(kTutorial).size() >= 10);
   CHECK(fs::exists(tour() + "/object.ply"));
 }
 
-TEST_CASE("the scores that the tutorial states are those of its runs") {
+TEST_CASE("the scores in the tutorial are those of its runs") {
   const std::string text = test::read_bytes(kTutorial);
   const std::regex row(R"(\| `(out/[a-z]+)` \| ([0-9.]+) \| ([0-9.]+) \| ([0-9.]+) \|)");
   int rows = 0;
@@ -104,14 +103,14 @@ TEST_CASE("the scores that the tutorial states are those of its runs") {
     const nlohmann::json mean = nlohmann::json::parse(bytes)["mean"];
     int column = 2;
     for (const char* score : {"iou", "biou", "biou_005"}) {
-      // Three digits are printed; another compiler's exp and log may move the last of them.
+      // Three digits are printed; exp and log of another compiler may change the last one.
       CHECK(std::abs(mean[score].get<double>() - std::stod(match[std::size_t(column++)])) < 0.002);
     }
   }
   CHECK(rows == 3);
 }
 
-TEST_CASE("the examples on the pages of the tools run on the tutorial's files") {
+TEST_CASE("the examples on the tool pages run on the tutorial's files") {
   int pages = 0;
   for (const test::SourceFile& page : test::source_files({"tools"}, {".md"})) {
     if (page.ends_with("/README.md")) continue;

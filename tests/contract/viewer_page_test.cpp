@@ -1,4 +1,4 @@
-// The page of ngs-report --viewer: safe, complete, and the same picture as ngs-render's.
+// The page of ngs-report --viewer: safe, complete, and the same image as ngs-render.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ void make(const std::string& folder, std::vector<std::string> argv) {
   REQUIRE(result.exit_code == 0);
 }
 
-/// A capture of the name `name` with its labelled model cut into object and background.
+/// A capture called `name` with its labelled model split into object and background.
 std::string made_run(const test::TempDir& dir, const std::string& name) {
   const std::string out = dir.path() + "/" + name;
   fs::create_directories(out);
@@ -37,7 +37,7 @@ std::string made_run(const test::TempDir& dir, const std::string& name) {
   return out;
 }
 
-TEST_CASE("the viewer is one file, escapes names, and nothing in it asks for another file") {
+TEST_CASE("the viewer is one file, escapes names and loads no other file") {
   const test::TempDir dir;
   const std::string out = made_run(dir, "a <script>alert(1)</script> & ' b");
   make(out, {"ngs-report", ".", "-o", "report.html", "--viewer", "sub #1.html", "-q"});
@@ -54,7 +54,7 @@ TEST_CASE("the viewer is one file, escapes names, and nothing in it asks for ano
   make(out, {"ngs-report", ".", "-o", "again.html", "--viewer", "again-3d.html", "-q", "-j", "1"});
   CHECK(test::read_bytes(out + "/again-3d.html") == viewer);
 
-  SUBCASE("it holds as many Gaussians as it is allowed, and says how many it leaves out") {
+  SUBCASE("it has at most the given number of Gaussians, and shows how many are omitted") {
     make(out, {"ngs-report", ".", "-o", "few.html", "--viewer", "few-3d.html", "--viewer-gaussians", "3", "-q"});
     const std::string few = test::read_bytes(out + "/few-3d.html");
     const std::size_t from = few.find("id=splats>") + 10;
@@ -62,7 +62,7 @@ TEST_CASE("the viewer is one file, escapes names, and nothing in it asks for ano
     CHECK(few.find("3 Gaussians, ") != few.npos);
     CHECK(viewer.find("left out") == viewer.npos);
   }
-  SUBCASE("a run without an object is told what makes one") {
+  SUBCASE("a run without an object is rejected with the command that writes one") {
     fs::remove(out + "/object.ply");
     const test::ProcessResult result = run_in(out, {"ngs-report", ".", "-o", "r.html", "--viewer", "v.html", "-q"});
     CHECK(result.exit_code == 3);
@@ -77,7 +77,7 @@ std::size_t occurrences(const std::string& text, const std::string& part) {
   return count;
 }
 
-TEST_CASE("the sheet of ngs-scene check shows every given mask, and says which is empty or absent") {
+TEST_CASE("the sheet of ngs-scene check shows every given mask, and marks empty and missing ones") {
   const test::TempDir dir;
   const std::string out = dir.path() + "/a <b> capture";
   fs::create_directories(out);
@@ -96,7 +96,7 @@ TEST_CASE("the sheet of ngs-scene check shows every given mask, and says which i
   CHECK(occurrences(page, "src=") == occurrences(page, "src=\"data:image/jpeg;base64,"));
 }
 
-/// The pixels that differ from the ground, the colour of the corner.
+/// The pixels that differ from the background, the colour of the corner.
 std::vector<bool> drawn(const ImageF& image) {
   std::vector<bool> is_drawn;
   for (std::size_t p = 0; p < std::size_t(image.pixels()); ++p) {
@@ -107,14 +107,14 @@ std::vector<bool> drawn(const ImageF& image) {
   return is_drawn;
 }
 
-TEST_CASE("the viewer opens on what ngs-render draws from the same camera") {
+TEST_CASE("the viewer's first image equals the render of ngs-render at the same camera") {
   if (!fs::exists("/usr/bin/chromium")) return test::skip("no /usr/bin/chromium");
   const test::TempDir dir;
   const std::string out = made_run(dir, "run");
   make(out,
        {"ngs-render", "scene.json", "labelled.ply", "--views", "all", "--layers", "mask", "-o", "masks", "-w", "-q"});
   make(out, {"ngs-report", ".", "-o", "report.html", "--viewer", "object.html", "-q"});
-  // The window is twelve times as wide and high as the photo, so that it holds no fewer pixels than a browser's least.
+  // The window is twelve times as wide and high as the photo, because browsers have a minimum window size.
   const std::string frame =
       "<body style=\"margin:0\"><iframe style=\"border:0\" width=576 height=432 src=\"object.html#bare\"></iframe>";
   dir.write("run/frame.html", frame);
@@ -129,7 +129,7 @@ TEST_CASE("the viewer opens on what ngs-render draws from the same camera") {
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(out + "/masks")) names.push_back(entry.path().stem().string());
   std::ranges::sort(names);
-  const std::string name = names[names.size() / 2] + ".png";  // of a page without scores
+  const std::string name = names[names.size() / 2] + ".png";  // the view shown by a page without scores
   make(out, {"ngs-render", "scene.json", "object.ply", "--views", "all", "--layers", "color", "--scale", "12",
              "--background", "0.93,0.92,0.9", "-o", "colour", "-w", "-q"});
   const ImageF rendered = io::read_image_rgb(out + "/colour/" + name);

@@ -1,9 +1,9 @@
 #pragma once
-// One function per reader of bytes from strangers, in the form libFuzzer calls. A reader may refuse with
-// kBadInput or kInconsistent; anything else (a crash, a sanitizer report, another exception) is a finding.
+// One function per reader of untrusted bytes, with libFuzzer's signature. A reader may throw kBadInput or
+// kInconsistent; anything else (a crash, a sanitizer report, another exception) is a finding.
 //
-// To add a reader: a function here, its line in kTargets, and <name>_fuzz.cpp of three lines. Every finding
-// goes to corpus/<name>/ and is replayed by replay_test.cpp from then on.
+// To add a reader: a function here, its line in kTargets, and <name>_fuzz.cpp of three lines. Inputs of findings go to
+// corpus/<name>/, from which replay_test.cpp replays them.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

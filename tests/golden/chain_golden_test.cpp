@@ -1,6 +1,6 @@
-// The whole chain on the tiny synthetic scene still does what it did. Tolerances absorb another compiler's
-// rounding; bytes across threads and repeats are the contract suite's business. After a change that is meant
-// to move these numbers: NGS_REDO_GOLDENS=1 prints the new ones instead of comparing.
+// The results of the full chain on the tiny synthetic scene are unchanged. Tolerances absorb another compiler's
+// rounding; the contract suite compares bytes across threads and repeats. After a change that is meant
+// to change these numbers: NGS_REDO_GOLDENS=1 prints the new ones instead of comparing.
 #include <doctest/doctest.h>
 
 #include <cstdlib>
@@ -34,7 +34,7 @@ TEST_CASE("the chain on the tiny scene keeps its boundary set, labels, masks and
   std::ifstream metrics_file(fixture + "/metrics.json"), trace_file(fixture + "/trace.jsonl");
   const nlohmann::json metrics = nlohmann::json::parse(metrics_file);
   std::string line;
-  std::getline(trace_file, line);  // the start, scored before any step
+  std::getline(trace_file, line);  // the initial state, scored before any step
   std::getline(trace_file, line);
   const nlohmann::json first_step = nlohmann::json::parse(line);
   const double got[] = {double(boundary.cloud.size()),

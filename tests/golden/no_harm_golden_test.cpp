@@ -1,7 +1,7 @@
-// One cell of `tests/bench/results.sh no-harm`: masks displaced to wrong edges of the photos, in 40 views. The joint
-// steps fit such masks, and contours that are then refined to the right edges agree less with them; the default must
-// not refuse these. A rule that trusts this agreement scored 0.85 here, below the closed form's 0.87; contours alone
-// reach 0.92.
+// One cell of `tests/bench/results.sh no-harm`: masks displaced to wrong edges of the photos, in 40 views. Joint steps
+// fit such masks, so contours that are then refined to the right edges agree less with them. The default must
+// not reject these contours. A rule based on this agreement scored 0.85 here, below the closed form's 0.87; contours
+// alone reach 0.92.
 #include <doctest/doctest.h>
 
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
 // Mutants this kills: γ and β exchanged, the inner ReLU of layer 0 at other layers, a missing bias gradient,
-// the direction weights without their SH basis, columns of the unfinished last block counted in.
+// the direction weights without their SH basis, columns of a partial last block that are counted.
 #include <doctest/doctest.h>
 
 #include "ngs/ops/field/film_mlp_kernels.h"
@@ -75,13 +75,13 @@ struct FilmCase {
 
 }  // namespace
 
-TEST_CASE("film mlp: backward with respect to weights, features and condition is the adjoint of forward") {
+TEST_CASE("film mlp: backward equals the adjoint of forward for weights, features and condition") {
   test::Random random(31);
   const FilmMlpConfig configs[] = {{.inputs = 5, .condition = 3, .hidden = 16, .layers = 2, .direction_degree = 2},
                                    {.inputs = 1, .condition = 1, .hidden = 7, .layers = 1, .direction_degree = 0},
                                    {.inputs = 20, .condition = 4, .hidden = 17, .layers = 4, .direction_degree = 3}};
   for (const FilmMlpConfig& config : configs)
-    for (const std::int64_t n : {1, 12, 31}) {  // one lane per query: blocks of 12, so 31 is 2 blocks and a rest
+    for (const std::int64_t n : {1, 12, 31}) {  // one lane per query: blocks of 12, so 31 is 2 blocks and a remainder
       CAPTURE(config.hidden);
       CAPTURE(n);
       const FilmCase c(random, config, n);

@@ -1,5 +1,4 @@
-// Mutants this kills: a prime changed in one direction only, corner weights in another order than the
-// corners.
+// Mutants this kills: a prime changed in one direction only, corner weights in a different order from the corners.
 #include <doctest/doctest.h>
 
 #include "ngs/ops/field/hash_grid.h"
@@ -37,7 +36,7 @@ struct HashCase {
 
 }  // namespace
 
-TEST_CASE("hash grid: backward with respect to the table is the adjoint of forward") {
+TEST_CASE("hash grid: backward equals the adjoint of forward for the table") {
   test::Random random(21);
   for (const std::int64_t n : {1, 2, 100}) {
     const HashCase c(random, n);

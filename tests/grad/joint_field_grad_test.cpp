@@ -1,12 +1,12 @@
-// The whole field, as the joint steps differentiate it: network, tables and features. Mutants this kills: a block whose
-// gradient is left out, features that move although f_inter conditions nothing.
+// The gradient of the whole field, as joint steps use it: network, tables and features. Mutants this kills: a block
+// without its gradient, a feature gradient although f_inter conditions nothing.
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "ngs/ops/field/knn.h"
-#include "ngs/passes/joint/joint_field.h"
+#include "ngs/stages/optimise/joint_field.h"
 #include "support/adjoint.h"
 #include "support/random.h"
 
@@ -16,14 +16,14 @@ namespace {
 constexpr int kRays = 12, kSamples = 5, kBoundary = 9;
 const Vec3<float> kBehind{0.2f, 0.4f, 0.1f};
 
-/// So that no slope has a kink.
-void let_all_neurons_fire(JointField& field) {
+/// Activates every ReLU, so that the loss has no kinks.
+void activate_all_relus(JointField& field) {
   for (const ParamBlock& block : field.parameters().blocks)
     if (block.name.ends_with("beta_bias") || block.name.ends_with("0.bias"))
       for (float& value : field.parameters().value_of(block)) value += 2;
 }
 
-/// A field about the unit cube with rays through it, and numbers that its outputs are weighted by.
+/// A field around the unit cube with rays through it, and random weights of its outputs.
 struct FieldCase {
   std::vector<float> boundary;
   FieldRays rays;
@@ -45,7 +45,7 @@ struct FieldCase {
     std::vector<float>& values = field.parameters().values;
     const std::vector<float> moved = floats(values.size(), -0.1, 0.1);  // zeros would hide a gradient
     for (std::size_t i = 0; i < values.size(); ++i) values[i] += moved[i];
-    let_all_neurons_fire(field);
+    activate_all_relus(field);
     align = {floats(kRays * 3, -1, 1), floats(kRays, -1, 1)};
   }
   static FieldShape shape_of(bool film) {
@@ -68,7 +68,7 @@ struct FieldCase {
     loss();
     field.backward({}, rays, positions(), kBehind, align);
   }
-  /// (L(x + h v) - L(x - h v)) / 2h of the values at x.
+  /// (L(x + h v) - L(x - h v)) / 2h at the values x.
   double difference(std::vector<float>& x, const std::vector<double>& v, double h) {
     const std::vector<float> at = x;
     double sides[2];
@@ -89,7 +89,7 @@ double product(const std::vector<float>& a, const std::vector<double>& b) {
 
 }  // namespace
 
-TEST_CASE("joint field: backward is the slope of what the field renders, in every block") {
+TEST_CASE("joint field: backward agrees with central differences of the rendered field in every block") {
   test::Random random(21);
   for (const bool film : {true, false}) {
     CAPTURE(film);

@@ -1,16 +1,16 @@
-// The whole joint loss of Eq. (20), as the trainer runs it in float: its gradient, read from Adam's first
-// moments after one step, against extrapolated central differences of the loss that the trainer reports.
+// The gradient of the whole joint loss, Eq. (20), as the trainer computes it in float. It is read from Adam's first
+// moments after one step and compared with extrapolated central differences of the reported loss.
 //
-// Two dependences have no gradient by design: of the density weights of L_mask (C19), and of the field on
-// positions (C25). The first is switched off here, positions are moved with the field switched off.
-// What moves geometry also moves pixels over alpha = 1/255, where a contribution begins with a jump that no
-// derivative knows: 1 to 2 per cent of the difference.
+// Two dependences have no gradient by design: the density weights of L_mask (C19), and the field on positions (C25).
+// The first is switched off here; positions are moved with the field switched off. Moving geometry also moves pixels
+// across alpha = 1/255, where a contribution starts with a jump that no derivative contains: 1 to 2 per cent
+// of the difference.
 #include <doctest/doctest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "ngs/passes/joint/joint_stage.h"
+#include "ngs/stages/optimise/joint_trainer.h"
 #include "support/adjoint.h"
 #include "support/joint_case.h"
 #include "support/switches.h"
@@ -22,7 +22,7 @@ struct Group {
   const char* block;  // of JointTrainer::state(); its moments are BLOCK.m
   double step;        // largest change of a parameter
   std::vector<std::string> effect;
-  double bound;  // relative, about 2 times what was measured
+  double bound;  // relative, about twice the measured error
 };
 
 class Probe {
@@ -33,7 +33,7 @@ class Probe {
     options_.mlp_hidden = 16, options_.smooth_points = 64, options_.smooth_step = 0.5;
     sample_.rows = sample_.cols = 10, sample_.depth_samples = 4;
   }
-  /// The loss with block += direction · t, and after the step the gradient of `block`.
+  /// The loss with block += direction · t. `gradient`: receives the gradient of `block` after the step.
   double loss(const std::string& block, const std::vector<double>& direction, double t,
               std::vector<double>* gradient) const {
     Monitor monitor;
@@ -65,7 +65,7 @@ class Probe {
 
 }  // namespace
 
-TEST_CASE("joint: the gradient of the whole loss agrees with extrapolated differences, group by group") {
+TEST_CASE("joint: the gradient of the whole loss agrees with extrapolated differences in every parameter group") {
   const auto c = test::joint_case(60, 40);
   const std::string no_density = "density=off";
   const Group groups[] = {{"label", 0.2, {no_density}, 1e-4},
@@ -84,9 +84,9 @@ TEST_CASE("joint: the gradient of the whole loss agrees with extrapolated differ
     double largest = 0, square = 0;
     for (const double x : g) largest = std::max(largest, std::abs(x)), square += x * x;
     REQUIRE(largest > 0);
-    std::vector<double> direction = g;  // uphill: where rounding and thresholds weigh least
+    std::vector<double> direction = g;  // along the gradient: there rounding and thresholds matter least
     for (double& x : direction) x /= largest;
-    // A build with wider scalars (stability/float64.sh) can take shorter steps, over which pixels cross no threshold.
+    // A build with wider scalars (stability/float64.sh) can take shorter steps, in which no pixel crosses a threshold.
     const double shrink = std::sqrt(double(std::numeric_limits<float>::epsilon()) / 0x1p-23);
     const double numeric =
         test::ridders([&](double t) { return probe.loss(group.block, direction, t, nullptr); }, group.step * shrink);

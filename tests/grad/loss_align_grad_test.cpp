@@ -74,7 +74,7 @@ struct AlignCase {
 
 }  // namespace
 
-TEST_CASE("loss_align: backward is the adjoint of forward, up to the image border and beyond") {
+TEST_CASE("loss_align: backward equals the adjoint of forward, at and beyond the image border") {
   test::Random random(51);
   const PixelGrid grids[] = {
       {4.5, 3.25, 1, 1, 1, 1}, {0.2, 0.1, 1.9, 2.3, 10, 6}, {-3, 0, 4, 1, 8, 16}, {0, 0, 2.5, 15, 9, 2}};

@@ -46,7 +46,7 @@ struct ContCase {
 
 }  // namespace
 
-TEST_CASE("loss_cont: backward gathers both directions of every edge and is the adjoint of forward") {
+TEST_CASE("loss_cont: backward gathers both directions of every edge and equals the adjoint of forward") {
   test::Random random(71);
   for (const std::int64_t n : {2, 3, 5, 60})
     for (const bool weighted : {false, true}) {

@@ -18,7 +18,7 @@ struct MaskCase {
 
   MaskCase(test::Random& random, bool use_linear) : rendered(random.uniform_vector(60, -0.1, 1.1)), linear(use_linear) {
     rendered[0] = 0, rendered[1] = 1, rendered[2] = 5e-7,
-    rendered[3] = 1 - 2e-7;  // beyond the logarithm's range
+    rendered[3] = 1 - 2e-7;  // beyond the clamp of the logarithm
     for (int k = 0; k < 3; ++k) target.push_back(random.uniform_vector<float>(20, 0, 1));
     target[0][0] = 1, target[1][0] = 0, target[0][1] = 1;
     for (const auto& t : target) plane.push_back(t.data());
@@ -50,7 +50,7 @@ struct MaskCase {
 
 }  // namespace
 
-TEST_CASE("loss_mask: the gradient is the adjoint of the loss, also beyond the logarithm's range") {
+TEST_CASE("loss_mask: the gradient equals the adjoint of the loss, also where predictions are clamped") {
   test::Random random(61);
   for (const bool linear : {false, true}) {
     const MaskCase c(random, linear);

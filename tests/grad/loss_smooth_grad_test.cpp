@@ -24,7 +24,7 @@ T smoothness(const std::vector<T>& a, const std::vector<T>& b, std::vector<T>& g
 
 }  // namespace
 
-TEST_CASE("loss_smooth: the gradients of both colours are the adjoint of the loss") {
+TEST_CASE("loss_smooth: the gradients of both colours equal the adjoint of the loss") {
   test::Random random(81);
   for (const std::size_t n : {1u, 2u, 50u}) {
     const auto a = random.uniform_vector(n * 3, 0, 1), b = random.uniform_vector(n * 3, 0, 1);

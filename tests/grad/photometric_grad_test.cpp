@@ -31,7 +31,7 @@ const Case kCases[] = {{1, 1, 1, {}, false},
 
 }  // namespace
 
-TEST_CASE("photometric: the gradient is the adjoint of the dual-number forward pass") {
+TEST_CASE("photometric: the gradient equals the adjoint of the dual-number forward pass") {
   for (const Case& k : kCases) {
     CAPTURE(k.w);
     const Image<double> x = random_image(k.w, k.h, k.c, 1), y = random_image(k.w, k.h, k.c, 2);

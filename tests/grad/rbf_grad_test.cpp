@@ -23,7 +23,7 @@ std::vector<double> backward_feature(const test::RbfCase& c, const std::vector<d
 
 }  // namespace
 
-TEST_CASE("rbf: backward with respect to features is the adjoint of forward") {
+TEST_CASE("rbf: backward equals the adjoint of forward for features") {
   test::Random random(7);
   for (const test::RbfShape shape : kShapes) {
     CAPTURE(shape.queries);

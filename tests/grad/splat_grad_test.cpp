@@ -65,11 +65,11 @@ AdjointResult adjoint(std::uint64_t seed, const SplatOptions& options, int only_
 
 }  // namespace
 
-TEST_CASE("splat: backward is the adjoint of forward for every parameter") {
+TEST_CASE("splat: backward equals the adjoint of forward for every parameter") {
   const char* names[] = {"position", "rotation", "log_scale", "logit_opacity", "sh_dc", "sh_rest", "label"};
   for (const Compat compat : {Compat::kInria, Compat::kGsplat})
     for (const bool antialiased : {false, true})
-      for (const double spread : {1.0, 2.5})  // 2.5: centres beyond the Jacobian limits
+      for (const double spread : {1.0, 2.5})  // 2.5: centres beyond the limits of the Jacobian
         for (int parameter = 0; parameter < 7; ++parameter) {
           CAPTURE(names[parameter]);
           CAPTURE(antialiased);
@@ -80,7 +80,7 @@ TEST_CASE("splat: backward is the adjoint of forward for every parameter") {
         }
 }
 
-TEST_CASE("splat: a channel that is not allowed to move geometry leaves geometry alone") {
+TEST_CASE("splat: a channel that must not move geometry has no gradient of geometry") {
   const test::SplatCase c = test::splat_case(5, 40, 33, 20);
   SplatArrays<double> a(c);
   const Exec exec{.threads = 1};

@@ -60,10 +60,10 @@ struct VolumeCase {
 
 }  // namespace
 
-TEST_CASE("volume: backward is the adjoint of forward, also behind opaque samples") {
+TEST_CASE("volume: backward equals the adjoint of forward, also behind opaque samples") {
   test::Random random(41);
   for (const auto& size : {std::pair{1, 1}, {1, 2}, {7, 8}, {40, 33}})
-    for (const double opaque : {0.0, 1e4}) {  // τ = 1e3 and more: everything behind has weight exactly 0
+    for (const double opaque : {0.0, 1e4}) {  // τ = 1e3 and more: all samples behind have weight exactly 0
       const int rays = size.first, samples = size.second;
       CAPTURE(samples);
       VolumeCase c(random, rays, samples);

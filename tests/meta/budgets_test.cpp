@@ -1,4 +1,4 @@
-// Sizes beyond which a file is two files, and marks of unfinished work.
+// Limits on line width and file length; no marks of unfinished work.
 #include <doctest/doctest.h>
 
 #include <regex>
@@ -23,7 +23,7 @@ int characters(const std::string& utf8) {
   return int(std::count_if(utf8.begin(), utf8.end(), [](char c) { return (c & 0xc0) != 0x80; }));
 }
 
-/// "PATH:LINE" of lines that are too wide. Raw strings, which hold pages, are as wide as they like.
+/// Adds "PATH:LINE" of lines that are too wide. Raw strings, such as pages, are exempt.
 void add_wide_lines(const SourceFile& file, std::vector<std::string>& offenders) {
   std::istringstream text(file.text);
   std::string line;
@@ -39,7 +39,7 @@ void add_wide_lines(const SourceFile& file, std::vector<std::string>& offenders)
 
 }  // namespace
 
-TEST_CASE("no line is wider than its budget") {
+TEST_CASE("no source line has more than 120 characters") {
   std::vector<std::string> offenders;
   for (const SourceFile& file : all_code()) add_wide_lines(file, offenders);
   CHECK(test::listed(offenders) == "");
@@ -49,7 +49,7 @@ TEST_CASE("no line is wider than its budget") {
   CHECK(found == std::vector<std::string>{"wide.h:2"});
 }
 
-TEST_CASE("no file is longer than its budget") {
+TEST_CASE("no source file has more than 400 lines, no main.cpp of a tool more than 110") {
   std::vector<std::string> offenders;
   for (const SourceFile& file : all_code()) {
     const bool is_main = file.in("tools") && file.ends_with("/main.cpp");
@@ -68,8 +68,8 @@ TEST_CASE("headers begin with #pragma once and a comment") {
   CHECK(test::listed(offenders) == "");
 }
 
-TEST_CASE("no file holds a note of unfinished work or a path of one machine") {
-  // the words are split so that this file does not find itself
+TEST_CASE("no file contains a mark of unfinished work or an absolute home path") {
+  // the words are split so that this file does not match
   const std::regex marks(
       "\\b(TO"
       "DO|FIX"

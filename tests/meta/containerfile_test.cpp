@@ -1,5 +1,5 @@
-// What pipelines/Containerfile copies is there, and is all that the build reads. No test builds the image: that needs
-// an engine and a registry.
+// pipelines/Containerfile copies existing files, and all files that the build reads. No test builds the image, which
+// needs a container engine and a registry.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -20,7 +20,7 @@ struct Instruction {
   std::vector<std::string> words;
 };
 
-/// Of a Containerfile, in order; lines that end in a backslash go on.
+/// Instructions of the Containerfile, in order; joins lines that end with a backslash.
 std::vector<Instruction> instructions() {
   std::string text = test::read_bytes((kTree / "pipelines/Containerfile").string());
   text = std::regex_replace(text, std::regex("\\\\\n"), " ");
@@ -36,7 +36,7 @@ std::vector<Instruction> instructions() {
   return found;
 }
 
-/// What is copied from the checkout.
+/// Paths copied from the checkout.
 std::set<std::string> copied() {
   std::set<std::string> sources;
   for (const Instruction& i : instructions())
@@ -46,7 +46,7 @@ std::set<std::string> copied() {
 
 }  // namespace
 
-TEST_CASE("every source that the Containerfile copies exists, and no folder of the build is left out") {
+TEST_CASE("the Containerfile copies existing paths and all folders that the build needs") {
   const std::set<std::string> sources = copied();
   for (const std::string& source : sources) {
     CAPTURE(source);
@@ -54,7 +54,7 @@ TEST_CASE("every source that the Containerfile copies exists, and no folder of t
   }
   const std::string top = test::read_bytes((kTree / "CMakeLists.txt").string()) +
                           test::read_bytes((kTree / "libngs/cmake/NgsInstall.cmake").string());
-  // Folders that CMake adds, and files and folders of the checkout that are installed.
+  // Subdirectories added by CMake, and installed paths of the checkout.
   const std::regex read(R"(add_subdirectory\((\w+)\)|\$\{PROJECT_SOURCE_DIR\}/([\w.-]+))");
   int checked = 0;
   for (std::sregex_iterator at(top.begin(), top.end(), read), end; at != end; ++at) {
@@ -67,7 +67,7 @@ TEST_CASE("every source that the Containerfile copies exists, and no folder of t
   CHECK(checked >= 3);
 }
 
-TEST_CASE("the Containerfile installs what the project's own list names, and builds without tests") {
+TEST_CASE("the Containerfile installs the packages of pipelines/setup.sh and builds without tests") {
   std::string run;
   for (const Instruction& i : instructions())
     if (i.name == "RUN")

@@ -1,4 +1,4 @@
-// The line that says how many cases passed, failed and were skipped.
+// count-tests.awk: numbers of passed, failed and skipped cases.
 #include <doctest/doctest.h>
 
 #include "support/process.h"
@@ -7,7 +7,7 @@
 namespace ngs {
 namespace {
 
-/// What check.sh prints of suites with these outputs.
+/// Output of count-tests.awk for suites with these outputs.
 std::string counted(const std::vector<std::pair<std::string, std::string>>& suites) {
   test::ProcessSpec spec;
   spec.argv = {"awk", "-f", NGS_SOURCE_DIR "/tests/ci/count-tests.awk"};
@@ -24,19 +24,19 @@ std::string doctest_line(const std::string& counts) { return "[doctest] test cas
 
 }  // namespace
 
-TEST_CASE("a case whose needs are absent counts as skipped and says why; one that failed before counts as failed") {
+TEST_CASE("a case without its dependencies counts as skipped with a reason; after a failed check it counts as failed") {
   const test::ProcessResult suite = test::run_command({NGS_TOOL_DIR "/ngs_skipping"});
   CHECK(suite.exit_code == 1);
   const std::string text = counted({{"some", suite.out}});
   INFO(suite.out);
   CHECK(text.find("some              5 cases      1 passed      2 failed      2 skipped\n") != std::string::npos);
   CHECK(text.find("total             5 cases      1 passed      2 failed      2 skipped\n") != std::string::npos);
-  CHECK(text.find("skipped: a case that finds nothing to work on: no scene\n") != std::string::npos);
-  CHECK(text.find("skipped: a case that finds nothing in one of its parts: no program\n") != std::string::npos);
+  CHECK(text.find("skipped: a case without its input: no scene\n") != std::string::npos);
+  CHECK(text.find("skipped: a case without the input of a subcase: no program\n") != std::string::npos);
   CHECK(text.find("no processor") == std::string::npos);
 }
 
-TEST_CASE("the counts of several suites add up, with the cases of a filter and the checks of scripts") {
+TEST_CASE("counts of several suites add up, including filtered cases and checks of scripts") {
   const std::string text = counted(
       {{"unit", "skipped: one: no photo\nskipped cases: 1\n" + doctest_line("  9 |  9 passed | 0 failed | 0 skipped")},
        {"grad", doctest_line(" 4 | \033[32m3 passed\033[0m | 1 failed | 5 skipped")},

@@ -11,7 +11,7 @@ namespace {
 
 using test::SourceFile;
 
-/// Headers that are parts of another op: its gradient test runs through them.
+/// Headers that are parts of another op, whose gradient test covers them.
 const std::map<std::string, std::string> kPartOf = {
     {"project", "splat"},        {"splat_engine", "splat"},    {"splat_tiles", "splat"}, {"splat_gaussian", "splat"},
     {"splat_backward", "splat"}, {"tile_kernels_of", "splat"}, {"tile_types", "splat"}};
@@ -23,10 +23,10 @@ std::string family(const std::string& path) {
   return kPartOf.count(stem) != 0 ? kPartOf.at(stem) : stem;
 }
 
-/// Schedules for a device have no formulas of their own; tests/parity compares their gradients with the op's.
-bool is_schedule(const std::string& path) {
-  static const std::regex schedule(".*/ops/device/.*\\.h");
-  return std::regex_match(path, schedule);
+/// Device kernels contain no formulas; tests/parity compares their gradients with those of the op.
+bool is_device_kernel(const std::string& path) {
+  static const std::regex device(".*/ops/device/.*\\.h");
+  return std::regex_match(path, device);
 }
 
 bool has_backward(const std::string& text) {
@@ -38,7 +38,7 @@ bool has_backward(const std::string& text) {
 TEST_CASE("every op with a backward has a gradient test") {
   std::set<std::string> differentiable;
   for (const SourceFile& file : test::source_files({"libngs/ngs/ops"}, {".h"}))
-    if (!is_schedule(file.path) && has_backward(file.text)) differentiable.insert(family(file.path));
+    if (!is_device_kernel(file.path) && has_backward(file.text)) differentiable.insert(family(file.path));
   REQUIRE(differentiable.count("splat") == 1);
   REQUIRE(differentiable.count("rbf") == 1);
   for (const std::string& op : differentiable) {
@@ -47,7 +47,7 @@ TEST_CASE("every op with a backward has a gradient test") {
   }
 }
 
-TEST_CASE("parts of ops name headers that exist") {
+TEST_CASE("every entry of kPartOf names existing headers") {
   for (const auto& entry : kPartOf) {
     INFO(entry.first);
     const auto& [part, whole] = entry;

@@ -1,4 +1,4 @@
-// The tree is as .clang-format lays it out, so that anybody can run the formatter and see own changes only.
+// The tree is formatted by .clang-format, so that running the formatter shows only own changes.
 #include <doctest/doctest.h>
 
 #include "support/process.h"
@@ -8,12 +8,12 @@
 namespace ngs {
 namespace {
 
-/// Other versions break lines at other places.
+/// Other versions break lines differently.
 constexpr const char* kVersion = "version 14.";
 
 }  // namespace
 
-TEST_CASE("every source file is laid out by .clang-format") {
+TEST_CASE("every source file is formatted as .clang-format requires") {
   const test::ProcessResult version = test::run_command({"/usr/bin/env", "clang-format", "--version"});
   if (version.exit_code != 0) return test::skip("clang-format is not installed");
   if (version.out.find(kVersion) == std::string::npos)

@@ -1,5 +1,5 @@
 #pragma once
-// How large a function may be, and which ones are larger for a reason.
+// Size limits of functions, and exceptions with reasons.
 #include <map>
 #include <string>
 
@@ -10,7 +10,7 @@ namespace ngs::test {
 inline constexpr int kFunctionLines = 60, kFunctionParameters = 5, kFunctionNesting = 4;
 inline constexpr std::size_t kMostExceptions = 10;
 
-/// "path:function" -> why it is as large as it is.
+/// "path:function" -> reason for its size.
 inline const std::map<std::string, std::string>& function_exceptions() {
   static const std::map<std::string, std::string> exceptions = {};
   return exceptions;

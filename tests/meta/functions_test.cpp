@@ -1,4 +1,4 @@
-// What support/cpp_functions.h measures, on functions whose sizes a reader can count.
+// support/cpp_functions.h on functions of known size.
 #include <doctest/doctest.h>
 
 #include <stdexcept>
@@ -32,7 +32,7 @@ std::string body_nesting(const std::string& body) { return measured("void f() {"
 
 }  // namespace
 
-TEST_CASE("comments, strings and preprocessor lines hide no brackets and open none") {
+TEST_CASE("tokens: brackets in comments, strings and preprocessor lines are ignored") {
   CHECK(words("a /* { */ b // }\nc") == "a b c ");
   CHECK(words("#define M(x) \\\n  { x\nint a;\n  # if 1 // (\nb") == "int a ; b ");
   CHECK(words("\"}\\\"{\" '{' L'\\'' u8\"(\"s") == "\"}\\\"{\" '{' L'\\'' u8\"(\"s ");
@@ -42,14 +42,14 @@ TEST_CASE("comments, strings and preprocessor lines hide no brackets and open no
   CHECK(test::cpp_tokens("a\n\nR\"(\n\n)\" b").back().line == 5);
 }
 
-TEST_CASE("a bracket without its partner is an error that names the line") {
+TEST_CASE("an unbalanced bracket is an error with the line number") {
   CHECK_THROWS_WITH(cpp_functions("int f() {\n  if (x) }"), "line 2: the statement has no end");
   CHECK_THROWS_WITH(cpp_functions("int f() {\n  (a];\n}"), "line 2: ']' closes nothing");
   CHECK_THROWS_WITH(cpp_functions("int f() {\n"), "line 1: bracket is never closed");
   CHECK_THROWS_WITH(cpp_functions("\nint f()\n"), "line 2: the declaration has no end");
 }
 
-TEST_CASE("a function's lines reach from its template header to its closing brace") {
+TEST_CASE("lines of a function are counted from its template header to its closing brace") {
   CHECK(measured("int f() { return 1; }") == "f 1/0/0");
   CHECK(measured("// above\ntemplate <class T>\n[[nodiscard]] T f(\n    T a)\n{\n  return a;\n}\n// below") ==
         "f 6/1/0");
@@ -58,7 +58,7 @@ TEST_CASE("a function's lines reach from its template header to its closing brac
   CHECK(cpp_functions("\n\nint f() {\n}")[0].line == 3);
 }
 
-TEST_CASE("names carry their classes and no namespaces") {
+TEST_CASE("function names include classes but no namespaces") {
   CHECK(measured("namespace a::b { namespace { struct S : T<int> { int f() {} struct U { void g() {} }; } s; } }") ==
         "S::f 1/0/0; S::U::g 1/0/0");
   CHECK(measured("int A<T>::B::f() const noexcept {} A::~A() {} template <> void g<int>(int) {}") ==
@@ -70,7 +70,7 @@ TEST_CASE("names carry their classes and no namespaces") {
   CHECK(measured("std::ostream& operator<<(std::ostream& o, int x) {}") == "operator<< 1/2/0");
 }
 
-TEST_CASE("parameters are those of the function: no commas of templates, defaults or lambdas") {
+TEST_CASE("parameter counts ignore commas of templates, defaults and lambdas") {
   CHECK(measured("void f(void) {}") == "f 1/0/0");
   CHECK(measured("template <class A, class B, int N = 2> NGS_HD void f(std::map<A, B> m, std::array<A, (N > 1 ? 2 : "
                  "3)> a) {}") == "f 1/2/0");
@@ -87,13 +87,13 @@ TEST_CASE("parameters are those of the function: no commas of templates, default
   CHECK(measured("template <class T> void f(T a) requires(A<T, T> && B) {}") == "f 1/1/0");
 }
 
-TEST_CASE("a constructor's initialisers are part of it, their braces are no body") {
+TEST_CASE("initialisers are part of a constructor, and their braces are not its body") {
   CHECK(measured("struct S : B<int> {\n  S(int a, int b)\n      : B<int>{a, b}, x_{a}, y_(b) {\n    if (a) x_ = 2;\n  "
                  "}\n};") == "S::S 4/2/1");
   CHECK(measured("S::S(int a) : f_([](int x, int y) { if (x) return y; }) {}") == "S::S 1/1/1");
 }
 
-TEST_CASE("what only looks like a function is none") {
+TEST_CASE("declarations that resemble functions are not counted") {
   CHECK(measured("int x{3}; std::vector<int> v = {1, 2}; const S s{.a = 1}; S t(1, 2); alignas(8) float y[2]{};") ==
         "");
   CHECK(measured("enum class E : int { a = (1), b }; struct F { int bits : 3; enum { c } d{c}; };") == "");
@@ -103,7 +103,7 @@ TEST_CASE("what only looks like a function is none") {
   CHECK(measured("std::function<void(int)> g{nullptr}; decltype(f(1)) z{2};") == "");
 }
 
-TEST_CASE("nesting counts control statements with and without braces, and an else-if beside its if") {
+TEST_CASE("nesting counts control statements with and without braces; else-if is on the level of its if") {
   CHECK(body_nesting("a = 1; { { b = 2; } }") == "f 1/0/0");
   CHECK(body_nesting("if (a) b(); else if (c) d(); else if (e) g(); else h();") == "f 1/0/1");
   CHECK(body_nesting("if (a) b(); else { if (c) d(); }") == "f 1/0/2");
@@ -115,7 +115,7 @@ TEST_CASE("nesting counts control statements with and without braces, and an els
   CHECK(body_nesting("for (;;) [[likely]] { if (a) [[unlikely]] b(); }") == "f 1/0/2");
 }
 
-TEST_CASE("a lambda is part of the function around it and adds no level of its own") {
+TEST_CASE("a lambda is part of the enclosing function and adds no nesting level") {
   CHECK(body_nesting("if (a) g([&](int x, int y) {\n if (x) return y;\n});") == "f 3/0/2");
   CHECK(body_nesting("for (;;) return [=]<class T>(T x) mutable -> std::vector<T> { for (;;) if (x) y(); }();") ==
         "f 1/0/3");
@@ -124,18 +124,18 @@ TEST_CASE("a lambda is part of the function around it and adds no level of its o
   CHECK(body_nesting("A{[] { if (a) b(); }}; kernel<<<g, 1>>>(a);") == "f 1/0/1");
 }
 
-TEST_CASE("a lambda outside of any function is a function under its variable's name") {
+TEST_CASE("a lambda outside functions is a function with the name of its variable") {
   CHECK(measured("const auto g = [](int a, int b) { if (a) return b; };") == "g 1/2/1");
   CHECK(measured("static const V v{[] { for (;;) {} }()}; struct S { F h = [](int a) {\n}; };") == "v 1/0/1; h 2/1/0");
 }
 
-TEST_CASE("members of a local class are functions of their own") {
+TEST_CASE("members of a local class are separate functions") {
   CHECK(body_nesting("struct T { int g(int a) { if (a) return a; } }; struct stat s; for (;;) T().g(1);") ==
         "T::g 1/1/1; f 1/0/1");
   CHECK(body_nesting("enum { a, b }; static const struct { int x; } c = {1}; if (b) d();") == "f 1/0/1");
 }
 
-TEST_CASE("every source file of the library and the tools is read to its end") {
+TEST_CASE("every source file of the library and the tools can be parsed") {
   std::vector<CppFunction> all;
   for (const test::SourceFile& file : test::code_files()) {
     INFO(file.path);

@@ -1,6 +1,5 @@
-// A translation unit for processors beyond those of the program must not lend its code to the rest of it: an inline
-// function that it emits under a shared name could be the copy that the linker keeps, and the program would die on
-// older processors.
+// A translation unit compiled for newer processors must not export inline functions under shared names: the linker
+// could keep that copy for the whole program, which would then crash on older processors.
 #include <doctest/doctest.h>
 
 #include <regex>
@@ -13,7 +12,7 @@
 namespace ngs {
 namespace {
 
-/// Symbols of `nm -C` output that another translation unit could define too, beside those named after `pack`.
+/// Symbols in `nm -C` output that another translation unit could define too, except those containing `pack`.
 std::vector<std::string> shared_symbols(const std::string& listing, const std::string& pack) {
   static const std::regex shared("[0-9a-f]* +[WVBDRu] (.*)");
   std::vector<std::string> found;

@@ -1,5 +1,5 @@
-// Who may include whom, and which words may stand where. The rules are functions of one file, so that each is
-// also shown a file that breaks it.
+// Allowed includes per layer, and words confined to some files. Each rule is a function of one file and is also tested
+// on a violating file.
 #include <doctest/doctest.h>
 
 #include <map>
@@ -24,7 +24,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"problem", {"core", "math", "scene", "backend", "ops", "options", "problem"}},
     {"stages", {"core", "math", "scene", "backend", "ops", "options", "problem", "stages"}},
     {"passes", {"core", "math", "scene", "backend", "ops", "options", "problem", "stages", "passes"}},
-    {"methods", {"core", "math", "scene", "backend", "ops", "options", "problem", "stages", "passes", "methods"}},
+    {"methods", {"core", "math", "scene", "backend", "ops", "options", "problem", "stages", "methods"}},
     {"io", {"core", "math", "scene", "options", "io"}},
 };
 
@@ -97,6 +97,22 @@ Offenders layer_offences(const SourceFile& file) {
   return offences;
 }
 
+/// A pass is a folder of passes/. It sees no other pass, and of the files that all passes share only pass_list.cpp sees
+/// passes. time/ is shared.
+Offenders pass_offences(const SourceFile& file) {
+  static const std::regex pass("(?:libngs/)?ngs/passes/([a-z_]+)/.*");
+  const auto pass_of = [](const std::string& path) {
+    std::smatch match;
+    return std::regex_match(path, match, pass) && match[1] != "time" ? match[1].str() : std::string();
+  };
+  Offenders offences;
+  if (layer_of(file.path) != "passes" || file.path == "libngs/ngs/passes/pass_list.cpp") return offences;
+  for (const std::string& header : included(file.text))
+    if (const std::string other = pass_of(header); !other.empty() && other != pass_of(file.path))
+      offences.push_back(file.path + ": includes " + header + ", but a pass sees no other pass");
+  return offences;
+}
+
 Offenders third_party_offences(const SourceFile& file) {
   Offenders offences;
   for (const std::string& header : included(file.text))
@@ -118,10 +134,10 @@ Offenders word_offences(const SourceFile& file) {
          cuda || file.path == "libngs/ngs/core/hd.h", "CUDA words belong to backend/ and *.cu");
   search("#\\s*pragma\\s+omp", backend, "OpenMP pragmas belong to backend/");
   search("\\batomic(Add|CAS|Max|Min|Exch)\\b|omp\\s+(atomic|critical)|std::atomic_ref",
-         file.path == "libngs/ngs/backend/cuda_launcher.cuh", "kernels gather, they do not scatter");
-  search("\\b(Grid|Launcher)::add_to\\b",
+         file.path == "libngs/ngs/backend/cuda_launcher.cuh", "kernels gather and do not scatter");
+  search("\\b(Grid|Launcher)::atomic_add\\b",
          file.text.find("DeviceSums::kAtomic") != std::string::npos || !file.in("libngs/ngs/ops"),
-         "kernels scatter by request only, DeviceSums::kAtomic");
+         "kernels scatter only with DeviceSums::kAtomic");
   return offences;
 }
 
@@ -132,7 +148,7 @@ Offenders flag_offences(const SourceFile& file) {
   std::smatch match;
   if (std::regex_search(file.text, match, fast))
     offences.push_back(file.path + ": has " + match[0].str() + ", but results may not depend on the optimiser");
-  // Its vectorised sums have the order of the processor's vectors; ngs_eigen has neither these nor threads.
+  // Vectorised sums of Eigen depend on the processor; ngs_eigen disables vectorisation and threads.
   const bool wraps =
       file.text.find("ngs_eigen INTERFACE EIGEN_DONT_PARALLELIZE EIGEN_DONT_VECTORIZE") != file.text.npos;
   if (!wraps && file.text.find("Eigen3::Eigen") != file.text.npos)
@@ -150,13 +166,18 @@ std::string over(const std::vector<SourceFile>& files, const Rule& rule) {
 
 }  // namespace
 
-TEST_CASE("the layers include only what lies below them") {
+TEST_CASE("layers include only lower layers") {
   REQUIRE(test::code_files().size() > 100);
   CHECK(over(test::code_files(), layer_offences) == "");
   CHECK(layer_offences({"libngs/ngs/ops/x.h", "#include \"ngs/io/ply/ply.h\"\n"}).size() == 1);
   CHECK(layer_offences({"libngs/ngs/io/x.cpp", "#include \"ngs/ops/splat/splat.h\"\n"}).size() == 1);
   CHECK(layer_offences({"libngs/ngs/ops/x_kernels.h", "#include \"ngs/backend/exec.h\"\n"}).size() == 1);
   CHECK(layer_offences({"tools/ngs-x/main.cpp", "#include \"ngs/io/ply/ply.h\"\n"}).empty());
+
+  CHECK(over(test::code_files(), pass_offences) == "");
+  CHECK(pass_offences({"libngs/ngs/passes/a/x.h", "#include \"ngs/passes/b/y.h\"\n"}).size() == 1);
+  CHECK(pass_offences({"libngs/ngs/passes/pass.h", "#include \"ngs/passes/b/y.h\"\n"}).size() == 1);
+  CHECK(pass_offences({"libngs/ngs/passes/a/x.h", "#include \"ngs/passes/time/step_tracker.h\"\n"}).empty());
 }
 
 TEST_CASE("every folder of the library is a known layer") {
@@ -174,15 +195,15 @@ TEST_CASE("every third-party library is confined to its file or layer") {
   CHECK(third_party_offences({"libngs/ngs/stages/x.h", "#include <nlohmann/json.hpp>\n"}).size() == 1);
 }
 
-TEST_CASE("CUDA and OpenMP words stand in the backend only, and nothing scatters") {
+TEST_CASE("CUDA and OpenMP words occur only in the backend, and kernels do not scatter") {
   CHECK(over(test::code_files(), word_offences) == "");
   CHECK(word_offences({"libngs/ngs/ops/x.cpp", "#pragma omp parallel for\n"}).size() == 1);
   CHECK(word_offences({"libngs/ngs/ops/x.h", "__device__ float f();\n"}).size() == 1);
   CHECK(word_offences({"libngs/ngs/ops/x.cu", "__global__ void f() { atomicAdd(p, 1); }\n"}).size() == 1);
-  CHECK(word_offences({"libngs/ngs/ops/x.h", "NGS_HD void f() { Grid::add_to(p, 1); }\n"}).size() == 1);
+  CHECK(word_offences({"libngs/ngs/ops/x.h", "NGS_HD void f() { Grid::atomic_add(p, 1); }\n"}).size() == 1);
 }
 
-TEST_CASE("no build file asks for fast-math or contraction, or for Eigen as it comes") {
+TEST_CASE("build files enable neither fast-math nor contraction, and link Eigen only through ngs_eigen") {
   const std::vector<SourceFile> files = test::source_files({"libngs", "tools", "tests"}, {"CMakeLists.txt", ".cmake"});
   CHECK(files.size() >= 6);
   CHECK(over(files, flag_offences) == "");

@@ -1,4 +1,4 @@
-// What this tree measures against its budgets: the figures are printed, and asserted.
+// Prints size measures of the tree and checks them against limits.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -32,7 +32,7 @@ std::string described(const Measured& m) {
          std::to_string(m.function.parameters) + " parameters, nesting " + std::to_string(m.function.nesting);
 }
 
-/// The ten with the largest measure, one per line.
+/// The ten functions with the largest measure, one per line.
 std::string largest(std::vector<Measured> all, int CppFunction::*measure) {
   std::stable_sort(all.begin(), all.end(),
                    [&](const Measured& a, const Measured& b) { return a.function.*measure > b.function.*measure; });
@@ -41,7 +41,7 @@ std::string largest(std::vector<Measured> all, int CppFunction::*measure) {
   return text;
 }
 
-/// Name and size of the largest, for folders and for files.
+/// Size and name of folders or files; `largest` prints the five largest.
 using Sizes = std::vector<std::pair<int, std::string>>;
 std::string largest(Sizes sizes) {
   std::sort(sizes.rbegin(), sizes.rend());
@@ -50,7 +50,7 @@ std::string largest(Sizes sizes) {
     text += "\n  " + std::to_string(sizes[i].first) + " " + sizes[i].second;
   return text;
 }
-std::vector<std::string> beyond(const Sizes& sizes, int budget) {
+std::vector<std::string> over_limit(const Sizes& sizes, int budget) {
   std::vector<std::string> offenders;
   for (const auto& [size, name] : sizes)
     if (size > budget)
@@ -60,7 +60,7 @@ std::vector<std::string> beyond(const Sizes& sizes, int budget) {
 
 }  // namespace
 
-TEST_CASE("no function has more than 60 lines, 5 parameters or 4 levels, but for the exceptions with a reason") {
+TEST_CASE("no function has more than 60 lines, 5 parameters or 4 levels, except listed exceptions") {
   const std::vector<Measured> all = all_functions();
   MESSAGE(all.size() << " functions; the longest:" << largest(all, &CppFunction::lines)
                      << "\nthe most parameters:" << largest(all, &CppFunction::parameters)
@@ -72,7 +72,7 @@ TEST_CASE("no function has more than 60 lines, 5 parameters or 4 levels, but for
   CHECK(test::listed(offenders) == "");
 }
 
-TEST_CASE("the exceptions are ten at most, have a reason and are still needed") {
+TEST_CASE("there are at most ten exceptions, each with a reason and still needed") {
   const std::vector<Measured> all = all_functions();
   CHECK(test::function_exceptions().size() <= test::kMostExceptions);
   for (const auto& exception : test::function_exceptions()) {
@@ -84,7 +84,7 @@ TEST_CASE("the exceptions are ten at most, have a reason and are still needed") 
   }
 }
 
-TEST_CASE("no units include each other") {
+TEST_CASE("there are no include cycles between units") {
   const test::IncludeGraph graph = test::include_graph(test::code_files());
   const std::vector<std::vector<std::string>> cycles = test::include_cycles(graph);
   MESSAGE(graph.size() << " units, " << cycles.size() << " cycles");
@@ -106,8 +106,8 @@ TEST_CASE("no folder has more than 30 source files, and no file more than 400 li
   for (const auto& [folder, count] : in_folder) folders.emplace_back(count, folder);
   MESSAGE(folders.size() << " folders, by files:" << largest(folders) << "\n"
                          << files.size() << " files, by lines:" << largest(files));
-  CHECK(test::listed(beyond(folders, kFolderFiles)) == "");
-  CHECK(test::listed(beyond(files, kFileLines)) == "");
+  CHECK(test::listed(over_limit(folders, kFolderFiles)) == "");
+  CHECK(test::listed(over_limit(files, kFileLines)) == "");
 }
 
 }  // namespace ngs

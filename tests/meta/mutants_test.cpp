@@ -1,4 +1,4 @@
-// The list of mutants ages with the code: one that no longer breaks anything proves nothing.
+// Mutants are sed patterns on source lines: a pattern that no longer matches tests nothing.
 #include <doctest/doctest.h>
 
 #include "support/process.h"
@@ -6,7 +6,7 @@
 
 namespace ngs {
 
-TEST_CASE("every mutant still changes the file that it breaks") {
+TEST_CASE("every mutant still changes its source file") {
   const test::ProcessResult result =
       test::run_command({std::string(NGS_SOURCE_DIR) + "/tests/stability/mutants.sh", "--applies"});
   INFO(result.err);

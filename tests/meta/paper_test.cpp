@@ -1,5 +1,5 @@
-// PAPER.md and the decision notes name the files that hold an equation, a pass or a test, and comments name sections of
-// PAPER.md. A name that no longer leads anywhere misleads, so each is looked up.
+// Checks references: files named in PAPER.md and the decision notes, links between documents, and sections of PAPER.md
+// cited in comments.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -22,15 +22,15 @@ std::vector<std::string> captures(const std::string& text, const std::regex& pat
   return found;
 }
 
-/// What stands in backticks and is a path: `folder/file.ext`, `folder/`, `tests/suite/name_test`. Commands, ratios of
-/// options and patterns hold a space, '*', '{', '|' or '=' and are none.
+/// Paths in backticks: `folder/file.ext`, `folder/`, `tests/suite/name_test`. Text with a space, '*', '{', '|' or '=',
+/// such as commands and patterns, is not a path.
 std::vector<std::string> named_paths(const std::string& text) {
   static const std::regex path("`((?:[a-z][a-z0-9_.-]*/)+[A-Za-z0-9_.-]*)`");
   return captures(text, path);
 }
 
 struct Link {
-  std::string file, anchor;  // file is empty within the document, anchor where there is none
+  std::string file, anchor;  // empty file: the same document; empty anchor: none
 };
 
 /// Relative links, [text](file.md#anchor).
@@ -42,7 +42,7 @@ std::vector<Link> links_of(const std::string& text) {
   return found;
 }
 
-/// What a heading is linked by: letters in lower case, digits, '-' and '_', a '-' for every space.
+/// Anchor of a heading: lower-case letters, digits, '-' and '_', with '-' for every space.
 std::string anchor_of(const std::string& heading) {
   std::string anchor;
   for (const char c : heading) {
@@ -58,44 +58,45 @@ bool has_anchor(const std::string& text, const std::string& anchor) {
   return std::any_of(found.begin(), found.end(), [&](const std::string& h) { return anchor_of(h) == anchor; });
 }
 
-/// Sources are named from libngs/ngs, all else from the top folder; of a test ".cpp" is left out.
-bool leads_to_a_file(const std::string& path) {
+/// Source paths are relative to libngs/ngs, other paths to the top folder; names of tests omit ".cpp".
+bool names_a_file(const std::string& path) {
   const fs::path top = NGS_SOURCE_DIR;
   return fs::exists(top / "libngs/ngs" / path) || fs::exists(top / path) || fs::exists(top / (path + ".cpp"));
 }
 
-std::vector<std::string> lost_paths(const SourceFile& document) {
-  std::vector<std::string> lost;
+std::vector<std::string> broken_paths(const SourceFile& document) {
+  std::vector<std::string> offenders;
   for (const std::string& path : named_paths(document.text))
-    if (!leads_to_a_file(path)) lost.push_back(document.path + ": " + path);
-  return lost;
+    if (!names_a_file(path)) offenders.push_back(document.path + ": " + path);
+  return offenders;
 }
 
-std::vector<std::string> lost_links(const SourceFile& document) {
+std::vector<std::string> broken_links(const SourceFile& document) {
   const fs::path folder = (fs::path(NGS_SOURCE_DIR) / document.path).parent_path();
-  std::vector<std::string> lost;
+  std::vector<std::string> offenders;
   for (const auto& [file, anchor] : links_of(document.text)) {
-    const bool there = file.empty() || fs::exists(folder / file);
-    const bool at_heading =
+    const bool file_exists = file.empty() || fs::exists(folder / file);
+    const bool heading_exists =
         anchor.empty() || has_anchor(file.empty() ? document.text : test::read_bytes((folder / file).string()), anchor);
-    if (!there || !at_heading) lost.push_back(document.path + ": " + file + (at_heading ? "" : "#" + anchor));
+    if (!file_exists || !heading_exists)
+      offenders.push_back(document.path + ": " + file + (heading_exists ? "" : "#" + anchor));
   }
-  return lost;
+  return offenders;
 }
 
-/// "5.10" of the headings "### 5.10  Contour refinement".
+/// Section numbers of headings: "5.10" for "### 5.10  Contour refinement".
 std::set<std::string> sections_of(const SourceFile& paper) {
   static const std::regex heading("(?:^|\n)##+ ([0-9.]+)  ");
   const std::vector<std::string> found = captures(paper.text, heading);
   return {found.begin(), found.end()};
 }
 
-std::vector<std::string> lost_sections(const SourceFile& file, const std::set<std::string>& sections) {
+std::vector<std::string> broken_sections(const SourceFile& file, const std::set<std::string>& sections) {
   static const std::regex section("§([0-9]+(?:\\.[0-9]+)?)");
-  std::vector<std::string> lost;
+  std::vector<std::string> offenders;
   for (const std::string& number : captures(file.text, section))
-    if (sections.count(number) == 0) lost.push_back(file.path + ": §" + number);
-  return lost;
+    if (sections.count(number) == 0) offenders.push_back(file.path + ": §" + number);
+  return offenders;
 }
 
 SourceFile top_file(const std::string& name) {
@@ -118,38 +119,38 @@ void append(std::vector<std::string>& to, const std::vector<std::string>& from) 
 
 }  // namespace
 
-TEST_CASE("every path that PAPER.md or a decision note names exists") {
-  std::vector<std::string> lost;
+TEST_CASE("every path named in PAPER.md or a decision note exists") {
+  std::vector<std::string> offenders;
   for (const SourceFile& document : documents())
-    if (is_design(document)) append(lost, lost_paths(document));
-  CHECK(test::listed(lost) == "");
+    if (is_design(document)) append(offenders, broken_paths(document));
+  CHECK(test::listed(offenders) == "");
 
-  const SourceFile astray{"a.md", "`ops/none_kernels.h`, `core/error.h`, `tests/meta/paper_test`, `--a x/y`, `W1 / W`"};
-  CHECK(lost_paths(astray) == std::vector<std::string>{"a.md: ops/none_kernels.h"});
+  const SourceFile broken{"a.md", "`ops/none_kernels.h`, `core/error.h`, `tests/meta/paper_test`, `--a x/y`, `W1 / W`"};
+  CHECK(broken_paths(broken) == std::vector<std::string>{"a.md: ops/none_kernels.h"});
 }
 
-TEST_CASE("every relative link of a document leads to a file, and to one of its headings") {
-  std::vector<std::string> lost;
-  for (const SourceFile& document : documents()) append(lost, lost_links(document));
-  CHECK(test::listed(lost) == "");
+TEST_CASE("every relative link points to an existing file and heading") {
+  std::vector<std::string> offenders;
+  for (const SourceFile& document : documents()) append(offenders, broken_links(document));
+  CHECK(test::listed(offenders) == "");
 
-  const SourceFile astray{"libngs/a.md",
+  const SourceFile broken{"libngs/a.md",
                           "## A b: `c`\n[a](PAPER.md#4--readings) [b](#a-b-c) [d](https://e.org) "
                           "[f](decisions/none.md) [g](PAPER.md#44--none) [h](#a)"};
-  CHECK(lost_links(astray) == std::vector<std::string>{"libngs/a.md: decisions/none.md",
-                                                       "libngs/a.md: PAPER.md#44--none", "libngs/a.md: #a"});
+  CHECK(broken_links(broken) == std::vector<std::string>{"libngs/a.md: decisions/none.md",
+                                                         "libngs/a.md: PAPER.md#44--none", "libngs/a.md: #a"});
 }
 
-TEST_CASE("every section that a comment or a document cites is one of PAPER.md") {
+TEST_CASE("every section cited in a comment or document exists in PAPER.md") {
   const std::set<std::string> sections = sections_of(top_file("libngs/PAPER.md"));
   std::vector<SourceFile> files = test::source_files({"libngs", "tools", "tests"}, {".h", ".cpp", ".cu", ".cuh"});
   for (SourceFile& document : documents()) files.push_back(std::move(document));
-  std::vector<std::string> lost;
+  std::vector<std::string> offenders;
   for (const SourceFile& file : files)
-    if (file.path != "tests/meta/paper_test.cpp") append(lost, lost_sections(file, sections));
-  CHECK(test::listed(lost) == "");
+    if (file.path != "tests/meta/paper_test.cpp") append(offenders, broken_sections(file, sections));
+  CHECK(test::listed(offenders) == "");
 
-  CHECK(lost_sections({"a.h", "// PAPER.md §5.1 and §5.99"}, sections) == std::vector<std::string>{"a.h: §5.99"});
+  CHECK(broken_sections({"a.h", "// PAPER.md §5.1 and §5.99"}, sections) == std::vector<std::string>{"a.h: §5.99"});
 }
 
 }  // namespace ngs

@@ -1,4 +1,4 @@
-// tests/bench/results_table: from a question's lines to its table.
+// tests/bench/results_table: from the lines of a question to its table.
 #include <doctest/doctest.h>
 
 #include <sstream>
@@ -20,7 +20,7 @@ results::Result collected(const std::string& lines) {
   return results::collect(text);
 }
 
-// Two methods on two splits; two labels, so that each method has a reference line of its own.
+// Two methods on two splits; two label columns, so that each method has its own reference line.
 const std::string kLines =
     "meta\tquestion\tshown\nmeta\ttitle\tA title\nmeta\tcommit\tabc1234\nmeta\tmachine\ttwo cores\n"
     "meta\tcommand\ttests/bench/results.sh shown\nmeta\tdefaults\t0123456789abcdef\nmeta\tseconds\t119.6\n"
@@ -34,7 +34,7 @@ const std::string kLines =
 
 }  // namespace
 
-TEST_CASE("a table's cells: rows with the same labels share a line, changes are against its first line") {
+TEST_CASE("table cells: rows with equal labels share a line, changes refer to the first line of a method") {
   const std::vector<Cells> cells = results::cells_of(collected(kLines));
   REQUIRE(cells.size() == 4);
   CHECK(cells[0] == Cells{"method", "without", "IoU", "of b", "each", "wall s", "change", "times", "least", "most"});
@@ -43,7 +43,7 @@ TEST_CASE("a table's cells: rows with the same labels share a line, changes are 
   CHECK(cells[3] == Cells{"y", "-", "0.1000", "", "0.10", "", "", "", "", ""});
 }
 
-TEST_CASE("a result is the same after it was written and read") {
+TEST_CASE("a result is unchanged after writing and reading") {
   const test::TempDir dir;
   const results::Result result = collected(kLines);
   const std::string text = results::text_of(result);
@@ -52,7 +52,7 @@ TEST_CASE("a result is the same after it was written and read") {
   CHECK_THROWS_AS(results::read_result(dir.write("other.json", "{}")), Error);
 }
 
-TEST_CASE("a table says where it comes from, and whether the defaults have changed since") {
+TEST_CASE("a table shows commit, machine and command, and whether defaults have changed since") {
   const results::Result result = collected(kLines);
   const std::string same = results::markdown_of(result, "0123456789abcdef");
   CHECK(same.find("| method | without | IoU |") == 0);
@@ -67,7 +67,7 @@ TEST_CASE("a table says where it comes from, and whether the defaults have chang
   CHECK(results::markdown_of(without_options, "fedcba9876543210").find("have changed since") == std::string::npos);
 }
 
-TEST_CASE("one number of a result is taken from the rows that meet all conditions") {
+TEST_CASE("a single value aggregates the rows that match all conditions") {
   const results::Result result = collected(kLines);
   CHECK(results::value_of(result, "iou", results::Show::kMean, {{"method", "x"}}) == doctest::Approx(0.5));
   CHECK(results::value_of(result, "iou", results::Show::kMost, {{"method", "x"}, {"run", "a"}}) ==
@@ -76,7 +76,7 @@ TEST_CASE("one number of a result is taken from the rows that meet all condition
   CHECK_THROWS_AS(results::value_of(result, "iou", results::Show::kEach, {}), Error);
 }
 
-TEST_CASE("lines that say nothing sensible are refused") {
+TEST_CASE("invalid lines are errors") {
   for (const char* lines :
        {"rwo\tmethod=x\n", "row\tmethod\n", "meta\tcolour\tred\n", "column\tIoU\t\tiou\tmean\n",
         "column\tIoU\t\tiou\taverage\t4\n", "column\tIoU\t\tiou\tmean\t4\nrow\tiou=high\n",
@@ -86,7 +86,7 @@ TEST_CASE("lines that say nothing sensible are refused") {
   }
 }
 
-TEST_CASE("rows take scores and times from what the tools wrote") {
+TEST_CASE("rows read scores and times from files of the tools") {
   const test::TempDir dir;
   const std::string metrics =
       dir.write("metrics.json", R"({"mean": {"iou": 0.123456789, "biou": 0.2, "biou_005": 0.3}})");
@@ -98,7 +98,7 @@ TEST_CASE("rows take scores and times from what the tools wrote") {
   CHECK_THROWS_AS(collected("row\tmethod=x\tscores=" + report + "\n"), Error);
 }
 
-TEST_CASE("rows of benchmarks are the medians, those of stability the worst of each kernel") {
+TEST_CASE("benchmark rows contain medians, stability rows the worst ratios per kernel") {
   const test::TempDir dir;
   const std::string benchmark = dir.write("benchmark.json", R"({"benchmarks": [
     {"run_name": "evidence_view/v4", "aggregate_name": "mean", "cpu_time": 9},
@@ -120,7 +120,7 @@ TEST_CASE("rows of benchmarks are the medians, those of stability the worst of e
         R"("worst_ratio":3.0,"textbook_ratio":40.0}])");
 }
 
-TEST_CASE("blocks of a page are replaced as a whole, all else stays") {
+TEST_CASE("blocks of a page are replaced completely, other text is unchanged") {
   const std::string page =
       "above\n<!-- result: a -->\nold\n\nolder\n<!-- /result -->\nbetween\n<!-- result: b -->\n<!-- /result -->\n";
   CHECK(results::blocks_of(page) == Cells{"a", "b"});
@@ -134,7 +134,7 @@ TEST_CASE("blocks of a page are replaced as a whole, all else stays") {
   }
 }
 
-TEST_CASE("the help's table holds the same cells in columns of equal width") {
+TEST_CASE("the help header contains the same cells in aligned columns") {
   const std::string header = results::help_header_of(collected(
       "meta\tquestion\tq\nmeta\ttitle\tA title\ncolumn\tquality\t\tmethod\tlabel\ncolumn\tIoU\t\tiou\tmean\t2\n"
       "row\tmethod=draft\tiou=0.5\nrow\tmethod=high\tiou=0.25\n"));

@@ -1,4 +1,4 @@
-// Every figure that README.md and BENCHMARKS.md state in a table comes from tests/bench/results/.
+// All measurements in tables of README.md and BENCHMARKS.md come from tests/bench/results/.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kBenchmarksLines = 250;  // about five screens
+constexpr int kBenchmarksLines = 250;  // five screens
 const fs::path kTop = NGS_SOURCE_DIR;
 const fs::path kResults = kTop / "tests/bench/results";
 
@@ -49,7 +49,7 @@ std::vector<results::Result> all_results() {
   return all;
 }
 
-/// Rows of tables in `markdown` that state a measurement: a number with two decimals or more, or one with a unit.
+/// Table rows in `markdown` with a measurement: a number with at least two decimals, or with a unit.
 std::vector<std::string> figure_rows(const std::string& markdown) {
   static const std::regex figure(
       "(^|[ |(~])[+-]?[0-9]*\\.[0-9][0-9]+([ |,;)x]|$)|[0-9] (CPU )?(s|ms|min|MiB|GiB|dB)\\b");
@@ -62,7 +62,7 @@ std::vector<std::string> figure_rows(const std::string& markdown) {
 
 }  // namespace
 
-TEST_CASE("every result satisfies its schema and is called as its question") {
+TEST_CASE("every result satisfies its schema and has the name of its question") {
   const results::Json schema = results::Json::parse(page("data-schema/result.schema.json"));
   int found = 0;
   for (const test::SourceFile& file : test::source_files({"tests/bench/results"}, {".json"})) {
@@ -77,14 +77,14 @@ TEST_CASE("every result satisfies its schema and is called as its question") {
   CHECK(found > 0);
 }
 
-TEST_CASE("every question has a result and a table in BENCHMARKS.md, and no result is of another question") {
-  const std::vector<std::string> asked = questions();
+TEST_CASE("every question has a result and a table in BENCHMARKS.md, and there are no other results") {
+  const std::vector<std::string> expected = questions();
   const std::vector<std::string> shown = results::blocks_of(page("BENCHMARKS.md"));
-  CHECK(std::set<std::string>(shown.begin(), shown.end()) == std::set<std::string>(asked.begin(), asked.end()));
-  CHECK(shown.size() == asked.size());
+  CHECK(std::set<std::string>(shown.begin(), shown.end()) == std::set<std::string>(expected.begin(), expected.end()));
+  CHECK(shown.size() == expected.size());
   std::set<std::string> measured;
   for (const results::Result& result : all_results()) measured.insert(result.question);
-  CHECK(measured == std::set<std::string>(asked.begin(), asked.end()));
+  CHECK(measured == std::set<std::string>(expected.begin(), expected.end()));
 }
 
 TEST_CASE("all results are of one commit and one machine") {
@@ -97,7 +97,7 @@ TEST_CASE("all results are of one commit and one machine") {
   }
 }
 
-TEST_CASE("README.md shows the qualities and the methods") {
+TEST_CASE("README.md contains the tables qualities and captures") {
   const std::vector<std::string> shown = results::blocks_of(page("README.md"));
   for (const char* question : {"qualities", "captures"}) {
     INFO(question);
@@ -105,13 +105,13 @@ TEST_CASE("README.md shows the qualities and the methods") {
   }
 }
 
-TEST_CASE("the tables of pages and help are what the results give; otherwise run tests/bench/results.sh --write") {
+TEST_CASE("tables of pages and help match the results; otherwise run tests/bench/results.sh --write") {
   const test::ProcessResult check = results_script("--check");
   INFO(check.out << check.err);
   CHECK(check.exit_code == 0);
 }
 
-TEST_CASE("no table outside of the generated ones states a measurement") {
+TEST_CASE("hand-written tables contain no measurements") {
   for (const char* name : {"README.md", "BENCHMARKS.md"}) {
     INFO(name);
     CHECK(test::listed(figure_rows(results::without_blocks(page(name)))) == "");
@@ -123,7 +123,7 @@ TEST_CASE("no table outside of the generated ones states a measurement") {
   CHECK(figure_rows("| `--tau 0.6` | §5.8, 2 options |\n0.9636\n").empty());
 }
 
-TEST_CASE("BENCHMARKS.md fits on five screens") {
+TEST_CASE("BENCHMARKS.md has at most 250 lines") {
   const std::string text = page("BENCHMARKS.md");
   CHECK(std::count(text.begin(), text.end(), '\n') <= kBenchmarksLines);
 }

@@ -25,7 +25,7 @@ Words tools() {
   return names;
 }
 
-std::string said(Words argv) {
+std::string output_of(Words argv) {
   argv[0] = NGS_TOOL_DIR "/" + argv[0];
   test::ProcessSpec spec;
   spec.argv = std::move(argv);
@@ -35,11 +35,11 @@ std::string said(Words argv) {
   return result.out;
 }
 
-/// The name of the schema file -> the command line of the tool or sub-command.
+/// Name of the schema file -> command line of the tool or sub-command.
 std::map<std::string, Words> commands() {
   std::map<std::string, Words> all;
   for (const std::string& tool : tools()) {
-    std::istringstream lines(said({tool, "--print-commands"}));
+    std::istringstream lines(output_of({tool, "--print-commands"}));
     for (std::string command; std::getline(lines, command);) {
       if (command.empty())
         all[tool + ".schema.json"] = {tool};
@@ -52,7 +52,7 @@ std::map<std::string, Words> commands() {
 
 }  // namespace
 
-TEST_CASE("the committed schemas are what the tools print; otherwise run data-schema/regenerate.sh") {
+TEST_CASE("the committed schemas match the output of the tools; otherwise run data-schema/regenerate.sh") {
   const std::map<std::string, Words> all = commands();
   REQUIRE(all.size() >= tools().size());
   for (const auto& entry : all)
@@ -63,7 +63,7 @@ TEST_CASE("the committed schemas are what the tools print; otherwise run data-sc
       argv.insert(argv.end(), {"--print-schema", kind});
       const fs::path path = kSchemas / kind / file;
       REQUIRE(fs::exists(path));
-      CHECK(test::read_bytes(path.string()) == said(argv));
+      CHECK(test::read_bytes(path.string()) == output_of(argv));
     }
   for (const std::string& kind : {std::string("options"), std::string("report")})
     for (const fs::directory_entry& entry : fs::directory_iterator(kSchemas / kind)) {
@@ -72,14 +72,14 @@ TEST_CASE("the committed schemas are what the tools print; otherwise run data-sc
     }
 }
 
-TEST_CASE("every committed JSON file of data-schema/ is JSON") {
+TEST_CASE("every .json file of data-schema/ is valid JSON") {
   for (const test::SourceFile& file : test::source_files({"data-schema"}, {".json"})) {
     INFO(file.path);
     CHECK_FALSE(nlohmann::json::parse(file.text, nullptr, false).is_discarded());
   }
 }
 
-TEST_CASE("every schema is named in the table of data-schema/, and every name there is a file") {
+TEST_CASE("data-schema/README.md lists every schema, and only existing ones") {
   const std::string table = test::read_bytes((kSchemas / "README.md").string());
   const std::regex name("`([a-z-]+\\.(schema\\.)?json)`");
   std::set<std::string> named;
@@ -99,7 +99,7 @@ TEST_CASE("every schema is named in the table of data-schema/, and every name th
     }
 }
 
-TEST_CASE("a user meets at most 200 options in all tools, one of several tools counted once, and 60 in one") {
+TEST_CASE("all tools together have at most 200 different options, each tool at most 60") {
   constexpr std::size_t kMost = 200, kMostOfOne = 60;
   std::set<std::string> all;
   for (const test::SourceFile& file : test::source_files({"data-schema/options"}, {".json"})) {

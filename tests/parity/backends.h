@@ -1,6 +1,6 @@
 #pragma once
-// The device backends that this executable compares with the CPU: the emulation of the schedules in three thread orders
-// (test_emulated, always run), or the CUDA device (test_parity, skipped without one). One set of cases for all.
+// The device backends that this executable compares with the CPU: the emulated kernels in three thread orders
+// (test_emulated, always run), or the CUDA device (test_parity, skipped without one). All backends run the same cases.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace ngs::test {
 struct Backend {
   std::string name;
   Exec exec;
-  bool same_functions = false;  // exp, log and their kin are the CPU's, so what is computed in its order is equal
+  bool same_functions = false;  // exp, log etc. are the CPU's: equal order of operations gives equal bits
 };
 const std::vector<Backend>& backends();
 /// The same devices with atomic sums, whose bits depend on the order of threads.
@@ -41,7 +41,7 @@ double largest(const std::vector<T>& values) {
   return most;
 }
 
-/// Checks a ratio against its bound; with NGS_PARITY_TABLE set, prints the line of a table as well.
+/// Checks a ratio against its bound. With NGS_PARITY_TABLE set, also prints a line of a table.
 void check_ratio(const Backend& backend, const std::string& what, double ratio, double bound);
 
 }  // namespace ngs::test

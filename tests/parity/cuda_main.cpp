@@ -1,4 +1,4 @@
-// Skipped (77) where no device is present.
+// Exits with 77 (skipped) without a device.
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <cstdio>
 

@@ -19,7 +19,7 @@ struct Emulated {
   Emulated(ThreadOrder order, DeviceSums sums) : launcher(order), splat(launcher, sums), field(launcher, sums) {}
 };
 
-/// The emulation in three orders of threads; lives as long as the process.
+/// The emulation in three thread orders. Its objects live as long as the process.
 std::vector<Backend> emulated(DeviceSums sums, const std::string& what) {
   static std::vector<std::unique_ptr<Emulated>> all;
   std::vector<Backend> backends;

@@ -1,4 +1,4 @@
-// Search, interpolation, encoding, network and volume rendering.
+// Device against CPU: k-NN, RBF, hash grid, FiLM network and volume rendering.
 #include "ngs/core/rng.h"
 #include "ngs/ops/field/film_mlp.h"
 #include "ngs/ops/field/hash_grid.h"
@@ -35,7 +35,7 @@ void same_graph(const KnnGraph& got, const KnnGraph& want) {
 
 }  // namespace
 
-TEST_CASE("knn: a device finds the very neighbours of the CPU, ties included") {
+TEST_CASE("knn: a device finds the same neighbours as the CPU, ties included") {
   for (const Backend& b : backends())
     for (const int neighbours : {1, 8, 9, 32})
       for (const std::int64_t points : {0, 1, 8, 9, 255, 700}) {  // 256 points are a tile
@@ -53,7 +53,7 @@ TEST_CASE("knn: a device finds the very neighbours of the CPU, ties included") {
       }
 }
 
-TEST_CASE("rbf: values and gradients of a device are the CPU's") {
+TEST_CASE("rbf: values and gradients of a device equal the CPU's within rounding") {
   for (const Backend& b : backends())
     for (const std::int64_t points : {0, 1, 300}) {
       Random random(3);
@@ -75,12 +75,12 @@ TEST_CASE("rbf: values and gradients of a device are the CPU's") {
     }
 }
 
-TEST_CASE("hash grid: values and gradients of a device are the CPU's to the last bit") {
+TEST_CASE("hash grid: values and gradients of a device equal the CPU's bit for bit") {
   for (const Backend& b : backends())
     for (const int features : {1, 2, 4, 8}) {
       HashGridConfig config{
           .levels = 5, .features = features, .log2_table = 9, .base_resolution = 4, .max_resolution = 60};
-      const std::vector<float> p = random_points(6, 333, 1.3);  // some beyond the box
+      const std::vector<float> p = random_points(6, 333, 1.3);  // some outside the box
       ParamStore store;
       const std::size_t offset = add_hash_grid(store, "hash", config, 1);
       Random random(7);
@@ -98,7 +98,7 @@ TEST_CASE("hash grid: values and gradients of a device are the CPU's to the last
     }
 }
 
-TEST_CASE("hash grid: atomic sums of a device are those in order to the rounding of their terms") {
+TEST_CASE("hash grid: atomic sums of a device equal ordered sums within the rounding of their terms") {
   for (const int features : {1, 2, 4, 8}) {
     const HashGridConfig config{
         .levels = 5, .features = features, .log2_table = 9, .base_resolution = 4, .max_resolution = 60};
@@ -133,7 +133,7 @@ TEST_CASE("hash grid: atomic sums of a device are those in order to the rounding
     CAPTURE(features);
     for (const Backend& b : atomic_backends()) {
       check_ratio(b, "hash gradient, atomic sums", worst_share(table_gradient(b.exec, upstream)), 1);
-      std::vector<float> without = upstream;  // the bound notices a query that is left out in one level
+      std::vector<float> without = upstream;  // the bound must detect a query that is left out in one level
       std::fill_n(without.begin() + 100 * config.outputs(), features, 0.f);
       CHECK(worst_share(table_gradient(b.exec, without)) > 1000);
     }
@@ -142,12 +142,12 @@ TEST_CASE("hash grid: atomic sums of a device are those in order to the rounding
   }
 }
 
-TEST_CASE("film mlp: values and gradients of a device are the CPU's") {
+TEST_CASE("film mlp: values and gradients of a device equal the CPU's within rounding") {
   struct Case {
     FilmMlpConfig config;
     std::int64_t queries, per_direction;
   };
-  // one tile not full, tiles and a rest, every width of tile, more tiles than parts of the parameter sum
+  // one partial tile, tiles and a remainder, every tile width, more tiles than parts of the parameter sum
   const Case cases[] = {{{16, 3, 64, 2, 2}, 1, 1}, {{16, 3, 64, 2, 2}, 1000, 8}, {{32, 3, 128, 3, 3}, 100, 4},
                         {{6, 1, 16, 1, 0}, 65, 1}, {{128, 4, 16, 4, 1}, 200, 5}, {{3, 3, 33, 2, 2}, 9000, 8}};
   for (const Backend& b : backends())
@@ -197,7 +197,7 @@ TEST_CASE("film mlp: values and gradients of a device are the CPU's") {
     }
 }
 
-TEST_CASE("volume: values and gradients of a device are the CPU's") {
+TEST_CASE("volume: values and gradients of a device equal the CPU's within rounding") {
   for (const Backend& b : backends())
     for (const int samples : {0, 1, 8}) {
       constexpr std::int64_t kRays = 300;

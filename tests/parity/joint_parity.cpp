@@ -1,9 +1,9 @@
-// Steps of the joint optimisation whose ops run on a device.
+// Steps of the joint optimisation with all ops on a device, against the CPU.
 #include <cmath>
 #include <limits>
 
 #include "ngs/core/error.h"
-#include "ngs/passes/joint/joint_stage.h"
+#include "ngs/stages/optimise/joint_trainer.h"
 #include "parity/backends.h"
 #include "support/joint_case.h"
 #include "support/switches.h"
@@ -16,7 +16,7 @@ struct Setup {
   SampleOptions sample;
   RbfOptions rbf;
   std::vector<std::uint8_t> frozen;
-  std::string without;  // a part that is off
+  std::string without;  // the effect that is off
   void off(const std::string& effect) { without = effect, options.on = joint_switched({effect + "=off"}); }
   Setup() {
     options.mlp_hidden = 16, options.hash_levels = 3, options.hash_log2_table = 8, options.smooth_points = 32;
@@ -47,17 +47,17 @@ Run run(const Exec& exec, const JointCase& c, const Setup& s) {
 void check_block(const Backend& b, const std::string& what, const Run& got, const Run& want, std::size_t block) {
   const std::vector<float>&w = want.state[block], &g = got.state[block], &start = want.start[block];
   REQUIRE(g.size() == w.size());
-  double most = 0, squares = 0, most_moved = 0, squares_moved = 0;
+  double most = 0, squares = 0, largest_move = 0, squared_moves = 0;
   for (std::size_t i = 0; i < w.size(); ++i) {
     const double difference = std::abs(double(g[i]) - double(w[i])), moved = std::abs(double(w[i]) - double(start[i]));
     most = std::isfinite(difference) ? std::max(most, difference) : std::numeric_limits<double>::infinity();
     squares += difference * difference;
-    most_moved = std::max(most_moved, moved), squares_moved += moved * moved;
+    largest_move = std::max(largest_move, moved), squared_moves += moved * moved;
   }
-  // With the CPU's exp only roundings of sums differ: 1.7e-4 at most, 3.1e-5 rms were measured. With another one the
-  // sign of gradients that are nearly zero may, and Adam then takes whole steps the other way.
-  check_ratio(b, what + want.name[block] + ", most", most > 0 ? most / most_moved : 0, b.same_functions ? 1e-3 : 2);
-  check_ratio(b, what + want.name[block] + ", rms", squares > 0 ? std::sqrt(squares / squares_moved) : 0,
+  // With the CPU's exp, only the rounding of sums differs: measured 1.7e-4 at most, 3.1e-5 rms. With another exp,
+  // gradients near zero may change sign, and Adam then takes full steps in the other direction.
+  check_ratio(b, what + want.name[block] + ", most", most > 0 ? most / largest_move : 0, b.same_functions ? 1e-3 : 2);
+  check_ratio(b, what + want.name[block] + ", rms", squares > 0 ? std::sqrt(squares / squared_moves) : 0,
               b.same_functions ? 2e-4 : 0.1);
 }
 void check_parameters(const Backend& b, const std::string& what, const Run& got, const Run& want) {
@@ -69,10 +69,10 @@ void check_parameters(const Backend& b, const std::string& what, const Run& got,
 void check_losses(const Backend& b, const std::string& how, const std::vector<LossTerms>& got,
                   const std::vector<LossTerms>& want) {
   for (std::size_t step = 0; step < want.size(); ++step) {
-    // A first step differs by rounding; in L_smth by that of two nearly equal colours. Adam divides by the root of
-    // squares: where a gradient is nearly zero, rounding decides its sign, and the next steps start from slightly other
-    // parameters. With the CPU's functions the first step is equal but for the order of sums, and later ones differ by
-    // at most 4.8 units, L_smth by 258.
+    // The first step differs by rounding; in L_smth by the rounding of two nearly equal colours. Adam divides by the
+    // root of squares. Where a gradient is nearly zero, rounding therefore decides its sign, and later steps start from
+    // slightly different parameters. With the CPU's functions, the first step is equal up to the order of sums; later
+    // steps differ by at most 4.8 units, L_smth by 258.
     const auto term = [&](const char* name, double LossTerms::*member, double first, double later) {
       const double w = want[step].*member, error = std::abs(got[step].*member - w);
       const double bound = step == 0 ? (b.same_functions ? 1 : first) : (b.same_functions ? later : 1e5);
@@ -87,7 +87,7 @@ void check_losses(const Backend& b, const std::string& how, const std::vector<Lo
 
 }  // namespace
 
-TEST_CASE("joint: losses and parameters of ten steps on a device are the CPU's") {
+TEST_CASE("joint: losses and parameters of ten steps on a device equal the CPU's within bounds") {
   const auto c = joint_case(60, 40);
   const Setup s;  // ten steps of four views
   const Run want = run({}, *c, s);
@@ -98,7 +98,7 @@ TEST_CASE("joint: losses and parameters of ten steps on a device are the CPU's")
   }
 }
 
-TEST_CASE("joint: losses and parameters of ten steps with atomic sums are the CPU's") {
+TEST_CASE("joint: losses and parameters of ten steps with atomic sums equal the CPU's within bounds") {
   const auto c = joint_case(60, 40);
   const Setup s;
   const Run want = run({}, *c, s);
@@ -108,10 +108,10 @@ TEST_CASE("joint: losses and parameters of ten steps with atomic sums are the CP
     check_losses(b, "joint, atomic sums, ", got.back().losses, want.losses);
     check_parameters(b, "joint, atomic sums, 10 steps, ", got.back(), want);
   }
-  if (got.size() > 1) CHECK(got[0].state != got[1].state);  // they are summed otherwise
+  if (got.size() > 1) CHECK(got[0].state != got[1].state);  // the order of sums differs
 }
 
-TEST_CASE("joint: the bytes of ten steps do not depend on the order of threads, nor differ between two runs") {
+TEST_CASE("joint: the bytes of ten steps depend neither on the order of threads nor on the run") {
   const auto c = joint_case(60, 40);
   c->photos[2] = ImageF(17, 40, 3, 0.3f), c->masks[2].available = false;
   c->scene.views[2].camera.width_px = 17;
@@ -123,7 +123,7 @@ TEST_CASE("joint: the bytes of ten steps do not depend on the order of threads, 
   }
 }
 
-TEST_CASE("joint: every part of the method does on a device what it does on the CPU") {
+TEST_CASE("joint: with any single effect off, a device equals the CPU within bounds") {
   const auto c = joint_case(60, 40);
   const Backend& b = backends()[0];
   std::vector<Setup> setups;
@@ -142,10 +142,10 @@ TEST_CASE("joint: every part of the method does on a device what it does on the 
   }
 }
 
-TEST_CASE("joint: a gradient that is no number ends the steps on a device with the CPU's error") {
+TEST_CASE("joint: a NaN gradient on a device gives the same error as on the CPU") {
   const auto c = joint_case(60, 40);
   c->photos[1].data[100] = std::numeric_limits<float>::quiet_NaN();
-  // Which Gaussian is the first differs: on a device 0 · NaN reaches all of a tile.
+  // The first Gaussian with a NaN differs: on a device 0 · NaN reaches all Gaussians of a tile.
   const auto message = [&](const Exec& exec) -> std::string {
     try {
       run(exec, *c, Setup());

@@ -1,4 +1,4 @@
-// The losses with their gradients, and Adam.
+// Device against CPU: the losses with their gradients, and Adam.
 #include "ngs/core/error.h"
 #include "ngs/ops/field/knn.h"
 #include "ngs/ops/losses/loss_align.h"
@@ -25,7 +25,7 @@ double relative(double got, double want) {
 
 }  // namespace
 
-TEST_CASE("align: value and gradients of a device are the CPU's") {
+TEST_CASE("align: value and gradients of a device equal the CPU's within rounding") {
   for (const Backend& b : backends())
     for (const bool with_gate : {false, true}) {
       Random random(1);
@@ -53,7 +53,7 @@ TEST_CASE("align: value and gradients of a device are the CPU's") {
     }
 }
 
-TEST_CASE("mask loss and density weights of a device are the CPU's") {
+TEST_CASE("mask loss and density weights of a device equal the CPU's within rounding") {
   for (const Backend& b : backends())
     for (const MaskLossForm form : {MaskLossForm::kBce, MaskLossForm::kLinear})
       for (const int objects : {1, 3}) {
@@ -80,7 +80,7 @@ TEST_CASE("mask loss and density weights of a device are the CPU's") {
       }
 }
 
-TEST_CASE("continuity and smoothness of a device are the CPU's") {
+TEST_CASE("continuity and smoothness of a device equal the CPU's within rounding") {
   for (const Backend& b : backends())
     for (const std::int64_t n : {2, 300}) {
       Random random(3);
@@ -106,7 +106,7 @@ TEST_CASE("continuity and smoothness of a device are the CPU's") {
     }
 }
 
-TEST_CASE("photometric: value and gradient of a device are the CPU's") {
+TEST_CASE("photometric: value and gradient of a device equal the CPU's within rounding") {
   struct Case {
     int width, height;
     PixelRegion region;
@@ -130,7 +130,7 @@ TEST_CASE("photometric: value and gradient of a device are the CPU's") {
     }
 }
 
-TEST_CASE("adam: a step of a device is the CPU's to the last bit") {
+TEST_CASE("adam: a step of a device equals the CPU's bit for bit") {
   for (const Backend& b : backends())
     for (const int columns : {0, 2})
       for (const std::size_t n : {std::size_t(2), std::size_t(700), std::size_t(300000)}) {
@@ -150,7 +150,7 @@ TEST_CASE("adam: a step of a device is the CPU's to the last bit") {
         CHECK(got_moments.m == want_moments.m);
         CHECK(got_moments.v == want_moments.v);
         std::fill(grad.begin() + std::ptrdiff_t(n / 2), grad.end(), NAN);
-        grad[n / 2] = -INFINITY;  // the first is named
+        grad[n / 2] = -INFINITY;  // the first bad index is reported
         std::string message;
         try {
           adam_step(b.exec, options, 4, {"x", got, grad}, got_moments);
@@ -158,7 +158,7 @@ TEST_CASE("adam: a step of a device is the CPU's to the last bit") {
           message = e.what();
         }
         CHECK(message.find("x: gradient " + std::to_string(n / 2) + " ") == 0);
-        CHECK(got == want);  // untouched
+        CHECK(got == want);  // unchanged
       }
 }
 

@@ -1,5 +1,5 @@
-// Images, gradients and evidence of whole views. Depths, and with them the order of Gaussians, are computed without
-// functions that differ between devices; alphas differ by the roundings of exp and log.
+// Device against CPU: images, gradients and evidence of whole views. Depths, and therefore the order of Gaussians, use
+// no functions that differ between devices. Alphas differ by the rounding of exp and log.
 #include "ngs/ops/splat/evidence.h"
 #include "ngs/ops/splat/tile_types.h"
 #include "parity/backends.h"
@@ -50,7 +50,7 @@ ViewGradients random_gradients(const SplatCase& c, const Channels& channels) {
   return g;
 }
 
-/// Pixels where alpha or transmittance is within 1e-4 of a threshold may take one contribution more or less.
+/// Pixels where alpha or transmittance is within 1e-4 of a threshold: they may have one contribution more or less.
 std::vector<std::uint8_t> near_threshold(const SplatCase& c, const SplatOptions& options) {
   std::vector<std::uint8_t> near;
   for (const ReferencePixel& p : reference_render(c, options)) near.push_back(p.closest_threshold < 1e-4);
@@ -70,11 +70,11 @@ double image_ratio(const ImageF& got, const ImageF& want, const std::vector<std:
 
 constexpr Channels kChannels[] = {{true, false, 0},  {true, true, 1},  {false, false, 1}, {false, true, 0},
                                   {false, false, 0}, {true, false, 1}, {true, true, 9}};
-constexpr int kSizes[] = {0, 1, 7, 150, 700};  // nobody, one, one chunk not full, several batches per tile
+constexpr int kSizes[] = {0, 1, 7, 150, 700};  // none, one, a partial chunk, several batches per tile
 
 }  // namespace
 
-TEST_CASE("splat: images of a device are the CPU's") {
+TEST_CASE("splat: images of a device equal the CPU's within rounding") {
   for (const Backend& b : backends())
     for (const Compat compat : {Compat::kInria, Compat::kGsplat})
       for (const int gaussians : kSizes)
@@ -82,25 +82,25 @@ TEST_CASE("splat: images of a device are the CPU's") {
           const SplatOptions options{.compat = compat, .antialiased = gaussians == 7};
           const SplatCase c = splat_case(std::uint64_t(gaussians) + 1, gaussians, 53, 41, gaussians == 700 ? 0.2 : 1.0);
           const ViewGradients upstream = random_gradients(c, channels);
-          const View want = run_view({}, c, options, channels, upstream);
+          const View expected = run_view({}, c, options, channels, upstream);
           const View got = run_view(b.exec, c, options, channels, upstream);
           const auto skip = near_threshold(c, options);
           CAPTURE(gaussians);
           CAPTURE(channels.labels);
           // alpha = o e^power, |power| <= 5.6: relative error ~ 6 eps per unit of the exponent; some tens of terms
-          check_ratio(b, "splat colour", image_ratio(got.image.colour, want.image.colour, skip), 500);
-          check_ratio(b, "splat label", image_ratio(got.image.label, want.image.label, skip), 500);
-          check_ratio(b, "splat depth", image_ratio(got.image.depth, want.image.depth, skip), 500);
-          check_ratio(b, "splat alpha", image_ratio(got.image.alpha, want.image.alpha, skip), 500);
+          check_ratio(b, "splat colour", image_ratio(got.image.colour, expected.image.colour, skip), 500);
+          check_ratio(b, "splat label", image_ratio(got.image.label, expected.image.label, skip), 500);
+          check_ratio(b, "splat depth", image_ratio(got.image.depth, expected.image.depth, skip), 500);
+          check_ratio(b, "splat alpha", image_ratio(got.image.alpha, expected.image.alpha, skip), 500);
           if (!b.same_functions) continue;
-          CHECK(got.image.colour.data == want.image.colour.data);
-          CHECK(got.image.label.data == want.image.label.data);
-          CHECK(got.image.depth.data == want.image.depth.data);
-          CHECK(got.image.alpha.data == want.image.alpha.data);
+          CHECK(got.image.colour.data == expected.image.colour.data);
+          CHECK(got.image.label.data == expected.image.label.data);
+          CHECK(got.image.depth.data == expected.image.depth.data);
+          CHECK(got.image.alpha.data == expected.image.alpha.data);
         }
 }
 
-TEST_CASE("splat: gradients of a device are the CPU's to the rounding of sums") {
+TEST_CASE("splat: gradients of a device equal the CPU's within the rounding of sums") {
   std::vector<Backend> all = backends();
   all.insert(all.end(), atomic_backends().begin(), atomic_backends().end());
   for (const Backend& b : all)
@@ -112,7 +112,8 @@ TEST_CASE("splat: gradients of a device are the CPU's to the rounding of sums") 
         const CloudGradients got = run_view(b.exec, c, {}, channels, upstream).gradient;
         CAPTURE(gaussians);
         CAPTURE(channels.labels);
-        // sums of some hundred terms of either sign, then the chain of the projection; a pixel at a threshold may flip
+        // sums of some hundred terms of either sign, then the chain rule of the projection; a pixel at a
+        // threshold may flip
         const double bound = b.same_functions ? 200 : 2e4;
         const auto column = [&](const char* name, const std::vector<float>& g, const std::vector<float>& w) {
           check_ratio(b, std::string("splat gradient, ") + name, worst_ratio(g, w, std::max(largest(w), 1e-3)), bound);
@@ -127,7 +128,7 @@ TEST_CASE("splat: gradients of a device are the CPU's to the rounding of sums") 
       }
 }
 
-TEST_CASE("splat: nothing that a device computes depends on the order of its threads") {
+TEST_CASE("splat: images and gradients of a device do not depend on the order of threads") {
   if (backends().size() < 2) return;
   const SplatCase c = splat_case(4, 300, 71, 50);
   const Channels channels{true, true, 2};
@@ -151,11 +152,11 @@ ViewGradients of_tile(ViewGradients g, int tile_x, int tile_y) {
   return g;
 }
 
-TEST_CASE("splat: atomic sums of a device are those in order to the rounding of their terms") {
+TEST_CASE("splat: atomic sums of a device equal ordered sums within the rounding of their terms") {
   const SplatCase c = splat_case(4, 300, 71, 50);
   const Channels channels{true, true, 2};  // one launch: a tile adds once
   const ViewGradients upstream = random_gradients(c, channels);
-  const auto sums = [&](const Exec& exec, const ViewGradients& up) {  // columns that are plain sums over tiles
+  const auto sums = [&](const Exec& exec, const ViewGradients& up) {  // gradients that are plain sums over tiles
     CloudGradients g = run_view(exec, c, {}, channels, up).gradient;
     g.label.insert(g.label.end(), g.mean_px.begin(), g.mean_px.end());
     return g.label;
@@ -168,7 +169,7 @@ TEST_CASE("splat: atomic sums of a device are those in order to the rounding of 
       const std::vector<float> term = sums(backends()[0].exec, of_tile(upstream, x, y));
       for (std::size_t i = 0; i < term.size(); ++i) terms[i] += std::abs(double(term[i])), count[i] += term[i] != 0.f;
     }
-  // Those in order round once, the others n - 1 times, by half an eps of at most the sum of the terms' magnitudes.
+  // Ordered sums round once, atomic sums n - 1 times, each by half an eps of at most the sum of the terms' magnitudes.
   const auto worst_share = [&](const std::vector<float>& got) {
     double worst = 0;
     for (std::size_t i = 0; i < got.size(); ++i)
@@ -179,7 +180,7 @@ TEST_CASE("splat: atomic sums of a device are those in order to the rounding of 
   CHECK(*std::max_element(count.begin(), count.end()) > 4);
   for (const Backend& b : atomic_backends()) {
     check_ratio(b, "splat sums over tiles, atomic", worst_share(sums(b.exec, upstream)), 1);
-    ViewGradients without = upstream;  // the bound notices a tile that is left out
+    ViewGradients without = upstream;  // the bound must detect a tile that is left out
     const ViewGradients tile = of_tile(upstream, 2, 1);
     for (std::size_t i = 0; i < tile.label.data.size(); ++i) without.label.data[i] -= tile.label.data[i];
     CHECK(worst_share(sums(b.exec, without)) > 1000);
@@ -188,7 +189,7 @@ TEST_CASE("splat: atomic sums of a device are those in order to the rounding of 
     CHECK(sums(atomic_backends()[0].exec, upstream) != sums(atomic_backends()[1].exec, upstream));
 }
 
-TEST_CASE("splat: a device passes no gradient where the loss does not look") {
+TEST_CASE("splat: without upstream gradients, the gradients of a device are zero") {
   const SplatCase c = splat_case(2, 100, 53, 41);
   for (const Backend& b : backends()) {
     const View view = run_view(b.exec, c, {}, {true, false, 1}, {});
@@ -197,7 +198,7 @@ TEST_CASE("splat: a device passes no gradient where the loss does not look") {
   }
 }
 
-TEST_CASE("splat: a device finds the gradient of labels alone where no other is wanted") {
+TEST_CASE("splat: with label_alone, a device computes the label gradient only") {
   const SplatCase c = splat_case(2, 100, 53, 41);
   const Channels channels{true, false, 2};
   const ViewGradients upstream = random_gradients(c, channels);
@@ -211,7 +212,7 @@ TEST_CASE("splat: a device finds the gradient of labels alone where no other is 
   }
 }
 
-TEST_CASE("evidence of a device is the CPU's") {
+TEST_CASE("evidence of a device equals the CPU's within rounding") {
   for (const Backend& b : backends())
     for (const int objects : {1, 2, 6})  // 6: two launches
       for (const int gaussians : {0, 1, 60, 700}) {

@@ -1,4 +1,4 @@
-// Reverse round trips of the file layer on random and on real models.
+// Round trips of the PLY reader and writer on random and on real models.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -31,7 +31,7 @@ GaussianCloud any_cloud(std::int64_t n, int degree) {
 
 std::string body_of(const std::string& file) { return file.substr(file.find("end_header\n") + 11); }
 
-/// Every column of `strict` that the model has under the same name, bit for bit, for the kept rows in order.
+/// Checks that every column that `strict` and the model share is bit-identical in the given rows, in order.
 void check_common_columns(const io::GaussianPly& model, const io::GaussianPly& strict,
                           const std::vector<std::uint8_t>& keep) {
   std::int64_t to = 0;
@@ -48,7 +48,7 @@ void check_common_columns(const io::GaussianPly& model, const io::GaussianPly& s
   CHECK(to == strict.cloud.size());
 }
 
-TEST_CASE("writing what was read gives the same bytes, whatever the bits") {
+TEST_CASE("writing a model that was read gives the same bytes for random bit patterns") {
   const test::TempDir dir;
   for (int degree = 0; degree <= 3; ++degree)
     for (const std::int64_t n : {0, 1, 2, 4227, 5000}) {  // 4227 rows of 248 bytes: one buffer; 5000: two
@@ -60,7 +60,7 @@ TEST_CASE("writing what was read gives the same bytes, whatever the bits") {
     }
 }
 
-TEST_CASE("object and background hold every row exactly once and in order") {
+TEST_CASE("object and background files together contain every row exactly once and in order") {
   const test::TempDir dir;
   io::write_strict_ply(dir.file("model.ply"), any_cloud(3001, 2), {});
   const io::GaussianPly model = io::read_gaussian_ply(dir.file("model.ply"));
@@ -78,7 +78,7 @@ TEST_CASE("object and background hold every row exactly once and in order") {
   check_common_columns(model, background, rest);
 }
 
-TEST_CASE("real models are read whole and come back bit for bit") {
+TEST_CASE("real models survive a round trip bit for bit") {
   const std::string scenes = NGS_SOURCE_DIR "/../shared/scenes/";
   const struct {
     const char* path;

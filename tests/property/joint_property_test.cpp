@@ -3,7 +3,7 @@
 #include <cmath>
 #include <set>
 
-#include "ngs/passes/joint/joint_stage.h"
+#include "ngs/stages/optimise/joint_trainer.h"
 #include "support/joint_case.h"
 #include "support/switches.h"
 
@@ -23,7 +23,7 @@ SampleOptions small_grid() {
   return sample;
 }
 
-/// All state after `steps` steps, as one vector.
+/// The complete training state after `steps` steps, as one vector.
 std::vector<float> flat_state(JointTrainer& trainer) {
   std::vector<float> all;
   for (const StateBlock& block : trainer.state()) all.insert(all.end(), block.values->begin(), block.values->end());
@@ -43,13 +43,13 @@ std::vector<float> state_after(const test::JointCase& c, const JointOptions& opt
 
 }  // namespace
 
-TEST_CASE("joint: the state after some steps has the same bits for any number of threads") {
+TEST_CASE("joint: the training state is bit-identical for any number of threads") {
   const auto c = test::joint_case();
   const auto one = state_after(*c, small_options(9), 9, 1);
   for (const int threads : {2, 7}) CHECK(state_after(*c, small_options(9), 9, threads) == one);
 }
 
-TEST_CASE("joint: interrupted and resumed equals uninterrupted, bit for bit") {
+TEST_CASE("joint: an interrupted and resumed run equals an uninterrupted run bit for bit") {
   const auto c = test::joint_case();
   const JointOptions options = small_options(11);
   const auto whole = state_after(*c, options, 11, 2);
@@ -70,7 +70,7 @@ TEST_CASE("joint: interrupted and resumed equals uninterrupted, bit for bit") {
   }
 }
 
-TEST_CASE("joint: the artifact of ngs-sample and ngs-rbf gives the same result as sampling here") {
+TEST_CASE("joint: query points from ngs-sample and ngs-rbf give the same result as internal sampling") {
   const auto c = test::joint_case();
   Monitor monitor;
   const Problem input = c->input();
@@ -82,18 +82,19 @@ TEST_CASE("joint: the artifact of ngs-sample and ngs-rbf gives the same result a
   CHECK(state_after(*c, small_options(6), 6, 2, &field) == state_after(*c, small_options(6), 6, 2));
 }
 
-TEST_CASE("joint: every part of the method can be switched off alone, and matters from the first visits on") {
+TEST_CASE("joint: switching off any single effect changes the state, already after one visit of every view") {
   const auto c = test::joint_case();
   constexpr std::int64_t kEveryViewOnce = 4, kSomeTwice = 6;
   const auto once = state_after(*c, small_options(kSomeTwice), kEveryViewOnce, 2),
              twice = state_after(*c, small_options(kSomeTwice), kSomeTwice, 2);
-  // Stages of their own, or the tool's: unit/stages, unit/passes.
+  // Effects of other stages or of the tool; tested in unit/stages and unit/passes.
   const std::set<std::string_view> elsewhere{
       "windows",  "exposure", "floaters",           "components",      "mask-outliers", "joint",
-      "contours", "split",    "contour-iterations", "full-resolution", "seen-through",  "antialias"};
-  const std::set<std::string_view> nothing_here{"region", "fine-hash"};  // small pictures, few levels: unit/stages
+      "contours", "split",    "contour-iterations", "full-resolution", "bleed-through", "antialias"};
+  const std::set<std::string_view> no_change{"region",
+                                             "fine-hash"};  // no effect on small images and few levels: unit/stages
   for (const Effect& effect : Pipeline(all_passes()).effects()) {
-    if (elsewhere.contains(effect.name) || nothing_here.contains(effect.name)) continue;
+    if (elsewhere.contains(effect.name) || no_change.contains(effect.name)) continue;
     CAPTURE(std::string(effect.name));
     JointOptions options = small_options(kSomeTwice);
     options.on = test::joint_switched({std::string(effect.name) + "=off"});
@@ -104,13 +105,13 @@ TEST_CASE("joint: every part of the method can be switched off alone, and matter
   }
 }
 
-TEST_CASE("joint: photometric and mask loss fall, and the labels find the ball") {
+TEST_CASE("joint: photometric and mask loss decrease, and the ball is labelled") {
   const auto c = test::joint_case();
   Monitor monitor;
   const Problem input = c->input();
   JointOptions options = small_options(80);
   options.rate_scale = 1;
-  options.start_steps = 1;  // three steps of EM leave the mask loss little to fall
+  options.start_steps = 1;  // three EM steps leave almost no mask loss to reduce
   const SampleOptions sample = small_grid();
   const RbfOptions rbf;
   JointTrainer trainer({.threads = 2}, monitor, {options, sample, rbf, input, nullptr}, false);
@@ -135,7 +136,7 @@ TEST_CASE("joint: photometric and mask loss fall, and the labels find the ball")
   CHECK(wrong <= seen / 20);
 }
 
-TEST_CASE("joint: an empty boundary set is nothing found, or labels alone if allowed") {
+TEST_CASE("joint: an empty boundary set throws, or trains labels alone if allowed") {
   auto c = test::joint_case();
   c->labels[0].boundary.assign(c->labels[0].boundary.size(), 0.f);
   Monitor monitor;

@@ -42,7 +42,7 @@ RbfField forward(const Scene& s, int threads = 1) {
 
 }  // namespace
 
-TEST_CASE("rbf weights sum to one and interpolated features stay between their neighbours'") {
+TEST_CASE("rbf weights sum to one and interpolated features lie between those of the neighbours") {
   const Scene s(500, 60, 1);
   const RbfField field = forward(s);
   for (std::size_t i = 0; i < 500; ++i) {
@@ -103,7 +103,7 @@ TEST_CASE("rbf with one boundary Gaussian reproduces its feature exactly at any 
     for (std::size_t c = 0; c < 3; ++c) CHECK(field.feature[i * 3 + c] == s.feature[c]);
 }
 
-TEST_CASE("the automatic width follows the scale of the scene and is defined for coincident Gaussians") {
+TEST_CASE("the automatic rbf width is proportional to the scene's scale and defined for coincident Gaussians") {
   Scene s(1, 100, 7);
   const double width = auto_rbf_width({}, {s.boundary.data(), 100}, 8, 1.0);
   for (float& x : s.boundary) x *= 4;  // exact in float

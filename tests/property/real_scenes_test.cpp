@@ -1,5 +1,5 @@
-// Two real captures, where they are at hand: what the pose check measures on them, and that it can tell wrong
-// poses from right ones.
+// The pose check on two real captures: its measures, and that it detects wrong poses. Skipped if the captures are not
+// available.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 const fs::path kScenes = fs::path(NGS_SOURCE_DIR) / ".." / "shared" / "scenes";
 
-/// Else the case is skipped.
+/// If the scene is missing, marks the case as skipped.
 bool is_here(const char* name) {
   if (fs::exists(kScenes / name / "point_cloud.ply")) return true;
   test::skip("no scene " + std::string(name) + " in ../shared/scenes");
@@ -29,7 +29,7 @@ bool is_here(const char* name) {
 }
 
 SceneCheck checked(io::ImportRequest request) {
-  request.image_scale = 0.25;  // a quarter of the work; the fit is about the same at any size
+  request.image_scale = 0.25;  // saves time; the fit is nearly the same at any size
   const Scene scene = io::import_scene(request).scene;
   const io::GaussianPly model = io::read_gaussian_ply(scene.model_path);
   const SceneLoaders loaders{[&](std::size_t view) { return io::load_photo(scene, view); },
@@ -41,7 +41,7 @@ SceneCheck checked(io::ImportRequest request) {
   return check_scene({}, monitor, {}, {&model.cloud, scene, loaders});
 }
 
-/// sparse/0/images.txt with its quaternions in the order x y z w.
+/// Rewrites sparse/0/images.txt with quaternions in the order x y z w.
 void write_reordered(const fs::path& from, const std::string& to) {
   std::ifstream in(from);
   std::ofstream out(to);
@@ -74,7 +74,7 @@ TEST_CASE("real captures import with their masks and fit their models far above 
   }
 }
 
-TEST_CASE("a real capture with its quaternions in the other order is refused and the order named") {
+TEST_CASE("a real capture with quaternions in x y z w order fails with a remedy that names the order") {
   if (!is_here("bird")) return;
   const test::TempDir dir;
   fs::create_directories(dir.file("sparse/0"));

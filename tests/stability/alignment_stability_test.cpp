@@ -1,4 +1,4 @@
-// What moves cameras, contours and iterations where the data determine too little.          PAPER.md §5.3, §5.10, §5.11
+// Pose steps, contour refinement and Anderson acceleration on underdetermined data.         PAPER.md §5.3, §5.10, §5.11
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -34,7 +34,7 @@ Camera front_camera() {
   return camera;
 }
 
-/// A plane across the line of sight that fills the picture.
+/// A fronto-parallel plane that fills the image.
 RenderedView front_view(const auto& colour_at) {
   RenderedView view;
   view.width_px = kWidth, view.height_px = kHeight;
@@ -65,7 +65,7 @@ double length(const std::vector<double>& v) {
   return std::sqrt(square);
 }
 
-/// Of a shift by the picture's gradients, as a textbook sums them.
+/// The normal equations of a shift from image gradients, in the textbook form.
 struct NormalEquations {
   float xx = 0, xy = 0, yy = 0, xr = 0, yr = 0;
 };
@@ -81,7 +81,7 @@ NormalEquations normal_equations(const RenderedView& view, const ImageF& photo) 
   return n;
 }
 
-/// The length of the shift.
+/// Length of the shift.
 double flow_by_cramer_px(const NormalEquations& n) {
   const float det = n.xx * n.yy - n.xy * n.xy;
   return 2 *
@@ -90,7 +90,7 @@ double flow_by_cramer_px(const NormalEquations& n) {
 
 }  // namespace
 
-TEST_CASE("pose step: a photo with structure in one direction alone moves the camera no further than it shows") {
+TEST_CASE("pose step: with image structure in one direction only, the step stays within the observed shift") {
   test::hard_case({"contrast along the stripes",
                    {1, 1e-2, 1e-4, 0},
                    0,
@@ -110,13 +110,13 @@ TEST_CASE("pose step: a photo with structure in one direction alone moves the ca
                   });
 }
 
-TEST_CASE("pose step: a photo exposed in another way than the model's pictures moves the camera all the same") {
+TEST_CASE("pose step: a photo with another exposure than the renders gives the same camera motion") {
   test::hard_case(
       {"gain of the photo", {1, 0.9, 0.75, 0.5, 0.3}, 0, {"Gauss-Newton on the colours as they are", test::kWrong}, 20},
       [](double h, Random& random, Worst& worst) {
         const double phase = random.uniform(0, 6), shift_px = random.uniform(0.1, 0.4),
                      offset = random.uniform(0, 1 - h);
-        // brighter on one side, as lit pictures are: there gradient and colour are not independent
+        // brighter on one side, as under real light: gradient and colour are then not independent
         const auto lit = [&](double x, double y) {
           return 0.3 + 0.008 * x + 0.1 * std::sin(0.5 * x + 0.2 * y + phase) + 0.1 * std::sin(0.4 * y - 0.3 * x);
         };
@@ -135,7 +135,7 @@ TEST_CASE("pose step: a photo exposed in another way than the model's pictures m
       });
 }
 
-TEST_CASE("pose step: a photo without texture, or with a colour that is no number, moves no camera") {
+TEST_CASE("pose step: a photo without texture, or with a NaN, moves no camera") {
   test::hard_case(
       {"amplitude of the texture",
        {0.2, 1e-4, 1e-6, 0, NAN},
@@ -162,7 +162,7 @@ TEST_CASE("pose step: a photo without texture, or with a colour that is no numbe
       });
 }
 
-TEST_CASE("edge walk: colours without any spread still have a density, and the contour finds the edge") {
+TEST_CASE("contour refinement: colours without variance still have a density, and the contour finds the edge") {
   test::hard_case({"noise of the photo",
                    {1e-2, 1e-4, 1e-6, 0},
                    0,
@@ -185,7 +185,7 @@ TEST_CASE("edge walk: colours without any spread still have a density, and the c
                   });
 }
 
-TEST_CASE("edge walk: a photo with hardly any contrast leaves the contour where it was") {
+TEST_CASE("contour refinement: a photo with almost no contrast leaves the contour unchanged") {
   test::hard_case({"contrast at another place",
                    {0.3, 1e-3, 1e-4, 1e-5, 0},
                    0,
@@ -202,7 +202,7 @@ TEST_CASE("edge walk: a photo with hardly any contrast leaves the contour where 
                       const float d = photo.at(x + 1, 0, 0) - photo.at(x, 0, 0);
                       steps += d * d;
                     }
-                    float across[2];  // the weight where the contour was and at the photo's edge
+                    float across[2];  // the weight at the given contour and at the photo's edge
                     for (const int at : {start, edge}) {
                       const float d = photo.at(at, 0, 0) - photo.at(at - 1, 0, 0);
                       across[at == edge] = std::exp(-d * d / (steps / n));
@@ -211,12 +211,12 @@ TEST_CASE("edge walk: a photo with hardly any contrast leaves the contour where 
                   });
 }
 
-TEST_CASE("edge walk: colours that are no numbers have no say, the others find the edge") {
-  test::hard_case({"of them", {0, 1, 20, 200}, 0, {"colours relative to their mean", test::kWrong}, 50},
+TEST_CASE("contour refinement: NaN and Inf colours are ignored, and the contour finds the edge") {
+  test::hard_case({"non-finite colours", {0, 1, 20, 200}, 0, {"colours relative to their mean", test::kWrong}, 50},
                   [](double h, Random& random, Worst& worst) {
                     const int edge = 20 + int(random.below(8)), start = edge - 2 + int(random.below(5));
                     ImageF photo = picture([&](int x, int, int c) { return 0.4 + (x < edge ? 0.1 * (c + 1) : 0.0); });
-                    for (int i = 0; i < int(h); ++i) {  // beside the edge: on it there would be nothing to see
+                    for (int i = 0; i < int(h); ++i) {  // away from the edge: on it there would be no contrast
                       const int x = (edge + 3 + int(random.below(kWidth - 6))) % kWidth, y = int(random.below(kHeight));
                       photo.at(x, y, int(random.below(3))) = random.below(2) ? NAN : INFINITY;
                     }
@@ -227,7 +227,7 @@ TEST_CASE("edge walk: colours that are no numbers have no say, the others find t
                   });
 }
 
-TEST_CASE("edge walk: in pictures of a few columns the contour finds the edge, without room for colours it stays") {
+TEST_CASE("contour refinement: in images of a few columns the contour finds the edge; below 4 columns it stays") {
   test::hard_case({"columns", {16, 4, 2, 1}, 0, {"mean step along the rows", test::kWrong}, 50},
                   [](double h, Random& random, Worst& worst) {
                     const int width = int(h), height = random.below(8) > 0 ? 40 : 1;
@@ -297,7 +297,7 @@ TEST_CASE("anderson: steps that have become parallel still lead to the fixed poi
       });
 }
 
-TEST_CASE("anderson: after parallel steps one in a new direction is not thrown further than its own length") {
+TEST_CASE("anderson: after parallel steps, a step in a new direction is not extrapolated beyond its own length") {
   test::hard_case(
       {"angle between the steps before",
        {1, 1e-6, 1e-8, 1e-10, 1e-12, 0},
@@ -339,15 +339,15 @@ TEST_CASE("anderson: after parallel steps one in a new direction is not thrown f
         for (std::size_t a = 0; a < kPast; ++a)
           for (std::size_t i = 0; i < kUnknowns; ++i)
             naive[i] -= gram[a][kPast] / gram[a][a] * (change(points, a, i) + change(steps, a, i));
-        std::vector<double> beside(kUnknowns);
-        for (std::size_t i = 0; i < kUnknowns; ++i) beside[i] = naive[i] - move[i];
-        // steps in all directions determine the move: both find the same
-        worst.naive_ratio(h < 1 ? length(naive) / length(f) : length(beside) / length(move));
+        std::vector<double> difference(kUnknowns);
+        for (std::size_t i = 0; i < kUnknowns; ++i) difference[i] = naive[i] - move[i];
+        // steps in all directions determine the solution: both forms agree
+        worst.naive_ratio(h < 1 ? length(naive) / length(f) : length(difference) / length(move));
       });
 }
 
-TEST_CASE("anderson: components that weigh nothing do not choose the step, however far they jump") {
-  test::hard_case({"their steps", {0, 1, 1e4, 1e8, 1e150}, 0, {"least squares over all components", test::kWrong}},
+TEST_CASE("anderson: components of weight 0 do not affect the step, for any size of their own steps") {
+  test::hard_case({"step of weight 0", {0, 1, 1e4, 1e8, 1e150}, 0, {"least squares over all components", test::kWrong}},
                   [](double h, Random& random, Worst& worst) {
                     const double rate = random.uniform(0.2, 0.8), fixed = random.uniform(-1, 1);
                     double x[2] = {random.uniform(-1, 1), 0}, f[2][2];

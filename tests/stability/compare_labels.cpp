@@ -1,5 +1,5 @@
-// compare_labels A.ply B.ply: how far the labels of two labelled copies of one model are apart. Used by float64.sh,
-// where A comes from the float build and B from the double one.
+// compare_labels A.ply B.ply: differences between the labels of two labelled copies of one model. Used by float64.sh: A
+// is from the float build, B from the double build.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -18,12 +18,12 @@ using test::Random;
 using test::Worst;
 using Real = long double;
 
-/// The kernels of every lane type that runs here: one lane first.
+/// The kernels of every lane type that this machine supports; one lane first.
 std::vector<TileKernels<float>> lane_types() {
   return {tile_kernels_of<float>(), tile_kernels_of<PackF>(), float_tile_kernels(best_isa())};
 }
 
-/// Gaussians over one tile, nearest first, with one channel.
+/// Gaussians over one tile in depth order, with one channel.
 struct Stack {
   TileFrame frame{0, 0, kTilePx, kTilePx};
   struct Covariance {
@@ -37,20 +37,20 @@ struct Stack {
     record.push_back(test::splat_record(x, y, xx, xy, yy, opacity)), covariance.push_back({xx, xy, yy});
     this->opacity.push_back(opacity), value.push_back(channel);
   }
-  /// A round one of `sigma` px.
+  /// Adds an isotropic Gaussian of `sigma` px.
   void add_round(Random& random, double sigma, float opacity) {
     add(frame.x_px + random.uniform(0, 16), random.uniform(0, 16), sigma * sigma, 0, sigma * sigma, opacity,
         float(random.uniform(0.1, 1)));
   }
 
-  /// [256] channel and transmittance of the tile's pixels: three channels, of which the second is the
-  /// background.
+  /// [256] channel and transmittance of the tile's pixels. The kernel runs with three channels; the second shows only
+  /// the background, so it holds the transmittance.
   struct Image {
-    std::vector<float> channel = std::vector<float>(kTilePixels), through = channel;
+    std::vector<float> channel = std::vector<float>(kTilePixels), transmittance = channel;
     bool operator==(const Image&) const = default;
   };
   Image composite(const TileKernels<float>& kernels) {
-    static std::vector<float> memory[4];  // of the widest image; only the tile is written
+    static std::vector<float> memory[4];  // large enough for the widest image; only the tile is written
     for (auto& m : memory) m.resize(std::max(m.size(), std::size_t(frame.width_px) * kTilePx));
     const Plane<float> out[4] = {
         {memory[0].data(), 1}, {memory[1].data(), 1}, {memory[2].data(), 1}, {memory[3].data(), 1}};
@@ -61,7 +61,7 @@ struct Stack {
     Image image;
     for (std::size_t p = 0; p < kTilePixels; ++p) {
       const std::size_t at = p / kTilePx * std::size_t(frame.width_px) + std::size_t(frame.x_px) + p % kTilePx;
-      image.channel[p] = memory[0][at], image.through[p] = memory[1][at];
+      image.channel[p] = memory[0][at], image.transmittance[p] = memory[1][at];
     }
     return image;
   }
@@ -88,25 +88,25 @@ struct Stack {
   std::vector<std::uint32_t> index_;
 };
 
-/// One pixel by the book. `ambiguous`: a decision lies where float may decide otherwise.
-struct Pixel {
+/// Reference of one pixel in long double. `ambiguous`: a threshold is so close that float may decide differently.
+struct ReferencePixel {
   struct Hit {
     std::size_t index;
     Real alpha, before, condition;  // condition: of alpha
     bool capped;
   };
   std::vector<Hit> hit;
-  Real channel = 0, through = 1, channel_spread = 0, through_condition = 1;
+  Real channel = 0, transmittance = 1, channel_spread = 0, transmittance_condition = 1;
   bool ambiguous = false;
 
-  Pixel(const Stack& s, int pixel) {
+  ReferencePixel(const Stack& s, int pixel) {
     const Real x = s.frame.x_px + pixel % kTilePx + 0.5L, y = s.frame.y_px + pixel / kTilePx + 0.5L;
     for (std::size_t i = 0; i < s.record.size(); ++i) {
       const SplatRecord<float>& g = s.record[i];
       const Real u = g.mean_x - x, v = g.mean_y - y;
       const auto& [xx, xy, yy] = s.covariance[i];
-      // The quadratic form as two squares: what rounding can add is in proportion to `along`, not to its parts'
-      // squares.
+      // The quadratic form as two squares: the rounding error is proportional to `along`, not to the squares of its
+      // parts.
       const Real half_a = yy / (2 * (xx * yy - xy * xy)), part_u = std::sqrt(half_a) * u,
                  part_v = -std::sqrt(half_a) * xy / yy * v, along = part_u + part_v,
                  power = -along * along - v * v / (2 * yy);
@@ -123,32 +123,32 @@ struct Pixel {
       const Real alpha = capped ? Real(0.99f) : free;
       ambiguous |= std::abs(alpha * 255 - 1) < 1e-6L * condition || std::abs(free / 0.99L - 1) < 1e-6L * condition;
       if (alpha < 1 / 255.L) continue;
-      const Real next = through * (1 - alpha);
-      ambiguous |= std::abs(next * 1e4L - 1) < 1e-6L * (through_condition + condition * 100);
+      const Real next = transmittance * (1 - alpha);
+      ambiguous |= std::abs(next * 1e4L - 1) < 1e-6L * (transmittance_condition + condition * 100);
       if (next < 1e-4L) break;
       if (capped) condition = 1;
-      hit.push_back({i, alpha, through, condition, capped});
-      channel += alpha * through * s.value[i];
-      channel_spread += alpha * through * s.value[i] * (condition + through_condition + 1);
-      through_condition += 1 + alpha / (1 - alpha) * condition;
-      through = next;
+      hit.push_back({i, alpha, transmittance, condition, capped});
+      channel += alpha * transmittance * s.value[i];
+      channel_spread += alpha * transmittance * s.value[i] * (condition + transmittance_condition + 1);
+      transmittance_condition += 1 + alpha / (1 - alpha) * condition;
+      transmittance = next;
     }
   }
 };
 
-/// Channel and transmittance of some pixels against the book, and the lane types against each other.
+/// Compares channel and transmittance of some pixels with the reference, and the lane types with each other.
 void check_stack(Stack& stack, Random& random, Worst& worst, int pixels) {
   const Stack::Image image = stack.composite(lane_types()[0]);
   for (const TileKernels<float>& kernels : lane_types()) worst.ours_is(stack.composite(kernels) == image);
   for (int k = 0; k < pixels; ++k) {
     const auto p = std::size_t(random.below(kTilePixels));
-    const Pixel want(stack, int(p));
+    const ReferencePixel want(stack, int(p));
     if (want.ambiguous) continue;
-    worst.ours(image.through[p], want.through, want.through_condition);
+    worst.ours(image.transmittance[p], want.transmittance, want.transmittance_condition);
     if (want.channel > 0) worst.ours(image.channel[p], want.channel, want.channel_spread / want.channel);
     float sum = 0;
-    for (const Pixel::Hit& h : want.hit) sum += float(h.alpha * h.before);
-    worst.naive(1 - sum, want.through, want.through_condition);
+    for (const ReferencePixel::Hit& h : want.hit) sum += float(h.alpha * h.before);
+    worst.naive(1 - sum, want.transmittance, want.transmittance_condition);
   }
 }
 
@@ -163,7 +163,7 @@ TEST_CASE("compositing: a pixel under many faint Gaussians keeps its transmittan
                   });
 }
 
-TEST_CASE("compositing: nearly opaque layers keep the accuracy of what shines through") {
+TEST_CASE("compositing: nearly opaque layers keep the accuracy of the transmittance") {
   test::hard_case({"opacity", {0.5, 0.9, 0.98, 0.9899}, 1.1, {"T as 1 - Σ w", 10}},
                   [](double h, Random& random, Worst& worst) {
                     Stack stack;
@@ -173,26 +173,27 @@ TEST_CASE("compositing: nearly opaque layers keep the accuracy of what shines th
                   });
 }
 
-TEST_CASE("compositing: needles reach exactly the pixels they should, thousands of pixels from their centre too") {
-  const auto printed = [](const Stack& stack, const Pixel& pixel, int p) {  // Eq. (2) as it stands
-    float through = 1;
-    for (const Pixel::Hit& hit : pixel.hit) {
+TEST_CASE("compositing: needles reach exactly the right pixels, also thousands of pixels from their centre") {
+  const auto printed = [](const Stack& stack, const ReferencePixel& pixel, int p) {  // Eq. (2) as printed
+    float transmittance = 1;
+    for (const ReferencePixel::Hit& hit : pixel.hit) {
       const auto& [xx, xy, yy] = stack.covariance[hit.index];
       const Real det = xx * yy - xy * xy;
       const float a = float(yy / det), b = float(-xy / det), c = float(xx / det);
       const float u = float(stack.record[hit.index].mean_x - (p % 16 + 0.5)),
                   v = float(stack.record[hit.index].mean_y - (p / 16 + 0.5));
-      through *= 1 - std::min(0.99f, stack.opacity[hit.index] * std::exp(-0.5f * (a * u * u + c * v * v) - b * u * v));
+      transmittance *=
+          1 - std::min(0.99f, stack.opacity[hit.index] * std::exp(-0.5f * (a * u * u + c * v * v) - b * u * v));
     }
-    return through;
+    return transmittance;
   };
   test::hard_case({"length, px", {1, 10, 100, 1e3, 1e4}, 1.2, {"a u² + 2 b u v + c v²", 1e5}},
                   [&](double h, Random& random, Worst& worst) {
                     Stack stack;
                     for (int i = 0; i < 6; ++i) {
                       const double phi = random.uniform(0, 6.28), c = std::cos(phi), s = std::sin(phi), major = h * h,
-                                   minor = 0.36, off = random.uniform(-1.5, 1.5) * h, beside = random.uniform(-1, 1);
-                      stack.add(8 + off * c - beside * s, 8 + off * s + beside * c, major * c * c + minor * s * s,
+                                   minor = 0.36, off = random.uniform(-1.5, 1.5) * h, across = random.uniform(-1, 1);
+                      stack.add(8 + off * c - across * s, 8 + off * s + across * c, major * c * c + minor * s * s,
                                 (major - minor) * c * s, major * s * s + minor * c * c, float(random.uniform(0.1, 0.9)),
                                 float(random.uniform(0.1, 1)));
                     }
@@ -200,11 +201,11 @@ TEST_CASE("compositing: needles reach exactly the pixels they should, thousands 
                     const Stack::Image image = stack.composite(lane_types()[0]);
                     for (int k = 0; k < 16; ++k) {
                       const auto p = std::size_t(random.below(kTilePixels));
-                      const Pixel want(stack, int(p));
+                      const ReferencePixel want(stack, int(p));
                       if (want.ambiguous || want.hit.empty()) continue;
-                      worst.ours(image.through[p], want.through, want.through_condition);
+                      worst.ours(image.transmittance[p], want.transmittance, want.transmittance_condition);
                       worst.ours(image.channel[p], want.channel, want.channel_spread / want.channel);
-                      worst.naive(printed(stack, want, int(p)), want.through, want.through_condition);
+                      worst.naive(printed(stack, want, int(p)), want.transmittance, want.transmittance_condition);
                     }
                   });
 }
@@ -216,21 +217,21 @@ TEST_CASE("compositing: far to the right of a wide image positions keep their su
                     stack.frame = {int(h), 0, int(h) + 16, 16};
                     for (int i = 0; i < 4; ++i) stack.add_round(random, 1.5, float(random.uniform(0.3, 0.9)));
                     check_stack(stack, random, worst, 0);
-                    const auto [channel, through] = stack.composite(lane_types().back());
+                    const auto [channel, transmittance] = stack.composite(lane_types().back());
                     for (int k = 0; k < 8; ++k) {
                       const auto p = std::size_t(random.below(kTilePixels));
-                      const Pixel want(stack, int(p));
+                      const ReferencePixel want(stack, int(p));
                       if (want.ambiguous || want.hit.empty()) continue;
-                      worst.ours(through[p], want.through, want.through_condition);
+                      worst.ours(transmittance[p], want.transmittance, want.transmittance_condition);
                       float naive = 1;
-                      for (const Pixel::Hit& hit : want.hit) {
+                      for (const ReferencePixel::Hit& hit : want.hit) {
                         const SplatRecord<float>& g = stack.record[hit.index];
                         const float u = float(g.mean_x) - (float(stack.frame.x_px + int(p) % 16) + 0.5f),
                                     v = float(g.mean_y) - (float(stack.frame.y_px + int(p) / 16) + 0.5f);
                         naive *= 1 - std::min(0.99f, stack.opacity[hit.index] *
                                                          std::exp(-0.5f * (g.form.a() * u * u + g.form.c() * v * v)));
                       }
-                      worst.naive(naive, want.through, want.through_condition);
+                      worst.naive(naive, want.transmittance, want.transmittance_condition);
                     }
                   });
 }
@@ -249,15 +250,15 @@ TEST_CASE("compositing: opacity gradients keep their accuracy deep in a stack, g
                       const std::vector<float> other = stack.opacity_gradients(kernels, p, g, background);
                       for (std::size_t i = 0; i < got.size(); ++i) worst.ours(other[i], got[i]);
                     }
-                    const Pixel want(stack, p);
+                    const ReferencePixel want(stack, p);
                     if (want.ambiguous) return;
-                    float naive_after = 1 - float(1 - want.through), naive_behind = naive_after * background;
-                    Real behind = want.through * background;  // the colour behind, times what reaches it
+                    float naive_after = 1 - float(1 - want.transmittance), naive_behind = naive_after * background;
+                    Real behind = want.transmittance * background;  // colour behind times transmittance
                     for (std::size_t k = want.hit.size(); k-- > 0;) {
-                      const Pixel::Hit& hit = want.hit[k];
+                      const ReferencePixel::Hit& hit = want.hit[k];
                       const Real value = stack.value[hit.index], after = hit.before * (1 - hit.alpha);
                       const Real factor = g * hit.alpha * hit.before, own = value, rest = behind / after;
-                      const Real size = factor * (own + rest) * (hit.condition + want.through_condition);
+                      const Real size = factor * (own + rest) * (hit.condition + want.transmittance_condition);
                       worst.ours(got[hit.index], factor * (own - rest), size / std::abs(factor * (own - rest)));
                       const float alpha = float(hit.alpha), before = naive_after / (1 - alpha);
                       worst.naive(g * alpha * (before * float(value) - naive_behind / (1 - alpha)),
@@ -274,22 +275,22 @@ TEST_CASE("compositing: at the cap alpha is 0.99 and passes no gradient to the o
                     Stack stack;
                     stack.add(8.5, 8.5, 1e6, 0, 1e6, float(h), 0.7f);
                     const int p = int(random.below(kTilePixels));
-                    const auto [channel, through] = stack.composite(lane_types().back());
+                    const auto [channel, transmittance] = stack.composite(lane_types().back());
                     const float background = 0.3f,
                                 gradient = stack.opacity_gradients(lane_types().back(), p, 1, background)[0];
                     const bool capped = h > 0.99;
                     const double u = 8 - p % kTilePx, v = 8 - p / kTilePx, alpha = h * std::exp(-(u * u + v * v) / 2e6);
                     const double want = capped ? 0 : alpha * (0.7 - 0.3);
                     const auto as_wanted = [&](float g) { return std::abs(g - want) <= 1e-5 * want; };
-                    worst.ours_is(!capped || through[std::size_t(p)] == 1 - 0.99f ||
-                                  through[std::size_t(p)] == std::fma(-0.99f, 1.f, 1.f));
+                    worst.ours_is(!capped || transmittance[std::size_t(p)] == 1 - 0.99f ||
+                                  transmittance[std::size_t(p)] == std::fma(-0.99f, 1.f, 1.f));
                     worst.ours_is(as_wanted(gradient));
                     const float a = float(alpha), behind = (1 - a) * background;
                     worst.naive_is(as_wanted(a * (stack.value[0] - behind / (1 - a))));
                   });
 }
 
-TEST_CASE("compositing: a wall of opaque Gaussians ends the pixel before its transmittance underflows") {
+TEST_CASE("compositing: behind many opaque Gaussians a pixel stops before its transmittance underflows") {
   test::hard_case({"Gaussians", {1, 3, 30, 3000}, 0, {"Π (1 - α) to the end", test::kWrong}},
                   [](double h, Random& random, Worst& worst) {
                     Stack stack;
@@ -297,29 +298,29 @@ TEST_CASE("compositing: a wall of opaque Gaussians ends the pixel before its tra
                     for (int i = 0; i < int(h); ++i)
                       stack.add_round(random, 500, float(random.uniform(0.9, 1))),
                           naive *= 1 - std::min(0.99f, stack.opacity.back());
-                    const auto [channel, through] = stack.composite(lane_types().back());
+                    const auto [channel, transmittance] = stack.composite(lane_types().back());
                     for (std::size_t p = 0; p < kTilePixels; ++p)
-                      worst.ours_is(through[p] >= 1e-4f && through[p] <= 0.11f && channel[p] <= 1);
+                      worst.ours_is(transmittance[p] >= 1e-4f && transmittance[p] <= 0.11f && channel[p] <= 1);
                     worst.naive_is(naive > 0);
                   });
 }
 
-TEST_CASE("compositing: alpha below 1/255 adds exactly nothing, from there on it adds") {
+TEST_CASE("compositing: alpha below 1/255 adds exactly nothing, alpha from 1/255 on contributes") {
   test::hard_case({"opacity · 255", {1.1, 1, 0.9999, 1e-30}, 0, "not applicable: a rule, not a formula"},
                   [](double h, Random& random, Worst& worst) {
                     Stack stack;
                     stack.add(8.5, 8.5, 1, 0, 1, float(kAlphaMin), 1);
                     const float opacity = h == 1 ? float(kAlphaMin) : float(h / 255);
-                    stack.record[0].two_cut = std::max(0.f, 2 * std::log(255 * opacity)),
+                    stack.record[0].max_mahalanobis2 = std::max(0.f, 2 * std::log(255 * opacity)),
                     stack.record[0].log2_opacity = float(std::log2(double(opacity)));
-                    const auto [channel, through] = stack.composite(lane_types().back());
+                    const auto [channel, transmittance] = stack.composite(lane_types().back());
                     const auto centre = std::size_t(8 * 16 + 8), other = std::size_t(random.below(kTilePixels));
-                    worst.ours_is((channel[centre] > 0) == (h >= 1) && (through[centre] < 1) == (h >= 1));
-                    if (h < 1) worst.ours_is(channel[other] == 0 && through[other] == 1);
+                    worst.ours_is((channel[centre] > 0) == (h >= 1) && (transmittance[centre] < 1) == (h >= 1));
+                    if (h < 1) worst.ours_is(channel[other] == 0 && transmittance[other] == 1);
                   });
 }
 
-TEST_CASE("compositing: equal depths are drawn in the order of their indices") {
+TEST_CASE("compositing: equal depths are composited in index order") {
   test::hard_case({"Gaussians", {2, 17, 100}, 0, "not applicable: an order by depth alone may give any image"},
                   [](double h, Random& random, Worst& worst) {
                     GaussianCloud cloud;
@@ -344,7 +345,7 @@ TEST_CASE("compositing: equal depths are drawn in the order of their indices") {
                   });
 }
 
-TEST_CASE("compositing: every tile that a needle reaches lists it") {
+TEST_CASE("compositing: a needle is listed in every tile that it intersects") {
   test::hard_case({"length, world",
                    {0.1, 1, 10, 100},
                    0,
@@ -373,11 +374,11 @@ TEST_CASE("compositing: every tile that a needle reaches lists it") {
                         const double u = g.mean_x - (x + 0.5), v = g.mean_y - (y + 0.5);
                         const double form =
                             double(g.form.a()) * u * u + 2 * double(g.form.b()) * u * v + double(g.form.c()) * v * v;
-                        if (form < double(g.two_cut) * (1 - 1e-4)) reached[y / 16 * 8 + x / 16] = true;
+                        if (form < double(g.max_mahalanobis2) * (1 - 1e-4)) reached[y / 16 * 8 + x / 16] = true;
                       }
                     const TileRect r = view.rect[0];
                     const float a = g.form.a(), b = g.form.b(), c = g.form.c(), det = a * c - b * b,
-                                half = std::sqrt(g.two_cut * c / det);
+                                half = std::sqrt(g.max_mahalanobis2 * c / det);
                     for (int tile = 0; tile < 64; ++tile) {
                       const int tx = tile % 8, ty = tile / 8;
                       if (tx < r.x_begin || tx >= r.x_end || ty < r.y_begin || ty >= r.y_end || !reached[tile])

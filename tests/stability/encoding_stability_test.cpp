@@ -39,7 +39,7 @@ struct Level {
 
 }  // namespace
 
-TEST_CASE("hash grid: a point on a vertex reads exactly that entry, one on a face nothing from beyond the face") {
+TEST_CASE("hash grid: a point on a vertex reads only its entry, a point on a face nothing beyond the face") {
   test::hard_case({"cells", {4, 16, 32}, 0, "not applicable: the blend is the same in every form"}, [](double h,
                                                                                                        Random& random,
                                                                                                        Worst& worst) {
@@ -61,7 +61,7 @@ TEST_CASE("hash grid: a point on a vertex reads exactly that entry, one on a fac
   });
 }
 
-TEST_CASE("hash grid: outside its box the encoding is that of the box's surface") {
+TEST_CASE("hash grid: points outside the box encode as the nearest point of the box") {
   test::hard_case(
       {"distance beyond, world", {1e-3, 1, 1e6, 1e30}, 0, {"cell index of a negative coordinate", test::kWrong}},
       [](double h, Random& random, Worst& worst) {
@@ -102,7 +102,7 @@ TEST_CASE("hash grid: boxes without extent on some axes, or on all, encode their
                   });
 }
 
-TEST_CASE("hash grid: levels past 1625 vertices per axis are hashed within their table") {
+TEST_CASE("hash grid: levels with more than 1625 vertices per axis stay within their hash table") {
   test::hard_case(
       {"finest resolution", {64, 1625, 1626, 4096, 65536}, 0, {"resolution³ in 32 bits", test::kWrong}},
       [](double h, Random& random, Worst& worst) {
@@ -158,7 +158,7 @@ TEST_CASE("hash grid: a box far from the origin is encoded as accurately as one 
   });
 }
 
-TEST_CASE("hash grid: a small entry beside a large one keeps its accuracy at its own vertex") {
+TEST_CASE("hash grid: a small entry next to a large one keeps its accuracy at its own vertex") {
   test::hard_case({"ratio of entries", {1, 1e3, 1e6, 1e9}, 1.7, {"a + t (b - a)", 2000}}, [](double h, Random& random,
                                                                                              Worst& worst) {
     Level level(random, 4);
@@ -173,7 +173,7 @@ TEST_CASE("hash grid: a small entry beside a large one keeps its accuracy at its
   });
 }
 
-TEST_CASE("hash grid: the table's gradient sums to the gradients that came in") {
+TEST_CASE("hash grid: the table's gradient sums to the incoming gradients") {
   test::hard_case({"queries",
                    {1, 100, 3000},
                    0.11,
@@ -196,7 +196,7 @@ TEST_CASE("hash grid: the table's gradient sums to the gradients that came in") 
 
 namespace {
 
-/// A network in float packs and, with magnitudes, by the book.
+/// A network in float packs, and a reference in long double with its condition.
 struct Network {
   FilmMlpConfig config{.inputs = 8, .condition = 3, .hidden = 16, .layers = 2, .direction_degree = 0};
   std::vector<float> params, input, condition, density, rgb, context;
@@ -216,11 +216,11 @@ struct Network {
   }
   template <class L>
   void forward() {
-    const std::size_t kept = film_context_size<L>(config);
+    const std::size_t context_size = film_context_size<L>(config);
     const std::int64_t blocks = (kQueries + kBlockColumns<L> - 1) / kBlockColumns<L>;
-    context.assign(kept * std::size_t(blocks), 0.f);
+    context.assign(context_size * std::size_t(blocks), 0.f);
     FilmMlpBlock<L> block(config);
-    for (std::int64_t b = 0; b < blocks; ++b) block.forward(data(), b, &context[std::size_t(b) * kept]);
+    for (std::int64_t b = 0; b < blocks; ++b) block.forward(data(), b, &context[std::size_t(b) * context_size]);
   }
   struct Sum {
     Real value = 0, size = 0;
@@ -325,7 +325,7 @@ TEST_CASE("network: a saturated colour keeps its gradient") {
   });
 }
 
-TEST_CASE("network: a NaN in a query's input is a NaN in its output and in no other query's") {
+TEST_CASE("network: a NaN in a query's input gives NaN in its output and in no other query") {
   test::hard_case({"NaNs", {0, 1}, 0, {"max(0, x) as ReLU, which makes 0 of NaN", test::kWrong}},
                   [](double h, Random& random, Worst& worst) {
                     Network n(random, 1);

@@ -1,4 +1,4 @@
-// Mask evidence: sums, merges, counts, variances and their degenerate answers.               PAPER.md §5.2
+// Mask evidence: sums, merges, counts, variances and degenerate cases.                       PAPER.md §5.2
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -73,7 +73,7 @@ TEST_CASE("evidence: a mask that is empty everywhere gives probability exactly 0
   });
 }
 
-TEST_CASE("evidence: a mask that is full everywhere gives probability exactly 1, however its pixels arrive") {
+TEST_CASE("evidence: a mask that is full everywhere gives probability exactly 1, for any split into parts") {
   test::hard_case({"parts", {1, 4, kSize}, 0, {"W1 / W, each summed in float in its own order", 1}, 10},
                   [](double h, Random& random, Worst& worst) {
                     Capture c(random);
@@ -113,7 +113,7 @@ TEST_CASE("evidence: a mask that is half everywhere gives probability one half a
                   });
 }
 
-TEST_CASE("evidence: a Gaussian whose pixels agree has their answer and no variance, also where it has one pixel") {
+TEST_CASE("evidence: a Gaussian whose pixels agree has probability 0 or 1 and variance 0, also with one pixel") {
   test::hard_case({"known pixels", {kSize * kSize, 1}, 0, {"1 - r², r = |n+ - n-| / (n+ + n- + 1e-6)", test::kWrong}},
                   [](double h, Random& random, Worst& worst) {
                     Capture c(random, 1);
@@ -133,13 +133,13 @@ TEST_CASE("evidence: a Gaussian whose pixels agree has their answer and no varia
                   });
 }
 
-TEST_CASE("evidence: a Gaussian that no pixel sees is unseen, neither object nor background") {
+TEST_CASE("evidence: a Gaussian without known pixels is unseen, neither object nor background") {
   test::hard_case(
       {"known pixels", {kSize * kSize, 0}, 0, {"W1 / W", test::kWrong}}, [](double h, Random& random, Worst& worst) {
         Capture c(random, 1);
         c.masks.known.assign(kSize * kSize, h > 0 ? 1 : 0);
         Evidence e = c.evidence();
-        e.share.touch(0, 0);  // of nothing, as a file may have it
+        e.share.touch(0, 0);  // an empty share, as a file may contain
         for (const Criterion criterion : {Criterion::kPooled, Criterion::kBetweenViews, Criterion::kRelativeDiff}) {
           const LabelColumns l = labels(e, criterion);
           worst.ours_is((l.views[0] == 0) == (h == 0) && l.prob[0] == 0 && l.label[0] == 0 && l.variance[0] == 0);

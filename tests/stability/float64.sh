@@ -3,7 +3,7 @@
 # `double` (build-float64/), then both builds run one chain and are compared.
 #   tests/stability/float64.sh                                          builds only; the whole loss against differences
 #   tests/stability/float64.sh SCENE.json GT_DIR [options of ngs-joint] and the chain: labels, boundary IoU
-# Needs a finished build/ (pipelines/build.sh). What stays float: files, and the key by which depths are sorted.
+# Needs a finished build/ (pipelines/build.sh). Float remain: file contents and the depth sort key.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 wide=$root/build-float64
@@ -20,11 +20,11 @@ cp -r "$root"/tests/{support,grad} "$wide/fresh/tests/"
   : >libngs/ngs/ops/splat/isa/tile_isa_v4.cpp
   printf '#pragma once\n#include "ngs/math/lanes.h"\nnamespace ngs { using PortablePack = PackF; }\n' \
     >libngs/ngs/math/lanes_portable.h
-  kept='libngs/ngs/io/[a-z]*/(ply|ply_scan|ply_types|ply_writer|npy|exr|safetensors)\.(h|cpp)|ngs/math/(lanes|lanes16|lanes_[a-z0-9]+|lane_scalar|elementary)\.h|tests/support/ply_text\.h'
-  find libngs tools tests \( -name '*.h' -o -name '*.cpp' \) | grep -v -E "$kept" | xargs sed -E -i \
+  float_files='libngs/ngs/io/[a-z]*/(ply|ply_scan|ply_types|ply_writer|npy|exr|safetensors)\.(h|cpp)|ngs/math/(lanes|lanes16|lanes_[a-z0-9]+|lane_scalar|elementary)\.h|tests/support/ply_text\.h'
+  find libngs tools tests \( -name '*.h' -o -name '*.cpp' \) | grep -v -E "$float_files" | xargs sed -E -i \
     -e '/bit_cast<std::uint32_t>/!s/\bfloat\b/double/g' \
     -e '/bit_cast<std::uint32_t>/!s/(^|[^A-Za-z0-9_.])([0-9]+\.[0-9]*([eE][-+]?[0-9]+)?|[0-9]+[eE][-+]?[0-9]+)f\b/\1\2/g'
-  # Records and pictures on their way to files and to OpenCV.
+  # Records written to files, and images passed to OpenCV.
   sed -E -i -e 's/double row\[62\]/float row[62]/; s/double\* at = row/float* at = row/; s/sizeof\(double\)/sizeof(float)/' \
     libngs/ngs/io/ply/gaussian_ply_write.cpp
   sed -i 's/CV_32F/CV_64F/' libngs/ngs/io/image/image_file.cpp
@@ -35,7 +35,7 @@ cp -r "$root"/tests/{support,grad} "$wide/fresh/tests/"
   sed -i '/static_assert(sizeof values\[0\] == 4);/d' libngs/ngs/io/ply/query_ply.cpp
   sed -i 's/bit_cast<std::uint32_t>(plane/bit_cast<std::uint64_t>(plane/g' libngs/ngs/scene/rle_masks.cpp
   sed -i 's/__builtin_bit_cast(double, std::int32_t/__builtin_bit_cast(float, std::int32_t/' libngs/ngs/math/stable.h
-  # What was there for float and for double is there once.
+  # Remove the duplicates of explicit float and double instantiations.
   perl -0 -i -pe 's/(template class PhotometricPass<double, double>;\n)\1/$1/' libngs/ngs/ops/losses/photometric_impl.cpp
   perl -0 -i -pe 's/(std::int64_t first_unusable\([^}]*\}\n)\1/$1/' libngs/ngs/ops/optim/adam.cpp
   sed -i -e '/add_subdirectory(tests)/d' CMakeLists.txt
@@ -46,7 +46,7 @@ cp -r "$root"/tests/{support,grad} "$wide/fresh/tests/"
     printf 'inline Pack4D low_half(PackF x) { return Pack4D::Raw{x.v[0], x.v[1], x.v[2], x.v[3]}; }\n'
     printf 'inline Pack4D high_half(PackF x) { return Pack4D::Raw{x.v[4], x.v[5], x.v[6], x.v[7]}; }\n}\n'
   } >libngs/ngs/math/lanes.h
-  find . -type f | while read -r file; do  # unchanged files keep their times
+  find . -type f | while read -r file; do  # unchanged files keep their time stamps
     cmp -s "$file" "$wide/source/$file" || install -D -m 644 "$file" "$wide/source/$file"
   done
 )

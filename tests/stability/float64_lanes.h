@@ -1,6 +1,6 @@
 #pragma once
-// Stands in for math/lanes.h in the double build (float64.sh): a pack is 8 doubles, with the operations of PackF.
-// Pack4D is taken over as it is.
+// Replaces math/lanes.h in the double build (float64.sh): a pack is 8 doubles with the operations of PackF. Pack4D is
+// copied unchanged.
 #include <immintrin.h>
 
 #include <cmath>

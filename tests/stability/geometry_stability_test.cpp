@@ -4,7 +4,7 @@
 #include "ngs/ops/field/ray_query.h"
 #include "ngs/ops/field/ray_query_kernels.h"
 #include "ngs/ops/field/sample_grid.h"
-#include "ngs/passes/components/object_core.h"
+#include "ngs/problem/object_core.h"
 #include "support/cameras.h"
 #include "support/stability.h"
 
@@ -76,7 +76,7 @@ TEST_CASE("geometry: one, two and a few Gaussians have a box with at least a nod
   });
 }
 
-TEST_CASE("geometry: Gaussians behind the camera are not seen, also where their mirror image would be") {
+TEST_CASE("geometry: Gaussians behind the camera are not visible, even if their mirror image would be") {
   test::hard_case({"camera z, world", {1, 0.009, 0, -1e-6, -3}, 0, {"x / z whatever the sign of z", test::kWrong}},
                   [](double h, Random& random, Worst& worst) {
                     Camera camera = test::camera_around(random, 0);
@@ -89,7 +89,7 @@ TEST_CASE("geometry: Gaussians behind the camera are not seen, also where their 
                   });
 }
 
-TEST_CASE("geometry: a box beside the image is empty, not negative") {
+TEST_CASE("geometry: a box outside the image is empty, not negative") {
   test::hard_case({"offset, px", {0, 200, 1e4, 1e6}, 0, {"min and max clipped to the image", test::kWrong}},
                   [](double h, Random& random, Worst& worst) {
                     const Camera camera = test::camera_around(random, 3);
@@ -166,7 +166,7 @@ TEST_CASE("geometry: the first and last sample are exactly the ends of the windo
                   });
 }
 
-TEST_CASE("geometry: a window that would cross the camera starts before it") {
+TEST_CASE("geometry: a window that would cross the camera starts in front of it") {
   test::hard_case({"distance, world", {1, 0.01, 1e-3, 1e-6}, 0, {"t - max(span t, ε)", test::kWrong}},
                   [](double h, Random& random, Worst& worst) {
                     const Camera camera = test::camera_around(random, 3);
@@ -178,7 +178,7 @@ TEST_CASE("geometry: a window that would cross the camera starts before it") {
                   });
 }
 
-TEST_CASE("geometry: a mean distance of zero gives a window before the camera, and a direction") {
+TEST_CASE("geometry: a mean distance of zero gives a window in front of the camera and a unit direction") {
   test::hard_case({"distance, world", {1, 1e-3, 0}, 0, {"directions as t d / |t d|", test::kWrong}},
                   [](double h, Random& random, Worst& worst) {
                     const Camera camera = test::camera_around(random, 3);
@@ -227,7 +227,7 @@ TEST_CASE("geometry: query points of a scene far from its origin keep their deta
                   });
 }
 
-TEST_CASE("geometry: a depth map without cover leaves the window where it was") {
+TEST_CASE("geometry: a depth map with low alpha leaves the window unchanged") {
   test::hard_case({"alpha", {1, 0.6, 1e-2, 1e-30, 0}, 0, {"depth / alpha", test::kWrong}},
                   [](double h, Random& random, Worst& worst) {
                     const Camera camera = test::camera_around(random, 3);
@@ -243,7 +243,7 @@ TEST_CASE("geometry: a depth map without cover leaves the window where it was") 
                   });
 }
 
-TEST_CASE("geometry: images are read up to and beyond their border") {
+TEST_CASE("geometry: bilinear samples are correct up to the border and clamped beyond it") {
   test::hard_case({"position, px", {0.5, 0, -1, -1e9, 1e9}, 0.84, {"floor and the four pixels around", test::kWrong}},
                   [](double h, Random& random, Worst& worst) {
                     ImageF image(7, 5, 1);

@@ -1,13 +1,13 @@
-// End to end: the labels of a scene do not depend on where, how large and in which order it is written down,
-// and what contradicts, overlaps or is missing has a defined answer.
+// End to end: labels do not depend on the scene's position, unit or order, and contradicting, overlapping or missing
+// masks have a defined result.
 #include <doctest/doctest.h>
 
 #include <numeric>
 
 #include "ngs/core/error.h"
 #include "ngs/methods/method_bce.h"
-#include "ngs/passes/joint/joint_stage.h"
 #include "ngs/stages/boundary/variance_stage.h"
+#include "ngs/stages/optimise/joint_trainer.h"
 #include "support/changed_labels.h"
 #include "support/joint_case.h"
 #include "support/method_case.h"
@@ -33,8 +33,8 @@ Evidence evidence_of(const MethodCase& c, const std::vector<std::size_t>& views 
 }
 std::vector<LabelColumns> labels_of(const MethodCase& c) { return label_gaussians({}, evidence_of(c)); }
 
-/// Equal labels except where the probability is within `bound` of the threshold; a Gaussian that reaches a
-/// pixel with alpha = 1/255 more or less changes its probability by less than that.
+/// Equal labels except where the probability is within `bound` of the threshold. One pixel more or less with alpha =
+/// 1/255 changes a probability by less than `bound`.
 bool same_labels(const LabelColumns& a, const LabelColumns& b, float bound) {
   bool same = true;
   for (std::size_t i = 0; i < a.label.size(); ++i)
@@ -79,7 +79,7 @@ TEST_CASE("invariance: a rotated scene has the same labels") {
       });
 }
 
-TEST_CASE("invariance: a scene with an origin of its own has the same labels anywhere") {
+TEST_CASE("invariance: a scene with an origin offset has the same labels anywhere in the world") {
   test::hard_case({"translation, world", {1, 1e3, 1e6}, 0, {"positions in world coordinates, in float", test::kWrong}},
                   [](double h, Random& random, Worst& worst) {
                     const MethodCase c = scene(random);
@@ -105,7 +105,7 @@ TEST_CASE("invariance: a scene in another unit has the same labels") {
                   [](double h, Random& random, Worst& worst) {
                     MethodCase c = scene(random);
                     for (std::size_t i = 0; i < kGaussians; ++i)
-                      c.cloud.usable[i] = i % 17 != 16;  // those next to the camera
+                      c.cloud.usable[i] = i % 17 != 16;  // excludes those closest to the camera
                     scale_scene(c, 1000);
                     MethodCase scaled = c;
                     scale_scene(scaled, h);
@@ -199,7 +199,7 @@ TEST_CASE("masks: where two objects overlap a Gaussian belongs to one at most") 
                   });
 }
 
-TEST_CASE("masks: an object in one view alone is labelled from it") {
+TEST_CASE("masks: an object with a mask in one view only is labelled from that view") {
   test::hard_case({"views with a mask", {3, 1}, 0, {"variance over V - 1 views", test::kWrong}, 4},
                   [](double h, Random& random, Worst& worst) {
                     MethodCase c = scene(random);
@@ -276,7 +276,7 @@ TEST_CASE("joint: a photo with one NaN stops the step and names the view") {
       });
 }
 
-TEST_CASE("joint: training stays finite with no, one and only boundary Gaussians") {
+TEST_CASE("joint: training stays finite with no, one or all Gaussians in the boundary") {
   test::hard_case({"boundary share", {0.5, 0.01, 1, 0}, 0, "not applicable: sets, not formulas", 100},
                   [](double h, Random& random, Worst& worst) {
                     const auto c = test::joint_case(60, 40);

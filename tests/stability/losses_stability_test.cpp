@@ -18,7 +18,7 @@ using test::Random;
 using test::Worst;
 using Real = long double;
 
-/// The cross-entropy by the book inside [ε, 1 - ε].
+/// Reference cross-entropy in long double, inside [ε, 1 - ε].
 Real book_bce(Real p, Real m) { return -m * std::log(p) - (1 - m) * std::log1p(-p); }
 
 ViewMasks masks_of(Random& random, int width, int height) {
@@ -92,7 +92,7 @@ TEST_CASE("mask loss: label logits of any size have a finite loss and gradient")
                   });
 }
 
-TEST_CASE("mask loss: what is unknown adds nothing, whatever is rendered there") {
+TEST_CASE("mask loss: unknown pixels add nothing, whatever is rendered there") {
   test::hard_case({"rendered", {0.5, 1e30, INFINITY, NAN}, 0, {"known · loss", test::kWrong}},
                   [](double h, Random& random, Worst& worst) {
                     ImageF rendered = image_of(random, 8, 6, 1, 0.1, 0.9), clean = rendered;
@@ -126,7 +126,7 @@ TEST_CASE("mask loss: the mean over many pixels is summed in double") {
                   });
 }
 
-TEST_CASE("mask loss: a view without a known pixel is worth nothing") {
+TEST_CASE("mask loss: a view without known pixels has loss 0") {
   test::hard_case({"known pixels", {48, 1, 0}, 0, {"the sum over known pixels divided by their number", test::kWrong}},
                   [](double h, Random& random, Worst& worst) {
                     const ImageF rendered = image_of(random, 8, 6, 1, 0.1, 0.9);
@@ -167,7 +167,7 @@ TEST_CASE("align: the variance of a nearly constant patch survives a large offse
   });
 }
 
-TEST_CASE("align: the variance of a constant patch is never negative and as good as zero") {
+TEST_CASE("align: the variance of a constant patch is not negative and zero up to rounding") {
   test::hard_case(
       {"value", {0, 1, 1e4, 1e15}, 0.12, {"E[x²] - E[x]²", 1e5}}, [](double h, Random& random, Worst& worst) {
         const float value = float(h * random.uniform(0.5, 1));
@@ -216,7 +216,7 @@ TEST_CASE("align: without active nodes the loss and its gradients are zero") {
                   });
 }
 
-TEST_CASE("align: a node that is switched off adds nothing, whatever the field says there") {
+TEST_CASE("align: an inactive node adds nothing, whatever the field's value there") {
   test::hard_case(
       {"field colour", {0.5, 1e30, INFINITY, NAN}, 0, {"active · residual", test::kWrong}},
       [](double h, Random& random, Worst& worst) {

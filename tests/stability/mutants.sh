@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# Proves that the tests have teeth: breaks the kernels one small way at a time and runs the tests that should notice.
+# Mutation testing: applies one small change to the sources at a time and runs the tests that should fail.
 #   tests/stability/mutants.sh [--applies] [WORD...]
 #
 #   WORD       only mutants whose line contains one of the words
-#   --applies  only names those that no longer change the file they break
+#   --applies  only lists mutants whose pattern no longer changes its file
 #
-# Needs a finished build (pipelines/build.sh): a mutant is a copy of one header or source, put before the real one,
-# compiled with the named tests (of tests/) and linked with the libraries of build/. Prints killed or SURVIVED per
-# mutant; exit 1 if one survives, no longer applies or does not compile.
+# Needs a finished build (pipelines/build.sh). A mutant is a changed copy of one header or source that shadows the real
+# one. It is compiled with the given tests and linked with the libraries of build/. Prints killed or SURVIVED per mutant;
+# exit 1 if a mutant survives, no longer applies or does not compile.
 set -uo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 build=$root/build
@@ -19,13 +19,13 @@ trap 'rm -rf "$work"' EXIT
 jobs=${MUTANT_JOBS:-2}
 count=0
 
-# Without NGS_WITH_V4 no kernel of the library runs beside a mutant of the compositing loops.
+# Without NGS_WITH_V4, so that a mutant of the compositing loops is not bypassed by the library's AVX-512 kernel.
 flags=(-std=c++20 $(pkg-config --cflags eigen3) -O1 -march=x86-64-v3 -ffp-contract=off -fno-math-errno -fopenmp -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS
   "-DNGS_SOURCE_DIR=\"$root\"" "-DNGS_TOOL_DIR=\"$build/bin\"")
 libraries=("$build"/tests/libngs_test_support.a "$build"/libngs/libngs_{methods,passes,stages,problem,ops,backend,options,scene,core}.a -llz4
   -lopencv_core -lopencv_imgproc)
 
-# run FILE TESTS SOURCES WHAT SED: FILE and SOURCES below libngs/ngs, TESTS below tests; SOURCES: what instantiates FILE.
+# run FILE TESTS SOURCES WHAT SED: FILE and SOURCES are below libngs/ngs, TESTS below tests. SOURCES instantiate FILE.
 run() {
   local file=$1 tests=$2 sources=$3 what=$4 script=$5 place=$6 inputs=() verdict
   mkdir -p "$place/ngs/$(dirname "$file")"

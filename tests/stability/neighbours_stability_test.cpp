@@ -68,7 +68,7 @@ TEST_CASE("knn: the neighbours are those of exact arithmetic, far from the origi
       });
 }
 
-TEST_CASE("rbf: of two neighbours at nearly the same distance none takes more than its share, at any width") {
+TEST_CASE("rbf: two neighbours at nearly equal distance have nearly equal weights at any width") {
   test::hard_case(
       {"width, world", {1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6}, 0, {"exponents as rounding leaves them", test::kWrong}},
       [](double h, Random& random, Worst& worst) {
@@ -91,7 +91,7 @@ TEST_CASE("rbf: of two neighbours at nearly the same distance none takes more th
       });
 }
 
-TEST_CASE("knn: coincident points come in the order of their indices") {
+TEST_CASE("knn: coincident points are ordered by index") {
   test::hard_case({"copies", {2, 9, 100}, 0, "not applicable: a search tree keeps whichever it meets first"},
                   [](double h, Random& random, Worst& worst) {
                     std::vector<float> points, query = random.uniform_vector<float>(3, -1, 1);
@@ -119,7 +119,7 @@ TEST_CASE("knn: exact ties on a lattice are broken by the index") {
       });
 }
 
-TEST_CASE("knn: duplicates of the query come first, at distance exactly 0") {
+TEST_CASE("knn: duplicates of the query come first, with distance exactly 0") {
   test::hard_case({"bits of a coordinate", {8, 16, 24}, 0, {"|a|² - 2 a·b + |b|² = 0", test::kWrong}},
                   [](double h, Random& random, Worst& worst) {
                     std::vector<float> points = random.uniform_vector<float>(60, -1, 1);
@@ -191,7 +191,7 @@ TEST_CASE("rbf: weights keep full accuracy far from the origin") {
                   });
 }
 
-TEST_CASE("rbf: for a width towards zero the nearest neighbour takes all") {
+TEST_CASE("rbf: for width -> 0 the nearest neighbour has weight 1") {
   test::hard_case({"width, world", {1e-2, 1e-6, 1e-15, 1e-25}, 0, {"1 / (2 h²) in float", test::kWrong}},
                   [](double h, Random& random, Worst& worst) {
                     const std::vector<float> boundary = random.uniform_vector<float>(60, -10, 10),
@@ -208,7 +208,7 @@ TEST_CASE("rbf: for a width towards zero the nearest neighbour takes all") {
                   });
 }
 
-TEST_CASE("rbf: for a width towards infinity all neighbours weigh the same") {
+TEST_CASE("rbf: for width -> infinity all neighbours have equal weights") {
   test::hard_case(
       {"width, world", {1e4, 1e10, 1e30, 1e200}, 0, "not applicable: exp(-d²/2h²) is 1 for an infinite h too"},
       [](double h, Random& random, Worst& worst) {

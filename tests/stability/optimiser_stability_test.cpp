@@ -15,7 +15,7 @@ using Real = long double;
 
 constexpr double kLr = 1e-2;
 
-/// One step number t of one parameter at 0 without moments.
+/// Step number t of one parameter at 0 with zero moments.
 float first_move(float g, std::int64_t t) {
   std::vector<float> x{0.f}, grad{g};
   AdamMoments moments;
@@ -25,7 +25,7 @@ float first_move(float g, std::int64_t t) {
 
 }  // namespace
 
-TEST_CASE("adam: without gradients nothing moves") {
+TEST_CASE("adam: without gradients parameters do not change") {
   test::hard_case({"gradient", {1, 1e-9, 0}, 0, {"m / sqrt(v)", test::kWrong}},
                   [](double h, Random& random, Worst& worst) {
                     const std::vector<float> before = random.uniform_vector<float>(5, -1, 1), grad(5, float(h));
@@ -36,7 +36,7 @@ TEST_CASE("adam: without gradients nothing moves") {
                       return fine && (move != 0 || x == before);
                     };
                     for (const std::int64_t last : {1, 10, 1000}) {
-                      if (last > 10 && h > 0) continue;  // what a thousand roundings of x add up to is not the subject
+                      if (last > 10 && h > 0) continue;  // the accumulated rounding of x is not tested here
                       std::vector<float> x = before, naive = before;
                       AdamMoments moments;
                       const std::int64_t first = h > 0 ? 1 : std::max<std::int64_t>(1, last - 3);
@@ -83,7 +83,7 @@ TEST_CASE("adam: bias corrections keep their accuracy at any step") {
       });
 }
 
-TEST_CASE("adam: moments of a constant gradient after a hundred thousand steps") {
+TEST_CASE("adam: moments of a constant gradient are exact after a hundred thousand steps") {
   test::hard_case(
       {"steps", {10, 1e3, 1e5}, 0.87, "not applicable: β m + (1 - β) g stalls within the same 1 / (1 - β) ulps", 1000},
       [](double h, Random& random, Worst& worst) {
@@ -99,7 +99,7 @@ TEST_CASE("adam: moments of a constant gradient after a hundred thousand steps")
       });
 }
 
-TEST_CASE("adam: a gradient that is not a number is named and moves nothing") {
+TEST_CASE("adam: a NaN gradient is reported by name and changes nothing") {
   test::hard_case({"gradient", {1, 1e20, 3e38, INFINITY, NAN}, 0, {"a step with whatever came", test::kWrong}},
                   [](double h, Random& random, Worst& worst) {
                     std::vector<float> x = random.uniform_vector<float>(100, -1, 1),
@@ -124,7 +124,7 @@ TEST_CASE("adam: a gradient that is not a number is named and moves nothing") {
                   });
 }
 
-TEST_CASE("adam: rows without a gradient keep their value and their moments, the others step as ever") {
+TEST_CASE("adam: rows without a gradient keep value and moments, the other rows step normally") {
   constexpr std::size_t kRows = 10;
   test::hard_case(
       {"rows without a gradient", {0, 1, 9}, 0, {"a step of all rows alike", test::kWrong}},
@@ -171,7 +171,7 @@ TEST_CASE("label solve: labels at saturation neither leave [0, 1] nor become NaN
       });
 }
 
-TEST_CASE("label solve: the EM update keeps the accuracy of odds far from even") {
+TEST_CASE("label solve: the EM update keeps the accuracy of extreme odds") {
   test::hard_case({"-log10 of m", {1, 5, 12, 15}, 3.5, {"1 - m P / (m P + (1 - m) Q) for what is left", 1e15}},
                   [](double h, Random& random, Worst& worst) {
                     const double m = std::pow(10.0, -h) * random.uniform(0.5, 1), p = random.uniform(0.5, 2),

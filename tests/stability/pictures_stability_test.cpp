@@ -1,4 +1,4 @@
-// What looks at whole pictures: means of cells, medians, differences of pictures, what lies in front.
+// Image operations: means of cells, medians, differences of images, front layers.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -43,7 +43,7 @@ TEST_CASE("pictures: the mean of a cell keeps its accuracy however large the cel
                   });
 }
 
-TEST_CASE("pictures: the median is a value of the sample that outliers of any size do not move out of it") {
+TEST_CASE("pictures: the median stays within the inliers for outliers of any size") {
   test::hard_case(
       {"outliers", {1, 1e10, 1e300, INFINITY}, 0, {"mean", test::kWrong}}, [](double h, Random& random, Worst& worst) {
         std::vector<double> values = random.uniform_vector<double>(1 + std::size_t(random.below(20)), 0, 1);
@@ -61,7 +61,7 @@ TEST_CASE("pictures: the median is a value of the sample that outliers of any si
       });
 }
 
-TEST_CASE("pictures: the squared difference of pictures that nearly agree keeps its accuracy") {
+TEST_CASE("pictures: the squared difference of nearly equal images keeps its accuracy") {
   test::hard_case({"their difference", {1e-1, 1e-3, 1e-5, 1e-6}, 3.1, {"E[a²] - 2 E[ab] + E[b²]", 2e12}, 10},
                   [](double h, Random& random, Worst& worst) {
                     const ImageF a = noise(24, 20, random);
@@ -80,7 +80,7 @@ TEST_CASE("pictures: the squared difference of pictures that nearly agree keeps 
                   });
 }
 
-TEST_CASE("front layer: a Gaussian is in front of a surface an ulp behind it, not of one at its depth or of none") {
+TEST_CASE("front layer: a Gaussian is in front of a surface one ulp behind it, not of one at its own depth") {
   test::hard_case(
       {"gap over depth", {1e-2, 1e-5, 1e-7, 0, NAN}, 0, {"inverse depths, as a depth buffer has them", test::kWrong}},
       [](double h, Random& random, Worst& worst) {

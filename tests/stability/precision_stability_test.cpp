@@ -1,5 +1,5 @@
-// A real capture, where it is at hand: the closed-form labels and masks of the float kernels against those of
-// the same source in double.
+// Closed-form labels and masks of the float kernels against the same kernels in double, on a real capture. Skipped if
+// the capture is not available.
 #include <doctest/doctest.h>
 
 #include <filesystem>

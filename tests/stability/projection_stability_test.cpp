@@ -1,4 +1,4 @@
-// Projection of one Gaussian: footprint, conic, opacity, and what is culled.
+// Projection of one Gaussian: footprint, conic, opacity and culling.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -35,7 +35,7 @@ void naive_conic_by_difference(const Projected& got, const Truth& want, Worst& w
   worst.naive(got.out.cov_yy / det_by_difference(got.out), want.c / want.det, want.condition);
 }
 
-/// Rows of a cloud of one, through the view's projection.
+/// Projects a cloud of one Gaussian.
 struct One {
   GaussianCloud cloud;
   explicit One(const Probe& p) {
@@ -104,7 +104,7 @@ TEST_CASE("projection: a Gaussian without extent has the footprint of the low-pa
                     for (float& s : p.log_scale) s = float(h);
                     const Projected got(p);
                     const float naive = dot(got.context.v1, got.context.v1) / got.context.det_raw;
-                    if (h > 0) {  // beside a large one the filter is nothing
+                    if (h > 0) {  // the filter is negligible for a large Gaussian
                       const Truth want(p, got.camera);
                       worst.naive(naive, want.c / want.det, want.condition);
                       return;
@@ -115,7 +115,7 @@ TEST_CASE("projection: a Gaussian without extent has the footprint of the low-pa
                   });
 }
 
-TEST_CASE("projection: a Gaussian too large for float is left out") {
+TEST_CASE("projection: a Gaussian whose covariance overflows float is culled") {
   test::hard_case(
       {"log scale", {30, 41, 80, 1e30, INFINITY}, 0, {"conic of an infinite covariance", test::kWrong}},
       [](double h, Random& random, Worst& worst) {
@@ -131,7 +131,7 @@ TEST_CASE("projection: a Gaussian too large for float is left out") {
       });
 }
 
-TEST_CASE("projection: on and behind the near plane nothing is drawn") {
+TEST_CASE("projection: Gaussians on or behind the near plane are culled") {
   test::hard_case(
       {"camera z, world", {0.2000001, 0.2, 1e-20, 0, -1e-20, -5}, 0, {"x / z without a near plane", test::kWrong}},
       [](double h, Random& random, Worst& worst) {
@@ -145,7 +145,7 @@ TEST_CASE("projection: on and behind the near plane nothing is drawn") {
       });
 }
 
-TEST_CASE("projection: far off-screen the footprint is that of the edge of the view") {
+TEST_CASE("projection: far off-screen the Jacobian is clamped to the edge of the view") {
   test::hard_case({"offset, px", {0, 1e3, 1e4, 1e6}, 1.2, {"Jacobian at the unclamped slope", 3e5}},
                   [](double h, Random& random, Worst& worst) {
                     Probe p(random, 0.3, 0.2, 0.1);
@@ -248,7 +248,7 @@ TEST_CASE("projection: a scene far from its origin keeps its details") {
   });
 }
 
-TEST_CASE("projection: positions far from the origin are subtracted from the camera without loss") {
+TEST_CASE("projection: the offset to the camera is accurate for positions far from the origin") {
   test::hard_case(
       {"distance from the origin, world", {1, 1e2, 1e4, 1e6}, 1, {"p - centre in float", 2e4}},
       [](double h, Random& random, Worst& worst) {
@@ -257,7 +257,7 @@ TEST_CASE("projection: positions far from the origin are subtracted from the cam
         const Vec3<double> centre{h * random.uniform(0.5, 1), h * random.uniform(0.5, 1), h * random.uniform(0.5, 1)};
         camera.translation = -1.0 * centre;
         const Vec3<double> world = centre + Vec3<double>{p.t.x, p.t.y, 2 * double(p.t.z)};
-        p.t = {float(world.x), float(world.y), float(world.z)};  // the input; its own rounding is not ours
+        p.t = {float(world.x), float(world.y), float(world.z)};  // the input: its rounding does not count
         const auto view = One(p).view_of(camera);
         const Real x = Real(p.t.x) - centre.x, z = Real(p.t.z) - centre.z;
         const Real want = camera.fx * x / z + camera.cx;
@@ -305,7 +305,7 @@ TEST_CASE("projection: gradients of needles stay as accurate as their conic") {
                     const auto g = project_gaussian_backward(got.camera, p.t, got.out, got.context,
                                                              {u[0], u[1], u[2], u[3], u[4], u[5]});
                     const auto w = project_gaussian_backward(cam, t, out, ctx, {u[0], u[1], u[2], u[3], u[4], u[5]});
-                    // What is added up on the way, |Q|² |V|², may cancel.
+                    // The intermediate terms, |Q|² |V|², may cancel.
                     const double conic = out.conic_a + out.conic_c, terms = conic * conic * (out.cov_xx + out.cov_yy);
                     const auto size = [](Vec3<double> v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); };
                     const auto error = [&](Vec3<float> a, Vec3<double> b) {

@@ -1,4 +1,4 @@
-// The suite's own files.
+// The stability suite's own checks and report files.
 #include <doctest/doctest.h>
 
 #include <fstream>
@@ -22,7 +22,7 @@ test::HardResult result(double budget, const test::Textbook& naive, std::vector<
 
 }  // namespace
 
-TEST_CASE("a case fails where ngs leaves the budget, and where the textbook form keeps it") {
+TEST_CASE("a case fails if ngs exceeds the budget or if the textbook form never does") {
   CHECK(result(2, "printed", {{1, 1}, {1.5, 1e6}}).passed());
   CHECK_FALSE(result(2, "printed", {{1, 1}, {2.5, 1e6}}).passed());
   CHECK_FALSE(result(2, "printed", {{1, 1}, {1, 1.9}}).passed());
@@ -31,7 +31,7 @@ TEST_CASE("a case fails where ngs leaves the budget, and where the textbook form
   CHECK(result(2, "printed", {{1, 1}, {1, NAN}}).passed());
 }
 
-TEST_CASE("a textbook form that fails at every hardness is compared with another quantity, and fails the case") {
+TEST_CASE("a case fails if its textbook form fails at every hardness") {
   CHECK_FALSE(result(0, "printed", {{0, NAN}}).passed());
   CHECK_FALSE(result(2, "printed", {{1, 1e6}, {1, 9e6}}).passed());
   CHECK(result(2, "printed", {{1, 1e5}, {1, 1e6}}).passed());
@@ -41,7 +41,7 @@ TEST_CASE("a textbook form that fails at every hardness is compared with another
   CHECK_FALSE(uncompared.passed());
 }
 
-TEST_CASE("a textbook form must fail by as much as is pinned") {
+TEST_CASE("a case fails if the textbook form's error is below the pinned size") {
   CHECK(result(2, {"printed", 5e5}, {{1, 1}, {1, 1e6}}).passed());
   CHECK_FALSE(result(2, {"printed", 5e5}, {{1, 1}, {1, 1e5}}).passed());
   CHECK_FALSE(result(0, {"printed", test::kWrong}, {{0, 0}, {0, 1e6}}).passed());
@@ -60,7 +60,7 @@ TEST_CASE("stability.json satisfies its schema, infinities included") {
   CHECK(test::schema_violations(schema, document) != "");
 }
 
-TEST_CASE("the page escapes what it shows and asks for nothing from outside") {
+TEST_CASE("the page escapes its text and loads no external resources") {
   const std::string page = test::stability_page({result(2, "printed", {{1, INFINITY}, {0, 1}})});
   CHECK(page.find("weights &lt; &amp; &gt;") != std::string::npos);
   CHECK(page.find("<script") == std::string::npos);

@@ -1,5 +1,4 @@
-// Volume rendering: thin, opaque, empty and overflowing rays.                                          Eq.
-// (1)
+// Volume rendering: thin, opaque, empty and overflowing rays.                                          Eq. (1)
 #include <doctest/doctest.h>
 
 #include "ngs/ops/field/volume_kernels.h"
@@ -13,7 +12,7 @@ using test::Random;
 using test::Worst;
 using Real = long double;
 
-/// One ray of K samples, rendered by ngs and by the book.
+/// One ray of K samples, rendered by ngs and by a reference in long double.
 struct Ray {
   int samples;
   std::vector<float> density, rgb, weight, after, grad_density, grad_rgb;
@@ -35,7 +34,7 @@ struct Ray {
     VolumeBackward<float>{rays(),      weight.data(), after.data(),        grad_colour,
                           &grad_alpha, nullptr,       grad_density.data(), grad_rgb.data()}(0);
   }
-  /// ∂(g · C)/∂(density k) as ∂C/∂α_k = T_k c_k - behind / (1 - α_k) has it.
+  /// ∂(g · C)/∂(density k) by the textbook form ∂C/∂α_k = T_k c_k - behind / (1 - α_k).
   float printed_gradient(int k, const float* g) const {
     const auto along = [&](int m) {
       const float* c = &rgb[std::size_t(m) * 3];
@@ -54,7 +53,7 @@ struct Ray {
     return sum;
   }
   Real want_weight(int k) const { return std::exp(-depth_before(k)) * -std::expm1(-tau(k)); }
-  float end() const { return spacing * after.back(); }  // what grad_alpha adds to the gradient of every density
+  float end() const { return spacing * after.back(); }  // contribution of grad_alpha to the gradient of every density
   bool finite() const {
     bool fine = std::isfinite(alpha);
     for (const auto* values : {&weight, &after, &grad_density, &grad_rgb})
@@ -95,7 +94,7 @@ TEST_CASE("volume: alpha keeps its relative accuracy on thin rays") {
                   });
 }
 
-TEST_CASE("volume: transmittance keeps its relative accuracy far behind") {
+TEST_CASE("volume: transmittance keeps its relative accuracy at large optical depth") {
   test::hard_case({"tau", {0.1, 1, 5, 10}, 0.63, {"Π (1 - α_k), α_k in float", 60}},
                   [](double h, Random& random, Worst& worst) {
                     Ray ray(random, 8, h);

@@ -1,13 +1,13 @@
-// A headless Chromium and the hands of its user.
+// A headless Chromium, with mouse and touch input.
 import fs from 'node:fs';
 import path from 'node:path';
 import { pathToFileURL } from 'node:url';
 
 const kFlags = ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking',
   '--disable-component-update', '--disable-sync'];
-const kPatienceMs = 60_000;  // of a machine that is busy with other things
+const kPatienceMs = 60_000;  // generous, for a machine under load
 
-// With an empty profile below `folder`; `errors` collects what the page says on its console and what it throws.
+// Starts with an empty profile below `folder`; `errors` collects console errors and exceptions of the page.
 export async function openBrowser({ modules, chromium: executablePath, folder, errors }, look) {
   const { chromium } = await import(pathToFileURL(path.resolve(modules, 'playwright-core/index.mjs')));
   const { width, height, scheme = 'light', touch = false } = look;
@@ -22,7 +22,7 @@ export async function openBrowser({ modules, chromium: executablePath, folder, e
   return { page, close: () => context.close() };
 }
 
-// Waits until the picture that is seen is a large one and the server has answered everything.
+// Waits until a still frame is shown and no request is pending.
 export async function settled(page) {
   await page.waitForFunction(() => {
     const { dataset, ariaBusy } = document.getElementById('paint');
@@ -30,8 +30,8 @@ export async function settled(page) {
   });
 }
 
-// A place of the picture in CSS pixels of the window: `across` in heights from the middle, `down` in heights from the
-// top. So it is the same place of a view for any window that is wider than high.
+// Converts a place of the picture to CSS pixels of the window: `across` in heights from the middle, `down` in heights
+// from the top. It is the same place of a view for any landscape window.
 export async function placeOf(page, [across, down]) {
   const box = await page.locator('#paint').boundingBox();
   return [box.x + box.width / 2 + across * box.height, box.y + down * box.height];
@@ -46,7 +46,7 @@ export async function drag(page, places, button = 'left') {
   await page.mouse.up({ button });
 }
 
-// Fingers, each along its own list of places; all lists are equally long.
+// Moves fingers, each along its own list of places; all lists have the same length.
 export async function touch(page, fingers) {
   const session = await page.context().newCDPSession(page);
   const send = (type, touchPoints) => session.send('Input.dispatchTouchEvent', { type, touchPoints });
@@ -62,7 +62,7 @@ export async function touch(page, fingers) {
   await session.detach();
 }
 
-// The colour of the picture at a place, of 3 x 3 pixels, 0..255.
+// Mean colour of 3 x 3 pixels of the picture at a place, 0..255.
 export async function colourAt(page, [across, down]) {
   return page.evaluate(([x, y]) => {
     const canvas = document.getElementById('picture');

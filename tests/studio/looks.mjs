@@ -1,8 +1,8 @@
-// What can be measured of a page's looks: contrast of texts, names and sizes of controls, nothing beside the window.
-const kContrast = 4.5;   // AA of WCAG 2.2 for texts of usual size
-const kTargetPx = 24;    // AA of WCAG 2.2 for what is pressed
+// Checks of a page's layout: contrast of texts, names and sizes of controls, nothing outside the window.
+const kContrast = 4.5;   // AA of WCAG 2.2 for normal text
+const kTargetPx = 24;    // AA of WCAG 2.2 for pointer targets
 
-// Run in the page: [what is wrong, ...].
+// Runs in the page; returns a list of faults.
 function faults({ contrast, targetPx }) {
   const found = [];
   const isShown = (element) => element.checkVisibility({ opacityProperty: true, visibilityProperty: true }) &&
@@ -41,7 +41,7 @@ function faults({ contrast, targetPx }) {
     if (!nameOf(element)) found.push(`without a name: ${called(element)}`);
     const box = (element.closest('label') ?? element).getBoundingClientRect(), least = Math.min(box.width, box.height);
     if (least < targetPx) found.push(`only ${least.toFixed()} px: ${called(element)}`);
-    if (box.left < -0.5 || box.right > innerWidth + 0.5) found.push(`beside the window: ${called(element)}`);
+    if (box.left < -0.5 || box.right > innerWidth + 0.5) found.push(`outside the window: ${called(element)}`);
   }
   if (document.documentElement.scrollWidth > innerWidth) found.push('wider than the window');
   return found;

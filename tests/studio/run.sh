@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# A person's visit to the page of ngs-studio, in a real browser: open, turn, paint, correct, undo, a second object, export; by
-# mouse, fingers and keys, from 390 to 1600 px, light and dark. One line per check: ok or FAIL.
+# Tests the page of ngs-studio in a real browser: open, turn, paint, correct, undo, a second object, export; with mouse,
+# touch and keyboard, from 390 to 1600 px wide, light and dark. One line per check: ok or FAIL.
 #
 #   tests/studio/run.sh [OUT_DIR]
 #
-# playwright-core is that of package-lock.json, installed into OUT_DIR (default: build/studio); pictures of the page are left in
-# OUT_DIR/pictures. Tools: $NGS_BIN, else build/bin. Exit code 1 if a check failed, 77 if a program that is needed is absent.
+# Installs playwright-core of package-lock.json into OUT_DIR (default: build/studio) and writes pictures of the page to
+# OUT_DIR/pictures. Tools: $NGS_BIN, or build/bin. Exit code 1 if a check failed, 77 if a required program is missing.
 set -uo pipefail
 unset CDPATH
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -16,7 +16,7 @@ chromium=${NGS_CHROMIUM:-/usr/bin/chromium}
 
 skip() { printf 'SKIP %s\n' "$*"; exit 77; }
 # require PROGRAM PACKAGE
-require() { command -v "$1" > /dev/null || skip "$1 is absent, Debian package $2"; }
+require() { command -v "$1" > /dev/null || skip "$1 is missing, Debian package $2"; }
 
 require node nodejs
 require npm npm
@@ -33,13 +33,13 @@ if ! cmp -s "$here/package-lock.json" "$out/package-lock.json" || [ ! -d "$out/n
     { rm -f "$out/package-lock.json"; skip "npm ci failed, see $out/npm.log"; }
 fi
 
-# A ring that goes through a box, before a plain wall, with the poses of twelve photos.
+# A ring through a box in front of a plain wall, with the poses of twelve photos.
 capture=$out/capture
 if [ ! -f "$out/scene.json" ]; then
   rm -rf "$capture"
   "$bin/ngs-synth" torus-box -o "$capture" --views 12 --width-px 320 --height-px 240 --fit-steps 800 -q > /dev/null &&
     "$bin/ngs-scene" import "$capture" -o "$out/scene.json" -q > /dev/null ||
-    { echo "FAIL the scene for the visit was not made"; exit 1; }
+    { echo "FAIL the test scene was not made"; exit 1; }
 fi
 
 rm -rf "$out/pictures" "$out/visit"

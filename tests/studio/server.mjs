@@ -1,21 +1,21 @@
-// The program ngs-studio, and what a shell does with the commands that its page shows.
+// Starts ngs-studio, and runs the commands that its page shows in a shell.
 import { execFileSync, spawn } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
 
-// Serves `source` from `folder`, as somebody would who types it there. `url` has the token.
+// Starts ngs-studio for `source` with working directory `folder`. `url` includes the token.
 export function startStudio(source, folder, out) {
   const stdio = ['ignore', 'ignore', 'pipe'];
   const child = spawn('ngs-studio', [source, '-o', out, '--no-browser'], { cwd: folder, stdio });
   process.on('exit', () => child.kill());
   return new Promise((resolve, reject) => {
-    let said = '';
+    let output = '';
     child.stderr.on('data', (data) => {
-      said += data;
-      const url = /http:\/\/127\.0\.0\.1:\d+\/\?token=\w+/.exec(said)?.[0];
+      output += data;
+      const url = /http:\/\/127\.0\.0\.1:\d+\/\?token=\w+/.exec(output)?.[0];
       if (url) resolve({ url, stop: () => stop(child) });
     });
-    child.on('exit', (code) => reject(new Error(`ngs-studio ended with ${code}: ${said}`)));
+    child.on('exit', (code) => reject(new Error(`ngs-studio ended with ${code}: ${output}`)));
   });
 }
 
@@ -32,7 +32,7 @@ export function runCommands(text, folder) {
   execFileSync('bash', ['-euo', 'pipefail', '-c', text], { cwd: folder, stdio: ['ignore', 'pipe', 'pipe'] });
 }
 
-// Every file below `folder` by its name there, with its bytes.
+// Map of relative path to content for every file below `folder`.
 export function filesOf(folder) {
   const names = fs.readdirSync(folder, { recursive: true, withFileTypes: true }).filter((entry) => entry.isFile());
   return new Map(names.map((entry) => {

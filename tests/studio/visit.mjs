@@ -1,9 +1,9 @@
-// A visit to the page of ngs-studio: what a person does with mouse, fingers and keys, and what must then be seen.
+// Tests the page of ngs-studio: actions by mouse, touch and keyboard, and their expected results.
 //
 //   node visit.mjs --modules NODE_MODULES --chromium PROGRAM --folder DIR
 //
-// DIR/scene.json is the scene; pictures go to DIR/pictures. Ring and box are where tutorial.md draws strokes on view
-// 0011. One line per check; exit code 1 if one failed.
+// DIR/scene.json is the scene; pictures go to DIR/pictures. Ring and box are at the strokes of tutorial.md on view
+// 0011. One line per check; exit code 1 if a check failed.
 import fs from 'node:fs';
 import path from 'node:path';
 import { parseArgs } from 'node:util';
@@ -25,7 +25,7 @@ function check(good, what) {
   console.log(`${good ? 'ok  ' : 'FAIL'} ${what}`);
 }
 
-// Pixels of a photo of 320 x 240, as places of the picture: heights from its middle, heights from its top.
+// Converts pixels of a 320 x 240 photo to places: heights from the middle, heights from the top.
 const pixels = (...points) => points.map(([x, y]) => [(x - 160) / 240, y / 240]);
 const kView = '0011.png';
 const kRing = pixels([165, 30], [205, 95], [200, 160], [186, 165]);
@@ -35,7 +35,7 @@ const kAcrossRing = pixels([172, 150], [218, 138]);
 const kBox = pixels([110, 120], [120, 140], [150, 160]);
 const kWall = pixels([250, 40])[0];
 const kBlue = '#2040ff';
-const kTinted = 25, kSame = 12;  // of 255; JPEG moves a colour by less than the latter
+const kTinted = 25, kSame = 12;  // of 255; JPEG changes a colour by less than kSame
 
 async function countOf(page, row) {
   const text = await page.locator(`#objects li:nth-child(${row}) .count`).textContent();
@@ -59,9 +59,9 @@ async function visit(url, look) {
 }
 
 async function openAndTurn(page) {
-  check(/\d Gaussians$/.test(await page.locator('#gaussians').textContent()), 'open: the splat is named and counted');
-  check(page.url().includes('token') === false, 'open: the token is not left in the address');
-  check(await page.locator('#hint').isVisible(), 'open: the first visit says what to do');
+  check(/\d Gaussians$/.test(await page.locator('#gaussians').textContent()), 'open: title and number of Gaussians are shown');
+  check(page.url().includes('token') === false, 'open: the token is removed from the address');
+  check(await page.locator('#hint').isVisible(), 'open: the first session shows the hint');
   await snap(page, '1600-light-first');
   const before = await colourAt(page, kWall), samples = pixels([60, 60], [160, 120], [250, 200], [200, 90]);
   const at = async () => Promise.all(samples.map((place) => colourAt(page, place)));
@@ -69,10 +69,10 @@ async function openAndTurn(page) {
   await drag(page, pixels([160, 120], [60, 160]));
   await settled(page);
   const turned = await at();
-  check(start.some((colour, k) => difference(colour, turned[k]) > kTinted), 'turn: the picture follows the mouse');
+  check(start.some((colour, k) => difference(colour, turned[k]) > kTinted), 'turn: dragging changes the picture');
   await pressAndSettle(page, 'c');
-  check(difference(before, await colourAt(page, kWall)) < kSame, 'turn: C goes back to the start');
-  check((await page.locator('#views option').count()) === 13, 'views: twelve and the start');
+  check(difference(before, await colourAt(page, kWall)) < kSame, 'turn: C restores the first view');
+  check((await page.locator('#views option').count()) === 13, 'views: the first view and twelve of the scene');
   await page.locator('#views').selectOption({ label: kView });
   await settled(page);
 }
@@ -81,43 +81,43 @@ async function paintAndCorrect(page) {
   const plain = [await colourAt(page, kRing[1]), await colourAt(page, kWall)];
   await page.locator('#paint').focus();
   await page.keyboard.press('b');
-  check((await pressed(page, 'tool-object')) === 'true', 'paint: B takes the brush');
+  check((await pressed(page, 'tool-object')) === 'true', 'paint: B selects the object brush');
   await drag(page, kRing);
   await settled(page);
   const ring = await countOf(page, 1);
-  check(ring > 0, `paint: a stroke selects, ${ring} Gaussians`);
-  check(!(await page.locator('#hint').isVisible()), 'paint: the hint goes');
+  check(ring > 0, `paint: a stroke selects ${ring} Gaussians`);
+  check(!(await page.locator('#hint').isVisible()), 'paint: the first stroke hides the hint');
   await page.locator('#objects input[type=color]').fill(kBlue);
   await settled(page);
-  check(difference(plain[0], await colourAt(page, kRing[1])) > kTinted, 'paint: the selection lights up in any colour');
+  check(difference(plain[0], await colourAt(page, kRing[1])) > kTinted, 'paint: the selection is tinted in the chosen colour');
   await page.locator('#paint').focus();
   await pressAndSettle(page, ' ');
-  check(difference(plain[0], await colourAt(page, kRing[1])) < kSame, 'paint: Space shows the splat without it');
+  check(difference(plain[0], await colourAt(page, kRing[1])) < kSame, 'paint: Space hides the tint');
   await pressAndSettle(page, ' ');
-  check(difference(plain[1], await colourAt(page, kWall)) < kSame, 'paint: the wall does not');
+  check(difference(plain[1], await colourAt(page, kWall)) < kSame, 'paint: the wall is not tinted');
   await snap(page, '1600-light-marked');
 
   await page.keyboard.press('x');
   await page.keyboard.press('x');
-  check((await pressed(page, 'tool-background')) === 'true', 'correct: X takes the brush for background, pressed again too');
+  check((await pressed(page, 'tool-background')) === 'true', 'correct: X selects the background brush, also when pressed twice');
   for (const stroke of kBesideRing) {
     await drag(page, stroke);
     await settled(page);
   }
-  check((await countOf(page, 1)) === ring, 'correct: background strokes beside it leave it as it is');
-  check(difference(plain[1], await colourAt(page, kWall)) < kSame, 'correct: the wall does not light up');
+  check((await countOf(page, 1)) === ring, 'correct: background strokes outside the object do not change the selection');
+  check(difference(plain[1], await colourAt(page, kWall)) < kSame, 'correct: the wall is not tinted');
   await drag(page, kAcrossRing);
   await settled(page);
   const corrected = await countOf(page, 1);
-  check(corrected < ring && corrected > 0, `correct: a background stroke across it takes a part away, ${corrected} Gaussians`);
+  check(corrected < ring && corrected > 0, `correct: a background stroke across the object reduces the selection to ${corrected} Gaussians`);
   await pressAndSettle(page, 'Control+z');
-  check((await countOf(page, 1)) === ring, 'undo: as before the correction');
+  check((await countOf(page, 1)) === ring, 'undo: restores the selection before the correction');
   for (const key of ['Control+Shift+z', 'Control+z', 'Control+y']) await pressAndSettle(page, key);
-  check((await countOf(page, 1)) === corrected, 'redo: as after it');
+  check((await countOf(page, 1)) === corrected, 'redo: restores the corrected selection');
   await pressAndSettle(page, 'Control+z');
   const whole = await colourAt(page, kWall);
   await pressAndSettle(page, 'f');
-  check(difference(whole, await colourAt(page, kWall)) > 1, 'focus: F goes to the selection');
+  check(difference(whole, await colourAt(page, kWall)) > 1, 'focus: F moves the camera to the selection');
   await goToView(page);
 }
 
@@ -135,7 +135,7 @@ async function secondObject(page) {
   check(counts.every((count) => count > 0), `second object: ${counts.join(' and ')} Gaussians`);
   const swatches = page.locator('#objects input[type=color]');
   const colours = await swatches.evaluateAll((inputs) => inputs.map(({ value }) => value));
-  check(new Set(colours).size === 2, `second object: a colour of its own, ${colours.join(' and ')}`);
+  check(new Set(colours).size === 2, `second object: has another colour, ${colours.join(' and ')}`);
   await snap(page, '1600-light-two-objects');
 }
 
@@ -146,16 +146,16 @@ async function slider(page) {
   await page.locator('#paint').focus();
   await pressAndSettle(page, '1');
   const alone = [await colourAt(page, kWall), await colourAt(page, kRing[1])];
-  check(difference(both[0], alone[0]) > kTinted, 'slider: the object alone has no wall');
+  check(difference(both[0], alone[0]) > kTinted, 'slider: object only shows no wall');
   await snap(page, '1600-light-object');
   await pressAndSettle(page, '3');
-  check(difference(alone[1], await colourAt(page, kRing[1])) > kTinted, 'slider: the background alone has no ring');
-  check(difference(both[0], await colourAt(page, kWall)) < kSame, 'slider: the background alone has the wall');
+  check(difference(alone[1], await colourAt(page, kRing[1])) > kTinted, 'slider: background only shows no ring');
+  check(difference(both[0], await colourAt(page, kWall)) < kSame, 'slider: background only shows the wall');
   await snap(page, '1600-light-background');
   await pressAndSettle(page, 'g');
   await snap(page, '1600-light-boundary');
   await pressAndSettle(page, '2');
-  check(difference(both[0], await colourAt(page, kWall)) < kSame, 'slider: both, as before');
+  check(difference(both[0], await colourAt(page, kWall)) < kSame, 'slider: both shows the first picture again');
 }
 
 async function cancel(page) {
@@ -163,24 +163,24 @@ async function cancel(page) {
   await page.locator('#job-cancel').click();
   await page.locator('#job').waitFor({ state: 'hidden' });
   const { job, objects } = await stateOf(page);
-  check(job.state === 'cancelled' && objects.every(({ refined }) => !refined), 'refine: Cancel ends it, and nothing is refined');
-  check(await page.locator('#refine').isEnabled(), 'refine: after Cancel it can be asked for again');
+  check(job.state === 'cancelled' && objects.every(({ refined }) => !refined), 'refine: Cancel ends the job, and no object is refined');
+  check(await page.locator('#refine').isEnabled(), 'refine: can be started again after Cancel');
 }
 
 async function refine(page) {
   await page.getByText('Draft', { exact: true }).click();
   await page.locator('#refine').click();
   await page.locator('#before, #trouble').filter({ visible: true }).first().waitFor();
-  check(await page.locator('#trouble').isHidden(), 'refine: goes through');
+  check(await page.locator('#trouble').isHidden(), 'refine: succeeds');
   await settled(page);
   const box = await page.locator('#before').boundingBox();
   await page.mouse.move(box.x + 20, box.y + 10);
   await page.mouse.down();
   await settled(page);
-  check((await pressed(page, 'before')) === 'true', 'refine: held, the picture is that before');
+  check((await pressed(page, 'before')) === 'true', 'refine: holding the button shows the labels before Refine');
   await page.mouse.up();
   await settled(page);
-  check((await pressed(page, 'before')) === 'false', 'refine: let go, that after');
+  check((await pressed(page, 'before')) === 'false', 'refine: releasing the button shows the refined labels');
 }
 
 const kExported = ['object-1/cut/object.ply', 'object-1/cut/background.ply', 'object-1/cut/labelled.ply',
@@ -202,23 +202,23 @@ async function exportAndRepeat(page) {
   await page.locator('#commands-box').scrollIntoViewIfNeeded();
   await snap(page, '1600-light-exported');
   const written = filesOf(folder);
-  check(kExported.every((name) => files.includes(name)), `export: ${files.length} files, with all that are wanted`);
-  check(files.every((name) => written.has(name)), 'export: what is in the list is there');
+  check(kExported.every((name) => files.includes(name)), `export: lists ${files.length} files, including all expected files`);
+  check(files.every((name) => written.has(name)), 'export: every listed file exists');
 
-  // What the commands write is taken away, what a visit leaves is not: the first command makes that again, elsewhere.
+  // Deletes only files that the commands write. The first command writes the session's files to another folder.
   for (const name of files) if (isMadeByCommands(name)) fs.rmSync(path.join(folder, name));
   runCommands(commands, work);
   const repeated = filesOf(folder), again = filesOf(`${folder}-again`);
   const differs = (name, found) => !found?.equals(written.get(name));
   const differing = files.filter((name) => differs(name, repeated.get(name)));
-  check(differing.length === 0, ["export: the page's commands give the same bytes", ...differing].join(' '));
+  check(differing.length === 0, ["export: the page's commands reproduce the same bytes", ...differing].join(' '));
   const replayed = [...again.keys()].filter((name) => written.has(name) && !hasClock(name));
   const other = replayed.filter((name) => differs(name, again.get(name)));
   check(replayed.some((name) => name.includes('/masks/')) && other.length === 0,
-    ['export: the visit, replayed, leaves the same bytes', ...other].join(' '));
+    ['export: a replay of the session writes the same bytes', ...other].join(' '));
 }
 
-// The same view by the page's own list, which narrow windows hide.
+// Selects a view in the page's list, which narrow windows hide.
 async function goToView(page) {
   await page.locator('#views').evaluate((select, view) => {
     select.selectedIndex = [...select.options].findIndex(({ text }) => text === view);
@@ -237,16 +237,16 @@ async function byFinger(url) {
   const before = await undosOf(page), wall = await colourAt(page, [0.15, 0.16]);
   await touch(page, [pixels([140, 100], [130, 90], [110, 70]), pixels([180, 140], [190, 150], [210, 170])]);
   await settled(page);
-  check((await undosOf(page)) === before, 'fingers: two do not paint');
-  check(difference(wall, await colourAt(page, [0.15, 0.16])) > 1, 'fingers: two zoom');
+  check((await undosOf(page)) === before, 'touch: two fingers do not paint');
+  check(difference(wall, await colourAt(page, [0.15, 0.16])) > 1, 'touch: two fingers zoom');
   await touch(page, [pixels([150, 110], [152, 115], [156, 120])]);
   await settled(page);
-  check((await undosOf(page)) === before + 1, 'fingers: one paints');
+  check((await undosOf(page)) === before + 1, 'touch: one finger paints');
   await page.locator('#undo').tap();
   await settled(page);
-  check((await undosOf(page)) === before, 'fingers: undo');
+  check((await undosOf(page)) === before, 'touch: undo removes the stroke');
   await page.locator('#panel-toggle').tap();
-  check(await page.locator('#panel').isVisible(), 'fingers: the panel comes');
+  check(await page.locator('#panel').isVisible(), 'touch: the panel opens');
   await snap(page, '390-light-panel');
   await close();
 }
@@ -255,20 +255,20 @@ async function byKey(url) {
   const { page, close } = await visit(url, { width: 800, height: 600, scheme: 'dark' });
   await page.keyboard.press('Tab');
   const focused = await page.evaluate(() => document.activeElement.id);
-  check(focused === 'paint', 'keys: the picture is the first that Tab reaches');
+  check(focused === 'paint', 'keys: Tab reaches the picture first');
   const at = await colourAt(page, [0, 0.5]);
   for (let k = 0; k < 8; ++k) await page.keyboard.press('ArrowLeft');
   await settled(page);
-  check(difference(at, await colourAt(page, [0, 0.5])) > 1, 'keys: arrows turn');
+  check(difference(at, await colourAt(page, [0, 0.5])) > 1, 'keys: arrows turn the model');
   await page.keyboard.press('b');
   await page.keyboard.press('ArrowUp');
   const before = await undosOf(page);
   await pressAndSettle(page, 'Enter');
-  check((await undosOf(page)) === before + 1, 'keys: Enter marks where the brush is');
+  check((await undosOf(page)) === before + 1, 'keys: Enter paints at the brush');
   await pressAndSettle(page, 'Control+z');
-  check((await undosOf(page)) === before, 'keys: Ctrl Z');
+  check((await undosOf(page)) === before, 'keys: Ctrl Z undoes the stroke');
   await page.keyboard.press('?');
-  check(await page.locator('#keys').isVisible(), 'keys: ? lists them');
+  check(await page.locator('#keys').isVisible(), 'keys: ? opens the list of keys');
   await snap(page, '800-dark-keys');
   await page.keyboard.press('Escape');
   await close();
@@ -295,11 +295,11 @@ async function looks(url) {
 
 async function withoutServer(page, studio) {
   const code = await studio.stop();
-  check(code === 143 || code === 0 || code === 'SIGTERM', `end: ngs-studio ends when asked, ${code}`);
+  check(code === 143 || code === 0 || code === 'SIGTERM', `end: ngs-studio ends on SIGTERM, ${code}`);
   errors.length = 0;
   await page.locator('#fit').click();
   await page.locator('#trouble .remedy:not(:empty)').waitFor();
-  check((await page.locator('#trouble').textContent()).includes('start it again'), 'end: the page says what to do');
+  check((await page.locator('#trouble').textContent()).includes('start it again'), 'end: the page shows the remedy');
   await snap(page, '1600-light-gone');
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// The two gradient checks of the house.
+// The two gradient checks used in tests/grad.
 //
 // Adjoint test: <u, J v> = <Jᵀ u, v>. J v comes from the forward kernel run on dual numbers, Jᵀ u from the
 // backward kernel. Both are exact up to rounding: no step size to tune.
@@ -43,15 +43,15 @@ inline double dot(const std::vector<double>& a, const std::vector<double>& b) {
   return s;
 }
 
-/// |a - b| relative to the larger; 0 when both are 0.
+/// |a - b| relative to the larger of the two; 0 if both are 0.
 inline double relative_difference(double a, double b) {
   const double scale = std::max(std::abs(a), std::abs(b));
   return scale == 0 ? 0 : std::abs(a - b) / scale;
 }
 
-/// The relative difference of the two sides of an adjoint test, or of a gradient and extrapolated differences. The
-/// worst of each op (the test's name up to its colon) is printed at the end of the run where NGS_GRAD_TABLE is set.
-/// `scale`: the size of the terms, where both sides are sums that cancel.
+/// The relative difference of the two sides of an adjoint test, or of a gradient and extrapolated differences. With
+/// NGS_GRAD_TABLE set, the worst value of each op (the test name up to its colon) is printed at the end of the run.
+/// `scale`: the size of the terms if both sides are sums with cancellation.
 double adjoint_difference(double jv, double jtu, double scale = 0);
 double ridders_difference(double numeric, double gradient);
 

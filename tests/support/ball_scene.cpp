@@ -13,9 +13,9 @@
 namespace ngs::test {
 namespace {
 
-constexpr int kSize = 2;  // times the tiny photos: an outline of some pixels
+constexpr int kSize = 2;  // factor over the tiny photos, so that the outline has enough pixels
 
-/// The rows of the ball, then `more` of the wall's.
+/// The rows of the ball, and the first `more` rows of the wall.
 GaussianCloud ball_of(const TinyScene& tiny, std::size_t more) {
   GaussianCloud cloud = tiny.cloud;
   const auto rows = std::size_t(std::count(tiny.is_object.begin(), tiny.is_object.end(), 1.f)) + more;
@@ -72,7 +72,7 @@ void write_cut_out_ball_scene(const std::string& folder, Vec3<float> behind) {
     }
     io::write_png(folder + "/images/" + camera.name, photo);
   }
-  GaussianCloud model = ball_of(tiny, 40);  // the blobs are where the first rows of the wall were
+  GaussianCloud model = ball_of(tiny, 40);  // the blobs take the place of the wall's first rows
   const float colour[3] = {behind.x, behind.y, behind.z};
   for (std::size_t i = std::size_t(ball.size()); i < std::size_t(model.size()); ++i)
     for (std::size_t c = 0; c < 3; ++c) {

@@ -1,6 +1,6 @@
 #pragma once
-// Cameras written in every format that ngs-scene reads, for tests. Kept apart from the readers: these
-// writers follow the formats' own descriptions.
+// Writes cameras in every format that ngs-scene reads. Independent of the readers: written from the formats' own
+// descriptions.
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -28,7 +28,7 @@ struct PosedCamera {
   double q[4];  // w x y z of camera.rotation
 };
 
-/// Cameras with random poses; `centred`: what formats without a principal point can express (and fx = fy).
+/// Cameras with random poses. `centred`: restricted to formats without a principal point (centred, fx = fy).
 inline std::vector<PosedCamera> random_cameras(int count, bool centred) {
   std::vector<PosedCamera> out;
   for (int i = 0; i < count; ++i) {
@@ -171,7 +171,7 @@ inline std::string llff_npy(const std::vector<PosedCamera>& views) {
   return out.bytes;
 }
 
-/// Views of which only the names count.
+/// Views of which only the names matter.
 inline std::vector<SceneView> views_named(const std::vector<std::string>& names) {
   std::vector<SceneView> views(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) views[i].camera.name = names[i];

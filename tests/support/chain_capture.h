@@ -1,5 +1,5 @@
 #pragma once
-// The tiny scene as a capture in a folder of its own, and the two ways to run the chain on it.
+// The tiny scene as a capture in its own folder, and two ways to run the chain on it.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -27,7 +27,7 @@ inline ProcessResult run_script(const std::string& folder, std::vector<std::stri
   return run_process(spec);
 }
 
-/// make -f pipelines/experiment.mk WORDS..., which makes OUT=out of SCENE=my scene.
+/// make -f pipelines/experiment.mk WORDS... with SCENE=my scene and OUT=out.
 inline ProcessResult run_make(const std::string& folder, std::vector<std::string> words) {
   ProcessSpec spec;
   spec.argv = {"make", "-s", "-f", NGS_SOURCE_DIR "/pipelines/experiment.mk", "SCENE=my scene", "OUT=out"};
@@ -54,7 +54,7 @@ struct Capture {
     fs::remove(dir.path() + "/my scene/scene.json");
     out = dir.path() + "/the output";
   }
-  /// The tiny scene with spaces in both folders, v2 held out.
+  /// The tiny scene with spaces in both folder names, v2 held out.
   ProcessResult run(std::vector<std::string> further,
                     std::vector<std::pair<std::string, std::string>> environment = {}) const {
     further.insert(further.begin(), {"my scene", "the output", "--hold-out", "every:4:2", "--gt", "my scene/masks"});

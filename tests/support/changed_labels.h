@@ -1,5 +1,5 @@
 #pragma once
-// A column of labels, value by value.
+// Changes a label column value by value.
 #include "ngs/scene/labels/label_column.h"
 
 namespace ngs::test {

@@ -19,14 +19,14 @@ bool one_of(string_view text, const std::array<string_view, N>& words) {
   return std::find(words.begin(), words.end(), text) != words.end();
 }
 
-/// What a declaration outside of functions has shown up to some token.
+/// State of a declaration outside of functions, up to the current token.
 struct Head {
   size_t begin = 0;
   string_view kind;  // namespace, class, struct, union or enum
   size_t kind_at = kNone;
   size_t operator_at = kNone;    // the word `operator`
   size_t parameters = kNone;     // the opening parenthesis
-  bool in_initialisers = false;  // behind the colon of a constructor
+  bool in_initialisers = false;  // after the colon of a constructor
 };
 
 class Reader {
@@ -48,7 +48,7 @@ class Reader {
   bool is_attribute(size_t i) const { return is_symbol(i, "[") && is_symbol(i + 1, "["); }
   size_t behind_group(size_t i) const { return partner_[i] + 1; }
 
-  /// The index behind the template arguments that begin at `i`; kNone where `<` is a comparison.
+  /// The index after the template arguments that begin at `i`; kNone if `<` is a comparison.
   size_t behind_template(size_t i) const {
     if (!is_symbol(i, "<") || i == 0 || !is_word(i - 1)) return kNone;
     for (size_t depth = 0; i < tokens_.size();) {
@@ -64,7 +64,7 @@ class Reader {
     while (i < end) i = read_declaration(i, end, prefix);
   }
 
-  /// Returns the index behind the declaration.
+  /// Returns the index after the declaration.
   size_t read_declaration(size_t i, size_t end, const std::string& prefix) {
     static constexpr std::array<string_view, 3> kAccess = {"public", "private", "protected"};
     if (one_of(text(i), kAccess) && is_symbol(i + 1, ":")) return i + 2;
@@ -83,7 +83,7 @@ class Reader {
     throw std::runtime_error("line " + std::to_string(tokens_[head.begin].line) + ": the declaration has no end");
   }
 
-  /// Takes one token or group of a declaration into `head`.
+  /// Adds one token or group of a declaration to `head`.
   size_t behind_part(Head& head, size_t i) {
     static constexpr std::array<string_view, 5> kKinds = {"namespace", "class", "struct", "union", "enum"};
     if (const size_t behind = behind_template(i); behind != kNone) return behind;
@@ -110,7 +110,7 @@ class Reader {
     return head.operator_at != kNone || is_symbol(i - 1, ">") || (is_word(i - 1) && !one_of(text(i - 1), kNoNames));
   }
 
-  /// A clause is followed by a constraint, an expression by optional parameters and braces.
+  /// After a requires clause comes a constraint; after an expression optional parameters and braces.
   size_t behind_requires(size_t i) const {
     static constexpr std::array<string_view, 6> kBeforeExpression = {"requires", "&&", "||", "(", "=", "!"};
     const bool expression = i > 0 && one_of(text(i - 1), kBeforeExpression);
@@ -203,7 +203,7 @@ class Reader {
     functions_.push_back({std::move(name), line, tokens_[last].line - line + 1, parameters, deepest_});
   }
 
-  /// From `=` to behind the semicolon; `= default;` and `= 0;` too.
+  /// From `=` to the token after the semicolon; also for `= default;` and `= 0;`.
   size_t read_initialiser(size_t i, size_t end, const std::string& name) {
     const size_t semicolon = end_of_statement(i);
     scan_variable(i, std::min(semicolon, end), name);
@@ -235,7 +235,7 @@ class Reader {
     const bool binding = i > 1 && one_of(text(i - 1), std::array<string_view, 2>{"&", "&&"}) && text(i - 2) == "auto";
     return !binding && one_of(text(partner_[i] + 1), kBehind);
   }
-  /// The parameters or what stands in their place.
+  /// The parameter list, or its replacement.
   size_t behind_captures(size_t i) const {
     i = behind_group(i);
     if (!is_symbol(i, "<")) return i;
@@ -257,7 +257,7 @@ class Reader {
     return behind_group(open);
   }
 
-  /// A statement that stands in `depth` control statements. Returns the index behind it.
+  /// A statement nested in `depth` control statements. Returns the index after it.
   size_t read_statement(size_t i, int depth) {
     static constexpr std::array<string_view, 4> kControls = {"if", "for", "while", "switch"};
     while (is_attribute(i)) i = behind_group(i);
@@ -271,7 +271,7 @@ class Reader {
     while (i < end) i = scan_token(i, depth);
     return end + 1;
   }
-  /// The statement of a control at `depth`.
+  /// The body of a control statement at `depth`.
   size_t read_branch(size_t i, int depth) {
     deepest_ = std::max(deepest_, depth + 1);
     return read_statement(i, depth + 1);
@@ -301,7 +301,7 @@ class Reader {
       throw std::runtime_error("line " + std::to_string(tokens_[begin].line) + ": the statement has no end");
     return i;
   }
-  /// The brace of a class or enum that the statement defines, its members read; kNone where it defines none.
+  /// The brace of a class or enum that the statement defines, with its members read; kNone if it defines none.
   size_t body_of_local_class(size_t i) {
     static constexpr std::array<string_view, 4> kKinds = {"class", "struct", "union", "enum"};
     while (text(i) == "static" || text(i) == "const" || text(i) == "constexpr" || text(i) == "typedef") ++i;
@@ -316,7 +316,7 @@ class Reader {
   std::vector<Token> tokens_;
   std::vector<size_t> partner_;
   std::vector<CppFunction> functions_;
-  int deepest_ = 0;  // control statements around a statement of the function that is read
+  int deepest_ = 0;  // nesting of the current function
 };
 
 }  // namespace

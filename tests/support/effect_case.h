@@ -1,10 +1,10 @@
 #pragma once
-// The joint case, to be bent until a scene calls for an effect.
+// The joint case, with modifications that make the heuristics switch effects on.
 #include <algorithm>
 #include <memory>
 
-#include "ngs/passes/joint/training_options.h"
 #include "ngs/stages/boundary/variance_stage.h"
+#include "ngs/stages/optimise/training_options.h"
 #include "ngs/stages/render/render_stage.h"
 #include "support/joint_case.h"
 
@@ -31,10 +31,9 @@ struct EffectCase {
   }
   void relabel(double tau = 0.2) {
     Monitor monitor;
-    VarianceOptions options;
-    options.tau = tau;
+    base->rule.tau = tau;
     base->labels = label_gaussians(
-        options,
+        base->rule,
         accumulate_evidence({}, monitor,
                             {base->model, base->scene, {0, 1, 2, 3}, base->input().splat, base->input().load_masks}));
   }
@@ -42,25 +41,25 @@ struct EffectCase {
     for (std::size_t v = 0; v < 4; ++v)
       base->photos[v] = render({}, base->model, base->scene.views[v].camera, splat, {}).colour;
   }
-  void paint(float value) {  // everything in one colour, photos too
+  void paint(float value) {  // one colour for all Gaussians, and photos rendered from them
     std::fill(base->model.sh_dc.begin(), base->model.sh_dc.end(), value);
     render_photos();
   }
 };
 
-/// Calls for exposure: one photo is darker.
+/// Switches exposure on: one photo is darker.
 inline void dark_photo(EffectCase& c) {
   for (float& x : c.base->photos[1].data) x *= 0.8f;
 }
 
-/// Calls for mask-outliers: one mask lies elsewhere.
+/// Switches mask-outliers on: one mask is shifted.
 inline void shifted_mask(EffectCase& c) {
   std::vector<float>& mask = c.base->masks[1].target[0];
   std::rotate(mask.begin(), mask.begin() + 480 + 14, mask.end());
 }
 
-/// Calls for floaters: the wall's first Gaussians hang before the ball.
-inline void floaters_before(EffectCase& c) {
+/// Switches floaters on: the first Gaussians of the wall are moved in front of the ball.
+inline void floaters_in_front(EffectCase& c) {
   for (std::size_t i = 160; i < 166; ++i) {
     float* at = &c.base->model.position[3 * i];
     at[0] = 0.05f * float(i - 163), at[1] = 0, at[2] = 1.5f;

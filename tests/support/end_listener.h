@@ -1,5 +1,5 @@
 #pragma once
-// A doctest listener that acts once all cases have run: what derives from it says what to do in test_run_end.
+// A doctest listener that runs after all cases; derived classes override test_run_end.
 #include <doctest/doctest.h>
 
 namespace ngs::test {

@@ -20,7 +20,7 @@ Words words_of(const std::string& text) {
   return words;
 }
 
-/// The command that words[at] and the next begin; empty: none of ours.
+/// The ngs command that begins at words[at]; empty: none.
 Words command_at(const Words& words, std::size_t at) {
   static const std::regex tool("ngs(-[a-z]+)?");
   static const std::set<std::string> of_several{"ngs", "ngs-scene", "ngs-variance"};

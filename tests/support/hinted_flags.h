@@ -1,5 +1,5 @@
 #pragma once
-// The flags that a tool's hints and warnings name, and the commands that they belong to.
+// Finds the flags in a tool's hints and warnings, and the commands to which they belong.
 #include <string>
 #include <vector>
 
@@ -7,12 +7,12 @@ namespace ngs::test {
 
 struct HintedFlag {
   std::vector<std::vector<std::string>>
-      commands;      // {"ngs-scene", "import"}: those that the sentence names, and its tool
+      commands;      // {"ngs-scene", "import"}: commands in the sentence, and the tool itself
   std::string flag;  // "--mask-invert"
 };
 
-/// Of the lines "TOOL [COMMAND]: hint: ..." and "...: warning: ..." of a tool's stderr. Flags of programs that are not
-/// ours are left out. A sentence that says "import" names ngs-scene import.
+/// Parses the lines "TOOL [COMMAND]: hint: ..." and "...: warning: ..." of a tool's stderr. Flags of foreign programs
+/// are skipped. The word "import" in a sentence means ngs-scene import.
 std::vector<HintedFlag> hinted_flags(const std::string& err);
 
 /// Whether the help of one of the commands lists the flag.

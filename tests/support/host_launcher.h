@@ -1,9 +1,11 @@
 #pragma once
-// The Launcher of backend/launcher.h, emulated: blocks one after the other, in every phase thread after thread. Finds
-// without a device what would go wrong on one:
-//   a read of memory never written    allocations, Shared and Thread start as NaN / all bits set
-//   a race within a phase or launch    results must not depend on `order` (ascending, descending, shuffled)
-//   an access out of bounds           allocations are exact, for the address sanitizer
+// Emulates the Launcher of backend/launcher.h on the host: blocks run one after the other, and in every phase thread
+// after thread. Finds device errors without a device:
+// clang-format off
+//   reads of uninitialised memory    allocations, Shared and Thread start as NaN / all bits set
+//   races in a phase or launch       results must not depend on `order` (ascending, descending, shuffled)
+//   accesses out of bounds           allocations have the exact size, for the address sanitizer
+// clang-format on
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
@@ -50,7 +52,7 @@ class HostBlock {
 class HostLauncher {
  public:
   explicit HostLauncher(ThreadOrder order = ThreadOrder::kAscending) : order_(order) {}
-  static void add_to(float* to, float x) { *to += x; }
+  static void atomic_add(float* to, float x) { *to += x; }
   HostLauncher(const HostLauncher&) = delete;
   HostLauncher& operator=(const HostLauncher&) = delete;
   ~HostLauncher() {
@@ -58,13 +60,13 @@ class HostLauncher {
   }
 
   template <class Kernel>
-  void each(std::int64_t n, const Kernel& kernel) {
+  void parallel_for(std::int64_t n, const Kernel& kernel) {
     static_assert(sizeof(Kernel) <= 4096 && std::is_trivially_copyable_v<Kernel>, "a kernel is passed by value");
     NGS_CHECK(Kernel::kName != nullptr, "a kernel has a name");
     for (const int i : sequence(n)) kernel(i);
   }
   template <class Kernel>
-  void blocks(std::int64_t n, const Kernel& kernel) {
+  void launch_blocks(std::int64_t n, const Kernel& kernel) {
     static_assert(sizeof(Kernel) <= 4096 && std::is_trivially_copyable_v<Kernel>, "a kernel is passed by value");
     static_assert(sizeof(typename Kernel::Shared) <= 48 * 1024);
     NGS_CHECK(Kernel::kName != nullptr, "a kernel has a name");
@@ -82,7 +84,7 @@ class HostLauncher {
     for (std::int64_t i = 0; i < n; ++i)
       keys[i] = pairs[std::size_t(i)].first, values[i] = pairs[std::size_t(i)].second;
   }
-  void sum_before(const std::uint32_t* in, std::int64_t* out, std::int64_t n) {
+  void exclusive_scan(const std::uint32_t* in, std::int64_t* out, std::int64_t n) {
     out[0] = 0;
     for (std::int64_t i = 0; i < n; ++i) out[i + 1] = out[i] + in[i];
   }

@@ -1,6 +1,6 @@
 #pragma once
-// A tiny capture for the joint stage: a ball of Gaussians before a wall, seen by four cameras; photos are renders of
-// the true model, masks those of the ball, and the model to optimise is the true one with shifted colours.
+// A tiny capture for the joint stage: a ball of Gaussians in front of a wall, seen by four cameras. Photos are renders
+// of the true model, masks are those of the ball; the model to be optimised is the true one with shifted colours.
 #include <algorithm>
 #include <memory>
 
@@ -17,6 +17,7 @@ struct JointCase {
   std::vector<ImageF> photos;
   std::vector<ViewMasks> masks;
   std::vector<LabelColumns> labels;
+  BoundaryRule rule{.tau = 0.2};
   std::shared_ptr<const std::vector<float>> weight = nullptr;  // of the labels' evidence
 
   Problem input() const {
@@ -30,10 +31,11 @@ struct JointCase {
             .seed = 7,
             .fixed = {},
             .labels = labels,
+            .rule = rule,
             .weight = weight};
   }
-  /// A camera that looks the other way, with an empty mask; its index.
-  std::size_t look_away() {
+  /// Adds a view that looks the other way, with an empty mask; returns its index.
+  std::size_t add_empty_view() {
     const Mat3<double> turned{{-1, 0, 0, 0, 1, 0, 0, 0, -1}};
     SceneView view = scene.views[0];
     view.camera.rotation = turned * view.camera.rotation;
@@ -96,9 +98,7 @@ inline std::unique_ptr<JointCase> joint_case(int ball = 160, int wall = 120) {
   Monitor monitor;
   const auto load = [&](std::size_t v) { return c->masks[v]; };
   const Evidence evidence = accumulate_evidence({}, monitor, {c->model, c->scene, {0, 1, 2, 3}, {}, load});
-  VarianceOptions options;
-  options.tau = 0.2;
-  c->labels = label_gaussians(options, evidence);
+  c->labels = label_gaussians(c->rule, evidence);
   return c;
 }
 

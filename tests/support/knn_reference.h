@@ -1,5 +1,5 @@
 #pragma once
-// Nearest neighbours and the weights of Eq. (8) by the book, in long double, and as a textbook has them in float.
+// Nearest neighbours and the weights of Eq. (8): a reference in long double, and the textbook form in float.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -22,13 +22,13 @@ inline Real exact_dist2(const float* a, const float* b) {
   for (int k = 0; k < 3; ++k) sum += (Real(a[k]) - b[k]) * (Real(a[k]) - b[k]);
   return sum;
 }
-/// |a|² - 2 a·b + |b|² with the middle products fused, as a matrix product does it.
+/// |a|² - 2 a·b + |b|² with fused middle products, as in a matrix product.
 inline float expanded_dist2(const float* a, const float* b) {
   float aa = 0, ab = 0, bb = 0;
   for (int k = 0; k < 3; ++k) aa += a[k] * a[k], ab = std::fma(a[k], b[k], ab), bb += b[k] * b[k];
   return aa - 2 * ab + bb;
 }
-/// Indices by (distance, index), by the book.
+/// Brute force: indices sorted by (distance, index).
 inline std::vector<std::uint32_t> brute_force(const std::vector<float>& points, const float* query) {
   std::vector<std::uint32_t> order(points.size() / 3);
   std::iota(order.begin(), order.end(), 0u);
@@ -56,7 +56,7 @@ struct Cluster {
     for (std::size_t j = 0; j < kNeighbours; ++j) {
       const float *x0 = &x[3 * nearest[0]], *xj = &x[3 * nearest[j]];
       e[j] = (exact_dist2(&q.x, xj) - exact_dist2(&q.x, x0)) * inv_2h2();
-      // The terms of the exponent's dot product may cancel; their rounding may not.
+      // The terms of the exponent's dot product may cancel; the rounding errors of the terms need not.
       for (int a = 0; a < 3; ++a)
         condition[j] += double(std::abs((Real(x0[a]) - xj[a]) * (2 * Real((&q.x)[a]) - x0[a] - xj[a])) * inv_2h2());
     }
@@ -87,7 +87,7 @@ struct Cluster {
   double worst_ratio(const std::vector<float>& w) const {
     Real sum = 0;
     for (const Real v : e) sum += std::exp(-v);
-    double shared = 0;  // the normaliser passes every neighbour's rounding on to all of them
+    double shared = 0;  // the normaliser adds every neighbour's rounding error to all weights
     for (std::size_t l = 0; l < kNeighbours; ++l) shared += double(std::exp(-e[l]) / sum) * condition[l];
     double worst = 0;
     for (std::size_t j = 0; j < kNeighbours; ++j)

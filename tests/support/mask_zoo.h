@@ -1,5 +1,5 @@
 #pragma once
-// Small masks for tests of contours: random ones and the shapes on which distance transforms go wrong.
+// Small masks for contour tests: random masks, and shapes that are difficult for distance transforms.
 #include <algorithm>
 #include <cstdint>
 #include <vector>
@@ -77,7 +77,7 @@ inline Mask zoo_mask(MaskKind kind, int width_px, int height_px, std::uint64_t s
   return mask;
 }
 
-/// One erosion by a 3x3 square; what lies outside the image is not object (zero padding).
+/// One erosion by a 3x3 square; pixels outside the image are background (zero padding).
 inline Mask eroded(const Mask& mask) {
   Mask out(mask.width_px, mask.height_px);
   for (int y = 0; y < mask.height_px; ++y)

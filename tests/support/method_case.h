@@ -1,5 +1,5 @@
 #pragma once
-// A small scene with several views, disc masks and noise photos, as input for the methods of ngs-joint.
+// A small scene with several views, disc masks and noisy photos: input for the methods of ngs-joint.
 #include <algorithm>
 #include <numeric>
 
@@ -9,7 +9,7 @@
 namespace ngs::test {
 
 struct MethodCase {
-  std::vector<SplatCase> view;  // the same Gaussians before different cameras
+  std::vector<SplatCase> view;  // the same Gaussians with different cameras
   GaussianCloud cloud;
   Scene scene;
   std::vector<ViewMasks> masks;
@@ -31,7 +31,7 @@ struct MethodCase {
   }
 };
 
-/// Object k's mask is a disc that moves a little from view to view; a corner of every view is unknown.
+/// Object k's mask is a disc that shifts slightly from view to view; a corner of every view is unknown.
 inline ViewMasks disc_masks(const Camera& camera, int objects, double shift) {
   ViewMasks m;
   m.width_px = camera.width_px, m.height_px = camera.height_px, m.available = true;
@@ -82,11 +82,11 @@ inline GaussianCloud permuted(const GaussianCloud& cloud, const std::vector<std:
   return out;
 }
 
-/// By the book, over the case's views. [N] each.
+/// Reference values over the case's views, [N] each.
 struct ReferenceWeights {
   std::vector<double> weight, object_weight;  // W, and W1 of object 0
-  std::vector<double> spread;                 // of W: the sum of what rounding does to each of its terms
-  bool clear = true;  // false: a contribution lies at a threshold, where float may decide otherwise
+  std::vector<double> spread;                 // of W: the sum of the rounding errors of its terms
+  bool clear = true;  // false: a contribution is at a threshold, where float may be on the other side
 };
 inline ReferenceWeights reference_weights(const MethodCase& c) {
   ReferenceWeights r;

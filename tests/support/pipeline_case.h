@@ -1,5 +1,5 @@
 #pragma once
-// The passes of ngs-joint on a problem in memory.
+// Runs the passes of ngs-joint on a problem in memory.
 #include <atomic>
 #include <memory>
 #include <optional>
@@ -12,25 +12,25 @@
 
 namespace ngs::test {
 
-/// Steps are kept, it says, and forgets them.
-class KeepsNothing final : public StepStore {
+/// A store that discards all steps.
+class NullStepStore final : public StepStore {
  public:
   bool load(JointTrainer&) override { return false; }
   void save(JointTrainer&) override {}
-  void save_on_the_way(JointTrainer&) override {}
-  void taking_steps(bool) override {}
-  std::int64_t every() const override { return 0; }
+  void try_save(JointTrainer&) override {}
+  void steps_running(bool) override {}
+  std::int64_t save_interval() const override { return 0; }
 };
 
-/// One run; what it refers to must outlive it.
+/// One run; `problem` and the stores must outlive it.
 class PipelineCase {
  public:
   PipelineCase(const Problem& problem, const TrainingOptions& training, const std::vector<std::string>& entries,
                std::vector<std::unique_ptr<Pass>> passes = all_passes())
       : pipeline_(std::move(passes)),
         training_(training),
-        modes_(pipeline_.effects(), entries),
-        decisions_(pipeline_.effects(), modes_, pipeline_.rules(training)),
+        switches_(pipeline_.effects(), entries),
+        decisions_(pipeline_.effects(), switches_, pipeline_.fixed_decisions(training)),
         run_{.exec = exec_,
              .device_exec = exec_,
              .monitor = monitor_,
@@ -45,33 +45,33 @@ class PipelineCase {
   PipelineCase(const PipelineCase&) = delete;
   PipelineCase& operator=(const PipelineCase&) = delete;
 
-  /// A value of an option of some pass, before anything is decided.
+  /// Sets an option of a pass, before decisions are made.
   void set(const std::string& option, const std::string& value) {
     OptionSet options;
     pipeline_.declare(options, {});
     options.set_text(option, {value});
   }
-  /// Asks a run to stop, as a signal does.
+  /// Stops a run when the flag is set, as a signal does.
   void stop_flag(const std::atomic<bool>& flag) { monitor_.stop_flag(&flag); }
-  /// As if another run with that state (PassRun::state) went on, and with its decisions where they are kept.
-  void goes_on_from(const Json& state) { run_.resumed = state; }
-  void goes_on_from(const Json& state, const Json& effects, const Json& left_out) {
-    goes_on_from(state), repeat_decisions(pipeline_, run_, effects, left_out);
+  /// Resumes another run from its state (PassRun::state) and, if given, its stored decisions.
+  void resume_from(const Json& state) { run_.resumed = state; }
+  void resume_from(const Json& state, const Json& effects, const Json& skipped) {
+    resume_from(state), repeat_decisions(pipeline_, run_, effects, skipped);
   }
-  /// With steps that are kept, so that another run may go on.
-  void keeps_steps(StepStore& store) { run_.store = &store; }
-  /// As if the run had begun now, with so much time.
+  /// Stores steps, so that another run can resume.
+  void store_steps(StepStore& store) { run_.store = &store; }
+  /// Starts the time budget now.
   void time_budget(double seconds) { budget_ = Budget(wall_seconds(), seconds); }
-  /// Decides both stages on the problem as it is, and runs nothing.
+  /// Makes the decisions of both stages, without running passes.
   const Decisions& decide() {
-    pipeline_.decide(PassStage::kMend, run_, *run_.problem);
+    pipeline_.decide(PassStage::kRepair, run_, *run_.problem);
     pipeline_.decide(PassStage::kOptimise, run_, *run_.problem);
     return decisions_;
   }
-  /// Decides and runs the first of the two stages.
-  void mend() { pipeline_.decide(PassStage::kMend, run_, *run_.problem), pipeline_.run(PassStage::kMend, run_); }
+  /// Makes the decisions of the first stage and runs it.
+  void repair() { pipeline_.decide(PassStage::kRepair, run_, *run_.problem), pipeline_.run(PassStage::kRepair, run_); }
   PassRun& run() {
-    for (const PassStage stage : {PassStage::kMend, PassStage::kOptimise})
+    for (const PassStage stage : {PassStage::kRepair, PassStage::kOptimise})
       pipeline_.decide(stage, run_, *run_.problem), pipeline_.run(stage, run_);
     return run_;
   }
@@ -86,7 +86,7 @@ class PipelineCase {
   Monitor monitor_;
   Pipeline pipeline_;
   TrainingOptions training_;
-  EffectModes modes_;
+  EffectSwitches switches_;
   Decisions decisions_;
   Budget budget_{0, std::nullopt};
   Json report_ = Json::object();

@@ -1,5 +1,5 @@
 #pragma once
-// Builds PLY files in memory, in every format, from one description: rows of numbers and named properties.
+// Builds PLY files in memory, in every format, from rows of numbers and named properties.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -42,7 +42,7 @@ inline std::string ply_body(const PlyColumns& table, io::PlyFormat format, const
   return body;
 }
 
-/// A whole file of several elements. `extra` holds header lines (comments) without line ends.
+/// A complete file with several elements. `extra` holds header lines (comments) without line ends.
 inline std::string ply_bytes(const std::vector<PlyColumns>& elements, io::PlyFormat format,
                              const std::vector<std::string>& extra = {}, const std::string& end_of_line = "\n") {
   const char* names[] = {"ascii", "binary_little_endian", "binary_big_endian"};
@@ -62,7 +62,7 @@ inline io::Bytes as_bytes(const std::string& text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
-/// A model of `n` Gaussians in the Inria layout of a degree; value (row, column) is a fixed simple number.
+/// A model of `n` Gaussians in the Inria layout of a degree; value (row, column) is a simple fixed number.
 inline PlyColumns inria_columns(int n, int degree, bool normals = true, io::PlyType type = io::PlyType::kFloat32) {
   PlyColumns table;
   std::vector<std::string> names = {"x", "y", "z"};

@@ -55,7 +55,7 @@ struct Pipe {
   _exit(127);
 }
 
-/// Appends what is there; false at the end of the stream.
+/// Appends the available bytes; false at the end of the stream.
 bool drain(int descriptor, std::string& text) {
   char buffer[65536];
   const ssize_t count = read(descriptor, buffer, sizeof buffer);
@@ -111,7 +111,7 @@ bool emulated() {
   static const bool is = [] {
     utsname own{};
     ProcessSpec spec;
-    spec.argv = {"uname", "-m"};  // of this machine's own
+    spec.argv = {"uname", "-m"};  // the host's uname
     const ProcessResult machine = run_within(kLimitS, spec);
     return uname(&own) == 0 && machine.exit_code == 0 && machine.out != std::string(own.machine) + "\n";
   }();

@@ -1,5 +1,5 @@
 #pragma once
-// Runs a program the way a shell would and keeps what it says.
+// Runs a program as a shell would, and captures its output.
 #include <string>
 #include <utility>
 #include <vector>
@@ -8,28 +8,28 @@ namespace ngs::test {
 
 struct ProcessSpec {
   std::vector<std::string> argv;
-  std::vector<std::pair<std::string, std::string>> environment;  // added to ours
-  std::string folder;                                            // working directory; empty: ours
+  std::vector<std::pair<std::string, std::string>> environment;  // added to the test's environment
+  std::string folder;                                            // working directory; empty: the test's
   std::string input;                                             // stdin
   int signal = 0;  // sent once stderr holds `signal_after`, or after `signal_after_ms`
   std::string signal_after;
   int signal_after_ms = -1;
-  bool closed_stdout = false;    // nobody reads stdout
-  bool err_is_terminal = false;  // stderr is a terminal that passes on what it is given, byte by byte
+  bool closed_stdout = false;    // stdout is a closed pipe
+  bool err_is_terminal = false;  // stderr is a terminal in raw mode
 };
 
 struct ProcessResult {
-  int exit_code = -1;  // 128 + number where a signal ended it, as in a shell
+  int exit_code = -1;  // 128 + signal number if a signal ended the process, as in a shell
   std::string out, err;
-  bool timed_out = false;  // killed after 60 s, under an emulator after an hour
+  bool timed_out = false;  // killed after 60 s (in an emulator: 1 h)
 };
 
-/// Whether an emulator of another processor runs this program (tests/ci/aarch64.sh). Then it runs the tools too, 10 to
-/// 30 times slower, but not the compilers, shells and interpreters that a case starts.
+/// Whether this program runs in an emulator of another processor (tests/ci/aarch64.sh). The tools then run in it too,
+/// 10 to 30 times slower, but compilers, shells and interpreters started by a case do not.
 bool emulated();
 
 ProcessResult run_process(const ProcessSpec& spec);
-/// The same of a command and nothing else.
+/// The same for a command line only.
 ProcessResult run_command(std::vector<std::string> argv);
 
 }  // namespace ngs::test

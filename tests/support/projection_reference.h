@@ -1,5 +1,5 @@
 #pragma once
-// One Gaussian before one camera, and its projection by the book in long double.
+// One Gaussian in front of one camera, and a reference of its projection in long double.
 #include <algorithm>
 #include <cmath>
 
@@ -20,7 +20,7 @@ inline Camera front_camera() {
   return camera;
 }
 
-/// A Gaussian in camera coordinates, in numbers that float holds exactly.
+/// A Gaussian in camera coordinates, with values that float represents exactly.
 struct Probe {
   Vec3<float> t;
   float rotation[4], log_scale[3], logit = 0;
@@ -34,7 +34,7 @@ struct Probe {
   }
 };
 
-/// The textbook in long double; the determinant by minors of V (Cauchy-Binet), which do not cancel.
+/// The textbook form in long double; the determinant from the minors of V (Cauchy-Binet), which do not cancel.
 struct Truth {
   Real a = 0, b = 0, c = 0, det_raw = 0, det = 0;
   Real raw_condition = 1, condition = 1;  // of det_raw; of a, c and det
@@ -60,7 +60,7 @@ struct Truth {
         length[i] += std::abs(u[i][k]);
       }
     for (int k = 0; k < 3; ++k) a += v[0][k] * v[0][k], b += v[0][k] * v[1][k], c += v[1][k] * v[1][k];
-    Real spread = 0;  // what rounding of the rows of U R does to the minors
+    Real spread = 0;  // error of the minors from rounding of the rows of U R
     for (int k = 0; k < 3; ++k) {
       const int l = (k + 1) % 3;
       const Real minor = v[0][k] * v[1][l] - v[0][l] * v[1][k];
@@ -68,12 +68,12 @@ struct Truth {
       spread += 4 * std::abs(minor) * scale[k] * scale[l] * length[0] * length[1];
     }
     raw_condition = 2 + spread / det_raw;
-    for (int i = 0; i < 2; ++i) {  // and to their squares
+    for (int i = 0; i < 2; ++i) {  // and of their squares
       Real rows_spread = 0;
       for (int k = 0; k < 3; ++k) rows_spread += 2 * std::abs(v[i][k]) * scale[k] * length[i];
       condition = std::max(condition, rows_spread / ((i == 0 ? a : c) + Real(kBlur)));
     }
-    for (int k = 0; k < 3; ++k)  // a needle along one row: the other row's error meets the long one in b alone
+    for (int k = 0; k < 3; ++k)  // a needle along one row: the other row's error times the long row enters b only
       cross_condition += scale[k] * (std::abs(v[0][k]) * length[1] + std::abs(v[1][k]) * length[0]) /
                          std::sqrt((a + kBlur) * (c + kBlur));
     a += kBlur, c += kBlur;

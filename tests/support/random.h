@@ -1,5 +1,5 @@
 #pragma once
-// Random test data from core/rng.h: the same numbers on every compiler and platform.
+// Random test data from core/rng.h: equal numbers on every compiler and platform.
 #include <cstdint>
 #include <vector>
 

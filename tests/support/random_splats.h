@@ -1,5 +1,5 @@
 #pragma once
-// Models of random Gaussians, some of them hostile, in the views that projection and binning are tested on.
+// Random models, with or without invalid values, and the views in which projection and binning are tested.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace ngs::test {
 
 inline constexpr float kInf = std::numeric_limits<float>::infinity(), kNan = std::numeric_limits<float>::quiet_NaN();
 
-/// Around the origin, most within 3 of it; sizes from specks to ones larger than the scene.
+/// Centred at the origin, most within 3 of it; sizes from specks to larger than the scene.
 inline GaussianCloud random_cloud(std::int64_t n, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<float> normal;
@@ -29,7 +29,7 @@ inline GaussianCloud random_cloud(std::int64_t n, unsigned seed) {
   return cloud;
 }
 
-/// Every tenth row is one that arithmetic may stumble over; `usable` does not say so.
+/// Sets extreme or non-finite values in every tenth row, without clearing `usable`.
 inline void make_hostile(GaussianCloud& cloud) {
   const float hostile[] = {kNan, kInf, -kInf, 0.f, 1e30f, -1e30f, 1e-40f, 39.f, -120.f};
   const std::size_t kinds = std::size(hostile);
@@ -64,7 +64,7 @@ struct RandomView {
   CloudView<float> view() const { return cloud_view(cloud, 1, included()); }
 };
 
-/// f(scene) for clouds, cameras in front of and inside them, both families, filters and lists of the included.
+/// Calls f(scene) for clouds with cameras in front of and inside them, both families, filters and include lists.
 template <class F>
 void for_each_scene(const F& f) {
   for (const bool hostile : {false, true})
@@ -82,7 +82,7 @@ void for_each_scene(const F& f) {
           }
 }
 
-/// The rows of a view that reach a tile, by their index into the cloud.
+/// Indices of the rows of a view that touch a tile, sorted by Gaussian index.
 inline std::vector<std::size_t> by_index(const ProjectedView<float>& view) {
   std::vector<std::size_t> order;
   for (std::size_t at = 0; at < view.id.size(); ++at)

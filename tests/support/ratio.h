@@ -1,6 +1,6 @@
 #pragma once
-// LAPACK-style test ratios: error / (what rounding alone can explain). A ratio near 1 is as good as the
-// arithmetic allows. Budgets are measured and pinned by each test, not chosen.
+// LAPACK-style test ratios: error / (error that rounding alone explains). A ratio near 1 is as good as the arithmetic
+// allows. Each test measures its budget and pins it.
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -1,5 +1,5 @@
 #pragma once
-// A small random interpolation problem, run through the kernels with any scalar.
+// A small random interpolation problem for the kernels, in any scalar type.
 #include <vector>
 
 #include "ngs/ops/field/knn.h"

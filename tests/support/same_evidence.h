@@ -1,5 +1,5 @@
 #pragma once
-// Whether evidence is the same to the bit.
+// Compares evidence bit for bit.
 #include "ngs/scene/evidence.h"
 
 namespace ngs::test {

@@ -1,14 +1,14 @@
 #pragma once
-// JSON Schema (draft-07) through valijson.
+// Validates JSON against a JSON Schema (draft-07) with valijson.
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 
 namespace ngs::test {
 
-/// The document that "$ref" names, other than the schema's own.
+/// Loads the document to which "$ref" refers, if it is not the schema itself.
 using SchemaSource = std::function<nlohmann::json(const std::string& reference)>;
-/// "../options/TOOL.schema.json", which the schema of a report refers to, from data-schema/.
+/// Loads "../options/TOOL.schema.json", to which a report's schema refers, from data-schema/.
 nlohmann::json committed_schema(const std::string& reference);
 
 /// Empty if `document` satisfies `schema`, else the first violations, one per line.

@@ -12,7 +12,7 @@ std::vector<std::string>& skipped() {
   static std::vector<std::string> all;
   return all;
 }
-std::string reason_of_case;  // of the running one
+std::string reason_of_case;  // of the running case
 
 struct SkipCounter : EndListener {
   explicit SkipCounter(const doctest::ContextOptions& o) : options(o) {}

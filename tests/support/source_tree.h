@@ -1,5 +1,5 @@
 #pragma once
-// The source files of the project, for tests of the house rules.
+// The source files of the project, for tests of the code rules.
 #include <algorithm>
 #include <filesystem>
 #include <string>
@@ -10,7 +10,7 @@
 namespace ngs::test {
 
 struct SourceFile {
-  std::string path;  // from the top of the project, "libngs/ngs/ops/field/rbf.cpp"
+  std::string path;  // relative to the project root, "libngs/ngs/ops/field/rbf.cpp"
   std::string text;
   bool ends_with(const std::string& suffix) const {
     return path.size() >= suffix.size() && path.compare(path.size() - suffix.size(), suffix.size(), suffix) == 0;
@@ -18,8 +18,8 @@ struct SourceFile {
   bool in(const std::string& folder) const { return path.rfind(folder + "/", 0) == 0; }
 };
 
-/// Files under the named folders whose names end with one of `suffixes`, in the order of their paths; without those
-/// that npm has installed.
+/// Files under the named folders whose names end with one of `suffixes`, sorted by path; files installed by npm are
+/// skipped.
 inline std::vector<SourceFile> source_files(const std::vector<std::string>& folders,
                                             const std::vector<std::string>& suffixes) {
   namespace fs = std::filesystem;
@@ -39,7 +39,7 @@ inline std::vector<SourceFile> source_files(const std::vector<std::string>& fold
 
 inline std::vector<SourceFile> code_files() { return source_files({"libngs", "tools"}, {".h", ".cpp", ".cu", ".cuh"}); }
 
-/// `offenders`, one per line; empty where the rule holds.
+/// `offenders`, one per line; empty if the rule holds.
 inline std::string listed(const std::vector<std::string>& offenders) {
   std::string text;
   for (const std::string& offender : offenders) text += offender + "\n";

@@ -1,5 +1,5 @@
 #pragma once
-// A small random cloud and camera in any scalar, for the splat tests.
+// A small random cloud and camera in any scalar type, for the splat tests.
 #include <vector>
 
 #include "ngs/core/rng.h"
@@ -15,8 +15,8 @@ struct SplatCase {
   std::vector<double> position, rotation, log_scale, logit_opacity, sh_dc, sh_rest, label;
 };
 
-/// Gaussians in a slab before an off-centre camera with a general pose; some opaque enough to reach the alpha cap,
-/// some outside the Jacobian limits, some behind the camera.
+/// Gaussians in a slab, seen by an off-centre camera with a general pose; some opaque enough to reach the alpha cap,
+/// some beyond the Jacobian limits, some behind the camera.
 inline SplatCase splat_case(std::uint64_t seed, int gaussians, int width_px, int height_px, double spread = 1.0) {
   std::uint64_t index = 0;
   const auto uniform = [&](double lo, double hi) {
@@ -44,7 +44,7 @@ inline SplatCase splat_case(std::uint64_t seed, int gaussians, int width_px, int
     for (int k = 0; k < 45; ++k) c.sh_rest.push_back(uniform(-0.3, 0.3));
     for (int k = 0; k < 2; ++k) c.label.push_back(uniform(0, 1));
   }
-  // Values that float holds exactly: the float path and the references then see the same input.
+  // Values that float represents exactly, so that the float path and the references have equal input.
   for (auto* column : {&c.position, &c.rotation, &c.log_scale, &c.logit_opacity, &c.sh_dc, &c.sh_rest, &c.label})
     for (double& x : *column) x = double(float(x));
   return c;

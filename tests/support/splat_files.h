@@ -1,5 +1,5 @@
 #pragma once
-// Compressed streams written by hand, and models to write in the formats of splats.
+// Compressed streams written by hand, and models for the splat format tests.
 #include <cstdint>
 #include <string>
 
@@ -36,7 +36,7 @@ inline std::string raw_zstd(const std::string& bytes) {
   return std::string("\x28\xb5\x2f\xfd\x20", 5) + char(bytes.size()) + little_endian(block).substr(0, 3) + bytes;
 }
 
-/// Values that every format can hold up to its quantisation: within ±3, opacities and colours away from the ends.
+/// Values that every format can store up to quantisation: within ±3, opacities and colours not near their limits.
 inline GaussianCloud plain_cloud(std::int64_t n, int degree, std::uint64_t seed) {
   Random random(seed);
   GaussianCloud cloud;
@@ -49,11 +49,11 @@ inline GaussianCloud plain_cloud(std::int64_t n, int degree, std::uint64_t seed)
   return cloud;
 }
 
-/// `cloud` with its rows in the order in which `reference` has the nearest positions.
+/// `cloud` with its rows reordered to match the nearest positions of `reference`.
 GaussianCloud in_order_of(const GaussianCloud& reference, const GaussianCloud& cloud);
 
-/// Each attribute's largest difference over the rows of `a` and `b`: position and colours absolute, opacity as a
-/// probability, quaternions of unit length up to their sign.
+/// The largest difference of each attribute over the rows of `a` and `b`: position and colours absolute, opacity as a
+/// probability, unit quaternions up to their sign.
 struct SplatError {
   double position = 0, sh_dc = 0, sh_rest = 0, opacity = 0, log_scale = 0, rotation = 0;
 };

@@ -1,5 +1,5 @@
 #pragma once
-// A Gaussian as the compositing kernels read it, from its covariance in the picture.
+// A Gaussian as the compositing kernels read it, from its 2D covariance.
 #include "ngs/ops/splat/splat_gaussian.h"
 
 namespace ngs::test {

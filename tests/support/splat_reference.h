@@ -1,7 +1,7 @@
 #pragma once
-// The rendering equation by the book, in double: every Gaussian at every pixel, covariance by explicit matrix
-// products, no tiles beyond the rectangle rule itself, no spans, no packs. Written from the published
-// conventions of 3DGS and gsplat, independently of libngs (of which it may include plain structs only).
+// Reference renderer in double: every Gaussian at every pixel, covariance by explicit matrix products. It uses no tiles
+// (except the rectangle rule itself), spans or packing. Written from the published conventions of 3DGS and gsplat,
+// independently of libngs (it may include plain structs only).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,7 +17,7 @@ struct ReferencePixel {
   double depth = 0, transmittance = 1;
   double closest_threshold = 1;                // smallest relative distance of any alpha to 1/255 or of any T to 1e-4
   std::vector<std::pair<int, double>> weight;  // (Gaussian, alpha · T) in depth order
-  std::vector<double> condition;               // of each weight: its relative error in units of rounding
+  std::vector<double> condition;               // per weight: relative error in units of rounding
 };
 
 struct ReferenceGaussian {
@@ -123,7 +123,7 @@ inline std::vector<ReferencePixel> reference_render(const SplatCase& c, const Sp
   for (int y = 0; y < c.camera.height_px; ++y)
     for (int x = 0; x < c.camera.width_px; ++x) {
       ReferencePixel& px = image.emplace_back();
-      double front = 1;  // condition of the transmittance
+      double front = 1;  // condition number of the transmittance
       for (const int i : order) {
         const ReferenceGaussian& k = g[std::size_t(i)];
         if (!k.visible || x / 16 < k.tile_x0 || x / 16 >= k.tile_x1 || y / 16 < k.tile_y0 || y / 16 >= k.tile_y1)
@@ -142,7 +142,7 @@ inline std::vector<ReferencePixel> reference_render(const SplatCase& c, const Sp
         for (int ch = 0; ch < 2; ++ch) px.label[std::size_t(ch)] += weight * c.label[std::size_t(i * 2 + ch)];
         px.depth += weight * k.z;
         px.weight.emplace_back(i, weight);
-        // what rounding of the conic, whose terms cancel along a needle, and of the mean does to the power
+        // error of the power from rounding of the mean and of the conic, whose terms cancel along a needle
         const double spread = 0.5 * (k.a * dx * dx + k.c * dy * dy) + std::abs(k.b * dx * dy) +
                               std::abs((k.a * dx + k.b * dy) * k.x) + std::abs((k.b * dx + k.c * dy) * k.y);
         px.condition.push_back(spread + front);

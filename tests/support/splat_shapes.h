@@ -1,5 +1,5 @@
 #pragma once
-// Models made of shells, for tests of where cameras stand: discs on surfaces, all opaque.
+// Models made of surfaces of opaque discs, for tests of camera placement.
 #include <cmath>
 
 #include "ngs/math/vec.h"
@@ -22,7 +22,7 @@ inline void add_gaussian(GaussianCloud& cloud, Vec3<double> at, double deviation
   cloud.logit_opacity[std::size_t(n)] = 3;
 }
 
-/// A sphere of Gaussians that touch one another.
+/// A sphere of touching Gaussians.
 inline void add_sphere(GaussianCloud& cloud, Vec3<double> centre, double radius, int count) {
   const double deviation = 1.2 * radius / std::sqrt(double(count));
   for (int i = 0; i < count; ++i) {
@@ -32,7 +32,7 @@ inline void add_sphere(GaussianCloud& cloud, Vec3<double> centre, double radius,
   }
 }
 
-/// The six sides of a box, in squares of `step`.
+/// The six sides of a box, with a grid of `step`.
 inline void add_box(GaussianCloud& cloud, Vec3<double> lo, Vec3<double> hi, double step) {
   const double l[3] = {lo.x, lo.y, lo.z}, h[3] = {hi.x, hi.y, hi.z};
   for (int axis = 0; axis < 3; ++axis) {
@@ -64,7 +64,7 @@ inline GaussianCloud furnished_room() {
   return cloud;
 }
 
-/// The model turned, scaled and moved.
+/// The model rotated, scaled and translated.
 inline GaussianCloud transformed(GaussianCloud cloud, const Mat3<double>& turn, double scale, Vec3<double> shift) {
   for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
     float* p = &cloud.position[3 * i];

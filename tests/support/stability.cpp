@@ -58,7 +58,7 @@ void write_file(const std::string& path, const std::string& text) {
   if (!out.flush()) std::fprintf(stderr, "cannot write %s\n", path.c_str());
 }
 
-/// Prints the table and writes the files once all cases have run.
+/// Prints the table and writes the files after all cases.
 struct TableWriter : EndListener {
   explicit TableWriter(const doctest::ContextOptions&) {}
   void test_run_end(const doctest::TestRunStats&) override {
@@ -96,11 +96,11 @@ double HardResult::naive_best() const {
   return best;
 }
 bool HardResult::naive_fails() const { return naive_worst() > hard.budget && naive_worst() >= hard.naive.at_least; }
-bool HardResult::naive_is_right_where_easy() const {
+bool HardResult::naive_passes_easy_values() const {
   return naive_best() < kWrong && naive_best() <= std::max(hard.budget, naive_worst() / 10);
 }
 bool HardResult::passed() const {
-  return worst() <= hard.budget && (!has_naive() || (naive_fails() && naive_is_right_where_easy()));
+  return worst() <= hard.budget && (!has_naive() || (naive_fails() && naive_passes_easy_values()));
 }
 
 const std::vector<HardResult>& hard_results() { return results(); }
@@ -112,7 +112,7 @@ void hard_case(const HardCase& hard, const HardBody& body) {
   HardResult result;
   result.kernel = full.substr(0, colon), result.name = full.substr(colon + 2), result.hard = hard;
   result.draws = std::max<std::int64_t>(1, draws_wanted() / hard.cost);
-  if (draws_wanted() < kDraws) result.hard.naive.at_least = 0;  // fewer draws may miss the worst one
+  if (draws_wanted() < kDraws) result.hard.naive.at_least = 0;  // fewer draws may miss the worst case
   std::uint64_t seed = 1;
   for (const char c : full) seed = seed * 31 + std::uint64_t(static_cast<unsigned char>(c));
   for (std::size_t v = 0; v < hard.values.size(); ++v) {
@@ -126,7 +126,7 @@ void hard_case(const HardCase& hard, const HardBody& body) {
   INFO("the textbook form: " << hard.naive.form << "; its ratios reach from " << result.naive_best() << " to "
                              << result.naive_worst());
   if (result.has_naive()) CHECK(result.naive_fails());
-  if (result.has_naive()) CHECK(result.naive_is_right_where_easy());
+  if (result.has_naive()) CHECK(result.naive_passes_easy_values());
   results().push_back(std::move(result));
 }
 

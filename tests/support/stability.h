@@ -1,9 +1,9 @@
 #pragma once
-// Hard cases: one doctest case sweeps one hardness, draws many random inputs at each value, and keeps the
-// worst LAPACK-style ratio (support/ratio.h) of what ngs computes and of what the textbook form computes in
-// float. What ngs computes must stay within the pinned budget everywhere. The textbook form must leave it at some
-// hardness and reach the pinned size of its error; and at some other hardness it must be right, or ten times closer:
-// what fails everywhere is no form of the same quantity.
+// Hard cases: a doctest case sweeps one hardness parameter, draws many random inputs at each value, and records the
+// worst LAPACK-style ratio (support/ratio.h) of ngs and of the textbook form in float. The ratio of ngs must stay
+// within the pinned budget at every value. The textbook form must exceed the budget at some value and reach the pinned
+// size of its error; at some other value it must be within the budget, or ten times closer: a form that fails
+// everywhere does not compute the same quantity.
 //
 //   TEST_CASE("elementary: 1 - e^-x keeps its relative accuracy for small x") {
 //     hard_case({"x", {1, 1e-3, 1e-12}, 1.0, {"1 - exp(-x)", 4e6}}, [](double x, Random& random, Worst& worst) {
@@ -12,8 +12,8 @@
 //     });
 //   }
 //
-// The kernel of a case is its name up to the colon. Environment: NGS_STABILITY_SEEDS (default 1000) random
-// inputs per hardness value; NGS_STABILITY_DIR: stability.json and stability.html are written there.
+// The kernel of a case is its name up to the colon. Environment: NGS_STABILITY_SEEDS (default 1000) random inputs per
+// hardness value; NGS_STABILITY_DIR: folder for stability.json and stability.html.
 #include <algorithm>
 #include <functional>
 #include <limits>
@@ -26,7 +26,7 @@
 
 namespace ngs::test {
 
-/// A ratio that stands for NaN, Inf or a wrong defined answer.
+/// The ratio recorded for NaN, Inf or a wrong answer in a degenerate case.
 inline constexpr double kWrong = std::numeric_limits<double>::infinity();
 
 /// The worst ratios at one hardness value.
@@ -41,10 +41,10 @@ class Worst {
   void naive(T got, long double want, long double condition = 1) {
     naive_ratio(ratio(got, double(want), double(condition)));
   }
-  /// A ratio that the case computes itself; NaN counts as wrong.
+  /// A ratio computed by the case itself; NaN counts as wrong.
   void ours_ratio(double r) { ours_ = r >= 0 ? std::max(ours_, r) : kWrong, ++values_; }
   void naive_ratio(double r) { naive_ = r >= 0 ? std::max(naive_, r) : kWrong, ++naive_values_; }
-  /// A defined answer: right or wrong, nothing between.
+  /// A degenerate case with a defined answer: right or wrong.
   void ours_is(bool right) { ours_ratio(right ? 0 : kWrong); }
   void naive_is(bool right) { naive_ratio(right ? 0 : kWrong); }
 
@@ -55,30 +55,30 @@ class Worst {
 
  private:
   double ours_ = 0, naive_ = 0;
-  std::int64_t values_ = 0, naive_values_ = 0;  // compared
+  std::int64_t values_ = 0, naive_values_ = 0;  // number of values compared
 };
 
-/// The form that a textbook or the paper prints of what a case computes, in float unless it says otherwise.
+/// The form printed in a textbook or in the paper, in float unless stated otherwise.
 struct Textbook {
   std::string form;     // or "not applicable: why"
-  double at_least = 0;  // its worst ratio reaches this: half of what was measured; kWrong: a wrong answer or no number
+  double at_least = 0;  // lower bound of its worst ratio: half the measured one; kWrong: wrong answer or NaN
   Textbook(std::string form, double at_least = 0) : form(std::move(form)), at_least(at_least) {}
   Textbook(const char* form, double at_least = 0) : form(form), at_least(at_least) {}
 };
 
 struct HardCase {
-  std::string axis;            // what grows harder
+  std::string axis;            // the hardness parameter
   std::vector<double> values;  // from easy to hard
-  double budget;               // of the ratio: 1.5 to 2 times the measured worst; 0: exact
+  double budget;               // upper bound of the ratio: 1.5 to 2 times the measured worst; 0: exact
   Textbook naive = "";
-  int cost = 1;  // draws fall by this factor
+  int cost = 1;  // divides the number of draws
 };
 
 /// Runs a case and checks it; call it once per TEST_CASE.
 using HardBody = std::function<void(double hardness, Random& random, Worst& worst)>;
 void hard_case(const HardCase& hard, const HardBody& body);
 
-/// What one case measured.
+/// Measurements of one case.
 struct HardResult {
   std::string kernel, name;
   HardCase hard;
@@ -87,13 +87,13 @@ struct HardResult {
   bool has_naive() const { return hard.naive.form.rfind("not applicable", 0) != 0; }
   double worst() const;
   double naive_worst() const;
-  double naive_best() const;    // of the hardness values; kWrong where it was never computed
-  std::int64_t values() const;  // compared in all
-  bool naive_fails() const;     // leaves the budget, by as much as is pinned
-  bool naive_is_right_where_easy() const;
+  double naive_best() const;    // minimum over the hardness values; kWrong if never computed
+  std::int64_t values() const;  // number of values compared
+  bool naive_fails() const;     // exceeds the budget and the pinned lower bound
+  bool naive_passes_easy_values() const;
   bool passed() const;
 };
-/// All cases that have run so far.
+/// All cases that have run.
 const std::vector<HardResult>& hard_results();
 
 /// data-schema/stability.schema.json

@@ -114,10 +114,10 @@ circle.naive { fill: var(--naive); } .budget { stroke: var(--ink); stroke-dashar
 .n { text-align: right; font-variant-numeric: tabular-nums; } .failed td { color: #d02020; font-weight: 600; } b.ours { color: var(--ours); } b.naive { color: var(--naive); }
 </style></head><body>
 <h1>Numerical stability</h1>
-<p>Each case grows harder from left to right. The ratio is the error in units of what rounding to float alone can explain, eps · condition ·
-|value|, at its worst over random inputs: near 1 is as good as the arithmetic allows. <b class="ours">Solid: what ngs computes.</b>
-<b class="naive">Dashed: the textbook form in float.</b> Dotted: the budget that is pinned in the test. The top of a plot also stands for NaN,
-Inf and wrong answers of degenerate inputs, the bottom for exact ones; a budget of 0 asks for these.</p>
+<p>Each case grows harder from left to right. The ratio is the worst error over random inputs in units of the error that rounding to float
+alone explains, eps · condition · |value|: near 1 is as good as the arithmetic allows. <b class="ours">Solid: ngs.</b>
+<b class="naive">Dashed: the textbook form in float.</b> Dotted: the budget pinned in the test. NaN, Inf and wrong answers for degenerate
+inputs are drawn at the top, exact answers at the bottom; a budget of 0 requires exact answers.</p>
 )";
 
 }  // namespace

@@ -25,7 +25,7 @@ StudioServer::StudioServer(const std::string& folder, std::vector<std::string> w
   argv.push_back(nullptr);
   int err[2];
   if (pipe(err) != 0) throw std::runtime_error("no pipe");
-  fflush(nullptr);  // what is not written yet would be written twice
+  fflush(nullptr);  // buffered output would be written twice after the fork
   process_ = fork();
   if (process_ == 0) {
     dup2(err[1], STDERR_FILENO), close(err[0]), close(err[1]);
@@ -37,9 +37,10 @@ StudioServer::StudioServer(const std::string& folder, std::vector<std::string> w
   const std::regex address("http://127\\.0\\.0\\.1:([0-9]+)/\\?token=([0-9a-f]+)");
   std::smatch match;
   char bytes[512];
-  for (ssize_t got = 0; !std::regex_search(said_, match, address);) {
-    if ((got = read(err[0], bytes, sizeof bytes)) <= 0) throw std::runtime_error("ngs-studio ended: " + said_);
-    said_.append(bytes, std::size_t(got));
+  for (ssize_t got = 0; !std::regex_search(startup_output_, match, address);) {
+    if ((got = read(err[0], bytes, sizeof bytes)) <= 0)
+      throw std::runtime_error("ngs-studio ended: " + startup_output_);
+    startup_output_.append(bytes, std::size_t(got));
   }
   port_ = std::stoi(match[1]), token_ = match[2];
   close(err[0]);
@@ -53,20 +54,20 @@ StudioServer::~StudioServer() {
 
 bool StudioServer::is_alive() const { return waitpid(process_, nullptr, WNOHANG) == 0; }
 
-std::string StudioServer::send(const std::string& bytes, double patience_s) const {
+std::string StudioServer::send(const std::string& bytes, double timeout_s) const {
   const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in to{};
   to.sin_family = AF_INET, to.sin_port = htons(std::uint16_t(port_)), to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   if (connect(socket, reinterpret_cast<sockaddr*>(&to), sizeof to) != 0) throw std::runtime_error("cannot connect");
   for (std::size_t sent = 0; sent < bytes.size();) {
     const ssize_t some = ::send(socket, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
-    if (some <= 0) break;  // it was refused before all was said
+    if (some <= 0) break;  // the server rejected the request before its end
     sent += std::size_t(some);
   }
   std::string answer;
   char buffer[4096];
   pollfd wanted{socket, POLLIN, 0};
-  while (poll(&wanted, 1, int(1000 * patience_s)) > 0) {
+  while (poll(&wanted, 1, int(1000 * timeout_s)) > 0) {
     const ssize_t got = recv(socket, buffer, sizeof buffer, 0);
     if (got <= 0) break;
     answer.append(buffer, std::size_t(got));

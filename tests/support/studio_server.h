@@ -1,5 +1,5 @@
 #pragma once
-// ngs-studio as a process that serves, and raw requests to it.
+// Runs ngs-studio as a server process and sends raw requests to it.
 #include <sys/types.h>
 
 #include <string>
@@ -7,12 +7,12 @@
 
 namespace ngs::test {
 
-/// Whether the tool was built: it is left out where cpp-httplib is not installed.
+/// Whether the tool was built; it is not built without cpp-httplib.
 bool has_studio();
 
 class StudioServer {
  public:
-  /// Starts it in `folder` with these words behind its name, and waits until it says where it listens.
+  /// Starts the tool in `folder` with the additional arguments `words`, and waits until it prints its address.
   StudioServer(const std::string& folder, std::vector<std::string> words);
   ~StudioServer();
   StudioServer(const StudioServer&) = delete;
@@ -21,26 +21,26 @@ class StudioServer {
   int port() const { return port_; }
   const std::string& token() const { return token_; }
   bool is_alive() const;
-  /// What it wrote on stderr until it said where it listens.
-  const std::string& said() const { return said_; }
+  /// Its stderr up to the line with its address.
+  const std::string& startup_output() const { return startup_output_; }
 
-  /// Sends the bytes and reads all that comes until the other side closes, or `patience_s` after the last byte.
-  std::string send(const std::string& bytes, double patience_s = 10) const;
+  /// Sends the bytes and reads until the server closes the connection, or `timeout_s` after the last byte.
+  std::string send(const std::string& bytes, double timeout_s = 10) const;
   struct Answer {
     int status = 0;
     std::string headers, body;
   };
-  /// A request as the page makes it; a POST where there is a body.
+  /// A request with the headers of the studio's page; with a body it is a POST.
   Answer get(const std::string& path) const;
   Answer post(const std::string& path, const std::string& body) const;
   static Answer parsed(const std::string& bytes);
-  /// POST /api/quit, and the exit code.
+  /// Sends POST /api/quit and returns the exit code.
   int quit();
 
  private:
   pid_t process_ = 0;
   int port_ = 0;
-  std::string token_, said_;
+  std::string token_, startup_output_;
 };
 
 }  // namespace ngs::test

@@ -1,29 +1,29 @@
 #pragma once
-// Parts of the method switched by name, as --effect does.
+// Parts of the method switched on or off by name, as with --effect.
 #include <string>
 #include <vector>
 
-#include "ngs/passes/contours/contour_options.h"
 #include "ngs/passes/effect.h"
 #include "ngs/passes/joint/joint_effects.h"
 #include "ngs/passes/pass_list.h"
 #include "ngs/passes/pipeline.h"
+#include "ngs/stages/contours/contour_options.h"
 
 namespace ngs::test {
 
-inline EffectModes modes_of(const std::vector<std::string>& entries) {
+inline EffectSwitches switches_of(const std::vector<std::string>& entries) {
   return {Pipeline(all_passes()).effects(), entries};
 }
 
-/// auto is on.
+/// auto counts as on.
 inline JointSwitches joint_switched(const std::vector<std::string>& entries) {
-  const EffectModes modes = modes_of(entries);
-  return joint_switches([&](std::string_view name) { return modes.of(name) != EffectMode::kOff; });
+  const EffectSwitches switches = switches_of(entries);
+  return joint_switches([&](std::string_view name) { return switches.of(name) != Switch::kOff; });
 }
 
 inline ContourSwitches contours_switched(const std::vector<std::string>& entries) {
-  const EffectModes modes = modes_of(entries);
-  const auto on = [&](std::string_view name) { return modes.of(name) != EffectMode::kOff; };
+  const EffectSwitches switches = switches_of(entries);
+  const auto on = [&](std::string_view name) { return switches.of(name) != Switch::kOff; };
   return {.split = on("split"), .iterations = on("contour-iterations"), .full_resolution = on("full-resolution")};
 }
 

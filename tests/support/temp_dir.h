@@ -1,5 +1,5 @@
 #pragma once
-// A folder of its own for one test, removed at the end.
+// A temporary folder for one test, removed at its end.
 #include <unistd.h>
 
 #include <cstdlib>
@@ -27,7 +27,7 @@ class TempDir {
   TempDir& operator=(const TempDir&) = delete;
 
   const std::string& path() const { return path_; }
-  /// The path of an entry; the folders above it are made.
+  /// The path of an entry; its parent folders are created.
   std::string file(const std::string& name) const {
     const std::filesystem::path full = std::filesystem::path(path_) / name;
     std::filesystem::create_directories(full.parent_path());

@@ -27,7 +27,7 @@ void set_gaussian(TinyScene& scene, std::int64_t i, Point at, double scale, Poin
     cloud.position[row * 3 + c] = float(position[c]);
     cloud.log_scale[row * 3 + c] = float(std::log(scale * (1 + 0.2 * double((row + c) % 3))));
     cloud.sh_dc[row * 3 + c] = float((colour[c] - 0.5) / 0.28209479177387814);
-    cloud.sh_rest[row * 9 + c] = float(0.02 * std::sin(double(row)));  // some view dependence
+    cloud.sh_rest[row * 9 + c] = float(0.02 * std::sin(double(row)));  // slight view dependence
   }
   const double angle = 0.3 * double(row);
   cloud.rotation[row * 4] = float(std::cos(angle)), cloud.rotation[row * 4 + 1 + row % 3] = float(std::sin(angle));

@@ -1,6 +1,6 @@
 #pragma once
-// A capture small enough to be made by every test that needs one: a red ball of 150 Gaussians before a wall
-// of 224, seen by six cameras of 48 x 36 px; the last is held out. Photos and masks are rendered by libngs.
+// A capture small enough to be made by every test: a red ball of 150 Gaussians in front of a wall of 224, seen by six
+// cameras of 48 x 36 px, the last one held out. Photos and masks are rendered by libngs.
 #include <string>
 #include <vector>
 
@@ -20,7 +20,7 @@ TinyScene tiny_scene();
 /// (object 7), sparse/0/*.bin (COLMAP), text/*.txt (the same), transforms.json, cameras.json (Inria).
 void write_tiny_scene(const std::string& folder);
 
-/// A strict PLY, written without the library's writer.
+/// A strict PLY, written independently of the library's writer.
 std::string strict_ply_bytes(const GaussianCloud& cloud);
 
 }  // namespace ngs::test

@@ -1,5 +1,5 @@
 #pragma once
-// What the contract tests start from, and how they call the tools.
+// The fixture of the contract tests, and calls of the tools.
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -13,14 +13,14 @@ nlohmann::json resolved(const nlohmann::json& json, const std::string& tmp, cons
 
 std::vector<std::string> words(const nlohmann::json& list);
 
-/// argv with the built tool for its first word, two threads.
+/// Runs argv, with the built tool as its first word, on two threads.
 ProcessSpec command(const nlohmann::json& run);
 
-/// The same on a disk that has no room for a file of more than `kib`.
+/// The same with a file size limit of `kib` KiB.
 ProcessSpec with_files_of_at_most(int kib, ProcessSpec spec);
 
-/// A folder made once per process: the tiny scene (tiny_scene.h), then the artifacts that the tools make of
-/// it (contract/fixture.json, in order). Not to be changed.
+/// A folder made once per process: the tiny scene (tiny_scene.h), and the artifacts that the tools make from it
+/// (contract/fixture.json, in order). Read-only.
 const std::string& fixture_folder();
 
 }  // namespace ngs::test

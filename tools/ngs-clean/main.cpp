@@ -1,4 +1,4 @@
-// ngs-clean: any splat -> the same without debris, and the debris by itself.
+// ngs-clean: splits a splat into a cleaned splat and the removed debris.
 #include <algorithm>
 #include <cstdio>
 
@@ -11,7 +11,7 @@ namespace {
 
 using namespace ngs;
 
-/// What each rule takes, for people.
+/// A table of the Gaussians that each rule removes.
 std::string table_of(const CleanFinding& finding) {
   std::string lines;
   const double total = double(std::max<std::size_t>(finding.debris.size(), 1));
@@ -26,7 +26,7 @@ std::string table_of(const CleanFinding& finding) {
   return lines;
 }
 
-void say(cli::Run& run, const CleanFinding& finding) {
+void report(cli::Run& run, const CleanFinding& finding) {
   run.text(table_of(finding));
   Json& result = run.result();
   const std::int64_t total = std::int64_t(finding.debris.size());
@@ -55,13 +55,14 @@ std::vector<std::uint8_t> kept_rows(const CleanFinding& finding) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  cli::Tool tool("ngs-clean", "Take debris out of a splat: floaters, needles, oversized and transparent Gaussians.",
+  cli::Tool tool("ngs-clean", "Remove debris from a splat: floaters, needles, oversized and transparent Gaussians.",
                  {"ngs-clean scan.ply -o cleaned/ --preview cleaned.png", "ngs-clean scan.spz --dry-run"});
   CleanOptions options;
   tool.options(options);
   const cli::Input& model = tool.input("model", "any 3DGS model (.ply, .spz, .sog, .splat, .ksplat)");
   const cli::Output& out = tool.output_dir("-o,--output", "folder for cleaned.ply and removed.ply");
-  const cli::Output& preview = tool.optional_output("--preview", "PNG of the scene before, after, and what is removed");
+  const cli::Output& preview =
+      tool.optional_output("--preview", "PNG of the scene before, after, and of the removed Gaussians");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
     if (options.isolation == 0) run.warn_unused({"--floater-size"}, "with --isolation 0");
@@ -74,12 +75,12 @@ int main(int argc, char** argv) {
       const auto timed = run.monitor().scope("rules");
       return find_debris(run.exec(), options, ply.cloud);
     }();
-    say(run, finding);
+    report(run, finding);
     if (run.dry_run()) return cli::kDone;
     if (finding.counts[0] == 0)
       run.nothing_found(
-          model.path + ": none of its " + std::to_string(ply.cloud.size()) + " Gaussians is left, expected some",
-          "turn off the rule that takes too many: its threshold to 0");
+          model.path + ": none of its " + std::to_string(ply.cloud.size()) + " Gaussians would be left, expected some",
+          "set the threshold of the rule that removes too many to 0");
     if (preview && finding.counts[0] > 0) {
       const auto timed = run.monitor().scope("preview");
       clean::write_preview(run.exec(), ply.cloud, kept_rows(finding), preview.path);

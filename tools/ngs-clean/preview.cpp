@@ -16,12 +16,12 @@ namespace {
 
 constexpr int kSide_px = 480, kGap_px = 4;
 constexpr double kElevation = 0.35;                   // sine of the angle above the horizontal
-constexpr Vec3<float> kBackground{0.5f, 0.5f, 0.5f};  // what is removed is dark or bright
+constexpr Vec3<float> kBackground{0.5f, 0.5f, 0.5f};  // removed Gaussians are dark or bright
 
-/// About the bulk from two sides; of a room from within, to two sides.
+/// Two poses around the bulk; for a room, two directions from inside.
 std::array<orbit::Pose, 2> poses_for(const orbit::RoomFinding& room, double radius, const orbit::Lens& lens) {
   if (room.is_room()) {
-    const orbit::Vec stand = room.stands.front(), level{-stand.x, -stand.y, 0};
+    const orbit::Vec stand = room.viewpoints.front(), level{-stand.x, -stand.y, 0};
     const orbit::Vec ahead = orbit::length(level) > 0.1 * radius ? orbit::unit(level) : orbit::Vec{1, 0, 0};
     return {{{stand, stand + radius * ahead}, {stand, stand - radius * ahead}}};
   }
@@ -33,7 +33,7 @@ std::array<orbit::Pose, 2> poses_for(const orbit::RoomFinding& room, double radi
 std::array<Camera, 2> cameras_of(const Exec& exec, const GaussianCloud& cloud) {
   const orbit::SurfacePoints points = canonical_points(cloud);
   if (points.count() == 0)
-    throw Error(ErrorCode::kNothingFound, "--preview: no Gaussian can be seen, expected some", "leave it out");
+    throw Error(ErrorCode::kNothingFound, "--preview: no Gaussian is visible, expected some", "leave --preview out");
   const orbit::Ball bulk = orbit::bulk_of(points);
   const orbit::Frame frame = orbit::frame_about(points, bulk, orbit::guess_up(points, bulk).up);
   const orbit::FreeSpace space(cloud, points, frame, {1.1 * bulk.radius, 64});
@@ -43,7 +43,7 @@ std::array<Camera, 2> cameras_of(const Exec& exec, const GaussianCloud& cloud) {
   return {orbit::camera_at(poses[0], lens, frame, cloud.origin), orbit::camera_at(poses[1], lens, frame, cloud.origin)};
 }
 
-/// The model with what is not shown left out.
+/// The model with only the rows where `keep` equals `kept`.
 GaussianCloud shown(GaussianCloud cloud, const std::vector<std::uint8_t>& keep, bool kept) {
   for (std::size_t i = 0; i < keep.size(); ++i)
     if ((keep[i] != 0) != kept) cloud.usable[i] = 0;

@@ -1,5 +1,5 @@
 #pragma once
-// A picture of what a cleaning does: the scene before, after, and what was removed, from two sides.
+// A preview of the cleaning: the scene before, after, and the removed Gaussians, from two sides.
 #include <string>
 
 #include "ngs/backend/exec.h"
@@ -7,8 +7,8 @@
 
 namespace ngs::clean {
 
-/// Two rows (sides) of three pictures (before, after, removed). The cameras look at the bulk of the model as it was, a
-/// little from above; of a room they stand in it. Needs a Gaussian that can be seen: kNothingFound otherwise.
+/// Two rows (sides) of three pictures (before, after, removed). The cameras look at the bulk of the input model,
+/// slightly from above; for a room they are inside. Throws kNothingFound if no Gaussian is visible.
 void write_preview(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::uint8_t>& keep,
                    const std::string& path);
 

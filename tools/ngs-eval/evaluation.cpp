@@ -18,7 +18,7 @@
 namespace ngs::cli {
 namespace {
 
-/// The names with at most this many folders, those before them taken off, each once.
+/// The names without their leading folders beyond `most`, without duplicates.
 std::vector<std::string> with_folders(const std::vector<std::string>& names, int most) {
   std::set<std::string> files;
   for (std::string name : names) {
@@ -34,8 +34,8 @@ std::uint32_t id_of(const std::string& object, const ObjectIds& ids) {
     if (name == object) return id;
   std::uint32_t id = 0;
   if (parse_number(object, id) && id > 0) return id;
-  throw Error(ErrorCode::kUsage, "the id of object '" + object + "' in the true label maps is not known",
-              "say it: --object-id " + object + "=ID");
+  throw Error(ErrorCode::kUsage, "the id of object '" + object + "' in the true label maps is unknown",
+              "give it: --object-id " + object + "=ID");
 }
 
 std::vector<std::string> select_truth(const ImageList& truth, const EvalFileOptions& options, Pairing& pairing) {
@@ -54,7 +54,7 @@ std::vector<std::string> select_truth(const ImageList& truth, const EvalFileOpti
   return selected;
 }
 
-/// Predictions outside the selection are no leftovers: only those that match no truth at all are reported.
+/// Predictions outside the selection are not reported, only those that match no true mask at all.
 void note_unmatched(const io::NameMatch& all, const ImageList& predicted, Pairing& pairing) {
   for (std::size_t i : all.unmatched_predicted) pairing.predicted_only.push_back(predicted.names[i]);
 }
@@ -103,7 +103,7 @@ Pairing matched_files(const ImageList& predicted, const ImageList& truth, const 
   const std::vector<std::string> selected = select_truth(truth, options, pairing);
   io::NameMatch match = io::match_names(predicted.names, truth.names);
   note_unmatched(match, predicted, pairing);
-  // One file each: the caller has said what belongs together.
+  // One file each: they form a pair, whatever their names.
   if (match.pairs.empty() && predicted.names.size() == 1 && truth.names.size() == 1) {
     match = {.pairs = {{0, 0, "given"}}, .unmatched_predicted = {}, .unmatched_truth = {}};
     pairing.predicted_only.clear();
@@ -146,11 +146,11 @@ Pairing pair_files(const ImageList& predicted, const ImageList& truth, const Eva
   Pairing pairing = matched_files(predicted, truth, options);
   if (pairing.pairs.empty() && depth(predicted) > depth(truth))
     throw Error(ErrorCode::kInconsistent,
-                predicted.folder + ": masks in folders, " + predicted.names.front() + ", and " + truth.folder +
-                    " has none, " + truth.names.front() + ", expected both alike",
-                "of several objects score one, " + predicted.folder + "/" +
+                predicted.folder + ": its masks are in folders, " + predicted.names.front() + ", and " + truth.folder +
+                    " has no folders, " + truth.names.front() + ", expected the same layout",
+                "score one of several objects, " + predicted.folder + "/" +
                     predicted.names.front().substr(0, predicted.names.front().rfind('/')) +
-                    ", or all against true label maps: --label-map --object-id NAME=ID");
+                    ", or all objects against true label maps: --label-map --object-id NAME=ID");
   require_pairs(pairing, predicted, truth, options);
   return pairing;
 }

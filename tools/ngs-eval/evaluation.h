@@ -1,5 +1,5 @@
 #pragma once
-// The work of ngs-eval between files and metrics.json.
+// Pairs the files of ngs-eval and scores the pairs.
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace ngs::cli {
 
-/// A view may itself lie in folders (cam0/0001), an object does not.
+/// A view name may contain folders (cam0/0001), an object name does not.
 enum class Layout : std::uint8_t { kViewObject, kObjectView, kView };
 
 struct EvalFileOptions {
@@ -25,45 +25,43 @@ struct EvalFileOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.views, Text{"views", "all|every:N:K|FILE",
-                           "which views to score: all, index % N == K of the truth's "
-                           "sorted names, or a file of names"});
-    visit(self.layout, Choice<Layout>{"layout",
-                                      "what the sub-folders of a nested folder are; view: parts of the views' names, "
-                                      "as the cameras of a rig",
-                                      kLayouts});
-    visit(self.image_metrics, Flag{"image_metrics", "the files are photos: PSNR and SSIM instead of mask scores"});
-    visit(self.opacity, Flag{"opacity",
-                             "the files are opacities of an object rendered alone: its halo and its holes instead of "
-                             "mask scores"});
-    visit(self.allow_missing, Flag{"allow_missing", "with --fail-below: true masks without a prediction fail nothing"});
+                           "Views to score: all, index % N == K of the truth's sorted names, or a file of names"});
+    visit(
+        self.layout,
+        Choice<Layout>{"layout", "Meaning of sub-folders; view: parts of the view names, such as the cameras of a rig",
+                       kLayouts});
+    visit(self.image_metrics, Flag{"image_metrics", "Score photos by PSNR and SSIM instead of masks"});
+    visit(self.opacity,
+          Flag{"opacity", "Score opacities of an object rendered alone: its halo and its holes instead of masks"});
+    visit(self.allow_missing, Flag{"allow_missing", "With --fail-below: do not fail if true masks have no prediction"});
   }
 };
 
 struct FilePair {
-  std::string view, object, predicted, truth;  // the last two are paths
+  std::string view, object, predicted, truth;  // predicted, truth: paths
   std::uint32_t truth_id = 0;                  // EvalPair::truth_id
 };
 
 struct Pairing {
   std::vector<FilePair> pairs;
-  std::vector<std::pair<std::string, int>> matched_by;  // rule, how many
-  std::vector<std::string> predicted_only, truth_only;  // of the selected views
-  std::vector<std::string> listed_only;                 // names of a --views file that the truth lacks
+  std::vector<std::pair<std::string, int>> matched_by;  // rule, number of pairs
+  std::vector<std::string> predicted_only, truth_only;  // names in the selected views
+  std::vector<std::string> listed_only;                 // names in the --views file without a true mask
 };
 
-/// Throws kInconsistent where nothing matches.
+/// Throws kInconsistent if nothing matches.
 Pairing pair_files(const ImageList& predicted, const ImageList& truth, const EvalFileOptions& options);
 
-/// For a folder of predicted masks per object against true label maps; the folders are named like `ids`, or
-/// by number. Throws kUsage where the id of a folder is not known.
+/// Pairs one folder of predicted masks per object with true label maps. Folders are named as in `ids`, or by number.
+/// Throws kUsage if the id of a folder is unknown.
 Pairing pair_objects(const ImageList& predicted, const ImageList& truth, const EvalFileOptions& options,
                      const ObjectIds& ids);
-/// How many folders its names begin with.
+/// Number of folders in the names.
 int depth(const ImageList& list);
 
 struct PhotoScore {
   std::string view;
-  double psnr_db = 0, ssim = 0;  // equal photos count as kEqualPsnrDb
+  double psnr_db = 0, ssim = 0;  // kEqualPsnrDb for equal photos
 };
 inline constexpr double kEqualPsnrDb = 100;
 

@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostFolders = 3;  // object, camera of a rig, and one to spare; ends links that lead to themselves
+constexpr int kMostFolders = 3;  // object, camera of a rig, and one more; also stops cyclic links
 
 bool is_hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
 

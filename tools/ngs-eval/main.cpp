@@ -1,4 +1,4 @@
-// ngs-eval: predicted and true masks -> scores (ops/image/metrics.h).
+// ngs-eval: scores predicted masks against true masks (ops/image/metrics.h).
 #include <optional>
 
 #include "ngs/io/files/atomic_file.h"
@@ -11,7 +11,7 @@ namespace {
 
 using namespace ngs;
 
-/// The scores that --fail-below may name.
+/// The scores that --fail-below accepts.
 std::map<std::string, double> scores_of(const cli::EvalFileOptions& files) {
   using namespace cli;
   if (files.image_metrics) return mean_scores({PhotoScore{}});
@@ -23,7 +23,7 @@ struct Masks {
   cli::ImageList predicted, truth;
 };
 
-/// `options` and `files` are completed by the scene. None: nothing can be scored, and --allow-empty is given.
+/// Completes `options` and `files` from the scene. Empty if nothing can be scored and --allow-empty is given.
 std::optional<Masks> masks_of_scene(cli::Run& run, const std::string& predicted, const std::string& scene_json,
                                     EvalOptions& options, cli::EvalFileOptions& files) {
   const cli::SceneMasks scene(scene_json);
@@ -40,7 +40,7 @@ std::optional<Masks> masks_of_scene(cli::Run& run, const std::string& predicted,
     return {};
   }
   if (scene.inputs_are_truth())
-    run.text("no true masks are known: compared with the input masks of the held-out views\n");
+    run.text("no true masks are known: scored against the input masks of the held-out views\n");
   return Masks{scores_inputs ? scene.input_masks() : cli::list_images(predicted), scene.truth()};
 }
 
@@ -58,9 +58,9 @@ int main(int argc, char** argv) {
   tool.options(options);
   tool.options(files);
   const cli::Input& predicted =
-      tool.input("predicted", "folder of masks by any tool, or one file; a scene.json: its input masks");
-  const cli::Input& truth = tool.input(
-      "truth", "folder of true masks, or one file; a scene.json: those that it names, of its held-out views");
+      tool.input("predicted", "folder of masks from any tool, or one file; of a scene.json its input masks");
+  const cli::Input& truth =
+      tool.input("truth", "folder of true masks, or one file; of a scene.json the true masks of its held-out views");
   const cli::Output& out = tool.output("-o,--output", "metrics.json");
   return tool.run(argc, argv, [&](cli::Run& run) {
     require_consistent(options);
@@ -71,11 +71,11 @@ int main(int argc, char** argv) {
       run.warn_unused({"--threshold"}, "with --image-metrics");
     else if (options.label_map)
       run.warn_unused({"--threshold"}, "with --label-map");
-    // A misspelt score is found before the work.
+    // A misspelt score name fails before the work.
     check_scores(options.fail_below, scores_of(files));
     const std::optional<Masks> masks = [&]() -> std::optional<Masks> {
       if (!cli::is_scene_file(truth.path)) return Masks{cli::list_images(predicted.path), cli::list_images(truth.path)};
-      run.warn_unused({"--layout"}, "with a scene.json, which tells it");
+      run.warn_unused({"--layout"}, "with a scene.json, which sets the layout");
       return masks_of_scene(run, predicted.path, truth.path, options, files);
     }();
     if (!masks) return cli::kDone;
@@ -91,7 +91,7 @@ int main(int argc, char** argv) {
     outcome.metrics["pairing"] = cli::pairing_json(pairing);
     outcome.metrics["checks"] = cli::checks_json(checks);
     cli::warn_about_leftovers(run, pairing);
-    // Names of files may be no UTF-8, as JSON asks for.
+    // File names may be invalid UTF-8, which JSON does not allow.
     io::write_file(out.path, outcome.metrics.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 
     run.result()["mean"] = outcome.metrics["mean"];

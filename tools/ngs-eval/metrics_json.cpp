@@ -15,7 +15,7 @@ Json values_json(const ScoreValues& values) {
   return json;
 }
 
-/// Of a pair or of an object.
+/// Counts of a pair or of an object.
 template <class Scored>
 Json counts_json(const Scored& s) {
   return {{"tp", s.counts.tp},  {"fp", s.counts.fp},  {"fn", s.counts.fn},   {"tn", s.counts.tn},
@@ -50,7 +50,7 @@ Json object_json(const ObjectMean& object) {
 
 constexpr int kNameColumns = 20, kCellColumns = 11;
 
-/// How many of the scores stand beside a name in so many columns; 0: no terminal, all of them.
+/// Number of scores that fit next to a name in so many columns; 0 columns (no terminal): all.
 std::size_t shown_scores(int columns) {
   const std::size_t fit = std::size_t(std::max(1, (columns - kNameColumns) / kCellColumns));
   return columns == 0 ? kScoreNames.size() : std::min(kScoreNames.size(), fit);

@@ -1,5 +1,5 @@
 #pragma once
-// metrics.json and the table for people.
+// metrics.json and the score table for the terminal.
 #include <string>
 
 #include "evaluation.h"
@@ -8,17 +8,17 @@ namespace ngs::cli {
 
 inline constexpr int kMetricsVersion = 1;
 
-/// No clock, host or path: the same masks give the same bytes.
+/// Contains no time, host or path: the same masks give the same bytes.
 Json metrics_json(const std::vector<PairScore>& scores, const EvalSummary& summary);
 Json photo_metrics_json(const std::vector<PhotoScore>& scores);
 Json pairing_json(const Pairing& pairing);
 Json checks_json(const std::vector<ScoreCheck>& checks);
 
-/// What --fail-below may ask for.
+/// The scores that --fail-below accepts.
 std::map<std::string, double> mean_scores(const EvalSummary& summary);
 std::map<std::string, double> mean_scores(const std::vector<PhotoScore>& scores);
 
-/// Objects and their means, then the worst views by boundary IoU. `columns`: of the terminal; 0: it is none.
+/// Mean scores of the objects, then the worst views by boundary IoU. `columns`: width of the terminal; 0: no terminal.
 std::string score_table(const std::vector<PairScore>& scores, const EvalSummary& summary, int columns);
 std::string photo_table(const std::vector<PhotoScore>& scores);
 

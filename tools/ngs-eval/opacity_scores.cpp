@@ -67,7 +67,7 @@ std::map<std::string, double> values_of(const OpacityErrors& errors) {
 void require_one_object(const EvalOptions& options) {
   if (options.label_map && options.object_id.size() != 1)
     throw Error(ErrorCode::kUsage, "opacity with label_map, expected the id of one object",
-                "--object-id ID names the object whose opacities these are");
+                "give the object of these opacities with --object-id ID");
 }
 
 std::vector<OpacityScore> score_opacities(Run& run, const EvalOptions& options, const std::vector<FilePair>& pairs) {

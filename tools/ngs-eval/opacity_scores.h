@@ -1,5 +1,5 @@
 #pragma once
-// Scores of an object's opacity, rendered alone, against its true silhouettes (ops/image/opacity_errors.h).
+// Scores of the opacity of an object rendered alone against its true silhouettes (ops/image/opacity_errors.h).
 #include <map>
 #include <string>
 #include <vector>
@@ -14,15 +14,15 @@ struct OpacityScore {
   OpacityErrors errors;
 };
 
-/// kUsage where true label maps are given without the id of one object.
+/// Throws kUsage if true label maps are given without the id of one object.
 void require_one_object(const EvalOptions& options);
 
-/// Other objects of label maps may stand before the object: what is there and beside it counts nowhere. Views without
-/// a contour of the object have no score; throws kNothingFound where no view has one.
+/// In label maps, pixels of other objects are ignored, because they may occlude the object. Views without a contour of
+/// the object have no score. Throws kNothingFound if no view has a contour.
 std::vector<OpacityScore> score_opacities(Run& run, const EvalOptions& options, const std::vector<FilePair>& pairs);
 
 Json opacity_metrics_json(const std::vector<OpacityScore>& scores);
-/// By name, halo_1px to holes_5px.
+/// Mean scores by name, halo_1px to holes_5px.
 std::map<std::string, double> mean_scores(const std::vector<OpacityScore>& scores);
 std::string opacity_table(const std::vector<OpacityScore>& scores);
 

@@ -7,7 +7,7 @@
 namespace ngs::cli {
 namespace {
 
-/// Beyond what rounding does to sizes.
+/// True if the aspect ratios differ by more than rounding of sizes explains.
 bool is_other_shape(const PairScore& pair) {
   const double across = double(pair.predicted_width_px) / pair.width_px,
                down = double(pair.predicted_height_px) / pair.height_px;
@@ -16,13 +16,12 @@ bool is_other_shape(const PairScore& pair) {
   return std::max(across, down) > std::min(across, down) * (1.02 + 2 * rounding);
 }
 
-/// Predicted at a lower resolution, beyond what rounding does to sizes.
+/// True if the prediction has a lower resolution, by more than rounding of sizes explains.
 bool is_enlarged(const PairScore& pair) {
   return pair.predicted_width_px + 1 < pair.width_px || pair.predicted_height_px + 1 < pair.height_px;
 }
 
-/// What an enlarged mask reaches at most is what its larger pixels can follow: its contour scores are no fault of the
-/// contour.
+/// The larger pixels of an enlarged mask limit its contour scores, whatever the quality of its contour.
 void warn_about_enlarged(Run& run, const std::vector<PairScore>& scores) {
   const auto count = std::ranges::count_if(scores, is_enlarged);
   if (count == 0) return;
@@ -30,11 +29,11 @@ void warn_about_enlarged(Run& run, const std::vector<PairScore>& scores) {
   const auto size = [](int width_px, int height_px) {
     return std::to_string(width_px) + "x" + std::to_string(height_px);
   };
-  run.monitor().warn(std::to_string(count) + " of " + std::to_string(scores.size()) +
-                     " predictions are smaller than the truth and were enlarged, the first is " + first.view + ", " +
-                     size(first.predicted_width_px, first.predicted_height_px) + " to " +
-                     size(first.width_px, first.height_px) +
-                     ": scores of contours suffer (ngs-render --scale 0 renders masks at the photos' size)");
+  run.monitor().warn(
+      std::to_string(count) + " of " + std::to_string(scores.size()) +
+      " predictions are smaller than the truth and were enlarged, the first is " + first.view + ", " +
+      size(first.predicted_width_px, first.predicted_height_px) + " to " + size(first.width_px, first.height_px) +
+      ": contour scores are lower for this reason (ngs-render --scale 0 renders masks at the photos' size)");
 }
 
 void warn_about_conventions(Run& run, const std::vector<PairScore>& scores) {
@@ -54,8 +53,9 @@ void warn_about_conventions(Run& run, const std::vector<PairScore>& scores) {
   warn(one_empty, "have exactly one empty mask: overlap and contour scored 0");
   warn(zero_one, "have a mask of zeros and ones: read as 0/255");
   warn(usual_void,
-       "have a true label map with 255 beside other ids: if it marks pixels without a label, say --void-id 255");
-  warn(other_shape, "have masks of different shapes, turned or cut: the prediction was stretched to the truth's");
+       "have a true label map with 255 and other ids: if 255 marks pixels without a label, add --void-id 255");
+  warn(other_shape,
+       "have masks of different aspect ratios (rotated or cropped?): the prediction was stretched to the truth's size");
 }
 
 }  // namespace
@@ -84,8 +84,8 @@ Pairing paired(const ImageList& predicted, const ImageList& truth, const EvalOpt
 Outcome masks_outcome(Run& run, const EvalOptions& options, const Pairing& pairing) {
   const std::vector<PairScore> scores = score_masks(run, options, pairing.pairs);
   if (scores.empty())
-    throw Error(ErrorCode::kNothingFound, "label maps: no object with one of the ids occurs, expected at least one",
-                "see the ids with ngs-eval --label-map without --object-id");
+    throw Error(ErrorCode::kNothingFound, "label maps: none contains one of the ids, expected at least one",
+                "list the ids with ngs-eval --label-map without --object-id");
   warn_about_conventions(run, scores);
   warn_about_enlarged(run, scores);
   const EvalSummary summary = summarise(scores);
@@ -108,7 +108,7 @@ bool all_passed(Run& run, const std::vector<ScoreCheck>& checks, const Pairing& 
     passed = false;
     run.monitor().warn("check failed: " + std::to_string(missing) + " of " +
                        std::to_string(missing + pairing.pairs.size()) +
-                       " true masks have no prediction, expected all (--allow-missing scores those that have)");
+                       " true masks have no prediction, expected none (--allow-missing accepts that)");
   }
   for (const ScoreCheck& check : checks) {
     if (check.passed()) continue;

@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Whether every name lies in a folder that is called after one of the objects.
+/// Whether every file is in a folder with the name of an object.
 bool has_folders_of_objects(const ImageList& list, const std::vector<SceneObject>& objects) {
   return std::ranges::all_of(list.names, [&](const std::string& name) {
     return std::ranges::any_of(objects, [&](const SceneObject& o) { return name.starts_with(o.name + "/"); });
@@ -46,8 +46,8 @@ std::string SceneMasks::problem_of_inputs(const EvalOptions& options) const {
   if (scene_.mask_invert) return "the input masks are inverted";
   if (scene_.mask_mode == MaskMode::kBands) return "the input masks are bands";
   if ((scene_.mask_mode == MaskMode::kLabel) != options.label_map)
-    return options.label_map ? "the truth are label maps, the input masks are not"
-                             : "the input masks are label maps, the truth is not (--label-map where it is)";
+    return options.label_map ? "the true masks are label maps, the input masks are not"
+                             : "the input masks are label maps, the true masks are not (if they are: --label-map)";
   return input_masks().names.empty() ? "no scored view has an input mask" : "";
 }
 

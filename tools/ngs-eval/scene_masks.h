@@ -1,5 +1,5 @@
 #pragma once
-// The masks that a scene.json names: the truth, and the input masks that may be scored against it.
+// The masks of a scene.json: the true masks, and the input masks, which can be scored against them.
 #include <string>
 #include <vector>
 
@@ -8,25 +8,24 @@
 
 namespace ngs::cli {
 
-/// True for a JSON file: a scene.json in place of a folder of masks.
+/// True for a JSON file, which is a scene.json instead of a folder of masks.
 bool is_scene_file(const std::string& path);
 
-/// The held-out views of a scene, or all views where none is held out, with the folder of true masks that ngs-scene
-/// import recorded. Without such a folder the input masks of held-out views are the truth: no stage has read them.
+/// The held-out views of a scene, or all views if none is held out, with the folder of true masks recorded by ngs-scene
+/// import. Without such a folder the input masks of held-out views are the truth: no stage reads them.
 class SceneMasks {
  public:
   explicit SceneMasks(const std::string& path);
 
   /// Why nothing can be scored; empty: `truth()` has masks.
   std::string problem() const;
-  /// Why the input masks themselves cannot be scored; empty: they can. `options` after complete().
+  /// Why the input masks cannot be scored; empty: they can. Call after complete().
   std::string problem_of_inputs(const EvalOptions& options) const;
   bool inputs_are_truth() const { return truth_dir_.empty(); }
   ImageList truth() const;
-  /// Named as ngs-render names its masks.
+  /// With the file names that ngs-render gives to masks.
   ImageList input_masks() const;
-  /// Label maps: the ids and the void id of the scene where `options` has none. Sets the views and the layout of
-  /// `files`.
+  /// Sets the views and the layout of `files`. For label maps, fills missing ids and a missing void id of `options`.
   void complete(EvalOptions& options, EvalFileOptions& files) const;
 
  private:

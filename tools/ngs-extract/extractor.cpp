@@ -13,8 +13,8 @@
 namespace ngs::cli {
 namespace {
 
-/// The objects of the model, every column filled: a column that the file lacks cannot say "unseen". Of a model without
-/// labels all is object, where a region will say what of it or all of it is wanted.
+/// The objects of the model, with every column filled: a missing column means that all Gaussians are seen. Without
+/// labels, if a region or --activated is given, the whole model is the object.
 std::vector<io::NamedLabels> labels_of(const io::GaussianPly& ply, bool may_be_all) {
   std::vector<io::NamedLabels> objects = ply.objects;
   if (objects.empty()) objects = {{ply.object, ply.labels}};
@@ -24,7 +24,7 @@ std::vector<io::NamedLabels> labels_of(const io::GaussianPly& ply, bool may_be_a
     if (c.label.empty() && c.prob.empty() && may_be_all) c.label.assign(n, 1.f);
     if (c.label.empty() && c.prob.empty() && n > 0)
       throw Error(ErrorCode::kBadInput, ply.file.name() + ": vertex property 'ngs_label' is missing",
-                  "label the model first: ngs-variance scene.json -o boundary.ply, or say where the object is: "
+                  "label the model first: ngs-variance scene.json -o boundary.ply, or give the place of the object: "
                   "--keep-box, --keep-sphere, --drop-below-plane, --cluster-at, --largest");
     if (c.label.empty()) c.label = c.prob;
     if (c.prob.empty()) c.prob = c.label;
@@ -34,7 +34,7 @@ std::vector<io::NamedLabels> labels_of(const io::GaussianPly& ply, bool may_be_a
   return objects;
 }
 
-/// In the order of the model.
+/// Indices of the selected objects, in the order of the model.
 std::vector<std::size_t> selected(const std::vector<io::NamedLabels>& objects, const std::vector<std::string>& select) {
   std::vector<std::string> names;
   for (const io::NamedLabels& object : objects) names.push_back(object.object);
@@ -69,9 +69,9 @@ Extractor::Extractor(Run& run, io::GaussianPly ply, const ExtractOptions& option
     : run_(run),
       options_(options),
       region_(region),
-      takes_all_(select.activated && !region.any()),
+      whole_model_(select.activated && !region.any()),
       ply_(std::move(ply)),
-      objects_(labels_of(ply_, region.any() || takes_all_)),
+      objects_(labels_of(ply_, region.any() || whole_model_)),
       chosen_(selected(objects_, select.select)) {
   for (const std::string& note : ply_.notes) run_.info(note);
 }
@@ -79,7 +79,7 @@ Extractor::Extractor(Run& run, io::GaussianPly ply, const ExtractOptions& option
 void Extractor::import(const std::string& path) {
   if (chosen_.size() != 1)
     throw Error(ErrorCode::kUsage, "import with " + std::to_string(chosen_.size()) + " objects, expected one",
-                "name the object that the edit is about: --select NAME");
+                "choose the edited object: --select NAME");
   const io::GaussianPly edit = io::read_gaussian_ply(path);
   LabelColumns& columns = objects_[chosen_[0]].columns;
   const Extraction before = extract_object(run_.exec(), options_, {ply_.cloud, columns, ply_.fixed});
@@ -92,13 +92,14 @@ void Extractor::import(const std::string& path) {
                              {"to_background", imported.to_background}};
   if (imported.by_nearest)
     run_.monitor().warn(path + ": its format rounds positions: " + std::to_string(imported.matched) + " of " +
-                        std::to_string(edit.cloud.size()) + " Gaussians are matched with the nearest of the model");
+                        std::to_string(edit.cloud.size()) + " Gaussians were matched by nearest position in the model");
   if (imported.unmatched > 0)
     run_.monitor().warn(std::to_string(imported.unmatched) + " Gaussians of the edit are not in the labelled model");
   const std::int64_t background = std::count(before.object.begin(), before.object.end(), std::uint8_t(0));
   if (!imported.by_selection && 2 * imported.to_object > background)
-    run_.monitor().warn(std::to_string(imported.to_object) + " of the " + std::to_string(background) +
-                        " Gaussians of the background become object: an edit without a selection is the object alone");
+    run_.monitor().warn(
+        std::to_string(imported.to_object) + " of the " + std::to_string(background) +
+        " Gaussians of the background become object: an edit without a selection must contain only the object");
 }
 
 void Extractor::decide() {
@@ -107,7 +108,7 @@ void Extractor::decide() {
   for (std::size_t k = 0; k < objects_.size(); ++k) {
     LabelColumns& columns = objects_[k].columns;
     const bool is_chosen = std::find(chosen_.begin(), chosen_.end(), k) != chosen_.end();
-    // Hand-made labels are about one object; of several only the selected one.
+    // Imported labels belong to one object: with several, to the selected one.
     const auto fixed = objects_.size() == 1 || (is_chosen && chosen_.size() == 1) ? std::span<const float>(ply_.fixed)
                                                                                   : std::span<const float>();
     const Extraction e = extract_object(run_.exec(), options_, {ply_.cloud, columns, fixed});
@@ -123,10 +124,10 @@ void Extractor::decide() {
   run_.result()["object"] = kept;
   run_.result()["background"] = ply_.cloud.size() - kept;
   if (needs_local_origin(ply_.cloud)) run_.result()["origin"] = ply_.cloud.origin;
-  tell_what_is_odd(kept);
+  warn_of_unusual_result(kept);
 }
 
-void Extractor::tell_what_the_plane_takes(const RegionSelection& found) {
+void Extractor::report_plane_selection(const RegionSelection& found) {
   const std::int64_t taken = found.in_shapes - found.above_plane;
   run_.result()["region"]["below_plane"] = taken;
   if (found.in_shapes == 0) return;
@@ -150,7 +151,7 @@ void Extractor::restrict_to_region() {
     const double offset = found.plane.offset + found.plane.thickness + n.x * o[0] + n.y * o[1] + n.z * o[2];
     said["plane"] = {n.x, n.y, n.z, -offset};
   }
-  if (!region_.drop_below_plane.empty()) tell_what_the_plane_takes(found);
+  if (!region_.drop_below_plane.empty()) report_plane_selection(found);
   restrict_to(found.object);
 }
 
@@ -170,24 +171,23 @@ void Extractor::keep_touched(const std::vector<StrokeWeights>& strokes) {
   if (found.left_out > 0)
     run_.text("left out: " + std::to_string(found.left_out) + " Gaussians of " +
               std::to_string(found.pieces - found.kept_pieces) +
-              " pieces that no stroke on the object touches; leave --strokes out to keep them\n");
+              " components that no stroke on the object touches; leave --strokes out to keep them\n");
   restrict_to(std::move(found.object));
 }
 
-void Extractor::tell_what_is_odd(std::int64_t kept) {
+void Extractor::warn_of_unusual_result(std::int64_t kept) {
   if (kept == 0)
     run_.nothing_found(
         "no Gaussian is object by rule " + options_.rule +
             (options_.min_component > 0 ? " and --min-component " + std::to_string(options_.min_component) : "") +
-            (region_.any() ? " within the region that is asked for" : ""),
-        region_.any() ? "widen the region: the result in the report says how many are left after each part of it"
+            (region_.any() ? " within the given region" : ""),
+        region_.any() ? "widen the region: the report lists the count after each of its options"
                       : "lower the threshold, or check the masks: ngs-scene check scene.json");
   if (ply_.health.excluded() > 0)
-    run_.monitor().warn(
-        std::to_string(ply_.health.excluded()) +
-        " Gaussians have values that are not finite or absurd: they stay in the background as they are, and not "
-        "every viewer takes them");
-  if (kept == ply_.cloud.size() && kept > 0 && !takes_all_)
+    run_.monitor().warn(std::to_string(ply_.health.excluded()) +
+                        " Gaussians have values that are not finite or out of range: they stay in the background "
+                        "unchanged, and some viewers reject them");
+  if (kept == ply_.cloud.size() && kept > 0 && !whole_model_)
     run_.monitor().warn("every Gaussian is object: the background is empty");
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// The work of ngs-extract between reading the labelled model and writing its parts.
+// Selects the object in a labelled model and writes the parts.
 #include <string>
 #include <vector>
 
@@ -18,12 +18,11 @@ struct SelectOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.select, Text{"select", "NAME", "an object to extract from a model with several; default: all of them"});
-    visit(self.activated,
-          Flag{"activated",
-               "the input's scale_* are lengths, its opacity 0 to 1, as some programs save them: convert "
-               "both to logarithms and logits; without labels and region all of the model is the object"});
-    visit(self.view, Text{"view", "NAME", "the picture that the strokes are on; default: as each file says"});
+    visit(self.select, Text{"select", "NAME", "Extract this object of several; default: all of them"});
+    visit(self.activated, Flag{"activated",
+                               "Input has activated values (scale_* as lengths, opacity in [0, 1]): convert them to "
+                               "logarithms and logits; without labels and region the whole model is the object"});
+    visit(self.view, Text{"view", "NAME", "Picture that the strokes belong to; default: the name in each file"});
   }
 
   io::ReadOptions reading() const {
@@ -33,42 +32,43 @@ struct SelectOptions {
 
 class Extractor {
  public:
-  /// kBadInput if the model has no labels and `region` asks for nothing, kUsage if one of `select` names no object.
-  /// None: all objects.
+  /// Throws kBadInput if the model has no labels and `region` is empty, kUsage if a name in `select` is no object. An
+  /// empty `select` means all objects.
   Extractor(Run& run, io::GaussianPly ply, const ExtractOptions& options, const RegionOptions& region,
             const SelectOptions& select);
 
-  /// Labels and ngs_fixed of the selected object from a hand-edited splat.
+  /// Imports labels and ngs_fixed of the selected object from a hand-edited splat.
   void import(const std::string& path);
-  /// Every object's label becomes 0 or 1, those of the selected objects 0 outside the region; counts go into the
-  /// result. kNothingFound if the object is empty.
+  /// Rounds every object's label to 0 or 1, and sets those of the selected objects to 0 outside the region; adds counts
+  /// to the result. Throws kNothingFound if the object is empty.
   void decide();
 
-  /// After decide(): of the object only the connected pieces that these strokes touch stay; says what was left out.
+  /// After decide(): keeps only the connected components of the object that these strokes touch, and reports the
+  /// others.
   void keep_touched(const std::vector<StrokeWeights>& strokes);
 
   const GaussianCloud& cloud() const { return ply_.cloud; }
   const std::vector<std::uint8_t>& object() const { return keep_; }  // [N], after decide()
-  /// Labels of the objects that are extracted, in the order of the model; every column filled.
+  /// Labels of the extracted objects, in the order of the model; every column is filled.
   std::vector<const io::NamedLabels*> chosen() const;
 
-  /// In the format that the path's extension names.
+  /// The extension of the path selects the format.
   void write_object(const std::string& path) const;
   void write_background(const std::string& path) const;
   void write_labelled(const std::string& path, bool with_state) const;
 
  private:
   void restrict_to_region();
-  /// Says which share of what the shapes leave goes with --drop-below-plane.
-  void tell_what_the_plane_takes(const RegionSelection& found);
+  /// Reports the fraction of Gaussians inside the shapes that --drop-below-plane removes.
+  void report_plane_selection(const RegionSelection& found);
   void restrict_to(std::vector<std::uint8_t> keep);
-  void tell_what_is_odd(std::int64_t kept);
+  void warn_of_unusual_result(std::int64_t kept);
   void write(const std::string& path, const std::vector<std::uint8_t>& keep) const;
 
   Run& run_;
   const ExtractOptions& options_;
   const RegionOptions& region_;
-  bool takes_all_;  // a model without labels is the object as a whole: it is converted
+  bool whole_model_;  // the model has no labels and is the object as a whole
   io::GaussianPly ply_;
   std::vector<io::NamedLabels> objects_;
   std::vector<std::size_t> chosen_;

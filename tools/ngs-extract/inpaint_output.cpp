@@ -27,12 +27,12 @@ ImageU8 picture_of(const PixelMask& mask, const Camera& camera) {
   return out;
 }
 
-/// What is written of a view, relative to the folder.
+/// The file of a view, relative to the folder.
 std::string picture_file(const std::string& folder, const char* kind, const std::string& name) {
   return folder + "/" + kind + "/" + name + ".png";
 }
 
-/// Inputs that are none (optional ones, views without a mask) are empty.
+/// Throws kUsage if one of `files` is an input. Absent inputs (optional ones, views without a mask) are empty.
 void refuse_over_inputs(const std::vector<std::string>& inputs, const std::vector<std::string>& files) {
   std::error_code ignored;
   std::set<std::filesystem::path> kept;
@@ -77,9 +77,10 @@ void write_inpainting(Run& run, const Extractor& extractor, const InpaintOptions
   Scene handed = scene;
   handed.model_path = folder + "/background.ply";
   handed.objects = {{"hole", 0}};
-  handed.image_scale = 1;  // its photos are the renderings, which have the cameras' size
+  handed.image_scale = 1;  // its photos are renders, which have the cameras' size
   handed.mask_mode = MaskMode::kBinary, handed.mask_invert = false, handed.mask_threshold = 128;
-  handed.void_id.reset(), handed.missing_mask = MissingMask::kUnknown;  // of the label maps; every view has its holes
+  handed.void_id.reset(),
+      handed.missing_mask = MissingMask::kUnknown;  // settings of label maps do not apply; every view has a hole mask
   std::vector<Camera> cameras;
   Json views = Json::array();
   const std::vector<std::string> names = output_names(scene.views);

@@ -1,5 +1,5 @@
-// ngs-extract: labelled PLY, or any splat and where the object is in it -> object and background as plain splats,
-// decided labels, hand edits taken back.
+// ngs-extract: reads a labelled PLY, or any splat and the place of the object; writes object and background as plain
+// splats, and decided labels; imports hand edits.
 #include <initializer_list>
 #include <optional>
 #include <string>
@@ -17,7 +17,7 @@
 
 namespace {
 
-/// Rules that cannot be read are refused, options that nothing listens to warned about.
+/// Throws kUsage for an invalid rule; warns about unused options.
 void check_options(ngs::cli::Run& run, const ngs::ExtractOptions& options, const ngs::RegionOptions& region) {
   ngs::parse_extract_rule(options.rule);
   (void)ngs::parse_region(region);
@@ -32,14 +32,14 @@ void require_one_of(std::initializer_list<const ngs::cli::Output*> outputs) {
     if (*output) return;
     flags += (flags.empty() ? "" : ", ") + output->flags;
   }
-  throw ngs::Error(ngs::ErrorCode::kUsage, "no output was asked for, expected one of " + flags);
+  throw ngs::Error(ngs::ErrorCode::kUsage, "no output was given, expected one of " + flags);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   using namespace ngs;
-  cli::Tool tool("ngs-extract", "Cut the object out: object and background as plain splats, labels decided.",
+  cli::Tool tool("ngs-extract", "Write the object and the background of a labelled model as plain splats.",
                  {"ngs-extract labelled.ply --object object.ply --background background.ply",
                   "ngs-extract statue.spz --drop-below-plane auto --largest 1 --object object.ply",
                   "ngs-extract labelled.ply --supersplat edit_me.ply",
@@ -56,13 +56,12 @@ int main(int argc, char** argv) {
   const cli::Input& labelled =
       tool.input("labelled", "labelled PLY of ngs-variance or ngs-joint; with a region any splat");
   const cli::Input& edited = tool.optional_input(
-      "--import", "hand-edited splat: rows that are left (or selected, where it says so) are the object");
+      "--import", "hand-edited splat: its rows (its selected rows, if it has a selection) are the object");
   const cli::Input& scene_json =
-      tool.optional_input("--scene", "scene.json, for --inpaint, --strokes and for what no view saw");
-  const cli::Inputs& strokes =
-      tool.inputs("--strokes",
-                  "marks on views of the scene, as of ngs-mask --prompts: of the object only the "
-                  "connected pieces they touch (repeatable, or PATH,PATH)");
+      tool.optional_input("--scene", "scene.json, for --inpaint, for --strokes and to report unseen surface");
+  const cli::Inputs& strokes = tool.inputs("--strokes",
+                                           "strokes on views of the scene, as for ngs-mask --prompts: keep only "
+                                           "components that they touch (repeatable, or PATH,PATH)");
   const cli::Outputs out = cli::declare_outputs(tool);
 
   return tool.run(argc, argv, [&](cli::Run& run) {
@@ -83,7 +82,7 @@ int main(int argc, char** argv) {
     if (out.npz) labels.emplace(extractor);
     extractor.decide();
     if (strokes) extractor.keep_touched(cli::stroke_weights_of(run, *scene, marks, extractor.cloud()));
-    if (scene && !scene->renders) cli::tell_unseen_surface(run, extractor, *scene);
+    if (scene && !scene->renders) cli::report_unseen_surface(run, extractor, *scene);
     const auto timed = run.monitor().scope("write");
     if (out.object) extractor.write_object(out.object.path);
     if (out.background) extractor.write_background(out.background.path);

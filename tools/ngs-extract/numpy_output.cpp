@@ -16,7 +16,7 @@ std::vector<std::uint8_t> seen_of(const LabelColumn& views) {
   return seen;
 }
 
-/// Numbers of the rows that are not 0.
+/// Indices of the rows that are not 0.
 template <class T>
 std::vector<std::int64_t> rows_of(const std::vector<T>& member) {
   std::vector<std::int64_t> rows;

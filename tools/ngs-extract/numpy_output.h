@@ -1,11 +1,12 @@
 #pragma once
-// Labels for programs that work on arrays (numpy, gsplat, nerfstudio): one .npz, rows in the order of the model.
+// Labels for array programs (numpy, gsplat, nerfstudio): one .npz, rows in the order of the model.
 //
-//   labels       float32 [N]  how much of each Gaussian is the object, in [0, 1], before it is decided
-//   seen         bool [N]     some view has evidence of it; where not, its label says nothing
-//   object       int64 [M]    rows that are the object, as --object writes them, ascending
-//   labels_NAME, seen_NAME, object_NAME   the same of each object, where there are several: the three above are then of
-//                             all of them together
+// clang-format off
+//   labels    float32 [N]  label of each Gaussian in [0, 1], before rounding
+//   seen      bool [N]     some view has evidence of the Gaussian; if false, its label carries no information
+//   object    int64 [M]    rows of the object, as written by --object, ascending
+//   labels_NAME, seen_NAME, object_NAME   with several objects: the same per object; the above are for their union
+// clang-format on
 #include <string>
 #include <vector>
 
@@ -15,10 +16,10 @@ namespace ngs::cli {
 
 class NumpyLabels {
  public:
-  /// Before Extractor::decide(), which rounds the labels.
+  /// Construct it before Extractor::decide(), which rounds the labels.
   explicit NumpyLabels(const Extractor& extractor);
 
-  /// After it. Uncompressed, dated 1980: the same labels give the same bytes.
+  /// Call it after decide(). Uncompressed and dated 1980, so that the same labels give the same bytes.
   void write(const std::string& path, const Extractor& extractor) const;
 
  private:

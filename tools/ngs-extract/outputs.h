@@ -1,5 +1,5 @@
 #pragma once
-// The outputs of ngs-extract; at least one is asked for.
+// The outputs of ngs-extract; at least one is required.
 #include <string>
 
 #include "ngs/io/formats/splat_format.h"
@@ -21,7 +21,7 @@ inline Outputs declare_outputs(Tool& tool) {
       tool.optional_output_dir("--inpaint", "folder for inpainting: background, cameras, hole masks of every view")};
 }
 
-/// Formats that cannot be written are refused; outputs that are not wanted have no path.
+/// Throws kUsage for a format that cannot be written. Outputs that were not requested have an empty path.
 inline void check_formats(const Outputs& out) {
   for (const std::string& splat : {out.object.path, out.background.path}) (void)io::output_format(splat);
   for (const std::string& labelled : {out.decided.path, out.supersplat.path}) io::require_ply_output(labelled);

@@ -9,12 +9,12 @@
 namespace ngs::cli {
 namespace {
 
-// Below it the sides that nobody saw are slits between what was seen.
+// Below this fraction the unseen surface consists of thin gaps between seen parts.
 constexpr double kWorthTelling = 0.02;
 
 }  // namespace
 
-void tell_unseen_surface(Run& run, const Extractor& extractor, const Scene& scene) {
+void report_unseen_surface(Run& run, const Extractor& extractor, const Scene& scene) {
   const std::vector<std::uint8_t>& object = extractor.object();
   if (std::ranges::find(object, 1) == object.end()) return;
   std::vector<Camera> cameras;
@@ -24,10 +24,10 @@ void tell_unseen_surface(Run& run, const Extractor& extractor, const Scene& scen
   run.result()["unseen_surface"] = {{"share", found.share}, {"worst", found.worst}, {"worst_from", {d.x, d.y, d.z}}};
   if (found.share < kWorthTelling) return;
   char text[200];
-  std::snprintf(text, sizeof text,
-                "the object: %.0f %% of what shows of it from all around was seen by no view; from the direction "
-                "(%.2f, %.2f, %.2f) %.0f %%\n",
-                100 * found.share, d.x, d.y, d.z, 100 * found.worst);
+  std::snprintf(
+      text, sizeof text,
+      "the object: no view sees %.0f %% of its outer surface; from the direction (%.2f, %.2f, %.2f) %.0f %%\n",
+      100 * found.share, d.x, d.y, d.z, 100 * found.worst);
   run.text(text);
 }
 

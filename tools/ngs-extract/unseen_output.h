@@ -1,11 +1,11 @@
 #pragma once
-// What the report says of the sides of the object that no view of the scene has seen.
+// Reports the parts of the object's surface that no view of the scene sees.
 #include "extractor.h"
 #include "ngs/scene/scene.h"
 
 namespace ngs::cli {
 
-/// After Extractor::decide(). Nothing where the object is empty.
-void tell_unseen_surface(Run& run, const Extractor& extractor, const Scene& scene);
+/// Call it after Extractor::decide(). Reports nothing if the object is empty.
+void report_unseen_surface(Run& run, const Extractor& extractor, const Scene& scene);
 
 }  // namespace ngs::cli

@@ -54,14 +54,14 @@ FitState read_checkpoint(const std::string& folder, const std::string& identity,
   const io::TensorFile file = io::read_safetensors(path);
   if (file.meta("identity") != identity)
     throw Error(ErrorCode::kInconsistent,
-                path + ": of another run, expected the same options, seed, views, photos and points",
+                path + ": belongs to another run, expected the same options, seed, views, photos and points",
                 "repeat the options of the interrupted run on the same files, or leave out --resume");
   for (const io::Tensor& tensor : file.tensors)
     if (tensor.type == io::TensorType::kF32)
       for (const float value : file.get<float>(tensor.name))
         if (!std::isfinite(value))
           throw Error(ErrorCode::kBadInput,
-                      path + ": " + tensor.name + " has a value that is not finite, expected numbers",
+                      path + ": " + tensor.name + " has a value that is not finite, expected finite numbers",
                       "delete the checkpoint");
   FitState state;
   const std::int64_t n = std::int64_t(file.get<float>("logit_opacity").size());
@@ -87,7 +87,7 @@ FitState read_checkpoint(const std::string& folder, const std::string& identity,
   if (state.step < 0 || state.step > steps || n == 0)
     throw Error(ErrorCode::kBadInput,
                 path + ": step " + std::to_string(state.step) + " of " + std::to_string(steps) + " with " +
-                    std::to_string(n) + " Gaussians, expected a state that a fit has written",
+                    std::to_string(n) + " Gaussians, expected a valid state",
                 "delete the checkpoint");
   return state;
 }

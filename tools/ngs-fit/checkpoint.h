@@ -1,6 +1,6 @@
 #pragma once
-// A FitState on disk: DIR/fit.safetensors, written by rename. It holds everything that later steps read, so a run
-// that goes on from it ends with the bytes of one that was never interrupted.
+// A FitState on disk: DIR/fit.safetensors, written atomically. It contains everything that later steps read, so a
+// resumed run writes the same bytes as an uninterrupted one.
 #include <string>
 #include <vector>
 
@@ -19,29 +19,29 @@ struct CheckpointOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.checkpoint, Text{"checkpoint", "DIR", "keep what is needed to go on in this folder"});
+    visit(self.checkpoint, Text{"checkpoint", "DIR", "Folder for checkpoints of the run"});
     visit(self.checkpoint_every,
-          Field<int>{"checkpoint_every", "steps", "and when a signal asks to stop", 1, 10000000});
-    visit(self.resume, Flag{"resume", "go on from --checkpoint where there is one"});
+          Field<int>{"checkpoint_every", "steps", "Steps between checkpoints; a signal writes one too", 1, 10000000});
+    visit(self.resume, Flag{"resume", "Continue from the checkpoint in --checkpoint, if there is one"});
   }
 };
 
-/// Hashes of the files that a fit reads beside the scene (shared/run/checkpoints.h, io/files/content_hash.h); points:
-/// empty without.
+/// Hashes of the files that a fit reads besides the scene (shared/run/checkpoints.h, io/files/content_hash.h). points:
+/// empty without --points.
 struct FitFiles {
   std::string photos, points;
 };
 
-/// What must be equal for a checkpoint to be continued: options, seed, the views' names, sizes, splits and cameras, and
-/// what lay in the files.
+/// The values that must match to resume from a checkpoint: options, seed, the views' names, sizes, splits and cameras,
+/// and the hashes of the files.
 std::string fit_identity(const FitOptions& options, std::uint64_t seed, const std::vector<FitView>& views,
                          const FitFiles& files);
 
 std::string checkpoint_path(const std::string& folder);
-/// The folder is there (shared/run/checkpoints.h).
+/// The folder must exist (shared/run/checkpoints.h).
 void write_checkpoint(const std::string& folder, const FitState& state, const std::string& identity);
-/// Another identity is kInconsistent; shapes that do not fit together, numbers that are not finite and a step beyond
-/// the last of `steps` are kBadInput.
+/// Throws kInconsistent if the identity differs; kBadInput for inconsistent shapes, values that are not finite and a
+/// step beyond `steps`.
 FitState read_checkpoint(const std::string& folder, const std::string& identity, std::int64_t steps);
 
 }  // namespace ngs::cli

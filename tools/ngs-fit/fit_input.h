@@ -1,5 +1,5 @@
 #pragma once
-// What a fit starts from, and how it is described.
+// Inputs of a fit, its plan and its metadata.
 #include <string>
 #include <vector>
 
@@ -8,18 +8,18 @@
 
 namespace ngs::cli {
 
-/// Every view of the scene that has a photo.
+/// All views of the scene that have a photo.
 std::vector<FitView> load_views(Run& run, const Scene& scene);
-/// Empty, with a warning, if no file is given; a warning too where there are more than the fit may have.
+/// Empty, with a warning, if no file is given; also warns if there are more points than --max-gaussians.
 std::vector<FitPoint> load_points(Run& run, const FitOptions& options, const Input& input);
 
-/// What a dry run says.
+/// The plan of a dry run.
 Json fit_plan(const FitOptions& options, const Scene& scene, bool resumes, int threads);
-/// The comment of the model.
+/// The comment in the model file.
 std::string history(const FitOptions& options);
 Json score_json(const FitScore& score);
 
-/// With the background that the options ask for; they then name it, for the report.
+/// Reads the scene, applies the background option and records the background in `options` for the report.
 Scene read_fit_scene(Run& run, const std::string& path, FitOptions& options);
 
 }  // namespace ngs::cli

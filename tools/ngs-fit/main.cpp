@@ -1,4 +1,4 @@
-// ngs-fit: scene.json with photos -> a trained splat.
+// ngs-fit: trains a splat on the photos of a scene.json.
 #include <filesystem>
 #include <optional>
 
@@ -21,24 +21,24 @@ struct Files {
 
 void check_options(cli::Run& run, const cli::CheckpointOptions& keep, const Files& files) {
   if (keep.resume && !keep.is_on())
-    throw Error(ErrorCode::kUsage, "resume without checkpoint, expected --checkpoint DIR",
+    throw Error(ErrorCode::kUsage, "--resume without --checkpoint, expected --checkpoint DIR",
                 "name the folder of the interrupted run");
   if (files.points) run.warn_unused({"--random-points"}, "with --points");
   if (!keep.is_on()) run.warn_unused({"--checkpoint-every"}, "without --checkpoint");
 }
 
-/// Whether there is a state to go on from. One that nobody wants to go on from is only replaced with -w.
+/// True if there is a state to resume from. Without --resume an existing state is replaced only with -w.
 bool resumes(const cli::Run& run, const cli::CheckpointOptions& keep) {
   const bool kept = keep.is_on() && std::filesystem::exists(cli::checkpoint_path(keep.checkpoint));
   if (kept && !keep.resume && !run.overwrite())
-    throw Error(ErrorCode::kUsage, cli::checkpoint_path(keep.checkpoint) + ": already there, expected none",
-                "go on with --resume, or start over with -w");
+    throw Error(ErrorCode::kUsage, cli::checkpoint_path(keep.checkpoint) + ": exists already, expected none",
+                "continue with --resume, or start over with -w");
   return kept && keep.resume;
 }
 
 void warn_of_stop(cli::Run& run, std::int64_t step, std::int64_t steps, const cli::CheckpointOptions& keep) {
-  const std::string rest = keep.is_on() ? "--resume goes on from " + keep.checkpoint
-                                        : "and nothing to go on from; --checkpoint DIR would keep it";
+  const std::string rest = keep.is_on() ? "--resume continues from " + keep.checkpoint
+                                        : "and no checkpoint; --checkpoint DIR would write one";
   run.monitor().warn("stopped at step " + std::to_string(step) + " of " + std::to_string(steps) +
                      ": no model was written, " + rest);
 }
@@ -62,20 +62,20 @@ int fit(cli::Run& run, FitOptions& options, const cli::CheckpointOptions& keep, 
   const double began_s = wall_seconds();
   const auto save = [&] { cli::write_checkpoint(keep.checkpoint, fitter.state(), identity); };
   cli::Checkpoints checkpoints(run.monitor());
-  std::optional<cli::KeepsState> keeps;
-  if (keep.is_on()) keeps.emplace();
+  std::optional<cli::SignalGrace> grace;
+  if (keep.is_on()) grace.emplace();
   run_fit(run.exec(), run.monitor(), fitter, options, [&](const Fitter& f) {
-    if (keep.is_on() && f.state().step % keep.checkpoint_every == 0) checkpoints.on_the_way(f.state().step, save);
+    if (keep.is_on() && f.state().step % keep.checkpoint_every == 0) checkpoints.write_during_run(f.state().step, save);
   });
   const double taken_s = std::max(wall_seconds() - began_s, 1e-9);
   run.result()["step"] = fitter.state().step;
   if (fitter.state().step < options.steps) {
-    if (keep.is_on()) checkpoints.at_the_stop(fitter.state().step, save);  // all that is left of the run
+    if (keep.is_on()) checkpoints.write_on_stop(fitter.state().step, save);  // the only output of a stopped run
     warn_of_stop(run, fitter.state().step, options.steps, keep);
     return run.stop_code();
   }
-  if (keep.is_on() && options.steps % keep.checkpoint_every != 0) checkpoints.on_the_way(options.steps, save);
-  keeps.reset();
+  if (keep.is_on() && options.steps % keep.checkpoint_every != 0) checkpoints.write_during_run(options.steps, save);
+  grace.reset();
 
   const GaussianCloud& cloud = fitter.state().cloud;
   const auto score = [&](Split split) { return cli::score_json(score_fit(run.exec(), options, cloud, views, split)); };
@@ -90,7 +90,8 @@ int fit(cli::Run& run, FitOptions& options, const cli::CheckpointOptions& keep, 
 }  // namespace
 
 int main(int argc, char** argv) {
-  cli::Tool tool("ngs-fit", "Fit 3D Gaussians to posed photos (L1 + DSSIM, densify, prune, SH in steps).",
+  cli::Tool tool("ngs-fit",
+                 "Fit 3D Gaussians to posed photos (L1 + DSSIM, densification, pruning, SH degree in steps).",
                  {"ngs-fit scene.json --points sparse/0/points3D.txt -o model.ply --steps 7000",
                   "ngs-fit scene.json --points sparse/0/points3D.txt -o model.ply --checkpoint fit/ --resume"});
   FitOptions options;

@@ -2,16 +2,16 @@
 
 #include <span>
 
-#include "verdicts.h"
+#include "fixed_decisions.h"
 
 namespace ngs::joint {
 namespace {
 
-using Rules = std::vector<EffectVerdict>;
+using FixedDecisions = std::vector<FixedDecision>;
 
-std::string mode_of(const Effect& effect, const Rules& rules) {
-  for (const EffectVerdict& rule : rules)
-    if (rule.name == effect.name) return rule.on ? "on" : "off";
+std::string mode_of(const Effect& effect, const FixedDecisions& fixed) {
+  for (const FixedDecision& decision : fixed)
+    if (decision.name == effect.name) return decision.on ? "on" : "off";
   return effect.always.empty() ? "auto" : "on";
 }
 
@@ -20,19 +20,19 @@ std::string row(std::string name, std::string mode, std::string_view help) {
   return name + mode + std::string(help) + "\n";
 }
 
-std::string part_rows(std::span<const Effect> parts, const Rules& rules) {
+std::string part_rows(std::span<const Effect> parts, const FixedDecisions& fixed) {
   std::string text;
-  for (const Effect& part : parts) text += row("    " + std::string(part.name), mode_of(part, rules), part.help);
+  for (const Effect& part : parts) text += row("    " + std::string(part.name), mode_of(part, fixed), part.help);
   return text;
 }
 
-/// A line for each mode, with the names of the parts that have it.
-std::string part_names(std::span<const Effect> parts, const Rules& rules) {
+/// One line per switch value, with the names of the parts that have it.
+std::string part_names(std::span<const Effect> parts, const FixedDecisions& fixed) {
   std::string text;
   for (const char* mode : {"auto", "on", "off"}) {
     std::string names;
     for (const Effect& part : parts)
-      if (mode_of(part, rules) == mode) names += (names.empty() ? "" : " ") + std::string(part.name);
+      if (mode_of(part, fixed) == mode) names += (names.empty() ? "" : " ") + std::string(part.name);
     if (!names.empty()) text += row("    parts", mode, names);
   }
   return text;
@@ -41,14 +41,14 @@ std::string part_names(std::span<const Effect> parts, const Rules& rules) {
 }  // namespace
 
 std::string effects_help(const Options& options, bool in_full) {
-  const Rules rules = verdicts_of(options, "");
-  std::string text = "effects: --effect NAME=auto|on|off; auto: where the scene calls for it (--explain lists why)\n";
+  const FixedDecisions fixed = fixed_decisions_of(options, "");
+  std::string text = "effects: --effect NAME=auto|on|off; auto: decided from the scene (--explain lists why)\n";
   for (const std::unique_ptr<Pass>& pass : options.pipeline.passes()) {
-    if (pass->stage() != PassStage::kMend && !options.runs_passes()) continue;
+    if (pass->stage() != PassStage::kRepair && !options.runs_passes()) continue;
     const std::vector<Effect> effects = pass->effects();
     const auto parts = std::span(effects).subspan(1);
-    text += row("  " + std::string(effects[0].name), mode_of(effects[0], rules), effects[0].help);
-    text += in_full ? part_rows(parts, rules) : part_names(parts, rules);
+    text += row("  " + std::string(effects[0].name), mode_of(effects[0], fixed), effects[0].help);
+    text += in_full ? part_rows(parts, fixed) : part_names(parts, fixed);
   }
   return text;
 }

@@ -6,7 +6,7 @@
 namespace ngs::joint {
 namespace {
 
-/// Whether the unsuffixed columns are a whole set of one object's.
+/// True if the unsuffixed columns are the complete set of a single object.
 bool has_one_set(const io::GaussianPly& ply) {
   const LabelColumns& l = ply.labels;
   return ply.objects.empty() && !l.label.empty() && !l.boundary.empty() && !l.views.empty() && !l.prob.empty();
@@ -18,13 +18,13 @@ std::vector<LabelColumns> take_labels(io::GaussianPly& ply, const Scene& scene) 
   const std::size_t wanted = scene.objects.size();
   if (ply.cloud.size() == 0)
     throw Error(ErrorCode::kNothingFound, ply.file.name() + ": the model has no Gaussians, expected some",
-                "label one that has: ngs-variance scene.json -o boundary.ply");
-  if (wanted == 1 && has_one_set(ply)) {  // beside the sets of several objects the unsuffixed one is their union
+                "use a model with Gaussians: ngs-variance scene.json -o boundary.ply");
+  if (wanted == 1 && has_one_set(ply)) {  // with several objects the unsuffixed columns are their union
     const std::string& name = scene.objects[0].name;
     if (ply.names_object && ply.object != name)
       throw Error(ErrorCode::kInconsistent,
                   ply.file.name() + ": labelled for object '" + ply.object + "', expected '" + name + "'",
-                  "label that one: ngs-variance scene.json --object NAME -o boundary.ply");
+                  "label the other object: ngs-variance scene.json --object NAME -o boundary.ply");
     std::vector<LabelColumns> one;
     one.push_back(std::move(ply.labels));
     return one;
@@ -37,8 +37,8 @@ std::vector<LabelColumns> take_labels(io::GaussianPly& ply, const Scene& scene) 
     throw Error(ErrorCode::kBadInput,
                 "the model has ngs_ columns for " + std::to_string(labels.size()) + " of the scene's " +
                     std::to_string(wanted) + " objects, expected all of them",
-                ply.names_object ? "it is labelled for one: --objects '" + ply.object + "'"
-                                 : "label it first: ngs-variance scene.json -o boundary.ply");
+                ply.names_object ? "use its single object: --objects '" + ply.object + "'"
+                                 : "label the model first: ngs-variance scene.json -o boundary.ply");
   ply.objects.clear(), ply.labels = {};
   return labels;
 }

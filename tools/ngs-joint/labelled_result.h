@@ -1,5 +1,5 @@
 #pragma once
-// Labels of the model that was read, and of the one that is written.
+// Labels of the input model, and the result file.
 #include <string>
 #include <vector>
 
@@ -9,19 +9,18 @@
 
 namespace ngs::joint {
 
-/// The model's label columns, one per object of the scene, which `ply` then has no more; kBadInput where they are
-/// missing.
+/// Moves the label columns out of `ply`, one set per object of the scene. Throws kBadInput if some are missing.
 std::vector<LabelColumns> take_labels(io::GaussianPly& ply, const Scene& scene);
 
-/// What a result is written on top of.
+/// The input that a result is based on.
 struct ResultSource {
   const io::GaussianPly& ply;
   const Scene& scene;
-  const SharedLabels& labels;         // as they were read
-  const std::vector<float>& floater;  // [N] 1: taken out; empty: none was
+  const SharedLabels& labels;         // as read from the file
+  const std::vector<float>& floater;  // [N] 1: removed as a floater; empty: none was removed
 };
 
-/// The labelled PLY, and the figures of a finished method into the report.
+/// Writes the labelled PLY and adds the figures of the method to the report.
 void write_result(cli::Run& run, const ResultSource& source, const Solution& solution, const std::string& path);
 
 }  // namespace ngs::joint

@@ -1,5 +1,5 @@
-// ngs-joint: scene.json + labelled PLY -> labelled PLY with optimised labels and attributes. Algorithm 1,
-// step 6.
+// ngs-joint: reads scene.json and a labelled PLY, writes a labelled PLY with optimised labels and attributes. Algorithm
+// 1, step 6.
 #include <ctime>
 
 #include "effects_help.h"
@@ -8,7 +8,7 @@
 
 namespace {
 
-/// When the process began, on the clock of wall_seconds(): what it computed before main() is all that it did.
+/// Start of the process on the clock of wall_seconds(), from the CPU time used before main().
 double process_start_s() {
   timespec used{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
@@ -21,27 +21,24 @@ int main(int argc, char** argv) {
   using namespace ngs;
   const double start_s = process_start_s();
   joint::Options options;
-  cli::Tool tool(
-      "ngs-joint",
-      "Optimise labels, Gaussians and a NeRF on the boundary jointly (Eqs. 1-2, 10-20), or run a method beside it.",
-      {"ngs-joint scene.json boundary.ply -o labelled.ply",
-       "ngs-joint scene.json boundary.ply --method flash -o labelled.ply"});
+  cli::Tool tool("ngs-joint", "Jointly optimise labels, Gaussians and a NeRF (Eqs. 1-2, 10-20), or run a baseline.",
+                 {"ngs-joint scene.json boundary.ply -o labelled.ply",
+                  "ngs-joint scene.json boundary.ply --method flash -o labelled.ply"});
   options.declare(tool);
   tool.help("quality",
             [&](bool in_full) -> std::string { return in_full || options.runs_passes() ? joint::kQualityTable : ""; });
   tool.help("effects", [&](bool in_full) { return joint::effects_help(options, in_full); });
   const cli::Input& scene = tool.input("scene", "scene.json written by ngs-scene");
   const cli::Input& boundary = tool.input("boundary", "PLY written by ngs-variance");
-  const cli::Input& field =
-      tool.optional_input("--field", "PLY written by ngs-rbf; else sampled and interpolated here");
+  const cli::Input& field = tool.optional_input("--field", "PLY written by ngs-rbf; default: computed here");
   const cli::Input& effects_from =
-      tool.optional_input("--effects-from", "report of a run whose decisions on effects are taken over");
+      tool.optional_input("--effects-from", "report of a run whose decisions on effects are repeated");
   const cli::Output& out = tool.output("-o,--output", "labelled PLY with optimised attributes");
   const cli::Output& trace =
-      tool.optional_output("--trace", "one JSON line per step: time, loss terms; per epoch: agreement");
+      tool.optional_output("--trace", "one JSON line per step: time, loss terms; per epoch: mask scores");
   tool.writes_nothing_if(options.choice.explain);
   tool.stops_on_request();
-  tool.runs_partly_on_device();  // the joint steps
+  tool.runs_partly_on_device();  // only the joint steps run on the device
 
   return tool.run(argc, argv, [&](cli::Run& run) {
     const joint::Paths paths{scene.path, boundary.path, field.path, effects_from.path, out.path, trace.path};

@@ -11,33 +11,33 @@
 namespace ngs::joint {
 namespace {
 
-/// Photos that are kept at the working size and at that of decisions, and what the core looks like at the latter.
-double kept_picture_bytes(const Scene& scene) {
-  constexpr double kMost = 256 * cli::kMib;  // of each
+/// Photos cached at the working size and at the size of decisions, and renders at the latter.
+double photo_cache_bytes(const Scene& scene) {
+  constexpr double kMost = 256 * cli::kMib;  // bytes per cache
   double px = 0;
   for (const std::size_t v : photo_views(scene)) px += cli::view_px(scene.views[v]);
   const double fewer = decision_shrink(scene) * decision_shrink(scene);
   return std::min(kMost, 12 * px) + std::min(kMost, 12 * px / fewer) + std::min(kMost, 16 * px / fewer);
 }
 
-/// Photos and masks of the training views while steps are taken, and the images of a step.
+/// Photos and masks of the training views during the steps, and the images of one step.
 double step_picture_bytes(const Problem& problem) {
   constexpr double kMost = 512 * cli::kMib;
-  constexpr double kBytesPerPx = 900;  // of losses, and of a refinement at twice the size
+  constexpr double kBytesPerPx = 900;  // of the losses, and of contour refinement at twice the size
   double px = 0;
   for (const std::size_t v : problem.views) px += cli::view_px(problem.scene.views[v]);
   return std::min(kMost, (12 + 4.0 * double(problem.labels.size())) * px) +
          kBytesPerPx * cli::largest_view_px(problem.scene);
 }
 
-/// What steps train: values, gradients and two moments of the region's rows.
+/// Trained parameters: values, gradients and two Adam moments of the rows in the region.
 double trained_bytes(const Problem& problem) {
   const std::vector<std::uint8_t> region = region_of(problem.labels);
   const auto rows = double(std::ranges::count(region, std::uint8_t(1)));
   return rows * 4 * 4 * (14 + 3.0 * problem.cloud.rest_count() + double(problem.labels.size()));
 }
 
-/// Of the Gaussians, in the training view that shows most of them, of a few.
+/// Largest fraction of Gaussians inside a view, over at most kViews training views.
 double visible_share(const Problem& problem) {
   constexpr std::size_t kViews = 8;
   const std::vector<std::int64_t> sample = sample_usable(problem.cloud);
@@ -47,7 +47,7 @@ double visible_share(const Problem& problem) {
   return most;
 }
 
-/// Of a pass with so many channels, and of its way back, per visible Gaussian.
+/// Bytes per visible Gaussian of a forward and backward pass with so many channels.
 double pass_bytes(double channels) { return 2 * cli::kVisibleBytes + cli::kTilesReached * (20 + 4 * channels); }
 
 }  // namespace
@@ -57,11 +57,13 @@ Json memory_plan(const Problem& problem) {
   const double owners = std::min(objects, 2.0), shown = visible_share(problem);
   const double model = cli::model_bytes(problem.cloud), drawn = model + cli::kPreparedBytes;
   const double read = drawn + 4 + cli::label_bytes(owners);
-  const double evidence = 32 + 64 * owners + 4 * (objects + 1) + 12;  // of all views, of the others' labels, of a view
-  const double search = drawn + 16 + 8 + 1 + 3 * 8 + 2;               // for floaters, and the model without them
+  const double evidence =
+      32 + 64 * owners + 4 * (objects + 1) + 12;         // of all views; of other objects' labels; of one view
+  const double search = drawn + 16 + 8 + 1 + 3 * 8 + 2;  // search for floaters, and the model without them
   const double labels_alone = read + evidence + search + shown * pass_bytes(objects + 3);
-  const double steps = labels_alone + drawn + 4 * objects + shown * 4 * 12 * cli::kTilesReached;  // and their gradients
-  const double pictures = kept_picture_bytes(problem.scene);
+  const double steps =
+      labels_alone + drawn + 4 * objects + shown * 4 * 12 * cli::kTilesReached;  // values and gradients
+  const double pictures = photo_cache_bytes(problem.scene);
   return {{"visible_share", shown},
           {"bytes_per_gaussian", labels_alone},
           {"bytes_per_gaussian_with_steps", steps},

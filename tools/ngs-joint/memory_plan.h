@@ -1,11 +1,11 @@
 #pragma once
-// The memory of ngs-joint, foreseen for --dry-run.
+// Memory estimate of ngs-joint for --dry-run.
 #include "ngs/options/option_set.h"
 #include "ngs/problem/problem.h"
 
 namespace ngs::joint {
 
-/// MiB at most, as if passes went over whole views: of labels alone, and of a run that takes steps.
+/// Upper bounds in MiB, as if passes used whole views: without and with optimiser steps.
 Json memory_plan(const Problem& problem);
 
 }  // namespace ngs::joint

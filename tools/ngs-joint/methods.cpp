@@ -7,7 +7,7 @@
 namespace ngs::joint {
 namespace {
 
-/// Reports loss and certified gap over time, one list per object: the accuracy that time buys.
+/// Runs bce and reports its loss and certified gap over time, one list per object.
 Solution bce_with_trace(cli::Run& run, const BceOptions& options, const Problem& problem) {
   BceResult result = solve_bce(run.exec(), run.monitor(), options, problem);
   for (const std::vector<GapPoint>& object : result.trace) {
@@ -29,14 +29,14 @@ void BaselineOptions::declare(cli::Tool& tool, const Method& method) {
     return OptionGroup{
         .name = name,
         .about = std::string(cites),
-        .listens = [&method, one] { return method == one || (one == Method::kCob && method == Method::kReleased); },
-        .listener = "--method " + name};
+        .applies = [&method, one] { return method == one || (one == Method::kCob && method == Method::kReleased); },
+        .needs = "--method " + name};
   };
   tool.options(flash, group(Method::kFlash, "FlashSplat, closed form"));
   tool.options(sa3d, group(Method::kSa3d, "SA3D-GS, closed form"));
-  tool.options(bce, group(Method::kBce, "the best labels of the Gaussians as they are"));
+  tool.options(bce, group(Method::kBce, "optimal labels of unchanged Gaussians"));
   tool.options(cob, group(Method::kCob, "COB-GS"));
-  tool.options(saga, group(Method::kSaga, "SAGA's features from masks"));
+  tool.options(saga, group(Method::kSaga, "SAGA features from masks"));
   tool.options(released, group(Method::kReleased, "the published NG-GS code"));
 }
 
@@ -49,13 +49,13 @@ Solution run_baseline(cli::Run& run, Method method, const BaselineOptions& optio
     case Method::kSaga: return run_saga(run.exec(), run.monitor(), options.saga, problem);
     case Method::kReleased: {
       ReleasedOptions released = options.released;
-      released.cob = options.cob;  // it is cob with an extra term
+      released.cob = options.cob;  // the method is cob with an extra loss term
       return run_released(run.exec(), run.monitor(), released, problem);
     }
     case Method::kNgs:
     case Method::kNgGs: break;
   }
-  throw std::logic_error("this method is made of passes");
+  throw std::logic_error("ngs and ng-gs are no baselines");
 }
 
 }  // namespace ngs::joint

@@ -1,5 +1,5 @@
 #pragma once
-// The methods of ngs-joint, and the options of those that are baselines.
+// The methods of ngs-joint, and the options of the baselines.
 #include <functional>
 
 #include "ngs/methods/method_bce.h"
@@ -12,15 +12,15 @@
 
 namespace ngs::joint {
 
-/// kNgs: our passes, and the NeRF where it gains. kNgGs: the joint stage of the paper with its NeRF and nothing of
-/// ours.
+/// kNgs: all passes, the NeRF only if there are no photos. kNgGs: the joint stage of the paper with its NeRF and none
+/// of our passes.
 enum class Method : std::uint8_t { kNgs, kNgGs, kBce, kCob, kFlash, kSa3d, kSaga, kReleased };
 inline constexpr NamedValue<Method> kMethodNames[] = {
     {Method::kNgs, "ngs"},     {Method::kNgGs, "ng-gs"}, {Method::kBce, "bce"},   {Method::kCob, "cob"},
     {Method::kFlash, "flash"}, {Method::kSa3d, "sa3d"},  {Method::kSaga, "saga"}, {Method::kReleased, "released"}};
 std::string method_name(Method method);
-/// Whether it looks at views; flash follows from the evidence.
-constexpr bool draws(Method method) { return method != Method::kFlash; }
+/// Whether the method renders views; flash is computed from the evidence alone.
+constexpr bool renders_views(Method method) { return method != Method::kFlash; }
 
 struct BaselineOptions {
   FlashOptions flash;
@@ -30,11 +30,11 @@ struct BaselineOptions {
   SagaOptions saga;
   ReleasedOptions released;
 
-  /// A group each, which `method` listens to or not; it must outlive the tool.
+  /// Declares one group per method, which applies if `method` is selected; `method` must outlive the tool.
   void declare(cli::Tool& tool, const Method& method);
 };
 
-/// Not for kNgs and kNgGs.
+/// `method` must not be kNgs or kNgGs.
 Solution run_baseline(cli::Run& run, Method method, const BaselineOptions& options, const Problem& problem);
 
 }  // namespace ngs::joint

@@ -10,13 +10,13 @@ void Options::declare(cli::Tool& tool) {
     return OptionGroup{.name = std::move(name),
                        .about = std::move(about),
                        .effect = std::move(effect),
-                       .listens = [this] { return runs_passes(); },
-                       .listener = "--method ngs",
+                       .applies = [this] { return runs_passes(); },
+                       .needs = "--method ngs",
                        .shown = shown};
   };
   tool.options(choice, {.name = "method", .shown = Shown::kInShortHelp});
   tool.options(steps, group("steps", "time, target, checkpoints", {}, Shown::kInHelp));
-  tool.options(training.joint, group("joint", "losses and rates of Eq. 20"));
+  tool.options(training.joint, group("joint", "loss weights and learning rates of Eq. 20"));
   tool.options<FieldOptions>(training.joint, group("field", "hash grid and network of the NeRF", "nerf"));
   pipeline.declare(tool.option_set(), group("", ""));
   tool.options(training.sample, group("sampling", "query points of the NeRF", "nerf"));

@@ -1,18 +1,18 @@
 #pragma once
-// The options of ngs-joint beside those of its passes, and how they are grouped.
+// The options of ngs-joint besides those of its passes, and their groups.
 #include <string>
 #include <vector>
 
 #include "methods.h"
-#include "ngs/passes/joint/training_options.h"
 #include "ngs/passes/pass_list.h"
 #include "ngs/passes/pipeline.h"
+#include "ngs/stages/optimise/training_options.h"
 #include "ngs/stages/render/background.h"
 #include "ngs/stages/render/render_options.h"
 
 namespace ngs::joint {
 
-/// What any method listens to.
+/// Options that apply to every method.
 struct MethodChoice {
   Method method = Method::kNgs;
   std::vector<std::string> objects, effect;
@@ -23,16 +23,16 @@ struct MethodChoice {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.method,
-          Choice<Method>{"method", "what decides the labels (--method M --help: its options)", kMethodNames});
-    visit(self.quality, Choice<Quality>{"quality", "how long to train", kQualityNames});
-    visit(self.objects, Text{"objects", "NAME", "only this object of the scene"});
-    visit(self.effect, Text{"effect", "NAME=auto|on|off", "switch a pass or a part of one, or all=... of them"});
-    visit(self.explain, Flag{"explain", "decide what this scene calls for, list it, run nothing else"});
+          Choice<Method>{"method", "Method that computes the labels (--method M --help: its options)", kMethodNames});
+    visit(self.quality, Choice<Quality>{"quality", "How long to train", kQualityNames});
+    visit(self.objects, Text{"objects", "NAME", "Use only this object of the scene"});
+    visit(self.effect, Text{"effect", "NAME=auto|on|off", "Switch a pass or a part of one, or all=... of them"});
+    visit(self.explain, Flag{"explain", "List the effects chosen for this scene with reasons, then stop"});
     visit(self.background, background_option());
   }
 };
 
-/// What goes with the steps of a run.
+/// Budget, target, checkpoints and trace of a run.
 struct StepOptions {
   std::string time_budget, target, checkpoint;
   std::int64_t checkpoint_every = 0;
@@ -42,21 +42,22 @@ struct StepOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.time_budget,
-          Text{"time_budget", "60s|5m", "the whole process ends by then, with what there is (exit 7)"});
-    visit(self.target, Text{"target", "iou=X|biou=X", "stop when the training views agree this well with their masks"});
-    visit(self.checkpoint, Text{"checkpoint", "DIR", "folder in which the state of the run is kept"}.of("joint"));
+          Text{"time_budget", "60s|5m", "End the process within this time, with a partial result (exit 7)"});
+    visit(self.target,
+          Text{"target", "iou=X|biou=X", "Stop when renders agree this well with the masks of training views"});
+    visit(self.checkpoint, Text{"checkpoint", "DIR", "Folder for checkpoints of the run"}.of("joint"));
     visit(self.checkpoint_every,
-          Field<std::int64_t>{"checkpoint_every", "", "steps between; 0: when interrupted, and before contours", 0,
+          Field<std::int64_t>{"checkpoint_every", "", "Steps between checkpoints; 0: on a signal, before contours", 0,
                               1'000'000'000}
               .of("joint"));
-    visit(self.resume, Flag{"resume", "go on from the checkpoint in --checkpoint, if there is one"}.of("joint"));
+    visit(self.resume, Flag{"resume", "Continue from the checkpoint in --checkpoint, if there is one"}.of("joint"));
     visit(self.trace_every,
-          Field<int>{"trace_every", "", "steps between scores in the trace; 0: once per epoch", 0, 1 << 30});
-    visit(self.fast_atomics, Flag{"fast_atomics", "on CUDA: sums as they come, not the same bits again"});
+          Field<int>{"trace_every", "", "Steps between scores in the trace; 0: once per epoch", 0, 1 << 30});
+    visit(self.fast_atomics, Flag{"fast_atomics", "Use atomic adds on CUDA: faster, not bit-reproducible"});
   }
 };
 
-/// All that a command line decides.
+/// All options of a command line.
 struct Options {
   MethodChoice choice;
   StepOptions steps;
@@ -65,7 +66,7 @@ struct Options {
   BaselineOptions baselines;
   Pipeline pipeline{all_passes()};
 
-  /// By groups, of which --help shows those that the method listens to.
+  /// Declares the options in groups; --help shows the groups that apply to the method.
   void declare(cli::Tool& tool);
   bool runs_passes() const { return choice.method == Method::kNgs || choice.method == Method::kNgGs; }
 };

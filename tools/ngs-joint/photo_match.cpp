@@ -15,8 +15,8 @@
 namespace ngs::joint {
 namespace {
 
-/// By how much the model explains the photos better than a constant colour, the median of three views, dB. Nothing
-/// without photos, or where the run is to stop.
+/// PSNR gain of the model over a constant colour in dB, the median of three views; nullopt without photos or after a
+/// stop request.
 std::optional<double> gain_over_constant(cli::Run& run, const Problem& problem, const GaussianCloud& cloud) {
   constexpr std::size_t kViews = 3;
   const std::vector<std::size_t> with_photo = photo_views(problem.scene);
@@ -43,12 +43,12 @@ void compare_with_photos(cli::Run& run, const Problem& problem, const std::strin
   const std::string& own = problem.scene.model_path;
   std::error_code absent;
   if (!std::filesystem::is_regular_file(own, absent))
-    return run.monitor().warn(std::string(text) + ": is it this scene's?");
+    return run.monitor().warn(std::string(text) + ": it may belong to another scene");
   const std::optional<double> own_db = gain_over_constant(run, problem, io::read_gaussian_ply(own).cloud);
   if (!own_db) return;
-  if (*own_db < least_db) return run.monitor().warn(std::string(text) + ", and so does the scene's own, " + own);
+  if (*own_db < least_db) return run.monitor().warn(std::string(text) + ", and so does the scene's own model, " + own);
   throw Error(
-      ErrorCode::kInconsistent, path + ": " + text + ": it is not this scene's model, " + own + " fits",
+      ErrorCode::kInconsistent, path + ": " + text + ": it belongs to another scene, " + own + " matches the photos",
       "give the labelled PLY that ngs-variance writes for this scene.json, or import the scene with this model: "
       "ngs-scene import ... --ply");
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Does the model that is to be optimised show what the photos show?
+// Checks that the input model matches the photos.
 #include <string>
 
 #include "ngs/problem/problem.h"
@@ -7,9 +7,9 @@
 
 namespace ngs::joint {
 
-/// Refuses a model (of the file `path`) that explains the photos worse than import asks for where the scene's own
-/// explains them: it is another scene's (kInconsistent). Warns where neither does, as of a scene that was imported with
-/// a lower bound.
+/// Throws kInconsistent if the model in the file `path` matches the photos worse than import requires while the scene's
+/// own model matches them: it belongs to another scene. Warns if neither matches, as after an import with a lower
+/// bound.
 void compare_with_photos(cli::Run& run, const Problem& problem, const std::string& path);
 
 }  // namespace ngs::joint

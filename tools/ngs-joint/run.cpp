@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "fixed_decisions.h"
 #include "labelled_result.h"
 #include "memory_plan.h"
 #include "ngs/io/files/atomic_file.h"
@@ -12,39 +13,38 @@
 #include "ngs/io/image/masks.h"
 #include "ngs/io/image/photo.h"
 #include "ngs/io/ply/query_ply.h"
-#include "ngs/passes/joint/first_queries.h"
 #include "ngs/passes/resumed_decisions.h"
 #include "ngs/problem/coarse_input.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/boundary/variance_stage.h"
+#include "ngs/stages/optimise/first_queries.h"
 #include "photo_match.h"
 #include "shared/run/checkpoints.h"
 #include "shared/scene/scene_model.h"
 #include "step_files.h"
-#include "verdicts.h"
 
 namespace ngs::joint {
 namespace {
 
-void refuse_if(bool wrong, const std::string& what, const std::string& remedy) {
+void usage_error_if(bool wrong, const std::string& what, const std::string& remedy) {
   if (wrong) throw Error(ErrorCode::kUsage, what, remedy);
 }
 
 void check_options(cli::Run& run, const Options& options, const Paths& paths) {
   const StepOptions& o = options.steps;
-  refuse_if(o.resume && o.checkpoint.empty(), "--resume without --checkpoint, expected the folder to go on from",
-            "--checkpoint DIR");
-  refuse_if(o.checkpoint_every > 0 && o.checkpoint.empty(),
-            "--checkpoint-every without --checkpoint, expected the folder to write to", "--checkpoint DIR");
-  refuse_if(o.trace_every > 0 && paths.trace.empty() && o.target.empty(),
-            "--trace-every without --trace or --target, expected what the scores are for", "--trace FILE");
+  usage_error_if(o.resume && o.checkpoint.empty(),
+                 "--resume without --checkpoint, expected the folder to continue from", "--checkpoint DIR");
+  usage_error_if(o.checkpoint_every > 0 && o.checkpoint.empty(),
+                 "--checkpoint-every without --checkpoint, expected the folder to write to", "--checkpoint DIR");
+  usage_error_if(o.trace_every > 0 && paths.trace.empty() && o.target.empty(),
+                 "--trace-every without --trace or --target, expected one of them", "--trace FILE");
   if (!options.runs_passes() && run.device_exec().device_ops != nullptr)
     throw Error(ErrorCode::kEnvironment, "--device cuda: only --method ngs and ng-gs have a CUDA path",
                 "use --device cpu");
   if (o.fast_atomics) run.sum_atomically();
 }
 
-/// Files, effects and a quality that a baseline has no use for.
+/// Warns about files, effects and a quality that a baseline does not use.
 void warn_of_baseline(cli::Run& run, const Options& options, const Paths& paths) {
   if (options.runs_passes()) return;
   std::vector<std::string> unused;
@@ -52,10 +52,10 @@ void warn_of_baseline(cli::Run& run, const Options& options, const Paths& paths)
     if (!path.empty()) unused.push_back(flag);
   };
   file("--field", paths.field), file("--trace", paths.trace);
-  const EffectModes modes(options.pipeline.effects(), options.choice.effect);
-  if (options.choice.quality != MethodChoice{}.quality && modes.of("floaters") != EffectMode::kOn)
-    unused.push_back("--quality");  // it says how thoroughly floaters are searched
-  const std::vector<Effect> effects = options.pipeline.effects(PassStage::kMend);
+  const EffectSwitches switches(options.pipeline.effects(), options.choice.effect);
+  if (options.choice.quality != MethodChoice{}.quality && switches.of("floaters") != Switch::kOn)
+    unused.push_back("--quality");  // it sets the thoroughness of the floater search
+  const std::vector<Effect> effects = options.pipeline.effects(PassStage::kRepair);
   for (const std::string& entry : options.choice.effect)
     if (const std::string name = entry.substr(0, entry.find('='));
         name != "all" && find_effect(effects, name) == nullptr)
@@ -65,15 +65,15 @@ void warn_of_baseline(cli::Run& run, const Options& options, const Paths& paths)
   if (!text.empty()) run.monitor().warn(text + ": not used by --method " + method_name(options.choice.method));
 }
 
-/// Everything that was read, and what refers to it.
-struct Input {
+/// The scene, model and labels that were read.
+struct LoadedInputs {
   Scene scene;
   io::GaussianPly ply;
   SharedLabels labels;
   std::shared_ptr<const std::vector<float>> weight;
   double reading_s = 0;
 
-  Input(cli::Run& run, const Options& options, const Paths& paths)
+  LoadedInputs(cli::Run& run, const Options& options, const Paths& paths)
       : scene(with_objects(cli::read_scene(run, paths.scene), options.choice.objects)) {
     choose_background(options.choice.background, run.monitor(), scene);
     const double began_s = wall_seconds();
@@ -93,21 +93,22 @@ struct Input {
             .seed = seed,
             .fixed = ply.fixed,
             .labels = labels,
+            .rule = ply.rule.value_or(BoundaryRule()),
             .weight = weight,
             .load_fine_photo = [this](std::size_t view) { return io::load_fine_photo(scene, view); },
             .monitor = &monitor};
   }
 };
 
-/// Decodes photos and masks once, at both sizes that passes ask for. What the time does not allow is loaded where it is
-/// asked for.
+/// Decodes photos and masks into the caches at both sizes that passes need. Views that do not fit into the time are
+/// loaded on demand.
 void load_views(cli::Run& run, Budget& budget, const CoarseInput& full, const CoarseInput& coarse) {
   const auto timed = run.monitor().scope("load views");
-  const double until_s = budget.end_of_s(kLoadShare);
+  const double until_s = budget.deadline_s(kLoadShare);
   if (full.preload(run.exec(), [&] { return wall_seconds() < until_s; }) >= 1) coarse.preload(run.exec());
 }
 
-/// All that the state of the joint steps follows from, as far as it is known before the passes run.
+/// Inputs and options that determine the state of the joint steps, as far as known before the passes run.
 Json identity_of(cli::Run& run, Options& options, const Paths& paths, const Scene& scene) {
   OptionSet raster;
   raster.add(options.raster);
@@ -125,7 +126,7 @@ Json identity_of(cli::Run& run, Options& options, const Paths& paths, const Scen
           {"fast_atomics", options.steps.fast_atomics}};
 }
 
-/// A run of a method on what was read.
+/// Runs one method on the loaded inputs.
 class MethodRun {
  public:
   MethodRun(cli::Run& run, Options& options, const Paths& paths, double start_s)
@@ -133,52 +134,52 @@ class MethodRun {
         options_(options),
         paths_(paths),
         budget_(start_s, parse_seconds(options.steps.time_budget)),
-        modes_(options.pipeline.effects(), options.choice.effect),
-        decisions_(options.pipeline.effects(), modes_, verdicts_of(options, paths.effects_from)),
+        switches_(options.pipeline.effects(), options.choice.effect),
+        decisions_(options.pipeline.effects(), switches_, fixed_decisions_of(options, paths.effects_from)),
         input_(run, options, paths),
         store_(run.monitor(), {options.steps.checkpoint, options.steps.resume, options.steps.checkpoint_every}) {}
 
   int operator()() {
     Problem from_files = input_.problem(options_, run_.seed(), run_.monitor());
     if (run_.dry_run()) return plan(from_files);
-    if (draws(options_.choice.method)) from_files.splat.prepared = prepare_cloud(run_.exec(), from_files.cloud);
-    if (keeps_steps())
+    if (renders_views(options_.choice.method)) from_files.splat.prepared = prepare_cloud(run_.exec(), from_files.cloud);
+    if (writes_checkpoints())
       cli::require_checkpoint_folder(options_.steps.checkpoint, StepFile::path_in(options_.steps.checkpoint));
     if (from_files.views.empty())
       throw Error(ErrorCode::kInconsistent, paths_.scene + ": no training view, expected at least one",
                   "hold out fewer views");
     PassRun passes = pass_run(from_files);
-    Json identity = keeps_steps() ? identity_of(run_, options_, paths_, input_.scene) : Json();
-    if (keeps_steps()) repeat_the_run_before(passes, identity);
-    options_.pipeline.decide(PassStage::kFocus, passes, from_files);
-    if (!options_.pipeline.run(PassStage::kFocus, passes)) return run_.stop_code();
-    const Problem focused = *passes.problem;
-    budget_.keep_for_writing(input_.reading_s);
-    CoarseInput full(focused, 1), coarse(full.get(), decision_shrink(input_.scene));
+    Json identity = writes_checkpoints() ? identity_of(run_, options_, paths_, input_.scene) : Json();
+    if (writes_checkpoints()) restore_decisions(passes, identity);
+    options_.pipeline.decide(PassStage::kCrop, passes, from_files);
+    if (!options_.pipeline.run(PassStage::kCrop, passes)) return run_.stop_code();
+    const Problem cropped = *passes.problem;
+    budget_.reserve_for_writing(input_.reading_s);
+    CoarseInput full(cropped, 1), coarse(full.get(), decision_shrink(input_.scene));
     passes.problem.emplace(full.get()), passes.coarse = &coarse.get();
     if (options_.runs_passes()) {
       load_views(run_, budget_, full, coarse);
       compare_with_photos(run_, CoarseInput(from_files, decision_shrink(input_.scene), 0).get(), paths_.boundary);
     }
-    options_.pipeline.decide(PassStage::kMend, passes, coarse.get());
-    if (const int stopped = run_.stop_code()) return stopped;  // nothing to go on from, and no checkpoint
+    options_.pipeline.decide(PassStage::kRepair, passes, coarse.get());
+    if (const int stopped = run_.stop_code()) return stopped;  // no state worth a checkpoint yet
     if (options_.choice.explain) return explain(passes, from_files);
-    if (keeps_steps()) {
+    if (writes_checkpoints()) {
       identity["effects"] = kept_decisions(options_.pipeline, decisions_);
-      store_.resumed(identity);  // by options that the run before did not have
+      store_.resumed(identity);  // again: the decisions may differ from those of the checkpoint
     }
-    if (!options_.pipeline.run(PassStage::kMend, passes)) return run_.stop_code();
-    coarse.forget();  // decisions that look at it are taken
+    if (!options_.pipeline.run(PassStage::kRepair, passes)) return run_.stop_code();
+    coarse.clear_cache();  // the decisions that need it have been made
     malloc_trim(0);
     return options_.runs_passes() ? optimise(passes, std::move(identity), full) : baseline(passes);
   }
 
  private:
-  bool keeps_steps() const {
+  bool writes_checkpoints() const {
     return !options_.steps.checkpoint.empty() && options_.runs_passes() && !options_.choice.explain;
   }
 
-  void repeat_the_run_before(PassRun& passes, const Json& identity) {
+  void restore_decisions(PassRun& passes, const Json& identity) {
     const std::optional<Json>& before = store_.resumed(identity);
     if (!before) return;
     const Json state = before->value("passes", Json());
@@ -205,7 +206,7 @@ class MethodRun {
                    .decisions = decisions_,
                    .budget = budget_,
                    .report = run_.result(),
-                   .watching = {parse_target(options_.steps.target), !paths_.trace.empty(), options_.steps.trace_every},
+                   .tracking = {parse_target(options_.steps.target), !paths_.trace.empty(), options_.steps.trace_every},
                    .allow_empty = run_.allow_empty(),
                    .info = [this](const std::string& line) { run_.info(line); }};
     passes.problem.emplace(problem);
@@ -222,7 +223,7 @@ class MethodRun {
     return cli::kDone;
   }
 
-  /// A method beside ours, start to end. What a signal leaves of it is no result.
+  /// Runs a baseline. After a signal it writes no result.
   int baseline(PassRun& passes) {
     run_.info("method " + method_name(options_.choice.method) + " begins");
     const Solution solution = run_baseline(run_, options_.choice.method, options_.baselines, *passes.problem);
@@ -231,12 +232,12 @@ class MethodRun {
     return solution.converged ? cli::kDone : cli::kBudgetHit;
   }
 
-  /// The field of --field, where the NeRF is on and it still belongs to the model.
+  /// The query field of --field, if the NeRF is on and the field still belongs to the model.
   std::optional<QueryField> read_field(const PassRun& passes) {
     if (paths_.field.empty()) return std::nullopt;
-    const std::string_view unread = !passes.on("nerf")   ? "nerf=off"
-                                    : !passes.fields_fit ? "it holds points of what was taken out"
-                                                         : "";
+    const std::string_view unread = !passes.on("nerf")            ? "nerf=off"
+                                    : !passes.field_matches_model ? "it has query points of removed Gaussians"
+                                                                  : "";
     if (!unread.empty()) {
       run_.info("--field is not read: " + std::string(unread));
       return std::nullopt;
@@ -252,30 +253,30 @@ class MethodRun {
     run_.warn_unused([&](std::string_view effect) { return decisions_.on(effect); });
     const std::optional<QueryField> field = read_field(passes);
     passes.field = field ? &*field : nullptr;
-    if (keeps_steps()) {
+    if (writes_checkpoints()) {
       identity["effects"] = kept_decisions(options_.pipeline, decisions_), identity["passes"] = passes.state;
       identity["field"] = field ? io::content_hash(paths_.field).xxh3 : "";
-      if (!passes.left_out.empty()) identity["left_out"] = passes.left_out;
+      if (!passes.skipped.empty()) identity["left_out"] = passes.skipped;
       store_.identify(identity);
       passes.store = &store_;
     }
     if (!options_.pipeline.run(PassStage::kOptimise, passes)) return run_.stop_code();
-    views.forget();
-    passes.trainer.reset();  // of no more use, and as large as the model
+    views.clear_cache();
+    passes.trainer.reset();  // unused from here on, and as large as the model
     malloc_trim(0);
     return write(passes);
   }
 
   int write(PassRun& passes) {
     const Solution& solution = *passes.solution;
-    if (budget_.given()) run_.result()["budget"] = budget_.json();
-    if (budget_.given() && !solution.converged)
+    if (budget_.is_set()) run_.result()["budget"] = budget_.json();
+    if (budget_.is_set() && !solution.converged)
       run_.monitor().warn("--time-budget " + options_.steps.time_budget +
-                          ": parts were left out or cut short for want of time");
-    if (passes.watching.target && !passes.watch->target_met())
+                          ": parts were skipped or shortened for lack of time");
+    if (passes.tracking.target && !passes.tracker->target_met())
       run_.monitor().warn("--target " + options_.steps.target + ": not reached in the training views");
     write_result(run_, {input_.ply, input_.scene, input_.labels, passes.floater}, solution, paths_.labelled);
-    if (!paths_.trace.empty()) io::write_file(paths_.trace, passes.watch->trace());
+    if (!paths_.trace.empty()) io::write_file(paths_.trace, passes.tracker->trace());
     return solution.converged ? cli::kDone : cli::kBudgetHit;
   }
 
@@ -283,9 +284,9 @@ class MethodRun {
   Options& options_;
   const Paths& paths_;
   Budget budget_;
-  EffectModes modes_;
+  EffectSwitches switches_;
   Decisions decisions_;
-  Input input_;
+  LoadedInputs input_;
   StepFile store_;
 };
 

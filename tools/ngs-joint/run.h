@@ -1,5 +1,5 @@
 #pragma once
-// ngs-joint from its inputs to its outputs: read, mend, decide, optimise, write.
+// A run of ngs-joint: read inputs, prepare, decide effects, optimise, write outputs.
 #include "options.h"
 
 namespace ngs::joint {

@@ -11,12 +11,12 @@
 namespace ngs::joint {
 namespace {
 
-[[noreturn]] void refuse_other_run(const std::string& path) {
+[[noreturn]] void throw_other_run(const std::string& path) {
   throw Error(ErrorCode::kInconsistent, path + ": the checkpoint of a run with other inputs, options or effects",
               "use the same inputs and options, or another --checkpoint folder");
 }
 
-/// Of effects a run has decided more than are known: the first ones have to be the same.
+/// A checkpoint has more decisions on effects than are known so far: the first ones must agree.
 bool begins_with(const Json& effects, const Json& known) {
   return effects.is_array() && effects.size() >= known.size() &&
          std::equal(known.begin(), known.end(), effects.begin());
@@ -29,12 +29,12 @@ bool has_all(const Json& run, const Json& known) {
   return true;
 }
 
-/// Gaussians that take no part keep the numbers they came with, finite or not.
+/// Gaussians that are not trained keep their input values, which need not be finite.
 void check_finite(const std::string& path, const StateBlock& block, const std::vector<float>& values) {
   for (std::size_t i = 0; i < values.size(); ++i)
     if (!std::isfinite(values[i]) && (i >= block.values->size() || std::isfinite((*block.values)[i])))
       throw Error(ErrorCode::kBadInput,
-                  path + ": '" + block.name + "' has a value that is not finite, expected numbers",
+                  path + ": '" + block.name + "' has a value that is not finite, expected finite numbers",
                   "delete the checkpoint");
 }
 
@@ -54,10 +54,10 @@ std::string StepFile::path_in(const std::string& folder) {
 }
 
 const std::optional<Json>& StepFile::resumed(const Json& known) {
-  if (!before_ && setup_.resume && std::filesystem::exists(path()))
-    before_ = Json::parse(io::read_safetensors(path()).meta("run"), nullptr, false);
-  if (before_ && !has_all(*before_, known)) refuse_other_run(path());
-  return before_;
+  if (!previous_ && setup_.resume && std::filesystem::exists(path()))
+    previous_ = Json::parse(io::read_safetensors(path()).meta("run"), nullptr, false);
+  if (previous_ && !has_all(*previous_, known)) throw_other_run(path());
+  return previous_;
 }
 
 void StepFile::save(JointTrainer& trainer) {
@@ -70,21 +70,21 @@ void StepFile::save(JointTrainer& trainer) {
   io::write_safetensors(path(), file);
 }
 
-void StepFile::save_on_the_way(JointTrainer& trainer) {
-  on_the_way_.on_the_way(trainer.steps_done(), [&] { save(trainer); });
+void StepFile::try_save(JointTrainer& trainer) {
+  checkpoints_.write_during_run(trainer.steps_done(), [&] { save(trainer); });
 }
 
-void StepFile::taking_steps(bool begins) {
+void StepFile::steps_running(bool begins) {
   if (begins)
-    keeps_.emplace();
+    grace_.emplace();
   else
-    keeps_.reset();
+    grace_.reset();
 }
 
 bool StepFile::load(JointTrainer& trainer) {
   if (!setup_.resume || !std::filesystem::exists(path())) return false;
   const io::TensorFile file = io::read_safetensors(path());
-  if (file.meta("run") != identity_) refuse_other_run(path());
+  if (file.meta("run") != identity_) throw_other_run(path());
   const std::int64_t step = step_in(path(), file.meta("step"), trainer.steps_planned());
   for (const StateBlock& block : trainer.state()) {
     std::vector<float> values = file.get<float>(block.name);

@@ -18,15 +18,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder of our own that goes with its owner, or with the process.
+/// A temporary folder, removed with this object or at the end of the process.
 struct ScratchFolder {
   std::string path;
-  io::UnfinishedFile noted;
+  io::UnfinishedFile cleanup;
   ScratchFolder() : path((fs::temp_directory_path() / "ngs-mask-XXXXXX").string()) {
     if (mkdtemp(path.data()) == nullptr)
-      throw Error(ErrorCode::kEnvironment, path + ": cannot be made: " + std::strerror(errno),
-                  "set TMPDIR to a folder that can be written");
-    noted.note(path.c_str());
+      throw Error(ErrorCode::kEnvironment, path + ": cannot be created: " + std::strerror(errno),
+                  "set TMPDIR to a writable folder");
+    cleanup.note(path.c_str());
   }
   ~ScratchFolder() {
     std::error_code ignored;
@@ -36,7 +36,7 @@ struct ScratchFolder {
   ScratchFolder& operator=(const ScratchFolder&) = delete;
 };
 
-constexpr int kPoints = 3;  // per side in the prompts of a program
+constexpr int kPoints = 3;  // points per label in the prompts of a program
 
 Json prompts_json(const std::string& view, const ViewPrompt& prompt, const std::string& mask) {
   Json json{{"ngs_prompts", 1}, {"view", view}, {"width", prompt.width_px}, {"height", prompt.height_px}};
@@ -56,29 +56,29 @@ ImageU8 likely_object(const ViewPrompt& prompt) {
   return mask;
 }
 
-PixelMask read_answer(const std::string& path, const ViewPrompt& prompt, const std::string& who) {
+PixelMask read_output(const std::string& path, const ViewPrompt& prompt, const std::string& who) {
   const auto refuse = [&](const std::string& found) {
     throw Error(ErrorCode::kBadInput, who + ": " + found + ", expected a mask of " +
                                           io::to_string({prompt.width_px, prompt.height_px}) +
                                           " px, 0 or 255, as PNG at {out}");
   };
   std::error_code status;
-  if (!fs::exists(path, status)) refuse("it wrote nothing");
-  if (fs::symlink_status(path, status).type() != fs::file_type::regular) refuse("it did not write a plain file");
+  if (!fs::exists(path, status)) refuse("it wrote no file");
+  if (fs::symlink_status(path, status).type() != fs::file_type::regular) refuse("it did not write a regular file");
   const io::ImageSize size = with_context(who, [&] { return io::read_image_size(path); });
   if (size != io::ImageSize{prompt.width_px, prompt.height_px}) refuse("it wrote " + io::to_string(size) + " px");
   const io::RawMask raw = with_context(who, [&] { return io::read_mask_raw(path, io::Palette::kMask); });
   return object_pixels(raw.samples());
 }
 
-/// The files of one call.
+/// Files of one call.
 struct CallFiles {
-  std::string image, prompts, out, mask;  // mask: empty where the prompts are by hand
+  std::string image, prompts, out, mask;  // mask: empty for prompts by hand
 };
 
 struct CommandSegmenter {
   std::vector<std::string> words;
-  bool kept_running;  // one program for all calls, which reads a line of JSON for each
+  bool is_persistent;  // one process for all calls, which reads one line of JSON per call
   double time_s;
   const Scene& scene;
   PhotoLoader load;
@@ -92,16 +92,16 @@ struct CommandSegmenter {
     const CallFiles files{base + "-image.png", base + "-prompts.json", base + "-out.png",
                           prompt.by_hand ? "" : base + "-mask.png"};
     const auto& [image, prompts, out, mask] = files;
-    io::UnfinishedFile noted[4];
-    for (int i = 0; const std::string& file : {image, prompts, out, mask}) noted[i++].note(file.c_str());
+    io::UnfinishedFile cleanup[4];
+    for (int i = 0; const std::string& file : {image, prompts, out, mask}) cleanup[i++].note(file.c_str());
     io::write_png(image, load(view));
     if (!mask.empty()) io::write_png(mask, likely_object(prompt));
     io::write_file(prompts, prompts_json(name, prompt, mask).dump(1) + "\n");
     const std::string who = "--segmenter " + words[0] + " on view " + name;
-    const std::optional<ChildResult> ended = kept_running ? ask(name, files, who) : run_once(files);
+    const std::optional<ChildResult> ended = is_persistent ? request_mask(name, files, who) : run_once(files);
     if (ended && ended->end == ChildResult::End::kStopped) return PixelMask(prompt.hint.size());
     if (ended) check(*ended, who);
-    PixelMask found = read_answer(out, prompt, who);
+    PixelMask found = read_output(out, prompt, who);
     for (const std::string& file : {image, prompts, out, mask})
       if (!file.empty()) fs::remove(file);
     return found;
@@ -116,34 +116,36 @@ struct CommandSegmenter {
                      limits());
   }
 
-  /// Nothing where it answered that the mask is there.
-  std::optional<ChildResult> ask(const std::string& view, const CallFiles& files, const std::string& who) {
+  /// Sends one request; nullopt: the response is {"ok": true}.
+  std::optional<ChildResult> request_mask(const std::string& view, const CallFiles& files, const std::string& who) {
     if (!program) program.emplace(words);
     const Json request{{"view", view}, {"image", files.image}, {"prompts", files.prompts}, {"out", files.out}};
     const LineProgram::Answer answer =
         program->ask(request.dump(-1, ' ', false, Json::error_handler_t::replace), limits());
     if (answer.ended) return answer.ended;
-    const Json said = Json::parse(answer.line, nullptr, false);
-    if (said.is_object() && said.contains("ok") && said["ok"] == true) return std::nullopt;
-    const bool explained = said.is_object() && said.contains("error") && said["error"].is_string();
+    const Json response = Json::parse(answer.line, nullptr, false);
+    if (response.is_object() && response.contains("ok") && response["ok"] == true) return std::nullopt;
+    const bool explained = response.is_object() && response.contains("error") && response["error"].is_string();
     throw Error(explained ? ErrorCode::kEnvironment : ErrorCode::kBadInput,
-                who + ": it answered " + (explained ? said["error"].get<std::string>() : answer.line.substr(0, 200)) +
+                who + ": it responded " +
+                    (explained ? response["error"].get<std::string>() : answer.line.substr(0, 200)) +
                     ", expected {\"ok\":true}",
-                "run it by hand on one photo");
+                "run the program by hand on one photo");
   }
 
   void check(const ChildResult& child, const std::string& who) const {
-    if (child.end == ChildResult::End::kExited && child.code == 0 && !kept_running) return;
+    if (child.end == ChildResult::End::kExited && child.code == 0 && !is_persistent) return;
     std::ostringstream found;
-    if (child.end == ChildResult::End::kTimedOut) found << "not done after " << time_s << " s";
+    if (child.end == ChildResult::End::kTimedOut) found << "not finished after " << time_s << " s";
     if (child.end == ChildResult::End::kSignalled) found << "ended by signal " << child.code;
     if (child.end == ChildResult::End::kExited) found << "exit code " << child.code;
-    const std::string said = child.last_words.substr(child.last_words.rfind('\n') + 1);
+    const std::string last_line = child.output_tail.substr(child.output_tail.rfind('\n') + 1);
     throw Error(ErrorCode::kEnvironment,
-                who + ": " + found.str() + (kept_running ? ", expected a line" : ", expected exit code 0 and a mask") +
-                    (said.empty() ? "" : "; it said: " + said),
-                child.end == ChildResult::End::kTimedOut ? "give it more time with --segmenter-timeout-s"
-                                                         : "run it by hand on one photo");
+                who + ": " + found.str() +
+                    (is_persistent ? ", expected a line of JSON" : ", expected exit code 0 and a mask") +
+                    (last_line.empty() ? "" : "; its last output: " + last_line),
+                child.end == ChildResult::End::kTimedOut ? "raise the limit with --segmenter-timeout-s"
+                                                         : "run the program by hand on one photo");
   }
 };
 
@@ -155,15 +157,15 @@ Segmenter command_segmenter(const SegmenterOptions& options, const Scene& scene,
     return std::any_of(words.begin() + 1, words.end(),
                        [&](const std::string& w) { return w.find(placeholder) != w.npos; });
   };
-  const bool kept_running = !has("{image}") && !has("{prompts}") && !has("{out}");
+  const bool is_persistent = !has("{image}") && !has("{prompts}") && !has("{out}");
   for (const char* placeholder : {"{image}", "{prompts}", "{out}"})
-    if (!kept_running && !has(placeholder))
+    if (!is_persistent && !has(placeholder))
       throw Error(ErrorCode::kUsage,
                   "--segmenter '" + options.segmenter + "': no " + placeholder +
                       ", expected all of {image} {prompts} {out}, or none",
                   "for example --segmenter 'python3 sam.py {image} {prompts} {out}'");
   auto command = std::shared_ptr<CommandSegmenter>(
-      new CommandSegmenter{words, kept_running, options.segmenter_timeout_s, scene, std::move(load), run});
+      new CommandSegmenter{words, is_persistent, options.segmenter_timeout_s, scene, std::move(load), run});
   return [command](std::size_t view, const ViewPrompt& prompt) { return command->segment(view, prompt); };
 }
 

@@ -11,9 +11,9 @@ namespace ngs::cli {
 namespace {
 
 constexpr int kLeastWindow = 48;            // px
-constexpr int kCutsByHand = 5;              // of a prompt that a person made
-constexpr double kSpeck = 0.01;             // of the mask: smaller holes are filled
-constexpr std::int64_t kLeastCertain = 64;  // pixels per side to learn a window's colours from
+constexpr int kCutsByHand = 5;              // iterations for prompts by hand
+constexpr double kSpeck = 0.01;             // fraction of the mask: smaller holes are filled
+constexpr std::int64_t kLeastCertain = 64;  // certain pixels per label to fit a window's colour models
 
 struct Window {
   int left, top, width, height;
@@ -35,18 +35,18 @@ ViewPrompt cropped(const ViewPrompt& prompt, const Window& w) {
   return out;
 }
 
-/// Both sides are certain somewhere in the window, and something is not.
-bool is_worth_it(const ViewPrompt& prompt) {
+/// True if the window has enough certain pixels of both labels, and uncertain pixels.
+bool can_be_cut(const ViewPrompt& prompt) {
   std::int64_t count[4] = {};
   for (const PixelHint hint : prompt.hint) ++count[std::size_t(hint)];
   return std::min(count[0], count[1]) >= kLeastCertain && count[2] + count[3] > 0;
 }
 
-/// A window that the photo may cut off, and what was cut out of its part of the photo.
+/// A window, its part inside the photo, and the mask of that part.
 struct WindowCut {
   int left, top;
   Window part;
-  PixelMask mask = {};  // empty: has no say
+  PixelMask mask = {};  // empty: not segmented
 };
 
 std::vector<WindowCut> windows_over(const ImageU8& photo, int window_px) {
@@ -62,7 +62,7 @@ std::vector<WindowCut> windows_over(const ImageU8& photo, int window_px) {
   return cuts;
 }
 
-/// Every pixel takes the mean of its windows, weighted by how central it is; `whole` votes where a window has no say.
+/// Each pixel gets the mean of its windows, weighted by a tent; pixels without a segmented window keep `whole`.
 PixelMask mean_of(const std::vector<WindowCut>& cuts, int window_px, int width_px, PixelMask whole) {
   std::vector<float> votes(whole.size()), weights(whole.size());
   const auto tent = [&](int i) { return 1 - std::abs(2 * (float(i) + 0.5f) / float(window_px) - 1); };
@@ -81,8 +81,8 @@ PixelMask mean_of(const std::vector<WindowCut>& cuts, int window_px, int width_p
   return whole;
 }
 
-/// Cuts the whole and, side by side with it, overlapping windows (none where window_px is 0), each with the colours
-/// around it: a dark foot is object although the room is dark.
+/// Segments the whole photo and, in parallel, overlapping windows (none if window_px is 0) with local colour models:
+/// a dark foot can be object in a dark room.
 PixelMask cut_windows(const Exec& exec, const ImageU8& photo, const ViewPrompt& prompt, int window_px,
                       const GrabCutOptions& options) {
   std::vector<WindowCut> cuts;
@@ -94,8 +94,8 @@ PixelMask cut_windows(const Exec& exec, const ImageU8& photo, const ViewPrompt& 
       return;
     }
     WindowCut& cut = cuts[std::size_t(i - 1)];
-    const ViewPrompt mine = cropped(prompt, cut.part);
-    if (is_worth_it(mine)) cut.mask = grab_cut(cropped(photo, cut.part), mine, options);
+    const ViewPrompt part = cropped(prompt, cut.part);
+    if (can_be_cut(part)) cut.mask = grab_cut(cropped(photo, cut.part), part, options);
   });
   return mean_of(cuts, window_px, photo.width_px, std::move(whole));
 }

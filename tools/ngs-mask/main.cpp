@@ -1,4 +1,4 @@
-// ngs-mask: strokes or boxes on some photos -> masks of all views, through the splat.
+// ngs-mask: strokes or boxes on some photos -> masks of all views, by way of the splat.
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/stages/render/render_options.h"
 #include "segmenters.h"
@@ -59,7 +59,7 @@ int make_masks(cli::Run& run, const Options& options, const Files& files) {
                           views.rasterised(run, marks),
                           segment,
                           [&](std::size_t view, const SpreadView& result) {
-                            views.keep(run, view, result, files.out.path, files.soft.path);
+                            views.store(run, view, result, files.out.path, files.soft.path);
                           }};
   if (run.dry_run()) return run.plan(views.plan(ply.cloud, options.spread.passes)), cli::kDone;
   spread_masks(run.exec(), run.monitor(), options.spread, input);
@@ -83,18 +83,18 @@ int main(int argc, char** argv) {
   tool.options(options.spread);
   tool.options(options.raster);
   const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene");
-  const cli::Input& model = tool.optional_input("--model", "3DGS PLY; default: the scene's");
+  const cli::Input& model = tool.optional_input("--model", "3DGS PLY; default: the model of the scene");
   const cli::PromptInputs marks{
       tool.inputs(
           "--prompts",
           "strokes, polygons and boxes as JSON, or a photo with green (object) and red (background) paint on it, "
           "or a PNG of such paint alone (repeatable, or PATH,PATH)"),
-      tool.optional_input("--object-scribbles", "PNG: all that is not black is the object"),
-      tool.optional_input("--background-scribbles", "PNG: all that is not black is not the object")};
+      tool.optional_input("--object-scribbles", "PNG: pixels that are not black are object"),
+      tool.optional_input("--background-scribbles", "PNG: pixels that are not black are background")};
   const cli::Output& out = tool.output_dir("-o,--output", "folder for the masks, STEM.png, 0/255");
   const cli::Output& soft = tool.optional_output_dir("--soft",
-                                                     "folder for soft masks, 0..255: where the photo and the other "
-                                                     "views agree, and where not");
+                                                     "folder for soft masks, 0..255: agreement of the photo with "
+                                                     "the other views");
   tool.stops_on_request();
 
   return tool.run(argc, argv, [&](cli::Run& run) {

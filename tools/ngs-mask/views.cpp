@@ -24,7 +24,7 @@ MaskViews::MaskViews(const Scene& scene, int detail)
     : scene_(scene), detail_(detail), file_names_(output_names(scene.views)) {
   for (const SceneView& view : scene.views) {
     Camera camera = view.camera;
-    // What no mask depends on may be missing.
+    // Photos of held-out views may be missing: no mask depends on them.
     const bool is_missing = view.split == Split::kHeldOut && !io::is_regular_file(view.image_path);
     has_photo_.push_back(!view.image_path.empty() && !is_missing);
     if (has_photo_.back()) {
@@ -49,12 +49,11 @@ std::map<std::size_t, ViewPrompt> MaskViews::rasterised(
   std::map<std::size_t, ViewPrompt> prompts;
   std::ostringstream text;
   text << std::fixed << std::setprecision(2);
-  Json said = Json::array();
+  Json marked = Json::array();
   for (const auto& [view, hands] : marks) {
     const Camera& camera = cameras_[view];
     if (!has_photo_[view])
-      throw Error(ErrorCode::kInconsistent,
-                  "view " + camera.name + ": it has no photo, expected one under the strokes");
+      throw Error(ErrorCode::kInconsistent, "view " + camera.name + ": no photo, expected one for the strokes");
     const ViewPrompt& prompt = prompts.emplace(view, rasterise(hands, camera.width_px, camera.height_px)).first->second;
     const auto share = [&](const auto& is_counted) {
       return double(std::count_if(prompt.hint.begin(), prompt.hint.end(), is_counted)) / double(prompt.hint.size());
@@ -62,19 +61,19 @@ std::map<std::size_t, ViewPrompt> MaskViews::rasterised(
     const double object = share([](PixelHint hint) { return hint == PixelHint::kObject; }),
                  box = share([](PixelHint hint) { return hint == PixelHint::kLikelyObject; }),
                  background = share([](PixelHint hint) { return hint == PixelHint::kBackground; });
-    said.push_back({{"view", camera.name}, {"object", object}, {"box", box}, {"background", background}});
+    marked.push_back({{"view", camera.name}, {"object", object}, {"box", box}, {"background", background}});
     text << "marked on " << camera.name << ": object " << 100 * object << " %, ";
     if (box > 0) text << "in boxes " << 100 * box << " %, ";
     text << "background " << 100 * background << " %\n";
   }
   run.text(text.str());
   run.result()["reference"] = cameras_[marks.begin()->first].name;
-  run.result()["marked"] = said;
+  run.result()["marked"] = marked;
   return prompts;
 }
 
-void MaskViews::keep(Run& run, std::size_t view, const SpreadView& result, const std::string& masks,
-                     const std::string& soft) {
+void MaskViews::store(Run& run, std::size_t view, const SpreadView& result, const std::string& masks,
+                      const std::string& soft) {
   const auto timed = run.monitor().scope("compress");
   const Camera& camera = cameras_[view];
   ImageU8 mask(camera.width_px, camera.height_px, 1);
@@ -90,10 +89,10 @@ void MaskViews::keep(Run& run, std::size_t view, const SpreadView& result, const
 Json MaskViews::plan(const GaussianCloud& cloud, int passes) const {
   double pixels = 0, largest = 0;
   for (const Camera& camera : cameras_) {
-    const double mine = double(camera.width_px) * camera.height_px;
-    pixels += mine, largest = std::max(largest, mine);
+    const double area = double(camera.width_px) * camera.height_px;
+    pixels += area, largest = std::max(largest, area);
   }
-  // 3e-6 s per pixel for GrabCut and its hints; a mask of a byte per pixel is kept of every view
+  // 3e-6 s per pixel for GrabCut and its hints; one byte per pixel for the masks of all views
   return {{"views", cameras_.size()},
           {"passes", passes},
           {"time_s", 3e-6 * pixels * passes},
@@ -133,17 +132,14 @@ void MaskViews::finish(Run& run) {
   run.text(table.str());
   if (const int n = count[MaskSource::kRendered]; n > 0)
     run.monitor().warn(std::to_string(n) +
-                       " views have no mask of their own (no photo, or one that the others contradict): "
-                       "theirs is rendered from the other views");
+                       " views without a segmented mask (no photo, or contradicted by other views): "
+                       "their masks are rendered from the other views");
   const int unseen = count[MaskSource::kUnseen];
   if (unseen > 0)
     run.monitor().warn(std::to_string(unseen) +
-                       " views do not show the object as far as the others know: their masks are empty");
+                       " views do not contain the object according to the other views: their masks are empty");
   if (unseen > 0 && unseen + count[MaskSource::kReference] == int(outcome_.size()))
-    run.monitor().warn(
-        "the object is in the masks of the marked views alone, which is too little to know it by elsewhere: mark more "
-        "of "
-        "it");
+    run.monitor().warn("the object was found only in the marked views: mark more of it, or mark further views");
 }
 
 }  // namespace ngs::cli

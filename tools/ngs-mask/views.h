@@ -1,5 +1,5 @@
 #pragma once
-// The views at the size that is segmented, and what becomes of them.
+// Views at the size used for segmentation, and their resulting masks.
 #include <map>
 
 #include "ngs/options/field.h"
@@ -16,18 +16,18 @@ struct ViewOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.view, Text{"view", "NAME", "the view that the prompts are of; default: as each says"});
+    visit(self.view, Text{"view", "NAME", "Picture of the prompts; default: the name in each file"});
     visit(self.detail, Field<int>{"detail", "",
-                                  "segment and write at up to this many times the scene's working size, as far "
-                                  "as the photos have the pixels",
+                                  "Size of the masks: at most this many times the scene's working size, and "
+                                  "at most that of the photos",
                                   1, 16});
   }
 };
 
 class MaskViews {
  public:
-  /// Reads the headers of the photos, those of held-out views only where they are there: each view is segmented at up
-  /// to `detail` times the camera's size.
+  /// Reads the headers of the photos; photos of held-out views may be missing. Each view is segmented at up to `detail`
+  /// times the camera's size.
   MaskViews(const Scene& scene, int detail);
 
   const std::vector<Camera>& cameras() const { return cameras_; }
@@ -36,23 +36,23 @@ class MaskViews {
   double scale() const { return scale_; }
   ImageU8 photo(std::size_t view) const;
 
-  /// The marks at the sizes that are segmented. Says in the report and for people how much of each view they cover.
+  /// The marks at the sizes used for segmentation. Reports and prints the fraction of each view that they cover.
   /// kInconsistent for a marked view without a photo.
   std::map<std::size_t, ViewPrompt> rasterised(Run& run,
                                                const std::map<std::size_t, std::vector<HandPrompt>>& marks) const;
 
   /// The file of a view's mask in a folder.
   std::string file_in(const std::string& folder, std::size_t view) const;
-  /// Keeps the pictures of a view until finish(): a run that ends before leaves the masks of before.
-  void keep(Run& run, std::size_t view, const SpreadView& result, const std::string& masks, const std::string& soft);
+  /// Stores the pictures of a view until finish(), so that an aborted run does not change existing masks.
+  void store(Run& run, std::size_t view, const SpreadView& result, const std::string& masks, const std::string& soft);
   Json plan(const GaussianCloud& cloud, int passes) const;
-  /// Writes the pictures; then table, warnings and the counts of the report.
+  /// Writes the pictures, then prints the table and warnings and reports the counts.
   void finish(Run& run);
 
  private:
   const Scene& scene_;
   int detail_;
-  std::vector<std::string> file_names_;  // [views] of the masks
+  std::vector<std::string> file_names_;  // [views] names of the masks
   double scale_ = 1;
   std::vector<Camera> cameras_;
   std::vector<bool> has_photo_;

@@ -1,4 +1,4 @@
-// ngs-rbf: boundary PLY + query PLY -> query PLY with interpolated features. Algorithm 1, step 5.
+// ngs-rbf: reads a boundary PLY and a query PLY, writes a query PLY with interpolated features. Algorithm 1, step 5.
 #include "ngs/io/ply/query_ply.h"
 #include "ngs/stages/boundary/rbf_stage.h"
 #include "shared/scene/boundary.h"
@@ -17,7 +17,7 @@ int main(int argc, char** argv) {
   const cli::Output& out = tool.output("-o,--output", "query PLY with f_inter_*, neighbours and weights");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
-    if (options.width != "auto") run.warn_unused({"--width-factor"}, "but by --width auto");
+    if (options.width != "auto") run.warn_unused({"--width-factor"}, "without --width auto");
     const io::GaussianPly ply = io::read_gaussian_ply(boundary_ply.path);
     const BoundarySet boundary = cli::boundary_of(run, ply, boundary_ply.path);
     QueryField field = io::read_query_ply(query_ply.path);

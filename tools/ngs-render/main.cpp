@@ -1,4 +1,4 @@
-// ngs-render: scene.json + model -> pictures of colour, mask, alpha, depth and labels at any camera.
+// ngs-render: renders colour, mask, alpha, depth and labels of a model at the cameras of a scene.json.
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -23,7 +23,7 @@ void warn_unused(cli::Run& run, const std::set<std::string>& layers) {
     run.warn_unused({"--amodal", "--threshold"}, "without the layer mask, labels or overlay");
 }
 
-/// The size that is asked for; without --scale that of the photos.
+/// The camera at the size of --scale; 0: the size of the photos.
 Camera camera_of(const Scene& scene, std::size_t view, const RenderOptions& options) {
   const Camera& working = scene.views[view].camera;
   const io::ImageSize size = options.scale > 0 ? io::ImageSize{scaled_size_px(working.width_px, options.scale),
@@ -37,7 +37,7 @@ std::vector<std::size_t> wanted_views(cli::Run& run, const Scene& scene, const s
   if (wanted.empty())
     run.nothing_found(
         "--views " + views + ": none of the scene's " + std::to_string(scene.views.size()) + " views, expected some",
-        "--views all renders them all");
+        "render all views with --views all");
   return wanted;
 }
 
@@ -57,7 +57,7 @@ int main(int argc, char** argv) {
   const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene");
   const cli::Input& model =
       tool.input("model", "any 3DGS model (.ply, .spz, .sog, .splat, .ksplat); masks need a labelled PLY");
-  const cli::Output& out = tool.output_dir("-o,--output", "folder for the pictures");
+  const cli::Output& out = tool.output_dir("-o,--output", "folder for the images");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
     Scene scene = cli::read_scene(run, scene_json.path);

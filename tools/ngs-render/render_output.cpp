@@ -16,7 +16,7 @@ namespace {
 
 constexpr const char* kLayers[] = {"color", "mask", "alpha", "depth", "labels", "overlay"};
 
-/// Expected depth of the covered pixels scaled so that 65535 is the view's largest.
+/// Expected depth of the covered pixels, scaled so that 65535 is the largest depth of the view.
 ImageU16 depth_to_16bit(const RenderedView& view) {
   ImageU16 out(view.width_px, view.height_px, 1);
   float largest = 0;
@@ -116,15 +116,14 @@ std::set<std::string> parse_layers(const std::vector<std::string>& layers, const
   }
   if (chosen.empty()) chosen.insert("mask");
   if (format == Format::kExr && chosen.contains("overlay"))
-    throw Error(ErrorCode::kUsage, "--layers: 'overlay' is a picture, expected --format png for it",
-                "leave it out of the EXR");
+    throw Error(ErrorCode::kUsage, "--layers: 'overlay' cannot be stored in an EXR, expected --format png",
+                "leave overlay out");
   const bool needs_labels = chosen.contains("mask") || chosen.contains("labels") || chosen.contains("overlay");
   if (needs_labels && objects.gaussians == 0)
-    throw Error(ErrorCode::kNothingFound, "the model has no Gaussians, expected some for masks",
-                "ask for --layers color");
+    throw Error(ErrorCode::kNothingFound, "the model has no Gaussians, expected some for masks", "use --layers color");
   if (needs_labels && objects.names.empty())
     throw Error(ErrorCode::kBadInput, "the model has no property ngs_label, expected a labelled PLY for masks",
-                "label it first: ngs-variance scene.json -o boundary.ply, or ask for --layers color");
+                "label the model first: ngs-variance scene.json -o boundary.ply, or use --layers color");
   return chosen;
 }
 

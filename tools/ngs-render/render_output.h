@@ -1,10 +1,12 @@
 #pragma once
-// Where ngs-render puts what it rendered.
-//   png, one layer:     DIR/STEM.png              several layers: DIR/<layer>/STEM.png
-//   masks of several objects: .../<object>/STEM.png
-//   exr:                DIR/STEM.exr with R G B A Z ngs.mask ngs.id (masks of several objects:
-//   ngs.mask_<object>)
-// STEM holds folders where the photos of several folders are called alike (scene/view_names.h).
+// The output files of ngs-render.
+// clang-format off
+//   png, one layer                  DIR/STEM.png
+//   png, several layers             DIR/<layer>/STEM.png
+//   png, masks of several objects   .../<object>/STEM.png
+//   exr                             DIR/STEM.exr with R G B A Z ngs.mask ngs.id (several objects: ngs.mask_<object>)
+// clang-format on
+// STEM includes folders if photos in several folders have the same name (scene/view_names.h).
 #include <set>
 #include <string>
 #include <vector>
@@ -26,42 +28,43 @@ struct OutputOptions {
   FileNames names = FileNames::kStem;
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.format,
-          Choice<Format>{"format", "png: 8 bit (16 bit for depth and labels); exr: float layers", kFormatNames});
+    visit(self.format, Choice<Format>{"format", "Format; png: 8 bit (16 bit for depth and labels); exr: float layers",
+                                      kFormatNames});
     visit(self.names,
-          Choice<FileNames>{"names", "stem: a.jpg -> a.png; image: a.jpg.png, as COLMAP names masks", kFileNames});
+          Choice<FileNames>{"names", "File names; stem: a.jpg -> a.png; image: a.jpg.png, as for COLMAP masks",
+                            kFileNames});
   }
 };
 
 struct Objects {
   std::vector<std::string> names;
   std::vector<LabelColumns> columns;
-  std::vector<std::uint16_t> ids;  // in label maps
+  std::vector<std::uint16_t> ids;  // ids in label maps
   std::int64_t gaussians = 0;
 };
-/// The label sets of a model; none for a plain one. Ids are those of the scene's label maps; where it has none, 1 2 3
+/// The label sets of a model; none for a plain splat. Ids are those of the scene's label maps; without label maps 1 2 3
 /// ...
 Objects objects_of(const io::GaussianPly& ply, const Scene& scene);
 
-/// Known layer names, default {"mask"}; kUsage for others and for masks of a model without labels.
-/// An overlay has no place in an EXR (kUsage).
+/// The layers, default {"mask"}. Throws kUsage for unknown names, for masks of a model without labels and for an
+/// overlay in an EXR.
 std::set<std::string> parse_layers(const std::vector<std::string>& layers, const Objects& objects, Format format);
 
 struct Destination {
   std::string folder, stem;
 };
-/// [views] the STEM of each view's files (output_names); with kImage the whole name of its photo, folders included.
+/// [views] The STEM of each view's files (output_names); with kImage the full name of its photo, folders included.
 std::vector<std::string> file_names(const Scene& scene, FileNames names);
-/// The files that write_view() writes.
+/// The files that write_view() would write.
 std::vector<std::string> files_of(const Destination& to, const Objects& objects, const std::set<std::string>& layers,
                                   Format format);
 
-/// What is wanted of every view.
+/// The images to write per view.
 struct Wanted {
   const Objects& objects;
   const std::set<std::string>& layers;
   Format format;
-  double threshold;  // of the rendered label: a pixel above it is the object's
+  double threshold;  // pixels with a rendered label above it are object
 };
 void write_view(const Destination& to, const RenderedView& view, const Wanted& wanted);
 

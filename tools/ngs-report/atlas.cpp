@@ -26,7 +26,7 @@ const LabelColumns* labels_of(const io::GaussianPly& ply, const std::string& obj
   return all.label.empty() || all.views.empty() || all.boundary.empty() ? nullptr : &all;
 }
 
-/// The photo in grey and dimmed, wrong pixels in the colour of their cause.
+/// Dimmed grey photo, with wrong pixels in the colour of their cause.
 ImageU8 picture_of(const ErrorAtlas& atlas, const ImageF& photo) {
   ImageU8 out(photo.width_px, photo.height_px, 3);
   for (std::size_t p = 0; p < atlas.cause.size(); ++p) {
@@ -43,7 +43,7 @@ struct Pixel {
   int x, y;
 };
 
-/// Of the block of `factor` by `factor` pixels that begins at `first`, the last one with a cause, else the first.
+/// The last pixel with a cause in the block of `factor` x `factor` pixels at `first`, or `first` without a cause.
 Pixel shown_pixel(const ErrorAtlas& atlas, const ImageU8& picture, Pixel first, int factor) {
   Pixel shown = first;
   for (int y = first.y; y < std::min(first.y + factor, picture.height_px); ++y)
@@ -53,7 +53,7 @@ Pixel shown_pixel(const ErrorAtlas& atlas, const ImageU8& picture, Pixel first, 
   return shown;
 }
 
-/// Smaller, the wrong pixels kept.
+/// Downsampled, preferring wrong pixels.
 ImageU8 reduced(const ErrorAtlas& atlas, const ImageU8& picture) {
   const int factor = std::max(1, (picture.width_px + kPictureWidthPx - 1) / kPictureWidthPx);
   ImageU8 out((picture.width_px + factor - 1) / factor, (picture.height_px + factor - 1) / factor, 3);
@@ -86,7 +86,7 @@ class AtlasMaker {
   AtlasMaker(const Exec& exec, const Scene& scene, const io::GaussianPly& ply)
       : exec_(exec), scene_(scene), ply_(ply), splat_(splat_options({}, ply.cloud, scene)) {}
 
-  /// False where the view has no truth, no camera or no labels.
+  /// False if the view has no truth, no camera or no labels.
   bool make(const ShownView& view, Found& found) const {
     const LabelColumns* labels = labels_of(ply_, view.object);
     if (labels == nullptr || !view.scene_view) return false;
@@ -114,7 +114,7 @@ class AtlasMaker {
   SplatOptions splat_;
 };
 
-/// The views of a rig have names with folders; an object has none, whatever a metrics.json calls it.
+/// View names of a rig may contain folders; slashes in object names are replaced.
 void write_picture(const std::string& folder, const ShownView& view, const ImageU8& picture) {
   std::string object = view.object;
   std::replace(object.begin(), object.end(), '/', '_');
@@ -155,7 +155,7 @@ std::string errors_section(const Exec& exec, RunFolder& run, Pictures& pictures,
     const io::GaussianPly ply = io::read_gaussian_ply(model);
     const AtlasMaker maker(exec, *run.scene, ply);
     for (const ShownView& view : run.views) {
-      if (folder.empty() && table.rows.size() == kMostViews) {  // each takes renderings of its own
+      if (folder.empty() && table.rows.size() == kMostViews) {  // each view costs renderings
         all_views = false;
         break;
       }
@@ -175,7 +175,7 @@ std::string errors_section(const Exec& exec, RunFolder& run, Pictures& pictures,
   if (table.rows.empty()) return {};
   if (!all_views)
     table.caption =
-        "Wrong pixels of the " + std::to_string(kMostViews) + " worst views by cause; with --atlas those of every view";
+        "Wrong pixels of the " + std::to_string(kMostViews) + " worst views by cause; --atlas lists every view";
   add_row(all_views ? "all" : "all of these", sum);
   return section("errors", "Where the errors come from",
                  legend_html() + "<div class=sheet>" + figures + "</div>" + table.html());

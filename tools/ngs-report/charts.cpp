@@ -9,7 +9,7 @@
 namespace ngs::cli {
 namespace {
 
-constexpr double kDecadesWithAllTicks = 3.2;  // of more their labels would touch
+constexpr double kDecadesWithAllTicks = 3.2;  // above, tick labels would overlap
 constexpr double kWidth = 560, kHeight = 300, kLeft = 78, kRight = 16, kTop = 14, kBottom = 48;
 
 struct Axis {
@@ -17,8 +17,8 @@ struct Axis {
   double step = 1;
 
   void include(double value) { low = std::min(low, value), high = std::max(high, value); }
-  /// Widens to round ticks, about four of them.
-  void settle() {
+  /// Widens the range to round ticks, about four of them.
+  void round_to_ticks() {
     if (!(high > low)) high = low + (low == 0 ? 1 : std::abs(low) * 0.1);
     const double rough = (high - low) / 4, power = std::pow(10, std::floor(std::log10(rough)));
     step = power * (rough / power < 1.5 ? 1 : rough / power < 3.5 ? 2 : rough / power < 7.5 ? 5 : 10);
@@ -34,16 +34,16 @@ std::string text_svg(double x, double y, const char* anchor, const std::string& 
          "</text>";
 }
 
-/// 1, 2 and 5 of every power; k counts them from 1 on.
-double iteration_number(int k) {
+/// The k-th tick value of the series ..., 1, 2, 5, 10, 20, 50, ...; k = 0 is 1.
+double tick_value(int k) {
   constexpr double kDigits[] = {1, 2, 5};
   const int power = int(std::floor(k / 3.0));
   return kDigits[k - 3 * power] * std::pow(10, power);
 }
-/// The largest round number that is not above `value`, which is positive.
-int last_iteration_number(double value) {
+/// Index of the largest tick value <= `value` (> 0).
+int last_tick_index(double value) {
   int k = 3 * int(std::floor(std::log10(value))) - 1;
-  while (iteration_number(k + 1) <= value * (1 + 1e-9)) ++k;
+  while (tick_value(k + 1) <= value * (1 + 1e-9)) ++k;
   return k;
 }
 
@@ -55,17 +55,16 @@ struct Frame {
   double py(double value) const { return kHeight - kBottom - y.share(value) * (kHeight - kTop - kBottom); }
 };
 
-/// On a logarithmic axis its round numbers.
+/// Ticks of the x axis; on a logarithmic axis 1, 2 and 5 of each decade.
 std::vector<double> ticks_of(const Frame& frame) {
   std::vector<double> ticks;
   if (!frame.log_x)
     for (int i = 0; frame.x.low + i * frame.x.step <= frame.x.high + frame.x.step / 2; ++i)
       ticks.push_back(frame.x.low + i * frame.x.step);
   if (frame.log_x) {
-    const bool powers_alone = frame.x.high - frame.x.low > kDecadesWithAllTicks;
-    for (int k = last_iteration_number(std::pow(10, frame.x.low));
-         std::log10(iteration_number(k)) <= frame.x.high + 1e-9; ++k)
-      if (!powers_alone || k % 3 == 0) ticks.push_back(iteration_number(k));
+    const bool powers_only = frame.x.high - frame.x.low > kDecadesWithAllTicks;
+    for (int k = last_tick_index(std::pow(10, frame.x.low)); std::log10(tick_value(k)) <= frame.x.high + 1e-9; ++k)
+      if (!powers_only || k % 3 == 0) ticks.push_back(tick_value(k));
   }
   return ticks;
 }
@@ -100,11 +99,11 @@ std::string axes_svg(const Plot& plot, const Frame& frame) {
 
 struct Box {
   double left, top, right, bottom;
-  bool meets(const Box& b) const { return left < b.right && b.left < right && top < b.bottom && b.top < bottom; }
+  bool overlaps(const Box& b) const { return left < b.right && b.left < right && top < b.bottom && b.top < bottom; }
 };
 
-/// Writes labels beside their dots, each where neither a dot nor another label is; where there is no such place the
-/// label is the dot's tooltip alone.
+/// Places labels next to their dots without overlap with dots or other labels. A label that does not fit remains the
+/// dot's tooltip only.
 class Labels {
  public:
   Labels(const std::vector<PlotSeries>& series, const Frame& frame) {
@@ -113,14 +112,14 @@ class Labels {
         if (!s.line) taken_.push_back(around(frame.px(p.x), frame.py(p.y), kDotPx, kDotPx));
   }
 
-  std::string beside(double x, double y, const std::string& text) {
+  std::string place(double x, double y, const std::string& text) {
     const double half = 0.5 * kGlyphPx * double(text.size()), aside = half + 9;
     const bool left_half = x < kWidth / 2;
     for (const auto& [dx, dy] :
          {std::pair(left_half ? aside : -aside, 0.0), {left_half ? -aside : aside, 0.0}, {0.0, -14.0}, {0.0, 14.0}}) {
       const Box box = around(x + dx, y + dy, half, kLinePx / 2);
       if (box.left < kLeft || box.right > kWidth || box.top < 0 || box.bottom > kHeight - kBottom) continue;
-      if (std::any_of(taken_.begin(), taken_.end(), [&](const Box& b) { return b.meets(box); })) continue;
+      if (std::any_of(taken_.begin(), taken_.end(), [&](const Box& b) { return b.overlaps(box); })) continue;
       taken_.push_back(box);
       const char* anchor = dx > 0 ? "start" : dx < 0 ? "end" : "middle";
       return text_svg(dx > 0 ? box.left : dx < 0 ? box.right : x, y + dy + 4, anchor, text);
@@ -129,7 +128,7 @@ class Labels {
   }
 
  private:
-  static constexpr double kGlyphPx = 8.3;  // on average, in the wider system fonts
+  static constexpr double kGlyphPx = 8.3;  // mean glyph width of the wider system fonts
   static constexpr double kLinePx = 13, kDotPx = 5;
   static Box around(double x, double y, double half_x, double half_y) {
     return {x - half_x, y - half_y, x + half_x, y + half_y};
@@ -145,7 +144,7 @@ std::string series_svg(const PlotSeries& series, const Frame& frame, std::size_t
     if (series.line) continue;
     labels += whiskers_svg(p, frame) + "<circle r=5 cx=" + decimal(x, 1) + " cy=" + decimal(y, 1) + "><title>" +
               escaped(p.label) + "</title></circle>";
-    if (!p.label.empty()) labels += placed.beside(x, y, p.label);
+    if (!p.label.empty()) labels += placed.place(x, y, p.label);
   }
   std::string svg = "<g class=series" + std::to_string(index) + ">";
   if (series.line) {
@@ -181,16 +180,16 @@ std::string plot_svg(const Plot& plot) {
     if (!series.points.empty()) shown.push_back(std::move(series));
   }
   if (shown.empty()) return {};
-  for (const PlotPoint& p : plot.room)
+  for (const PlotPoint& p : plot.extent)
     if (std::isfinite(p.x) && std::isfinite(p.y) && (p.x > 0 || !plot.log_x))
       frame.x.include(frame.across(p.x)), frame.y.include(p.y);
-  if (plot.log_x) {  // to the round numbers around
-    frame.x.low = std::log10(iteration_number(last_iteration_number(std::pow(10, frame.x.low))));
-    frame.x.high = std::log10(iteration_number(last_iteration_number(std::pow(10, frame.x.high)) + 1));
+  if (plot.log_x) {  // widen to the enclosing ticks
+    frame.x.low = std::log10(tick_value(last_tick_index(std::pow(10, frame.x.low))));
+    frame.x.high = std::log10(tick_value(last_tick_index(std::pow(10, frame.x.high)) + 1));
   } else {
-    frame.x.settle();
+    frame.x.round_to_ticks();
   }
-  frame.y.settle();
+  frame.y.round_to_ticks();
   std::string svg = "<svg class=plot role=img aria-label=\"" + escaped(plot.title) + "\" viewBox=\"0 0 " +
                     decimal(kWidth, 0) + " " + decimal(kHeight, 0) + "\"><title>" + escaped(plot.title) + "</title>" +
                     axes_svg(plot, frame);

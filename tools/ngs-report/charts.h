@@ -1,5 +1,5 @@
 #pragma once
-// Inline SVG without scripts. Colours come from the page's CSS classes.
+// Charts as inline SVG, without scripts. Colours come from the page's CSS classes.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -11,25 +11,25 @@ std::string bar_svg(double value, double largest);
 
 struct PlotPoint {
   double x = 0, y = 0;
-  std::string label;  // written beside the point if not empty and there is room, else its tooltip
-  // Whiskers of a dot; none where not given.
+  std::string label;  // drawn next to the point if it fits, otherwise only its tooltip
+  // Whiskers of a dot; NaN: none.
   double x_low = NAN, x_high = NAN, y_low = NAN, y_high = NAN;
 };
 
 struct PlotSeries {
   std::string name;
   std::vector<PlotPoint> points;
-  bool line = true;  // else separate dots
+  bool line = true;  // false: separate dots
 };
 
 struct Plot {
-  std::string title, x_label, y_label;  // title is the text alternative too
+  std::string title, x_label, y_label;  // the title is also the text alternative
   std::vector<PlotSeries> series;
-  bool log_x = false;                // points at x <= 0 are left out
-  std::vector<PlotPoint> room = {};  // not drawn; the axes have room for them
+  bool log_x = false;                  // points at x <= 0 are left out
+  std::vector<PlotPoint> extent = {};  // not drawn; the axes include them
 };
 
-/// Axes with round ticks; points that are not finite are left out. Empty if nothing is left.
+/// Axes with round ticks; non-finite points are left out. Empty without points.
 std::string plot_svg(const Plot& plot);
 
 }  // namespace ngs::cli

@@ -1,4 +1,4 @@
-// ngs-report: the folders of runs, or of a sweep -> one self-contained HTML page.
+// ngs-report: run folders or a sweep -> one self-contained HTML page.
 #include <map>
 
 #include "ngs/core/error.h"
@@ -19,13 +19,13 @@ struct ReportOptions : ngs::cli::PictureOptions {
   static void describe(Self& self, Visitor&& visit) {
     using ngs::Field;
     visit(self.crop_side_px,
-          Field<int>{"crop_side", "px", "side of the zoomed crops, in pixels of the truth", 16, 512});
-    visit(self.budget_mib, Field<double>{"picture_budget", "MiB", "all pictures of the page together", 0, 1000});
+          Field<int>{"crop_side", "px", "Side of the zoomed crops, in pixels of the truth", 16, 512});
+    visit(self.budget_mib, Field<double>{"picture_budget", "MiB", "Size of all pictures on the page", 0, 1000});
   }
 };
 
-/// Runs in folders of one name are called by their paths.
-void tell_apart(std::vector<ngs::cli::RunFolder>& runs) {
+/// Runs with equal folder names get their paths as titles.
+void make_titles_unique(std::vector<ngs::cli::RunFolder>& runs) {
   std::map<std::string, int> count;
   for (const ngs::cli::RunFolder& run : runs) ++count[run.title];
   for (ngs::cli::RunFolder& run : runs)
@@ -43,19 +43,19 @@ int runs_command(int argc, char** argv) {
   const cli::Inputs& folders = tool.inputs("runs", "output folders of pipelines/ngs-gs.sh");
   const cli::Output& out = tool.output("-o,--output", "HTML page");
   const cli::Output& atlas = tool.optional_output_dir(
-      "--atlas", "pictures of the wrong pixels by cause, one PNG per scored view of a single run");
-  const cli::Output& viewer = tool.optional_output(
-      "--viewer", "HTML page on which the object of a single run can be turned, linked from the page");
+      "--atlas", "folder for pictures of wrong pixels by cause, one PNG per scored view; one run only");
+  const cli::Output& viewer =
+      tool.optional_output("--viewer", "HTML page with the object in 3D, linked from the page; one run only");
   return tool.run(argc, argv, [&](cli::Run& run) {
     for (const cli::Output* output : {&atlas, &viewer})
       if (*output && folders.paths.size() > 1)
         throw Error(ErrorCode::kUsage,
-                    output->flags + ": " + std::to_string(folders.paths.size()) + " runs, expected a single one",
-                    "make a page of the run alone for it");
-    if (!viewer) run.warn_unused({"--viewer-gaussians"}, "but by --viewer");
+                    output->flags + ": " + std::to_string(folders.paths.size()) + " runs, expected a single run",
+                    "make a separate page for each run");
+    if (!viewer) run.warn_unused({"--viewer-gaussians"}, "without --viewer");
     std::vector<cli::RunFolder> runs;
     for (const std::string& path : folders.paths) runs.push_back(cli::read_run_folder(path));
-    tell_apart(runs);
+    make_titles_unique(runs);
     run.result()["runs"] = runs.size();
     if (run.dry_run()) return 0;
     if (viewer) {
@@ -63,8 +63,8 @@ int runs_command(int argc, char** argv) {
       io::write_file(viewer.path, object.html);
       run.result()["viewer"] = {{"gaussians", object.shown}, {"left_out", object.left_out}};
     }
-    const cli::BesidePage beside{atlas.path, viewer ? cli::address_from(out.path, viewer.path) : std::string()};
-    const std::string page = cli::report_page(run.exec(), runs, options, beside);
+    const cli::PageOutputs outputs{atlas.path, viewer ? cli::address_from(out.path, viewer.path) : std::string()};
+    const std::string page = cli::report_page(run.exec(), runs, options, outputs);
     io::write_file(out.path, page);
     for (const cli::RunFolder& folder : runs) {
       for (const std::string& problem : folder.problems) run.monitor().warn(problem);
@@ -76,7 +76,7 @@ int runs_command(int argc, char** argv) {
     run.result()["mean_over_runs"] = cli::means_json(runs);
     run.result()["bytes"] = page.size();
     if (runs.size() > 1 || cli::stage_of_chain().empty())
-      run.text(cli::means_table(runs));  // a chain has said it before
+      run.text(cli::means_table(runs));  // a chain already printed it
     return 0;
   });
 }

@@ -33,7 +33,7 @@ std::string image_html(const char* state, const ImageF& image, const std::string
 struct Flip {
   ImageF before, after;
   std::string view, before_name, after_name;
-  bool opens_after = false;  // the page opens on `after`
+  bool opens_after = false;  // show `after` first
 };
 
 std::string flip_html(const Flip& flip) {
@@ -65,7 +65,7 @@ struct SplatPicture {
   int width_px, height_px;
 };
 
-/// A splat of the run's folder from the camera of the view, over a colour; empty where there is none.
+/// Renders a splat of the run's folder from the camera of the view, over a colour; empty without that file.
 ImageF splat_picture(const Exec& exec, const RunFolder& run, const ShownView& view, const SplatPicture& wanted) {
   const fs::path path = fs::path(run.path) / wanted.file;
   if (!view.scene_view || !fs::is_regular_file(path)) return {};
@@ -99,14 +99,14 @@ std::vector<Flip> flips_of(const Exec& exec, const RunFolder& run, const ShownVi
   const auto behind = run.scene && run.scene->background ? background_of(*run.scene) : Vec3<float>{0.5f, 0.5f, 0.5f};
   if (ImageF left = splat_picture(exec, run, view, {"background.ply", behind, width, height}); !left.empty())
     flips.push_back({photo, std::move(left), view.view, "the photo",
-                     several ? "the splat without all objects" : "the splat without the object", false});
+                     several ? "the splat without the objects" : "the splat without the object", false});
   if (const Plane input = plane(view.input, view.input_id); !input.empty())
     flips.push_back({painted(photo, input, true, {1, 1, 1}, 0.55), painted(photo, result, true, kOrange, 0.55),
                      view.view, several ? "the input mask of " + object : "the input mask", "the result", false});
   return flips;
 }
 
-/// Counts on a grid, seen along one axis, brightest where most are.
+/// Density of Gaussians on a grid, projected along one axis.
 ImageF side_picture(const io::GaussianPly& ply, const LabelColumns& labels, int axis,
                     const std::array<std::array<double, 2>, 3>& range) {
   const int across = axis == 0 ? 1 : 0, down = axis == 2 ? 1 : 2;
@@ -122,7 +122,7 @@ ImageF side_picture(const io::GaussianPly& ply, const LabelColumns& labels, int 
     const std::size_t at = std::size_t(y) * kSidePx + std::size_t(x);
     if (is_set(labels.boundary[i]))
       boundary[at] += 1;
-    else if (label_says_object(labels.label[i]))
+    else if (label_is_foreground(labels.label[i]))
       object[at] += 1;
   }
   ImageF picture(kSidePx, kSidePx, 3, 0.08f);
@@ -130,7 +130,7 @@ ImageF side_picture(const io::GaussianPly& ply, const LabelColumns& labels, int 
     for (int x = 0; x < kSidePx; ++x) {
       const std::size_t at = std::size_t(y) * kSidePx + std::size_t(x);
       const auto dot = [&](double count,
-                           const Colour& colour) {  // 2 x 2 px, so that single Gaussians are seen
+                           const Colour& colour) {  // 2 x 2 px, so that single Gaussians are visible
         for (const int step : {0, 1, kSidePx, kSidePx + 1})
           if (count > 0 && x + 1 < kSidePx && y + 1 < kSidePx)
             mix(picture, at + std::size_t(step), colour, 1 - std::exp2(-count));
@@ -140,8 +140,8 @@ ImageF side_picture(const io::GaussianPly& ply, const LabelColumns& labels, int 
   return picture;
 }
 
-/// The boundary Gaussians along each axis but for the outermost fiftieth on either side, a third wider, all three of
-/// one length. Empty length: none.
+/// Range to show along each axis: boundary Gaussians without the outermost 2 % on either side, widened by 30 %, the
+/// same length for all three axes. Zero length: no boundary Gaussians.
 std::array<std::array<double, 2>, 3> range_of(const io::GaussianPly& ply, const LabelColumns& labels) {
   std::array<std::array<double, 2>, 3> range{};
   double longest = 0;
@@ -183,10 +183,10 @@ std::string overview_section(const Exec& exec, RunFolder& run, Pictures& picture
   }
   if (html.empty()) return html;
   const char* which =
-      view->scores.is_null() ? "A view from the middle of the list." : "The view with the median boundary IoU.";
+      view->scores.is_null() ? "The middle view of the list." : "The view with the median boundary IoU.";
   return "<section id=\"overview\"><div class=\"sheet opening\">" + html +
          "</div><p class=note><span class=screen>Click or tap a picture to flip it. </span>" + which +
-         (viewer.empty() ? "" : " <a class=\"screen\" href=\"" + viewer + "\">Turn the object in 3D</a>") +
+         (viewer.empty() ? "" : " <a class=\"screen\" href=\"" + viewer + "\">Open the object in 3D</a>") +
          "</p></section>\n";
 }
 
@@ -198,13 +198,13 @@ std::string boundary_section(RunFolder& run, Pictures& pictures) {
   bool several = false;
   try {
     const io::GaussianPly ply = io::read_gaussian_ply(path.string(), {io::HigherBands::kCheckOnly});
-    const LabelColumns& labels = ply.labels;  // of several objects their union
+    const LabelColumns& labels = ply.labels;  // union over several objects
     several = ply.objects.size() > 1;
     if (labels.label.empty() || labels.boundary.empty()) return {};
     const auto range = range_of(ply, labels);
     if (!(range[0][1] > range[0][0])) return {};
     boundary = std::ranges::count_if(labels.boundary, is_set);
-    object = std::ranges::count_if(labels.label, label_says_object);
+    object = std::ranges::count_if(labels.label, label_is_foreground);
     for (const int axis : {0, 1, 2}) {
       const std::string name = "along " + std::string(1, char('x' + axis));
       const std::string figure = "<figure><span class=stack>" +
@@ -231,8 +231,8 @@ std::string repeat_section(const RunFolder& run) {
     if (!tool.command.empty()) html += escaped(tool.command) + "\n";
   if (html.empty()) return html;
   return section(
-      "repeat", "To repeat it",
-      "<p class=note>In the folder of the run; outputs are replaced.</p><pre class=scroll>" + html + "</pre>");
+      "repeat", "Commands to repeat the run",
+      "<p class=note>Run in the folder of the run; replaces the outputs.</p><pre class=scroll>" + html + "</pre>");
 }
 
 }  // namespace ngs::cli

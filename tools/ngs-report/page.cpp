@@ -37,13 +37,13 @@ std::string comparison(const std::vector<RunFolder>& runs) {
   return section("comparison", "Comparison", table.html() + plot);
 }
 
-std::string run_html(const Exec& exec, RunFolder& run, Pictures& pictures, const BesidePage& beside) {
-  const std::string views = views_section(run, pictures);  // first: it may find problems
-  const std::string errors = errors_section(exec, run, pictures, beside.atlas);
-  const std::string overview = overview_section(exec, run, pictures, beside.viewer);
+std::string run_html(const Exec& exec, RunFolder& run, Pictures& pictures, const PageOutputs& outputs) {
+  const std::string views = views_section(run, pictures);  // first: may add problems
+  const std::string errors = errors_section(exec, run, pictures, outputs.atlas);
+  const std::string overview = overview_section(exec, run, pictures, outputs.viewer);
   const std::string boundary = boundary_section(run, pictures);
-  const std::string given = given_section(run, pictures);  // with what room is left
-  return overview + tiles(run) + oddities_section(run) + accuracy_section(run) + views + errors + boundary + given +
+  const std::string given = given_section(run, pictures);  // last: uses the remaining picture budget
+  return overview + tiles(run) + warnings_section(run) + accuracy_section(run) + views + errors + boundary + given +
          objects_section(run) + decisions_section(run) + times_section(run) + trace_section(run) + inputs_section(run) +
          repeat_section(run) + tools_section(run);
 }
@@ -56,7 +56,7 @@ std::string what_was_made(const RunFolder& run) {
          " cut out of a 3D Gaussian splat" + (method == "–" ? "" : " by " + escaped(method)) + ".";
 }
 
-/// The sections of several runs must not share their ids.
+/// Section ids must be unique on a page of several runs.
 std::string with_prefix(std::string html, const std::string& prefix) {
   const std::string mark = "<section id=\"";
   for (std::size_t at = html.find(mark); at != html.npos; at = html.find(mark, at + mark.size() + prefix.size()))
@@ -69,7 +69,7 @@ std::string with_prefix(std::string html, const std::string& prefix) {
 std::string address_from(const std::string& page, const std::string& to) {
   namespace fs = std::filesystem;
   const std::string path = fs::absolute(to).lexically_relative(fs::absolute(page).parent_path()).generic_string();
-  std::string address = "./";  // else a name could be read as a scheme
+  std::string address = "./";  // so that no name is parsed as a URL scheme
   for (const char c : path) {
     char code[8];
     std::snprintf(code, sizeof code, "%%%02X", unsigned(static_cast<unsigned char>(c)));
@@ -106,12 +106,12 @@ Json means_json(const std::vector<RunFolder>& runs) {
 }
 
 std::string report_page(const Exec& exec, std::vector<RunFolder>& runs, const PictureOptions& options,
-                        const BesidePage& beside) {
+                        const PageOutputs& outputs) {
   Pictures pictures(options);
   std::string title = runs.size() == 1 ? runs[0].title : std::to_string(runs.size()) + " runs";
   std::string body;
   if (runs.size() > 1) body += comparison(runs);
-  if (runs.size() == 1) body += run_html(exec, runs[0], pictures, beside);
+  if (runs.size() == 1) body += run_html(exec, runs[0], pictures, outputs);
   for (std::size_t i = 0; runs.size() > 1 && i < runs.size(); ++i)
     body += "<details class=run><summary><b>" + escaped(runs[i].title) + "</b></summary>" +
             with_prefix(run_html(exec, runs[i], pictures, {}), "run" + std::to_string(i + 1) + "-") + "</details>\n";
@@ -120,9 +120,8 @@ std::string report_page(const Exec& exec, std::vector<RunFolder>& runs, const Pi
   const std::string note =
       runs.size() > 1 ? "Objects cut out of 3D Gaussian splats."
                       : (named ? "Run <b>" + escaped(title) + "</b>. " : std::string()) + what_was_made(runs[0]);
-  return page_start(title + (named ? " – " + scene : "") + " – ngs report", named ? scene : title,
-                    note + " This page needs neither network nor scripts.") +
-         body + page_end();
+  return page_start(title + (named ? " – " + scene : "") + " – ngs report", named ? scene : title, note) + body +
+         page_end();
 }
 
 }  // namespace ngs::cli

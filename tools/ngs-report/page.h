@@ -1,5 +1,5 @@
 #pragma once
-// The whole page from the folders of the runs.
+// The page for one or more run folders.
 #include <string>
 #include <vector>
 
@@ -9,20 +9,20 @@
 
 namespace ngs::cli {
 
-/// What a single run has beside its page.
-struct BesidePage {
-  std::string atlas;   // folder for its error pictures, or empty
-  std::string viewer;  // where its object can be turned, as an address relative to the page, or empty
+/// Further outputs for a single run.
+struct PageOutputs {
+  std::string atlas;   // folder for error pictures, or empty
+  std::string viewer;  // URL of the 3D page, relative to this page, or empty
 };
 
-/// `to` as an address on a page at `page`, for HTML.
+/// URL of file `to`, relative to the page at path `page`.
 std::string address_from(const std::string& page, const std::string& to);
 
-/// One section per run; several runs are compared first. Problems found on the way are added to the runs.
+/// One section per run, after a comparison of several runs. Adds problems found to the runs.
 std::string report_page(const Exec& exec, std::vector<RunFolder>& runs, const PictureOptions& options,
-                        const BesidePage& beside);
+                        const PageOutputs& outputs);
 
-/// The comparison of the runs for people and for scripts.
+/// Mean scores of the runs, as text and as JSON.
 std::string means_table(const std::vector<RunFolder>& runs);
 Json means_json(const std::vector<RunFolder>& runs);
 

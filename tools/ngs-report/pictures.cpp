@@ -14,7 +14,7 @@
 namespace ngs::cli {
 namespace {
 
-constexpr int kGivenWidthPx = 180;  // of the given masks, which are many
+constexpr int kGivenWidthPx = 180;  // of input masks: small, since there are many
 
 Plane cropped(const Plane& plane, Window w) {
   Plane out{w.width_px, w.height_px, {}, {}};
@@ -41,7 +41,7 @@ std::string picture_html(const ImageF& picture, const Layers& layers, Window vie
       view_box, alt);
 }
 
-/// The photo, or grey of the masks' size.
+/// The photo, or a grey image of the masks' size.
 ImageF photo_of(const ShownView& view, const Plane& reference) {
   if (!view.photo.empty()) return io::read_image_rgb(view.photo, view.behind);
   return ImageF(reference.width_px, reference.height_px, 3, 0.5f);
@@ -66,7 +66,7 @@ std::string caption_of(const ShownView& view) {
 }
 
 Layers read_layers(const ShownView& view) {
-  // What stands in for the truth is drawn once.
+  // If the input mask replaces the truth, draw it once.
   return {view.truth_is_input ? Plane{} : read_plane(view.input, view.input_id), read_truth(view),
           read_plane(view.predicted, view.predicted_id)};
 }
@@ -80,12 +80,12 @@ const Plane& reference_of(const Layers& layers) {
   return !layers.truth.empty() ? layers.truth : !layers.predicted.empty() ? layers.predicted : layers.input;
 }
 
-/// The window of the given side with the most wrong pixels; of several the middle one, so that a small error lies
-/// in the middle of what is shown.
+/// The window of the given side with the most wrong pixels; among equal ones the middle one, which centres a small
+/// error.
 Window worst_window(const Plane& predicted, const Plane& truth, int side_px) {
   const int w = truth.width_px, h = truth.height_px;
   const int side_x = std::min(side_px, w), side_y = std::min(side_px, h);
-  std::vector<std::int64_t> sum(std::size_t(w + 1) * std::size_t(h + 1), 0);  // wrong pixels above and left
+  std::vector<std::int64_t> sum(std::size_t(w + 1) * std::size_t(h + 1), 0);  // summed-area table of wrong pixels
   const auto at = [&](int x, int y) -> std::int64_t& {
     return sum[std::size_t(y) * std::size_t(w + 1) + std::size_t(x)];
   };
@@ -98,7 +98,7 @@ Window worst_window(const Plane& predicted, const Plane& truth, int side_px) {
     return at(x + side_x, y + side_y) - at(x, y + side_y) - at(x + side_x, y) + at(x, y);
   };
   Window best{0, 0, side_x, side_y};
-  int left = 0, right = 0, bottom = 0;  // of the equally bad ones; best is the topmost
+  int left = 0, right = 0, bottom = 0;  // extent of equal windows; best is the topmost
   std::int64_t most = -1;
   for (int y = 0; y + side_y <= h; ++y)
     for (int x = 0; x + side_x <= w; ++x) {
@@ -137,7 +137,7 @@ std::string crop_figure(const ShownView& view, int side_px) {
   const int w = layers.truth.width_px, h = layers.truth.height_px;
   layers = fitted(layers, w, h);
   const Window window = worst_window(layers.predicted, closest_truth(layers.truth, layers.predicted), side_px);
-  // One pixel more on each side, so that no outline runs along the border of the crop.
+  // One more pixel on each side, so that no outline follows the border of the crop.
   const Window wider{window.x - 1, window.y - 1, window.width_px + 2, window.height_px + 2};
   const Layers parts{cropped(layers.input, wider), cropped(layers.truth, wider), cropped(layers.predicted, wider)};
   const ImageF photo = resized(photo_of(view, layers.truth), w, h);
@@ -174,7 +174,7 @@ std::string Pictures::sheet(RunFolder& run) {
   }
   if (shown < run.views.size())
     html += "<p class=note>" + whole(std::int64_t(run.views.size() - shown)) +
-            " better views are not shown, to keep the page small.</p>";
+            " better views are left out to keep the page small.</p>";
   return html;
 }
 

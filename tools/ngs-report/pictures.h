@@ -1,5 +1,5 @@
 #pragma once
-// Photos with the outlines of masks drawn over them: JPEG data URIs under inline SVG, sharp at any zoom.
+// Photos with mask outlines: JPEG data URIs under inline SVG, sharp at any zoom.
 #include <string>
 
 #include "run_folder.h"
@@ -8,23 +8,23 @@ namespace ngs::cli {
 
 struct PictureOptions {
   int sheet_width_px = 360, crop_side_px = 96;
-  double budget_mib = 4.2;  // of picture bytes for the whole page
+  double budget_mib = 4.2;  // picture bytes on the whole page
   int zoomed_views = 4;
 };
 
-/// Hands out figures until the budget of the page is spent.
+/// Makes figures until the picture budget of the page is spent.
 class Pictures {
  public:
   explicit Pictures(const PictureOptions& options) : options_(options) {}
 
-  /// The contact sheet of a run, worst views first, and zoomed crops of the worst. Unreadable pictures are
-  /// added to `run.problems`.
+  /// The contact sheet of a run, worst views first, and zoomed crops of the worst views. Adds unreadable
+  /// pictures to `run.problems`.
   std::string sheet(RunFolder& run);
   std::string crops(RunFolder& run);
-  /// What was given: the mask of each view over its photo, as far as there is room left.
+  /// The input mask of each view over its photo, within the remaining budget.
   std::string given_masks(RunFolder& run);
 
-  /// False where the page has no room for so many bytes.
+  /// Takes `bytes` from the budget; false if they exceed it.
   bool spend(std::size_t bytes);
   int zoomed_views() const { return options_.zoomed_views; }
 

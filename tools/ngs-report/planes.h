@@ -1,5 +1,5 @@
 #pragma once
-// Masks as the page reads them.
+// Masks read for the page.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -11,18 +11,19 @@ namespace ngs::cli {
 
 struct Plane {
   int width_px = 0, height_px = 0;
-  std::vector<std::uint8_t> data;     // empty: there is no such mask
-  std::vector<std::uint8_t> is_void;  // of a true label map with void pixels
+  std::vector<std::uint8_t> data;     // empty: no mask
+  std::vector<std::uint8_t> is_void;  // void pixels of a true label map; may be empty
   bool empty() const { return data.empty(); }
   MaskPlane view() const { return {data.data(), width_px, height_px}; }
 };
 
-/// `id` as in ShownView. Pictures with layers are not shown.
+/// `id` as in ShownView. Empty for pictures with layers (EXR).
 Plane read_plane(const std::string& path, std::uint32_t id);
-/// With its void pixels.
+/// True mask with void pixels.
 Plane read_truth(const ShownView& view);
-/// The truth, in its void pixels the prediction of the same size: no pixel there is wrong.
+/// Replaces void pixels of `truth` by the prediction (same size), so that they never count as wrong.
 Plane closest_truth(Plane truth, const Plane& predicted);
+/// Resized to the given size by nearest neighbour.
 Plane fitted(const Plane& plane, int width_px, int height_px);
 
 }  // namespace ngs::cli

@@ -1,5 +1,5 @@
 #pragma once
-// Figures of a run, and of several.
+// Derived numbers of one or more runs.
 #include <string>
 #include <string_view>
 #include <vector>
@@ -8,15 +8,15 @@
 
 namespace ngs::cli {
 
-/// Seconds a run took: the sum over its tools' reports, without scoring.
+/// Wall time of a run in seconds: sum over its tools' reports, without scoring.
 double run_seconds(const RunFolder& run);
-/// As the report of ngs-joint says; an en dash where there is none.
+/// Option --method in the report of ngs-joint; an en dash without a report.
 std::string method_of(const RunFolder& run);
-/// What people call it: "COB-GS".
+/// Display name of the method: "COB-GS".
 std::string method_title(const RunFolder& run);
 
 std::string score_title(std::string_view name);  // "biou" -> "B-IoU 2&nbsp;%", HTML
-/// Over the runs that have the score; NaN if none has.
+/// Mean over the runs with this score; NaN if no run has it.
 double mean_over_runs(const std::vector<RunFolder>& runs, std::string_view score);
 
 }  // namespace ngs::cli

@@ -31,7 +31,7 @@ std::string read_text(const fs::path& path) {
   return text.str();
 }
 
-/// Runs `read` if the file is there; a failure is a problem of the run, not of the report.
+/// Runs `read` if the file exists; a failure is added to the problems of the run.
 template <class Read>
 void if_present(RunFolder& run, const fs::path& path, const Read& read) {
   if (!fs::is_regular_file(path)) return;
@@ -73,7 +73,7 @@ void read_trace(RunFolder& run, const fs::path& path) {
     if (!line.empty()) run.trace.push_back(parse_json(line, path.string()));
 }
 
-/// A path of a report: the tools may have run inside the folder or elsewhere.
+/// Resolves a path in a report, relative to the run folder or to the working directory.
 std::string found_path(const RunFolder& run, const std::string& path) {
   if (path.empty()) return {};
   std::error_code ignored;
@@ -92,7 +92,7 @@ std::uint32_t count_at(const Json& json, std::string_view key) {
   return value.is_number_unsigned() ? value.get<std::uint32_t>() : 0;
 }
 
-/// The id of an object in the label maps that ngs-eval read; 0 where it read masks.
+/// Id of an object in the label maps that ngs-eval read; 0 for masks.
 std::uint32_t label_id(const RunFolder& run, const std::string& object) {
   const Json& options = value_at(run.report("ngs-eval"), {"options"});
   if (value_at(options, {"label_map"}) != Json(true)) return 0;
@@ -104,7 +104,7 @@ std::uint32_t label_id(const RunFolder& run, const std::string& object) {
   return std::uint32_t(std::strtoul(object.c_str(), nullptr, 10));
 }
 
-/// The scored pairs: files from the report of ngs-eval, scores from metrics.json.
+/// Adds scored views: files from the report of ngs-eval, scores from metrics.json.
 void add_scored_views(RunFolder& run) {
   std::map<std::pair<std::string, std::string>, const Json*> files;
   for (const Json& file : value_at(run.report("ngs-eval"), {"result", "files"}))
@@ -137,7 +137,7 @@ void add_scored_views(RunFolder& run) {
   });
 }
 
-/// Without scores: the rendered masks.
+/// Without scores, adds the rendered masks.
 void add_rendered_views(RunFolder& run) {
   const fs::path folder = fs::path(run.path) / "masks";
   if (!run.views.empty() || !fs::is_directory(folder)) return;
@@ -191,7 +191,7 @@ const Json& RunFolder::report(std::string_view name) const {
   return kNothing;
 }
 
-bool RunFolder::has_stand_ins() const {
+bool RunFolder::has_input_as_truth() const {
   return std::ranges::any_of(views, [](const ShownView& view) { return view.truth_is_input; });
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// What a run left behind: OUT_DIR of pipelines/ngs-gs.sh, or any folder with some of the same files. Every
-// file is optional and may be broken; what could not be read is said in `problems`.
+// Output of a run: OUT_DIR of pipelines/ngs-gs.sh, or any folder with some of the same files. Every file is optional
+// and may be broken; read errors are listed in `problems`.
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,21 +11,21 @@
 namespace ngs::cli {
 
 struct ToolReport {
-  std::string name;  // of the file, "ngs-joint"
+  std::string name;  // file name without extension: "ngs-joint"
   Json report;
-  std::string command = {};  // as for a shell, from the file of the same name with .sh; empty: not known
+  std::string command = {};  // shell command line from NAME.sh; empty: unknown
 };
 
-/// One mask to show; paths are empty where there is no such file.
+/// One mask to show; the path of a missing file is empty.
 struct ShownView {
   std::string view, object;
   std::string photo, predicted, truth, input;
-  bool truth_is_input = false;  // no ground truth: the input mask, which no stage has read, stands in for it
-  Vec3<float> behind{0, 0, 0};  // what a transparent photo shows: the scene's background
+  bool truth_is_input = false;  // no ground truth: scored against the input mask, which no stage has read
+  Vec3<float> behind{0, 0, 0};  // colour behind a transparent photo: the scene's background
   std::uint32_t predicted_id = 0, truth_id = 0,
-                input_id = 0;                  // 0: a mask; else the object's id in a label map
-  std::int64_t void_id = -1;                   // of the truth, a label map; -1: none
-  std::optional<std::size_t> scene_view = {};  // its index in the scene; none: not known
+                input_id = 0;                  // 0: a mask; otherwise the object's id in a label map
+  std::int64_t void_id = -1;                   // void id of the true label map; -1: none
+  std::optional<std::size_t> scene_view = {};  // index in the scene; nullopt: unknown
   Json scores;                                 // an entry of metrics.json "views", or null
 };
 
@@ -38,11 +38,11 @@ struct RunFolder {
   std::vector<ShownView> views;  // worst boundary IoU first
   std::vector<std::string> problems;
 
-  const Json& report(std::string_view name) const;  // null where there is none
-  bool has_stand_ins() const;                       // of some view, ShownView::truth_is_input
+  const Json& report(std::string_view name) const;  // null without a report
+  bool has_input_as_truth() const;                  // any ShownView::truth_is_input
 };
 
-/// Throws kBadInput where the folder holds nothing of a run.
+/// Throws kBadInput if the folder contains no file of a run.
 RunFolder read_run_folder(const std::string& path);
 
 }  // namespace ngs::cli

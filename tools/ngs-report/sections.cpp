@@ -17,11 +17,11 @@ void add_tile(std::string& html, const std::string& name, const std::string& val
       "<div><dt>" + name + "</dt><dd>" + value + (note.empty() ? "" : "<small>" + note + "</small>") + "</dd></div>";
 }
 
-/// What the scores are against, where that is no ground truth.
-constexpr const char* kStandIns = "input masks, no ground truth";
+/// Reference of the scores without ground truth.
+constexpr const char* kInputAsTruth = "input masks, no ground truth";
 
-std::string beside_input(const RunFolder& run, std::string_view score) {
-  if (run.has_stand_ins()) return std::string("against ") + kStandIns;
+std::string reference_note(const RunFolder& run, std::string_view score) {
+  if (run.has_input_as_truth()) return std::string("against ") + kInputAsTruth;
   const double input = number_at(run.metrics_input, {"mean", score});
   return std::isfinite(input) ? "input masks " + decimal(input, 3) : std::string();
 }
@@ -69,20 +69,20 @@ const Json& list_at(const Json& json, std::initializer_list<std::string_view> ke
   return value.is_array() ? value : kEmptyList;
 }
 
-/// The result was made from a mask of this view: its scores flatter.
-bool is_learnt_from(const SceneView& view) { return view.split == Split::kTrain && !view.mask_path.empty(); }
+/// True if the result was made from a mask of this view, which biases its scores.
+bool is_training_view(const SceneView& view) { return view.split == Split::kTrain && !view.mask_path.empty(); }
 
-/// "3 of 7 NOUN were learnt from" where views are scored that the result was made from, else empty.
-std::string learnt_from(const RunFolder& run, const std::string& noun) {
-  std::set<std::string> scored, learnt;
+/// "3 of 7 NOUN were used in training" if training views are scored, otherwise empty.
+std::string training_note(const RunFolder& run, const std::string& noun) {
+  std::set<std::string> scored, training;
   for (const ShownView& view : run.views) {
     if (view.scores.is_null()) continue;
     scored.insert(view.view);
-    if (view.scene_view && is_learnt_from(run.scene->views[*view.scene_view])) learnt.insert(view.view);
+    if (view.scene_view && is_training_view(run.scene->views[*view.scene_view])) training.insert(view.view);
   }
-  if (learnt.empty()) return {};
-  return whole(std::int64_t(learnt.size())) + " of " + whole(std::int64_t(scored.size())) + " " + noun +
-         " were learnt from";
+  if (training.empty()) return {};
+  return whole(std::int64_t(training.size())) + " of " + whole(std::int64_t(scored.size())) + " " + noun +
+         " were used in training";
 }
 
 }  // namespace
@@ -91,7 +91,7 @@ std::string tiles(const RunFolder& run) {
   std::string html = "<dl class=tiles>";
   for (const auto& [score, name] : {std::pair{"iou", "IoU"}, {"biou", "boundary IoU"}, {"accuracy", "accuracy"}})
     if (std::isfinite(number_at(run.metrics, {"mean", score})))
-      add_tile(html, name, decimal(number_at(run.metrics, {"mean", score}), 3), beside_input(run, score));
+      add_tile(html, name, decimal(number_at(run.metrics, {"mean", score}), 3), reference_note(run, score));
   if (const double psnr = number_at(run.metrics, {"mean", "psnr_db"}); std::isfinite(psnr))
     add_tile(html, "PSNR", decimal(psnr, 2) + " dB", "SSIM " + decimal(number_at(run.metrics, {"mean", "ssim"}), 3));
   if (!run.report("ngs-joint").is_null()) {
@@ -104,21 +104,21 @@ std::string tiles(const RunFolder& run) {
   if (run.scene) {
     const auto held_out = std::count_if(run.scene->views.begin(), run.scene->views.end(),
                                         [](const SceneView& view) { return view.split == Split::kHeldOut; });
-    const std::string learnt = learnt_from(run, "scored");
+    const std::string training = training_note(run, "scored");
     add_tile(html, "views", whole(std::int64_t(run.scene->views.size())),
-             whole(held_out) + " held out" + (learnt.empty() ? "" : ", " + learnt));
+             whole(held_out) + " held out" + (training.empty() ? "" : ", " + training));
   }
   return html + "</dl>\n";
 }
 
-std::string oddities_section(const RunFolder& run) {
+std::string warnings_section(const RunFolder& run) {
   std::string list;
-  if (const std::string learnt = learnt_from(run, "scored views"); !learnt.empty())
-    list += "<li><b>scores</b> " + learnt + ", they say little of views that were not</li>";
-  if (run.scene && run.scene->renders) list += std::string("<li><b>photos</b> ") + kRenderedPhotosNote + "</li>";
-  if (run.has_stand_ins())
-    list += std::string("<li><b>scores</b> are against ") + kStandIns +
-            ": they say how well the result agrees with those masks, wrong as they may be</li>";
+  if (const std::string training = training_note(run, "scored views"); !training.empty())
+    list += "<li><b>scores</b> " + training + ": these scores are biased, use held-out views</li>";
+  if (run.scene && run.scene->renders) list += "<li><b>photos</b> none: pictures were rendered from the splat</li>";
+  if (run.has_input_as_truth())
+    list += std::string("<li><b>scores</b> are against ") + kInputAsTruth +
+            ": they measure agreement with these masks, which may be wrong</li>";
   for (const std::string& problem : run.problems) list += "<li><b>report</b> " + escaped(problem) + "</li>";
   for (const ToolReport& tool : run.reports) {
     for (const Json& warning : list_at(tool.report, {"warnings"}))
@@ -127,14 +127,13 @@ std::string oddities_section(const RunFolder& run) {
     if (code == 1) list += "<li><b>" + escaped(tool.name) + "</b> a requested check failed</li>";
     if (code == 7) list += "<li><b>" + escaped(tool.name) + "</b> stopped at its budget with a partial result</li>";
   }
-  return section("oddities", "Oddities",
-                 list.empty() ? "<p>No tool had anything to remark.</p>" : "<ul class=odd>" + list + "</ul>");
+  return section("warnings", "Warnings", list.empty() ? "<p>None.</p>" : "<ul class=odd>" + list + "</ul>");
 }
 
 std::string accuracy_section(const RunFolder& run) {
   if (value_at(run.metrics, {"mean"}).is_null() || value_at(run.metrics, {"kind"}) == Json("photos")) return {};
   Table table{.caption = std::string("Mean over the scored views") +
-                         (run.has_stand_ins() ? std::string(", against ") + kStandIns : "") +
+                         (run.has_input_as_truth() ? std::string(", against ") + kInputAsTruth : "") +
                          "; boundary IoU by band width (share of the diagonal, or px)",
               .head = score_head("masks"),
               .rows = {}};
@@ -161,9 +160,9 @@ std::string views_section(RunFolder& run, Pictures& pictures) {
   };
   const bool scored = !run.views.front().scores.is_null();
   const std::string crops = pictures.crops(run), sheet = pictures.sheet(run);
-  const bool stand_ins = run.has_stand_ins();
-  const char* truth = !any(&ShownView::truth) ? "" : stand_ins ? "input mask, in place of the truth" : "truth";
-  std::string html = legend(truth, any(&ShownView::input) && !stand_ins);
+  const bool input_as_truth = run.has_input_as_truth();
+  const char* truth = !any(&ShownView::truth) ? "" : input_as_truth ? "input mask (no ground truth)" : "truth";
+  std::string html = legend(truth, any(&ShownView::input) && !input_as_truth);
   if (!crops.empty()) html += "<h3>Where the worst views go wrong</h3><div class=\"sheet crops\">" + crops + "</div>";
   html += std::string("<h3>") + (scored ? "All views, worst boundary IoU first" : "All views") +
           "</h3><div class=sheet>" + sheet + "</div>";
@@ -180,8 +179,8 @@ std::string objects_section(const RunFolder& run) {
   if (objects.empty()) return {};
   Table scores{.caption = "Mean over the views of each object", .head = score_head("object"), .rows = {}};
   Table errors{
-      .caption = "Wrong pixels, summed over the views. Far: beyond the 2 % band of the true contour.",
-      .head = {"object", "pairs", "too much", "of these far (leaks)", "missing", "of these far (holes)", "right"},
+      .caption = "Wrong pixels, summed over the views. Far: outside the 2 % band of the true contour.",
+      .head = {"object", "pairs", "false positive", "far (leaks)", "false negative", "far (holes)", "true positive"},
       .rows = {}};
   for (const Json& object : objects) {
     const std::string name = json_text(value_at(object, {"object"}));
@@ -196,9 +195,9 @@ std::string objects_section(const RunFolder& run) {
   return section("objects", "Objects", (objects.size() > 1 ? scores.html() : std::string()) + errors.html());
 }
 
-/// A decision per row, in three columns, which a phone has room for: reasons hold what was measured and its threshold.
+/// One row per decision, in three columns to fit a phone: reasons contain the measured value and its threshold.
 std::string decisions_table(const Json& decisions) {
-  Table table{.caption = {}, .head = {"part", "is", "because"}, .rows = {}};
+  Table table{.caption = {}, .head = {"part", "state", "reason"}, .rows = {}};
   for (const Json& decision : decisions) {
     const Json &mode = value_at(decision, {"mode"}), &saving = value_at(decision, {"saving"});
     std::string because = (mode == "auto" ? "" : json_text(mode) + ": ") + json_text(value_at(decision, {"reason"}));
@@ -214,7 +213,7 @@ std::string decisions_section(const RunFolder& run) {
   for (const char* key : {"effects", "decisions"})
     if (const Json& decisions = value_at(result, {key}); decisions.is_structured() && !decisions.empty())
       return section("decisions", "Decisions",
-                     "<p>The parts of the method, and whether they were on.</p>" +
+                     "<p>Parts of the method, and whether they were on.</p>" +
                          (decisions.is_array() && decisions[0].contains("on") ? decisions_table(decisions)
                                                                               : json_html(decisions)));
   return {};
@@ -256,7 +255,7 @@ std::string trace_section(const RunFolder& run) {
                     .x_label = "time of the optimisation, s",
                     .y_label = "loss",
                     .series = {series("total", {"loss", "total"}), series("mask", {"loss", "mask"})}});
-  html += plot_svg({.title = "Duality gap: how far the loss is from its optimum at most",
+  html += plot_svg({.title = "Duality gap: upper bound on the distance of the loss from its optimum",
                     .x_label = "time of the optimisation, s",
                     .y_label = "gap",
                     .series = {series("gap", {"gap"})}});
@@ -266,11 +265,8 @@ std::string trace_section(const RunFolder& run) {
 std::string given_section(RunFolder& run, Pictures& pictures) {
   const std::string sheet = pictures.given_masks(run);
   if (sheet.empty()) return {};
-  return section(
-      "given", "Given masks",
-      "<p class=note>What the tools were given: outside of the masks the photos are dark, what is unknown is "
-      "grey.</p>" +
-          sheet);
+  return section("given", "Input masks",
+                 "<p class=note>Photos are dark outside the masks and grey where the mask is unknown.</p>" + sheet);
 }
 
 std::string inputs_section(const RunFolder& run) {
@@ -285,9 +281,8 @@ std::string inputs_section(const RunFolder& run) {
                             std::to_string(camera.width_px) + " × " + std::to_string(camera.height_px) + " px"});
     }
     if (scene.renders)
-      table.rows.push_back({"photos", std::string(kRenderedPhotosNote) + "; " +
-                                          decimal(100 * scene.renders->coverage, 1) +
-                                          " % of its surface in three views or more"});
+      table.rows.push_back({"photos", "none: rendered from the splat; " + decimal(100 * scene.renders->coverage, 1) +
+                                          " % of its surface is visible in at least three views"});
     table.rows.push_back({"image scale", decimal(scene.image_scale, 4)});
     std::string objects;
     for (const SceneObject& object : scene.objects) objects += (objects.empty() ? "" : ", ") + escaped(object.name);
@@ -303,7 +298,7 @@ std::string inputs_section(const RunFolder& run) {
                              escaped(json_text(value_at(input, {"path"}))),
                              escaped(json_text(value_at(input, {"bytes"}))),
                              "<code>" + escaped(json_text(value_at(input, {"xxh3"}))) + "</code>"});
-  if (!hashes.rows.empty()) html += details("Files that were read, with their hashes", hashes.html());
+  if (!hashes.rows.empty()) html += details("Input files with hashes", hashes.html());
   return html.empty() ? html : section("inputs", "Inputs", html);
 }
 
@@ -316,13 +311,13 @@ std::string tools_section(const RunFolder& run) {
                        escaped(json_text(value_at(report, {"device", "reason"}))) + "), threads " +
                        escaped(json_text(value_at(report, {"threads"}))) + ", seed " +
                        escaped(json_text(value_at(report, {"seed"}))) + "</p>";
-    Table options{.caption = "Options as resolved", .head = {}, .rows = {}};
+    Table options{.caption = "Resolved options", .head = {}, .rows = {}};
     const Json& resolved = value_at(report, {"options"});
     if (resolved.is_object())
       for (const auto& [key, value] : resolved.items())
         options.rows.push_back({"<code>" + escaped(key) + "</code>", json_html(value)});
     body += options.html();
-    // The file lists of ngs-eval and the checks of ngs-scene are shown elsewhere.
+    // Other sections show the file lists of ngs-eval and the checks of ngs-scene.
     if (!tool.name.starts_with("ngs-eval") && tool.name != "ngs-scene") body += json_html(value_at(report, {"result"}));
     html += details(escaped(tool.name), body);
   }

@@ -47,7 +47,7 @@ SweepRun read_run(const fs::path& folder) {
   return run;
 }
 
-/// Settings count as numbers where they begin with one.
+/// Order by knob, then by setting; settings that start with a number are ordered numerically.
 bool before(const SweepPoint& a, const SweepPoint& b) {
   if (a.knob != b.knob) return a.knob < b.knob;
   const auto number = [](const std::string& text) {

@@ -1,7 +1,6 @@
 #pragma once
-// The points of a sweep, as pipelines/work-precision.mk leaves them: OUT/points/KNOB@SETTING/REPEAT/ with
-// joint.json, metrics.json, trace.jsonl and `done` (the exit code); OUT/once/NAME/reports/ with what is done
-// once for a scene.
+// Reads a sweep of pipelines/work-precision.mk: OUT/points/KNOB@SETTING/REPEAT/ with joint.json, metrics.json,
+// trace.jsonl and `done` (the exit code); OUT/once/NAME/reports/ with the reports of one-off steps per scene.
 #include <array>
 #include <string>
 #include <vector>
@@ -10,12 +9,12 @@
 
 namespace ngs::cli {
 
-/// One run of a point. NaN: not measured.
+/// One run of a sweep point. NaN: not measured.
 struct SweepRun {
   int repeat = 0, exit_code = -1;
   double wall_s = 0, cpu_s = 0;
   Json scores;              // metrics.json "mean"; null where the run failed
-  std::vector<Json> trace;  // its lines that hold a score
+  std::vector<Json> trace;  // trace lines with a score
 };
 
 struct Spread {
@@ -29,24 +28,24 @@ struct SweepPoint {
   bool frontier = false;
 
   std::string name() const { return knob + "@" + setting; }
-  bool failed() const;  // no run of it has a score
+  bool failed() const;  // no run has a score
   Spread time(bool cpu) const;
   Spread score(const std::string& name) const;
 };
 
 struct Sweep {
-  std::vector<SweepPoint> points;  // by knob, then as its settings count
+  std::vector<SweepPoint> points;  // sorted by knob, then by setting
   Json once;                       // {"NAME": {"TOOL": seconds}}
   Json numerical;                  // numerical.json; null where there is none
 };
 
-/// Throws kBadInput where the folder holds no points.
+/// Throws kBadInput if the folder contains no finished point.
 Sweep read_sweep(const std::string& folder);
 
-/// Marks the points that no other one beats in both time and score.
+/// Marks the Pareto-optimal points in time and score.
 void mark_frontier(Sweep& sweep, const std::string& score, bool cpu);
 
-/// Seconds after which a trace has reached 50, 90 and 99 % of what it gains in all; NaN: it gains nothing.
+/// Seconds after which a trace reached 50, 90 and 99 % of its total gain; NaN without gain.
 std::array<double, 3> times_to_shares(const std::vector<Json>& trace);
 
 }  // namespace ngs::cli

@@ -26,26 +26,26 @@ std::string file_of_page(std::string_view path) {
   return {};
 }
 
-/// How much of a picture a Gaussian can cover: its opacity times the area of its largest section.
-double shown_area(const GaussianCloud& cloud, std::int64_t i) {
+/// Log of the weight of a Gaussian on screen: opacity times the area of its largest cross-section.
+double log_visible_area(const GaussianCloud& cloud, std::int64_t i) {
   const float* s = &cloud.log_scale[std::size_t(3 * i)];
   const double smallest = std::min({double(s[0]), double(s[1]), double(s[2])});
   return -std::log1p(std::exp(-double(cloud.logit_opacity[std::size_t(i)]))) + double(s[0]) + double(s[1]) +
          double(s[2]) - smallest;
 }
 
-/// Leaves `most` of the rows, in their order.
+/// Keeps the `most` rows with the largest visible area, in their order.
 void keep_largest(io::SplatSelection& selection, std::size_t most) {
   if (selection.rows.size() <= most) return;
   std::vector<std::pair<double, std::int64_t>> by_area;  // largest first, then by row
-  for (const std::int64_t row : selection.rows) by_area.emplace_back(-shown_area(selection.cloud, row), row);
+  for (const std::int64_t row : selection.rows) by_area.emplace_back(-log_visible_area(selection.cloud, row), row);
   std::nth_element(by_area.begin(), by_area.begin() + std::ptrdiff_t(most), by_area.end());
   selection.rows.clear();
   for (std::size_t k = 0; k < most; ++k) selection.rows.push_back(by_area[k].second);
   std::ranges::sort(selection.rows);
 }
 
-/// The middle of the Gaussians along each axis, and a length that most lie within.
+/// Median of the Gaussians along each axis, and the longest extent between the 5 % and 95 % quantiles.
 struct Middle {
   Vec3<double> centre;
   double radius = 1;
@@ -67,7 +67,7 @@ Middle middle_of(const io::SplatSelection& selection) {
 
 Json triple(const Vec3<double>& v) { return Json::array({v.x, v.y, v.z}); }
 
-/// The upward direction that the cameras agree on most.
+/// Mean up direction of the cameras.
 Vec3<double> up_of(const Scene& scene) {
   Vec3<double> up{0, 0, 0};
   for (const SceneView& view : scene.views) up = up - transpose(view.camera.rotation) * Vec3<double>{0, 1, 0};
@@ -85,8 +85,8 @@ Camera first_camera(const RunFolder& run, const Middle& middle) {
   return camera;
 }
 
-/// What viewer.js is told beside the Gaussians: the first view, in world units and in pixels of its camera.
-Json told(const RunFolder& run, const io::SplatSelection& selection) {
+/// Parameters of viewer.js: the first camera, in world units and in pixels.
+Json viewer_parameters(const RunFolder& run, const io::SplatSelection& selection) {
   const Middle middle = middle_of(selection);
   const Camera camera = first_camera(run, middle);
   const auto axis = [&](const Vec3<double>& v) { return triple(transpose(camera.rotation) * v); };
@@ -104,7 +104,7 @@ Json told(const RunFolder& run, const io::SplatSelection& selection) {
           {"filter_px2", run.scene ? run.scene->filter_px2 : 0.3}};
 }
 
-/// JSON inside of a script element: nothing in it ends that.
+/// JSON for a script element, with "<" escaped so that it cannot end the element.
 std::string for_script(const Json& json) {
   std::string text;
   for (const char c : json.dump(-1, ' ', true, Json::error_handler_t::replace))
@@ -118,10 +118,10 @@ ViewerPage viewer_page(const RunFolder& run, const ViewerOptions& options) {
   const fs::path path = fs::path(run.path) / "object.ply";
   if (!fs::is_regular_file(path))
     throw Error(ErrorCode::kBadInput, path.string() + ": no such file, expected the object for --viewer",
-                "ngs-extract --object makes it");
+                "write it with ngs-extract --object");
   const io::GaussianPly ply = io::read_gaussian_ply(path.string());
   io::SplatSelection selection = io::select_rows(ply.cloud, {});
-  if (selection.rows.empty()) throw Error(ErrorCode::kNothingFound, path.string() + ": no Gaussian that can be drawn");
+  if (selection.rows.empty()) throw Error(ErrorCode::kNothingFound, path.string() + ": no Gaussian to draw");
   const auto all = std::ssize(selection.rows);
   keep_largest(selection, std::size_t(options.gaussians));
   ViewerPage page;
@@ -134,9 +134,9 @@ ViewerPage viewer_page(const RunFolder& run, const ViewerOptions& options) {
       "content=\"default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'\"><title>" +
       escaped(title) + " – object</title><style>\n" + file_of_page("/viewer.css") +
       "</style></head>\n<body><header><h1>" + escaped(title) + "</h1><p>" + whole(page.shown) + " Gaussians" +
-      (page.left_out > 0 ? ", " + whole(page.left_out) + " that show least are left out" : std::string()) +
-      ". Colours without their shine.</p></header>\n" + file_of_page("/viewer.html") +
-      "<script type=\"application/json\" id=told>" + for_script(told(run, selection)) +
+      (page.left_out > 0 ? ", " + whole(page.left_out) + " of least visible area left out" : std::string()) +
+      ". Simplified colours (no view-dependent shading).</p></header>\n" + file_of_page("/viewer.html") +
+      "<script type=\"application/json\" id=parameters>" + for_script(viewer_parameters(run, selection)) +
       "</script>\n<script type=\"application/octet-stream\" id=splats>" + base64(io::encode_dot_splat(selection)) +
       "</script>\n<script>\n" + file_of_page("/viewer.js") + "</script>\n<!-- ngs " + kVersion + " --></body></html>\n";
   return page;

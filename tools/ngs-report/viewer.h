@@ -1,6 +1,5 @@
 #pragma once
-// The object of a run as a page of its own that can be turned: the splat and what draws it in one file, which asks no
-// network for anything.
+// A page that shows the object of a run in 3D: splat and WebGL renderer in one file, without network access.
 #include <string>
 
 #include "run_folder.h"
@@ -13,9 +12,9 @@ struct ViewerPage {
   std::int64_t shown = 0, left_out = 0;  // Gaussians
 };
 
-/// Of object.ply in the run's folder, from the view of which the page of the run shows most, else from before the
-/// world's z axis. Colours are those of no direction (.splat). kBadInput where there is no object.ply, kNothingFound
-/// where it holds nothing.
+/// Page for object.ply of the run's folder. First camera: that of median_view(), otherwise the first view of the scene,
+/// otherwise one on the negative z axis. Colours have no view dependence, as in .splat. kBadInput without object.ply,
+/// kNothingFound if it contains no Gaussian to draw.
 ViewerPage viewer_page(const RunFolder& run, const ViewerOptions& options);
 
 }  // namespace ngs::cli

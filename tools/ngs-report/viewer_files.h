@@ -1,5 +1,5 @@
 #pragma once
-// What the viewer's page is made of, as it was when the tool was built.
+// Files of the viewer's page, embedded at build time.
 #include <string_view>
 #include <vector>
 

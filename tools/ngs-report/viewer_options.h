@@ -1,5 +1,5 @@
 #pragma once
-// What the viewer of ngs-report holds.
+// Options of the viewer of ngs-report.
 #include "ngs/options/field.h"
 
 namespace ngs::cli {
@@ -10,8 +10,8 @@ struct ViewerOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.gaussians,
-          Field<int>{"viewer_gaussians", "",
-                     "of the object that --viewer holds at most, those that show most; 44 bytes each", 1, 20000000});
+          Field<int>{"viewer_gaussians", "", "Most Gaussians in --viewer, largest on screen first; 44 bytes each", 1,
+                     20000000});
   }
 };
 

@@ -54,7 +54,7 @@ std::string frontier_section(const Sweep& sweep, const SweepView& view) {
   PlotSeries beaten{.name = {}, .points = {}, .line = false}, best = beaten, line{.name = {}, .points = {}};
   for (const SweepPoint& point : sweep.points)
     if (!point.frontier) beaten.points.push_back(dot_of(point, view, {}));
-  Table table{.caption = "The frontier: no other point is both faster and better",
+  Table table{.caption = "Pareto frontier: no other point is both faster and better",
               .head = {"point", unit_of(view), view.score},
               .rows = {}};
   for (const SweepPoint* point : frontier_of(sweep, view)) {
@@ -63,7 +63,7 @@ std::string frontier_section(const Sweep& sweep, const SweepView& view) {
     table.rows.push_back({escaped(point->name()), spread_cell(point->time(view.cpu), 2),
                           spread_cell(point->score(view.score), kDigits)});
   }
-  const std::string plot = plot_svg({.title = "Task accuracy against time: all points, and those that none beats",
+  const std::string plot = plot_svg({.title = "Task accuracy against time: all points and the frontier",
                                      .x_label = unit_of(view) + " (logarithmic)",
                                      .y_label = view.score,
                                      .series = {line, best, beaten},
@@ -73,7 +73,7 @@ std::string frontier_section(const Sweep& sweep, const SweepView& view) {
 
 std::string knobs_section(const Sweep& sweep, const SweepView& view) {
   std::map<std::string, PlotSeries> knobs;
-  std::vector<double> scores;  // every plot has the same range of them: what does nothing looks like nothing
+  std::vector<double> scores;  // all plots share the score range, so that a knob without effect looks flat
   for (const SweepPoint& point : sweep.points) {
     scores.push_back(point.score(view.score).median);
     PlotSeries& series =
@@ -82,21 +82,21 @@ std::string knobs_section(const Sweep& sweep, const SweepView& view) {
   }
   std::string plots;
   for (const auto& [knob, series] : knobs) {
-    std::vector<PlotPoint> room;
+    std::vector<PlotPoint> extent;
     for (const double score : scores)
-      if (!series.points.empty()) room.push_back({series.points.front().x, score, {}});
+      if (!series.points.empty()) extent.push_back({series.points.front().x, score, {}});
     plots += plot_svg({.title = knob,
                        .x_label = unit_of(view) + " (logarithmic)",
                        .y_label = view.score,
                        .series = {series},
                        .log_x = true,
-                       .room = room});
+                       .extent = extent});
   }
   return section("knobs", "Knob by knob", "<div class=charts>" + plots + "</div>");
 }
 
 std::string points_section(const Sweep& sweep) {
-  Table table{.caption = "All points; median, and min to max where they were repeated. Failures stay in the table.",
+  Table table{.caption = "All points; median, and min to max of repeated runs. Includes failures.",
               .head = {"point", "runs", "exit codes", "wall s", "CPU s", "IoU", "B-IoU 0.02", "B-IoU 0.005", "frontier",
                        "50 % s", "90 % s", "99 % s"},
               .rows = {}};
@@ -115,13 +115,14 @@ std::string points_section(const Sweep& sweep) {
     for (const double t : times_to_shares(point.runs.front().trace)) row.push_back(decimal(t, 2));
     table.rows.push_back(std::move(row));
   }
-  return section("points", "Points",
-                 "<div class=scroll>" + table.html() +
-                     "</div><p class=note>50, 90, 99 %: wall time after which that share of what a run gains in "
-                     "agreement with its training masks was reached, scoring not counted.</p>");
+  return section(
+      "points", "Points",
+      "<div class=scroll>" + table.html() +
+          "</div><p class=note>50, 90, 99 %: wall time until this share of the total gain in agreement with the "
+          "training masks was reached, without scoring.</p>");
 }
 
-/// Agreement with the training masks over the time of single runs: those with the most evaluations.
+/// Agreement with the training masks over time, for the four runs with the most evaluations.
 std::string anytime_section(const Sweep& sweep) {
   std::vector<const SweepPoint*> longest;
   for (const SweepPoint& point : sweep.points)
@@ -137,15 +138,15 @@ std::string anytime_section(const Sweep& sweep) {
       line.points.push_back(
           {number_at(step, {"t"}) - number_at(trace.front(), {"t"}), number_at(step, {"training_biou"}), {}});
     plots += plot_svg({.title = longest[i]->name(),
-                       .x_label = "wall seconds since the first evaluation, evaluations not counted",
+                       .x_label = "wall seconds since the first evaluation, without evaluations",
                        .y_label = "B-IoU, training masks",
                        .series = {line}});
   }
   return plots.empty() ? plots
-                       : section("anytime", "Over the time of one run", "<div class=charts>" + plots + "</div>");
+                       : section("anytime", "Accuracy over time within a run", "<div class=charts>" + plots + "</div>");
 }
 
-/// What a time buys, and what a quality costs.
+/// Best score at equal time, and least time at equal score.
 std::string equal_section(const Sweep& sweep, const SweepView& view) {
   const auto frontier = frontier_of(sweep, view);
   if (frontier.empty()) return {};
@@ -158,7 +159,7 @@ std::string equal_section(const Sweep& sweep, const SweepView& view) {
     if (best != nullptr)
       in_time.rows.push_back({duration(t), escaped(best->name()), decimal(best->score(view.score).median, kDigits)});
   }
-  Table at_quality{.caption = "At equal quality", .head = {"short of the best by", "least time", "point"}, .rows = {}};
+  Table at_quality{.caption = "At equal quality", .head = {"loss against the best", "least time", "point"}, .rows = {}};
   const double top = frontier.back()->score(view.score).median;
   for (const double loss : {0.0, 0.001, 0.005, 0.01, 0.02, 0.05}) {
     const auto* found = *std::find_if(frontier.begin(), frontier.end(), [&](const SweepPoint* point) {
@@ -170,9 +171,8 @@ std::string equal_section(const Sweep& sweep, const SweepView& view) {
 }
 
 std::string once_section(const Sweep& sweep) {
-  Table table{.caption = "Done once for a scene, whatever is cut out of it afterwards",
-              .head = {"scene", "tool", "CPU s"},
-              .rows = {}};
+  Table table{
+      .caption = "One-off cost per scene, for any number of objects", .head = {"scene", "tool", "CPU s"}, .rows = {}};
   for (const auto& [name, tools] : sweep.once.items())
     for (const auto& [tool, seconds] : tools.items())
       table.rows.push_back(
@@ -201,7 +201,7 @@ std::string numerical_section(const Sweep& sweep) {
   for (auto& [knob, s] : knobs) series.push_back(std::move(s));
   return section("numerical", "Numerical error",
                  "<p>" + escaped(json_text(value_at(sweep.numerical, {"reference"}))) + "</p>" +
-                     plot_svg({.title = "Numerical error against time; says nothing about task accuracy",
+                     plot_svg({.title = "Numerical error against time; independent of task accuracy",
                                .x_label = "CPU seconds (logarithmic)",
                                .y_label = "log10 of the largest error",
                                .series = series,
@@ -214,8 +214,8 @@ struct WorkPrecisionOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.score, Text{"score", "iou|biou|biou_005|...", "what accuracy is: a mean of metrics.json"});
-    visit(self.time, Text{"time", "wall|cpu", "what time is; cpu on a machine that is shared"});
+    visit(self.score, Text{"score", "iou|biou|biou_005|...", "Accuracy score: a mean in metrics.json"});
+    visit(self.time, Text{"time", "wall|cpu", "Time to plot; use cpu on a shared machine"});
   }
 };
 
@@ -223,7 +223,7 @@ struct WorkPrecisionOptions {
 
 std::string sweep_page(const Sweep& sweep, const SweepView& view) {
   return page_start("Work and precision – ngs report", "Work and precision",
-                    "Accuracy: views whose masks no stage has seen. This page needs neither network nor scripts.") +
+                    "Accuracy is measured on test views that were kept back.") +
          frontier_section(sweep, view) + knobs_section(sweep, view) + equal_section(sweep, view) +
          anytime_section(sweep) + numerical_section(sweep) + once_section(sweep) + points_section(sweep) + page_end();
 }
@@ -264,7 +264,7 @@ std::string quoted(const std::string& text) {
 
 std::string sweep_csv(const Sweep& sweep) {
   std::string csv = "knob,setting,repeat,exit_code,wall_s,cpu_s,iou,biou,biou_005,frontier\n";
-  // Digits enough that who rounds them rounds what was measured.
+  // Enough digits to avoid double rounding.
   const auto cell = [](double value) { return std::isfinite(value) ? decimal(value, 9) : std::string(); };
   for (const SweepPoint& point : sweep.points)
     for (const SweepRun& run : point.runs)
@@ -282,13 +282,13 @@ int work_precision_command(int argc, char** argv) {
   tool.options(options);
   const Input& folder = tool.input("sweep", "OUT of pipelines/work-precision.mk");
   const Output& out = tool.output("-o,--output", "HTML page");
-  const Output& json = tool.optional_output("--points-json", "the points and what was derived from them");
+  const Output& json = tool.optional_output("--points-json", "all points with derived values");
   const Output& csv = tool.optional_output("--points-csv", "one line per run");
   return tool.run(argc, argv, [&](Run& run) {
     if (options.time != "wall" && options.time != "cpu")
       throw Error(ErrorCode::kUsage, "--time: '" + options.time + "', expected wall or cpu");
     if (std::find(kScoreNames.begin(), kScoreNames.end(), options.score) == kScoreNames.end())
-      throw Error(ErrorCode::kUsage, "--score: '" + options.score + "' is no score of masks",
+      throw Error(ErrorCode::kUsage, "--score: '" + options.score + "' is not a mask score",
                   suggestion(options.score, {kScoreNames.begin(), kScoreNames.end()}));
     const SweepView view{options.score, options.time == "cpu"};
     Sweep sweep = read_sweep(folder.path);

@@ -1,6 +1,5 @@
 #pragma once
-// ngs-report work-precision: what each knob's settings cost in time and give in accuracy, as a page, JSON and
-// CSV.
+// ngs-report work-precision: time and accuracy of each setting of each knob, as a page, JSON and CSV.
 #include <string>
 
 #include "sweep.h"
@@ -12,7 +11,7 @@ struct SweepView {
   bool cpu;           // CPU seconds instead of wall time
 };
 
-std::string sweep_page(const Sweep& sweep, const SweepView& view, const std::string& title);
+std::string sweep_page(const Sweep& sweep, const SweepView& view);
 Json sweep_json(const Sweep& sweep, const SweepView& view);
 std::string sweep_csv(const Sweep& sweep);
 

@@ -1,4 +1,5 @@
-// ngs-sample: scene.json + boundary PLY -> query PLY with a grid of rays per view. Algorithm 1, steps 2-4.
+// ngs-sample: reads scene.json and a boundary PLY, writes a query PLY with a grid of rays per view. Algorithm 1, steps
+// 2-4.
 #include "ngs/io/ply/query_ply.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/stages/boundary/sample_stage.h"
@@ -14,7 +15,7 @@ struct ViewOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.views, ngs::Text{"views", "train|held-out|all|NAME,...", "which cameras"});
+    visit(self.views, ngs::Text{"views", "train|held-out|all|NAME,...", "Views to place query points in"});
   }
 };
 
@@ -67,7 +68,7 @@ int main(int argc, char** argv) {
                        {ply.cloud, boundary, scene, views, splat_options(raster, ply.cloud, scene)});
     report_views(run, field);
     if (field.size() == 0 && boundary.size() > 0)
-      run.nothing_found("the boundary is visible in none of the chosen views",
+      run.nothing_found("the boundary is not visible in any of the chosen views",
                         "choose other views, or check the poses: ngs-scene check scene.json");
     const auto timed = run.monitor().scope("write");
     io::write_query_ply(out.path, field);

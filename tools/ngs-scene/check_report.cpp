@@ -88,8 +88,8 @@ std::string check_table(const Scene& scene, const SceneCheck& check) {
     if (!shortened || check.views[i].match)
       text += table_row(scene.views[i], check.views[i], check.sampled_gaussians > 0);
   if (shortened)
-    text += "(those of " + std::to_string(scene.views.size()) +
-            " views that were compared with their photos; all: --report)\n";
+    text +=
+        "(only views compared with their photos, of " + std::to_string(scene.views.size()) + " views; all: --report)\n";
   return text;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// scene_check.h as JSON for the report and as a table for people.
+// Results of scene_check.h as JSON for the report, and as a text table.
 #include "ngs/io/scene/import_scene.h"
 #include "ngs/options/option_set.h"
 #include "ngs/scene/gaussian_cloud.h"
@@ -7,7 +7,7 @@
 
 namespace ngs::capture {
 
-/// What import has found where.
+/// Sources that import found: files, folders and format.
 Json import_json(const io::ImportedScene& imported);
 
 Json check_json(const Scene& scene, const SceneCheck& check);

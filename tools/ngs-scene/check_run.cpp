@@ -17,9 +17,9 @@
 namespace ngs::capture {
 namespace {
 
-constexpr int kBackgroundViews = 24;  // of each the photos tell little where the model covers much
+constexpr int kBackgroundViews = 24;  // many: a view gives little evidence if the model covers most of it
 
-/// `count` views with a photo, evenly spaced.
+/// At most `count` views with a photo, evenly spaced.
 std::vector<std::size_t> some_with_photo(const Scene& scene, int count) {
   const std::vector<std::size_t> with_photo = photo_views(scene);
   std::vector<std::size_t> some;
@@ -33,7 +33,7 @@ std::vector<std::size_t> background_views(const SceneCheckOptions& options, cons
 
 Json triple(const Vec3<double>& v) { return Json::array({v.x, v.y, v.z}); }
 
-/// `notes`: what reading it took.
+/// Appends reading notes to `notes`.
 Model read_model(cli::Run& run, const Scene& scene, std::vector<std::string>& notes) {
   if (scene.model_path.empty()) return std::nullopt;
   const auto timed = run.monitor().scope("model");
@@ -43,12 +43,12 @@ Model read_model(cli::Run& run, const Scene& scene, std::vector<std::string>& no
   notes.insert(notes.end(), model.notes.begin(), model.notes.end());
   if (model.health.excluded() > 0)
     notes.push_back(scene.model_path + ": " + std::to_string(model.health.excluded()) +
-                    " Gaussians are not finite or absurdly large and take no part");
+                    " Gaussians are ignored: not finite or absurdly large");
   run.result()["model"] = health_json(model.health);
   return model;
 }
 
-/// The given masks over their photos as a page. Its pictures that cannot be read are warned of.
+/// Writes a page with the input masks over their photos; warns of unreadable pictures.
 void write_sheet(cli::Run& run, const Scene& scene, const std::string& path) {
   const auto timed = run.monitor().scope("sheet");
   const cli::MaskSheet sheet = cli::mask_sheet(scene, {});
@@ -73,7 +73,7 @@ PhotographedModel SceneChecks::photographed() {
   return {model_->cloud, scene_, [this](std::size_t view) { return photos_.load(view); }};
 }
 
-bool SceneChecks::settle_transparent_photos() {
+bool SceneChecks::choose_background_of_transparent_photos() {
   const auto timed = run_.monitor().scope("transparency");
   if (std::none_of(compared_.begin(), compared_.end(),
                    [&](std::size_t view) { return io::photo_is_transparent(scene_, view); }))
@@ -89,9 +89,9 @@ bool SceneChecks::settle_transparent_photos() {
   const bool white = psnr[1] > psnr[0] + kBackgroundMarginDb;
   if (!white) scene_.background = Vec3<double>{0, 0, 0};
   if (!model_) scene_.background.reset();
-  notes_.push_back(std::string("photos are transparent: they are laid over ") + (white ? "white" : "black") +
-                   (model_ ? ", over which the model fits them better" : " until a model says otherwise") +
-                   "; --background " + (white ? "black" : "white") + " takes the other");
+  notes_.push_back(std::string("photos are transparent; they are composed over ") + (white ? "white" : "black") +
+                   (model_ ? ", which fits the model better" : " since there is no model to compare with") +
+                   "; --background " + (white ? "black" : "white") + " selects the other");
   if (model_) run_.result()["background"] = {{"black_psnr_db", psnr[0]}, {"white_psnr_db", psnr[1]}};
   return true;
 }
@@ -127,9 +127,9 @@ void SceneChecks::find_filter() {
 
 void SceneChecks::align_views(bool for_background) {
   if (!model_) return;
-  std::vector<std::size_t> questioned;
-  if (for_background) questioned = background_views(options_, scene_);
-  const auto alignment = measure_alignment(run_.exec(), run_.monitor(), photographed(), questioned);
+  std::vector<std::size_t> background_from;
+  if (for_background) background_from = background_views(options_, scene_);
+  const auto alignment = measure_alignment(run_.exec(), run_.monitor(), photographed(), background_from);
   apply_alignment(alignment, scene_);
   for (const ViewAlignment& a : alignment) {
     run_.result()["view_alignment"].push_back({{"view", scene_.views[a.view].camera.name},
@@ -139,16 +139,17 @@ void SceneChecks::align_views(bool for_background) {
                                                {"error_before", a.error_before},
                                                {"error_after", a.error_after},
                                                {"applied", a.applied}});
-    if (a.background) witnesses_.push_back(*a.background);
+    if (a.background) measurements_.push_back(*a.background);
   }
 }
 
 void SceneChecks::find_background() {
   if (!model_) return;
   const auto timed = run_.monitor().scope("background");
-  const BackgroundFinding found = witnesses_.empty() ? ngs::find_background(run_.exec(), run_.monitor(), photographed(),
-                                                                            background_views(options_, scene_))
-                                                     : ngs::find_background(witnesses_);
+  const BackgroundFinding found =
+      measurements_.empty()
+          ? ngs::find_background(run_.exec(), run_.monitor(), photographed(), background_views(options_, scene_))
+          : ngs::find_background(measurements_);
   scene_.background = found.colour;
   run_.result()["background"] = {{"found", found.colour.has_value()}, {"fitted", triple(found.fitted)},
                                  {"error", triple(found.error)},      {"shown", found.shown},
@@ -164,7 +165,7 @@ int check_command(int argc, char** argv) {
   tool.options(checks);
   const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene import");
   const cli::Output& sheet =
-      tool.optional_output("--sheet", "HTML page with every given mask over its photo, to look at before a run");
+      tool.optional_output("--sheet", "HTML page with every input mask over its photo, to check before a run");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
     Scene scene = cli::read_scene(run, scene_json.path);

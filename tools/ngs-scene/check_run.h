@@ -1,6 +1,6 @@
 #pragma once
-// The checks of stages/scene/scene_check.h with files behind them, which import and check have in common; and what
-// import finds out about a model by its photos.
+// Checks of stages/scene/scene_check.h on files, shared by import and check; and the model settings that import
+// estimates from the photos: background, low-pass filter, camera corrections.
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,31 +14,31 @@
 
 namespace ngs::capture {
 
-/// Empty: the scene names no model.
+/// nullopt: the scene names no model.
 using Model = std::optional<io::GaussianPly>;
 
-/// What is found goes into the scene, what was measured into "result" of the report. Steps in the order of this class;
-/// without a model or photos those that need them do nothing.
+/// Writes estimates to the scene and measurements to "result" of the report. Call the steps in the order below; steps
+/// that need a model or photos do nothing without them.
 class SceneChecks {
  public:
-  /// Reads the scene's model into memory, its health into the report. `notes` become warnings.
+  /// Reads the scene's model and reports its health. `notes` become warnings.
   SceneChecks(cli::Run& run, const SceneCheckOptions& options, Scene& scene, std::vector<std::string> notes);
 
-  /// Where the background shows through photos, no photo tells it: black or white, whichever the model fits better
-  /// over, with a note. False: the photos are opaque, and nothing was done.
-  bool settle_transparent_photos();
-  /// Reads photos and masks, prints the table. Notes are told after the checks: an error must stand first on stderr.
-  /// Throws where the scene does not hold together. `compat_is_default`: nobody has said which renderer fitted the
-  /// model; the scene's compat becomes what explains the photos.
+  /// For photos with transparency: sets the background to black or white, whichever fits the model better, with a note.
+  /// False: the photos are opaque, the scene is unchanged.
+  bool choose_background_of_transparent_photos();
+  /// Reads photos and masks and prints the table. Notes are printed after the checks, so that an error comes first on
+  /// stderr. Throws if the parts of the scene do not fit. `compat_is_default`: the renderer was not given; the scene's
+  /// compat becomes the one that explains the photos better.
   void check(bool compat_is_default = false);
-  /// Views whose empty masks the others contradict become views without a mask.
+  /// Removes empty masks that contradict the masks of other views.
   void leave_out_lost_masks();
-  /// The low-pass filter of the model (stages/scene/filter_probe.h).
+  /// Estimates the low-pass filter of the model (stages/scene/filter_probe.h).
   void find_filter();
-  /// Moves the cameras to where the photos fit the model (stages/scene/view_align.h). `for_background`: the photos are
-  /// also asked for the background, which find_background() then knows without a render.
+  /// Aligns the cameras to the model (stages/scene/view_align.h). `for_background`: also measures the background, so
+  /// that find_background() needs no render.
   void align_views(bool for_background);
-  /// The background that the photos tell (stages/render/background.h).
+  /// Estimates the background from the photos (stages/render/background.h).
   void find_background();
 
  private:
@@ -48,11 +48,11 @@ class SceneChecks {
   const SceneCheckOptions& options_;
   Scene& scene_;
   std::vector<std::string> notes_;
-  std::vector<std::size_t> compared_;  // views
-  io::PhotoCache photos_;              // of these, of which every step asks for some
+  std::vector<std::size_t> compared_;  // views compared with the model
+  io::PhotoCache photos_;              // photos of compared_
   Model model_;
-  std::vector<BackgroundWitness> witnesses_;
-  std::vector<std::size_t> lost_masks_;  // views
+  std::vector<BackgroundMeasurement> measurements_;
+  std::vector<std::size_t> lost_masks_;  // views with contradicted empty masks
 };
 
 int check_command(int argc, char** argv);

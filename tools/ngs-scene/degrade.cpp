@@ -20,9 +20,10 @@ struct DegradeOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.mask_noise, Text{"mask_noise", "KIND:AMOUNT",
-                                "errors in every mask: erode:PX dilate:PX jitter:PX snap:PX drop:P blob:P"});
-    visit(self.missing, Field<double>{"missing", "of the views", "masks that are left out", 0, 1});
-    visit(self.wrong, Field<double>{"wrong", "of the views", "masks that are another view's", 0, 1});
+                                "Errors in every mask: erode:PX dilate:PX jitter:PX snap:PX drop:P blob:P"});
+    visit(self.missing, Field<double>{"missing", "of the views", "Fraction of masks left out", 0, 1});
+    visit(self.wrong,
+          Field<double>{"wrong", "of the views", "Fraction of masks replaced by that of another view", 0, 1});
   }
 };
 
@@ -33,7 +34,7 @@ ImageU16 read_binary(const std::string& path) {
   return mask;
 }
 
-/// The masks that are written are called by their stems.
+/// Output masks are named by the stem of the input.
 void require_unique_stems(const std::string& folder, const std::vector<std::string>& names) {
   std::map<std::string, std::string> seen;
   for (const std::string& name : names)
@@ -44,14 +45,14 @@ void require_unique_stems(const std::string& folder, const std::vector<std::stri
           "move one of them out of the folder");
 }
 
-/// The photo of the mask's stem, at the mask's size: what contours snap to.
+/// The photo with the mask's stem, at the mask's size; contours snap to its edges.
 ImageF photo_of(const io::FolderIndex& photos, const std::string& mask_name, const ImageU16& mask) {
   const std::string path = photos.find_stem(mask_name);
   if (path.empty())
     throw Error(ErrorCode::kBadInput,
-                photos.folder() + ": no single image called " + image_stem(mask_name) +
+                photos.folder() + ": not exactly one image named " + image_stem(mask_name) +
                     ", expected the photo of mask " + mask_name,
-                "name the folder of the photos: --photos images");
+                "give the folder of the photos: --photos images");
   return io::resize_area(io::read_image_rgb(path), mask.width_px, mask.height_px);
 }
 
@@ -64,8 +65,7 @@ void write_binary(const std::string& path, const ImageU16& mask) {
 }  // namespace
 
 int degrade_command(int argc, char** argv) {
-  cli::Tool tool("ngs-scene degrade",
-                 "Make bad masks from good ones, in known amounts, to see what a method makes of them.",
+  cli::Tool tool("ngs-scene degrade", "Add errors of known size to masks, to test the robustness of methods.",
                  {"ngs-scene degrade masks_gt --mask-noise dilate:3,jitter:2 -o masks_bad",
                   "ngs-scene degrade masks_gt --missing 0.2 --wrong 0.1 --seed 3 -o masks_bad",
                   "ngs-scene degrade masks_gt --photos images --mask-noise snap:4 -o masks_bad"});
@@ -83,15 +83,16 @@ int degrade_command(int argc, char** argv) {
     const io::FolderIndex photo_index(photos.path);
     const std::vector<std::string> names = io::list_images(masks.path);
     if (names.empty()) {
-      run.nothing_found(masks.path + ": no image in this folder", "name the folder that holds the masks");
+      run.nothing_found(masks.path + ": no image in this folder", "give the folder of the masks");
       return cli::kDone;
     }
     require_unique_stems(masks.path, names);
-    const std::vector<int> fate = synth::view_fates(int(names.size()), options.missing, options.wrong, run.seed());
+    const std::vector<int> assigned =
+        synth::mask_assignment(int(names.size()), options.missing, options.wrong, run.seed());
     Json missing = Json::array(), wrong = Json::object();
     for (std::size_t v = 0; v < names.size(); ++v) {
-      if (fate[v] < 0) missing.push_back(names[v]);
-      if (fate[v] >= 0 && fate[v] != int(v)) wrong[names[v]] = names[std::size_t(fate[v])];
+      if (assigned[v] < 0) missing.push_back(names[v]);
+      if (assigned[v] >= 0 && assigned[v] != int(v)) wrong[names[v]] = names[std::size_t(assigned[v])];
     }
     run.result() = {{"masks", names.size()}, {"missing", missing}, {"wrong", wrong}};
     if (run.dry_run()) {
@@ -100,8 +101,8 @@ int degrade_command(int argc, char** argv) {
     }
     bool any_object = false;
     for (std::size_t v = 0; v < names.size(); ++v) {
-      if (fate[v] < 0) continue;
-      const std::string& name = names[std::size_t(fate[v])];
+      if (assigned[v] < 0) continue;
+      const std::string& name = names[std::size_t(assigned[v])];
       const ImageU16 mask = read_binary(masks.path + "/" + name);
       const ImageF photo = noise.snap_px > 0 ? photo_of(photo_index, name, mask) : ImageF();
       write_binary(out.path + "/" + image_stem(names[v]) + ".png",
@@ -109,7 +110,7 @@ int degrade_command(int argc, char** argv) {
       any_object |= std::ranges::find(mask.data, std::uint16_t(1)) != mask.data.end();
     }
     if (!any_object && missing.size() < names.size())
-      run.monitor().warn(masks.path + ": no mask shows an object; expected 0/255 or 0/1, maps of ids are not taken");
+      run.monitor().warn(masks.path + ": no mask contains an object; expected values 0/255 or 0/1, not a label map");
     return cli::kDone;
   });
 }

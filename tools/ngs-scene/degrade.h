@@ -1,5 +1,5 @@
 #pragma once
-// ngs-scene degrade: a folder of good masks -> a folder of bad ones, to see what a method makes of them.
+// ngs-scene degrade: adds errors to masks, to test the robustness of methods.
 
 namespace ngs::capture {
 

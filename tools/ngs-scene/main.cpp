@@ -1,4 +1,4 @@
-// ngs-scene: cameras, photos, masks and a model of any origin -> the canonical scene.json, checked.
+// ngs-scene: cameras, photos, masks and a model of any format -> a checked scene.json.
 #include "check_report.h"
 #include "check_run.h"
 #include "degrade.h"
@@ -25,7 +25,7 @@ int write_scene(const cli::Run& run, const cli::Output& out, const io::ImportedS
 
 int import_command(int argc, char** argv) {
   cli::Tool tool("ngs-scene import",
-                 "Import cameras, photos, masks and a model of any origin, and check that they belong together.",
+                 "Import cameras, photos, masks and a model of any format, and check that they fit together.",
                  {"ngs-scene import captures/garden --ply garden.ply --masks garden/masks -o scene.json",
                   "ngs-scene import transforms.json --ply splat.ply --hold-out every:8:0 --image-scale 0.5 -o "
                   "scene.json"});
@@ -34,28 +34,29 @@ int import_command(int argc, char** argv) {
   tool.options(options);
   tool.options(checks);
   const cli::Argument& source = tool.argument(
-      "source", "COLMAP folder, transforms.json, cameras.json, poses_bounds.npy, or a folder holding one");
+      "source", "COLMAP folder, transforms.json, cameras.json, poses_bounds.npy, or a folder with one of them");
   const cli::Input& ply = tool.optional_input(
       "--ply",
-      "the 3DGS model (.ply, .spz, .sog, .splat, .ksplat); else point_cloud.ply or model.ply beside the cameras",
+      "3DGS model (.ply, .spz, .sog, .splat, .ksplat); default: point_cloud.ply or model.ply next to the cameras",
       "--model");
-  const cli::Input& images = tool.optional_input("--images", "folder of photos; else images/ beside the cameras");
-  const cli::Input& masks = tool.optional_input("--masks", "folder of masks; else masks/ or masks_sam/ beside them");
+  const cli::Input& images = tool.optional_input("--images", "folder of photos; default: images/ next to the cameras");
+  const cli::Input& masks =
+      tool.optional_input("--masks", "folder of masks; default: masks/ or masks_sam/ next to the cameras");
   const cli::Input& truth = tool.optional_input(
-      "--truth", "folder of true masks, which ngs-eval reads alone; else masks_gt/ or gt/ beside them", "--gt");
+      "--truth", "folder of true masks, used only by ngs-eval; default: masks_gt/ or gt/ next to the cameras", "--gt");
   const cli::Input& world = tool.optional_input("--world-transform",
-                                                "JSON {transform, scale}: from the cameras' world to the "
-                                                "model's (nerfstudio's dataparser_transforms.json)");
+                                                "JSON {transform, scale} from camera to model coordinates "
+                                                "(nerfstudio's dataparser_transforms.json)");
   const cli::Output& out = tool.output("-o,--output", "scene.json");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
-    if (options.mask_mode != MaskMode::kBinary) run.warn_unused({"--mask-threshold"}, "but by --mask-mode binary");
+    if (options.mask_mode != MaskMode::kBinary) run.warn_unused({"--mask-threshold"}, "without --mask-mode binary");
     io::ImportedScene imported = [&] {
       const auto timed = run.monitor().scope("import");
       return io::import_scene(
           capture::request_from(options, source.value, {ply.path, images.path, masks.path, truth.path, world.path}));
     }();
-    if (imported.format != "transforms.json") run.warn_unused({"--original-world"}, "but by transforms.json");
+    if (imported.format != "transforms.json") run.warn_unused({"--original-world"}, "without transforms.json");
     run.add_input("cameras", imported.cameras_file);
     if (!masks && !imported.masks_dir.empty()) run.add_input("masks", imported.masks_dir);
     run.result() = capture::import_json(imported);
@@ -71,15 +72,15 @@ int import_command(int argc, char** argv) {
     if (options.compat == CompatChoice::kGsplat) imported.scene.compat = Compat::kGsplat;
     if (options.antialias != Antialias::kAuto) imported.scene.antialiased = options.antialias == Antialias::kOn;
     choose_background(options.background, run.monitor(), imported.scene);
-    const bool settled = !options.background.empty() || scene.settle_transparent_photos();
+    const bool has_background = !options.background.empty() || scene.choose_background_of_transparent_photos();
     scene.check(options.compat == CompatChoice::kAuto);
     scene.leave_out_lost_masks();
     if (options.filter_px2 > 0)
       imported.scene.filter_px2 = options.filter_px2;
     else
       scene.find_filter();
-    if (options.align_views) scene.align_views(!settled);
-    if (!settled) scene.find_background();
+    if (options.align_views) scene.align_views(!has_background);
+    if (!has_background) scene.find_background();
     return write_scene(run, out, imported);
   });
 }
@@ -91,7 +92,7 @@ int main(int argc, char** argv) {
       argc, argv,
       {{"import", import_command, "cameras, photos, masks, model -> scene.json"},
        {"orbit", ngs::capture::orbit_command, "a model without photos -> cameras, renders, scene.json"},
-       {"check", ngs::capture::check_command, "repeat the checks on a scene.json"},
-       {"undistort", ngs::capture::undistort_command, "photos of a lens -> photos of a pinhole, masks too"},
-       {"degrade", ngs::capture::degrade_command, "good masks -> bad ones, in known amounts"}});
+       {"check", ngs::capture::check_command, "repeat the checks of a scene.json"},
+       {"undistort", ngs::capture::undistort_command, "photos and masks with lens distortion -> pinhole"},
+       {"degrade", ngs::capture::degrade_command, "masks -> masks with errors of known size"}});
 }

@@ -34,11 +34,11 @@ struct PictureOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.size, Text{"size", "WxH", "pixels of the pictures"});
+    visit(self.size, Text{"size", "WxH", "Size of the pictures in px"});
     visit(self.background, Text{"background", "COLOUR",
-                                "behind the model: black, white or R,G,B in [0, 1]; empty: black or white, whichever "
-                                "is farther from the model's colours"});
-    visit(self.hold_out, Text{"hold_out", "every:N:K|FILE", "views that never supervise, as for ngs-scene import"});
+                                "Background: black, white or R,G,B in [0, 1]; empty: black or white, whichever "
+                                "contrasts more with the model"});
+    visit(self.hold_out, Text{"hold_out", "every:N:K|FILE", "Test views, as for ngs-scene import"});
   }
 };
 
@@ -51,12 +51,12 @@ orbit::PictureSize parse_size(const std::string& text) {
   constexpr int kLeast_px = 16, kMost_px = 16384;
   if (!has_cross || bad_height != std::errc() || rest != end || std::min(size.width_px, size.height_px) < kLeast_px ||
       std::max(size.width_px, size.height_px) > kMost_px)
-    throw Error(ErrorCode::kUsage, "--size " + text + ": no size, expected WxH of 16 to 16384 px a side",
+    throw Error(ErrorCode::kUsage, "--size " + text + ": invalid size, expected WxH with sides of 16 to 16384 px",
                 "such as --size 1280x960");
   return size;
 }
 
-/// Black or white, whichever is farther from the mean colour of the model's Gaussians by their opacity.
+/// Black or white, whichever is farther from the opacity-weighted mean colour of the model.
 Vec3<double> contrasting_background(const GaussianCloud& cloud) {
   double sum = 0, total = 0;
   for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
@@ -69,34 +69,34 @@ Vec3<double> contrasting_background(const GaussianCloud& cloud) {
   return sum < 0.5 * total ? Vec3<double>{1, 1, 1} : Vec3<double>{0, 0, 0};
 }
 
-/// Marks a folder of renders: what an earlier run has left there is no photo.
+/// Marker file of a folder with renders of an earlier run, not photos.
 constexpr const char* kOfRenders = ".ngs-renders";
 
-/// Where the renders go, and those of an earlier run.
+/// Output folder of the renders, and its renders of an earlier run.
 struct ImagesFolder {
   std::string path;
   std::vector<std::string> earlier;
 };
 
-/// The folder beside scene.json. What lies in it must be renders of an earlier run: photos of that name would be lost.
+/// The folder images/ next to scene.json. Throws if it contains other files, such as photos, that would be lost.
 ImagesFolder images_folder(const std::string& scene_path) {
   const fs::path folder = fs::path(scene_path).parent_path() / "images";
   ImagesFolder images{folder.string(), {}};
   std::error_code ignored;
   if (!fs::exists(folder, ignored)) return images;
   if (!fs::is_directory(folder, ignored))
-    throw Error(ErrorCode::kUsage, images.path + ": is no folder, expected one for the renders",
+    throw Error(ErrorCode::kUsage, images.path + ": not a folder, expected a folder for the renders",
                 "choose another folder for scene.json");
   if (fs::is_empty(folder, ignored)) return images;
   if (!fs::exists(folder / kOfRenders, ignored))
     throw Error(ErrorCode::kUsage,
-                images.path + ": holds files that are not the renders of " + scene_path + ", expected none",
+                images.path + ": contains files that are not renders of " + scene_path + ", expected none",
                 "choose another folder for scene.json");
   for (const std::string& name : io::list_images(images.path)) images.earlier.push_back((folder / name).string());
   return images;
 }
 
-/// Renders of an earlier run that this one did not replace would look like its own.
+/// Removes renders of an earlier run that this run did not replace.
 void remove_stale(const ImagesFolder& images, const Scene& scene) {
   std::error_code ignored;
   for (const std::string& path : images.earlier)
@@ -121,7 +121,7 @@ Scene scene_of(const orbit::OrbitCameras& chosen, const std::string& model, cons
   return scene;
 }
 
-/// Renders the scene's views at the size of `cameras` to where their photos are expected.
+/// Renders the scene's views at the size of `cameras` to their image paths.
 void write_renders(cli::Run& run, const GaussianCloud& cloud, const Scene& scene, const std::vector<Camera>& cameras) {
   const auto timed = run.monitor().scope("render");
   const SplatOptions splat =
@@ -164,28 +164,28 @@ Json chosen_json(const orbit::OrbitCameras& chosen) {
           {"candidates", chosen.candidates}};
 }
 
-/// What was chosen, and whether it is enough.
-void tell(cli::Run& run, const OrbitOptions& options, const orbit::OrbitCameras& chosen) {
+/// Prints the chosen cameras and warns of low coverage.
+void print_cameras(cli::Run& run, const OrbitOptions& options, const orbit::OrbitCameras& chosen) {
   const std::string share = with_digits("%.1f %%", 100 * chosen.coverage);
-  run.text(std::to_string(chosen.cameras.size()) + " cameras " + (chosen.inside ? "inside" : "about") + " the ball " +
+  run.text(std::to_string(chosen.cameras.size()) + " cameras " + (chosen.inside ? "inside" : "around") + " the ball " +
            numbers(chosen.centre) + with_digits(",%.4g", chosen.radius) + ", up " + numbers(chosen.up) +
            (options.up != UpAxis::kAuto ? ""
             : chosen.up_is_guessed      ? " (from a floor)"
                                         : " (no floor found)") +
-           "\n" + share + " of the visible surface is seen by " + std::to_string(orbit::kWantedViews) +
-           " views or more\n" + "photos: " + kRenderedPhotosNote + "\n");
+           "\n" + share + " of the visible surface is visible in at least " + std::to_string(orbit::kWantedViews) +
+           " views\n" + "no photos: pictures were rendered from the splat\n");
   if (chosen.coverage >= options.coverage) return;
   const bool at_limit = std::ssize(chosen.cameras) >= options.max_views;
   run.monitor().warn("coverage " + share + " of the visible surface, expected " +
                      with_digits("%.1f %%", 100 * options.coverage) +
                      (at_limit ? ": --max-views " + std::to_string(options.max_views) + " is reached"
-                               : ": no further place shows more of it"));
+                               : ": no other camera position shows more of it"));
 }
 
 }  // namespace
 
 int orbit_command(int argc, char** argv) {
-  cli::Tool tool("ngs-scene orbit", "Choose cameras for a model that has no photos, and render it in their place.",
+  cli::Tool tool("ngs-scene orbit", "Choose cameras for a model without photos and render pictures from them.",
                  {"ngs-scene orbit statue.ply -o statue/scene.json",
                   "ngs-scene orbit hall.compressed.ply --around 1.2,-0.4,3,0.5 --up -y -o guitar/scene.json"});
   OrbitOptions options;
@@ -193,13 +193,13 @@ int orbit_command(int argc, char** argv) {
   tool.options(options);
   tool.options(pictures);
   const cli::Input& model = tool.input("model", "3DGS model (.ply, .spz, .sog, .splat, .ksplat)");
-  const cli::Output& out = tool.output("-o,--output", "scene.json; the renders go to images/ beside it");
+  const cli::Output& out = tool.output("-o,--output", "scene.json; renders are written to images/ next to it");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
     if (run.comes_from_stream(model) || (out && run.goes_to_stdout(out)))
       throw Error(ErrorCode::kUsage,
-                  "a stream for MODEL or --output, expected files: scene.json names the model and "
-                  "its renders by their paths");
+                  "a stream for MODEL or --output, expected files: scene.json stores the paths of "
+                  "model and renders");
     const orbit::PictureSize size = parse_size(pictures.size);
     const ImagesFolder images = out ? images_folder(out.path) : ImagesFolder{"images", {}};
     const io::GaussianPly ply = [&] {
@@ -215,7 +215,7 @@ int orbit_command(int argc, char** argv) {
     io::assign_splits(pictures.hold_out, scene.views);
     run.result() = chosen_json(chosen);
     run.result()["model"] = health_json(ply.health);
-    tell(run, options, chosen);
+    print_cameras(run, options, chosen);
     if (run.dry_run()) {
       run.plan({{"views", scene.views.size()}});
       return cli::kDone;

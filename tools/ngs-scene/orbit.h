@@ -1,6 +1,5 @@
 #pragma once
-// ngs-scene orbit: a model without photos -> cameras chosen for it, renders in place of photos, and a scene.json of
-// both.
+// ngs-scene orbit: a model without photos -> cameras, renders and scene.json.
 
 namespace ngs::capture {
 

@@ -30,15 +30,16 @@ struct UndistortOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.jpeg_quality, Field<int>{"jpeg_quality", "", "of photos that are JPEGs; others become PNGs", 1, 100});
-    visit(self.original_world, Flag{"original_world", "transforms.json: undo its applied_transform"});
+    visit(self.jpeg_quality,
+          Field<int>{"jpeg_quality", "", "JPEG quality for JPEG photos; others become PNGs", 1, 100});
+    visit(self.original_world, Flag{"original_world", "Undo the applied_transform of transforms.json"});
   }
 };
 
-/// A view before and after.
+/// Cameras of a view before and after.
 struct Straightening {
-  Camera bent, straight;
-  const Lens* lens;  // null: a pinhole, whose files are copied
+  Camera distorted, straight;
+  const Lens* lens;  // null: pinhole, files are copied
 };
 
 bool is_jpeg(const std::string& name) {
@@ -53,7 +54,7 @@ void make_folder_of(const std::string& path) {
   if (error) throw Error(ErrorCode::kEnvironment, path + ": " + error.message() + ", expected a folder to write to");
 }
 
-/// 8 or 16 bits, as they were. A JPEG of RGB where `jpeg_quality` is not 0, else a PNG.
+/// Keeps 8 or 16 bits. Writes an RGB JPEG if `jpeg_quality` is not 0, otherwise a PNG.
 void write_samples(const std::string& path, const io::RawMask& picture, int jpeg_quality) {
   const bool narrow = picture.bits == 8;
   if (!narrow) {
@@ -72,11 +73,11 @@ void write_samples(const std::string& path, const io::RawMask& picture, int jpeg
 io::RawMask straight_picture(const io::RawMask& picture, const Straightening& view, Resampling resampling) {
   io::RawMask out = picture;
   out.width_px = view.straight.width_px, out.height_px = view.straight.height_px;
-  out.data = straightened({}, picture.samples(), {view.bent, *view.lens}, view.straight, resampling);
+  out.data = straightened({}, picture.samples(), {view.distorted, *view.lens}, view.straight, resampling);
   return out;
 }
 
-/// Two values: a mask whose contour may run between pixels. Ids and bands have no values in between.
+/// True for binary masks, whose contour may be interpolated; ids and bands must not be interpolated.
 bool is_two_valued(const io::RawMask& mask) {
   std::set<std::uint16_t> values;
   for (const std::uint16_t value : mask.data)
@@ -84,7 +85,7 @@ bool is_two_valued(const io::RawMask& mask) {
   return mask.channels == 1 && values.size() == 2 && *values.begin() == 0;
 }
 
-/// The mask at the photo's size; a contour of two values lies where it is crossed, to a part of a pixel.
+/// The mask at the photo's size; contours of binary masks are interpolated to subpixel precision.
 io::RawMask straight_mask(const std::string& path, const Straightening& view) {
   if (io::is_exr(path))
     throw Error(ErrorCode::kBadInput, path + ": an EXR mask, expected PNG or JPEG for a camera with distortion",
@@ -103,10 +104,10 @@ void copy_bytes(const std::string& from, const std::string& to) {
   io::write_file(to, file.text());
 }
 
-/// The name of a picture that must lose nothing.
+/// File name for lossless output.
 std::string as_png(const std::string& path) { return image_stem(path) + ".png"; }
 
-/// The name of a folder, whether or not its path ends with a slash.
+/// Last folder name of a path, with or without trailing slash.
 std::string last_folder(const std::string& path) {
   return fs::path(fs::path(path) / "").parent_path().filename().string();
 }
@@ -117,20 +118,21 @@ class Undistortion {
       : run_(run), options_(options), source_(std::move(source)), folder_(std::move(folder)) {
     for (const SceneView& view : source_.capture.views) {
       const auto lens = source_.capture.lenses.find(view.camera.name);
-      const bool bent = lens != source_.capture.lenses.end();
-      Straightening& s = views_.emplace_back(Straightening{view.camera, view.camera, bent ? &lens->second : nullptr});
-      if (!bent) continue;
+      const bool distorted = lens != source_.capture.lenses.end();
+      Straightening& s =
+          views_.emplace_back(Straightening{view.camera, view.camera, distorted ? &lens->second : nullptr});
+      if (!distorted) continue;
       s.straight = straight_camera({view.camera, lens->second});
       if (!is_jpeg(view.camera.name)) s.straight.name = as_png(view.camera.name);
     }
   }
 
-  std::size_t bent() const { return source_.capture.lenses.size(); }
+  std::size_t distorted() const { return source_.capture.lenses.size(); }
   Json sizes() const {
     std::map<std::string, std::size_t> count;
     for (const Straightening& v : views_)
       if (v.lens)
-        ++count[io::to_string({v.bent.width_px, v.bent.height_px}) + " -> " +
+        ++count[io::to_string({v.distorted.width_px, v.distorted.height_px}) + " -> " +
                 io::to_string({v.straight.width_px, v.straight.height_px})];
     return count;
   }
@@ -147,7 +149,7 @@ class Undistortion {
                                       is_jpeg(to) ? options_.jpeg_quality : 0);
                       });
   }
-  /// Those of a folder; of none those that the source names.
+  /// Masks of `masks_dir`, or if empty the masks named in the source.
   std::size_t write_masks(const std::string& masks_dir) const {
     const auto timed = run_.monitor().scope("masks");
     Scene scene;
@@ -161,7 +163,7 @@ class Undistortion {
     return write_each([&](std::size_t v) { return io::mask_files(scene, v); },
                       [&](std::size_t v, const std::string& path) {
                         const std::string below = masks_dir.empty()
-                                                      ? image_stem(views_[v].bent.name) + ".png"
+                                                      ? image_stem(views_[v].distorted.name) + ".png"
                                                       : fs::path(path).lexically_relative(masks_dir).string();
                         const std::string to = folder_ + "/" + name + "/" + below;
                         make_folder_of(to);
@@ -181,12 +183,12 @@ class Undistortion {
   }
 
  private:
-  /// write(view, path) for the files of all views, some views at a time; how many files there were.
+  /// Calls write(view, path) for the files of all views, kParallelViews at a time; returns the number of files.
   template <class Files, class Write>
   std::size_t write_each(const Files& files, const Write& write) const {
-    constexpr int kAtOnce = 4;  // each holds a photo's samples twice
+    constexpr int kParallelViews = 4;  // each needs memory for two copies of a photo
     Exec exec = run_.exec();
-    exec.threads = std::min(exec.threads, kAtOnce);
+    exec.threads = std::min(exec.threads, kParallelViews);
     std::mutex mutex;
     std::size_t count = 0;
     std::int64_t done = 0;
@@ -208,26 +210,26 @@ class Undistortion {
   std::vector<Straightening> views_;
 };
 
-/// Folders of one name would be written to one.
+/// Input folders with equal names would share one output folder.
 void require_distinct_names(const std::vector<std::string>& folders) {
   std::set<std::string> seen{"images", "sparse"};
   for (const std::string& folder : folders)
     if (!seen.insert(last_folder(folder)).second)
-      throw Error(ErrorCode::kUsage, folder + ": a second folder of that name, expected names that differ",
-                  "rename one of the folders, or call twice");
+      throw Error(ErrorCode::kUsage, folder + ": duplicate folder name, expected unique names",
+                  "rename one of the folders, or run ngs-scene undistort twice");
 }
 
 }  // namespace
 
 int undistort_command(int argc, char** argv) {
-  cli::Tool tool("ngs-scene undistort", "Take the lens distortion out of a capture: photos, masks and cameras.",
+  cli::Tool tool("ngs-scene undistort", "Remove lens distortion from the photos, masks and cameras of a capture.",
                  {"ngs-scene undistort captures/shoe -o captures/shoe-straight",
                   "ngs-scene undistort transforms.json --masks masks --masks truth -o straight"});
   UndistortOptions options;
   tool.options(options);
-  const cli::Argument& source = tool.argument("source", "COLMAP folder, transforms.json, or a folder holding one");
-  const cli::Input& images = tool.optional_input("--images", "folder of photos; else images/ beside the cameras");
-  const cli::Inputs& masks = tool.inputs("--masks", "folders of masks; else masks/ beside the cameras");
+  const cli::Argument& source = tool.argument("source", "COLMAP folder, transforms.json, or a folder with one of them");
+  const cli::Input& images = tool.optional_input("--images", "folder of photos; default: images/ next to the cameras");
+  const cli::Inputs& masks = tool.inputs("--masks", "folders of masks; default: masks/ next to the cameras");
   const cli::Output& out = tool.output_dir("-o,--output", "folder for images/, sparse/0 and the masks' folders");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
@@ -238,14 +240,14 @@ int undistort_command(int argc, char** argv) {
     io::CaptureSource capture = io::read_capture(request);
     for (const std::string& note : capture.capture.notes) run.info(note);
     std::vector<std::string> folders = masks.paths;
-    if (const std::string beside = (fs::path(capture.base) / "masks").string(); !masks && fs::is_directory(beside))
-      folders.push_back(beside);
-    if (folders.empty()) folders.emplace_back();  // those that the source names
+    if (const std::string found = (fs::path(capture.base) / "masks").string(); !masks && fs::is_directory(found))
+      folders.push_back(found);
+    if (folders.empty()) folders.emplace_back();  // masks named in the source
     const std::size_t views = capture.capture.views.size();
     const Undistortion undistortion(run, options, std::move(capture), out.path);
-    if (undistortion.bent() == 0)
+    if (undistortion.distorted() == 0)
       run.monitor().warn(source.value + ": no camera has lens distortion, all files are copied");
-    run.result() = {{"views", views}, {"distorted", undistortion.bent()}, {"sizes", undistortion.sizes()}};
+    run.result() = {{"views", views}, {"distorted", undistortion.distorted()}, {"sizes", undistortion.sizes()}};
     if (run.dry_run()) {
       run.plan({{"views", views}});
       return cli::kDone;
@@ -255,7 +257,7 @@ int undistort_command(int argc, char** argv) {
     for (const std::string& folder : folders) mask_files += undistortion.write_masks(folder);
     undistortion.write_cameras();
     run.result()["photos"] = photos, run.result()["masks"] = mask_files;
-    if (photos < views) run.monitor().warn("no photo of " + std::to_string(views - photos) + " of the views");
+    if (photos < views) run.monitor().warn(std::to_string(views - photos) + " views have no photo");
     return cli::kDone;
   });
 }

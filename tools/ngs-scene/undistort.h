@@ -1,5 +1,5 @@
 #pragma once
-// ngs-scene undistort: a capture with lens distortion -> the same photos and masks as a pinhole takes them.
+// ngs-scene undistort: photos and masks with lens distortion -> photos and masks of a pinhole camera.
 
 namespace ngs::capture {
 

@@ -9,21 +9,21 @@ Access::Access(std::string token, int port)
       cookie_name_("ngs-studio-" + std::to_string(port)),
       hosts_{"127.0.0.1:" + std::to_string(port), "localhost:" + std::to_string(port)} {}
 
-bool Access::is_here(const Caller& caller) const {
+bool Access::is_same_origin(const Caller& caller) const {
   for (const std::string& host : hosts_)
     if (caller.host == host) return caller.origin.empty() || caller.origin == "http://" + host;
   return false;
 }
 
-/// Takes as long for a near miss as for a far one.
-bool Access::is_token(std::string_view said) const {
-  if (said.size() != token_.size()) return false;
+/// Compares in constant time.
+bool Access::is_token(std::string_view text) const {
+  if (text.size() != token_.size()) return false;
   unsigned differs = 0;
-  for (std::size_t i = 0; i < said.size(); ++i) differs |= unsigned(said[i] ^ token_[i]);
+  for (std::size_t i = 0; i < text.size(); ++i) differs |= unsigned(text[i] ^ token_[i]);
   return differs == 0;
 }
 
-bool Access::knows_token(const Caller& caller) const {
+bool Access::has_token(const Caller& caller) const {
   if (is_token(caller.token)) return true;
   std::string_view rest = caller.cookies;
   while (!rest.empty()) {

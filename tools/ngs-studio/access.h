@@ -1,30 +1,30 @@
 #pragma once
-// Who may ask: a browser that was opened with the token, and scripts that were told it.
+// Access control: requests need the token, as a cookie (browser) or as a header (scripts).
 #include <string>
 #include <string_view>
 
 namespace ngs::studio {
 
-/// What a request says of itself. A header that is absent is empty.
+/// Headers of a request. An absent header is empty.
 struct Caller {
   std::string host, origin, cookies, token;  // token: the header X-Ngs-Token
 };
 
 class Access {
  public:
-  /// `port` is part of the cookie's name and of the hosts that are answered.
+  /// `port` is part of the cookie's name and of the accepted host names.
   Access(std::string token, int port);
 
-  bool allows(const Caller& caller) const { return is_here(caller) && knows_token(caller); }
-  /// The request is for this server by one of its own names, and comes from no page but its own.
-  bool is_here(const Caller& caller) const;
-  bool is_token(std::string_view said) const;
-  /// For Set-Cookie.
+  bool allows(const Caller& caller) const { return is_same_origin(caller) && has_token(caller); }
+  /// True if Host is a name of this server, and Origin is absent or the same server.
+  bool is_same_origin(const Caller& caller) const;
+  bool is_token(std::string_view text) const;
+  /// Value of Set-Cookie.
   std::string cookie() const;
   const std::string& token() const { return token_; }
 
  private:
-  bool knows_token(const Caller& caller) const;
+  bool has_token(const Caller& caller) const;
 
   std::string token_, cookie_name_;
   std::string hosts_[2];

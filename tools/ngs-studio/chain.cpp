@@ -33,7 +33,7 @@ std::vector<std::vector<std::string>> refine_words(const StateFolder& folder, in
 
 namespace {
 
-/// Relative to the cloud's origin.
+/// Positions of the selected Gaussians, relative to the cloud's origin.
 std::vector<Vec3<double>> selected(const GaussianCloud& cloud, const live::ObjectLabels& labels) {
   std::vector<Vec3<double>> members;
   members.reserve(std::size_t(labels.count));
@@ -51,8 +51,8 @@ double quantile(std::vector<double> values, double share) {
   return values[std::size_t(at)];
 }
 
-/// Distance from `centre` within which a share of them lies.
-double reach(const std::vector<Vec3<double>>& members, Vec3<double> centre, double share) {
+/// Radius around `centre` that contains the fraction `share` of the members.
+double radius_of_share(const std::vector<Vec3<double>>& members, Vec3<double> centre, double share) {
   std::vector<double> distance;
   distance.reserve(members.size());
   for (const Vec3<double>& m : members) distance.push_back(std::sqrt(dot(m - centre, m - centre)));
@@ -69,8 +69,8 @@ std::string ball_around(const GaussianCloud& cloud, const live::ObjectLabels& la
   Vec3<double> sum{0, 0, 0};
   for (const Vec3<double>& m : members) sum = sum + m;
   const Vec3<double> centre = (1.0 / double(members.size())) * sum, world = centre + origin_of(cloud);
-  constexpr double kShare = 0.97, kRoom = 1.3;  // stray Gaussians far away do not count; some of what is about it does
-  const double radius = kRoom * reach(members, centre, kShare);
+  constexpr double kShare = 0.97, kMargin = 1.3;  // leaves out distant outliers, includes some surroundings
+  const double radius = kMargin * radius_of_share(members, centre, kShare);
   if (!(radius > 0)) return {};
   char text[160];
   std::snprintf(text, sizeof text, "%.6g,%.6g,%.6g,%.6g", world.x, world.y, world.z, radius);
@@ -87,8 +87,8 @@ Focus focus_of(const GaussianCloud& cloud, const live::ObjectLabels& labels) {
     return quantile(std::move(values), 0.5);
   };
   const Vec3<double> centre{median(&Vec3<double>::x), median(&Vec3<double>::y), median(&Vec3<double>::z)};
-  constexpr double kMost = 0.8, kRest = 1.5;  // behind an object a first stroke selects pieces of the wall, too
-  return {centre + origin_of(cloud), kRest * reach(members, centre, kMost)};
+  constexpr double kShare = 0.8, kMargin = 1.5;  // a first stroke also selects pieces of the wall behind the object
+  return {centre + origin_of(cloud), kMargin * radius_of_share(members, centre, kShare)};
 }
 
 }  // namespace ngs::studio

@@ -1,20 +1,20 @@
 #pragma once
-// Which programs make the files of an object, with the words that a person would type.
+// Command lines that write the files of an object, as a user would type them.
 #include "job.h"
 #include "state_folder.h"
 
 namespace ngs::studio {
 
-/// The Gaussians that are shown, and no others: ngs-variance, ngs-joint --method flash, ngs-extract.
+/// Export: writes exactly the Gaussians shown, with ngs-variance, ngs-joint --method flash and ngs-extract.
 std::vector<std::vector<std::string>> export_words(const StateFolder& folder, int object, bool all_pieces);
 
 struct RefineChoice {
-  std::string source;  // a splat to make pictures of; empty: the scene has its own
+  std::string source;  // a splat without views, to be rendered; empty: the scene has views
   std::string around;  // X,Y,Z,R for ngs-scene orbit
   std::string quality = "standard";
   bool all_pieces = false;
 };
-/// The full method: ngs-scene orbit where there is a splat alone, then ngs cut over its views and the marked ones.
+/// Refine: ngs-scene orbit for a splat without views, then ngs cut over those views and the marked views.
 std::vector<std::vector<std::string>> refine_words(const StateFolder& folder, int object, const RefineChoice& choice);
 
 /// A ball.
@@ -23,10 +23,10 @@ struct Focus {
   double radius = 0;
 };
 
-/// "X,Y,Z,R": a ball about what is selected, empty where nothing is.
+/// "X,Y,Z,R": a ball around the selected Gaussians; empty without a selection.
 std::string ball_around(const GaussianCloud& cloud, const live::ObjectLabels& labels);
 
-/// Where most of what is selected lies, in the world; radius 0 where nothing is. Strays far away do not count.
+/// Ball around most selected Gaussians, in world units, without outliers; radius 0 without a selection.
 Focus focus_of(const GaussianCloud& cloud, const live::ObjectLabels& labels);
 
 }  // namespace ngs::studio

@@ -19,7 +19,7 @@ constexpr NamedValue<live::Layer> kLayers[] = {{live::Layer::kBoth, "both"},
                                                {live::Layer::kBackground, "background"},
                                                {live::Layer::kBoundary, "boundary"}};
 constexpr int kJpegQuality = 85, kMovingQuality = 70;
-constexpr std::size_t kMostViews = 400;  // of a scene that are listed
+constexpr std::size_t kMostViews = 400;  // views of a scene to list
 
 Json list(Vec3<double> v) { return Json{v.x, v.y, v.z}; }
 double ms(double seconds) { return std::round(1e4 * seconds) / 10; }
@@ -55,7 +55,7 @@ Json Desk::changed() {
   folder_.save(*session_.marks(), place_.source);
   {
     const std::lock_guard lock(mutex_);
-    exported_ = nullptr;  // the files are of another selection
+    exported_ = nullptr;  // the exported files no longer match the selection
   }
   ++version_;
   return state();
@@ -64,13 +64,13 @@ Json Desk::changed() {
 void Desk::refuse_while_busy() const {
   const std::lock_guard lock(mutex_);
   if (job_ && job_->is_running() && job_->kind() == "export")
-    throw Refusal(409, "export", "still running", "its end first", "wait, or cancel it");
+    throw Refusal(409, "export", "still running", "a finished job", "wait, or cancel it");
 }
 
 Json Desk::strokes(Fields request) {
   refuse_while_busy();
   const Stopwatch watch;
-  const int object = request.whole("object", 1, 1 << 20);
+  const int object = request.integer("object", 1, 1 << 20);
   const live::Look look = look_of(request.object("camera"));
   const std::vector<PromptStroke> drawn = strokes_of(request);
   request.end();
@@ -93,13 +93,13 @@ Json Desk::strokes(Fields request) {
 
 Json Desk::undo(Fields request) {
   request.end(), refuse_while_busy();
-  if (!session_.undo()) throw Refusal(409, "undo", "no step", "a step to take back");
+  if (!session_.undo()) throw Refusal(409, "undo", "nothing to undo", "an earlier step");
   return changed();
 }
 
 Json Desk::redo(Fields request) {
   request.end(), refuse_while_busy();
-  if (!session_.redo()) throw Refusal(409, "redo", "no step", "a step that was taken back");
+  if (!session_.redo()) throw Refusal(409, "redo", "nothing to redo", "an undone step");
   return changed();
 }
 
@@ -117,19 +117,19 @@ Json Desk::objects(Fields request) {
     added.end(), request.end();
     session_.add_object(name);
   } else if (request.has("remove")) {
-    const int id = request.whole("remove", 1, 1 << 20);
+    const int id = request.integer("remove", 1, 1 << 20);
     request.end();
     session_.remove_object(id);
   } else if (request.has("active")) {
-    const int id = request.whole("active", 1, 1 << 20);
+    const int id = request.integer("active", 1, 1 << 20);
     request.end();
     session_.activate(id);
   } else if (request.has("all_pieces")) {
-    const bool all = request.truth("all_pieces");
+    const bool all = request.boolean("all_pieces");
     request.end();
     session_.show_all_pieces(all);
   } else {
-    const int id = request.whole("id", 1, 1 << 20);
+    const int id = request.integer("id", 1, 1 << 20);
     const std::string name = request.has("name") ? name_of_object(request) : "",
                       colour = request.has("colour") ? colour_of(request, "colour") : "";
     if (name.empty() && colour.empty()) request.refuse("name", "a name or a colour");
@@ -149,9 +149,9 @@ live::FrameRequest Desk::frame_request(Fields& request, bool& moving) const {
     frame.layer = named->value;
   }
   if (request.has("fade")) frame.fade = request.number("fade", 0, 1);
-  if (request.has("object")) frame.object = request.whole("object", 0, 1 << 20);
-  if (request.has("highlight")) frame.highlight = request.truth("highlight");
-  moving = request.has("moving") && request.truth("moving");
+  if (request.has("object")) frame.object = request.integer("object", 0, 1 << 20);
+  if (request.has("highlight")) frame.highlight = request.boolean("highlight");
+  moving = request.has("moving") && request.boolean("moving");
   request.end();
   if (moving) look.width_px = (look.width_px + 1) / 2, look.height_px = (look.height_px + 1) / 2;
   frame.camera = live::camera_of(look);
@@ -173,7 +173,7 @@ Reply Desk::frame(Fields request) {
     for (live::ShownObject& o : objects) o.labels = refined->labels;
   }
   const ImageU8 picture = [&] {
-    const std::lock_guard one(drawing_);
+    const std::lock_guard lock(drawing_);
     const live::Model model = loaded_.model();
     if (!refined) return live::draw_frame(exec_, model, objects, wanted, moving ? nullptr : &last_still_);
     return live::draw_frame(exec_, {refined->ply.cloud, refined->splat, model.background}, objects, wanted);
@@ -191,7 +191,7 @@ Reply Desk::frame(Fields request) {
 }
 
 Json Desk::before(Fields request) {
-  shows_before_ = request.truth("show");
+  shows_before_ = request.boolean("show");
   request.end();
   ++version_;
   return state();
@@ -241,7 +241,7 @@ Json Desk::views_json() const {
   return out;
 }
 
-/// What makes the same files again, when it is typed.
+/// Shell commands that reproduce the files.
 Json Desk::commands_json(const live::Marks& marks) const {
   Json lines = Json::array();
   const auto add = [&](const std::vector<std::string>& words) { lines.push_back(cli::quoted_line(words)); };

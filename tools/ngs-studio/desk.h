@@ -1,5 +1,5 @@
 #pragma once
-// What the studio works with, and the answer to each request (data-schema/studio-protocol.md).
+// State of the studio and the handler of each request (data-schema/studio-protocol.md).
 #include <atomic>
 #include <map>
 
@@ -17,19 +17,19 @@ class Desk {
   Desk(const Desk&) = delete;
   Desk& operator=(const Desk&) = delete;
 
-  /// Changes: one at a time. Each returns the state.
+  /// Requests that change the state; the caller serialises them. Each returns the new state.
   Json strokes(Fields request);
   Json undo(Fields request);
   Json redo(Fields request);
   Json objects(Fields request);
   Json refine(Fields request);
   Json export_files(Fields request);
-  /// Steps back end here: what a visit that was closed and opened again writes down.
+  /// Clears the undo history. A reopened session records this request, since it starts without history.
   Json forget(Fields request);
-  /// Writes a change down, to be run again.
+  /// Appends a request to visit.jsonl for --replay.
   void note(const std::string& path, const nlohmann::json& body) const;
 
-  /// Any time, by any thread.
+  /// Thread-safe; never wait for a change.
   Reply frame(Fields request);
   Json before(Fields request);
   Json state() const;
@@ -40,7 +40,7 @@ class Desk {
  private:
   struct Refined {
     std::shared_ptr<const RefinedModel> model;
-    std::vector<std::shared_ptr<const live::MarkedView>> views;  // that it was made from
+    std::vector<std::shared_ptr<const live::MarkedView>> views;  // marked views that Refine used
   };
 
   Json changed();
@@ -61,14 +61,14 @@ class Desk {
   live::Session session_;
   std::atomic<int> version_ = 1;
   std::atomic<bool> shows_before_ = false;
-  std::mutex drawing_;              // one frame at a time: each takes all threads
-  live::LastFrame last_still_;      // while drawing
-  mutable std::mutex mutex_;        // of what follows
-  std::map<int, Refined> refined_;  // by object
+  std::mutex drawing_;              // one frame at a time: each uses all threads
+  live::LastFrame last_still_;      // guarded by drawing_
+  mutable std::mutex mutex_;        // guards the members below
+  std::map<int, Refined> refined_;  // by object id
   std::map<int, std::string> quality_;
   Json exported_;
   Latencies stroke_ms_, first_ms_, correction_ms_, moving_ms_, still_ms_;
-  std::shared_ptr<Job> job_;  // the last: it ends before what it works with goes
+  std::shared_ptr<Job> job_;  // the last job; declared last, so that it is destroyed first
 };
 
 }  // namespace ngs::studio

@@ -1,4 +1,4 @@
-// The requests of Desk that start programs.
+// Requests of Desk that start jobs: Refine and Export.
 #include <algorithm>
 #include <filesystem>
 
@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Shares of an object's Export: pictures, then the programs.
+/// Progress shares of the three programs of Export.
 constexpr double kExportShares[] = {1, 1, 1};
 
 std::string stage_of(const std::vector<std::string>& words) {
@@ -38,11 +38,11 @@ Json files_in(const std::string& folder, const std::string& shown) {
 }  // namespace
 
 void Desk::start(std::string kind, std::vector<JobStep> steps, std::function<void()> finished) {
-  std::shared_ptr<Job> earlier;  // its thread ends outside of the lock, which its end may wait for
+  std::shared_ptr<Job> earlier;  // destroyed outside the lock: its thread may wait for mutex_
   {
     const std::lock_guard lock(mutex_);
     if (job_ && job_->is_running())
-      throw Refusal(409, job_->kind(), "still running", "its end first", "wait, or cancel it");
+      throw Refusal(409, job_->kind(), "still running", "a finished job", "wait, or cancel it");
     earlier = std::move(job_);
   }
   earlier.reset();
@@ -66,7 +66,7 @@ Json Desk::cancel() const {
     const std::lock_guard lock(mutex_);
     job = job_;
   }
-  if (!job) throw Refusal(409, "cancel", "nothing that runs", "a Refine or Export");
+  if (!job) throw Refusal(409, "cancel", "no job is running", "a running Refine or Export");
   job->cancel();
   return job->json();
 }
@@ -100,7 +100,7 @@ Json Desk::refine(Fields request) {
   const std::shared_ptr<const live::Marks> marks = session_.marks();
   const live::ObjectMarks* found = marks->find(marks->active);
   if (found == nullptr || found->views.empty())
-    throw Refusal(409, "refine", "an object without strokes", "strokes on one view at least", "draw on the object");
+    throw Refusal(409, "refine", "the object has no strokes", "strokes in at least one view", "draw on the object");
   const live::ObjectMarks object = *found;
   const RefineChoice choice = choice_for(object.id, quality);
   std::vector<JobStep> steps;
@@ -146,7 +146,7 @@ Json Desk::export_files(Fields request) {
     for (std::size_t w = 0; w < words.size(); ++w) steps.push_back({stage_of(words[w]), kExportShares[w], words[w]});
   }
   if (folders.empty())
-    throw Refusal(409, "export", "no object with strokes", "strokes on one view at least", "draw on the object");
+    throw Refusal(409, "export", "no object has strokes", "strokes in at least one view", "draw on the object");
   if (steps.empty()) steps.push_back({"write", 1, {}, [] {}});
   start("export", std::move(steps), [this, folders] {
     Json files = Json::array();

@@ -7,7 +7,7 @@
 namespace ngs::studio {
 namespace {
 
-constexpr double kFarthest = 1e9;  // world, of a coordinate
+constexpr double kMaxCoordinate = 1e9;  // world units
 constexpr int kLeastSide_px = 16, kMostSide_px = 4096;
 constexpr double kMostPixels = 4096.0 * 2304.0;
 
@@ -32,7 +32,7 @@ void Fields::refuse(const std::string& name, const std::string& expected) const 
 }
 
 const nlohmann::json& Fields::member(const std::string& name) {
-  asked_.insert(name);
+  read_.insert(name);
   if (!has(name)) refuse(name, "a value");
   return object_.at(name);
 }
@@ -44,13 +44,13 @@ double Fields::number(const std::string& name, double least, double most) {
   return number;
 }
 
-int Fields::whole(const std::string& name, int least, int most) {
+int Fields::integer(const std::string& name, int least, int most) {
   const double value = number(name, least, most);
   if (value != std::floor(value)) refuse(name, "a whole number");
   return int(value);
 }
 
-bool Fields::truth(const std::string& name) {
+bool Fields::boolean(const std::string& name) {
   const nlohmann::json& value = member(name);
   if (!value.is_boolean()) refuse(name, "true or false");
   return value.get<bool>();
@@ -68,7 +68,7 @@ Vec3<double> Fields::vector(const std::string& name) {
   double v[3] = {};
   bool good = value.is_array() && value.size() == 3;
   for (std::size_t k = 0; good && k < 3; ++k) {
-    good = value[k].is_number() && std::abs(v[k] = value[k].get<double>()) <= kFarthest;
+    good = value[k].is_number() && std::abs(v[k] = value[k].get<double>()) <= kMaxCoordinate;
   }
   if (!good) refuse(name, "three numbers of at most 1e9");
   return {v[0], v[1], v[2]};
@@ -76,7 +76,7 @@ Vec3<double> Fields::vector(const std::string& name) {
 
 void Fields::end() const {
   for (const auto& [name, value] : object_.items())
-    if (!asked_.contains(name)) throw Refusal(400, path_of(name), shown(value), "no member of this name");
+    if (!read_.contains(name)) throw Refusal(400, path_of(name), shown(value), "a known member");
 }
 
 nlohmann::json parse_body(const std::string& body) {
@@ -92,8 +92,8 @@ live::Look look_of(Fields camera) {
   live::Look look;
   look.position = camera.vector("position"), look.look_at = camera.vector("look_at"), look.up = camera.vector("up");
   look.fov_y_deg = camera.number("fov_y_deg", 1, 150);
-  look.width_px = camera.whole("width", kLeastSide_px, kMostSide_px);
-  look.height_px = camera.whole("height", kLeastSide_px, kMostSide_px);
+  look.width_px = camera.integer("width", kLeastSide_px, kMostSide_px);
+  look.height_px = camera.integer("height", kLeastSide_px, kMostSide_px);
   if (double(look.width_px) * look.height_px > kMostPixels) camera.refuse("height", "at most 4096x2304 px in all");
   camera.end();
   const Vec3<double> line = look.look_at - look.position;

@@ -1,5 +1,5 @@
 #pragma once
-// Requests as JSON, read strictly: every member is asked for by name, and what nobody asked for is refused.
+// Strict reading of JSON requests: unknown members are errors.
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -18,14 +18,14 @@ class Fields {
 
   bool has(const std::string& name) const { return object_.contains(name); }
   double number(const std::string& name, double least, double most);
-  int whole(const std::string& name, int least, int most);
-  bool truth(const std::string& name);
+  int integer(const std::string& name, int least, int most);
+  bool boolean(const std::string& name);
   std::string text(const std::string& name, std::size_t longest);
   Vec3<double> vector(const std::string& name);
   const nlohmann::json& member(const std::string& name);
   Fields object(const std::string& name) { return {member(name), path_of(name)}; }
   std::string path_of(const std::string& name) const { return path_.empty() ? name : path_ + "." + name; }
-  /// To be called when all were asked for.
+  /// Call after the last read: throws for members that were never read.
   void end() const;
 
   [[noreturn]] void refuse(const std::string& name, const std::string& expected) const;
@@ -33,7 +33,7 @@ class Fields {
  private:
   const nlohmann::json& object_;
   std::string path_;
-  std::set<std::string> asked_;
+  std::set<std::string> read_;
 };
 
 /// The body of a request; an empty one is {}.

@@ -19,7 +19,7 @@ struct Cancelled {};
 
 Job::Job(std::string kind, std::vector<JobStep> steps, std::function<void()> finished)
     : kind_(std::move(kind)), steps_(std::move(steps)), finished_(std::move(finished)), start_s_(wall_seconds()) {
-  for (const JobStep& step : steps_) all_ += step.share;
+  for (const JobStep& step : steps_) share_sum_ += step.share;
   thread_ = std::thread([this] { work(); });
 }
 
@@ -44,7 +44,7 @@ void Job::work() {
     double before = 0;
     for (const JobStep& step : steps_) {
       if (stop_) throw Cancelled{};
-      progress(step.stage, before / all_);
+      progress(step.stage, before / share_sum_);
       if (step.words.empty())
         step.run();
       else
@@ -77,10 +77,11 @@ void Job::run_program(const JobStep& step, double before) {
     if (event == "hint") hint = record.value("message", "");
     const double total = record.value("total", 0.0);
     if (event == "progress" && total > 0)
-      progress(record.value("stage", step.stage), (before + step.share * record.value("done", 0.0) / total) / all_);
+      progress(record.value("stage", step.stage),
+               (before + step.share * record.value("done", 0.0) / total) / share_sum_);
   };
   constexpr double kPatienceS = 2;
-  const cli::KeepsState waits;  // for the program to end, which takes its unfinished files away
+  const cli::SignalGrace waits;  // waits until the program has removed its unfinished files
   const cli::ChildResult child = cli::run_child(argv, {.time_s = std::numeric_limits<double>::infinity(),
                                                        .stop = [this] { return stop_.load(); },
                                                        .patience_on_stop_s = kPatienceS,
@@ -89,7 +90,7 @@ void Job::run_program(const JobStep& step, double before) {
   if (child.end == cli::ChildResult::End::kSignalled)
     throw Error(ErrorCode::kEnvironment, step.words[0] + ": ended by signal " + std::to_string(child.code));
   if (child.code != cli::kDone && child.code != cli::kCheckFailed && child.code != cli::kBudgetHit)
-    throw Error(ErrorCode(child.code), step.words[0] + ": " + (error.empty() ? child.last_words : error), hint);
+    throw Error(ErrorCode(child.code), step.words[0] + ": " + (error.empty() ? child.output_tail : error), hint);
 }
 
 nlohmann::ordered_json Job::json() const {

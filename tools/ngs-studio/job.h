@@ -1,5 +1,5 @@
 #pragma once
-// Something that takes longer than a person waits: Refine and Export, as sibling programs one after the other.
+// A background job (Refine or Export): runs sibling programs one after the other.
 #include <atomic>
 #include <functional>
 #include <mutex>
@@ -10,19 +10,19 @@
 
 namespace ngs::studio {
 
-/// One program with its arguments, or what is done between two of them.
+/// One program with its arguments, or a function to call between two programs.
 struct JobStep {
-  std::string stage;               // for people: "joint"
-  double share = 1;                // of the job's time, against the others'
-  std::vector<std::string> words;  // empty: `run` is called
+  std::string stage;               // shown to the user: "joint"
+  double share = 1;                // expected time, relative to the other steps
+  std::vector<std::string> words;  // command line; empty: call `run`
   std::function<void()> run = {};
 };
 
 class Job {
  public:
-  /// `finished` is called by the job's thread where all steps were done.
+  /// The job's thread calls `finished` after all steps succeeded.
   Job(std::string kind, std::vector<JobStep> steps, std::function<void()> finished);
-  /// Cancels, and waits.
+  /// Cancels the job and waits for its end.
   ~Job();
   Job(const Job&) = delete;
   Job& operator=(const Job&) = delete;
@@ -41,10 +41,10 @@ class Job {
   const std::string kind_;
   const std::vector<JobStep> steps_;
   const std::function<void()> finished_;
-  double all_ = 0;  // shares
+  double share_sum_ = 0;
   const double start_s_;
   std::atomic<bool> stop_ = false;
-  mutable std::mutex mutex_;  // of the rest
+  mutable std::mutex mutex_;  // guards the members below
   std::string stage_, state_ = "running", error_;
   double done_ = 0, end_s_ = 0;
   std::thread thread_;

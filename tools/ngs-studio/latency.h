@@ -1,11 +1,11 @@
 #pragma once
-// How long answers took.
+// Response times.
 #include <nlohmann/json.hpp>
 #include <vector>
 
 namespace ngs::studio {
 
-/// From its making on: the clock on the wall, and the processor's time of the whole process.
+/// Wall time and CPU time of the whole process since construction.
 struct Stopwatch {
   Stopwatch();
   double wall_s() const;
@@ -14,14 +14,14 @@ struct Stopwatch {
   double wall_start_s, cpu_start_s;
 };
 
-/// Times of one kind of answer.
+/// Times of one kind of response.
 class Latencies {
  public:
   void add(const Stopwatch& watch) {
     wall_ms_.push_back(1000 * watch.wall_s()), cpu_ms_.push_back(1000 * watch.cpu_s());
   }
-  /// {"n", "median_ms", "p95_ms", "median_cpu_ms", "p95_cpu_ms"}; null times where there are none. The processor's time
-  /// is that of all threads, and of other answers under way at the same time.
+  /// {"n", "median_ms", "p95_ms", "median_cpu_ms", "p95_cpu_ms"}; times are null if n is 0. CPU
+  /// time counts all threads, including those of concurrent responses.
   nlohmann::ordered_json json() const;
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// What the studio shows: a splat with the cameras of a scene, where there is one.
+// The model shown: a splat, with the cameras of its scene if there is one.
 #include <string>
 
 #include "ngs/io/ply/gaussian_ply.h"
@@ -9,13 +9,13 @@
 namespace ngs::studio {
 
 struct LoadedModel {
-  /// A splat, or a scene.json that names one. Errors as the readers'.
+  /// `source`: a splat, or a scene.json that names one. Throws the errors of the readers.
   LoadedModel(const Exec& exec, const std::string& source);
   LoadedModel(const LoadedModel&) = delete;
   LoadedModel& operator=(const LoadedModel&) = delete;
 
   bool is_scene = false;
-  Scene scene;  // of a splat alone: its compat and the model's path, no views
+  Scene scene;  // for a splat without a scene: compat and model path only, no views
   io::GaussianPly ply;
   SplatOptions splat;
   live::FirstLook first;
@@ -23,7 +23,7 @@ struct LoadedModel {
   live::Model model() const { return {ply.cloud, splat, background_of(scene)}; }
 };
 
-/// The looks of a scene's views: principal points are moved to the middle.
+/// Look of a scene's camera, with the principal point moved to the image centre.
 live::Look look_of_view(const Camera& camera, double distance);
 
 /// A labelled result of Refine.

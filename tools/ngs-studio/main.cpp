@@ -1,4 +1,4 @@
-// ngs-studio: a page on this machine in which a person marks an object on a splat, sees it found, corrects and cuts it.
+// ngs-studio: a local web page to mark objects of a splat, check and correct the selection, and cut the objects out.
 #include <chrono>
 #include <filesystem>
 #include <sstream>
@@ -22,8 +22,8 @@ struct PageOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.port, Field<int>{"port", "", "of 127.0.0.1; 0: any that is free", 0, 65535});
-    visit(self.browser, Flag{"browser", "open the page in the browser; else only its address is printed"});
+    visit(self.port, Field<int>{"port", "", "Port on 127.0.0.1; 0: any free port", 0, 65535});
+    visit(self.browser, Flag{"browser", "Open the page in the browser; off: only print its address"});
   }
 };
 
@@ -44,20 +44,20 @@ void serve(cli::Run& run, const PageOptions& options, studio::Studio& studio, st
     return recorder.answer(method, path, body);
   });
   server.start();
-  run.text("open " + server.url() + "\n(answers this machine alone; ends with Ctrl-C, or in the page)\n");
+  run.text("open " + server.url() + "\n(serves this machine only; stop it with Ctrl-C or in the page)\n");
   if (options.browser) open_browser(run, server.url());
   while (!run.monitor().stop_requested() && !studio.has_quit())
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  std::this_thread::sleep_for(std::chrono::milliseconds(50));  // for the answer that is under way
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));  // lets the pending response finish
 }
 
 std::string table_of(const Json& log) {
   std::ostringstream text;
   const auto line = [&](const char* name, const Json& times) {
     if (times.at("n") == 0) return;
-    text << name << times.at("n") << " answers, median " << times.at("median_ms") << " ms, 95 % within "
-         << times.at("p95_ms") << " ms; of processor time " << times.at("median_cpu_ms") << " and "
-         << times.at("p95_cpu_ms") << " ms\n";
+    text << name << times.at("n") << " responses, median " << times.at("median_ms") << " ms, 95th percentile "
+         << times.at("p95_ms") << " ms; CPU time " << times.at("median_cpu_ms") << " and " << times.at("p95_cpu_ms")
+         << " ms\n";
   };
   line("strokes        ", log.at("strokes"));
   line("  on a new view ", log.at("first"));
@@ -70,15 +70,16 @@ std::string table_of(const Json& log) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  cli::Tool tool("ngs-studio", "Mark, see, correct and cut objects of a splat in a page on this machine.",
+  cli::Tool tool("ngs-studio", "Mark objects of a splat in the browser, correct the selection and cut them out.",
                  {"ngs-studio statue.ply", "ngs-studio scene.json -o statue-studio --no-browser --port 8080",
                   "ngs-studio statue.ply --replay statue-studio/visit.jsonl -o again"});
   PageOptions options;
   tool.options(options);
   const cli::Input& source = tool.input("source", "a splat (.ply, .spz, .sog, .splat, .ksplat), or a scene.json");
-  const cli::Output& out = tool.resumed_output_dir("-o,--output", "folder for all that lasts; default: SOURCE-studio");
-  const cli::Output& record = tool.optional_output("--record", "JSON lines: every request of the visit");
-  const cli::Input& visit = tool.optional_input("--replay", "makes the requests of such a file, without a browser");
+  const cli::Output& out = tool.resumed_output_dir("-o,--output", "folder of the session; default: SOURCE-studio");
+  const cli::Output& record = tool.optional_output("--record", "write every request of the session as JSON lines");
+  const cli::Input& visit =
+      tool.optional_input("--replay", "repeat the requests of a recorded session, without a browser");
   tool.stops_on_request();
 
   return tool.run(argc, argv, [&](cli::Run& run) {

@@ -1,5 +1,5 @@
 #pragma once
-// The page, as it was when the tool was built: nothing is looked up when a browser asks.
+// Files of the page, embedded at build time: requests never touch the file system.
 #include <string_view>
 #include <vector>
 

@@ -1,5 +1,5 @@
 #pragma once
-// What the studio answers, and how it refuses: without a word about HTTP, so that a visit can be replayed without it.
+// Responses and errors of the studio. They do not depend on the HTTP library, so that --replay needs no server.
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -14,16 +14,16 @@ struct Reply {
   std::vector<std::pair<std::string, std::string>> headers = {};
 };
 
-/// A request that is not answered: what it is about, what was found there, what was expected, and the way out.
+/// An error response: the object concerned, the value found, the value expected, and a remedy.
 struct Refusal : std::runtime_error {
-  Refusal(int http_status, std::string what_it_is, std::string what_was_found, std::string what_was_expected,
-          std::string way_out = {});
+  Refusal(int http_status, std::string object_name, std::string value_found, std::string value_expected,
+          std::string remedy_text = {});
 
   int status;
   std::string object, found, expected, remedy;
 };
 
-/// As the body of an answer.
+/// The error as a JSON body.
 Reply reply_of(const Refusal& refusal);
 
 }  // namespace ngs::studio

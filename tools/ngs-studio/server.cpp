@@ -19,13 +19,12 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// A connection of which every request must be over in time: one that comes a byte at a time is cut off, however
-/// steadily the bytes come.
+/// A connection with a deadline for each request: a client that sends single bytes slowly is disconnected.
 class TimedStream : public httplib::Stream {
  public:
   explicit TimedStream(int socket) : socket_(socket) {}
 
-  /// Waits for the first byte of the next request; false: none came. From it on the request has its time.
+  /// Waits for the first byte of the next request, which starts the deadline; false: no byte came.
   bool wait_for_request(milliseconds patience, milliseconds request_time);
 
   bool is_readable() const override;
@@ -78,16 +77,16 @@ ssize_t TimedStream::read(char* to, std::size_t size) {
   return ssize_t(some);
 }
 
-/// The answer has its own time: working it out may have taken all of the request's.
+/// The response has its own time limit: computing it may have used up that of the request.
 ssize_t TimedStream::write(const char* from, std::size_t size) {
   constexpr milliseconds kPatience(5000);
   return ready(POLLOUT, kPatience) ? send(socket_, from, size, MSG_NOSIGNAL | MSG_DONTWAIT) : -1;
 }
 
 constexpr std::size_t kMostBody = 1 << 20;
-constexpr std::size_t kThreads = 24;  // a browser holds six connections
+constexpr std::size_t kThreads = 24;  // a browser opens six connections
 constexpr std::chrono::milliseconds kIdle(3000), kRequest(8000);
-constexpr std::size_t kMostRequests = 100'000;  // of a connection
+constexpr std::size_t kMostRequests = 100'000;  // per connection
 
 const char* type_of(std::string_view path) {
   return path.ends_with(".js")    ? "text/javascript; charset=utf-8"
@@ -100,23 +99,24 @@ Caller caller_of(const httplib::Request& request) {
           request.get_header_value("X-Ngs-Token")};
 }
 
-/// Of the connection that this thread serves: it ends with the answer that is under way, its request was not read.
-thread_local bool ends_here = false;
+/// The connection of this thread closes after the current response, since the request was not read.
+thread_local bool close_connection = false;
 
-/// httplib's server, but that requests end in time.
+/// httplib's server with a deadline per request.
 class TimedServer : public httplib::Server {
  private:
   bool process_and_close_socket(socket_t socket) override {
     TimedStream stream(socket);
-    bool goes_on = true;
-    ends_here = false;
-    for (std::size_t n = 1; goes_on && svr_sock_ != INVALID_SOCKET && stream.wait_for_request(kIdle, kRequest); ++n) {
+    bool keep_alive = true;
+    close_connection = false;
+    for (std::size_t n = 1; keep_alive && svr_sock_ != INVALID_SOCKET && stream.wait_for_request(kIdle, kRequest);
+         ++n) {
       bool closed = false;
-      goes_on = process_request(stream, n == kMostRequests, closed, nullptr) && !closed && !ends_here;
+      keep_alive = process_request(stream, n == kMostRequests, closed, nullptr) && !closed && !close_connection;
     }
     shutdown(socket, SHUT_RDWR);
     close(socket);
-    return goes_on;
+    return keep_alive;
   }
 };
 
@@ -166,30 +166,30 @@ struct Server::Impl {
 
   static std::string httplib_reason(int status) {
     switch (status) {
-      case 404: return "no such thing here";
+      case 404: return "unknown path";
       case 413: return "a body of more than 1 MiB";
-      default: return "a request that is not understood";
+      default: return "a malformed request";
     }
   }
 
   httplib::Server::HandlerResponse admit(const httplib::Request& request, httplib::Response& response) {
     const Caller caller = caller_of(request);
-    if (request.method == "GET" && request.path == "/" && access->is_here(caller) && request.has_param("token") &&
-        access->is_token(request.get_param_value("token"))) {
+    if (request.method == "GET" && request.path == "/" && access->is_same_origin(caller) &&
+        request.has_param("token") && access->is_token(request.get_param_value("token"))) {
       response.set_header("Set-Cookie", access->cookie());
       response.set_redirect("/", 303);
       return httplib::Server::HandlerResponse::Handled;
     }
     if (!access->allows(caller)) return refuse(response, {403, "", "", ""});
     if (request.method != "POST") return httplib::Server::HandlerResponse::Unhandled;
-    // A body that does not say its size, or swells when it is unpacked, is not bounded by what was read of it.
+    // Without Content-Length, or with compression, the size of the body is not bounded in advance.
     if (request.has_header("Transfer-Encoding") || !request.has_header("Content-Length"))
-      return refuse(response, {411, "request", "a body without Content-Length", "one that says its size"});
+      return refuse(response, {411, "request", "a body without Content-Length", "a Content-Length header"});
     const std::string length = request.get_header_value("Content-Length");
     if (length.size() > 7 || std::strtoull(length.c_str(), nullptr, 10) > kMostBody)
       return refuse(response, {413, "request", "a body of " + length.substr(0, 20) + " bytes", "at most 1 MiB"});
     if (request.has_header("Content-Encoding"))
-      return refuse(response, {415, "request", "a packed body", "plain JSON"});
+      return refuse(response, {415, "request", "a compressed body", "plain JSON"});
     if (!request.get_header_value("Content-Type").starts_with("application/json"))
       return refuse(response,
                     {415, "request", "Content-Type " + request.get_header_value("Content-Type"), "application/json"});
@@ -200,7 +200,7 @@ struct Server::Impl {
     response.status = refusal.status;
     if (refusal.status != 403) response.set_content(reply_of(refusal).body, "application/json");
     response.set_header("Connection", "close");
-    ends_here = true;
+    close_connection = true;
     return httplib::Server::HandlerResponse::Handled;
   }
 };
@@ -214,8 +214,8 @@ Server::Server(int port, Answer answer) : impl_(std::make_unique<Impl>()) {
     impl_->port = -1;
   if (impl_->port <= 0)
     throw Error(ErrorCode::kEnvironment,
-                "port " + std::to_string(port) + ": in use or not allowed, expected a free one",
-                "leave --port out, and any free port is taken");
+                "port " + std::to_string(port) + ": in use or not allowed, expected a free port",
+                "leave out --port to use any free port");
   impl_->access = std::make_unique<Access>(random_token(), impl_->port);
   impl_->set_up();
 }

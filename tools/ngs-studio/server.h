@@ -1,6 +1,6 @@
 #pragma once
-// HTTP on the loopback address for one person: who may ask is checked, sizes and times are bounded, and the files of
-// the page are the only ones it knows.
+// HTTP server on the loopback address for one user: access is checked, sizes and times are bounded, and only the
+// embedded page files are served.
 #include <functional>
 #include <memory>
 #include <string>
@@ -10,21 +10,21 @@
 
 namespace ngs::studio {
 
-/// "GET" or "POST", a path that begins with /api/, and the body. May be called by several threads at a time.
+/// "GET" or "POST", a path that begins with /api/, and the body. Must be thread-safe.
 using Answer = std::function<Reply(const std::string& method, const std::string& path, const std::string& body)>;
 
 class Server {
  public:
-  /// Binds; port 0 is any that is free. kEnvironment where it cannot.
+  /// Binds the port; 0: any free port. Throws kEnvironment if that fails.
   Server(int port, Answer answer);
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
   int port() const;
-  /// The address to open, token included.
+  /// The address to open, including the token.
   std::string url() const;
-  /// Serves in threads of its own until the end of this object.
+  /// Serves in background threads until this object is destroyed.
   void start();
 
  private:

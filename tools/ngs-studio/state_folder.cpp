@@ -29,8 +29,8 @@ PixelMask read_mask(const std::string& path, const Camera& camera) {
   if (raw.width_px != camera.width_px || raw.height_px != camera.height_px || raw.channels != 1)
     throw Error(ErrorCode::kBadInput,
                 path + ": " + std::to_string(raw.width_px) + "x" + std::to_string(raw.height_px) + " px, expected " +
-                    std::to_string(camera.width_px) + "x" + std::to_string(camera.height_px) + " as it was written",
-                "begin another visit in a new folder: -o FOLDER");
+                    std::to_string(camera.width_px) + "x" + std::to_string(camera.height_px) + " as for the saved view",
+                "start a new session in a new folder: -o FOLDER");
   PixelMask mask(raw.data.size());
   for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = raw.data[p] >= 128;
   return mask;
@@ -49,7 +49,8 @@ Scene scene_like(const Scene& like) {
 StateFolder::StateFolder(std::string path) : path_(std::move(path)) {
   std::error_code absent;
   if (fs::exists(path_, absent) && !fs::is_empty(path_, absent) && !fs::exists(at(kMarker), absent))
-    throw Error(ErrorCode::kUsage, path_ + ": holds files that no earlier visit made", "choose another folder with -o");
+    throw Error(ErrorCode::kUsage, path_ + ": contains files that are not from ngs-studio",
+                "choose another folder with -o");
   fs::create_directories(path_);
   io::write_file(at(kMarker), "a folder of ngs-studio\n");
 }
@@ -65,9 +66,9 @@ std::optional<live::Marks> StateFolder::load(const std::string& source) const {
   live::Marks marks = with_context(file, [&] { return marks_of(io::read_json_file(file), source); });
   for (live::ObjectMarks& object : marks.objects)
     for (std::shared_ptr<const live::MarkedView>& view : object.views) {
-      live::MarkedView whole = *view;
-      whole.mask = read_mask(of(object.id, "masks/" + whole.name), live::segmented_camera(whole.look));
-      view = std::make_shared<const live::MarkedView>(std::move(whole));
+      live::MarkedView with_mask = *view;
+      with_mask.mask = read_mask(of(object.id, "masks/" + with_mask.name), live::segmented_camera(with_mask.look));
+      view = std::make_shared<const live::MarkedView>(std::move(with_mask));
     }
   return marks;
 }

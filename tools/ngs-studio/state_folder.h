@@ -1,9 +1,9 @@
 #pragma once
-// What lasts of a visit, in a folder of its own:
+// Files of a session, in one folder:
 //
 //   studio.json            objects, looks and strokes
-//   visit.jsonl            every request that changed something, to be run again by --replay
-//   object-1/              of the object with this number
+//   visit.jsonl            every request that changed the state, for --replay
+//   object-1/              one folder per object id
 //     masks/0001.png       the mask of each marked view, 0/255
 //     images/0001.png      its picture               } written for Refine and Export
 //     scene.json           cameras and masks         }
@@ -21,25 +21,26 @@ namespace ngs::studio {
 
 struct StudioPlace {
   std::string source;  // a splat, or a scene.json that names one
-  std::string folder;  // where all that lasts is kept
+  std::string folder;  // the session's files
 };
 
 class StateFolder {
  public:
-  /// Makes the folder, or takes one that is ours. kUsage for a folder that holds something else.
+  /// Creates the folder, or opens that of an earlier session. kUsage for a folder with other files.
   explicit StateFolder(std::string path);
 
-  /// What an earlier visit left, masks included; none: it is new. kBadInput for files that are not ours, or of another
-  /// model.
+  /// State of an earlier session, with masks; nullopt for a new folder. kBadInput for invalid files and for files of
+  /// another model.
   std::optional<live::Marks> load(const std::string& source) const;
-  /// studio.json, and the masks that changed since the last call; those of views that are gone are removed.
+  /// Writes studio.json and the masks changed since the last call; removes masks of deleted views.
   void save(const live::Marks& marks, const std::string& source);
-  /// A line of visit.jsonl.
+  /// Appends a line to visit.jsonl.
   void note(const std::string& line) const;
 
-  /// Writes pictures, scene.json and strokes.json of an object. `like`: what of a scene is not views or objects.
+  /// Writes pictures, scene.json and strokes.json of an object. `like` gives all scene settings except views and
+  /// objects.
   void write_scene(const live::Session& session, const live::ObjectMarks& object, const Scene& like) const;
-  /// Writes marks.json and cut.json: the views of `base` and the marked ones, for ngs cut.
+  /// Writes marks.json and cut.json for ngs cut: the views of `base` and the marked views.
   void write_cut(const live::ObjectMarks& object, const Scene& base) const;
 
   const std::string& path() const { return path_; }
@@ -50,7 +51,7 @@ class StateFolder {
   void save_masks(const live::ObjectMarks& object);
 
   std::string path_;
-  std::map<int, std::map<std::string, std::shared_ptr<const live::MarkedView>>> saved_;  // by object and name
+  std::map<int, std::map<std::string, std::shared_ptr<const live::MarkedView>>> saved_;  // by object id and view name
 };
 
 }  // namespace ngs::studio

@@ -40,7 +40,7 @@ Json prompt_strokes(const std::vector<PromptStroke>& strokes) {
   return list;
 }
 
-/// Runs of the pixels of a side, a stroke each.
+/// Adds one stroke per horizontal run of pixels in `side`.
 void add_rows(const PixelMask& side, int width_px, int height_px, bool object, Json& strokes) {
   for (int y = 0; y < height_px; ++y)
     for (int x = 0, end = 0; x < width_px; x = end + 1) {
@@ -52,8 +52,8 @@ void add_rows(const PixelMask& side, int width_px, int height_px, bool object, J
     }
 }
 
-/// The pixels farther than the band from the other side.
-PixelMask sure(const PixelMask& mask, bool object, int width_px, int height_px) {
+/// Pixels of one side that are farther than the band from the contour.
+PixelMask outside_band(const PixelMask& mask, bool object, int width_px, int height_px) {
   PixelMask side(mask.size());
   for (std::size_t p = 0; p < side.size(); ++p) side[p] = (mask[p] != 0) == object;
   const auto depth = chessboard_distance({side.data(), width_px, height_px}, Outside::kUnknown);
@@ -74,9 +74,9 @@ live::MarkedView view_of(Fields view) {
 
 live::ObjectMarks object_of(Fields object) {
   live::ObjectMarks out;
-  out.id = object.whole("id", 1, 1 << 20);
+  out.id = object.integer("id", 1, 1 << 20);
   out.name = object.text("name", 60), out.colour = colour_of(object, "colour");
-  out.next_view = object.whole("next_view", 1, 1 << 20);
+  out.next_view = object.integer("next_view", 1, 1 << 20);
   for (const nlohmann::json& view : object.member("views"))
     out.views.push_back(std::make_shared<const live::MarkedView>(view_of({view, "view"})));
   object.end();
@@ -95,7 +95,7 @@ std::string colour_of(Fields& fields, const std::string& name) {
 std::vector<PromptStroke> strokes_of(Fields& request) {
   const nlohmann::json& list = request.member("strokes");
   if (!list.is_array() || list.empty() || list.size() > kMostStrokes)
-    request.refuse("strokes", "a list of strokes, at least one");
+    request.refuse("strokes", "a list of at least one stroke");
   std::vector<PromptStroke> strokes;
   for (std::size_t i = 0; i < list.size(); ++i)
     strokes.push_back(stroke_of({list[i], "strokes[" + std::to_string(i) + "]"}));
@@ -134,17 +134,17 @@ live::Marks marks_of(const nlohmann::json& root, const std::string& source) {
   try {
     Fields fields(root, "");
     live::Marks marks;
-    fields.whole("ngs_studio", 1, 1);
+    fields.integer("ngs_studio", 1, 1);
     if (fields.text("source", 4096) != source)
       fields.refuse("source", source + ": a folder belongs to one model; choose another with -o");
-    marks.active = fields.whole("active", 0, 1 << 20), marks.next_id = fields.whole("next_id", 1, 1 << 20);
-    marks.all_pieces = fields.has("all_pieces") && fields.truth("all_pieces");
+    marks.active = fields.integer("active", 0, 1 << 20), marks.next_id = fields.integer("next_id", 1, 1 << 20);
+    marks.all_pieces = fields.has("all_pieces") && fields.boolean("all_pieces");
     for (const nlohmann::json& object : fields.member("objects"))
       marks.objects.push_back(object_of({object, "object"}));
     fields.end();
     return marks;
   } catch (const Refusal& refusal) {
-    throw Error(ErrorCode::kBadInput, refusal.what(), "begin another visit in a new folder: -o FOLDER");
+    throw Error(ErrorCode::kBadInput, refusal.what(), "start a new session in a new folder: -o FOLDER");
   }
 }
 
@@ -163,7 +163,7 @@ Json marks_json(const live::ObjectMarks& object) {
   for (const auto& view : object.views) {
     const int w = view->camera.width_px, h = view->camera.height_px;
     Json strokes = Json::array();
-    for (const bool side : {false, true}) add_rows(sure(view->mask, side, w, h), w, h, side, strokes);
+    for (const bool side : {false, true}) add_rows(outside_band(view->mask, side, w, h), w, h, side, strokes);
     views.push_back({{"view", marked_name(*view)}, {"width", w}, {"height", h}, {"strokes", std::move(strokes)}});
   }
   return {{"ngs_prompts", 2}, {"views", std::move(views)}};

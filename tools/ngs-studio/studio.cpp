@@ -18,7 +18,7 @@ Refusal refusal_of(const Error& e) {
           expected == what.npos ? "" : what.substr(expected + 11), e.remedy()};
 }
 
-/// A member of the desk that changes something.
+/// A request handler that changes the state.
 using Change = Json (Desk::*)(Fields);
 struct Route {
   const char* path;
@@ -35,7 +35,7 @@ struct Studio::Impl {
   Impl(const Exec& exec, StudioPlace place) : desk(exec, std::move(place)) {}
 
   Desk desk;
-  std::mutex writing;  // one change at a time; frames do not wait for it
+  std::mutex writing;  // serialises changes; frames do not wait for it
   std::atomic<bool> quit = false;
 
   Reply change(Change what, const std::string& path, const nlohmann::json& body) {
@@ -50,7 +50,7 @@ struct Studio::Impl {
     if (path == "/api/state") return {200, desk.state().dump()};
     if (path == "/api/job") return {200, desk.job_json().dump()};
     if (path == "/api/log") return {200, desk.log().dump()};
-    throw Refusal(404, "GET " + path, "no such thing here", "a request of data-schema/studio-protocol.md");
+    throw Refusal(404, "GET " + path, "unknown path", "a request of data-schema/studio-protocol.md");
   }
 
   Reply post(const std::string& path, const std::string& body) {
@@ -62,7 +62,7 @@ struct Studio::Impl {
     if (path == "/api/before") return {200, desk.before(std::move(fields)).dump()};
     if (path == "/api/cancel") return fields.end(), Reply{200, desk.cancel().dump()};
     if (path == "/api/quit") return fields.end(), quit = true, Reply{};
-    throw Refusal(404, "POST " + path, "no such thing here", "a request of data-schema/studio-protocol.md");
+    throw Refusal(404, "POST " + path, "unknown path", "a request of data-schema/studio-protocol.md");
   }
 };
 
@@ -77,9 +77,9 @@ Reply Studio::answer(const std::string& method, const std::string& path, const s
   } catch (const Error& e) {
     return reply_of(refusal_of(e));
   } catch (const std::bad_alloc&) {
-    return reply_of({507, "request", "more memory than there is", "a smaller picture"});
+    return reply_of({507, "request", "out of memory", "a smaller picture"});
   } catch (const std::exception& e) {
-    return reply_of({500, "request", e.what(), "no fault of ngs-studio", "report it"});
+    return reply_of({500, "request", e.what(), "no internal error", "please report this"});
   }
 }
 

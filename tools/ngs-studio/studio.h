@@ -1,6 +1,5 @@
 #pragma once
-// The studio over one model: requests in, answers out (data-schema/studio-protocol.md). Knows files and JSON, but
-// nothing of HTTP.
+// The studio for one model: maps requests to responses (data-schema/studio-protocol.md). Independent of HTTP.
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -13,17 +12,17 @@ namespace ngs::studio {
 
 class Studio {
  public:
-  /// Reads the model. Errors as the readers'.
+  /// Reads the model. Throws the errors of the readers.
   Studio(const Exec& exec, StudioPlace place);
   ~Studio();
   Studio(const Studio&) = delete;
   Studio& operator=(const Studio&) = delete;
 
-  /// Never throws; any thread.
+  /// Never throws; thread-safe.
   Reply answer(const std::string& method, const std::string& path, const std::string& body);
-  /// POST /api/quit came.
+  /// True after POST /api/quit.
   bool has_quit() const;
-  /// Times of the answers, as GET /api/log.
+  /// Response times, as in GET /api/log.
   nlohmann::ordered_json log() const;
 
  private:

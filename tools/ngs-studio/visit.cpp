@@ -20,13 +20,13 @@ std::vector<std::string> lines_of(const std::string& path) {
   for (std::string line; std::getline(file, line);) {
     bytes += line.size() + 1;
     if (bytes > kMostBytes)
-      throw Error(ErrorCode::kBadInput, path + ": more than 256 MiB, expected the requests of a visit");
+      throw Error(ErrorCode::kBadInput, path + ": larger than 256 MiB, expected the requests of a session");
     if (!line.empty()) lines.push_back(std::move(line));
   }
   return lines;
 }
 
-/// Refine and Export go on after their answer.
+/// Refine and Export run on after their response.
 void wait_for_job(Studio& studio, const std::string& where, const ReplayControl& control) {
   for (;;) {
     const nlohmann::json job = nlohmann::json::parse(studio.answer("GET", "/api/job", "").body);
@@ -64,7 +64,7 @@ std::size_t replay(Studio& studio, const std::string& path, const ReplayControl&
     const auto request = parse_strict_json<nlohmann::json>(lines[done], where, ErrorCode::kBadInput);
     if (!request.is_object() || request.size() != 2 || !request.contains("path") || !request.at("path").is_string() ||
         !request.contains("body") || !request.at("body").is_object())
-      throw Error(ErrorCode::kBadInput, where + ": no request, expected {\"path\": TEXT, \"body\": {...}}",
+      throw Error(ErrorCode::kBadInput, where + ": not a request, expected {\"path\": TEXT, \"body\": {...}}",
                   "record one with --record");
     const Reply reply = studio.answer("POST", request.at("path").get<std::string>(), request.at("body").dump());
     if (reply.status >= 400) {

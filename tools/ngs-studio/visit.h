@@ -1,5 +1,5 @@
 #pragma once
-// A visit as JSON lines, {"path": "/api/strokes", "body": {...}}: written down as it is made, and run again.
+// Recording and replay of a session as JSON lines: {"path": "/api/strokes", "body": {...}}.
 #include <functional>
 #include <mutex>
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace ngs::studio {
 
-/// Passes requests on and keeps those that succeeded, frames included.
+/// Forwards requests and records those that succeeded, including frames.
 class Recorder {
  public:
   explicit Recorder(Studio& studio) : studio_(studio) {}
@@ -26,8 +26,8 @@ struct ReplayControl {
   std::function<void(std::int64_t done, std::int64_t total)> progress;
 };
 
-/// Makes the requests of a file one after the other, and waits for each job to end. Error (kBadInput, or the code of
-/// what failed) that names the line. Returns the number of requests; stops early where it is asked to.
+/// Sends the requests of a file in order and waits for the end of each job. Returns the number of requests; stops
+/// early when control.stop() is true. Errors name the line; kBadInput, or the code of the failed step.
 std::size_t replay(Studio& studio, const std::string& path, const ReplayControl& control);
 
 }  // namespace ngs::studio

@@ -1,11 +1,13 @@
 #pragma once
-// The folder that ngs-synth writes: laid out like a stranger's capture, with the truth beside it.
+// The folder that ngs-synth writes: a capture, and its ground truth.
 //
+// clang-format off
 //   images/NNNN.png sparse/0/{cameras,images,points3D}.txt   photos and poses
 //   masks/NNNN.png     0/255, the target, with the requested errors       masks_gt/    the same, exact
 //   labels/NNNN.png    16 bit ids, with the requested errors              labels_gt/   the same, exact
 //   objects/NAME/NNNN.png  0/255, exact       layers/NNNN.exr  Z, ngs.id, ngs.mask (share of the pixel)
-//   recipe.json        what to give to ngs-synth for the same scene       ground_truth.json  ids, names, errors
+//   recipe.json        input of ngs-synth for the same scene          ground_truth.json  ids, names, errors
+// clang-format on
 #include <string>
 #include <vector>
 
@@ -30,17 +32,17 @@ struct MaskErrors {
   std::uint64_t seed = 0;
 };
 
-/// One view's pictures, masks and layers.
+/// Writes photo, masks and layers of one view.
 void write_view(const Exec& exec, const std::string& folder, const SynthData& data, std::size_t view,
                 const MaskErrors& errors);
-/// Poses, points and the two JSON files.
+/// Writes poses, points and the two JSON files.
 void write_description(const std::string& folder, const SynthData& data, const MaskErrors& errors);
 
-/// A name, or else the path of a JSON file of recipe options. `is_file` says which.
+/// Loads a recipe by name, or from a JSON file of recipe options; sets `is_file` in the second case.
 synth::Recipe load_recipe(const std::string& name_or_path, bool& is_file);
 Json recipe_json(const synth::Recipe& recipe);
 
-/// The photos as the PNG files hold them, and the points, for the fit.
+/// The photos as stored in the PNG files, and the points, for the fit.
 std::vector<FitView> fit_views(const SynthData& data);
 std::vector<FitPoint> fit_points(const std::vector<SparsePoint>& points);
 

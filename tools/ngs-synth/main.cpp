@@ -1,4 +1,4 @@
-// ngs-synth: a recipe -> photos, poses, exact and erroneous masks, depth, and a splat fitted to the photos.
+// ngs-synth: generates photos, poses, exact and erroneous masks, depth, and a fitted splat from a recipe.
 #include "dataset.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "options.h"
@@ -12,7 +12,7 @@ synth::Recipe resolved(synth::Recipe recipe, const cli::SynthOptions& o) {
   if (o.views > 0) recipe.views = o.views;
   const auto side_of = [](int px, int recipe_px) {
     if (px > 0 && px < 8)
-      throw Error(ErrorCode::kUsage, "a side of " + std::to_string(px) + " px, expected 0 or at least 8");
+      throw Error(ErrorCode::kUsage, "image side of " + std::to_string(px) + " px, expected 0 or at least 8");
     return px > 0 ? px : recipe_px;
   };
   recipe.width_px = side_of(o.width_px, recipe.width_px), recipe.height_px = side_of(o.height_px, recipe.height_px);
@@ -28,7 +28,7 @@ FitOptions small_fit() {
   return options;
 }
 
-/// Wall seconds and MiB; 4e-7 s per ray on one core of a current machine.
+/// Estimated wall time in seconds and memory in MiB; 4e-7 s per ray on one core.
 Json estimate(const cli::SynthData& data, const cli::SynthOptions& options, const FitOptions& fit, int threads) {
   double pixels = 0;
   for (const Camera& c : data.cameras) pixels += double(c.width_px) * c.height_px;
@@ -60,17 +60,17 @@ void fit(cli::Run& run, const cli::SynthData& data, const FitOptions& options, c
 
 int main(int argc, char** argv) {
   cli::Tool tool(
-      "ngs-synth", "Make an analytic scene with exact masks and fit a splat to it.",
+      "ngs-synth", "Generate an analytic scene with exact masks and fit a splat to it.",
       {"ngs-synth torus-box -o scene/", "ngs-synth leaves -o noisy/ --mask-noise jitter:1.5,drop:0.1 --fit-steps 3000",
        "ngs-synth recipe.json -o again/ --no-fit"});
   cli::SynthOptions options;
   FitOptions fit_options = small_fit();
   tool.options(options);
   tool.options(fit_options, {.name = "fit",
-                             .about = "to the photos",
+                             .about = "options of the fit to the photos",
                              .prefix = "fit_",
-                             .listens = [&options] { return options.fit; },
-                             .listener = "--fit"});
+                             .applies = [&options] { return options.fit; },
+                             .needs = "--fit"});
   const cli::Argument& name =
       tool.argument("recipe", "two-spheres, torus-box, leaves, bones, table, tiny, or a JSON file of recipe options");
   const cli::Output& out = tool.output_dir("-o,--output", "folder of the scene");

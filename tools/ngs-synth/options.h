@@ -1,5 +1,5 @@
 #pragma once
-// What ngs-synth takes beside its recipe.
+// The options of ngs-synth that override its recipe.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -17,17 +17,17 @@ struct SynthOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.views, Field<int>{"views", "", "number of cameras; 0: as the recipe says", 0, 10000});
-    visit(self.width_px, Field<int>{"width_px", "px", "image width; 0: as the recipe says", 0, 16384});
-    visit(self.height_px, Field<int>{"height_px", "px", "image height; 0: as the recipe says", 0, 16384});
+    visit(self.views, Field<int>{"views", "", "Number of cameras; 0: from the recipe", 0, 10000});
+    visit(self.width_px, Field<int>{"width_px", "px", "Image width; 0: from the recipe", 0, 16384});
+    visit(self.height_px, Field<int>{"height_px", "px", "Image height; 0: from the recipe", 0, 16384});
     visit(self.scene_seed,
-          Field<std::int64_t>{"scene_seed", "", "textures and layout; -1: as the recipe says", -1, 1ll << 53});
-    visit(self.target, Text{"target", "NAME", "object that masks/ shows; default: as the recipe says"});
-    visit(self.mask_noise, Text{"mask_noise", "KIND:AMOUNT",
-                                "errors in masks/ and labels/: erode:PX dilate:PX jitter:PX snap:PX drop:P "
-                                "swap:P blob:P"});
-    visit(self.grey, Flag{"grey", "take the colours away; off: as the recipe says"});
-    visit(self.fit, Flag{"fit", "write point_cloud.ply, fitted to the photos"});
+          Field<std::int64_t>{"scene_seed", "", "Seed of textures and layout; -1: from the recipe", -1, 1ll << 53});
+    visit(self.target, Text{"target", "NAME", "Object whose masks go to masks/; default: from the recipe"});
+    visit(self.mask_noise,
+          Text{"mask_noise", "KIND:AMOUNT",
+               "Errors to add to masks/ and labels/: erode:PX dilate:PX jitter:PX snap:PX drop:P swap:P blob:P"});
+    visit(self.grey, Flag{"grey", "Make all images grey; off: from the recipe"});
+    visit(self.fit, Flag{"fit", "Fit a splat to the photos and write point_cloud.ply"});
   }
 };
 

@@ -1,5 +1,5 @@
-// ngs-variance: scene.json -> labelled PLY with evidence, variance and the boundary set. Algorithm 1, step 1.
-// Sharded: `--views i/N --partial part.evidence` for each i, then `ngs-variance merge *.evidence -o out.ply`.
+// ngs-variance: reads scene.json, writes a labelled PLY with evidence, variance and the boundary set. Algorithm 1, step
+// 1. Sharded: `--views i/N --partial part.evidence` for each i, then `ngs-variance merge *.evidence -o out.ply`.
 #include "ngs/io/files/content_hash.h"
 #include "ngs/io/formats/splat_format.h"
 #include "ngs/io/image/masks.h"
@@ -17,14 +17,14 @@ struct ShardOptions {
   std::vector<std::string> object;
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.views, Text{"views", "i/N", "only shard i of N (from 0) of the training views; for --partial"});
-    visit(self.object, Text{"object", "NAME", "only this object of the scene"});
+    visit(self.views, Text{"views", "i/N", "Use only shard i of N (from 0) of the training views; for --partial"});
+    visit(self.object, Text{"object", "NAME", "Use only this object of the scene"});
   }
 };
 
 int label_scene(int argc, char** argv) {
   cli::Tool tool(
-      "ngs-variance", "Find the boundary Gaussians: evidence of all masks, normalised variance (Eq. 3).",
+      "ngs-variance", "Find the boundary Gaussians by the normalised variance of all masks (Eq. 3).",
       {"ngs-variance scene.json -o boundary.ply", "ngs-variance scene.json --views 0/8 --partial part0.evidence"});
   VarianceOptions options;
   RasterOptions raster;
@@ -33,7 +33,7 @@ int label_scene(int argc, char** argv) {
   tool.runs_on_device();
   const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene");
   const cli::Output& out = tool.optional_output("-o,--output", "labelled PLY");
-  const cli::Output& partial = tool.optional_output("--partial", "the evidence itself, for `ngs-variance merge`");
+  const cli::Output& partial = tool.optional_output("--partial", "evidence of these views, for `ngs-variance merge`");
   const cli::Output& layers =
       tool.optional_output_dir("--layers", "folder for one EXR per view: mask, prob, variance, boundary");
 
@@ -42,13 +42,13 @@ int label_scene(int argc, char** argv) {
     const Scene scene = with_objects(cli::read_scene(run, scene_json.path), shard.object);
     cli::require_model(run, scene, scene_json.path);
     if (!out && !partial)
-      throw Error(ErrorCode::kUsage, "no output is asked for", "give -o boundary.ply or --partial part.evidence");
+      throw Error(ErrorCode::kUsage, "no output is given", "give -o boundary.ply or --partial part.evidence");
     io::require_ply_output(out.path);
     const std::vector<std::size_t> views = variance::shard_of(training_views(scene), shard.views);
     if (out && views.size() != training_views(scene).size())
       throw Error(ErrorCode::kUsage,
-                  "-o needs the evidence of all views, --views " + shard.views + " is a part of them",
-                  "write it with --partial and merge the parts");
+                  "-o requires the evidence of all views, --views " + shard.views + " is only a part",
+                  "write parts with --partial and merge them");
     const auto bands = layers ? io::HigherBands::kRead : io::HigherBands::kCheckOnly;
     const io::GaussianPly ply = io::read_gaussian_ply(scene.model_path, {bands});
     run.result()["views"] = views.size();
@@ -71,18 +71,18 @@ int label_scene(int argc, char** argv) {
     }
     if (!out) return 0;
     const auto labelled = variance::label(options, scene, ply, std::move(part.evidence));
-    variance::write_labels(run, labelled, options.tau, out.path);
+    variance::write_labels(run, labelled, out.path);
     if (layers) variance::write_layers(run, labelled, splat_options(raster, ply.cloud, scene), layers.path);
     return 0;
   });
 }
 
 int merge_parts(int argc, char** argv) {
-  cli::Tool tool("ngs-variance merge", "Add up the evidence of parts; the same bytes as one run over all views.",
+  cli::Tool tool("ngs-variance merge", "Merge evidence files; the result has the same bytes as one run over all views.",
                  {"ngs-variance merge part0.evidence part1.evidence -o boundary.ply"});
   VarianceOptions options;
   tool.options(options);
-  const cli::Input& scene_json = tool.optional_input("--scene", "scene.json; default: the one the parts name");
+  const cli::Input& scene_json = tool.optional_input("--scene", "scene.json; default: the one named in the parts");
   const cli::Inputs& parts = tool.inputs("parts", "files written with --partial");
   const cli::Output& out = tool.output("-o,--output", "labelled PLY");
 
@@ -94,7 +94,7 @@ int merge_parts(int argc, char** argv) {
     variance::check_complete(sum, scene);
     const io::GaussianPly ply = io::read_gaussian_ply(scene.model_path, {io::HigherBands::kCheckOnly});
     if (run.dry_run()) return 0;
-    variance::write_labels(run, variance::label(options, scene, ply, std::move(sum.evidence)), options.tau, out.path);
+    variance::write_labels(run, variance::label(options, scene, ply, std::move(sum.evidence)), out.path);
     return 0;
   });
 }
@@ -104,5 +104,5 @@ int merge_parts(int argc, char** argv) {
 int main(int argc, char** argv) {
   return ngs::cli::dispatch(
       argc, argv,
-      {{"", label_scene, "label the Gaussians of a scene"}, {"merge", merge_parts, "add up partial evidence"}});
+      {{"", label_scene, "label the Gaussians of a scene"}, {"merge", merge_parts, "merge partial evidence"}});
 }

@@ -19,18 +19,18 @@ namespace {
 
 std::string scene_identity(const std::string& path) { return "scene " + io::content_hash(path).xxh3; }
 
-/// The scene with the objects of the evidence, in the order of its columns.
+/// The scene with the objects of the evidence, in column order.
 Scene with_columns(Scene scene, const std::vector<std::string>& columns, const std::string& path) {
   const auto refuse = [](const std::string& what) {
-    throw Error(ErrorCode::kInconsistent, what, "make the parts again from this scene");
+    throw Error(ErrorCode::kInconsistent, what, "write the parts again from this scene");
   };
-  if (columns.empty()) refuse(path + ": the parts have evidence of no object, expected at least one of the scene's");
+  if (columns.empty()) refuse(path + ": the parts have no object, expected at least one object of the scene");
   std::vector<SceneObject> objects;
   for (const std::string& name : columns) {
     const auto named = [&](const SceneObject& o) { return o.name == name; };
     const auto known = std::find_if(scene.objects.begin(), scene.objects.end(), named);
     if (known == scene.objects.end())
-      refuse(path + ": no object '" + name + "', expected it: the parts have evidence of it");
+      refuse(path + ": no object '" + name + "', expected it because the parts have evidence of it");
     if (std::any_of(objects.begin(), objects.end(), named))
       refuse("object '" + name + "' is in the parts twice, expected once");
     objects.push_back(*known);
@@ -39,9 +39,9 @@ Scene with_columns(Scene scene, const std::vector<std::string>& columns, const s
   return scene;
 }
 
-/// Into the report; returns the boundary Gaussians of all objects.
+/// Adds the counts to the report; returns the number of boundary Gaussians of all objects.
 std::int64_t report_counts(cli::Run& run, const LabelledScene& labelled) {
-  const auto& [scene, ply, labels, weight] = labelled;
+  const auto& [scene, ply, labels, weight, rule] = labelled;
   const auto count = [](const LabelColumn& column) { return std::count(column.begin(), column.end(), 1.f); };
   std::int64_t boundary_total = 0;
   for (std::size_t k = 0; k < labels.size(); ++k) {
@@ -72,14 +72,14 @@ std::string made_with(const std::string& scene_path, const SplatOptions& splat) 
 
 Json memory_plan(const GaussianCloud& cloud, const Scene& scene, std::size_t views) {
   const auto objects = double(scene.objects.size()), n = double(cloud.size());
-  const double owners = std::min(objects, 2.0);  // objects that a Gaussian is part of, at most in the mean
-  const double few = std::min(objects, 3.0);     // of more, sums are kept for those alone that a tile shows
+  const double owners = std::min(objects, 2.0);  // upper bound on the mean number of objects per Gaussian
+  const double few = std::min(objects, 3.0);     // with more objects, sums exist only for those visible in a tile
   const double sums = 32 + 64 * owners;          // Evidence
-  // One view at a time, as if every Gaussian were visible: its sums; lists, entries and sums of the pairs.
+  // One view at a time, as if every Gaussian were visible: sums of the view; lists, entries and sums of the pairs.
   const double view = cli::kVisibleBytes + 4 + 8 * (2 + 2 * few) + cli::kTilesReached * (8 + 12 + 4 * (2 + 2 * few));
   const double labels = cli::label_bytes(owners);  // written after the last view
   const double per_gaussian = cli::model_bytes(cloud) + sums + std::max(cli::kPreparedBytes + view, labels);
-  const double per_pixel = 1 + 4 * objects + 8;  // masks, and the image they are read from
+  const double per_pixel = 1 + 4 * objects + 8;  // masks, and the decoded image
   return {{"views", views},
           {"gaussians", cloud.size()},
           {"bytes_per_gaussian", per_gaussian},
@@ -90,18 +90,18 @@ Json memory_plan(const GaussianCloud& cloud, const Scene& scene, std::size_t vie
 Scene scene_of(cli::Run& run, const io::EvidencePart& sum, const std::string& given) {
   const std::string& path = given.empty() ? sum.scene_path : given;
   if (path.empty())
-    throw Error(ErrorCode::kUsage, "the parts name no scene: theirs came through a pipe",
-                "name it with --scene scene.json");
+    throw Error(ErrorCode::kUsage, "the parts name no scene, because it was read from a pipe",
+                "give it with --scene scene.json");
   if (given.empty()) {
     io::require_regular_file(path);
     run.add_input("scene", path);
   }
   Scene scene = with_columns(io::read_scene_json(path), sum.objects, path);
-  // Parts of before made_with say nothing of their scene.
+  // Parts written before made_with existed do not identify their scene.
   if (const std::string made_from = scene_identity(path);
       !sum.made_with.empty() && !sum.made_with.starts_with(made_from + ","))
     throw Error(ErrorCode::kInconsistent,
-                path + ": is " + made_from + ", expected what the parts were made with: " + sum.made_with,
+                path + ": is " + made_from + ", but the parts were made with " + sum.made_with,
                 "give the scene.json of the parts, or make them again from this one");
   cli::require_model(run, scene, path);
   return scene;
@@ -109,8 +109,7 @@ Scene scene_of(cli::Run& run, const io::EvidencePart& sum, const std::string& gi
 
 void check_complete(const io::EvidencePart& sum, const Scene& scene) {
   if (io::content_hash(scene.model_path).xxh3 != sum.model_hash)
-    throw Error(ErrorCode::kInconsistent, scene.model_path + ": not the model the parts were made from",
-                "make the parts again");
+    throw Error(ErrorCode::kInconsistent, scene.model_path + ": not the model of the parts", "write the parts again");
   std::set<std::string> missing;
   for (const std::size_t view : training_views(scene)) missing.insert(scene.views[view].camera.name);
   for (const std::string& view : sum.views)
@@ -119,35 +118,33 @@ void check_complete(const io::EvidencePart& sum, const Scene& scene) {
   if (!missing.empty())
     throw Error(
         ErrorCode::kInconsistent,
-        std::to_string(missing.size()) + " training views are in no part, the first is '" + *missing.begin() + "'",
+        std::to_string(missing.size()) + " training views are in no part, the first view is '" + *missing.begin() + "'",
         "merge the parts of all shards");
 }
 
-LabelledScene label(const VarianceOptions& options, const Scene& scene, const io::GaussianPly& ply,
-                    Evidence&& evidence) {
+LabelledScene label(const BoundaryRule& rule, const Scene& scene, const io::GaussianPly& ply, Evidence&& evidence) {
   const Evidence from = std::move(evidence);
-  return {scene, ply, label_gaussians(options, from), from.weights()};
+  return {scene, ply, label_gaussians(rule, from), from.weights(), rule};
 }
 
-void write_labels(cli::Run& run, const LabelledScene& labelled, double tau, const std::string& path) {
+void write_labels(cli::Run& run, const LabelledScene& labelled, const std::string& path) {
   const auto timed = run.monitor().scope("write");
-  const auto& [scene, ply, labels, weight] = labelled;
+  const auto& [scene, ply, labels, weight, rule] = labelled;
   const std::int64_t boundary = report_counts(run, labelled);
   const bool any_evidence = std::any_of(labels.begin(), labels.end(), [](const LabelColumns& l) {
     return std::any_of(l.views.begin(), l.views.end(), [](float views) { return views > 0; });
   });
   if (!any_evidence)
-    run.nothing_found(
-        "no mask of a training view shows any Gaussian",
-        "masks of held-out views do not count; see what was found: ngs-scene check scene.json; make masks with "
-        "ngs-mask, and import the scene again with --masks DIR");
+    run.nothing_found("no mask of a training view shows any Gaussian",
+                      "masks of held-out views are not used; list the masks found: ngs-scene check scene.json; make "
+                      "masks with ngs-mask, and import the scene again with --masks DIR");
   else if (boundary == 0)
-    run.nothing_found("no Gaussian has a normalised mask variance above tau = " + std::to_string(tau),
+    run.nothing_found("no Gaussian has a normalised mask variance above tau = " + std::to_string(rule.tau),
                       "lower --tau, or check the masks: ngs-scene check scene.json");
   std::vector<io::LabelSet> named;
   for (std::size_t k = 0; k < labels.size(); ++k) named.push_back({scene.objects[k].name, labels[k]});
   io::LabelledWrite columns;
-  columns.weight = weight;
+  columns.weight = weight, columns.rule = rule;
   io::write_labelled_ply(path, ply, named, columns);
 }
 

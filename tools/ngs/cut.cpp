@@ -15,10 +15,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kMarker = ".ngs-cut";  // in a folder that is ours
+constexpr const char* kMarker = ".ngs-cut";  // marks a folder written by ngs cut
 
-/// "statue.ply" -> "statue-cut", "garden/" -> "garden-cut", in the current folder; beside a source that the current
-/// folder lies in: of ".", in garden, "../garden-cut".
+/// Default output: "statue-cut" for "statue.ply", "garden-cut" for "garden/", in the current folder. If the current
+/// folder is inside the source, next to the source: "../garden-cut" for "." in garden.
 std::string default_folder(const std::string& source) {
   const fs::path path = (fs::absolute(source) / "").lexically_normal().parent_path(), here = fs::current_path();
   fs::path name = path.filename();
@@ -33,17 +33,17 @@ std::string default_folder(const std::string& source) {
   return (is_around ? (path.parent_path() / name).lexically_relative(here) : name).string();
 }
 
-/// A folder that holds something else than an earlier run's would be mixed with it.
+/// Throws kUsage if the folder has files that are not from an earlier run.
 void require_own_folder(const std::string& folder, bool overwrite) {
   std::error_code absent;
   if (!fs::exists(folder, absent) || fs::is_empty(folder, absent) || fs::exists(fs::path(folder) / kMarker, absent))
     return;
   if (!overwrite)
-    throw Error(ErrorCode::kUsage, folder + ": holds files that no earlier run of this command made",
-                "choose another folder with -o, or write into it with -w");
+    throw Error(ErrorCode::kUsage, folder + ": contains files that are not from an earlier run of ngs cut",
+                "choose another folder with -o, or use this one with -w");
 }
 
-/// Made by this run, and gone again where its first stage fails: nothing in it is of any use.
+/// Removes a folder created by this run if the first stage fails, because it then contains nothing useful.
 class NewFolder {
  public:
   NewFolder(std::string path, bool is_new) : path_(std::move(path)), is_new_(is_new) {}
@@ -59,7 +59,7 @@ class NewFolder {
 
 constexpr const char* kCaptureGroup = "capture";
 
-/// Those that a hint of a stage may name as they are.
+/// Flags that hints of stages may mention without the name of a tool.
 std::set<std::string> own_flags(const OptionSet& options) {
   std::set<std::string> flags{"--model",   "--ply",    "--masks",     "--images",      "--world-transform", "--gt",
                               "--strokes", "--output", "--overwrite", "--allow-empty", "--dry-run"};
@@ -67,7 +67,7 @@ std::set<std::string> own_flags(const OptionSet& options) {
   return flags;
 }
 
-/// The flags of the group, for messages.
+/// The flags of the capture group, for warnings.
 std::vector<std::string> capture_flags(const OptionSet& options) {
   std::vector<std::string> flags{"--images", "--world-transform"};
   for (const OptionEntry& entry : options.entries())
@@ -75,7 +75,7 @@ std::vector<std::string> capture_flags(const OptionSet& options) {
   return flags;
 }
 
-/// What was given of the options, or of the group alone, as words of a command line.
+/// The given options, or those of one group, as command line arguments.
 Words given_words(const OptionSet& options, const std::string& group = {}) {
   Words words;
   for (const OptionEntry* entry : options.given()) {
@@ -95,7 +95,7 @@ void check_flash(SourceKind kind, bool has_masks) {
   if (kind == SourceKind::kSplat && !has_masks) return;
   throw Error(ErrorCode::kUsage,
               std::string("--quality flash with ") + (has_masks ? "masks" : "photos") +
-                  ": it looks at the splat's own pictures alone, expected a splat and strokes",
+                  ": it uses renders of the splat only, expected a splat and strokes",
               "choose --quality draft");
 }
 
@@ -116,14 +116,15 @@ int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
     }
   }();
   if (run.dry_run()) {
-    std::string plan = "it would run:\n";
+    std::string plan = "commands:\n";
     for (const std::string& command : chain.stages().commands()) plan += "  " + command + "\n";
     run.text(plan);
     run.plan({{"commands", chain.stages().commands()}});
     return cli::kDone;
   }
   if (end == CutEnd::kStopped) {
-    run.text("stopped; " + chain.inputs().out + " keeps what was finished: run the same command again to go on\n");
+    run.text("stopped: " + chain.inputs().out +
+             " contains the finished stages; run the same command again to continue\n");
     return run.stop_code();
   }
   run.result()["out"] = chain.inputs().out;
@@ -142,42 +143,42 @@ int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
 int cut_command(int argc, char** argv) {
   cli::Tool tool(
       "ngs cut", "Cut an object out of a splat, a capture or a scene: the whole chain in one command.",
-      {"ngs cut statue.ply                      # makes pictures of it, says how to mark the object",
+      {"ngs cut statue.ply                      # renders it and explains how to mark the object",
        "ngs cut statue.ply --strokes strokes.json", "ngs cut captures/garden --hold-out every:8:0 -o garden"});
   CutOptions options;
   CaptureOptions of_capture;
   tool.options(options);
   tool.options(of_capture, {.name = kCaptureGroup,
-                            .about = "how cameras, photos and masks are read: those of ngs-scene import",
+                            .about = "how cameras, photos and masks are read, as in ngs-scene import",
                             .shown = Shown::kByName});
   const cli::Argument& source =
       tool.argument("source",
                     "a splat (.ply, .spz, .sog, .splat, .ksplat), a folder of photos, poses, a splat and masks, "
                     "or a scene.json");
-  const cli::Inputs& strokes = tool.inputs(
-      "--strokes", "marks on one or more views, as ngs-mask --prompts takes them (repeatable, or PATH,PATH)");
+  const cli::Inputs& strokes =
+      tool.inputs("--strokes", "strokes on views, as for ngs-mask --prompts (repeatable, or PATH,PATH)");
   const cli::Input& model =
-      tool.optional_input("--model", "the splat, where a capture or scene names none or another", "--ply");
-  const cli::Input& masks =
-      tool.optional_input("--masks", "folder of masks by the pictures' names, in place of strokes");
-  const cli::Input& images = tool.optional_input("--images", "a capture: folder of photos; else images/ in it");
+      tool.optional_input("--model", "the splat, if the capture or scene has none or another one", "--ply");
+  const cli::Input& masks = tool.optional_input("--masks", "folder of masks named like the images, instead of strokes");
+  const cli::Input& images = tool.optional_input("--images", "capture: folder of photos; default: its images/");
   const cli::Input& world =
-      tool.optional_input("--world-transform", "a capture: JSON {transform, scale}, as ngs-scene import takes it");
+      tool.optional_input("--world-transform", "capture: JSON {transform, scale}, as for ngs-scene import");
   const cli::Input& truth = tool.optional_input("--gt", "folder of true masks, to score the result");
-  const cli::Output& out = tool.resumed_output_dir("-o,--output", "folder for all that is made; default: SOURCE-cut");
+  const cli::Output& out = tool.resumed_output_dir("-o,--output", "folder for all outputs; default: SOURCE-cut");
   tool.stops_on_request();
 
   return tool.run(argc, argv, [&](cli::Run& run) {
     if (strokes && masks) throw Error(ErrorCode::kUsage, "--strokes and --masks are both given, expected one of them");
     const SourceKind kind = kind_of(source.value);
     if (options.quality == CutQuality::kFlash) check_flash(kind, masks || truth);
-    if (kind != SourceKind::kSplat) run.warn_unused({"--around", "--up", "--size", "--views"}, "but for a splat alone");
+    if (kind != SourceKind::kSplat)
+      run.warn_unused({"--around", "--up", "--size", "--views"}, "except for a splat without photos");
     if (kind != SourceKind::kCapture) {
-      run.warn_unused({"--image-scale"}, "but for a capture");
-      run.warn_unused(capture_flags(tool.option_set()), "but for a capture");
+      run.warn_unused({"--image-scale"}, "except for a capture");
+      run.warn_unused(capture_flags(tool.option_set()), "except for a capture");
     }
     if (kind == SourceKind::kSplat) run.warn_unused({"--model"}, "with a splat");
-    if (kind == SourceKind::kScene) run.warn_unused({"--hold-out"}, "with a scene.json, which says it itself");
+    if (kind == SourceKind::kScene) run.warn_unused({"--hold-out"}, "with a scene.json, which has its own split");
     if (fs::is_regular_file(source.value)) run.add_input("source", source.value);
     return cut(run, options,
                {.source = source.value,

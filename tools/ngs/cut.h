@@ -1,5 +1,5 @@
 #pragma once
-// ngs cut: the whole chain as one command, for a splat alone, a capture or a scene.json.
+// ngs cut: the whole chain as one command, for a splat without photos, a capture or a scene.json.
 namespace ngs::front {
 
 int cut_command(int argc, char** argv);

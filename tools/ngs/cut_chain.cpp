@@ -18,7 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kWholePicture_px = 1 << 20;
-constexpr double kWorse = 0.01;  // of the marked pixels that a trained result may break more than what it began with
+constexpr double kWorseMargin =
+    0.01;  // tolerated increase of wrong stroke pixels by training, as a fraction of all stroke pixels
 
 bool exists(const std::string& path) {
   std::error_code unreadable;
@@ -44,7 +45,7 @@ CutChain::CutChain(cli::Run& run, const CutOptions& options, CutInputs inputs)
       stages_(run, inputs_.out, run.exec().threads, inputs_.own_flags) {}
 
 CutEnd CutChain::run() {
-  if (!make_scene()) return CutEnd::kStopped;  // which may find strokes painted in place
+  if (!make_scene()) return CutEnd::kStopped;  // may find strokes painted into its images
   const bool marked = !inputs_.strokes.empty();
   if (options_.quality == CutQuality::kFlash) {
     if (!marked) return CutEnd::kNeedsStrokes;
@@ -78,7 +79,7 @@ bool CutChain::make_scene() {
   return true;
 }
 
-/// The pictures of an earlier run are taken where model, options and version are the same: strokes were made on them.
+/// Reuses the images of an earlier run if model, options and version are unchanged, because strokes were drawn on them.
 bool CutChain::orbit() {
   plain_scene_ = at("orbit/scene.json");
   Words words{"ngs-scene", "orbit", inputs_.source, "-o", plain_scene_};
@@ -93,8 +94,8 @@ bool CutChain::orbit() {
   if (!run_.dry_run()) {
     const std::vector<std::string> painted = rescue_painted(pictures(), at("orbit/pictures.json"), at("painted"));
     for (const std::string& name : painted)
-      run_.monitor().warn(pictures() + "/" + name + ": was painted on; its marks are read from a copy, " +
-                          at("painted/") + name + ", and the picture is made anew");
+      run_.monitor().warn(pictures() + "/" + name + ": was painted on; its strokes are read from a copy, " +
+                          at("painted/") + name + ", and the image is rendered again");
     inputs_.strokes = strokes_on_copies(inputs_.strokes, pictures(), at("painted"), painted);
     std::error_code absent;
     if (!painted.empty()) fs::remove(key_file, absent);
@@ -120,17 +121,17 @@ bool CutChain::import() {
   append(words, "--ply", inputs_.model);
   append(words, "--hold-out", options_.hold_out);
   append(words, "--masks", inputs_.strokes.empty() ? inputs_.masks : "");
-  if (!inputs_.strokes.empty()) words.emplace_back("--no-check-polarity");  // of masks that are not used
+  if (!inputs_.strokes.empty()) words.emplace_back("--no-check-polarity");  // the masks are not used
   append(words, "--truth", inputs_.truth);
   append(words, "--images", inputs_.images);
   append(words, "--world-transform", inputs_.world_transform);
   words.insert(words.end(), inputs_.import_words.begin(), inputs_.import_words.end());
-  inputs_.masks.clear();  // the scene names them
+  inputs_.masks.clear();  // the scene has their paths
   if (!stage("ngs-scene", words)) return false;
   if (run_.dry_run()) return true;
   inputs_.truth = io::truth_of_scene_json(plain_scene_);
   if (!inputs_.strokes.empty() && has_masks(io::read_scene_json(plain_scene_)))
-    run_.monitor().warn(inputs_.source + ": its masks are not used, the strokes are");
+    run_.monitor().warn(inputs_.source + ": its masks are not used because strokes are given");
   return true;
 }
 
@@ -149,7 +150,8 @@ bool CutChain::cut_flash() {
   const std::optional<FlashCut> found = flash(ply, 0);
   if (!found) return false;
   if (found->figures.object == 0)
-    run_.nothing_found("no Gaussian of the ball is the object by these strokes", "draw more strokes on the object");
+    run_.nothing_found("no Gaussian of the ball is labelled as object with these strokes",
+                       "draw more strokes on the object");
   const StrokeAgreement kept_to =
       StrokeCheck(run_, plain_scene_, options_.view, inputs_.strokes).of(ply.cloud, found->labels.label.values(), true);
   if (!kept_to.broken.empty()) run_.monitor().warn(broken_text(kept_to));
@@ -161,29 +163,29 @@ bool CutChain::cut_flash() {
   return true;
 }
 
-/// Of a splat alone: what --quality flash would answer, with masks of the pictures' size. False: a signal asked to
-/// stop.
-bool CutChain::look_first() {
+/// For a splat without photos: the result of --quality flash, with masks of the images' size. False: stopped by a
+/// signal.
+bool CutChain::cut_untrained() {
   const auto timed = run_.monitor().scope("first look");
   const io::GaussianPly ply = io::read_gaussian_ply(inputs_.source);
   try {
-    first_ = flash(ply, kWholePicture_px);
+    untrained_ = flash(ply, kWholePicture_px);
   } catch (const Error& e) {
-    if (e.code() != ErrorCode::kNothingFound) throw;  // the pictures' own edges may find it
+    if (e.code() != ErrorCode::kNothingFound) throw;  // segmentation of the images may still find the object
     return true;
   }
-  if (!first_) return false;
-  if (first_->is_expected) take_masks_of_labels(run_, ply.cloud, *first_);
-  first_wrong_ = StrokeCheck(run_, plain_scene_, options_.view, inputs_.strokes)
-                     .of(ply.cloud, first_->labels.label.values(), true)
-                     .wrong_share();
+  if (!untrained_) return false;
+  if (untrained_->is_expected) render_masks_from_labels(run_, ply.cloud, *untrained_);
+  untrained_wrong_ = StrokeCheck(run_, plain_scene_, options_.view, inputs_.strokes)
+                         .of(ply.cloud, untrained_->labels.label.values(), true)
+                         .wrong_share();
   return true;
 }
 
 bool CutChain::masks_from_strokes() {
   if (inputs_.kind == SourceKind::kSplat && !run_.dry_run()) {
-    if (!look_first()) return false;
-    if (first_ && first_->is_expected) return write_flash_masks(at("strokes"), *first_), true;
+    if (!cut_untrained()) return false;
+    if (untrained_ && untrained_->is_expected) return write_flash_masks(at("strokes"), *untrained_), true;
   }
   Words words{"ngs-mask", plain_scene_, "-o", at("strokes")};
   if (options_.quality == CutQuality::kDraft) append(words, "--passes", "1");
@@ -193,7 +195,7 @@ bool CutChain::masks_from_strokes() {
   return stage("ngs-mask", words);
 }
 
-/// `masks` is a folder with STEM.png of some views; empty: the masks of the scene stay.
+/// `masks`: a folder with STEM.png for some views; empty: keep the masks of the scene.
 void CutChain::write_scene_with(const std::string& masks) const {
   Scene scene = io::read_scene_json(plain_scene_);
   if (!inputs_.model.empty()) scene.model_path = inputs_.model;
@@ -207,7 +209,7 @@ void CutChain::write_scene_with(const std::string& masks) const {
     }
     if (found == 0)
       throw Error(ErrorCode::kInconsistent, masks + ": no mask of any view, expected for example " + names[0] + ".png",
-                  "masks are named after the pictures");
+                  "name masks after the images");
     scene.mask_mode = MaskMode::kBinary, scene.mask_invert = false, scene.mask_threshold = 128;
     scene.objects = {SceneObject{}};
   }
@@ -215,8 +217,9 @@ void CutChain::write_scene_with(const std::string& masks) const {
   io::write_scene_json(at("scene.json"), scene, io::StoredPaths::kRelative, truth);
 }
 
-/// Of the labels that training would begin with. kInconsistent where they break a stroke and nobody insists.
-bool CutChain::strokes_hold() {
+/// Checks the initial labels against the strokes. Throws kInconsistent if they contradict a stroke, without --force.
+/// False: stopped by a signal.
+bool CutChain::check_strokes() {
   const StrokeCheck check(run_, at("scene.json"), options_.view, inputs_.strokes);
   const auto now = [&] {
     const auto timed = run_.monitor().scope("strokes");
@@ -224,16 +227,16 @@ bool CutChain::strokes_hold() {
     return check.of(ply.cloud, ply.labels.label.values(), options_.all_pieces);
   };
   StrokeAgreement found = now();
-  if (!found.broken.empty() && first_ && first_wrong_ < found.wrong_share()) {
-    write_flash_masks(at("strokes"), *first_);
+  if (!found.broken.empty() && untrained_ && untrained_wrong_ < found.wrong_share()) {
+    write_flash_masks(at("strokes"), *untrained_);
     if (!stage("ngs-variance", {"ngs-variance", at("scene.json"), "-o", at("boundary.ply")})) return false;
     found = now();
   }
   if (found.broken.empty()) return true;
   const std::string what = broken_text(found);
   if (!options_.force)
-    throw Error(ErrorCode::kInconsistent, what + ", expected every stroke on its own side",
-                "mark another picture too: add --strokes FILE; or go on as it is with --force");
+    throw Error(ErrorCode::kInconsistent, what + ", expected labels that agree with every stroke",
+                "mark another view too: add --strokes FILE; or continue with --force");
   run_.monitor().warn(what);
   return true;
 }
@@ -243,21 +246,21 @@ bool CutChain::cut() {
   const bool marked = !inputs_.strokes.empty();
   const std::string trained = at(marked ? "joint.ply" : "labelled.ply");
   if (!stage("ngs-variance", {"ngs-variance", scene, "-o", at("boundary.ply")})) return false;
-  if (marked && !run_.dry_run() && !strokes_hold()) return false;
+  if (marked && !run_.dry_run() && !check_strokes()) return false;
   if (!stage("ngs-joint",
              {"ngs-joint", scene, at("boundary.ply"), "--quality",
               std::string(name_of(kCutQualities, options_.quality)), "--trace", at("trace.jsonl"), "-o", trained}) ||
       !extract(trained))
     return false;
   if (run_.dry_run()) return true;
-  if (marked) keep_the_better();
+  if (marked) keep_better_result();
   if (options_.keep) return true;
-  for (const char* made_on_the_way : {"boundary.ply", "joint.ply", "trace.jsonl"}) fs::remove(at(made_on_the_way));
+  for (const char* intermediate : {"boundary.ply", "joint.ply", "trace.jsonl"}) fs::remove(at(intermediate));
   return true;
 }
 
-/// From strokes, what is written are the pieces that they touch, and the labels are decided: the masks and the page
-/// show what is written.
+/// With strokes only the components that they touch are written, and labels are rounded, so that masks and page show
+/// the written object.
 bool CutChain::extract(const std::string& trained) {
   Words words{"ngs-extract", trained, "--object", at("object.ply"), "--background", at("background.ply")};
   if (!inputs_.strokes.empty()) append(words, "--labelled", at("labelled.ply"));
@@ -269,23 +272,23 @@ bool CutChain::extract(const std::string& trained) {
   return stage("ngs-extract", words);
 }
 
-/// What was known before training is written where the trained result keeps to the strokes less.
-void CutChain::keep_the_better() {
-  if (!first_ || first_->figures.object == 0) return;
+/// Writes the untrained result if the trained one agrees less with the strokes.
+void CutChain::keep_better_result() {
+  if (!untrained_ || untrained_->figures.object == 0) return;
   const double wrong = [&] {
     const io::GaussianPly ply = io::read_gaussian_ply(at("labelled.ply"), {io::HigherBands::kCheckOnly});
     return StrokeCheck(run_, at("scene.json"), options_.view, inputs_.strokes)
         .of(ply.cloud, ply.labels.label.values(), true)
         .wrong_share();
   }();
-  run_.result()["strokes_wrong"] = {{"trained", wrong}, {"first", first_wrong_}};
-  if (wrong <= first_wrong_ + kWorse) return;
-  kept_first_ = true;
-  write_flash_models(run_, inputs_.out, io::read_gaussian_ply(inputs_.source), first_->labels);
+  run_.result()["strokes_wrong"] = {{"trained", wrong}, {"first", untrained_wrong_}};
+  if (wrong <= untrained_wrong_ + kWorseMargin) return;
+  kept_untrained_ = true;
+  write_flash_models(run_, inputs_.out, io::read_gaussian_ply(inputs_.source), untrained_->labels);
 }
 
-/// Compares the masks of the result with the truth, which may be the input masks of held-out views; without truth with
-/// the masks from strokes.
+/// Scores the masks of the result against the true masks; without true masks, against the masks from strokes or the
+/// input masks of held-out views.
 bool CutChain::score() {
   const bool held_out = !options_.hold_out.empty();
   std::error_code ignored;

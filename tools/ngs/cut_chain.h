@@ -1,5 +1,5 @@
 #pragma once
-// The stages of ngs cut, from what it is given to the object's own splat.
+// The stages flags of ngs cut, from its input to the splat of the object.
 //
 //   OUT/orbit/       a splat: scene.json and images/, the pictures that strokes are made on
 //   OUT/capture.json a capture: its cameras, photos and model
@@ -22,15 +22,15 @@
 namespace ngs::front {
 
 struct CutInputs {
-  std::string source;  // as it was given
+  std::string source;  // as given on the command line
   SourceKind kind = SourceKind::kSplat;
-  std::vector<std::string> strokes;     // files for ngs-mask --prompts
-  std::string model, masks, truth;      // empty: what the capture has
-  std::string images, world_transform;  // of a capture; empty: as above, none
-  Words import_words;                   // further options of ngs-scene import
-  Words all_words;                      // all options that were given
+  std::vector<std::string> strokes;     // prompt files, as for ngs-mask --prompts
+  std::string model, masks, truth;      // empty: from the capture
+  std::string images, world_transform;  // of a capture; empty: from the capture, none
+  Words import_words;                   // other options for ngs-scene import
+  Words all_words;                      // all given options
   std::set<std::string> own_flags;      // of ngs cut
-  std::string out;                      // the folder
+  std::string out;                      // the output folder
 };
 
 enum class CutEnd { kDone, kNeedsStrokes, kStopped };
@@ -39,23 +39,25 @@ class CutChain {
  public:
   CutChain(cli::Run& run, const CutOptions& options, CutInputs inputs);
 
-  /// kNeedsStrokes: the pictures are made, and there is neither a stroke nor a mask yet.
+  /// kNeedsStrokes: the images exist, but there is no stroke and no mask yet.
   CutEnd run();
   const StageRunner& stages() const { return stages_; }
   const CutInputs& inputs() const { return inputs_; }
-  /// Of --quality flash, after it.
+  /// Figures of a finished --quality flash.
   const std::optional<FlashFigures>& flash() const { return flash_; }
-  /// The trained result was worse than what was known before, which was written in its place.
-  bool kept_first() const { return kept_first_; }
-  /// Of what was written, where it was not trained; else null.
-  const FlashFigures* written_by_flash() const { return flash_ ? &*flash_ : kept_first_ ? &first_->figures : nullptr; }
-  /// The pictures were those of an earlier run.
+  /// True if the untrained result was written because the trained one was worse.
+  bool kept_untrained() const { return kept_untrained_; }
+  /// Figures of the written result if it is untrained, else null.
+  const FlashFigures* written_by_flash() const {
+    return flash_ ? &*flash_ : kept_untrained_ ? &untrained_->figures : nullptr;
+  }
+  /// True if the images of an earlier run were reused.
   bool reused_orbit() const { return reused_orbit_; }
   std::string at(const std::string& name) const { return inputs_.out + "/" + name; }
   std::string pictures() const { return at("orbit/images"); }
 
  private:
-  /// StageRunner::run(), which is told how many there will be.
+  /// Calls StageRunner::run() and passes it the expected number of stages.
   bool stage(const std::string& name, const Words& words);
   bool make_scene();
   bool orbit();
@@ -64,23 +66,23 @@ class CutChain {
   void write_scene_with(const std::string& masks) const;
   bool cut_flash();
   std::optional<FlashCut> flash(const io::GaussianPly& ply, int longer_side_px);
-  bool look_first();
-  bool strokes_hold();
+  bool cut_untrained();
+  bool check_strokes();
   bool cut();
   bool extract(const std::string& trained);
-  void keep_the_better();
+  void keep_better_result();
   bool score();
 
   cli::Run& run_;
   const CutOptions& options_;
   CutInputs inputs_;
   StageRunner stages_;
-  std::string plain_scene_;  // cameras and pictures, before masks of ours are laid to it
+  std::string plain_scene_;  // scene file with cameras and images, before masks are added
   bool reused_orbit_ = false;
   std::optional<FlashFigures> flash_;
-  std::optional<FlashCut> first_;  // of a splat alone, before anything is trained
-  double first_wrong_ = 0;         // StrokeAgreement::wrong_share() of its labels
-  bool kept_first_ = false;
+  std::optional<FlashCut> untrained_;  // for a splat without photos: result before training
+  double untrained_wrong_ = 0;         // StrokeAgreement::wrong_share() of its labels
+  bool kept_untrained_ = false;
 };
 
 }  // namespace ngs::front

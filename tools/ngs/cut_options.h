@@ -1,5 +1,5 @@
 #pragma once
-// What ngs cut can be told.
+// The options of ngs cut.
 #include <string>
 
 #include "ngs/options/field.h"
@@ -28,26 +28,24 @@ struct CutOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.quality,
-          Choice<CutQuality>{
-              "quality",
-              "of ngs-joint: how long to train; flash: not at all, labels of a splat alone from small pictures "
-              "of the ball",
-              kCutQualities});
-    visit(self.keep, Flag{"keep", "leave what is made on the way: boundary.ply and the trace of the training"});
-    visit(self.all_pieces, Flag{"all_pieces", "keep the pieces of the object that no stroke touches"});
-    visit(self.force, Flag{"force", "train although the result disagrees with a stroke"});
-    visit(self.hold_out, Text{"hold_out", "every:N:K|FILE", "views whose masks no stage sees; they are scored"});
-    visit(self.view, Text{"view", "NAME", "the view that the strokes are of; default: as each says"});
-    visit(self.around, Text{"around", "X,Y,Z,R", "a splat: the ball that the cameras look at; default: its bulk"});
-    visit(self.up, Text{"up", "AXIS", "a splat: as ngs-scene orbit takes it"});
-    visit(self.size, Text{"size", "WxH", "a splat: pixels of the pictures; default: as ngs-scene orbit"});
-    visit(self.views, Field<int>{"views", "", "a splat: pictures to begin with; 0: as ngs-scene orbit", 0, 10000});
-    visit(self.image_scale,
-          Field<double>{"image_scale", "", "a capture: working size over the photos'; 0: 800 px at most", 0.0, 1.0});
+          Choice<CutQuality>{"quality", "How long ngs-joint trains; flash: seconds, no training (splats only)",
+                             kCutQualities});
+    visit(self.keep, Flag{"keep", "Keep intermediate files: boundary.ply and the training trace"});
+    visit(self.all_pieces, Flag{"all_pieces", "Keep components of the object that no stroke touches"});
+    visit(self.force, Flag{"force", "Train even if the result contradicts a stroke"});
+    visit(self.hold_out, Text{"hold_out", "every:N:K|FILE", "Views whose masks are used for scoring only"});
+    visit(self.view, Text{"view", "NAME", "Picture that the strokes belong to; default: the name in each file"});
+    visit(self.around,
+          Text{"around", "X,Y,Z,R", "Splat: where the object is (centre, radius); default: the bulk of the splat"});
+    visit(self.up, Text{"up", "AXIS", "Splat: axis that points upwards, as in ngs-scene orbit"});
+    visit(self.size, Text{"size", "WxH", "Splat: size of the renders in pixels; default: as ngs-scene orbit"});
+    visit(self.views, Field<int>{"views", "", "Splat: pictures to make at least; 0: 24 to 96, as needed", 0, 10000});
+    visit(self.image_scale, Field<double>{"image_scale", "",
+                                          "Capture: working size relative to the photos; 0: 800 px at most", 0.0, 1.0});
   }
 };
 
-/// What ngs-scene import is told of a capture, beside what CutOptions says of it.
+/// The options of ngs-scene import for a capture that CutOptions does not have.
 struct CaptureOptions {
   capture::ImportOptions import;
   SceneCheckOptions checks;

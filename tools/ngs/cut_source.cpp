@@ -32,7 +32,7 @@ void require_model_in(const std::string& path) {
   std::error_code unreadable;
   if (!found.path.empty() || fs::exists(fs::path(folder) / "scene.json", unreadable)) return;
   throw Error(ErrorCode::kBadInput, found.problem + ", expected one",
-              "name the splat with --model PATH; to make one of the photos: ngs-scene import " + io::shell_word(path) +
+              "give the splat with --model PATH; to fit one to the photos: ngs-scene import " + io::shell_word(path) +
                   " -o scene.json, then ngs-fit scene.json -o model.ply");
 }
 

@@ -22,7 +22,7 @@ bool exists(const std::string& path) {
   return fs::exists(path, unreadable);
 }
 
-/// "scores", or "agreement" where there was no truth; empty: neither.
+/// kind: "scores", or "agreement" without true masks; empty: neither.
 struct Scores {
   std::string kind;
   nlohmann::json mean;
@@ -52,13 +52,13 @@ std::int64_t left_out_of(const CutChain& chain) {
   return report.at("result").at("pieces").value("left_out", std::int64_t(0));
 }
 
-/// An object that is nearly everything is seldom what was meant.
-std::string doubt_about(const CutChain& chain) {
+/// A warning if nearly all Gaussians are object, which is rarely intended.
+std::string unusual_share(const CutChain& chain) {
   constexpr double kNearlyAll = 0.98;
   const double object = double(count_of(chain, "object")), all = object + double(count_of(chain, "background"));
   if (!(all > 0) || object <= kNearlyAll * all) return {};
   char share[80];
-  std::snprintf(share, sizeof share, "%.1f %% of all Gaussians are the object: was the background marked?",
+  std::snprintf(share, sizeof share, "%.1f %% of all Gaussians are object: is a background stroke missing?",
                 100 * object / all);
   return share;
 }
@@ -68,7 +68,7 @@ std::string score_line(const Scores& scores, bool has_truth) {
   text << std::fixed << std::setprecision(3) << "IoU " << scores.mean.value("iou", 0.0) << ", boundary IoU "
        << scores.mean.value("biou", 0.0) << " (wide) " << scores.mean.value("biou_005", 0.0) << " (narrow), "
        << scores.views << " views, "
-       << (scores.kind == "agreement" ? "with the masks from your strokes, which are no truth"
+       << (scores.kind == "agreement" ? "against the masks from your strokes, which are not ground truth"
            : has_truth                ? "against the true masks"
                                       : "against the input masks of the held-out views");
   return text.str();
@@ -88,7 +88,7 @@ std::string time_line(const CutChain& chain) {
   }
   std::ostringstream text;
   text << std::fixed << std::setprecision(1) << total << " s (" << parts.str() << ")"
-       << (chain.reused_orbit() ? "; the pictures are those of before" : "");
+       << (chain.reused_orbit() ? "; images reused from an earlier run" : "");
   return text.str();
 }
 
@@ -110,32 +110,33 @@ std::string summary_of(const CutChain& chain) {
   if (chain.flash())
     row(text, "seen",
         std::to_string(chain.flash()->segmented) + " of " + std::to_string(chain.flash()->views) +
-            " views have a mask of their own; " + std::to_string(chain.flash()->in_ball) + " Gaussians in the ball");
+            " views were segmented; " + std::to_string(chain.flash()->in_ball) + " Gaussians in the ball");
   else
     row(text, "page", chain.at("report.html"));
   if (const std::int64_t left_out = left_out_of(chain); left_out > 0)
     row(text, "left out",
-        std::to_string(left_out) + " Gaussians of pieces that no stroke touches; --all-pieces keeps them");
-  if (chain.kept_first())
-    row(text, "kept", "the result without training: the trained one agrees less with the strokes");
-  if (const std::string doubt = doubt_about(chain); !doubt.empty()) row(text, "odd", doubt);
+        std::to_string(left_out) + " Gaussians in components that no stroke touches; --all-pieces keeps them");
+  if (chain.kept_untrained())
+    row(text, "kept", "the untrained result, because the trained one agrees less with the strokes");
+  if (const std::string unusual = unusual_share(chain); !unusual.empty()) row(text, "warning", unusual);
   if (const Scores scores = scores_of(chain); !scores.kind.empty())
     row(text, scores.kind, score_line(scores, !chain.inputs().truth.empty()));
   row(text, "time", time_line(chain));
   const std::vector<std::string>& warnings = chain.stages().warnings();
-  for (std::size_t i = 0; i < std::min(kShownWarnings, warnings.size()); ++i) row(text, "odd", warnings[i]);
+  for (std::size_t i = 0; i < std::min(kShownWarnings, warnings.size()); ++i) row(text, "warning", warnings[i]);
   const auto shown_end = warnings.begin() + std::ptrdiff_t(std::min(kShownWarnings, warnings.size()));
   if (std::any_of(warnings.begin(), shown_end, [&](const std::string& warning) {
         return chain.stages().names_flag_of_stage(warning.substr(warning.find(": ") + 2));
       }))
-    row(text, "", "a flag that ngs cut has not is one of that tool: its command is in " + chain.at("reports") + "/");
+    row(text, "",
+        "flags that ngs cut does not have belong to that tool: its command is in " + chain.at("reports") + "/");
   if (warnings.size() > kShownWarnings)
-    row(text, "odd",
+    row(text, "warning",
         std::to_string(warnings.size() - kShownWarnings) + " more warnings, in " + chain.at("reports") + "/");
   if (!chain.inputs().strokes.empty())
     row(text, "next",
         "where " + std::string(chain.flash() ? "a mask" : "the page") +
-            " shows a wrong edge, mark that view too: add --strokes FILE and run this again");
+            " shows a wrong edge, draw strokes on that view too, add --strokes FILE and run again");
   return text;
 }
 
@@ -148,9 +149,9 @@ std::string stroke_help(const CutChain& chain) {
   row(text, "pictures",
       std::to_string(scene.views.size()) + " in " + fs::path(first.image_path).parent_path().string() + "/");
   if (chain.inputs().kind == SourceKind::kSplat)
-    row(text, "", "where they lie on their side, say which way is up, e.g. --up=-y, and run it again");
-  row(text, "mark", "paint the object green (0,255,0) and something beside it red (255,0,0) on a copy of one or more");
-  row(text, "", "of them, under the same name and as PNG, in a folder of your own; or write strokes as JSON:");
+    row(text, "", "if the images are not upright, give the upward axis, e.g. --up=-y, and run again");
+  row(text, "mark", "paint the object green (0,255,0) and the background red (255,0,0) on copies of one or more");
+  row(text, "", "images, as PNG with the same names, in another folder; or write strokes as JSON:");
   row(text, "",
       R"({"ngs_prompts": 1, "view": ")" + first.camera.name + R"(", "width": )" +
           std::to_string(first.camera.width_px) + R"(, "height": )" + std::to_string(first.camera.height_px) +
@@ -174,7 +175,7 @@ Json summary_json(const CutChain& chain) {
             {"object_gaussians", object},
             {"background_gaussians", background},
             {"left_out", left_out_of(chain)},
-            {"kept_untrained", chain.kept_first()},
+            {"kept_untrained", chain.kept_untrained()},
             {"reused_pictures", chain.reused_orbit()},
             {"stage_warnings", chain.stages().warnings()}};
   if (!chain.flash()) json["page"] = chain.at("report.html");

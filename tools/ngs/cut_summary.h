@@ -1,16 +1,16 @@
 #pragma once
-// What ngs cut says at its end.
+// The final output of ngs cut.
 #include <string>
 
 #include "cut_chain.h"
 
 namespace ngs::front {
 
-/// About ten lines for people: what was made, how good it is, how long it took, what was odd, what to do next.
+/// About ten lines of text: files, scores, time, warnings and the next step.
 std::string summary_of(const CutChain& chain);
-/// What to paint on, and the command that goes on.
+/// Instructions for drawing strokes, and the command to continue.
 std::string stroke_help(const CutChain& chain);
-/// The same for programs.
+/// The summary as JSON.
 Json summary_json(const CutChain& chain);
 
 }  // namespace ngs::front

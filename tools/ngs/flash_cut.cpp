@@ -23,7 +23,7 @@ constexpr int kMostViews = 32;
 
 }  // namespace
 
-void take_masks_of_labels(const cli::Run& run, const GaussianCloud& cloud, FlashCut& cut) {
+void render_masks_from_labels(const cli::Run& run, const GaussianCloud& cloud, FlashCut& cut) {
   const SplatOptions splat = prepared_for(run.exec(), splat_options({}, cloud, cut.scene), cloud);
   RenderRequest request;
   request.colour = false;
@@ -31,7 +31,7 @@ void take_masks_of_labels(const cli::Run& run, const GaussianCloud& cloud, Flash
   request.label = {label.data(), cloud.size(), 1};
   for (std::size_t v = 0; v < cut.masks.size(); ++v) {
     const RenderedView view = render(run.exec(), cloud, cut.cameras[v], splat, request);
-    for (std::size_t p = 0; p < cut.masks[v].size(); ++p) cut.masks[v][p] = label_says_object(view.label.data[p]);
+    for (std::size_t p = 0; p < cut.masks[v].size(); ++p) cut.masks[v][p] = label_is_foreground(view.label.data[p]);
   }
 }
 

@@ -15,7 +15,7 @@ using namespace ngs;
 
 int run_sibling(const std::string& program, const std::vector<std::string>& words) {
   try {
-    front::become(program, words);
+    front::exec_program(program, words);
   } catch (const Error& e) {
     std::fprintf(stderr, "ngs: error: %s\nngs: hint: %s\n", e.what(), e.remedy().c_str());
     return int(e.code());
@@ -24,7 +24,8 @@ int run_sibling(const std::string& program, const std::vector<std::string>& word
 
 std::vector<cli::Command> commands() {
   std::vector<cli::Command> all = {
-      {"cut", front::cut_command, "an object out of a splat, a capture or a scene: the whole chain in one command"}};
+      {"cut", front::cut_command,
+       "cut an object out of a splat, a capture or a scene: the whole chain in one command"}};
   for (const front::Sibling& tool : front::siblings())
     all.push_back({tool.command,
                    [program = std::string(tool.program)](int argc, char** argv) {
@@ -49,7 +50,7 @@ std::vector<std::string> usual_spelling(std::vector<std::string> words) {
 
 int main(int argc, char** argv) {
   std::vector<std::string> words = usual_spelling({argv + std::min(argc, 1), argv + argc});
-  if (words[0] == "--print-commands") {  // for scripts that go through all tools: those of this program alone
+  if (words[0] == "--print-commands") {  // for scripts that list all tools: only the commands of this program
     std::fputs("cut\n", stdout);
     return cli::kDone;
   }

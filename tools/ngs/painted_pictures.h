@@ -1,19 +1,19 @@
 #pragma once
-// Pictures of a splat that somebody painted on in place, instead of on a copy.
+// Handles renders that a user painted on in place instead of on a copy.
 #include <string>
 #include <vector>
 
 namespace ngs::front {
 
-/// Writes down what the pictures in `folder` are, into the file `record`.
+/// Writes hashes of the images in `folder` to the file `record`.
 void record_pictures(const std::string& folder, const std::string& record);
 
-/// Copies pictures that are no longer what `record` says to the folder `copies`, and returns their names. They have to
-/// be made anew: the marks are what differs from them. None where there is no record.
+/// Copies images that differ from `record` to the folder `copies` and returns their names. They must be rendered again,
+/// because strokes are read as the difference. Returns none without a record.
 std::vector<std::string> rescue_painted(const std::string& folder, const std::string& record,
                                         const std::string& copies);
 
-/// `strokes` with the copies in place of pictures in `folder`, and with those of `painted` that are not among them.
+/// `strokes` with images in `folder` replaced by their copies, plus the copies of `painted` that are not among them.
 std::vector<std::string> strokes_on_copies(const std::vector<std::string>& strokes, const std::string& folder,
                                            const std::string& copies, const std::vector<std::string>& painted);
 

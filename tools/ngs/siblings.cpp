@@ -12,24 +12,24 @@ namespace ngs::front {
 
 const std::vector<Sibling>& siblings() {
   static const std::vector<Sibling> all = {
-      {"scene", "ngs-scene", "cameras, photos, masks, a splat -> scene.json, checked; cameras for a splat alone"},
+      {"scene", "ngs-scene", "cameras, photos, masks, a splat -> checked scene.json; makes pictures of a bare splat"},
       {"mask", "ngs-mask", "strokes on some photos -> masks of all views"},
-      {"variance", "ngs-variance", "masks -> the Gaussians at the object's boundary"},
+      {"variance", "ngs-variance", "masks -> the Gaussians on the edge of the object"},
       {"sample", "ngs-sample", "query points on rays over the boundary"},
       {"rbf", "ngs-rbf", "boundary features interpolated at the query points"},
       {"joint", "ngs-joint", "labels and Gaussians optimised together"},
-      {"extract", "ngs-extract", "labels, or where the object is -> object.ply and background.ply"},
+      {"extract", "ngs-extract", "labels, or the place of the object -> object.ply and background.ply"},
       {"clean", "ngs-clean", "a splat -> the same without floaters and other debris"},
       {"render", "ngs-render", "colour, masks, depth and labels at the scene's cameras"},
       {"eval", "ngs-eval", "scores of masks against the truth"},
-      {"report", "ngs-report", "one page of one run, or many compared"},
-      {"studio", "ngs-studio", "a page to mark an object on a splat, see it found, correct and cut it"},
+      {"report", "ngs-report", "HTML page of one run, or a comparison of several"},
+      {"studio", "ngs-studio", "web page to mark an object on a splat, correct the selection and cut it"},
       {"fit", "ngs-fit", "photos -> a splat"},
       {"synth", "ngs-synth", "analytic scenes with exact masks"}};
   return all;
 }
 
-void become(const std::string& program, const std::vector<std::string>& words) {
+void exec_program(const std::string& program, const std::vector<std::string>& words) {
   const std::string path = cli::sibling_path(program);
   std::vector<char*> argv{const_cast<char*>(path.c_str())};
   for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));

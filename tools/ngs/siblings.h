@@ -10,11 +10,11 @@ struct Sibling {
   const char* program;  // "ngs-mask"
   const char* summary;
 };
-/// In the order in which a run calls them.
+/// All tools, in the order in which a run calls them.
 const std::vector<Sibling>& siblings();
 
-/// Becomes the program with these words behind its name: same process, so that signals, streams and the exit code are
-/// its own. Comes back only by an Error (kEnvironment).
-[[noreturn]] void become(const std::string& program, const std::vector<std::string>& words);
+/// Replaces this process by the program with these arguments (exec), so that signals, streams and exit code are those
+/// of the program. Returns only by throwing kEnvironment.
+[[noreturn]] void exec_program(const std::string& program, const std::vector<std::string>& words);
 
 }  // namespace ngs::front

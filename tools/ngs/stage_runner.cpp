@@ -18,10 +18,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A tool that does not end by itself within this is ended; the whole takes less than a second.
+/// A tool that does not end within this time after a signal is killed; ngs cut must end within one second.
 constexpr double kPatienceS = 0.7;
 
-/// What a tool that had to be killed had in work.
+/// Removes unfinished files of a tool that had to be killed.
 void remove_unfinished(const std::string& folder) {
   std::error_code failed;
   std::vector<fs::path> found;
@@ -50,7 +50,7 @@ bool StageRunner::names_flag_of_stage(const std::string& text) const {
 
 std::string StageRunner::hint_for(const Words& words) const {
   if (!names_flag_of_stage(hint_)) return hint_;
-  return words[0] + (words[0] == "ngs-scene" ? " " + words[1] : "") + ": " + hint_ + "; it was run as " +
+  return words[0] + (words[0] == "ngs-scene" ? " " + words[1] : "") + ": " + hint_ + "; the command was " +
          commands_.back();
 }
 
@@ -60,7 +60,7 @@ const nlohmann::json& StageRunner::report(const std::string& name) const {
   return found == names_.rend() ? none : results_[std::size_t(names_.rend() - found - 1)].report;
 }
 
-void StageRunner::listen(const std::string& line) {
+void StageRunner::on_output_line(const std::string& line) {
   const nlohmann::json record = nlohmann::json::parse(line, nullptr, false);
   if (!record.is_object() || !record.contains("event")) return;
   const std::string event = record.value("event", ""), message = record.value("message", "");
@@ -87,22 +87,24 @@ bool StageRunner::run(const std::string& name, const Words& words) {
   run_.stage_of_chain(results_.size() + 1, std::max(expected_, results_.size() + 1));
   const auto timed = run_.monitor().scope(name);
   run_.monitor().progress(0, 0);
-  setenv("NGS_PROGRESS_S", "0.3", 1);  // often enough for those who look at this tool's own progress
+  setenv("NGS_PROGRESS_S", "0.3", 1);  // short enough to update the progress of ngs cut
   const double start_s = wall_seconds();
   error_.clear(), hint_.clear();
-  const cli::KeepsState waits;  // for the tool to end, which takes its unfinished files away
-  const cli::ChildResult child = cli::run_child(argv, {.time_s = std::numeric_limits<double>::infinity(),
-                                                       .stop = [this] { return run_.monitor().stop_requested(); },
-                                                       .patience_on_stop_s = kPatienceS,
-                                                       .on_line = [this](const std::string& line) { listen(line); }});
+  const cli::SignalGrace waits;  // until the tool has ended and removed its unfinished files
+  const cli::ChildResult child =
+      cli::run_child(argv, {.time_s = std::numeric_limits<double>::infinity(),
+                            .stop = [this] { return run_.monitor().stop_requested(); },
+                            .patience_on_stop_s = kPatienceS,
+                            .on_line = [this](const std::string& line) { on_output_line(line); }});
   if (child.end == cli::ChildResult::End::kStopped) return remove_unfinished(folder_), false;
   if (child.end == cli::ChildResult::End::kSignalled) {
     remove_unfinished(folder_);
     throw Error(ErrorCode::kEnvironment, words[0] + ": ended by signal " + std::to_string(child.code),
-                child.code == 9 ? "was there enough memory? --dry-run of the tool estimates it" : "");
+                child.code == 9 ? "possibly out of memory: estimate it with --dry-run of the tool" : "");
   }
   if (child.code != cli::kDone && child.code != cli::kCheckFailed && child.code != cli::kBudgetHit)
-    throw Error(ErrorCode(child.code), words[0] + ": " + (error_.empty() ? child.last_words : error_), hint_for(words));
+    throw Error(ErrorCode(child.code), words[0] + ": " + (error_.empty() ? child.output_tail : error_),
+                hint_for(words));
   names_.push_back(name);
   results_.push_back({words[0], wall_seconds() - start_s, io::read_json_file(report)});
   return true;

@@ -1,5 +1,5 @@
 #pragma once
-// Runs sibling tools as the stages of one run, and remembers what they reported.
+// Runs other tools as the stages of one run and collects their reports.
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -19,31 +19,30 @@ struct StageResult {
 
 class StageRunner {
  public:
-  /// Reports and command lines go to `folder`/reports, where ngs-report looks for them. A dry run only collects the
-  /// command lines.
-  /// `own_flags`: those that a hint may name without saying whose they are.
+  /// Reports and command lines go to `folder`/reports, where ngs-report reads them. A dry run only collects the command
+  /// lines. `own_flags`: flags of ngs cut, which hints may mention without the name of a tool.
   StageRunner(cli::Run& run, std::string folder, int threads, std::set<std::string> own_flags);
 
-  /// `words`: the tool and its arguments; -w, -j, --seed and --report are added. `name` is that of the report's file.
-  /// False: a signal asked to stop, nothing further is to be done. An Error with the tool's own code and message where
-  /// it failed; a hit budget and a failed check are results.
+  /// `words`: the tool and its arguments; -w, -j, --seed and --report are added. `name`: file name of the report.
+  /// Returns false if a signal stopped the run. Throws an Error with the tool's exit code and message if the tool
+  /// failed; a hit budget and a failed check are no failures.
   bool run(const std::string& name, const Words& words);
-  /// For the progress: how many stages there will be, those that are done among them.
+  /// Sets the total number of stages, for the progress.
   void expect(std::size_t stages) { expected_ = stages; }
 
   const std::vector<StageResult>& results() const { return results_; }
-  /// Of the latest stage of this name; null where there is none.
+  /// Report of the latest stage of this name; null if there is none.
   const nlohmann::json& report(const std::string& name) const;
-  /// "ngs-mask: ..." of all stages.
+  /// Warnings of all stages, as "ngs-mask: ...".
   const std::vector<std::string>& warnings() const { return warnings_; }
   const std::vector<std::string>& commands() const { return commands_; }
-  /// Whether a message of a stage names a flag that only the stage has. Those behind the name of a tool are that
-  /// tool's.
+  /// True if a message of a stage mentions a flag that ngs cut does not have. Flags after the name of a tool belong to
+  /// that tool.
   bool names_flag_of_stage(const std::string& text) const;
 
  private:
-  void listen(const std::string& line);
-  /// The hint of the tool that failed; with its command line where it names flags that only the tool has.
+  void on_output_line(const std::string& line);
+  /// The hint of the failed tool, plus its command line if the hint mentions flags that ngs cut does not have.
   std::string hint_for(const Words& words) const;
 
   cli::Run& run_;
@@ -53,7 +52,7 @@ class StageRunner {
   std::size_t expected_ = 1;
   std::vector<StageResult> results_;
   std::vector<std::string> names_, warnings_, commands_;
-  std::string error_, hint_;  // of the tool that runs
+  std::string error_, hint_;  // of the running tool
 };
 
 }  // namespace ngs::front

@@ -1,5 +1,5 @@
 #pragma once
-// Whether labels keep to the strokes of a run of ngs cut.
+// Checks labels against the strokes of ngs cut.
 #include <string>
 #include <vector>
 
@@ -12,11 +12,11 @@ namespace ngs::front {
 
 class StrokeCheck {
  public:
-  /// `scene`: a file. Errors as cli::read_prompts() and rasterise().
+  /// `scene`: a file. Throws like cli::read_prompts() and rasterise().
   StrokeCheck(const cli::Run& run, const std::string& scene, const std::string& view,
               const std::vector<std::string>& strokes);
 
-  /// Of these labels [N], without the pieces that no stroke touches unless `all_pieces`.
+  /// Agreement of these labels [N]; without `all_pieces`, components that no stroke touches are ignored.
   StrokeAgreement of(const GaussianCloud& cloud, std::vector<float> label, bool all_pieces) const;
 
  private:
@@ -29,7 +29,7 @@ class StrokeCheck {
   std::vector<Marked> marked_;
 };
 
-/// "0003.png: 87 % of the red stroke at 412,530 is object; 0007.png: ...", three at most.
+/// "0003.png: 87 % of the background stroke at 412,530 is object; 0007.png: ...", three at most.
 std::string broken_text(const StrokeAgreement& agreement);
 
 }  // namespace ngs::front

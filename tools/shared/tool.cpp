@@ -84,7 +84,7 @@ void Tool::runs_partly_on_device() { impl_->spec.runs_on_device = impl_->spec.pa
 
 namespace {
 
-/// True if the command line asked for a text instead of a run.
+/// Prints the help, version, schema or options if the command line requests one; false: it requests a run.
 bool print_text(const Spec& spec, const CommonFlags& flags) {
   if (!flags.help.empty())
     print(help_text(spec, flags.help, terminal_columns()));
@@ -113,7 +113,7 @@ int guarded(Console& console, const std::function<int()>& body) {
     console.error(e.what(), e.remedy());
     return int(e.code());
   } catch (const std::bad_alloc&) {
-    console.error("out of memory", "--dry-run estimates what is needed");
+    console.error("out of memory", "estimate the memory with --dry-run");
     return int(ErrorCode::kEnvironment);
   } catch (const std::filesystem::filesystem_error& e) {
     console.error(e.what(), "");
@@ -124,7 +124,8 @@ int guarded(Console& console, const std::function<int()>& body) {
   }
 }
 
-/// Images and lists that come and go with every view stay mapped: no page is cleared for them twice.
+/// Keeps the memory of images and lists that are freed after every view, so that the system does not clear its pages
+/// again.
 void keep_freed_memory() {
   mallopt(M_MMAP_THRESHOLD, 32 << 20);
   mallopt(M_TRIM_THRESHOLD, 256 << 20);

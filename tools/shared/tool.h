@@ -1,6 +1,6 @@
 #pragma once
-// What makes the binaries of ngs one program: declare options, inputs and outputs, then run() parses the command
-// line, checks paths, hashes the inputs, runs the body, writes the report and maps errors to exit codes.
+// The frame of every tool. Declare options, inputs and outputs; run() then parses the command line, checks paths,
+// hashes the inputs, runs the body, writes the report and maps errors to exit codes.
 //
 //   Tool tool("ngs-rbf", "Interpolate ...", {"ngs-rbf boundary.ply queries.ply -o field.ply"});
 //   RbfOptions options;                      // a struct with describe() (options/field.h)
@@ -9,12 +9,10 @@
 //   const Output& out = tool.output("-o,--output", "query PLY");
 //   return tool.run(argc, argv, [&](Run& run) { ...; return 0; });
 //
-// Positional inputs come in the order of their declaration; a name that begins with '-' declares a flag. The
-// references stay valid for the tool's life and hold paths once the body runs. Before it runs: every given
-// input exists, no output exists (unless -w), none is also an input, no two are one file, and the folders of the
-// outputs exist.
-// A dry run asks for no output.
-// "-" is stdin or stdout (run/streams.h); the report then goes to --report only.
+// Positional inputs come in the order of their declaration; a name that begins with '-' declares a flag. The references
+// stay valid as long as the tool and hold paths when the body runs. Before the body runs: every given input exists, no
+// output exists (unless -w), no output is also an input, no two outputs are one file, and the folders of the outputs
+// exist. A dry run needs no output. "-" is stdin or stdout (run/streams.h); the report then goes to --report only.
 #include <functional>
 #include <initializer_list>
 #include <memory>
@@ -36,7 +34,7 @@ class Tool {
   Tool(const Tool&) = delete;
   Tool& operator=(const Tool&) = delete;
 
-  /// Any number of structs with describe(). What is given of a group that nothing listens to is warned about before the
+  /// Any number of structs with describe(). Options given for a group that does not apply are warned about before the
   /// body runs.
   template <class Options>
   void options(Options& options, OptionGroup group = {}) {
@@ -47,31 +45,33 @@ class Tool {
   void options(Options& options, std::string_view prefix) {
     option_set().add(options, prefix);
   }
-  /// For what adds groups of its own.
+  /// For code that adds its own groups.
   OptionSet& option_set();
   const Input& input(std::string name, std::string help);
-  /// `also`: another flag that means the same.
+  /// `also`: a second flag for the same input.
   const Input& optional_input(std::string name, std::string help, std::string also = {});
-  /// A word: at least one path behind the other positionals. A flag: any number, repeated or as a list with commas.
+  /// A positional name: one or more paths after the other positionals. A flag: any number of paths, repeated or
+  /// separated by commas.
   const Inputs& inputs(std::string name, std::string help);
   const Argument& argument(std::string name, std::string help);
   const Output& output(std::string flags, std::string help);
   const Output& optional_output(std::string flags, std::string help);
   const Output& output_dir(std::string flags, std::string help);
   const Output& optional_output_dir(std::string flags, std::string help);
-  /// Optional; may hold what an earlier run left, with and without -w. The tool makes it, and looks what is in it.
+  /// Optional folder that may contain the files of an earlier run, with or without -w. The tool creates it and checks
+  /// its contents.
   const Output& resumed_output_dir(std::string flags, std::string help);
-  /// Where this option is set the tool writes nothing, and asks for no output, as in a dry run.
+  /// If this option is set the tool writes nothing and needs no output, as in a dry run.
   void writes_nothing_if(const bool& option);
-  /// A part of --help, behind the options, and what --help NAME says; asked once the command line is read. Empty: not
-  /// shown.
+  /// A section of --help after the options, also shown by --help NAME. Called once the command line is parsed; an empty
+  /// text is not shown.
   void help(std::string name, std::function<std::string(bool in_full)> text);
-  /// The body polls monitor().stop_requested(), and has 0.3 s to end after a signal, or as long as it takes
-  /// while it keeps a state (run/signals.h). Otherwise a signal ends the tool at once, without output.
+  /// The body polls monitor().stop_requested(). It has 0.3 s to return after a signal, or unlimited time while a
+  /// SignalGrace exists (run/signals.h). Without this call a signal ends the tool at once, without output.
   void stops_on_request();
-  /// Every stage of the body runs through ops that have a device path. Otherwise --device cuda is refused.
+  /// Every stage of the body runs through ops that have a device path. Without this call --device cuda is an error.
   void runs_on_device();
-  /// Parts of the body do, and are given Run::device_exec(); Run::exec() stays on the CPU.
+  /// Only parts of the body have a device path: they use Run::device_exec(); Run::exec() is the CPU.
   void runs_partly_on_device();
 
   /// Returns the exit code. The body returns kDone, kCheckFailed, kBudgetHit or run.stop_code().

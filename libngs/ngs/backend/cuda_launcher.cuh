@@ -1,6 +1,6 @@
 #pragma once
-// The Launcher of backend/launcher.h on a CUDA device. Included by *.cu only. All work of a process goes to one stream,
-// which waits for no other and on which no other waits.
+// The Launcher of backend/launcher.h on a CUDA device. Included by *.cu only. All work of a process goes to one stream
+// that does not synchronise with other streams.
 #include <cuda_runtime.h>
 
 #include <cub/device/device_radix_sort.cuh>
@@ -18,7 +18,7 @@ inline void check_cuda(cudaError_t status, const char* what) {
       status == cudaErrorMemoryAllocation ? "use a smaller image scale, or --device cpu" : "run with --device cpu");
 }
 
-/// A block as its threads see it.
+/// A block, seen by one of its threads.
 template <class Kernel>
 struct CudaBlock {
   std::int64_t index;
@@ -45,7 +45,7 @@ struct CudaBlock {
 namespace detail {
 
 template <class Kernel>
-__global__ void each_kernel(std::int64_t n, const __grid_constant__ Kernel kernel) {
+__global__ void index_kernel(std::int64_t n, const __grid_constant__ Kernel kernel) {
   const std::int64_t stride = std::int64_t(blockDim.x) * gridDim.x;
   for (std::int64_t i = std::int64_t(blockIdx.x) * blockDim.x + threadIdx.x; i < n; i += stride) kernel(i);
 }
@@ -79,7 +79,7 @@ struct AddWide {
 
 class CudaLauncher {
  public:
-  static NGS_HD void add_to(float* to, float x) {
+  static NGS_HD void atomic_add(float* to, float x) {
 #ifdef __CUDA_ARCH__
     atomicAdd(to, x);
 #else
@@ -88,21 +88,21 @@ class CudaLauncher {
   }
 
   template <class Kernel>
-  void each(std::int64_t n, const Kernel& kernel) {
+  void parallel_for(std::int64_t n, const Kernel& kernel) {
     if (n <= 0) return;
     constexpr int kBlock = 256;
     constexpr std::int64_t kMostBlocks = std::int64_t(1) << 20;
-    const std::int64_t blocks = divided_up<std::int64_t>(n, kBlock);
+    const std::int64_t blocks = ceil_div<std::int64_t>(n, kBlock);
     detail::KernelClock clock(Kernel::kName, stream());
-    detail::each_kernel<<<unsigned(blocks < kMostBlocks ? blocks : kMostBlocks), kBlock, 0, stream()>>>(n, kernel);
+    detail::index_kernel<<<unsigned(blocks < kMostBlocks ? blocks : kMostBlocks), kBlock, 0, stream()>>>(n, kernel);
     check_cuda(cudaGetLastError(), Kernel::kName);
     clock.stop();
     last_kernel_ = Kernel::kName;
   }
 
   template <class Kernel>
-  void blocks(std::int64_t n, const Kernel& kernel) {
-    static_assert(sizeof(typename Kernel::Shared) <= 48 * 1024, "beyond it a block needs an attribute");
+  void launch_blocks(std::int64_t n, const Kernel& kernel) {
+    static_assert(sizeof(typename Kernel::Shared) <= 48 * 1024, "more shared memory needs an opt-in attribute");
     constexpr std::int64_t kMost = 0x7fffffff;
     for (std::int64_t first = 0; first < n; first += kMost) {
       const std::int64_t count = n - first < kMost ? n - first : kMost;
@@ -130,7 +130,7 @@ class CudaLauncher {
     if (v.Current() != values) copy(values, v.Current(), std::size_t(n) * sizeof *values);
   }
 
-  void sum_before(const std::uint32_t* in, std::int64_t* out, std::int64_t n) {
+  void exclusive_scan(const std::uint32_t* in, std::int64_t* out, std::int64_t n) {
     fill_zero(out, sizeof *out);
     if (n == 0) return;
     std::size_t bytes = 0;
@@ -155,7 +155,7 @@ class CudaLauncher {
   }
   void download(void* host, const void* device, std::size_t bytes) {
     check_cuda(cudaMemcpyAsync(host, device, bytes, cudaMemcpyDeviceToHost, stream()), "copy from the device");
-    // A fault of a kernel shows here; it is at or before the last one.
+    // A fault of a kernel surfaces here: in the last kernel or in an earlier one.
     check_cuda(cudaStreamSynchronize(stream()), (std::string("kernels up to ") + last_kernel_).c_str());
   }
   void fill_zero(void* device, std::size_t bytes) { check_cuda(cudaMemsetAsync(device, 0, bytes, stream()), "fill"); }

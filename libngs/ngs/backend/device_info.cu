@@ -8,16 +8,16 @@ struct Nothing {
   NGS_HD void operator()(std::int64_t) const {}
 };
 
-/// What keeps device 0 from being used; empty: nothing.
+/// Why device 0 is unusable; empty if it is usable.
 std::string obstacle() {
   int pools = 0;
   if (cudaDeviceGetAttribute(&pools, cudaDevAttrMemoryPoolsSupported, 0) != cudaSuccess || pools == 0)
     return "it has no memory pools";
   cudaFuncAttributes attributes;
-  if (const cudaError_t e = cudaFuncGetAttributes(&attributes, detail::each_kernel<Nothing>); e != cudaSuccess)
+  if (const cudaError_t e = cudaFuncGetAttributes(&attributes, detail::index_kernel<Nothing>); e != cudaSuccess)
     return std::string("this build has no code for it: ") + cudaGetErrorString(e);
   cudaMemPool_t pool;
-  std::uint64_t keep = ~std::uint64_t(0);  // what is freed stays with the process
+  std::uint64_t keep = ~std::uint64_t(0);  // freed memory stays in the pool of the process
   if (cudaDeviceGetDefaultMemPool(&pool, 0) != cudaSuccess ||
       cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &keep) != cudaSuccess)
     return "its memory pool cannot be configured";

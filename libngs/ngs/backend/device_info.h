@@ -6,8 +6,8 @@ namespace ngs {
 
 struct DeviceInfo {
   bool usable = false;
-  std::string name;    // of the device, where usable
-  std::string reason;  // why not, where not
+  std::string name;    // of the device, if there is one
+  std::string reason;  // why it is unusable
 };
 
 DeviceInfo cuda_device();

@@ -1,5 +1,5 @@
 #pragma once
-// Times of kernels on the CUDA device, for benchmarks. Measuring makes every launch wait for the one before. Defined in
+// Kernel times on the CUDA device, for benchmarks. While measuring, every launch waits for the previous one. Defined in
 // builds with CUDA.
 #include <cstddef>
 #include <string>
@@ -13,9 +13,9 @@ struct KernelTime {
   double seconds = 0;
 };
 
-/// Begins to measure, forgetting what was measured.
+/// Starts measuring and clears earlier times.
 void profile_device();
-/// What was measured since; ends measuring.
+/// The times since profile_device(); stops measuring.
 std::vector<KernelTime> device_times();
 /// Bytes read and written per second by a copy of `bytes` within device memory: the best of ten.
 double device_copy_bandwidth(std::size_t bytes);

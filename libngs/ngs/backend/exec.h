@@ -9,8 +9,8 @@ namespace ngs {
 
 enum class Device : std::uint8_t { kCpu, kCuda };
 
-/// How a device sums what several of its blocks add to one value: in one order, whose bits are always the same, or as
-/// the blocks come.
+/// How a device sums the contributions of several blocks to one value: in a fixed order, always with the same bits, or
+/// with atomic adds in any order.
 enum class DeviceSums : std::uint8_t { kInOrder, kAtomic };
 
 /// The ops of a device (ops/device/device_ops.h).
@@ -20,7 +20,7 @@ struct Exec {
   Device device = Device::kCpu;
   int threads = 1;                        // OpenMP threads, >= 1; never changes a result
   Isa isa = best_isa();                   // of the compositing kernels; never changes a result
-  const DeviceOps* device_ops = nullptr;  // runs the ops that have a device path; null: the CPU does
+  const DeviceOps* device_ops = nullptr;  // runs the ops that have a device path; null: the CPU runs all
 };
 
 }  // namespace ngs

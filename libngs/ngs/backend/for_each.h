@@ -1,5 +1,5 @@
 #pragma once
-// The one place that runs map-type kernels.
+// Parallel loops on the CPU: the one place that runs map-type kernels.
 #include <omp.h>
 
 #include <exception>
@@ -10,10 +10,10 @@
 
 namespace ngs {
 
-/// What the threads of a parallel region threw: no exception may leave it.
+/// Carries an exception out of a parallel region, which no exception may leave directly.
 class FirstFailure {
  public:
-  /// Keeps the exception in flight, met at index i, if none of a smaller index is known.
+  /// Stores the exception in flight, thrown at index i, unless one of a smaller index is stored.
   void keep(std::int64_t i) {
     const std::lock_guard lock(mutex_);
     if (i < first_) first_ = i, failure_ = std::current_exception();
@@ -28,9 +28,9 @@ class FirstFailure {
   std::exception_ptr failure_;
 };
 
-/// kernel(i) for every i in [0, n), in no particular order. A kernel writes only what index i owns (gather,
-/// never scatter), so the result depends neither on the order nor on the thread count. If kernels throw, as where
-/// memory ends, one of the exceptions is thrown on, and not every i has been visited.
+/// kernel(i) for every i in [0, n), in no particular order. A kernel writes only what index i owns (gather, never
+/// scatter), so the result depends neither on the order nor on the thread count. If kernels throw (out of memory, for
+/// example), one of the exceptions is rethrown, and some i may not have been visited.
 template <class Kernel>
 void for_each_index(const Exec& exec, std::int64_t n, const Kernel& kernel) {
   FirstFailure failure;
@@ -39,7 +39,7 @@ void for_each_index(const Exec& exec, std::int64_t n, const Kernel& kernel) {
     const std::int64_t threads = omp_get_num_threads(), thread = omp_get_thread_num();
     const std::int64_t begin = n / threads * thread + n % threads * thread / threads,
                        end = n / threads * (thread + 1) + n % threads * (thread + 1) / threads;
-    try {  // about the loop, which stays one of packs
+    try {  // around the loop, so that the loop still vectorises
       for (std::int64_t i = begin; i < end; ++i) kernel(i);
     } catch (...) {
       failure.keep(begin);
@@ -48,8 +48,8 @@ void for_each_index(const Exec& exec, std::int64_t n, const Kernel& kernel) {
   failure.rethrow();
 }
 
-/// The same for few, unequal pieces of work (tiles, views): handed out one by one. All are visited even if one throws;
-/// then the exception of the smallest i is thrown on, for any number of threads the same.
+/// The same for few, unequal work items (tiles, views), handed out one by one. All are visited even if one throws; then
+/// the exception of the smallest i is rethrown, for any number of threads.
 template <class Kernel>
 void for_each_task(const Exec& exec, std::int64_t n, const Kernel& kernel) {
   FirstFailure failure;

@@ -4,7 +4,7 @@ namespace ngs {
 namespace {
 
 #if defined(NGS_WITH_V3) || defined(NGS_WITH_V4)
-/// F16C, which clang 16 cannot ask for, came two years before AVX2.
+/// F16C needs no test, and clang 16 has none: it came two years before AVX2.
 bool cpu_is_v3() {
   return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi") &&
          __builtin_cpu_supports("bmi2");

@@ -1,25 +1,27 @@
 #pragma once
-// What a device offers to the schedules of ops/device/*_schedule.h. A schedule is written once, against a Launcher:
-// CudaLauncher runs it on a GPU (backend/cuda_launcher.cuh), the emulator of the tests thread by thread on the CPU
-// (tests/support/host_launcher.h).
+// The interface between the kernels of ops/device/*_kernel.h and a device. A kernel is written once, against a
+// Launcher: CudaLauncher runs it on a GPU (backend/cuda_launcher.cuh), the emulator of the tests thread by thread on
+// the CPU (tests/support/host_launcher.h).
 //
-//   launcher.each(n, kernel)              kernel(i) for i in [0, n), in no order; kernel(i) writes only what i owns
-//   launcher.blocks(n, kernel)            n cooperating blocks, see below
-//   launcher.sort(keys, values, n, bits)  stable, ascending by the lowest `bits` of the 64-bit keys; both are replaced
-//   launcher.sum_before(in, out, n)       out[i] = in[0] + ... + in[i - 1], i <= n: n + 1 results
-//   Launcher::add_to(float*, x)           in a kernel: adds where other threads may add too, in no order
+// clang-format off
+//   launcher.parallel_for(n, kernel)       kernel(i) for i in [0, n), in any order; kernel(i) writes only what i owns
+//   launcher.launch_blocks(n, kernel)      n cooperating blocks, see below
+//   launcher.sort(keys, values, n, bits)   stable, ascending by the lowest `bits` of the 64-bit keys; in place
+//   launcher.exclusive_scan(in, out, n)    out[i] = in[0] + ... + in[i - 1] for i <= n: n + 1 results
+//   Launcher::atomic_add(float*, x)        in a kernel: adds where other threads may add too, in any order
 //   launcher.upload / download / fill_zero, launcher.allocate / release
 //
-// All pointers in kernels are the device's. Launches run in order; download waits for them. A kernel has a kName.
+// All pointers in kernels are device pointers. Launches run in order; download waits for them. A kernel has a kName.
 //
-// A cooperative kernel has kThreads, a trivially copyable struct Shared (not initialised), a struct Thread (a thread's
-// own variables) and
+// A cooperative kernel has kThreads, a trivially copyable struct Shared (uninitialised), a struct Thread (variables of
+// one thread) and
 //   template <class Block> NGS_HD void operator()(Block& block) const
 // which is a sequence of phases with a barrier after each:
 //   block.phase([&](int thread, Shared&, Thread&) { ... })
-//   block.any([&](int thread, Shared&, Thread&) -> bool { ... })    the same answer for all threads
-// Only phases see Shared and Thread, so what decides between phases is the same for all threads, and nothing is read
-// that another thread may already be changing. Within a phase no thread reads what another writes.
+//   block.any([&](int thread, Shared&, Thread&) -> bool { ... })    true for all threads if it is true for one
+// clang-format on
+// Only phases access Shared and Thread. Control flow between phases is therefore the same for all threads, and no
+// thread reads a value that another thread may already be changing. Within a phase no thread reads what another writes.
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -29,7 +31,7 @@
 
 namespace ngs {
 
-/// Owned memory of a device, contents undefined until written. Freed in order with the launches.
+/// Owns device memory, uninitialised until written. It is freed in order with the launches.
 template <class Launcher, class T>
 class DeviceBuffer {
  public:
@@ -57,7 +59,7 @@ class DeviceBuffer {
   void zero() {
     if (size_ > 0) launcher_->fill_zero(data_, std::size_t(size_) * sizeof(T));
   }
-  /// Into host memory of `size()` values.
+  /// Copies to host memory of `size()` values.
   void to(T* host) const {
     if (size_ > 0) launcher_->download(host, data_, std::size_t(size_) * sizeof(T));
   }
@@ -76,18 +78,18 @@ class DeviceBuffer {
 };
 
 template <class T>
-NGS_HD constexpr T divided_up(T a, T b) {
+NGS_HD constexpr T ceil_div(T a, T b) {
   return (a + b - 1) / b;
 }
 
-/// The rows of chunk i where n rows are cut into chunks of `rows`: 32 chunks deal theirs out among them, so that
-/// neighbouring threads read neighbouring rows.
-struct DealtRows {
+/// The rows of one chunk when n rows are cut into chunks of `rows`. Groups of 32 chunks interleave their rows, so that
+/// neighbouring threads read neighbouring rows (coalesced).
+struct InterleavedChunk {
   std::int64_t first, step, end;
-  NGS_HD DealtRows(std::int64_t chunk, std::int64_t n, std::int64_t rows) {
-    constexpr std::int64_t kDealers = 32;
-    const std::int64_t before = chunk / kDealers * kDealers, others = divided_up(n, rows) - before;
-    step = others < kDealers ? others : kDealers;
+  NGS_HD InterleavedChunk(std::int64_t chunk, std::int64_t n, std::int64_t rows) {
+    constexpr std::int64_t kInterleaved = 32;
+    const std::int64_t before = chunk / kInterleaved * kInterleaved, others = ceil_div(n, rows) - before;
+    step = others < kInterleaved ? others : kInterleaved;
     first = before * rows + (chunk - before);
     end = (before + step) * rows < n ? (before + step) * rows : n;
   }

@@ -1,5 +1,5 @@
 #pragma once
-// NGS_CHECK: mistakes of a caller inside ngs (always on). Mistakes of a user are Error, never a check.
+// NGS_CHECK: a precondition inside ngs, checked in every build. Invalid user input is an Error, never a check.
 #include <stdexcept>
 #include <string>
 

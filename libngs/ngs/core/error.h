@@ -7,7 +7,7 @@
 namespace ngs {
 
 enum class ErrorCode : int {
-  kUsage = 2,         // a flag, an option value, an option file
+  kUsage = 2,         // an invalid flag, option value or options file
   kBadInput = 3,      // an input is unreadable, truncated or invalid
   kInconsistent = 4,  // inputs contradict each other (poses, PLY, masks)
   kNothingFound = 5,  // empty boundary or object
@@ -16,7 +16,7 @@ enum class ErrorCode : int {
   kEnvironment = 8,   // cannot write, no memory, no such device
 };
 
-/// `what()` reads "<object>: <found>, expected <what>"; `remedy()` is the way out, often a command.
+/// `what()` reads "<object>: <found>, expected <what>"; `remedy()` is the hint, often a command.
 class Error : public std::runtime_error {
  public:
   Error(ErrorCode code, const std::string& what_failed, std::string remedy = {})
@@ -29,7 +29,7 @@ class Error : public std::runtime_error {
   std::string remedy_;
 };
 
-/// Runs `body`; an Error leaving it is rethrown with "`context`: " before its message, once per layer.
+/// Runs `body` and rethrows an Error from it with "`context`: " before the message. Use it once per layer.
 template <class Body>
 auto with_context(std::string_view context, Body&& body) -> decltype(body()) {
   try {

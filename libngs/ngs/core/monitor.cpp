@@ -30,7 +30,7 @@ Monitor::Monitor() : current_(&root_) {}
 
 Monitor::Scope::Scope(Monitor& monitor, std::string name)
     : monitor_(monitor), parent_(monitor.current_), wall_start_(wall_seconds()), cpu_start_(cpu_seconds()) {
-  // A step that runs many times under one parent is one node: its times and items add up.
+  // A step that runs many times under one parent is one node: its times add up.
   for (StageNode& child : parent_->children)
     if (child.name == name) node_ = &child, name.clear();
   if (!name.empty()) {
@@ -53,34 +53,34 @@ void Monitor::warn(std::string message) {
   warnings_.push_back(std::move(message));
 }
 
-Monitor::Limit::Limit(Monitor& monitor, double until_s) : monitor_(monitor) {
-  monitor_.told_ = false, monitor_.until_s_ = until_s;
+Monitor::Limit::Limit(Monitor& monitor, double deadline_s) : monitor_(monitor) {
+  monitor_.stopped_by_limit_ = false, monitor_.deadline_s_ = deadline_s;
 }
 
-Monitor::Limit::~Limit() { monitor_.told_ = false, monitor_.until_s_ = kNever; }
+Monitor::Limit::~Limit() { monitor_.stopped_by_limit_ = false, monitor_.deadline_s_ = kNever; }
 
-bool Monitor::Limit::reached() const { return monitor_.told_; }
+bool Monitor::Limit::reached() const { return monitor_.stopped_by_limit_; }
 
-/// Told once is told for good: nobody may go on with what somebody else has left off.
+/// Once true, it stays true until the limit ends: all threads of a loop must stop together.
 bool Monitor::limit_reached() const {
-  const double until_s = until_s_;
-  if (until_s == kNever) return false;
-  if (told_ || wall_seconds() >= until_s) told_ = true;
-  return told_;
+  const double deadline_s = deadline_s_;
+  if (deadline_s == kNever) return false;
+  if (stopped_by_limit_ || wall_seconds() >= deadline_s) stopped_by_limit_ = true;
+  return stopped_by_limit_;
 }
 
-/// A tenth of a loop tells how long the rest takes.
-void Monitor::foresee_end(std::int64_t done, std::int64_t total) {
-  constexpr std::int64_t kTelling = 10, kLeast = 3;
+/// Estimates the end of a loop once a tenth of it is done.
+void Monitor::abort_if_late(std::int64_t done, std::int64_t total) {
+  constexpr std::int64_t kFraction = 10, kMinDone = 3;
   const double now_s = wall_seconds();
   if (done <= 1) first_done_s_ = now_s;
-  if (done < kLeast || kTelling * done < total || done >= total) return;
+  if (done < kMinDone || kFraction * done < total || done >= total) return;
   const double rest_s = (now_s - first_done_s_) / double(done - 1) * double(total - done);
-  if (now_s + rest_s > until_s_) until_s_ = now_s;
+  if (now_s + rest_s > deadline_s_) deadline_s_ = now_s;
 }
 
 void Monitor::progress(std::int64_t done, std::int64_t total) {
-  if (until_s_ != kNever) foresee_end(done, total);
+  if (deadline_s_ != kNever) abort_if_late(done, total);
   if (on_progress) on_progress(current_->name, done, total);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// What a stage tells the outside while it runs: a tree of timed steps, counts, warnings, progress; and what
-// the outside tells it: whether to stop. The library itself never prints.
+// What a running stage reports to its caller (a tree of timed steps, counts, warnings, progress), and how the caller
+// stops it. The library itself never prints.
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -16,7 +16,7 @@ struct StageNode {
   std::string name;
   double wall_s = 0;
   double cpu_s = 0;               // all threads of the process
-  std::int64_t items = 0;         // what the stage counts: views, queries, steps
+  std::int64_t items = 0;         // units of the stage: views, queries, steps
   double max_rss_mib = 0;         // peak of the process when the stage ended
   std::list<StageNode> children;  // Scopes point to them
 };
@@ -42,15 +42,16 @@ class Monitor {
   };
   Scope scope(std::string name) { return Scope(*this, std::move(name)); }
 
-  /// Until the end of its scope, stop_requested() is also true once wall_seconds() has come to `until_s`, and as soon
-  /// as the loop that tells its progress is foreseen to end later. Begins and ends on one thread; none in another.
+  /// A time limit. Until the end of its scope, stop_requested() is also true once wall_seconds() >= `deadline_s`, or as
+  /// soon as the loop that reports progress is estimated to end later. Limits begin and end on one thread and
+  /// do not nest.
   class Limit {
    public:
-    Limit(Monitor& monitor, double until_s);
+    Limit(Monitor& monitor, double deadline_s);
     ~Limit();
     Limit(const Limit&) = delete;
     Limit& operator=(const Limit&) = delete;
-    /// Somebody was told to stop for it, and has left off midway.
+    /// True once stop_requested() has returned true because of this limit: its caller stopped midway.
     bool reached() const;
 
    private:
@@ -59,31 +60,31 @@ class Monitor {
 
   void warn(std::string message);
   void progress(std::int64_t done, std::int64_t total);
-  /// True once the user (a signal) or a Limit asked the stage to end early with what it has. From several threads.
+  /// True once the user (a signal) or a Limit requests an early end with the result so far. Thread-safe.
   bool stop_requested() const { return (stop_ != nullptr && stop_->load()) || limit_reached(); }
 
   const StageNode& root() const { return root_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
 
-  // May be empty.
+  // Callbacks; may be empty.
   std::function<void(const std::string&)> on_warning;
   std::function<void(const std::string& stage, std::int64_t done, std::int64_t total)> on_progress;
-  std::function<void(const std::string& stage)> on_stage_end;  // by its Scope
+  std::function<void(const std::string& stage)> on_stage_end;  // called by ~Scope
   void stop_flag(const std::atomic<bool>* flag) { stop_ = flag; }
 
  private:
   static constexpr double kNever = std::numeric_limits<double>::infinity();
 
   bool limit_reached() const;
-  void foresee_end(std::int64_t done, std::int64_t total);
+  void abort_if_late(std::int64_t done, std::int64_t total);
 
   StageNode root_;
   StageNode* current_;
   std::vector<std::string> warnings_;
   const std::atomic<bool>* stop_ = nullptr;
-  std::atomic<double> until_s_ = kNever;
-  mutable std::atomic<bool> told_ = false;  // to stop, for the limit
-  double first_done_s_ = 0;                 // of the loop that tells its progress
+  std::atomic<double> deadline_s_ = kNever;
+  mutable std::atomic<bool> stopped_by_limit_ = false;
+  double first_done_s_ = 0;  // when the current loop reported its first step
 };
 
 /// Seconds since an arbitrary fixed point, monotonic.

@@ -23,14 +23,14 @@ bool begins_number(std::string_view text) {
   return !text.empty() && kFirst.find(text.front()) != std::string_view::npos;
 }
 
-/// Where strtod would go on with a hexadecimal number, the 0 is the number.
+/// The text without what strtod would read as a hexadecimal number: of "0x1f" only the 0 is a number.
 std::string decimal_part(std::string_view text) {
   const std::size_t digits = text.starts_with('-') ? 1 : 0;
   const std::string_view prefix = text.substr(digits, 2);
   return std::string(prefix == "0x" || prefix == "0X" ? text.substr(0, digits + 1) : text);
 }
 
-/// Whether a digit before the exponent is not 0.
+/// True if a digit before the exponent is not 0.
 bool is_not_zero(std::string_view text) {
   return text.substr(0, text.find_first_of("eE")).find_first_of("123456789") != std::string_view::npos;
 }

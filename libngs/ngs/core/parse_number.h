@@ -1,6 +1,6 @@
 #pragma once
-// Numbers in texts, in the form that std::from_chars reads: no blanks or '+' before them, no hexadecimals, '.' in every
-// locale. The C++ library of LLVM has std::from_chars of floating-point numbers from version 20 on only.
+// Parses numbers in the form that std::from_chars reads: no leading blanks or '+', no hexadecimal, '.' in every locale.
+// libc++ has std::from_chars for floating-point numbers only from version 20 on.
 #include <charconv>
 #include <string_view>
 #include <system_error>
@@ -8,7 +8,7 @@
 
 namespace ngs {
 
-/// As std::from_chars(begin, end, value), by the C library: same values, ends and errors.
+/// std::from_chars(begin, end, value) by means of the C library: same values, ends and errors.
 std::from_chars_result scan_by_strtod(const char* begin, const char* end, float& value);
 std::from_chars_result scan_by_strtod(const char* begin, const char* end, double& value);
 
@@ -23,7 +23,7 @@ std::from_chars_result scan_number(const char* begin, const char* end, T& value)
     return std::from_chars(begin, end, value);
 }
 
-/// Whether the whole text is a number that T can hold, which is then in `value`.
+/// True if the whole text is a number in the range of T, which `value` then holds.
 template <class T>
 bool parse_number(std::string_view text, T& value) {
   const auto [stop, error] = scan_number(text.data(), text.data() + text.size(), value);

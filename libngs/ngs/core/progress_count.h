@@ -1,5 +1,5 @@
 #pragma once
-// How many pieces of a step are done, told to a monitor by whichever thread has finished one.
+// Counts the finished work items of a step from several threads and reports each to a monitor.
 #include <mutex>
 
 #include "ngs/core/monitor.h"

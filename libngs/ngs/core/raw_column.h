@@ -1,6 +1,6 @@
 #pragma once
-// A vector whose new entries hold anything. Large columns are cleared by the system when they are first touched, a page
-// at a time: they are best touched first by the threads that write them, and once.
+// A vector with uninitialised new entries. The system clears large columns page by page on first touch. Without
+// initialisation, the threads that write a column also touch it first, and touch it only once.
 #include <memory>
 #include <new>
 #include <utility>
@@ -8,7 +8,8 @@
 
 namespace ngs {
 
-/// std::allocator but for entries that are asked for without a value: they get none.
+/// std::allocator, except that an entry constructed without a value is default-initialised: a
+/// number stays uninitialised.
 template <class T>
 struct DefaultInit : std::allocator<T> {
   DefaultInit() = default;
@@ -24,7 +25,7 @@ struct DefaultInit : std::allocator<T> {
   }
 };
 
-/// resize() leaves what it adds as it is.
+/// resize() leaves new entries uninitialised.
 template <class T>
 using RawColumn = std::vector<T, DefaultInit<T>>;
 

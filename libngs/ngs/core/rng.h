@@ -1,6 +1,6 @@
 #pragma once
 // Counter-based random numbers: (seed, stream, index) -> number. The same bits on every platform, thread
-// count and device; nothing to carry along, nothing to save in a checkpoint.
+// count and device; no state to pass on or to save in a checkpoint.
 #include <cmath>
 #include <cstdint>
 
@@ -8,7 +8,7 @@
 
 namespace ngs {
 
-/// Named streams, so that two uses of one seed never see the same numbers.
+/// Named streams: two uses of one seed never draw the same numbers.
 enum class RngStream : std::uint32_t {
   kHashInit,
   kMlpInit,

@@ -1,5 +1,6 @@
 #pragma once
-// Cells of a regular grid about a centre, as keys: 21 bits per axis, and what lies beyond them in the outermost.
+// Cells of a regular grid around a centre, as keys of 21 bits per axis. Positions beyond the grid are in
+// its outermost cells.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -18,7 +19,7 @@ class CellGrid {
     return key(along(double(position[0]) - centre_.x), along(double(position[1]) - centre_.y),
                along(double(position[2]) - centre_.z));
   }
-  /// Calls visit(cell) for the cell and the 26 about it.
+  /// Calls visit(cell) for the cell and its 26 neighbours.
   template <class Visit>
   static void for_neighbours(std::uint64_t cell, const Visit& visit) {
     const auto axis = [cell](int a) { return std::int64_t(cell >> (21 * a) & (2 * kMiddle - 1)); };

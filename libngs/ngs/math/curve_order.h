@@ -1,5 +1,5 @@
 #pragma once
-// Neighbours in space as neighbours in memory or in a file: points along a Z-order curve.    PAPER.md §5.1
+// Sorts points along a Z-order (Morton) curve: neighbours in space become neighbours in memory (PAPER.md §5.1).
 //   Morton, "A computer oriented geodetic data base and a new technique in file sequencing", 1966
 #include <algorithm>
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace ngs {
 
-/// Bit k of `v` at 3 k, of its lowest 21 bits.
+/// Spreads the lowest 21 bits of `v`: bit k moves to bit 3 k.
 constexpr std::uint64_t spread_by_three(std::uint64_t v) {
   v &= 0x1fffff;
   v = (v | v << 32) & 0x001f00000000ffff;
@@ -27,21 +27,21 @@ inline bool is_finite(const float* point) {
   return std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
 }
 
-/// The box of some points, 2^21 cells a side.
+/// The bounding box of some points, with 2^21 cells a side.
 class MortonGrid {
  public:
   static constexpr std::uint64_t kCells = std::uint64_t(1) << 63;
 
-  /// A point of finite coordinates.
+  /// Extends the box by a point with finite coordinates.
   void include(const float* point) {
     for (std::size_t a = 0; a < 3; ++a) low_[a] = std::min(low_[a], point[a]), high_[a] = std::max(high_[a], point[a]);
   }
-  /// All that the other includes.
+  /// Extends the box by all points of another.
   void include(const MortonGrid& other) {
     for (std::size_t a = 0; a < 3; ++a)
       low_[a] = std::min(low_[a], other.low_[a]), high_[a] = std::max(high_[a], other.high_[a]);
   }
-  /// The cell of a point that was included, below kCells; kCells of one that is not finite.
+  /// The cell of an included point, below kCells; kCells if a coordinate is not finite.
   std::uint64_t cell_of(const float* point) const {
     constexpr double kMost = (1 << 21) - 1;
     if (!is_finite(point)) return kCells;
@@ -64,8 +64,8 @@ struct CurvePoint {
   std::uint32_t row;
 };
 
-/// By cell, rows of one cell in the order that they have. Digits in which all cells agree take no pass. `scratch` is as
-/// large, and overwritten.
+/// Stable radix sort by cell. Digits that are equal in all cells take no pass. `scratch` has the same size
+/// and is overwritten.
 inline void sort_by_cell(std::span<CurvePoint> rows, std::span<CurvePoint> scratch) {
   constexpr std::size_t kBits = 8, kDigits = 8, kValues = std::size_t(1) << kBits;
   const auto digit = [](const CurvePoint& r, std::size_t d) { return std::size_t(r.cell >> (kBits * d)) % kValues; };
@@ -83,8 +83,8 @@ inline void sort_by_cell(std::span<CurvePoint> rows, std::span<CurvePoint> scrat
   if (from.data() != rows.data()) std::copy(from.begin(), from.end(), rows.begin());
 }
 
-/// The points [N, 3] along a Z-order curve through the box of the finite ones, 2^21 cells a side: the index of each.
-/// Points of one cell keep their order, and those without a finite coordinate of each axis come last.
+/// The indices of the points [N, 3] along a Z-order curve through the bounding box of the finite points, 2^21 cells a
+/// side. Points of one cell keep their order; points with a non-finite coordinate come last.
 inline std::vector<std::uint32_t> curve_order(std::span<const float> points) {
   MortonGrid grid;
   std::vector<CurvePoint> rows(points.size() / 3), scratch(rows.size());

@@ -1,7 +1,7 @@
 #pragma once
-// log1p and expm1 of a float, and hypot: the functions of the C library whose last bit depends on the processor it was
-// compiled for, or on its version. These give the bits of glibc 2.36 on x86-64 wherever they are compiled. The other
-// functions that ngs uses are the same in glibc for all processors with fused products.
+// log1p and expm1 of a float, and hypot. In the C library their last bit depends on the processor and on the library's
+// version. These functions give the bits of glibc 2.36 on x86-64 wherever they are compiled. In glibc, the other
+// functions that ngs uses are equal on all processors with fused multiply-add.
 //
 // log1p and expm1 are those of fdlibm, whose coefficients they share:
 //   Copyright (C) 1993 by Sun Microsystems, Inc. All rights reserved. Developed at SunPro, a Sun Microsystems, Inc.
@@ -20,7 +20,7 @@ inline constexpr float kLn2High = 6.9313812256e-01f, kLn2Low = 9.0580006145e-06f
 NGS_HD inline std::uint32_t float_bits(float x) { return __builtin_bit_cast(std::uint32_t, x); }
 NGS_HD inline float bits_float(std::uint32_t x) { return __builtin_bit_cast(float, x); }
 
-/// 1 + x = 2^k (1 + f) with 1 + f in [√½, √2), and `lost` of 1 + x to rounding, in units of it.
+/// 1 + x = 2^k (1 + f) with 1 + f in [√½, √2). `lost`: the rounding error of 1 + x, relative to 1 + x.
 struct Log1pArgument {
   int k = 0;
   float f, lost = 0;
@@ -43,7 +43,7 @@ NGS_HD inline Log1pArgument log1p_argument(float x) {
   return a;
 }
 
-/// e^x - 1 on [-ln 2 / 2, ln 2 / 2] is x + x²/2 + ...: half = x²/2, and how much e^x - 1 exceeds by.
+/// e^x - 1 = x + half - x · rest on [-ln 2 / 2, ln 2 / 2], with half = x²/2.
 struct Expm1Terms {
   float half, rest;
 };
@@ -57,8 +57,8 @@ NGS_HD inline Expm1Terms expm1_terms(float x) {
   return {half, half * ((series - t) / (6.f - x * t))};
 }
 
-/// √(x² + y²) for 0 < y <= x, neither so large nor so small that a square is not in range. The root's error is taken
-/// off in the first order (Borges 2019), without a fused product.
+/// √(x² + y²) for 0 < y <= x whose squares neither overflow nor underflow. A first-order correction removes the root's
+/// error (Borges 2019), without a fused product.
 NGS_HD inline double hypot_in_range(double x, double y) {
   const double root = std::sqrt(x * x + y * y);
   if (root <= 2 * y) {
@@ -123,7 +123,7 @@ NGS_HD inline float portable_expm1(float x) {
   return k < 23 ? scaled((1.f - power) - (rest - r)) : scaled((r - (rest + power)) + 1.f);
 }
 
-/// For every scalar: in float those above, else what belongs to the type.
+/// For any scalar type: the functions above for float, the overloads of the type for others.
 template <class T>
 NGS_HD T log1p_of(T x) {
   using std::log1p;
@@ -137,7 +137,7 @@ NGS_HD T expm1_of(T x) {
 NGS_HD inline float log1p_of(float x) { return portable_log1p(x); }
 NGS_HD inline float expm1_of(float x) { return portable_expm1(x); }
 
-/// √(x² + y²), without overflow or underflow on the way.
+/// √(x² + y²) without intermediate overflow or underflow.
 NGS_HD inline double portable_hypot(double x, double y) {
   x = std::fabs(x), y = std::fabs(y);
   constexpr double kInf = double(INFINITY), kScale = 0x1p-600;

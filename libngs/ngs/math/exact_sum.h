@@ -1,6 +1,6 @@
 #pragma once
 // Sums of non-negative numbers in 128-bit fixed point (64 integer bits, 64 fraction bits). Integer addition is
-// associative: any order, any sharding, the same bits. Each term is truncated to a multiple of 2^-64.
+// associative: any order and any sharding give the same bits. Each term is truncated to a multiple of 2^-64.
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -21,7 +21,7 @@ struct ExactSum {
     fraction += other.fraction;
     whole += other.whole + (fraction < other.fraction ? 1 : 0);
   }
-  /// What was added: nothing of it is left. Of more than there is nothing is left either.
+  /// Removes a term that was added, without a trace. If `other` exceeds the sum, the result is 0.
   void subtract(const ExactSum& other) {
     if (whole < other.whole || (whole == other.whole && fraction < other.fraction)) return void(*this = {});
     whole -= other.whole + (fraction < other.fraction ? 1 : 0);

@@ -1,6 +1,6 @@
 #pragma once
-// What the compositing kernels ask of a lane type, for lanes that are plain scalars: one lane = one pixel. The packs of
-// math/lanes.h offer the same operations; a thread of a device is such a scalar lane.
+// The lane operations of the compositing kernels for plain scalars: one lane = one pixel. The packs of math/lanes.h
+// have the same operations; a thread of a device is such a scalar lane.
 #include <cmath>
 #include <cstdint>
 
@@ -48,7 +48,7 @@ template <class T>
 NGS_HD T floor_lanes(T x) {
   return std::floor(x);
 }
-/// Per lane: bits [begin, end), none if end <= begin; both whole, in [0, 31].
+/// Per lane: a word with bits [begin, end) set, none if end <= begin. Both are whole numbers in [0, 31].
 template <class T>
 NGS_HD void store_row_bits(std::uint32_t* p, T begin, T end) {
   *p = ((1u << int(end)) - 1) & ~((1u << int(begin)) - 1);
@@ -93,8 +93,9 @@ NGS_HD L exp2_reduced(L r) {
   p = fma_lanes(p, r, L(6.931472e-1f));
   return fma_lanes(p, r, L(1.f));
 }
-/// 2^x in the lanes of `m`, 0 in the others. There x must lie in [-126, 0], in the others it may be anything: 2^x is
-/// 2^n 2^r, n the nearest integer, and as no result is subnormal 2^n is an addition to the exponent.
+/// 2^x in the lanes of `m`, 0 in the others. In the lanes of `m`, x must be in [-126, 0]; in the others it may have any
+/// value. 2^x = 2^n 2^r with n the nearest integer. No result is subnormal, so the factor 2^n is an addition
+/// to the exponent.
 NGS_HD inline float exp2_where(bool m, float x) {
   const float shifted = x + kMagic;
   const std::uint32_t exponent = __builtin_bit_cast(std::uint32_t, shifted) << 23;

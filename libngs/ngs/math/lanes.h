@@ -1,13 +1,17 @@
 #pragma once
-// What the compositing kernels ask of a scalar: one lane = one pixel. The same source runs with
-//   PackF          8 floats: one AVX2 register, two of NEON, or two vectors of the compiler's
-//   Pack16         16 in one AVX-512 register      (x86-64-v4: lanes16.h)
-//   PortablePack   8 floats without an intrinsic   (PackF where nothing else fits; tests)
-//   float, double                                  (one lane; tests, references)
-//   Dual<double>                                   (one lane; gradient tests)
+// The lane types of the compositing kernels: one lane = one pixel. The same source runs with
+//
+// clang-format off
+//   PackF          8 floats: one AVX2 register, two NEON registers, or two vectors of the compiler
+//   Pack16         16 floats in one AVX-512 register   (x86-64-v4: lanes16.h)
+//   PortablePack   8 floats without intrinsics         (PackF without AVX2 and NEON; tests)
+//   float, double  one lane                            (tests, references)
+//   Dual<double>   one lane                            (gradient tests)
+// clang-format on
+//
 // A lane of a pack computes bit for bit what `float` computes: same operations, explicit fma, no contraction. Sums of
-// lanes have one order. So every instruction set gives the same bytes. PackF is another type for each of them, so that
-// what is compiled for one shares no symbol with what is compiled for another.
+// lanes have one order. Every instruction set therefore gives the same bytes. PackF is a different type for each set,
+// so that code compiled for one set shares no symbol with code compiled for another.
 #include "ngs/math/dual.h"
 #include "ngs/math/lane_scalar.h"
 #if defined(__AVX2__) && defined(__FMA__) && defined(__F16C__)

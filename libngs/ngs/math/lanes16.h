@@ -1,7 +1,7 @@
 #pragma once
 // Pack16: 16 floats in one AVX-512 register, with the operations of lanes.h. Only for translation units that are
-// compiled for x86-64-v4 and that run only where backend/isa.h says so. Each lane computes bit for bit what PackF and
-// `float` compute; sums go through folded(), so that no result depends on the width.
+// compiled for x86-64-v4 and that run only if can_run(Isa::kV4) (backend/isa.h). Each lane computes bit for bit what
+// PackF and `float` compute; sums go through folded(), so that no result depends on the width.
 #ifdef __AVX512F__
 #include "ngs/math/lanes.h"
 
@@ -72,13 +72,13 @@ inline void iota_lanes(float start, Pack16& x) {
 inline PackF folded(Pack16 x) {
   return PackF::Raw(_mm512_castps512_ps256(x.v)) + PackF::Raw(_mm512_extractf32x8_ps(x.v, 1));
 }
-/// out[i]: lanes 0..7 if bit i of `lower` is set, lanes 8..15 if that of `upper` is, i < 16.
+/// out[i]: lanes 0..7 if bit i of `lower` is set, lanes 8..15 if bit i of `upper` is set, i < 16.
 inline void masks_of_halves(std::uint32_t lower, std::uint32_t upper, Pack16Mask* out) {
   const std::uint32_t bytes = _pdep_u32(lower, 0x55555555u) | _pdep_u32(upper, 0xaaaaaaaau);
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm256_movm_epi8(bytes));
 }
-/// As of a float in every lane. Scaled only where it is asked for: a subnormal result would cost some processors a
-/// hundred cycles.
+/// As exp2_where of a float, in every lane. Only the lanes of `m` are scaled: a subnormal result would cost some
+/// processors a hundred cycles.
 inline Pack16 exp2_where(Pack16Mask m, Pack16 x) {
   const Pack16 n = Pack16::Raw(_mm512_roundscale_ps(x.v, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC));
   return Pack16::Raw(_mm512_maskz_scalef_ps(m.v, exp2_reduced(x - n).v, n.v));

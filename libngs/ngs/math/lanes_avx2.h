@@ -1,6 +1,6 @@
 #pragma once
-// PackF: 8 floats in one AVX2 register, for translation units that are compiled for x86-64-v3 or above. What each
-// operation means is said in lanes.h.
+// PackF: 8 floats in one AVX2 register, for translation units that are compiled for x86-64-v3 or above. lane_scalar.h
+// documents the operations.
 #include <immintrin.h>
 
 #include <cstdint>
@@ -54,7 +54,7 @@ struct LaneTraits<PackF> {
 inline PackF select(PackMask m, PackF a, PackF b) { return m.v ? a.v : b.v; }
 inline bool any(PackMask m) { return _mm256_movemask_ps(_mm256_castsi256_ps(reinterpret_cast<__m256i>(m.v))) != 0; }
 inline PackF fma_lanes(PackF a, PackF b, PackF c) { return PackF::Raw(_mm256_fmadd_ps(a.v, b.v, c.v)); }
-/// The second operand where the first is NaN.
+/// Returns the second operand where the first is NaN.
 inline PackF min_lanes(PackF a, PackF b) { return PackF::Raw(_mm256_min_ps(a.v, b.v)); }
 inline PackF max_lanes(PackF a, PackF b) { return PackF::Raw(_mm256_max_ps(a.v, b.v)); }
 inline PackF sqrt_lanes(PackF x) { return PackF::Raw(_mm256_sqrt_ps(x.v)); }
@@ -67,7 +67,7 @@ inline void store_row_bits(std::uint32_t* p, PackF begin, PackF end) {
 }
 inline void store_lanes(float* p, PackF x) { _mm256_storeu_ps(p, x.v); }
 inline void load_lanes(const float* p, PackF& x) { x.v = _mm256_loadu_ps(p); }
-/// The pack in half precision: 11 bits, and nothing below 2^-24.
+/// The pack in half precision: 11 significant bits, no magnitude below 2^-24.
 struct HalfPack {
   __m128i v;
   HalfPack() = default;
@@ -99,7 +99,7 @@ inline void sum_lanes_each(const PackF* x, int n, float* out) {
   }
   for (; i < n; ++i) out[i] = sum_lanes(x[i]);
 }
-/// The part of a pack over which sums are kept once its width is to leave no trace: 8 lanes, upper half added to lower.
+/// Reduces a pack to 8 lanes by adding its upper half to the lower one, so that sums do not depend on its width.
 inline PackF folded(PackF x) { return x; }
 /// Number of true lanes.
 inline int count_lanes(PackMask m) {
@@ -119,7 +119,7 @@ struct Pack4D {
 inline Pack4D low_half(PackF x) { return Pack4D::Raw(_mm256_cvtps_pd(_mm256_castps256_ps128(x.v))); }
 inline Pack4D high_half(PackF x) { return Pack4D::Raw(_mm256_cvtps_pd(_mm256_extractf128_ps(x.v, 1))); }
 
-/// As of a float in every lane.
+/// As exp2_where of a float, in every lane.
 inline PackF exp2_where(PackMask m, PackF x) {
   const PackF shifted = x + PackF(kMagic), p = exp2_reduced(x - (shifted - PackF(kMagic)));
   const __m256i exponent = _mm256_slli_epi32(_mm256_castps_si256(shifted.v), 23);

@@ -1,10 +1,11 @@
 #pragma once
-// PackPair: 8 floats as two vectors of 4, for processors without vectors of 8. What differs between these is a Quad:
+// PackPair: 8 floats as two vectors of 4, for processors without vectors of 8. A Quad has the operations that differ
+// between these:
 //   fma(a, b, c)         a b + c, rounded once
 //   sqrt(x), floor(x)
 //   to_half(x, to)       half precision, rounded to nearest, ties to even: 4 values
 //   from_half(from)
-// All else is vector arithmetic that the compiler lays out. What each operation means is said in lanes.h.
+// Everything else is vector arithmetic of the compiler. lane_scalar.h documents the operations.
 #include <cstdint>
 #include <cstring>
 
@@ -94,7 +95,7 @@ template <class Q>
 PackPair<Q> fma_lanes(PackPair<Q> a, PackPair<Q> b, PackPair<Q> c) {
   return {Q::fma(a.low, b.low, c.low), Q::fma(a.high, b.high, c.high)};
 }
-/// The second operand where one is NaN, or both are zero.
+/// Returns the second operand where one is NaN or both are zero.
 template <class Q>
 PackPair<Q> min_lanes(PackPair<Q> a, PackPair<Q> b) {
   return select(a < b, a, b);
@@ -129,7 +130,7 @@ template <class Q>
 void load_lanes(const float* p, PackPair<Q>& x) {
   std::memcpy(&x.low, p, sizeof x.low), std::memcpy(&x.high, p + 4, sizeof x.high);
 }
-/// The pack in half precision: 11 bits, and nothing below 2^-24.
+/// The pack in half precision: 11 significant bits, no magnitude below 2^-24.
 template <class Q>
 struct alignas(16) HalfPair {
   std::uint16_t v[8];
@@ -168,8 +169,8 @@ PackPair<Q> folded(PackPair<Q> x) {
   return x;
 }
 
-/// Four doubles, for sums of many floats. Converted as whole vectors: lane by lane, g++ 12 gives wrong values after
-/// inlining for a processor without AVX (tests/unit/math/lanes_test.cpp sees it).
+/// Four doubles, for sums of many floats. Conversions take whole vectors: lane by lane, g++ 12 gives wrong values after
+/// inlining for a processor without AVX (tests/unit/math/lanes_test.cpp detects it).
 struct DoublePair {
   typedef double Two __attribute__((vector_size(16)));
   Two low, high;
@@ -195,7 +196,7 @@ DoublePair high_half(PackPair<Q> x) {
   return DoublePair(x.high);
 }
 
-/// As of a float in every lane.
+/// As exp2_where of a float, in every lane.
 template <class Q>
 PackPair<Q> exp2_where(MaskPair<Q> m, PackPair<Q> x) {
   const PackPair<Q> shifted = x + PackPair<Q>(kMagic), p = exp2_reduced(x - (shifted - PackPair<Q>(kMagic)));

@@ -1,12 +1,12 @@
 #pragma once
-// PortablePack: 8 floats without a single intrinsic, for any processor that the compiler knows.
+// PortablePack: 8 floats without intrinsics, for any processor that the compiler supports.
 #include <cmath>
 
 #include "ngs/math/lanes_pair.h"
 
 namespace ngs {
 
-/// product + added for two doubles, rounded to odd: to the neighbour that ends in 1 where it is no double.
+/// product + added for two doubles, rounded to odd: an inexact sum becomes the neighbouring double whose last bit is 1.
 inline DoublePair::Two add_to_odd(DoublePair::Two product, DoublePair::Two added) {
   typedef std::int64_t Bits __attribute__((vector_size(16)));
   const DoublePair::Two zero = {0, 0}, sum = product + added;
@@ -16,14 +16,15 @@ inline DoublePair::Two add_to_odd(DoublePair::Two product, DoublePair::Two added
   const Bits towards_error = (below ^ (sum < zero)) | 1;              // 1 away from zero, -1 towards it
   return DoublePair::Two(Bits(sum) + (inexact & even & towards_error));
 }
-/// a b + c, rounded once. The product of two floats is exact in double; the sum is rounded to odd there, with 29 bits
-/// to spare, so that rounding it to float is as good as rounding the exact sum (Boldo and Melquiond 2008).
+/// a b + c, rounded once. The product of two floats is exact in double. The sum is rounded to odd with 29 bits to
+/// spare, so rounding it to float gives the same as rounding the exact sum (Boldo and Melquiond 2008).
 inline QuadF fma_by_double(QuadF a, QuadF b, QuadF c) {
   const DoublePair x(a), y(b), z(c);
   return DoublePair(add_to_odd(x.low * y.low, z.low), add_to_odd(x.high * y.high, z.high)).narrow();
 }
 
-/// Half precision by whole numbers. A value below 2^-14 has a fixed step of 2^-24: that of the floats above 1/2.
+/// Half precision by integer arithmetic. A value below 2^-14 has a fixed step of 2^-24: the step of the
+/// floats above 1/2.
 inline std::uint16_t half_bits(float x) {
   const std::uint32_t bits = __builtin_bit_cast(std::uint32_t, x), size = bits & 0x7fffffffu;
   const std::uint32_t fixed = __builtin_bit_cast(std::uint32_t, __builtin_bit_cast(float, size) + 0.5f) - 0x3f000000u;
@@ -55,7 +56,7 @@ struct PortableQuad {
     for (int i = 0; i < 4; ++i) out[i] = std::sqrt(x[i]);
     return out;
   }
-  /// By the whole number next to zero; what has no places behind the point stays, and a zero keeps its sign.
+  /// Truncates, then subtracts 1 where that is above x. Values without fractional bits stay; a zero keeps its sign.
   static QuadF floor(QuadF x) {
     const QuadF most = {0x1p23f, 0x1p23f, 0x1p23f, 0x1p23f}, zero = {0, 0, 0, 0}, one = {1, 1, 1, 1};
     const QuadI small = (x < most) & (x > -most), sign = QuadI(x) & QuadI(-zero);

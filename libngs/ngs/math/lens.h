@@ -1,8 +1,7 @@
 #pragma once
-// What a lens does to a pinhole's picture, in coordinates without unit: (x / z, y / z) of a point in the camera's axes.
+// Lens distortion of a pinhole image, in unitless coordinates: (x / z, y / z) of a point in the axes of the camera.
 //   Brown, "Decentering distortion of lenses", 1966; Kannala and Brandt, "A generic camera model ...", 2006;
-//   Devernay and Faugeras, "Straight lines have to be straight", 2001; models and order of parameters as COLMAP has
-//   them
+//   Devernay and Faugeras, "Straight lines have to be straight", 2001; models and parameter order as in COLMAP
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -14,7 +13,7 @@ namespace ngs {
 struct Lens {
   enum class Kind : std::uint8_t { kPerspective, kFisheye, kFov };
   Kind kind = Kind::kPerspective;
-  // Of the point p that the kind gives, r = |p|:
+  // With p the point after the projection of `kind`, r = |p|:
   //   p (1 + Σ radial_i r^2i) / (1 + Σ divisor_i r^2i) + tangential part + prism r²
   std::array<double, 4> radial{};
   std::array<double, 3> divisor{};
@@ -23,11 +22,11 @@ struct Lens {
   double fov_rad = 0;  // of kFov, in (0, pi)
 };
 
-/// Below this no parameter moves a pixel of a 64k image by more than 1e-4 px.
+/// A parameter below this moves no pixel of a 64k image by more than 1e-4 px.
 inline constexpr double kNegligibleDistortion = 1e-9;
 
-/// Whether a pinhole's picture differs.
-inline bool is_bent(const Lens& lens) {
+/// True if the image differs from a pinhole image.
+inline bool has_distortion(const Lens& lens) {
   const auto acts = [](const auto& parameters) {
     for (const double p : parameters)
       if (!(std::abs(p) < kNegligibleDistortion)) return true;
@@ -37,11 +36,11 @@ inline bool is_bent(const Lens& lens) {
          acts(lens.prism);
 }
 
-/// Where the photo shows what a pinhole shows at p.
-inline Vec2<double> bent(const Lens& lens, Vec2<double> p) {
+/// Maps a point p of the pinhole image to its place in the photo.
+inline Vec2<double> distort(const Lens& lens, Vec2<double> p) {
   const double radius = std::hypot(p.x, p.y);
   if (lens.kind == Lens::Kind::kFisheye && radius > 0) {
-    const double shrunk = std::atan(radius) / radius;  // the angle to the axis takes the place of its tangent
+    const double shrunk = std::atan(radius) / radius;  // the angle to the axis replaces its tangent
     p.x *= shrunk, p.y *= shrunk;
   } else if (lens.kind == Lens::Kind::kFov && radius > 0) {
     const double shrunk = std::atan(2 * radius * std::tan(lens.fov_rad / 2)) / (radius * lens.fov_rad);

@@ -39,7 +39,7 @@ NGS_HD inline BilinearAxis bilinear_axis(double position_px, int size_px) {
   return {lower, lower + 1 < size_px ? lower + 1 : lower, at - lower};
 }
 
-/// The value between four pixels; at(x, y) is a pixel's.
+/// Bilinear interpolation between four pixels; at(x, y) is the value of a pixel.
 template <class At>
 NGS_HD double read_bilinear(double x_px, double y_px, int width_px, int height_px, const At& at) {
   const BilinearAxis x = bilinear_axis(x_px, width_px), y = bilinear_axis(y_px, height_px);
@@ -49,8 +49,8 @@ NGS_HD double read_bilinear(double x_px, double y_px, int width_px, int height_p
   return (1 - y.weight) * row(y.lower) + y.weight * row(y.upper);
 }
 
-/// The weight with which `bilinear_axis(position_px, size_px)` reads `pixel`: the same numbers, asked from
-/// the pixel's side, so that a transposed sum can gather.
+/// The weight with which `bilinear_axis(position_px, size_px)` reads `pixel`: the same numbers, seen from the pixel, so
+/// that a transposed sum can gather.
 NGS_HD inline double bilinear_weight(double position_px, int size_px, int pixel) {
   const BilinearAxis axis = bilinear_axis(position_px, size_px);
   double weight = axis.lower == pixel ? 1 - axis.weight : 0;
@@ -67,8 +67,8 @@ struct NodeAxis {
 struct NodeRange {
   int first, last;
 };
-/// The nodes of one axis that may lie within `reach_px` of a pixel's centre after clamping to the image: a
-/// superset, never missing one.
+/// The nodes of one axis that may lie within `reach_px` of a pixel's centre after clamping to the image: a superset
+/// that misses none.
 NGS_HD inline NodeRange nodes_near(const NodeAxis& axis, int size_px, int pixel, double reach_px) {
   const double centre = pixel + 0.5;
   const double low = (centre - reach_px - axis.first_px) / axis.step_px - 1e-6,

@@ -1,5 +1,5 @@
 #pragma once
-// Some rows of a model by number: what is worked out for them has an entry for each, and none for all the others.
+// A numbered subset of the rows of a model. Arrays that are computed for the subset have no entries for other rows.
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -10,8 +10,8 @@ struct RowNumbers {
   static constexpr std::uint32_t kNone = 0xFFFFFFFF;
 
   std::vector<std::int64_t> row;      // [size] increasing
-  std::vector<std::uint32_t> number;  // [N] of a row among these; kNone: it is not one of them
-  std::vector<std::uint8_t> chosen;   // [N] 1: it is one of them
+  std::vector<std::uint32_t> number;  // [N] index of the row in the subset; kNone: not in it
+  std::vector<std::uint8_t> chosen;   // [N] 1: in the subset
 
   RowNumbers() = default;
   /// The rows with chosen[row] != 0.
@@ -20,7 +20,7 @@ struct RowNumbers {
     for (std::size_t i = 0; i < chosen.size(); ++i)
       if (chosen[i]) number[i] = std::uint32_t(row.size()), row.push_back(std::int64_t(i));
   }
-  /// `rows` increasing, of n.
+  /// `rows`: increasing, each below n.
   RowNumbers(std::vector<std::int64_t> rows, std::int64_t n)
       : row(std::move(rows)), number(std::size_t(n), kNone), chosen(std::size_t(n), 0) {
     for (std::size_t r = 0; r < row.size(); ++r)

@@ -1,5 +1,5 @@
 #pragma once
-// The place that each of some numbers has among them, without sorting them.
+// The rank of each number in a set, without sorting the set.
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -8,12 +8,12 @@
 
 namespace ngs {
 
-/// A set of numbers below `limit`, a bit each.
+/// A set of numbers below `limit`, as a bit set.
 class RowRanks {
  public:
   explicit RowRanks(std::int64_t limit) : bits_(std::size_t(limit + 63) / 64), before_(bits_.size()) {}
 
-  /// All before the first rank is asked for.
+  /// Adds rows; call count() after the last add().
   void add(std::span<const std::uint32_t> rows) {
     for (const std::uint32_t row : rows) bits_[row / 64] |= std::uint64_t(1) << row % 64;
   }

@@ -6,7 +6,7 @@ namespace ngs {
 
 inline constexpr double kShC0 = 0.28209479177387814;
 inline constexpr double kShC1 = 0.4886025119029199;
-/// Factors of the second and third band. Functions, because device code cannot read an array of the host.
+/// Factors of the second and third band. Functions, because device code cannot read a host array.
 NGS_HD constexpr double sh_c2(int k) {
   constexpr double factor[5] = {1.0925484305920792, -1.0925484305920792, 0.31539156525252005, -1.0925484305920792,
                                 0.5462742152960396};

@@ -1,14 +1,14 @@
 #pragma once
-// A table of which few cells are ever touched: with many objects a Gaussian is part of one or two of them.
+// A sparse table: with many objects, a Gaussian belongs to only one or two of them.
 #include <cstdint>
 #include <deque>
 #include <vector>
 
 namespace ngs {
 
-/// [rows, columns] cells, all of them Cell() until they are touched. A cell that was touched takes its size and 8
-/// bytes, every row 4 bytes. Cells of a row are in the order of their columns, whatever the order in which they were
-/// touched. Finding one takes as long as its row has cells.
+/// [rows, columns] cells, all of them Cell() until touched. A touched cell takes its size plus 8 bytes, every row 4
+/// bytes. The touched cells of a row are sorted by column, in whatever order they were touched. Finding one takes time
+/// linear in their number.
 template <class Cell>
 class SparseTable {
  public:
@@ -18,13 +18,13 @@ class SparseTable {
   std::size_t columns() const { return columns_; }
   std::size_t touched() const { return node_.size(); }
 
-  /// Null where it was never touched.
+  /// Null if the cell was never touched.
   const Cell* find(std::size_t row, std::size_t column) const {
     std::uint32_t at = first_[row];
     while (at != kNone && node_[at].column < column) at = node_[at].next;
     return at != kNone && node_[at].column == column ? &node_[at].cell : nullptr;
   }
-  /// Different cells may be changed by several threads at a time, while none is touched.
+  /// Several threads may change different cells at a time, but not while one calls touch().
   Cell* find(std::size_t row, std::size_t column) {
     return const_cast<Cell*>(static_cast<const SparseTable&>(*this).find(row, column));
   }
@@ -33,27 +33,29 @@ class SparseTable {
     while (*at != kNone && node_[*at].column < column) at = &node_[*at].next;
     if (*at == kNone || node_[*at].column != column) {
       const auto made = std::uint32_t(node_.size());
-      node_.push_back({{}, std::uint32_t(column), *at});  // a deque: `at` stays
+      node_.push_back({{}, std::uint32_t(column), *at});  // a deque: `at` stays valid
       *at = made;
     }
     return node_[*at].cell;
   }
-  /// What a cell that was never touched is to have added.
-  struct First {
+  /// A value to add to a cell that was not touched yet.
+  struct Insert {
     std::uint32_t row, column;
     Cell cell;
   };
-  /// Adds to a cell; different ones from several threads at a time. One that was never touched is put off.
-  void add(std::size_t row, std::size_t column, const Cell& cell, std::vector<First>& put_off) {
+  /// Adds to a cell; several threads may add to different cells at a time. Values for untouched cells
+  /// go to `deferred_inserts`.
+  void add(std::size_t row, std::size_t column, const Cell& cell, std::vector<Insert>& deferred_inserts) {
     if (Cell* const known = find(row, column))
       known->add(cell);
     else
-      put_off.push_back({std::uint32_t(row), std::uint32_t(column), cell});
+      deferred_inserts.push_back({std::uint32_t(row), std::uint32_t(column), cell});
   }
-  void add(const std::vector<First>& put_off) {
-    for (const First& first : put_off) touch(first.row, first.column).add(first.cell);
+  /// Applies deferred inserts. Not thread-safe.
+  void add(const std::vector<Insert>& deferred_inserts) {
+    for (const Insert& insert : deferred_inserts) touch(insert.row, insert.column).add(insert.cell);
   }
-  /// f(column, cell) of the cells of a row that were touched.
+  /// Calls f(column, cell) for the touched cells of a row.
   template <class F>
   void for_each_in(std::size_t row, const F& f) const {
     for (std::uint32_t at = first_[row]; at != kNone; at = node_[at].next) f(node_[at].column, node_[at].cell);

@@ -1,5 +1,5 @@
 #pragma once
-// Elementary functions in the form that keeps its accuracy at both ends.
+// Elementary functions in forms that are accurate at both ends of their range.
 #include <cmath>
 #include <cstdint>
 
@@ -30,8 +30,8 @@ NGS_HD T sigmoid(T x) {
   return e / (T(1) + e);
 }
 
-/// The derivative of sigmoid, e^-|x| / (1 + e^-|x|)². As s (1 - s) it would be 0 in float from x = 17 on, and a
-/// saturated parameter could never come back.
+/// The derivative of sigmoid, e^-|x| / (1 + e^-|x|)². The form s (1 - s) would be 0 in float for x >= 17, and a
+/// saturated parameter could never recover.
 template <class T>
 NGS_HD T sigmoid_slope(T x) {
   using std::exp;
@@ -39,15 +39,15 @@ NGS_HD T sigmoid_slope(T x) {
   return e / (sum * sum);
 }
 
-/// At least e^x and at most 6.3 % more, for x in [-87, 88]; beyond and for NaN, that of the nearer end: 2^n (1 + f) for
-/// 2^(n + f), the bits of x / ln 2 read as a float. For bounds: it costs few operations.
+/// A cheap upper bound of e^x, at most 6.3 % too large, for x in [-87, 88]. Beyond and for NaN it is the bound of the
+/// nearer end. It is 2^n (1 + f) instead of 2^(n + f): x / ln 2 in fixed point, read as the bits of a float.
 NGS_HD inline float exp_at_least(float x) {
   constexpr float kScale = 12102203.f, kShift = 1065354000.f;  // 2^23 / ln 2, 127 · 2^23 and a little for rounding
   const float above = x > -87.f ? x : -87.f, within = above < 88.f ? above : 88.f;
   return __builtin_bit_cast(float, std::int32_t(kScale * within + kShift));
 }
 
-/// ln(1 + e^x). For large x the exponential would overflow: x + ln(1 + e^-x).
+/// ln(1 + e^x). For large x the exponential would overflow, so x + ln(1 + e^-x) is used.
 template <class T>
 NGS_HD T softplus(T x) {
   using std::exp;

@@ -1,5 +1,6 @@
 #pragma once
-// Disjoint sets of the integers 0 .. n-1. Each set is named by its least member, whatever the order of the joins.
+// Disjoint sets of the integers 0 .. n-1. Each set is identified by its least member, in whatever order
+// sets are joined.
 #include <algorithm>
 #include <cstdint>
 #include <numeric>

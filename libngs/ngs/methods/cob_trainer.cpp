@@ -12,8 +12,8 @@
 namespace ngs {
 namespace {
 
-constexpr double kLabelRate = 0.1;  // Adam, of the label logits
-constexpr double kExtract = 0.9;    // label 1 where the sigmoid exceeds this
+constexpr double kLabelRate = 0.1;  // Adam rate of the label logits
+constexpr double kExtract = 0.9;    // label 1 if the sigmoid exceeds this
 
 }  // namespace
 
@@ -42,9 +42,9 @@ void CobTrainer::mask_phase(const Exec& exec, Monitor& monitor) {
       Evidence one(cloud_.size(), objects_);
       add_view_evidence(exec, cloud_, {input_.scene.views[view].camera, masks}, input_.splat, one);
       label_step(exec, one);
-      if (pass == 0) evidence_.add(one), ++mask_views_;  // the second pass sees the same pixels
+      if (pass == 0) evidence_.add(one), ++mask_views_;  // the second pass has the same evidence
     }
-  columns_ = label_gaussians({}, evidence_);
+  columns_ = label_gaussians(input_.rule, evidence_);
 }
 
 /// The linear loss -Σ G M + λ Σ (1 - G) M has the constant gradient λ (W - W1) - W1 in m = sigmoid(logit).
@@ -103,7 +103,7 @@ void CobTrainer::prune(const Exec& exec) {
   apply(exec, rows);
 }
 
-/// Children start over: logit 0, zero moments.
+/// Children of a split start with logit 0 and zero moments.
 void CobTrainer::apply(const Exec& exec, const std::vector<CloudRow>& rows) {
   edit_rows(exec, rows, rng_bits(input_.seed, RngStream::kSplit, std::uint64_t(edits_++)), cloud_);
   for (std::size_t g = 0; g < kGaussianGroups; ++g) edit_moments(rows, group_width(cloud_, g), moments_[g]);

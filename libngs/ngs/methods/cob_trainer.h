@@ -9,7 +9,7 @@
 
 namespace ngs {
 
-/// Adds a term to the colours' gradient in a texture step. `logit` [N, K]: label logits.
+/// Adds a term to the gradient of the colours in a texture step. `logit` [N, K]: label logits.
 using ColourTerm = std::function<void(const Exec& exec, const GaussianCloud& cloud, const std::vector<float>& logit,
                                       std::vector<float>& grad_sh_dc)>;
 
@@ -17,7 +17,7 @@ class CobTrainer {
  public:
   CobTrainer(const CobOptions& options, const Problem& input);
 
-  /// Two passes over the views. Leaves the phase's evidence in evidence(), until split() or prune().
+  /// Two passes over the views. Afterwards evidence() is that of this phase; split() and prune() invalidate it.
   void mask_phase(const Exec& exec, Monitor& monitor);
   void texture_phase(const Exec& exec, Monitor& monitor, const ColourTerm& colour_term);
   void split(const Exec& exec);
@@ -47,7 +47,7 @@ class CobTrainer {
   AdamMoments label_moments_;
   GaussianMoments moments_;
   Evidence evidence_;                  // of the last mask phase
-  std::vector<LabelColumns> columns_;  // of that evidence, following the rows
+  std::vector<LabelColumns> columns_;  // closed-form labels of evidence_, edited together with the rows
   std::int64_t label_steps_ = 0, texture_steps_ = 0, epochs_ = 0, edits_ = 0;
   std::int64_t split_ = 0, pruned_ = 0, mask_views_ = 0;
   double first_photometric_ = 0, last_photometric_ = 0;
@@ -57,7 +57,7 @@ class CobTrainer {
   ViewGradients image_gradient_;
 };
 
-/// The whole schedule. `colour_term` may be empty.
+/// All phases of a run. `colour_term` may be empty.
 Solution run_cob_schedule(const Exec& exec, Monitor& monitor, const CobOptions& options, const Problem& input,
                           const ColourTerm& colour_term);
 

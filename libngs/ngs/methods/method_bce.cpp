@@ -8,7 +8,7 @@ namespace ngs {
 namespace {
 
 constexpr double kHalfWeightsGap = 5e-4;
-constexpr std::int64_t kCacheBytes = std::int64_t(2048) << 20;  // of weights; views beyond it are composited anew
+constexpr std::int64_t kCacheBytes = std::int64_t(2048) << 20;  // of weights; further views are composited each time
 
 void note_figures(const LabelSolution& s, const std::string& suffix, std::map<std::string, double>& figures) {
   figures["loss" + suffix] = s.loss;
@@ -22,37 +22,38 @@ void note_figures(const LabelSolution& s, const std::string& suffix, std::map<st
   figures["streamed_views" + suffix] = double(s.cache.streamed_views);
 }
 
-/// The masks of one object, kept run by run where that takes less than a byte per pixel, since every evaluation reads
-/// them; others are decoded anew.
-class KeptTargets {
+/// The masks of one object. Every evaluation reads them all, so masks that need less than one byte per pixel as run
+/// lengths are cached; the others are decoded each time.
+class CachedTargets {
  public:
-  KeptTargets(const Problem& input, std::size_t object) : input_(input), object_(object), kept_(input.views.size()) {}
+  CachedTargets(const Problem& input, std::size_t object)
+      : input_(input), object_(object), cache_(input.views.size()) {}
 
   /// Decodes all masks, several at a time.
   void preload(const Exec& exec) {
-    for_each_task(exec, std::int64_t(kept_.size()), [this](std::int64_t i) { load(std::size_t(i)); });
+    for_each_task(exec, std::int64_t(cache_.size()), [this](std::int64_t i) { load(std::size_t(i)); });
   }
 
   PixelTargets load(std::size_t i) {
-    if (kept_[i].available()) return pixel_targets(kept_[i].unpacked(), 0);
+    if (cache_[i].available()) return pixel_targets(cache_[i].unpacked(), 0);
     ViewMasks masks = input_.load_masks(input_.views[i]);
     if (!masks.available) return {};
     masks.target = {std::move(masks.target[object_])};
     const std::size_t pixels = masks.target[0].size();
     PixelTargets targets = pixel_targets(masks, 0);
-    if (RleMasks packed(std::move(masks)); packed.bytes() < pixels) kept_[i] = std::move(packed);
+    if (RleMasks packed(std::move(masks)); packed.bytes() < pixels) cache_[i] = std::move(packed);
     return targets;
   }
 
  private:
   const Problem& input_;
   std::size_t object_;
-  std::vector<RleMasks> kept_;  // [views]
+  std::vector<RleMasks> cache_;  // [views]
 };
 
-/// The soft values are the labels: the fitted masks are renders of them, and thresholding would move the
-/// contours. Of several objects that claim a Gaussian only the one with the largest value keeps it.
-void decide(std::vector<LabelColumns>& labels) {
+/// Sets the labels to the soft values: the fitted masks are renders of these, and thresholding would move the contours.
+/// With several objects only the one with the largest value gets the Gaussian.
+void assign_labels(std::vector<LabelColumns>& labels) {
   for (std::size_t i = 0; i < labels[0].label.size(); ++i) {
     std::size_t best = 0;
     for (std::size_t k = 1; k < labels.size(); ++k)
@@ -79,10 +80,10 @@ BceResult solve_bce(const Exec& exec, Monitor& monitor, const BceOptions& option
   for (std::size_t k = 0; k < labels.size(); ++k) {
     LabelProblem problem{input.cloud, {}, {}, input.splat, false};
     for (const std::size_t view : input.views) problem.cameras.push_back(input.scene.views[view].camera);
-    // The working set is solved with rounded weights, the certificate is not: on real scenes the rounding costs a
-    // relative gap of about 1e-5.
+    // The working set is solved with rounded weights, the certificate uses exact ones. On real scenes the rounding
+    // costs a relative gap of about 1e-5.
     problem.half_weights = options.relative_gap >= kHalfWeightsGap;
-    KeptTargets targets(input, k);
+    CachedTargets targets(input, k);
     targets.preload(exec);
     problem.load_targets = [&](std::size_t i) { return targets.load(i); };
     std::vector<double> start(n);
@@ -98,7 +99,7 @@ BceResult solve_bce(const Exec& exec, Monitor& monitor, const BceOptions& option
     result.method.converged &= solution.converged;
     result.trace.push_back(std::move(solution.trace));
   }
-  decide(labels);
+  assign_labels(labels);
   restore_fixed(input, {}, labels);
   for (const LabelColumns& c : labels) result.method.figures["object_gaussians"] += labelled_count(c);
   return result;

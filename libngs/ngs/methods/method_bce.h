@@ -1,9 +1,10 @@
 #pragma once
-// ngs-joint --method bce: the labels that explain the masks best, geometry fixed.       Eq. (19); C18 (a)
+// ngs-joint --method bce: the labels that minimise the mask loss, with fixed geometry.    Eq. (19); C18 (a)
 //
-// Convex: started from the closed form, solved to a certified gap (ops/labels/label_solve.h). Figures of the result,
-// each with the object's name appended where there are several: loss, gap, relative_gap, evaluations, rounds,
-// columns, working_columns, cache_mib, streamed_views (the last three: of the largest working set).
+// The problem is convex. The solver starts from the closed form and stops at a certified duality gap
+// (ops/labels/label_solve.h). Figures of the result: loss, gap, relative_gap, evaluations, rounds, columns,
+// working_columns, cache_mib, streamed_views. The last three are those of the largest working set. With several
+// objects each figure's name ends with the object's name.
 #include "ngs/ops/labels/label_solve.h"
 #include "ngs/options/field.h"
 #include "ngs/problem/problem.h"
@@ -17,9 +18,8 @@ struct BceOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.relative_gap,
-          Field<double>{"bce_gap", "of the loss", "stop at this duality gap (bound on loss - optimum)", 1e-6, 1.0});
-    visit(self.max_evaluations,
-          Field<int>{"bce_evaluations", "", "at most this many evaluations of the loss", 1, 1000000});
+          Field<double>{"bce_gap", "of the loss", "Stop at this duality gap (bound on loss - optimum)", 1e-6, 1.0});
+    visit(self.max_evaluations, Field<int>{"bce_evaluations", "", "Maximum number of loss evaluations", 1, 1000000});
   }
 };
 

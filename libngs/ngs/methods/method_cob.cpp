@@ -5,7 +5,7 @@
 namespace ngs {
 namespace {
 
-constexpr int kLabelOnlyPhases = 5;  // 10 V iterations, the code's default without texture phases
+constexpr int kLabelOnlyPhases = 5;  // 10 V iterations, the published code's default without texture phases
 
 }  // namespace
 

@@ -8,7 +8,7 @@
 namespace ngs {
 namespace {
 
-/// The object that beats the biased background and every other object; -1 if none does.
+/// The object with the largest share, if it exceeds the background's share plus gamma; otherwise -1.
 int heaviest_object(const FlashOptions& options, const std::vector<LabelColumns>& labels, std::size_t row) {
   double object_sum = 0, square_sum = 0, best_share = 0;
   int best = -1;
@@ -17,7 +17,7 @@ int heaviest_object(const FlashOptions& options, const std::vector<LabelColumns>
     object_sum += share, square_sum += share * share;
     if (share > best_share) best = int(k), best_share = share;
   }
-  const double background = std::max(0.0, 1 - object_sum);  // overlapping objects may claim more than all
+  const double background = std::max(0.0, 1 - object_sum);  // shares of overlapping objects may sum to more than 1
   const double length =
       options.norm == FlashNorm::kL1 ? background + object_sum : std::sqrt(background * background + square_sum);
   return best_share / length > background / length + options.gamma ? best : -1;

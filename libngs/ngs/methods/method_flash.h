@@ -1,11 +1,11 @@
 #pragma once
 // ngs-joint --method flash: labels by majority of the rendering weights, in closed form.   PAPER.md §6.1
 //
-// With A1 the weight inside the object and A0 outside, label 1 where the object's share beats the
-// background's share plus gamma; shares are normalised by their sum (l1, as the FlashSplat paper prints it)
-// or by their Euclidean length (l2, as its code does). For one object these are thresholds on f = A1 / (A0 +
-// A1), see flash_threshold(). Of several
-// objects the heaviest keeps a Gaussian. Gaussians without evidence stay in the third state for any gamma.
+// A1 is a Gaussian's rendering weight inside the object's masks, A0 the weight outside. The label is 1 if the object's
+// share exceeds the background's share plus gamma. Shares are normalised by their sum (l1, as in the FlashSplat
+// paper) or by their Euclidean length (l2, as in its code). For one object both are thresholds on
+// f = A1 / (A0 + A1), see flash_threshold(). With several objects only the heaviest gets the Gaussian. Gaussians
+// without evidence stay undecided (views = 0) for any gamma.
 #include "ngs/options/field.h"
 #include "ngs/problem/problem.h"
 
@@ -21,9 +21,9 @@ struct FlashOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.gamma,
-          Field<double>{"flash_gamma", "", "bias towards the background; < 0 favours the object", -1.0, 1.0});
+          Field<double>{"flash_gamma", "", "Bias towards the background; < 0 favours the object", -1.0, 1.0});
     visit(self.norm,
-          Choice<FlashNorm>{"flash_norm", "normalisation of the shares that gamma is added to", kFlashNormNames});
+          Choice<FlashNorm>{"flash_norm", "Normalisation of the shares that gamma is added to", kFlashNormNames});
   }
 };
 

@@ -10,9 +10,9 @@ namespace ngs {
 namespace {
 
 constexpr double kShDc = 0.28209479177387814;  // rgb = 0.5 + kShDc · sh_dc
-// Weights as published: colour differences to neighbours, the change under jitter, the mean density.
+// Published weights of the colour differences to neighbours, the change under jitter, and the mean density.
 constexpr double kContinuity = 0.1, kSmooth = 0.05, kDensity = 1e-3;
-constexpr double kRate = 1e-3;  // Adam, of network and tables
+constexpr double kRate = 1e-3;  // Adam rate of the network and the hash tables
 
 }  // namespace
 
@@ -21,7 +21,7 @@ std::vector<std::size_t> most_undecided(const GaussianCloud& cloud, const std::v
   for (std::size_t i = 0; i < cloud.usable.size(); ++i)
     if (cloud.usable[i]) order.push_back(i);
   const std::size_t objects = cloud.usable.empty() ? 0 : logit.size() / cloud.usable.size();
-  const auto doubt = [&](std::size_t i) {  // the smallest |logit|: 4 m (1 - m) falls with it
+  const auto least_logit = [&](std::size_t i) {  // the smallest |logit|: 4 m (1 - m) decreases with |logit|
     float least = INFINITY;
     for (std::size_t k = i * objects; k < (i + 1) * objects; ++k) least = std::min(least, std::abs(logit[k]));
     return least;
@@ -29,8 +29,8 @@ std::vector<std::size_t> most_undecided(const GaussianCloud& cloud, const std::v
   const std::size_t taken = std::min(order.size(), std::size_t(count));
   std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(taken), order.end(),
                     [&](std::size_t a, std::size_t b) {
-                      const float da = doubt(a), db = doubt(b);
-                      return da != db ? da < db : a < b;
+                      const float la = least_logit(a), lb = least_logit(b);
+                      return la != lb ? la < lb : a < b;
                     });
   order.resize(taken);
   std::sort(order.begin(), order.end());

@@ -1,10 +1,9 @@
 #pragma once
-// ngs-joint --method released: what the authors' published code does.                       PAPER.md §6.5
+// ngs-joint --method released: the algorithm of the authors' published code.                 PAPER.md §6.5
 //
-// COB-GS (method cob, with the code's own divisor) plus a colour regulariser in the texture phases. For
-// comparison only: the regulariser sees no ray, no query point and no mask, it acts on the colours of the
-// 4096 Gaussians with the most undecided labels, and rendering masks does not read colours. What the paper
-// describes is --method ng-gs.
+// COB-GS (method cob, divided by all views) plus a colour regulariser in the texture phases. For comparison only:
+// the regulariser uses no ray, query point or mask. It changes the colours of the 4096 Gaussians with the most
+// uncertain labels, and rendered masks do not depend on colours. --method ng-gs is the method of the paper.
 #include "ngs/methods/method_cob.h"
 #include "ngs/options/field.h"
 
@@ -18,14 +17,14 @@ struct ReleasedOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.count,
-          Field<int>{"released_count", "", "Gaussians that are regularised, most undecided first", 0, 1 << 20});
+          Field<int>{"released_count", "", "Number of Gaussians to regularise, most uncertain first", 0, 1 << 20});
     visit(self.align,
-          Field<double>{"released_align", "", "weight of the distance to the neighbours' mean colour", 0.0, 1e6});
+          Field<double>{"released_align", "", "Weight of the distance to the neighbours' mean colour", 0.0, 1e6});
   }
 };
 
-/// Rows of the cloud by 4 m (1 - m), m the sigmoid of the most undecided object's logit [N, K]; ties by row.
-/// At most `count`, ascending; unusable rows are left out.
+/// The at most `count` usable rows with the largest 4 m (1 - m), where m is the sigmoid of the row's logit [N, K] of
+/// least absolute value. Ties go to the lower row. Returned in ascending order.
 std::vector<std::size_t> most_undecided(const GaussianCloud& cloud, const std::vector<float>& logit, int count);
 
 Solution run_released(const Exec& exec, Monitor& monitor, const ReleasedOptions& options, const Problem& input);

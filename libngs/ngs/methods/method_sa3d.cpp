@@ -10,7 +10,7 @@ namespace {
 struct ObjectState {
   int object;
   double threshold;
-  GaussianCloud cloud;                // `usable` loses what a pass removed
+  GaussianCloud cloud;                // `usable` is 0 for Gaussians that a pass removed
   Evidence evidence;                  // of the current pass
   std::vector<std::size_t> accepted;  // views that passed the gate in the first pass
   std::vector<float> label() const {
@@ -21,7 +21,7 @@ struct ObjectState {
   }
 };
 
-/// IoU of the rendered label mask and the given one over known pixels; two empty masks agree.
+/// IoU of the rendered label mask and the given mask over known pixels; 1 if both are empty.
 double mask_agreement(const Exec& exec, const ObjectState& state, const Problem& input, const Camera& camera,
                       const ViewMasks& masks) {
   const std::vector<float> label = state.label();
@@ -33,20 +33,20 @@ double mask_agreement(const Exec& exec, const ObjectState& state, const Problem&
   std::int64_t both = 0, either = 0;
   for (std::size_t p = 0; p < target.size(); ++p) {
     if (!masks.known.empty() && !masks.known[p]) continue;
-    const bool rendered = label_says_object(view.label.data[p]), given = mask_says_object(target[p]);
+    const bool rendered = label_is_foreground(view.label.data[p]), given = mask_is_foreground(target[p]);
     both += rendered && given, either += rendered || given;
   }
   return either == 0 ? 1.0 : double(both) / double(either);
 }
 
-/// The masks of the view, of this object alone: what the others weigh would be gathered in vain.
+/// The view's mask of this object only, so that no evidence of other objects is accumulated.
 ViewMasks masks_of(const Problem& input, std::size_t view, const ObjectState& state) {
   ViewMasks masks = input.load_masks(view);
   if (masks.available) masks.target = {std::move(masks.target[std::size_t(state.object)])};
   return masks;
 }
 
-void take_view(const Exec& exec, const Problem& input, std::size_t view, const ViewMasks& masks, ObjectState& state) {
+void add_view(const Exec& exec, const Problem& input, std::size_t view, const ViewMasks& masks, ObjectState& state) {
   add_view_evidence(exec, state.cloud, {input.scene.views[view].camera, masks}, input.splat, state.evidence);
 }
 
@@ -59,7 +59,7 @@ void first_pass(const Exec& exec, Monitor& monitor, const Sa3dOptions& options, 
     const Camera& camera = input.scene.views[view].camera;
     if (!state.accepted.empty() && mask_agreement(exec, state, input, camera, masks) < options.gate_iou) continue;
     state.accepted.push_back(view);
-    take_view(exec, input, view, masks, state);
+    add_view(exec, input, view, masks, state);
   }
 }
 
@@ -67,7 +67,7 @@ void later_pass(const Exec& exec, const Problem& input, ObjectState& state) {
   const std::vector<float> label = state.label();
   for (std::size_t i = 0; i < label.size(); ++i) state.cloud.usable[i] &= label[i] > 0.f;
   state.evidence = Evidence(state.cloud.size(), 1);
-  for (const std::size_t view : state.accepted) take_view(exec, input, view, masks_of(input, view, state), state);
+  for (const std::size_t view : state.accepted) add_view(exec, input, view, masks_of(input, view, state), state);
 }
 
 }  // namespace
@@ -80,14 +80,14 @@ Solution run_sa3d(const Exec& exec, Monitor& monitor, const Sa3dOptions& options
   for (int k = 0; k < int(input.scene.objects.size()); ++k) {
     ObjectState state{k, threshold, input.cloud, Evidence(input.cloud.size(), 1), {}};
     first_pass(exec, monitor, options, input, state);
-    VarianceOptions closed_form;
+    BoundaryRule closed_form = input.rule;
     closed_form.label_threshold = threshold;
     LabelColumns columns = label_gaussians(closed_form, state.evidence)[0];
     for (int pass = 1; pass < options.passes && !monitor.stop_requested(); ++pass) {
       later_pass(exec, input, state);
-      const std::vector<float> kept = state.label();
-      for (std::size_t i = 0; i < kept.size(); ++i) {
-        columns.label[i] = kept[i];
+      const std::vector<float> label = state.label();
+      for (std::size_t i = 0; i < label.size(); ++i) {
+        columns.label[i] = label[i];
         if (state.evidence.views[i] > 0)
           columns.prob[i] = float(state.evidence.object_weight(i, 0) / state.evidence.weight.value(i));
       }

@@ -1,10 +1,10 @@
 #pragma once
 // ngs-joint --method sa3d: mask inverse rendering of SA3D-GS in closed form.               PAPER.md §6.2
 //
-// Its loss, -Σ G M + λ Σ (1 - G) M per view, is linear in the labels: the label of a Gaussian is 1 where its
-// share f = A1 / (A0 + A1) exceeds λ / (1 + λ). Views are taken in order; one whose mask disagrees with what
-// the labels so far render (IoU below the gate) is left out, the first excepted. Between passes the Gaussians
-// that are not the object are removed, so that later passes see what stood behind them.
+// The loss of SA3D-GS, -Σ G M + λ Σ (1 - G) M per view, is linear in the labels: the label of a Gaussian is 1 if its
+// share f = A1 / (A0 + A1) exceeds λ / (1 + λ). Views are processed in order. A view other than the first is skipped
+// if the IoU of its mask with the rendered current labels is below the gate. Between passes all Gaussians outside the
+// object are removed, so that later passes reach object Gaussians that were occluded.
 #include "ngs/options/field.h"
 #include "ngs/problem/problem.h"
 
@@ -17,10 +17,10 @@ struct Sa3dOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.lambda, Field<double>{"sa3d_lambda", "", "weight of pixels outside the mask", 1e-6, 1e6});
+    visit(self.lambda, Field<double>{"sa3d_lambda", "", "Weight of pixels outside the mask", 1e-6, 1e6});
     visit(self.gate_iou,
-          Field<double>{"sa3d_gate_iou", "", "views that agree less with the labels so far are left out", 0.0, 1.0});
-    visit(self.passes, Field<int>{"sa3d_passes", "", "passes over the views", 1, 100});
+          Field<double>{"sa3d_gate_iou", "", "Skip views whose IoU with the current labels is below this", 0.0, 1.0});
+    visit(self.passes, Field<int>{"sa3d_passes", "", "Number of passes over the views", 1, 100});
   }
 };
 

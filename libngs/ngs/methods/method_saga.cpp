@@ -22,13 +22,13 @@ std::vector<int> pixel_ids(const ViewMasks& masks, int width_px, int height_px) 
       const std::size_t p = row * std::size_t(masks.width_px) + column;
       int found = masks.known.empty() || masks.known[p] ? 0 : -1;
       for (std::size_t k = masks.target.size(); found >= 0 && k-- > 0;)
-        if (mask_says_object(masks.target[k][p])) found = int(k) + 1;
+        if (mask_is_foreground(masks.target[k][p])) found = int(k) + 1;
       id.push_back(found);
     }
   return id;
 }
 
-constexpr int kNeighbours = 16;  // Gaussians that a feature is averaged over
+constexpr int kNeighbours = 16;  // number of Gaussians in the mean of a smoothed feature
 
 class Saga {
  public:
@@ -40,7 +40,7 @@ class Saga {
     cloud_ = input.cloud;
     edit_rows(exec, rows, 0, cloud_);
     const Rows<const float, 3> points{cloud_.position.data(), cloud_.size()};
-    graph_ = nearest_points(exec, points, points, kNeighbours);  // the nearest is the point itself
+    graph_ = nearest_points(exec, points, points, kNeighbours);  // includes the point itself
     build_transpose(graph_);
     features_.resize(rows.size() * std::size_t(options.dims));
     for (std::size_t i = 0; i < features_.size(); ++i)
@@ -98,8 +98,8 @@ class Saga {
     return used;
   }
 
-  /// Half of the pixels from objects, half from the background, with repetition; fills id_. Empty: no object
-  /// in view.
+  /// Half of the pixels from objects, half from the background, drawn with replacement; fills id_. Empty if the view
+  /// shows no object.
   std::vector<std::size_t> drawn_pixels(const std::vector<int>& id) {
     std::vector<std::size_t> group[2], pixel;
     for (std::size_t p = 0; p < id.size(); ++p)
@@ -120,7 +120,7 @@ class Saga {
     return resized(full, scaled_size_px(full.width_px, s), scaled_size_px(full.height_px, s));
   }
 
-  /// Ids at the size of the feature images, read once; empty: the view has no masks.
+  /// Ids at the size of the feature images, cached; empty if the view has no masks.
   const std::vector<int>& ids_of(std::size_t view) {
     const auto [at, is_new] = ids_.try_emplace(view);
     if (is_new) {
@@ -180,12 +180,12 @@ class Saga {
   const SagaOptions& options_;
   const Problem& input_;
   GaussianCloud cloud_;           // the usable Gaussians
-  std::vector<std::size_t> row_;  // of the input
+  std::vector<std::size_t> row_;  // rows of the input cloud
   KnnGraph graph_;
   std::vector<float> features_;  // [usable, D]
   AdamMoments moments_;
   std::map<std::size_t, std::vector<int>> ids_;
-  std::vector<int> id_;  // of the pixels drawn last
+  std::vector<int> id_;  // ids of the pixels drawn last
   SplatPass pass_;
   CloudGradients gradients_;
   ViewGradients image_gradient_;

@@ -16,7 +16,7 @@ namespace {
 constexpr int kLevels = 8, kFeatures = 2, kInputs = kLevels * kFeatures + 3, kHidden = 64, kHeads = 4, kNeighbours = 8;
 constexpr std::size_t kTable = 1u << 15;
 constexpr double kTint = 0.1, kBaseShare = 0.25, kJitter = 0.01, kLeastWeight = 1e-6;
-constexpr std::int64_t kChunk = 256;  // rows that one task differentiates
+constexpr std::int64_t kChunk = 256;  // rows per task of the backward pass
 
 // Parameters: tables, then weight and bias of each layer.
 constexpr std::size_t kTables = kLevels * kTable * kFeatures;
@@ -25,7 +25,7 @@ constexpr std::size_t kW1 = 0, kB1 = kW1 + kHidden * kInputs, kW2 = kB1 + kHidde
                       kBetaB = kBetaW + kHidden * 3, kHeadW = kBetaB + kHidden, kHeadB = kHeadW + kHeads * kHidden,
                       kNetwork = kHeadB + kHeads;
 
-/// y = W x + b and its adjoint: where a layer lies among the parameters of the network.
+/// y = W x + b and its adjoint. `weight` and `bias` are offsets into the parameters of the network.
 struct Affine {
   std::size_t weight, bias;
   int rows, columns;
@@ -52,7 +52,7 @@ struct Affine {
 constexpr Affine kLayer1{kW1, kB1, kHidden, kInputs}, kLayer2{kW2, kB2, kHidden, kHidden},
     kGamma{kGammaW, kGammaB, kHidden, 3}, kBeta{kBetaW, kBetaB, kHidden, 3}, kHead{kHeadW, kHeadB, kHeads, kHidden};
 
-/// What one row's forward pass leaves for its backward pass.
+/// Values of one row's forward pass that its backward pass reads.
 struct RowState {
   double in[kInputs], a1[kHidden], a2[kHidden], gamma[kHidden], beta[kHidden], film[kHidden], h3[kHidden], head[kHeads];
 };
@@ -63,7 +63,7 @@ struct RowOutput {
 
 double relu(double x) { return x > 0 ? x : 0; }
 
-/// `net`: parameters behind the tables. state.in is set.
+/// `net`: the parameters that follow the hash tables. Reads s.in, writes all other members of `s`.
 RowOutput forward_row(const double* net, RowState& s) {
   const double* base = s.in + kLevels * kFeatures;
   double h1[kHidden], h2[kHidden];
@@ -84,7 +84,7 @@ RowOutput forward_row(const double* net, RowState& s) {
   return out;
 }
 
-/// Adds to `grad` (network) and writes ∂L/∂in to `grad_in`, of which the last three are the base colour.
+/// Adds to `grad` (network) and overwrites `grad_in` with ∂L/∂in; its last three values are those of the base colour.
 void backward_row(const double* net, const RowState& s, const RowOutput& g, double* grad, double* grad_in) {
   const double* base = s.in + kLevels * kFeatures;
   std::fill_n(grad_in, kInputs, 0.0);
@@ -110,7 +110,7 @@ void backward_row(const double* net, const RowState& s, const RowOutput& g, doub
   kLayer1.backward(net, s.in, g1, grad, grad_in);
 }
 
-/// Table entry of every (row, level): floor cell of coordinates scaled to the batch's own bounds.
+/// Table entry of every (row, level): the floor cell of the coordinates, scaled to the bounds of the batch.
 std::vector<std::uint32_t> hash_cells(const std::vector<double>& position) {
   const std::size_t rows = position.size() / 3;
   double lo[3] = {INFINITY, INFINITY, INFINITY}, hi[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -156,7 +156,7 @@ struct Batch {
     });
   }
 
-  /// Adds to `grad` (all parameters) and `grad_base`.
+  /// Adds to `grad` (of all parameters) and `grad_base`.
   void backward(const Exec& exec, const std::vector<RowOutput>& grad_out, std::vector<double>& grad,
                 std::vector<double>& grad_base) const {
     const auto rows = std::int64_t(state.size()), chunks = (rows + kChunk - 1) / kChunk;
@@ -167,7 +167,8 @@ struct Batch {
                      &part[std::size_t(chunk) * kNetwork], &grad_in[std::size_t(r) * kInputs]);
     });
     for (std::size_t i = 0; i < part.size(); ++i) grad[kTables + i % kNetwork] += part[i];
-    for_each_task(exec, kLevels, [&](std::int64_t level) {  // a level owns its table and visits the rows in order
+    // One task per level: the gradient of its table is summed in row order.
+    for_each_task(exec, kLevels, [&](std::int64_t level) {
       for (std::size_t r = 0; r < state.size(); ++r)
         for (std::size_t f = 0; f < kFeatures; ++f) {
           const std::size_t l = std::size_t(level);
@@ -179,7 +180,7 @@ struct Batch {
   }
 };
 
-/// RBF weights of the batch's nearest others: exp(-d² / 2σ²), σ the mean distance, over max(sum, 1e-6).
+/// RBF weights of each row's nearest neighbours: exp(-d² / 2σ²) / max(sum, 1e-6), where σ is the mean distance.
 std::vector<double> rbf_weights(const KnnGraph& graph) {
   const double sigma = std::max(mean_spacing(graph), 1e-12);
   const auto k = std::size_t(graph.neighbours);
@@ -193,7 +194,7 @@ std::vector<double> rbf_weights(const KnnGraph& graph) {
   return weight;
 }
 
-/// Continuity mean_i Σ_j w_ij |base_i - base_j|² / 3 with its gradient; fills the RBF colour of every row.
+/// Returns mean_i Σ_j w_ij |base_i - base_j|² / 3 and adds its gradient; overwrites `rbf` with every row's RBF colour.
 double continuity(const KnnGraph& graph, const std::vector<double>& base, double factor, std::vector<double>& rbf,
                   std::vector<double>& grad_base) {
   const std::vector<double> weight = rbf_weights(graph);

@@ -1,11 +1,11 @@
 #pragma once
-// The colour regulariser of the authors' released code, with what is odd about it.        PAPER.md §6.5
+// The colour regulariser of the authors' released code, oddities included.                 PAPER.md §6.5
 //
-// A network refines the constant colours of at most 4096 Gaussians: 8 hash levels of 2 features, looked up at
-// the floor cell without interpolation, in coordinates renormalised by the minimum and maximum of each batch,
-// with composite "primes"; two layers, one modulation by the colour itself, rgb = clamp(base + 0.1 tanh). Its
-// output only ever meets the loss below: no ray, no pixel and no mask takes part. In double, for a gradient
-// that can be tested.
+// A network refines the constant (SH degree 0) colours of at most 4096 Gaussians. Its 8 hash levels of 2 features are
+// looked up at the floor cell without interpolation, with composite numbers in place of primes, in coordinates
+// normalised by the minimum and maximum of each batch. Two layers follow, with one modulation by the colour itself:
+// rgb = clamp(base + 0.1 tanh). The output is used only in the losses below; no ray, pixel or mask takes part.
+// Arithmetic is in double, so that tests can check the gradient.
 #include <cstdint>
 #include <vector>
 
@@ -20,7 +20,7 @@ struct ReleasedWeights {
 /// The Gaussians of a batch.
 struct ReleasedRows {
   const std::vector<float>& position;  // [M, 3] world
-  const std::vector<double>& base;     // [M, 3] their colours, in [0, 1]
+  const std::vector<double>& base;     // [M, 3] colours in [0, 1]
 };
 
 struct ReleasedLosses {
@@ -31,11 +31,11 @@ class ReleasedField {
  public:
   explicit ReleasedField(std::uint64_t seed);
 
-  /// Losses of M Gaussians and their gradients: `grad_base` [M, 3] and grad() are overwritten. `draw` numbers the step,
-  /// for its jitter. Gradients stop where the code detaches.
+  /// Losses of M Gaussians and their gradients. Overwrites `grad_base` [M, 3] and grad(). `draw` is the number of the
+  /// step, the jitter's random counter. Gradients stop where the published code detaches.
   ReleasedLosses evaluate(const Exec& exec, const ReleasedWeights& weights, const ReleasedRows& in, std::uint64_t draw,
                           std::vector<double>& grad_base);
-  /// One Adam step of the network and its tables against grad().
+  /// One Adam step of the network and the hash tables along grad().
   void step(const Exec& exec, double lr);
 
   std::vector<double>& parameters() { return value_; }

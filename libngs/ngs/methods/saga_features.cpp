@@ -5,7 +5,7 @@
 namespace ngs {
 namespace {
 
-constexpr double kShortest = 1e-3;  // of a rendered feature that has a direction
+constexpr double kShortest = 1e-3;  // least length of a rendered feature whose direction is used
 
 struct PairCounts {
   double same = 0, different = 0;

@@ -1,9 +1,8 @@
 #pragma once
-// Affinity features of the method saga: smoothing over neighbours, the contrastive loss, and their gradients.
+// Affinity features of the method saga: smoothing over neighbours, contrastive loss, and their gradients.
 // PAPER.md §6.4
 //
-// Templated on the scalar: float for the features in production, double in tests. The loss is always in
-// double.
+// T is float in production and double in gradient tests. The loss is always in double.
 #include <cmath>
 #include <span>
 #include <vector>
@@ -39,8 +38,7 @@ class SmoothedFeatures {
     used_ = slot_used;
   }
 
-  /// Overwrites `grad_features` from ∂L/∂u of the last forward, of which `features` and `u` are in- and
-  /// output.
+  /// Overwrites `grad_features` from ∂L/∂u. `features` and `u` are the input and output of the last forward().
   void backward(const Exec& exec, const std::vector<T>& features, const std::vector<T>& u, const std::vector<T>& grad_u,
                 std::vector<T>& grad_features) {
     const auto d = std::size_t(dims_);
@@ -86,9 +84,9 @@ class SmoothedFeatures {
 };
 
 /// Loss over all pairs of S rendered pixel features P [S, D] with cos = P_i · P_j / (|P_i| |P_j|):
-///   - mean cos over pairs of one object + mean max(0, cos) over pairs of different ids + (1 - mean |P|)²
-/// id 0 is background: it repels objects, but not every background pixel is alike. Features shorter than 1e-3
-/// (hardly covered pixels) take part in the last term only. Overwrites `grad` [S, D].
+///   L = -mean cos over pairs of one object + mean max(0, cos) over pairs of different ids + (1 - mean |P|)²
+/// id 0 is background: pairs of an object and background count as different, pairs of two background pixels are
+/// ignored. Features shorter than 1e-3 (hardly covered pixels) enter the last term only. Overwrites `grad` [S, D].
 double contrastive_loss(const Exec& exec, int dims, std::span<const float> features, std::span<const int> id,
                         std::vector<float>& grad);
 

@@ -1,5 +1,5 @@
 #pragma once
-// The name of a choice.
+// The name of an enum value in its table of names.
 #include <cstddef>
 #include <stdexcept>
 #include <string>

@@ -13,7 +13,7 @@ int edit_distance(std::string_view a, std::string_view b);
 /// or the same beginning.
 std::vector<std::string> near_matches(std::string_view name, const std::vector<std::string>& candidates);
 
-/// "did you mean 'a' or 'b'?"; where nothing is near, "known: x, y, z".
+/// "did you mean 'a' or 'b'?"; without a near match, "known: x, y, z".
 std::string suggestion(std::string_view name, const std::vector<std::string>& candidates);
 
 }  // namespace ngs

@@ -11,15 +11,14 @@
 namespace ngs {
 namespace {
 
-/// The whole text, which may begin with '+'.
+/// Parses the whole text, which may begin with '+'.
 template <class T>
 bool parse_signed(std::string_view text, T& value) {
   if (text.starts_with('+')) text.remove_prefix(1);
   return parse_number(text, value);
 }
 
-/// What was typed as the JSON value that it stands for. Text that is no number stays text, so that the
-/// check of the option words the message.
+/// A typed number as JSON. Other text stays text, so that the check of the option reports it.
 Json typed_number(std::string_view text, OptionKind kind) {
   std::int64_t integer = 0;
   std::uint64_t large = 0;
@@ -36,7 +35,7 @@ Json typed_bool(const std::string& text) {
   return text;
 }
 
-/// A value for a message: short, and not the null that JSON has for numbers which are not finite.
+/// A value for a message: shortened, and with names for non-finite numbers, which JSON prints as null.
 std::string shown(const Json& value) {
   if (value.is_number_float() && !std::isfinite(value.get<double>()))
     return std::isnan(value.get<double>()) ? "nan" : "infinity";
@@ -117,7 +116,7 @@ std::string option_flag(std::string_view name) {
   return flag;
 }
 
-bool is_heard(const OptionEntry& entry) { return !entry.group->listens || entry.group->listens(); }
+bool is_used(const OptionEntry& entry) { return !entry.group->applies || entry.group->applies(); }
 
 Json parse_json(std::string_view text, std::string_view source) {
   return parse_strict_json<Json>(text, source, ErrorCode::kUsage);

@@ -1,10 +1,10 @@
 #pragma once
-// The options of a tool as data: what the command line, the options file, the schema, the help text and the
-// report all read. Filled from describe() functions (field.h); refers to the described structs, which must
-// outlive it.
+// The options of a tool as data, read by the command line, the options file, the schema, the help text and the report.
+// An OptionSet is filled from describe() functions (field.h). It refers to the described structs, which
+// must outlive it.
 //
-// Every value passes the same checks, whether it comes from a flag or from JSON: the right type, finite, in
-// its range, a known choice. A violation is Error(kUsage) "name = value, expected in [a, b]".
+// Values from flags and from JSON pass the same checks: right type, finite, in range, known choice. A violation is
+// Error(kUsage) "name = value, expected in [a, b]".
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -25,14 +25,14 @@ enum class OptionKind { kBool, kInteger, kReal, kText, kTextList, kChoice };
 /// The shortest help that shows a group of options: -h, --help, or --help NAME (and --help all).
 enum class Shown { kInShortHelp, kInHelp, kByName };
 
-/// What the options of one struct have in common in one tool.
+/// Properties that the options of one struct share in one tool.
 struct OptionGroup {
-  std::string name = "options";        // a word for --help NAME; groups of one name share a part of the help
-  std::string about = {};              // what stands behind it
-  std::string prefix = {};             // before their names: "fit_" -> --fit-steps
-  std::string effect = {};             // of those that name none themselves, as in Field::of()
-  std::function<bool()> listens = {};  // asked once all values are set: false, and nothing uses them. Empty: always
-  std::string listener = {};           // who would: "--method cob"
+  std::string name = "options";        // for --help NAME; groups of one name share a section of the help
+  std::string about = {};              // what follows the name in the help
+  std::string prefix = {};             // of the option names: "fit_" -> --fit-steps
+  std::string effect = {};             // of options without an effect of their own, see Field::of()
+  std::function<bool()> applies = {};  // called once all values are set; false: its options are unused. Empty: true
+  std::string needs = {};              // the setting with which it applies: "--method cob"
   Shown shown = Shown::kInHelp;
 };
 
@@ -44,9 +44,9 @@ struct OptionEntry {
   Json min, max;  // of a number, else null
   std::vector<std::string> choices;
   std::shared_ptr<const OptionGroup> group;
-  std::string effect;  // see Field::of(); empty: nothing turns it off
-  char letter = '\0';  // of a short flag; 0: none
-  Json default_value;  // at its declaration
+  std::string effect;  // see Field::of(); empty: none is needed
+  char letter = '\0';  // short flag; 0: none
+  Json default_value;  // the value when it was added
   std::function<Json()> get;
   std::function<void(const Json&)> set;  // checks, then stores
 };
@@ -54,10 +54,10 @@ struct OptionEntry {
 /// "--bbox-pad-px" for "bbox_pad_px", "-h" for "h".
 std::string option_flag(std::string_view name);
 
-/// False where the group of the option says that nothing listens to it.
-bool is_heard(const OptionEntry& entry);
+/// False if the group of the option does not apply.
+bool is_used(const OptionEntry& entry);
 
-/// `text` as JSON; a key that occurs twice in one object is an error, as is anything after the value.
+/// Parses `text` as JSON. A key that occurs twice in one object is an error, as is anything after the value.
 Json parse_json(std::string_view text, std::string_view source);
 
 class OptionSet {
@@ -72,7 +72,7 @@ class OptionSet {
 
   const std::vector<OptionEntry>& entries() const { return entries_; }
   std::vector<std::string> names() const;
-  /// Those whose value is another than it was at their declaration; an options file repeats the others as well.
+  /// Options whose value differs from the default. Being set is no criterion: an options file sets all options.
   std::vector<const OptionEntry*> given() const;
   /// The entry of this name, or Error(kUsage) that suggests the nearest names.
   const OptionEntry& at(std::string_view name, std::string_view source = {}) const;
@@ -84,7 +84,7 @@ class OptionSet {
   Json to_json() const;
   /// JSON Schema (draft-07) of to_json(), defaults included.
   Json schema(std::string_view title) const;
-  /// That of one value.
+  /// The schema of one option.
   Json property_schema(std::string_view name) const;
 
  private:
@@ -108,7 +108,7 @@ std::string checked_text(std::string_view name, const Json& value);
 std::vector<std::string> checked_texts(std::string_view name, const Json& value);
 std::size_t checked_choice(std::string_view name, const Json& value, const std::vector<std::string>& choices);
 
-/// The visitor that describe() is given.
+/// The visitor that is passed to describe().
 struct Binder {
   std::function<void(OptionEntry)> push;
   std::shared_ptr<const OptionGroup> group;
@@ -170,7 +170,7 @@ struct Binder {
     e.get = [&value, values = field.values] {
       for (const NamedValue<E>& choice : values)
         if (choice.value == value) return Json(std::string(choice.name));
-      throw std::logic_error("an option holds a value outside its choices");
+      throw std::logic_error("an option has a value outside its choices");
     };
     e.set = [&value, values = field.values, name = e.name, names = e.choices](const Json& json) {
       value = values[checked_choice(name, json, names)].value;

@@ -6,7 +6,7 @@
 namespace ngs {
 namespace {
 
-/// Flags by the reason why they are not used, both in the order in which they come.
+/// Flags grouped by the reason why they are not used, both in the order of declaration.
 class FlagsByReason {
  public:
   void add(const std::string& reason, const std::string& flag) {
@@ -54,21 +54,21 @@ std::string why_not_used(std::string_view effects, const IsOn& is_on) {
 
 }  // namespace
 
-std::vector<std::string> unheard_warnings(const OptionSet& options) {
-  FlagsByReason unheard;
+std::vector<std::string> unused_group_warnings(const OptionSet& options) {
+  FlagsByReason unused;
   for (const OptionEntry* entry : options.given())
-    if (const std::string& listener = entry->group->listener; !is_heard(*entry))
-      unheard.add(listener.empty() ? "" : ", only " + listener + " listens", option_flag(entry->name));
-  return unheard.texts();
+    if (const std::string& needs = entry->group->needs; !is_used(*entry))
+      unused.add(needs.empty() ? "" : " without " + needs, option_flag(entry->name));
+  return unused.texts();
 }
 
-std::vector<std::string> without_effect_warnings(const OptionSet& options, const IsOn& is_on) {
-  FlagsByReason without_effect;
+std::vector<std::string> unused_effect_warnings(const OptionSet& options, const IsOn& is_on) {
+  FlagsByReason unused;
   for (const OptionEntry* entry : options.given()) {
-    const std::string reason = is_heard(*entry) ? why_not_used(entry->effect, is_on) : "";
-    if (!reason.empty()) without_effect.add(reason, option_flag(entry->name));
+    const std::string reason = is_used(*entry) ? why_not_used(entry->effect, is_on) : "";
+    if (!reason.empty()) unused.add(reason, option_flag(entry->name));
   }
-  return without_effect.texts();
+  return unused.texts();
 }
 
 }  // namespace ngs

@@ -1,7 +1,6 @@
 #pragma once
-// What people should hear about the options they gave: that nothing listens. A sweep over an option
-// that nothing listens to would otherwise be a flat line without a word. One text per reason, in the order of
-// declaration.
+// Warnings about given options that are not used. Without them, a sweep over an unused option would be an unexplained
+// flat line. One text per reason, in the order of declaration.
 #include <functional>
 #include <string>
 #include <string_view>
@@ -11,11 +10,11 @@
 
 namespace ngs {
 
-/// "--cob-rounds, --cob-views: not used, only --method cob listens", of groups that are not listened to.
-std::vector<std::string> unheard_warnings(const OptionSet& options);
+/// "--cob-rounds, --cob-views: not used without --method cob", for groups that do not apply.
+std::vector<std::string> unused_group_warnings(const OptionSet& options);
 
-/// "--hash-levels, --mlp-hidden: not used with nerf=off", of effects of which `is_on` says that they are off.
-std::vector<std::string> without_effect_warnings(const OptionSet& options,
-                                                 const std::function<bool(std::string_view effect)>& is_on);
+/// "--hash-levels, --mlp-hidden: not used with nerf=off", for effects that are off according to `is_on`.
+std::vector<std::string> unused_effect_warnings(const OptionSet& options,
+                                                const std::function<bool(std::string_view effect)>& is_on);
 
 }  // namespace ngs

@@ -10,18 +10,17 @@
 
 namespace ngs {
 
-/// Arrays and objects within one another. What is read is printed in messages and pages by functions that call
-/// themselves for every level, so that a file could otherwise choose how much stack they take; ours have fewer than
-/// ten.
+/// Deepest nesting of arrays and objects. Values are printed by recursive functions, so a file without this limit could
+/// overflow the stack. Files of ngs have fewer than ten levels.
 inline constexpr int kMaxJsonDepth = 64;
 
-/// `text` as JsonType (nlohmann's json or ordered_json). What is not one JSON value, a key that occurs twice in one
-/// object, and more than kMaxJsonDepth levels are Error(code); `source` names the text in messages.
+/// Parses `text` as JsonType (nlohmann's json or ordered_json). Error(code) for text that is not one JSON value, a key
+/// that occurs twice in one object, or more than kMaxJsonDepth levels. `source` names the text in messages.
 template <class JsonType>
 JsonType parse_strict_json(std::string_view text, std::string_view source, ErrorCode code) {
   using Event = typename JsonType::parse_event_t;
   std::vector<std::set<std::string>> open_objects;  // the keys seen so far, outermost object first
-  const auto refuse = [&](int depth, Event event, JsonType& parsed) {
+  const auto check_event = [&](int depth, Event event, JsonType& parsed) {
     if ((event == Event::object_start || event == Event::array_start) && depth >= kMaxJsonDepth)
       throw Error(code,
                   std::string(source) + ": more than " + std::to_string(kMaxJsonDepth) +
@@ -35,7 +34,7 @@ JsonType parse_strict_json(std::string_view text, std::string_view source, Error
     return true;
   };
   try {
-    return JsonType::parse(text.begin(), text.end(), refuse);
+    return JsonType::parse(text.begin(), text.end(), check_event);
   } catch (const typename JsonType::exception& e) {
     const std::string_view what = e.what();
     const std::size_t begin = what.find("] ");  // behind "[json.exception.parse_error.101"

@@ -18,7 +18,7 @@ std::vector<Agreement> training_agreement(const Exec& exec, const Problem& probl
     const ViewMasks masks = problem.load_masks(view);
     if (!masks.available) return;
     const ImageF label = channels.masks(exec, problem.scene.views[view].camera, problem.splat);
-    const std::vector<ShownBox> boxes = boxes_shown(label);
+    const std::vector<ForegroundBox> boxes = foreground_boxes(label);
     Agreement sum;
     for (std::size_t k = 0; k < objects; ++k) {
       const MaskPair pair(label, masks, k, boxes[k]);

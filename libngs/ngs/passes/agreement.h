@@ -1,5 +1,5 @@
 #pragma once
-// How well a solution's rendered masks agree with the training views' own masks.
+// Agreement of a solution's rendered masks with the training views' masks.
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,12 +8,12 @@
 
 namespace ngs {
 
-/// Of one view, mean over the objects; boundary IoU with the narrow band (0.005 of the diagonal).
+/// IoU and boundary IoU of one view, means over the objects. The boundary band is 0.005 of the image diagonal.
 struct Agreement {
   double iou = 0, biou = 0;
 };
 
-/// Of every training view with masks.
+/// One entry per training view that has masks.
 std::vector<Agreement> training_agreement(const Exec& exec, const Problem& problem, const Solution& solution);
 Agreement mean_agreement(const std::vector<Agreement>& views);
 

@@ -1,6 +1,6 @@
 #pragma once
-// Which effects a run has: decided by its command line, by another run's report, by the time that is left, and by the
-// detectors, in this order.
+// Decides which effects are on in a run. Order of precedence: the command line, another run's report, the time left,
+// the heuristics.
 #include <functional>
 #include <optional>
 #include <string>
@@ -12,17 +12,17 @@
 
 namespace ngs {
 
-struct EffectDecision {
+struct Decision {
   const Effect* effect;
-  std::string mode;  // auto, on, off, or where the decision was taken over from
+  std::string mode;  // auto, on, off, or the source of a fixed decision
   bool on;
   std::string reason;
   std::optional<double> measured = {};
-  bool aborted = false;  // it was on
+  bool aborted = false;  // the effect was on, and was aborted
 };
 
-/// A decision that something else than the scene takes: an option, or the time that is left.
-struct EffectVerdict {
+/// A decision made by an option, by --effects-from or by the time budget instead of a heuristic.
+struct FixedDecision {
   std::string_view name;
   bool on;
   std::string reason;
@@ -31,49 +31,49 @@ struct EffectVerdict {
 
 class Decisions {
  public:
-  Decisions(std::vector<Effect> effects, EffectModes modes, std::vector<EffectVerdict> verdicts = {});
+  Decisions(std::vector<Effect> effects, EffectSwitches switches, std::vector<FixedDecision> fixed = {});
   Decisions(const Decisions&) = delete;
   Decisions& operator=(const Decisions&) = delete;
 
   const std::vector<Effect>& effects() const { return effects_; }
-  EffectMode mode(std::string_view name) const { return modes_.of(name); }
+  Switch switch_of(std::string_view name) const { return switches_.of(name); }
 
-  /// Another decision that the scene has no say in; entries of --effect and earlier verdicts still win.
-  void rule(EffectVerdict verdict) { verdicts_.push_back(std::move(verdict)); }
+  /// Adds a fixed decision. Switches of --effect and earlier fixed decisions take precedence.
+  void fix(FixedDecision decision) { fixed_.push_back(std::move(decision)); }
 
-  /// Whether --effect or a verdict decides it.
-  bool ruled(std::string_view name) const;
+  /// True: --effect or a fixed decision sets it.
+  bool is_fixed(std::string_view name) const;
 
-  /// Of an effect that is on: it turned out not to be done.
+  /// Marks an effect that is on as aborted.
   void abort(std::string_view name, std::string reason);
 
-  /// Decides these effects, in their order. True: a detector was asked.
+  /// Decides these effects, in their order. True: a heuristic was measured.
   bool decide(const std::vector<Effect>& some, SceneProbe& probe);
 
   bool decided(std::string_view name) const { return find(name) != nullptr; }
-  /// Of a decided effect.
+  /// The effect must be decided.
   bool on(std::string_view name) const;
-  /// What is known of an effect before any detector, also by an effect that it needs; null: nothing yet.
-  std::optional<bool> settled(std::string_view name) const;
-  /// Whether it may be on, as far as that is known without a look at pictures.
+  /// The decision if it does not depend on a heuristic, or is already made; null: unknown so far.
+  std::optional<bool> on_if_known(std::string_view name) const;
+  /// False: it is known, without loading images, that the effect is off.
   bool may_be_on(std::string_view name, const Problem& problem) const;
 
-  const std::vector<EffectDecision>& all() const { return all_; }
+  const std::vector<Decision>& all() const { return all_; }
   Json json() const;
-  /// A line per decision, for people.
+  /// Text table with one line per decision.
   std::string table() const;
 
  private:
-  const EffectDecision* find(std::string_view name) const;
-  std::optional<EffectDecision> settled_decision(const Effect& effect) const;
+  const Decision* find(std::string_view name) const;
+  std::optional<Decision> decision_without_heuristic(const Effect& effect) const;
 
   std::vector<Effect> effects_;
-  EffectModes modes_;
-  std::vector<EffectVerdict> verdicts_;
-  std::vector<EffectDecision> all_;
+  EffectSwitches switches_;
+  std::vector<FixedDecision> fixed_;
+  std::vector<Decision> all_;
 };
 
 /// "auto: sh=off (view-dependent colour 0.12 <= 0.5 levels), leaves out ...".
-std::string decision_line(const EffectDecision& decision);
+std::string decision_line(const Decision& decision);
 
 }  // namespace ngs

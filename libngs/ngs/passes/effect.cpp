@@ -16,7 +16,7 @@ std::string short_number(double value) {
   return text;
 }
 
-[[noreturn]] void refuse_entry(std::span<const Effect> effects, const std::string& entry) {
+[[noreturn]] void throw_bad_entry(std::span<const Effect> effects, const std::string& entry) {
   std::string names = "all";
   for (const Effect& e : effects) names += ", " + std::string(e.name);
   throw Error(ErrorCode::kUsage, "--effect: '" + entry + "', expected NAME=auto|on|off", "NAME is one of " + names);
@@ -30,32 +30,32 @@ const Effect* find_effect(std::span<const Effect> effects, std::string_view name
   return nullptr;
 }
 
-EffectModes::EffectModes(std::span<const Effect> effects, const std::vector<std::string>& entries) {
+EffectSwitches::EffectSwitches(std::span<const Effect> effects, const std::vector<std::string>& entries) {
   for (const std::string& entry : entries) read(effects, entry);
   for (const Effect& e : effects)
-    if (const Entry* own = find(e.name); own != nullptr && own->by_name && own->mode == EffectMode::kOn)
+    if (const Entry* own = find(e.name); own != nullptr && own->by_name && own->mode == Switch::kOn)
       require(effects, e);
 }
 
-EffectModes::Entry* EffectModes::find(std::string_view name) {
+EffectSwitches::Entry* EffectSwitches::find(std::string_view name) {
   const auto found = std::ranges::find(entries_, name, &Entry::name);
   return found == entries_.end() ? nullptr : &*found;
 }
 
-void EffectModes::set(std::string_view name, EffectMode mode, bool by_name) {
+void EffectSwitches::set(std::string_view name, Switch mode, bool by_name) {
   if (Entry* entry = find(name))
     *entry = {name, mode, by_name};
   else
     entries_.push_back({name, mode, by_name});
 }
 
-void EffectModes::read(std::span<const Effect> effects, const std::string& entry) {
+void EffectSwitches::read(std::span<const Effect> effects, const std::string& entry) {
   const std::size_t equals = std::min(entry.find('='), entry.size());
   const std::string name = entry.substr(0, equals), value = entry.substr(std::min(equals + 1, entry.size()));
   const Effect* known = find_effect(effects, name);
   if ((known == nullptr && name != "all") || (value != "auto" && value != "on" && value != "off"))
-    refuse_entry(effects, entry);
-  const EffectMode mode = value == "auto" ? EffectMode::kAuto : value == "on" ? EffectMode::kOn : EffectMode::kOff;
+    throw_bad_entry(effects, entry);
+  const Switch mode = value == "auto" ? Switch::kAuto : value == "on" ? Switch::kOn : Switch::kOff;
   if (known == nullptr) {
     for (const Effect& e : effects) set(e.name, mode, false);
     return;
@@ -63,27 +63,27 @@ void EffectModes::read(std::span<const Effect> effects, const std::string& entry
   set(known->name, mode, true);
 }
 
-void EffectModes::require(std::span<const Effect> effects, const Effect& effect) {
+void EffectSwitches::require(std::span<const Effect> effects, const Effect& effect) {
   for (std::string_view need = effect.needs; !need.empty(); need = find_effect(effects, need)->needs) {
     const Entry* entry = find(need);
-    if (entry == nullptr || entry->mode != EffectMode::kOff) continue;
+    if (entry == nullptr || entry->mode != Switch::kOff) continue;
     if (entry->by_name)
       throw Error(
           ErrorCode::kUsage,
           "--effect " + std::string(effect.name) + "=on: it needs " + std::string(need) + ", which is off by name",
           "--effect " + std::string(need) + "=on, or leave out one of them");
-    set(need, EffectMode::kOn, false);
+    set(need, Switch::kOn, false);
   }
 }
 
-EffectMode EffectModes::of(std::string_view name) const {
+Switch EffectSwitches::of(std::string_view name) const {
   const auto found = std::ranges::find(entries_, name, &Entry::name);
-  return found == entries_.end() ? EffectMode::kAuto : found->mode;
+  return found == entries_.end() ? Switch::kAuto : found->mode;
 }
 
-std::string decision_reason(const Detector& detector, double measured) {
-  return std::string(detector.measured) + ": " + short_number(measured) +
-         (measured > detector.threshold ? " > " : " <= ") + short_number(detector.threshold);
+std::string decision_reason(const Heuristic& heuristic, double measured) {
+  return std::string(heuristic.measured) + ": " + short_number(measured) +
+         (measured > heuristic.threshold ? " > " : " <= ") + short_number(heuristic.threshold);
 }
 
 }  // namespace ngs

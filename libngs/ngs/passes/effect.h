@@ -1,9 +1,8 @@
 #pragma once
-// What of the method can be on, off, or decided by what the scene calls for: passes, and parts of passes. PAPER.md §5.7
+// Effects: passes, and parts of passes, that can be on, off, or decided by the scene.                     PAPER.md §5.7
 //
-// An Effect is all there is to say about one of them; --help, --explain, the report, --effects-from and the decision
-// itself read it. Its detector gives one number, cheap to measure on what is loaded already. Off means that the work is
-// not done.
+// An Effect describes one of them for --help, --explain, the report, --effects-from and the decision. Its heuristic
+// measures one number, cheaply, on data that is already loaded. An effect that is off costs no work.
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -16,55 +15,55 @@ namespace ngs {
 class SceneProbe;
 struct Problem;
 
-/// One number of the scene; the effect is on where it lies above the threshold.
-struct Detector {
-  std::string_view measured;  // what is measured, with its unit
+/// One number measured on the scene. The effect is on if the number exceeds the threshold.
+struct Heuristic {
+  std::string_view measured;  // the measured quantity, with its unit
   double threshold = 0;
-  std::string_view why;  // that threshold
+  std::string_view why;  // why the threshold has this value
   std::function<double(SceneProbe&)> measure;
-  /// Whether it can lie above the threshold, known without a look at pictures; empty: it may.
+  /// False: the number cannot exceed the threshold, and is not measured. Must not load images. Null: always true.
   bool (*possible)(const Problem&) = nullptr;
-  std::string_view impossible = {};  // why it is off where it cannot; nothing is measured then
+  std::string_view impossible = {};  // why the effect is off if possible() is false
 };
 
 struct Effect {
   std::string_view name, help;
-  std::string_view saves = {};   // what is not done where it is off
-  std::string_view needs = {};   // an effect without which this one has nothing to do
-  std::string_view always = {};  // why it is on whatever the scene; empty: the detector decides
-  Detector detector = {};
+  std::string_view saves = {};   // work that is skipped if the effect is off
+  std::string_view needs = {};   // effect that must be on for this one to be on
+  std::string_view always = {};  // why the effect is on for every scene; empty: the heuristic decides
+  Heuristic heuristic = {};
 };
 
-/// Mean change of the rendered mask values, in [0, 1], that an effect may cause where `auto` leaves it out.
+/// Bound on the mean change of the rendered mask values, in [0, 1], by an effect that `auto` switches off.
 inline constexpr double kEffectBound = 0.005;
 
-/// Views that a decision looks at where it need not see all.
+/// Number of views on which a heuristic is measured if it does not need all views.
 inline constexpr std::size_t kDecisionViews = 8;
 
-enum class EffectMode : std::uint8_t { kAuto, kOn, kOff };
+enum class Switch : std::uint8_t { kAuto, kOn, kOff };
 
-/// Null: there is none of that name.
+/// Null: no effect has that name.
 const Effect* find_effect(std::span<const Effect> effects, std::string_view name);
 
-/// What --effect asks for.
-class EffectModes {
+/// The switches set by --effect.
+class EffectSwitches {
  public:
-  EffectModes() = default;
-  /// "NAME=auto|on|off" entries, of which the last that names an effect counts; NAME may be "all". An effect that is on
-  /// by its own name switches on what it needs. kUsage for anything else, and where what it needs is off by its own
-  /// name.
-  EffectModes(std::span<const Effect> effects, const std::vector<std::string>& entries);
+  EffectSwitches() = default;
+  /// Entries have the form "NAME=auto|on|off"; NAME may be "all". The last entry for an effect wins. An effect that is
+  /// switched on by name switches on the effects that it needs. kUsage for a malformed entry, and if a needed effect is
+  /// switched off by name.
+  EffectSwitches(std::span<const Effect> effects, const std::vector<std::string>& entries);
 
-  EffectMode of(std::string_view name) const;
+  Switch of(std::string_view name) const;
 
  private:
   struct Entry {
     std::string_view name;
-    EffectMode mode;
+    Switch mode;
     bool by_name;  // not by "all"
   };
   Entry* find(std::string_view name);
-  void set(std::string_view name, EffectMode mode, bool by_name);
+  void set(std::string_view name, Switch mode, bool by_name);
   void read(std::span<const Effect> effects, const std::string& entry);
   void require(std::span<const Effect> effects, const Effect& effect);
 
@@ -72,6 +71,6 @@ class EffectModes {
 };
 
 /// "MEASURED: 0.12 <= 0.5".
-std::string decision_reason(const Detector& detector, double measured);
+std::string decision_reason(const Heuristic& heuristic, double measured);
 
 }  // namespace ngs

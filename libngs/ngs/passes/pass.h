@@ -1,7 +1,7 @@
 #pragma once
-// A pass of --method ngs: one thing that is done to a problem or to its solution, on its own terms. A pass says what it
-// is called, when a scene calls for it, what it costs, and does it; the pipeline (pipeline.h) decides, keeps to the
-// time, and reports. A new pass is a folder with a class like the others, and a line in pass_list.cpp.
+// Interface of the passes of --method ngs. A pass makes one change to the problem or to its solution. It declares its
+// effects (effect.h), its options and its heuristic. The pipeline (pipeline.h) decides which passes run, limits their
+// time, and reports. To add a pass, write a class in a new folder and add one line to pass_list.cpp.
 #include <memory>
 #include <optional>
 #include <set>
@@ -10,29 +10,30 @@
 
 #include "ngs/options/option_set.h"
 #include "ngs/passes/decisions.h"
-#include "ngs/passes/joint/joint_stage.h"
-#include "ngs/passes/time/watch.h"
+#include "ngs/passes/time/step_tracker.h"
 #include "ngs/scene/query_field.h"
+#include "ngs/stages/optimise/joint_trainer.h"
 
 namespace ngs {
 
-/// Where the joint steps are kept so that a run can go on (--checkpoint).
+/// Checkpoints of the joint steps (--checkpoint).
 class StepStore {
  public:
   virtual ~StepStore() = default;
-  /// Goes on from what is kept, where --resume asks for it; false: from the start.
+  /// With --resume, restores the trainer from the checkpoint. False: there is none, training starts at step 0.
   virtual bool load(JointTrainer& trainer) = 0;
-  /// What is left of an interrupted run; fails where it cannot be written.
+  /// Writes the final checkpoint of an interrupted run. Throws if it cannot be written.
   virtual void save(JointTrainer& trainer) = 0;
-  /// The same on the way: where it cannot be written, the run goes on with a warning.
-  virtual void save_on_the_way(JointTrainer& trainer) = 0;
-  /// While steps are taken: what would be lost is to be saved once a signal comes.
-  virtual void taking_steps(bool begins) = 0;
-  /// Steps between saves on the way; 0: none.
-  virtual std::int64_t every() const = 0;
+  /// Writes a checkpoint during the run. Warns if it cannot be written.
+  virtual void try_save(JointTrainer& trainer) = 0;
+  /// Called with true before the first step and with false after the last one. In between, a signal must leave time
+  /// for a save.
+  virtual void steps_running(bool running) = 0;
+  /// Steps between checkpoints; 0: none during the run.
+  virtual std::int64_t save_interval() const = 0;
 };
 
-/// What a run knows, from the first pass to the last. Passes read and change it; nothing else is handed on.
+/// State of a run, shared by all passes. Passes communicate only through it.
 struct PassRun {
   const Exec& exec;
   const Exec& device_exec;  // for joint steps
@@ -40,59 +41,61 @@ struct PassRun {
   TrainingOptions training;
   Decisions& decisions;
   Budget& budget;
-  Json& report;  // "result" of the run's report: a key per pass
-  WatchOptions watching = {};
-  bool allow_empty = false;                           // an empty boundary is no error
-  std::function<void(const std::string&)> info = {};  // a line for people; may be empty
+  Json& report;  // "result" of the run's report: one key per pass
+  TrackerOptions tracking = {};
+  bool allow_empty = false;                           // an empty boundary set is no error
+  std::function<void(const std::string&)> info = {};  // receives log lines; may be empty
 
-  std::optional<Problem> problem = {};  // as the passes so far left it
-  const Problem* coarse = nullptr;      // what was read, at the size of decisions
+  std::optional<Problem> problem = {};  // current problem, after the passes so far
+  const Problem* coarse = nullptr;      // input problem at the reduced size used for decisions
   const QueryField* field = nullptr;    // query points of the initial model from a file; null: sampled
-  StepStore* store = nullptr;           // null: nothing is kept
-  std::optional<Json> resumed = {};     // by pass: what the run that is resumed did, where the clock decided it
-  Json state = Json::object();          // the same of this run
-  std::set<std::string> left_out = {};  // effects, for want of time; without those that a resumed run decides anew
+  StepStore* store = nullptr;           // null: no checkpoints
+  std::optional<Json> resumed = {};     // `state` of the run that is resumed
+  Json state = Json::object();          // by pass: time-dependent choices, which a resumed run repeats
+  std::set<std::string> skipped = {};   // effects skipped for lack of time, except those that a resumed run redecides
 
-  std::vector<float> floater = {};  // [N] 1: taken out of the model; empty: none
-  bool fields_fit = true;           // query points made for the model that was read still belong to it
+  std::vector<float> floater = {};  // [N] 1: removed from the model; empty: none
+  bool field_matches_model = true;  // false: query points made for the input model no longer match the model
   std::unique_ptr<JointTrainer> trainer = {};
-  std::optional<Watch> watch = {};
+  std::optional<StepTracker> tracker = {};
   std::optional<Solution> solution = {};
 
-  void say(const std::string& line) const {
+  void log(const std::string& line) const {
     if (info) info(line);
   }
   bool on(std::string_view effect) const { return decisions.on(effect); }
 };
 
-/// Passes of a stage are decided together, on what the stages before left: kFocus says what of the views the others
-/// work on; kMend mends masks and model; kOptimise makes the solution.
-enum class PassStage : std::uint8_t { kFocus, kMend, kOptimise };
+/// Passes of one stage are decided together, on the output of the stage before.
+/// kCrop crops the views; kRepair repairs masks, photos and model; kOptimise computes the solution.
+enum class PassStage : std::uint8_t { kCrop, kRepair, kOptimise };
 
 class Pass {
  public:
   virtual ~Pass() = default;
   virtual PassStage stage() const = 0;
-  /// The pass itself first, then its parts that can be switched.
+  /// First the effect of the whole pass, then those of its parts.
   virtual std::vector<Effect> effects() const = 0;
-  /// Adds its options, as `group` under a name of its own.
+  /// Declares the options of the pass: a copy of `group` with the pass's own name.
   virtual void declare(OptionSet&, const OptionGroup& /*group*/) {}
-  /// What its options decide without naming an effect.
-  virtual std::vector<EffectVerdict> rules(const TrainingOptions&) const { return {}; }
-  /// Whether it ends by the clock itself. Others may be aborted under a time budget, and then change nothing in the
-  /// run.
+  /// Decisions that follow from option values.
+  virtual std::vector<FixedDecision> fixed_decisions(const TrainingOptions&) const { return {}; }
+  /// True: the pass polls the time budget itself. Any other pass may be aborted under a time budget, and must then
+  /// leave the run unchanged.
   virtual bool follows_clock() const { return false; }
-  /// Whether a run that is resumed decides it anew, as nothing of it is kept.
-  virtual bool decided_anew() const { return false; }
-  /// Sets what follows from decisions in the training options, as far as they are known: before those of a stage, and
-  /// after them; from the last pass to the first, so that a pass knows what follows.
+  /// True: a resumed run decides this pass again, because the checkpoint does not depend on it.
+  virtual bool decided_again_on_resume() const { return false; }
+  /// Sets the training options that follow from the decisions known so far. Called before and after the decisions of a
+  /// stage, from the last pass to the first, so that a pass sees the settings of later passes.
   virtual void prepare(PassRun&) {}
-  /// Before run(), whether it is on or off.
+  /// Called before run(), also if the pass is off.
   virtual void begin(PassRun&) {}
-  /// Where it is on.
+  /// Called if the pass is on.
   virtual void run(PassRun&) = 0;
-  /// After all passes of its stage, whether it is on or off.
+  /// Called after all passes of its stage, also if the pass is off.
   virtual void finish(PassRun&) {}
+  /// Edits run.solution. Called after finish() of all passes of the last stage, also if the pass is off.
+  virtual void edit_solution(PassRun&) {}
 };
 
 }  // namespace ngs

@@ -6,31 +6,31 @@
 namespace ngs {
 namespace {
 
-constexpr const char* kNoTime = "--time-budget has no time for it";
-constexpr const char* kAborted = "aborted";  // of the state that a resumed run repeats
+constexpr const char* kSkippedForTime = "--time-budget: skipped, no time left";
+constexpr const char* kAborted = "aborted";  // key of PassRun::state
 
 bool was_aborted(const Json& before, std::string_view name) {
   const Json names = before.value(kAborted, Json::array());
   return std::ranges::any_of(names, [&](const Json& n) { return n.is_string() && n.get<std::string>() == name; });
 }
 
-/// Nothing of a pass is left.
+/// Records that a pass was aborted.
 void abort_pass(PassRun& run, std::string_view name) {
-  run.budget.note_cut();
-  run.decisions.abort(name, "--time-budget: aborted, it would have taken too long");
+  run.budget.mark_cut();
+  run.decisions.abort(name, "--time-budget: aborted, it would have exceeded its share");
   run.state[kAborted].push_back(std::string(name));
   run.report["effects"] = run.decisions.json();
 }
 
 }  // namespace
 
-void leave_out_for_time(PassRun& run, std::string_view effect, bool decided_anew) {
-  if (run.decisions.ruled(effect)) return;
+void skip_for_time(PassRun& run, std::string_view effect, bool decided_again_on_resume) {
+  if (run.decisions.is_fixed(effect)) return;
   if (run.decisions.may_be_on(effect, *run.problem)) {
-    run.budget.note_cut();
-    if (!decided_anew) run.left_out.emplace(effect);
+    run.budget.mark_cut();
+    if (!decided_again_on_resume) run.skipped.emplace(effect);
   }
-  run.decisions.rule({effect, false, kNoTime});
+  run.decisions.fix({effect, false, kSkippedForTime});
 }
 
 namespace {
@@ -54,18 +54,18 @@ std::vector<Effect> Pipeline::effects(PassStage stage) const {
   return effects_of(passes_, [&](const Pass& pass) { return pass.stage() == stage; });
 }
 
-std::vector<Effect> Pipeline::decided_anew() const {
-  return effects_of(passes_, [](const Pass& pass) { return pass.decided_anew(); });
+std::vector<Effect> Pipeline::decided_again_on_resume() const {
+  return effects_of(passes_, [](const Pass& pass) { return pass.decided_again_on_resume(); });
 }
 
 void Pipeline::declare(OptionSet& options, const OptionGroup& group) const {
   for (const auto& pass : passes_) pass->declare(options, group);
 }
 
-std::vector<EffectVerdict> Pipeline::rules(const TrainingOptions& training) const {
-  std::vector<EffectVerdict> all;
+std::vector<FixedDecision> Pipeline::fixed_decisions(const TrainingOptions& training) const {
+  std::vector<FixedDecision> all;
   for (const auto& pass : passes_)
-    for (EffectVerdict& verdict : pass->rules(training)) all.push_back(std::move(verdict));
+    for (FixedDecision& decision : pass->fixed_decisions(training)) all.push_back(std::move(decision));
   return all;
 }
 
@@ -73,69 +73,73 @@ void Pipeline::prepare(PassRun& run) const {
   for (auto pass = passes_.rbegin(); pass != passes_.rend(); ++pass) (*pass)->prepare(run);
 }
 
-/// The detectors of a stage at work.
-struct Pipeline::Detection {
-  const Problem& seen;
-  double until_s;
+/// Context in which the heuristics of one stage are measured.
+struct Pipeline::HeuristicContext {
+  const Problem& problem;
+  double deadline_s;
   std::optional<SceneProbe> probe = {};
 };
 
-/// Asks the detectors of a pass. Where they take too long, it and its parts are left out; what the probe then knows is
-/// of part of the views, and forgotten.
-void Pipeline::decide_pass(const Pass& pass, PassRun& run, Detection& by) const {
+/// Measures the heuristics of a pass. If the time limit ends a measurement, the pass and its parts are skipped, and the
+/// probe is replaced, because its cached values cover only part of the views.
+void Pipeline::decide_pass(const Pass& pass, PassRun& run, HeuristicContext& context) const {
   std::vector<Effect> effects = pass.effects();
-  if (!run.budget.allows(0)) leave_out_for_time(run, effects.front().name, pass.decided_anew());
-  if (!by.probe) by.probe.emplace(run.exec, run.training, by.seen);
+  if (!run.budget.allows(0)) skip_for_time(run, effects.front().name, pass.decided_again_on_resume());
+  if (!context.probe) context.probe.emplace(run.exec, run.training, context.problem);
   {
-    const Monitor::Limit limit(run.monitor, by.until_s);
-    run.decisions.decide(effects, *by.probe);
+    const Monitor::Limit limit(run.monitor, context.deadline_s);
+    run.decisions.decide(effects, *context.probe);
     if (!limit.reached()) return;
   }
-  by.probe.emplace(run.exec, run.training, by.seen);
+  context.probe.emplace(run.exec, run.training, context.problem);
   std::erase_if(effects, [&](const Effect& effect) { return run.decisions.decided(effect.name); });
-  for (const Effect& effect : effects) leave_out_for_time(run, effect.name, pass.decided_anew());
-  run.decisions.decide(effects, *by.probe);
+  for (const Effect& effect : effects) skip_for_time(run, effect.name, pass.decided_again_on_resume());
+  run.decisions.decide(effects, *context.probe);
 }
 
-void Pipeline::decide(PassStage stage, PassRun& run, const Problem& seen) const {
+void Pipeline::decide(PassStage stage, PassRun& run, const Problem& problem) const {
   prepare(run);
-  const auto timed = run.monitor.scope("detectors");
+  const auto timed = run.monitor.scope("heuristics");
   const std::size_t known = run.decisions.all().size();
-  Detection detection{seen, run.budget.end_of_s(kPassShare)};
+  HeuristicContext context{problem, run.budget.deadline_s(kPassShare)};
   for (const auto& pass : passes_)
-    if (pass->stage() == stage && !run.monitor.stop_requested()) decide_pass(*pass, run, detection);
-  for (const EffectDecision& d : std::span(run.decisions.all()).subspan(known))
-    if (d.measured) run.say(decision_line(d));
+    if (pass->stage() == stage && !run.monitor.stop_requested()) decide_pass(*pass, run, context);
+  for (const Decision& d : std::span(run.decisions.all()).subspan(known))
+    if (d.measured) run.log(decision_line(d));
   run.report["effects"] = run.decisions.json();
 }
 
-/// Runs a pass, or aborts it where it takes more than its share: then nothing of it is left. What kept steps begin with
-/// must be the same where they are resumed: there the clock has no say.
+/// Runs a pass, and aborts it without a trace if it exceeds its share of the time. Checkpointed steps must start from
+/// the same state when they are resumed, so with a checkpoint no pass is aborted.
 void Pipeline::run_in_time(Pass& pass, PassRun& run) const {
   const std::string_view name = pass.effects().front().name;
-  const bool insisted = run.decisions.mode(name) != EffectMode::kAuto;
+  const bool is_fixed_by_user = run.decisions.switch_of(name) != Switch::kAuto;
   if (run.resumed && was_aborted(*run.resumed, name)) return abort_pass(run, name);
-  if (run.resumed || insisted || run.store != nullptr || pass.follows_clock()) return pass.run(run);
-  const Monitor::Limit limit(run.monitor, run.budget.end_of_s(kPassShare));
+  if (run.resumed || is_fixed_by_user || run.store != nullptr || pass.follows_clock()) return pass.run(run);
+  const Monitor::Limit limit(run.monitor, run.budget.deadline_s(kPassShare));
   pass.run(run);
   if (limit.reached()) abort_pass(run, name);
 }
 
 bool Pipeline::run(PassStage stage, PassRun& run) const {
   prepare(run);
-  const auto each = [&](const auto& what) {
+  const auto each_of = [&](const auto& is_wanted, const auto& what) {
     for (const auto& pass : passes_) {
-      if (pass->stage() != stage) continue;
+      if (!is_wanted(*pass)) continue;
       if (run.monitor.stop_requested()) return false;
       what(*pass);
     }
     return !run.monitor.stop_requested();
   };
-  return each([&](Pass& pass) {
-           pass.begin(run);
-           if (run.on(pass.effects().front().name)) run_in_time(pass, run);
-         }) &&
-         each([&](Pass& pass) { pass.finish(run); });
+  const auto in_stage = [&](const Pass& pass) { return pass.stage() == stage; };
+  const auto in_last_stage = [&](const Pass&) { return stage == PassStage::kOptimise; };
+  return each_of(in_stage,
+                 [&](Pass& pass) {
+                   pass.begin(run);
+                   if (run.on(pass.effects().front().name)) run_in_time(pass, run);
+                 }) &&
+         each_of(in_stage, [&](Pass& pass) { pass.finish(run); }) &&
+         each_of(in_last_stage, [&](Pass& pass) { pass.edit_solution(run); });
 }
 
 }  // namespace ngs

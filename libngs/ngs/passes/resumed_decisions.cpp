@@ -16,22 +16,22 @@ bool holds(const Json& list, const std::string& text) {
 }  // namespace
 
 Json kept_decisions(const Pipeline& pipeline, const Decisions& decisions) {
-  const std::vector<Effect> anew = pipeline.decided_anew();
+  const std::vector<Effect> redecided = pipeline.decided_again_on_resume();
   Json kept = Json::array();
-  for (const EffectDecision& d : decisions.all())
-    if (find_effect(anew, d.effect->name) == nullptr) kept.push_back(text_of(d.effect->name, d.on || d.aborted));
+  for (const Decision& d : decisions.all())
+    if (find_effect(redecided, d.effect->name) == nullptr) kept.push_back(text_of(d.effect->name, d.on || d.aborted));
   return kept;
 }
 
-void repeat_decisions(const Pipeline& pipeline, PassRun& run, const Json& effects, const Json& left_out) {
-  const std::vector<Effect> anew = pipeline.decided_anew();
+void repeat_decisions(const Pipeline& pipeline, PassRun& run, const Json& effects, const Json& skipped) {
+  const std::vector<Effect> redecided = pipeline.decided_again_on_resume();
   for (const Effect& effect : run.decisions.effects()) {
-    if (find_effect(anew, effect.name) != nullptr) continue;
-    if (holds(left_out, std::string(effect.name))) {
-      leave_out_for_time(run, effect.name);
+    if (find_effect(redecided, effect.name) != nullptr) continue;
+    if (holds(skipped, std::string(effect.name))) {
+      skip_for_time(run, effect.name);
     } else {
       for (const bool on : {false, true})
-        if (holds(effects, text_of(effect.name, on))) run.decisions.rule({effect.name, on, "--resume", kMode});
+        if (holds(effects, text_of(effect.name, on))) run.decisions.fix({effect.name, on, "--resume", kMode});
     }
   }
 }

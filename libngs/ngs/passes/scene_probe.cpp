@@ -5,21 +5,21 @@
 
 #include "ngs/ops/field/knn.h"
 #include "ngs/ops/image/mask_pair.h"
-#include "ngs/passes/contours/unexplained_contrast.h"
-#include "ngs/passes/detectors.h"
 #include "ngs/passes/effect.h"
 #include "ngs/problem/pixel_window.h"
+#include "ngs/problem/scene_measures.h"
 #include "ngs/problem/view_list.h"
+#include "ngs/stages/contours/unexplained_contrast.h"
 #include "ngs/stages/render/render_stage.h"
 
 namespace ngs {
 namespace {
 
-/// One view's part of LabelViews; returns the number of objects that count towards the mean.
+/// Adds one view to LabelViews. Returns the number of objects added to the mean.
 std::size_t add_view(const Exec& exec, const ImageF& rendered, const ViewMasks& masks, LabelViews& views) {
   double sum = 0;
   bool shown = false;
-  const std::vector<ShownBox> boxes = boxes_shown(rendered);
+  const std::vector<ForegroundBox> boxes = foreground_boxes(rendered);
   for (std::size_t k = 0; k < masks.target.size(); ++k) {
     const MaskPair pair(rendered, masks, k, boxes[k]);
     const Confusion counts = pair.counts(exec);
@@ -32,9 +32,9 @@ std::size_t add_view(const Exec& exec, const ImageF& rendered, const ViewMasks& 
   return masks.target.size();
 }
 
-constexpr double kMargin_px = 16;  // about the object, in pictures of the model
+constexpr double kMargin_px = 16;  // of the windows about the object
 
-/// `views` less `some`; both increase.
+/// `views` without `some`; both must be sorted.
 std::vector<std::size_t> without(const std::vector<std::size_t>& views, const std::vector<std::size_t>& some) {
   std::vector<std::size_t> rest;
   std::ranges::set_difference(views, some, std::back_inserter(rest));
@@ -45,9 +45,9 @@ std::vector<std::size_t> without(const std::vector<std::size_t>& views, const st
 
 double disagreement(const Confusion& counts) { return counts.both_empty() ? 0 : 1 - iou(counts); }
 
-std::vector<std::size_t> SceneProbe::some_views() const { return spread_views(problem_.views, kDecisionViews); }
-std::vector<Camera> SceneProbe::some_cameras() const { return cameras_of(problem_.scene, some_views()); }
-double SceneProbe::photos() const { return double(photo_count(problem_.scene, problem_.views)); }
+std::vector<std::size_t> SceneProbe::sample_views() const { return spread_views(problem_.views, kDecisionViews); }
+std::vector<Camera> SceneProbe::sample_cameras() const { return cameras_of(problem_.scene, sample_views()); }
+double SceneProbe::views_with_photo() const { return double(photo_count(problem_.scene, problem_.views)); }
 
 bool SceneProbe::stopped() const { return stop_requested(problem_.monitor); }
 
@@ -80,7 +80,7 @@ double SceneProbe::edge_gain() {
   if (edge_gain_) return *edge_gain_;
   edge_gain_ = 0;
   if (!problem_.load_fine_photo) return 0;
-  const std::vector<std::size_t> all = spread_views(problem_.views, kVotingViews);
+  const std::vector<std::size_t> all = spread_views(problem_.views, kComparedViews);
   std::vector<RefinedView> refined(problem_.scene.views.size());
   const auto refine = [&](const std::vector<std::size_t>& views) {
     std::vector<RefinedView> more = refine_views(exec_, {ContourRefineOptions{}, kMargin_px, problem_},
@@ -90,12 +90,12 @@ double SceneProbe::edge_gain() {
   const std::vector<std::size_t> few = spread_views(all, kPhotoViews);
   refine(few);
   if (!explains_photos(exec_, problem_, {problem_.cloud, problem_.labels}, refined)) return 0;
-  const std::vector<std::size_t> first = without(spread_views(all, kFirstVotes), few);
+  const std::vector<std::size_t> first = without(spread_views(all, kFirstComparedViews), few);
   refine(first);
-  edge_gain_ = gain_by_masks(refined);
-  if (*edge_gain_ < -kClearVote || stopped()) return *edge_gain_;
+  edge_gain_ = mask_agreement_gain(refined);
+  if (*edge_gain_ < -kClearScore || stopped()) return *edge_gain_;
   refine(without(without(all, few), first));
-  return edge_gain_.emplace(gain_by_masks(refined));
+  return edge_gain_.emplace(mask_agreement_gain(refined));
 }
 
 const BoundarySet& SceneProbe::boundary() {

@@ -1,33 +1,34 @@
 #pragma once
-// What detectors measure a scene by. What several of them ask for is computed once, where the first asks. PAPER.md §5.7
-//
-// Masks and photos of training views and photos of others are read, masks of held-out views never. Everything is
-// measured at the size it is given, on at most kDecisionViews views where that is enough.
+// Quantities that heuristics measure on a scene. Shared quantities are computed at their first use and cached.
+//                                                                                                        PAPER.md §5.7
+// The probe reads photos of all views and masks of the training views. It never reads masks of held-out views.
+// Quantities are measured at the size of the given problem. Some of them use at most kDecisionViews views.
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "ngs/ops/image/metrics.h"
-#include "ngs/passes/joint/training_options.h"
 #include "ngs/problem/problem.h"
 #include "ngs/scene/boundary_set.h"
 #include "ngs/scene/knn_graph.h"
+#include "ngs/stages/optimise/training_options.h"
 
 namespace ngs {
 
-/// What the labels as they come look like in the training views that have masks.
+/// Comparison of the closed-form labels, rendered into the training views that have masks, with these masks.
 struct LabelViews {
-  std::vector<double> disagreement;  // of the model as it stands with the masks, 1 - IoU, summed over objects; per view
+  std::vector<double> disagreement;  // per view: 1 - IoU of the rendered model and the masks, summed over the objects
   std::vector<std::uint8_t> shown;   // per view, 1: mask or model shows an object
-  double biou = 0;                   // mean over views and objects
-  double outside = 0;  // share of the rendered object beyond a margin about its mask: the largest over the views
-                       // whose mask is not empty; the others' pixels are all beyond
+  double biou = 0;                   // mean boundary IoU over views and objects
+  double outside = 0;  // share of the rendered object outside the mask's box plus a margin; maximum over the views with
+                       // a mask that is not empty
 };
 
-inline constexpr std::size_t kPhotoViews = 4;  // in which photos are compared with the model's pictures
-inline constexpr std::size_t kVotingViews = 32;
-inline constexpr std::size_t kFirstVotes = 8;
-inline constexpr double kClearVote = 2.5;  // of at most 8 views, whose normal score is below 3.6
+inline constexpr std::size_t kPhotoViews = 4;  // views in which photos are compared with renderings
+inline constexpr std::size_t kComparedViews = 32;
+inline constexpr std::size_t kFirstComparedViews = 8;
+/// Of kFirstComparedViews views, whose normal score has a magnitude below 3.6.
+inline constexpr double kClearScore = 2.5;
 
 /// 1 - IoU; 0 where both masks are empty.
 double disagreement(const Confusion& counts);
@@ -44,21 +45,21 @@ class SceneProbe {
   const Problem& problem() const { return problem_; }
 
   /// At most kDecisionViews training views, evenly spread.
-  std::vector<std::size_t> some_views() const;
-  std::vector<Camera> some_cameras() const;
-  /// Training views with a photo.
-  double photos() const;
+  std::vector<std::size_t> sample_views() const;
+  std::vector<Camera> sample_cameras() const;
+  /// Number of training views with a photo.
+  double views_with_photo() const;
 
-  /// Whether to stop: then what is measured means nothing.
+  /// True: a stop was requested, and measured values are invalid.
   bool stopped() const;
 
-  /// Of all training views; the sample: of at most 24, evenly spread.
+  /// label_views() covers all training views; label_sample() covers at most 24, evenly spread.
   const LabelViews& label_views();
   const LabelViews& label_sample();
-  /// How much better contours refined to the photos' edges agree with the masks than the contours of the labels do: a
-  /// normal score over at most kVotingViews views, or over kFirstVotes views if that is below -kClearVote. 0 where the
-  /// masks cannot tell: no photos, photos with edges that the model does not show
-  /// (passes/contours/unexplained_contrast.h), or masks that all err to one side.
+  /// Gain in agreement with the masks from refining the label contours to the photos' edges, as a normal score. It uses
+  /// at most kComparedViews views, or only kFirstComparedViews views if their score is below -kClearScore. It is 0 if
+  /// the masks are no evidence: without photos, if the photos have edges that the model does not show
+  /// (stages/contours/unexplained_contrast.h), or if all masks err to one side.
   double edge_gain();
   const BoundarySet& boundary();
   Rows<const float, 3> boundary_colours();

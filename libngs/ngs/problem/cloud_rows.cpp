@@ -33,7 +33,7 @@ void move_by(GaussianCloud& cloud, std::size_t r, Vec3<double> offset) {
   p[0] += float(offset.x), p[1] += float(offset.y), p[2] += float(offset.z);
 }
 
-/// Moves a gathered copy of its parent to a place drawn from the parent, and shrinks it.
+/// Turns a copy of the parent into a child: samples the position from the parent and shrinks the scales.
 void place_child(GaussianCloud& cloud, std::size_t r, const CloudRow& row, std::uint64_t seed) {
   const float* s = &cloud.log_scale[r * 3];
   const std::uint64_t draw = 2 * std::uint64_t(row.source) + (row.origin == RowOrigin::kChild1);
@@ -44,8 +44,8 @@ void place_child(GaussianCloud& cloud, std::size_t r, const CloudRow& row, std::
   for (std::size_t k = 0; k < 3; ++k) cloud.log_scale[r * 3 + k] -= float(std::log(kSplitShrink));
 }
 
-/// Normals at ±d of deviation s have the variance d² + s² together: with d = 0.75 of the parent's deviation
-/// s = sqrt(1 - d²) of it. Their optical depths add up to the parent's, integrated along the axis: each has
+/// Two normal densities at ±d with deviation s have the joint variance d² + s². With the parent's deviation 1 and
+/// d = 0.75, s = sqrt(1 - d²). The integrals of optical depth along the axis add up to the parent's if each half has
 /// 1 / (2 s) of its peak.
 void place_half(GaussianCloud& cloud, std::size_t r, RowOrigin half) {
   constexpr double kShift = 0.75;
@@ -56,11 +56,11 @@ void place_half(GaussianCloud& cloud, std::size_t r, RowOrigin half) {
   local[axis] = (half == RowOrigin::kHalf0 ? kShift : -kShift) * std::exp(double(s[axis]));
   move_by(cloud, r, axes_of(cloud, r) * Vec3<double>{local[0], local[1], local[2]});
   s[axis] += float(std::log(shrink));
-  const double depth = softplus(double(cloud.logit_opacity[r])) / (2 * shrink);  // -log(1 - opacity) of a half
+  const double depth = softplus(double(cloud.logit_opacity[r])) / (2 * shrink);  // -log(1 - opacity) of one half
   cloud.logit_opacity[r] = float(std::log(std::max(std::expm1(depth), 1e-300)));
 }
 
-/// f(object, column) of every column: different ones may be written at the same time.
+/// Calls f(object, column) for every column, in parallel.
 template <class F>
 void for_each_label_column(const Exec& exec, std::size_t objects, const F& f) {
   constexpr std::size_t kColumns = std::size(kLabelColumns);

@@ -1,5 +1,5 @@
 #pragma once
-// Adding and removing Gaussians: an edited cloud as a list of rows of the one before.
+// Adds and removes Gaussians: an edited cloud is a list of rows of the previous cloud.
 #include <algorithm>
 #include <cstdint>
 #include <vector>
@@ -13,23 +13,23 @@ namespace ngs {
 
 inline constexpr double kSplitShrink = 1.6;
 
-/// kChild0, kChild1: the two halves of a split, drawn from the parent's own distribution with scales /
+/// kChild0, kChild1: the two Gaussians of a 3DGS split, with positions sampled from the parent and scales divided by
 /// kSplitShrink.
-/// kHalf0, kHalf1: the two halves of a split along the longest axis, which together keep the parent's centre,
-/// covariance and optical depth.
+/// kHalf0, kHalf1: the two halves along the longest axis, which together keep the parent's centre, covariance and
+/// optical depth.
 enum class RowOrigin : std::uint8_t { kKept, kClone, kChild0, kChild1, kHalf0, kHalf1 };
 struct CloudRow {
   std::int64_t source;
   RowOrigin origin;
 };
 
-/// Replaces the cloud by `rows` of it. `seed` places the children; it must differ from call to call.
+/// Replaces the cloud by these rows of it. `seed`: for the positions of children; must differ between calls.
 void edit_rows(const Exec& exec, const std::vector<CloudRow>& rows, std::uint64_t seed, GaussianCloud& cloud);
 
 /// The same for a column of `width` values per Gaussian.
 void edit_column(const Exec& exec, const std::vector<CloudRow>& rows, int width, std::vector<float>& values);
 
-/// Some rows of a cloud, in the order of `rows` (increasing), and back.
+/// Copies some rows of a cloud to a smaller cloud, and back. `rows` must increase.
 GaussianCloud gather_rows(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::int64_t>& rows);
 void scatter_rows(const Exec& exec, const GaussianCloud& part, const std::vector<std::int64_t>& rows,
                   GaussianCloud& cloud);
@@ -61,13 +61,13 @@ void scatter_labels(const Exec& exec, const std::vector<LabelColumns>& part, con
                     std::vector<LabelColumns>& labels);
 void edit_labels(const Exec& exec, const std::vector<CloudRow>& rows, std::vector<LabelColumns>& labels);
 
-/// Moments follow their Gaussian; new Gaussians start with zeros.
+/// Reorders Adam moments with their Gaussians; new Gaussians get zeros.
 void edit_moments(const std::vector<CloudRow>& rows, int width, AdamMoments& moments);
 
-/// Zeroes the gradients of position, shape and opacity of the rows with chosen[row] != 0; empty: of none.
+/// Zeroes the gradients of position, shape and opacity of the rows with chosen[row] != 0; empty: of no row.
 void clear_shapes(const std::vector<std::uint8_t>& chosen, CloudGradients& gradients);
 
-/// The same of the colours.
+/// Zeroes the gradients of the colours of these rows.
 void clear_colours(const std::vector<std::uint8_t>& chosen, CloudGradients& gradients);
 
 /// The largest of the three scales, world.

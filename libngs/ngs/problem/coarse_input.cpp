@@ -27,36 +27,36 @@ Scene with_shrunk_cameras(Scene scene, int shrink) {
 
 }  // namespace
 
-CoarseInput::CoarseInput(const Problem& fine, int shrink, std::size_t kept_bytes)
+CoarseInput::CoarseInput(const Problem& fine, int shrink, std::size_t cache_bytes)
     : fine_(fine),
       shrink_(shrink),
       scene_(with_shrunk_cameras(fine.scene, shrink)),
       coarse_(fine.with_views(
           scene_, [this](std::size_t view) { return masks(view); }, [this](std::size_t view) { return photo(view); })),
-      kept_bytes_(kept_bytes) {
+      cache_bytes_(cache_bytes) {
   coarse_.splat = filter_at_scale(fine.splat, 1.0 / shrink);
 }
 
 template <class T, class Load>
-std::shared_ptr<const T> CoarseInput::remembered(Kept<T>& kept, std::size_t view, const Load& load) {
+std::shared_ptr<const T> CoarseInput::cached(Cached<T>& cache, std::size_t view, const Load& load) {
   {
     const std::lock_guard lock(mutex_);
-    const auto known = kept.find(view);
-    if (known != kept.end()) return known->second;
+    const auto known = cache.find(view);
+    if (known != cache.end()) return known->second;
   }
   auto loaded = std::make_shared<const T>(load());
   const std::lock_guard lock(mutex_);
   const std::size_t bytes = bytes_of(*loaded);
-  if (bytes_ + bytes <= kept_bytes_ && kept.emplace(view, loaded).second) bytes_ += bytes;
+  if (bytes_ + bytes <= cache_bytes_ && cache.emplace(view, loaded).second) bytes_ += bytes;
   return loaded;
 }
 
 ImageF CoarseInput::photo(std::size_t view) {
-  return *remembered(photos_, view, [&] { return shrunk(fine_.load_photo(view), shrink_); });
+  return *cached(photos_, view, [&] { return shrunk(fine_.load_photo(view), shrink_); });
 }
 
 ViewMasks CoarseInput::masks(std::size_t view) {
-  return remembered(masks_, view, [&] { return RleMasks(load_masks(view)); })->unpacked();
+  return cached(masks_, view, [&] { return RleMasks(load_masks(view)); })->unpacked();
 }
 
 ViewMasks CoarseInput::load_masks(std::size_t view) const {
@@ -72,17 +72,17 @@ ViewMasks CoarseInput::load_masks(std::size_t view) const {
   return m;
 }
 
-double CoarseInput::preload(const Exec& exec, const std::function<bool()>& go_on) const {
-  std::atomic<std::int64_t> refused = 0;
+double CoarseInput::preload(const Exec& exec, const std::function<bool()>& keep_loading) const {
+  std::atomic<std::int64_t> excluded = 0;
   const std::vector<std::size_t> photos = photo_views(scene_);
   const auto masks = std::int64_t(coarse_.views.size()), all = masks + std::int64_t(photos.size());
   for_each_task(exec, all, [&](std::int64_t i) {
     {
       const std::lock_guard lock(mutex_);
-      if (bytes_ > kept_bytes_ / 10 * 9) return;  // what is loaded now would not be kept
+      if (bytes_ > cache_bytes_ / 10 * 9) return;  // another image would not fit into the cache
     }
-    if (stop_requested(fine_.monitor) || (go_on && !go_on())) {
-      ++refused;
+    if (stop_requested(fine_.monitor) || (keep_loading && !keep_loading())) {
+      ++excluded;
       return;
     }
     if (i < masks)
@@ -90,13 +90,13 @@ double CoarseInput::preload(const Exec& exec, const std::function<bool()>& go_on
     else
       coarse_.load_photo(photos[std::size_t(i - masks)]);
   });
-  return all > 0 ? 1 - double(refused) / double(all) : 1;
+  return all > 0 ? 1 - double(excluded) / double(all) : 1;
 }
 
-void CoarseInput::forget() {
+void CoarseInput::clear_cache() {
   const std::lock_guard lock(mutex_);
   photos_.clear(), masks_.clear();
-  kept_bytes_ = bytes_ = 0;
+  cache_bytes_ = bytes_ = 0;
 }
 
 int decision_shrink(const Scene& scene) {

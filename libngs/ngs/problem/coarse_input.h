@@ -1,6 +1,5 @@
 #pragma once
-// A method's input at a fraction of its size, for decisions that need no full resolution, and with photos and
-// masks that are decoded once.
+// A problem at a reduced size, for decisions that need no full resolution, with a cache of decoded photos and masks.
 #include <functional>
 #include <map>
 #include <memory>
@@ -11,47 +10,46 @@
 
 namespace ngs {
 
-/// By how much decisions shrink a scene: whether a mask or a Gaussian is wrong shows at half the size, where that still
-/// is a picture.
+/// Factor by which decisions shrink a scene: 2 from 512 px on, else 1. Wrong masks and Gaussians are visible at half
+/// the size too.
 int decision_shrink(const Scene& scene);
 
-/// Cameras and the low-pass filter are those of images of ceil(size / shrink) pixels; photos and masks are
-/// the means of shrink x shrink pixels, unknown where one of them is. Loads only; nothing is written back.
-/// What was loaded is kept, masks run by run, up to `kept_bytes`. `fine` must outlive it, and load for several
-/// threads at once where preload() is used.
+/// Images have ceil(size / shrink) pixels, and cameras and the low-pass filter match them. Photos and masks are means
+/// of shrink x shrink pixels; a mask pixel is unknown if one of these is. Loaded images are cached up to `cache_bytes`,
+/// masks as run lengths. `fine` must outlive this object. For preload() its loaders must be thread-safe.
 class CoarseInput {
  public:
-  CoarseInput(const Problem& fine, int shrink, std::size_t kept_bytes = 256u << 20);
+  CoarseInput(const Problem& fine, int shrink, std::size_t cache_bytes = 256u << 20);
   CoarseInput(const CoarseInput&) = delete;
   CoarseInput& operator=(const CoarseInput&) = delete;
 
   const Problem& get() const { return coarse_; }
-  /// Loads the masks of the input's views and the photos of all that have one, on all threads, while there is room,
-  /// nobody asks to stop and `go_on` says so, which every thread asks before each of them. Returns the share that was
-  /// not refused.
-  double preload(const Exec& exec, const std::function<bool()>& go_on = {}) const;
-  /// Lets go of what was kept, and keeps nothing from here on: all is loaded where it is asked for.
-  void forget();
+  /// Loads the masks of the training views and the photos of all views into the cache, on all threads. It stops if the
+  /// cache is full, if a stop is requested, or if `keep_loading` returns false, which is called before each image.
+  /// Returns the share of images that a stop or `keep_loading` did not exclude.
+  double preload(const Exec& exec, const std::function<bool()>& keep_loading = {}) const;
+  /// Clears the cache and disables it: every later call loads the image again.
+  void clear_cache();
 
  private:
   template <class T>
-  using Kept = std::map<std::size_t, std::shared_ptr<const T>>;  // by view
+  using Cached = std::map<std::size_t, std::shared_ptr<const T>>;  // by view
 
   ViewMasks load_masks(std::size_t view) const;
   ImageF photo(std::size_t view);
   ViewMasks masks(std::size_t view);
-  /// What is kept of `view`, or loaded by load() and then kept if there is room.
+  /// The cached entry of `view`, or the result of load(), which is then cached if it fits.
   template <class T, class Load>
-  std::shared_ptr<const T> remembered(Kept<T>& kept, std::size_t view, const Load& load);
+  std::shared_ptr<const T> cached(Cached<T>& cache, std::size_t view, const Load& load);
 
   const Problem& fine_;
   int shrink_;
   Scene scene_;
   Problem coarse_;
-  mutable std::mutex mutex_;  // of what follows
-  Kept<ImageF> photos_;
-  Kept<RleMasks> masks_;
-  std::size_t kept_bytes_, bytes_ = 0;
+  mutable std::mutex mutex_;  // guards the members below
+  Cached<ImageF> photos_;
+  Cached<RleMasks> masks_;
+  std::size_t cache_bytes_, bytes_ = 0;
 };
 
 }  // namespace ngs

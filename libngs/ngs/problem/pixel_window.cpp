@@ -4,15 +4,15 @@
 
 namespace ngs {
 
-PixelWindow window_about(const ShownBox& box, int margin_px, int w, int h) {
+PixelWindow window_about(const ForegroundBox& box, int margin_px, int w, int h) {
   if (box.empty()) return {};
   const int x0 = std::max(0, box.x0 - margin_px), y0 = std::max(0, box.y0 - margin_px);
   return {x0, y0, std::min(w, box.x1 + margin_px) - x0, std::min(h, box.y1 + margin_px) - y0};
 }
 
 PixelWindow window_of(const std::vector<std::vector<float>>& targets, int w, int h, int margin_px) {
-  ShownBox shown;
-  for (const std::vector<float>& target : targets) shown.add(box_shown(target, w, h));
+  ForegroundBox shown;
+  for (const std::vector<float>& target : targets) shown.add(foreground_box(target, w, h));
   return window_about(shown, margin_px, w, h);
 }
 

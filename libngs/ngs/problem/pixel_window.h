@@ -1,5 +1,5 @@
 #pragma once
-// A rectangle of a view: what a pass reads, renders or trains of it.
+// A rectangular crop of a view.
 #include <vector>
 
 #include "ngs/ops/image/mask_pair.h"
@@ -12,20 +12,20 @@ struct PixelWindow {
   int x0 = 0, y0 = 0, w = 0, h = 0;  // px
 };
 
-/// The box with a margin, inside of the picture; empty stays empty.
-PixelWindow window_about(const ShownBox& box, int margin_px, int w, int h);
+/// The box grown by a margin and clipped to the image; empty if the box is empty.
+PixelWindow window_about(const ForegroundBox& box, int margin_px, int w, int h);
 
-/// The same about the pixels where any of the [h, w] targets exceeds 0.
+/// The same for the box of the pixels where any of the [h, w] targets exceeds 0.
 PixelWindow window_of(const std::vector<std::vector<float>>& targets, int w, int h, int margin_px);
 
-/// With a margin, on to multiples of 16 px where the picture has them: whole tiles of the picture are whole tiles of
-/// the window, and what is drawn there has the same rounding. Empty stays empty.
+/// The window grown by a margin to multiples of 16 px, clipped to the image. Tiles of the image are then tiles of the
+/// window, so a rendering of the window has the same rounding. Empty if the window is empty.
 PixelWindow widened(const PixelWindow& win, int margin_px, int width_px, int height_px);
 
-/// The camera whose whole image is the window.
+/// The camera of the cropped image.
 Camera window_camera(Camera camera, const PixelWindow& win);
 
-/// The window of a plane of `channels` interleaved channels.
+/// Crops a plane of `channels` interleaved channels.
 template <class T>
 std::vector<T> cropped(const std::vector<T>& plane, int width_px, int channels, const PixelWindow& win) {
   std::vector<T> out;
@@ -37,7 +37,7 @@ std::vector<T> cropped(const std::vector<T>& plane, int width_px, int channels, 
   return out;
 }
 
-/// Masks that are available, of the window alone.
+/// Crops masks, which must be available.
 ViewMasks cropped(ViewMasks masks, const PixelWindow& win);
 
 }  // namespace ngs

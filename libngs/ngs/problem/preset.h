@@ -1,5 +1,5 @@
 #pragma once
-// What --quality changes: one row per quality, and nothing else asks for a quality.
+// The settings of --quality, one row per quality. No other code depends on the quality.
 #include <cstdint>
 
 #include "ngs/options/field.h"
@@ -13,11 +13,11 @@ inline constexpr NamedValue<Quality> kQualityNames[] = {{Quality::kDraft, "draft
                                                         {Quality::kReference, "reference"}};
 
 struct Preset {
-  int epochs;           // joint steps per training view
-  bool half_samples;    // half of the NeRF's rows, columns and depths: one epoch learns little from more (decision 013)
-  bool contours;        // contours are refined, unless --contour-epochs asks for it
-  int more_iterations;  // of contour refinement, beyond the two or three that the masks call for
-  bool half_floaters;   // floaters are searched in fewer views, at half the size
+  int epochs;         // joint steps per training view
+  bool half_samples;  // halve the NeRF's rows, columns and depths: in one epoch more samples gain little (decision 013)
+  bool contours;      // refine contours also without --contour-epochs
+  int more_iterations;  // contour iterations in addition to the two or three that depend on the masks
+  bool half_floaters;   // search floaters in fewer views, at half the size
 };
 
 constexpr Preset preset_of(Quality quality) {

@@ -3,13 +3,13 @@
 namespace ngs {
 namespace {
 
-/// References cannot be set anew: the one place where all members are copied. A new member does not compile until it is
-/// named here.
+/// A copy with other references, which cannot be reassigned. The only place that copies member by member: a new member
+/// does not compile until it is listed here.
 Problem rebound(const Problem& from, const GaussianCloud& cloud, const Scene& scene) {
-  const auto& [old_cloud, old_scene, views, load_masks, load_photo, splat, background, seed, fixed, labels, weight,
-               load_fine_photo, held, region, window_share, whole, owns, monitor] = from;
-  return {cloud,  scene,  views,           load_masks, load_photo, splat,        background, seed, fixed,
-          labels, weight, load_fine_photo, held,       region,     window_share, whole,      owns, monitor};
+  const auto& [old_cloud, old_scene, views, load_masks, load_photo, splat, background, seed, fixed, labels, rule,
+               weight, load_fine_photo, frozen, region, window_share, uncropped, owns, monitor] = from;
+  return {cloud, scene,  views,           load_masks, load_photo, splat,        background, seed, fixed,  labels,
+          rule,  weight, load_fine_photo, frozen,     region,     window_share, uncropped,  owns, monitor};
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 #pragma once
-// What every method of ngs-joint takes and gives back: the paper's joint optimisation and the methods beside it
-// (flash, sa3d, cob, saga, bce, released) run on the same inputs through the same splat core.
+// Input and output of every method of ngs-joint: the joint optimisation and the baselines (flash, sa3d, cob, saga, bce,
+// released) run on the same inputs and the same rasteriser.
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -12,16 +12,17 @@
 #include "ngs/core/monitor.h"
 #include "ngs/ops/splat/splat.h"
 #include "ngs/scene/evidence.h"
+#include "ngs/scene/labels/boundary_rule.h"
 #include "ngs/scene/labels/label_columns.h"
 #include "ngs/scene/scene.h"
 
 namespace ngs {
 
-/// Share of the masks' evidence from which on a Gaussian counts as partly an object's.
+/// Minimum share of object evidence of a Gaussian that is partly an object's.
 inline constexpr double kLeastForegroundShare = 0.05;
 
-/// Labels, one per object, that nobody changes: the inputs of one run's stages share them. With many objects they take
-/// more memory than the model.
+/// Immutable label columns, one per object, shared by the problems of a run. With many objects they need more memory
+/// than the model.
 class SharedLabels {
  public:
   SharedLabels() : SharedLabels(std::vector<LabelColumns>()) {}
@@ -34,10 +35,10 @@ class SharedLabels {
   auto begin() const { return labels_->cbegin(); }
   auto end() const { return labels_->cend(); }
 
-  /// To be changed, without a second copy where nobody else has them; there are none here then.
-  std::vector<LabelColumns> taken() {
-    const std::shared_ptr<std::vector<LabelColumns>> mine = std::exchange(labels_, SharedLabels().labels_);
-    return mine.use_count() == 1 ? std::move(*mine) : *mine;
+  /// Moves the labels out, leaving none here. Copies them only if another object shares them.
+  std::vector<LabelColumns> release() {
+    const std::shared_ptr<std::vector<LabelColumns>> labels = std::exchange(labels_, SharedLabels().labels_);
+    return labels.use_count() == 1 ? std::move(*labels) : *labels;
   }
 
  private:
@@ -52,51 +53,51 @@ struct LabelledModel {
 struct Problem {
   const GaussianCloud& cloud;
   const Scene& scene;
-  std::vector<std::size_t> views;                         // indices of scene.views that may supervise
+  std::vector<std::size_t> views;                         // training views, as indices of scene.views
   std::function<ViewMasks(std::size_t view)> load_masks;  // at the camera's size
   std::function<ImageF(std::size_t view)> load_photo;     // [H, W, 3] at the camera's size; empty: no photo
   SplatOptions splat;
   Vec3<float> background{0, 0, 0};
   std::uint64_t seed = 0;
-  std::vector<float> fixed;  // [N] ngs_fixed of a hand edit: 1 keeps its label; may be empty
-  SharedLabels labels;       // of ngs-variance, one per object
-  std::shared_ptr<const std::vector<float>> weight = nullptr;  // [N] W of the evidence that they follow from; null: not
-                                                               // known, nor in a window
-  // As load_photo, finer where the photo has more pixels than the camera; empty function or image: no photo.
+  std::vector<float> fixed;  // [N] ngs_fixed of a hand edit: 1 keeps the label; may be empty
+  SharedLabels labels;       // written by ngs-variance, one per object
+  BoundaryRule rule = {};    // the rule that computed the labels from their evidence
+  std::shared_ptr<const std::vector<float>> weight = nullptr;  // [N] W of the labels' evidence; null: unknown
+  // Like load_photo, at up to the photo's own size. Empty function or image: no photo.
   std::function<ImageF(std::size_t view)> load_fine_photo = {};
-  std::vector<std::uint8_t> held = {};    // [N] 1: shape, opacity and colour stay as they are; empty: none
-  std::vector<std::uint8_t> region = {};  // [N] 0: nothing of the row may change; empty: all may
-  std::vector<double> window_share = {};  // [views of the scene] of its pixels that the camera shows; empty: all
-  std::shared_ptr<const Problem> whole = nullptr;      // the same in whole views; null: this one is
-  std::vector<std::shared_ptr<const void>> owns = {};  // what the references above refer to, where nobody else keeps it
-  Monitor* monitor = nullptr;                          // asked before every view whether to go on; null: goes on
+  std::vector<std::uint8_t> frozen = {};  // [N] 1: shape, opacity and colour must not change; empty: no row is frozen
+  std::vector<std::uint8_t> region = {};  // [N] 0: no value of the row may change; empty: all rows may change
+  std::vector<double> window_share = {};  // [views of the scene] share of its pixels inside the camera; empty: all 1
+  std::shared_ptr<const Problem> uncropped = nullptr;  // the problem with uncropped views; null: this one is uncropped
+  std::vector<std::shared_ptr<const void>> owns = {};  // objects behind the references above that need an owner
+  Monitor* monitor = nullptr;                          // polled before every view for a stop request; null: none
 
-  // The same problem, all members included, but for what is said.
+  // Copies of the problem with some members replaced.
 
-  /// Of another model, with its labels; their evidence is not known.
+  /// With another model and its labels; the weight becomes unknown.
   Problem with_model(std::shared_ptr<const GaussianCloud> cloud, std::vector<LabelColumns> labels) const;
-  /// Seen by the cameras of `scene`, which must outlive it, with masks and photos of their size.
+  /// With the cameras of `scene`, which must outlive the copy, and masks and photos of their sizes.
   Problem with_views(const Scene& scene, std::function<ViewMasks(std::size_t)> load_masks,
                      std::function<ImageF(std::size_t)> load_photo) const;
-  /// As with_views(), of a part of every view: `window_share` of its pixels. The evidence of a part is not known.
+  /// Like with_views(), for crops with the shares `window_share` of each view's pixels. The weight becomes unknown.
   Problem cropped(const Scene& scene, std::function<ViewMasks(std::size_t)> load_masks,
                   std::function<ImageF(std::size_t)> load_photo, std::vector<double> window_share) const;
 };
 
-/// Share of a view's pixels that the camera of the problem shows.
+/// Share of a view's pixels inside the problem's camera.
 inline double window_share(const Problem& problem, std::size_t view) {
   return problem.window_share.empty() ? 1.0 : problem.window_share[view];
 }
 
 struct Solution {
-  std::shared_ptr<const GaussianCloud> cloud;  // the input's own where it is as it was; rows may be added or removed
-  std::vector<std::int64_t> source_row;        // [rows] input row each row descends from; empty: unchanged rows
+  std::shared_ptr<const GaussianCloud> cloud;  // the input's cloud if it is unchanged; rows may be added or removed
+  std::vector<std::int64_t> source_row;        // [rows] the input row of each row; empty: the same rows
   std::vector<LabelColumns> labels;            // one per object; label is the method's decision, prob its soft value
-  std::map<std::string, double> figures;       // what the method has to say about itself: steps, losses, gap, ...
-  bool converged = true;                       // false: a budget ended it early with a usable result
+  std::map<std::string, double> figures;       // measurements by the method: steps, losses, gap, ...
+  bool converged = true;                       // false: a budget ended the method early; the result is usable
 };
 
-/// The model of a Solution that leaves it as it is. It must outlive the solution: no copy is made.
+/// Non-owning pointer for a Solution that does not change the model. `cloud` must outlive the solution.
 inline std::shared_ptr<const GaussianCloud> unchanged(const GaussianCloud& cloud) {
   return {std::shared_ptr<const void>(), &cloud};
 }

@@ -21,7 +21,7 @@ std::uint32_t different_bits(float a, float b) {
 
 bool same_value(float a, float b) { return different_bits(a, b) == 0; }
 
-/// Rows of one column, bit for bit.
+/// True: the rows of one column have the same bits.
 bool same_row(const std::vector<float>& a, std::size_t i, const std::vector<float>& b, std::size_t j,
               std::size_t width) {
   std::uint32_t different = 0;
@@ -38,7 +38,8 @@ bool same_row(const GaussianCloud& a, std::size_t i, const GaussianCloud& b, std
 }  // namespace
 
 bool in_region(const LabelColumns& object, std::size_t row) {
-  return object.prob[row] >= kLeastRegionShare || label_says_object(object.label[row]) || is_set(object.boundary[row]);
+  return object.prob[row] >= kLeastRegionShare || label_is_foreground(object.label[row]) ||
+         is_set(object.boundary[row]);
 }
 
 std::vector<std::uint8_t> region_of(const std::vector<LabelColumns>& labels) {
@@ -47,11 +48,11 @@ std::vector<std::uint8_t> region_of(const std::vector<LabelColumns>& labels) {
   return region;
 }
 
-std::vector<std::uint8_t> claimed_rows(const std::vector<LabelColumns>& labels) {
-  std::vector<std::uint8_t> claimed(labels.empty() ? 0 : labels.front().prob.size(), 0);
+std::vector<std::uint8_t> rows_with_evidence(const std::vector<LabelColumns>& labels) {
+  std::vector<std::uint8_t> has_evidence(labels.empty() ? 0 : labels.front().prob.size(), 0);
   for (const LabelColumns& object : labels)
-    for (std::size_t i = 0; i < claimed.size(); ++i) claimed[i] |= object.prob[i] > 0;
-  return claimed;
+    for (std::size_t i = 0; i < has_evidence.size(); ++i) has_evidence[i] |= object.prob[i] > 0;
+  return has_evidence;
 }
 
 void keep_outside(const std::vector<LabelColumns>& given, std::vector<LabelColumns>& labels) {

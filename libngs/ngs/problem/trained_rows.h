@@ -1,6 +1,6 @@
 #pragma once
-// The Gaussians that a trainer changes: those of a region, whose rows alone have gradients and moments, or all, and
-// then without a copy. A device has all.                                                               PAPER.md §5.16
+// The Gaussians that a trainer changes. With a region, only its rows have gradients and moments. Without a region, and
+// always on a device, all rows are trained in place.                                                   PAPER.md §5.16
 #include <memory>
 #include <optional>
 #include <vector>
@@ -12,8 +12,8 @@ namespace ngs {
 
 class TrainedRows {
  public:
-  /// `region` [N] 1: is trained; empty: all are. `frozen` [N] 1: shape, opacity and colour stay; may be empty. `all`
-  /// must outlive it.
+  /// `region` [N] 1: trained; empty: all are trained. `frozen` [N] 1: only the label is trained; may be empty. `all`
+  /// must outlive this object.
   TrainedRows(const Exec& exec, const std::vector<std::uint8_t>& region, const std::vector<std::uint8_t>& frozen,
               GaussianCloud& all)
       : exec_(exec), all_(all) {
@@ -30,20 +30,20 @@ class TrainedRows {
   const GradientRows& wanted() const { return wanted_; }
   std::size_t size() const { return is_part() ? rows_.size() : std::size_t(all_.size()); }
   std::size_t row(std::size_t r) const { return is_part() ? std::size_t(rows_[r]) : r; }
-  /// Where the gradient of a Gaussian's shape and colour is; none: it keeps them.
+  /// Row of the gradients of a Gaussian's shape and colour; nullopt: they are not trained.
   std::optional<std::size_t> place(std::size_t gaussian) const {
     if (!wanted_.label_alone.empty() && wanted_.label_alone[gaussian]) return std::nullopt;
     if (!is_part()) return gaussian;
     return wanted_.place[gaussian] < 0 ? std::nullopt : std::optional(std::size_t(wanted_.place[gaussian]));
   }
-  /// What is changed; put_back() brings it to the whole cloud.
+  /// The trained rows. write_back() copies them to the whole cloud.
   GaussianCloud& cloud() { return is_part() ? part_ : all_; }
-  void put_back() {
+  void write_back() {
     if (!is_part()) return;
     scatter_rows(exec_, part_, rows_, all_);
     update_prepared(exec_, rows_, *prepared_);
   }
-  /// The options with what serves the whole cloud as it is.
+  /// `options` with the prepared data of the whole cloud.
   SplatOptions prepared(SplatOptions options) const {
     if (is_part()) options.prepared = prepared_;
     return options;

@@ -1,5 +1,5 @@
 #pragma once
-// What stages do with lists of views.
+// Helpers for lists of views.
 #include <algorithm>
 #include <vector>
 
@@ -11,8 +11,8 @@ namespace ngs {
 
 inline bool stop_requested(const Monitor* monitor) { return monitor != nullptr && monitor->stop_requested(); }
 
-/// Calls f(n, views[n]) in order, and tells `monitor` (may be null) how far it is. False: it was asked to stop, and
-/// the views from there on are left out: what the caller has made is no result.
+/// Calls f(n, views[n]) in order and reports progress to `monitor`, which may be null. False: a stop was requested, and
+/// the remaining views were skipped, so the caller's result is incomplete.
 template <class F>
 bool for_each_view(Monitor* monitor, const std::vector<std::size_t>& views, const F& f) {
   for (std::size_t n = 0; n < views.size(); ++n) {
@@ -29,7 +29,7 @@ inline std::vector<Camera> cameras_of(const Scene& scene, const std::vector<std:
   return cameras;
 }
 
-/// Indices of the views of the scene that have a photo, whatever their split.
+/// Indices of all views of the scene that have a photo, including held-out views.
 inline std::vector<std::size_t> photo_views(const Scene& scene) {
   std::vector<std::size_t> views;
   for (std::size_t v = 0; v < scene.views.size(); ++v)
@@ -37,13 +37,13 @@ inline std::vector<std::size_t> photo_views(const Scene& scene) {
   return views;
 }
 
-/// How many of these views have a photo.
+/// Number of these views that have a photo.
 inline std::size_t photo_count(const Scene& scene, const std::vector<std::size_t>& views) {
   return std::size_t(
       std::count_if(views.begin(), views.end(), [&](std::size_t v) { return !scene.views[v].image_path.empty(); }));
 }
 
-/// At most `most` of the views, evenly spread: enough for a decision, or for a figure of the report.
+/// At most `most` of the views, evenly spread.
 inline std::vector<std::size_t> spread_views(const std::vector<std::size_t>& views, std::size_t most) {
   std::vector<std::size_t> some;
   const std::size_t count = std::min(most, views.size());
@@ -51,7 +51,7 @@ inline std::vector<std::size_t> spread_views(const std::vector<std::size_t>& vie
   return some;
 }
 
-/// The views in an order that depends on the seed and the number of passes so far.
+/// The views in random order. The order depends on the seed and the number of the pass over the views.
 inline std::vector<std::size_t> shuffled(std::vector<std::size_t> views, std::uint64_t seed, std::uint64_t pass) {
   const auto rank = [&](std::size_t view) { return rng_bits(seed, RngStream::kViewOrder, (pass << 32) + view); };
   std::sort(views.begin(), views.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });

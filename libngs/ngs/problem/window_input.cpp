@@ -13,9 +13,9 @@
 namespace ngs {
 namespace {
 
-constexpr int kLeastMargin_px = 48, kMostMargin_px = 64;
-constexpr int kShrink = 4;      // of the pictures of the objects alone
-constexpr float kShows = 0.1f;  // opacity from which on they show
+constexpr int kMinMargin_px = 48, kMaxMargin_px = 64;
+constexpr int kShrink = 4;           // reduction of the renderings of the objects
+constexpr float kMinOpacity = 0.1f;  // minimum opacity of a visible pixel
 
 PixelWindow merged(const PixelWindow& a, const PixelWindow& b) {
   if (a.w == 0) return b;
@@ -24,7 +24,7 @@ PixelWindow merged(const PixelWindow& a, const PixelWindow& b) {
   return {x0, y0, std::max(a.x0 + a.w, b.x0 + b.w) - x0, std::max(a.y0 + a.h, b.y0 + b.h) - y0};
 }
 
-/// The range of indices that holds `count` but for kStrayShare of it a side, half open.
+/// The half-open range of indices that contains all of `count` except kStrayShare of the sum at each side.
 std::pair<int, int> core_range(const std::vector<double>& count) {
   double all = 0;
   for (const double c : count) all += c;
@@ -34,21 +34,21 @@ std::pair<int, int> core_range(const std::vector<double>& count) {
   return {begin, end};
 }
 
-/// Where an opacity image shows something.
+/// Box of the visible pixels of an opacity image, without outliers.
 PixelWindow shown_window(const ImageF& alpha) {
   std::vector<double> columns(std::size_t(alpha.width_px)), rows(std::size_t(alpha.height_px));
   double all = 0;
   for (int y = 0; y < alpha.height_px; ++y)
     for (int x = 0; x < alpha.width_px; ++x)
-      if (alpha.at(x, y, 0) > kShows) ++columns[std::size_t(x)], ++rows[std::size_t(y)], ++all;
+      if (alpha.at(x, y, 0) > kMinOpacity) ++columns[std::size_t(x)], ++rows[std::size_t(y)], ++all;
   if (all == 0) return {};
   const auto [x0, x1] = core_range(columns);
   const auto [y0, y1] = core_range(rows);
   return {x0, y0, x1 - x0, y1 - y0};
 }
 
-PixelWindow settled(const PixelWindow& w, const Camera& camera) {
-  const int margin_px = std::clamp(std::max(w.w, w.h) / 5, kLeastMargin_px, kMostMargin_px);
+PixelWindow with_margin(const PixelWindow& w, const Camera& camera) {
+  const int margin_px = std::clamp(std::max(w.w, w.h) / 5, kMinMargin_px, kMaxMargin_px);
   return widened(w, margin_px, camera.width_px, camera.height_px);
 }
 
@@ -61,11 +61,11 @@ Scene with_windows(Scene scene, const std::vector<PixelWindow>& windows) {
   return scene;
 }
 
-/// Share of a view that its window holds; 1 where it has none.
-std::vector<double> shares(const Scene& whole, const std::vector<PixelWindow>& windows) {
+/// Share of each view's pixels inside its window; 1 without a window.
+std::vector<double> shares(const Scene& uncropped, const std::vector<PixelWindow>& windows) {
   std::vector<double> share(windows.size(), 1.0);
   for (std::size_t v = 0; v < windows.size(); ++v) {
-    const Camera& camera = whole.views[v].camera;
+    const Camera& camera = uncropped.views[v].camera;
     if (windows[v].w > 0) share[v] = double(windows[v].w) * windows[v].h / (double(camera.width_px) * camera.height_px);
   }
   return share;
@@ -75,7 +75,7 @@ std::vector<double> shares(const Scene& whole, const std::vector<PixelWindow>& w
 
 namespace {
 
-/// What masks alone say: their boxes, without a margin.
+/// The boxes of the masks, without margins.
 ObjectWindows mask_windows(const Exec& exec, const Problem& problem) {
   ObjectWindows out;
   out.window.resize(problem.scene.views.size()), out.masks.resize(problem.scene.views.size());
@@ -91,15 +91,15 @@ ObjectWindows mask_windows(const Exec& exec, const Problem& problem) {
 
 PixelWindow enlarged(const PixelWindow& w) { return {w.x0 * kShrink, w.y0 * kShrink, w.w * kShrink, w.h * kShrink}; }
 
-/// Where the labelled Gaussians show, in pictures of a kShrink-th of the views' size.
-class SmallPictures {
+/// Visibility of the labelled Gaussians in renderings at 1 / kShrink of the views' size.
+class LowResVisibility {
  public:
-  SmallPictures(const Exec& exec, const Problem& problem)
+  LowResVisibility(const Exec& exec, const Problem& problem)
       : exec_(exec), problem_(problem), label_(std::size_t(problem.cloud.size())) {
     std::vector<std::int64_t> rows;
     for (const LabelColumns& object : problem.labels)
       for (std::size_t i = 0; i < label_.size(); ++i)
-        if (label_says_object(object.label[i])) label_[i] = 1;
+        if (label_is_foreground(object.label[i])) label_[i] = 1;
     for (std::size_t i = 0; i < label_.size(); ++i)
       if (label_[i] > 0) rows.push_back(std::int64_t(i));
     objects_ = gather_rows(exec, problem.cloud, rows);
@@ -111,8 +111,8 @@ class SmallPictures {
     request.colour = false;
     return shown_window(render(exec_, objects_, camera(view), alone_, request).alpha);
   }
-  /// Whether what is before the objects hides all that they alone would show, in `alone`.
-  bool hidden(std::size_t view, const PixelWindow& alone) {
+  /// True: inside the window `alone`, other Gaussians occlude all objects.
+  bool occluded(std::size_t view, const PixelWindow& alone) {
     if (!among_all_) among_all_ = prepared_for(exec_, filter_at_scale(problem_.splat, 1.0 / kShrink), problem_.cloud);
     RenderRequest request;
     request.colour = false, request.label = {label_.data(), problem_.cloud.size(), 1};
@@ -125,13 +125,13 @@ class SmallPictures {
 
   const Exec& exec_;
   const Problem& problem_;
-  std::vector<float> label_;  // [N] 1: an object's
-  GaussianCloud objects_;     // those alone
+  std::vector<float> label_;  // [N] 1: labelled as an object
+  GaussianCloud objects_;     // the labelled Gaussians
   SplatOptions alone_;
-  std::optional<SplatOptions> among_all_;  // once a view asks for it
+  std::optional<SplatOptions> among_all_;  // created at its first use
 };
 
-/// Views that supervise or have a photo.
+/// The training views and the views with a photo, sorted.
 std::vector<std::size_t> views_in_use(const Problem& problem) {
   std::vector<std::size_t> seen = photo_views(problem.scene);
   seen.insert(seen.end(), problem.views.begin(), problem.views.end());
@@ -140,7 +140,7 @@ std::vector<std::size_t> views_in_use(const Problem& problem) {
   return seen;
 }
 
-/// Share of the pixels of these views that lie in no window.
+/// Share of the pixels of these views outside their windows.
 double share_outside(const Scene& scene, const std::vector<std::size_t>& views, const ObjectWindows& windows) {
   double inside_px = 0, all_px = 0;
   for (const std::size_t v : views) {
@@ -156,14 +156,14 @@ double share_outside(const Scene& scene, const std::vector<std::size_t>& views, 
 ObjectWindows object_windows(const Exec& exec, const Problem& problem, ObjectWindows of_masks) {
   const Scene& scene = problem.scene;
   ObjectWindows out = of_masks.window.empty() ? mask_windows(exec, problem) : std::move(of_masks);
-  SmallPictures pictures(exec, problem);
+  LowResVisibility visibility(exec, problem);
   const std::vector<std::size_t> seen = views_in_use(problem);
   const bool all = for_each_view(problem.monitor, seen, [&](std::size_t, std::size_t v) {
     PixelWindow& window = out.window[v];
-    const PixelWindow alone = pictures.of_objects_alone(v);
-    const bool mask_shows_none = out.masks[v].available() && window.w == 0;
-    if (mask_shows_none && alone.w > 0 && pictures.hidden(v, alone)) return;
-    window = settled(merged(window, enlarged(alone)), scene.views[v].camera);
+    const PixelWindow alone = visibility.of_objects_alone(v);
+    const bool mask_is_empty = out.masks[v].available() && window.w == 0;
+    if (mask_is_empty && alone.w > 0 && visibility.occluded(v, alone)) return;
+    window = with_margin(merged(window, enlarged(alone)), scene.views[v].camera);
   });
   if (!all) return {};
   out.outside = share_outside(scene, seen, out);
@@ -173,46 +173,46 @@ ObjectWindows object_windows(const Exec& exec, const Problem& problem, ObjectWin
 ObjectWindows windows_of_masks(const Exec& exec, const Problem& problem) {
   ObjectWindows out = mask_windows(exec, problem);
   std::vector<PixelWindow> boxes = out.window;
-  for (const std::size_t v : problem.views) out.window[v] = settled(out.window[v], problem.scene.views[v].camera);
+  for (const std::size_t v : problem.views) out.window[v] = with_margin(out.window[v], problem.scene.views[v].camera);
   out.outside = share_outside(problem.scene, views_in_use(problem), out);
   out.window = std::move(boxes);
   return out;
 }
 
-WindowInput::WindowInput(const Problem& whole, std::shared_ptr<const ObjectWindows> windows)
-    : whole_(whole),
+WindowInput::WindowInput(const Problem& uncropped, std::shared_ptr<const ObjectWindows> windows)
+    : uncropped_(uncropped),
       windows_(std::move(windows)),
-      scene_(with_windows(whole.scene, windows_->window)),
-      in_windows_(whole.cropped(
+      scene_(with_windows(uncropped.scene, windows_->window)),
+      in_windows_(uncropped.cropped(
           scene_, [this](std::size_t view) { return masks(view); },
-          [this](std::size_t view) { return cropped_photo(whole_.load_photo(view), view); },
-          shares(whole.scene, windows_->window))) {
+          [this](std::size_t view) { return cropped_photo(uncropped_.load_photo(view), view); },
+          shares(uncropped.scene, windows_->window))) {
   in_windows_.views.clear();
-  for (const std::size_t v : whole.views)
+  for (const std::size_t v : uncropped.views)
     if (windows_->window[v].w > 0) in_windows_.views.push_back(v);
-  if (whole.load_fine_photo)
+  if (uncropped.load_fine_photo)
     in_windows_.load_fine_photo = [this](std::size_t view) {
-      return cropped_photo(whole_.load_fine_photo(view), view);
+      return cropped_photo(uncropped_.load_fine_photo(view), view);
     };
 }
 
 ViewMasks WindowInput::masks(std::size_t view) const {
-  ViewMasks whole = windows_->masks[view].unpacked();
-  return whole.available ? cropped(std::move(whole), windows_->window[view]) : whole;
+  ViewMasks masks = windows_->masks[view].unpacked();
+  return masks.available ? cropped(std::move(masks), windows_->window[view]) : masks;
 }
 
-/// Of a photo of any size: the edges of the window on the nearest pixel.
-ImageF WindowInput::cropped_photo(const ImageF& whole, std::size_t view) const {
+/// Crops a photo of any size. The window's edges are rounded to the nearest pixel.
+ImageF WindowInput::cropped_photo(const ImageF& photo, std::size_t view) const {
   const PixelWindow& window = windows_->window[view];
-  if (whole.empty()) return {};
-  const Camera& camera = whole_.scene.views[view].camera;
+  if (photo.empty()) return {};
+  const Camera& camera = uncropped_.scene.views[view].camera;
   const auto at = [](int v, int from, int to) { return int(std::lround(double(v) * to / from)); };
-  const int x0 = at(window.x0, camera.width_px, whole.width_px), y0 = at(window.y0, camera.height_px, whole.height_px);
-  const PixelWindow fine{x0, y0, at(window.x0 + window.w, camera.width_px, whole.width_px) - x0,
-                         at(window.y0 + window.h, camera.height_px, whole.height_px) - y0};
+  const int x0 = at(window.x0, camera.width_px, photo.width_px), y0 = at(window.y0, camera.height_px, photo.height_px);
+  const PixelWindow fine{x0, y0, at(window.x0 + window.w, camera.width_px, photo.width_px) - x0,
+                         at(window.y0 + window.h, camera.height_px, photo.height_px) - y0};
   ImageF part;
-  part.width_px = fine.w, part.height_px = fine.h, part.channels = whole.channels;
-  part.data = cropped(whole.data, whole.width_px, whole.channels, fine);
+  part.width_px = fine.w, part.height_px = fine.h, part.channels = photo.channels;
+  part.data = cropped(photo.data, photo.width_px, photo.channels, fine);
   return part;
 }
 

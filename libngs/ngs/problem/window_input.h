@@ -1,5 +1,5 @@
 #pragma once
-// A problem in a window of each view: what an object costs does not depend on how much of a scene is beside it.
+// A problem cropped to a window of each view, so that the cost of an object does not depend on the size of the scene.
 #include <memory>
 #include <vector>
 
@@ -9,41 +9,41 @@
 
 namespace ngs {
 
-/// Where the objects of a problem show, and with what margin.
+/// Windows about the visible objects.
 struct ObjectWindows {
-  std::vector<PixelWindow> window;  // [views of the scene], w = 0: shows nothing
-  std::vector<RleMasks> masks;      // [views of the scene] of the whole views, as they were loaded
-  double outside = 0;               // share of the pixels of all views that no window holds, in [0, 1]
+  std::vector<PixelWindow> window;  // [views of the scene] w = 0: no object is visible
+  std::vector<RleMasks> masks;      // [views of the scene] uncropped masks
+  double outside = 0;               // share of the pixels of all views outside the windows, in [0, 1]
 };
 
-/// About the masks of the training views, and about the labelled Gaussians drawn alone in all views that have masks or
-/// a photo: a fifth of the longer side more on each side, 24 to 64 px, then on to multiples of a tile. Of what lies
-/// apart at the edges of an object's picture up to kStrayShare a side is left out. A view whose mask shows none
-/// of them has no window where other Gaussians hide them all. Empty where it was asked to stop.
-/// `of_masks`: of windows_of_masks(); empty: worked out here.
+/// Windows that contain the masks of the training views and, in all views with masks or a photo, the labelled Gaussians
+/// rendered alone. A window has a margin of a fifth of its longer side, 48 to 64 px, and is aligned to tiles. At each
+/// side, up to kStrayShare of an object's rendered pixels are ignored as outliers. A view has no window if its masks
+/// are empty and other Gaussians occlude all objects. The result is empty if a stop was requested. `of_masks`: result
+/// of windows_of_masks(); empty: computed here.
 ObjectWindows object_windows(const Exec& exec, const Problem& problem, ObjectWindows of_masks = {});
 inline constexpr double kStrayShare = 0.002;
 
-/// The boxes of the masks alone, without margin. `outside` is a bound: what labelled Gaussians show beside them only
-/// lowers it.
+/// The boxes of the masks alone, without margins. `outside` is an upper bound, because visible labelled Gaussians
+/// outside the masks enlarge the windows.
 ObjectWindows windows_of_masks(const Exec& exec, const Problem& problem);
 
 class WindowInput {
  public:
-  /// `whole` is copied; what it refers to must outlive this.
-  WindowInput(const Problem& whole, std::shared_ptr<const ObjectWindows> windows);
+  /// Copies `uncropped`; the objects that it refers to must outlive this object.
+  WindowInput(const Problem& uncropped, std::shared_ptr<const ObjectWindows> windows);
   WindowInput(const WindowInput&) = delete;
   WindowInput& operator=(const WindowInput&) = delete;
 
-  /// Cameras, masks and photos of the windows. Views that show nothing supervise nothing, and have no photo.
+  /// The problem with cropped cameras, masks and photos. A view without a window is no training view and has no photo.
   const Problem& get() const { return in_windows_; }
-  const Problem& whole() const { return whole_; }
+  const Problem& uncropped() const { return uncropped_; }
 
  private:
   ViewMasks masks(std::size_t view) const;
-  ImageF cropped_photo(const ImageF& whole, std::size_t view) const;
+  ImageF cropped_photo(const ImageF& photo, std::size_t view) const;
 
-  Problem whole_;
+  Problem uncropped_;
   std::shared_ptr<const ObjectWindows> windows_;
   Scene scene_;
   Problem in_windows_;

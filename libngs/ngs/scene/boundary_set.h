@@ -1,5 +1,5 @@
 #pragma once
-// The boundary Gaussians B of a labelled model: which rows, and where they are.                  Eq. (3)
+// The boundary Gaussians B of a labelled model: rows, positions and colours.                     Eq. (3)
 #include <array>
 #include <cstdint>
 #include <vector>

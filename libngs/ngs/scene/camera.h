@@ -1,6 +1,6 @@
 #pragma once
-// Pinhole camera. Camera axes: +x right, +y down, +z forward (COLMAP, 3DGS). Pixel (i, j) has its centre at
-// (i + 0.5, j + 0.5), the convention in which cx, cy are given.
+// Pinhole camera. Camera axes: +x right, +y down, +z forward (COLMAP, 3DGS). The centre of pixel (i, j) is at
+// (i + 0.5, j + 0.5); cx, cy follow the same convention.
 #include <array>
 #include <cmath>
 #include <string>
@@ -10,9 +10,9 @@
 namespace ngs {
 
 struct Camera {
-  std::string name;  // image file name as the source spells it, e.g. "0001.png"
+  std::string name;  // image file name as spelled in the source, e.g. "0001.png"
   int width_px = 0, height_px = 0;
-  double fx = 0, fy = 0, cx = 0, cy = 0;  // px, with the true principal point
+  double fx = 0, fy = 0, cx = 0, cy = 0;  // px; the principal point may be off-centre
   Mat3<double> rotation{};                // world -> camera, orthonormal, det +1
   Vec3<double> translation{};             // world -> camera: x_cam = R x_world + t
 

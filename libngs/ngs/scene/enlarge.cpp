@@ -9,7 +9,7 @@
 namespace ngs {
 namespace {
 
-/// Four pixels of a line, and what each weighs in one pixel of the longer line.
+/// Four pixels of a line and their weights in one pixel of the longer line.
 struct Taps {
   std::array<int, 4> pixel;
   std::array<double, 4> weight;
@@ -38,7 +38,7 @@ std::vector<Taps> taps_of(int from_px, int to_px) {
 }  // namespace
 
 ImageF enlarged(const ImageF& image, int width_px, int height_px) {
-  NGS_CHECK(width_px >= image.width_px && height_px >= image.height_px, "the picture grows");
+  NGS_CHECK(width_px >= image.width_px && height_px >= image.height_px, "an enlarged image is at least as large");
   const int channels = image.channels;
   ImageF wide(width_px, image.height_px, channels), out(width_px, height_px, channels);
   const std::vector<Taps> across = taps_of(image.width_px, width_px), down = taps_of(image.height_px, height_px);

@@ -1,11 +1,11 @@
 #pragma once
-// Pictures at a larger size.
+// Upscaling of images.
 #include "ngs/scene/views.h"
 
 namespace ngs {
 
-/// Cubic convolution (Keys 1981, a = -1/2): goes through the pixels' values where the sizes' ratio puts a centre on a
-/// centre, and keeps linear ramps. Beyond the border the border's value. Neither side may shrink.
+/// Cubic convolution (Keys 1981, a = -1/2): reproduces a pixel's value where pixel centres coincide, and linear ramps.
+/// Clamped to the border. Neither side may shrink (NGS_CHECK).
 ImageF enlarged(const ImageF& image, int width_px, int height_px);
 
 }  // namespace ngs

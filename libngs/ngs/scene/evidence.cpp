@@ -11,27 +11,27 @@ namespace {
 
 std::uint64_t quantised(double unit) { return std::uint64_t(std::llround(unit * 0x1p32)); }
 
-/// Where an object has neither weight nor a pixel, all pixels say that the Gaussian is none of its: r = 1.
-bool says_something(const double* sum, std::size_t k) { return sum[2 + 2 * k] != 0 || sum[3 + 2 * k] != 0; }
+/// False if object k has neither weight nor pixels: then all pixels are background and r = 1.
+bool has_evidence(const double* sum, std::size_t k) { return sum[2 + 2 * k] != 0 || sum[3 + 2 * k] != 0; }
 
-/// What one view says of object k.
+/// The share of object k in one view.
 ObjectShare share_of(const double* sum, std::size_t k) {
   const double w = sum[0], count = sum[1], object_w = sum[2 + 2 * k], object_count = sum[3 + 2 * k];
   ObjectShare of;
   of.weight = ExactSum::of(object_w);
   of.pixels = std::uint64_t(object_count);
   of.add_signal(object_w / w);
-  of.contrast_lack = quantised(1) - quantised(std::abs(2 * object_count - count) / count);
+  of.one_minus_contrast_sum = quantised(1) - quantised(std::abs(2 * object_count - count) / count);
   return of;
 }
 
-// A Gaussian is a byte of flags, how far it lies from the one before, W, and what objects have of it.
-constexpr std::uint8_t kDouble = 1;                // W is no float; of a view that shows a Gaussian in one tile it is
-constexpr std::uint8_t kOneHasAll = 2, kSome = 4;  // one object has W1 = W, or some have any of it; else none has
+// Format per Gaussian: a byte of flags, the difference to the previous index, W, the shares of objects.
+constexpr std::uint8_t kDouble = 1;                // W needs a double; a Gaussian in one tile only has a float W
+constexpr std::uint8_t kOneHasAll = 2, kSome = 4;  // one object has W1 = W; some objects have W1 > 0; neither: none
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// 7 bits a byte, the lowest first; the highest bit says that there are more.
+/// Varint (LEB128): 7 bits per byte, lowest first; the highest bit is set if more bytes follow.
 void put_count(Bytes& to, std::uint64_t value) {
   for (; value >= 128; value >>= 7) to.push_back(std::uint8_t(value | 128));
   to.push_back(std::uint8_t(value));
@@ -53,7 +53,7 @@ void put_bits(Bytes& to, T value) {
   std::memcpy(to.data() + size, &value, sizeof value);
 }
 
-/// Small numbers of either sign as small counts: 0, -1, 1, -2, 2 ... as 0, 1, 2, 3, 4 ...
+/// ZigZag encoding: 0, -1, 1, -2, 2 ... become 0, 1, 2, 3, 4 ...
 std::uint64_t folded_sign(std::int64_t value) { return std::uint64_t(value) << 1 ^ std::uint64_t(value < 0 ? -1 : 0); }
 std::int64_t unfolded_sign(std::uint64_t count) { return std::int64_t(count >> 1) ^ -std::int64_t(count & 1); }
 
@@ -85,7 +85,7 @@ void ObjectShare::add(const ObjectShare& other) {
   pixels += other.pixels;
   signal_sum += other.signal_sum;
   signal_square_sum.add(other.signal_square_sum);
-  contrast_lack += other.contrast_lack;
+  one_minus_contrast_sum += other.one_minus_contrast_sum;
 }
 
 void ObjectShare::add_signal(double m) {
@@ -111,16 +111,16 @@ void Evidence::add(const Evidence& other) {
   }
 }
 
-void Evidence::add(std::size_t gaussian, const double* sum, FirstShares& put_off) {
-  add_nobodys(gaussian, sum[0], sum[1]);
+void Evidence::add(std::size_t gaussian, const double* sum, DeferredInserts& deferred_inserts) {
+  add_background(gaussian, sum[0], sum[1]);
   for (std::size_t k = 0; k < std::size_t(objects); ++k)
-    if (says_something(sum, k)) share.add(gaussian, k, share_of(sum, k), put_off);
+    if (has_evidence(sum, k)) share.add(gaussian, k, share_of(sum, k), deferred_inserts);
 }
 
 void Evidence::add(std::size_t gaussian, const double* sum) {
-  FirstShares put_off;
-  add(gaussian, sum, put_off);
-  share.add(put_off);
+  DeferredInserts deferred_inserts;
+  add(gaussian, sum, deferred_inserts);
+  share.add(deferred_inserts);
 }
 
 std::vector<float> Evidence::weights() const {

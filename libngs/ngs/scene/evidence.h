@@ -1,6 +1,6 @@
 #pragma once
-// What the masks of all views say about each Gaussian. Additive: the evidence of a set of views is the exact sum
-// of its parts, in any order and any sharding, so that merged partial runs equal one run byte for byte.
+// Mask evidence per Gaussian, summed over views. Additive: the evidence of a set of views is the exact sum of its
+// parts, in any order and sharding. So merged shards equal a single run byte for byte.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -10,11 +10,11 @@
 
 namespace ngs {
 
-/// The evidence of a single view, of the V Gaussians with W > 0.
+/// The evidence of a single view for the V Gaussians with W > 0.
 struct ViewSums {
   int objects = 0;
-  std::vector<std::uint32_t> row;  // [V] increasing
-  std::vector<double> sum;         // [V, 2 + 2 K] W, pixels, then W1 <= W and pixels of each object
+  std::vector<std::uint32_t> row;  // [V] ascending
+  std::vector<double> sum;         // [V, 2 + 2 K] W, pixels, then W1 <= W and pixels per object
 
   std::size_t size() const { return row.size(); }
   int columns() const { return 2 + 2 * objects; }
@@ -23,22 +23,22 @@ struct ViewSums {
   double object_weight(std::size_t v, std::size_t k) const { return at(v)[2 + 2 * k]; }
 };
 
-/// The weights of a single view, packed, so that those of all views can be kept: about 8 bytes a Gaussian, however many
-/// objects there are. Parts are written and read independently of each other, and hold different Gaussians.
+/// The weights of a single view, packed to about 8 bytes per Gaussian for any number of objects, so that all views fit
+/// in memory. Parts hold disjoint Gaussians and can be written and read in parallel.
 class ViewWeights {
  public:
   ViewWeights(int objects, std::size_t parts) : objects_(std::size_t(objects)), part_(parts) {}
 
-  /// A Gaussian with W > 0 that no part has yet; `sum` [2 + 2 K] as in ViewSums: W, any
-  /// number, then of each object W1 <= W and any number.
+  /// Adds a Gaussian with W > 0 that no part contains yet. `sum` [2 + 2 K] as in ViewSums; the pixel counts are
+  /// ignored.
   void add(std::size_t part, std::uint32_t gaussian, const double* sum);
-  /// After the last add() to a part.
+  /// Call after the last add() to a part.
   void shrink_to_fit(std::size_t part) { part_[part].bytes.shrink_to_fit(); }
 
   std::size_t parts() const { return part_.size(); }
   std::size_t bytes() const;
   bool empty() const { return bytes() == 0; }
-  /// f(gaussian, weight) in the order of their addition; weight [1 + K]: W, then W1 of each object, to the bit.
+  /// f(gaussian, weight) in order of add(); weight [1 + K]: W, then W1 per object, bit-identical to the input.
   template <class F>
   void for_each(std::size_t part, const F& f) const {
     std::vector<double> weight(1 + objects_);
@@ -61,43 +61,43 @@ class ViewWeights {
   std::vector<Part> part_;
 };
 
-/// What the masks of one object say about a Gaussian.
+/// Mask evidence of one object for a Gaussian.
 struct ObjectShare {
   ExactSum weight;           // W1 = Σ_views Σ_pixels w M, at most W
-  std::uint64_t pixels = 0;  // of those reached, with M >= 0.5
-  // Per-view signals m = W1 / W of one view, quantised to 2^-32: their sum in these units, and that of their squares.
+  std::uint64_t pixels = 0;  // pixels reached with M >= 0.5
+  // Per-view signals m = W1 / W, quantised to 2^-32: their sum in these units, and the sum of their squares.
   std::uint64_t signal_sum = 0;
   ExactSum signal_square_sum;
-  // Per-view r = |n₊ - n₋| / (n₊ + n₋) of the unweighted counts (COB-GS), quantised to 2^-32. Kept is what the views
-  // lack to r = 1, Σ (1 - r) in these units: 0 of a Gaussian that no mask of the object shows.
-  std::uint64_t contrast_lack = 0;
+  // Per-view contrast r = |n₊ - n₋| / (n₊ + n₋) of the unweighted counts (COB-GS), quantised to 2^-32. Stored as Σ (1 -
+  // r) in these units, which is 0 for a Gaussian outside all masks of the object.
+  std::uint64_t one_minus_contrast_sum = 0;
 
   void add(const ObjectShare& other);
-  /// The signal m in [0, 1] of one view. m² is kept as the exact square of the quantised m: as a double it could fall
-  /// short of it, and the variance of equal signals below zero.
+  /// Adds the signal m in [0, 1] of one view. m² is stored as the exact square of the quantised m: as a double it could
+  /// be smaller, and the variance of equal signals negative.
   void add_signal(double m);
   bool operator==(const ObjectShare&) const = default;
 };
 
-/// N Gaussians, K objects. w = α T is a Gaussian's weight at a pixel, M the mask there.
+/// Evidence of N Gaussians and K objects. w = α T is a Gaussian's weight at a pixel, M the mask there.
 struct Evidence {
   std::int64_t gaussians = 0;
   int objects = 0;
   ExactSums weight;                   // [N] W = Σ_views Σ_pixels w over known pixels
   std::vector<std::uint64_t> pixels;  // [N] known pixels reached (unweighted)
   std::vector<std::uint32_t> views;   // [N] views with W > 0
-  SparseTable<ObjectShare> share;     // [N, K] most Gaussians are none of most objects'
+  SparseTable<ObjectShare> share;     // [N, K] sparse: most objects have no share in most Gaussians
 
   Evidence() = default;
   Evidence(std::int64_t n, int k);
   void add(const Evidence& other);
-  /// What one view says of a Gaussian: a row of ViewSums. Not from several threads.
+  /// Adds the evidence of one view for a Gaussian, a row of ViewSums. Not thread-safe.
   void add(std::size_t gaussian, const double* sum);
-  using FirstShares = std::vector<SparseTable<ObjectShare>::First>;
-  /// The same of different Gaussians from several threads. What is put off is for share.add().
-  void add(std::size_t gaussian, const double* sum, FirstShares& put_off);
-  /// Of a Gaussian of which no object has anything.
-  void add_nobodys(std::size_t gaussian, double w, double count) {
+  using DeferredInserts = std::vector<SparseTable<ObjectShare>::Insert>;
+  /// Thread-safe for different Gaussians. Afterwards pass `deferred_inserts` to share.add().
+  void add(std::size_t gaussian, const double* sum, DeferredInserts& deferred_inserts);
+  /// For a Gaussian without a share of any object.
+  void add_background(std::size_t gaussian, double w, double count) {
     weight.add(gaussian, w);
     pixels[gaussian] += std::uint64_t(count);
     views[gaussian] += 1;
@@ -110,20 +110,20 @@ struct Evidence {
     const ObjectShare* known = share.find(gaussian, object);
     return known == nullptr ? 0 : known->pixels;
   }
-  /// Σ r over views, in units of 2^-32.
+  /// Σ r over the views, in units of 2^-32.
   std::uint64_t contrast_sum(std::size_t gaussian, std::size_t object) const {
     const ObjectShare* known = share.find(gaussian, object);
     return contrast_sum(gaussian, known == nullptr ? ObjectShare() : *known);
   }
-  /// W, as it is kept beside the labels.
+  /// [N] W in float, as stored with the labels.
   std::vector<float> weights() const;
   std::uint64_t contrast_sum(std::size_t gaussian, const ObjectShare& of) const {
-    return (std::uint64_t(views[gaussian]) << 32) - of.contrast_lack;
+    return (std::uint64_t(views[gaussian]) << 32) - of.one_minus_contrast_sum;
   }
 };
 
-/// 4 · variance over `views` of the signal, in [0, 1], from the exact sums: V Σ m² - (Σ m)² is evaluated in integers,
-/// where the textbook difference cannot cancel.
+/// 4 · variance of the signal over `views`, in [0, 1]. V Σ m² - (Σ m)² is evaluated in integers, free of cancellation
+/// error.
 double between_views_variance(const ObjectShare& of, std::uint32_t views);
 
 }  // namespace ngs

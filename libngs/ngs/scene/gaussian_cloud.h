@@ -1,5 +1,5 @@
 #pragma once
-// A 3D Gaussian splatting model in the encoding of its PLY, structure of arrays.
+// A 3D Gaussian splatting model in the encoding of its PLY, as a structure of arrays.
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -19,7 +19,7 @@ struct GaussianCloud {
   std::vector<float> sh_rest;        // [N, sh_rest_count(sh_degree), 3]; the PLY is channel-major, transposed on load
   int sh_degree = 0;                 // 0..3
   bool antialiased = false;          // trained with the Mip-Splatting opacity compensation (PLY comment)
-  std::vector<std::uint8_t> usable;  // [N] 0: non-finite or absurd; left out of the maths, kept in every output
+  std::vector<std::uint8_t> usable;  // [N] 0: non-finite or absurd scale; ignored by the maths, written to every output
 
   std::int64_t size() const { return std::int64_t(logit_opacity.size()); }
   int rest_count() const { return sh_rest_count(sh_degree); }
@@ -36,19 +36,19 @@ struct GaussianCloud {
 struct CloudGradients {
   std::vector<float> position, rotation, log_scale, logit_opacity, sh_dc, sh_rest;
   std::vector<float> label;           // [N, K] ∂L/∂(label channel values)
-  std::vector<float> mean_px;         // [N, 2] ∂L/∂(projected mean), px^-1: what densification thresholds
-  std::vector<std::uint8_t> visible;  // [N] 1: listed for a tile of this view, though perhaps hidden there
+  std::vector<float> mean_px;         // [N, 2] ∂L/∂(projected mean), px^-1, for densification
+  std::vector<std::uint8_t> visible;  // [N] 1: listed for a tile of this view; may be occluded
 };
 
-/// Counts of what `usable` excludes, by first reason found.
+/// Counts of the Gaussians that `usable` excludes, by the first reason found.
 struct CloudHealth {
   std::int64_t total = 0, non_finite = 0, absurd_scale = 0, zero_rotation = 0;
   std::int64_t excluded() const { return non_finite + absurd_scale; }
 };
 
-/// Fills `cloud.usable` and counts. Excluded: any NaN or ±Inf in position, rotation, scale or colour; NaN
-/// opacity (±Inf opacity is legal: exactly opaque or absent); log_scale = -Inf or > `kMaxLogScale`. A zero
-/// quaternion is usable and means the identity.
+/// Fills `cloud.usable` and counts. Excluded: NaN or ±Inf in position, rotation or colour; NaN opacity (±Inf is legal:
+/// exactly opaque or absent); NaN scale; log_scale = -Inf or > `kMaxLogScale`. A zero quaternion is usable and means
+/// the identity.
 CloudHealth classify(GaussianCloud& cloud);
 inline constexpr float kMaxLogScale = 40.f;  // e^40 world units: beyond it the covariance overflows float
 

@@ -1,5 +1,5 @@
 #pragma once
-// What a person marked on one view: strokes, polygons and boxes in the pixels of an image of the given size.
+// A user's annotations of one view: strokes, polygons and boxes, in pixels of an image of the given size.
 #include <array>
 #include <string>
 #include <vector>
@@ -16,16 +16,17 @@ struct PromptStroke {
 
 struct PromptPolygon {
   bool object = true;                         // else background
-  std::vector<std::array<double, 2>> points;  // at least three; closed by itself, inside by the even-odd rule
+  std::vector<std::array<double, 2>> points;  // at least three; closed implicitly; even-odd rule
 };
 
 struct HandPrompt {
-  std::string view;  // empty: not said
+  std::string view;  // empty: not given
   int width_px = 0, height_px = 0;
   std::vector<PromptStroke> strokes;
   std::vector<PromptPolygon> polygons;
-  std::vector<std::array<double, 4>> boxes;  // left, top, right, bottom; the object lies inside one of them
-  std::vector<PixelHint> painted;            // [H·W] of scribble pictures, certain or likely background; may be empty
+  std::vector<std::array<double, 4>> boxes;  // left, top, right, bottom; the object lies inside their union
+  std::vector<PixelHint>
+      painted;  // [H·W] from a scribble image; unpainted pixels: certain or likely background; may be empty
 };
 
 }  // namespace ngs

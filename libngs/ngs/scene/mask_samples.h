@@ -1,30 +1,30 @@
 #pragma once
-// What a mask file says of its pixels, whichever tool reads it.
+// Object pixels of a mask file, the same for all tools.
 #include <cstdint>
 #include <span>
 #include <vector>
 
 namespace ngs {
 
-/// Samples as they are in a file, [H, W, C]: grey, RGB or RGBA.
+/// Unconverted samples of a file, [H, W, C]: grey, RGB or RGBA.
 struct MaskSamples {
   int width_px = 0, height_px = 0, channels = 1, bits = 8;
   std::span<const std::uint16_t> data;
 };
 
-/// Alpha is not constant: what is cut out by it is the object.
+/// Whether alpha is not constant: then alpha is the mask.
 bool is_cut_out(const MaskSamples& samples);
-/// R = G = B everywhere.
+/// Whether R = G = B everywhere.
 bool is_grey(const MaskSamples& samples);
-/// [H·W] the samples that decide whether a pixel is object: alpha of a cut-out, else the largest of R, G, B, so that
-/// an object of any pure colour on black is one.
+/// [H·W] the channel that decides object or background: alpha of a cut-out, else max(R, G, B), so that an object of any
+/// pure colour on black counts.
 std::vector<std::uint16_t> decisive_channel(const MaskSamples& samples);
-/// The value that stands for 1: 255 or 65535, except where the decisive samples are zeros and ones (a bool array that
-/// was saved as an image) or, in 16 bit, 0 and 255 (a mask of 8 bit that was).
+/// The value that means 1: 255 or 65535. Exceptions: 1 if all decisive samples are 0 or 1 (a saved bool array), and 255
+/// if all decisive samples of a 16-bit file are 0 or 255 (a converted 8-bit mask).
 float full_scale(const MaskSamples& samples);
-/// The decisive samples are zeros and ones, 1 is the object.
+/// Whether the decisive samples are zeros and ones; 1 is the object.
 bool is_zero_one(const MaskSamples& samples);
-/// [H·W] 1: the decisive sample is at least 128/255 of the full scale.
+/// [H·W] 1: object, the decisive sample is at least 128/255 of the full scale.
 std::vector<std::uint8_t> object_pixels(const MaskSamples& samples);
 
 }  // namespace ngs

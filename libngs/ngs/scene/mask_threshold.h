@@ -1,23 +1,25 @@
 #pragma once
-// Where a share in [0, 1] becomes a decision. Three rules, because exactly one half is a value of its own:
+// Thresholds of shares in [0, 1]. There are three rules because exactly 1/2 occurs as a value:
 //
-//   a mask that was given        1/2 is the object's: a soft mask says so, and so does the mean of four pixels of which
-//   two are a label, and a mask that     1/2 is not: it is where labels begin, and what is between object and
-//   background was rendered or refined a flag, a share that is known  1/2 counts: columns of a PLY hold 0 or 1, and
-//   half a pixel's evidence is evidence
+// clang-format off
+//   input                                      1/2 is        why
+//   a given mask                               foreground    soft masks: the mean of four pixels, two of them object
+//   a label, a rendered or refined mask        background    labels start at 1/2: undecided
+//   a flag, the known share of a pixel         set           PLY columns hold 0 or 1; half a pixel's evidence counts
+// clang-format on
 #include "ngs/core/hd.h"
 
 namespace ngs {
 
 inline constexpr float kHalfShare = 0.5f;
 
-/// Whether a given mask says that the pixel is the object's.
-NGS_HD inline bool mask_says_object(float mask) { return mask >= kHalfShare; }
+/// Whether a pixel of a given mask is object.
+NGS_HD inline bool mask_is_foreground(float mask) { return mask >= kHalfShare; }
 
-/// Whether a label, or a mask rendered from labels, says object.
-NGS_HD inline bool label_says_object(float label) { return label > kHalfShare; }
+/// Whether a label, or a pixel of a rendered or refined mask, is object.
+NGS_HD inline bool label_is_foreground(float label) { return label > kHalfShare; }
 
-/// Whether a 0/1 column, or the share of a pixel of which something is known, says yes.
+/// Whether a 0/1 column, or the known share of a pixel, counts as set.
 NGS_HD inline bool is_set(float flag) { return flag >= kHalfShare; }
 
 }  // namespace ngs

@@ -1,6 +1,6 @@
 #pragma once
-// All trainable numbers of a model in one flat vector, so that the optimiser, checkpoints and clipping are
-// loops. Layers know only offsets.
+// All trainable parameters in one flat vector, so that optimiser, checkpoints and clipping are plain loops. Layers
+// store only offsets.
 #include <span>
 #include <string>
 #include <vector>

@@ -1,12 +1,12 @@
 #pragma once
-// What the splat core produces for one camera, and the gradients it takes back.
+// The rendered images of one camera, and ∂L/∂ of them.
 #include <vector>
 
 #include "ngs/scene/views.h"
 
 namespace ngs {
 
-/// Alpha-composited channels of one view. Images that were not asked for are empty.
+/// Alpha-composited channels of one view. Images that were not requested are empty.
 struct RenderedView {
   int width_px = 0, height_px = 0;
   ImageF colour;  // [H, W, 3] linear in the model's colour space, background included
@@ -18,7 +18,7 @@ struct RenderedView {
 /// ∂L/∂(each image of RenderedView), same shapes; empty = zero.
 struct ViewGradients {
   ImageF colour, label, alpha, depth;
-  // Whether the channel's gradient reaches geometry and opacity (∂L/∂α), or stops at the channel's own value.
+  // Whether the channel's gradient flows to geometry and opacity (∂L/∂α), or only to the channel's own values.
   bool colour_moves_geometry = true;
   bool label_moves_geometry = false;  // COB-GS: never; --effect mask-geometry: yes
   bool depth_moves_geometry = true;

@@ -6,7 +6,7 @@
 namespace ngs {
 namespace {
 
-/// Where pixel i, not the first, has other bits than the one before it.
+/// Whether pixel i > 0 differs in bits from pixel i - 1.
 bool begins_run(const std::vector<float>& plane, std::size_t i) {
   return std::bit_cast<std::uint32_t>(plane[i]) != std::bit_cast<std::uint32_t>(plane[i - 1]);
 }

@@ -1,12 +1,11 @@
 #pragma once
-// Masks of many views in memory at once.
+// Run-length encoded masks, to hold many views in memory.
 #include "ngs/scene/scene.h"
 
 namespace ngs {
 
-/// The masks of one view, run by run. Planes that are 0 or 1 but at contours take as much memory as their contours are
-/// long; those that runs would not make smaller, as soft masks that vary from pixel to pixel, stay as they are. The
-/// same bits come back.
+/// The masks of one view, run-length encoded without loss. Memory of a plane is proportional to its contour length.
+/// Planes that would not shrink, such as soft masks that vary per pixel, are stored unencoded.
 class RleMasks {
  public:
   RleMasks() = default;
@@ -19,7 +18,7 @@ class RleMasks {
  private:
   struct Run {
     float value;
-    std::uint32_t end;  // of its pixels, in the plane
+    std::uint32_t end;  // one past its last pixel in the plane
   };
   struct Plane {
     std::vector<Run> runs;
@@ -28,7 +27,7 @@ class RleMasks {
   static Plane packed(std::vector<float> plane);
 
   std::vector<Plane> target_;  // [K]
-  ViewMasks rest_;             // all but the targets
+  ViewMasks rest_;             // everything except the targets
 };
 
 }  // namespace ngs

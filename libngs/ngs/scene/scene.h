@@ -1,5 +1,5 @@
 #pragma once
-// The canonical description of a capture: what scene.json holds and every tool reads.
+// The canonical description of a capture: the contents of scene.json, read by every tool.
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -15,7 +15,7 @@ enum class MaskMode : std::uint8_t { kBinary, kLabel, kSoft, kBands };
 enum class MissingMask : std::uint8_t { kUnknown, kEmpty, kError };
 enum class Split : std::uint8_t { kTrain, kHeldOut };
 
-/// An object to cut out. `id` is its value in label maps; 0 where the masks are not label maps.
+/// An object to segment. `id`: its value in label maps; 0 if the masks are not label maps.
 struct SceneObject {
   std::string name = "object";
   std::uint32_t id = 0;
@@ -28,12 +28,12 @@ struct SceneView {
   Split split = Split::kTrain;
 };
 
-/// Pictures that stand for photos: the model drawn at cameras that were chosen for it. They tell nothing about it that
-/// it does not hold itself.
+/// Renders of the model used in place of photos, at cameras chosen for it. They contain no information beyond the
+/// model.
 struct RenderedPhotos {
-  double coverage = 0;  // share of the model's visible surface that at least three of the views show, in [0, 1]
+  double coverage = 0;  // share of the visible surface covered by at least three views, in [0, 1]
 };
-/// How scene.json and reports say so.
+/// Note about them in scene.json and reports.
 inline constexpr const char* kRenderedPhotosNote = "renders of the model, no photos";
 
 struct Scene {
@@ -43,17 +43,17 @@ struct Scene {
   MaskMode mask_mode = MaskMode::kBinary;
   bool mask_invert = false;
   double mask_threshold = 128;           // 8-bit scale; binary mode: object where value >= threshold
-  std::optional<std::uint32_t> void_id;  // label maps: pixels of this id are unknown; none: every id is known
+  std::optional<std::uint32_t> void_id;  // label maps: pixels with this id are unknown; none: all known
   MissingMask missing_mask = MissingMask::kUnknown;
   double image_scale = 1.0;
   double filter_px2 = 0.3;  // variance of the low-pass filter the model was fitted with, px² at the working size
-  Compat compat = Compat::kInria;   // of the renderer that the model was fitted with
-  std::optional<bool> antialiased;  // fitted with Mip-Splatting's opacity compensation; none: as the PLY's comments say
-  std::optional<Vec3<double>> background;  // colour behind the model, in [0, 1]; none: not known, black is taken
-  std::optional<RenderedPhotos> renders;   // what the photos are; none: photos
+  Compat compat = Compat::kInria;          // renderer that the model was fitted with
+  std::optional<bool> antialiased;         // fitted with Mip-Splatting's opacity compensation; none: see PLY comments
+  std::optional<Vec3<double>> background;  // background colour in [0, 1]; none: unknown, treated as black
+  std::optional<RenderedPhotos> renders;   // set: the photos are renders; none: real photos
 };
 
-/// What every stage puts behind the model and behind transparent photos.
+/// The background of renders and of transparent photos, for every stage.
 inline Vec3<float> background_of(const Scene& scene) {
   const Vec3<double> b = scene.background.value_or(Vec3<double>{0, 0, 0});
   return {float(b.x), float(b.y), float(b.z)};
@@ -63,8 +63,8 @@ inline Vec3<float> background_of(const Scene& scene) {
 struct ViewMasks {
   int width_px = 0, height_px = 0;
   std::vector<std::vector<float>> target;  // [K][H·W] in [0, 1]; exactly 0/1 for binary and label masks
-  std::vector<std::uint8_t> known;         // [H·W] 1: evidence; empty: every pixel known (if `available`)
-  bool available = false;                  // false: the view gives no evidence
+  std::vector<std::uint8_t> known;         // [H·W] 0: no evidence; empty: all known (if `available`)
+  bool available = false;                  // false: the view has no evidence
 };
 
 }  // namespace ngs

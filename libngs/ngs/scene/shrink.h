@@ -1,7 +1,6 @@
 #pragma once
-// Pictures and cameras at an integer fraction of their size. A cell is exactly factor x factor pixels from
-// pixel 0 on; the last row and column of cells may stick out, and have fewer pixels. What a pixel saw, its
-// cell sees.
+// Images and cameras downscaled by an integer factor. A cell is factor x factor pixels, starting at pixel 0. Cells of
+// the last row and column may extend beyond the image and have fewer pixels. The rays of a pixel lie in its cell.
 #include "ngs/scene/camera.h"
 #include "ngs/scene/views.h"
 
@@ -9,7 +8,7 @@ namespace ngs {
 
 inline int shrunk_size_px(int size_px, int factor) { return (size_px + factor - 1) / factor; }
 
-/// Means over the pixels of each cell.
+/// Box filter: the mean over the pixels of each cell.
 ImageF shrunk(const ImageF& image, int factor);
 
 Camera shrunk(Camera camera, int factor);

@@ -1,5 +1,5 @@
 #pragma once
-// A sparse reconstruction: points on surfaces, and where the views saw them.
+// A sparse (SfM) reconstruction: surface points and their observations.
 #include <cstdint>
 #include <vector>
 
@@ -14,7 +14,7 @@ struct SparsePoint {
     int view;     // index
     double x, y;  // px
   };
-  std::vector<Observation> track;  // empty where a reader does not keep it
+  std::vector<Observation> track;  // empty if the reader does not load it
 };
 
 }  // namespace ngs

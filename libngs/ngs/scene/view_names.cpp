@@ -17,7 +17,7 @@ std::size_t base_of(std::string_view name) {
   return slash == name.npos ? 0 : slash + 1;
 }
 
-/// Where the extension begins, its dot included; the end of the name where it has none.
+/// Position of the extension's dot; the end of the name if there is no extension.
 std::size_t extension_of(std::string_view name) {
   const std::size_t dot = name.rfind('.');
   return dot == name.npos || dot <= base_of(name) ? name.size() : dot;
@@ -73,7 +73,7 @@ bool is_folder_name(std::string_view name) {
 
 std::vector<std::string> output_names(const std::vector<SceneView>& views) {
   std::vector<std::string> names = names_by(views, [](auto& name) { return image_stem(bare_name(name)); });
-  // All views change together: files at two depths of one folder are easily taken for two kinds of files.
+  // The scheme is the same for all views: files at two folder depths would look like two kinds of files.
   if (!is_each_once(names)) names = names_by(views, image_stem);
   if (!is_each_once(names)) names = names_by(views, [](auto& name) { return name; });
   return names;

@@ -1,6 +1,6 @@
 #pragma once
-// What a segmenter is told about one view: which pixels are certain, which are only likely. Written by
-// stages, read by segmenters (the built-in one and programs of the user).
+// Per-pixel prompt of a segmenter for one view: certain and likely object or background. Written by stages, read by
+// segmenters (built-in or external programs).
 #include <cstdint>
 #include <vector>
 
@@ -8,7 +8,7 @@
 
 namespace ngs {
 
-/// What is known about a pixel before it is segmented. The numbers are those of GrabCut.
+/// Prior of a pixel before segmentation. The numbers are those of GrabCut (OpenCV).
 enum class PixelHint : std::uint8_t { kBackground = 0, kObject = 1, kLikelyBackground = 2, kLikelyObject = 3 };
 
 inline bool is_certain(PixelHint hint) { return hint == PixelHint::kBackground || hint == PixelHint::kObject; }
@@ -17,7 +17,7 @@ inline bool is_object(PixelHint hint) { return hint == PixelHint::kObject || hin
 struct ViewPrompt {
   int width_px = 0, height_px = 0;
   std::vector<PixelHint> hint;  // [H·W]
-  bool by_hand = false;         // strokes or boxes of a person on an otherwise unknown view
+  bool by_hand = false;         // strokes or boxes by a user; all else in the view is unknown
 };
 
 /// The segmented mask of one view: [H·W] 1: object.

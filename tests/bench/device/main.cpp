@@ -1,5 +1,5 @@
-// Times every op on the CPU and on the CUDA device and prints one JSON object: seconds per call with copies to and from
-// the device, and of that the kernels. Exit code 77: no device.
+// Times every op on the CPU and on the CUDA device and prints one JSON object: seconds per call including copies to and
+// from the device, and seconds of each kernel. Exit code 77: no device.
 #include <chrono>
 #include <functional>
 #include <iostream>
@@ -22,7 +22,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Body = std::function<void(const Exec&)>;
 
-/// The least of five calls, after one that warms up.
+/// Minimum of five calls, after a warm-up call.
 double seconds(const Exec& exec, const Body& body) {
   double best = 1e30;
   for (int round = 0; round < 6; ++round) {
@@ -35,11 +35,11 @@ double seconds(const Exec& exec, const Body& body) {
 }
 
 struct Bench {
-  Exec cpu, device, atomic;  // the last one with atomic sums
+  Exec cpu, device, atomic;  // `atomic` uses atomic sums
   Json cases = Json::array();
 
   void run(const std::string& name, const Body& body) { add(name, seconds(cpu, body), device, body); }
-  /// For what sums in order or atomically: both.
+  /// For ops with ordered or atomic sums: times both.
   void run_sums(const std::string& name, const Body& body) {
     const double cpu_s = seconds(cpu, body);
     add(name, cpu_s, device, body), add(name + ", atomic sums", cpu_s, atomic, body);
@@ -112,7 +112,7 @@ void field(Bench& bench) {
   });
 }
 
-/// Seconds of one step; its kernels are those of 4.
+/// Seconds of one step; kernel times are of 4 steps.
 void joint(Bench& bench, std::int64_t gaussians) {
   const JointSteps steps(gaussians);
   const auto nothing = [](bool) {};

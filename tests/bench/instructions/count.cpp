@@ -1,6 +1,6 @@
-// A plug-in of qemu's emulators that counts the instructions which a program executes, by function: a line each, number
-// and mangled name, into the file of QEMU_PLUGIN's argument out=FILE. tests/bench/instructions.sh compiles and loads
-// it. The interface is that of qemu's include/qemu/qemu-plugin.h, version 1, of which only this is used.
+// A qemu plug-in that counts executed instructions per function. Writes a line per function, count and mangled name, to
+// FILE of QEMU_PLUGIN's argument out=FILE. tests/bench/instructions.sh compiles and loads it. Declares the used part of
+// qemu's include/qemu/qemu-plugin.h, version 1.
 #include <cstdint>
 #include <cstdio>
 #include <deque>
@@ -27,13 +27,13 @@ namespace {
 
 struct Counts {
   std::mutex mutex;
-  std::map<std::string, std::uint64_t*> of;  // by function; where they are never moves
+  std::map<std::string, std::uint64_t*> of;  // by function; pointers into `storage`, which are stable
   std::deque<std::uint64_t> storage;
   std::string path;
 };
 Counts counts;
 
-/// A block belongs to the function of its first instruction: it ends where that one calls another.
+/// Attributes a translation block to the function of its first instruction; a call ends the block.
 void translated(std::uint64_t, qemu_plugin_tb* block) {
   const char* symbol = qemu_plugin_insn_symbol(qemu_plugin_tb_get_insn(block, 0));
   const std::scoped_lock lock(counts.mutex);

@@ -13,15 +13,15 @@ namespace {
 
 using V = Vec3<double>;
 
-constexpr double kRadius = 0.35, kFloorShare = 0.1;  // balls stand a unit apart
+constexpr double kRadius = 0.35, kFloorShare = 0.1;  // ball centres are one unit apart
 constexpr V kSun{0.48, 0.6, 0.64};
 
 V unit(const V& v) { return (1 / std::sqrt(dot(v, v))) * v; }
 
-/// Ball 0 .. balls - 1, and what they stand on.
-class Yard {
+/// Balls 0 .. balls - 1 on a checkered floor.
+class BallScene {
  public:
-  explicit Yard(int balls) : balls_(balls), side_(int(std::ceil(std::sqrt(double(balls))))) {}
+  explicit BallScene(int balls) : balls_(balls), side_(int(std::ceil(std::sqrt(double(balls))))) {}
 
   int balls() const { return balls_; }
   double width() const { return side_; }
@@ -39,23 +39,23 @@ class Yard {
   }
   static V lit(const V& colour, const V& normal) { return (0.5 + 0.5 * std::max(0.0, dot(normal, kSun))) * colour; }
 
-  /// The ball that a ray meets first, -1 the floor, -2 neither; `at` is where.
-  int met(const V& from, const V& along, V& at) const {
+  /// First hit of a ray: ball index, -1: floor, -2: none; `at` is the hit point.
+  int first_hit(const V& from, const V& along, V& at) const {
     double nearest = INFINITY;
-    int who = -2;
+    int hit = -2;
     if (along.y < 0) {
-      nearest = -from.y / along.y, who = -1;
+      nearest = -from.y / along.y, hit = -1;
       at = from + nearest * along;
-      if (std::max(std::abs(at.x), std::abs(at.z)) > 0.5 * width()) nearest = INFINITY, who = -2;
+      if (std::max(std::abs(at.x), std::abs(at.z)) > 0.5 * width()) nearest = INFINITY, hit = -2;
     }
     for (int ball = 0; ball < balls_; ++ball) {
       const V to = centre(ball) - from;
       const double middle = dot(to, along), left = middle * middle - dot(to, to) + kRadius * kRadius;
       if (left <= 0 || middle - std::sqrt(left) >= nearest) continue;
-      nearest = middle - std::sqrt(left), who = ball;
+      nearest = middle - std::sqrt(left), hit = ball;
     }
-    if (who >= 0) at = from + nearest * along;
-    return who;
+    if (hit >= 0) at = from + nearest * along;
+    return hit;
   }
 
  private:
@@ -72,32 +72,33 @@ void add(GaussianCloud& cloud, const V& at, double sigma, const V& colour) {
   cloud.usable.push_back(1);
 }
 
-GaussianCloud cloud_of(const Yard& yard, double gaussians) {
-  const auto each = std::int64_t(gaussians * (1 - kFloorShare) / yard.balls());
+GaussianCloud cloud_of(const BallScene& scene, double gaussians) {
+  const auto each = std::int64_t(gaussians * (1 - kFloorShare) / scene.balls());
   const auto line = std::int64_t(std::sqrt(gaussians * kFloorShare));
   const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
   GaussianCloud cloud;
   for (std::int64_t i = 0; i < each; ++i)
-    for (int ball = 0; ball < yard.balls(); ++ball) {
+    for (int ball = 0; ball < scene.balls(); ++ball) {
       const double y = 1 - (2 * double(i) + 1) / double(each), r = std::sqrt(1 - y * y), turn = golden * double(i);
       const V normal{r * std::cos(turn), y, r * std::sin(turn)};
       const double sigma = 0.5 * kRadius * std::sqrt(4 * std::numbers::pi / double(each));
-      add(cloud, yard.centre(ball) + (kRadius - sigma) * normal, sigma, Yard::lit(Yard::colour(ball), normal));
+      add(cloud, scene.centre(ball) + (kRadius - sigma) * normal, sigma,
+          BallScene::lit(BallScene::colour(ball), normal));
     }
   for (std::int64_t i = 0; i < line * line; ++i) {
-    const double step = yard.width() / double(line);
+    const double step = scene.width() / double(line);
     const std::int64_t column = i % line, row = i / line;
-    const V at{(double(column) + 0.5) * step - 0.5 * yard.width(), -0.5 * step,
-               (double(row) + 0.5) * step - 0.5 * yard.width()};
-    add(cloud, at, 0.5 * step, Yard::lit(yard.floor_colour(at), {0, 1, 0}));
+    const V at{(double(column) + 0.5) * step - 0.5 * scene.width(), -0.5 * step,
+               (double(row) + 0.5) * step - 0.5 * scene.width()};
+    add(cloud, at, 0.5 * step, BallScene::lit(scene.floor_colour(at), {0, 1, 0}));
   }
   return cloud;
 }
 
-/// On a ring about the yard, looking at its middle from above.
-Camera camera_at(const Yard& yard, const BallsOptions& options, int view) {
-  const double turn = 2 * std::numbers::pi * view / options.views, reach = 0.8 * yard.width();
-  const V from{reach * std::cos(turn), (0.45 + 0.2 * (view % 3)) * yard.width(), reach * std::sin(turn)};
+/// Camera on a ring around the scene, looking at its centre from above.
+Camera camera_at(const BallScene& scene, const BallsOptions& options, int view) {
+  const double turn = 2 * std::numbers::pi * view / options.views, reach = 0.8 * scene.width();
+  const V from{reach * std::cos(turn), (0.45 + 0.2 * (view % 3)) * scene.width(), reach * std::sin(turn)};
   const V forward = unit(V{0, 0, 0} - from), right = unit(cross(forward, V{0, 1, 0})), down = cross(forward, right);
   Camera camera;
   camera.name = view_name(std::size_t(view));
@@ -109,7 +110,7 @@ Camera camera_at(const Yard& yard, const BallsOptions& options, int view) {
   return camera;
 }
 
-LabelledPhoto picture_of(const Yard& yard, const Camera& camera) {
+LabelledPhoto picture_of(const BallScene& scene, const Camera& camera) {
   LabelledPhoto made{ImageU8(camera.width_px, camera.height_px, 3), ImageU8(camera.width_px, camera.height_px, 1)};
   const Mat3<double> to_world = transpose(camera.rotation);
   const V from = camera.centre();
@@ -117,10 +118,10 @@ LabelledPhoto picture_of(const Yard& yard, const Camera& camera) {
     for (int x = 0; x < camera.width_px; ++x) {
       const V seen{(x + 0.5 - camera.cx) / camera.fx, (y + 0.5 - camera.cy) / camera.fy, 1};
       V at{}, colour{};
-      const int who = yard.met(from, unit(to_world * seen), at);
-      if (who >= 0) colour = Yard::lit(Yard::colour(who), (1 / kRadius) * (at - yard.centre(who)));
-      if (who == -1) colour = Yard::lit(yard.floor_colour(at), {0, 1, 0});
-      made.label.at(x, y) = std::uint8_t(who + 1 > 0 ? who + 1 : 0);
+      const int hit = scene.first_hit(from, unit(to_world * seen), at);
+      if (hit >= 0) colour = BallScene::lit(BallScene::colour(hit), (1 / kRadius) * (at - scene.centre(hit)));
+      if (hit == -1) colour = BallScene::lit(scene.floor_colour(at), {0, 1, 0});
+      made.label.at(x, y) = std::uint8_t(hit + 1 > 0 ? hit + 1 : 0);
       const std::array<double, 3> rgb{colour.x, colour.y, colour.z};
       for (int c = 0; c < 3; ++c) made.rgb.at(x, y, c) = std::uint8_t(std::lround(255 * rgb[std::size_t(c)]));
     }
@@ -132,11 +133,11 @@ LabelledPhoto picture_of(const Yard& yard, const Camera& camera) {
 void write_balls(const BallsOptions& options, const std::string& folder) {
   if (options.balls < 1 || options.balls > 255)
     throw Error(ErrorCode::kUsage, std::to_string(options.balls) + " balls, expected 1 to 255");
-  const Yard yard(options.balls);
+  const BallScene scene(options.balls);
   std::vector<WrittenView> views;
-  for (int v = 0; v < options.views; ++v) views.push_back({camera_at(yard, options, v), std::size_t(v)});
-  write_scene(folder, cloud_of(yard, options.gaussians), views,
-              [&](std::size_t picture) { return picture_of(yard, views[picture].camera); });
+  for (int v = 0; v < options.views; ++v) views.push_back({camera_at(scene, options, v), std::size_t(v)});
+  write_scene(folder, cloud_of(scene, options.gaussians), views,
+              [&](std::size_t picture) { return picture_of(scene, views[picture].camera); });
 }
 
 }  // namespace ngs::bench

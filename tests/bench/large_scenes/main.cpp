@@ -1,8 +1,8 @@
-// Scenes of a size that nobody has lying about, for tests/bench/large.sh.
+// Generates very large scenes for tests/bench/large.sh.
 //
-//   ngs_large rooms OUT CAPTURE MODEL ROOMS VIEWS WIDTHxHEIGHT   a capture several times side by side
-//   ngs_large copies OUT.ply CAPTURE MODEL COPIES hidden|outside  its model several times, for its own cameras
-//   ngs_large balls OUT BALLS GAUSSIANS VIEWS                    as many objects, with exact label maps
+//   ngs_large rooms OUT CAPTURE MODEL ROOMS VIEWS WIDTHxHEIGHT   copies of a capture side by side
+//   ngs_large copies OUT.ply CAPTURE MODEL COPIES hidden|outside  copies of its model, for its cameras
+//   ngs_large balls OUT BALLS GAUSSIANS VIEWS                    many objects, with exact label maps
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
@@ -33,7 +33,7 @@ int make(int argc, char** argv) {
     const bool hidden = std::string_view(argv[6]) == "hidden";
     if (!hidden && std::string_view(argv[6]) != "outside") return usage();
     write_copies({.capture = argv[3], .model = argv[4], .rooms = std::atoi(argv[5])},
-                 hidden ? CopiesStand::kBehindWalls : CopiesStand::kOutOfSight, argv[2]);
+                 hidden ? CopyPlacement::kBehindWalls : CopyPlacement::kOutsideViews, argv[2]);
     return 0;
   }
   if (what == "balls" && argc == 6) {

@@ -13,14 +13,14 @@
 namespace ngs::bench {
 namespace {
 
-constexpr double kRoomStep = 3, kOutOfSightStep = 60;  // extents of the cameras
+constexpr double kRoomStep = 3, kOutsideStep = 60;  // in extents of the cameras
 
 template <class T>
 void append(std::vector<T>& to, const std::vector<T>& from) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
-/// Copy r stands r steps along an axis from the first.
+/// Copy r is shifted by r steps along an axis.
 GaussianCloud repeated(const GaussianCloud& room, int rooms, double step, std::size_t axis) {
   GaussianCloud all;
   all.origin = room.origin, all.sh_degree = room.sh_degree, all.antialiased = room.antialiased;
@@ -51,7 +51,7 @@ ImageF enlarged(const ImageF& image, int width_px, int height_px) {
   return out;
 }
 
-/// Of the capture's photo `path`; a room without the objects has nobody's pixels only.
+/// Enlarged photo `name` of the capture; a room without objects has only background labels.
 LabelledPhoto picture_of(const RoomsOptions& options, const std::string& name, bool shows_objects) {
   const ImageF photo = io::read_image_rgb(options.capture + "/images/" + name);
   LabelledPhoto made{to_bytes(enlarged(photo, options.width_px, options.height_px)),
@@ -77,7 +77,7 @@ void write_rooms(const RoomsOptions& options, const std::string& folder) {
   std::vector<WrittenView> views;
   for (std::size_t v = 0; v < wanted; ++v) {
     const std::size_t room = v % rooms, of_room = (wanted - room + rooms - 1) / rooms, turn = v / rooms;
-    // As evenly as they go: fewer than the capture has are spread over all of them.
+    // Fewer views than the capture has are spread evenly over its cameras.
     const std::size_t source = of_room < given.size() ? turn * given.size() / of_room : turn % given.size();
     Camera camera = resized(given[source].camera, options.width_px, options.height_px);
     camera.name = view_name(v);
@@ -90,12 +90,14 @@ void write_rooms(const RoomsOptions& options, const std::string& folder) {
   });
 }
 
-void write_copies(const RoomsOptions& options, CopiesStand where, const std::string& path) {
+void write_copies(const RoomsOptions& options, CopyPlacement where, const std::string& path) {
   const double extent = extent_x(io::read_colmap(io::find_colmap_model(options.capture)).views);
   const GaussianCloud room = io::read_gaussian_ply(options.model).cloud;
-  const bool aside = where == CopiesStand::kBehindWalls;
+  const bool is_behind_walls = where == CopyPlacement::kBehindWalls;
   io::write_strict_ply(
-      path, repeated(room, options.rooms, (aside ? kRoomStep : kOutOfSightStep) * extent, aside ? 0 : 1), {}, {});
+      path,
+      repeated(room, options.rooms, (is_behind_walls ? kRoomStep : kOutsideStep) * extent, is_behind_walls ? 0 : 1), {},
+      {});
 }
 
 }  // namespace ngs::bench

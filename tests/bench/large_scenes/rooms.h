@@ -1,5 +1,5 @@
 #pragma once
-// A capture several times side by side: as many Gaussians and views as are wanted, of a real scene's kind.
+// Copies of a capture side by side: a scene with any number of Gaussians and views, and with real statistics.
 #include <cstdint>
 #include <string>
 
@@ -11,16 +11,16 @@ struct RoomsOptions {
   int width_px = 0, height_px = 0;
 };
 
-/// Room r stands beside room r - 1, three times the extent of the cameras away. Views go round the rooms, so that each
-/// has its share; what a room has more of them than the capture are the same cameras once more. Photos are the
-/// capture's, enlarged; only the label maps of the first room show anything.
+/// Room r is next to room r - 1, at three times the extent of the cameras. Views are assigned to rooms in turn; a room
+/// with more views than the capture reuses cameras. Photos are enlarged copies; only the label maps of the first room
+/// contain objects.
 void write_rooms(const RoomsOptions& options, const std::string& folder);
 
-/// Where copies of a room stand for the cameras of its capture: beside it as rooms do, where walls hide them, or so far
-/// above and below it that no camera looks there.
-enum class CopiesStand : std::uint8_t { kBehindWalls, kOutOfSight };
+/// Placement of copies relative to the cameras of the capture: next to the room, occluded by walls, or far above,
+/// outside all views.
+enum class CopyPlacement : std::uint8_t { kBehindWalls, kOutsideViews };
 
-/// The model of `options` options.rooms times, as a PLY.
-void write_copies(const RoomsOptions& options, CopiesStand where, const std::string& path);
+/// Writes options.rooms copies of the model as a PLY.
+void write_copies(const RoomsOptions& options, CopyPlacement where, const std::string& path);
 
 }  // namespace ngs::bench

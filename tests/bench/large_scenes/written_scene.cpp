@@ -12,10 +12,10 @@
 namespace ngs::bench {
 namespace {
 
-constexpr int kQuality = 92;  // of a JPEG
+constexpr int kJpegQuality = 92;
 
 void write_jpeg(const std::string& path, const ImageU8& rgb) {
-  const std::vector<std::uint8_t> bytes = io::encode_jpeg(rgb, kQuality);
+  const std::vector<std::uint8_t> bytes = io::encode_jpeg(rgb, kJpegQuality);
   io::AtomicFile file(path);
   file.write(bytes.data(), bytes.size());
   file.commit();
@@ -35,7 +35,7 @@ void write_scene(const std::string& folder, const GaussianCloud& cloud, const st
   for (const char* part : {"/images", "/masks_label", "/sparse/0"}) fs::create_directories(folder + part);
   io::write_strict_ply(folder + "/point_cloud.ply", cloud, {});
   std::vector<Camera> cameras;
-  std::map<std::size_t, fs::path> drawn;  // names of the views that had a picture first, without extension
+  std::map<std::size_t, fs::path> drawn;  // picture -> stem of the first view with it
   for (const WrittenView& view : views) {
     cameras.push_back(view.camera);
     const fs::path stem = fs::path(view.camera.name).stem();

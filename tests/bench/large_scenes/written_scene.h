@@ -1,5 +1,5 @@
 #pragma once
-// A scene folder as people have it: COLMAP text, JPEG photos, label maps, a splat.
+// Writes a scene folder as a user would have: COLMAP text, JPEG photos, label maps, a splat.
 #include <functional>
 #include <string>
 #include <vector>
@@ -13,20 +13,20 @@ namespace ngs::bench {
 /// A photo and its label map, both of the camera's size.
 struct LabelledPhoto {
   ImageU8 rgb;
-  ImageU8 label;  // one channel: ids, 0 is nobody's
+  ImageU8 label;  // one channel: object ids, 0: background
 };
 
-/// Views of the same picture share one file on the disk.
+/// Views with the same picture share one file on disk (hard links).
 struct WrittenView {
   Camera camera;
   std::size_t picture = 0;
 };
 
-/// Writes `folder`/point_cloud.ply, sparse/0, images and masks_label; `picture` is asked once for each that is used.
+/// Writes `folder`/point_cloud.ply, sparse/0, images and masks_label; calls `picture` once per used picture.
 void write_scene(const std::string& folder, const GaussianCloud& cloud, const std::vector<WrittenView>& views,
                  const std::function<LabelledPhoto(std::size_t picture)>& picture);
 
-/// Name of view number `index`, which sorts as the number does.
+/// File name of view `index`; names sort by index.
 std::string view_name(std::size_t index);
 
 }  // namespace ngs::bench

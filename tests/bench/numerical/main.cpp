@@ -1,11 +1,11 @@
-// What the arithmetic costs and what it gets wrong, on one scene: numerical.json of pipelines/work-precision.mk.
+// Cost and error of the arithmetic on one scene: numerical.json of pipelines/work-precision.mk.
 //
 //   ngs_numerical scene.json boundary.ply > numerical.json
 //
-// Nothing here is about task accuracy. Splat: the label image of the first training view, float and double, with the
-// cuts that 3DGS makes (alpha < 1/255, transmittance < 1e-4, the radius of its footprints), against the rendering
-// equation in double without any of them. RBF: the features of query points on the boundary's own box, the K nearest in
-// float against all boundary Gaussians in double.
+// Independent of task accuracy. Splat: the label image of the first training view, in float and double, with the
+// cut-offs of 3DGS (alpha < 1/255, transmittance < 1e-4, footprint radius), against the rendering equation in double
+// without cut-offs. RBF: features of query points near the boundary, from the K nearest in float, against all boundary
+// Gaussians in double.
 #include <cmath>
 #include <ctime>
 #include <functional>
@@ -38,7 +38,7 @@ double cpu_now_s() {
   return double(used.tv_sec) + 1e-9 * double(used.tv_nsec);
 }
 
-/// Least CPU seconds of three calls.
+/// Minimum CPU seconds of three calls.
 double seconds(const std::function<void()>& body) {
   double best = INFINITY;
   for (int again = 0; again < 3; ++again) {
@@ -53,13 +53,13 @@ Json point(const std::string& knob, const std::string& setting, double cpu_s, do
   return {{"knob", knob}, {"setting", setting}, {"cpu_s", cpu_s}, {"error", error}};
 }
 
-/// A model's columns in double, and its label image.
-struct Model {
+/// Columns of a model in double, and its label image.
+struct DoubleModel {
   using S = double;
   std::vector<S> position, rotation, log_scale, logit_opacity, label;
   CloudView<S> view;
 
-  Model(const GaussianCloud& c, const std::vector<float>& labels)
+  DoubleModel(const GaussianCloud& c, const std::vector<float>& labels)
       : position(c.position.begin(), c.position.end()),
         rotation(c.rotation.begin(), c.rotation.end()),
         log_scale(c.log_scale.begin(), c.log_scale.end()),
@@ -79,7 +79,7 @@ struct Model {
     return {plane.begin(), plane.end()};
   }
 
-  /// The same at one pixel: every Gaussian that reaches any pixel, in order of depth, nothing cut.
+  /// Label at one pixel from all projected Gaussians in depth order, without cut-offs.
   double exact(const ProjectedView<S>& seen, const std::vector<std::size_t>& order, int x, int y) const {
     double transmittance = 1, sum = 0;
     for (const std::size_t v : order) {
@@ -102,7 +102,7 @@ double largest_difference(const std::vector<double>& a, const std::vector<double
 
 void splat_points(const GaussianCloud& cloud, const std::vector<float>& labels, const Camera& world, Json& points) {
   const Camera camera = relative_to(world, cloud.origin);
-  const Model wide(cloud, labels);
+  const DoubleModel wide(cloud, labels);
   std::vector<double> fast, reference;
   const double fast_s = seconds([&] {
     RenderRequest request;
@@ -194,14 +194,13 @@ int measure(const std::string& scene_path, const std::string& model_path) {
   Json points = Json::array();
   splat_points(model.cloud, model.labels.label.values(), scene.views.at(views.at(0)).camera, points);
   rbf_points(boundary_set(model.cloud, model.labels.boundary.values()), points);
-  std::cout
-      << Json{{"reference",
-               "Largest error. cuts: of the rendered label, against the rendering equation in double with nothing "
-               "cut; rounding: against the same picture in double; neighbours: of the interpolated colour, against "
-               "all boundary Gaussians in double."},
-              {"points", points}}
-             .dump(1)
-      << "\n";
+  std::cout << Json{{"reference",
+                     "Largest error. cuts: rendered label, against the rendering equation in double without cut-offs; "
+                     "rounding: against the same picture in double; neighbours: interpolated colour, against "
+                     "all boundary Gaussians in double."},
+                    {"points", points}}
+                   .dump(1)
+            << "\n";
   return 0;
 }
 

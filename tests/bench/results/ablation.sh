@@ -1,4 +1,4 @@
-# ablation: each part of NG-GS and of the default left out by itself
+# ablation: each part of NG-GS and of the default switched off alone
 # shellcheck shell=bash disable=SC2154
 question_ablation() {
   title 'Bird, every:4:2 held out, one part left out at a time; CPU time of ngs-joint'
@@ -14,7 +14,7 @@ question_ablation() {
   without_each ngs exposure mask-outliers floaters components joint contours contour-iterations
 }
 
-# without_each METHOD EFFECT...: rows of the method as it is and of the method without each; METHODS as in `methods`.
+# without_each METHOD EFFECT...: rows of the full method and of the method without each effect; METHODS as in `methods`.
 without_each() {
   local method=$1 effect
   shift

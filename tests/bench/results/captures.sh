@@ -1,13 +1,13 @@
-# captures: what every method makes of real captures, of views that were taken away, of a splat with floaters
+# captures: all methods on real captures, on removed views, on a splat with floaters
 # shellcheck shell=bash disable=SC2154
 question_captures() {
-  title "Held out: $(splits_text) (means) of bird, else every:4:2; floaters are in another splat of bird; CPU time on bird"
+  title "Bird: average of $(splits_text), else every:4:2; deleted photos: run without test photos; floaters: another splat; CPU time: bird"
   label method method
   label 'what it is' what
   column IoU '' iou mean 4 set=bird
   column 'B-IoU 0.02' '' biou mean 4 set=bird
   column 'B-IoU 0.005' '' biou_005 mean 4 set=bird
-  column 'removed: B-IoU 0.005' '' biou_005 mean 4 set=taken-away
+  column 'deleted photos: B-IoU 0.005' '' biou_005 mean 4 set=deleted
   column 'skull: B-IoU 0.005' '' biou_005 mean 4 set=skull
   column 'floaters: B-IoU 0.005' '' biou_005 mean 4 set=floaters
   column CPU s cpu_s mean 2 set=bird
@@ -18,7 +18,7 @@ question_captures() {
   capture_floaters
 }
 
-# capture_floaters: the splat of bird that has floaters before the object.
+# capture_floaters: the splat of bird with floaters in front of the object.
 capture_floaters() {
   local bird
   bird=$(capture bird)
@@ -26,7 +26,7 @@ capture_floaters() {
   described_methods floaters "$bird/masks_gt" set=floaters run=every:4:2
 }
 
-# capture_bird SPLIT: with the photos of the held-out views, and with nothing of them.
+# capture_bird SPLIT: with the photos of the held-out views, and without these views.
 capture_bird() {
   local bird
   bird=$(capture bird)
@@ -34,10 +34,10 @@ capture_bird() {
   all_methods "$1" "$bird" set=bird run="$1"
   without_views "$bird" "$bird/masks_sam" "$1" "$work/$1-less-scene"
   prepare "$1-less" "$work/$1-less-scene" --masks "$work/$1-less-scene/masks"
-  seen_in=$1 described_methods "$1-less" "$bird/masks_gt" set=taken-away run="$1"
+  seen_in=$1 described_methods "$1-less" "$bird/masks_gt" set=deleted run="$1"
 }
 
-# all_methods PREPARED CAPTURE KEY=VALUE...: the input masks' own score, and that of every method.
+# all_methods PREPARED CAPTURE KEY=VALUE...: scores of the input masks and of every method.
 all_methods() {
   local scored=$work/$1/input.json rule
   rule=$(printf '%s\n' "${@:3}" | sed -n 's/^run=//p')
@@ -61,9 +61,9 @@ what_is() {
     sa3d) echo 'SA3D-GS' ;;
     saga) echo 'SAGA' ;;
     cob) echo 'COB-GS' ;;
-    bce) echo 'best labels of the Gaussians as they are' ;;
+    bce) echo 'best labels of unchanged Gaussians' ;;
     released) echo 'steps of the published NG-GS code' ;;
-    ng-gs) echo 'NG-GS as the paper has it, NeRF on' ;;
+    ng-gs) echo 'NG-GS as in the paper, NeRF on' ;;
     ngs) echo 'the default' ;;
   esac
 }

@@ -1,4 +1,4 @@
-# effects: auto against everything switched on: scores and time
+# effects: automatic switches against all switches on: scores and time
 # shellcheck shell=bash disable=SC2154
 question_effects() {
   title "every:4:2 held out; times are medians of $repeats"
@@ -22,7 +22,7 @@ question_effects() {
   auto_and_all torus-box "$torus/masks_gt"
 }
 
-# auto_and_all PREPARED TRUTH: the two in turn, so that a slow minute of the machine falls on both.
+# auto_and_all PREPARED TRUTH: alternates both settings, so that slow phases of the machine affect both.
 auto_and_all() {
   local run which
   for run in $(seq "$repeats"); do

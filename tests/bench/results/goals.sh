@@ -1,4 +1,4 @@
-# goals: what was aimed at, and what the other results say
+# goals: targets, and whether the other results reach them
 # shellcheck shell=bash disable=SC2154
 question_goals() {
   title 'Aims against the other results'
@@ -34,7 +34,7 @@ question_goals() {
   goal 'cases of stability beyond their budgets' '<=' 0 "$(number stability failed most)"
 }
 
-# goal SENTENCE '>='|'<=' AIM MEASURED: its row.
+# goal SENTENCE '>='|'<=' AIM MEASURED: prints the row.
 goal() {
   [ -n "$4" ] || fail 5 "$1: not measured"
   awk -v goal="$1" -v how="$2" -v aim="$3" -v measured="$4" 'BEGIN {
@@ -47,8 +47,8 @@ goal() {
 head_of() { sed -n "s/^  \"$2\": \"\(.*\)\",\$/\1/p" "$results/$1.json"; }  # QUESTION KEY
 number() { tool ngs_results value "$results/$1.json" "${@:2}"; }           # QUESTION KEY SHOW KEY=VALUE...
 
-# Of QUESTION KEY THESE THOSE, conditions separated by tabs: the mean under THESE less that under THOSE; the median
-# under THESE divided by that under THOSE.
+# difference|quotient QUESTION KEY THESE THOSE (conditions separated by tabs): mean under THESE minus mean under THOSE;
+# median under THESE divided by median under THOSE.
 difference() { compared mean 'a - b' "$@"; }
 quotient() { compared median 'a / b' "$@"; }
 compared() {

@@ -1,5 +1,5 @@
-# What the questions share; sourced by results.sh. Question NAME is the function question_NAME of NAME.sh: it runs what
-# it needs in the folder $work and prints the title, the columns and the rows of its table, in the lines of
+# Functions shared by the questions; sourced by results.sh. Question NAME is the function question_NAME of NAME.sh: it runs
+# tools in the folder $work and prints title, columns and rows of its table, in the line format of
 # tests/bench/results_table/collect.h.
 # shellcheck shell=bash disable=SC2034,SC2154
 
@@ -16,14 +16,14 @@ title() { line meta title "$1"; }
 label() { line column "$1" '' "$2" label; }  # NAME KEY
 column() { line column "$@"; }               # NAME UNIT KEY SHOW DIGITS [KEY=VALUE]
 row() { line row "$@"; }                     # KEY=VALUE...
-without_options() { line meta defaults ''; }  # no option of a tool has a part in this question
+without_options() { line meta defaults ''; }  # the question does not depend on options of tools
 score_columns() {
   column IoU '' iou mean 4
   column 'B-IoU 0.02' '' biou mean 4
   column 'B-IoU 0.005' '' biou_005 mean 4
 }
 
-# ---- where and what is measured
+# ---- machine and inputs
 
 machine_name() {
   if [ -n "${NGS_MACHINE:-}" ]; then printf '%s\n' "$NGS_MACHINE"; return; fi
@@ -40,7 +40,7 @@ machine_name() {
     }' /proc/cpuinfo
 }
 
-# What restricts this question, in words of the shell; nothing where it is whole.
+# Shell assignments that restrict this question; empty for the full question.
 restrictions() {
   local name
   for name in SPLITS RECIPES METHODS REPEATS; do
@@ -50,16 +50,16 @@ restrictions() {
   done
 }
 
-# The splits, for a title.
+# The splits as text for a title.
 splits_text() {
   if [ -z "${SPLITS:-}" ]; then echo 'every:4:0 to every:4:3'; else printf '%s\n' "${splits// /, }"; fi
 }
 
-# Options of ngs-joint that are younger than the results and, as they are by default, leave every byte of a run as it was.
-# A measurement of all questions empties this list.
+# Options of ngs-joint that are newer than the results and whose defaults do not change any output byte. Empty this list
+# after measuring all questions.
 younger_options='hash_smoothstep|field_depth|smooth_form'
 
-# A hash of the default options of the tools that a scene goes through.
+# Hash of the default options of the tools in the chain.
 hash_of_defaults() {
   { for command in import variance joint render eval; do
       case $command in
@@ -71,19 +71,19 @@ hash_of_defaults() {
 
 # ---- runs
 
-# Whether METHODS, where it is set, names method $1.
+# True if METHODS is unset or contains method $1.
 wanted() { case " ${METHODS:-$1} " in *" $1 "*) ;; *) return 1 ;; esac; }
 
-# The folder of a capture, which this repository does not contain.
+# The folder of a capture (not part of this repository).
 capture() {
-  [ -d "$scenes/$1" ] || fail 3 "$scenes/$1: no such folder" "NGS_SCENES names the folder of the captures"
+  [ -d "$scenes/$1" ] || fail 3 "$scenes/$1: no such folder" "set NGS_SCENES to the folder of the captures"
   printf '%s\n' "$scenes/$1"
 }
 
-# prepare NAME SCENE_DIR [options of ngs-scene import]: $work/NAME/ holds scene.json and boundary.ply.
+# prepare NAME SCENE_DIR [options of ngs-scene import]: writes scene.json and boundary.ply to $work/NAME/.
 prepare() { once "$work/$1" evidence_of "$2" "$work/$1" "${@:3}" >&2; }
 
-# The flags of ngs-joint behind a name of the tables.
+# The flags of ngs-joint for a name in the tables.
 flags_of() {
   case $1 in
     draft | standard | high | reference) printf '%s\n' "--quality $1" ;;
@@ -93,8 +93,8 @@ flags_of() {
   esac
 }
 
-# cut_out NAME PREPARED TRUTH FLAGS...: ngs-joint on the scene of $work/PREPARED, its masks of the held-out views
-# scored, in the cameras of another prepared scene where `seen_in` names one: $work/NAME/joint.json and metrics.json.
+# cut_out NAME PREPARED TRUTH FLAGS...: runs ngs-joint on the scene of $work/PREPARED and scores the masks of the held-out
+# views, with the cameras of the prepared scene `seen_in` if set. Writes $work/NAME/joint.json and metrics.json.
 cut_out() {
   local run=$work/$1 scene=$work/$2 truth=$3
   if [ "$(cat "$run/done" 2> /dev/null)" = "${*:4}." ]; then return; fi
@@ -107,10 +107,10 @@ cut_out() {
   printf '%s.' "${*:4}" > "$run/done"
 }
 
-# row_of NAME KEY=VALUE...: the row of a run of cut_out.
+# row_of NAME KEY=VALUE...: prints the row of a run of cut_out.
 row_of() { row "${@:2}" scores="$work/$1/metrics.json" times="$work/$1/joint.json"; }
 
-# methods NAMES PREPARED TRUTH KEY=VALUE...: runs and rows of every name in the words NAMES.
+# methods NAMES PREPARED TRUTH KEY=VALUE...: runs and rows of all names in NAMES.
 methods() {
   local method
   for method in $1; do

@@ -1,4 +1,4 @@
-# kernels: what the inner loops cost, and what they gain by vector instructions
+# kernels: cost of the inner loops, and gain by vector instructions
 # shellcheck shell=bash disable=SC2154
 question_kernels() {
   title 'CPU time, one thread, medians of nine, first view of bird; pairs of a pixel and a Gaussian that contributes to it'

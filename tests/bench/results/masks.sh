@@ -1,4 +1,4 @@
-# masks: what wrong masks cost each method
+# masks: loss of each method with degraded masks
 # shellcheck shell=bash disable=SC2154
 question_masks() {
   title 'B-IoU 0.005 on bird, every:4:2, true masks made wrong'

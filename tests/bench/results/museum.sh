@@ -23,7 +23,7 @@ question_museum() {
   done
 }
 
-# museum_objects COUNT [flags of import]: scene and boundary of one object, or of all that the label maps show.
+# museum_objects COUNT [flags of import]: scene and boundary of one object, or of all objects in the label maps.
 museum_objects() {
   local dir=$work/files-$1
   mkdir -p "$dir"
@@ -32,14 +32,14 @@ museum_objects() {
   museum_tool "$1" ngs-variance ngs-variance "$dir/scene.json" -o "$dir/boundary.ply"
 }
 
-# museum_method COUNT NAME FLAGS...: its time, and the score of the angel in the held-out views.
+# museum_method COUNT NAME FLAGS...: time, and the score of the angel in the held-out views.
 museum_method() {
   local dir=$work/files-$1 result
   result="$dir/$(printf '%s' "$2" | tr ' ' _)"
   scored=$result.json museum_tool "$1" "$2" ngs-joint "$dir/scene.json" "$dir/boundary.ply" -o "$result.ply" "${@:3}"
 }
 
-# museum_tool COUNT NAME TOOL ARGUMENTS...: the row of a run; `scored` is where the score of its result goes, if any.
+# museum_tool COUNT NAME TOOL ARGUMENTS...: the row of a run; `scored`: file for the scores of the result, or empty.
 museum_tool() {
   local report="$work/$1-$2-$run.json"
   if [ ! -f "$report" ]; then
@@ -51,7 +51,7 @@ museum_tool() {
   row objects="$1" tool="$2" run="$run" times="$report" ${scored:+scores="$scored"}
 }
 
-# score_angel SCENE_JSON METRICS: of the result METRICS with .ply for .json, in the held-out views.
+# score_angel SCENE_JSON METRICS: scores the result (METRICS with .ply for .json) in the held-out views.
 score_angel() {
   tool ngs-render "$1" "${2%.json}.ply" --views held-out --layers labels --scale 0 -o "${2%.json}" -w -q > /dev/null
   tool ngs-eval "${2%.json}" "$museum/labels_gt" --label-map --object-id angel=2 -o "$2" -w -q > /dev/null

@@ -1,10 +1,10 @@
-# no-harm: does the default ever score below the closed form? captures, recipes, seven kinds of wrong masks
+# no-harm: does the default ever score below the closed form? captures, recipes, seven kinds of degraded masks
 # shellcheck shell=bash disable=SC2154
 #
-# A cell is the default's score less that of --method flash, from the same splat and masks, in held-out views: the least
-# over splits and objects. The question fails where a cell is below -0.003. FULL=1 adds three more splits of the captures.
-# Flower has no truth: its row is the agreement with the given masks of the held-out views, which the closed form reproduces
-# by construction (decision 078), and is no part of the verdict.
+# A cell is the default's score minus that of --method flash, from the same splat and masks, in held-out views: the minimum
+# over splits and objects. The gate fails if a cell is below -0.003. FULL=1 adds three more splits of the captures.
+# Flower has no ground truth: its row is the agreement with the input masks of the held-out views, which the closed form
+# reproduces by construction (decision 078), and is not part of the gate.
 mask_kinds='given exact displaced snapped eroded dilated missing swapped'
 
 question_no-harm() {
@@ -20,16 +20,16 @@ question_no-harm() {
   no_harm_recipes
 }
 
-verdict_no-harm() {
+check_no-harm() {
   local least
   least=$(tool ngs_results value "$results/no-harm.json" gain least) || return
   awk -v a="$least" -v b="$(tool ngs_results value "$results/no-harm.json" gain_wide least)" \
     'BEGIN { exit !(a >= -0.003 && b >= -0.003) }' ||
     fail 1 "the default scores below the closed form by $least, expected at most 0.003" \
-      "the table above names the cells"
+      "see the cells in the table above"
 }
 
-# The captures, with the masks of a network that come with them.
+# The captures, with their masks from a network.
 no_harm_captures() {
   local set split truth views full_splits='every:4:2'
   if [ -n "${FULL:-}" ]; then full_splits='every:4:0 every:4:1 every:4:2 every:4:3'; fi
@@ -63,7 +63,7 @@ no_harm_recipes() {
   done
 }
 
-# Options of ngs-scene degrade. Networks displace contours to wrong edges of the picture: snapped.
+# Options of ngs-scene degrade. "snapped" models networks, which displace contours to wrong image edges.
 flags_of_kind() {
   case $1 in
     exact) echo '--missing 0' ;;
@@ -76,7 +76,7 @@ flags_of_kind() {
   esac
 }
 
-# no_harm_cell PREPARED TRUTH KEY=VALUE...: both methods' runs, and the row of their difference.
+# no_harm_cell PREPARED TRUTH KEY=VALUE...: runs both methods and prints the row of their difference.
 no_harm_cell() {
   cut_out "$1-flash" "$1" "$2" --method flash
   cut_out "$1-ngs" "$1" "$2"
@@ -97,7 +97,7 @@ gain_of() {
     'BEGIN { printf "%.6f", ours - flash }'
 }
 
-# All nine objects in one run, each scored by itself.
+# All nine objects in one run, each scored separately.
 no_harm_museum() {
   local museum dir=$work/museum id method
   museum=$(capture museum)
@@ -113,7 +113,7 @@ no_harm_museum() {
   done
 }
 
-# no_harm_museum_method DIR METHOD: DIR/METHOD-ID.json, the scores of each object.
+# no_harm_museum_method DIR METHOD: writes DIR/METHOD-ID.json, the scores of each object.
 no_harm_museum_method() {
   local dir=$1 id
   if [ -f "$dir/$2-9.json" ]; then return; fi

@@ -1,7 +1,7 @@
-# qualities: what --quality buys, and what it costs
+# qualities: gain and cost of each --quality
 # shellcheck shell=bash disable=SC2154
 question_qualities() {
-  title "Bird, means over $(splits_text); two threads"
+  title "Bird, average of the splits $(splits_text); two threads"
   label quality method
   score_columns
   column wall s wall_s mean 1

@@ -1,4 +1,4 @@
-# recipes: the methods on five synthetic scenes, with masks that are wrong by 2 px
+# recipes: methods on five synthetic scenes, with masks off by 2 px
 # shellcheck shell=bash disable=SC2154
 question_recipes() {
   title 'B-IoU 0.005, 16 views of 320x240, masks wrong by 2 px, every:4:2'

@@ -1,4 +1,4 @@
-# removed: views that were taken away, that the splat has not seen either, and whose mask alone was held out
+# removed: views without photo, views unknown to the splat too, and views with only the mask held out
 # shellcheck shell=bash disable=SC2154
 question_removed() {
   title 'B-IoU 0.005, every:4:2, the recipes below and bird'

@@ -1,4 +1,4 @@
-# studio: how long a person waits in ngs-studio, by scripted visits of a hundred strokes
+# studio: response times of ngs-studio in scripted sessions of a hundred strokes
 # shellcheck shell=bash disable=SC2154
 question_studio() {
   title 'A hundred strokes in ngs-studio on 21 or 25 views, with frames between them; two threads'
@@ -14,8 +14,9 @@ question_studio() {
   studio_visit museum point_cloud.compressed.ply
 }
 
-# studio_visit SCENE MODEL: a row for every kind of answer. The visits are those of a rule: on each view a line through
-# the object, then strokes through the longest wrong run of pixels; three moving frames and a large still one come first.
+# studio_visit SCENE MODEL: a row for every kind of response. The sessions are generated: per view three moving frames, then
+# five strokes with a still frame before each. The first stroke is a line through the object, the others go through the
+# longest wrong run of pixels.
 studio_visit() {
   local log=$work/$1.log report=$work/$1.json kind
   if [ ! -f "$report" ]; then
@@ -26,7 +27,7 @@ studio_visit() {
     mv "$report.part" "$report"
   fi
   for kind in 'on a new view' corrections 'frames, moving' 'frames, still'; do
-    sed -nE "s/^ *$kind +([0-9]+) answers, median ([0-9.]+) ms, 95 % within ([0-9.]+) ms; of processor time ([0-9.]+) .*/\
+    sed -nE "s/^ *$kind +([0-9]+) responses, median ([0-9.]+) ms, 95th percentile ([0-9.]+) ms; CPU time ([0-9.]+) .*/\
 \1 \2 \3 \4/p" "$log" |
       while read -r n median p95 cpu; do
         row scene="$1" answer="$kind" n="$n" median_ms="$median" p95_ms="$p95" cpu_ms="$cpu" times="$report"

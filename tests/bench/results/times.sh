@@ -1,4 +1,4 @@
-# times: how long each tool takes on bird, and how much memory
+# times: time and memory of each tool on bird
 # shellcheck shell=bash disable=SC2154
 question_times() {
   title "Bird, every:4:2 held out, two threads, medians of $repeats runs"
@@ -22,7 +22,7 @@ question_times() {
   timed 'ngs-eval, 5 masks' ngs-eval "$dir/masks" "$bird/masks_gt" -o "$dir/metrics.json"
 }
 
-# timed NAME TOOL ARGUMENTS...: a row for each of its runs.
+# timed NAME TOOL ARGUMENTS...: runs the tool $repeats times and prints a row per run.
 timed() {
   local run report
   for run in $(seq "$repeats"); do

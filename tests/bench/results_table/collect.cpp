@@ -73,7 +73,7 @@ Column column_of(const Words& words) {
   return column;
 }
 
-/// Keys that hold numbers: those that a column shows as such.
+/// Keys with numbers: those shown by non-label columns.
 std::set<std::string> numeric_keys(const Result& result) {
   std::set<std::string> keys;
   for (const Column& column : result.columns)
@@ -97,14 +97,14 @@ Json row_of(const Words& words, const std::set<std::string>& numeric) {
   return row;
 }
 
-/// A row is told from all others by its labels, its run and what columns select by.
+/// Rows must differ in their labels, run, or keys that columns select by.
 void refuse_repeated_rows(const Result& result) {
   std::set<std::string> seen;
   for (const Json& row : result.rows) {
     std::string name;
     for (const auto& [key, value] : row.items())
       if (value.is_string()) name += key + "=" + value.get<std::string>() + " ";
-    if (!seen.insert(name).second) refuse(name, "one row of this name; give each a run=NAME");
+    if (!seen.insert(name).second) refuse(name, "unique rows; give each a run=NAME");
   }
 }
 

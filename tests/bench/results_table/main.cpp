@@ -1,7 +1,7 @@
-// Results and their tables, for tests/bench/results.sh; everything goes to stdout.
+// Results and their tables, for tests/bench/results.sh; writes to stdout.
 //
-//   ngs_results collect                          lines of a question on stdin -> its JSON (collect.h)
-//   ngs_results table FILE DEFAULTS              markdown; DEFAULTS is the hash of what the tools print now
+//   ngs_results collect                          lines of a question on stdin -> JSON (collect.h)
+//   ngs_results table FILE DEFAULTS              markdown; DEFAULTS is the hash of the tools' current default options
 //   ngs_results page PAGE RESULTS_DIR DEFAULTS   the page with all its blocks filled (markers.h)
 //   ngs_results help FILE                        the C++ header with the table of --quality
 //   ngs_results value FILE KEY SHOW [KEY=VALUE...]      one number, SHOW as in a column
@@ -68,7 +68,7 @@ void run(const Words& words) {
   const auto command = words.empty() ? commands().end() : commands().find(words[0]);
   if (command == commands().end() || words.size() - 1 < command->second.least_words)
     throw Error(ErrorCode::kUsage, "expected collect, table, page, help, value or about with their arguments",
-                "tests/bench/results.sh is the way to call this");
+                "use tests/bench/results.sh");
   command->second.run(Words(words.begin() + 1, words.end()));
 }
 

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::string_view kBegin = "<!-- result: ", kBeginEnd = " -->", kEnd = "<!-- /result -->";
 
-/// The question of a line that begins a block, else empty.
+/// The question of a line that begins a block; otherwise empty.
 std::string question_of(std::string_view line) {
   if (line.substr(0, kBegin.size()) != kBegin || line.size() < kBegin.size() + kBeginEnd.size()) return "";
   const std::size_t name_size = line.size() - kBegin.size() - kBeginEnd.size();
@@ -18,8 +18,7 @@ std::string question_of(std::string_view line) {
   return std::string(line.substr(kBegin.size(), name_size));
 }
 
-/// Calls `outside(LINE)` for lines that are in no block, markers included, and `block(QUESTION)` behind each first
-/// marker.
+/// Calls `outside(LINE)` for lines outside blocks, including markers, and `block(QUESTION)` after each begin marker.
 template <class Outside, class Block>
 void for_each_line(const std::string& page, Outside&& outside, Block&& block) {
   std::istringstream lines(page);

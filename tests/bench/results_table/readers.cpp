@@ -33,12 +33,12 @@ std::vector<Json> benchmark_rows(const Json& file) {
     if (entry.contains("pairs/s")) row["mega_pairs_s"] = rounded(1e-6 * entry["pairs/s"].get<double>());
     rows.push_back(std::move(row));
   }
-  // they come in the order in which they ended
+  // the file has completion order
   std::stable_sort(rows.begin(), rows.end(), [](const Json& a, const Json& b) { return a["kernel"] < b["kernel"]; });
   return rows;
 }
 
-/// Infinite where it is not a number: a wrong answer.
+/// Infinity if not a number, which means a wrong result.
 double ratio_of(const Json& ratio) { return ratio.is_number() ? ratio.get<double>() : INFINITY; }
 
 double worst_of(const Json& stability_case, const char* key) {
@@ -48,7 +48,7 @@ double worst_of(const Json& stability_case, const char* key) {
   return worst;
 }
 
-/// Small suites share a row.
+/// Small suites share a table row.
 std::string group_of(const std::string& kernel) {
   static const std::map<std::string, std::string> groups{
       {"align", "losses"},      {"continuity", "losses"},     {"mask loss", "losses"}, {"photometric", "losses"},
@@ -109,10 +109,10 @@ Json read_scores(const std::string& path) {
 
 Json read_times(const std::string& path) {
   return read_json(path, "a tool's report", [](const Json& file) {
-    const Json& whole = file.at("stages");
-    return Json{{"wall_s", rounded(whole.at("wall_s"))},
-                {"cpu_s", rounded(whole.at("cpu_s"))},
-                {"peak_mib", rounded(whole.at("max_rss_mib"))}};
+    const Json& stages = file.at("stages");
+    return Json{{"wall_s", rounded(stages.at("wall_s"))},
+                {"cpu_s", rounded(stages.at("cpu_s"))},
+                {"peak_mib", rounded(stages.at("max_rss_mib"))}};
   });
 }
 

@@ -1,6 +1,5 @@
 #pragma once
-// What the rows of a result take from the files that the tools and suites write. Every function throws kBadInput where
-// its file cannot be read or is none of its kind.
+// Readers of result rows from files of tools and test suites. All throw kBadInput for an unreadable or wrong file.
 #include <string>
 #include <vector>
 
@@ -18,12 +17,14 @@ Json read_scores(const std::string& path);
 /// A tool's report -> {wall_s, cpu_s, peak_mib} of the whole process; cpu_s of all threads together.
 Json read_times(const std::string& path);
 
+// clang-format off
 /// Rows of a whole file, `kind` one of
-///   benchmark   google-benchmark's JSON: the medians; kernel and isa of its name KERNEL/ISA (isa is - without),
-///   cpu_ms, mega_pairs_s stability   stability.json: a row per kernel or group of small ones; cases, exact (of them
-///   without a ratio), worst_ratio of the others,
-///               textbook (cases that have such a form), textbook_wrong (of them NaN, Inf or a wrong answer),
-///               textbook_ratio (the worst of the others), failed
+///   benchmark   google-benchmark's JSON, medians only: kernel and isa from the name KERNEL/ISA (isa "-" if missing),
+///               cpu_ms, mega_pairs_s
+///   stability   stability.json, a row per kernel or group of small kernels: cases, exact (cases without a ratio),
+///               worst_ratio of the other cases, textbook (cases with a textbook form), textbook_wrong (of these, NaN,
+///               Inf or a wrong result), textbook_ratio (worst of the others), failed
+// clang-format on
 std::vector<Json> read_rows(const std::string& kind, const std::string& path);
 
 }  // namespace ngs::results

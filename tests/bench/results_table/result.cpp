@@ -41,7 +41,7 @@ Json json_of(const Column& column) {
   return json;
 }
 
-/// "  [\n", an element a line, "  ]".
+/// A JSON array with one element per line.
 std::string lines_of(const std::vector<std::string>& elements) {
   std::string text = "[";
   for (std::size_t i = 0; i < elements.size(); ++i) text += (i == 0 ? "\n    " : ",\n    ") + elements[i];

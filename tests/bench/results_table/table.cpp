@@ -140,7 +140,7 @@ std::string markdown_of(const Result& result, const std::string& defaults) {
     for (const Column& column : result.columns) text += column.show == Show::kLabel ? "---|" : "---:|";
     text += "\n";
   }
-  constexpr std::size_t kWidth = 140;  // of a line of a page
+  constexpr std::size_t kWidth = 140;  // maximum line width of a page
   const bool changed = !result.defaults.empty() && result.defaults != defaults;
   const std::string title = result.title + ".",
                     source = "Commit `" + result.commit + "`, " + result.machine +

@@ -1,5 +1,5 @@
 #pragma once
-// What is written from a result: the markdown table of a page, the text of a tool's help, one number.
+// Output of a result: markdown table of a page, help text of a tool, single numbers.
 #include <string>
 #include <utility>
 #include <vector>
@@ -8,20 +8,20 @@
 
 namespace ngs::results {
 
-/// The cells of the table: its head, then its lines. Rows with equal labels share a line; lines come in the order of
-/// their first rows. The reference line of `change` and `ratio` is the first that has the same labels but the last one;
-/// in it these columns are empty, and so is a cell that no row has a number for.
+/// The cells of the table: heading, then lines. Rows with equal labels share a line; lines are ordered by their first
+/// row. The reference line of `change` and `ratio` is the first line that agrees in all labels except the last; there
+/// these columns are empty. Cells without a number are empty, too.
 std::vector<std::vector<std::string>> cells_of(const Result& result);
 
-/// The table, and a sentence that says commit, machine, command and time. Where `defaults`, the hash of what the tools
-/// print now, is another than the result's, a sentence says so.
+/// The table, followed by title, commit, machine, command and time. A note is added if `defaults`, the hash of the
+/// tools' current default options, differs from that of the result.
 std::string markdown_of(const Result& result, const std::string& defaults);
 
-/// The same cells in columns of equal width, as a C++ header: the constant kQualityTable of ngs-joint's help.
+/// The table as aligned text in a C++ header: the constant kQualityTable of ngs-joint's help.
 std::string help_header_of(const Result& result);
 
-/// What `show` makes of the numbers under `key` of all rows that have every (key, value) of `where`; label, each,
-/// change and ratio are refused. Throws kNothingFound where there is no such row.
+/// Aggregates the numbers under `key` of all rows that match every (key, value) of `where`. Throws kUsage if `show` is
+/// label, each, change or ratio, and kNothingFound without a matching row.
 double value_of(const Result& result, const std::string& key, Show show,
                 const std::vector<std::pair<std::string, std::string>>& where);
 

@@ -1,17 +1,17 @@
-// Strokes by a rule from the truth, and what a cut made of them is worth: for tests/bench/around.sh, two-points.sh and
+// Generates strokes from ground truth and scores the resulting cuts, for tests/bench/around.sh, two-points.sh and
 // no-photos.sh.
 //
 //   ngs_strokes ball    MODEL IDS ID               X,Y,Z,R of the Gaussians with this id
 //   ngs_strokes strokes MODEL IDS ID SCENE         prompts for two views about 90 degrees apart
 //   ngs_strokes score   MODEL IDS ID SCENE LABELLED  {"iou", "worst_view", "views"}, "gaussian_iou" of the same rows
-//   ngs_strokes ids     LABELLED IDS               writes IDS: 1 where the label says object
-//   ngs_strokes above   MODEL A,B,C,D IDS          writes IDS: 1 where Ax + By + Cz + D of the centre is not negative
-//   ngs_strokes alone   MODEL IDS ID OUT           writes the Gaussians with this id as a PLY of their own
+//   ngs_strokes ids     LABELLED IDS               writes IDS: 1 for Gaussians labelled as object
+//   ngs_strokes above   MODEL A,B,C,D IDS          writes IDS: 1 if Ax + By + Cz + D >= 0 at the centre
+//   ngs_strokes alone   MODEL IDS ID OUT           writes the Gaussians with this id as a PLY
 //   ngs_strokes lines   MASK VIEW                  prompts for one view, from its mask
-//   ngs_strokes points  MASK VIEW                  the two ends of the line on the object alone
+//   ngs_strokes points  MASK VIEW                  only the two ends of the line on the object
 //
-// IDS has one byte a Gaussian, in the order of MODEL. The truth of a view is what of the id shows there: its share of
-// the pixel, at least one half. Scores are of the views that show any of it.
+// IDS has one byte per Gaussian, in the order of MODEL. True mask of a view: pixels with a rendered share of the id of
+// at least one half. Scores are means over the views with a nonempty true mask.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -35,13 +35,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kShown = 0.995;  // of the Gaussians, that the ball is told from
-constexpr double kRoom = 1.1;
+constexpr double kInlierShare = 0.995;  // quantile of the Gaussians inside the ball
+constexpr double kBallMargin = 1.1;
 
 std::vector<std::uint8_t> read_ids(const std::string& path, std::int64_t gaussians) {
   std::ifstream file(path, std::ios::binary);
   std::vector<std::uint8_t> ids{std::istreambuf_iterator<char>(file), {}};
-  if (std::ssize(ids) != gaussians) throw Error(ErrorCode::kBadInput, path + ": expected one byte a Gaussian");
+  if (std::ssize(ids) != gaussians) throw Error(ErrorCode::kBadInput, path + ": expected one byte per Gaussian");
   return ids;
 }
 
@@ -53,7 +53,7 @@ double quantile(std::vector<double> values, double share) {
 
 struct Truth {
   io::GaussianPly ply;
-  std::vector<float> share;  // [N] 1: of the id
+  std::vector<float> share;  // [N] 1: Gaussian with the id
 
   Truth(const char* model, const char* ids, const char* id) : ply(io::read_gaussian_ply(model)) {
     for (const std::uint8_t other : read_ids(ids, ply.cloud.size())) share.push_back(float(other == std::atoi(id)));
@@ -64,25 +64,26 @@ void print_ball(const Truth& truth) {
   const GaussianCloud& cloud = truth.ply.cloud;
   std::array<std::vector<double>, 3> along;
   std::vector<double> distance;
-  const auto each = [&](const auto& f) {
+  const auto for_each_member = [&](const auto& f) {
     for (std::size_t i = 0; i < truth.share.size(); ++i)
       if (truth.share[i] > 0) f(&cloud.position[3 * i]);
   };
-  each([&](const float* p) {
+  for_each_member([&](const float* p) {
     for (std::size_t a = 0; a < 3; ++a) along[a].push_back(double(p[a]));
   });
   std::array<double, 3> centre{};
-  for (std::size_t a = 0; a < 3; ++a) centre[a] = 0.5 * (quantile(along[a], kShown) + quantile(along[a], 1 - kShown));
-  each([&](const float* p) {
+  for (std::size_t a = 0; a < 3; ++a)
+    centre[a] = 0.5 * (quantile(along[a], kInlierShare) + quantile(along[a], 1 - kInlierShare));
+  for_each_member([&](const float* p) {
     distance.push_back(std::hypot(double(p[0]) - centre[0], double(p[1]) - centre[1], double(p[2]) - centre[2]));
   });
   std::printf("%.5g,%.5g,%.5g,%.5g\n", centre[0] + cloud.origin[0], centre[1] + cloud.origin[1],
-              centre[2] + cloud.origin[2], kRoom * quantile(distance, kShown));
+              centre[2] + cloud.origin[2], kBallMargin * quantile(distance, kInlierShare));
 }
 
 PixelMask mask_of(const ImageF& label) {
   PixelMask mask(std::size_t(label.pixels()));
-  for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = label_says_object(label.data[p]);
+  for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = label_is_foreground(label.data[p]);
   return mask;
 }
 
@@ -102,9 +103,9 @@ struct Views {
   }
 };
 
-/// How far two cameras are from standing as high as each other, a quarter of a turn apart. Cameras of ngs-scene orbit
-/// have level pictures: their x axes turn with the azimuth alone.
-double off_square(const Camera& a, const Camera& b) {
+/// Deviation of two cameras from equal height and an angle of 90 degrees; 0 is ideal. Pictures of ngs-scene orbit are
+/// level: their x axes depend only on the azimuth.
+double deviation_from_square(const Camera& a, const Camera& b) {
   const auto axis = [](const Camera& c, int row) {
     return Vec3<double>{c.rotation(row, 0), c.rotation(row, 1), c.rotation(row, 2)};
   };
@@ -129,7 +130,7 @@ void print_strokes(const Truth& truth, const Views& views) {
   const Camera& first = views.scene.views.front().camera;
   const Camera* second = &first;
   for (const SceneView& view : views.scene.views)
-    if (off_square(first, view.camera) < off_square(first, *second)) second = &view.camera;
+    if (deviation_from_square(first, view.camera) < deviation_from_square(first, *second)) second = &view.camera;
   std::vector<HandPrompt> prompts;
   for (const Camera* camera : {&first, second}) {
     const PixelMask mask = mask_of(views.labels(truth.ply.cloud, *camera, truth.share));
@@ -143,7 +144,8 @@ void print_marks(const std::string& mask_path, const std::string& view, bool onl
   HandPrompt prompt = strokes_of_truth(object_pixels(raw.samples()), raw.width_px, raw.height_px, view);
   if (only_points) {
     std::erase_if(prompt.strokes, [](const PromptStroke& stroke) { return !stroke.object; });
-    if (prompt.strokes.empty()) throw Error(ErrorCode::kNothingFound, mask_path + ": no place on an object");
+    if (prompt.strokes.empty())
+      throw Error(ErrorCode::kNothingFound, mask_path + ": no object pixel deep enough for a stroke");
     PromptStroke end = prompt.strokes[0];
     end.points.erase(end.points.begin());
     prompt.strokes[0].points.resize(1);
@@ -157,13 +159,13 @@ double ratio(std::int64_t both, std::int64_t either) { return either > 0 ? doubl
 double gaussian_iou(const std::vector<float>& label, const std::vector<float>& share) {
   std::int64_t both = 0, either = 0;
   for (std::size_t i = 0; i < label.size(); ++i) {
-    both += label_says_object(label[i]) && share[i] > 0;
-    either += label_says_object(label[i]) || share[i] > 0;
+    both += label_is_foreground(label[i]) && share[i] > 0;
+    either += label_is_foreground(label[i]) || share[i] > 0;
   }
   return ratio(both, either);
 }
 
-/// The labelled model may have been trained: then it is another model than that of the truth.
+/// The labelled model may differ from the true model, since training changes it.
 void print_score(const Truth& truth, const Views& views, const char* scene, const char* labelled) {
   const io::GaussianPly found = io::read_gaussian_ply(labelled);
   const Views found_views(scene, found.cloud);
@@ -191,7 +193,7 @@ void write_ids(const std::string& path, const std::vector<std::uint8_t>& ids) {
 
 void write_labelled_ids(const char* labelled, const char* out) {
   std::vector<std::uint8_t> ids;
-  for (const float label : io::read_gaussian_ply(labelled).labels.label) ids.push_back(label_says_object(label));
+  for (const float label : io::read_gaussian_ply(labelled).labels.label) ids.push_back(label_is_foreground(label));
   write_ids(out, ids);
 }
 

@@ -10,17 +10,17 @@
 namespace ngs::bench {
 namespace {
 
-constexpr double kDepth = 0.25;               // of the deepest place
-constexpr double kAway = 0.02;                // of the diagonal
-constexpr std::size_t kMostCandidates = 300;  // ends of the object's stroke
-constexpr std::size_t kLeastCorners = 12;     // of an outline that is worth a stroke
+constexpr double kDepth = 0.25;               // of the largest distance to the contour
+constexpr double kAway = 0.02;                // distance of the loop, fraction of the diagonal
+constexpr std::size_t kMostCandidates = 300;  // candidate ends of the object stroke
+constexpr std::size_t kLeastCorners = 12;     // smallest outline for a stroke
 
 struct Raster {
   const PixelMask& set;
   int width_px, height_px;
 
   bool at(int x, int y) const { return set[std::size_t(y) * std::size_t(width_px) + std::size_t(x)] != 0; }
-  bool holds(GridPoint a, GridPoint b) const {
+  bool contains_line(GridPoint a, GridPoint b) const {
     const int steps = std::max(std::abs(b.x - a.x), std::abs(b.y - a.y));
     for (int s = 0; s <= steps; ++s) {
       const double t = steps > 0 ? double(s) / steps : 0;
@@ -30,7 +30,7 @@ struct Raster {
   }
 };
 
-/// Pixels of the rim, evenly chosen.
+/// Evenly sampled boundary pixels.
 std::vector<GridPoint> rim_of(const Raster& raster) {
   std::vector<GridPoint> rim, some;
   for (int y = 1; y + 1 < raster.height_px; ++y)
@@ -51,24 +51,24 @@ PromptStroke through_the_middle(const PixelMask& truth, int width_px, int height
   const Raster raster{core, width_px, height_px};
   const std::vector<GridPoint> rim = rim_of(raster);
   PromptStroke stroke;
-  stroke.radius_px = std::clamp(least - 1, 0.75, stroke.radius_px);  // it stays within
+  stroke.radius_px = std::clamp(least - 1, 0.75, stroke.radius_px);  // stays inside the core
   double longest = -1;
   for (std::size_t i = 0; i < rim.size(); ++i)
     for (std::size_t j = i; j < rim.size(); ++j) {
       const double length = std::hypot(double(rim[j].x - rim[i].x), double(rim[j].y - rim[i].y));
-      if (length <= longest || !raster.holds(rim[i], rim[j])) continue;
+      if (length <= longest || !raster.contains_line(rim[i], rim[j])) continue;
       longest = length;
       stroke.points = {{rim[i].x + 0.5, rim[i].y + 0.5}, {rim[j].x + 0.5, rim[j].y + 0.5}};
     }
   return stroke;
 }
 
-/// What of the loop, which keeps a distance from the object, lies within the picture: along its frame nothing is known
-/// of the other side.
+/// Adds the parts of the loop inside the picture as background strokes. Parts along the frame are left out, since the
+/// object may continue outside.
 void add_parts(const Loop& loop, double distance_px, const PixelWindow& picture, std::vector<PromptStroke>& strokes) {
   PromptStroke part;
   part.object = false;
-  part.radius_px = std::clamp(distance_px - 1, 0.75, part.radius_px);  // it stays off the object
+  part.radius_px = std::clamp(distance_px - 1, 0.75, part.radius_px);  // does not touch the object
   const auto end_part = [&] {
     if (part.points.size() > 1) strokes.push_back(part);
     part.points.clear();

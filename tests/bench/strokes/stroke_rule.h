@@ -1,15 +1,15 @@
 #pragma once
-// The strokes of somebody who knows the answer, by a rule that nobody tunes to an object: one along the longest line in
-// the middle of it, and one around it.
+// Strokes generated from a true mask by a fixed rule: one along the longest line in the middle of the object, and one
+// around the object.
 #include <string>
 
 #include "ngs/scene/hand_prompt.h"
 
 namespace ngs::bench {
 
-/// The object's stroke is the longest line that stays deeper in the mask than a quarter of its deepest place. The
-/// background's runs around the mask, 2 % of the diagonal away from it, as far as that is in the picture. A mask
-/// without a pixel gives no stroke.
+/// Object stroke: the longest line whose pixels are farther from the contour than a quarter of the largest such
+/// distance. Background stroke: a loop around the mask at a distance of 2 % of the diagonal, inside the picture. An
+/// empty mask gives no strokes.
 HandPrompt strokes_of_truth(const PixelMask& truth, int width_px, int height_px, const std::string& view);
 
 }  // namespace ngs::bench

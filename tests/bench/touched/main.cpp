@@ -1,16 +1,17 @@
-// What a run changed, counted by whose Gaussians they are: for tests/bench/results.sh ids.
+// Counts Gaussians that a run labelled, removed or changed, by the object they belong to: for pipelines/objects.sh.
 //
 //   ngs_touched IDS BOUNDARY LABELLED ID...
 //
-// IDS has one byte a Gaussian, in the order of both models: the number of its object, 0 for nobody's. BOUNDARY is what
-// ngs-joint was given, LABELLED what it made of it, an ID for each object of theirs. The region is problem/region.h's:
-// what is partly an object's. stdout: a line for each ID, tab separated:
+// IDS has one byte per Gaussian, in the order of both models: the id of its object, 0 for background. BOUNDARY is the
+// input of ngs-joint, LABELLED its output, with an ID for each of their objects. The region is that of
+// problem/region.h: Gaussians that partly belong to an object. stdout: a line per ID, tab separated:
 //
-//   ID OWN OTHERS NOBODYS REMOVED CHANGED BEYOND_GIVEN BEYOND
+//   ID OWN OTHERS BACKGROUND REMOVED CHANGED OUTSIDE_GIVEN OUTSIDE
 //
-// OWN, OTHERS, NOBODYS: Gaussians with this id, another, none, that LABELLED says are the object's. Then rows that do
-// not have this id but another: REMOVED as floaters; CHANGED, byte for byte, in the object's columns or the model's;
-// of these BEYOND_GIVEN outside of the region of BOUNDARY, BEYOND of either's. Nobody's rows are among the last two.
+// OWN, OTHERS, BACKGROUND: Gaussians with this id, another id or no id that LABELLED assigns to the object. Then
+// Gaussians of other objects: REMOVED as floaters; CHANGED in a byte of the object's or the model's columns. Then
+// changed Gaussians of other objects or background: OUTSIDE_GIVEN outside the region of BOUNDARY, OUTSIDE outside the
+// regions of both files.
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
@@ -27,7 +28,7 @@ namespace ngs::bench {
 namespace {
 
 struct Counts {
-  std::int64_t own = 0, others = 0, nobodys = 0, removed = 0, changed = 0, beyond_given = 0, beyond = 0;
+  std::int64_t own = 0, others = 0, background = 0, removed = 0, changed = 0, outside_given = 0, outside = 0;
 };
 
 std::vector<std::uint8_t> read_bytes(const std::string& path) {
@@ -42,7 +43,7 @@ std::vector<LabelColumns> labels_of(io::GaussianPly& ply) {
   return labels;
 }
 
-/// The model's columns, in the rows of both files.
+/// Columns of the model in both files, for comparison by row.
 class ModelColumns {
  public:
   ModelColumns(const io::PlyTable& given, const io::PlyTable& made) : given_(given), made_(made) {
@@ -90,7 +91,7 @@ std::vector<Counts> count(const std::vector<std::uint8_t>& ids, const Run& run, 
   const std::size_t rows = ids.size();
   if (std::size_t(run.given.cloud.size()) != rows || std::size_t(run.made.cloud.size()) != rows ||
       run.given_labels.size() != object_id.size() || run.made_labels.size() != object_id.size())
-    throw Error(ErrorCode::kInconsistent, "other rows or objects, expected those of the given model and its ids");
+    throw Error(ErrorCode::kInconsistent, "rows or objects differ, expected those of BOUNDARY and IDS");
   const std::vector<std::uint8_t> of_given = region_of(run.given_labels), of_made = region_of(run.made_labels);
   const ModelColumns model(run.given.rows, run.made.rows);
   const io::PlyColumn floater = run.made.rows.column("ngs_floater");
@@ -100,10 +101,10 @@ std::vector<Counts> count(const std::vector<std::uint8_t>& ids, const Run& run, 
     for (std::size_t k = 0; k < counts.size(); ++k) {
       Counts& c = counts[k];
       const bool own = ids[row] == object_id[k], others = !own && ids[row] != 0;
-      if (label_says_object(run.made_labels[k].label[row])) ++(own ? c.own : others ? c.others : c.nobodys);
+      if (label_is_foreground(run.made_labels[k].label[row])) ++(own ? c.own : others ? c.others : c.background);
       c.removed += others && floater && floater.value_float(std::int64_t(row)) != 0;
       if (own || (same_model && run.same_labels(k, row))) continue;
-      c.changed += others, c.beyond_given += !of_given[row], c.beyond += !of_given[row] && !of_made[row];
+      c.changed += others, c.outside_given += !of_given[row], c.outside += !of_given[row] && !of_made[row];
     }
   }
   return counts;
@@ -116,7 +117,7 @@ int print(int argc, char** argv) {
   for (std::size_t k = 0; k < counts.size(); ++k) {
     std::cout << object_id[k];
     const Counts& c = counts[k];
-    for (const std::int64_t n : {c.own, c.others, c.nobodys, c.removed, c.changed, c.beyond_given, c.beyond})
+    for (const std::int64_t n : {c.own, c.others, c.background, c.removed, c.changed, c.outside_given, c.outside})
       std::cout << '\t' << n;
     std::cout << '\n';
   }

@@ -1,5 +1,4 @@
-// ngs-probe: a tool that does nothing but what the contract tests ask of it, so that the rules which hold for
-// every tool are tested without the work of any.
+// ngs-probe: a tool for the contract tests only. It tests the rules of all tools without the work of a real one.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -64,7 +63,7 @@ struct EchoOptions {
 
 /// Two stages with progress, and a warning in the first.
 void show_progress(cli::Run& run, int count) {
-  // longer than a terminal waits between two states of the line
+  // longer than the interval between two updates of the line
   const auto nap = [] { std::this_thread::sleep_for(std::chrono::milliseconds(120)); };
   for (const char* stage : {"work", "rest"}) {
     const auto timed = run.monitor().scope(stage);
@@ -75,16 +74,16 @@ void show_progress(cli::Run& run, int count) {
   }
 }
 
-/// Works on for longer than a signal lets it.
+/// Works for longer than the grace period after a signal.
 void work_deaf() {
   std::fprintf(stderr, "hears nothing\n");
   std::this_thread::sleep_for(std::chrono::seconds(20));
 }
 
-/// Takes longer to keep its state than a signal lets others work on, and is then deaf.
+/// Takes longer than the grace period to write its state, then ignores stop requests.
 void keep_state(cli::Run& run, const std::string& path) {
   {
-    const cli::KeepsState keeps;
+    const cli::SignalGrace keeps;
     std::fprintf(stderr, "keeps a state\n");
     while (!run.monitor().stop_requested()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
     std::this_thread::sleep_for(std::chrono::milliseconds(900));
@@ -125,8 +124,8 @@ int main(int argc, char** argv) {
   tool.options(options);
   tool.options(echo, {.name = "echo",
                       .prefix = "echo_",
-                      .listens = [&options] { return options.act == Act::kEcho; },
-                      .listener = "--act echo"});
+                      .applies = [&options] { return options.act == Act::kEcho; },
+                      .needs = "--act echo"});
   const cli::Input& in = tool.input("text", "any file");
   const cli::Input& more = tool.optional_input("--more", "any file or folder");
   const cli::Output& out = tool.output("-o,--output", "lines");

@@ -1,4 +1,4 @@
-// Splats as other programs leave them, through the tools.
+// Splats written by other programs.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@ namespace {
 
 const std::string kTools = NGS_TOOL_DIR;
 
-/// The tiny scene's model as it is after the activation functions.
+/// The tiny scene's model with activated values.
 std::string activated_model(const test::TempDir& dir) {
   GaussianCloud cloud = test::tiny_scene().cloud;
   for (float& s : cloud.log_scale) s = std::exp(s);
@@ -33,7 +33,7 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 
 }  // namespace
 
-TEST_CASE("a splat of activated values is refused before any rendering, and the printed command converts it") {
+TEST_CASE("a splat with activated values is rejected before any rendering, and the printed command converts it") {
   const test::TempDir dir;
   const std::string model = activated_model(dir), out = dir.path() + "/cut";
   for (const std::vector<std::string>& argv : {std::vector<std::string>{kTools + "/ngs", "cut", model, "-o", out},

@@ -1,5 +1,5 @@
-// ngs_functions [--all]: the functions of libngs/ and tools/ that are larger than their budget, or all of them, as
-// "path:line function lines parameters nesting", one per line. Exit code 1 where a file cannot be read as C++.
+// ngs_functions [--all]: lists functions of libngs/ and tools/ above the size limits, or all functions, as
+// "path:line function lines parameters nesting". Exit code 1 if a file cannot be parsed as C++.
 #include <cstdio>
 #include <string_view>
 

@@ -1,4 +1,4 @@
-// A suite of one case that passes, one that fails and three whose needs are absent, one of which fails before.
+// A suite with one passing case, one failing case and three cases without their dependencies, one of which fails first.
 #define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
@@ -8,14 +8,14 @@ TEST_CASE("a case that passes") { CHECK(true); }
 
 TEST_CASE("a case that fails") { CHECK(false); }
 
-TEST_CASE("a case that finds nothing to work on") { return ngs::test::skip("no scene"); }
+TEST_CASE("a case without its input") { return ngs::test::skip("no scene"); }
 
-TEST_CASE("a case that finds nothing in one of its parts") {
-  SUBCASE("the part that runs") { CHECK(true); }
-  SUBCASE("the part that does not") { return ngs::test::skip("no program"); }
+TEST_CASE("a case without the input of a subcase") {
+  SUBCASE("the subcase that runs") { CHECK(true); }
+  SUBCASE("the subcase that is skipped") { return ngs::test::skip("no program"); }
 }
 
-TEST_CASE("a case that fails before it finds nothing") {
+TEST_CASE("a case that fails before it is skipped") {
   CHECK(false);
   return ngs::test::skip("no processor");
 }

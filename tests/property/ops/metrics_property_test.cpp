@@ -15,7 +15,7 @@ struct Pair {
   Mask predicted, truth;
 };
 
-/// The n-th pair: every kind of mask against every other, at sizes from 1x1 to 48x48.
+/// The n-th pair of masks: all combinations of mask kinds, at sizes from 1x1 to 48x48.
 Pair nth_pair(std::uint64_t n) {
   const int kinds = int(MaskKind::kCount);
   const auto side = [&](std::uint64_t i) { return 1 + int(rng_bits(7, RngStream::kTest, 4 * n + i) % 48); };
@@ -35,7 +35,7 @@ TEST_CASE("boundary IoU equals the definition by repeated erosion on 1000 random
     CAPTURE(n);
     const Pair pair = nth_pair(n);
     const auto p = chessboard_distance(pair.predicted.plane()), t = chessboard_distance(pair.truth.plane());
-    // The whole set, not only its size: the band of each width is the same pixels.
+    // Compares the pixels of the bands, not only their number.
     for (int d : {1, 2, 3, 5, 9}) {
       CAPTURE(d);
       const Mask band = test::boundary_band(pair.predicted, d);
@@ -52,7 +52,7 @@ TEST_CASE("boundary IoU equals the definition by repeated erosion on 1000 random
   }
 }
 
-TEST_CASE("a band wider than the image makes boundary IoU the IoU") {
+TEST_CASE("boundary IoU with a band wider than the image equals IoU") {
   for (std::uint64_t n = 0; n < 60; ++n) {
     CAPTURE(n);
     const Pair pair = nth_pair(n);
@@ -79,7 +79,7 @@ TEST_CASE("overlap and contour scores are symmetric, lie in [0, 1] and are 1 for
   }
 }
 
-/// The definition: every pair of contour pixels. Those of `is_void` are matched with, not counted.
+/// The definition, by all pairs of contour pixels. Void pixels are matched with but not counted.
 double contour_f_by_all_pairs(const Mask& predicted, const Mask& truth, int tolerance_px, const Mask& is_void = {}) {
   const auto contour = [](const Mask& m) {
     std::vector<std::pair<int, int>> points;
@@ -119,7 +119,7 @@ TEST_CASE("contour F equals the definition by all pairs of contour pixels") {
     }
 }
 
-TEST_CASE("with void pixels every score is that of the truth closest to the prediction, counted over the others") {
+TEST_CASE("with void pixels every score equals that of the truth filled with the prediction, void not counted") {
   for (std::uint64_t n = 0; n < 600; ++n) {
     CAPTURE(n);
     const Pair pair = nth_pair(n);

@@ -1,5 +1,5 @@
-// Losses of a crop train what the crop is made for as the losses of the whole picture do: with everything else fixed, a
-// Gaussian's gradient comes from the pixels it reaches and from SSIM windows that see these.
+// Losses of a crop give the same gradients as losses of the full image for the Gaussians that the crop covers: with all
+// others fixed, a gradient depends only on the pixels that a Gaussian reaches and the SSIM windows over these.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -14,8 +14,8 @@
 #include "ngs/ops/losses/photometric.h"
 #include "ngs/ops/optim/adam.h"
 #include "ngs/ops/splat/splat_view.h"
-#include "ngs/passes/contours/refined_masks.h"
 #include "ngs/stages/boundary/variance_stage.h"
+#include "ngs/stages/contours/refined_masks.h"
 #include "support/joint_case.h"
 #include "support/skip.h"
 
@@ -23,10 +23,10 @@ namespace ngs {
 namespace {
 
 constexpr int kSsimRadius_px = 5;
-// In units of the largest gradient of a block, and of the largest movement: rounding alone.
+// Relative to the largest gradient of a block, and to the largest movement: rounding error.
 constexpr double kGradientBound = 1e-8, kStepBound = 1e-6;
 
-/// One view, and what of the model it trains.
+/// A view, and a model with its trained rows.
 struct View {
   Camera camera;
   ImageF photo;
@@ -44,7 +44,7 @@ PixelWindow grown(const PixelWindow& w, int by_px, const Camera& camera, int gri
           std::min(camera.height_px, w.y0 + w.h + by_px) - y0};
 }
 
-/// The pixels that what is trained reaches.
+/// The window of the pixels that trained Gaussians reach.
 PixelWindow reached(const Model& model, const Camera& camera) {
   RenderRequest request;
   request.colour = false, request.include = model.trained.data();
@@ -58,7 +58,7 @@ ImageF crop(const ImageF& image, const PixelWindow& w) {
   return out;
 }
 
-/// Colour and mask losses of a picture as they are, or of a part of it as shares of the whole.
+/// Colour and mask losses of a full image, or of a crop scaled to its share of the full image.
 struct Step {
   PixelRegion region;  // of the colour loss; empty: all
   double photo_share = 1, mask_share = 1;
@@ -81,9 +81,8 @@ struct Cropped {
   View view;
   Step step;
 };
-/// Leaves out what lies beyond the limits within which the projection is linearised, 0.15 sizes beside the picture:
-/// they are those of the crop there, so that such Gaussians look different. Whether there was anything to leave out; a
-/// smaller crop may follow from it.
+/// Disables Gaussians beyond the clamp of the projection's Jacobian, 0.15 image sizes outside the crop: the clamp
+/// depends on the crop, so these are projected differently. Returns whether any was disabled; the crop may then shrink.
 bool keep_within_limits(const Camera& crop, GaussianCloud& cloud) {
   bool changed = false;
   const Camera camera = relative_to(crop, cloud.origin);
@@ -92,8 +91,8 @@ bool keep_within_limits(const Camera& crop, GaussianCloud& cloud) {
     const Vec3<double> at =
         camera.rotation * Vec3<double>{double(p[0]), double(p[1]), double(p[2])} + camera.translation;
     const double u = camera.fx * at.x / at.z + camera.cx, v = camera.fy * at.y / at.z + camera.cy;
-    const double beside_x = 0.15 * camera.width_px, beside_y = 0.15 * camera.height_px;
-    if (!(u > -beside_x && v > -beside_y && u < camera.width_px + beside_x && v < camera.height_px + beside_y))
+    const double margin_x = 0.15 * camera.width_px, margin_y = 0.15 * camera.height_px;
+    if (!(u > -margin_x && v > -margin_y && u < camera.width_px + margin_x && v < camera.height_px + margin_y))
       changed |= cloud.usable[i] != 0, cloud.usable[i] = 0;
   }
   return changed;
@@ -101,7 +100,8 @@ bool keep_within_limits(const Camera& crop, GaussianCloud& cloud) {
 
 Cropped cropped_to(const Model& model, const View& whole) {
   const PixelWindow loss = grown(reached(model, whole.camera), kSsimRadius_px, whole.camera),
-                    window = grown(loss, kSsimRadius_px, whole.camera, kTilePx);  // tiles as in the whole picture
+                    window =
+                        grown(loss, kSsimRadius_px, whole.camera, kTilePx);  // aligned to the tiles of the full image
   Cropped c;
   c.view = {window_camera(whole.camera, window), crop(whole.photo, window), whole.masks};
   c.view.masks.width_px = window.w, c.view.masks.height_px = window.h;
@@ -118,7 +118,7 @@ Cropped cropped_to(const Model& model, const View& whole) {
   return c;
 }
 
-/// Largest difference of the trained rows in units of their largest value; -1 where all are zero.
+/// Largest difference of the trained rows relative to their largest value; -1 if all are zero.
 double difference(const std::vector<float>& a, const std::vector<float>& b, const std::vector<std::uint8_t>& trained) {
   const std::size_t columns = a.size() / trained.size();
   double worst = 0, largest = 0;
@@ -139,7 +139,7 @@ double worst_difference(const CloudGradients& a, const CloudGradients& b, const 
   return worst;
 }
 
-/// Adam on the trained rows, for a few steps over the views.
+/// Trains the trained rows with Adam for a few steps over the views.
 Model trained_for(int steps, Model model, const std::vector<View>& views, const std::vector<Step>& step) {
   CloudGradients g;
   AdamMoments position, scale, colour, label;
@@ -161,7 +161,7 @@ Model trained_for(int steps, Model model, const std::vector<View>& views, const 
 
 }  // namespace
 
-TEST_CASE("a crop about what is trained gives its gradients and its steps as the whole picture does") {
+TEST_CASE("a crop around the trained Gaussians gives the gradients and Adam steps of the full image") {
   const auto c = test::joint_case();
   Model model{c->model, std::vector<float>(c->is_ball.size(), 0.4f), {}};
   for (std::size_t i = 0; i < c->is_ball.size(); ++i)
@@ -188,11 +188,11 @@ TEST_CASE("a crop about what is trained gives its gradients and its steps as the
   const Model a = trained_for(8, model, whole, whole_step), b = trained_for(8, model, part, part_step);
   CHECK(a.cloud.position != model.cloud.position);
   const auto moved = [&](const std::vector<float>& from, const std::vector<float>& x, const std::vector<float>& y) {
-    double most = 0, apart = 0;
+    double most = 0, difference = 0;
     for (std::size_t i = 0; i < x.size(); ++i)
       most = std::max(most, std::abs(double(x[i]) - double(from[i]))),
-      apart = std::max(apart, std::abs(double(x[i]) - double(y[i])));
-    return apart / most;
+      difference = std::max(difference, std::abs(double(x[i]) - double(y[i])));
+    return difference / most;
   };
   MESSAGE("after 8 steps positions differ by " << moved(model.cloud.position, a.cloud.position, b.cloud.position)
                                                << " of the largest movement");
@@ -202,7 +202,7 @@ TEST_CASE("a crop about what is trained gives its gradients and its steps as the
   CHECK(moved(model.label, a.label, b.label) < kStepBound);
 }
 
-TEST_CASE("on a real capture a crop about the boundary gives its gradients as the whole picture does") {
+TEST_CASE("a crop around the boundary of a real capture gives the gradients of the full image") {
   const std::filesystem::path bird = std::filesystem::path(NGS_SOURCE_DIR) / ".." / "shared" / "scenes" / "bird";
   if (!std::filesystem::exists(bird / "point_cloud.ply")) return test::skip("no scene bird in ../shared/scenes");
   io::ImportRequest request;

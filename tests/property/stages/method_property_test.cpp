@@ -15,7 +15,7 @@ using Run = Solution (*)(const Exec&, Monitor&, const Problem&);
 struct NamedRun {
   const char* name;
   Run run;
-  bool view_order_matters, row_order_matters;  // the latter through random draws per row
+  bool view_order_matters, row_order_matters;  // rows matter through random draws per row
 };
 
 const NamedRun kRuns[] = {

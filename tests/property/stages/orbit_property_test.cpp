@@ -1,4 +1,4 @@
-// Cameras belong to the model: a model that is turned, scaled and moved has cameras that are.
+// Generated cameras follow the model: rotating, scaling and moving the model transforms them alike.
 #include <doctest/doctest.h>
 
 #include "ngs/stages/orbit/orbit_stage.h"
@@ -6,7 +6,7 @@
 
 namespace ngs::orbit {
 
-TEST_CASE("cameras turn about the axis of up, scale and move with the model") {
+TEST_CASE("orbit cameras rotate about the up axis, scale and move with the model") {
   GaussianCloud cloud;
   test::add_box(cloud, {-0.8, -0.4, 0}, {0.8, 0.4, 0.5}, 0.08);
   test::add_sphere(cloud, {0.6, 0.1, 0.8}, 0.35, 300);

@@ -10,7 +10,7 @@
 namespace ngs {
 namespace {
 
-/// Floors of one height, so that neighbours are equally far and many positions differ in one coordinate only.
+/// A flat grid floor: neighbours are equidistant and many positions differ in one coordinate only.
 GaussianCloud scene() {
   GaussianCloud cloud;
   test::add_floor(cloud, 3, 0, 0.05);
@@ -40,7 +40,7 @@ Exec with_threads(int threads) {
 
 }  // namespace
 
-TEST_CASE("what is selected and what is debris is the same for any order of rows and any number of threads") {
+TEST_CASE("selection and debris do not depend on the order of rows or the number of threads") {
   const GaussianCloud cloud = scene();
   std::vector<std::size_t> from(std::size_t(cloud.size()));
   for (std::size_t i = 0; i < from.size(); ++i) from[i] = (i * 7919 + 13) % from.size();

@@ -9,7 +9,7 @@
 namespace ngs {
 namespace {
 
-TEST_CASE("every index is visited once, by any number of threads") {
+TEST_CASE("for_each visits every index once with any number of threads") {
   for (const int threads : {1, 2, 3, 7})
     for (const std::int64_t n : {0, 1, 2, 6, 7, 1000}) {
       CAPTURE(threads);
@@ -22,8 +22,8 @@ TEST_CASE("every index is visited once, by any number of threads") {
     }
 }
 
-// Where memory ends, a tool has an exit code; the OpenMP runtime has std::terminate.
-TEST_CASE("what a kernel throws leaves the loop, and the process goes on") {
+// Out of memory, a tool must return its exit code; an exception in an OpenMP region would call std::terminate.
+TEST_CASE("for_each rethrows an exception of a kernel to the caller") {
   for (const int threads : {1, 3}) {
     CAPTURE(threads);
     CHECK_THROWS_AS(for_each_index({.threads = threads}, 100,

@@ -55,7 +55,7 @@ TEST_CASE("in a small picture the line around an object stays off it") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE("the line around an object that the frame cuts says nothing along the frame") {
+TEST_CASE("the line around an object that the frame cuts has no point on the frame") {
   const HandPrompt prompt = bench::strokes_of_truth(bar(-20), kWidth, kHeight, "0000.png");
   for (const PromptStroke& stroke : prompt.strokes)
     if (!stroke.object)

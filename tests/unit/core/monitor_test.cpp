@@ -1,4 +1,4 @@
-// A limit of time: who is told to stop, from when on, and that a loop which would end later is stopped at once.
+// Time limits: when stop_requested() becomes true, and that a loop that would end too late is stopped early.
 #include "ngs/core/monitor.h"
 
 #include <doctest/doctest.h>
@@ -8,7 +8,7 @@
 
 namespace ngs {
 
-TEST_CASE("monitor: a limit asks to stop once its time has come, until its scope ends") {
+TEST_CASE("monitor: stop_requested is true from the deadline of a limit to the end of its scope") {
   Monitor monitor;
   CHECK_FALSE(monitor.stop_requested());
   {
@@ -18,7 +18,7 @@ TEST_CASE("monitor: a limit asks to stop once its time has come, until its scope
   }
   {
     const Monitor::Limit limit(monitor, wall_seconds());
-    CHECK_FALSE(limit.reached());  // nobody has been told
+    CHECK_FALSE(limit.reached());  // stop_requested() was not called yet
     CHECK(monitor.stop_requested());
     CHECK(limit.reached());
   }
@@ -27,7 +27,7 @@ TEST_CASE("monitor: a limit asks to stop once its time has come, until its scope
   CHECK_FALSE(next.reached());
 }
 
-TEST_CASE("monitor: what a signal stops has reached no limit") {
+TEST_CASE("monitor: a stop by signal does not mark the limit as reached") {
   Monitor monitor;
   const std::atomic<bool> signal = true;
   monitor.stop_flag(&signal);
@@ -36,7 +36,7 @@ TEST_CASE("monitor: what a signal stops has reached no limit") {
   CHECK_FALSE(limit.reached());
 }
 
-TEST_CASE("monitor: a loop that is foreseen to end too late is stopped after a tenth of it, another is not") {
+TEST_CASE("monitor: a loop that is estimated to end after the deadline is stopped after a tenth of its steps") {
   constexpr int kSteps = 100;
   const auto steps_taken = [](double limit_s, std::chrono::milliseconds step) {
     Monitor monitor;
@@ -49,15 +49,16 @@ TEST_CASE("monitor: a loop that is foreseen to end too late is stopped after a t
     return n;
   };
   using std::chrono::milliseconds;
-  CHECK(steps_taken(0.5, milliseconds(20)) == kSteps / 10);  // 2 s; the clock alone would stop it at 25
+  CHECK(steps_taken(0.5, milliseconds(20)) == kSteps / 10);  // would take 2 s; the deadline alone would stop it at 25
   CHECK(steps_taken(1e6, milliseconds(1)) == kSteps);
 }
 
-TEST_CASE("monitor: each loop under a limit is foreseen by itself") {
+TEST_CASE("monitor: the end of each loop under a limit is estimated from its own steps") {
   Monitor monitor;
   const Monitor::Limit limit(monitor, wall_seconds() + 1);
   monitor.progress(1, 40);
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // were it of the next loop, that would take 1.9 s
+  // If the next loop were timed from here, it would be estimated to take 1.9 s.
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
   for (int n = 1; n <= 40; ++n) monitor.progress(n, 40);
   CHECK_FALSE(monitor.stop_requested());
 }

@@ -15,7 +15,7 @@ using namespace ngs;
 
 namespace {
 
-/// That the two readers of T agree on a text: value, end and error.
+/// Checks that both parsers of T agree on a text: value, end and error.
 template <class T>
 void check_same(const std::string& text) {
   CAPTURE(text);
@@ -32,7 +32,7 @@ void check_same(const std::string& text) {
 }  // namespace
 
 #ifdef __cpp_lib_to_chars
-TEST_CASE("numbers read by the C library are those of std::from_chars, and end where those end") {
+TEST_CASE("scan_by_strtod returns the value, end and error of std::from_chars") {
   for (const char* text : {"",
                            "-",
                            "+1",
@@ -89,7 +89,7 @@ TEST_CASE("numbers read by the C library are those of std::from_chars, and end w
   }
 }
 
-TEST_CASE("random numbers are read alike in every notation") {
+TEST_CASE("scan_by_strtod equals std::from_chars for random numbers in every notation") {
   for (std::uint64_t n = 0; n < 2000; ++n) {
     const double value = std::bit_cast<double>(rng_bits(31, RngStream::kTest, n));
     char text[64];
@@ -103,7 +103,7 @@ TEST_CASE("random numbers are read alike in every notation") {
 }
 #endif
 
-TEST_CASE("a text is a number as a whole or not at all") {
+TEST_CASE("parse_number accepts a text only if all of it is a number in range") {
   int whole = 0;
   double real = 0;
   CHECK((parse_number("-12", whole) && whole == -12));

@@ -10,7 +10,7 @@
 namespace ngs {
 namespace {
 
-/// Bits of results, one after the other, as one number (FNV-1a by values).
+/// A hash of the bits of several results (FNV-1a by values).
 class BitSum {
  public:
   void add(std::uint64_t bits) { sum_ = (sum_ ^ bits) * 1099511628211u; }
@@ -27,7 +27,7 @@ double ulps(float got, double want) {
   return std::abs(double(got) - want) / (double(std::nextafter(at, INFINITY)) - double(at));
 }
 
-/// Every 4099th of the floats in [from, to], by their bits; both of one sign.
+/// Every 4099th float in [from, to], in the order of bits; both ends have the same sign.
 template <class F>
 void for_floats(float from, float to, F&& f) {
   const auto last = __builtin_bit_cast(std::uint32_t, to);
@@ -37,7 +37,7 @@ void for_floats(float from, float to, F&& f) {
 
 }  // namespace
 
-TEST_CASE("log1p and expm1 of a float are right to one unit in the last place") {
+TEST_CASE("log1p and expm1 of a float are accurate to one unit in the last place") {
   double worst_log = 0, worst_exp = 0;
   const auto look = [&](float x) {
     if (x > -1.f) worst_log = std::max(worst_log, ulps(portable_log1p(x), std::log1p(double(x))));
@@ -49,7 +49,7 @@ TEST_CASE("log1p and expm1 of a float are right to one unit in the last place") 
   CHECK(worst_exp < 1);
 }
 
-TEST_CASE("log1p and expm1 of a float keep their limits") {
+TEST_CASE("log1p and expm1 of a float have the right limits and special values") {
   CHECK(portable_log1p(-1.f) == -INFINITY);
   CHECK(std::isnan(portable_log1p(-1.5f)));
   CHECK(std::isnan(portable_log1p(NAN)));
@@ -62,7 +62,7 @@ TEST_CASE("log1p and expm1 of a float keep their limits") {
   CHECK(std::signbit(portable_expm1(-0.f)));
 }
 
-TEST_CASE("hypot neither overflows nor loses small numbers, and is right to one unit in the last place") {
+TEST_CASE("hypot neither overflows nor underflows, and is accurate to one unit in the last place") {
   CHECK(portable_hypot(3, -4) == 5);
   CHECK(portable_hypot(3e300, 4e300) == doctest::Approx(5e300).epsilon(1e-15));
   CHECK(portable_hypot(3e-310, 4e-310) == doctest::Approx(5e-310).epsilon(1e-12));
@@ -77,8 +77,8 @@ TEST_CASE("hypot neither overflows nor loses small numbers, and is right to one 
   }
 }
 
-// Found with glibc 2.36 on x86-64, whose log1pf and expm1f give the same bits for every float. Another processor,
-// compiler or C library must not change them: the models and masks would differ.
+// Reference hashes from glibc 2.36 on x86-64, whose log1pf and expm1f give the same bits for every float. Another
+// processor, compiler or C library must not change them: models and masks would differ.
 TEST_CASE("log1p, expm1 and hypot have the same bits on every machine") {
   BitSum log_bits, exp_bits, hypot_bits;
   const auto add = [&](float x) {

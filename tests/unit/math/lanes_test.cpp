@@ -13,10 +13,10 @@ namespace ngs {
 namespace {
 
 std::uint32_t bits_of(float x) { return __builtin_bit_cast(std::uint32_t, x); }
-/// A NaN is a NaN: which one comes out of two is the processor's choice.
+/// The bits of x; all NaNs are equal, because processors differ in which NaN they return.
 std::uint32_t value_of(float x) { return std::isnan(x) ? 0x7fc00000u : bits_of(x); }
 
-/// Any bits; or beside a border of the format, a whole number or a tie of half precision.
+/// Random bits, or a value next to a limit of the format, a whole number or a tie of half precision.
 float awkward_float(test::Random& random) {
   static constexpr float kBorders[] = {0.f,     1.f,     0x1p-126f, 0x1p-149f, 0x1p23f,  0x1p24f,    0x1p31f,
                                        65504.f, 65520.f, 0x1p-14f,  0x1p-24f,  0x1p-25f, 0x1.002p0f, 0.5f,
@@ -32,11 +32,11 @@ float awkward_float(test::Random& random) {
   return __builtin_bit_cast(float, bits);
 }
 
-/// Everything that a lane type does with 8 values a, b, c, as bits.
+/// The bits of all operations of a lane type on 8 values a, b, c.
 template <class L, class Half>
 std::vector<std::uint32_t> all_operations(const float* a, const float* b, const float* c) {
   std::vector<std::uint32_t> bits;
-  const auto note = [&](L x) {
+  const auto record = [&](L x) {
     float lane[8];
     store_lanes(lane, x);
     for (const float value : lane) bits.push_back(value_of(value));
@@ -45,11 +45,11 @@ std::vector<std::uint32_t> all_operations(const float* a, const float* b, const 
   load_lanes(a, x), load_lanes(b, y), load_lanes(c, z), iota_lanes(a[0], first);
   for (const L result : {x + y, x - y, x * y, x / y, -x, fma_lanes(x, y, z), sqrt_lanes(x), floor_lanes(x),
                          Half(x).wide(), first, folded(x), L(c[0])})
-    note(result);
-  note(min_lanes(x, y)), note(max_lanes(x, y)), note(x += z);
+    record(result);
+  record(min_lanes(x, y)), record(max_lanes(x, y)), record(x += z);
   for (const auto mask : {x<y, x <= y, x> y, x >= y, !(x < y), (x < y) | (y < z), (x < y) & (y < z),
                           and_at_least(x < z, x, y), all_lanes(x)}) {
-    note(select(mask, x, y));
+    record(select(mask, x, y));
     bits.push_back(any(mask)), bits.push_back(std::uint32_t(count_lanes(mask)));
   }
   return bits;
@@ -81,7 +81,7 @@ TEST_CASE_TEMPLATE("exp2_where of a pack equals the scalar in every lane", L, Pa
   }
 }
 
-TEST_CASE("packs of every instruction set give the same bits, whatever they are given") {
+TEST_CASE("packs of every instruction set give the same bits for all inputs") {
   test::Random random(11);
   for (int i = 0; i < 40000; ++i) {
     float in[3][8];
@@ -92,7 +92,7 @@ TEST_CASE("packs of every instruction set give the same bits, whatever they are 
   }
 }
 
-TEST_CASE_TEMPLATE("the lanes of a pack compute what a float computes", L, PackF, PortablePack) {
+TEST_CASE_TEMPLATE("every lane of a pack computes the same bits as a float", L, PackF, PortablePack) {
   test::Random random(12);
   for (int i = 0; i < 20000; ++i) {
     float a[8], b[8], c[8], sum[8], fused[8], root[8], down[8];
@@ -111,11 +111,11 @@ TEST_CASE_TEMPLATE("the lanes of a pack compute what a float computes", L, PackF
   }
 }
 
-TEST_CASE("a fused product by way of double is rounded once, where that of a double sum is rounded twice") {
+TEST_CASE("fma_by_double is rounded once, even where a sum in double would be rounded twice") {
   test::Random random(13);
   int twice = 0;
   for (int i = 0; i < 400000; ++i) {
-    // c half a step of a b away from it, or nearly: the sum lies close to the middle between two floats.
+    // c is about half a step of a b: the sum lies close to the middle between two floats.
     const float a = awkward_float(random), b = i % 2 == 0 ? awkward_float(random) : 1.f + 0x1p-23f * float(i % 1000);
     const float c = i % 3 == 0 ? awkward_float(random) : std::ldexp(a * b, -24 - i % 30);
     const QuadF out = fma_by_double(QuadF{a, c, b, a}, QuadF{b, b, a, a}, QuadF{c, a, -c, c});
@@ -125,10 +125,10 @@ TEST_CASE("a fused product by way of double is rounded once, where that of a dou
     REQUIRE(value_of(out[3]) == value_of(std::fma(a, a, c)));
     twice += value_of(float(double(a) * double(b) + double(c))) != value_of(out[0]);
   }
-  CHECK(twice > 0);  // the cases would notice
+  CHECK(twice > 0);  // the inputs include such cases
 }
 
-TEST_CASE("half precision without an intrinsic: every half is kept, and floats go to the nearest, ties to even") {
+TEST_CASE("portable half precision round-trips every half and rounds floats to nearest, ties to even") {
   for (std::uint32_t half = 0; half < 0x10000u; ++half) {
     const float wide = float_of_half(std::uint16_t(half));
     if ((half & 0x7fffu) <= 0x7c00u) REQUIRE(half_bits(wide) == half);
@@ -147,7 +147,7 @@ TEST_CASE("half precision without an intrinsic: every half is kept, and floats g
   CHECK(half_bits(-65520.f) == 0xfc00);
 }
 
-TEST_CASE("sums of lanes have one order, and rows one set of bits, in every pack") {
+TEST_CASE("sum_lanes and store_row_bits give the same bits in every pack") {
   test::Random random(14);
   for (int i = 0; i < 2000; ++i) {
     std::vector<float> value(7 * 8);

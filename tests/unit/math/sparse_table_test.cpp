@@ -9,7 +9,7 @@
 namespace ngs {
 namespace {
 
-TEST_CASE("a sparse table is the dense one, cell by cell, in whatever order cells are touched") {
+TEST_CASE("a sparse table equals a dense one, cell by cell, in whatever order cells are touched") {
   constexpr std::size_t kRows = 50, kColumns = 13;
   test::Random random(3);
   SparseTable<int> table(kRows, kColumns);
@@ -22,7 +22,7 @@ TEST_CASE("a sparse table is the dense one, cell by cell, in whatever order cell
   for (std::size_t row = 0; row < kRows; ++row) {
     std::size_t next = 0, cells = 0;
     table.for_each_in(row, [&](std::size_t column, int cell) {
-      CHECK(column >= next);  // in the order of columns
+      CHECK(column >= next);  // sorted by column
       CHECK(dense.at({row, column}) == cell);
       next = column + 1, ++cells;
     });
@@ -36,25 +36,25 @@ TEST_CASE("a sparse table is the dense one, cell by cell, in whatever order cell
   }
 }
 
-TEST_CASE("what is put off arrives, once for each time it was") {
+TEST_CASE("every deferred insert of a sparse table is added exactly once") {
   struct Count {
     int of = 0;
     void add(const Count& other) { of += other.of; }
   };
   SparseTable<Count> table(2, 3);
-  std::vector<SparseTable<Count>::First> put_off;
-  table.add(1, 2, {4}, put_off), table.add(1, 2, {5}, put_off);
-  CHECK(table.find(1, 2) == nullptr);  // others may look for theirs
-  CHECK(put_off.size() == 2);
-  table.add(put_off);
+  std::vector<SparseTable<Count>::Insert> deferred_inserts;
+  table.add(1, 2, {4}, deferred_inserts), table.add(1, 2, {5}, deferred_inserts);
+  CHECK(table.find(1, 2) == nullptr);  // not touched yet
+  CHECK(deferred_inserts.size() == 2);
+  table.add(deferred_inserts);
   REQUIRE(table.find(1, 2) != nullptr);
   CHECK(table.find(1, 2)->of == 9);
-  put_off.clear(), table.add(1, 2, {1}, put_off);
-  CHECK(put_off.empty());
+  deferred_inserts.clear(), table.add(1, 2, {1}, deferred_inserts);
+  CHECK(deferred_inserts.empty());
   CHECK(table.find(1, 2)->of == 10);
 }
 
-TEST_CASE("a copy of a sparse table goes its own way") {
+TEST_CASE("a copy of a sparse table is independent of the original") {
   SparseTable<int> table(2, 2);
   table.touch(0, 1) = 5;
   SparseTable<int> copy = table;

@@ -20,7 +20,7 @@ TEST_CASE("bce improves on the closed form it starts from and certifies the resu
     if (labels.views[i] > 0) CHECK(labels.label[i] == labels.prob[i]);
 }
 
-TEST_CASE("bce leaves Gaussians alone that were fixed by hand or never seen") {
+TEST_CASE("bce does not change Gaussians that were fixed by hand or are visible in no view") {
   const test::MethodCase c = test::method_case(71, 80, 3);
   Monitor monitor;
   Problem input = c.input();
@@ -40,9 +40,9 @@ TEST_CASE("bce leaves Gaussians alone that were fixed by hand or never seen") {
   CHECK(unseen > 0);
 }
 
-TEST_CASE("bce gives a Gaussian that two objects claim to the one with the larger soft label") {
+TEST_CASE("bce assigns a Gaussian in the masks of two objects to the one with the larger soft label") {
   test::MethodCase c = test::method_case(72, 150, 3, 2);
-  for (ViewMasks& m : c.masks) m.target[1] = m.target[0];  // the same pixels twice
+  for (ViewMasks& m : c.masks) m.target[1] = m.target[0];  // both objects have the same mask
   Monitor monitor;
   const Solution r = run_bce({}, monitor, {}, c.input());
   double shared = 0;

@@ -17,7 +17,7 @@ struct SignCounts {
   bool clear = true;
 };
 
-/// COB-GS's counters by the book: per view the pixels a Gaussian touches inside and outside of the
+/// Brute-force counters of COB-GS: per view the pixels that a Gaussian touches inside and outside of the
 /// mask.
 SignCounts sign_counts(const test::MethodCase& c) {
   const auto n = std::size_t(c.cloud.size());
@@ -39,7 +39,7 @@ SignCounts sign_counts(const test::MethodCase& c) {
   return s;
 }
 
-/// Splits any Gaussian whose pixels disagree, however small.
+/// Splits every Gaussian whose pixels disagree, whatever its size.
 CobOptions splits_all_sizes() {
   CobOptions o;
   o.split_scale = 0, o.ambiguity = 0.6;
@@ -76,7 +76,7 @@ TEST_CASE("cob's certainty is the brute-force count of agreeing pixels, over vis
   CHECK(partly_visible > 0);
 }
 
-TEST_CASE("cob's split halves ambiguous Gaussians, keeps their source row and restarts their labels") {
+TEST_CASE("cob splits ambiguous Gaussians in two, keeps their source row and resets their labels") {
   const test::MethodCase c = test::method_case(85, 120, 3);
   const Problem input = c.input();
   const CobOptions options = splits_all_sizes();
@@ -118,7 +118,7 @@ TEST_CASE("cob's split halves ambiguous Gaussians, keeps their source row and re
   CHECK(std::any_of(trainer.logit().begin(), trainer.logit().end(), [](float x) { return x != 0.f; }));
 }
 
-TEST_CASE("cob splits only Gaussians above the size limit, and none that was fixed by hand") {
+TEST_CASE("cob splits only Gaussians above the size limit that are not fixed by hand") {
   const test::MethodCase c = test::method_case(85, 120, 3);
   Problem input = c.input();
   CobOptions options = splits_all_sizes();
@@ -159,7 +159,7 @@ TEST_CASE("cob's pruning deletes exactly the ambiguous Gaussians and keeps the o
       CHECK(r.labels[0].prob[row] == doctest::Approx(1 / (1 + std::exp(-double(logit[std::size_t(left[row])])))));
 }
 
-TEST_CASE("cob's trained labels agree with the majority where that is clear") {
+TEST_CASE("cob's trained labels equal a clear majority of the weights") {
   const test::MethodCase c = test::method_case(87, 150, 6);
   Monitor monitor;
   CobOptions options;
@@ -177,7 +177,7 @@ TEST_CASE("cob's trained labels agree with the majority where that is clear") {
   CHECK(got.source_row.size() == 150);
 }
 
-TEST_CASE("cob's texture phases bring the photometric loss down and move geometry") {
+TEST_CASE("cob's texture phases lower the photometric loss and change geometry") {
   const test::MethodCase c = test::method_case(88, 120, 4);
   Monitor monitor;
   CobOptions options;
@@ -190,7 +190,7 @@ TEST_CASE("cob's texture phases bring the photometric loss down and move geometr
   CHECK(r.source_row.size() == std::size_t(r.cloud->size()));
 }
 
-TEST_CASE("cob refuses texture phases without photos and says how to go on") {
+TEST_CASE("cob fails for texture phases without photos, with a hint") {
   const test::MethodCase c = test::method_case(89, 40, 2);
   Problem input = c.input();
   input.load_photo = nullptr;

@@ -11,7 +11,7 @@
 namespace ngs {
 namespace {
 
-/// Shares of two objects for hand-made rows; views = 0 where both are negative.
+/// Shares of two objects for hand-made rows; views = 0 if both are negative.
 std::vector<LabelColumns> shares(const std::vector<std::vector<float>>& prob) {
   std::vector<LabelColumns> out;
   for (const auto& p : prob) {
@@ -66,7 +66,7 @@ TEST_CASE("flash without bias is the majority of brute-force rendering weights")
   CHECK(scenes_at_a_threshold <= 2);
 }
 
-TEST_CASE("flash thresholds follow from normalising the two shares as the paper and as the code do") {
+TEST_CASE("flash thresholds equal the tie of the two normalised shares, by the norms of paper and code") {
   const double gamma[5] = {-0.8, -0.7, 0, 0.4, 0.75};
   const double l1[5] = {0.10, 0.15, 0.5, 0.70, 0.875}, l2[5] = {0.157, 0.215, 0.5, 0.647, 0.813};  // PAPER.md §5.4
   for (int i = 0; i < 5; ++i) {
@@ -83,7 +83,7 @@ TEST_CASE("flash never labels a Gaussian without evidence, whatever the bias") {
   CHECK(labels[0].label == std::vector<float>{1, 0, 0});
 }
 
-TEST_CASE("flash gives a Gaussian to the heaviest object, and a tie to the first") {
+TEST_CASE("flash assigns a Gaussian to the heaviest object, and a tie to the first") {
   HandMade scene;
   const std::vector<std::vector<float>> prob = {{0.4f, 0.3f, 0.6f, 0.1f}, {0.5f, 0.3f, 0.6f, 0.2f}};
   const auto exclusive = scene.run(prob, {});
@@ -111,7 +111,7 @@ TEST_CASE("sa3d in one pass is a threshold of lambda / (1 + lambda) on the same 
   CHECK(got.figures.at("object_gaussians") > 5);
 }
 
-TEST_CASE("sa3d leaves out a view whose mask contradicts the labels, and never the first") {
+TEST_CASE("sa3d skips a view whose mask contradicts the labels, except the first") {
   test::MethodCase c = test::method_case(3, 400, 4);
   for (float& m : c.masks[2].target[0]) m = 1 - m;
   Monitor monitor;
@@ -127,7 +127,7 @@ TEST_CASE("sa3d leaves out a view whose mask contradicts the labels, and never t
   CHECK(run_sa3d({}, monitor, options, c.input()).figures.at("views_accepted") == 1);
 }
 
-TEST_CASE("sa3d's second pass sees the scene without what the first pass rejected") {
+TEST_CASE("sa3d's second pass renders the scene without the Gaussians that the first pass rejected") {
   const test::MethodCase c = test::method_case(5, 400, 3);
   Monitor monitor;
   Sa3dOptions options;

@@ -22,9 +22,9 @@ struct FieldCase {
 
 }  // namespace
 
-// The align terms hold what they compare with fixed, so their sum is no function to differentiate; the three
+// The align terms detach their targets, so their sum has no matching finite differences; the three
 // other terms are. Central differences with step 1e-5: error below 1e-9.
-TEST_CASE("the released regulariser has the gradients of finite differences") {
+TEST_CASE("gradients of the released regulariser equal finite differences") {
   const FieldCase c;
   const ReleasedWeights parts[] = {{0, 0, 1, 0}, {0, 0, 0, 1}, {0, 1, 0, 0}};
   for (const ReleasedWeights& weights : parts) {
@@ -32,7 +32,7 @@ TEST_CASE("the released regulariser has the gradients of finite differences") {
     CAPTURE(weights.density);
     ReleasedField field(1);
     for (std::size_t i = 0; i < std::size_t(8 * 2) << 15; ++i)
-      field.parameters()[i] *= 2000;  // entries of 1e-4 hardly matter
+      field.parameters()[i] *= 2000;  // initial entries of 1e-4 have too little effect
     std::vector<double> grad_base, ignored;
     const auto total = [&](const std::vector<double>& base) {
       return field.evaluate({}, weights, {c.position, base}, 5, ignored).total;
@@ -61,7 +61,7 @@ TEST_CASE("the released regulariser has the gradients of finite differences") {
   }
 }
 
-TEST_CASE("the released regulariser learns its target, the mean colour of the neighbours") {
+TEST_CASE("the released regulariser converges to its target, the mean colour of the neighbours") {
   const FieldCase c;
   ReleasedField field(2);
   std::vector<double> grad_base;
@@ -72,7 +72,7 @@ TEST_CASE("the released regulariser learns its target, the mean colour of the ne
   CHECK(field.evaluate({}, {}, {{}, {}}, 0, grad_base).total == 0);
 }
 
-TEST_CASE("the released code takes the most undecided Gaussians, ties in row order") {
+TEST_CASE("the released code regularises the most uncertain Gaussians, ties in row order") {
   GaussianCloud cloud;
   cloud.resize(6, 0);
   cloud.usable[4] = 0;
@@ -83,7 +83,7 @@ TEST_CASE("the released code takes the most undecided Gaussians, ties in row ord
   CHECK(most_undecided(GaussianCloud(), {}, 10).empty());
 }
 
-TEST_CASE("released changes colours against cob, but no label and no geometry of the first texture phase") {
+TEST_CASE("released differs from cob in colours, but in no label and no geometry of the first texture phase") {
   const test::MethodCase c = test::method_case(95, 100, 3);
   Monitor monitor;
   ReleasedOptions options;

@@ -34,7 +34,7 @@ struct SmoothCase {
   }
 };
 
-/// Two clusters far apart, one of which the masks cover.
+/// Two distant clusters; the masks cover one of them.
 test::MethodCase two_clusters() {
   test::MethodCase c = test::method_case(90, 0, 3);
   const Camera camera = c.scene.views[0].camera;
@@ -65,7 +65,7 @@ test::MethodCase two_clusters() {
 }  // namespace
 
 // Central differences in double with step 1e-6: truncation 1e-12, cancellation 1e-10.
-TEST_CASE("smoothing affinity features has the gradient of finite differences, dropped neighbours included") {
+TEST_CASE("the gradient of smoothed affinity features equals finite differences, dropped neighbours included") {
   const SmoothCase c;
   SmoothedFeatures<double> smooth(c.graph, 3);
   std::vector<double> u, grad;
@@ -79,17 +79,17 @@ TEST_CASE("smoothing affinity features has the gradient of finite differences, d
   for (std::size_t i = 0; i < 30; ++i) CHECK(std::hypot(u[i * 3], u[i * 3 + 1], u[i * 3 + 2]) == doctest::Approx(1));
 }
 
-TEST_CASE("the contrastive loss is what its formula says for three pixels") {
+TEST_CASE("the contrastive loss of three pixels equals its formula") {
   // objects 1, 1 at right angles, background along the first: same pair cos 0, different pairs cos 1 and 0.
   const std::vector<float> features = {2, 0, 0, 1, 3, 0};
   const std::vector<int> id = {1, 1, 0};
   std::vector<float> grad;
   CHECK(contrastive_loss({}, 2, features, id, grad) == doctest::Approx(0.0 + 0.5 + 1.0));  // mean length 2
-  CHECK(grad[1] == doctest::Approx(-1.0 / 2));  // pulled towards the other object pixel, over its own length
+  CHECK(grad[1] == doctest::Approx(-1.0 / 2));  // towards the other object pixel, divided by its own length
 }
 
 // float inputs and outputs: central differences with step 1e-2 leave truncation of 1e-4.
-TEST_CASE("the contrastive loss has the gradient of finite differences, with background and short features") {
+TEST_CASE("the gradient of the contrastive loss equals finite differences, with background and short features") {
   test::Random random(9);
   std::vector<float> features = random.uniform_vector<float>(24 * 4, -1, 1);
   std::vector<int> id;
@@ -107,7 +107,7 @@ TEST_CASE("the contrastive loss has the gradient of finite differences, with bac
   }
 }
 
-TEST_CASE("saga separates two clusters of which the masks show one") {
+TEST_CASE("saga separates two clusters if the masks cover one of them") {
   const test::MethodCase c = two_clusters();
   SagaOptions options;
   options.steps = 120, options.dims = 8, options.pixels = 128, options.image_scale = 1, options.lr = 0.02;
@@ -123,7 +123,7 @@ TEST_CASE("saga separates two clusters of which the masks show one") {
   CHECK(r.figures.at("loss") < -0.5);
 }
 
-TEST_CASE("saga refuses a scene without training views, and passes over views without masks") {
+TEST_CASE("saga fails for a scene without training views, and skips views without masks") {
   test::MethodCase c = test::method_case(91, 30, 2);
   SagaOptions options;
   options.steps = 4;

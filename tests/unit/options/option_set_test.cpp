@@ -57,7 +57,7 @@ std::string message_of(const std::function<void()>& body) {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(Fixture, "options survive the way to JSON and back") {
+TEST_CASE_FIXTURE(Fixture, "options are unchanged after a round trip through JSON") {
   options = {3, -9, UINT64_MAX, 0.1, false, "y", {"a", "b"}, Window::kMean};
   const Json written = parse_json(set.to_json().dump(), "a test");
   options = {};
@@ -72,13 +72,13 @@ TEST_CASE_FIXTURE(Fixture, "options survive the way to JSON and back") {
   CHECK(options.window == Window::kMean);
 }
 
-TEST_CASE_FIXTURE(Fixture, "typed text sets every kind of option, the last of several wins") {
+TEST_CASE_FIXTURE(Fixture, "typed text sets every kind of option; the last of several values wins") {
   set.set_text("neighbours", {"3", "4"});
   set.set_text("tau", {"1e-3"});
   set.set_text("antialiased", {"off"});
   set.set_text("objects", {"a", "b"});
   set.set_text("window", {"mean"});
-  set.set_text("note", {"12"});  // looks like a number, is a text
+  set.set_text("note", {"12"});  // a text that looks like a number
   CHECK(options.neighbours == 4);
   CHECK(options.tau == 1e-3);
   CHECK_FALSE(options.antialiased);
@@ -87,7 +87,7 @@ TEST_CASE_FIXTURE(Fixture, "typed text sets every kind of option, the last of se
   CHECK(options.note == "12");
 }
 
-TEST_CASE_FIXTURE(Fixture, "a value outside its range is refused with the range, the ends are inside") {
+TEST_CASE_FIXTURE(Fixture, "a value outside its range is an error that states the range; the ends are inside") {
   CHECK(message_of([&] { set.set_text("neighbours", {"0"}); }) == "neighbours = 0, expected in [1, 32] | ");
   CHECK(message_of([&] { set.set_text("neighbours", {"33"}); }) == "neighbours = 33, expected in [1, 32] | ");
   CHECK(message_of([&] { set.set_text("offset", {"11"}); }) ==
@@ -99,7 +99,7 @@ TEST_CASE_FIXTURE(Fixture, "a value outside its range is refused with the range,
   CHECK(options.neighbours == 32);
 }
 
-TEST_CASE_FIXTURE(Fixture, "numbers that are none, not whole or not finite are refused") {
+TEST_CASE_FIXTURE(Fixture, "text, fractions for integers and non-finite numbers are errors") {
   CHECK(message_of([&] { set.set_text("neighbours", {"abc"}); }) ==
         "neighbours = \"abc\", expected an integer in [1, 32] | ");
   for (const char* text : {"", "1.5", "8x", "0x8", " 8", "1e1"}) {
@@ -111,7 +111,7 @@ TEST_CASE_FIXTURE(Fixture, "numbers that are none, not whole or not finite are r
   CHECK(options.tau == 0.6);
 }
 
-TEST_CASE_FIXTURE(Fixture, "an unknown name is refused with the nearest ones") {
+TEST_CASE_FIXTURE(Fixture, "an unknown name is an error that suggests the nearest names") {
   CHECK(message_of([&] {
           set.set_json({{"neighbors", 3}}, "o.json");
         }) == "o.json: unknown option 'neighbors' | did you mean 'neighbours'?");
@@ -120,7 +120,7 @@ TEST_CASE_FIXTURE(Fixture, "an unknown name is refused with the nearest ones") {
         }) == "o.json: window = \"pixels\", expected one of mean, pixel | did you mean 'pixel'?");
 }
 
-TEST_CASE_FIXTURE(Fixture, "a wrong JSON type is refused") {
+TEST_CASE_FIXTURE(Fixture, "a wrong JSON type is an error") {
   for (const Json& wrong : {Json{{"neighbours", 8.0}}, Json{{"tau", "0.5"}}, Json{{"antialiased", 1}},
                             Json{{"note", 1}}, Json{{"objects", "a"}}, Json{{"objects", {1}}}, Json{{"window", 0}},
                             Json{{"tau", nullptr}}, Json::array({1}), Json(3)}) {
@@ -129,7 +129,7 @@ TEST_CASE_FIXTURE(Fixture, "a wrong JSON type is refused") {
   }
 }
 
-TEST_CASE("JSON with a key twice is refused, in one object only") {
+TEST_CASE("a key that occurs twice in one JSON object is an error") {
   CHECK(message_of([] { parse_json(R"({"a": 1, "a": 2})", "o.json"); }) ==
         "o.json: key 'a' occurs twice, expected once | ");
   CHECK(message_of([] { parse_json(R"({"b": {"a": 1, "c": 2, "a": 3}})", "o.json"); }).find("'a' occurs twice") !=
@@ -141,8 +141,8 @@ TEST_CASE("JSON with a key twice is refused, in one object only") {
   }
 }
 
-TEST_CASE_FIXTURE(Fixture, "the schema says type, range, choices and default of every option") {
-  options.neighbours = 30;  // a default is what stood there when the option was added
+TEST_CASE_FIXTURE(Fixture, "the schema has type, range, choices and default of every option") {
+  options.neighbours = 30;  // the default is the value when the option was added
   const Json schema = set.schema("sample");
   CHECK(schema["additionalProperties"] == false);
   CHECK(schema["properties"].size() == 8);
@@ -153,7 +153,7 @@ TEST_CASE_FIXTURE(Fixture, "the schema says type, range, choices and default of 
   CHECK(schema["properties"]["objects"]["items"]["type"] == "string");
 }
 
-TEST_CASE("a prefix keeps two sets of the same options apart, and one name twice is a bug") {
+TEST_CASE("a prefix separates two sets of the same options; adding a name twice throws std::logic_error") {
   SampleOptions coarse, fine;
   OptionSet set;
   set.add(coarse, "coarse_");
@@ -208,7 +208,7 @@ struct Twice {
 
 }  // namespace
 
-TEST_CASE("an option carries its effect, or its group's where it names none") {
+TEST_CASE("an option has its own effect, or the effect of its group if it has none") {
   FieldOptions options;
   OptionSet set;
   set.add(options, OptionGroup{.name = "field", .prefix = "near_", .effect = "start"});
@@ -220,15 +220,15 @@ TEST_CASE("an option carries its effect, or its group's where it names none") {
   CHECK(set.at("near_window").group->name == "field");
 }
 
-TEST_CASE("a name that another option has is a bug") {
+TEST_CASE("describing two options with one name throws std::logic_error") {
   Twice twice;
   OptionSet set;
   CHECK_THROWS_AS(set.add(twice), std::logic_error);
 }
 
-TEST_CASE("given are the options whose value is not the one of their declaration") {
+TEST_CASE("given() lists the options whose value differs from the default") {
   FieldOptions options;
-  options.layers = 5;  // what the tool chose, not the user
+  options.layers = 5;  // chosen by the tool, not by the user
   OptionSet set;
   set.add(options);
   CHECK(set.given().empty());
@@ -241,13 +241,13 @@ TEST_CASE("given are the options whose value is not the one of their declaration
   CHECK(set.given()[1]->name == "mlp_layers");
 }
 
-TEST_CASE("what is given without its effect is warned about effect by effect, what is not given is not") {
+TEST_CASE("given options are warned about per effect that is off; other options are not") {
   FieldOptions options;
   OptionSet set;
   set.add(options);
   const auto warnings = [&](const std::vector<std::string_view>& on) {
-    return without_effect_warnings(set,
-                                   [&](std::string_view effect) { return std::ranges::find(on, effect) != on.end(); });
+    return unused_effect_warnings(set,
+                                  [&](std::string_view effect) { return std::ranges::find(on, effect) != on.end(); });
   };
   using Texts = std::vector<std::string>;
   CHECK(warnings({}).empty());
@@ -263,22 +263,22 @@ TEST_CASE("what is given without its effect is warned about effect by effect, wh
   CHECK(warnings({"nerf", "mask", "contours"}).empty());
 }
 
-TEST_CASE("what is given of a group that nothing listens to is warned about once, with who would listen") {
+TEST_CASE("given options of a group that does not apply are warned about once, with what the group needs") {
   FieldOptions near, far;
-  bool is_listening = false;
+  bool is_on = false;
   OptionSet set;
-  const auto listens = [&] { return is_listening; };
-  set.add(near, {.prefix = "near_", .listens = listens, .listener = "--method near"});
-  set.add(far, {.prefix = "far_", .listens = listens});
+  const auto applies = [&] { return is_on; };
+  set.add(near, {.prefix = "near_", .applies = applies, .needs = "--method near"});
+  set.add(far, {.prefix = "far_", .applies = applies});
   using Texts = std::vector<std::string>;
-  CHECK(unheard_warnings(set).empty());
+  CHECK(unused_group_warnings(set).empty());
   set.set_json({{"near_hash_levels", 4}, {"near_rate", 0.5}, {"far_rate", 0.5}}, "o.json");
-  CHECK(unheard_warnings(set) ==
-        Texts{"--near-hash-levels, --near-rate: not used, only --method near listens", "--far-rate: not used"});
-  CHECK(without_effect_warnings(set, [](std::string_view) { return false; }).empty());
-  is_listening = true;
-  CHECK(unheard_warnings(set).empty());
-  CHECK(without_effect_warnings(set, [](std::string_view) { return false; }).size() == 2);
+  CHECK(unused_group_warnings(set) ==
+        Texts{"--near-hash-levels, --near-rate: not used without --method near", "--far-rate: not used"});
+  CHECK(unused_effect_warnings(set, [](std::string_view) { return false; }).empty());
+  is_on = true;
+  CHECK(unused_group_warnings(set).empty());
+  CHECK(unused_effect_warnings(set, [](std::string_view) { return false; }).size() == 2);
 }
 
 }  // namespace ngs

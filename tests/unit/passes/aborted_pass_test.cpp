@@ -1,5 +1,5 @@
-// Under --time-budget a pass that takes too long is aborted, and nothing of it is left. A run that is resumed does
-// the same again, whatever its clock says.
+// With --time-budget a pass that takes too long is aborted and undone. A resumed run repeats this, independently of its
+// own clock.
 #include <doctest/doctest.h>
 
 #include <chrono>
@@ -16,7 +16,7 @@ using test::EffectCase;
 constexpr int kSteps = 100;
 constexpr std::chrono::milliseconds kStep(10);
 
-/// A second of work before its detector answers, or before the first label is taken away.
+/// Works for one second, either in its heuristic or before it removes the first label.
 class SlowPass final : public Pass {
  public:
   enum class Part : std::uint8_t { kLooks, kWorks };
@@ -26,11 +26,11 @@ class SlowPass final : public Pass {
     return {{.name = "slow",
              .help = "take time",
              .saves = "a second",
-             .detector = {"one", 0.5, "none", [this](SceneProbe& probe) {
-                            if (part_ == Part::kLooks) work(*probe.problem().monitor);
-                            probe.label_views();
-                            return 1.0;
-                          }}}};
+             .heuristic = {"one", 0.5, "none", [this](SceneProbe& probe) {
+                             if (part_ == Part::kLooks) work(*probe.problem().monitor);
+                             probe.label_views();
+                             return 1.0;
+                           }}}};
   }
   void run(PassRun& run) override {
     if (part_ == Part::kWorks) work(run.monitor);
@@ -53,19 +53,19 @@ class SlowPass final : public Pass {
   int& steps_;
 };
 
-/// Counts the views that the probe knows, which the slow one may have left half done.
+/// Counts the views in the probe's cache, to detect a cache that an aborted heuristic left incomplete.
 class CountingPass final : public Pass {
  public:
   explicit CountingPass(std::size_t& views) : views_(views) {}
-  PassStage stage() const override { return PassStage::kMend; }
+  PassStage stage() const override { return PassStage::kRepair; }
   std::vector<Effect> effects() const override {
     return {{.name = "counting",
              .help = "count views",
              .saves = "nothing",
-             .detector = {"views", 0.5, "none", [this](SceneProbe& probe) {
-                            views_ = probe.label_views().shown.size();
-                            return 0.0;
-                          }}}};
+             .heuristic = {"views", 0.5, "none", [this](SceneProbe& probe) {
+                             views_ = probe.label_views().shown.size();
+                             return 0.0;
+                           }}}};
   }
   void run(PassRun&) override {}
 
@@ -80,7 +80,7 @@ struct SlowCase {
   std::size_t views = 0;
   std::unique_ptr<test::PipelineCase> passes;
 
-  SlowCase(SlowPass::Part part, const std::string& entry, double budget_s = 2, PassStage stage = PassStage::kMend) {
+  SlowCase(SlowPass::Part part, const std::string& entry, double budget_s = 2, PassStage stage = PassStage::kRepair) {
     std::vector<std::unique_ptr<Pass>> list = all_passes();
     list.insert(list.begin(), std::make_unique<CountingPass>(views));
     list.insert(list.begin(), std::make_unique<SlowPass>(part, stage, steps));
@@ -101,25 +101,25 @@ struct SlowCase {
 TEST_CASE("a pass that would take too long is aborted early, undone and reported") {
   SlowCase c(SlowPass::Part::kWorks, "slow=auto");
   const PassRun& run = c.passes->run();
-  CHECK(c.steps == kSteps / 10);  // of a second where less is allowed
+  CHECK(c.steps == kSteps / 10);  // the limit is less than the second of work
   CHECK_FALSE(c.took_label());
-  CHECK(run.budget.cut());
+  CHECK(run.budget.was_cut());
   CHECK(run.state == Json({{"aborted", {"slow"}}}));
   CHECK(c.decision().at("on") == false);
   CHECK(c.decision().at("reason").get<std::string>().starts_with("--time-budget: aborted"));
   CHECK_FALSE(run.solution->converged);
 }
 
-TEST_CASE("a detector that would take too long leaves its pass out, and others know nothing of its half look") {
+TEST_CASE("a heuristic that would take too long skips its pass, and leaves no incomplete values in the probe") {
   SlowCase c(SlowPass::Part::kLooks, "slow=auto");
   c.passes->run();
   CHECK(c.steps == kSteps / 10);
   CHECK_FALSE(c.took_label());
-  CHECK(c.decision().at("reason") == "--time-budget has no time for it");
+  CHECK(c.decision().at("reason") == "--time-budget: skipped, no time left");
   CHECK(c.views == 4);
 }
 
-TEST_CASE("with time, by request, or in a run that is resumed, a pass runs to its end") {
+TEST_CASE("a pass is not aborted with enough time, with --effect NAME=on, or in a resumed run") {
   for (const auto& [entry, budget_s] : {std::pair("slow=auto", 1e6), std::pair("slow=on", 2.0)}) {
     SlowCase c(SlowPass::Part::kWorks, entry, budget_s);
     const PassRun& run = c.passes->run();
@@ -128,15 +128,15 @@ TEST_CASE("with time, by request, or in a run that is resumed, a pass runs to it
     CHECK(run.state == Json::object());
   }
   SlowCase resumed(SlowPass::Part::kWorks, "slow=auto");
-  resumed.passes->goes_on_from(Json::object());
+  resumed.passes->resume_from(Json::object());
   resumed.passes->run();
   CHECK(resumed.took_label());
 }
 
-TEST_CASE("a resumed run leaves out what was aborted, and keeps the same state") {
+TEST_CASE("a resumed run skips the aborted passes and has the same state") {
   SlowCase c(SlowPass::Part::kWorks, "slow=auto", 1e6);
   const Json state = {{"aborted", {"slow"}}};
-  c.passes->goes_on_from(state);
+  c.passes->resume_from(state);
   const PassRun& run = c.passes->run();
   CHECK(c.steps == 0);
   CHECK_FALSE(c.took_label());
@@ -144,54 +144,54 @@ TEST_CASE("a resumed run leaves out what was aborted, and keeps the same state")
   for (const Json& hostile :
        {Json({{"aborted", 3}}), Json({{"aborted", {1, nullptr}}}), Json({{"aborted", {{"slow", 1}}}})}) {
     SlowCase other(SlowPass::Part::kWorks, "slow=auto", 1e6);
-    other.passes->goes_on_from(hostile);
+    other.passes->resume_from(hostile);
     other.passes->run();
     CHECK(other.took_label());
   }
 }
 
-TEST_CASE("a resumed run decides as the run before it, and looks at nothing for that") {
-  SlowCase before(SlowPass::Part::kLooks, "slow=auto");  // whose detector was aborted
+TEST_CASE("a resumed run repeats the decisions of the stopped run and measures no heuristic") {
+  SlowCase before(SlowPass::Part::kLooks, "slow=auto");  // its heuristic is aborted
   const PassRun& run = before.passes->run();
   const Json effects = before.passes->kept();
   CHECK(std::ranges::count(effects, Json("slow=off")) == 1);
   CHECK(std::ranges::none_of(effects, [](const Json& e) { return e.get<std::string>().starts_with("contours"); }));
-  CHECK(run.left_out == std::set<std::string>{"slow"});
-  for (const bool left_out : {true, false}) {
+  CHECK(run.skipped == std::set<std::string>{"slow"});
+  for (const bool skipped : {true, false}) {
     SlowCase c(SlowPass::Part::kLooks, "slow=auto", 1e6);
-    c.passes->goes_on_from(run.state, effects, left_out ? Json(run.left_out) : Json());
+    c.passes->resume_from(run.state, effects, skipped ? Json(run.skipped) : Json());
     const PassRun& resumed = c.passes->run();
     CHECK(c.steps == 0);
     CHECK_FALSE(c.took_label());
-    CHECK(c.decision().at("reason") == (left_out ? "--time-budget has no time for it" : "--resume"));
-    CHECK(resumed.budget.cut() == left_out);
+    CHECK(c.decision().at("reason") == (skipped ? "--time-budget: skipped, no time left" : "--resume"));
+    CHECK(resumed.budget.was_cut() == skipped);
     CHECK(c.passes->kept() == effects);
-    CHECK(resumed.left_out.size() == std::size_t(left_out));
+    CHECK(resumed.skipped.size() == std::size_t(skipped));
   }
   for (const Json& other : {Json{"slow=on"}, Json{"slow=on", 3, nullptr, "slow", "fast=off"}}) {
     SlowCase c(SlowPass::Part::kLooks, "slow=auto", 1e6);
-    c.passes->goes_on_from(run.state, other, Json{"fast", 3});
+    c.passes->resume_from(run.state, other, Json{"fast", 3});
     c.passes->run();
     CHECK(c.steps == 0);
     CHECK(c.took_label());
   }
   SlowCase insists(SlowPass::Part::kLooks, "slow=on", 1e6);
-  insists.passes->goes_on_from(run.state, effects, Json(run.left_out));
-  CHECK_FALSE(insists.passes->run().budget.cut());
+  insists.passes->resume_from(run.state, effects, Json(run.skipped));
+  CHECK_FALSE(insists.passes->run().budget.was_cut());
   CHECK(insists.took_label());
 }
 
 namespace {
 
-/// All that a mending pass may change.
-struct Mended {
+/// Everything that a repair pass may change.
+struct Repaired {
   std::vector<float> label, prob, opacity, photos;
   std::vector<bool> masked;
-  bool operator==(const Mended&) const = default;
+  bool operator==(const Repaired&) const = default;
 };
 
-Mended mended(const Problem& problem) {
-  Mended all{problem.labels[0].label.values(), problem.labels[0].prob.values(), problem.cloud.logit_opacity, {}, {}};
+Repaired repaired(const Problem& problem) {
+  Repaired all{problem.labels[0].label.values(), problem.labels[0].prob.values(), problem.cloud.logit_opacity, {}, {}};
   for (std::size_t v = 0; v < 4; ++v) {
     const ImageF photo = problem.load_photo(v);
     all.photos.insert(all.photos.end(), photo.data.begin(), photo.data.end());
@@ -200,7 +200,7 @@ Mended mended(const Problem& problem) {
   return all;
 }
 
-/// A scene whose n-th picture raises the flag.
+/// A scene whose n-th image load requests a stop.
 struct StoppedCase {
   EffectCase scene;
   std::atomic<bool> stop = false;
@@ -219,34 +219,34 @@ struct StoppedCase {
 
 }  // namespace
 
-TEST_CASE("a mending pass that is stopped, wherever it is, has changed nothing or all") {
+TEST_CASE("a repair pass that is stopped at any image has changed either nothing or everything") {
   struct Case {
     const char* effect;
     void (*needs)(EffectCase&);
   };
   for (const Case& one : {Case{"exposure", test::dark_photo}, Case{"mask-outliers", test::shifted_mask},
-                          Case{"floaters", test::floaters_before}}) {
+                          Case{"floaters", test::floaters_in_front}}) {
     const std::string effect = one.effect;
     CAPTURE(effect);
     const std::vector<std::string> entries{"all=off", effect + "=on"};
     StoppedCase c;
     one.needs(c.scene);
     const Problem in = c.input();
-    const Mended before = mended(in);
+    const Repaired before = repaired(in);
     c.loads = 0;
     test::PipelineCase whole(in, c.scene.training, entries);
-    whole.mend();
+    whole.repair();
     const int loads = c.loads;
-    const Mended after = mended(whole.problem());
+    const Repaired after = repaired(whole.problem());
     REQUIRE(after != before);
     int undone = 0;
     for (int n = 1; n <= loads; ++n) {
       c.loads = 0, c.raises_at = n, c.stop = false;
       test::PipelineCase stopped(in, c.scene.training, entries);
       stopped.stop_flag(c.stop);
-      stopped.mend();
+      stopped.repair();
       c.raises_at = 0;
-      const Mended now = mended(stopped.problem());
+      const Repaired now = repaired(stopped.problem());
       const bool nothing = now == before;
       undone += nothing;
       CHECK((nothing || now == after));
@@ -259,7 +259,7 @@ TEST_CASE("a mending pass that is stopped, wherever it is, has changed nothing o
 
 namespace {
 
-/// The mask and all within `px` of it in its row.
+/// Dilates the mask by `px` along its rows.
 void widen(ViewMasks& masks, int px) {
   const std::vector<float> before = masks.target[0];
   for (int i = 0; i < int(before.size()); ++i)
@@ -274,7 +274,7 @@ void widen(ViewMasks& masks, int px) {
 TEST_CASE("a time budget with time for contours keeps them, and one without runs none") {
   EffectCase c;
   c.fine_photos = true;
-  for (ViewMasks& masks : c.base->masks) widen(masks, 2);  // off the edges, to one side: they refuse no contour
+  for (ViewMasks& masks : c.base->masks) widen(masks, 2);  // misaligned to one side: they reject no contour
   const Problem in = c.input();
   const auto figures = [&](std::optional<double> budget_s) {
     test::PipelineCase passes(in, c.training, {"all=off", "mask=on", "contours=on"});

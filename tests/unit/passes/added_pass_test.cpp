@@ -1,4 +1,4 @@
-// What it takes to add a pass: one class, and one line of the list.
+// Adds a pass: one class, and one line of the list.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -10,18 +10,18 @@
 namespace ngs {
 namespace {
 
-/// Takes Gaussians larger than a share of the scene out of the labels: a pass as somebody might add it.
+/// An example of a new pass: removes the labels of large Gaussians.
 class OversizedPass : public Pass {
  public:
-  PassStage stage() const override { return PassStage::kMend; }
+  PassStage stage() const override { return PassStage::kRepair; }
   std::vector<Effect> effects() const override {
     return {{.name = "oversized",
              .help = "label no Gaussian larger than --oversized-scale",
-             .saves = "a look at every scale",
-             .detector = {"largest scale, world", 0.5, "half of a unit", [](SceneProbe& probe) {
-                            const std::vector<float>& s = probe.problem().cloud.log_scale;
-                            return double(std::exp(*std::max_element(s.begin(), s.end())));
-                          }}}};
+             .saves = "the scan of the scales",
+             .heuristic = {"largest scale, world", 0.5, "half a unit", [](SceneProbe& probe) {
+                             const std::vector<float>& s = probe.problem().cloud.log_scale;
+                             return double(std::exp(*std::max_element(s.begin(), s.end())));
+                           }}}};
   }
   void declare(OptionSet& options, const OptionGroup& given) override {
     OptionGroup group = given;
@@ -30,7 +30,7 @@ class OversizedPass : public Pass {
   }
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.scale_, Field<double>{"oversized_scale", "world", "largest scale that keeps its label", 0, 1e9});
+    visit(self.scale_, Field<double>{"oversized_scale", "world", "Largest scale of a labelled Gaussian", 0, 1e9});
   }
   void run(PassRun& run) override {
     std::vector<LabelColumns> labels = run.problem->labels;
@@ -47,10 +47,9 @@ class OversizedPass : public Pass {
 
 }  // namespace
 
-TEST_CASE(
-    "a pass that is added to the list is decided, switched, given its options, run and reported like the others") {
+TEST_CASE("a pass added to the list is decided, switched, configured, run and reported like the others") {
   const std::unique_ptr<test::JointCase> c = test::joint_case();
-  for (std::size_t a = 0; a < 3; ++a) c->model.log_scale[3 * 7 + a] = 0;  // one of a unit
+  for (std::size_t a = 0; a < 3; ++a) c->model.log_scale[3 * 7 + a] = 0;  // a Gaussian of scale 1
   const TrainingOptions training;
   const auto passes = [] {
     std::vector<std::unique_ptr<Pass>> list = all_passes();

@@ -1,6 +1,6 @@
-// For each effect with a detector a scene that needs it, on which auto is on and gives the bytes of `on`, and
-// one that does not, on which auto is off and the rendered masks of off and on differ by at most
-// kEffectBound. For each of the others, which are always on, a scene whose masks it changes.
+// Tests every effect with a heuristic on two scenes. On a scene that needs the effect, auto is on and gives the bytes
+// of `on`. On a scene that does not, auto is off, and the rendered masks of off and on differ by at most kEffectBound.
+// Tests every other effect, which is always on, on a scene whose masks it changes.
 #include "ngs/passes/pipeline.h"
 
 #include <doctest/doctest.h>
@@ -26,20 +26,20 @@ void set_contours(const EffectCase& c, test::PipelineCase& passes) {
   passes.set("contour_band", "3");
 }
 
-EffectDecision decision_on(const EffectCase& c, std::string_view name, const std::vector<std::string>& entries) {
+Decision decision_on(const EffectCase& c, std::string_view name, const std::vector<std::string>& entries) {
   const Problem in = c.input();
   test::PipelineCase passes(in, c.training, entries);
   set_contours(c, passes);
-  for (const EffectDecision& d : passes.decide().all())
+  for (const Decision& d : passes.decide().all())
     if (d.effect->name == name) {
-      EffectDecision decision = d;
-      decision.effect = nullptr;  // of the decisions that end here
+      Decision decision = d;
+      decision.effect = nullptr;  // points into decisions that are destroyed here
       return decision;
     }
   throw std::logic_error("no such effect");
 }
 
-/// Rendered mask values of all views after the passes that the entries leave on.
+/// Rendered mask values of all views after a run with these entries.
 std::vector<float> masks_with(const EffectCase& c, const std::vector<std::string>& entries) {
   const Problem in = c.input();
   test::PipelineCase passes(in, c.training, entries);
@@ -60,11 +60,12 @@ double mean_difference(const std::vector<float>& a, const std::vector<float>& b)
   return sum / double(a.size());
 }
 
-/// Steps on, unless it is they that are asked about; what surrounds them off.
+/// Entries for a test of one effect: the effect auto, joint steps on, the other passes off.
 std::vector<std::string> surroundings(std::string_view name) {
   std::vector<std::string> entries{"exposure=off",   "mask-outliers=off", "floaters=off",
                                    "components=off", "contours=off",      "joint=on"};
-  if (name != "joint" && name != "nerf") entries.push_back("nerf=on");  // which needs what may be off here
+  if (name != "joint" && name != "nerf")
+    entries.push_back("nerf=on");  // joint is auto in these tests, and nerf needs it
   if (name == "split" || name == "full-resolution") entries.push_back("contours=on");
   entries.push_back(std::string(name) + "=auto");
   return entries;
@@ -77,12 +78,12 @@ struct Pair {
 
 void as_it_is(EffectCase&) {}
 void one_colour(EffectCase& c) { c.paint(0.4f); }
-void large_ball(EffectCase& c) {  // its contour lies outside of the photos', where refinement finds it
+void large_ball(EffectCase& c) {  // its contour lies outside the photos' contour, within reach of the refinement
   c.fine_photos = true;
   for (std::size_t i = 0; i < c.base->is_ball.size(); ++i)
     for (std::size_t k = 0; k < 3 && c.base->is_ball[i] > 0; ++k) c.base->model.log_scale[3 * i + k] += 0.35f;
 }
-/// Photos and masks of the true model through another lens.
+/// Photos and masks of the true model with another focal length.
 void focal(EffectCase& c, double focal_px) {
   c.fine_photos = true;
   for (std::size_t v = 0; v < 4; ++v) {
@@ -95,7 +96,7 @@ void focal(EffectCase& c, double focal_px) {
     for (std::size_t p = 0; p < seen.label.data.size(); ++p) c.base->masks[v].target[0][p] = seen.label.data[p] > 0.5f;
   }
 }
-/// As many steps as by default: that is what the effect saves.
+/// The default number of steps, part of which the effect saves.
 void all_steps(EffectCase& c) { c.training.joint.steps = 0, c.contour_epochs = 0; }
 void far_ball(EffectCase& c) { all_steps(c), focal(c, 24), c.relabel(); }     // of 7 px
 void near_ball(EffectCase& c) { all_steps(c), large_ball(c), focal(c, 80); }  // of 27 px
@@ -107,7 +108,7 @@ void view_dependent(EffectCase& c) {
     c.base->model.sh_rest[i] = 0.2f * float(int(i * 7 % 5) - 2);
 }
 
-/// Pictures so wide that the ball lies far from the masks, which show something at their edge.
+/// Images so wide that the ball lies far from the masks, which show an object only at their edge.
 void wide_pictures(EffectCase& c) {
   constexpr int kWidth_px = 240;
   for (std::size_t v = 0; v < 4; ++v) {
@@ -126,9 +127,9 @@ std::vector<Pair> pairs() {
   return {
       {"exposure", test::dark_photo, as_it_is},
       {"mask-outliers", test::shifted_mask, as_it_is},
-      {"floaters", test::floaters_before, as_it_is},
+      {"floaters", test::floaters_in_front, as_it_is},
       {"components",
-       [](EffectCase& c) {  // a piece of the wall that one of sixteen views claims
+       [](EffectCase& c) {  // a piece of the wall that one of sixteen views labels object
          test::change(c.base->labels[0].views, [](float v) { return 4 * v; });
          c.base->labels[0].prob[200] = c.base->labels[0].label[200] = c.base->labels[0].views[200] = 1;
        },
@@ -176,14 +177,14 @@ std::vector<Pair> pairs() {
 }  // namespace
 
 TEST_CASE(
-    "every effect with a detector: auto is on where the scene needs it, off where it does not, within the "
+    "every effect with a heuristic: auto is on for a scene that needs it, off for one that does not, within the "
     "bound") {
   for (const Pair& pair : pairs()) {
     CAPTURE(pair.name);
     const std::vector<std::string> entries = surroundings(pair.name);
     EffectCase needs, does_not;
     pair.needs(needs), pair.does_not(does_not);
-    const EffectDecision yes = decision_on(needs, pair.name, entries), no = decision_on(does_not, pair.name, entries);
+    const Decision yes = decision_on(needs, pair.name, entries), no = decision_on(does_not, pair.name, entries);
     CAPTURE(yes.reason);
     CAPTURE(no.reason);
     CHECK(yes.on);
@@ -199,15 +200,15 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("always on: auto decides so without a look, gives the bytes of on, and off changes the masks") {
+TEST_CASE("effects that are always on: auto measures nothing and gives the bytes of on, and off changes the masks") {
   for (const Effect& e : Pipeline(all_passes()).effects()) {
-    if (e.always.empty() || e.name == "contour-iterations") continue;  // that has a test of its own
+    if (e.always.empty() || e.name == "contour-iterations") continue;  // tested below
     CAPTURE(e.name);
     EffectCase c;
     large_ball(c);
     c.relabel(0.05);
     const std::vector<std::string> entries = surroundings(e.name);
-    const EffectDecision decision = decision_on(c, e.name, entries);
+    const Decision decision = decision_on(c, e.name, entries);
     CHECK((decision.on && decision.mode == "auto" && !decision.measured));
     std::vector<std::string> on = entries, off = entries;
     on.push_back(std::string(e.name) + "=on"), off.push_back(std::string(e.name) + "=off");
@@ -217,7 +218,7 @@ TEST_CASE("always on: auto decides so without a look, gives the bytes of on, and
   }
 }
 
-TEST_CASE("a view without a photo asks for the full size in all iterations") {
+TEST_CASE("a view without a photo switches full-resolution on") {
   EffectCase c;
   near_ball(c);
   CHECK_FALSE(decision_on(c, "full-resolution", surroundings("full-resolution")).on);
@@ -225,7 +226,7 @@ TEST_CASE("a view without a photo asks for the full size in all iterations") {
   CHECK(decision_on(c, "full-resolution", surroundings("full-resolution")).on);
 }
 
-TEST_CASE("without contour iterations the contours are refined once") {
+TEST_CASE("contour-iterations=off refines the contours once") {
   EffectCase c;
   large_ball(c);
   const auto iterations = [&c](const std::string& entry) {
@@ -238,7 +239,7 @@ TEST_CASE("without contour iterations the contours are refined once") {
   CHECK(iterations("contour-iterations=off") == 1);
 }
 
-TEST_CASE("few steps come only before contour iterations at half the size, which do a part of the work") {
+TEST_CASE("the number of joint steps is reduced only if contour iterations at half the size follow") {
   const EffectCase c;
   const auto go_on = [&c](std::vector<std::string> entries) {
     for (const char* rest : {"nerf=off", "exposure=off", "mask-outliers=off", "floaters=off", "components=off"})
@@ -246,7 +247,7 @@ TEST_CASE("few steps come only before contour iterations at half the size, which
     const Problem in = c.input();
     test::PipelineCase passes(in, c.training, entries);
     passes.set("contour_epochs", "1");
-    return passes.run().training.joint.contours_go_on;
+    return passes.run().training.joint.coarse_contours_follow;
   };
   CHECK(go_on({"contours=on", "full-resolution=off"}));
   CHECK_FALSE(go_on({"contours=off", "full-resolution=off"}));
@@ -254,34 +255,36 @@ TEST_CASE("few steps come only before contour iterations at half the size, which
   CHECK_FALSE(go_on({"contours=on", "contour-iterations=off"}));
 }
 
-TEST_CASE("entries: the last one that names an effect counts, all names every one") {
-  const EffectModes modes = test::modes_of({"all=off", "nerf=auto", "cont=on", "cont=auto", "components=on"});
-  CHECK(modes.of("contours") == EffectMode::kOff);
-  CHECK(modes.of("cont") == EffectMode::kAuto);
-  CHECK(modes.of("components") == EffectMode::kOn);
-  CHECK(test::modes_of({}).of("sh") == EffectMode::kAuto);
+TEST_CASE("entries: the last entry for an effect wins, and `all` sets every effect") {
+  const EffectSwitches modes = test::switches_of({"all=off", "nerf=auto", "cont=on", "cont=auto", "components=on"});
+  CHECK(modes.of("contours") == Switch::kOff);
+  CHECK(modes.of("cont") == Switch::kAuto);
+  CHECK(modes.of("components") == Switch::kOn);
+  CHECK(test::switches_of({}).of("sh") == Switch::kAuto);
   for (const char* wrong : {"nerf", "nerv=on", "nerf=yes", "=on", "", "all"})
-    CHECK_THROWS_AS(test::modes_of({wrong}), Error);
+    CHECK_THROWS_AS(test::switches_of({wrong}), Error);
 }
 
-TEST_CASE("entries: an effect that is asked for by name switches on what it needs, unless that is off by name") {
-  const EffectModes modes = test::modes_of({"all=off", "align=on"});
-  for (const char* name : {"align", "nerf", "joint"}) CHECK(modes.of(name) == EffectMode::kOn);
-  CHECK(modes.of("film") == EffectMode::kOff);
-  CHECK_THROWS_WITH_AS(test::modes_of({"nerf=on", "joint=off"}), doctest::Contains("nerf=on: it needs joint"), Error);
-  CHECK(test::modes_of({"all=on", "joint=off"}).of("joint") == EffectMode::kOff);  // nothing asks for its parts by name
+TEST_CASE("entries: an effect that is on by name switches on what it needs; an error if that is off by name") {
+  const EffectSwitches modes = test::switches_of({"all=off", "align=on"});
+  for (const char* name : {"align", "nerf", "joint"}) CHECK(modes.of(name) == Switch::kOn);
+  CHECK(modes.of("film") == Switch::kOff);
+  CHECK_THROWS_WITH_AS(test::switches_of({"nerf=on", "joint=off"}), doctest::Contains("nerf=on: it needs joint"),
+                       Error);
+  CHECK(test::switches_of({"all=on", "joint=off"}).of("joint") == Switch::kOff);  // no part of it is on by name
 }
 
-TEST_CASE("decisions: an entry wins over a verdict, a verdict over the detector, and a need that is off over that") {
+TEST_CASE(
+    "decisions: a switch overrides a fixed decision, that overrides the heuristic, and an off need overrides all") {
   const EffectCase c;
   const Problem in = c.input();
   test::PipelineCase passes(in, c.training, {"sh=on", "contours=off"});
-  for (EffectVerdict& verdict : std::vector<EffectVerdict>{{"sh", false, "because"},
+  for (FixedDecision& verdict : std::vector<FixedDecision>{{"sh", false, "because"},
                                                            {"cont", false, "because", "replayed"},
                                                            {"nerf", false, "too"},
                                                            {"joint", true, "so"}})
-    passes.decisions().rule(std::move(verdict));
-  for (const EffectDecision& d : passes.decide().all()) {
+    passes.decisions().fix(std::move(verdict));
+  for (const Decision& d : passes.decide().all()) {
     CAPTURE(d.effect->name);
     if (d.effect->name == "sh") CHECK((d.on && d.mode == "on"));
     if (d.effect->name == "cont") CHECK((!d.on && d.mode == "replayed" && d.reason == "because"));
@@ -289,41 +292,43 @@ TEST_CASE("decisions: an entry wins over a verdict, a verdict over the detector,
   }
 }
 
-TEST_CASE("decisions without a detector: what it needs, else an entry, else the first verdict, else always on") {
-  const EffectVerdict no_steps{"joint", false, "no time"}, off{"nerf", false, "first"}, on{"nerf", true, "second"};
-  const auto settled = [](std::string_view name, const std::vector<std::string>& entries,
-                          std::vector<EffectVerdict> verdicts) {
-    return Decisions(Pipeline(all_passes()).effects(), test::modes_of(entries), std::move(verdicts)).settled(name);
+TEST_CASE(
+    "decisions without a heuristic: a need that is off, else a switch, else the first fixed decision, else always on") {
+  const FixedDecision no_steps{"joint", false, "no time"}, off{"nerf", false, "first"}, on{"nerf", true, "second"};
+  const auto known = [](std::string_view name, const std::vector<std::string>& entries,
+                        std::vector<FixedDecision> verdicts) {
+    return Decisions(Pipeline(all_passes()).effects(), test::switches_of(entries), std::move(verdicts))
+        .on_if_known(name);
   };
-  CHECK(settled("nerf", {"nerf=on"}, {off, on, no_steps}) == false);  // nothing would train it
-  CHECK(settled("nerf", {"nerf=on"}, {off, on}) == true);
-  CHECK(settled("nerf", {}, {off, on}) == false);
-  CHECK(settled("nerf", {}, {on, no_steps}) == false);
-  CHECK(settled("nerf", {}, {on}) == true);
-  CHECK(settled("nerf", {}, {no_steps}) == false);  // it has nothing to do
-  CHECK(settled("nerf", {"nerf=auto"}, {}) == std::nullopt);
-  CHECK(settled("film", {}, {}) == true);
-  CHECK(settled("film", {}, {off}) == false);
+  CHECK(known("nerf", {"nerf=on"}, {off, on, no_steps}) == false);  // without steps it is not trained
+  CHECK(known("nerf", {"nerf=on"}, {off, on}) == true);
+  CHECK(known("nerf", {}, {off, on}) == false);
+  CHECK(known("nerf", {}, {on, no_steps}) == false);
+  CHECK(known("nerf", {}, {on}) == true);
+  CHECK(known("nerf", {}, {no_steps}) == false);  // it needs joint
+  CHECK(known("nerf", {"nerf=auto"}, {}) == std::nullopt);
+  CHECK(known("film", {}, {}) == true);
+  CHECK(known("film", {}, {off}) == false);
 }
 
-TEST_CASE("every effect says what it is, what off saves, and why it is always on or has its threshold") {
+TEST_CASE("every effect has a help text, a saving, and a reason for being always on or for its threshold") {
   const std::vector<Effect> effects = Pipeline(all_passes()).effects();
   for (const Effect& e : effects) {
     CAPTURE(e.name);
     CHECK_FALSE(e.help.empty());
     CHECK(find_effect(effects, e.name) == &e);
     if (!e.needs.empty()) CHECK(find_effect(effects, e.needs) < &e);  // decided before
-    CHECK(e.always.empty() == !e.detector.why.empty());
+    CHECK(e.always.empty() == !e.heuristic.why.empty());
     if (!e.always.empty()) continue;
     CHECK_FALSE(e.saves.empty());
-    CHECK_FALSE(e.detector.measured.empty());
-    CHECK(bool(e.detector.measure));
-    CHECK((e.detector.possible == nullptr) == e.detector.impossible.empty());
+    CHECK_FALSE(e.heuristic.measured.empty());
+    CHECK(bool(e.heuristic.measure));
+    CHECK((e.heuristic.possible == nullptr) == e.heuristic.impossible.empty());
   }
 }
 
-TEST_CASE("reasons have three digits of a number, and no exponent of a large one") {
-  const Detector widths{"width, px", 3, "", {}};
+TEST_CASE("reasons print numbers with three digits, and large numbers without an exponent") {
+  const Heuristic widths{"width, px", 3, "", {}};
   CHECK(decision_reason(widths, 3128431.2) == "width, px: 3128431 > 3");
   CHECK(decision_reason(widths, 0.12345) == "width, px: 0.123 <= 3");
 }

@@ -1,5 +1,5 @@
-// The detectors that look at pictures, each on a case in which the naive measure that it replaces decides wrongly.
-// Those that look at columns alone: effect_detectors_test.cpp.
+// Tests each heuristic that reads images on a case in which the naive measure that it replaces decides wrongly.
+// Heuristics that read columns only: scene_measures_test.cpp.
 #include "ngs/passes/scene_probe.h"
 
 #include <doctest/doctest.h>
@@ -8,10 +8,11 @@
 #include <cmath>
 
 #include "ngs/ops/image/mask_pair.h"
-#include "ngs/passes/contours/unexplained_contrast.h"
-#include "ngs/passes/detectors.h"
+#include "ngs/passes/mask_outliers/mask_outliers.h"
 #include "ngs/passes/pass_list.h"
 #include "ngs/passes/pipeline.h"
+#include "ngs/problem/scene_measures.h"
+#include "ngs/stages/contours/unexplained_contrast.h"
 #include "ngs/stages/render/render_stage.h"
 #include "support/joint_case.h"
 
@@ -25,31 +26,31 @@ struct ProbeCase {
   ProbeCase() {
     for (SceneView& v : base->scene.views) v.image_path = "photo";
   }
-  /// What the detector of an effect measures.
+  /// The value that the heuristic of an effect measures.
   double measure(std::string_view effect) const {
     Problem in = base->input();
     in.views = views;
     const TrainingOptions training;
     SceneProbe probe({}, training, in);
     const std::vector<Effect> effects = Pipeline(all_passes()).effects();
-    const Detector& detector = find_effect(effects, effect)->detector;
-    return detector.possible && !detector.possible(in) ? 0 : detector.measure(probe);  // as Decisions::decide() asks
+    const Heuristic& heuristic = find_effect(effects, effect)->heuristic;
+    return heuristic.possible && !heuristic.possible(in) ? 0 : heuristic.measure(probe);  // like Decisions::decide()
   }
 };
 
 double threshold_of(std::string_view effect) {
   const std::vector<Effect> effects = Pipeline(all_passes()).effects();
-  return find_effect(effects, effect)->detector.threshold;
+  return find_effect(effects, effect)->heuristic.threshold;
 }
 
-/// Row `i` becomes a speck at (x, y, z), ball radius 0.6 about (0, 0, 4), cameras about the origin.
+/// Makes row `i` a small Gaussian at (x, y, z). The ball has radius 0.6 about (0, 0, 4); cameras are near the origin.
 void hang(GaussianCloud& cloud, std::size_t i, float x, float y, float z) {
   cloud.position[3 * i] = x, cloud.position[3 * i + 1] = y, cloud.position[3 * i + 2] = z;
   for (std::size_t a = 0; a < 3; ++a) cloud.log_scale[3 * i + a] = -3.5f;
   cloud.logit_opacity[i] = 4;
 }
 
-/// Gaussians nearer to the cameras than any of the ball: what one would count.
+/// The naive measure: the number of Gaussians nearer to the cameras than the ball.
 int nearer_than_the_ball(const GaussianCloud& cloud) {
   int count = 0;
   for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) count += cloud.position[3 * i + 2] < 3.3f;
@@ -58,22 +59,22 @@ int nearer_than_the_ball(const GaussianCloud& cloud) {
 
 }  // namespace
 
-TEST_CASE("view trust: views that do not see the object do not make the others' common error an outlier") {
+TEST_CASE("mask outliers: views that do not see the object do not make an error common to the others an outlier") {
   ProbeCase c;
-  for (std::size_t v = 0; v < 4; ++v) {  // every mask is off by 2 px, to one side or the other
+  for (std::size_t v = 0; v < 4; ++v) {  // every mask is shifted by 2 px, left or right
     std::vector<float>& mask = c.base->masks[v].target[0];
     std::rotate(mask.begin(), v % 2 == 0 ? mask.begin() + 2 : mask.end() - 2, mask.end());
   }
   const double few = c.measure("mask-outliers");
   CHECK(few <= threshold_of("mask-outliers"));
-  for (int more = 0; more < 20; ++more) c.views.push_back(c.base->look_away());  // naive: the median is zero
+  for (int more = 0; more < 20; ++more) c.views.push_back(c.base->add_empty_view());  // naive: the median is zero
   CHECK(c.measure("mask-outliers") == few);
 }
 
-TEST_CASE("mask outliers: of several objects, the better of modal and alone is that of all drawn in every view") {
+TEST_CASE("mask outliers: with several objects, the better of modal and amodal is chosen per view for all objects") {
   ProbeCase c;
   constexpr std::size_t kObjects = 3;
-  hang(c.base->model, 160, 0, 0.1f, 2.6f);  // before the ball
+  hang(c.base->model, 160, 0, 0.1f, 2.6f);  // in front of the ball
   for (std::size_t a = 0; a < 3; ++a) c.base->model.log_scale[3 * 160 + a] = -1.8f;
   c.base->scene.objects = {{"top", 0}, {"middle", 1}, {"bottom", 2}};
   c.base->labels.assign(kObjects, c.base->labels[0]);
@@ -99,8 +100,8 @@ TEST_CASE("mask outliers: of several objects, the better of modal and alone is t
     show_objects_alone({}, {in.cloud, in.labels}, camera, {}, view);
     double modal = 0, alone = 0;
     for (std::size_t k = 0; k < kObjects; ++k)
-      modal += disagreement(MaskPair(modal_label, masks, k, boxes_shown(modal_label)[k]).counts({})),
-          alone += disagreement(MaskPair(view.label, masks, k, boxes_shown(view.label)[k]).counts({}));
+      modal += disagreement(MaskPair(modal_label, masks, k, foreground_boxes(modal_label)[k]).counts({})),
+          alone += disagreement(MaskPair(view.label, masks, k, foreground_boxes(view.label)[k]).counts({}));
     modal_is_better += modal < alone, alone_is_better += alone < modal;
     better.push_back(std::min(modal, alone) / double(kObjects));
   }
@@ -109,7 +110,7 @@ TEST_CASE("mask outliers: of several objects, the better of modal and alone is t
   CHECK(c.measure("mask-outliers") == doctest::Approx(outlier_score(better)).epsilon(1e-12));
 }
 
-TEST_CASE("exposure: a camera that turns to the dark wall measures no other light, one that stops down does") {
+TEST_CASE("exposure: a camera turned to a dark wall has the same exposure, a stopped-down camera does not") {
   ProbeCase turned, stopped;
   const auto mean = [](const ImageF& photo) {
     double sum = 0;
@@ -128,7 +129,7 @@ TEST_CASE("exposure: a camera that turns to the dark wall measures no other ligh
   CHECK(stopped.measure("exposure") > threshold_of("exposure"));
 }
 
-TEST_CASE("components: an arm that one view sees hangs together with the ball, one speck behind it does not") {
+TEST_CASE("components: an arm seen by one view is connected to the ball, a small Gaussian behind it is not") {
   ProbeCase arm, speck;
   for (ProbeCase* c : {&arm, &speck}) {
     LabelColumns& ball = c->base->labels[0];
@@ -140,35 +141,35 @@ TEST_CASE("components: an arm that one view sees hangs together with the ball, o
   };
   for (std::size_t i = 0; i < 20; ++i) claim(arm, 160 + i, 0.6f + 0.2f * float(i), 4);
   claim(speck, 160, 0, 9);
-  const auto far_and_doubtful = [](const ProbeCase& c) {  // naive: claimed, seen once, two radii away
+  const auto far_and_uncertain = [](const ProbeCase& c) {  // naive: labelled, seen once, two radii away
     int count = 0;
     for (std::size_t i = 0; i < c.base->is_ball.size(); ++i)
       count += c.base->labels[0].prob[i] > 0.5f && c.base->labels[0].views[i] == 1 &&
                std::hypot(c.base->model.position[3 * i], c.base->model.position[3 * i + 2] - 4) > 1.2f;
     return count;
   };
-  CHECK(far_and_doubtful(arm) == 16);
-  CHECK(far_and_doubtful(speck) == 1);
+  CHECK(far_and_uncertain(arm) == 16);
+  CHECK(far_and_uncertain(speck) == 1);
   CHECK(arm.measure("components") <= threshold_of("components"));
   CHECK(speck.measure("components") > threshold_of("components"));
 }
 
-TEST_CASE("front: many specks before the object's depth but beside it hide nothing, one before it does") {
-  ProbeCase beside, before;
-  for (std::size_t i = 160; i < 200; ++i) hang(beside.base->model, i, 0.02f * float(i) - 3.6f, 0.45f, 1.5f);
+TEST_CASE("floaters: many Gaussians nearer than the object but not in front of it hide nothing, one in front does") {
+  ProbeCase aside, before;
+  for (std::size_t i = 160; i < 200; ++i) hang(aside.base->model, i, 0.02f * float(i) - 3.6f, 0.45f, 1.5f);
   hang(before.base->model, 160, 0, 0, 1.5f);
-  CHECK(nearer_than_the_ball(beside.base->model) == 40);  // naive: a seventh of the model, search
-  CHECK(nearer_than_the_ball(before.base->model) == 1);   // naive: one of 280, leave it
-  CHECK(beside.measure("floaters") <= threshold_of("floaters"));
+  CHECK(nearer_than_the_ball(aside.base->model) == 40);  // naive: a seventh of the model, search
+  CHECK(nearer_than_the_ball(before.base->model) == 1);  // naive: one of 280, leave it
+  CHECK(aside.measure("floaters") <= threshold_of("floaters"));
   CHECK(before.measure("floaters") > threshold_of("floaters"));
 }
 
-TEST_CASE("gap without photos: contours that are wrong at a few pixels leave the IoU as good as it was") {
+TEST_CASE("nerf without photos: contours that are wrong at a few pixels lower boundary IoU, hardly IoU") {
   ProbeCase c;
   for (SceneView& v : c.base->scene.views) v.image_path.clear();
   c.base->model = c.base->truth;
-  c.base->labels[0].label = c.base->labels[0].prob = c.base->is_ball;  // renders the masks as they are
-  // Naive: there is a boundary set, hence something to do for the field.
+  c.base->labels[0].label = c.base->labels[0].prob = c.base->is_ball;  // renders exactly the masks
+  // Naive: there is a boundary set, so the NeRF is on.
   CHECK(std::count(c.base->labels[0].boundary.begin(), c.base->labels[0].boundary.end(), 1.f) > 0);
   CHECK(c.measure("nerf") <= threshold_of("nerf"));
   double worst_iou_gap = 0;
@@ -181,19 +182,19 @@ TEST_CASE("gap without photos: contours that are wrong at a few pixels leave the
       if (whole[p] > 0 && whole[p - 1] == 0) mask[p] = 0, ++cut;
     worst_iou_gap = std::max(worst_iou_gap, cut / area);
   }
-  CHECK(worst_iou_gap < threshold_of("nerf"));  // naive: the masks are met
+  CHECK(worst_iou_gap < threshold_of("nerf"));  // naive: the IoU is high enough
   CHECK(c.measure("nerf") > threshold_of("nerf"));
-  // However wrong they are: one photo tells where the contour is, and a view that may not supervise has none.
+  // A photo of one training view switches the NeRF off, whatever the masks; a photo of another view does not.
   c.base->scene.views[1].image_path = "photo";
   CHECK(c.measure("nerf") == 0);
   c.views = {0, 2, 3};
   CHECK(c.measure("nerf") > threshold_of("nerf"));
-  // Without a boundary the field has nothing to work on.
+  // Without a boundary set the NeRF is off.
   c.base->labels[0].boundary.assign(c.base->labels[0].boundary.size(), 0.f);
   CHECK(c.measure("nerf") == 0);
 }
 
-TEST_CASE("photos: those of views that may not supervise do not count, and one of many is enough") {
+TEST_CASE("photos: only photos of training views count, and one is enough") {
   ProbeCase c;
   c.views = {0, 1};
   c.base->scene.views[0].image_path.clear(), c.base->scene.views[1].image_path.clear();
@@ -205,12 +206,12 @@ TEST_CASE("photos: those of views that may not supervise do not count, and one o
   CHECK(c.measure("contours") > threshold_of("contours"));
 }
 
-TEST_CASE("region: a view that does not show the object is no reason to train on all of every photo") {
+TEST_CASE("region: a view that does not show the object does not switch training on whole photos on") {
   ProbeCase c;
   const std::size_t last = c.base->is_ball.size() - 1;
-  hang(c.base->model, last, 0, 0, -4);  // behind the cameras that see the ball
+  hang(c.base->model, last, 0, 0, -4);  // behind the cameras of the ball
   c.base->labels[0].label[last] = 1;
-  c.views.push_back(c.base->look_away());  // naive: what it shows is all outside of its empty mask's window
+  c.views.push_back(c.base->add_empty_view());  // naive: all its pixels lie outside the window of its empty mask
   CHECK(c.measure("region") <= threshold_of("region"));
 }
 
@@ -227,7 +228,7 @@ std::unique_ptr<test::JointCase> many_views(std::size_t views) {
   return c;
 }
 
-/// The probe's gain; `loads`: photos that it refined contours in.
+/// The probe's gain; `loads`: number of photos with refined contours.
 double edge_gain(test::JointCase& c, std::size_t& loads) {
   Problem in = c.input();
   loads = 0;
@@ -238,16 +239,16 @@ double edge_gain(test::JointCase& c, std::size_t& loads) {
   return SceneProbe({}, training, in).edge_gain();
 }
 
-/// The same without a look at the photos: what the masks alone lead to.
+/// The gain without the test whether the model explains the photos.
 double gain_of_masks(test::JointCase& c) {
   Problem in = c.input();
   in.load_fine_photo = in.load_photo;
   std::vector<std::size_t> all;
   for (std::size_t v = 0; v < c.scene.views.size(); ++v) all.push_back(v);
-  return gain_by_masks(refine_views({}, {ContourRefineOptions{}, 0, in}, {c.model, c.labels}, all, all));
+  return mask_agreement_gain(refine_views({}, {ContourRefineOptions{}, 0, in}, {c.model, c.labels}, all, all));
 }
 
-/// A darker core of the ball: an edge inside of the true contour, to which refinement goes.
+/// Darkens the core of the ball, which adds an edge inside the true contour. Refinement moves to that edge.
 void darken_core(test::JointCase& c) {
   for (std::size_t v = 0; v < c.photos.size(); ++v) {
     ImageF& photo = c.photos[v];
@@ -263,16 +264,16 @@ void darken_core(test::JointCase& c) {
 
 }  // namespace
 
-TEST_CASE("edge gain: photos with edges that the model does not show overrule masks that disagree") {
+TEST_CASE("edge gain: 0 if photos have edges that the model does not show, although the masks reject refinement") {
   const auto c = many_views(32);
   darken_core(*c);
-  CHECK(gain_of_masks(*c) < -kSignificant);  // the masks alone would refuse
+  CHECK(gain_of_masks(*c) < -kSignificant);  // the masks alone would reject
   std::size_t loads = 0;
   CHECK(edge_gain(*c, loads) == 0);
   CHECK(loads == kPhotoViews);
 }
 
-TEST_CASE("edge gain: where the photos are the model's own pictures the masks decide, for any number of views") {
+TEST_CASE("edge gain: if the photos are renderings of the model the masks decide, for any number of views") {
   for (const std::size_t views : {4, 12, 31, 32}) {
     CAPTURE(views);
     const auto c = many_views(views);
@@ -283,7 +284,7 @@ TEST_CASE("edge gain: where the photos are the model's own pictures the masks de
     std::size_t loads = 0;
     const double gain = edge_gain(*c, loads);
     CHECK(gain != 0);
-    CHECK(loads == (gain < -kClearVote ? std::min(views, kFirstVotes) : views));
+    CHECK(loads == (gain < -kClearScore ? std::min(views, kFirstComparedViews) : views));
     if (loads == views) CHECK(gain == gain_of_masks(*c));
   }
 }

@@ -1,20 +1,20 @@
-// Whoever asks a phase to stop waits for one view, however many there are: no phase loads another view afterwards.
+// A stop request ends every phase after the current view: no phase loads another view.
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <atomic>
 
 #include "ngs/passes/agreement.h"
-#include "ngs/passes/contours/refined_masks.h"
-#include "ngs/passes/contours/straddler_split.h"
+#include "ngs/passes/bleed_through/bleed_through.h"
 #include "ngs/passes/exposure/exposure.h"
 #include "ngs/passes/floaters/floaters.h"
 #include "ngs/passes/mask_outliers/mask_outliers.h"
 #include "ngs/passes/scene_probe.h"
-#include "ngs/passes/seen_through/seen_through.h"
 #include "ngs/problem/coarse_input.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/boundary/method_labels.h"
+#include "ngs/stages/contours/refined_masks.h"
+#include "ngs/stages/contours/straddler_split.h"
 #include "support/changed_labels.h"
 #include "support/joint_case.h"
 
@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::size_t kViews = 12;
 
-/// A scene of many views, whose loader raises the flag when it is asked for the third one.
+/// A scene of many views. Loading the third view requests a stop.
 struct StopCase {
   std::unique_ptr<test::JointCase> base = test::joint_case();
   mutable Monitor monitor;
@@ -69,19 +69,20 @@ void measure(const Problem& in) {
 const Phase kPhases[] = {
     {"load views", [](const StopCase&, const Problem& in) { CoarseInput(in, 1).preload({}); }},
     {"exposures", [](const StopCase&, const Problem& in) { view_exposures({}, in, in.views); }},
-    {"detectors", [](const StopCase&, const Problem& in) { measure(in); }},
-    {"mask outliers", [](const StopCase& c, const Problem& in) { judge_views({}, c.monitor, {}, in); }},
-    {"evidence anew", [](const StopCase& c, const Problem& in) { labels_anew({}, c.monitor, in, in.cloud); }},
+    {"heuristics", [](const StopCase&, const Problem& in) { measure(in); }},
+    {"mask outliers", [](const StopCase& c, const Problem& in) { find_mask_outliers({}, c.monitor, {}, in); }},
+    {"recomputed evidence",
+     [](const StopCase& c, const Problem& in) { recompute_labels({}, c.monitor, in, in.cloud); }},
     {"floaters", [](const StopCase& c, const Problem& in) { find_floaters({}, c.monitor, {}, in); }},
     {"agreement",
      [](const StopCase&, const Problem& in) {
        training_agreement({}, in, {unchanged(in.cloud), {}, in.labels, {}});
      }},
-    {"seen through",
+    {"bleed-through",
      [](const StopCase&, const Problem& in) {
-       std::vector<LabelColumns> in_doubt = in.labels;
-       test::change(in_doubt[0].prob, [](float p) { return std::min(p, 0.7f); });
-       without_seen_through({}, in, std::move(in_doubt));
+       std::vector<LabelColumns> uncertain = in.labels;
+       test::change(uncertain[0].prob, [](float p) { return std::min(p, 0.7f); });
+       without_bleed_through({}, in, std::move(uncertain));
      }},
     {"straddling", [](const StopCase&, const Problem& in) { straddling({}, in, in.cloud, 0); }},
     {"refinement",
@@ -92,7 +93,7 @@ const Phase kPhases[] = {
 
 }  // namespace
 
-TEST_CASE("a phase that is asked to stop ends with the view it is at") {
+TEST_CASE("a stop request ends a phase after the current view") {
   for (const Phase& phase : kPhases) {
     CAPTURE(phase.name);
     StopCase undisturbed, stopped;
@@ -105,12 +106,12 @@ TEST_CASE("a phase that is asked to stop ends with the view it is at") {
   }
 }
 
-TEST_CASE("views are told in order, with their places, until somebody asks to stop") {
+TEST_CASE("for_each_view visits views in order with their positions, until a stop is requested") {
   Monitor monitor;
   std::atomic<bool> stop = false;
   monitor.stop_flag(&stop);
-  std::vector<std::int64_t> told;
-  monitor.on_progress = [&](const std::string&, std::int64_t done, std::int64_t) { told.push_back(done); };
+  std::vector<std::int64_t> progress;
+  monitor.on_progress = [&](const std::string&, std::int64_t done, std::int64_t) { progress.push_back(done); };
   std::vector<std::size_t> seen;
   const auto until_five = [&](std::size_t n, std::size_t view) {
     CHECK(n == seen.size());
@@ -118,7 +119,7 @@ TEST_CASE("views are told in order, with their places, until somebody asks to st
   };
   CHECK_FALSE(for_each_view(&monitor, {3, 5, 7}, until_five));
   CHECK(seen == std::vector<std::size_t>{3, 5});
-  CHECK(told == std::vector<std::int64_t>{1, 2});
+  CHECK(progress == std::vector<std::int64_t>{1, 2});
   stop = false, seen.clear();
   CHECK(for_each_view(&monitor, {3, 4}, until_five));
   seen.clear();

@@ -1,4 +1,4 @@
-// ngs/problem/coarse_input.h: photos, masks and cameras at a fraction of the size fit together.
+// ngs/problem/coarse_input.h: photos, masks and cameras at a reduced size match each other.
 #include "ngs/problem/coarse_input.h"
 
 #include <doctest/doctest.h>
@@ -10,7 +10,7 @@
 
 namespace ngs {
 
-TEST_CASE("a photo is the mean of its cells, and a point is seen at the same place") {
+TEST_CASE("a reduced photo has the means of its cells, and its camera projects points to the same place") {
   const auto c = test::joint_case();
   Problem fine = c->input();
   const CoarseInput coarse(fine, 3);
@@ -34,7 +34,7 @@ TEST_CASE("a photo is the mean of its cells, and a point is seen at the same pla
   CHECK(double(cells.at(last, 0, 0)) == doctest::Approx(rim / (3 * (photo.width_px - 3 * last))));
 }
 
-TEST_CASE("a cell of a mask is unknown where one of its pixels is, and a view without a mask stays without") {
+TEST_CASE("a cell of a mask is unknown if one of its pixels is, and a view without a mask has none") {
   const auto c = test::joint_case();
   Problem fine = c->input();
   ViewMasks masks = c->masks[0];
@@ -54,7 +54,7 @@ TEST_CASE("a cell of a mask is unknown where one of its pixels is, and a view wi
   CHECK_FALSE(coarse.get().load_masks(1).available);
 }
 
-TEST_CASE("an input at its own size is the same, and is loaded once") {
+TEST_CASE("shrink 1 leaves images unchanged and loads them once, until the cache is cleared") {
   const auto c = test::joint_case();
   Problem fine = c->input();
   int loads = 0;
@@ -63,12 +63,12 @@ TEST_CASE("an input at its own size is the same, and is loaded once") {
   CHECK(same.get().load_photo(2).data == c->input().load_photo(2).data);
   CHECK(same.get().load_photo(2).width_px == c->input().load_photo(2).width_px);
   CHECK(loads == 1);
-  same.forget();
+  same.clear_cache();
   for (int again = 0; again < 2; ++again) CHECK(same.get().load_photo(2).data == c->input().load_photo(2).data);
-  CHECK(loads == 3);  // nothing is kept any more
+  CHECK(loads == 3);  // the cache is disabled
 }
 
-TEST_CASE("what is preloaded by several threads is loaded once and is the same") {
+TEST_CASE("preload by several threads loads each image once and gives the same values") {
   const auto c = test::joint_case();
   for (SceneView& view : c->scene.views) view.image_path = view.camera.name;
   Problem fine = c->input();
@@ -86,7 +86,7 @@ TEST_CASE("what is preloaded by several threads is loaded once and is the same")
   CHECK(loads == expected + 2 * int(fine.views.size()));
 }
 
-TEST_CASE("loading ahead stops where it is told to, and what was not loaded is loaded when asked for") {
+TEST_CASE("preload stops when its callback returns false, and other images are loaded on demand") {
   const auto c = test::joint_case();
   for (SceneView& view : c->scene.views) view.image_path = view.camera.name;
   Problem fine = c->input();
@@ -94,14 +94,14 @@ TEST_CASE("loading ahead stops where it is told to, and what was not loaded is l
   fine.load_photo = [&, load = fine.load_photo](std::size_t v) { return ++loads, load(v); };
   fine.load_masks = [&, load = fine.load_masks](std::size_t v) { return ++loads, load(v); };
   const CoarseInput some(fine, 2), all(fine, 2);
-  const double asked = double(photo_views(fine.scene).size() + fine.views.size());
-  CHECK(some.preload({}, [&] { return loads < 2; }) == doctest::Approx(2 / asked));
+  const double all_images = double(photo_views(fine.scene).size() + fine.views.size());
+  CHECK(some.preload({}, [&] { return loads < 2; }) == doctest::Approx(2 / all_images));
   CHECK(loads == 2);
   CHECK(all.preload({}, [] { return true; }) == 1);
   for (const std::size_t v : fine.views) CHECK(some.get().load_photo(v).data == all.get().load_photo(v).data);
 }
 
-TEST_CASE("masks of many objects stay in memory as long as their contours fit, whatever their pixels would take") {
+TEST_CASE("masks of many objects stay in the cache if their run lengths fit") {
   const auto c = test::joint_case();
   Problem fine = c->input();
   ViewMasks many = c->masks[0];
@@ -109,8 +109,8 @@ TEST_CASE("masks of many objects stay in memory as long as their contours fit, w
   int loads = 0;
   fine.load_masks = [&](std::size_t) { return ++loads, many; };
   const std::size_t plane_bytes = many.target[0].size() * sizeof(float);
-  const CoarseInput room(fine, 1, 20 * plane_bytes), none(fine, 1, 0);
-  for (int visit = 0; visit < 3; ++visit) CHECK(room.get().load_masks(0).target == many.target);
+  const CoarseInput large(fine, 1, 20 * plane_bytes), none(fine, 1, 0);
+  for (int visit = 0; visit < 3; ++visit) CHECK(large.get().load_masks(0).target == many.target);
   CHECK(loads == 1);
   for (int visit = 0; visit < 3; ++visit) CHECK(none.get().load_masks(0).target == many.target);
   CHECK(loads == 4);

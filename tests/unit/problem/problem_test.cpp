@@ -7,16 +7,17 @@
 namespace ngs {
 namespace {
 
-/// With a value in every member that may be empty.
+/// A problem with a value in every optional member.
 Problem full(const test::JointCase& c, Monitor& monitor) {
   Problem problem = c.input();
   const auto n = std::size_t(c.model.size());
+  problem.rule = {.tau = 0.3, .criterion = Criterion::kBetweenViews};
   problem.background = {0.1f, 0.2f, 0.3f}, problem.seed = 7;
-  problem.fixed.assign(n, 1.f), problem.held.assign(n, 1), problem.region.assign(n, 1);
+  problem.fixed.assign(n, 1.f), problem.frozen.assign(n, 1), problem.region.assign(n, 1);
   problem.weight = std::make_shared<const std::vector<float>>(n, 2.f);
   problem.load_fine_photo = problem.load_photo;
   problem.window_share.assign(c.scene.views.size(), 0.5);
-  problem.whole = std::make_shared<const Problem>(c.input());
+  problem.uncropped = std::make_shared<const Problem>(c.input());
   problem.owns.push_back(std::make_shared<int>(1));
   problem.monitor = &monitor;
   return problem;
@@ -27,16 +28,17 @@ void check_rest(const Problem& next, const Problem& from) {
   CHECK(next.background.y == from.background.y);
   CHECK(next.seed == from.seed);
   CHECK(next.fixed == from.fixed);
-  CHECK(next.held == from.held);
+  CHECK(next.rule == from.rule);
+  CHECK(next.frozen == from.frozen);
   CHECK(next.region == from.region);
   CHECK(bool(next.load_fine_photo));
-  CHECK(next.whole == from.whole);
+  CHECK(next.uncropped == from.uncropped);
   CHECK(next.monitor == from.monitor);
 }
 
 }  // namespace
 
-TEST_CASE("problem: another model comes with its labels, without their evidence, and all else stays") {
+TEST_CASE("problem: with_model() replaces model and labels, clears the weight, and keeps all other members") {
   const auto c = test::joint_case();
   Monitor monitor;
   const Problem from = full(*c, monitor);
@@ -53,10 +55,10 @@ TEST_CASE("problem: another model comes with its labels, without their evidence,
     CHECK(next.owns.size() == 2);
     check_rest(next, from);
   }
-  CHECK(model.expired());  // the problem kept it
+  CHECK(model.expired());  // only the problem owned it
 }
 
-TEST_CASE("problem: other cameras bring their pictures; of a part of the views no evidence is known") {
+TEST_CASE("problem: with_views() replaces cameras and loaders; cropped() also clears the weight") {
   const auto c = test::joint_case();
   Monitor monitor;
   const Problem from = full(*c, monitor);

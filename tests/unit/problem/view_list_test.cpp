@@ -4,7 +4,7 @@
 
 namespace ngs {
 
-TEST_CASE("views are spread over the list, never more than there are, each at most once") {
+TEST_CASE("spread_views returns distinct views, evenly spread, at most as many as there are") {
   using List = std::vector<std::size_t>;
   CHECK(spread_views({}, 3).empty());
   CHECK(spread_views({4, 7}, 3) == List{4, 7});

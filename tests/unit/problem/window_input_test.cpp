@@ -1,4 +1,4 @@
-// A problem in windows: what is cropped is what the whole views hold there, and passes find in it what they find there.
+// A problem cropped to windows: crops have the pixels of the uncropped views, and passes give the same results.
 #include "ngs/problem/window_input.h"
 
 #include <doctest/doctest.h>
@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <optional>
 
-#include "ngs/passes/joint/joint_stage.h"
 #include "ngs/passes/mask_outliers/mask_outliers.h"
 #include "ngs/problem/region.h"
 #include "ngs/stages/boundary/method_labels.h"
+#include "ngs/stages/optimise/joint_trainer.h"
 #include "support/joint_case.h"
 
 namespace ngs {
@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kBall = 160;  // Gaussians; the others are the wall's
 
-/// `plane` of `channels` in a picture `by_px` larger on each side.
+/// Pads a plane of `channels` interleaved channels by `by_px` on each side.
 template <class T>
 std::vector<T> larger(const std::vector<T>& plane, int w, int h, int channels, int by_px) {
   const int width_px = w + 2 * by_px, height_px = h + 2 * by_px;
@@ -28,7 +28,7 @@ std::vector<T> larger(const std::vector<T>& plane, int w, int h, int channels, i
   return out;
 }
 
-/// The ball in pictures that are mostly something else; labels by all of their pixels.
+/// The ball in large, mostly empty images; labels from the evidence of all pixels.
 std::unique_ptr<test::JointCase> wide_case(int wall = 120) {
   constexpr int kBy_px = 64;
   std::unique_ptr<test::JointCase> c = test::joint_case(kBall, wall);
@@ -45,7 +45,7 @@ std::unique_ptr<test::JointCase> wide_case(int wall = 120) {
   Monitor monitor;
   const auto load = [&](std::size_t v) { return c->masks[v]; };
   const Evidence evidence = accumulate_evidence({}, monitor, {c->model, c->scene, {0, 1, 2, 3}, {}, load});
-  c->labels = label_gaussians({.tau = 0.2}, evidence);
+  c->labels = label_gaussians(c->rule, evidence);
   c->weight = std::make_shared<const std::vector<float>>(evidence.weights());
   return c;
 }
@@ -54,10 +54,10 @@ struct WindowCase {
   std::unique_ptr<test::JointCase> base = wide_case();
   Problem whole = base->input();
   std::shared_ptr<const ObjectWindows> windows;
-  std::optional<Problem> problem;  // in the windows
+  std::optional<Problem> problem;  // cropped to the windows
 
   WindowCase() { enter(); }
-  /// `tight`: no margin about the masks.
+  /// Crops the problem. `tight`: windows are the boxes of the masks, without margin.
   void enter(bool tight = false) {
     ObjectWindows found = object_windows({}, whole);
     for (std::size_t v = 0; tight && v < found.window.size(); ++v) {
@@ -67,13 +67,13 @@ struct WindowCase {
     windows = std::make_shared<const ObjectWindows>(std::move(found));
     const auto input = std::make_shared<const WindowInput>(whole, windows);
     problem.emplace(input->get());
-    problem->whole = std::shared_ptr<const Problem>(input, &input->whole());
+    problem->uncropped = std::shared_ptr<const Problem>(input, &input->uncropped());
   }
 };
 
 }  // namespace
 
-TEST_CASE("windows hold every pixel of the masks, on whole tiles, and the photo and mask that lie there") {
+TEST_CASE("windows contain all pixels of the masks, are aligned to tiles, and have the photo and mask of that crop") {
   const WindowCase c;
   CHECK(c.windows->outside > 0.3);
   for (const std::size_t v : c.whole.views) {
@@ -100,7 +100,7 @@ TEST_CASE("windows hold every pixel of the masks, on whole tiles, and the photo 
   }
 }
 
-TEST_CASE("boxes of the masks bound what lies beside the windows, and windows begin with them") {
+TEST_CASE("boxes of the masks give an upper bound on the share outside the windows, and lie inside the windows") {
   WindowCase c;
   const ObjectWindows masks = windows_of_masks({}, c.whole);
   CHECK(masks.outside >= c.windows->outside);
@@ -113,15 +113,15 @@ TEST_CASE("boxes of the masks bound what lies beside the windows, and windows be
     CHECK((w.x0 == want.x0 && w.y0 == want.y0 && w.w == want.w && w.h == want.h));
     CHECK((box.x0 > w.x0 && box.y0 > w.y0 && box.x0 + box.w < w.x0 + w.w && box.y0 + box.h < w.y0 + w.h));
   }
-  c.base->labels[0].label.assign(c.base->labels[0].label.size(), 1.f);  // and the wall is the object's too
+  c.base->labels[0].label.assign(c.base->labels[0].label.size(), 1.f);  // the wall is labelled too
   Problem wall = c.base->input();
   CHECK(windows_of_masks({}, wall).outside == masks.outside);
   CHECK(object_windows({}, wall).outside < c.windows->outside);
 }
 
-TEST_CASE("a view that shows nothing has no window, supervises nothing and has no photo") {
+TEST_CASE("a view without a visible object has no window, is no training view and has no photo") {
   WindowCase c;
-  const std::size_t away = c.base->look_away();
+  const std::size_t away = c.base->add_empty_view();
   c.whole.views.push_back(away);
   c.enter();
   CHECK(c.windows->window[away].w == 0);
@@ -130,11 +130,11 @@ TEST_CASE("a view that shows nothing has no window, supervises nothing and has n
   CHECK(c.problem->scene.views[away].image_path.empty());
 }
 
-TEST_CASE("a view in which others hide all of the object has no window, if its mask agrees") {
+TEST_CASE("a view in which other Gaussians occlude the object has no window if its mask is empty") {
   const std::unique_ptr<test::JointCase> c = wide_case(1200);
-  const std::size_t behind = c->look_away();
-  c->scene.views[behind].camera.translation.z += 13;  // the wall lies between it and the ball
-  for (std::size_t i = kBall; i < c->is_ball.size(); ++i) c->labels[0].label[i] = 0;  // and is none of it
+  const std::size_t behind = c->add_empty_view();
+  c->scene.views[behind].camera.translation.z += 13;  // the wall is between the camera and the ball
+  for (std::size_t i = kBall; i < c->is_ball.size(); ++i) c->labels[0].label[i] = 0;  // the wall is background
   const auto window = [&] {
     Problem whole = c->input();
     whole.views.push_back(behind);
@@ -146,19 +146,19 @@ TEST_CASE("a view in which others hide all of the object has no window, if its m
   const std::size_t middle = std::size_t(c->scene.views[behind].camera.height_px / 2) *
                              std::size_t(c->scene.views[behind].camera.width_px + 1);
   c->masks[behind].target[0][middle] = 1;
-  CHECK(window()[behind].w > 48);  // that of the pixel and of the object
+  CHECK(window()[behind].w > 48);  // contains the mask pixel and the object
   c->masks[behind].target[0][middle] = 0;
-  c->masks[behind].available = false;  // what hides it may be floaters
+  c->masks[behind].available = false;  // without a mask the occluder may be a floater
   CHECK(window()[behind].w > 0);
   c->masks[behind].available = true;
-  for (std::size_t i = kBall; i < c->is_ball.size(); ++i) c->model.logit_opacity[i] = -6;  // as if of glass
+  for (std::size_t i = kBall; i < c->is_ball.size(); ++i) c->model.logit_opacity[i] = -6;  // a transparent wall
   CHECK(window()[behind].w > 0);
 }
 
-TEST_CASE("labels without a view are those of the other views' evidence") {
+TEST_CASE("labels_without_views gives the labels of the other views' evidence") {
   WindowCase c;
   Monitor monitor;
-  REQUIRE(c.problem->whole->weight != nullptr);
+  REQUIRE(c.problem->uncropped->weight != nullptr);
   const std::vector<LabelColumns> got = labels_without_views({}, monitor, *c.problem, {2});
   const std::vector<LabelColumns> want = label_gaussians(
       {},
@@ -172,15 +172,15 @@ TEST_CASE("labels without a view are those of the other views' evidence") {
     ++compared, moved += want[0].prob[i] != c.problem->labels[0].prob[i];
   }
   CHECK(compared > 100);
-  CHECK(moved > 10);  // else nothing was subtracted
+  CHECK(moved > 10);  // the excluded view had an influence
 
-  c.whole.weight = nullptr;  // as of a file of another program
+  c.whole.weight = nullptr;  // a file without the weight
   c.enter();
   CHECK(labels_without_views({}, monitor, *c.problem, {})[0].prob ==
-        labels_anew({}, monitor, *c.problem, c.whole.cloud)[0].prob);
+        recompute_labels({}, monitor, *c.problem, c.whole.cloud)[0].prob);
 }
 
-TEST_CASE("of a Gaussian that only views without a say have seen, no rounding is left") {
+TEST_CASE("a Gaussian seen only by excluded views gets exact zeros") {
   WindowCase c;
   Monitor monitor;
   const std::vector<LabelColumns> got = labels_without_views({}, monitor, *c.problem, {0, 1, 2, 3});
@@ -195,17 +195,17 @@ TEST_CASE("of a Gaussian that only views without a say have seen, no rounding is
   CHECK(claimed > 100);
 }
 
-TEST_CASE("mask outliers are judged in windows as in whole views, however much lies beside the windows") {
+TEST_CASE("mask outliers are the same in windows as in uncropped views") {
   for (const bool tight : {false, true}) {
     CAPTURE(tight);
     WindowCase c;
     Monitor monitor;
-    const MaskOutliers whole = judge_views({}, monitor, {}, c.whole);
+    const MaskOutliers whole = find_mask_outliers({}, monitor, {}, c.whole);
     for (const bool known : {true, false}) {
       CAPTURE(known);
       if (!known) c.whole.weight = nullptr;
       c.enter(tight);
-      const MaskOutliers windows = judge_views({}, monitor, {}, *c.problem);
+      const MaskOutliers windows = find_mask_outliers({}, monitor, {}, *c.problem);
       CHECK(windows.ignored == whole.ignored);
       REQUIRE(windows.disagreement.size() == whole.disagreement.size());
       for (std::size_t n = 0; n < whole.disagreement.size(); ++n)
@@ -214,7 +214,7 @@ TEST_CASE("mask outliers are judged in windows as in whole views, however much l
   }
 }
 
-TEST_CASE("a step in windows is the step of the whole view, and rows that are not of the region keep their bytes") {
+TEST_CASE("a step in windows equals the step in uncropped views, and rows outside the region keep their bytes") {
   WindowCase c;
   const std::vector<std::uint8_t> region = region_of(c.problem->labels);
   CHECK(std::count(region.begin(), region.end(), std::uint8_t(0)) > 20);
@@ -248,7 +248,7 @@ TEST_CASE("a step in windows is the step of the whole view, and rows that are no
     }
     CHECK(std::abs(windows.labels[0].prob[i] - whole.labels[0].prob[i]) < 2e-3f);
   }
-  CHECK(outside > 0);  // what the region is for
+  CHECK(outside > 0);  // without a region these rows change
   CHECK(rows_changed(c.whole.cloud, c.whole.labels, windows) <= std::count(region.begin(), region.end(), 1));
   CHECK(rows_changed(c.whole.cloud, c.whole.labels, windows) > 50);
 }

@@ -13,7 +13,7 @@ GaussianCloud plain_cloud(std::int64_t n) {
   return cloud;
 }
 
-TEST_CASE("classify keeps finite Gaussians and names the reason for the others") {
+TEST_CASE("classify keeps finite Gaussians and counts the others by reason") {
   GaussianCloud cloud = plain_cloud(8);
   cloud.position[0] = NAN;
   cloud.logit_opacity[1] = -INFINITY;  // legal: absent

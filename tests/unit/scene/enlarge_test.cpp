@@ -14,12 +14,12 @@ ImageF picture(int width_px, int height_px, double (*value)(double, double)) {
 
 }  // namespace
 
-TEST_CASE("enlarged: the same size gives the same picture") {
+TEST_CASE("enlarged: the same size gives the same image") {
   const ImageF image = picture(5, 4, [](double x, double y) { return x * x - 3 * y; });
   CHECK(enlarged(image, 5, 4).data == image.data);
 }
 
-TEST_CASE("enlarged: a ramp stays a ramp away from the border, channels stay apart") {
+TEST_CASE("enlarged: a linear ramp is reproduced away from the border, and channels do not mix") {
   const ImageF fine = enlarged(picture(8, 6, [](double x, double y) { return 2 * x - y; }), 16, 12);
   for (int y = 4; y < 8; ++y)
     for (int x = 4; x < 12; ++x) {
@@ -28,7 +28,7 @@ TEST_CASE("enlarged: a ramp stays a ramp away from the border, channels stay apa
     }
 }
 
-TEST_CASE("enlarged: a line of one pixel stays darker than what lies beside it, at any ratio") {
+TEST_CASE("enlarged: a dark line one pixel wide stays dark at any ratio") {
   const ImageF line = picture(9, 1, [](double x, double) { return x == 4.5 ? 0.0 : 1.0; });
   const ImageF thrice = enlarged(line, 27, 3), odd = enlarged(line, 13, 2);
   CHECK(thrice.at(13, 1, 0) == doctest::Approx(0));

@@ -13,7 +13,7 @@ std::vector<SceneView> views_of(const Names& names) {
   return views;
 }
 
-TEST_CASE("the extension of an image is dropped, a dot in its name is kept") {
+TEST_CASE("image_stem removes an image extension but no other dot") {
   const struct {
     const char *name, *stem;
   } cases[] = {{"a.png", "a"},
@@ -34,7 +34,7 @@ TEST_CASE("the extension of an image is dropped, a dot in its name is kept") {
   CHECK(bare_name("a.png") == "a.png");
 }
 
-TEST_CASE("files are called after the stem where that tells the views apart, else after more of the name") {
+TEST_CASE("output_names uses the stem if it is unique, else the path, else the whole name") {
   CHECK(output_names(views_of({"a/0.png", "b/1.jpg", "frame.0001", "frame.0002"})) ==
         Names{"0", "1", "frame.0001", "frame.0002"});
   CHECK(output_names(views_of({"cam0/0.png", "cam0/1.png", "cam1/0.png"})) == Names{"cam0/0", "cam0/1", "cam1/0"});
@@ -42,7 +42,7 @@ TEST_CASE("files are called after the stem where that tells the views apart, els
   CHECK(output_names({}).empty());
 }
 
-TEST_CASE("a view is found by its name, its path without extension or the name of its files") {
+TEST_CASE("a view is found by exact name, by path with any extension, or by output name") {
   using Indices = std::vector<std::size_t>;
   const ViewNames rig(views_of({"cam0/0.png", "cam0/1.png", "cam1/0.png"}));
   CHECK(rig.find("cam1/0.png") == Indices{2});
@@ -54,7 +54,7 @@ TEST_CASE("a view is found by its name, its path without extension or the name o
   CHECK(ViewNames(views_of({"a.jpg", "a.png"})).find("a.png") == Indices{1});
 }
 
-TEST_CASE("every:N:K selects the indices K modulo N, and nothing else is such a rule") {
+TEST_CASE("parse_every accepts every:N:K with K < N only, which selects indices K modulo N") {
   const auto every = parse_every("every:4:2");
   REQUIRE(every);
   for (std::size_t i = 0; i < 9; ++i) CHECK(every->selects(i) == (i == 2 || i == 6));

@@ -13,18 +13,18 @@ TEST_CASE("a state that is kept already is not written again when the run stops"
   const auto write = [&] { ++written; };
   const auto fail = [] { throw Error(ErrorCode::kEnvironment, "disk: full, expected room"); };
 
-  checkpoints.on_the_way(5, write);
-  checkpoints.at_the_stop(5, write);
+  checkpoints.write_during_run(5, write);
+  checkpoints.write_on_stop(5, write);
   CHECK(written == 1);
-  checkpoints.at_the_stop(6, write);
+  checkpoints.write_on_stop(6, write);
   CHECK(written == 2);
-  checkpoints.at_the_stop(6, write);
+  checkpoints.write_on_stop(6, write);
   CHECK(written == 2);
 
   SUBCASE("one that could not be written is tried again, and its failure is told") {
-    checkpoints.on_the_way(10, fail);
-    CHECK_THROWS_AS(checkpoints.at_the_stop(10, fail), Error);
-    checkpoints.at_the_stop(10, write);
+    checkpoints.write_during_run(10, fail);
+    CHECK_THROWS_AS(checkpoints.write_on_stop(10, fail), Error);
+    checkpoints.write_on_stop(10, write);
     CHECK(written == 3);
   }
 }

@@ -71,14 +71,14 @@ TEST_CASE("a child's end and last words come back") {
   const cli::ChildResult good = cli::run_child({"sh", "-c", "echo one; echo two >&2"}, {});
   CHECK(good.end == End::kExited);
   CHECK(good.code == 0);
-  CHECK(good.last_words == "one\ntwo");
+  CHECK(good.output_tail == "one\ntwo");
   const cli::ChildResult bad = cli::run_child({"sh", "-c", "printf 'a\\033[31mb'; exit 7"}, {});
   CHECK(bad.code == 7);
-  CHECK(bad.last_words == "a?[31mb");
+  CHECK(bad.output_tail == "a?[31mb");
   const cli::ChildResult killed = cli::run_child({"sh", "-c", "kill -9 $$"}, {});
   CHECK(killed.end == End::kSignalled);
   CHECK(killed.code == 9);
-  CHECK(cli::run_child({"sh", "-c", "head -c 100000 /dev/zero | tr '\\0' x"}, {}).last_words.size() == 2000);
+  CHECK(cli::run_child({"sh", "-c", "head -c 100000 /dev/zero | tr '\\0' x"}, {}).output_tail.size() == 2000);
   CHECK(cli::run_child({"cat"}, {}).code == 0);  // stdin is empty
 }
 

@@ -30,7 +30,7 @@ TEST_CASE("a program that ends instead of answering is known by its code and wha
   REQUIRE(answer.ended);
   CHECK(answer.ended->end == End::kExited);
   CHECK(answer.ended->code == 3);
-  CHECK(answer.ended->last_words == "no weights");
+  CHECK(answer.ended->output_tail == "no weights");
   CHECK(program.ask("b", {.time_s = 60}).ended);
   cli::LineProgram killed = shell("kill -9 $$");
   const cli::LineProgram::Answer none = killed.ask(std::string(1 << 20, 'x'), {.time_s = 60});

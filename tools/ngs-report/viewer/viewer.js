@@ -1,10 +1,10 @@
 'use strict';
-// Draws the records of a .splat file: back to front, each as the ellipse that its covariance is in the picture.
-const told = JSON.parse(document.getElementById('told').textContent);
-const kRowTexels = 1024;      // Gaussians in a row of the texture, three texels each
-const kNearShare = 1e-3;      // of the camera's distance: nothing nearer is drawn
+// Draws the records of a .splat file back to front, each as the ellipse of its projected covariance.
+const parameters = JSON.parse(document.getElementById('parameters').textContent);
+const kRowTexels = 1024;      // Gaussians per texture row, three texels each
+const kNearShare = 1e-3;      // near plane as a fraction of the camera's distance
 const kSteepest = 1.4;        // radians from the horizon
-const canvas = document.getElementById('canvas'), said = document.getElementById('said');
+const canvas = document.getElementById('canvas'), message = document.getElementById('message');
 if (location.hash === '#bare') document.documentElement.classList.add('bare');
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -25,7 +25,7 @@ function bytesOf(id) {
   return bytes;
 }
 
-// Of record i at texels[12 i]: position, opacity; covariance xx xy xz yy; yz zz, colour in one number, 0.
+// Layout at texels[12 i] for record i: position, opacity; covariance xx xy xz yy; yz zz, packed colour, 0.
 function decoded(bytes) {
   const count = Math.floor(bytes.length / 32), view = new DataView(bytes.buffer);
   const rows = Math.max(1, Math.ceil(count / kRowTexels));
@@ -48,15 +48,15 @@ function decoded(bytes) {
   return { count, rows, texels, places };
 }
 
-// ---- the camera: on a ball about `centre`
+// ---- the camera, orbiting `centre`
 
-const home = () => ({ right: told.right, down: told.down, forward: told.forward, eye: told.eye, centre: told.centre });
+const home = () => ({ right: parameters.right, down: parameters.down, forward: parameters.forward, eye: parameters.eye, centre: parameters.centre });
 let pose = home();
 
 function turn(dx, dy) {
-  const tilt = Math.asin(Math.max(-1, Math.min(1, dot(pose.forward, told.up))));
-  const tilted = Math.max(-kSteepest, Math.min(kSteepest, tilt - dy));  // never over the poles
-  for (const [axis, angle] of [[pose.right, tilted - tilt], [told.up, -dx]]) {
+  const tilt = Math.asin(Math.max(-1, Math.min(1, dot(pose.forward, parameters.up))));
+  const tilted = Math.max(-kSteepest, Math.min(kSteepest, tilt - dy));  // stays off the poles
+  for (const [axis, angle] of [[pose.right, tilted - tilt], [parameters.up, -dx]]) {
     for (const k of ['right', 'down', 'forward']) pose[k] = unit(turned(pose[k], axis, angle));
     pose.eye = plus(pose.centre, turned(plus(pose.eye, pose.centre, -1), axis, angle));
   }
@@ -68,8 +68,8 @@ function shift(dx, dy) {
   pose.centre = plus(pose.centre, by);
 }
 function near(factor) { pose.eye = plus(pose.centre, plus(pose.eye, pose.centre, -1), factor); }
-// Pixels of the canvas in CSS units; all of the first view is shown whatever the window's shape.
-const focal = () => Math.min(canvas.clientWidth / told.width_px, canvas.clientHeight / told.height_px) * told.fx;
+// Focal length in CSS pixels; the first view fits into any window.
+const focal = () => Math.min(canvas.clientWidth / parameters.width_px, canvas.clientHeight / parameters.height_px) * parameters.fx;
 
 // ---- drawing
 
@@ -90,8 +90,8 @@ void main() {
   vec2 limit = .65 * size / focal, t = clamp(p.xy / p.z, -limit, limit);
   vec3 jx = focal / p.z * vec3(1., 0., -t.x), jy = focal / p.z * vec3(0., 1., -t.y);
   float xx = dot(jx, s * jx) + filterPx2, xy = dot(jx, s * jy), yy = dot(jy, s * jy) + filterPx2;
-  float mid = .5 * (xx + yy), apart = length(vec2(.5 * (xx - yy), xy));
-  float longer = mid + apart, shorter = max(mid - apart, .5 * filterPx2);
+  float mid = .5 * (xx + yy), spread = length(vec2(.5 * (xx - yy), xy));
+  float longer = mid + spread, shorter = max(mid - spread, .5 * filterPx2);
   vec2 axis = abs(xy) > 1e-6 * longer ? normalize(vec2(xy, longer - xx)) : xx >= yy ? vec2(1., 0.) : vec2(0., 1.);
   float reach = sqrt(2. * log(255. * a.w));
   at = reach * corner;
@@ -123,7 +123,7 @@ function program(gl) {
   return made;
 }
 
-// Farthest first, by counting; Gaussians of one 65536th of the depth's range stay in their order.
+// Counting sort, farthest first, with 65536 depth bins; stable within a bin.
 function sorter(model) {
   const kBins = 65536, depth = new Float32Array(model.count), bin = new Uint16Array(model.count);
   const order = new Uint32Array(model.count), start = new Uint32Array(kBins + 1);
@@ -145,7 +145,7 @@ function sorter(model) {
 
 function start() {
   const gl = canvas.getContext('webgl2', { antialias: false, premultipliedAlpha: true, preserveDrawingBuffer: true });
-  if (!gl) throw new Error('This browser has no WebGL 2. object.ply beside this file opens in any viewer of Gaussian splats.');
+  if (!gl) throw new Error('This browser has no WebGL 2. Open object.ply in another viewer of Gaussian splats.');
   const model = decoded(bytesOf('splats')), sorted = sorter(model), paint = program(gl);
   gl.useProgram(paint);
   gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
@@ -183,10 +183,10 @@ function start() {
     gl.uniformMatrix3fv(place('turn'), false, [r[0], d[0], w[0], r[1], d[1], w[1], r[2], d[2], w[2]]);
     gl.uniform3f(place('eye'), ...eye);
     gl.uniform2f(place('size'), canvas.width, canvas.height);
-    gl.uniform2f(place('middle'), canvas.width / 2 + f * (told.cx - told.width_px / 2) / told.fx,
-                 canvas.height / 2 + f * (told.cy - told.height_px / 2) / told.fx);
+    gl.uniform2f(place('middle'), canvas.width / 2 + f * (parameters.cx - parameters.width_px / 2) / parameters.fx,
+                 canvas.height / 2 + f * (parameters.cy - parameters.height_px / 2) / parameters.fx);
     gl.uniform1f(place('focal'), f);
-    gl.uniform1f(place('filterPx2'), Math.max(0.05, told.filter_px2 * (f / told.fx) ** 2));
+    gl.uniform1f(place('filterPx2'), Math.max(0.05, parameters.filter_px2 * (f / parameters.fx) ** 2));
     gl.uniform1f(place('nearest'), kNearShare * Math.hypot(...plus(eye, pose.centre, -1)));
     gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, model.count);
     document.body.dataset.drawn = model.count;
@@ -199,24 +199,24 @@ function start() {
   };
 }
 
-// ---- hands
+// ---- input
 
 function listen(redraw) {
-  const held = new Map();
-  canvas.addEventListener('pointerdown', (e) => { canvas.setPointerCapture(e.pointerId); held.set(e.pointerId, e); });
-  for (const end of ['pointerup', 'pointercancel']) canvas.addEventListener(end, (e) => held.delete(e.pointerId));
+  const pointers = new Map();
+  canvas.addEventListener('pointerdown', (e) => { canvas.setPointerCapture(e.pointerId); pointers.set(e.pointerId, e); });
+  for (const end of ['pointerup', 'pointercancel']) canvas.addEventListener(end, (e) => pointers.delete(e.pointerId));
   canvas.addEventListener('pointermove', (e) => {
-    const before = held.get(e.pointerId);
+    const before = pointers.get(e.pointerId);
     if (!before) return;
     const dx = e.clientX - before.clientX, dy = e.clientY - before.clientY;
-    if (held.size === 2) {
-      const other = [...held.values()].find((p) => p.pointerId !== e.pointerId);
+    if (pointers.size === 2) {
+      const other = [...pointers.values()].find((p) => p.pointerId !== e.pointerId);
       const gap = (p) => Math.max(1, Math.hypot(p.clientX - other.clientX, p.clientY - other.clientY));
       shift(dx / 2, dy / 2);
       near(gap(before) / gap(e));
     } else if (e.shiftKey || e.buttons & 2) shift(dx, dy);
     else turn(dx / 150, dy / 150);
-    held.set(e.pointerId, e);
+    pointers.set(e.pointerId, e);
     redraw();
   });
   canvas.addEventListener('contextmenu', (e) => e.preventDefault());
@@ -244,6 +244,6 @@ try {
   listen(redraw);
   redraw();
 } catch (error) {
-  said.textContent = error.message;
+  message.textContent = error.message;
   document.body.dataset.failed = error.message;
 }

@@ -1,4 +1,4 @@
-// Strokes: what is painted over the picture while the server has not answered yet, and the ring that shows the brush.
+// Strokes drawn over the picture until a frame from the server shows their result, and the ring of the brush.
 const kSpacing = 2;      // CSS pixels between two points of a stroke
 const kRing = 1.5;       // width of the brush's ring
 const kPaint = { object: 'rgb(34 197 94 / .62)', background: 'rgb(239 68 68 / .62)' };
@@ -9,7 +9,7 @@ export class Brush {
     this.canvas = canvas;
     this.radius = 14;     // CSS pixels
     this.cursor = null;   // {x, y, label} in CSS pixels, or null
-    this.strokes = [];    // under way or not yet shown by a frame: {label, radius, points, version}
+    this.strokes = [];    // in progress, or not yet in a frame: {label, radius, points, version}
   }
 
   begin(label, point) {
@@ -26,7 +26,7 @@ export class Brush {
     this.draw();
   }
 
-  // Takes away what a frame of this version of the labels shows.
+  // Removes strokes that a frame with this version of the labels includes.
   forget(version) {
     this.strokes = this.strokes.filter((stroke) => stroke === this.current || stroke.version > version);
     this.draw();
@@ -59,7 +59,7 @@ function drawStroke(context, { label, radius, points }) {
   context.stroke();
 }
 
-// Dark, coloured and light, so that it is seen on any picture.
+// Dark, light and coloured rings, visible on any picture.
 function drawRing(context, { x, y, label }, radius) {
   for (const [colour, grow] of [['rgb(0 0 0 / .55)', kRing], ['#fff', 0], [kEdge[label], -kRing]]) {
     context.strokeStyle = colour;
@@ -70,7 +70,7 @@ function drawRing(context, { x, y, label }, radius) {
   }
 }
 
-// A stroke in pixels of a camera, as the server takes it.
+// A stroke in pixels of a camera, as the server expects it.
 export function strokeFor({ label, radius, points }, canvas, camera) {
   const factor = camera.width / canvas.clientWidth;
   const pixel = (value) => Math.round(value * factor * 10) / 10;

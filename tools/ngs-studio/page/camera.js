@@ -1,5 +1,5 @@
-// The camera of the page: where it stands, what it turns about, and how input moves it. Lengths in world units of the
-// splat, angles in radians; the server is told the field of view in degrees.
+// The camera of the page: position, orbit target, and how input moves it. Lengths in world units of the splat, angles
+// in radians; requests to the server give the field of view in degrees.
 export const add = (a, b) => a.map((x, k) => x + b[k]);
 export const subtract = (a, b) => a.map((x, k) => x - b[k]);
 export const scale = (a, s) => a.map((x) => x * s);
@@ -14,8 +14,8 @@ export function rotate(a, axis, angle) {
   return add(add(scale(a, Math.cos(angle)), scale(cross(axis, a), Math.sin(angle))), along);
 }
 
-const kSteepest = 0.02;   // radians that are left between the line of sight and the vertical
-const kUprighting = 0.25; // share of a roll that a step of orbiting takes away: the picture never turns at once
+const kSteepest = 0.02;   // radians, least angle between line of sight and vertical
+const kUprighting = 0.25; // share of the roll removed per orbit step, to avoid a jump
 const kLeastDistance = 1e-4; // of the scene's radius
 
 export class Camera {
@@ -25,7 +25,7 @@ export class Camera {
     this.place(start);
   }
 
-  // Stands where a camera of the server's stands.
+  // Takes over a camera sent by the server.
   place({ position, look_at, up, fov_y_deg }) {
     this.position = [...position];
     this.target = [...look_at];
@@ -48,7 +48,7 @@ export class Camera {
     this.position = add(this.target, rotate(arm, side, turned - steep));
   }
 
-  // Looks about from where it stands: to the right by `across`, upwards by `along`.
+  // Turns the line of sight at a fixed position: to the right by `across`, upwards by `along`.
   look(across, along) {
     this.straighten();
     const sight = rotate(subtract(this.target, this.position), this.vertical, -across);
@@ -61,17 +61,17 @@ export class Camera {
     this.up = normalise(add(scale(this.up, 1 - kUprighting), scale(this.vertical, kUprighting)));
   }
 
-  // Half the height of the picture, at distance 1. The field of view is over the shorter side: held upright, a window
-  // shows more above and below, and no less to the sides.
+  // Half the height of the picture, at distance 1. The field of view spans the shorter side: a portrait window shows
+  // more above and below, and the same width.
   halfHeight(aspect) { return Math.tan((this.fovDegrees * Math.PI) / 360) / Math.min(1, aspect); }
 
-  // Moves what is at the target's depth by shares of the picture's height.
+  // Moves points at the target's depth by fractions of the picture's height.
   pan(across, along, aspect) {
     const height = 2 * this.distance * this.halfHeight(aspect);
     this.move(0, -across * height, along * height);
   }
 
-  // Nearer (factor < 1) or farther. Beyond the least distance the target is pushed ahead, so that one gets on.
+  // Moves nearer (factor < 1) or farther. At the least distance the target moves ahead, so that zooming in continues.
   zoom(factor) {
     const distance = this.distance, least = kLeastDistance * this.bounds.radius;
     const wanted = Math.min(distance * factor, 20 * this.bounds.radius);
@@ -80,21 +80,21 @@ export class Camera {
     if (wanted < least) this.target = add(this.position, scale(forward, least));
   }
 
-  // Flies; the target comes along.
+  // Moves position and target together.
   move(ahead, rightwards, upwards) {
     const step = add(add(scale(this.forward, ahead), scale(this.right, rightwards)), scale(this.upright, upwards));
     this.position = add(this.position, step);
     this.target = add(this.target, step);
   }
 
-  // Fits a ball into the picture, seen from the same side.
+  // Fits a ball into the picture, with the same viewing direction.
   fit({ centre, radius }) {
     const forward = this.forward;
     this.target = [...centre];
     this.position = subtract(centre, scale(forward, (1.1 * radius) / Math.sin((this.fovDegrees * Math.PI) / 360)));
   }
 
-  // As the server wants it, for a picture of this size.
+  // The camera as the server expects it, for a picture of this size in pixels.
   toJson(width, height) {
     const fovY = (360 / Math.PI) * Math.atan(this.halfHeight(width / height));
     return {

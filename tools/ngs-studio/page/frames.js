@@ -1,24 +1,24 @@
-// The picture: frames are asked for one at a time, small while something moves, large when all is still.
+// The picture: requests one frame at a time, small while the camera moves, large when it rests.
 import { StudioError, frame } from './server.js';
 
-const kMovingMs = 60, kStillMs = 1200;      // what a frame may take the server
-const kMovingSizes = [320, 480, 640, 960];  // longer side of a frame, pixels
+const kMovingMs = 60, kStillMs = 1200;      // time budget of a frame on the server
+const kMovingSizes = [320, 480, 640, 960];  // longer side of a frame in pixels
 const kStillSizes = [960, 1280, 1920];
-const kNews = 0.4;      // weight of the last time of a size against its earlier ones
-const kSurprise = 2;    // a frame counts as at most this much slower than those before it
-const kRoom = 0.4;      // of the budget: below, the next size is tried
-const kNoGain = 1.3;    // sizes that cost at most this much more than the cheapest are as good as it
+const kNews = 0.4;      // weight of the latest time in the moving average
+const kSurprise = 2;    // a time is clamped to this multiple of the average
+const kTryLarger = 0.4; // share of the budget below which the next size is tried
+const kNoGain = 1.3;    // sizes within this factor of the cheapest count as equally fast
 const kSettleMs = 160;  // without a change, the picture counts as still
 
-// Longer side of frames: the largest of `sizes` that stays within `budgetMs`. Where none does, the largest that costs
-// hardly more than the cheapest: of a large splat most of the time goes into sorting it, whatever the size.
+// Longer side of frames: the largest of `sizes` within `budgetMs`. If no size fits, the largest that is hardly slower
+// than the fastest: for a large splat, sorting dominates at every size.
 class Size {
   constructor(sizes, budgetMs, step) { Object.assign(this, { sizes, budgetMs, step, costs: sizes.map(() => null) }); }
   get pixels() { return this.sizes[this.step]; }
 
   learn(ms) {
     const before = this.costs[this.step] ?? ms, now = before + kNews * (Math.min(ms, kSurprise * before) - before);
-    // What has become slower or faster has for all sizes: another part of the splat is seen, or the machine is busy.
+    // Scale all sizes alike: another part of the splat is visible, or the load of the machine changed.
     this.costs = this.costs.map((cost) => cost && (cost * now) / before);
     this.costs[this.step] = now;
     this.step = this.choose();
@@ -29,27 +29,27 @@ class Size {
     const largest = (limit) => costs.findLastIndex((cost) => cost !== null && cost <= limit);
     const fits = largest(budgetMs), least = costs.findIndex((cost) => cost !== null);
     if (fits < 0) return least > 0 ? least - 1 : largest(kNoGain * Math.min(...costs.filter((cost) => cost !== null)));
-    return costs[fits + 1] === null && costs[fits] < kRoom * budgetMs ? fits + 1 : fits;
+    return costs[fits + 1] === null && costs[fits] < kTryLarger * budgetMs ? fits + 1 : fits;
   }
 }
 
 export class Frames {
-  // `describe()` gives what belongs to a request beside camera and size; `camera` is the page's; `on` has shown(frame),
+  // `describe()` returns the request without camera and size; `camera` is the page's; `on` has shown(frame),
   // failed(error) and busy(), which is called when drawing begins or ends.
   constructor(canvas, camera, describe, on) {
     Object.assign(this, { canvas, camera, describe, on });
     this.moving = new Size(kMovingSizes, kMovingMs, 1);
     this.still = new Size(kStillSizes, kStillMs, 0);
     this.wanted = null;    // 'moving' or 'still'
-    this.running = null;   // the request under way
-    this.shown = null;     // the last frame: its camera, of which size, which version of the labels
-    this.frozen = false;   // while a stroke is painted, the picture stays as it is
+    this.running = null;   // the pending request
+    this.shown = null;     // the last frame: camera, kind, size, version of the labels
+    this.frozen = false;   // true while a stroke is painted: the picture does not change
   }
 
-  // 'moving' or 'still': what the server draws, or soon will.
+  // 'moving' or 'still': the frame pending or requested next.
   get drawing() { return this.running?.kind ?? this.wanted; }
 
-  // The camera has moved; once it rests, a large frame follows.
+  // Call when the camera moved; a large frame follows once it rests.
   move() {
     this.learnFromStill();
     clearTimeout(this.settling);
@@ -59,14 +59,14 @@ export class Frames {
     this.next();
   }
 
-  // Something else has changed: labels, layers, the size of the window.
+  // Call when labels, layers or the window size changed.
   refresh() {
     if (this.running?.kind === 'still') this.running.abort.abort();
     this.wanted = 'still';
     this.next();
   }
 
-  // As long as the camera rests, the size stays: strokes are in its pixels.
+  // The size changes only when the camera moves: strokes are in pixels of the still frame.
   learnFromStill() {
     if (this.shown?.kind !== 'still' || this.shown.learnt) return;
     this.shown.learnt = true;
@@ -78,7 +78,7 @@ export class Frames {
     if (!frozen) this.next();
   }
 
-  // Pixels of a frame whose longer side is `longest`, in the window's proportions, never more than the screen has.
+  // Size of a frame with longer side `longest` and the window's aspect, at most the screen's resolution.
   sizeFor(longest) {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     const factor = Math.min(longest / Math.max(width, height), Math.min(window.devicePixelRatio, 2));

@@ -1,4 +1,4 @@
-// Refine and Export: long work of the server with its progress, and what comes of it.
+// Refine and Export: jobs of the server, their progress and results.
 import { get, inTurn, post } from './server.js';
 
 const kPollMs = 400;
@@ -24,12 +24,12 @@ export class Jobs {
     }
   }
 
-  // Called with every state: shows what runs, and watches it to its end.
+  // Called with every state: shows the running job and polls it until its end.
   show(state) {
     const { job } = state, running = job?.state === 'running';
     this.find('job').hidden = !running;
     for (const kind of ['refine', 'export']) this.find(kind).hidden = running && job.kind === kind;
-    if (running) this.find(job.kind).after(this.find('job'));  // in the button's place: nothing moves
+    if (running) this.find(job.kind).after(this.find('job'));  // in place of the button, so that the layout does not move
     const marked = state.objects.some(({ gaussians }) => gaussians > 0);
     this.find('refine').disabled = this.find('export').disabled = running || !marked;
     this.find('before').hidden = !state.objects.some(({ id, refined }) => refined && id === state.active);
@@ -39,7 +39,7 @@ export class Jobs {
   }
 
   showProgress({ kind, stage, done, remaining_s: remaining }) {
-    const left = remaining === null || remaining === undefined ? '' : `, ${spoken(remaining)} left`;
+    const left = remaining === null || remaining === undefined ? '' : `, ${duration(remaining)} left`;
     this.find('job-bar').value = done;
     const work = kind === 'export' ? 'Writing' : stage || 'Refining';
     this.find('job-text').textContent = `${work}: ${Math.round(100 * done)} %${left}`;
@@ -78,14 +78,14 @@ export class Jobs {
     const text = this.find('commands').textContent, button = this.find('copy');
     try {
       await navigator.clipboard.writeText(text);
-    } catch {  // no permission: what is selected can be copied by hand
+    } catch {  // no permission: select the text for copying by hand
       getSelection().selectAllChildren(this.find('commands'));
     }
     button.textContent = getSelection().toString() === text ? 'Selected: copy it' : 'Copied';
     setTimeout(() => { button.textContent = 'Copy'; }, 1500);
   }
 
-  // As long as the button is held, by pointer or key, frames show the labels before Refine.
+  // While the button is held, by pointer or key, frames show the labels before Refine.
   holdToCompare(button) {
     const show = async (before) => {
       if ((button.getAttribute('aria-pressed') === 'true') === before) return;
@@ -100,7 +100,7 @@ export class Jobs {
   }
 }
 
-// Files by their names, but many pictures of a folder as one line.
+// File names; more than two pictures in a folder become one line.
 function inShort(files) {
   const folders = new Map();
   for (const file of files.filter((name) => name.endsWith('.png'))) {
@@ -112,8 +112,8 @@ function inShort(files) {
   return [...short, ...[...many].map(([folder, names]) => `${folder} (${names.length} pictures)`)];
 }
 
-// Seconds as people say them.
-function spoken(seconds) {
+// A duration for display.
+function duration(seconds) {
   if (seconds < 55) return `${Math.max(1, Math.round(seconds))} s`;
   return seconds < 3300 ? `${Math.round(seconds / 60)} min` : `${(seconds / 3600).toFixed(1)} h`;
 }

@@ -1,8 +1,8 @@
-// The list of objects: which one is painted, its name, colour and size; rename, recolour, remove.
+// The list of objects: active object, name, colour and number of Gaussians; rename, recolour, remove.
 const counted = new Intl.NumberFormat('en');
 export const number = (value) => counted.format(value);
 
-// Lays the server's objects into the list. Rows that stay are kept, so that focus and half-typed names are not lost.
+// Updates the list from the server's objects. Existing rows are reused, so that focus and half-typed names remain.
 export function showObjects(list, { objects, active }, change) {
   const rows = new Map([...list.children].map((row) => [Number(row.dataset.id), row]));
   for (const object of objects) {

@@ -1,16 +1,16 @@
-// Mouse, pen and fingers over the picture. With the hand: left turns, right pans, middle turns. With a brush: left
-// paints, the others are as with the hand, and Alt makes left turn. Two fingers pan and zoom; a second finger takes a
-// stroke back, since it was the beginning of a gesture.
-const kTurn = 0.005;        // radians a CSS pixel
-const kWheelZoom = 0.0012;  // ln of the distance a wheel unit
-const kPinchZoom = 0.01;    // the same for a trackpad's pinch, which comes in small units
-const kLine = 20;           // wheel units of a line
+// Mouse, pen and touch input on the picture. Hand tool: left and middle button orbit, right pans. Brush: left paints,
+// Alt + left orbits, other buttons as with the hand. Two fingers pan and zoom; a second finger cancels a stroke that
+// the first began.
+const kTurn = 0.005;        // radians per CSS pixel
+const kWheelZoom = 0.0012;  // ln of the distance per wheel unit
+const kPinchZoom = 0.01;    // the same for a trackpad's pinch, whose units are smaller
+const kLine = 20;           // wheel units per line
 
 const middleOf = ([a, b]) => ({ x: (a.x + b.x) / 2, y: (a.y + b.y) / 2, spread: Math.hypot(a.x - b.x, a.y - b.y) });
 
 export class Pointer {
   // `on`: turn, pan, zoom, hover(point or null), paint, paintMore, paintEnd, paintCancel; `labelFor(event)`:
-  // 'object', 'background', or null where the hand is the tool.
+  // 'object', 'background', or null for the hand tool.
   constructor(element, labelFor, on) {
     Object.assign(this, { element, labelFor, on, fingers: new Map(), task: null });
     const listen = (name, work) =>
@@ -68,7 +68,7 @@ export class Pointer {
     else if (this.task === 'gesture' && this.fingers.size > 1) this.gesture();
   }
 
-  // Every place between two frames of the browser, so that quick strokes have no corners.
+  // Includes coalesced events between two browser frames, so that quick strokes have no corners.
   paint(event) {
     for (const part of event.getCoalescedEvents?.() ?? []) this.on.paintMore(this.at(part));
     this.on.paintMore(this.at(event));

@@ -1,4 +1,4 @@
-// Requests to ngs-studio. A refusal of the server becomes a StudioError, which says what was found and what to do.
+// Requests to ngs-studio. An error response becomes a StudioError with the cause and a remedy.
 export class StudioError extends Error {
   constructor({ object, found, expected, remedy }) {
     super([object, found].filter(Boolean).join(': '));
@@ -8,7 +8,7 @@ export class StudioError extends Error {
 
 const kGone = {
   object: 'ngs-studio', found: 'no answer', expected: 'the server on this machine',
-  remedy: 'start it again with the same command and open the address that it prints; nothing is lost',
+  remedy: 'start it again with the same command and open the printed address; nothing is lost',
 };
 
 async function request(path, options) {
@@ -26,8 +26,8 @@ async function request(path, options) {
 
 function refusalOf(status) {
   if (status === 403) return {
-    object: 'this page', found: 'no right to speak to ngs-studio', expected: 'the address that ngs-studio printed',
-    remedy: 'open the address that ngs-studio printed, with the token in it',
+    object: 'this page', found: 'access denied', expected: 'the token of ngs-studio',
+    remedy: 'open the address that ngs-studio printed, including the token',
   };
   return { object: 'ngs-studio', found: `status ${status}`, expected: 'an answer', remedy: 'reload the page' };
 }
@@ -39,7 +39,7 @@ const posted = (body, signal) => ({
 export const get = async (path) => (await request(path)).json();
 export const post = async (path, body = {}) => (await request(path, posted(body))).json();
 
-// A picture, how long the server took for it, and which state of the labels it shows.
+// A picture, the time that the server took for it, and the version of the labels shown.
 export async function frame(body, signal) {
   const response = await request('/api/frame', posted(body, signal));
   const bitmap = await createImageBitmap(await response.blob());
@@ -47,7 +47,7 @@ export async function frame(body, signal) {
   return { bitmap, ms: header('X-Ngs-Ms'), version: header('X-Ngs-Version') };
 }
 
-// Writes go one after another, in the order in which they were asked for.
+// Runs writes one after another, in call order.
 let last = Promise.resolve();
 export function inTurn(work) {
   const mine = last.then(work);

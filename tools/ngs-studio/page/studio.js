@@ -1,5 +1,5 @@
-// The page of ngs-studio. What is marked, cut and written lies with the server; the page holds the camera, the tool and
-// what of the scene is seen, shows the server's state and sends it strokes.
+// The page of ngs-studio. The server holds marks, labels and files; the page holds camera, tool and display settings,
+// shows the server's state and sends strokes.
 import { Brush, strokeFor } from './brush.js';
 import { Camera, length, subtract } from './camera.js';
 import { Frames } from './frames.js';
@@ -9,7 +9,7 @@ import { number, showObjects } from './objects.js';
 import { Pointer } from './pointer.js';
 import { get, inTurn, post } from './server.js';
 
-const kLook = 0.5;  // of the angle by which dragging turns about a target
+const kLook = 0.5;  // rotation of looking around, as a fraction of that of orbiting
 const kRetryMs = 2000, kReadMs = 6000;
 const kDone = { refine: 'Refined', export: 'Written' };
 const kRadius = { least: 2, most: 80 };
@@ -19,9 +19,9 @@ const kAxes = {
 };
 const find = (id) => document.getElementById(id);
 
-const seen = { fade: 0.5, boundary: false, highlight: true, all: true };  // what of the scene is shown
-let writes = 0;             // that the server has not answered yet
-let flying = false;         // dragging looks about instead of turning about the target
+const display = { fade: 0.5, boundary: false, highlight: true, all: true };  // display settings
+let writes = 0;             // number of pending write requests
+let flying = false;         // dragging looks around instead of orbiting the target
 let tool = 'look';          // 'look', 'object' or 'background'
 let state, camera, frames;  // the server's state, the page's camera and picture
 const brush = new Brush(find('paint'));
@@ -47,7 +47,7 @@ function showState(next, finished) {
   frames.refresh();
 }
 
-// What hangs together with no stroke is left out, unless it is asked for.
+// Pieces that no stroke touches are left out, unless "All pieces" is on.
 function showPieces() {
   const leftOut = state.objects.find(({ id }) => id === state.active)?.left_out ?? 0;
   find('pieces-row').hidden = !leftOut && !state.all_pieces;
@@ -74,7 +74,7 @@ async function write(path, body) {
   }
 }
 
-// The bar over the picture, and what a screen reader is told.
+// The bar over the picture, and the busy state for screen readers.
 function showBusy() {
   find('working').classList.toggle('busy', writes > 0 || frames?.drawing === 'still');
   find('paint').setAttribute('aria-busy', writes > 0 || Boolean(frames?.drawing));
@@ -83,16 +83,16 @@ function showBusy() {
 // ---- the picture
 
 function request() {
-  const { fade, boundary, highlight } = seen;
+  const { fade, boundary, highlight } = display;
   const layer = boundary ? 'boundary' : fade <= 0 ? 'object' : fade >= 1 ? 'background' : 'both';
-  const everyObject = seen.all || state.objects.length < 2;
+  const everyObject = display.all || state.objects.length < 2;
   return { layer, fade, object: everyObject && fade > 0 ? 0 : state.active, highlight: highlight && layer === 'both' };
 }
 
 function frameShown({ version, kind, ms }) {
   brush.forget(version);
   if (find('trouble').dataset.gone) hideTrouble();
-  if (version > state.version) inTurn(() => get('/api/state')).then(showState, failed);  // another page has written
+  if (version > state.version) inTurn(() => get('/api/state')).then(showState, failed);  // another page changed the state
   find('paint').dataset.shown = kind;
   find('status').title = `${Math.round(ms)} ms`;
 }
@@ -102,7 +102,7 @@ function begin() {
   frames = new Frames(find('picture'), camera, request, {
     shown: frameShown, failed, busy: showBusy,
   });
-  const views = ['the start', ...state.views.map(({ name }) => name)];
+  const views = ['first view', ...state.views.map(({ name }) => name)];
   find('views').replaceChildren(...views.map((name, k) => new Option(name, k)));
   find('upwards').replaceChildren(...Object.keys(kAxes).map((name) => new Option(name)));
   new ResizeObserver(resized).observe(find('stage'));
@@ -111,7 +111,7 @@ function begin() {
   find('hint').hidden = Boolean(localStorage.getItem('ngs-studio-hint')) || state.undo > 0;
 }
 
-// The first call only tells the size.
+// The first call only reports the size.
 function resized() {
   brush.draw();
   if (frames.shown) frames.refresh();
@@ -123,7 +123,7 @@ function moved(change) {
   frames.move();
 }
 
-// Jumps to a view of the scene, or with 0 to where everything started.
+// Jumps to view `index` - 1 of the scene; 0: the first camera.
 function jump(index) {
   find('views').value = index;
   moved(() => camera.place(index > 0 ? state.views[index - 1].camera : state.start));
@@ -135,17 +135,17 @@ function jumpBy(step) {
 }
 
 function fly(on) {
-  const said = on ? 'Flying: dragging looks about. V turns about the object again.' : 'Turning about the object';
-  if (flying !== on) say(said);
+  const mode = on ? 'Fly: dragging looks around. V switches back to orbit.' : 'Orbit';
+  if (flying !== on) say(mode);
   flying = on;
 }
 
-// A room, seen from within; from outside there is little to see of it.
+// A room, viewed from inside; little of it is visible from outside.
 function startsInside() {
   return length(subtract(state.start.position, state.bounds.centre)) < state.bounds.radius;
 }
 
-// What is selected, or where nothing is, all.
+// Fits the selection, or the whole splat without a selection.
 function fit() {
   const focus = state.objects.find(({ id }) => id === state.active)?.focus;
   if (!focus && startsInside()) return jump(0);
@@ -179,10 +179,10 @@ function pointerTasks() {
   };
 }
 
-// What is painted holds for the picture that is seen, which may lag behind the camera: the camera goes back to it.
+// A stroke refers to the picture shown, which may lag behind the camera: reset the camera to that of the picture.
 function beginStroke(label, point) {
   if (!frames.shown) return;
-  if (isBusy()) return say('Wait for the end of Refine, or cancel it, before you paint.');
+  if (isBusy()) return say('Wait until the job ends, or cancel it, before painting.');
   const { position, look_at, up } = frames.shown.camera;
   camera.place({ position, look_at, up, fov_y_deg: camera.fovDegrees });
   frames.freeze(true);
@@ -210,7 +210,7 @@ async function endStroke() {
   brush.current = null;
   frames.freeze(false);
   const of = kind === 'still' ? shownBy : frames.cameraFor('still');
-  say('Looking for what belongs to it …');
+  say('Updating the selection …');
   if (state.objects.length === 0) await addObject();
   const before = gaussiansOf(state.active);
   const body = { object: state.active, camera: of, strokes: [strokeFor(stroke, find('paint'), of)] };
@@ -223,7 +223,7 @@ async function endStroke() {
   frames.refresh();
 }
 
-// By key: the brush stands in the middle until arrows move it.
+// Keyboard painting: the brush starts in the middle; arrow keys move it.
 function keyCursor() {
   const { clientWidth, clientHeight } = find('paint');
   return (brush.cursor ??= { x: clientWidth / 2, y: clientHeight / 2, label: tool });
@@ -243,10 +243,10 @@ function mark() {
   endStroke();
 }
 
-// ---- tools and what is seen
+// ---- tools and display
 
 function take(next) {
-  if (frames?.frozen) return cancelStroke();  // Esc while painting takes the stroke back
+  if (frames?.frozen) return cancelStroke();  // Esc while painting cancels the stroke
   tool = next;
   for (const name of ['look', 'object', 'background']) find(`tool-${name}`).setAttribute('aria-pressed', name === tool);
   find('paint').dataset.tool = tool;
@@ -263,13 +263,13 @@ function setRadius(value) {
   brush.draw();
 }
 
-function setSeen(change) {
-  Object.assign(seen, change);
-  for (const name of ['highlight', 'boundary', 'all']) find(name).checked = seen[name];
-  find('fade').value = seen.fade;
-  find('fade').disabled = seen.boundary;
+function setDisplay(change) {
+  Object.assign(display, change);
+  for (const name of ['highlight', 'boundary', 'all']) find(name).checked = display[name];
+  find('fade').value = display.fade;
+  find('fade').disabled = display.boundary;
   for (const end of document.querySelectorAll('.end'))
-    end.setAttribute('aria-pressed', Number(end.dataset.fade) === seen.fade);
+    end.setAttribute('aria-pressed', Number(end.dataset.fade) === display.fade);
   frames?.refresh();
 }
 
@@ -295,7 +295,7 @@ function say(text) {
   forgetting = setTimeout(() => { find('status').textContent = ''; }, kReadMs);
 }
 
-// Shows a StudioError, or an error as the server sends it of a job, or what else may be thrown.
+// Shows a StudioError, the error text of a job, or any other exception.
 function failed(error) {
   const [object, found] = find('trouble').firstElementChild.children;
   object.textContent = error.object ?? 'ngs-studio';
@@ -329,7 +329,7 @@ async function awaitServer() {
   waiting = false;
 }
 
-// ---- everything together
+// ---- start
 
 const keys = keyTable({
   tool: take, mark, arrow, fit, view: jumpBy,
@@ -339,9 +339,9 @@ const keys = keyTable({
   zoom: (factor) => moved(() => camera.zoom(factor)),
   start: () => jump(0),
   fly: () => fly(!flying),
-  highlight: () => setSeen({ highlight: !seen.highlight }),
-  fade: (fade) => setSeen({ fade, boundary: false }),
-  boundary: () => setSeen({ boundary: !seen.boundary }),
+  highlight: () => setDisplay({ highlight: !display.highlight }),
+  fade: (fade) => setDisplay({ fade, boundary: false }),
+  boundary: () => setDisplay({ boundary: !display.boundary }),
   panel: togglePanel,
   help: () => find('keys').showModal(),
 });
@@ -361,10 +361,10 @@ function listen() {
   clicked('view-next', () => jumpBy(1));
   clicked('object-add', addObject);
   for (const end of document.querySelectorAll('.end'))
-    end.addEventListener('click', () => setSeen({ fade: Number(end.dataset.fade), boundary: false }));
+    end.addEventListener('click', () => setDisplay({ fade: Number(end.dataset.fade), boundary: false }));
   for (const name of ['highlight', 'boundary', 'all'])
-    find(name).addEventListener('change', ({ target }) => setSeen({ [name]: target.checked }));
-  find('fade').addEventListener('input', ({ target }) => setSeen({ fade: Number(target.value) }));
+    find(name).addEventListener('change', ({ target }) => setDisplay({ [name]: target.checked }));
+  find('fade').addEventListener('input', ({ target }) => setDisplay({ fade: Number(target.value) }));
   find('radius').addEventListener('input', ({ target }) => setRadius(Number(target.value)));
   find('views').addEventListener('change', ({ target }) => jump(Number(target.value)));
   find('upwards').addEventListener('change', ({ target }) => moved(() => {
@@ -375,7 +375,7 @@ function listen() {
 
 listen();
 listKeys(keys, find('keys-list'));
-setSeen({});
+setDisplay({});
 get('/api/state').then((first) => {
   showState(first);
   listenToKeys(keys, (ahead, rightwards, upwards) => moved(() => {

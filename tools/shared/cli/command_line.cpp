@@ -12,12 +12,12 @@ namespace {
 
 constexpr const char* kPrintSchema = "--print-schema";
 
-/// "--name", of a switch that can be turned off "--name,!--no-name".
+/// "--name", or "--name,!--no-name" for a boolean option.
 std::string option_flags(const OptionEntry& entry) {
   const std::string flag = option_flag(entry.name);
   return entry.kind == OptionKind::kBool ? flag + ",!--no" + flag.substr(1) : flag;
 }
-/// "-j,--threads"; none of these is turned off.
+/// "-j,--threads"; common flags have no "--no-" form.
 std::string common_flags(const OptionEntry& entry) {
   return (entry.letter != '\0' ? std::string("-") + entry.letter + "," : "") + option_flag(entry.name);
 }
@@ -36,10 +36,10 @@ void declare(const OptionSet& common, const Spec& spec, Splitter& splitter) {
   for (const Output& output : spec.outputs) splitter.value(output.flags);
 }
 
-/// Flags that take the word behind them, or stand alone and mean one.
+/// Flags whose value may be left out, and the value that they then have.
 const std::pair<std::string, std::string> kWordIfAlone[] = {{kPrintSchema, "options"}, {"--help", kUsualHelp}};
 
-/// The words behind the tool's name.
+/// The arguments after the tool's name.
 Texts words_of(int argc, char** argv) {
   Texts words(argv + std::min(argc, 1), argv + argc);
   const auto end = std::find(words.begin(), words.end(), "--");
@@ -67,7 +67,7 @@ void assign_positionals(const Texts& words, Spec& spec) {
                 "see --help for the order of the arguments");
 }
 
-/// The options file first, then the flags.
+/// Sets the options from the options file first, then from the flags.
 void set_options(const Splitter& splitter, const OptionSet& options, const CommonFlags& flags) {
   if (const std::string& path = flags.options_file; !path.empty())
     options.set_json(parse_json(read_text_file(path, ErrorCode::kUsage), path), path);
@@ -75,7 +75,7 @@ void set_options(const Splitter& splitter, const OptionSet& options, const Commo
     if (splitter.has(option_flags(entry))) options.set_text(entry.name, splitter[option_flags(entry)]);
 }
 
-/// "a.json,b.json" is two paths, unless a file is called so. kUsage where one of several is empty.
+/// "a.json,b.json" is two paths unless a file has this name. Throws kUsage if one of several is empty.
 void add_paths(const std::string& word, Inputs& list) {
   std::error_code unreadable;
   if (std::filesystem::exists(word, unreadable)) return list.paths.push_back(word);
@@ -96,13 +96,13 @@ void set_paths(const Splitter& splitter, Spec& spec) {
     if (splitter.has(output.flags)) output.path = splitter[output.flags].back();
 }
 
-/// "-" is where the report goes anyway, unless an output does.
+/// Resolves `--report -`: stdout, which is the default anyway. Throws kUsage if an output goes to stdout.
 void settle_report(const Spec& spec, CommonFlags& flags) {
   const bool to_stdout = flags.report_path == "-";
   for (const Output& output : spec.outputs)
     if (output.path == "-" && (to_stdout || flags.json))
       throw Error(ErrorCode::kUsage, std::string(to_stdout ? "--report: '-'" : "--json") +
-                                         ", expected --report FILE: an output goes to stdout already");
+                                         ", expected --report FILE: an output already goes to stdout");
   if (to_stdout) flags.report_path.clear(), flags.json = true;
 }
 
@@ -127,13 +127,14 @@ CommonFlags parse_command_line(int argc, char** argv, Spec& spec) {
 
 void check_required(const Spec& spec, bool dry_run) {
   const auto require = [](bool given, const std::string& name, const std::string& help) {
-    if (!given) throw Error(ErrorCode::kUsage, name + ": not given, expected " + help, "see --help");
+    if (!given) throw Error(ErrorCode::kUsage, name + ": missing, expected " + help, "see --help");
   };
   for (const Input& input : spec.inputs) require(!input.required || input, input.name, input.help);
   for (const Argument& argument : spec.arguments) require(!argument.value.empty(), argument.name, argument.help);
   for (const Inputs& list : spec.input_lists) require(list.is_flag() || list, list.name, list.help);
   if (dry_run || spec.writes_nothing()) return;
-  for (const Output& output : spec.outputs) require(!output.required || output, output.long_flag(), output.help);
+  for (const Output& output : spec.outputs)
+    require(!output.required || output, output.long_flag(), "where to write: " + output.help);
 }
 
 }  // namespace ngs::cli

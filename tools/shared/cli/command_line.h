@@ -1,16 +1,16 @@
 #pragma once
-// argv -> CommonFlags and the values of a Spec.
+// Parses argv into CommonFlags and the values of a Spec.
 #include "shared/cli/common_flags.h"
 #include "shared/cli/spec.h"
 
 namespace ngs::cli {
 
-/// Fills the options (options file first, then flags), inputs and outputs of `spec`. Throws Error(kUsage) for what
-/// cannot be understood; what is missing is check_required()'s matter, so that --help, --version, --print-options and
-/// --print-schema need no inputs.
+/// Fills the options (options file first, then flags), inputs and outputs of `spec`. Throws kUsage for invalid
+/// arguments. Missing ones are left to check_required(), so that --help, --version, --print-options and --print-schema
+/// need no inputs.
 CommonFlags parse_command_line(int argc, char** argv, Spec& spec);
 
-/// A dry run, and what writes nothing, needs no outputs.
+/// Throws kUsage if a required input or output is missing; a dry run and a run that writes nothing need no outputs.
 void check_required(const Spec& spec, bool dry_run);
 
 }  // namespace ngs::cli

@@ -1,6 +1,6 @@
 #pragma once
-// The flags that every tool has. Declared once, as options are: the parser, --help and the schema of the report read
-// this list.
+// The flags that every tool has, declared once like options: the parser, --help and the schema of the report read this
+// list.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -19,7 +19,7 @@ inline constexpr NamedValue<LogFormat> kLogFormats[] = {{LogFormat::kText, "text
 inline constexpr NamedValue<DeviceChoice> kDevices[] = {
     {DeviceChoice::kCpu, "cpu"}, {DeviceChoice::kCuda, "cuda"}, {DeviceChoice::kAuto, "auto"}};
 
-inline constexpr const char* kUsualHelp = "usual";         // the group that --help alone means
+inline constexpr const char* kUsualHelp = "usual";         // the group shown by --help without a value
 inline constexpr const char* kForScripts = "for scripts";  // not shown by --help
 
 struct CommonFlags {
@@ -37,30 +37,31 @@ struct CommonFlags {
   LogLevel log_level = LogLevel::kWarning;
   LogFormat log_format = LogFormat::kText;
 
-  std::vector<std::string> warnings;  // of options given by earlier names
+  std::vector<std::string> warnings;  // about options given by an earlier name
 
   LogLevel shown_level() const { return quiet ? LogLevel::kError : verbose ? LogLevel::kInfo : log_level; }
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.short_help, Flag{"h", "short help"});
-    visit(self.help, Text{"help", "[GROUP]", "this, or one group"});
-    visit(self.version, Flag{"version", "version and build"});
-    visit(self.json, Flag{"json", "report to terminals too"});
-    visit(self.threads, Field<int>{"threads", "", "else NGS_THREADS or all", 1, 4096}.letter('j'));
-    visit(self.device, Choice<DeviceChoice>{"device", "where to compute", kDevices});
-    visit(self.seed, Field<std::uint64_t>{"seed", "", "of every random choice", 0, UINT64_MAX});
-    visit(self.dry_run, Flag{"dry_run", "say the plan and stop"}.letter('n'));
-    visit(self.overwrite, Flag{"overwrite", "replace what exists"}.letter('w'));
-    visit(self.allow_empty, Flag{"allow_empty", "an empty result is fine"});
-    visit(self.options_file, Text{"options", "FILE.json", "options; flags win"});
-    visit(self.print_options, Flag{"print_options", "resolved options, JSON"});
-    visit(self.print_schema, Text{"print_schema", "[report]", "of options or report"});
-    visit(self.report_path, Text{"report", "FILE", "else it is on stdout"});
-    visit(self.quiet, Flag{"quiet", "errors only"}.letter('q'));
-    visit(self.verbose, Flag{"verbose", "more on stderr"}.letter('v'));
-    visit(self.log_level, Choice<LogLevel>{"log_level", "", kLogLevels});
-    visit(self.log_format, Choice<LogFormat>{"log_format", "of stderr", kLogFormats});
+    visit(self.short_help, Flag{"h", "Print a short help"});
+    visit(self.help, Text{"help", "[GROUP]", "Print this or a group"});
+    visit(self.version, Flag{"version", "Print version and build"});
+    visit(self.json, Flag{"json", "Report to terminals too"});
+    visit(self.threads,
+          Field<int>{"threads", "", "Threads to use; default: NGS_THREADS, or all cores", 1, 4096}.letter('j'));
+    visit(self.device, Choice<DeviceChoice>{"device", "Device to use", kDevices});
+    visit(self.seed, Field<std::uint64_t>{"seed", "", "Seed of all random choices", 0, UINT64_MAX});
+    visit(self.dry_run, Flag{"dry_run", "Print the plan and stop"}.letter('n'));
+    visit(self.overwrite, Flag{"overwrite", "Replace existing files"}.letter('w'));
+    visit(self.allow_empty, Flag{"allow_empty", "Accept an empty result"});
+    visit(self.options_file, Text{"options", "FILE.json", "Read options from this file; flags have precedence"});
+    visit(self.print_options, Flag{"print_options", "Print options as JSON"});
+    visit(self.print_schema, Text{"print_schema", "[report]", "Print a JSON schema"});
+    visit(self.report_path, Text{"report", "FILE", "Write the JSON report to this file, not to stdout"});
+    visit(self.quiet, Flag{"quiet", "Print errors only"}.letter('q'));
+    visit(self.verbose, Flag{"verbose", "Print more on stderr"}.letter('v'));
+    visit(self.log_level, Choice<LogLevel>{"log_level", "Least severe level on stderr", kLogLevels});
+    visit(self.log_format, Choice<LogFormat>{"log_format", "Format of stderr lines", kLogFormats});
     visit(self.print_commands, Flag{"print_commands", kForScripts});
   }
 };

@@ -34,7 +34,7 @@ int print(const std::string& text) {
   return kDone;
 }
 
-/// --version, and --json with it, and nothing else.
+/// True for --version with or without --json and nothing else.
 bool asks_for_version(const Words& words) {
   return std::ranges::find(words, "--version") != words.end() &&
          std::ranges::all_of(words, [](const std::string& word) { return word == "--version" || word == "--json"; });
@@ -55,7 +55,7 @@ int dispatch(int argc, char** argv, const std::vector<Command>& commands) {
   const std::string tool = std::filesystem::path(argv[0]).filename().string();
   const Words words(argv + std::min(argc, 1), argv + argc);
   const std::string word = words.empty() ? "" : words.front();
-  if (word == "--print-commands") {  // for scripts that go through all tools; "" is the tool without a command
+  if (word == "--print-commands") {  // for scripts that list all tools; "" is the tool without a command
     std::string names;
     for (const Command& command : commands) names += command.name + "\n";
     return print(names);

@@ -3,7 +3,7 @@
 namespace ngs::cli {
 
 inline constexpr int kDone = 0;
-inline constexpr int kCheckFailed = 1;    // done, and a requested check failed
+inline constexpr int kCheckFailed = 1;    // done, but a requested check failed
 inline constexpr int kBudgetHit = 7;      // a usable partial result was written
 inline constexpr int kBug = 70;           // an exception that is not an Error
 inline constexpr int kInterrupted = 130;  // SIGINT, SIGQUIT

@@ -39,7 +39,7 @@ std::string upper(std::string text) {
   return text;
 }
 
-/// "0.5", "1e6": short, for people; the schema has all digits.
+/// A short number such as "0.5" or "1e6"; the schema has all digits.
 std::string shown_number(const Json& number) {
   const double value = number.get<double>();
   if (number.is_number_integer() && std::abs(value) < 1e5) return number.dump();
@@ -53,7 +53,7 @@ std::string shown_number(const Json& number) {
   return shown;
 }
 
-/// What is typed for a value: "N", "on|off".
+/// Placeholder of a value: "N", "on|off".
 std::string value_of(const OptionEntry& entry) {
   switch (entry.kind) {
     case OptionKind::kBool: return {};
@@ -98,7 +98,7 @@ struct Part {
   std::vector<const OptionEntry*> entries;
 };
 
-/// The options by the names of their groups, in the order in which these come first.
+/// The options by group, in the order in which the groups first occur.
 std::vector<Part> parts_of(const OptionSet& options, const std::function<bool(const OptionEntry&)>& is_wanted) {
   std::vector<Part> parts;
   for (const OptionEntry& entry : options.entries()) {
@@ -110,15 +110,15 @@ std::vector<Part> parts_of(const OptionSet& options, const std::function<bool(co
   return parts;
 }
 
-/// Those that somebody listens to, in a help as short as `least`.
-std::vector<Part> heard_parts(const OptionSet& options, Shown least) {
-  return parts_of(options, [&](const OptionEntry& e) { return is_heard(e) && e.group->shown <= least; });
+/// The options that apply and that a help text of length `least` shows.
+std::vector<Part> used_parts(const OptionSet& options, Shown least) {
+  return parts_of(options, [&](const OptionEntry& e) { return is_used(e) && e.group->shown <= least; });
 }
 std::vector<Part> all_parts(const OptionSet& options) {
   return parts_of(options, [](const OptionEntry&) { return true; });
 }
 
-/// The flags alone, for a tool that has many and says of none that a first user needs it.
+/// The flags alone, for a tool whose option rows would not fit in the short help.
 std::string option_list(const std::vector<Part>& parts, int width) {
   std::string flags;
   for (const Part& part : parts)
@@ -130,14 +130,14 @@ std::string option_rows(const std::vector<Part>& parts, int width) {
   std::string text;
   for (const Part& part : parts) {
     std::string title = part.group->name + (part.group->about.empty() ? "" : ": " + part.group->about);
-    if (!is_heard(*part.entries.front())) title += ", only with " + part.group->listener;
+    if (!is_used(*part.entries.front())) title += ", only with " + part.group->needs;
     text += "\n" + wrapped("", title + (text.empty() ? " [default; range]:" : ":"), {2, width}) + "\n";
     for (const OptionEntry* entry : part.entries) text += option_row(*entry, width);
   }
   return text;
 }
 
-/// Two in a line where both have room.
+/// Two common flags per line if both fit.
 std::string common_rows(int width) {
   constexpr int kFlagColumns = 27;
   CommonFlags defaults;
@@ -167,7 +167,7 @@ std::string common_rows(int width) {
   return text;
 }
 
-/// A command line: a flag stays with its value, and a line that goes on ends with a backslash.
+/// A command line in lines of `width`: a flag stays with its value, and a continued line ends with a backslash.
 std::string example(const std::string& command, int width) {
   const std::string kNoBreak = "\u00a0";
   std::string text = command;
@@ -229,10 +229,10 @@ std::string group_text(const Spec& spec, const std::string& group, int width) {
               near_matches(group, names).empty() ? "" : suggestion(group, names));
 }
 
-/// The groups that --help alone leaves out or cuts short.
+/// The groups that plain --help omits or shortens.
 std::string further_groups(const Spec& spec, int width) {
   std::vector<std::string> names = group_names(spec);
-  for (const Part& part : heard_parts(spec.options, Shown::kInHelp)) std::erase(names, part.group->name);
+  for (const Part& part : used_parts(spec.options, Shown::kInHelp)) std::erase(names, part.group->name);
   for (const HelpTopic& topic : spec.help_topics)
     if (topic.text(true) == topic.text(false)) std::erase(names, topic.name);
   return names.size() < 2 ? "" : "\n" + wrapped("more: --help", joined(names, "|"), {2, width}) + "\n";
@@ -244,10 +244,11 @@ std::string short_help_text(const Spec& spec, int width) {
   const std::string head = examples_and_usage(spec, width) + inputs_and_outputs(spec, width);
   const std::string tail =
       "\n" +
-      wrapped("more:", "--help has further options and the flags of all tools, --help all everything", {2, width}) +
+      wrapped("more:", "--help shows further options and the flags of all tools, --help all shows everything",
+              {2, width}) +
       "\n";
-  std::vector<Part> parts = heard_parts(spec.options, Shown::kInShortHelp);
-  if (parts.empty()) parts = heard_parts(spec.options, Shown::kInHelp);
+  std::vector<Part> parts = used_parts(spec.options, Shown::kInShortHelp);
+  if (parts.empty()) parts = used_parts(spec.options, Shown::kInHelp);
   if (parts.empty()) return head + tail;
   std::string text = head + option_rows(parts, width) + tail;
   if (std::ranges::count(text, '\n') > kShortHelpLines) text = head + option_list(parts, width) + tail;
@@ -258,7 +259,7 @@ std::string help_text(const Spec& spec, const std::string& group, int width) {
   if (group != kUsualHelp && group != kAllGroups) return group_text(spec, group, width);
   const bool all = group == kAllGroups;
   std::string text = examples_and_usage(spec, width) + inputs_and_outputs(spec, width);
-  text += option_rows(all ? all_parts(spec.options) : heard_parts(spec.options, Shown::kInHelp), width);
+  text += option_rows(all ? all_parts(spec.options) : used_parts(spec.options, Shown::kInHelp), width);
   for (const HelpTopic& topic : spec.help_topics)
     if (const std::string table = topic.text(all); !table.empty()) text += "\n" + rewrapped(table, width);
   text += "\nflags of all tools:\n" + common_rows(width);

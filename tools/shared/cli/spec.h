@@ -1,5 +1,5 @@
 #pragma once
-// What a tool has declared, and what its command line made of that. Internal to tools/shared.
+// The declarations of a tool and their values from the command line. Internal to tools/shared.
 #include <deque>
 #include <functional>
 #include <string>
@@ -10,10 +10,11 @@
 
 namespace ngs::cli {
 
-/// A part of the help beside those of the options.
+/// A section of the help in addition to the options.
 struct HelpTopic {
-  std::string name;                               // --help NAME shows it
-  std::function<std::string(bool in_full)> text;  // for --help NAME and --help all, or for --help; empty: not shown
+  std::string name;  // --help NAME shows it
+  std::function<std::string(bool in_full)>
+      text;  // in_full: for --help NAME and --help all; else for --help. Empty: not shown
 };
 
 struct Spec {
@@ -24,13 +25,13 @@ struct Spec {
   std::deque<Inputs> input_lists;
   std::deque<Argument> arguments;
   std::deque<Output> outputs;
-  std::vector<std::string*> positionals;      // paths and words in the order of declaration
-  std::vector<std::string> positional_names;  // of the same
+  std::vector<std::string*> positionals;      // paths and arguments in the order of declaration
+  std::vector<std::string> positional_names;  // their names
   std::vector<HelpTopic> help_topics;
   std::vector<const bool*> writes_nothing_if;
   bool stops_on_request = false, runs_on_device = false, partly_on_device = false;
 
-  /// One of the options that make a run like a dry one is set.
+  /// True if one of `writes_nothing_if` is set.
   bool writes_nothing() const;
 };
 

@@ -18,22 +18,22 @@ Splitter::~Splitter() = default;
 
 void Splitter::value(const std::string& flags) {
   app_->add_option(flags, texts_[flags])->take_all()->expected(1)->allow_extra_args(false);
-  remember(flags);
+  register_names(flags);
 }
 
 void Splitter::flag(const std::string& flags) {
   app_->add_flag(flags, texts_[flags])->take_all();
-  remember(flags);
+  register_names(flags);
 }
 
 Texts Splitter::split(Texts words) {
   const auto end_of_flags = std::find(words.begin(), words.end(), "--");
   Texts plain(end_of_flags == words.end() ? end_of_flags : end_of_flags + 1, words.end());
   words.erase(end_of_flags, words.end());
-  std::reverse(words.begin(), words.end());  // CLI11 takes them from the back
+  std::reverse(words.begin(), words.end());  // CLI11 reads them from the back
   try {
     app_->parse(words);
-  } catch (const CLI::ArgumentMismatch& e) {  // its message begins with the flag
+  } catch (const CLI::ArgumentMismatch& e) {  // the message begins with the flag
     const std::string message = e.what();
     throw Error(ErrorCode::kUsage, message.substr(0, message.find(':')) + ": no value given, expected one",
                 "see --help");
@@ -49,7 +49,7 @@ Texts Splitter::split(Texts words) {
   return rest;
 }
 
-void Splitter::remember(const std::string& flags) {
+void Splitter::register_names(const std::string& flags) {
   for (std::size_t begin = 0; begin < flags.size();) {
     const std::size_t end = std::min(flags.find(',', begin), flags.size());
     known_.push_back(flags.substr(begin, end - begin));

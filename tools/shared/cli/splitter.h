@@ -1,7 +1,7 @@
 #pragma once
-// argv cut into flags with their values, and words. CLI11 only splits here: every value is collected as text, one per
-// occurrence (it would otherwise let a list option swallow the positionals behind it), and all checks and messages are
-// ours.
+// Splits argv into flags with values and positionals. CLI11 does nothing but this: every value is collected as text,
+// one per occurrence, because a CLI11 list option would consume the positionals after it. All checks and messages are
+// our own.
 #include <map>
 #include <memory>
 #include <string>
@@ -16,20 +16,19 @@ class Splitter {
   Splitter();
   ~Splitter();
 
-  /// A flag that takes a value. `flags` ("-o,--output") is its key below.
+  /// Adds a flag with a value. `flags` ("-o,--output") is its key below.
   void value(const std::string& flags);
-  /// One that takes none, or "=false". "--fast,!--no-fast": the second spelling means false.
+  /// Adds a flag without a value, or with "=false". "--fast,!--no-fast": the second spelling means false.
   void flag(const std::string& flags);
 
-  /// Of the words of a command line, those that belong to no flag. Error(kUsage) for an unknown flag, or one without
-  /// its value.
+  /// Returns the positionals of a command line. Throws kUsage for an unknown flag, or for a flag without its value.
   Texts split(Texts words);
 
   const Texts& operator[](const std::string& flags) const { return texts_.at(flags); }
   bool has(const std::string& flags) const { return !texts_.at(flags).empty(); }
 
  private:
-  void remember(const std::string& flags);
+  void register_names(const std::string& flags);
   [[noreturn]] void refuse(const std::string& word) const;
 
   struct App;

@@ -1,9 +1,9 @@
 #pragma once
-// What the tools say of themselves, in --version and in reports. Artifacts hold kVersion (core/version.h) alone: the
-// same inputs give the same bytes at any commit that computes the same.
+// The version in --version and in reports. Artifacts contain only kVersion (core/version.h), so that two commits that
+// compute the same write the same bytes.
 namespace ngs::cli {
 
-/// "0.1.0+g1234abc"; in a source file that is written when the tools are built, so that a commit recompiles nothing
+/// "0.1.0+g1234abc". It is defined in a source file generated at build time, so that a new commit recompiles nothing
 /// else.
 const char* version_with_commit();
 

@@ -10,7 +10,7 @@
 namespace ngs::cli {
 namespace {
 
-constexpr std::size_t kLongestList = 200;  // entries of one list that a page shows
+constexpr std::size_t kLongestList = 200;  // maximum entries of a list on a page
 
 bool all_objects(const Json& list) {
   for (const Json& entry : list)

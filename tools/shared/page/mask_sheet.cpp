@@ -20,7 +20,7 @@ namespace ngs::cli {
 namespace {
 
 constexpr float kDarkened = 0.35f, kUnknownGrey = 0.5f;
-/// Of objects, told apart by most colour-blind readers too; the ninth has the first again.
+/// Colours of objects, distinguishable for most colour-blind readers; the ninth object has the first colour again.
 constexpr std::array kColours = {"#ff6a2b", "#22d3ff", "#ffe14d", "#ff7ad9",
                                  "#7dff8a", "#b79bff", "#ffffff", "#ff5c5c"};
 
@@ -28,7 +28,7 @@ const char* colour_of(std::size_t object) { return kColours[object % kColours.si
 
 std::string percent(double share) { return decimal(100 * share, share < 0.1 ? 1 : 0) + "\u202f%"; }
 
-/// A scene's masks at the size of a picture.
+/// The masks of a view, resized to the picture.
 struct SmallMasks {
   int width_px = 0, height_px = 0;
   std::vector<std::vector<std::uint8_t>> objects;  // [K][H·W]
@@ -44,14 +44,14 @@ SmallMasks small_masks(const ViewMasks& masks, int width_px, int height_px) {
   for (const std::vector<float>& target : masks.target) {
     small.objects.emplace_back();
     for (int y = 0; y < height_px; ++y)
-      for (int x = 0; x < width_px; ++x) small.objects.back().push_back(mask_says_object(target[source(x, y)]));
+      for (int x = 0; x < width_px; ++x) small.objects.back().push_back(mask_is_foreground(target[source(x, y)]));
   }
   for (int y = 0; y < height_px; ++y)
     for (int x = 0; x < width_px; ++x) small.known.push_back(masks.known.empty() || masks.known[source(x, y)] != 0);
   return small;
 }
 
-void darken_what_is_no_object(ImageF& photo, const SmallMasks& masks) {
+void darken_background(ImageF& photo, const SmallMasks& masks) {
   for (std::size_t p = 0; p < masks.known.size(); ++p) {
     const bool object = std::ranges::any_of(masks.objects, [&](const auto& mask) { return mask[p] != 0; });
     for (std::size_t c = 0; c < 3 && !object; ++c) {
@@ -65,14 +65,14 @@ std::string caption(const Scene& scene, std::size_t view, const ViewMasks& masks
   std::string text = "<b>" + escaped(scene.views[view].camera.name) + "</b>";
   if (scene.views[view].split == Split::kHeldOut) text += " held out";
   for (std::size_t k = 0; k < masks.target.size(); ++k) {
-    const auto object = std::ranges::count_if(masks.target[k], [](float value) { return mask_says_object(value); });
+    const auto object = std::ranges::count_if(masks.target[k], [](float value) { return mask_is_foreground(value); });
     const double share = double(object) / double(std::max<std::size_t>(1, masks.target[k].size()));
     const bool odd = object == 0 || object == std::ssize(masks.target[k]);
-    if (masks.target.size() > 1 && object == 0) continue;  // an object that this view does not show
+    if (masks.target.size() > 1 && object == 0) continue;  // an object that is not visible in this view
     text += std::string(k == 0 || text.ends_with("held out") ? " " : ", ") + (odd ? "<em>" : "") +
             (masks.target.size() > 1 ? escaped(scene.objects[k].name) + " " : "") +
             (object == 0 ? "the mask is empty"
-             : odd       ? "all of the picture"
+             : odd       ? "the whole picture"
                          : percent(share)) +
             (odd ? "</em>" : "");
   }
@@ -88,7 +88,7 @@ std::string figure(const Scene& scene, std::size_t view, int width_px) {
   ImageF photo = io::load_photo(scene, view);
   photo = photo.empty() ? ImageF(w, h, 3, 0.7f) : io::resize_area(photo, w, h);
   const SmallMasks small = small_masks(masks, w, h);
-  darken_what_is_no_object(photo, small);
+  darken_background(photo, small);
   std::vector<Outline> outlines;
   for (std::size_t k = 0; k < small.objects.size(); ++k)
     outlines.push_back({"given", {small.objects[k].data(), w, h}, colour_of(k)});
@@ -154,14 +154,13 @@ MaskSheet mask_sheet(const Scene& scene, const MaskSheetOptions& options) {
 }
 
 std::string mask_sheet_page(const Scene& scene, const MaskSheet& sheet) {
-  std::string odd;
-  for (const std::string& problem : sheet.problems) odd += "<li>" + escaped(problem) + "</li>";
+  std::string problems;
+  for (const std::string& problem : sheet.problems) problems += "<li>" + escaped(problem) + "</li>";
   const std::string known = scene_title(scene), title = known.empty() ? "Scene" : known;
-  return page_start(
-             title + " – given masks", title,
-             "The given masks over their photos. What no mask calls the object is dark, what is unknown is grey.") +
+  return page_start(title + " – given masks", title,
+                    "The given masks over their photos. Background is dark, unknown pixels are grey.") +
          (sheet.html.empty() ? "<p>No view has a mask that can be shown.</p>" : sheet.html) +
-         (odd.empty() ? "" : section("oddities", "Oddities", "<ul class=odd>" + odd + "</ul>")) + page_end();
+         (problems.empty() ? "" : section("warnings", "Warnings", "<ul class=odd>" + problems + "</ul>")) + page_end();
 }
 
 std::string scene_title(const Scene& scene) {

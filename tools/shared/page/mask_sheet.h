@@ -1,5 +1,5 @@
 #pragma once
-// The masks that were given, each over its photo: what people look at before they run anything.
+// The input masks, each over its photo, to be checked before anything is run.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -9,25 +9,25 @@
 namespace ngs::cli {
 
 struct MaskSheetOptions {
-  int width_px = 240;       // of a picture
-  double budget_mib = 8.0;  // all pictures together
+  int width_px = 240;       // per picture
+  double budget_mib = 8.0;  // for all pictures together
 };
 
 struct MaskSheet {
-  std::string html;                      // figures, with their legend; empty: no view has a mask
+  std::string html;                      // figures and legend; empty: no view has a mask
   std::vector<std::string> problems;     // masks and photos that could not be read
-  std::int64_t shown = 0, left_out = 0;  // views with a mask; left out: beyond the budget
-  std::vector<std::string> without;      // views that have none
+  std::int64_t shown = 0, left_out = 0;  // views with a mask; left_out: over the budget
+  std::vector<std::string> without;      // views without a mask
 };
 
-/// Of every view with a mask, in the scene's order. What no mask says to be an object's is darkened, what is unknown is
-/// hatched out in grey; each object has its outline.
+/// One picture per view with a mask, in the scene's order. Background is darkened, unknown pixels are hatched in grey,
+/// and each object has an outline.
 MaskSheet mask_sheet(const Scene& scene, const MaskSheetOptions& options);
 
-/// The sheet as a page of its own.
+/// The sheet as a complete page.
 std::string mask_sheet_page(const Scene& scene, const MaskSheet& sheet);
 
-/// What people call the scene: the folder of its capture; empty where that says nothing. No HTML yet.
+/// A title for the scene: the folder name of its capture, empty if that is generic. Plain text.
 std::string scene_title(const Scene& scene);
 
 }  // namespace ngs::cli

@@ -1,5 +1,5 @@
 #pragma once
-// A picture with the outlines of masks drawn over it: a JPEG as data URI under inline SVG, sharp at any zoom.
+// A picture with mask outlines drawn over it: a JPEG data URI under inline SVG, sharp at any zoom.
 #include <string>
 #include <vector>
 
@@ -14,15 +14,15 @@ struct Window {
 };
 
 struct Outline {
-  std::string kind;         // class of the lines
+  std::string kind;         // CSS class of the lines
   MaskPlane mask;           // without data: not drawn
-  std::string colour = {};  // of the lines where the class has none: "#ff6a2b"
+  std::string colour = {};  // colour of the lines if the class has none: "#ff6a2b"
 };
 
-/// `picture` [H, W, 3] as a data URI.
+/// `picture` [H, W, 3] as a JPEG data URI.
 std::string jpeg_source(const ImageU8& picture, int quality);
 
-/// The unit of the outlines is the pixel of `view_box`, which the picture fills; `alt` is no HTML yet.
+/// Outlines are in pixels of `view_box`, which the picture fills; `alt` is plain text.
 std::string outlined_picture(const ImageU8& picture, const std::vector<Outline>& outlines, Window view_box,
                              const std::string& alt);
 

@@ -1,5 +1,5 @@
 #pragma once
-// The look of the page: system fonts, light and dark by the reader's setting, one column on a phone.
+// Style of all pages: system fonts, light or dark by the reader's setting, one column on a phone.
 namespace ngs::cli {
 
 inline constexpr const char* kStyle = R"css(

@@ -17,7 +17,7 @@ void require_checkpoint_folder(const std::string& folder, const std::string& pat
   std::filesystem::create_directories(folder, error);
   if (error)
     throw Error(ErrorCode::kEnvironment,
-                folder + ": " + error.message() + ", expected a folder to keep a checkpoint in",
+                folder + ": " + error.message() + ", expected a writable folder for checkpoints",
                 "name another folder with --checkpoint");
   const io::AtomicFile unfinished(path);
 }
@@ -36,19 +36,20 @@ std::string masks_hash(const Scene& scene) {
   return io::files_hash(files);
 }
 
-void Checkpoints::on_the_way(std::int64_t step, const std::function<void()>& write) {
+void Checkpoints::write_during_run(std::int64_t step, const std::function<void()>& write) {
   try {
     write();
     failed_ = false;
     kept_step_ = step;
   } catch (const Error& e) {
     if (e.code() != ErrorCode::kEnvironment) throw;
-    if (!failed_) monitor_.warn("the checkpoint was not written, the run goes on without it: " + std::string(e.what()));
+    if (!failed_)
+      monitor_.warn("the checkpoint was not written, the run continues without it: " + std::string(e.what()));
     failed_ = true;
   }
 }
 
-void Checkpoints::at_the_stop(std::int64_t step, const std::function<void()>& write) {
+void Checkpoints::write_on_stop(std::int64_t step, const std::function<void()>& write) {
   if (step == kept_step_) return;
   write();
   kept_step_ = step;

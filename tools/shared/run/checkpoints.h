@@ -1,6 +1,6 @@
 #pragma once
-// Checkpoints cost no run its result: a folder that can never hold one is found before the work, and a full disk on the
-// way is a warning. And they give none that it would not have had: what a run reads is part of what they are of.
+// Writing checkpoints never loses a result: an unusable folder is found before the work begins, and a full disk during
+// the run is only a warning. Resuming never changes a result: a checkpoint records hashes of the inputs.
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -10,11 +10,11 @@
 
 namespace ngs::cli {
 
-/// Makes the folder and tries to write `path` in it, without leaving anything there. kEnvironment where that fails.
+/// Creates the folder and tests that `path` can be written in it; leaves no file. Throws kEnvironment if that fails.
 void require_checkpoint_folder(const std::string& folder, const std::string& path);
 
-/// Hashes of what lies in the photos of all views, and in the masks of the training views. Of the contents, not of
-/// times: a run may go on elsewhere, on a copy, and reading the files once more is little beside decoding them.
+/// Hashes of the photos of all views, and of the masks of the training views. They hash contents, not times, because a
+/// run may be resumed on a copy of the scene. Reading the files again is cheap compared with decoding them.
 std::string photos_hash(const Scene& scene);
 std::string masks_hash(const Scene& scene);
 
@@ -22,12 +22,12 @@ class Checkpoints {
  public:
   explicit Checkpoints(Monitor& monitor) : monitor_(monitor) {}
 
-  /// Where `write` cannot (kEnvironment) the run goes on: the first failure of several in a row is a warning, and what
-  /// was written before stays.
-  void on_the_way(std::int64_t step, const std::function<void()>& write);
-  /// Of a run that was asked to stop: writes unless the state after `step` is kept already. A signal that comes while a
-  /// large state is written need not wait for a second writing of it.
-  void at_the_stop(std::int64_t step, const std::function<void()>& write);
+  /// If `write` fails (kEnvironment), the run continues and keeps the previous checkpoint; the first of several
+  /// failures in a row is a warning.
+  void write_during_run(std::int64_t step, const std::function<void()>& write);
+  /// For a run that a signal stopped: writes unless the state after `step` is already written. A signal that arrives
+  /// while a large state is being written does not have to wait for a second write.
+  void write_on_stop(std::int64_t step, const std::function<void()>& write);
 
  private:
   Monitor& monitor_;

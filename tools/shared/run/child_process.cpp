@@ -27,16 +27,16 @@ namespace {
 
 constexpr std::size_t kLastWords = 2000;
 
-/// An unnamed file that takes what the child says; a pipe would have to be read while it runs.
+/// An unnamed file for the output of the child; a pipe would have to be read while the child runs.
 struct Transcript {
   int descriptor = -1;
   off_t position = 0;  // read so far
-  std::string line;    // the last, as far as it was read
+  std::string line;    // the last line, as far as it was read
   Transcript() { descriptor = unnamed_file(); }
   ~Transcript() { close(descriptor); }
   Transcript(const Transcript&) = delete;
 
-  /// Calls `on_line` for what was completed since the last call.
+  /// Calls `on_line` for every line completed since the last call.
   void read_on(const std::function<void(const std::string&)>& on_line) {
     char block[4096];
     for (ssize_t count; (count = pread(descriptor, block, sizeof block, position)) > 0;) {
@@ -57,12 +57,12 @@ struct Transcript {
 int unnamed_file() {
   std::string name = (std::filesystem::temp_directory_path() / "ngs-child-XXXXXX").string();
   const int descriptor = mkostemp(name.data(), O_CLOEXEC);
-  if (descriptor < 0) throw Error(ErrorCode::kEnvironment, name + ": cannot be made: " + std::strerror(errno));
+  if (descriptor < 0) throw Error(ErrorCode::kEnvironment, name + ": cannot be created: " + std::strerror(errno));
   unlink(name.c_str());
   return descriptor;
 }
 
-std::string last_words_in(int descriptor) {
+std::string output_tail_of(int descriptor) {
   const off_t size = lseek(descriptor, 0, SEEK_END), from = size > off_t(kLastWords) ? size - off_t(kLastWords) : 0;
   std::string text(std::size_t(std::max(off_t(0), size - from)), '\0');
   const ssize_t count = pread(descriptor, text.data(), text.size(), from);
@@ -182,14 +182,13 @@ ChildResult run_child(const std::vector<std::string>& argv, const ChildLimits& l
     std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(pause_ms));
   }
   if (limits.on_line) transcript.read_on(limits.on_line);
-  if (ending) kill(-child, SIGKILL);  // what the child itself started
+  if (ending) kill(-child, SIGKILL);  // processes that the child started
   if (ended < 0 && !ending)
-    throw Error(
-        ErrorCode::kEnvironment, argv[0] + ": its exit code is lost: " + std::strerror(errno),
-        "start this process with SIGCHLD at its default: while it is ignored, nobody learns how a program ended");
+    throw Error(ErrorCode::kEnvironment, argv[0] + ": its exit code is lost: " + std::strerror(errno),
+                "start this process with the default SIGCHLD handler: if SIGCHLD is ignored, exit codes are lost");
   if (!ending && WIFSIGNALED(status)) result.end = ChildResult::End::kSignalled;
   result.code = WIFEXITED(status) ? WEXITSTATUS(status) : WTERMSIG(status);
-  result.last_words = last_words_in(transcript.descriptor);
+  result.output_tail = output_tail_of(transcript.descriptor);
   return result;
 }
 

@@ -15,7 +15,7 @@
 namespace ngs::cli {
 namespace {
 
-/// One write per line, so that lines of several tools in one pipeline do not mix.
+/// One write per line, so that lines of several tools in a pipeline do not mix.
 void write_stderr(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stderr); }
 
 std::string json_line(const Json& record) { return record.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
@@ -72,7 +72,7 @@ void Console::line(std::string_view level, std::string_view colour, const std::s
 void Console::progress(const std::string& stage, std::int64_t done, std::int64_t total) {
   if (level_ < LogLevel::kWarning) return;
   const double now_s = wall_seconds();
-  clock_.told(stage, done, now_s);
+  clock_.update(stage, done, now_s);
   if (now_s - last_progress_s_ < progress_every_s_) return;
   last_progress_s_ = now_s;
   if (format_ == LogFormat::kJson)
@@ -84,8 +84,7 @@ void Console::progress(const std::string& stage, std::int64_t done, std::int64_t
   shows_progress_ = terminal_;
 }
 
-/// A bar and times once there is something to say of them. Never as wide as the terminal: a line that wraps could not
-/// be taken back.
+/// A bar and times as soon as they are known. Narrower than the terminal: a line that wraps could not be erased.
 std::string Console::progress_line(const std::string& stage, std::int64_t done, std::int64_t total,
                                    double now_s) const {
   constexpr int kBar = 20;

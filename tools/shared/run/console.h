@@ -1,7 +1,6 @@
 #pragma once
-// stderr: messages and progress for people, or JSON lines. stdout is data and no business of this file.
-// Progress on a terminal is one line that is rewritten; it is gone before anything else is written and once its stage
-// is over, so that nothing of it stays behind.
+// Messages and progress on stderr, as text or JSON lines; stdout carries data only. On a terminal, progress is one line
+// that is rewritten. It is erased before other output and when its stage ends.
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -21,18 +20,18 @@ class Console {
   void error(const std::string& message, const std::string& remedy);
   void warning(const std::string& message);
   void info(const std::string& message);
-  /// A table or another text of several lines for people, as it is; silent with -q.
+  /// Prints a table or another text of several lines unchanged; silent with -q.
   void text(const std::string& lines);
-  /// The end of a run, on a terminal; silent with -q.
+  /// Prints the summary of a run on a terminal; silent with -q.
   void summary(const std::string& lines);
-  /// On a terminal one line that is rewritten, with a bar and the time that the stage takes, else a line every ten
-  /// seconds at most, or every NGS_PROGRESS_S of the environment, for a tool that another shows. `total` 0: not known.
+  /// On a terminal: one line that is rewritten, with a bar and the time of the stage. Elsewhere: at most one line every
+  /// 10 s, or every NGS_PROGRESS_S seconds if a parent tool sets this variable. `total` 0: unknown.
   void progress(const std::string& stage, std::int64_t done, std::int64_t total);
   void stage_ended(const std::string& stage);
-  /// "3/9": progress is that of the third of nine stages, of which other tools do the rest. At first what the
-  /// environment says (summary.h); empty: there is one stage only.
+  /// "3/9": progress belongs to stage 3 of 9; other tools run the other stages. The initial value is stage_of_chain()
+  /// (summary.h); empty: a single stage.
   void set_stage_of_chain(std::string stage_of) { chain_ = std::move(stage_of), last_progress_s_ = 0; }
-  /// For those who write to the terminal themselves.
+  /// Erases the progress line before others write to the terminal.
   void clear_progress();
 
  private:

@@ -66,7 +66,7 @@ ChosenDevice choose_device(DeviceChoice choice, const Spec& tool) {
   if (choice == DeviceChoice::kCuda && !cuda.usable)
     throw Error(ErrorCode::kEnvironment, "--device cuda: " + cuda.reason, "use --device cpu or auto");
   if (choice == DeviceChoice::kCuda) return {Device::kCuda, cuda.name, "--device cuda"};
-  if (cuda.usable) return {Device::kCpu, "cpu", "auto: " + cuda.name + " is used on request only, --device cuda"};
+  if (cuda.usable) return {Device::kCpu, "cpu", "auto: " + cuda.name + " is used only with --device cuda"};
   return {Device::kCpu, "cpu", "auto: " + cuda.reason};
 }
 

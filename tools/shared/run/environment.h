@@ -1,5 +1,5 @@
 #pragma once
-// What the machine and the environment variables say: threads and device.
+// Number of threads, instruction set and device, from flags, environment variables and the machine.
 #include <string>
 
 #include "ngs/backend/exec.h"
@@ -11,18 +11,18 @@ namespace ngs::cli {
 /// -j unless 0, else NGS_THREADS, else SLURM_CPUS_PER_TASK, else the CPUs that this process may run on.
 int choose_threads(int flag);
 
-/// NGS_ISA = portable, neon, v3 or v4, else the best that processor and build have. Throws where the one asked for
-/// cannot be had.
+/// NGS_ISA = portable, neon, v3 or v4, else the best that processor and build support. Throws if NGS_ISA is
+/// unsupported.
 Isa choose_isa();
 const char* isa_name(Isa isa);
 
 struct ChosenDevice {
   Device device = Device::kCpu;
   std::string name;    // "cpu" or the GPU's name
-  std::string reason;  // why this one
+  std::string reason;  // why it was chosen
   DeviceSums sums = DeviceSums::kInOrder;
 };
-/// Throws kEnvironment where CUDA is asked for and cannot be had, by the machine, the build or the tool. auto is the
+/// Throws kEnvironment if CUDA is requested but the machine, the build or the tool does not support it. auto is the
 /// CPU: the CUDA path has not been run on a device yet.
 ChosenDevice choose_device(DeviceChoice choice, const Spec& tool);
 

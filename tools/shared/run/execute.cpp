@@ -53,8 +53,7 @@ void hash_inputs(RunState& state) {
   for (ReadInput& input : state.inputs) input.path = state.streams.given(input.path);
 }
 
-/// The folders of the outputs: made, taken away again where the body fails and leaves them empty, and looked through
-/// for files of before.
+/// Creates the output folders, removes those that a failed body leaves empty, and finds files of earlier runs in them.
 class OutputFolders {
  public:
   explicit OutputFolders(const RunState& state) {
@@ -71,8 +70,9 @@ class OutputFolders {
   void warn_of_leftovers(Monitor& monitor) const {
     for (const Leftovers& folder : folders_)
       if (const std::vector<std::string> names = folder.untouched(); !names.empty())
-        monitor.warn(folder.folder() + ": holds " + std::to_string(names.size()) + " files of before, the first is " +
-                     names.front() + ": they are none of this run's (remove the folder first to be rid of them)");
+        monitor.warn(folder.folder() + ": contains " + std::to_string(names.size()) +
+                     " files of an earlier run, the first is " + names.front() +
+                     "; remove the folder first to avoid this");
   }
 
  private:
@@ -126,11 +126,11 @@ int execute(Spec& spec, const CommonFlags& flags, Console& console, const std::f
   choose_where_to_compute(state);
   connect(state.monitor, console);
   for (const std::string& warning : flags.warnings) state.monitor.warn(warning);
-  for (const std::string& warning : unheard_warnings(spec.options)) state.monitor.warn(warning);
+  for (const std::string& warning : unused_group_warnings(spec.options)) state.monitor.warn(warning);
   hash_inputs(state);
   const int exit_code = run_body(state, body);
 
-  let_finish();
+  cancel_grace_timer();
   console.clear_progress();
   const Json report = report_of(state, wall_seconds() - start_s, exit_code);
   streams.copy_output();

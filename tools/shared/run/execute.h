@@ -1,5 +1,5 @@
 #pragma once
-// A run from the checks of its paths to its report.
+// Executes a run, from the checks of its paths to its report.
 #include <functional>
 
 #include "shared/cli/common_flags.h"

@@ -30,7 +30,7 @@ std::vector<std::string> Leftovers::untouched() const {
     const auto old = before_.find(name), found = now.find(name);
     return old != before_.end() && found != now.end() && old->second == found->second;
   };
-  std::set<fs::path> kinds;  // of what the run has written
+  std::set<fs::path> kinds;  // extensions that the run has written
   for (const auto& [name, file] : now)
     if (!is_old(name)) kinds.insert(fs::path(name).extension());
   std::vector<std::string> names;

@@ -1,5 +1,6 @@
 #pragma once
-// Files in the folder of an output that a run with -w finds there and does not replace. They look like its results.
+// Files that an earlier run left in an output folder and that a run with -w did not replace. They could be mistaken for
+// its results.
 #include <map>
 #include <string>
 #include <vector>
@@ -8,17 +9,16 @@ namespace ngs::cli {
 
 class Leftovers {
  public:
-  /// Notes what lies in the folder before the run; nothing where it does not exist.
+  /// Lists the files in the folder before the run; none if the folder does not exist.
   explicit Leftovers(std::string folder);
 
   const std::string& folder() const { return folder_; }
-  /// Sorted names, relative to the folder, of the files that are still those noted, and of a kind (by extension) that
-  /// the run has written.
+  /// Sorted names, relative to the folder, of unchanged files whose extension the run has written too.
   std::vector<std::string> untouched() const;
 
  private:
   struct File {
-    unsigned long inode = 0;  // an output that replaces a file is another one
+    unsigned long inode = 0;  // differs after a file was replaced
     long long written_ns = 0;
     bool operator==(const File&) const = default;
   };

@@ -30,16 +30,16 @@ void close_descriptor(int& descriptor) {
 }  // namespace
 
 LineProgram::LineProgram(const std::vector<std::string>& argv) : name_(argv[0]) {
-  // A socket, because writing to a pipe whose reader is gone would end this process by SIGPIPE.
+  // A socket, because writing to a pipe without a reader would end this process by SIGPIPE.
   int socket[2], pipe[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, socket) != 0 || pipe2(pipe, O_CLOEXEC) != 0)
-    throw Error(ErrorCode::kEnvironment, name_ + ": cannot be connected: " + std::strerror(errno));
+    throw Error(ErrorCode::kEnvironment, name_ + ": no connection to the program: " + std::strerror(errno));
   to_ = socket[0], from_ = pipe[0];
   try {
-    said_ = unnamed_file();
-    process_ = spawn_program(argv, {.in = socket[1], .out = pipe[1], .err = said_});
+    err_file_ = unnamed_file();
+    process_ = spawn_program(argv, {.in = socket[1], .out = pipe[1], .err = err_file_});
   } catch (...) {
-    for (int* descriptor : {&socket[1], &pipe[1], &to_, &from_, &said_}) close_descriptor(*descriptor);
+    for (int* descriptor : {&socket[1], &pipe[1], &to_, &from_, &err_file_}) close_descriptor(*descriptor);
     throw;
   }
   close(socket[1]), close(pipe[1]);
@@ -48,7 +48,7 @@ LineProgram::LineProgram(const std::vector<std::string>& argv) : name_(argv[0]) 
 LineProgram::~LineProgram() {
   close_descriptor(to_);
   if (process_ != 0) end(ChildResult::End::kExited, kPatienceAtEndS);
-  close_descriptor(from_), close_descriptor(said_);
+  close_descriptor(from_), close_descriptor(err_file_);
 }
 
 bool LineProgram::send(const std::string& text) const {
@@ -60,12 +60,12 @@ bool LineProgram::send(const std::string& text) const {
   return true;
 }
 
-/// Of what was received; none: the line is not complete yet.
+/// The next received line; nullopt: the line is not complete yet.
 std::optional<std::string> LineProgram::next_line() {
   const std::size_t feed = received_.find('\n');
   if (feed == std::string::npos) {
     if (received_.size() > kLongestLine)
-      throw Error(ErrorCode::kBadInput, name_ + ": a line of more than a mebibyte, expected an answer of one line");
+      throw Error(ErrorCode::kBadInput, name_ + ": a line of more than 1 MiB, expected an answer of one line");
     return std::nullopt;
   }
   std::string line = received_.substr(0, feed);
@@ -73,7 +73,7 @@ std::optional<std::string> LineProgram::next_line() {
   return line;
 }
 
-/// Waits for it to end, for so long; then SIGTERM, and after as long again SIGKILL. kExited asks for nothing at first.
+/// Sends SIGTERM, or with kExited first waits `patience_s`, then sends it; after another `patience_s` sends SIGKILL.
 ChildResult LineProgram::end(ChildResult::End why, double patience_s) {
   ChildResult result;
   result.end = why;
@@ -88,11 +88,11 @@ ChildResult LineProgram::end(ChildResult::End why, double patience_s) {
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
-  kill(-process_, SIGKILL);  // what it started itself
+  kill(-process_, SIGKILL);  // processes that it started
   process_ = 0;
   if (why == ChildResult::End::kExited && WIFSIGNALED(status)) result.end = ChildResult::End::kSignalled;
   result.code = WIFEXITED(status) ? WEXITSTATUS(status) : WTERMSIG(status);
-  result.last_words = last_words_in(said_);
+  result.output_tail = output_tail_of(err_file_);
   return ended_ = result;
 }
 

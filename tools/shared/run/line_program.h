@@ -1,5 +1,6 @@
 #pragma once
-// A program that is started once and asked many times: a line on its stdin, the answer a line on its stdout.
+// A program that is started once and serves many requests: each request is a line on its stdin, each answer a line on
+// its stdout.
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,29 +11,29 @@ namespace ngs::cli {
 
 class LineProgram {
  public:
-  /// kEnvironment where it cannot be started. It has a process group of its own, as run_child() gives one.
+  /// Throws kEnvironment if it cannot be started. It has its own process group, as in run_child().
   explicit LineProgram(const std::vector<std::string>& argv);
-  /// Closes its stdin, which ends it; after half a second the group is ended.
+  /// Closes its stdin, which should end it; after 0.5 s terminates the process group.
   ~LineProgram();
   LineProgram(const LineProgram&) = delete;
   LineProgram& operator=(const LineProgram&) = delete;
 
   struct Answer {
-    std::string line;                  // without its line feed
-    std::optional<ChildResult> ended;  // set: there is no line, nor any further answer
+    std::string line;                  // without the newline
+    std::optional<ChildResult> ended;  // set: the program has ended and gives no more answers
   };
-  /// The first line of what follows that begins with '{'; others are what libraries print. At the time limit and on
-  /// `stop` the program is ended. kBadInput for a line of more than a mebibyte.
+  /// Sends `line` and returns the next line that begins with '{'. Other lines are ignored: libraries print them. At the
+  /// time limit and on `stop` the program is terminated. Throws kBadInput for a line above 1 MiB.
   Answer ask(const std::string& line, const ChildLimits& limits);
 
  private:
   bool send(const std::string& text) const;
   std::optional<std::string> next_line();
-  /// Of a program that runs.
+  /// Requires that the program runs.
   ChildResult end(ChildResult::End why, double patience_s);
 
   std::string name_, received_;
-  int to_ = -1, from_ = -1, said_ = -1;  // its stdin, its stdout, a file with its stderr
+  int to_ = -1, from_ = -1, err_file_ = -1;  // its stdin, its stdout, a file with its stderr
   ChildResult ended_;
   int process_ = 0;  // 0: has ended
 };

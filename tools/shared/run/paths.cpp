@@ -26,17 +26,17 @@ void for_each_input(const Spec& spec,
 void refuse_input(const std::string& output, const std::string& name, const std::string& input) {
   std::error_code ignored;
   if (fs::equivalent(output, input, ignored))
-    throw Error(ErrorCode::kUsage, output + ": is the input '" + name + "' too, expected another path for the output");
+    throw Error(ErrorCode::kUsage, output + ": is also the input '" + name + "', expected another path for the output");
 }
 
-/// Links are followed, so that one place has one name; empty: a device or pipe, which may be given several times.
+/// The path with links resolved, so that one file has one name; empty for a device or pipe, which may be given twice.
 fs::path place_of(const std::string& path) {
   std::error_code ignored;
   if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored) && !fs::is_directory(path, ignored)) return {};
   return (fs::weakly_canonical(path, ignored) / "").parent_path();  // "out/" is "out"
 }
 
-/// Of two outputs in one place the second would replace the first.
+/// Throws kUsage if two outputs are one file: the second would replace the first.
 void check_distinct(const Spec& spec, const std::string& report_path) {
   std::map<fs::path, std::string> taken;  // by the flag
   const auto take = [&](const std::string& path, const std::string& flag) {
@@ -45,7 +45,7 @@ void check_distinct(const Spec& spec, const std::string& report_path) {
     const auto [other, is_free] = taken.emplace(place, flag);
     if (!is_free)
       throw Error(ErrorCode::kUsage,
-                  path + ": is given for " + other->second + " and for " + flag + ", expected a path for each");
+                  path + ": is given both for " + other->second + " and for " + flag + ", expected different paths");
   };
   for (const Output& output : spec.outputs) take(output.path, output.flags.substr(output.flags.find("--")));
   take(report_path, "--report");
@@ -75,7 +75,9 @@ void check_output(const Spec& spec, const Output& output, bool overwrite) {
 void check_inputs(const Spec& spec) {
   for_each_input(spec, [](const std::string& name, const std::string& path) {
     if (access(path.c_str(), R_OK) != 0)
-      throw Error(ErrorCode::kBadInput, path + ": " + std::strerror(errno) + ", expected the input '" + name + "'");
+      throw Error(ErrorCode::kBadInput, path + ": " +
+                                            (errno == ENOENT ? "no such file or folder" : std::strerror(errno)) +
+                                            " (given as input '" + name + "')");
   });
 }
 

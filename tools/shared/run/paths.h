@@ -4,15 +4,15 @@
 
 namespace ngs::cli {
 
-/// Every given input is there and readable (kBadInput).
+/// Throws kBadInput unless every given input exists and is readable.
 void check_inputs(const Spec& spec);
-/// No output (nor the report) exists already unless `overwrite`, none is an input, no two are one file (kUsage),
-/// every folder is there (kEnvironment).
+/// Throws kUsage if an output or the report exists (unless `overwrite`), is also an input, or is given twice. Throws
+/// kEnvironment if the folder of an output is missing.
 void check_outputs(const Spec& spec, const std::string& report_path, bool overwrite);
-/// No output (nor the report) is this input, which the tool has found by itself (kUsage).
+/// Throws kUsage if an output or the report is this input, which the tool found in another file.
 void refuse_outputs_over(const Spec& spec, const std::string& report_path, const std::string& name,
                          const std::string& input);
-/// Sizes and, with `hash`, content hashes of all given inputs.
+/// Sizes of all given inputs and, with `hash`, their content hashes.
 std::vector<ReadInput> describe_inputs(const Spec& spec, bool hash);
 ReadInput describe_input(const std::string& name, const std::string& path, bool hash);
 

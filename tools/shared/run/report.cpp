@@ -36,7 +36,7 @@ Json object_schema(Json properties, const std::vector<std::string>& optional = {
           {"properties", std::move(properties)}};
 }
 
-/// What a common flag accepts, without its default, which for some means that the tool chooses.
+/// The values that a common flag accepts. The default is left out: for some flags it means that the tool chooses.
 Json common_flag_schema(const char* name) {
   CommonFlags flags;
   OptionSet set;
@@ -97,7 +97,7 @@ Json report_schema(const Spec& spec) {
   const Json counts = {{"type", "object"}, {"additionalProperties", {{"type", "integer"}}}};
   std::string file = spec.name + ".schema.json";
   std::ranges::replace(file, ' ', '-');
-  // All of them: the schema of an options file allows no other, and lets any of them be absent.
+  // The report has all options; the schema of an options file allows no others, but requires none.
   const Json options = {{"allOf", {{{"$ref", "../options/" + file}}}},
                         {"minProperties", spec.options.entries().size()}};
   const Json stage = object_schema({{"name", text},

@@ -1,5 +1,5 @@
 #pragma once
-// The JSON report that every tool ends with, and its schema.
+// The JSON report of every tool, and its schema.
 #include <string>
 #include <vector>
 
@@ -34,8 +34,7 @@ struct ReportData {
 };
 
 Json make_report(const ReportData& data);
-/// JSON Schema (draft-07) of the report of a tool with these options, which it refers to as
-/// ../options/TOOL.schema.json.
+/// JSON Schema (draft-07) of the report of this tool. It refers to the options as ../options/TOOL.schema.json.
 Json report_schema(const Spec& spec);
 
 }  // namespace ngs::cli

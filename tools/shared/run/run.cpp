@@ -38,7 +38,7 @@ void Run::sum_atomically() {
   if (device.device == Device::kCpu)
     throw Error(ErrorCode::kUsage,
                 "--fast-atomics: the run is on the CPU (" + device.reason + "), expected a CUDA device",
-                "use --device cuda, or leave --fast-atomics out: sums on the CPU are not the slower for their order");
+                "use --device cuda, or leave --fast-atomics out: it would not be faster on the CPU");
   device.sums = DeviceSums::kAtomic;
   state_.device_exec.device_ops = cuda_ops(device.sums);
 }
@@ -66,12 +66,13 @@ void Run::add_input(const std::string& name, const std::string& path) {
 
 void Run::nothing_found(const std::string& message, const std::string& remedy) {
   if (!allow_empty())
-    throw Error(ErrorCode::kNothingFound, message, remedy.empty() ? "--allow-empty makes this a result" : remedy);
+    throw Error(ErrorCode::kNothingFound, message,
+                remedy.empty() ? "accept an empty result with --allow-empty" : remedy);
   state_.monitor.warn(message);
 }
 
 void Run::warn_unused(const std::function<bool(std::string_view effect)>& is_on) {
-  for (const std::string& warning : without_effect_warnings(state_.spec.options, is_on)) state_.monitor.warn(warning);
+  for (const std::string& warning : unused_effect_warnings(state_.spec.options, is_on)) state_.monitor.warn(warning);
 }
 
 void Run::warn_unused(const std::vector<std::string>& flags, const std::string& why) {

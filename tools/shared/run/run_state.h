@@ -1,5 +1,5 @@
 #pragma once
-// What a Run stands on. Internal to tools/shared.
+// The data behind a Run. Internal to tools/shared.
 #include <vector>
 
 #include "shared/cli/common_flags.h"

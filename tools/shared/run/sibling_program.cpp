@@ -20,7 +20,7 @@ std::string sibling_path(const std::string& program) {
   if (unknown || access(path.c_str(), X_OK) != 0)
     throw Error(ErrorCode::kEnvironment,
                 path + ": " + (unknown ? unknown.message() : std::strerror(errno)) + ", expected the program " +
-                    program + " beside " + self.filename().string(),
+                    program + " next to " + self.filename().string(),
                 "install all tools into one folder");
   return path;
 }

@@ -5,10 +5,10 @@
 
 namespace ngs::cli {
 
-/// The path of a program beside this one. kEnvironment where it is not there or cannot be run.
+/// The path of a program in the folder of this executable. Throws kEnvironment if it is missing or not executable.
 std::string sibling_path(const std::string& program);
 
-/// Words as a line that a shell takes apart into the same words.
+/// Quotes `words` as a command line that a shell splits into the same words.
 std::string quoted_line(const std::vector<std::string>& words);
 
 }  // namespace ngs::cli

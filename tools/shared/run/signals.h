@@ -1,29 +1,29 @@
 #pragma once
-// SIGINT, SIGTERM, SIGUSR1 (the schedulers' early warning), SIGHUP where it is not ignored, and SIGQUIT: the process
-// ends within a second, in any phase and at any size, and nothing half-written stays.
+// Handles SIGINT, SIGTERM, SIGUSR1 (the early warning of schedulers), SIGHUP unless it is ignored, and SIGQUIT. The
+// process ends within one second, in any phase and for any scene size, and leaves no half-written file.
 #include <atomic>
 
 namespace ngs::cli {
 
-/// With `on_request` the first signal sets stop_flag() and gives the body 0.3 s to end in its own way. After
-/// that, at a second signal, at SIGQUIT, and at any signal without `on_request`, unfinished output files are removed
-/// and the process ends with 130 or 143. SIGCHLD gets its default back.
+/// With `on_request` the first signal sets stop_flag() and the body has 0.3 s to return. After these 0.3 s, on a second
+/// signal, on SIGQUIT, and on any signal without `on_request`, unfinished output files are removed and the process ends
+/// with 130 or 143. Also resets SIGCHLD to its default.
 void install_signal_handlers(bool on_request);
 const std::atomic<bool>& stop_flag();
 /// 0 without a signal, 130 after SIGINT, 143 after SIGTERM, SIGUSR1 or SIGHUP.
 int signal_exit_code();
 
-/// The body has ended: what is left, the report, is not cut off.
-void let_finish();
+/// To be called when the body has returned, so that the timer does not interrupt the writing of the report.
+void cancel_grace_timer();
 
-/// For as long as one lives, the body has something to keep, a checkpoint: a first signal gives it the time that it
-/// takes. One at a time.
-class KeepsState {
+/// While an instance exists, the first signal starts no timer: the body may take as long as it needs, for instance to
+/// write a checkpoint. At most one instance at a time.
+class SignalGrace {
  public:
-  KeepsState();
-  ~KeepsState();
-  KeepsState(const KeepsState&) = delete;
-  KeepsState& operator=(const KeepsState&) = delete;
+  SignalGrace();
+  ~SignalGrace();
+  SignalGrace(const SignalGrace&) = delete;
+  SignalGrace& operator=(const SignalGrace&) = delete;
 };
 
 }  // namespace ngs::cli

@@ -27,7 +27,7 @@ void write_all(int descriptor, const char* data, std::size_t bytes, const char* 
   }
 }
 
-/// A nameless file in memory with these bytes; it lives as long as the process.
+/// An unnamed file in memory with these bytes; it exists until the process ends.
 std::string memory_file(std::string_view bytes) {
   const int descriptor = memfd_create("ngs", MFD_CLOEXEC);
   if (descriptor < 0) throw Error(ErrorCode::kEnvironment, std::string("memfd: ") + std::strerror(errno));
@@ -52,21 +52,21 @@ void print_json(const Json& json) { print(json_document(json)); }
 
 Streams::Streams(Spec& spec) {
   bool stdin_taken = false;
-  for (Input& input : spec.inputs) take_up(input.path, stdin_taken);
+  for (Input& input : spec.inputs) redirect_input(input.path, stdin_taken);
   for (Inputs& list : spec.input_lists)
-    for (std::string& path : list.paths) take_up(path, stdin_taken);
+    for (std::string& path : list.paths) redirect_input(path, stdin_taken);
   for (Output& output : spec.outputs)
-    if (output.path == "-") take_over(output);
+    if (output.path == "-") redirect_output(output);
 }
 
-void Streams::take_over(Output& output) {
+void Streams::redirect_output(Output& output) {
   if (output.directory || to_stdout())
     throw Error(ErrorCode::kUsage,
                 output.flags + ": '-', expected a " + (output.directory ? "folder" : "path: one output can be stdout"));
   std::string name = (std::filesystem::temp_directory_path() / "ngs-stdout-XXXXXX").string();
   const int descriptor = mkstemp(name.data());
   if (descriptor < 0)
-    throw Error(ErrorCode::kEnvironment, name + ": cannot be made: " + std::strerror(errno), "set TMPDIR");
+    throw Error(ErrorCode::kEnvironment, name + ": cannot be created: " + std::strerror(errno), "set TMPDIR");
   ::close(descriptor);
   output_ = name;
   unfinished_.note(output_.c_str());
@@ -78,7 +78,7 @@ Streams::~Streams() {
   if (to_stdout()) ::unlink(output_.c_str());
 }
 
-void Streams::take_up(std::string& path, bool& stdin_taken) {
+void Streams::redirect_input(std::string& path, bool& stdin_taken) {
   const bool from_stdin = path == "-";
   if (from_stdin && stdin_taken) throw Error(ErrorCode::kUsage, "two inputs are '-', expected one at most");
   if (!from_stdin && !is_pipe(path)) return;

@@ -1,8 +1,7 @@
 #pragma once
-// "-" for an input is stdin, for an output stdout. Tools read and write paths only: what comes through a pipe
-// ("-", a FIFO, <(command)) is taken up whole into memory and given to them as a path, so that it can be
-// hashed, mapped and read twice; what goes to stdout is written to a temporary file first, so that a failed
-// run writes nothing.
+// "-" is stdin for an input and stdout for an output. Tools read and write paths only. A piped input ("-", a FIFO,
+// <(command)) is read into memory and replaced by a path, so that it can be hashed, mapped and read twice. An output to
+// stdout is written to a temporary file first, so that a failed run writes nothing.
 #include <string>
 #include <vector>
 
@@ -11,29 +10,29 @@
 
 namespace ngs::cli {
 
-/// kEnvironment where stdout takes no more.
+/// Throws kEnvironment if stdout cannot be written.
 void print(const std::string& text);
 void print_json(const Json& json);
-/// As every JSON document of a tool is written.
+/// The text of a JSON document: indented, with a final newline.
 std::string json_document(const Json& json);
 
 class Streams {
  public:
-  /// Redirects the paths of `spec`. kUsage if two inputs or two outputs are "-", or a folder is.
+  /// Redirects the paths of `spec`. Throws kUsage if two inputs, two outputs or a folder are "-".
   explicit Streams(Spec& spec);
   ~Streams();
   Streams(const Streams&) = delete;
   Streams& operator=(const Streams&) = delete;
 
-  /// The path as the command line has it, for reports.
+  /// The path as given on the command line, for reports.
   std::string given(const std::string& path) const;
   bool to_stdout() const { return !output_.empty(); }
-  /// The output that is "-", copied to stdout. kEnvironment if that fails.
+  /// Copies the output whose path is "-" to stdout. Throws kEnvironment if that fails.
   void copy_output() const;
 
  private:
-  void take_up(std::string& path, bool& stdin_taken);
-  void take_over(Output& output);
+  void redirect_input(std::string& path, bool& stdin_taken);
+  void redirect_output(Output& output);
 
   struct Redirection {
     std::string given, path;

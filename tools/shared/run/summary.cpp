@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr std::size_t kMostOutputs = 4, kMostFigures = 5;
 
-/// What usually follows; {-o} is the output of that flag, {scene} the input of that name.
+/// The usual next command. {-o} is the output of that flag, {scene} the input of that name.
 const std::map<std::string, std::string>& next_commands() {
   static const std::map<std::string, std::string> next = {
       {"ngs-synth", "ngs-scene import {-o} -o scene.json"},
@@ -28,7 +28,7 @@ const std::map<std::string, std::string>& next_commands() {
       {"ngs-variance", "ngs-joint {scene} {-o} -o labelled.ply"},
       {"ngs-sample", "ngs-rbf {boundary} {-o} -o field.ply"},
       {"ngs-joint", "ngs-extract {-o} --object object.ply --background background.ply"},
-      {"ngs-extract", "open {--object} in a viewer of splats"},
+      {"ngs-extract", "open {--object} in a splat viewer"},
       {"ngs-report", "open {-o} in a browser"}};
   return next;
 }
@@ -40,7 +40,7 @@ std::string quoted(const std::string& path) {
   return out + "'";
 }
 
-/// Empty: not given.
+/// Empty if it was not given.
 std::string path_of(const Spec& spec, const std::string& name) {
   for (const Input& input : spec.inputs)
     if (input.name == name) return input.path;
@@ -49,7 +49,7 @@ std::string path_of(const Spec& spec, const std::string& name) {
   return {};
 }
 
-/// Empty where the tool has none, or a path of it was not given.
+/// Empty if the tool has no usual next command, or if a path in it was not given.
 std::string next_command(const Spec& spec) {
   const auto found = next_commands().find(spec.name);
   if (found == next_commands().end()) return {};
@@ -107,19 +107,19 @@ std::string figures(const Json& object) {
   return text;
 }
 
-/// Of the figures of some tools those that say most, and what people call them.
-Json telling_figures(const std::string& tool, const Json& result) {
-  static const std::map<std::string, std::vector<std::pair<std::string, std::string>>> telling = {
+/// For some tools: the most useful figures, under readable names.
+Json key_figures(const std::string& tool, const Json& result) {
+  static const std::map<std::string, std::vector<std::pair<std::string, std::string>>> key_names = {
       {"ngs-joint", {{"boundary", "boundary Gaussians"}, {"rows_changed", "changed Gaussians"}, {"steps", "steps"}}}};
-  const auto found = telling.find(tool);
-  if (found == telling.end()) return result;
+  const auto found = key_names.find(tool);
+  if (found == key_names.end()) return result;
   Json figures = Json::object();
   for (const auto& [key, name] : found->second)
     if (result.contains(key)) figures[name] = result[key];
   return figures;
 }
 
-/// The scores, where a run has any; of a dry run what it foresees; else its other figures.
+/// The estimates of a dry run, else the scores if the run has any, else its other figures.
 std::string outcome_text(const std::string& tool, const Json& report) {
   if (report["dry_run"] == true && report.contains("plan")) return figures(report["plan"]);
   if (const Json& result = report["result"]; result.contains("mean") && result["mean"].is_object()) {
@@ -128,19 +128,19 @@ std::string outcome_text(const std::string& tool, const Json& report) {
       if (result["mean"].contains(name)) scores[name] = result["mean"][name];
     return figures(scores);
   }
-  return figures(telling_figures(tool, report["result"]));
+  return figures(key_figures(tool, report["result"]));
 }
 
-std::string how_it_ended(const Json& report) {
+std::string ending(const Json& report) {
   const std::string duration = duration_text(report["stages"]["wall_s"].get<double>());
-  if (report["dry_run"] == true) return "nothing was done, as --dry-run asks";
+  if (report["dry_run"] == true) return "dry run, nothing was done";
   if (report["exit_code"] == kCheckFailed) return "done in " + duration + ", a requested check failed";
   if (report["exit_code"] == kBudgetHit) return "stopped at its budget with a partial result, in " + duration;
   return "done in " + duration;
 }
 
 std::string line_of_chain(const Spec& spec, const Json& report) {
-  std::string line = "[" + stage_of_chain() + "] " + spec.name + ": " + how_it_ended(report);
+  std::string line = "[" + stage_of_chain() + "] " + spec.name + ": " + ending(report);
   for (const Json& output : report["outputs"]) {
     line += ", " + fs::path(output["path"].get<std::string>()).filename().string();
     if (report["outputs"].size() > 2) return line + " and others\n";
@@ -169,7 +169,7 @@ std::string duration_text(double seconds) {
 
 std::string summary_text(const Spec& spec, const Json& report) {
   if (!stage_of_chain().empty()) return line_of_chain(spec, report);
-  std::string text = spec.name + ": " + how_it_ended(report) + "\n";
+  std::string text = spec.name + ": " + ending(report) + "\n";
   const Json& outputs = report["outputs"];
   const bool made = report["dry_run"] == false;
   for (std::size_t i = 0; made && i < std::min(kMostOutputs, outputs.size()); ++i)
@@ -177,8 +177,8 @@ std::string summary_text(const Spec& spec, const Json& report) {
   if (made && outputs.size() > kMostOutputs)
     text += "  and " + std::to_string(outputs.size() - kMostOutputs) + " more\n";
   if (const std::string outcome = outcome_text(spec.name, report); !outcome.empty()) text += "  " + outcome + "\n";
-  if (const std::size_t odd = report["warnings"].size(); odd > 0)
-    text += "  odd: " + std::to_string(odd) + (odd == 1 ? " warning, above\n" : " warnings, above\n");
+  if (const std::size_t warnings = report["warnings"].size(); warnings > 0)
+    text += "  " + std::to_string(warnings) + (warnings == 1 ? " warning, see above\n" : " warnings, see above\n");
   if (const std::string next = next_command(spec); made && report["exit_code"] == kDone && !next.empty())
     text +=
         wrapped("  next: ", next, {8, terminal_columns(STDERR_FILENO), next.starts_with("ngs") ? " \\" : ""}) + "\n";

@@ -7,7 +7,7 @@ namespace ngs::cli {
 BoundarySet boundary_of(Run& run, const io::GaussianPly& ply, const std::string& path) {
   if (ply.cloud.size() == 0)
     run.nothing_found(path + ": the model has no Gaussians, expected some",
-                      "label one that has: ngs-variance scene.json -o boundary.ply");
+                      "use a model with Gaussians: ngs-variance scene.json -o boundary.ply");
   if (ply.labels.boundary.size() != std::size_t(ply.cloud.size()))
     throw Error(ErrorCode::kBadInput,
                 path + ": vertex property 'ngs_boundary' is missing, expected a PLY written by ngs-variance",

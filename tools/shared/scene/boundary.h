@@ -1,5 +1,5 @@
 #pragma once
-// What ngs-sample, ngs-rbf and ngs-joint ask of the PLY that ngs-variance writes.
+// Reads the boundary set of a PLY of ngs-variance, for ngs-sample, ngs-rbf and ngs-joint.
 #include <string>
 
 #include "ngs/io/ply/gaussian_ply.h"
@@ -8,8 +8,8 @@
 
 namespace ngs::cli {
 
-/// The boundary Gaussians of a labelled PLY (of several objects: of their union). kBadInput where the PLY has
-/// no ngs_boundary; kNothingFound where the set is empty, unless --allow-empty.
+/// The boundary Gaussians of a labelled PLY; with several objects, of their union. Throws kBadInput if the PLY has no
+/// ngs_boundary, and kNothingFound if the set is empty (unless --allow-empty).
 BoundarySet boundary_of(Run& run, const io::GaussianPly& ply, const std::string& path);
 
 }  // namespace ngs::cli

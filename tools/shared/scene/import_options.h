@@ -1,5 +1,5 @@
 #pragma once
-// What ngs-scene import asks for beside its inputs, and ngs cut of a capture.
+// The options of ngs-scene import, which ngs cut has too if its input is a capture.
 #include "ngs/core/error.h"
 #include "ngs/io/scene/import_scene.h"
 #include "ngs/options/field.h"
@@ -31,48 +31,48 @@ struct ImportOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.mask_mode,
-          Choice<MaskMode>{"mask_mode", "how mask values are read (bands: <128 unknown, <=250 background)",
+          Choice<MaskMode>{"mask_mode", "How mask values are read (bands: <128 unknown, <=250 background)",
                            kMaskModeNames});
     visit(self.object_id,
-          Text{"object_id", "N|NAME=N|NAME", "an object: its id in label maps, or the name of its folder of masks"});
-    visit(self.mask_invert, Flag{"mask_invert", "black is the object"});
+          Text{"object_id", "N|NAME=N|NAME", "An object: its id in label maps, or the name of its folder of masks"});
+    visit(self.mask_invert, Flag{"mask_invert", "Read black as object, white as background"});
     visit(self.mask_threshold,
-          Field<double>{"mask_threshold", "", "binary masks: object at and above this (8-bit scale)", 0.0, 255.0});
+          Field<double>{"mask_threshold", "", "Binary masks: object from this value on (8-bit scale)", 0.0, 255.0});
     visit(
         self.void_id,
-        Field<int>{"void_id", "",
-                   "label maps: id of the pixels without a label, such as 255 in VOC; -1: there are none", -1, 65535});
-    visit(self.missing_mask, Choice<MissingMask>{"missing_mask", "what a view without a mask says", kMissingNames});
+        Field<int>{"void_id", "", "Label maps: id of pixels without a label, such as 255 in VOC; -1: none", -1, 65535});
+    visit(self.missing_mask,
+          Choice<MissingMask>{"missing_mask", "How a view without a mask is treated", kMissingNames});
     visit(self.hold_out,
           Text{"hold_out", "every:N:K|FILE",
-               "views that never supervise: index i of the sorted names with i % N == K, or a list of names"});
+               "Views that never supervise: index i of the sorted names with i % N == K, or a list of names"});
     visit(self.image_scale,
           Field<double>{"image_scale", "",
-                        "working size relative to the photos; 0: 1, 1/2, 1/3 ... so that no side exceeds 800 px", 0,
+                        "Working size relative to the photos; 0: 1, 1/2, 1/3 ... so that no side exceeds 800 px", 0,
                         1.0});
-    visit(self.filter_px2,
-          Field<double>{"filter_px2", "px^2",
-                        "low-pass filter the model was fitted with, at the working size; 0: the one that "
-                        "explains the photos best",
-                        0, 1e4});
-    visit(self.compat,
-          Choice<CompatChoice>{"compat",
-                               "renderer the model was fitted with, for all tools: its near plane and footprint rule; "
-                               "auto: inria, or gsplat where the model explains the photos better by it",
-                               kCompatChoices});
+    visit(
+        self.filter_px2,
+        Field<double>{
+            "filter_px2", "px^2",
+            "Low-pass filter that the model was fitted with, at the working size; 0: the one that fits the photos best",
+            0, 1e4});
+    visit(self.compat, Choice<CompatChoice>{"compat",
+                                            "Renderer that the model was fitted with: its near plane and footprint "
+                                            "rule; auto: inria, or gsplat if that fits the photos better",
+                                            kCompatChoices});
     visit(self.antialias,
-          Choice<Antialias>{
-              "antialias",
-              "opacity compensation the model was fitted with, for all tools; auto: as the PLY's comments say",
-              kAntialiasNames});
-    visit(self.background, Text{"background", "COLOUR",
-                                "behind the model: black, white or R,G,B in [0, 1]; empty: what explains the photos"});
-    visit(self.align_views, Flag{"align_views", "turn and move cameras by what lays the rendered model on the photos"});
-    visit(self.original_world, Flag{"original_world", "transforms.json: undo its applied_transform"});
+          Choice<Antialias>{"antialias",
+                            "Opacity compensation that the model was fitted with; auto: from the PLY's comments",
+                            kAntialiasNames});
+    visit(self.background,
+          Text{"background", "COLOUR",
+               "Colour behind the model: black, white or R,G,B in [0, 1]; empty: the one that fits the photos"});
+    visit(self.align_views, Flag{"align_views", "Correct camera poses so that renders of the model match the photos"});
+    visit(self.original_world, Flag{"original_world", "Undo the applied_transform of transforms.json"});
   }
 };
 
-/// kUsage where options contradict one another, so that no file is blamed for it.
+/// Throws kUsage if options contradict each other, before any file is read.
 inline void require_consistent(const ImportOptions& options) {
   const bool label_maps = options.mask_mode == MaskMode::kLabel;
   if (options.void_id >= 0 && !label_maps)

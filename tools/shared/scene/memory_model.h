@@ -1,5 +1,5 @@
 #pragma once
-// What the tools' --dry-run counts alike: bytes that a model and a pass over one of its views take.
+// Memory estimates shared by the --dry-run of several tools: bytes of a model and of a pass over one view.
 #include <algorithm>
 #include <cmath>
 
@@ -9,18 +9,18 @@
 namespace ngs::cli {
 
 inline constexpr double kMib = 1024.0 * 1024.0, kProgramMib = 48;
-/// What the projection takes from a Gaussian alone.
+/// Per Gaussian, independent of the view: data prepared for the projection.
 inline constexpr double kPreparedBytes = 60;
-/// Tiles that a Gaussian reaches, at most in the mean.
+/// Upper bound on the mean number of tiles per Gaussian.
 inline constexpr double kTilesReached = 3;
-/// Of a visible Gaussian: id, record, depth, rectangle, first span, first slot and a flag; spans, whose lists grow by
+/// Per visible Gaussian: id, record, depth, rectangle, first span, first slot and a flag; spans, whose lists grow by
 /// doubling.
 inline constexpr double kVisibleBytes = 4 + 56 + 4 + 16 + 8 + 8 + 1 + 2 * kTilesReached * 8;
 
-/// Position, rotation, scale, opacity, bands, usable.
+/// Position, rotation, scale, opacity, SH bands and the usable flag.
 inline double model_bytes(const GaussianCloud& cloud) { return 57 + 12.0 * cloud.rest_count(); }
 
-/// Label columns of a Gaussian that is part of `owners` objects.
+/// Label columns of a Gaussian that belongs to `owners` objects.
 inline double label_bytes(double owners) { return 20 * (owners + 1); }
 
 inline double view_px(const SceneView& view) { return double(view.camera.width_px) * view.camera.height_px; }
@@ -31,7 +31,7 @@ inline double largest_view_px(const Scene& scene) {
   return largest;
 }
 
-/// Of all that was counted, with the program itself.
+/// Peak memory in MiB for `bytes` of data plus the program itself.
 inline double peak_mib(double bytes) { return std::ceil(bytes / kMib + kProgramMib); }
 
 }  // namespace ngs::cli

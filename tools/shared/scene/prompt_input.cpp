@@ -16,10 +16,10 @@ namespace {
 bool is_json(const std::string& path) {
   if (std::filesystem::path(path).extension() == ".json") return true;
   char first = 0;
-  return (std::ifstream(path) >> first) && first == '{';  // no picture begins with a brace
+  return (std::ifstream(path) >> first) && first == '{';  // no image format begins with a brace
 }
 
-/// Files as they are, of a folder all that may be marks.
+/// Files unchanged; folders replaced by all files in them that may be prompts.
 std::vector<std::string> files_of(const std::vector<std::string>& paths) {
   namespace fs = std::filesystem;
   std::vector<std::string> files;
@@ -34,33 +34,32 @@ std::vector<std::string> files_of(const std::vector<std::string>& paths) {
       for (const char* ending : {".png", ".jpg", ".jpeg", ".json"})
         if (entry.path().extension() == ending) inside.push_back(entry.path().string());
     if (inside.empty())
-      throw Error(ErrorCode::kBadInput, path + ": a folder without marks, expected PNG, JPEG or JSON files in it",
-                  "put marked copies of the pictures into it, under the same names");
+      throw Error(ErrorCode::kBadInput, path + ": no prompts in this folder, expected PNG, JPEG or JSON files",
+                  "put painted copies of the photos into it, under the same names");
     std::sort(inside.begin(), inside.end());
     files.insert(files.end(), inside.begin(), inside.end());
   }
   return files;
 }
 
-/// Finds views of a scene for marks.
+/// Finds the view that prompts belong to.
 struct ViewFinder {
   const Run& run;
   const Scene& scene;
   const std::string& wanted;  // --view
   ViewNames names{scene.views};
 
-  /// Of marks that name the view `said` (may be empty) in the file `path` (empty: the file name says nothing).
-  std::size_t view_of(const std::string& said, const std::string& path) const {
-    std::string name = !wanted.empty() ? wanted : said;
+  /// The view of prompts that name the view `named` (may be empty) in the file `path` (empty: ignore the file name).
+  std::size_t view_of(const std::string& named, const std::string& path) const {
+    std::string name = !wanted.empty() ? wanted : named;
     if (name.empty() && !path.empty() && !run.comes_from_stream(path)) name = named_like(path);
     if (name.empty())
-      throw Error(ErrorCode::kUsage,
-                  (path.empty() ? "" : path + ": ") + "the prompts do not say which view they are of",
+      throw Error(ErrorCode::kUsage, (path.empty() ? "" : path + ": ") + "the prompts name no view",
                   "give --view NAME, or name the file after the photo");
     const std::size_t view = only(name);
-    const std::vector<std::size_t> other = names.find(said);
-    if (!said.empty() && other.size() == 1 && other[0] != view)
-      throw Error(ErrorCode::kUsage, "view = " + name + ": the prompts are of " + said + ", expected one view",
+    const std::vector<std::size_t> other = names.find(named);
+    if (!named.empty() && other.size() == 1 && other[0] != view)
+      throw Error(ErrorCode::kUsage, "view = " + name + ": the prompts name " + named + ", expected one view",
                   "leave --view out, or give the prompts of that view");
     return view;
   }
@@ -71,7 +70,7 @@ struct ViewFinder {
     if (found.size() == 1) return found[0];
     throw Error(ErrorCode::kUsage,
                 "view = " + name + ": " + (found.empty() ? "no view" : "several views") + " of that name, expected one",
-                "say which with --view NAME; the first is '" + scene.views.front().camera.name + "'");
+                "choose one with --view NAME; the first view is '" + scene.views.front().camera.name + "'");
   }
   std::string named_like(const std::string& path) const {
     const std::string stem = std::filesystem::path(path).stem().string();
@@ -79,8 +78,9 @@ struct ViewFinder {
     for (const SceneView& view : scene.views) {
       if (image_stem(bare_name(view.camera.name)) != stem) continue;
       if (!name.empty())
-        throw Error(ErrorCode::kUsage, path + ": has the name of several views, " + name + " and " + view.camera.name,
-                    "say which with --view NAME");
+        throw Error(ErrorCode::kUsage,
+                    path + ": matches the names of several views, " + name + " and " + view.camera.name,
+                    "choose one with --view NAME");
       name = view.camera.name;
     }
     return name;
@@ -101,8 +101,8 @@ Marks read_prompts(const Run& run, const Scene& scene, const std::string& wanted
       const std::size_t view = finder.view_of("", path);
       std::error_code none;
       if (std::filesystem::equivalent(path, scene.views[view].image_path, none))
-        throw Error(ErrorCode::kBadInput, path + ": is the view's own picture, expected a painted copy of it",
-                    "take the picture back as it was, and paint on a copy of the same name in another folder");
+        throw Error(ErrorCode::kBadInput, path + ": is the photo of the view, expected a painted copy",
+                    "restore the photo, and paint on a copy with the same name in another folder");
       marks[view].push_back(io::read_painted_picture(path, scene.views[view].image_path));
     }
   }

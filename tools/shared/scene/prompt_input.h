@@ -1,5 +1,5 @@
 #pragma once
-// The marks of a person, from whichever files they come in.
+// Reads user prompts (strokes, scribbles) from JSON files or painted pictures.
 #include <map>
 #include <string>
 #include <vector>
@@ -16,17 +16,17 @@ struct PromptInputs {
   const Input& background;
 };
 
-/// By the index of the view that they are of.
+/// Prompts by view index.
 using Marks = std::map<std::size_t, std::vector<HandPrompt>>;
 
-/// All marks by the view that they are of. kUsage where there are none, or both kinds; background alone is a prompt
-/// too. A file of prompts is JSON if it is called so or begins with a brace, else a picture. The view of marks is the
-/// one that they name, else `wanted`, else the one whose stem the file name has. kUsage where there is no such view, or
-/// where the marks name another view than `wanted`.
+/// Returns all prompts by view. Throws kUsage if there are none, or both prompts and scribbles; background alone is a
+/// valid prompt. A prompt file is JSON if its name ends in .json or it begins with a brace, else a picture. The view is
+/// the one named in the file, else `wanted`, else the one whose stem the file name has. Throws kUsage if there is no
+/// such view, or if the file names a view other than `wanted`.
 Marks read_marks(const Run& run, const Scene& scene, const std::string& wanted, const PromptInputs& inputs);
 
-/// The same of files of prompts alone, and of folders: all PNG, JPEG and JSON files in them, by name. kBadInput for a
-/// folder without any.
+/// The same for prompt files and folders: all PNG, JPEG and JSON files in a folder, sorted by name. Throws kBadInput
+/// for a folder without any.
 Marks read_prompts(const Run& run, const Scene& scene, const std::string& wanted,
                    const std::vector<std::string>& paths);
 

@@ -1,5 +1,5 @@
 #pragma once
-// What the tools ask of a scene: its model, and that its photos stay.
+// Reads a scene, requires its model, and protects its photos from being overwritten.
 #include <string>
 #include <vector>
 
@@ -8,13 +8,14 @@
 
 namespace ngs::cli {
 
-/// A scene.json. Where its photos are renders of the model, "result" of the report says so.
+/// Reads a scene.json. If its photos are renders of the model, "result" of the report records that.
 Scene read_scene(Run& run, const std::string& path);
 
-/// The scene's model becomes an input of the run. kBadInput where the scene names none, or no regular file.
+/// Adds the scene's model to the inputs of the run. Throws kBadInput if the scene names no model or the model is no
+/// regular file.
 void require_model(Run& run, const Scene& scene, const std::string& scene_path);
 
-/// kUsage where one of the files that a run will write is a photo of the scene, which it would replace.
+/// Throws kUsage if one of `files`, which the run would write, is a photo of the scene.
 void refuse_over_photos(const Scene& scene, const std::vector<std::string>& files);
 
 }  // namespace ngs::cli

@@ -1,5 +1,5 @@
 #pragma once
-// One of N parts of some work, as options name it: "i/N" with 0 <= i < N.
+// One of N parts of some work, given as "i/N" with 0 <= i < N.
 #include <cstddef>
 #include <string>
 
@@ -9,7 +9,7 @@ struct Shard {
   std::size_t index = 0, count = 1;
 };
 
-/// kUsage for anything else, or for more than 2^20 parts. `option` ("--views") is for the message.
+/// Throws kUsage for any other text, or for more than 2^20 parts. `option` ("--views") is for the message.
 Shard parse_shard(const std::string& option, const std::string& text);
 
 }  // namespace ngs::cli

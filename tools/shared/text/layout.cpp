@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kFewestColumns = 40, kMostColumns = 120, kColumnsOfNoTerminal = 100;
 
-/// Of a word wider than `columns`, the bytes that go on a line of their own.
+/// Where to break a word wider than `columns`, in bytes.
 std::size_t cut_of(std::string_view word, int columns) {
   const std::string_view fits = first_columns(word, columns);
   const std::size_t seam = fits.find_last_of("|,/");
@@ -58,11 +58,11 @@ class Lines {
 
   std::string text_;
   int column_;
-  bool is_open_;  // the next word needs no blank before it
+  bool is_open_;  // the next word follows without a blank
   Margins margins_;
 };
 
-/// Where the last column begins that leaves a third of the width, else the first word.
+/// Start of the last column that leaves a third of the width, else of the first word.
 std::size_t hanging_indent(std::string_view line, std::size_t width) {
   const std::size_t most = 2 * width / 3, gap = line.rfind("  ", most);
   const std::size_t first = std::min(line.find_first_not_of(' '), line.size());

@@ -11,7 +11,7 @@ struct CodePoint {
   std::size_t bytes;
 };
 
-/// The first code point of `text`, which is not empty; a byte that begins none is one of its own.
+/// The first code point of `text`, which is not empty; an invalid byte counts as one code point.
 CodePoint first_of(std::string_view text) {
   const auto byte = [&](std::size_t i) { return std::uint8_t(text[i]); };
   const std::uint8_t lead = byte(0);

@@ -11,7 +11,7 @@ Capture parse_cameras_json(const nlohmann::json& root, const std::string& object
     throw Error(ErrorCode::kBadInput, object + ": " + root.type_name() + ", expected a list of cameras");
   Capture capture;
   capture.format = "cameras.json";
-  bool is_assumed = false;  // a principal point, which the trainers' format does not have
+  bool is_assumed = false;  // the principal point, which trainers do not write
   for (const nlohmann::json& entry : root) {
     const JsonReader reader(entry, object + ": [" + std::to_string(capture.views.size()) + "]");
     Camera& camera = capture.views.emplace_back().camera;

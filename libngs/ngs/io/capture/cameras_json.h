@@ -1,8 +1,8 @@
 #pragma once
-// cameras.json beside a trained 3DGS model: a list of {id, img_name, width, height, position, rotation, fx,
-// fy}; position = camera centre, rotation = camera -> world, x right, y down, z forward. The format has no
-// principal point (without a cx and cy of its own the image's centre is assumed, with a note) and often no file
-// extension.
+// cameras.json, which 3DGS trainers write next to the model: a list of {id, img_name, width, height, position,
+// rotation, fx, fy}. position = camera centre, rotation = camera -> world; x right, y down, z forward. The format has
+// no principal point: without the extra keys cx and cy the image centre is assumed, with a note. img_name often has no
+// file extension.
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 

@@ -1,5 +1,5 @@
 #pragma once
-// What the readers of foreign camera files return.
+// What the readers of camera files (COLMAP, nerfstudio, LLFF, ...) return.
 #include <functional>
 #include <map>
 #include <string>
@@ -11,29 +11,29 @@
 
 namespace ngs::io {
 
-/// Cameras as the source has them. `views` are sorted by name; `image_path` and `mask_path` are set only
-/// where the source itself names the files (transforms.json), resolved against its folder.
+/// Cameras as read from the source. `views` are sorted by name. `image_path` and `mask_path` are set only where the
+/// source itself names the files (transforms.json); they are resolved against its folder.
 struct Capture {
   std::string format;  // "COLMAP binary", ...
   std::vector<SceneView> views;
-  std::vector<std::string> notes;      // what the format does not say and was assumed
-  std::map<std::string, Lens> lenses;  // by the camera's name; a camera without is a pinhole
+  std::vector<std::string> notes;      // assumptions made where the format has no value
+  std::map<std::string, Lens> lenses;  // by camera name; no entry: a pinhole
 };
 
-/// What a reader makes of a camera with distortion.
+/// How a reader treats a camera with distortion.
 enum class Distortion : std::uint8_t {
-  kRefused,  // kBadInput, with what undoes it
-  kKept      // in Capture::lenses; kBadInput where the model is unknown
+  kRefused,  // kBadInput, the hint has the command that undistorts
+  kKept      // stored in Capture::lenses; kBadInput for an unknown camera model
 };
 
-/// What a reader may ask the disk about images; tests and fuzzers pass their own answers.
+/// File system queries about images that a reader needs; tests and fuzzers pass their own functions.
 struct ImageFinder {
   std::function<bool(const std::string&)> exists;
   std::function<ImageSize(const std::string&)> size;
 };
 ImageFinder images_on_disk();
 
-/// Sorts by name and refuses (kBadInput) a capture without views, repeated names and invalid cameras.
+/// Sorts the views by name. kBadInput for a capture without views, a repeated name or an invalid camera.
 void finish_capture(Capture& capture, const std::string& object);
 
 }  // namespace ngs::io

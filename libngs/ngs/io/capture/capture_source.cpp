@@ -29,12 +29,12 @@ namespace fs = std::filesystem;
 
 constexpr const char* kKnownFiles[] = {"transforms.json", "transforms_train.json", "cameras.json", "poses_bounds.npy"};
 
-/// The scene's folder: the source that the model was found below, or what lies above the "sparse/0", "sparse" or
-/// "colmap/sparse/0" that the source names.
+/// The scene's folder: `source` if the model lies below it, else the folder above the "sparse/0", "sparse" or
+/// "colmap/sparse/0" of `source`.
 std::string base_of_model(const std::string& source, const std::string& model) {
   const fs::path below = fs::path(model).lexically_relative(source);
   if (!below.empty() && (*below.begin() == "sparse" || *below.begin() == "colmap")) return source;
-  fs::path base = model, named = (fs::absolute(base) / "").lexically_normal().parent_path();  // "." has a name too
+  fs::path base = model, named = (fs::absolute(base) / "").lexically_normal().parent_path();  // resolves "." to a name
   std::error_code ignored;
   for (const char* part : {"0", "sparse", "colmap"}) {
     if (named.filename() != part || fs::is_directory(named / "images", ignored)) continue;
@@ -47,7 +47,7 @@ std::string base_of_model(const std::string& source, const std::string& model) {
 struct Located {
   std::string file, base;
   bool colmap = false;
-  std::vector<std::string> also;  // other descriptions of cameras beside it
+  std::vector<std::string> also;  // other camera files in the same folder
 };
 
 [[noreturn]] void refuse_without_cameras(const std::string& source) {
@@ -69,7 +69,7 @@ struct Located {
 Located locate(const std::string& source) {
   if (is_regular_file(source)) {
     const fs::path folder = fs::path(source).parent_path();
-    const std::string stem = fs::path(source).stem().string();  // one file of a COLMAP model stands for its folder
+    const std::string stem = fs::path(source).stem().string();  // a file of a COLMAP model means its folder
     if ((stem == "cameras" || stem == "images") && fs::path(source).extension() != ".json")
       if (const std::string model = find_colmap_model(folder.empty() ? "." : folder.string()); !model.empty())
         return {model, base_of_model(model, model), true, {}};
@@ -106,7 +106,7 @@ std::string find_images_dir(const CaptureRequest& request, const std::string& ba
   return folder_called(base, "images");
 }
 
-/// Names that were written on Windows have backslashes between their folders; a file that is really called so wins.
+/// Replaces the backslashes in image names that were written on Windows, unless a file has this exact name.
 void use_slashes(const std::string& images_dir, const std::string& object, Capture& capture) {
   const FolderIndex index(images_dir);
   bool changed = false;
@@ -126,12 +126,12 @@ bool is_scene(const std::string& file) {
          (fs::path(file).extension() == ".json" && is_regular_file(file) && read_json_file(file).contains("ngs_scene"));
 }
 
-/// The cameras and renders of ngs-scene orbit. A scene of photos is one already.
+/// Reads the cameras and renders of ngs-scene orbit. A scene of photos is rejected: it is already imported.
 void read_rendered_scene(CaptureSource& source) {
   Scene scene = read_scene_json(source.file);
   if (!scene.renders)
     throw Error(ErrorCode::kBadInput, source.file + ": is an imported scene, expected cameras",
-                "give it to the other tools as it is, or import what it was imported from");
+                "pass it to the other tools directly, or import the capture that it was made from");
   source.capture = {"scene.json", std::move(scene.views), {}, {}};
   scene.views.clear();
   source.rendered = std::move(scene);
@@ -162,7 +162,7 @@ Capture read_cameras(const CaptureRequest& request, const Located& located, cons
                                         "poses_bounds.npy or a COLMAP folder");
 }
 
-/// Cameras follow their photos: a folder images_4 or a calibration at another size is the norm.
+/// Scales cameras to the sizes of their photos: a folder images_4, or a calibration at another size, is common.
 void bring_to_photo_sizes(Capture& capture) {
   std::map<std::string, int> resized_views;
   for (SceneView& view : capture.views) {
@@ -176,10 +176,10 @@ void bring_to_photo_sizes(Capture& capture) {
           view.image_path + ": photo of " + to_string(photo) + " px for a camera of " + to_string(camera) +
               " px, expected the same size or the same shape",
           is_turned(photo, camera, 1)
-              ? "turn its pixels as the cameras have them: its EXIF orientation, which nothing here follows, may have"
-                " been followed where the cameras were made (mogrify -auto-orient)"
+              ? "rotate the photo to match the cameras: ngs ignores EXIF orientation, but the program that"
+                " computed the cameras may have applied it (mogrify -auto-orient)"
               : "use the photos that the cameras were calibrated on (undistorted ones for an undistorted model)");
-    ++resized_views[to_string(camera) + " px brought to the photos' " + to_string(photo) + " px"];
+    ++resized_views[to_string(camera) + " px scaled to the photos' " + to_string(photo) + " px"];
     view.camera = resized(view.camera, photo.width_px, photo.height_px);
   }
   for (const auto& [sizes, count] : resized_views)

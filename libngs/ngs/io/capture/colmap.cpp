@@ -19,7 +19,7 @@ bool has_model(const fs::path& folder, const char* extension) {
 }
 
 ColmapCameras read_cameras(ByteReader reader, const ColmapReading& reading) {
-  constexpr std::size_t kSmallestCamera = 24 + 2 * 8;  // of a panorama
+  constexpr std::size_t kSmallestCamera = 24 + 2 * 8;  // a panorama's
   ColmapCameras cameras;
   const std::uint64_t count = reader.read_count(kSmallestCamera);
   for (std::uint64_t i = 0; i < count; ++i) {

@@ -1,11 +1,11 @@
 #pragma once
-// COLMAP sparse models, binary or text: cameras.* and images.* of one folder. points3D.* is not needed, newer
-// rigs.* and frames.* neither. Poses are world -> camera, Hamilton quaternion w x y z; the first pixel's
-// centre is (0.5, 0.5), as in scene/camera.h.
+// COLMAP sparse models, binary or text: cameras.* and images.* of one folder. points3D.*, rigs.* and frames.* are not
+// read. Poses are world -> camera, Hamilton quaternion w x y z; the first pixel's centre is (0.5, 0.5), as in
+// scene/camera.h.
 //
-// Cameras: SIMPLE_PINHOLE and PINHOLE, with their true principal point; models with distortion where every distortion
-// parameter is < 1e-9 in size, or where distortion is asked for, else kBadInput with what undoes it. Panoramas:
-// kBadInput.
+// Camera models: SIMPLE_PINHOLE and PINHOLE with their principal point. Models with distortion are read where every
+// distortion parameter is < 1e-9 in size, or with Distortion::kKept; else kBadInput with the command that undistorts.
+// Panoramas are kBadInput.
 #include <string>
 #include <string_view>
 
@@ -14,10 +14,10 @@
 
 namespace ngs::io {
 
-/// The folder that holds the model: `folder`, or its sparse/0, sparse, 0 or colmap/sparse/0. Empty: none.
+/// The folder that holds the model: `folder`, or its sparse/0, sparse, 0 or colmap/sparse/0. Empty: no model found.
 std::string find_colmap_model(const std::string& folder);
 
-/// Binary files win where both are there (a note says so). Image names are as COLMAP spells them.
+/// If both encodings exist, the binary files are read, with a note. Image names are as COLMAP wrote them.
 Capture read_colmap(const std::string& model_folder, Distortion distortion = Distortion::kRefused);
 
 /// The same from memory; `object` names the folder in messages.

@@ -32,20 +32,20 @@ constexpr std::array kModels{ColmapModel{0, "SIMPLE_PINHOLE", 3, 3},
 
 bool is_panorama(const ColmapModel& model) { return model.intrinsics == 0; }
 
-/// Whether Lens has what the parameters after the intrinsics say.
+/// Whether Lens can represent the distortion parameters of this model.
 bool has_lens(const ColmapModel& model) {
   const std::string name = model.name;
   return !is_panorama(model) && name != "RAD_TAN_THIN_PRISM_FISHEYE" && name != "SIMPLE_DIVISION" &&
          name != "DIVISION" && name != "EUCM";
 }
 
-/// Fisheye projections bend straight lines even with all parameters zero.
+/// Fisheye projections distort even if all parameters are zero.
 bool is_pinhole_without_distortion(const ColmapModel& model) {
   return std::string(model.name).find("FISHEYE") == std::string::npos && std::string(model.name) != "FOV" &&
          !is_panorama(model);
 }
 
-/// `model` null: one that is not in the list.
+/// `model` null: a model that is not in the list.
 std::string way_out(const ColmapModel* model, const std::string& folder) {
   if (model != nullptr && is_panorama(*model)) return kPanoramaRemedy;
   std::string command = "colmap image_undistorter --image_path IMAGES --input_path " + folder +
@@ -61,7 +61,7 @@ std::string way_out(const ColmapModel* model, const std::string& folder) {
               way_out(model, folder));
 }
 
-/// The parameters after the intrinsics, in COLMAP's order.
+/// Lens from the parameters after the intrinsics, in COLMAP's order.
 Lens lens_of(const ColmapModel& model, const double* p) {
   const std::string name = model.name;
   Lens lens;
@@ -78,7 +78,7 @@ Lens lens_of(const ColmapModel& model, const double* p) {
   return lens;
 }
 
-/// The first parameter that distorts; null: none does.
+/// The first non-negligible distortion parameter; null: none.
 const double* distorting(const ColmapCamera& given) {
   for (auto i = std::size_t(given.model.intrinsics); i < given.parameters.size(); ++i)
     if (!(std::abs(given.parameters[i]) < kNegligibleDistortion)) return &given.parameters[i];
@@ -95,7 +95,7 @@ void refuse_distortion(const ColmapCamera& given, const std::string& where, cons
   refuse(found.str(), &given.model, where, folder);
 }
 
-/// Of models that are kept with their distortion.
+/// Checks a lens that is kept with its distortion.
 void require_lens(const ColmapCamera& given, const std::string& where, const std::string& folder) {
   if (has_lens(given.model) || (!is_panorama(given.model) && distorting(given) == nullptr)) return;
   refuse(given.model.name, &given.model, where, folder);
@@ -149,7 +149,7 @@ ColmapIntrinsics intrinsics_of(const ColmapCamera& given, const std::string& whe
 
 void set_intrinsics(const ColmapIntrinsics& from, const std::string& name, Capture& capture, SceneView& view) {
   view.camera = from.camera, view.camera.name = name;
-  if (is_bent(from.lens)) capture.lenses[name] = from.lens;
+  if (has_distortion(from.lens)) capture.lenses[name] = from.lens;
 }
 
 }  // namespace ngs::io

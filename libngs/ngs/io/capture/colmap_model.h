@@ -1,5 +1,6 @@
 #pragma once
-// Camera models of COLMAP, shared by its two encodings.
+// COLMAP's camera models, shared by the binary and the text reader. To add a model: its line in kModels
+// (colmap_model.cpp) and, if it distorts, its parameters in lens_of().
 #include <cstdint>
 #include <map>
 #include <string>
@@ -13,10 +14,10 @@ struct ColmapModel {
   int id;
   const char* name;
   int parameters;  // in all
-  int intrinsics;  // of them at the start: 3 = f cx cy, 4 = fx fy cx cy, 0 = a panorama; the rest is distortion
+  int intrinsics;  // leading parameters: 3 = f cx cy, 4 = fx fy cx cy, 0 = a panorama; then distortion
 };
 
-/// Null: unknown (newer than this list).
+/// Null: a model that is not in the list.
 const ColmapModel* find_colmap_model_by_id(int id);
 const ColmapModel* find_colmap_model_by_name(const std::string& name);
 
@@ -28,25 +29,25 @@ struct ColmapIntrinsics {
 /// By COLMAP's camera id.
 using ColmapCameras = std::map<std::int64_t, ColmapIntrinsics>;
 
-/// A camera as the file has it.
+/// A camera as stored in the file.
 struct ColmapCamera {
   const ColmapModel& model;
   std::uint64_t width, height;  // px
   std::vector<double> parameters;
 };
 
-/// How the cameras of a model are read; `folder` is what the remedy's command reads.
+/// How to read the cameras of a model; `folder` appears in the command of the hint.
 struct ColmapReading {
   std::string folder;
   Distortion distortion = Distortion::kRefused;
 };
 
-/// Size, intrinsics and, where it is kept, distortion.
+/// Converts size, intrinsics and, with Distortion::kKept, distortion.
 ColmapIntrinsics intrinsics_of(const ColmapCamera& given, const std::string& where, const ColmapReading& reading);
-/// Gives the view of this name its camera, without a pose, and the capture its lens.
+/// Sets the camera (without its pose) and the name of `view`, and stores the lens in `capture`.
 void set_intrinsics(const ColmapIntrinsics& from, const std::string& name, Capture& capture, SceneView& view);
 
-/// What to do with panoramas, which no pinhole shows and nothing here undistorts.
+/// Hint for panoramas, which neither a pinhole nor any Lens can represent.
 inline constexpr const char* kPanoramaRemedy =
     "cut each panorama into pinhole views and find their poses again, e.g. with COLMAP's example panorama_sfm.py or "
     "with "

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::string_view kBlank = " \t\r";
 
-/// Lines with their numbers; comments are lines that begin with '#'.
+/// Lines with their numbers; skips comments, which begin with '#'.
 class Lines {
  public:
   Lines(std::string_view text, std::string object) : rest_(without_byte_order_mark(text)), object_(std::move(object)) {}
@@ -49,7 +49,7 @@ class Words {
     rest_.remove_prefix(word.size());
     return word;
   }
-  /// The rest of the line: a name may hold blanks.
+  /// The rest of the line: a name may contain blanks.
   std::string rest() {
     skip_blank();
     const std::size_t last = rest_.find_last_not_of(kBlank);
@@ -97,8 +97,8 @@ ColmapCameras read_cameras(std::string_view text, const ColmapReading& reading) 
   return cameras;
 }
 
-/// The line after an image's own holds triples x y id, or nothing. A file whose second lines were stripped
-/// has the next image there; read as points it would lose every other camera without a word.
+/// Skips the second line of an image: triples x y id, or nothing. If these lines were stripped from the file, the next
+/// image is found here; read as points it would silently drop every other camera.
 void check_points_line(std::string_view line, const std::string& where) {
   std::size_t count = 0;
   for (Words all(line, where); !all.next().empty();) ++count;

@@ -11,7 +11,7 @@
 namespace ngs::io {
 namespace {
 
-/// Text with numbers in their shortest exact form.
+/// Text with numbers in their shortest exact decimal form.
 class Text {
  public:
   Text& operator<<(std::string_view text) {

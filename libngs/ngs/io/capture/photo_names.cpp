@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The photo of this name, else the only one with its stem, whatever its format. Empty: none.
+/// The photo of this name, else the only one with its stem and any extension. Empty: none.
 std::string find_photo(const FolderIndex& index, const std::string& name) {
   const std::string same = index.find(name);
   if (!same.empty() && !has_unread_extension(same)) return same;
@@ -27,7 +27,7 @@ const SceneView& first_without_photo(const Capture& capture) {
   return *std::ranges::find_if(capture.views, [](const SceneView& view) { return view.image_path.empty(); });
 }
 
-/// Of photos that were found by their stem.
+/// Notes photos that were found by their stem.
 void note_other_endings(const std::vector<SceneView*>& views, std::vector<std::string>& notes) {
   int count = 0;
   std::string first;
@@ -39,11 +39,12 @@ void note_other_endings(const std::vector<SceneView*>& views, std::vector<std::s
     if (count++ == 0) first = view->camera.name + " is " + file.string();
   }
   if (count > 0)
-    notes.push_back(std::to_string(count) + " photos have another ending than the cameras give them (" + first + ")");
+    notes.push_back(std::to_string(count) + " photos have another file extension than the cameras name (" + first +
+                    ")");
 }
 
-/// Pictures of the folders that photos were found in, of which no view is: no camera was found for them, or they lie
-/// where others were expected.
+/// Notes images in the photo folders that match no view: no camera was computed for them, or their photos were expected
+/// elsewhere.
 void note_unused_pictures(Capture& capture) {
   std::map<std::string, std::set<std::string>> used;  // names by folder
   for (const SceneView& view : capture.views)
@@ -55,11 +56,11 @@ void note_unused_pictures(Capture& capture) {
       if (!names.contains(name) && lower_case(name).find("mask") == name.npos) others.push_back(name);
     if (!others.empty())
       capture.notes.push_back(folder + ": " + std::to_string(others.size()) +
-                              " of its pictures are photos of no camera (first: " + others[0] + ")");
+                              " images without a camera (first: " + others[0] + ")");
   }
 }
 
-/// Folders beside the cameras with pictures that are called like views without a photo.
+/// Notes other folders next to the cameras whose images have the names of views without a photo.
 void note_folders_like(const std::string& base, Capture& capture) {
   const auto open = std::ranges::find_if(capture.views, [](const SceneView& view) { return view.image_path.empty(); });
   if (open == capture.views.end()) return;
@@ -89,7 +90,7 @@ std::string folder_with_photos(const std::vector<std::string>& folders, const Ca
 void attach_photos(const PhotoFolder& folder, Capture& capture) {
   const FolderIndex index(folder.path);
   std::vector<SceneView*> open;
-  std::vector<std::string> names;  // theirs
+  std::vector<std::string> names;  // of these views
   for (SceneView& view : capture.views) {
     const bool own = !folder.is_named && is_regular_file(view.image_path);
     if (!own || has_unread_extension(view.image_path)) open.push_back(&view), names.push_back(view.camera.name);
@@ -100,7 +101,7 @@ void attach_photos(const PhotoFolder& folder, Capture& capture) {
   std::size_t missing = 0;
   for (std::size_t i = 0; i < open.size(); ++i) {
     const bool own = !folder.is_named && is_regular_file(open[i]->image_path);
-    if (own && found[i].path.empty()) continue;  // of a kind that is not read
+    if (own && found[i].path.empty()) continue;  // keep the unreadable format for the error message
     open[i]->image_path = found[i].path;
     missing += found[i].path.empty();
   }

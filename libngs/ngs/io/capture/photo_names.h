@@ -1,6 +1,6 @@
 #pragma once
-// Which photo belongs to which view: the file of the view's name, or the only one with its stem (0000.HEIC is
-// 0000.jpg), then the same without the folders of the name, if it is one view's only (files_of_views).
+// Matches photos with views, in this order: the file of the view's name; the only file with the same stem (0000.HEIC
+// matches 0000.jpg); both again without the folders of the name, if only one view fits (files_of_views).
 #include <string>
 #include <vector>
 
@@ -9,19 +9,19 @@
 namespace ngs::io {
 
 struct PhotoFolder {
-  std::string path;       // empty: none is known
-  bool is_named = false;  // by the user: it comes before the paths that the cameras' file names
+  std::string path;       // empty: no folder
+  bool is_named = false;  // by the user: takes precedence over image paths in the camera file
 };
 
-/// The first of `folders` that holds a photo of a view whose own path names no file; empty: none does.
+/// The first of `folders` with a photo of a view whose own image_path does not exist; empty: none.
 std::string folder_with_photos(const std::vector<std::string>& folders, const Capture& capture);
 
-/// Sets image_path of every view, empty where there is no photo. Notes missing photos, and photos of another format
-/// than the cameras name. kInconsistent: a folder that the user names has no photo of any view.
+/// Sets image_path of every view; empty if there is no photo. Notes missing photos, and photos whose file extension
+/// differs from the camera file's. kInconsistent: a folder named by the user has no photo of any view.
 void attach_photos(const PhotoFolder& folder, Capture& capture);
 
-/// Notes pictures beside the photos that are of no view, and other folders in `base` with pictures that are called like
-/// a view without a photo.
+/// Notes images in the photo folders that match no view, and other folders in `base` whose images have the names of
+/// views without a photo.
 void note_unused_photos(const std::string& base, Capture& capture);
 
 }  // namespace ngs::io

@@ -10,7 +10,7 @@
 namespace ngs::io {
 namespace {
 
-constexpr double kFileTolerance = 1e-3;  // what rounding to a few digits can do
+constexpr double kFileTolerance = 1e-3;  // error of rounding to a few digits
 
 [[noreturn]] void refuse(const std::string& object, const std::string& text, const std::string& remedy = {}) {
   throw Error(ErrorCode::kBadInput, object + ": " + text, remedy);
@@ -18,7 +18,7 @@ constexpr double kFileTolerance = 1e-3;  // what rounding to a few digits can do
 
 double determinant(const Mat3<double>& m) { return dot(vec3(m.m), cross(vec3(m.m + 3), vec3(m.m + 6))); }
 
-/// max |RᵀR - 1|, NaN if any element is.
+/// max |RᵀR - 1|; NaN if any element is NaN.
 double orthonormality_error(const Mat3<double>& m) {
   const Mat3<double> product = transpose(m) * m;
   double worst = 0;
@@ -48,7 +48,7 @@ Mat3<double> checked_rotation(const Mat3<double>& matrix, const std::string& obj
     refuse(object, "3x3 part differs from a rotation by " + std::to_string(error) + ", expected orthonormal axes",
            "a pose with a scale in it: divide the 3x3 part by its scale, keep the translation");
   if (!(determinant(matrix) > 0)) refuse(object, "3x3 part is a reflection (det -1), expected a rotation");
-  constexpr double kExact = 1e-14;  // leave what is exact already as it is in the file
+  constexpr double kExact = 1e-14;  // keeps an exact rotation bit for bit
   if (error <= kExact) return matrix;
   using Matrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(Eigen::Map<const Matrix>(matrix.m),
@@ -70,13 +70,13 @@ void validate_camera(const Camera& camera, const std::string& object) {
   if (std::ranges::any_of(camera.name, is_control)) {
     std::string shown = camera.name;
     std::ranges::replace_if(shown, is_control, '?');
-    refuse(object, "view name '" + shown +
-                       "' with a line end or another control character, expected a name that a line of text can hold");
+    refuse(object,
+           "view name '" + shown + "' contains a line end or another control character, expected printable characters");
   }
   const std::string where = object + ": view " + camera.name;
   const std::filesystem::path name(camera.name);
   if (name.is_absolute() || std::find(name.begin(), name.end(), "..") != name.end())
-    refuse(where, "name that leaves the folder of the images, expected a relative one without \"..\"");
+    refuse(where, "name leads out of the image folder, expected a relative path without \"..\"");
   if (camera.width_px < 1 || camera.height_px < 1 || camera.width_px > kMaxSide || camera.height_px > kMaxSide)
     refuse(where, "size " + std::to_string(camera.width_px) + "x" + std::to_string(camera.height_px) +
                       " px, expected 1.." + std::to_string(kMaxSide));
@@ -88,7 +88,7 @@ void validate_camera(const Camera& camera, const std::string& object) {
     refuse(where, "non-finite principal point or translation, expected finite numbers");
   constexpr double kTolerance = 1e-6;
   if (!(orthonormality_error(camera.rotation) <= kTolerance && determinant(camera.rotation) > 0))
-    refuse(where, "rotation that is none, expected orthonormal rows with det +1");
+    refuse(where, "not a rotation matrix, expected orthonormal rows with det +1");
 }
 
 }  // namespace ngs::io

@@ -1,5 +1,5 @@
 #pragma once
-// What every camera reader checks and converts.
+// Checks and conversions shared by all camera readers.
 #include <cstdint>
 #include <string>
 
@@ -9,20 +9,20 @@ namespace ngs::io {
 
 inline constexpr std::int64_t kMaxSide = 1 << 16;  // px
 
-/// Unit quaternion w x y z -> rotation matrix. Accepts | |q| - 1 | <= 1e-3 (files with few digits) and
-/// normalises; anything else, zero and NaN included, is kBadInput naming `object`.
+/// Unit quaternion w x y z -> rotation matrix. Accepts | |q| - 1 | <= 1e-3 (files with few digits) and normalises.
+/// kBadInput, with `object` in the message, for anything else, zero and NaN included.
 Mat3<double> rotation_from_quaternion(const double wxyz[4], const std::string& object);
 
-/// Accepts a matrix with |RᵀR - 1| <= 1e-3 per element and det > 0 and returns the nearest rotation; anything
-/// else (reflections, scaled or NaN matrices) is kBadInput naming `object`.
+/// Returns the rotation nearest to `matrix`. Accepts |RᵀR - 1| <= 1e-3 per element and det > 0. kBadInput, with
+/// `object` in the message, for anything else (reflections, scaled or NaN matrices).
 Mat3<double> checked_rotation(const Mat3<double>& matrix, const std::string& object);
 
 /// The world -> camera pose of the camera whose axes in the world are the columns of `axes` (x right, y down,
 /// z forward) and whose centre is `centre`: R = axesᵀ, t = -R centre.
 void set_pose(Camera& camera, const Mat3<double>& axes, Vec3<double> centre);
 
-/// kBadInput unless sizes, focal lengths, principal point and pose are finite and in range, the rotation is
-/// one (1e-6) and the name is not empty.
+/// kBadInput unless size, focal lengths, principal point and pose are finite and in range, the rotation is orthonormal
+/// with det +1 (tolerance 1e-6) and the name is not empty.
 void validate_camera(const Camera& camera, const std::string& object);
 
 }  // namespace ngs::io

@@ -35,7 +35,7 @@ std::vector<SparsePoint> parse_binary(Bytes bytes, const std::string& object) {
   return points;
 }
 
-/// One record "ID X Y Z R G B ERROR TRACK…"; false where it is no record.
+/// Parses one record "ID X Y Z R G B ERROR TRACK…"; false if the line is not one.
 bool parse_record(std::string_view line, SparsePoint& point) {
   double values[8];
   const char *at = line.data(), *end = at + line.size();
@@ -100,7 +100,7 @@ std::vector<SparsePoint> parse_ply(const std::string& path, Bytes bytes) {
 std::vector<SparsePoint> parse_points(Bytes bytes, const std::string& object) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (text.starts_with("ply")) return parse_ply(object, bytes);
-  // The count that a binary file begins with has NUL bytes at its end unless it is absurd.
+  // A binary file begins with a 64-bit count, whose high bytes are NUL for any plausible number of points.
   const bool binary = text.substr(0, 8).find('\0') != std::string_view::npos;
   return binary ? parse_binary(bytes, object) : parse_text(text, object);
 }

@@ -56,17 +56,17 @@ std::string camera_model(const Lookup& lookup) {
 }
 
 bool is_fisheye(const Lookup& lookup) {
-  const JsonReader* flag = lookup.holder("is_fisheye");  // instant-ngp's; bends straight lines even with k1..k4 zero
+  const JsonReader* flag = lookup.holder("is_fisheye");  // instant-ngp's; distorts even if k1..k4 are zero
   return camera_model(lookup) == "OPENCV_FISHEYE" || (flag != nullptr && flag->boolean("is_fisheye"));
 }
 
-/// nerfstudio's names of pictures all around, for one eye or two.
+/// nerfstudio's names of 360-degree images, mono or stereo.
 bool is_panorama(const std::string& model) {
   return model == "EQUIRECTANGULAR" || model == "SPHERICAL" || model.starts_with("OMNIDIRECTIONAL") ||
          model.starts_with("VR180");
 }
 
-/// kBadInput for models that are neither.
+/// kBadInput for models that are neither a pinhole nor a supported lens.
 void require_known_model(const Lookup& lookup, const std::string& where, Distortion distortion) {
   const bool may_bend = distortion == Distortion::kKept;
   const JsonReader* flag = lookup.holder("is_fisheye");
@@ -79,7 +79,7 @@ void require_known_model(const Lookup& lookup, const std::string& where, Distort
   throw Error(ErrorCode::kBadInput, where + ": camera model " + model + ", expected a pinhole",
               is_panorama(model)          ? kPanoramaRemedy
               : model == "OPENCV_FISHEYE" ? kUndistort
-                                          : "make pinhole photos of these with the program that made the file");
+                                          : "export pinhole photos with the program that made the file");
 }
 
 Lens lens_of(const Lookup& lookup, const std::string& where) {
@@ -95,7 +95,7 @@ Lens lens_of(const Lookup& lookup, const std::string& where) {
   return lens;
 }
 
-/// A path of the file. Written on Windows it has backslashes between its folders; a file that is really called so wins.
+/// Resolves a path of the file. Paths written on Windows contain backslashes; a file with that exact name is preferred.
 std::string path_in(const TransformsSource& source, std::string text) {
   const std::string folder = source.folder.empty() ? "." : source.folder;
   if (text.find('\\') != std::string::npos && !source.images.exists(path_from_folder(folder, text)))
@@ -121,7 +121,7 @@ void read_intrinsics(const Lookup& lookup, const TransformsSource& source, const
     camera.width_px = size.width_px, camera.height_px = size.height_px;
   } else {
     throw Error(ErrorCode::kBadInput, where + ": no w and h and no image " + view.image_path + ", expected a size",
-                "add \"w\" and \"h\" to the file, or put the images where file_path says");
+                "add \"w\" and \"h\" to the file, or put the images at their file_path");
   }
   const auto focal_of = [&](const char* focal, const char* angle, int size_px) -> std::optional<double> {
     if (const auto value = lookup.number(focal)) return value;
@@ -156,7 +156,7 @@ RigidRows read_rigid(const JsonReader& reader, const std::string& key) {
   return rigid_from(m, reader.where() + "." + key);
 }
 
-/// x = original -> x' = scale · (A x + b); its inverse, as a similarity.
+/// The file has x' = scale · (A x + b) with x in the original world; returns the inverse similarity.
 std::optional<WorldTransform> undo_applied(const JsonReader& file) {
   if (!file.has("applied_transform")) return std::nullopt;
   const RigidRows applied = read_rigid(file, "applied_transform");
@@ -167,8 +167,8 @@ std::optional<WorldTransform> undo_applied(const JsonReader& file) {
   return WorldTransform{inverse, (-scale) * (inverse * applied.translation), 1 / scale};
 }
 
-/// Names relative to the deepest folder that holds all images. All from the root, where one may be named so and others
-/// relative to the file; up there at the latest they share one.
+/// Sets view names: paths relative to the deepest folder that contains all images. All paths are made absolute first,
+/// because some may be absolute and others relative; they then share at least the root.
 void name_views(Capture& capture) {
   std::vector<fs::path> files;
   for (const SceneView& view : capture.views) files.push_back(fs::absolute(view.image_path).lexically_normal());
@@ -205,7 +205,7 @@ Capture parse_transforms_json(const json& root, const TransformsSource& source) 
   }
   if (!capture.views.empty()) name_views(capture);
   for (std::size_t v = 0; v < lenses.size(); ++v)
-    if (is_bent(lenses[v])) capture.lenses[capture.views[v].camera.name] = lenses[v];
+    if (has_distortion(lenses[v])) capture.lenses[capture.views[v].camera.name] = lenses[v];
   if (const auto undo = undo_applied(file)) {
     if (source.original_world)
       for (SceneView& view : capture.views) apply(*undo, view.camera);

@@ -96,7 +96,7 @@ void AtomicFile::start_write_back() {
   constexpr std::int64_t kAtOnceBytes = 32 << 20;
   if (direct_ || written_bytes_ - started_bytes_ < kAtOnceBytes) return;
   ::sync_file_range(descriptor_, started_bytes_, written_bytes_ - started_bytes_, SYNC_FILE_RANGE_WRITE);
-  started_bytes_ = written_bytes_;  // where it cannot, commit() does it all
+  started_bytes_ = written_bytes_;  // on failure commit() writes everything
 #endif
 }
 

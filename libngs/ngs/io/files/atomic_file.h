@@ -1,7 +1,7 @@
 #pragma once
-// An output that appears under its name only when it is complete: bytes go to a temporary file in the same
-// folder, commit() syncs and renames it. Without commit() (an exception, an early return) the temporary is
-// removed and whatever stood at the path stays as it was.
+// An output file that appears under its name only when it is complete: write() fills a temporary file in the same
+// folder, commit() syncs and renames it. Without commit() (an exception, an early return) the temporary file is removed
+// and a previous file at the path is unchanged.
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -13,8 +13,8 @@ namespace ngs::io {
 
 class AtomicFile {
  public:
-  /// Opens the temporary. Throws kEnvironment (no such folder, no permission, the path is a folder).
-  /// A path that exists and is no regular file (a pipe, /dev/null) is written directly instead.
+  /// Opens the temporary file. Throws kEnvironment (no such folder, no permission, the path is a folder). A path that
+  /// exists and is not a regular file (a pipe, /dev/null) is written directly.
   explicit AtomicFile(std::string path);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
@@ -24,8 +24,8 @@ class AtomicFile {
   void write(const void* data, std::size_t bytes);
   void write(std::string_view text) { write(text.data(), text.size()); }
 
-  /// For libraries that write by path: fill the file of this name (it has the extension of the target),
-  /// then commit(). Do not mix with write().
+  /// For libraries that write by path: write to this path (it has the target's extension), then commit(). Not to be
+  /// combined with write().
   const std::string& temporary_path() const { return temporary_; }
 
   /// Syncs and renames. Throws kEnvironment.
@@ -33,7 +33,7 @@ class AtomicFile {
 
  private:
   void fail(const char* what) const;
-  /// The disk begins with what there is, so that commit() waits for the rest alone.
+  /// Starts write-back of the bytes written so far, so that commit() only waits for the rest.
   void start_write_back();
 
   std::string path_;    // as given, for messages
@@ -42,10 +42,10 @@ class AtomicFile {
   int descriptor_ = -1;
   std::int64_t written_bytes_ = 0, started_bytes_ = 0;
   bool direct_ = false;
-  UnfinishedFile unfinished_;  // removed by the signal handlers of the tools
+  UnfinishedFile unfinished_;  // the tools' signal handlers remove it
 };
 
-/// The whole file at once.
+/// Writes a complete file.
 void write_file(const std::string& path, std::string_view bytes);
 
 }  // namespace ngs::io

@@ -1,5 +1,5 @@
 #pragma once
-// Little-endian values from bytes of unknown honesty: every read is checked against the end.
+// Reads little-endian values from untrusted bytes: every read is checked against the end.
 #include <bit>
 #include <cstring>
 #include <string>
@@ -34,7 +34,7 @@ class ByteReader {
     return name;
   }
 
-  /// A count of records of at least `min_bytes` each: refused where the rest of the file cannot hold them.
+  /// Reads a count of records of at least `min_bytes` each. kBadInput if the remaining bytes cannot hold that many.
   std::uint64_t read_count(std::size_t min_bytes) {
     const auto count = read<std::uint64_t>();
     if (count > left() / min_bytes)

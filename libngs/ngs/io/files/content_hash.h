@@ -1,5 +1,5 @@
 #pragma once
-// Content hashes for the report: which bytes a result came from. XXH3 with 128 bits; not for security.
+// Content hashes that identify inputs in reports. XXH3 with 128 bits; not cryptographic.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -11,12 +11,12 @@ struct ContentHash {
   std::string xxh3;  // 32 hexadecimal digits, most significant first
 };
 
-/// Of a file's bytes; of a folder: of the names, sizes and hashes of all files under it in the order of their
-/// names. Throws kBadInput if something cannot be read.
+/// Hash of a file's bytes, or of the names, sizes and hashes of all files under a folder in the order of their names.
+/// Throws kBadInput if something cannot be read.
 ContentHash content_hash(const std::string& path);
 
-/// One for all of these files' bytes in this order, 32 digits; their names do not count, and what is no regular file
-/// counts as absent.
+/// One hash, 32 digits, over the bytes of these files in this order. File names do not matter; a path that is not a
+/// regular file counts as absent.
 std::string files_hash(const std::vector<std::string>& paths);
 
 }  // namespace ngs::io

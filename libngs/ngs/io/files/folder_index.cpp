@@ -97,10 +97,10 @@ std::vector<FoundFile> files_of_views(const std::vector<std::string>& views, con
     const auto [other, is_free] = owner.emplace(bare.path, views[i]);
     if (!is_free) {
       const fs::path file(bare.path), folder = fs::path(views[i]).parent_path();
-      throw Error(ErrorCode::kInconsistent,
-                  bare.path + ": is called like both views " + other->second + " and " + views[i] +
-                      ", expected a file for each",
-                  "keep the folders of the views' names: " + (file.parent_path() / folder / file.filename()).string());
+      throw Error(
+          ErrorCode::kInconsistent,
+          bare.path + ": matches both views " + other->second + " and " + views[i] + ", expected a file for each",
+          "keep the folders of the view names: " + (file.parent_path() / folder / file.filename()).string());
     }
     files[i] = bare;
   }

@@ -38,7 +38,7 @@ void JsonReader::fail(const std::string& key, const std::string& expected) const
 }
 
 bool JsonReader::has(const std::string& key) const {
-  asked_.insert(key);
+  read_keys_.insert(key);
   return value_.contains(key) && !value_.at(key).is_null();
 }
 
@@ -98,7 +98,7 @@ std::vector<double> JsonReader::matrix(const std::string& key, std::size_t rows,
 
 void JsonReader::refuse_unknown_keys() const {
   for (const auto& item : value_.items())
-    if (asked_.count(item.key()) == 0)
+    if (read_keys_.count(item.key()) == 0)
       throw Error(ErrorCode::kBadInput, where_ + ": unknown key \"" + item.key() + "\", expected only known ones");
 }
 

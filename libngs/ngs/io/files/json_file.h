@@ -1,6 +1,6 @@
 #pragma once
-// JSON from strangers: one parser setting and one way to read fields, so that every reader refuses the same
-// things (not JSON, duplicate keys, wrong types, non-finite numbers) with a message that names file and key.
+// Reads untrusted JSON with one parser setting and one class for fields. Every reader thus rejects the same errors (not
+// JSON, duplicate keys, wrong types, non-finite numbers) with a message that has the file and the key.
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -14,7 +14,7 @@ namespace ngs::io {
 nlohmann::json parse_json(std::string_view text, const std::string& object);
 nlohmann::json read_json_file(const std::string& path);
 
-/// One JSON object being read. `where` reads like "scene.json: views[3]". The JSON must outlive it.
+/// One JSON object. `where` locates it in messages: "scene.json: views[3]". The JSON must outlive the reader.
 class JsonReader {
  public:
   JsonReader(const nlohmann::json& value, std::string where);
@@ -32,7 +32,7 @@ class JsonReader {
   std::vector<double> matrix(const std::string& key, std::size_t rows, std::size_t columns) const;
   const nlohmann::json& at(const std::string& key) const;
 
-  /// kBadInput naming the first key that no call above has asked for.
+  /// kBadInput with the first key that none of the calls above has read.
   void refuse_unknown_keys() const;
   [[noreturn]] void fail(const std::string& key, const std::string& expected) const;
   const std::string& where() const { return where_; }
@@ -40,7 +40,7 @@ class JsonReader {
  private:
   const nlohmann::json& value_;
   std::string where_;
-  mutable std::set<std::string> asked_;
+  mutable std::set<std::string> read_keys_;
 };
 
 }  // namespace ngs::io

@@ -1,7 +1,7 @@
 #pragma once
-// A whole input as read-only bytes. A regular file is mapped (its pages are read when they are touched and
-// cost no heap); a pipe is read to its end. An output renamed over the path leaves the mapping as it was; a
-// program that shortens a mapped file in place ends its readers (SIGBUS), which ngs itself never does.
+// An input file as read-only bytes. A regular file is memory-mapped: its pages are loaded on first access and use no
+// heap. A pipe is read to its end. Renaming an output over the path does not change the mapping; if another program
+// truncates a mapped file in place, readers get SIGBUS (ngs itself never does that).
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -19,7 +19,7 @@ class MappedFile {
   MappedFile() = default;  // no bytes
   /// Throws kBadInput with the reason.
   explicit MappedFile(const std::string& path);
-  /// Bytes that are in memory already, such as those of an unpacked archive.
+  /// Bytes that are already in memory, such as those of an unpacked archive.
   explicit MappedFile(std::vector<std::uint8_t> bytes) : read_(std::move(bytes)) {}
   ~MappedFile();
   MappedFile(MappedFile&& other) noexcept { swap(other); }
@@ -29,7 +29,7 @@ class MappedFile {
   }
 
   Bytes bytes() const { return map_ != nullptr ? Bytes(map_, map_bytes_) : Bytes(read_); }
-  /// Gives the pages read so far back to the system; reading them again fetches them again.
+  /// Releases the pages that have been loaded; a later access loads them again.
   void forget_pages() const;
   std::string_view text() const { return {reinterpret_cast<const char*>(bytes().data()), bytes().size()}; }
 

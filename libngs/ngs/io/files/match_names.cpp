@@ -64,7 +64,7 @@ constexpr std::array<Rule, 3> kRules = {{{"stem", image_stem}, {"affix", affix_k
 
 constexpr std::size_t kAmbiguous = std::size_t(-1);
 
-/// key -> index, kAmbiguous where several of the open names share it; an empty key names nothing.
+/// key -> index; kAmbiguous if several unpaired names share the key. Names with an empty key are skipped.
 std::map<std::string, std::size_t> keys_of(std::span<const std::string> names, const std::vector<std::size_t>& open,
                                            const Rule& rule) {
   std::map<std::string, std::size_t> keys;

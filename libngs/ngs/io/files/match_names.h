@@ -1,13 +1,15 @@
 #pragma once
-// Pairs the files of two folders whose authors named them by different rules. Names are relative paths
-// without leading "./"; a folder in front ("view/object.png") belongs to the name.
+// Pairs the files of two folders that follow different naming rules. Names are relative paths without a leading "./"; a
+// parent folder ("view/object.png") is part of the name.
 //
-// Rules, the strict ones first; a later rule sees only what the earlier ones left over, and pairs two names
-// only where its key is unique on both sides:
-//   stem    the path without its extension is the same
-//   affix   the same after lower case, double extensions (IMG_1.JPG.png) and mask_/gt_/pred_/frame_,
-//           _mask/_gt/_pred/_label/_seg/_object/_rgb are taken off
-//   number  the same last number, 12 = 00012, in the same folder
+// Rules are applied in this order, each to the names that are still unpaired. A rule pairs two names only if its key is
+// unique in both folders:
+// clang-format off
+//   stem    the path without its extension is equal
+//   affix   equal after lower case and without double extensions (IMG_1.JPG.png), the prefixes mask_ gt_ pred_ frame_
+//           and the suffixes _mask _gt _pred _label _seg _object _rgb
+//   number  the last number is equal (12 = 00012), in the same folder
+// clang-format on
 #include <span>
 #include <string>
 #include <string_view>
@@ -25,11 +27,10 @@ struct NameMatch {
   std::vector<std::size_t> unmatched_predicted, unmatched_truth;
 };
 
-/// Throws kInconsistent where two files of one folder have the same stem (a.png and a.jpg).
+/// Throws kInconsistent if two files of one folder have the same stem (a.png and a.jpg).
 NameMatch match_names(std::span<const std::string> predicted, std::span<const std::string> truth);
 
-/// Which of `names` (sorted) the rule "every:N:K" or "all" selects: index % N == K. Throws kUsage for another
-/// rule.
+/// Indices of sorted names that the rule "every:N:K" or "all" selects: index % N == K. Throws kUsage for other rules.
 std::vector<std::size_t> select_every(std::string_view rule, std::size_t count);
 
 }  // namespace ngs::io

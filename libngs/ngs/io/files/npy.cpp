@@ -44,11 +44,11 @@ void read_shape(std::string_view text, const std::string& object, Header& header
   for (std::size_t& size : sizes) {
     while (at < end && (*at == ' ' || *at == ',')) ++at;
     const auto parsed = std::from_chars(at, end, size);
-    if (parsed.ec != std::errc()) refuse(object, "shape that is no pair of sizes, expected (rows, columns)");
+    if (parsed.ec != std::errc()) refuse(object, "shape that is not a pair of sizes, expected (rows, columns)");
     at = parsed.ptr;
   }
   while (at < end && (*at == ' ' || *at == ',')) ++at;
-  if (at == end || *at != ')') refuse(object, "shape that is no pair of sizes, expected (rows, columns)");
+  if (at == end || *at != ')') refuse(object, "shape that is not a pair of sizes, expected (rows, columns)");
   header.rows = sizes[0], header.columns = sizes[1];
 }
 
@@ -81,9 +81,9 @@ double scalar_at(const std::uint8_t* data, bool swap) {
   return double(std::bit_cast<Float>(bits));
 }
 
-/// The header ends at a multiple of 64 bytes, as numpy aligns it, and with a line feed.
+/// The header is padded to a multiple of 64 bytes, as numpy does, and ends with a line feed.
 std::vector<std::uint8_t> encode(const char* descr, std::size_t count, std::span<const std::uint8_t> data) {
-  constexpr std::size_t kAlignment = 64, kPrefix = kMagic.size() + 4;  // magic, version 1.0, length of the text
+  constexpr std::size_t kAlignment = 64, kPrefix = kMagic.size() + 4;  // magic, version 1.0, header length
   const std::string text =
       std::string("{'descr': '") + descr + "', 'fortran_order': False, 'shape': (" + std::to_string(count) + ",), }";
   const std::size_t header = (kPrefix + text.size() + kAlignment) / kAlignment * kAlignment;

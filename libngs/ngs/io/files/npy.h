@@ -1,5 +1,5 @@
 #pragma once
-// Two-dimensional arrays from .npy files: f4 or f8, either byte order, C or Fortran order. Vectors into them.
+// Reads two-dimensional arrays from .npy files (f4 or f8, either byte order, C or Fortran order) and writes vectors.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -15,11 +15,10 @@ struct NpyMatrix {
   std::vector<double> data;  // row-major
 };
 
-/// kBadInput for anything else; the shape is checked against the number of bytes before it is believed.
+/// kBadInput for any other array. The shape is checked against the number of bytes before memory is allocated.
 NpyMatrix parse_npy(Bytes bytes, const std::string& object);
 
-/// A vector as the bytes of a .npy file (version 1.0, little-endian), of the type float32, int64 or bool (from bytes,
-/// 0 or 1).
+/// A vector as a .npy file (version 1.0, little-endian) of type float32, int64 or bool (from bytes 0 or 1).
 std::vector<std::uint8_t> npy_of(std::span<const float> values);
 std::vector<std::uint8_t> npy_of(std::span<const std::int64_t> values);
 std::vector<std::uint8_t> npy_of_flags(std::span<const std::uint8_t> flags);

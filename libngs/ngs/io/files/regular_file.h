@@ -1,6 +1,6 @@
 #pragma once
-// Files that other files name. Unlike an argument of the user, such a name is not trusted to be harmless to
-// open: a pipe would hang, a device would never end.
+// Files whose paths come from other files. Unlike a user's argument, such a path may be unsafe to open: a pipe would
+// block, a device would never end.
 #include <string>
 
 #include "ngs/io/files/mapped_file.h"
@@ -9,10 +9,10 @@ namespace ngs::io {
 
 bool is_regular_file(const std::string& path);
 
-/// Throws kBadInput where `path` is something else than a regular file; what is not there opening it will tell.
+/// Throws kBadInput if `path` exists and is not a regular file. A missing file is reported when it is opened.
 void require_regular_file(const std::string& path);
 
-/// Throws kBadInput unless `path` is a regular file that can be read.
+/// Throws kBadInput unless `path` is a readable regular file.
 MappedFile map_regular_file(const std::string& path);
 
 }  // namespace ngs::io

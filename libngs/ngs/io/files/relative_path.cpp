@@ -7,14 +7,14 @@ namespace fs = std::filesystem;
 
 bool leads_out(const fs::path& relative) { return relative.empty() || *relative.begin() == ".."; }
 
-/// ".." after a link leads to what lies above the link's target, not to what the name says.
+/// After a symbolic link ".." leads to the parent of the link's target, not of the link.
 bool is_behind_a_link(const fs::path& folder) {
   std::error_code failed;
   const fs::path named = fs::absolute(folder, failed), real = fs::weakly_canonical(named, failed);
   return !failed && (named / "").lexically_normal() != real / "";
 }
 
-/// A pipe, or bytes in memory that were read from one: no folder holds it, whatever path leads to it.
+/// Whether `file` is a pipe, or bytes in memory read from one: no folder contains it.
 bool lies_nowhere(const std::string& file) {
   std::error_code failed;
   const fs::file_status status = fs::status(file, failed);

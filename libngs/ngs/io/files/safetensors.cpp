@@ -37,7 +37,7 @@ std::string shape_text(const std::vector<std::int64_t>& shape) {
   return text + "]";
 }
 
-/// Bytes of a tensor, or more than `limit` if it has more than `limit`.
+/// Size of a tensor in bytes; limit + 1 if it exceeds `limit`.
 std::uint64_t tensor_bytes(const std::vector<std::int64_t>& shape, std::size_t element_bytes, std::uint64_t limit) {
   if (std::find(shape.begin(), shape.end(), 0) != shape.end()) return 0;
   std::uint64_t bytes = element_bytes;
@@ -72,16 +72,16 @@ Placed parse_entry(const std::string& where, const std::string& key, const nlohm
     reader.fail("data_offsets", "[begin, end]");
   placed.begin = offsets[0].get<std::uint64_t>(), placed.end = offsets[1].get<std::uint64_t>();
   if (placed.begin > placed.end || placed.end > limit)
-    reader.fail("data_offsets", "begin <= end <= " + std::to_string(limit) + ", the bytes behind the header");
+    reader.fail("data_offsets", "begin <= end <= " + std::to_string(limit) + ", the bytes after the header");
   if (tensor_bytes(placed.tensor.shape, type->bytes, limit) != placed.end - placed.begin)
     reader.fail("data_offsets", "as many bytes as shape " + shape_text(placed.tensor.shape) + " needs");
   return placed;
 }
 
 void parse_metadata(const std::string& name, const nlohmann::json& value, TensorFile& file) {
-  if (!value.is_object()) bad(name, "__metadata__ is no object, expected {string: string}");
+  if (!value.is_object()) bad(name, "__metadata__ is not an object, expected {string: string}");
   for (const auto& [key, text] : value.items()) {
-    if (!text.is_string()) bad(name, "__metadata__ '" + key + "' is no string");
+    if (!text.is_string()) bad(name, "__metadata__ '" + key + "' is not a string");
     file.metadata[key] = text.get<std::string>();
   }
 }
@@ -131,11 +131,11 @@ TensorFile parse_safetensors(std::string name, Bytes bytes) {
   std::memcpy(&header_bytes, bytes.data(), 8);
   if (header_bytes > kMaxHeaderBytes || header_bytes > bytes.size() - 8)
     bad(name, "a header of " + std::to_string(header_bytes) + " bytes in a file of " + std::to_string(bytes.size()) +
-                  ", expected a whole safetensors file");
+                  ", expected a complete safetensors file");
   const std::string_view header(reinterpret_cast<const char*>(bytes.data()) + 8, header_bytes);
   const Bytes data = bytes.subspan(8 + header_bytes);
   const nlohmann::json json = parse_json(header, name);
-  if (!json.is_object()) bad(name, "the header is no JSON object, expected a safetensors file");
+  if (!json.is_object()) bad(name, "the header is not a JSON object, expected a safetensors file");
 
   TensorFile file;
   std::vector<Placed> placed;
@@ -145,7 +145,7 @@ TensorFile parse_safetensors(std::string name, Bytes bytes) {
     else
       placed.push_back(parse_entry(name, key, value, data.size()));
   }
-  // Ties are empty tensors; JSON objects are sorted by name, so the order is defined.
+  // Only empty tensors compare equal; JSON objects are sorted by name, so the order is deterministic.
   std::stable_sort(placed.begin(), placed.end(), [](const Placed& a, const Placed& b) {
     return a.begin != b.begin ? a.begin < b.begin : a.end < b.end;
   });
@@ -160,7 +160,7 @@ TensorFile parse_safetensors(std::string name, Bytes bytes) {
     file.tensors.push_back(std::move(p.tensor));
   }
   if (at != data.size())
-    bad(name, std::to_string(data.size()) + " bytes behind the header, expected " + std::to_string(at));
+    bad(name, std::to_string(data.size()) + " bytes after the header, expected " + std::to_string(at));
   file.name = std::move(name);
   return file;
 }
@@ -178,7 +178,7 @@ void write_safetensors(const std::string& path, const TensorFile& file) {
     at += t->bytes.size();
   }
   std::string header = json.dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace);
-  header.resize((header.size() + 7) / 8 * 8, ' ');  // so that the values are aligned in a mapping
+  header.resize((header.size() + 7) / 8 * 8, ' ');  // aligns the values in a memory mapping
   const std::uint64_t header_bytes = header.size();
   AtomicFile out(path);
   out.write(&header_bytes, 8);

@@ -1,9 +1,9 @@
 #pragma once
-// Named arrays in the safetensors layout, which Python's stock package reads: u64 header length, a JSON
-// header {name: {dtype, shape, data_offsets}, "__metadata__": {string: string}}, then the raw little-endian
-// values without gaps. Used for NeRF parameters, checkpoints and evidence partials.
+// Named arrays in the safetensors format, which Python's safetensors package reads: u64 header length, a JSON header
+// {name: {dtype, shape, data_offsets}, "__metadata__": {string: string}}, then the raw little-endian values without
+// gaps. Used for NeRF parameters, checkpoints and partial evidence.
 //
-// Reading checks everything against the file's size before it allocates; anything odd is kBadInput.
+// The reader checks everything against the file size before it allocates; malformed files are kBadInput.
 #include <cstdint>
 #include <map>
 #include <span>
@@ -56,7 +56,7 @@ struct Tensor {
 };
 
 struct TensorFile {
-  std::string name;  // of the file, for messages
+  std::string name;  // file name, for messages
   std::vector<Tensor> tensors;
   std::map<std::string, std::string> metadata;
 
@@ -69,8 +69,8 @@ struct TensorFile {
     add(std::move(tensor), std::move(shape), std::span<const T>(values));
   }
   bool has(std::string_view tensor) const;
-  /// A copy. kBadInput if it is absent, of another type or, where `shape` is given, of another shape; -1 in
-  /// `shape` accepts any size.
+  /// A copy of the values. kBadInput if the tensor is absent, has another type or, if `shape` is given, another shape;
+  /// -1 in `shape` accepts any size.
   template <class T>
   std::vector<T> get(std::string_view tensor, const std::vector<std::int64_t>& shape = {}) const {
     const Tensor& found = find(tensor, TensorTypeOf<T>::value, shape);
@@ -91,7 +91,7 @@ struct TensorFile {
 TensorFile read_safetensors(const std::string& path);
 TensorFile parse_safetensors(std::string name, Bytes bytes);
 
-/// By rename. Tensors are laid out by falling element size, then in their order; equal input, equal bytes.
+/// Atomic. Tensors are sorted by decreasing element size, then in their order; equal input gives equal bytes.
 void write_safetensors(const std::string& path, const TensorFile& file);
 
 }  // namespace ngs::io

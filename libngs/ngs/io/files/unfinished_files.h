@@ -1,11 +1,11 @@
 #pragma once
-// The temporaries of outputs that are being written, so that a signal handler can remove them before the
-// process ends without unwinding.
+// Registry of temporary files of outputs in progress, so that a signal handler can remove them before the process ends
+// without unwinding.
 
 namespace ngs::io {
 
-/// Notes a path, of a file or of a folder that holds noted files only, for as long as it lives. Paths beyond 4095 bytes
-/// and more than 64 at a time are not noted: their temporaries would survive a signal, never the targets.
+/// Registers a path during its lifetime: a file, or a folder that contains registered files only. Paths beyond 4095
+/// bytes and more than 64 at a time are not registered: a signal leaves their temporary files, targets are unaffected.
 class UnfinishedFile {
  public:
   UnfinishedFile() = default;
@@ -19,7 +19,7 @@ class UnfinishedFile {
   int slot_ = -1;
 };
 
-/// Removes what is noted. Async-signal-safe.
+/// Removes all registered paths. Async-signal-safe.
 void remove_unfinished_files() noexcept;
 
 }  // namespace ngs::io

@@ -3,8 +3,8 @@
 namespace ngs::io {
 namespace {
 
-/// Whether the basis function of a coefficient is odd in x, y and z: degree 1 is y z x, degree 2 xy yz zz xz xx-yy,
-/// degree 3 y(3xx-yy) xyz y(4zz-..) z(2zz-..) x(4zz-..) z(xx-yy) x(xx-3yy).
+/// Whether the basis function of each coefficient is odd in x, y and z. Degree 1: y z x; degree 2: xy yz zz xz xx-yy;
+/// degree 3: y(3xx-yy) xyz y(4zz-..) z(2zz-..) x(4zz-..) z(xx-yy) x(xx-3yy).
 struct Parity {
   bool x, y, z;
 };

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kChunkRows = 256;
 
-/// Position, ln scale and rgb of a row: what is stored within its chunk's range.
+/// Position, ln scale and rgb of a row: the values that are quantised within the chunk's range.
 using Ranged = std::array<float, 9>;
 
 Ranged ranged_of(const SplatRow& row) {
@@ -39,18 +39,18 @@ struct Chunk {
         low[k] = std::min(low[k], values[k]), high[k] = std::max(high[k], values[k]);
     }
   }
-  /// Value k within its range as a whole number of `bits` bits.
+  /// Value k, quantised within its range to `bits` bits.
   std::uint32_t within(std::size_t k, float value, int bits) const {
     const double span = double(high[k]) - double(low[k]), most = double((1u << bits) - 1);
     return span > 0 ? std::uint32_t(std::lround((double(value) - double(low[k])) / span * most)) : 0;
   }
-  /// Three values from k on, in 11, 10 and 11 bits.
+  /// Three values from k on, packed in 11, 10 and 11 bits.
   std::uint32_t three(std::size_t k, const Ranged& values) const {
     return within(k, values[k], 11) << 21 | within(k + 1, values[k + 1], 10) << 11 | within(k + 2, values[k + 2], 11);
   }
 };
 
-/// The two highest bits name the largest of (w, x, y, z); the other three follow in order, in ±√½.
+/// The two highest bits are the index of the largest of (w, x, y, z); the other three follow in order, in ±√½.
 std::uint32_t packed_rotation(const std::array<float, 4>& q) {
   const std::size_t largest = largest_component(q);
   std::uint32_t bits = std::uint32_t(largest);
@@ -68,7 +68,7 @@ std::uint32_t packed_colour(const Chunk& chunk, const Ranged& values, float logi
   return bits << 8 | alpha_byte(logit_opacity);
 }
 
-/// Steps of 1/32 from -4 to 4, of which the reader takes the middle.
+/// Steps of 1/32 from -4 to 4; the reader decodes the centre of a step.
 std::uint8_t sh_byte(float value) {
   return std::uint8_t(clamp3(std::floor((double(value) / 8 + 0.5) * 256), 0.0, 255.0));
 }
@@ -91,7 +91,7 @@ std::string header_of(const SplatSelection& model) {
   return text + "end_header\n";
 }
 
-/// The widest axis of a chunk, in steps of its positions, and the row that is farthest from the others along it.
+/// The widest position step over the axes of a chunk, and the row that is farthest from the others along that axis.
 Rounding widest_axis(const SplatSelection& model, std::span<const std::int64_t> rows) {
   constexpr double kSteps[] = {2047, 1023, 2047};
   Rounding widest{.rows = std::ssize(rows)};

@@ -1,6 +1,6 @@
 #pragma once
-// SuperSplat's compressed.ply: chunks of 256 Gaussians with the ranges of their values, and 16 bytes each within them;
-// SH as bytes. io/ply/compressed_ply.cpp reads it.
+// Writer of SuperSplat's compressed.ply: chunks of 256 Gaussians with the range of each value, 16 bytes per Gaussian
+// quantised within these ranges, SH as bytes. Reader: io/ply/compressed_ply.cpp.
 #include <string>
 #include <vector>
 
@@ -8,12 +8,12 @@
 
 namespace ngs::io {
 
-/// Rows along a Morton curve, so that chunks are small. Largest errors: x and z, and the scales' first and third axis,
-/// the chunk's range / 4094, y and the second axis its range / 2046, rgb its range / 510, opacity 1/510, components of
-/// the rotation but the largest 0.0007, SH within ±3.97 1/64. The same model gives the same bytes.
+/// Rows are sorted along a Morton curve, so that chunks are small. Largest errors: chunk range / 4094 for x, z and the
+/// first and third log scale; range / 2046 for y and the second log scale; range / 510 for rgb; 1/510 for opacity;
+/// 0.0007 for rotation components except the largest; 1/64 for SH within ±3.97. Equal models give equal bytes.
 std::vector<std::uint8_t> encode_compressed_ply(const SplatSelection& model);
 
-/// Rows in chunks so wide that encode_compressed_ply() moves them farther than they are large.
+/// Rows in chunks so wide that the quantisation error exceeds the Gaussians' size.
 Rounding compressed_ply_rounding(const SplatSelection& model);
 
 }  // namespace ngs::io

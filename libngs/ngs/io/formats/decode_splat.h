@@ -1,5 +1,5 @@
 #pragma once
-// The readers of the formats that are no PLY, behind one function.
+// One entry point for the readers of all formats but PLY.
 #include <string>
 
 #include "ngs/io/formats/splat_format.h"
@@ -7,7 +7,7 @@
 
 namespace ngs::io {
 
-/// `format` is no PLY. Throws kBadInput.
+/// `format` must not be PLY. Throws kBadInput.
 DecodedSplat decode_splat(SplatFormat format, const std::string& name, Bytes bytes);
 
 }  // namespace ngs::io

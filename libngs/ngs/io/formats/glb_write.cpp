@@ -17,13 +17,13 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr const char* kExtension = "KHR_gaussian_splatting";
-constexpr int kFloat = 5126, kArrayBuffer = 34962, kPoints = 0;  // of glTF
+constexpr int kFloat = 5126, kArrayBuffer = 34962, kPoints = 0;  // glTF constants
 constexpr std::uint32_t kMagic = 0x46546c67, kVersion2 = 2, kJsonChunk = 0x4e4f534a, kBinaryChunk = 0x004e4942;
 
-/// One attribute of all rows.
+/// One attribute for all rows.
 struct Attribute {
   std::string name;
-  std::size_t width;  // floats a row
+  std::size_t width;  // floats per row
   std::function<void(const SplatRow&, float*)> fill;
 };
 
@@ -130,7 +130,7 @@ class Encoder {
     return gltf;
   }
 
-  /// glTF asks for the bounding box of the positions.
+  /// glTF requires the bounding box of the positions.
   void add_bounds(ordered_json& accessor) const {
     std::array<float, 3> low = turned_row(model_.rows[0]).position, high = low;
     for (const std::int64_t i : model_.rows) {

@@ -1,5 +1,5 @@
 #pragma once
-// IEEE 754 numbers of 16 bits.
+// IEEE 754 half-precision numbers.
 #include <cmath>
 #include <cstdint>
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kHeaderBytes = 4096, kSectionBytes = 1024;
 
-/// Bytes of one Gaussian's attributes, by compression; the colour has 4.
+/// Bytes per Gaussian of each attribute, by compression level; the colour has always 4.
 struct Layout {
   std::size_t position, scale, rotation, harmonic;
   std::size_t scale_at() const { return position; }
@@ -23,14 +23,14 @@ struct Layout {
 constexpr Layout kLayouts[3] = {{12, 12, 16, 4}, {6, 6, 8, 2}, {6, 6, 8, 1}};
 
 struct Section {
-  std::size_t rows, capacity_rows;            // used, stored
-  std::size_t bucket_rows, buckets;           // of a full bucket
-  std::size_t bucket_bytes;                   // of a centre
-  std::size_t full_buckets, partial_buckets;  // these come last, with their sizes
-  double block_size, range;                   // world, and what stands for half of it
+  std::size_t rows, capacity_rows;            // used, allocated in the file
+  std::size_t bucket_rows, buckets;           // rows of a full bucket, number of buckets
+  std::size_t bucket_bytes;                   // per bucket centre
+  std::size_t full_buckets, partial_buckets;  // partial buckets come last, with explicit sizes
+  double block_size, range;                   // block size in world units, and the integer that encodes half of it
   std::uint32_t degree;
   std::size_t row_bytes;
-  std::size_t sizes_at, centres_at, rows_at, end;  // bytes of the file
+  std::size_t sizes_at, centres_at, rows_at, end;  // byte offsets in the file
 };
 
 class KsplatReader {
@@ -61,7 +61,7 @@ class KsplatReader {
       std::size_t bucket = 0, left = section.buckets > 0 ? bucket_size(section, 0) : 0;
       for (std::size_t i = 0; i < section.rows; ++i, ++to) {
         while (compression_ > 0 && left == 0) {
-          if (++bucket >= section.buckets) bad("a section has fewer places in its buckets than Gaussians");
+          if (++bucket >= section.buckets) bad("a section's buckets have less capacity than it has Gaussians");
           left = bucket_size(section, bucket);
         }
         store_row(decoded.rows, to, row(section, i, bucket));
@@ -80,7 +80,7 @@ class KsplatReader {
   template <class T>
   T at(std::size_t byte) const {
     if (byte > bytes_.size() || sizeof(T) > bytes_.size() - byte)
-      bad("ends at byte " + std::to_string(bytes_.size()) + ", expected a whole file");
+      bad("ends at byte " + std::to_string(bytes_.size()) + ", expected a complete file");
     T value;
     std::memcpy(&value, bytes_.data() + byte, sizeof value);
     return value;
@@ -89,7 +89,7 @@ class KsplatReader {
   void read_sections() {
     const std::size_t most = at<std::uint32_t>(4);
     if (most > (bytes_.size() - kHeaderBytes) / kSectionBytes)
-      bad(std::to_string(most) + " sections, expected what the size of the file holds");
+      bad(std::to_string(most) + " sections, expected at most as many as the file can hold");
     std::size_t end = kHeaderBytes + most * kSectionBytes, rows = 0;
     for (std::size_t s = 0; s < most; ++s) {
       const Section section = section_at(kHeaderBytes + s * kSectionBytes, end);
@@ -118,7 +118,7 @@ class KsplatReader {
     s.end = s.rows_at + s.capacity_rows * s.row_bytes;
     if (s.end > bytes_.size())
       bad("a section ends at byte " + std::to_string(s.end) + " of " + std::to_string(bytes_.size()) +
-          ", expected a whole file");
+          ", expected a complete file");
     if (s.rows > s.capacity_rows)
       bad(std::to_string(s.rows) + " Gaussians in a section, expected at most " + std::to_string(s.capacity_rows));
     const bool has_centres =
@@ -127,7 +127,7 @@ class KsplatReader {
     return s;
   }
 
-  /// Gaussians in a bucket: the full ones come first, then those with a size of their own.
+  /// Gaussians in a bucket: full buckets come first, then partial ones with explicit sizes.
   std::size_t bucket_size(const Section& s, std::size_t bucket) const {
     if (compression_ == 0) return s.rows;
     if (bucket < s.full_buckets) return s.bucket_rows;
@@ -136,7 +136,7 @@ class KsplatReader {
     return 0;
   }
 
-  /// Number k of an attribute that is stored as floats, or as half floats.
+  /// Element k of an attribute stored as floats, or as half floats.
   float number(std::size_t byte, std::size_t k) const {
     return compression_ == 0 ? at<float>(byte + k * 4) : half_to_float(at<std::uint16_t>(byte + k * 2));
   }
@@ -161,7 +161,7 @@ class KsplatReader {
     return float((double(at<std::uint16_t>(from + axis * 2)) - s.range) * step + double(centre));
   }
 
-  /// The coefficients of a degree: all of red, then green, then blue.
+  /// The SH coefficients of one degree: all of red, then green, then blue.
   void read_band(std::size_t from, int degree, SplatRow& row) const {
     const std::size_t before = std::size_t(sh_rest_count(degree - 1)), n = std::size_t(2 * degree + 1);
     for (std::size_t c = 0; c < 3; ++c)

@@ -14,11 +14,11 @@ namespace {
 using namespace sog;
 using nlohmann::json;
 
-/// meta.json, every access checked.
+/// meta.json with checked access.
 class Meta {
  public:
   Meta(std::string name, json value) : name_(std::move(name)), value_(std::move(value)) {
-    if (!value_.is_object()) bad("no JSON object, expected the description of a .sog");
+    if (!value_.is_object()) bad("not a JSON object, expected the meta.json of a .sog");
   }
 
   [[noreturn]] void bad(const std::string& message) const {
@@ -30,7 +30,7 @@ class Meta {
 
   const json& at(const char* part, const char* key) const {
     if (!value_.contains(part) || !value_[part].is_object() || !value_[part].contains(key))
-      bad("'" + std::string(part) + "." + key + "' is missing, expected a whole description");
+      bad("'" + std::string(part) + "." + key + "' is missing, expected a complete description");
     return value_[part][key];
   }
 
@@ -65,7 +65,7 @@ class Meta {
   json value_;
 };
 
-/// A number of 0 to 255 of a file as a value: a codebook, or between two ends.
+/// Decodes a byte of a file: by a codebook, or linearly between two ends.
 using Values = std::array<double, 256>;
 
 Values spread_between(double low, double high) {
@@ -83,7 +83,8 @@ class SogReader {
     constexpr std::uint64_t kMostCount = std::uint64_t(kMostWebpPx) * kMostWebpPx;
     if (version_ == 2 && !meta_.has("count")) meta_.bad("'count' is missing, expected the number of Gaussians");
     const json& shape = version_ == 1 ? meta_.at("means", "shape") : meta_.root()["count"];
-    if (version_ == 1 && (!shape.is_array() || shape.empty())) meta_.bad("'means.shape' is no list, expected [N, 3]");
+    if (version_ == 1 && (!shape.is_array() || shape.empty()))
+      meta_.bad("'means.shape' is not a list, expected [N, 3]");
     count_ = meta_.whole_number(version_ == 1 ? shape[0] : shape, "count", kMostCount);
     constexpr std::uint64_t kTextures = 5;
     check_expansion(name, count_ * kTextures * 4, bytes.size());
@@ -113,7 +114,7 @@ class SogReader {
     return decode_webp(name_ + ": " + file, zip_.read(file, bytes_.size()), most_texels);
   }
 
-  /// A picture with a texel per Gaussian, and not many more.
+  /// An image with at least one texel per Gaussian, and not many more.
   RgbaTable texture(const char* part, std::size_t which) const {
     RgbaTable table = picture(part, which, 2 * count_ + kMostPalette);
     if (table.texels() < count_)

@@ -20,7 +20,7 @@ using nlohmann::ordered_json;
 class SogWriter {
  public:
   explicit SogWriter(const SplatSelection& model) : model_(model), count_(model.rows.size()) {
-    // Whole blocks of 4 x 4 texels, nearly square.
+    // A nearly square image of 4 x 4 texel blocks.
     width_ = std::max(4, int(std::ceil(std::sqrt(double(count_)) / 4)) * 4);
     height_ = std::max(4, int(std::ceil(double(count_) / double(width_) / 4)) * 4);
     if (width_ > kMostWebpPx || height_ > kMostWebpPx)
@@ -73,7 +73,7 @@ class SogWriter {
     add_picture("means_u.webp", upper);
   }
 
-  /// The codebook of an attribute of three values, and each value's index in `table`.
+  /// Fits the codebook of an attribute with three values, and appends each value's index to `table`.
   Codebook add_by_codebook(std::array<float, 3> SplatRow::*attribute, RgbaTable& table) const {
     std::vector<float> values;
     for (std::size_t i = 0; i < count_; ++i) {

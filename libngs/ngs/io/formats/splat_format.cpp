@@ -26,7 +26,7 @@ SplatFormat input_format(std::string_view name, Bytes bytes) {
   if (begins_with(bytes, "NGSP")) return SplatFormat::kSpz;
   if (begins_with(bytes, "PK\x03\x04")) return SplatFormat::kSog;
   if (begins_with(bytes, "glTF")) return SplatFormat::kGlb;
-  // A record of .splat may begin with any bytes, also with the two that begin a gzip stream.
+  // .splat has no signature: its first record may even begin like a gzip stream, so its extension is checked first.
   if (ends_with(name, ".splat")) return SplatFormat::kSplat;
   if (ends_with(name, ".ksplat")) return SplatFormat::kKsplat;
   if (begins_with(bytes, "\x1f\x8b") || ends_with(name, ".spz")) return SplatFormat::kSpz;

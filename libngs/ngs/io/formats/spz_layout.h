@@ -1,15 +1,17 @@
 #pragma once
-// The layout of .spz (Niantic; specification and reference: github.com/nianticlabs/spz).
+// Layout of .spz (Niantic; specification and reference: github.com/nianticlabs/spz).
 //
-//   header   u32 magic "NGSP", u32 version, u32 count, u8 degree of SH, u8 fractional bits of positions, u8 flags,
-//            u8 number of streams (version 4, else 0)
-//   version 1 to 3: header and attributes, one after the other, in one gzip stream
-//   version 4: u32 offset of the table of streams, 12 bytes reserved, extensions up to the table; the table, two u64
-//            (compressed size, size) per stream; then the attributes, a zstd stream each
+// clang-format off
+//   header           u32 magic "NGSP", u32 version, u32 count, u8 SH degree, u8 fractional bits of positions, u8 flags,
+//                    u8 number of streams (version 4, else 0)
+//   versions 1 to 3  header and attributes, one after the other, in one gzip stream
+//   version 4        header; u32 offset of the stream table, 12 bytes reserved, extensions up to the table; the table,
+//                    two u64 (compressed size, size) per stream; then one zstd stream per attribute
+// clang-format on
 //
-// Attributes, each for all Gaussians: positions (3 half floats in version 1, else 3 fixed point numbers of 24 bits),
+// Attributes, each for all Gaussians: positions (3 half floats in version 1, else 3 fixed-point numbers of 24 bits),
 // opacity (byte), colours (3 bytes), log scales (3 bytes), rotation (x y z as bytes in versions 1 and 2, else the
-// smallest three of x y z w in 2 + 3 · 10 bits), SH (bytes, a coefficient's three channels together).
+// smallest three of x y z w in 2 + 3 · 10 bits), SH (bytes, the three channels of a coefficient together).
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -36,7 +38,7 @@ inline constexpr double kScaleOffset = 160, kScaleSteps = 16;  // ln scale from 
 inline constexpr double kShOffset = 128, kShSteps = 128;
 inline constexpr double kQuaternionOffset = 127.5, kQuaternionSteps = 127.5;  // versions 1 and 2
 
-inline constexpr std::uint32_t kMagnitudeBits = 9, kMostMagnitude = (1u << kMagnitudeBits) - 1;  // stands for √½
+inline constexpr std::uint32_t kMagnitudeBits = 9, kMostMagnitude = (1u << kMagnitudeBits) - 1;  // encodes √½
 inline constexpr double kLargestOfSmallest = 0.70710678118654752;
 
 }  // namespace ngs::io::spz

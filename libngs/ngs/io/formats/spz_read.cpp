@@ -34,7 +34,7 @@ struct SpzData {
 void check_header(const std::string& name, const Header& header, std::size_t file_bytes) {
   if (header.magic != kMagic)
     throw Error(ErrorCode::kBadInput, name + ": compressed data without the signature NGSP, expected an .spz file",
-                "unpack it where another file was compressed (gunzip), or copy it again");
+                "if it is another file, compressed, unpack it (gunzip); else copy it again");
   if (header.version < 1 || header.version > kLastVersion)
     bad(name, "version " + std::to_string(header.version) + " of .spz, expected 1 to 4");
   if (header.degree > kMostDegree) bad(name, "SH degree " + std::to_string(header.degree) + ", expected 0 to 4");
@@ -63,7 +63,7 @@ SpzData read_gzip(const std::string& name, Bytes bytes) {
   return data;
 }
 
-/// The frame that extension 0xADBE0003 names: 1 to 8 for the eight choices of left or right, down or up, back or front.
+/// The frame named by extension 0xADBE0003: 1 to 8 for the combinations of left/right, down/up and back/front.
 AxisSigns named_axes(const std::string& name, Bytes zone) {
   constexpr std::uint32_t kCoordinateSystem = 0xADBE0003;
   ByteReader reader(zone, name + ": extensions");
@@ -112,7 +112,7 @@ SpzData read_zstd(const std::string& name, Bytes bytes) {
                     std::to_string(data.header.count * sizes[a]) + " for " + std::to_string(data.header.count) +
                     " Gaussians");
     if (at > bytes.size() || packed > bytes.size() - at)
-      bad(name, "stream " + std::to_string(a) + " goes beyond the end of the file, expected a whole file");
+      bad(name, "stream " + std::to_string(a) + " goes beyond the end of the file, expected a complete file");
     data.attributes[a].resize(size);
     unzstd(name + ": stream " + std::to_string(a), bytes.subspan(at, packed), data.attributes[a]);
     at += packed;
@@ -162,7 +162,7 @@ class Decoder {
     return {float(left_out_component(v[0], v[1], v[2])), float(v[0]), float(v[1]), float(v[2])};
   }
 
-  /// The two highest bits name the largest of (x, y, z, w); the others follow in order, each a sign and a magnitude.
+  /// The two highest bits are the index of the largest of (x, y, z, w); the others follow in order, sign and magnitude.
   static std::array<float, 4> smallest_three(const std::uint8_t* from) {
     std::uint32_t bits;
     std::memcpy(&bits, from, sizeof bits);

@@ -15,7 +15,7 @@ namespace {
 
 using namespace spz;
 
-constexpr std::uint32_t kWrittenVersion = 3;  // every reader knows it
+constexpr std::uint32_t kWrittenVersion = 3;  // supported by every reader
 constexpr int kMostFractionalBits = 16;
 
 struct Farthest {

@@ -41,8 +41,8 @@ void note_origin(const std::string& path, const GaussianCloud& cloud, std::vecto
   const bool is_ply = output_format(path) == SplatFormat::kPly;
   notes.push_back(path + ": positions are relative to " + short_number(cloud.origin[0]) + "," +
                   short_number(cloud.origin[1]) + "," + short_number(cloud.origin[2]) +
-                  (is_ply ? ", which its comment ngs-origin names" : ", which the format cannot hold") +
-                  ": in the world's coordinates float would round them to " + short_number(float_spacing(cloud)));
+                  (is_ply ? " (comment ngs-origin)" : " (which the format cannot store)") +
+                  "; as world coordinates, float would round them to steps of " + short_number(float_spacing(cloud)));
 }
 
 void note_rounding(const std::string& path, const SplatSelection& model, std::vector<std::string>& notes) {
@@ -55,7 +55,7 @@ void note_rounding(const std::string& path, const SplatSelection& model, std::ve
                   " positions are rounded to steps of " + short_number(rounding.step) +
                   ", wider than the Gaussians: row " + std::to_string(rounding.farthest) + " of the model lies at " +
                   short_number(rounding.coordinate) +
-                  "; leave it out (ngs-clean takes lone Gaussians out), or write .ply or .sog");
+                  "; remove it (ngs-clean removes isolated Gaussians), or write .ply or .sog");
 }
 
 std::vector<std::string> write_encoded(const std::string& path, const SplatSelection& model) {

@@ -1,6 +1,6 @@
 #pragma once
-// Writes a model without labels in the format that the name of the file asks for (output_format()): PLY by
-// write_strict_ply, and .compressed.ply, .spz, .sog, .splat, .glb.
+// Writes a model without labels. The file name determines the format (output_format()): PLY by write_strict_ply, and
+// .compressed.ply, .spz, .sog, .splat, .glb.
 #include <string>
 #include <vector>
 
@@ -8,13 +8,13 @@
 
 namespace ngs::io {
 
-/// Rows with keep[i] != 0, in order; an empty `keep` means all. Returns what the reader of a log should know, one
-/// sentence each: how many rows were left out because the format cannot hold them, positions that are relative to the
-/// cloud's origin, and steps that are wider than the Gaussians. `comments` go into PLY only.
+/// Writes rows with keep[i] != 0, in order; an empty `keep` writes all. Returns warnings for the log, one sentence
+/// each: rows left out because the format cannot store them, positions relative to the cloud's origin, and quantisation
+/// steps wider than the Gaussians. `comments` are written to PLY only.
 std::vector<std::string> write_splat(const std::string& path, const GaussianCloud& cloud,
                                      const std::vector<std::uint8_t>& keep,
                                      const std::vector<std::string>& comments = {});
-/// The same with the comments of the input that say how to render it.
+/// The same with those comments of the input that affect rendering.
 std::vector<std::string> write_splat(const std::string& path, const GaussianPly& model,
                                      const std::vector<std::uint8_t>& keep);
 

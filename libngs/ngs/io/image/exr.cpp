@@ -83,13 +83,13 @@ void read_attributes(const Imf::Header& header, ExrImage& image) {
   }
 }
 
-/// How a compression packs an image.
+/// How a compression method packs an image.
 struct Packing {
-  std::int64_t rows;      // in a chunk; the library allocates that many however few the image has
-  double most_expansion;  // bytes of floats for one byte of a file; a header that claims more is a lie
+  std::int64_t rows;      // per chunk; the library allocates that many even for a smaller image
+  double most_expansion;  // upper bound of float bytes per file byte
 };
-/// The expansion is what images of one value reach, which pack best, and room for chunks that are not full. Half floats
-/// count twice, and deflate makes one byte of 1032.
+/// The bounds exceed the expansion measured on constant images (the comments), which compress best, with a margin for
+/// partial chunks. Half floats count twice; deflate packs at most 1032 bytes into one.
 Packing packing(Imf::Compression compression) {
   switch (compression) {
     case Imf::NO_COMPRESSION: return {1, 4};           // measured: 2.0
@@ -111,11 +111,11 @@ void check_size(std::int64_t width, std::int64_t height, std::int64_t channels, 
   if (width < 1 || height < 1 || width > kMaxExrPixels || height > kMaxExrPixels || width * height > kMaxExrPixels)
     throw std::runtime_error("image of " + size);
   if (double(width) * double(height) * double(channels) * 4.0 > most_expansion * double(file_bytes))
-    throw std::runtime_error("header claims " + size + " in " + std::to_string(file_bytes) + " bytes");
+    throw std::runtime_error("header declares " + size + " in " + std::to_string(file_bytes) + " bytes");
 }
 
-/// Reads a value as the library does: by its type and not by the attribute's size, where the two can differ. Stops soon
-/// after the size.
+/// Skips a value as the library does: by its type, not by the attribute's size, where the two can differ. Stops soon
+/// after `size` bytes.
 void skip_value(ByteReader& in, const std::string& type, std::size_t size) {
   static const std::map<std::string_view, std::size_t> kFixed = {{"box2i", 16},
                                                                  {"box2f", 16},
@@ -145,21 +145,21 @@ void skip_value(ByteReader& in, const std::string& type, std::size_t size) {
   const std::size_t before = in.left();
   if (const auto fixed = kFixed.find(type); fixed != kFixed.end()) {
     in.skip(fixed->second);
-  } else if (type == "chlist") {  // an empty name ends it
+  } else if (type == "chlist") {  // ended by an empty name
     while (before - in.left() <= size && !in.read_name().empty()) in.skip(kChannelBytes);
   } else if (type == "preview") {
     const auto width = in.read<std::uint32_t>(), height = in.read<std::uint32_t>();
     const bool fits = width <= in.left() && height <= in.left();
     in.skip(fits ? 4 * std::uint64_t(width) * height : std::uint64_t(in.left()) + 1);
   } else if (type == "stringvector") {
-    while (before - in.left() < size) in.skip(std::uint64_t(in.read<std::int32_t>()));  // below 0: beyond any end
+    while (before - in.left() < size) in.skip(std::uint64_t(in.read<std::int32_t>()));  // negative sizes fail in skip()
   } else {
     in.skip(size);
   }
 }
 
-/// Attributes are name, type, size, value. The library allocates what a size claims before it reads the
-/// value, and goes on where it stopped reading, which must be where the size ends.
+/// Attributes are name, type, size, value. The library allocates the declared size before it reads the value, and then
+/// continues where it stopped reading; that position must agree with the size.
 void check_attribute_sizes(ByteReader in, bool multi_part) {
   do {
     while (!in.read_name().empty()) {  // an empty name ends a header
@@ -169,15 +169,15 @@ void check_attribute_sizes(ByteReader in, bool multi_part) {
       if (size < 0 || std::size_t(size) > before) throw std::runtime_error("file is truncated");
       skip_value(in, type, std::size_t(size));
       if (before - in.left() != std::size_t(size))
-        throw std::runtime_error("an attribute of type " + type + " claims " + std::to_string(size) + " bytes");
+        throw std::runtime_error("an attribute of type " + type + " declares " + std::to_string(size) + " bytes");
     }
-  } while (multi_part && in.left() > 0 && ByteReader(in).read<std::uint8_t>() != 0);  // an empty header ends them
+  } while (multi_part && in.left() > 0 && ByteReader(in).read<std::uint8_t>() != 0);  // ended by an empty header
 }
 
-/// What the header claims, checked before the library allocates anything for it.
+/// Checks the sizes in the header before the library allocates memory for them.
 void check_header(Bytes bytes, const std::string& object) {
   ByteReader in(bytes, object);
-  if (in.read<std::int32_t>() != Imf::MAGIC) throw std::runtime_error("no EXR file");
+  if (in.read<std::int32_t>() != Imf::MAGIC) throw std::runtime_error("not an EXR file");
   int version = in.read<std::int32_t>();  // and flags
   MemoryIn stream(bytes);
   stream.seekg(bytes.size() - in.left());

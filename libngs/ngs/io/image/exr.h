@@ -1,8 +1,8 @@
 #pragma once
-// EXR files with named float channels: one part, FLOAT, ZIP. Names follow "<layer>.<channel>": R G B A Z
-// ngs.mask ngs.prob ngs.variance ngs.views ngs.id nerf.R nerf.G nerf.B nerf.density. Attributes are shown by
-// exrheader and must be named "ngs:*". The same content gives the same bytes; files appear by rename.
-// Whole images only: the data window starts at (0, 0). An unreadable file is kBadInput.
+// EXR files with named float channels: one part, FLOAT, ZIP. Channel names follow "<layer>.<channel>": R G B A Z
+// ngs.mask ngs.prob ngs.variance ngs.views ngs.id nerf.R nerf.G nerf.B nerf.density. Attributes must be named "ngs:*";
+// exrheader prints them. Equal content gives equal bytes; writing is atomic. The data window must start at (0, 0). An
+// unreadable file is kBadInput.
 #include <map>
 #include <string>
 #include <vector>
@@ -24,7 +24,7 @@ struct ExrImage {
 
 void write_exr(const std::string& path, const ExrImage& image);
 ExrImage read_exr(const std::string& path);
-/// The same from bytes in memory; `object` names them in messages.
+/// The same from bytes in memory; `object` is the name in messages.
 ExrImage parse_exr(Bytes bytes, const std::string& object);
 
 }  // namespace ngs::io

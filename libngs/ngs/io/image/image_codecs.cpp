@@ -8,7 +8,7 @@ namespace ngs::io {
 namespace {
 
 const ImageCodecs& load() {
-  // By its bare name: the executable's run path says where it lies. Never unloaded.
+  // Found by its bare name through the executable's run path. Never unloaded.
   void* plugin = dlopen("libngs_codecs.so", RTLD_NOW | RTLD_LOCAL);
   void* entry = plugin != nullptr ? dlsym(plugin, "ngs_image_codecs") : nullptr;
   if (entry == nullptr) {
@@ -16,7 +16,7 @@ const ImageCodecs& load() {
     throw Error(ErrorCode::kEnvironment,
                 std::string("libngs_codecs.so: ") + (reason != nullptr ? reason : "cannot be loaded") +
                     ", expected the codecs for pictures",
-                "keep it in the folder of the executables, and OpenCV installed (pipelines/setup.sh)");
+                "keep it next to the executables and install OpenCV (pipelines/setup.sh)");
   }
   return *static_cast<const ImageCodecs*>(entry);
 }

@@ -16,7 +16,7 @@
 namespace ngs::io {
 namespace {
 
-/// Photos of phones: HEIC and AVIF are boxes of ISO/IEC 14496-12, whatever the file is called.
+/// Photos of phones: HEIC and AVIF are boxes of ISO/IEC 14496-12, whatever the file extension.
 bool is_heif(Bytes bytes) {
   constexpr std::string_view kType = "ftyp";
   return bytes.size() > 12 &&
@@ -29,8 +29,8 @@ Picture decode(Bytes bytes, const std::string& path) {
                 path +
                     ": a photo in a format that is not read (HEIC, AVIF, JPEG XL, GIF, raw data of a camera), "
                     "expected PNG, JPEG, TIFF or WebP",
-                "convert the photos, e.g. with magick mogrify -format jpg FILES: a copy beside the file is taken where "
-                "only its ending differs");
+                "convert the photos, e.g. with magick mogrify -format jpg FILES: a copy next to the file is used if "
+                "only its extension differs");
   Picture picture = image_codecs().decode(bytes);
   if (picture.width_px == 0)
     throw Error(ErrorCode::kBadInput, path + ": not a readable image, expected PNG, JPEG or another common format");
@@ -41,7 +41,7 @@ Picture decode(Bytes bytes, const std::string& path) {
   return picture;
 }
 
-/// visit(samples as 8 or 16 bit)
+/// Calls visit(samples) with the samples as 8 or 16 bit.
 template <class Visit>
 void with_samples(const Picture& picture, const Visit& visit) {
   if (picture.bits == 8)
@@ -90,14 +90,14 @@ ImageF resize(const ImageF& image, int width_px, int height_px, int method) {
 
 }  // namespace
 
-HeldPhoto read_photo(const std::string& path, Vec3<float> behind) {
+PackedPhoto read_photo(const std::string& path, Vec3<float> behind) {
   const MappedFile file = map_regular_file(path);
   parse_image_header(file.bytes(), path);
   Picture picture = decode(file.bytes(), path);
   const auto as_image = [&]<class T>(Image<T> image, std::vector<T> samples) {
     image.width_px = picture.width_px, image.height_px = picture.height_px, image.channels = picture.channels;
     image.data = std::move(samples);
-    return HeldPhoto(std::move(image), behind);
+    return PackedPhoto(std::move(image), behind);
   };
   if (picture.bits == 8) return as_image(ImageU8(), std::move(picture.samples));
   const auto* wide = reinterpret_cast<const std::uint16_t*>(picture.samples.data());
@@ -127,14 +127,14 @@ RawMask read_mask_raw(const std::string& path, Palette palette) {
   const bool lossy = header && header->format == ImageFormat::kJpeg;
   if (lossy && palette == Palette::kIndices)
     throw Error(ErrorCode::kBadInput, path + ": a JPEG, whose compression changes ids, expected a label map",
-                "save the label maps as PNG, from before they were JPEG");
+                "export the label maps again as PNG; converting the JPEG does not restore the ids");
   if (!header || !header->palette) return raw_mask(decode(file.bytes(), path), lossy);
   if (palette != Palette::kIndices) {
     RawMask colours = raw_mask(decode(file.bytes(), path), lossy);
     if (palette == Palette::kColours || !header->begins_black || is_grey(colours.samples())) return colours;
   }
   RawMask indices = raw_mask(decode(palette_png_as_indices(file.bytes()), path), lossy);
-  // Decoders stretch 1, 2 and 4 bit grey to 0..255; an index must come back as itself.
+  // Decoders scale 1, 2 and 4 bit grey to 0..255; indices must not be scaled.
   const int stretch = header->bits < 8 ? 255 / ((1 << header->bits) - 1) : 1;
   for (std::uint16_t& value : indices.data) value = std::uint16_t(value / stretch);
   return indices;

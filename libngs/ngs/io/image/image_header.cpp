@@ -84,7 +84,7 @@ ImageHeader parse_jpeg(Bytes bytes, const std::string& object) {
     if (marker == 0xDA) {  // start of scan: entropy-coded data until the end-of-image marker
       constexpr std::array<unsigned char, 2> kEnd{0xFF, 0xD9};
       const auto rest = bytes.subspan(at);
-      // from the end, where it is: a photo's size is known without reading the photo
+      // searched from the end, so that the image data are not read
       if (std::find_end(rest.begin(), rest.end(), kEnd.begin(), kEnd.end()) == rest.end()) break;
       check_size(header, object);
       return header;

@@ -1,7 +1,6 @@
 #pragma once
-// What a PNG or JPEG says about itself, found without decoding it. Used to refuse truncated and absurd files
-// before a decoder sees them (decoders print, pad with grey, or allocate what a header claims), and to learn
-// an image's size cheaply.
+// Reads the header of a PNG or JPEG without decoding it. Truncated files and absurd sizes are rejected before a decoder
+// sees them (decoders print, pad with grey, or allocate what the header declares), and the image size costs little.
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -21,13 +20,13 @@ struct ImageHeader {
   bool begins_black = false;  // the palette's first colour is black
 };
 
-/// Empty: neither PNG nor JPEG. Throws kBadInput where the file is one of them but truncated, without an
-/// image, or larger than `kMaxImagePixels`. `object` names the file in messages.
+/// nullopt: neither PNG nor JPEG. Throws kBadInput if the file is truncated, has no image, or is larger than
+/// `kMaxImagePixels`. `object` is the file's name in messages.
 std::optional<ImageHeader> parse_image_header(Bytes bytes, const std::string& object);
 inline constexpr std::int64_t kMaxImagePixels = std::int64_t(1) << 28;
 
-/// The same bytes with the palette taken out and the indices declared grey values, so that any decoder
-/// returns the indices (label maps from video trackers are palette PNGs). `bytes` must be a palette PNG.
+/// The same bytes without the palette and with the indices declared as grey values, so that any decoder returns the
+/// indices (label maps of video trackers are palette PNGs). `bytes` must be a palette PNG.
 std::vector<std::uint8_t> palette_png_as_indices(Bytes bytes);
 
 }  // namespace ngs::io

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// `photos`: of the views, which may lie in the same folder; none is a mask.
+/// `photos`: the views' photos, which may lie in the same folder and are never masks.
 FoundFile find_mask(const FolderIndex& index, const std::set<fs::path>& photos, const std::string& name) {
   const std::string stem = image_stem(name);
   const FoundFile tried[] = {{name + ".png", "<name>.png"},           {name, "<name>"},
@@ -45,12 +45,12 @@ std::vector<FoundFile> find_masks(const std::string& folder, const std::vector<S
   std::vector<FoundFile> found =
       files_of_views(names, [&](const std::string& name) { return find_mask(index, photos, name); });
   for (const FoundFile& file : found)
-    if (!file.beside_it.empty() && matches.several++ == 0)
-      matches.taken = file.path, matches.not_taken = file.beside_it;
+    if (!file.unused_candidate.empty() && matches.several++ == 0)
+      matches.taken = file.path, matches.not_taken = file.unused_candidate;
   return found;
 }
 
-/// "<folder>/cup/a/0001.png" with "cup" -> "<folder>/{object}/a/0001.png"
+/// "<folder>/cup/a/0001.png" with object "cup" -> "<folder>/{object}/a/0001.png"
 std::string with_object_field(const std::string& path, const std::string& object_folder, const std::string& folder) {
   return (fs::path(folder) / "{object}" / fs::path(path).lexically_relative(object_folder)).string();
 }
@@ -78,16 +78,15 @@ void match_per_object(const std::string& folder, const std::vector<std::string>&
       if (kept.empty())
         kept = path, ++matches.views_by_rule["<object>/" + found[v].rule];
       else if (kept != path)
-        throw Error(
-            ErrorCode::kInconsistent,
-            found[v].path + ": another object has " + kept + ", expected one name in the folders of all objects",
-            "rename the masks alike");
+        throw Error(ErrorCode::kInconsistent,
+                    found[v].path + ": another object has " + kept + ", expected the same file name for all objects",
+                    "give the masks of a view the same name in all object folders");
     }
     if (has_any) matches.objects.push_back(object);
   }
 }
 
-/// Files in the folders of the masks, or in `folder` where there is none, that are no view's mask and no photo.
+/// Image files in the mask folders, or in `folder` if there is none, that are neither a view's mask nor a photo.
 void note_unused(const std::string& folder, const std::vector<SceneView>& views, MaskMatches& matches) {
   if (!matches.objects.empty() || folder.empty()) return;
   std::set<fs::path> used, folders{fs::path(folder).lexically_normal()};
@@ -122,7 +121,7 @@ MaskMatches match_masks(const std::string& folder, const std::vector<std::string
   return matches;
 }
 
-bool holds_masks_beside(const std::string& folder, const std::vector<SceneView>& views) {
+bool photo_folder_holds_masks(const std::string& folder, const std::vector<SceneView>& views) {
   const FolderIndex index(folder);
   return std::ranges::any_of(views, [&](const SceneView& view) {
     const std::string name = bare_name(view.camera.name), stem = image_stem(name);

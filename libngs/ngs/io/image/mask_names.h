@@ -1,17 +1,19 @@
 #pragma once
-// Which mask file belongs to which view, whatever tool named it. For a view "a/0001.jpg", in this order:
+// Matches mask files with views, for the naming schemes of many tools. For a view "a/0001.jpg", in this order:
 //
-//   <name>.png        a/0001.jpg.png     COLMAP; Brush
-//   <name>            a/0001.jpg         same name as the photo
-//   <stem>.png        a/0001.png         the usual one
-//   <stem>.mask.png   a/0001.mask.png    Brush
+// clang-format off
+//   <name>.png        a/0001.jpg.png       COLMAP; Brush
+//   <name>            a/0001.jpg           same name as the photo
+//   <stem>.png        a/0001.png           the most common one
+//   <stem>.mask.png   a/0001.mask.png      Brush
 //   <name>.mask.png   a/0001.jpg.mask.png  RealityScan
-//   <stem>_mask.png   a/0001_mask.png    many scripts around segmenters
-//   <stem>.<other>    a/0001.exr ...     any other image format; refused where there are several
+//   <stem>_mask.png   a/0001_mask.png      many segmentation scripts
+//   <stem>.<other>    a/0001.exr ...       any other image format; no match if there are several
+// clang-format on
 //
-// then the same without the folders of the name, if it is one view's only (files_of_views). If no view has a file
-// so, sub-folders are objects: <object>/ and any of the above. A path that the source itself names (nerfstudio's
-// mask_path) comes before all of these.
+// Then the same without the folders of the name, if only one view fits (files_of_views). If this finds no mask for any
+// view, sub-folders are objects: <object>/ and any of the names above. A path in the source itself (nerfstudio's
+// mask_path) takes precedence over all of these.
 #include <map>
 #include <string>
 #include <vector>
@@ -23,18 +25,18 @@ namespace ngs::io {
 struct MaskMatches {
   std::map<std::string, int> views_by_rule;  // "<stem>.png" -> 21
   std::vector<std::string> unmatched;        // views without a mask
-  std::vector<std::string> of_no_view;       // paths of pictures among the masks that are no view's
-  std::vector<std::string> objects;          // sub-folders that were taken as objects; empty: none
-  int several = 0;                           // masks beside which another one lies that a later rule would have found
-  std::string taken, not_taken;              // the first of these
+  std::vector<std::string> of_no_view;       // paths of images in the mask folder that match no view
+  std::vector<std::string> objects;          // sub-folders used as objects; empty: none
+  int several = 0;                           // views with a second mask, which a later rule would have found
+  std::string taken, not_taken;              // of the first such view
 };
 
-/// Sets mask_path of every view of `views` that has a mask in `folder` and no mask_path yet. `objects`: the
-/// names that the user gave (only these sub-folders count); empty: every sub-folder with a mask is an object.
+/// Sets mask_path of every view that has a mask in `folder` and no mask_path yet. `objects`: object names given by the
+/// user (only these sub-folders are used); empty: every sub-folder with a mask is an object.
 MaskMatches match_masks(const std::string& folder, const std::vector<std::string>& objects,
                         std::vector<SceneView>& views);
 
-/// Whether a folder of photos holds masks too, called <name>.mask.png, <stem>.mask.png or <stem>_mask.png.
-bool holds_masks_beside(const std::string& folder, const std::vector<SceneView>& views);
+/// Whether a photo folder also contains masks named <name>.mask.png, <stem>.mask.png or <stem>_mask.png.
+bool photo_folder_holds_masks(const std::string& folder, const std::vector<SceneView>& views);
 
 }  // namespace ngs::io

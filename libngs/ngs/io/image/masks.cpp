@@ -18,23 +18,23 @@ namespace {
 constexpr float kBandSegment = 128, kBandKeep = 250;  // on the 8-bit scale
 constexpr const char* kObjectField = "{object}";
 
-/// One file as single-channel samples, not yet interpreted.
+/// One file as single-channel samples, before interpretation.
 struct Plane {
   ImageF value;          // [H, W, 1] as in the file
-  float full_scale = 1;  // of the file's type: 255, 65535, or 1
+  float full_scale = 1;  // of the sample type: 255, 65535, or 1
   bool lossy = false;
-  float used_scale = full_scale;  // of its values, see full_scale()
+  float used_scale = full_scale;  // of the values in use, see full_scale()
 };
 
 /// One file interpreted at its own size.
 struct Decoded {
-  std::vector<ImageF> target;  // one per object the file speaks of, [H, W, 1]; none yet where there are ids
-  ImageF ids;                  // of a label map, [H, W, 1]
-  ImageF known;                // [H, W, 1]; empty: all
+  std::vector<ImageF> target;  // one per object in the file, [H, W, 1]; empty while only `ids` is set
+  ImageF ids;                  // label maps, [H, W, 1]
+  ImageF known;                // [H, W, 1]; empty: all pixels are known
   bool lossy = false;
 };
 
-/// The first of these channels that the file has, else its only one, [H, W, 1].
+/// The first of these channels that exists, else the only channel of the file, [H, W, 1].
 ImageF read_exr_channel(const std::string& path, const std::vector<std::string>& preferred) {
   ExrImage exr = read_exr(path);
   const auto name = std::find_if(preferred.begin(), preferred.end(),
@@ -85,7 +85,7 @@ Plane read_plane(const std::string& path, MaskMode mode, std::vector<std::string
   return plane;
 }
 
-/// At the scale of their type such files would be all background.
+/// Recognises such files: at the scale of their sample type they would be all background.
 void take_used_scale(Plane& plane, const std::string& path, std::vector<std::string>& notes) {
   if (plane.used_scale == plane.full_scale) return;
   plane.full_scale = plane.used_scale;
@@ -108,7 +108,7 @@ Decoded decode(const Scene& scene, const std::string& path, std::vector<std::str
   switch (scene.mask_mode) {
     case MaskMode::kBinary: {
       take_used_scale(plane, path, notes);
-      // a {0,1} file has its own threshold; EXR and 16 bit share the 8-bit scale
+      // {0,1} files have a threshold of their own; EXR and 16 bit use the 8-bit scale
       const double threshold =
           plane.full_scale == 1.f && !is_exr(path) ? 1.0 : scene.mask_threshold / 255.0 * double(plane.full_scale);
       out.target.push_back(mapped(plane.value, [&](float v) { return double(v) >= threshold ? object : 1 - object; }));
@@ -138,7 +138,7 @@ Decoded decode(const Scene& scene, const std::string& path, std::vector<std::str
   return out;
 }
 
-/// Area shares -> the class with the largest share of what is known; objects come first in a tie, background last.
+/// Area shares -> the class with the largest share of the known area. In ties objects come first, background last.
 void take_majority(const ImageF& known, std::vector<ImageF>& share) {
   for (std::size_t i = 0; i < share[0].data.size(); ++i) {
     float background = known.empty() ? 1 : known.data[i];
@@ -147,21 +147,21 @@ void take_majority(const ImageF& known, std::vector<ImageF>& share) {
       background -= share[k].data[i];
       if (share[k].data[i] > share[best].data[i]) best = k;
     }
-    // the shares are sums of 1/k² terms: without the slack 8 of 16 pixels may read as less than a half
+    // Shares are sums of 1/k² terms: without a tolerance 8 of 16 pixels may sum to less than one half.
     constexpr float kRounding = 1e-5f;
     const bool object_wins = share[best].data[i] >= background - kRounding;
     for (std::size_t k = 0; k < share.size(); ++k) share[k].data[i] = object_wins && k == best ? 1.f : 0.f;
   }
 }
 
-/// The plane of every object of a label map.
+/// Splits a label map into one plane per object.
 void split_ids(const Scene& scene, Decoded& mask) {
   for (const SceneObject& o : scene.objects)
     mask.target.push_back(mapped(mask.ids, [&](float v) { return v == float(o.id) ? 1.f : 0.f; }));
 }
 
-/// The object of every id up to the largest in the scene, -1: none; empty where two objects have the same, or one that
-/// no label map can hold.
+/// Object index of every id up to the largest in the scene; -1: none. Empty if two objects have the same id or an id
+/// exceeds the range of label maps.
 std::vector<int> objects_by_id(const Scene& scene) {
   std::uint32_t largest = 0;
   for (const SceneObject& o : scene.objects) largest = std::max(largest, std::uint32_t(o.id));
@@ -176,7 +176,7 @@ std::vector<int> objects_by_id(const Scene& scene) {
   return object;
 }
 
-/// The object that take_majority() gives a cell of `scale` x `scale` pixels of a label map; -1: none.
+/// The object that take_majority() would choose for a cell of `scale` x `scale` pixels of a label map; -1: none.
 int majority_of(const float* ids, int row_px, int scale, const std::vector<int>& object, std::vector<int>& count) {
   const auto object_of = [&](float id) { return id < float(object.size()) ? object[std::size_t(id)] : -1; };
   const int first = object_of(ids[0]);
@@ -195,8 +195,8 @@ int majority_of(const float* ids, int row_px, int scale, const std::vector<int>&
   return *most >= none ? int(most - count.begin()) : -1;
 }
 
-/// A label map 2 or 4 times as large as wanted, where shares are exact: what split_ids(), resize_area() and
-/// take_majority() make of it, without a plane of the file's size per object. False: it is another.
+/// Fast path for label maps exactly 2 or 4 times the target size, where area shares are exact in float. The result
+/// equals split_ids(), resize_area() and take_majority() without full-size planes per object. False: not applicable.
 bool reduce_ids(const Scene& scene, const ImageSize& wanted, Decoded& mask) {
   const int scale = mask.ids.width_px / wanted.width_px;
   const std::vector<int> object = objects_by_id(scene);
@@ -222,15 +222,14 @@ void bring_to_size(const Scene& scene, const Camera& camera, const std::string& 
   if (relation.same && !mask.ids.empty()) split_ids(scene, mask);
   if (relation.same) return;
   if (!relation.allowed)
-    throw Error(
-        ErrorCode::kInconsistent,
-        path + ": mask of " + to_string(file) + " px for view " + camera.name + " of " + to_string(wanted) +
-            " px, expected the same size or the same shape",
-        is_turned(file, wanted, scene.image_scale)
-            ? "turn it as the pixels of the photo's file lie: what made it followed the photo's EXIF orientation"
-            : "make the masks from the photos that the scene names, or import with their folder as --images");
+    throw Error(ErrorCode::kInconsistent,
+                path + ": mask of " + to_string(file) + " px for view " + camera.name + " of " + to_string(wanted) +
+                    " px, expected the same size or the same shape",
+                is_turned(file, wanted, scene.image_scale)
+                    ? "rotate the mask to the photo's stored pixels: its program applied the photo's EXIF orientation"
+                    : "make the masks from the photos that the scene names, or import with their folder as --images");
   out.resized = true;
-  out.notes.push_back(path + ": mask of " + to_string(file) + " px brought to the camera's " + to_string(wanted) +
+  out.notes.push_back(path + ": mask of " + to_string(file) + " px resampled to the camera's " + to_string(wanted) +
                       " px");
   if (!mask.ids.empty() && relation.larger && reduce_ids(scene, wanted, mask)) return;
   if (!mask.ids.empty()) split_ids(scene, mask);
@@ -250,7 +249,7 @@ void append(Decoded&& mask, ViewMasks& masks) {
 
 bool is_per_object(const SceneView& view) { return view.mask_path.find(kObjectField) != std::string::npos; }
 
-/// What a view without (all) its files stands for.
+/// Whether the view counts as having no masks, as scene.missing_mask defines it.
 bool is_absent(const Scene& scene, const SceneView& view, const std::vector<std::string>& files) {
   const auto exists = [](const std::string& file) { return std::filesystem::exists(file); };
   const bool complete = !files.empty() && (!is_per_object(view) || std::all_of(files.begin(), files.end(), exists));
@@ -319,7 +318,7 @@ std::set<std::uint32_t> ids_in_label_map(const std::string& path) {
   std::set<std::uint32_t> ids;
   float last = -1;
   for (const float v : plane.value.data) {
-    if (v != last) ids.insert(std::uint32_t(v));  // neighbours are mostly equal
+    if (v != last) ids.insert(std::uint32_t(v));  // neighbouring ids are mostly equal
     last = v;
   }
   return ids;

@@ -10,12 +10,12 @@ namespace ngs::io {
 
 namespace {
 
-/// The file as it is, checked against the camera; empty where the view has none.
-HeldPhoto checked_photo(const Scene& scene, std::size_t view) {
+/// The decoded file, with its size checked against the camera; empty if the view has no photo.
+PackedPhoto checked_photo(const Scene& scene, std::size_t view) {
   NGS_CHECK(view < scene.views.size(), "view index");
   const SceneView& v = scene.views[view];
   if (v.image_path.empty()) return {};
-  HeldPhoto photo = read_photo(v.image_path, background_of(scene));
+  PackedPhoto photo = read_photo(v.image_path, background_of(scene));
   const ImageSize camera{v.camera.width_px, v.camera.height_px}, file{photo.width_px(), photo.height_px()};
   const SizeRelation relation = relate_sizes(file, camera, scene.image_scale);
   if (!relation.allowed || (!relation.same && !relation.larger))
@@ -28,16 +28,16 @@ HeldPhoto checked_photo(const Scene& scene, std::size_t view) {
 
 }  // namespace
 
-HeldPhoto hold_photo(const Scene& scene, std::size_t view) {
-  HeldPhoto photo = checked_photo(scene, view);
+PackedPhoto read_packed_photo(const Scene& scene, std::size_t view) {
+  PackedPhoto photo = checked_photo(scene, view);
   const Camera& camera = scene.views[view].camera;
   if (photo.empty() || (photo.width_px() == camera.width_px && photo.height_px() == camera.height_px)) return photo;
   return resize_area(photo.rgb(), camera.width_px, camera.height_px);
 }
 
-ImageF load_photo(const Scene& scene, std::size_t view) { return hold_photo(scene, view).rgb(); }
+ImageF load_photo(const Scene& scene, std::size_t view) { return read_packed_photo(scene, view).rgb(); }
 
-double held_photo_bytes(const Scene& scene, std::size_t view) {
+double packed_photo_bytes(const Scene& scene, std::size_t view) {
   const SceneView& v = scene.views.at(view);
   if (v.image_path.empty()) return 0;
   const double pixels = double(v.camera.width_px) * v.camera.height_px;

@@ -1,5 +1,5 @@
 #pragma once
-// The photograph of a view at its camera's size.
+// The photo of a view at its camera's size.
 #include <cstddef>
 
 #include "ngs/io/image/image_file.h"
@@ -7,23 +7,23 @@
 
 namespace ngs::io {
 
-/// [H, W, 3] RGB in [0, 1], transparent pixels over the scene's background as trainers do, reduced by area averaging
-/// where the file is larger than the camera by an integer factor or by the scene's image_scale; any other size is
-/// kInconsistent. Empty image: the view has no photo.
+/// [H, W, 3] RGB in [0, 1]. Transparent pixels are composited over the scene's background, as trainers do. A file
+/// larger than the camera by an integer factor or by the scene's image_scale is reduced by area average; any other size
+/// is kInconsistent. Empty image: the view has no photo.
 ImageF load_photo(const Scene& scene, std::size_t view);
 
-/// The same, as the samples of the file where it has the camera's size.
-HeldPhoto hold_photo(const Scene& scene, std::size_t view);
-/// What hold_photo() will take, from the file's header alone; 0 where the view has no photo.
-double held_photo_bytes(const Scene& scene, std::size_t view);
+/// The same, as the file's samples if the file has the camera's size.
+PackedPhoto read_packed_photo(const Scene& scene, std::size_t view);
+/// Memory [bytes] that read_packed_photo() will need, from the file's header alone; 0 if the view has no photo.
+double packed_photo_bytes(const Scene& scene, std::size_t view);
 
-/// The same with up to `most` times the camera's pixels per side, as far as the file has them.
+/// The same with up to `most` times the camera's pixels per side, if the file has that many.
 ImageF load_fine_photo(const Scene& scene, std::size_t view, int most = 2);
-/// The size of the view's photo, which the camera's over image_scale is but for rounding; that where there is no photo
-/// or it is not the one that the scene was imported with.
+/// The size of the view's photo, which is the camera's size / image_scale up to rounding. That quotient is returned if
+/// there is no photo or it is not the one with which the scene was imported.
 ImageSize full_size(const Scene& scene, std::size_t view);
 
-/// Whether the scene's background shows through the photo: then it is no photo of that background.
+/// Whether the photo is transparent somewhere, so that the scene's background is visible in it.
 bool photo_is_transparent(const Scene& scene, std::size_t view);
 
 }  // namespace ngs::io

@@ -6,13 +6,13 @@ ImageF PhotoCache::load(std::size_t view) {
   if (to_keep_.count(view) == 0) return load_photo(scene_, view);
   {
     const std::lock_guard lock(mutex_);
-    if (const auto found = kept_.find(view); found != kept_.end()) return found->second.rgb();
+    if (const auto found = cache_.find(view); found != cache_.end()) return found->second.rgb();
   }
-  HeldPhoto photo = hold_photo(scene_, view);  // outside the lock: others load theirs meanwhile
+  PackedPhoto photo = read_packed_photo(scene_, view);  // outside the lock, so that threads load in parallel
   ImageF rgb = photo.rgb();
   const std::lock_guard lock(mutex_);
   const std::size_t bytes = photo.bytes();
-  if (bytes_ + bytes <= most_bytes_ && kept_.emplace(view, std::move(photo)).second) bytes_ += bytes;
+  if (bytes_ + bytes <= most_bytes_ && cache_.emplace(view, std::move(photo)).second) bytes_ += bytes;
   return rgb;
 }
 

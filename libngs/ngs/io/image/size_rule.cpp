@@ -10,10 +10,10 @@ namespace {
 
 constexpr int kMaxFactor = 16;
 
-/// Where one side of the larger picture is brought to the smaller one's, by a factor of kMaxFactor at most, the other
-/// is less than a pixel off. Two sizes that differ by a pixel or two are none of these: one was cropped, not scaled.
+/// Whether scaling one side of the larger size to the smaller one's, by at most kMaxFactor, leaves the other side less
+/// than a pixel off. Sizes that differ by a pixel or two do not qualify: one image was cropped, not scaled.
 bool is_scaled(ImageSize a, ImageSize b) {
-  constexpr int kLeastSidePx = 32;  // of less, a pixel is more than rounding: another shape
+  constexpr int kLeastSidePx = 32;  // below, one pixel changes the aspect ratio noticeably
   constexpr int kCroppedPx = 2;
   if (std::abs(a.width_px - b.width_px) <= kCroppedPx && std::abs(a.height_px - b.height_px) <= kCroppedPx)
     return false;
@@ -34,14 +34,14 @@ SizeRelation relate_sizes(ImageSize file, ImageSize camera, double image_scale) 
   relation.same = file == camera;
   relation.allowed = relation.same;
   relation.larger = file.width_px > camera.width_px || file.height_px > camera.height_px;
-  const auto matches = [&](double factor) {  // floor, ceil and round of the true size all lie within 1 px
+  const auto matches = [&](double factor) {  // floor, ceil and round of the exact size differ from it by < 1 px
     return std::abs(file.width_px * factor - camera.width_px) < 1 &&
            std::abs(file.height_px * factor - camera.height_px) < 1;
   };
   for (int k = 1; k <= kMaxFactor && !relation.allowed; ++k)
     for (const double scale : {1.0, image_scale})
       relation.allowed |= matches(scale * k) || matches(scale / k) ||
-                          // both rounded on the way: the file to the full size / k, the camera to full · scale
+                          // both were rounded: the file from full size / k, the camera from full size · scale
                           (std::abs(camera.width_px / scale / k - file.width_px) < 1 &&
                            std::abs(camera.height_px / scale / k - file.height_px) < 1);
   relation.allowed |= is_scaled(file, camera);
@@ -54,9 +54,9 @@ SizeRelation relate_mask_size(ImageSize file, ImageSize camera, double image_sca
     return std::abs(file.width_px * scale - camera.width_px) <= slack_px &&
            std::abs(file.height_px * scale - camera.height_px) <= slack_px;
   };
-  constexpr int kLeastSidePx = 100;  // of less, a pixel is more than rounding: another shape
+  constexpr int kLeastSidePx = 100;  // below, one pixel changes the aspect ratio noticeably
   if (std::min(camera.width_px, camera.height_px) < kLeastSidePx) return relation;
-  // the camera's size was rounded to nearest from the photo's
+  // the camera's size is the photo's, scaled and rounded to nearest
   relation.allowed |= within(1, 1) || within(image_scale, image_scale + 0.5);
   return relation;
 }

@@ -93,14 +93,14 @@ class Decoder {
     return v;
   }
 
-  // 11, 10 and 11 bits, first axis highest.
+  // 11, 10 and 11 bits; the first axis has the highest bits.
   static void push_range(const Range& range, std::int64_t chunk, std::uint32_t v, std::vector<float>& row) {
     row.push_back(float(range.at(chunk, 0, unorm(v, 21, 11))));
     row.push_back(float(range.at(chunk, 1, unorm(v, 11, 10))));
     row.push_back(float(range.at(chunk, 2, unorm(v, 0, 11))));
   }
 
-  // The two highest bits name the largest of (w, x, y, z); the other three follow in order, in ±1/√2.
+  // The two highest bits are the index of the largest of (w, x, y, z); the other three follow in order, in ±1/√2.
   static void push_rotation(std::uint32_t v, std::vector<float>& row) {
     const double a[3] = {(unorm(v, 20, 10) - 0.5) * std::sqrt(2.0), (unorm(v, 10, 10) - 0.5) * std::sqrt(2.0),
                          (unorm(v, 0, 10) - 0.5) * std::sqrt(2.0)};
@@ -117,11 +117,11 @@ class Decoder {
       row.push_back(float(((has_colour_range_ ? colour_.at(chunk, c, t) : t) - 0.5) / kShC0));
     }
     for (const PlyColumn& column : rest_) {
-      const double v = column.value(i);  // the ends are exact, the others the middle of their step
+      const double v = column.value(i);  // the ends are exact, other values decode to the centre of a step
       row.push_back(float(((v <= 0 ? 0 : v >= 255 ? 1 : (v + 0.5) / 256) - 0.5) * 8));
     }
     const double alpha = unorm(packed_colour, 0, 8);
-    row.push_back(float(std::log(alpha) - std::log1p(-alpha)));  // 0 and 1 give -Inf and +Inf, which are legal
+    row.push_back(float(std::log(alpha) - std::log1p(-alpha)));  // 0 and 1 give -Inf and +Inf, which are valid
     push_range(scale_, chunk, word(2, i), row);
     push_rotation(word(1, i), row);
   }

@@ -1,24 +1,24 @@
-// The 3D filter of Mip-Splatting and its kin, whose PLYs hold scales and opacities from before it.
+// The 3D filter of Mip-Splatting and its successors, whose PLYs hold scales and opacities before filtering.
 #include <algorithm>
 #include <cmath>
 
 #include "ngs/io/ply/gaussian_columns.h"
-#include "ngs/io/ply/kept_columns.h"
+#include "ngs/io/ply/selected_columns.h"
 #include "ngs/math/stable.h"
 
 namespace ngs::io {
 namespace {
 
-/// ln √(s² + f²) of ln s and ln f.
+/// Computes ln √(s² + f²) from ln s and ln f.
 double filtered_log_scale(double log_scale, double log_filter) {
   return log_scale + 0.5 * softplus(2 * (log_filter - log_scale));
 }
 
-/// The logit of c σ(x), where ln c = -loss <= 0: neither σ(x) nor c is rounded to 0 or 1 on the way.
+/// The logit of c σ(x), with ln c = -loss <= 0, without rounding σ(x) or c to 0 or 1 in between.
 double fainter_logit(double x, double loss) { return -loss - std::log(std::exp(-x) + one_minus_exp(loss)); }
 
 PlyTable without(const PlyTable& from, std::string_view name) {
-  const KeptColumns kept(from, [&](const std::string& column) { return column != name; });
+  const SelectedColumns kept(from, [&](const std::string& column) { return column != name; });
   PlyTable to;
   to.set_properties(kept.properties());
   to.rows = from.rows;

@@ -1,10 +1,10 @@
-// Columns of other programs, brought to those of the Inria layout: CloudCompare's names, SH beyond degree 3, and values
-// as they are after the activation functions.
+// Converts columns of other programs to the Inria layout: CloudCompare's names, SH beyond degree 3, and values after
+// activation.
 #include <algorithm>
 #include <cmath>
 
 #include "ngs/io/ply/gaussian_columns.h"
-#include "ngs/io/ply/kept_columns.h"
+#include "ngs/io/ply/selected_columns.h"
 #include "ngs/math/stable.h"
 
 namespace ngs::io {
@@ -15,7 +15,7 @@ constexpr int kMostCutDegree = 10;
 
 std::string log_scale_name(int axis) { return "scale_" + std::to_string(axis); }
 
-/// The k of f_rest_k; -1 for any other name.
+/// The k of a name f_rest_k; -1 for any other name.
 int rest_index(std::string_view name) {
   if (!name.starts_with(kRest) || name.size() > kRest.size() + 4) return -1;
   int k = 0;
@@ -26,7 +26,7 @@ int rest_index(std::string_view name) {
   return name.size() == kRest.size() ? -1 : k;
 }
 
-PlyTable copy_of(const PlyTable& from, const KeptColumns& kept) {
+PlyTable copy_of(const PlyTable& from, const SelectedColumns& kept) {
   PlyTable to;
   to.set_properties(kept.properties());
   to.rows = from.rows;
@@ -35,7 +35,7 @@ PlyTable copy_of(const PlyTable& from, const KeptColumns& kept) {
   return to;
 }
 
-/// The finite values of some columns, sorted; nothing where one of them is negative.
+/// The finite values of some columns, sorted; empty if one of them is negative.
 std::vector<float> sorted_unless_negative(const std::vector<PlyColumn>& columns, std::int64_t rows) {
   std::vector<float> values;
   for (std::int64_t i = 0; i < rows; ++i)
@@ -52,7 +52,7 @@ double at_share(const std::vector<float>& sorted, double share) {
   return double(sorted[std::size_t(share * double(sorted.size() - 1))]);
 }
 
-/// The largest side of the box that the middle 80 % of the coordinates span, axis by axis.
+/// The largest side of the box of the middle 80 % of the coordinates, per axis.
 double bulk_side(const PlyTable& rows) {
   double side = 0;
   for (const char* axis : {"x", "y", "z"}) {
@@ -106,9 +106,9 @@ PlyTable cut_sh(const PlyTable& rows, int degree) {
 }
 
 Activated find_activated(const PlyTable& rows) {
-  constexpr std::int64_t kFewestRows = 16;  // fewer lie within any range by chance
-  constexpr double kLeastRatio = 8;    // of a large length to a small one; logarithms in so narrow a range differ less
-  constexpr double kLeastSpan = 0.25;  // of opacities; a constant one says nothing
+  constexpr std::int64_t kFewestRows = 16;  // fewer may lie within any range by chance
+  constexpr double kLeastRatio = 8;         // of a large length to a small one; logarithms span a smaller ratio
+  constexpr double kLeastSpan = 0.25;       // of opacities; a constant opacity is no evidence
   Activated found;
   std::vector<PlyColumn> scales, opacity{rows.column("opacity")};
   for (int axis = 0; axis < 3; ++axis)
@@ -122,7 +122,7 @@ Activated find_activated(const PlyTable& rows) {
   found.median_scale = at_share(lengths, 0.5);
   const double high = at_share(lengths, 0.99);
   const bool spread = kLeastRatio * at_share(lengths, 0.01) <= high;
-  const bool small = high < 1 || std::exp(found.median_scale) > bulk_side(rows);  // for logarithms
+  const bool small = high < 1 || std::exp(found.median_scale) > bulk_side(rows);  // too small for logarithms
   found.scale = high > 0 && int(found.opacity) + int(spread) + int(small) >= 2;
   return found;
 }
@@ -132,7 +132,7 @@ std::string describe(const Activated& activated) {
   if (activated.scale)
     text =
         "scale_* all > 0, half of them below " + std::to_string(activated.median_scale) + ": lengths, not logarithms";
-  if (activated.opacity) text += std::string(text.empty() ? "" : "; ") + "opacity 0 to 1: shares, not logits";
+  if (activated.opacity) text += std::string(text.empty() ? "" : "; ") + "opacity 0 to 1: activated, not logits";
   return text;
 }
 

@@ -32,7 +32,7 @@ class Reader {
     interpret_rows();
   }
 
-  /// For rows that are there: those of a format other than PLY.
+  /// For a table of decoded rows, from a format other than PLY.
   void interpret_rows() {
     find_columns();
     ply_.cloud.resize(ply_.rows.rows, options_.bands == HigherBands::kRead ? degree() : 0);
@@ -79,7 +79,8 @@ class Reader {
     }
     const Activated activated = find_activated(ply_.rows);
     if (options_.encoding == ValueEncoding::kActivated) {
-      if (!activated) bad("scale_* and opacity are logarithms and logits already, expected lengths and shares of 1");
+      if (!activated)
+        bad("scale_* and opacity are already logarithms and logits, expected lengths and opacities in 0..1");
       ply_.rows = deactivated(ply_.rows, activated);
       ply_.notes.push_back(describe(activated) + ": converted");
     } else if (activated) {
@@ -88,11 +89,11 @@ class Reader {
     }
   }
 
-  /// Those who train with a 3D filter render with the opacity compensation. No file of ours has the column.
+  /// Programs that train with a 3D filter render with the opacity compensation. Files written by ngs lack the column.
   void fuse_filter() {
     ply_.rows = fuse_3d_filter(ply_.rows);
     ply_.comments.push_back(kAntialiasedComment);
-    ply_.notes.push_back("filter_3D (Mip-Splatting) is laid into scales and opacities, as when it is rendered");
+    ply_.notes.push_back("filter_3D (Mip-Splatting) is applied to scales and opacities, as its renderer does");
   }
 
   PlyColumn required(const std::string& column) const {
@@ -133,19 +134,19 @@ class Reader {
     return 3;
   }
 
-  // Only double coordinates have detail that float would lose; the centre is a float, so that a strict file
-  // and its cameras need no more digits than the centre has.
+  // Only double coordinates have detail that float would lose. The centre is rounded to float, so that a strict file
+  // and its cameras need no more digits than float has.
   void choose_origin() {
     if (const auto named = origin_in(ply_.comments)) {
       ply_.cloud.origin = *named, is_relative_ = true;
       ply_.notes.push_back("positions are relative to the origin that the comment ngs-origin names");
     } else if (const auto found = far_origin(columns_.position, ply_.rows.rows)) {
       ply_.cloud.origin = *found;
-      ply_.notes.push_back("double positions far from 0 are worked on relative to their middle");
+      ply_.notes.push_back("double positions far from 0 are converted to float relative to their centre");
     }
   }
 
-  /// f(row) for all rows; of a mapped file only a part is in memory at a time.
+  /// Calls f(row) for all rows; only a part of a mapped file is in memory at a time.
   template <class F>
   void for_each_row(const F& f) const {
     constexpr std::int64_t kRowsAtOnce = 1 << 17;
@@ -156,7 +157,7 @@ class Reader {
     ply_.file.forget_pages();
   }
 
-  /// All in one pass: a file of many objects has hundreds of columns, and its rows do not stay in memory.
+  /// One pass over all rows: a file with many objects has hundreds of columns, and its rows do not stay in memory.
   void copy_rows() {
     for_each_row([&](std::int64_t i) {
       copy_position(i);
@@ -184,7 +185,7 @@ class Reader {
     for (std::size_t k = 0; k < 2; ++k) scale[k] = columns_.scale[k].value_float(i);
     scale[2] = columns_.scale[2] ? columns_.scale[2].value_float(i) : std::min(scale[0], scale[1]) - kLog1000;
     if (options_.bands == HigherBands::kCheckOnly) {
-      // A band that is not finite excludes the row; so does a constant band that is not.
+      // A non-finite SH band excludes the row, and so does a non-finite constant band.
       for (const PlyColumn& column : columns_.rest)
         if (!std::isfinite(column.value_float(i))) cloud.sh_dc[r * 3] = NAN;
       return;
@@ -219,7 +220,7 @@ class Reader {
     PlyColumn state;
   };
 
-  /// `to` stays empty where the column is absent.
+  /// Reads a column into `to`, which stays empty if the column is absent.
   void want(const std::string& column, std::vector<float>& to) {
     const PlyColumn from = ply_.rows.column(column);
     if (from) wanted_.others.push_back({from, &to}), to.resize(std::size_t(ply_.rows.rows));
@@ -238,7 +239,7 @@ class Reader {
   static constexpr const char* kLabelAgain = "label the model again: ngs-variance scene.json -o boundary.ply";
 
   void check_range(const WantedLabel& w, float value, std::int64_t i) const {
-    constexpr float kRounding = 1e-4f;  // of programs that computed in their own way
+    constexpr float kRounding = 1e-4f;  // tolerance for rounding in other programs
     if (std::isfinite(value) && value >= -kRounding && value <= w.most + kRounding) return;
     bad(w.name + " of row " + std::to_string(i) + ": " + std::to_string(value) + ", expected " +
             (std::isinf(w.most) ? "a number of views" : "0 to 1"),
@@ -246,7 +247,7 @@ class Reader {
   }
 
   void check_weight() const {
-    constexpr float kMost = 0x1p60f;  // pixels of any views; exact sums hold more
+    constexpr float kMost = 0x1p60f;  // more pixels than any set of views has; exact sums can hold it
     const auto wrong = std::ranges::find_if(ply_.weight, [](float w) { return !(w >= 0 && w <= kMost); });
     if (wrong == ply_.weight.end()) return;
     bad(std::string(kWeightColumn) + " of row " + std::to_string(wrong - ply_.weight.begin()) + ": " +
@@ -254,7 +255,7 @@ class Reader {
         kLabelAgain);
   }
 
-  /// Most Gaussians have been seen by the same views whatever the object.
+  /// Shares `views` between objects: most Gaussians are seen by the same views for every object.
   void share_views(std::size_t row) {
     for (std::size_t k = 1; k < ply_.objects.size(); ++k) {
       LabelColumn& views = ply_.objects[k].columns.views;
@@ -263,7 +264,7 @@ class Reader {
     }
   }
 
-  // Names of objects come from the comment where it agrees with the columns, else from the columns.
+  // Object names come from the comment if it agrees with the columns, else from the columns.
   std::vector<std::string> object_names() const {
     for (const std::string& comment : ply_.comments) {
       if (!comment.starts_with(kObjectsComment)) continue;
@@ -277,7 +278,7 @@ class Reader {
     return {};
   }
 
-  /// Masks of several objects lie in folders of their names.
+  /// Object names are used as names of mask folders.
   std::string checked(const std::string& object) const {
     if (!is_folder_name(object)) bad("object name \"" + printable(object) + "\", expected a name that can be a folder");
     return object;
@@ -311,6 +312,7 @@ class Reader {
                                 comment.find("true") != std::string::npos;
     }
     if (ply_.cloud.antialiased) ply_.notes.push_back("trained with antialiasing");
+    ply_.rule = rule_in(ply_.comments, name_);
   }
 
   static constexpr float kLog1000 = 6.9077554f;
@@ -319,7 +321,7 @@ class Reader {
   ReadOptions options_;
   Columns columns_;
   Wanted wanted_;
-  bool is_relative_ = false;  // the positions in the file are
+  bool is_relative_ = false;  // positions in the file are relative to an origin
 };
 
 }  // namespace
@@ -349,8 +351,8 @@ GaussianPly read(PlyFile file, const ReadOptions& options = {}) {
 
 GaussianPly read(const std::string& name, DecodedSplat decoded, const ReadOptions& options) {
   if (options.encoding == ValueEncoding::kActivated)
-    throw Error(ErrorCode::kBadInput, name + ": no PLY, expected one whose columns hold activated values",
-                "leave out --activated: other formats say how their values are stored");
+    throw Error(ErrorCode::kBadInput, name + ": not a PLY, expected one whose columns hold activated values",
+                "leave out --activated: only a PLY can hold activated values");
   GaussianPly ply;
   ply.file = PlyFile::named(name);
   ply.rows = std::move(decoded.rows);

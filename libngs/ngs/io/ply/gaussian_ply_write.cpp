@@ -7,7 +7,7 @@
 #include "ngs/core/version.h"
 #include "ngs/io/ply/gaussian_columns.h"
 #include "ngs/io/ply/gaussian_ply.h"
-#include "ngs/io/ply/kept_columns.h"
+#include "ngs/io/ply/selected_columns.h"
 #include "ngs/scene/precision/local_origin.h"
 
 namespace ngs::io {
@@ -21,7 +21,7 @@ std::vector<std::string> numbered(const std::string& stem, int n) {
 
 bool same_bits(float a, float b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
-/// A column of the cloud that an edit may overwrite: where it is in the cloud and in the input's row.
+/// A column of the cloud that an edit may overwrite: its place in the cloud and in the input's row.
 struct Edited {
   const float* source;  // first value of the column in the input's cloud
   const float* edited;
@@ -31,7 +31,7 @@ struct Edited {
   PlyType type;
 };
 
-/// The passthrough part of a row with the edited columns laid over it.
+/// Copies the input's columns of a row and overwrites the edited ones.
 class RowSource {
  public:
   RowSource(const GaussianPly& source, const LabelledWrite& options, std::int64_t rows)
@@ -76,7 +76,7 @@ class RowSource {
     if (name == kFixedColumn) return !options_.fixed.empty();
     if (name == kFloaterColumn) return !options_.floater.empty();
     if (name == kStateColumn) return !options_.state.empty();
-    if (name == kWeightColumn) return true;  // that of other labels
+    if (name == kWeightColumn) return true;  // belongs to the input's labels
     return std::any_of(kLabelFields.begin(), kLabelFields.end(), [&](const LabelField& f) {
       return name == f.name || name.starts_with(std::string(f.name) + "_");
     });
@@ -110,14 +110,14 @@ class RowSource {
 
   const GaussianPly& source_;
   const LabelledWrite& options_;
-  KeptColumns kept_;
+  SelectedColumns kept_;
   std::vector<Edited> edits_;
 };
 
-/// The float columns that are added, in file order.
+/// The float columns to be added, in file order.
 struct Added {
   std::string name;
-  const LabelColumn* labels;  // or, where it is null,
+  const LabelColumn* labels;  // if null:
   std::span<const float> values = {};
 
   std::size_t size() const { return labels == nullptr ? values.size() : labels->size(); }
@@ -149,11 +149,12 @@ std::vector<std::string> labelled_comments(const GaussianPly& source, std::span<
                                            const LabelledWrite& options) {
   std::vector<std::string> comments;
   for (const std::string& c : source.comments)
-    if (!c.starts_with(kObjectsComment)) comments.push_back(c);
+    if (!c.starts_with(kObjectsComment) && !(options.rule && c.starts_with(kRuleComment))) comments.push_back(c);
   nlohmann::json names = nlohmann::json::array();
   for (const LabelSet& object : objects) names.push_back(object.object);
   comments.push_back(std::string(kObjectsComment) +
                      names.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
+  if (options.rule) comments.push_back(rule_comment(*options.rule));
   comments.insert(comments.end(), options.history.begin(), options.history.end());
   return comments;
 }

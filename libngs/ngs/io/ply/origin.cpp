@@ -1,5 +1,5 @@
-// Positions far from 0: double columns are read relative to the middle of the model, and files whose positions are
-// relative say so in a comment.
+// Positions far from 0: double columns are read relative to the model's centre; a comment in the file records the
+// origin of relative positions.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -11,7 +11,7 @@ namespace {
 
 using Origin = std::array<double, 3>;
 constexpr double kFar = 8;        // half extents
-constexpr double kAbsurd = 1e30;  // no coordinate
+constexpr double kAbsurd = 1e30;  // beyond any coordinate
 
 struct Extent {
   Origin middle{};
@@ -29,7 +29,7 @@ struct Extent {
 
 std::optional<Origin> far_origin(const std::array<PlyColumn, 3>& position, std::int64_t rows) {
   if (std::ranges::none_of(position, [](const PlyColumn& c) { return c.type == PlyType::kFloat64; })) return {};
-  Extent all, bulk;  // a single row far away hides that the others are far from 0
+  Extent all, bulk;  // both, because one distant row would hide that the others are far from 0
   for (std::size_t a = 0; a < 3; ++a) {
     std::vector<double> values;
     for (std::int64_t i = 0; i < rows; ++i)

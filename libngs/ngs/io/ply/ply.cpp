@@ -11,7 +11,7 @@ namespace ngs::io {
 namespace {
 
 constexpr std::size_t kMaxHeaderBytes = std::size_t(1) << 24;
-// Names are compared with one another, so that the time is the square of these; a model of ours has 5 properties per
+// Names are compared pairwise, so the time is quadratic in these limits; a model written by ngs has 5 properties per
 // object.
 constexpr std::size_t kMaxElements = 256, kMaxProperties = 16384;
 

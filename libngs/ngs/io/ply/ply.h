@@ -1,10 +1,10 @@
 #pragma once
-// The PLY container: any element, any scalar type, ascii and both byte orders. Readers get each element as a
-// table of packed little-endian rows, found by property name; what a property means is the caller's business.
+// The PLY container: any element, any scalar type, ascii and both byte orders. Each element is read as a table of
+// packed little-endian rows whose columns are found by property name; the meaning of a property is up to the caller.
 //
-// Every count of a header is checked against the bytes that are there before anything is allocated. A file
-// that ends early, at any place, is kBadInput with what was found and what was expected; an ascii file must
-// end in a newline, because "1.25" cut to "1.2" could not be told from a whole number otherwise.
+// Every count of a header is checked against the file size before memory is allocated. A file that is truncated at any
+// place is kBadInput, with what was found and expected. An ascii file must end in a newline, because a truncation of
+// "1.25" to "1.2" could not be detected otherwise.
 #include <memory>
 #include <string>
 #include <string_view>
@@ -17,16 +17,16 @@ namespace ngs::io {
 
 class AtomicFile;
 
-/// A parsed file. Keeps the mapping alive, so tables that borrow from it are valid while it lives.
+/// A parsed file. Owns the mapping: tables that borrow from it are valid during its lifetime.
 class PlyFile {
  public:
   static PlyFile open(const std::string& path);
   static PlyFile parse(std::string name, MappedFile mapped);
-  /// The same on a buffer that outlives the result. `name` is for messages.
+  /// The same from a buffer that outlives the result. `name` is for messages.
   static PlyFile parse(std::string name, Bytes bytes);
-  /// Elements and comments alone: its rows need not be there.
+  /// Parses elements and comments only; the rows may be missing.
   static PlyFile header_of(const std::string& path);
-  /// A file of another format, whose rows are decoded elsewhere: its name and nothing in it.
+  /// Stands for a file of another format, whose rows are decoded elsewhere: a name without elements.
   static PlyFile named(std::string name);
 
   const std::string& name() const { return name_; }
@@ -35,10 +35,10 @@ class PlyFile {
   const std::vector<PlyElement>& elements() const { return elements_; }
   const PlyElement* find(std::string_view element) const;  // null: none
 
-  /// A pass over the rows that calls this now and then holds only a part of the file in memory.
+  /// Call before a pass over the rows, and during it, to keep only a part of the file in memory.
   void forget_pages() const { mapped_.forget_pages(); }
 
-  /// Converts where needed (ascii, big-endian, lists); costs nothing for plain little-endian rows.
+  /// Converts if necessary (ascii, big-endian, lists); plain little-endian rows are borrowed without a copy.
   PlyTable table(const PlyElement& element) const;
 
  private:
@@ -54,14 +54,14 @@ class PlyFile {
   std::vector<PlyElement> elements_;
 };
 
-/// Writes one element as binary little-endian rows, streaming, by rename (atomic_file.h).
-/// Comments follow the properties: a well-known viewer takes the third line for the vertex count unread.
+/// Writes one element as binary little-endian rows, streaming and atomically (atomic_file.h). Comments follow the
+/// properties, because a well-known viewer takes the third line as the vertex count without checking.
 class PlyWriter {
  public:
   PlyWriter(const std::string& path, const PlyElement& element, const std::vector<std::string>& comments);
   ~PlyWriter();
 
-  /// The next row, to be filled completely before the next call. Exactly element.count rows.
+  /// The next row, to be filled completely before the next call. Must be called exactly element.count times.
   std::uint8_t* row();
   void commit();
 

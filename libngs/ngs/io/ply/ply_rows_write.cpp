@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "ngs/core/check.h"
-#include "ngs/io/ply/kept_columns.h"
+#include "ngs/io/ply/selected_columns.h"
 
 namespace ngs::io {
 
@@ -14,7 +14,7 @@ void write_ply_rows(const std::string& path, const GaussianPly& source, const st
   PlyElement element;
   element.name = "vertex";
   element.count = std::int64_t(std::ranges::count_if(keep, [](std::uint8_t k) { return k != 0; }));
-  const KeptColumns kept(source.rows, [&](const std::string& name) { return !added || name != added->name; });
+  const SelectedColumns kept(source.rows, [&](const std::string& name) { return !added || name != added->name; });
   element.properties = kept.properties();
   if (added) element.properties.push_back({.name = added->name});
   PlyWriter writer(path, element, source.comments);

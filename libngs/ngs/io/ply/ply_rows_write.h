@@ -1,5 +1,5 @@
 #pragma once
-// Some rows of a model as they came: every column of the input, its bytes copied, nothing decoded and encoded again.
+// Writes some rows of a model verbatim: all columns of the input, bytes copied without decoding.
 #include <optional>
 #include <span>
 #include <string>
@@ -14,8 +14,8 @@ struct AddedColumn {
   std::span<const float> values;  // [N] of the input's rows
 };
 
-/// Rows with keep[i] != 0, in order, with the input's comments. Of a compressed.ply, a filter_3D column and the formats
-/// that are no PLY the rows are the decoded ones. A column of the input that has the name of `added` is replaced.
+/// Writes rows with keep[i] != 0, in order, with the input's comments. For compressed.ply, filter_3D and formats other
+/// than PLY these are the decoded rows. A column of the input with the name of `added` is replaced.
 void write_ply_rows(const std::string& path, const GaussianPly& source, const std::vector<std::uint8_t>& keep,
                     const std::optional<AddedColumn>& added = {});
 

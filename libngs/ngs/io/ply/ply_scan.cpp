@@ -10,7 +10,7 @@
 namespace ngs::io {
 namespace {
 
-// Where an error is, without building the text before it is needed.
+// Location of an error; its text is built only when needed.
 struct Place {
   const PlyBytes& file;
   const PlyElement& element;
@@ -19,7 +19,7 @@ struct Place {
     throw Error(ErrorCode::kBadInput, file.name + ": " + message, std::move(remedy));
   }
   [[noreturn]] void truncated(std::int64_t row) const {
-    bad("the data stop in row " + std::to_string(row) + " of element '" + printable(element.name) + "', expected " +
+    bad("the data ends in row " + std::to_string(row) + " of element '" + printable(element.name) + "', expected " +
             std::to_string(element.count) + " rows",
         "the file is cut short: copy or download it again");
   }
@@ -29,7 +29,7 @@ bool has_list(const PlyElement& element) {
   return std::any_of(element.properties.begin(), element.properties.end(), [](const auto& p) { return p.is_list; });
 }
 
-/// The bytes of a row when every list in it is empty: no row is shorter.
+/// The size of a row in which all lists are empty: the minimum row size.
 std::size_t least_row_bytes(const PlyElement& element) {
   std::size_t bytes = 0;
   for (const PlyProperty& p : element.properties) bytes += ply_type_bytes(p.is_list ? p.count_type : p.type);
@@ -64,7 +64,7 @@ std::size_t list_bytes(const Place& place, const PlyProperty& p, const std::uint
   return std::size_t(count) * ply_type_bytes(p.type);
 }
 
-/// Calls visit(property index, its bytes) for the scalars of the row at `at`; returns where the row ends.
+/// Calls visit(property index, its bytes) for the scalars of the row at `at`; returns the end of the row.
 template <class Visit>
 std::size_t scan_binary_row(const Place& place, std::size_t at, std::int64_t row, const Visit& visit) {
   const Bytes bytes = place.file.bytes;
@@ -84,7 +84,7 @@ std::size_t scan_binary_row(const Place& place, std::size_t at, std::int64_t row
   return at;
 }
 
-/// The next line that is not blank; `at` moves behind it.
+/// The next line that is not blank; moves `at` behind it.
 std::string_view next_line(const Place& place, std::size_t& at, std::int64_t row) {
   const std::string_view text(reinterpret_cast<const char*>(place.file.bytes.data()), place.file.bytes.size());
   for (;;) {
@@ -120,7 +120,7 @@ bool parse_token(std::string_view token, T& value) {
   const auto [stop, status] = scan_number(token.data(), token.data() + token.size(), value);
   if (stop != token.data() + token.size()) return false;
   if constexpr (std::is_floating_point_v<T>) {
-    // A finite decimal beyond the range of T rounds to 0 or infinity; scan_number leaves `value` alone there.
+    // A finite decimal beyond T's range rounds to 0 or infinity; scan_number leaves `value` unchanged there.
     if (status == std::errc::result_out_of_range) {
       value = T(std::strtod(std::string(token).c_str(), nullptr));
       return true;
@@ -142,7 +142,7 @@ bool store_token(PlyType type, std::string_view token, std::uint8_t* to) {
   return type == PlyType::kFloat64 || PlyColumn{to, 8, type}.value(0) == v;  // integers must fit exactly
 }
 
-/// Fills `to` (one packed row) from a line of text.
+/// Parses a line of text into `to` (one packed row).
 void parse_line(const Place& place, std::string_view line, std::int64_t row, std::uint8_t* to) {
   Tokens tokens{line};
   std::string_view token;
@@ -178,7 +178,7 @@ std::size_t element_end(const PlyBytes& file, const PlyElement& element) {
   std::size_t at = element.begin;
   if (element.properties.empty()) return at;
   const bool ascii = file.format == PlyFormat::kAscii;
-  const std::size_t left = file.bytes.size() - at;  // a value of text takes a digit and a blank at least
+  const std::size_t left = file.bytes.size() - at;  // a value in text needs at least a digit and a blank
   const std::size_t row_bytes = ascii ? 2 * element.properties.size() : least_row_bytes(element);
   if (std::uint64_t(element.count) > left / row_bytes)
     place.bad("element '" + printable(element.name) + "': " + std::to_string(left) + " bytes are left, expected " +

@@ -1,5 +1,5 @@
 #pragma once
-// The rows of an element: where they end, and their scalars as packed little-endian bytes.
+// Scans the rows of a PLY element: their end, and their scalars as packed little-endian bytes.
 #include "ngs/io/files/mapped_file.h"
 #include "ngs/io/ply/ply_types.h"
 
@@ -12,13 +12,13 @@ struct PlyBytes {
   Bytes bytes;
 };
 
-/// Where `element`, which starts at `element.begin`, ends. Throws kBadInput where the bytes do not suffice.
+/// The offset at which `element`, which starts at `element.begin`, ends. Throws kBadInput if there are too few bytes.
 std::size_t element_end(const PlyBytes& file, const PlyElement& element);
 
-/// The rows of `element`; borrowed from the file where they are plain little-endian. Throws kBadInput.
+/// The rows of `element`, borrowed from the file if they are plain little-endian. Throws kBadInput.
 PlyTable element_table(const PlyBytes& file, const PlyElement& element);
 
-/// At most 60 characters of a hostile word, other than printable ASCII replaced.
+/// At most 60 characters of an untrusted word, with non-printable and non-ASCII characters replaced.
 std::string printable(std::string_view word);
 
 }  // namespace ngs::io

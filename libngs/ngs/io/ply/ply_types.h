@@ -17,7 +17,7 @@ constexpr std::size_t ply_type_bytes(PlyType type) {
   return kBytes[std::size_t(type)];
 }
 std::string_view ply_type_name(PlyType type);               // "char" ... "double"
-std::optional<PlyType> ply_type_of(std::string_view name);  // either spelling, "float" or "float32"
+std::optional<PlyType> ply_type_of(std::string_view name);  // accepts both spellings, "float" and "float32"
 
 struct PlyProperty {
   std::string name;
@@ -33,7 +33,7 @@ struct PlyElement {
   std::size_t begin = 0, end = 0;  // bytes of the file
 };
 
-/// One column of a PlyTable. Values convert to double exactly; a float keeps its bits (NaN payloads too).
+/// One column of a PlyTable. Values convert to double exactly; floats keep their bits (NaN payloads included).
 struct PlyColumn {
   const std::uint8_t* first = nullptr;  // null: no rows or no such property
   std::size_t stride = 0;               // bytes; 0: no such property
@@ -44,14 +44,14 @@ struct PlyColumn {
   float value_float(std::int64_t row) const;
 };
 
-/// The scalar properties of one element (lists are left out), rows packed without padding, little-endian.
+/// The scalar properties of one element (lists are left out); rows packed without padding, little-endian.
 struct PlyTable {
   std::vector<PlyProperty> properties;
   std::vector<std::size_t> offset;  // [properties] byte offset in a row
   std::size_t row_bytes = 0;
   std::int64_t rows = 0;
-  const std::uint8_t* borrowed = nullptr;  // into the file, where its rows already are of this form
-  std::vector<std::uint8_t> owned;         // else converted
+  const std::uint8_t* borrowed = nullptr;  // into the file, if its rows have this layout
+  std::vector<std::uint8_t> owned;         // else the converted rows
 
   const std::uint8_t* row(std::int64_t i) const {
     return (owned.empty() ? borrowed : owned.data()) + std::size_t(i) * row_bytes;
@@ -61,7 +61,7 @@ struct PlyTable {
   void set_properties(std::vector<PlyProperty> scalar_properties);  // and offset, row_bytes
 };
 
-/// Stores `value` as `type` at `to`; integers are rounded and saturated, NaN becomes 0 there.
+/// Stores `value` as `type` at `to`; for integer types it is rounded and clamped, NaN becomes 0.
 void ply_store(PlyType type, double value, std::uint8_t* to);
 inline void ply_store_float(float value, std::uint8_t* to) { std::memcpy(to, &value, sizeof value); }
 

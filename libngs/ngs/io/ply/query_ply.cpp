@@ -50,7 +50,7 @@ QueryView read_view_comment(const std::string& text, const std::string& where) {
   return view;
 }
 
-/// `count` columns stem_0 ... as one row-major matrix.
+/// Reads `count` columns stem_0 ... as one row-major matrix.
 template <class T>
 std::vector<T> read_matrix(const PlyTable& table, const std::vector<std::string>& names) {
   std::vector<PlyColumn> columns;
@@ -64,8 +64,7 @@ std::vector<T> read_matrix(const PlyTable& table, const std::vector<std::string>
         values[at++] = column.value_float(std::int64_t(i));
         continue;
       }
-      // A float column of indices is accepted; what does not fit becomes the largest index, which no model
-      // has.
+      // Float columns of indices are accepted; a value out of range becomes the largest index, which no model has.
       const double v = column.value(std::int64_t(i));
       values[at++] = v >= 0 && v < double(std::numeric_limits<T>::max()) ? T(v) : std::numeric_limits<T>::max();
     }
@@ -122,7 +121,7 @@ QueryField read(const PlyFile& file) {
   return field;
 }
 
-/// Adds `count` properties of 4-byte values and remembers where they come from.
+/// Adds `count` properties of 4-byte values and stores their source.
 struct Group {
   const void* data;
   std::size_t count;

@@ -11,8 +11,8 @@ namespace {
 
 using ShareField = std::uint64_t& (*)(ObjectShare&);
 
-/// Visits every array of the file but the contrasts: rows(name, array) of what is kept of a Gaussian, cells(name,
-/// field) of what is kept of a Gaussian and an object, [N, K]. E is Evidence or const Evidence.
+/// Visits every array of the file except the contrasts: rows(name, array) for arrays per Gaussian [N], cells(name,
+/// field) for arrays per Gaussian and object [N, K]. E is Evidence or const Evidence.
 template <class E, class Rows, class Cells>
 void for_each_array(E& e, const Rows& rows, const Cells& cells) {
   const auto field = [&](const char* name, ShareField of) { cells(name, of); };
@@ -27,7 +27,7 @@ void for_each_array(E& e, const Rows& rows, const Cells& cells) {
   field("signal_square_sum.whole", [](ObjectShare& s) -> std::uint64_t& { return s.signal_square_sum.whole; });
   field("signal_square_sum.fraction", [](ObjectShare& s) -> std::uint64_t& { return s.signal_square_sum.fraction; });
 }
-constexpr const char* kContrast = "contrast_sum";  // where memory has what they lack
+constexpr const char* kContrast = "contrast_sum";  // Evidence stores one_minus_contrast_sum instead
 
 std::vector<std::uint64_t> dense(const Evidence& e, ShareField field) {
   const auto objects = std::size_t(e.objects);
@@ -52,12 +52,12 @@ void set_shares(const std::vector<std::uint64_t>& cells, ShareField field, Evide
       if (cells[i * objects + k] != 0) field(e.share.touch(i, k)) = cells[i * objects + k];
 }
 
-/// The inverse of contrasts(): lack = views - sum, as sum = views - lack.
+/// The inverse of contrasts(): one_minus_contrast_sum = views - contrast_sum.
 void set_contrasts(std::vector<std::uint64_t> sum, Evidence& e) {
   for (std::size_t cell = 0; cell < sum.size(); ++cell)
     sum[cell] = (std::uint64_t(e.views[cell / std::size_t(e.objects)]) << 32) - sum[cell];
   set_shares(
-      sum, [](ObjectShare& s) -> std::uint64_t& { return s.contrast_lack; }, e);
+      sum, [](ObjectShare& s) -> std::uint64_t& { return s.one_minus_contrast_sum; }, e);
 }
 
 std::vector<std::string> names_in(const TensorFile& file, const std::string& key) {
@@ -67,7 +67,7 @@ std::vector<std::string> names_in(const TensorFile& file, const std::string& key
   for (std::size_t i = 0; good && i < json.size(); ++i)
     if ((good = json[i].is_string())) names.push_back(json[i].get<std::string>());
   if (!good)
-    throw Error(ErrorCode::kBadInput, file.name + ": metadata '" + key + "' is no list of names",
+    throw Error(ErrorCode::kBadInput, file.name + ": metadata '" + key + "' is not a list of names",
                 "write it again with ngs-variance --partial");
   return names;
 }
@@ -98,7 +98,7 @@ EvidencePart parse_evidence(const std::string& path, Bytes bytes) {
   part.model_hash = file.meta("model");
   part.scene_path = path_from_folder(folder_of_file(path), file.meta("scene"));
   if (file.metadata.contains("made_with"))
-    part.made_with = file.meta("made_with");  // parts of version 0.1 before it have none
+    part.made_with = file.meta("made_with");  // absent in parts written before this key existed
   part.objects = names_in(file, "objects");
   part.views = names_in(file, "views");
   Evidence& e = part.evidence;

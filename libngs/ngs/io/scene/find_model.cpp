@@ -48,7 +48,7 @@ Candidate look_at_ply(const std::string& path) {
   }
 }
 
-/// Files of the folder that are models by their names, sorted.
+/// The files of the folder with names of models, sorted.
 std::vector<Candidate> candidates_in(const fs::path& folder) {
   std::vector<std::string> paths;
   std::error_code ignored;
@@ -81,7 +81,7 @@ std::string newest_iteration(const fs::path& base) {
   return path;
 }
 
-/// A folder of results of ours holds splats that are no input.
+/// Whether a folder contains results of ngs: splats in it are outputs, not inputs.
 bool holds_results(const fs::path& folder) {
   std::error_code ignored;
   return fs::exists(folder / ".ngs-cut", ignored) || fs::exists(folder / "scene.json", ignored);
@@ -111,7 +111,7 @@ std::string listed(const std::vector<Candidate>& files) {
   return files.size() > kMost ? text + " and " + std::to_string(files.size() - kMost) + " more" : text;
 }
 
-/// The only file of the first kind of which there is one.
+/// The only file of the most preferred kind that occurs.
 ModelSearch only_splat(const std::string& folder, const std::vector<Candidate>& files) {
   for (const FileKind kind : {FileKind::kSplat, FileKind::kOtherFormat, FileKind::kUnreadable}) {
     const std::vector<Candidate> some = of_kind(files, kind);

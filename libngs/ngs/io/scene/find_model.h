@@ -1,18 +1,18 @@
 #pragma once
-// Which file of a capture's folder is its splat.
+// Finds the splat in the folder of a capture.
 #include <string>
 
 namespace ngs::io {
 
 struct ModelSearch {
-  std::string path;     // empty: none, or several to choose between
-  std::string problem;  // why `path` is empty, with the files that are there and what they are
-  std::string unused;   // other splats beside the one that was found; empty: none
+  std::string path;     // empty: no splat, or several candidates
+  std::string problem;  // why `path` is empty, with the files found and their kinds
+  std::string unused;   // other splats in the folder; empty: none
 };
 
-/// Looked at are point_cloud.ply and model.ply, the newest point_cloud/iteration_N/point_cloud.ply, then the only splat
-/// of the folder, PLY before other formats, then the only splat of the folders up to two levels below it. A PLY is a
-/// splat by the properties in its header: point clouds and meshes are left out.
+/// Search order: point_cloud.ply and model.ply; the newest point_cloud/iteration_N/point_cloud.ply; the only splat of
+/// the folder, PLY before other formats; the only splat of the folders up to two levels below. A PLY is a splat if its
+/// header has the properties of Gaussians: point clouds and meshes are skipped.
 ModelSearch find_model(const std::string& folder);
 
 }  // namespace ngs::io

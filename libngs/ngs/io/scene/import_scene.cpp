@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string model_beside(const std::string& base, std::vector<std::string>& notes) {
+std::string model_in_folder(const std::string& base, std::vector<std::string>& notes) {
   const ModelSearch found = find_model(base);
   for (const std::string& note : {found.problem, found.unused})
     if (!note.empty()) notes.push_back(note + " (name it with --model PATH)");
@@ -36,7 +36,7 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
-/// Where masks are looked for; `out` has the views and the folder of their photos.
+/// Finds the mask folder; `out` has the views and the folder of their photos.
 std::string find_masks_dir(const ImportRequest& request, const std::string& base, ImportedScene& out) {
   std::vector<std::string>& notes = out.notes;
   std::error_code ignored;
@@ -53,24 +53,23 @@ std::string find_masks_dir(const ImportRequest& request, const std::string& base
   }
   if (!usual.empty()) {
     if (!candidates.empty())
-      notes.push_back(usual + ": taken as the masks, " + joined(candidates) +
-                      " beside it not (name another with --masks DIR)");
+      notes.push_back(usual + ": used for masks, not " + joined(candidates) + " (choose another with --masks DIR)");
     return usual;
   }
   if (const char* preferred = "masks_sam"; std::ranges::find(candidates, preferred) != candidates.end())
     candidates = {preferred};
   if (candidates.size() == 1) {
     std::string chosen = (fs::path(base) / candidates[0]).string();
-    notes.push_back(chosen + ": taken as the masks, by its name (name another with --masks DIR)");
+    notes.push_back(chosen + ": used for masks because of its name (choose another with --masks DIR)");
     return chosen;
   }
   for (const std::string& name : of_truth)
     notes.push_back((fs::path(base) / name).string() +
-                    ": holds the truth by its name, not read (if it holds the input masks: --masks DIR)");
+                    ": not read, its name suggests ground truth (if it holds the input masks: --masks DIR)");
   if (!candidates.empty())
-    notes.push_back(base + ": several folders of masks (" + joined(candidates) +
-                    "), none chosen (name one with --masks DIR)");
-  else if (!out.images_dir.empty() && holds_masks_beside(out.images_dir, out.scene.views))
+    notes.push_back(base + ": several mask folders (" + joined(candidates) +
+                    "), none used (choose one with --masks DIR)");
+  else if (!out.images_dir.empty() && photo_folder_holds_masks(out.images_dir, out.scene.views))
     return out.images_dir;
   return {};
 }
@@ -81,7 +80,7 @@ std::string find_truth_dir(const ImportRequest& request, const std::string& base
   return usual.empty() ? folder_called(base, "gt") : usual;
 }
 
-/// "7" -> {"object-7", 7} for label maps, {"7", 0} else; "cup=7" -> {"cup", 7}; "cup" -> {"cup", 0}.
+/// "7" -> {"object-7", 7} with label maps, else {"7", 0}; "cup=7" -> {"cup", 7}; "cup" -> {"cup", 0}.
 SceneObject parse_object(const std::string& text, MaskMode mode) {
   const std::size_t equals = text.rfind('=');
   const std::string name = text.substr(0, equals);
@@ -109,22 +108,22 @@ std::vector<SceneObject> objects_in_label_maps(const std::vector<SceneView>& vie
   }
   ids.erase(0);
   if (void_id) ids.erase(*void_id);
-  constexpr std::uint32_t kUsualVoid = 255;  // PASCAL VOC and its heirs
+  constexpr std::uint32_t kUsualVoid = 255;  // in PASCAL VOC and derived formats
   if (ids.size() > 1 && ids.contains(kUsualVoid))
-    notes.push_back("label maps hold 255 beside other ids; if it marks pixels without a label: --void-id 255");
+    notes.push_back("label maps contain id 255 and others; if 255 marks unlabelled pixels: --void-id 255");
   std::vector<SceneObject> objects;
   for (const std::uint32_t id : ids) objects.push_back({"object-" + std::to_string(id), id});
   return objects;
 }
 
-/// nerfstudio's mask_path are mostly masks of valid pixels: a folder that the user names is meant instead of them.
+/// nerfstudio's mask_path are mostly masks of valid pixels: a folder named by the user replaces them.
 void leave_out_masks_of_source(ImportedScene& out) {
   int count = 0;
   for (SceneView& view : out.scene.views)
     if (!view.mask_path.empty()) view.mask_path.clear(), ++count;
   if (count > 0)
     out.notes.push_back(out.cameras_file + ": mask_path of " + std::to_string(count) +
-                        " views left out, the masks are those of " + out.masks_dir);
+                        " views ignored, masks are read from " + out.masks_dir);
 }
 
 void attach_masks(const ImportRequest& request, ImportedScene& out) {
@@ -144,15 +143,15 @@ void attach_masks(const ImportRequest& request, ImportedScene& out) {
                 "rename the masks after their photos");
   if (!matches.of_no_view.empty() && out.masks_dir != out.images_dir)
     out.notes.push_back(out.masks_dir + ": " + std::to_string(matches.of_no_view.size()) +
-                        " of its pictures are the mask of no view (first: " + matches.of_no_view[0] + ")");
+                        " images match no view (first: " + matches.of_no_view[0] + ")");
   if (none && out.masks_dir.empty())
     out.notes.push_back("no masks");
   else if (!matches.unmatched.empty())
     out.notes.push_back("no mask for " + std::to_string(matches.unmatched.size()) + " of " +
                         std::to_string(scene.views.size()) + " views (first: " + matches.unmatched[0] + ")");
   if (matches.several > 0)
-    out.notes.push_back("two masks of " + std::to_string(matches.several) + " views (first: " + matches.taken +
-                        " is taken, " + matches.not_taken + " is not)");
+    out.notes.push_back(std::to_string(matches.several) + " views have two masks (first: " + matches.taken +
+                        " is used, " + matches.not_taken + " is not)");
   if (!scene.objects.empty()) return;
   for (const std::string& name : matches.objects) scene.objects.push_back({name, 0});
   if (scene.objects.empty() && scene.mask_mode == MaskMode::kLabel)
@@ -182,7 +181,7 @@ void hold_out_named(const std::string& path, std::vector<SceneView>& views) {
   }
 }
 
-/// At which the shortest side of the photos has that many pixels, rounded up.
+/// The smallest image scale, rounded up, at which the photos' shortest side has that many pixels.
 std::string least_scale(int side_px, int shortest_px) {
   char text[16];
   std::snprintf(text, sizeof text, "%.3f", std::min(1.0, std::ceil(1000.0 * side_px / shortest_px) / 1000));
@@ -208,8 +207,8 @@ void assign_splits(const std::string& hold_out, std::vector<SceneView>& views) {
         "leave it out to train on all");
 }
 
-/// The largest 1/k at which no photo's longer side exceeds kWorkingSizePx. One for all views: the small ones of a mixed
-/// capture lose pixels that they could keep, which is said.
+/// The largest 1/k at which no photo's longer side exceeds kWorkingSizePx. All views use the same scale: small photos
+/// of a mixed capture are reduced unnecessarily, with a note.
 double automatic_scale(const std::vector<SceneView>& views, std::vector<std::string>& notes) {
   const auto side = [](const SceneView& view) { return std::max(view.camera.width_px, view.camera.height_px); };
   int longest = 1;
@@ -219,8 +218,8 @@ double automatic_scale(const std::vector<SceneView>& views, std::vector<std::str
                                    [&](const SceneView& view) { return k > 1 && side(view) <= kWorkingSizePx; });
   if (small > 0)
     notes.push_back(std::to_string(small) + " views of at most " + std::to_string(kWorkingSizePx) +
-                    " px are worked on at 1/" + std::to_string(k) + " of their size too, as the largest of " +
-                    std::to_string(longest) + " px asks for; --image-scale 1 keeps them");
+                    " px are reduced to 1/" + std::to_string(k) + " of their size too, because the largest has " +
+                    std::to_string(longest) + " px; --image-scale 1 keeps all at full size");
   return 1.0 / k;
 }
 
@@ -236,12 +235,12 @@ ImportedScene import_scene(const ImportRequest& request) {
   if (!request.model_path.empty())
     scene.model_path = request.model_path;
   else if (!source.rendered)
-    scene.model_path = model_beside(source.base, out.notes);
+    scene.model_path = model_in_folder(source.base, out.notes);
   scene.mask_mode = request.mask_mode, scene.mask_invert = request.mask_invert;
   scene.mask_threshold = request.mask_threshold, scene.missing_mask = request.missing_mask;
   scene.void_id = request.void_id;
   scene.image_scale = request.image_scale > 0 ? request.image_scale : automatic_scale(scene.views, out.notes);
-  if (source.rendered) {  // the same filter in the scene
+  if (source.rendered) {  // keeps the filter's angular size
     const double finer = scene.image_scale / rendered_scale;
     scene.filter_px2 *= finer * finer;
   }
@@ -255,7 +254,7 @@ ImportedScene import_scene(const ImportRequest& request) {
     view.camera = resized(view.camera, scaled_size_px(view.camera.width_px, scene.image_scale),
                           scaled_size_px(view.camera.height_px, scene.image_scale));
   }
-  constexpr int kLeastSide_px = 8;  // smaller pictures match any model as badly
+  constexpr int kLeastSide_px = 8;  // smaller images cannot tell models apart
   for (const SceneView& view : scene.views)
     if (const Camera& c = view.camera; scene.image_scale < 1 && std::min(c.width_px, c.height_px) < kLeastSide_px)
       throw Error(ErrorCode::kUsage,

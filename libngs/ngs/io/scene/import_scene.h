@@ -1,6 +1,6 @@
 #pragma once
-// Cameras, photos, masks and a model of any origin -> Scene. What ngs-scene import does, without the checks
-// that need the model (stages/scene/scene_check.h).
+// Builds a Scene from cameras, photos, masks and a model of any origin: ngs-scene import without the checks that need
+// the model (stages/scene/scene_check.h).
 #include <map>
 #include <optional>
 #include <string>
@@ -15,10 +15,10 @@ inline constexpr int kWorkingSizePx = 800;  // longest side that the automatic i
 
 struct ImportRequest {
   CaptureRequest capture;
-  std::string model_path;               // empty: looked for beside the cameras
-  std::string masks_dir;                // in place of the source's own; empty: masks/ beside the cameras, or the only
-                                        // other folder *mask* that is none of truth (*_gt, gt*), or masks_sam/
-  std::string truth_dir;                // empty: masks_gt/ or gt/ beside the cameras
+  std::string model_path;               // empty: searched next to the cameras
+  std::string masks_dir;                // replaces the source's masks; empty: masks/ next to the cameras, or the only
+                                        // other folder *mask*, except ground truth (*_gt, gt*), or masks_sam/
+  std::string truth_dir;                // empty: masks_gt/ or gt/ next to the cameras
   std::vector<std::string> object_ids;  // "7", "cup=7" (label maps), "cup" (one folder per object)
   std::string hold_out;                 // "every:N:K", a file of names, or empty
   MaskMode mask_mode = MaskMode::kBinary;
@@ -33,16 +33,16 @@ struct ImportedScene {
   Scene scene;
   std::string format;
   std::string cameras_file, images_dir, masks_dir;
-  std::string truth_dir;  // of true masks, which are not read; empty: none
+  std::string truth_dir;  // folder of true masks, not read; empty: none
   std::map<std::string, int> views_by_mask_rule;
   std::vector<std::string> notes;
 };
 
-/// Usage errors (a bad --object-id or --hold-out) are kUsage; see the readers for the others. Label maps
-/// without object_ids: every id but 0 and void_id that occurs in a mask becomes an object "object-<id>".
+/// A bad --object-id or --hold-out is kUsage; other errors are those of the readers. Label maps without object_ids:
+/// every id except 0 and void_id that occurs in a mask becomes an object "object-<id>".
 ImportedScene import_scene(const ImportRequest& request);
 
-/// `hold_out` as above; kInconsistent for a name that no view has or when no view is left to train on.
+/// `hold_out` as above. kInconsistent for a name that matches no view, or if no view is left for training.
 void assign_splits(const std::string& hold_out, std::vector<SceneView>& views);
 
 }  // namespace ngs::io

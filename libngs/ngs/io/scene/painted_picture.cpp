@@ -9,26 +9,26 @@
 namespace ngs::io {
 namespace {
 
-/// A pixel that is farther from the photo's was painted; what JPEG does to an unpainted one is less.
+/// A pixel whose colour differs more from the photo's is painted; JPEG compression changes a pixel less.
 constexpr int kPaintDistance = 32;
-/// Where more of the unpainted pixels differ from the photo's at all, the picture was compressed: JPEG, WebP.
+/// If more of the unpainted pixels differ from the photo's, the picture was compressed (JPEG, WebP).
 constexpr double kCompressedShare = 0.05;
-/// In such a picture paint is within this of pure green or red; what compression does beside a stroke, mostly not.
+/// In a compressed picture paint is this close to pure green or red; compression artefacts near strokes mostly are not.
 constexpr int kPureDistance = 64;
-/// As far from a stroke compression changes pixels much: half a block of 16, where colours are halved.
+/// Up to this distance from a stroke compression changes pixels strongly: half a block of 16 with subsampled chroma.
 constexpr int kRingingPx = 8;
-/// A marker's pixels are within this of its usual colour.
+/// A marker's pixels are this close to its most frequent colour.
 constexpr int kMarkerDistance = 64;
-/// Channels of grey differ by no more.
+/// Largest difference between the channels of a grey pixel.
 constexpr int kGreySpread = 16;
-/// Where a stroke ends its pixels are mixed with what is below, so many pixels wide.
+/// Width of the stroke edges, whose pixels are blended with the colour below.
 constexpr int kFringePx = 2;
-/// A picture in which more is neither paint nor ground is none of ours: this share of it, beside the marks' own.
+/// Limit of unclear pixels: kUnclearShare of the picture plus kUnclearOfMarks of the marked pixels.
 constexpr double kUnclearShare = 0.005, kUnclearOfMarks = 0.25;
-/// Painting on the photo leaves at least this share of it.
+/// Least share of the photo's pixels that must be unpainted.
 constexpr double kLeastKept = 0.5;
 
-/// The mark that a colour is, were it paint.
+/// The mark that a colour means if it is paint.
 PixelHint mark_of(const Colour8& colour) {
   const bool red = colour[0] >= 128, green = colour[1] >= 128;
   return red == green ? PixelHint::kLikelyBackground : green ? PixelHint::kObject : PixelHint::kBackground;
@@ -39,9 +39,9 @@ bool is_grey(const Colour8& colour) {
   return high - low <= kGreySpread;
 }
 
-/// What each pixel was taken for, and how much is neither mark nor ground.
+/// The interpretation of each pixel, and the pixels that are neither mark nor background.
 struct Reading {
-  std::vector<PixelHint> mark;        // [H·W] certain, or likely background: unmarked
+  std::vector<PixelHint> mark;        // [H·W] certain object or background; kLikelyBackground: unmarked
   std::vector<std::uint8_t> unclear;  // [H·W]
   explicit Reading(std::size_t pixels) : mark(pixels, PixelHint::kLikelyBackground), unclear(pixels) {}
 
@@ -54,22 +54,22 @@ struct Reading {
   }
   bool is_clear() const { return marked() > 0 && unclear_share() <= kUnclearShare + kUnclearOfMarks * marked(); }
 
-  /// The rims of strokes are no longer unclear, `fringe_px` wide.
+  /// Clears `unclear` at the edges of strokes, `fringe_px` wide.
   void forgive_fringes(ImageSize size, int fringe_px = kFringePx) {
     for (int y = 0; y < size.height_px; ++y)
       for (int x = 0; x < size.width_px; ++x) {
         std::uint8_t& at = unclear[index(x, y, size)];
-        if (at && is_certain(mark[index(x, y, size)])) continue;  // of a colour that is no marker's
+        if (at && is_certain(mark[index(x, y, size)])) continue;  // a colour that differs from its marker's
         if (at && has_near(x, y, size, fringe_px, is_certain)) at = 0;
       }
   }
 
-  /// Whether a mark of which `is_asked` says so lies within `far_px` in x and in y.
-  template <class IsAsked>
-  bool has_near(int x, int y, ImageSize size, int far_px, const IsAsked& is_asked) const {
+  /// Whether a pixel whose mark fulfils `matches` lies within `far_px` in x and in y.
+  template <class Matches>
+  bool has_near(int x, int y, ImageSize size, int far_px, const Matches& matches) const {
     for (int v = std::max(0, y - far_px); v <= std::min(size.height_px - 1, y + far_px); ++v)
       for (int u = std::max(0, x - far_px); u <= std::min(size.width_px - 1, x + far_px); ++u)
-        if (is_asked(mark[index(u, v, size)])) return true;
+        if (matches(mark[index(u, v, size)])) return true;
     return false;
   }
 
@@ -110,15 +110,15 @@ Reading read_markers(const RawMask& picture) {
 
 struct PhotoReading {
   Reading marks;
-  double kept;  // share of the photo's pixels that are still there
+  double kept;  // share of the photo's pixels that are unchanged
 };
 
 int distance_to_pure(const Colour8& colour, PixelHint mark) {
   return distance_of(colour, mark == PixelHint::kObject ? Colour8{0, 255, 0} : Colour8{255, 0, 0});
 }
 
-/// Of a compressed picture: takes away marks that compression made. They are of no pure colour; or the photo has that
-/// colour there itself, and paint of the other one is near.
+/// For compressed pictures: removes marks made by compression. Their colour is not pure; or the photo has that colour
+/// at the same place and paint of the other colour is near.
 void leave_out_artefacts(const RawMask& picture, const RawMask& photo, Reading& reading) {
   const ImageSize size = size_of(picture);
   const auto leave_out = [&](std::size_t p) {
@@ -140,7 +140,7 @@ void leave_out_artefacts(const RawMask& picture, const RawMask& photo, Reading& 
   reading.forgive_fringes(size, kRingingPx);
 }
 
-/// Of two pictures of one size.
+/// For two pictures of equal size.
 PhotoReading read_difference(const RawMask& picture, const RawMask& photo) {
   PhotoReading out{Reading(pixels_of(picture)), 0};
   std::size_t opaque = 0, kept = 0, changed = 0;
@@ -170,7 +170,7 @@ std::string percent(double share) {
 
 std::string shares_of(const Reading& r) {
   return percent(r.share(PixelHint::kObject)) + " is green, " + percent(r.share(PixelHint::kBackground)) + " red, " +
-         percent(r.unclear_share()) + " neither these nor unpainted";
+         percent(r.unclear_share()) + " other colours";
 }
 
 [[noreturn]] void refuse(const std::string& path, const std::string& found) {
@@ -200,6 +200,9 @@ HandPrompt read_painted_picture(const std::string& path, const std::string& phot
   }
   Reading alone = read_markers(picture);
   if (alone.marked() == 0) refuse(path, "nothing is marked");
+  if (!alone.is_clear() && !photo.empty() && read_image_size(photo) != size_of(picture))
+    refuse(path, "not a marked copy of " + photo + " (" + to_string(size_of(picture)) + " px against " +
+                     to_string(read_image_size(photo)) + " px)");
   if (!alone.is_clear()) refuse(path, shares_of(alone));
   prompt.painted = std::move(alone.mark);
   return prompt;

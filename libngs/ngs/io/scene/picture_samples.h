@@ -1,5 +1,5 @@
 #pragma once
-// Pixels of a picture that a person made, as 8-bit colours.
+// Pixels of user-made pictures as 8-bit colours.
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -11,7 +11,7 @@ namespace ngs::io {
 
 using Colour8 = std::array<int, 3>;  // R, G, B in 0..255
 
-/// Of a picture of 1, 3 or 4 channels, 8 or 16 bits; grey is replicated.
+/// For pictures with 1, 3 or 4 channels of 8 or 16 bits; grey is replicated.
 inline Colour8 colour_of(const RawMask& picture, std::size_t pixel) {
   const auto channels = std::size_t(picture.channels);
   Colour8 colour;
@@ -22,24 +22,24 @@ inline Colour8 colour_of(const RawMask& picture, std::size_t pixel) {
   return colour;
 }
 
-/// Where a picture can be seen through it is not painted, whatever the colour that its file keeps there.
+/// Whether a pixel is transparent: it is not painted, whatever colour the file stores for it.
 inline bool is_see_through(const RawMask& picture, std::size_t pixel) {
   if (picture.channels != 4) return false;
   const int alpha = picture.data[4 * pixel + 3];
   return (picture.bits == 16 ? alpha / 257 : alpha) < 128;
 }
 
-/// The largest difference of a channel.
+/// The largest difference over the channels.
 inline int distance_of(const Colour8& a, const Colour8& b) {
   return std::max({std::abs(a[0] - b[0]), std::abs(a[1] - b[1]), std::abs(a[2] - b[2])});
 }
 
-/// Counts colours, a cell of 8 levels per channel each.
+/// A colour histogram with cells of 8 levels per channel.
 class ColourCounts {
  public:
   void add(const Colour8& colour) { ++count_[cell_of(colour)]; }
   bool empty() const { return count_.empty(); }
-  /// The middle of the cell with most; ties go to the darkest. Black where there is none.
+  /// The centre of the fullest cell; of ties the darkest. Black if there is none.
   Colour8 most_frequent() const {
     int cell = 0;
     std::int64_t most = 0;

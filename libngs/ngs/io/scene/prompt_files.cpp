@@ -14,12 +14,12 @@ namespace {
 constexpr std::int64_t kMostSide = 1 << 16;
 constexpr std::size_t kMostPoints = 1 << 20, kMostCorners = 1 << 16;
 constexpr double kRadiusPx = 3;
-/// Share of the larger side by which a stroke may leave the picture.
+/// A stroke may extend beyond the picture by this share of the larger side.
 constexpr double kSlip = 0.1;
-/// Scribbles and masks, compressed or not, are within this of their one colour.
+/// Colours of a scribble or mask, compressed or not, differ by at most this from its one colour.
 constexpr int kScribbleDistance = 64;
 
-/// Clicks beside the picture, or coordinates of another size of it.
+/// Error for marks outside the picture, or coordinates that refer to another image size.
 [[noreturn]] void refuse_place(const JsonReader& reader, const char* key, const HandPrompt& prompt) {
   reader.fail(
       key, "coordinates in the " + to_string({prompt.width_px, prompt.height_px}) + " px of \"width\" and \"height\"");
@@ -30,7 +30,7 @@ void require_inside(const JsonReader& reader, const char* key, const HandPrompt&
     refuse_place(reader, key, prompt);
 }
 
-/// The points of a stroke or polygon, of which some part is inside and none is farther out than a hand slips.
+/// The points of a stroke or polygon: at least a part must be inside, and none farther outside than kSlip.
 std::vector<std::array<double, 2>> points_of(const JsonReader& reader, const HandPrompt& prompt, double radius_px) {
   const std::size_t count = reader.array("points").size();
   const std::vector<double> flat = reader.matrix("points", count, 2);
@@ -72,7 +72,7 @@ PromptPolygon polygon_of(const nlohmann::json& value, const std::string& where, 
   return polygon;
 }
 
-/// A click is a stroke of one point.
+/// Reads a click as a stroke of one point.
 PromptStroke click_of(const nlohmann::json& value, const std::string& where, const HandPrompt& prompt) {
   const JsonReader reader(value, where);
   const double x = reader.number("x"), y = reader.number("y");
@@ -93,7 +93,7 @@ void read_boxes(const JsonReader& reader, HandPrompt& prompt) {
   }
 }
 
-/// "ngs_prompts": 1 is one view, and what a segmenter is told beside its marks is ignored; 2 is an entry of "views".
+/// "ngs_prompts": 1 is one view, whose additional segmenter inputs are ignored; 2 has a list "views".
 enum class Form : std::uint8_t { kOneView, kViews };
 
 HandPrompt marks_of(const JsonReader& reader, const std::string& object, Form form) {
@@ -128,7 +128,7 @@ HandPrompt marks_of(const JsonReader& reader, const std::string& object, Form fo
   return prompt;
 }
 
-/// Not black.
+/// Whether a pixel is neither black nor transparent.
 bool is_painted(const RawMask& picture, std::size_t pixel) {
   if (is_see_through(picture, pixel)) return false;
   for (std::size_t c = 0; c < std::size_t(std::min(picture.channels, 3)); ++c)
@@ -136,7 +136,7 @@ bool is_painted(const RawMask& picture, std::size_t pixel) {
   return false;
 }
 
-/// A mask or scribbles have one colour, whatever the share that they cover.
+/// A mask or scribbles have one colour, whatever share of the picture they cover.
 void refuse_photo(const std::string& path, const RawMask& picture) {
   const auto pixels = std::size_t(picture.width_px) * std::size_t(picture.height_px);
   ColourCounts colours;
@@ -147,11 +147,11 @@ void refuse_photo(const std::string& path, const RawMask& picture) {
   for (std::size_t p = 0; p < pixels; ++p)
     other += is_painted(picture, p) && distance_of(colour_of(picture, p), usual) > kScribbleDistance;
   if (2 * marked > pixels && 2 * other > marked)
-    throw Error(
-        ErrorCode::kBadInput,
-        path + ": " + std::to_string(100 * marked / pixels) +
-            " % of it is not black and in many colours, expected strokes of one colour on black or transparency",
-        "export the strokes without the photo below them");
+    throw Error(ErrorCode::kBadInput,
+                path + ": " + std::to_string(100 * marked / pixels) +
+                    " % of the picture is not black and has many colours, expected strokes of one colour on black or "
+                    "transparency",
+                "export the strokes on black, without the photo");
 }
 
 }  // namespace

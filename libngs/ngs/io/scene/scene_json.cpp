@@ -92,7 +92,7 @@ RenderedPhotos parse_renders(const JsonReader& reader) {
   return renders;
 }
 
-/// Readable and easy to compare: one line per top-level key, per object and per view.
+/// Readable and diff-friendly: one line per top-level key, per object and per view.
 std::string one_line_per_entry(const ordered_json& root) {
   std::string text = "{";
   for (const auto& item : root.items()) {
@@ -121,7 +121,8 @@ void validate_objects(const Scene& scene, const std::string& object) {
     if (!names.insert(o.name).second) refuse(object, "object name \"" + o.name + "\" twice, expected once");
     if (scene.mask_mode != MaskMode::kLabel) continue;
     if (scene.void_id == o.id)
-      refuse(object, "id " + std::to_string(o.id) + " is void and object \"" + o.name + "\", expected one of them");
+      refuse(object,
+             "id " + std::to_string(o.id) + " is both void and object \"" + o.name + "\", expected one of them");
     if (o.id > 65535) refuse(object, "object id " + std::to_string(o.id) + ", expected 0..65535");
     if (!ids.insert(o.id).second) refuse(object, "object id " + std::to_string(o.id) + " twice, expected once");
   }
@@ -139,8 +140,8 @@ void validate_objects(const Scene& scene, const std::string& object) {
            "void id " + std::to_string(*scene.void_id) + ", expected 0..65535 with label maps, none with other masks");
 }
 
-/// Relative paths start from the folder that the file is named in: a link may be there so that other files are taken.
-/// Where they lead nowhere from the link, and somewhere from the file, that is no such case.
+/// Relative paths start from the folder of the link, so that a link may select other files. If they do not exist from
+/// there but do exist from the folder of the linked file, the link was a mistake.
 void refuse_lost_link(const json& root, const Scene& scene, const std::string& path) {
   std::error_code ignored;
   if (!fs::is_symlink(path, ignored)) return;
@@ -150,7 +151,7 @@ void refuse_lost_link(const json& root, const Scene& scene, const std::string& p
     if (found.empty() || fs::exists(found, ignored) || !fs::exists(there, ignored)) return;
     throw Error(ErrorCode::kBadInput,
                 path + ": is a link, and " + found +
-                    " is not there; expected the files of the scene, whose paths are relative to it",
+                    " does not exist; expected the scene's files at paths relative to the link",
                 "name the file itself: " + file.string());
   };
   check(scene.model_path, meant.model_path);

@@ -1,5 +1,5 @@
 #pragma once
-// The groups of ops that cuda_ops() joins, one per .cu file so that they compile side by side.
+// The groups of ops that cuda_ops() joins, one per .cu file so that they compile in parallel.
 #include <memory>
 
 #include "ngs/backend/cuda_launcher.cuh"

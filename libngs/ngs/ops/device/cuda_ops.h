@@ -4,7 +4,7 @@
 
 namespace ngs {
 
-/// Those of the device that cuda_device() describes; null in builds without CUDA.
+/// The ops of the device that cuda_device() describes; null in builds without CUDA.
 const DeviceOps* cuda_ops(DeviceSums sums = DeviceSums::kInOrder);
 
 }  // namespace ngs

@@ -1,10 +1,10 @@
 #pragma once
-// The ops that have a device path. Each is the op of the same name with the same meaning; arguments and results are
-// host memory, results have their size already. The ops themselves look at Exec::device_ops, callers do not: so this
-// header sees the types and kernels of the ops, but none of the headers that declare them.
+// The ops that have a device path. Each means the same as the op of the same name. Arguments and results are in host
+// memory; results are already sized. Only the ops themselves use Exec::device_ops, not their callers. This header
+// therefore includes the types and kernels of the ops, but not the headers that declare the ops.
 //
-// Abstract, because there is one implementation per Launcher (backend/launcher.h): that of CUDA, and an emulation for
-// the tests.
+// Abstract, because there is one implementation per Launcher (backend/launcher.h): CUDA, and an emulation
+// for the tests.
 #include <memory>
 
 #include "ngs/backend/exec.h"
@@ -40,12 +40,13 @@ class DeviceSplatOps {
   virtual ~DeviceSplatOps() = default;
   virtual std::unique_ptr<DeviceSplat> view(const ViewProjector<float>& view, const CloudView<float>& cloud,
                                             const ChannelPlan<float>& plan) const = 0;
-  /// [N, 2 + 2 K] sums of one view over all pairs of a Gaussian: W, n, then W1, n1 per object (ops/splat/evidence.h).
+  /// [N, 2 + 2 K] sums of one view over all (Gaussian, tile) pairs of a Gaussian: W, n, then W1, n1
+  /// per object (ops/splat/evidence.h).
   virtual std::vector<double> evidence(const ViewProjector<float>& view, const CloudView<float>& cloud,
                                        const ViewMasks& masks) const = 0;
 };
 
-/// The table of a hash grid on the host, and where queries are.
+/// The table of a hash grid and the query points, on the host.
 struct HashCall {
   HashGridView<float> grid;
   int features;
@@ -61,7 +62,7 @@ struct FilmCall {
 class DeviceFieldOps {
  public:
   virtual ~DeviceFieldOps() = default;
-  /// Without the transpose.
+  /// A graph without its transpose.
   virtual KnnGraph nearest(Rows<const float, 3> points, Rows<const float, 3> queries, int neighbours,
                            bool exclude_self) const = 0;
   virtual void rbf_forward(const RbfProblem& problem, float inv_2h2, RbfField& out) const = 0;
@@ -95,7 +96,7 @@ class DeviceLossOps {
     double l1, ssim;
   };
   virtual PhotometricSums photometric(const ssim::Comparison<float>& host) const = 0;
-  /// Index of the first gradient that is not finite or above `limit` in magnitude, then nothing was done; else -1.
+  /// Index of the first gradient that is not finite or above `limit` in magnitude: then no value is changed. Else -1.
   virtual std::int64_t adam(const AdamKernel<float>& kernel, std::int64_t sparse_columns, float limit) const = 0;
 };
 

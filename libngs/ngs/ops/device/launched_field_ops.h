@@ -1,10 +1,10 @@
 #pragma once
-// DeviceFieldOps on a Launcher: copies in, the schedules, copies out.
+// DeviceFieldOps on a Launcher: uploads, runs the kernels, downloads.
 #include "ngs/ops/device/device_ops.h"
-#include "ngs/ops/device/film_backward_schedule.h"
-#include "ngs/ops/device/film_forward_schedule.h"
-#include "ngs/ops/device/hash_grid_schedule.h"
-#include "ngs/ops/device/knn_schedule.h"
+#include "ngs/ops/device/film_backward_kernel.h"
+#include "ngs/ops/device/film_forward_kernel.h"
+#include "ngs/ops/device/hash_grid_kernel.h"
+#include "ngs/ops/device/knn_kernel.h"
 #include "ngs/ops/field/rbf_kernels.h"
 #include "ngs/ops/field/volume_kernels.h"
 
@@ -34,13 +34,13 @@ class LaunchedFieldOps final : public DeviceFieldOps {
     const KnnGraph& graph = *problem.graph;
     const Floats weight(launcher_, std::int64_t(out.weight.size())),
         feature(launcher_, std::int64_t(out.feature.size()));
-    launcher_.each(problem.query.n, RbfForward<float>{a.queries(),
-                                                      a.points(),
-                                                      a.indices(),
-                                                      a.features(),
-                                                      inv_2h2,
-                                                      {weight.data(), problem.query.n, graph.neighbours},
-                                                      {feature.data(), problem.query.n, problem.feature.c}});
+    launcher_.parallel_for(problem.query.n, RbfForward<float>{a.queries(),
+                                                              a.points(),
+                                                              a.indices(),
+                                                              a.features(),
+                                                              inv_2h2,
+                                                              {weight.data(), problem.query.n, graph.neighbours},
+                                                              {feature.data(), problem.query.n, problem.feature.c}});
     weight.to(out.weight.data()), feature.to(out.feature.data());
   }
 
@@ -51,11 +51,11 @@ class LaunchedFieldOps final : public DeviceFieldOps {
     const Floats weight(launcher_, field.weight), grad(launcher_, grad_feature.data, grad_feature.n * grad_feature.c),
         feature(launcher_, std::int64_t(out.size()));
     const DeviceBuffer<Launcher, std::int64_t> row_begin(launcher_, graph.row_begin), edge(launcher_, graph.edge);
-    launcher_.each(points, RbfBackwardFeature<float>{row_begin.data(),
-                                                     edge.data(),
-                                                     {weight.data(), queries, graph.neighbours},
-                                                     {grad.data(), queries, grad_feature.c},
-                                                     {feature.data(), points, problem.feature.c}});
+    launcher_.parallel_for(points, RbfBackwardFeature<float>{row_begin.data(),
+                                                             edge.data(),
+                                                             {weight.data(), queries, graph.neighbours},
+                                                             {grad.data(), queries, grad_feature.c},
+                                                             {feature.data(), points, problem.feature.c}});
     feature.to(out.data());
   }
 
@@ -63,7 +63,7 @@ class LaunchedFieldOps final : public DeviceFieldOps {
     const HashArrays a(launcher_, call);
     const Floats encoding(launcher_, std::int64_t(out.size()));
     with_hash_features(call.features, [&](auto f) {
-      launcher_.each(call.grid.point.n * call.grid.levels, HashForward<float, f>{a.view, encoding.data()});
+      launcher_.parallel_for(call.grid.point.n * call.grid.levels, HashForward<float, f>{a.view, encoding.data()});
     });
     encoding.to(out.data());
   }
@@ -105,7 +105,7 @@ class LaunchedFieldOps final : public DeviceFieldOps {
     const std::int64_t samples = in.rays * in.samples;
     const Floats colour(launcher_, in.rays * 3), alpha(launcher_, in.rays), depth(launcher_, in.rays),
         weight(launcher_, samples), after(launcher_, samples);
-    launcher_.each(
+    launcher_.parallel_for(
         in.rays, VolumeForward<float>{a.view, colour.data(), alpha.data(), depth.data(), weight.data(), after.data()});
     colour.to(out.colour.data()), alpha.to(out.alpha.data()), depth.to(out.optical_depth.data());
     weight.to(out.weight.data()), after.to(out.transmittance_after.data());
@@ -117,8 +117,8 @@ class LaunchedFieldOps final : public DeviceFieldOps {
     const Floats weight(launcher_, forward.weight), after(launcher_, forward.transmittance_after),
         colour(launcher_, grad.colour), alpha(launcher_, grad.alpha), depth(launcher_, grad.optical_depth),
         density(launcher_, samples), rgb(launcher_, samples * 3);
-    launcher_.each(in.rays, VolumeBackward<float>{a.view, weight.data(), after.data(), colour.data(), alpha.data(),
-                                                  depth.data(), density.data(), rgb.data()});
+    launcher_.parallel_for(in.rays, VolumeBackward<float>{a.view, weight.data(), after.data(), colour.data(),
+                                                          alpha.data(), depth.data(), density.data(), rgb.data()});
     density.to(out.density.data()), rgb.to(out.rgb.data());
   }
 

@@ -1,11 +1,11 @@
 #pragma once
-// DeviceLossOps on a Launcher: copies in, the kernels, copies out.
+// DeviceLossOps on a Launcher: uploads, runs the kernels, downloads.
 #include <algorithm>
 
-#include "ngs/ops/device/adam_schedule.h"
+#include "ngs/ops/device/adam_kernel.h"
 #include "ngs/ops/device/device_ops.h"
-#include "ngs/ops/device/mask_pixel_schedule.h"
-#include "ngs/ops/device/photometric_schedule.h"
+#include "ngs/ops/device/mask_pixel_kernel.h"
+#include "ngs/ops/device/photometric_kernel.h"
 
 namespace ngs {
 
@@ -21,7 +21,7 @@ class LaunchedLossOps final : public DeviceLossOps {
     const AlignArrays in(launcher_, host.in);
     const NodeArrays node(launcher_, nodes);
     const Floats term(launcher_, nodes * 3);
-    launcher_.each(nodes, AlignForward<float>{in.view, node.view(), term.data()});
+    launcher_.parallel_for(nodes, AlignForward<float>{in.view, node.view(), term.data()});
     node.colour.to(host.node.colour_residual), node.alpha.to(host.node.alpha_residual);
     node.mean.to(host.node.patch_mean), node.share.to(host.node.patch_share), term.to(host.term);
   }
@@ -32,13 +32,13 @@ class LaunchedLossOps final : public DeviceLossOps {
     const AlignArrays in(launcher_, image.in);
     const NodeArrays node(launcher_, nodes, image.node);
     const Floats field_colour(launcher_, nodes * 3), field_alpha(launcher_, nodes);
-    launcher_.each(nodes, AlignBackwardField<float>{node.view(), field.weight_alpha, field.scale, field_colour.data(),
-                                                    field_alpha.data()});
+    launcher_.parallel_for(nodes, AlignBackwardField<float>{node.view(), field.weight_alpha, field.scale,
+                                                            field_colour.data(), field_alpha.data()});
     field_colour.to(field.grad_colour), field_alpha.to(field.grad_alpha);
     const Floats colour(launcher_, image.grad_colour_accumulate, pixels * 3),
         alpha(launcher_, image.grad_alpha_accumulate, pixels);
-    launcher_.each(rect_pixels, AlignBackwardImage<float>{in.view, node.view(), image.scale, image.x0, image.y0,
-                                                          image.rect_width, colour.data(), alpha.data()});
+    launcher_.parallel_for(rect_pixels, AlignBackwardImage<float>{in.view, node.view(), image.scale, image.x0, image.y0,
+                                                                  image.rect_width, colour.data(), alpha.data()});
     colour.to(image.grad_colour_accumulate), alpha.to(image.grad_alpha_accumulate);
   }
 
@@ -46,7 +46,7 @@ class LaunchedLossOps final : public DeviceLossOps {
     const Floats depth(launcher_, host.optical_depth, host.grid.nodes()), weight(launcher_, pixels);
     DensityWeight kernel = host;
     kernel.optical_depth = depth.data(), kernel.weight = weight.data();
-    launcher_.each(pixels, kernel);
+    launcher_.parallel_for(pixels, kernel);
     weight.to(host.weight);
   }
 
@@ -66,7 +66,7 @@ class LaunchedLossOps final : public DeviceLossOps {
     MaskLossRow<float, double> row = host;
     row.rendered = rendered.data(), row.target = plane.data(), row.known = known.data();
     row.pixel_weight = weight.data(), row.grad_rendered = grad.data();
-    launcher_.each(pixels, MaskLossPixel{row, term.data()});
+    launcher_.parallel_for(pixels, MaskLossPixel{row, term.data()});
     grad.to(host.grad_rendered);
     return ordered_sums(launcher_, term.data(), pixels, 1)[0];
   }
@@ -80,11 +80,11 @@ class LaunchedLossOps final : public DeviceLossOps {
         term(launcher_, n);
     const ContinuityGraph<float> graph{
         {index.data(), g.index.n, g.index.c}, row_begin.data(), edge.data(), weight.data(), {colour.data(), n}};
-    launcher_.each(n, ContinuityForward<float>{graph, term.data()});
+    launcher_.parallel_for(n, ContinuityForward<float>{graph, term.data()});
     term.to(forward.term);
     if (backward == nullptr) return;
     const Floats grad(launcher_, n * 3);
-    launcher_.each(n, ContinuityBackward<float>{graph, backward->scale, {grad.data(), n}});
+    launcher_.parallel_for(n, ContinuityBackward<float>{graph, backward->scale, {grad.data(), n}});
     grad.to(backward->grad_colour.data);
   }
 
@@ -92,7 +92,7 @@ class LaunchedLossOps final : public DeviceLossOps {
     const std::int64_t n = host.colour.n;
     const Floats colour(launcher_, host.colour.data, n * 3), moved(launcher_, host.moved_colour.data, n * 3),
         term(launcher_, n), grad(launcher_, n * 3), grad_moved(launcher_, n * 3);
-    launcher_.each(
+    launcher_.parallel_for(
         n,
         SmoothnessForwardBackward<float>{
             {colour.data(), n}, {moved.data(), n}, host.scale, term.data(), {grad.data(), n}, {grad_moved.data(), n}});
@@ -161,7 +161,7 @@ class LaunchedLossOps final : public DeviceLossOps {
           share(launcher, h.patch_share, n) {}
     AlignNodes<float> view() const { return {colour.data(), alpha.data(), mean.data(), share.data()}; }
   };
-  /// A crop of a host image as a dense one; null stays null.
+  /// A dense device copy of a crop of a host image; null stays null.
   template <class T>
   struct Crops {
     Floats memory;

@@ -1,8 +1,8 @@
 #pragma once
-// DeviceSplatOps on a Launcher: copies in, the schedules, copies out.
+// DeviceSplatOps on a Launcher: uploads, runs the kernels, downloads.
 #include "ngs/ops/device/device_ops.h"
-#include "ngs/ops/device/evidence_schedule.h"
-#include "ngs/ops/device/splat_schedule.h"
+#include "ngs/ops/device/evidence_kernel.h"
+#include "ngs/ops/device/splat_kernel.h"
 
 namespace ngs {
 
@@ -53,7 +53,7 @@ class LaunchedSplatView final : public DeviceSplat {
   }
 
  private:
-  /// The wanted columns of the gradient.
+  /// The requested columns of the gradient.
   struct Columns {
     DeviceBuffer<Launcher, float> position, rotation, log_scale, logit_opacity, sh_dc, sh_rest, label, mean_px;
     DeviceBuffer<Launcher, std::uint8_t> visible, label_alone;

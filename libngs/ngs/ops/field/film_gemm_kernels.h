@@ -1,10 +1,9 @@
 #pragma once
-// Small matrix products over a block of lanes: one lane = one query, so a matrix of activations is
-// [features, columns] with the queries of the block side by side. Written once for every scalar
-// (math/lanes.h); each result has one fixed order of summation whatever the tile that computes it.
+// Small matrix products over a block of lanes: one lane = one query, so a matrix of activations is [features, columns]
+// with one column per query of the block. Templated on the scalar (math/lanes.h); the order of summation is fixed.
 //
-// Why not a library: the blocking of a general GEMM follows the cache sizes of the machine it runs on, and so
-// would the rounding of its sums; it also could not be run on dual numbers.
+// Why not a library: a general GEMM blocks by the cache sizes of the machine, so rounding would depend on the machine.
+// It also does not support dual numbers.
 #include "ngs/math/lanes.h"
 
 namespace ngs {
@@ -24,7 +23,7 @@ struct WeightMatrix {
 
 namespace detail {
 
-/// y[r][·] = start[r] + Σ_k w[r][k] x[k][·] for R rows and one tile of columns.
+/// y[r][·] = bias[r] + Σ_k w[r][k] x[k][·] for R rows and one tile of columns.
 template <class L, int R, class S = typename LaneTraits<L>::Scalar>
 inline void product_tile(const S* w, int cols, const S* x, const S* bias, S* y) {
   constexpr int kLanes = LaneTraits<L>::kLanes, kColumns = kBlockColumns<L>;

@@ -13,10 +13,10 @@ namespace {
 
 using Block = FilmMlpBlock<PackF>;
 
-// Parameter gradients are summed in this many partial sums, each over a fixed range of blocks, and then in
-// order: the rounding is the same whoever computes which.
+// Parameter gradients are summed in this many partial sums over fixed ranges of blocks, then in order: the rounding
+// does not depend on the threads.
 constexpr std::int64_t kPartialSums = 32;
-// Blocks one task of the forward pass takes, so that a task amortises its buffers.
+// Blocks per task of the forward pass, to amortise its buffers.
 constexpr std::int64_t kBlocksPerTask = 8;
 
 std::int64_t block_count(std::int64_t queries) { return (queries + Block::kColumns - 1) / Block::kColumns; }
@@ -35,7 +35,7 @@ struct Initialiser {
   std::string prefix;
   std::uint64_t seed, next = 0;
 
-  /// A block of U(-bound, bound) + centre.
+  /// Appends a block with values from U(-bound, bound) + centre.
   std::size_t add(const std::string& name, std::vector<std::int64_t> shape, double bound, double centre = 0) {
     const std::size_t offset = store.add(prefix + "." + name, std::move(shape));
     for (std::size_t i = offset; i < store.values.size(); ++i)
@@ -94,13 +94,13 @@ void FilmMlp::forward(const Exec& exec, const ParamStore& store, const FilmMlpIn
     return exec.device_ops->field.film_forward({config_, store.values.data() + offset_, density_scale_}, in, out);
   FilmMlpData<float> data = data_of(store.values.data() + offset_, in, density_scale_);
   data.density = out.density.data(), data.rgb = out.rgb.data();
-  const std::size_t kept = film_context_size<PackF>(config_);
-  out.context.resize(std::size_t(blocks) * kept);
+  const std::size_t context_size = film_context_size<PackF>(config_);
+  out.context.resize(std::size_t(blocks) * context_size);
   for_each_task(exec, (blocks + kBlocksPerTask - 1) / kBlocksPerTask, [&](std::int64_t task) {
     Block block(config_);
     const std::int64_t end = std::min(blocks, (task + 1) * kBlocksPerTask);
     for (std::int64_t b = task * kBlocksPerTask; b < end; ++b)
-      block.forward(data, b, &out.context[std::size_t(b) * kept]);
+      block.forward(data, b, &out.context[std::size_t(b) * context_size]);
   });
 }
 
@@ -116,7 +116,7 @@ FilmMlpGradients FilmMlp::backward(const Exec& exec, ParamStore& store, const Fi
   out.feature.resize(std::size_t(queries * config_.inputs)),
       out.condition.resize(std::size_t(queries * config_.condition));
   const FilmMlpData<float> data = data_of(store.values.data() + offset_, in, density_scale_);
-  const std::size_t kept = film_context_size<PackF>(config_);
+  const std::size_t context_size = film_context_size<PackF>(config_);
   const FilmMlpGrads<float> grads{grad.density.data(), grad.rgb.data(), out.feature.data(), out.condition.data()};
   const std::size_t params = film_mlp_layout(config_).size;
   std::vector<float> partial(std::size_t(kPartialSums) * params, 0.f);
@@ -125,7 +125,8 @@ FilmMlpGradients FilmMlp::backward(const Exec& exec, ParamStore& store, const Fi
     if (begin == end) return;
     Block block(config_);
     for (std::int64_t b = begin; b < end; ++b)
-      block.backward(data, grads, b, &forward.context[std::size_t(b) * kept], &partial[std::size_t(sum) * params]);
+      block.backward(data, grads, b, &forward.context[std::size_t(b) * context_size],
+                     &partial[std::size_t(sum) * params]);
   });
   for_each_index(exec, std::int64_t(params), [&](std::int64_t i) {
     double total = 0;

@@ -1,10 +1,10 @@
 #pragma once
-// The small NeRF: density and colour from hash features, modulated by interpolated features. Eqs. (12)-(15)
+// The field's MLP: density and colour from hash features, modulated by interpolated features. Eqs. (12)-(15)
 //
-// Modulation (FiLM) acts at every hidden layer; its scale starts at 1 (b_γ = 1), so an untrained condition
-// leaves the network a plain MLP (C21). Density is softplus, in units of 1 / density_length: with a length
-// of the scene, such as the RBF width, samples can turn opaque whatever the unit of the scene is. softplus
-// grows linearly, so no clamp is needed for finite weights.
+// Modulation (FiLM) acts at every hidden layer. Its scale starts at 1 (b_γ = 1), so with an untrained condition the
+// network is a plain MLP (C21). Density is softplus in units of 1 / density_length. With a length of the scene, such as
+// the RBF width, samples can become opaque in any unit of the scene. softplus grows linearly, so finite weights need no
+// clamp.
 // Results, parameter gradients included, do not depend on exec.threads.
 #include "ngs/backend/exec.h"
 #include "ngs/ops/field/film_mlp_layout.h"
@@ -18,14 +18,14 @@ struct FilmMlpInit {
   double density_bias = -2;  // raw density before training: softplus(-2) = 0.13
 };
 
-/// Appends the network's blocks "PREFIX.0.weight", ... to the store and initialises them. Returns the offset
-/// of the first. Weights: He-uniform; modulation weights small; biases 0 but b_γ = 1 and the density's.
+/// Appends the network's blocks "PREFIX.0.weight", ... to the store and initialises them; returns the offset of the
+/// first. Weights: He-uniform; modulation weights: small; biases: 0, except b_γ = 1 and density_bias.
 std::size_t add_film_mlp(ParamStore& store, const std::string& prefix, const FilmMlpConfig& config,
                          const FilmMlpInit& init);
 
 class FilmMlp {
  public:
-  /// `offset`: where add_film_mlp put the parameters. `density_length` > 0: world.
+  /// `offset`: returned by add_film_mlp. `density_length` > 0, world.
   FilmMlp(const FilmMlpConfig& config, std::size_t offset, double density_length);
 
   const FilmMlpConfig& config() const { return config_; }

@@ -6,8 +6,8 @@
 //   density = scale · softplus(w_d · x_n + b_d)                   world^-1
 //   rgb = sigmoid(W_c x_n + W_dir Y(d) + b_c)
 //
-// A lane is a query; a block is kBlockColumns<L> of them, side by side in every buffer. γ, β and x are
-// recomputed by the backward pass: they cost a tenth of a layer, storing them costs its memory traffic.
+// One lane per query; a block is kBlockColumns<L> queries, one column each in every buffer. The backward pass
+// recomputes γ, β and x: this costs a tenth of a layer and saves their memory traffic.
 #include <utility>
 #include <vector>
 
@@ -19,7 +19,7 @@
 
 namespace ngs {
 
-/// What goes in and comes out for all Q queries. S = scalar of the lanes.
+/// Inputs and outputs for all Q queries. S = scalar of the lanes.
 template <class S>
 struct FilmMlpData {
   const S* params = nullptr;   // FilmMlpLayout
@@ -32,7 +32,7 @@ struct FilmMlpData {
   S* rgb = nullptr;        // [Q, 3]  out
 };
 
-/// ∂L/∂ of the outputs in, ∂L/∂ of the inputs out (null: not wanted).
+/// In: ∂L/∂outputs; out: ∂L/∂inputs (null: not wanted).
 template <class S>
 struct FilmMlpGrads {
   const S* density = nullptr;  // [Q]
@@ -41,7 +41,7 @@ struct FilmMlpGrads {
   S* condition = nullptr;      // [Q, condition]
 };
 
-/// Scalars that forward keeps for backward, per block: h of every layer and the four raw outputs.
+/// Scalars per block that forward stores for backward: h of every layer and the four raw outputs.
 template <class L>
 std::size_t film_context_size(const FilmMlpConfig& c) {
   return std::size_t(c.layers * c.hidden + 4) * std::size_t(kBlockColumns<L>);
@@ -63,8 +63,8 @@ class FilmMlpBlock {
     partial_.resize(plane(c_.condition));
   }
 
-  /// Queries [block · kColumns, ...) of `data`; those beyond the last are computed on zeros and dropped.
-  /// `context`: the block's own film_context_size scalars, out.
+  /// Processes queries [block · kColumns, ...) of `data`; columns beyond the last query are computed on zeros and
+  /// dropped. `context`: the block's film_context_size scalars, out.
   void forward(const FilmMlpData<S>& data, std::int64_t block, S* context) {
     load_block(data, block);
     S* h = context;
@@ -109,7 +109,7 @@ class FilmMlpBlock {
     for (int l = c_.layers - 1; l >= 0; --l) {
       const FilmMlpLayout::Layer& layer = at_.layer[l];
       backward_modulation(p, l, context + plane(l * c_.hidden), g);
-      if (l > 0) modulate(p, l - 1, context + plane((l - 1) * c_.hidden));  // x_l again
+      if (l > 0) modulate(p, l - 1, context + plane((l - 1) * c_.hidden));  // recompute x_l
       const S* x = l == 0 ? in_.data() : x_.data();
       lanes_outer_accumulate<L>(grad_h_.data(), c_.hidden, x, layer.inputs, g + layer.weight);
       lanes_row_sums_accumulate<L>(grad_h_.data(), c_.hidden, g + layer.bias);
@@ -129,7 +129,7 @@ class FilmMlpBlock {
     return int(left < kColumns ? left : kColumns);
   }
 
-  /// Rows of the queries become columns; unused columns are zero.
+  /// Transposes query rows to columns; unused columns are zero.
   void load_block(const FilmMlpData<S>& data, std::int64_t block) {
     const int count = columns_used(data, block);
     load_rows(data.input, block, count, in_);
@@ -187,8 +187,8 @@ class FilmMlpBlock {
     });
   }
 
-  /// Adjoint of `modulate`, from grad_x_ to grad_h_; gamma_, beta_, x_ are of layer l. Layer 0 includes the
-  /// inner ReLU. Uses gamma_, beta_ for ∂L/∂γ, ∂L/∂β.
+  /// Adjoint of `modulate`, from grad_x_ to grad_h_; gamma_, beta_, x_ hold layer l. Layer 0 includes the inner ReLU.
+  /// Overwrites gamma_, beta_ with ∂L/∂γ, ∂L/∂β.
   void backward_modulation(const S* p, int l, const S* h, S* g) {
     const FilmMlpLayout::Layer& layer = at_.layer[l];
     const L zero_lanes(S(0));
@@ -234,7 +234,7 @@ class FilmMlpBlock {
   FilmMlpLayout at_;
   int direction_inputs_, widest_;
   std::vector<S> in_, condition_, direction_;  // inputs of the block, [features, columns]
-  std::vector<S> x_, gamma_, beta_;            // of the layer at hand
+  std::vector<S> x_, gamma_, beta_;            // of the current layer
   std::vector<S> grad_x_, grad_h_, grad_condition_, partial_, raw_, head_;
   std::vector<S> transposed_;
 };

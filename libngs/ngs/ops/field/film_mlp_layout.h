@@ -1,6 +1,5 @@
 #pragma once
-// Where the parameters of the FiLM network lie in their flat vector. Only integers, so kernels may include
-// it.
+// Layout of the FiLM network's parameters in their flat vector. Only integers, so kernels may include it.
 #include <cstddef>
 
 namespace ngs {
@@ -16,7 +15,7 @@ struct FilmMlpConfig {
   int direction_degree = 2;  // 0..3: SH bands of the view direction that reach the colour head; 0: none (C14)
 };
 
-/// Inputs that the view direction adds: the SH bands beyond the constant one (the bias is that).
+/// Inputs of the view direction: the SH bands beyond the constant one, which the bias replaces.
 constexpr int film_direction_inputs(const FilmMlpConfig& c) {
   return (c.direction_degree + 1) * (c.direction_degree + 1) - 1;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// What the FiLM network takes and gives (ops/field/film_mlp.h).                           Eqs. (12)-(15)
+// Inputs, outputs and gradients of the FiLM network (ops/field/film_mlp.h).               Eqs. (12)-(15)
 #include <vector>
 
 #include "ngs/scene/views.h"
@@ -19,7 +19,7 @@ struct FilmMlpOutput {
   std::vector<float> context;  // for backward
 };
 
-/// ∂L/∂(what the network gives).
+/// ∂L/∂(FilmMlpOutput).
 struct FilmMlpOutputGradients {
   const std::vector<float>& density;  // [Q]
   const std::vector<float>& rgb;      // [Q, 3]

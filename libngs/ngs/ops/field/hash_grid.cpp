@@ -12,8 +12,7 @@
 namespace ngs {
 namespace {
 
-// Queries one task encodes level after level: their rows stay in the cache, the levels' tables do not have
-// to.
+// Queries per task. A task encodes them level by level: their rows stay in the cache, all tables need not fit.
 constexpr std::int64_t kQueriesPerTask = 512;
 
 void check_config(const HashGridConfig& c) {

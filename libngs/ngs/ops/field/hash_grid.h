@@ -1,10 +1,10 @@
 #pragma once
 // Multi-resolution hash encoding of positions.                                            Eqs. (10)-(11)
 //
-// The semantics are those of instant-ngp (D9): level l has Nmin·b^l vertices along each axis of a box that is fixed for
-// the run, with b = (Nmax/Nmin)^(1/(L-1)); small levels are dense, large ones share 2^log2_table entries
-// through a spatial hash; values are blended trilinearly. Points outside the box are clamped to it; an axis
-// without extent encodes as its middle. Results do not depend on exec.threads.
+// Semantics of instant-ngp (D9): level l has Nmin·b^l vertices along each axis of a fixed box,
+// with b = (Nmax/Nmin)^(1/(L-1)). Small levels are dense; large ones hash their vertices into 2^log2_table entries.
+// Interpolation is trilinear. Points outside the box are clamped to it; an axis without extent encodes as its middle.
+// Results do not depend on exec.threads.
 #include <vector>
 
 #include "ngs/backend/exec.h"
@@ -15,7 +15,7 @@ namespace ngs {
 
 inline constexpr int kMaxHashResolution = 65536;
 
-/// Whether rows of so many features are implemented.
+/// Whether this number of features per entry is implemented.
 constexpr bool are_hash_features(int features) {
   return features == 1 || features == 2 || features == 4 || features == 8;
 }
@@ -29,10 +29,10 @@ struct HashGridConfig {
   int outputs() const { return levels * features; }
 };
 
-/// The cube about `points` (its longest side, grown by `pad` on every side): cells are cubes. world
+/// The cube about the bounding box of `points`, grown by `pad` on every side, world. So grid cells are cubes.
 HashBox<float> hash_box(Rows<const float, 3> points, double pad);
 
-/// The levels' resolutions and places in the table.
+/// Resolution and table range of each level.
 std::vector<HashLevel> hash_levels(const HashGridConfig& config);
 
 /// Appends the block PREFIX.table [entries, F] with values from U(-1e-4, 1e-4). Returns its offset.
@@ -41,7 +41,7 @@ std::size_t add_hash_grid(ParamStore& store, const std::string& prefix, const Ha
 
 class HashGrid {
  public:
-  /// `offset`: where add_hash_grid put the table.
+  /// `offset`: returned by add_hash_grid.
   HashGrid(const HashGridConfig& config, const HashBox<float>& box, std::size_t offset);
 
   const HashGridConfig& config() const { return config_; }

@@ -35,15 +35,15 @@ struct HashCell {
   T frac[3];
 };
 
-/// Eq. (10): coordinates times primes, xor-ed, modulo the table. The first factor is 1, so neighbours in x
-/// share cache lines. Coordinates are the integer cell of the level, not the world position (C13).
+/// Eq. (10): XOR of coordinates times primes; the caller takes it modulo the table. The first factor is 1, so
+/// neighbours in x share cache lines. Coordinates are integer vertices of the level, not world positions (C13).
 NGS_HD inline std::uint32_t hash_vertex(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   return x ^ (y * 2654435761u) ^ (z * 805459861u);
 }
 
 namespace detail {
 
-/// Where a point lies along one axis.
+/// Lower vertex and fraction of a point along one axis.
 template <class T>
 struct HashAxis {
   std::uint32_t lower;  // vertex
@@ -61,7 +61,7 @@ struct HashAxis {
 
 }  // namespace detail
 
-/// Inlined by force: called per level and query, it costs a third less than through memory (measured).
+/// Forced inline: called per level and query; measured a third cheaper than a call.
 template <class T>
 [[gnu::always_inline]] NGS_HD inline HashCell<T> hash_cell(const HashLevel& level, const HashBox<T>& box, Vec3<T> p) {
   const T scale = T(level.scale);
@@ -73,7 +73,7 @@ template <class T>
     const std::uint32_t cx = x.lower + (corner & 1), cy = y.lower + (corner >> 1 & 1), cz = z.lower + (corner >> 2);
     std::uint32_t entry;
     if (level.dense) {
-      // The half-cell stagger lets the upper vertex step over the edge; there the table wraps, once at most.
+      // With the half-cell stagger the upper vertex may lie past the edge; the table then wraps, at most once.
       entry = cx + level.resolution * (cy + level.resolution * cz);
       if (entry >= level.size) entry -= level.size;
     } else {
@@ -93,7 +93,7 @@ NGS_HD void corner_weights(const T* frac, T* weight) {
   weight[4] = x0 * high0, weight[5] = x1 * high0, weight[6] = x0 * high1, weight[7] = x1 * high1;
 }
 
-/// What all kernels of the encoding read. The output row of a query is level-major: [L][F].
+/// Inputs of all kernels of the encoding. The output row of a query is level-major: [L][F].
 template <class T>
 struct HashGridView {
   const HashLevel* level;  // [L]
@@ -104,7 +104,7 @@ struct HashGridView {
 };
 
 /// out[q, l, :] = Σ_corners weight · table[entry].                                            Eq. (11)
-/// Index i = level · Q + q owns the F values of (q, level).
+/// Index i = level · Q + q writes the F values of (q, level).
 template <class T, int F>
 struct HashForward {
   static constexpr const char* kName = "hash_forward";
@@ -126,7 +126,7 @@ struct HashForward {
 };
 
 /// ∂L/∂table += Σ_q weight · ∂L/∂out.                                             adjoint of Eq. (11)
-/// Index l owns the entries of level l and visits the queries in order: one writer, one order of summation.
+/// Index l writes the entries of level l and visits the queries in order: one writer, fixed order of summation.
 template <class T, int F>
 struct HashBackwardTable {
   static constexpr const char* kName = "hash_backward_table";
@@ -137,7 +137,7 @@ struct HashBackwardTable {
   NGS_HD void operator()(std::int64_t l) const {
     for (std::int64_t q = 0; q < grid.point.n; ++q) at(l, q, [](T* to, T x) { *to += x; });
   }
-  /// add(to, x) for what one query adds to one level.
+  /// add(to, x) for every contribution of query q to level l.
   template <class Add>
   NGS_HD void at(std::int64_t l, std::int64_t q, const Add& add) const {
     const HashCell<T> cell = hash_cell(grid.level[l], grid.box, vec3(grid.point.row(q)));
@@ -150,7 +150,7 @@ struct HashBackwardTable {
   }
 };
 
-/// Calls body(std::integral_constant<int, F>) for the F of the configuration: loops over them unroll.
+/// Calls body(std::integral_constant<int, F>) for the configured F, so that loops over features unroll.
 template <class Body>
 void with_hash_features(int features, const Body& body) {
   switch (features) {

@@ -17,7 +17,7 @@ namespace {
 using Distance = flann::L2_Simple<double>;
 using Tree = flann::KDTreeSingleIndex<Distance>;
 
-// FLANN bounds a subtree by sums that are rounded; pruning with this much slack keeps the search exact.
+// FLANN's bound of a subtree is a rounded sum; this pruning slack keeps the search exact.
 constexpr float kPruningSlack = 1e-6f;
 constexpr std::int64_t kQueriesPerTask = 256;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -28,8 +28,8 @@ struct Neighbour {
   bool operator<(const Neighbour& o) const { return dist2 < o.dist2 || (dist2 == o.dist2 && index < o.index); }
 };
 
-/// The K smallest (dist2, index). FLANN's own result sets keep whichever of several equal distances the tree
-/// visits first; this one admits ties (worstDist is just above the K-th) and orders them by index.
+/// The K smallest (dist2, index). Of equal distances, FLANN's own result sets keep the one that the tree visits first.
+/// This one admits ties (worstDist is just above the K-th) and orders them by index.
 class OrderedResult : public flann::ResultSet<double> {
  public:
   /// `bound`: at least the K-th squared distance.
@@ -54,14 +54,14 @@ class OrderedResult : public flann::ResultSet<double> {
   Neighbour best_[kMaxNeighbours];
 };
 
-/// Whether there is a point within a distance: the first one ends the search.
+/// Whether a point lies within a distance; the first one found ends the search.
 class AnyResult : public flann::ResultSet<double> {
  public:
   explicit AnyResult(double most_dist2) : admitted_(std::nextafter(most_dist2, kInfinity)) {}
   bool full() const override { return found_; }
   double worstDist() const override { return admitted_; }
   void addPoint(double dist2, std::size_t) override {
-    if (dist2 < admitted_) found_ = true, admitted_ = -1;  // nothing is nearer than that
+    if (dist2 < admitted_) found_ = true, admitted_ = -1;  // no distance is below -1: stops the search
   }
   bool found() const { return found_; }
 
@@ -72,8 +72,8 @@ class AnyResult : public flann::ResultSet<double> {
 
 constexpr std::size_t kNoExclusion = std::numeric_limits<std::size_t>::max();
 
-/// What a query's K-th squared distance cannot exceed, from that of another query: both lie within reach of its points.
-double bound_beside(const double* query, const double* other, double dist2_of_other) {
+/// Upper bound of a query's K-th squared distance, from that of another query, by the triangle inequality.
+double bound_from_other(const double* query, const double* other, double dist2_of_other) {
   double step2 = 0;
   for (int a = 0; a < 3; ++a) step2 += (query[a] - other[a]) * (query[a] - other[a]);
   const double reach = std::sqrt(dist2_of_other) + std::sqrt(step2);
@@ -94,7 +94,7 @@ void require_countable(Rows<const float, 3> points) {
   NGS_CHECK(points.n <= std::numeric_limits<std::int32_t>::max(), "the search tree counts points in 32 bits");
 }
 
-/// search(tree, begin, end) for chunks of the queries, with FLANN's tree over the points (at least one).
+/// search(tree, begin, end) for chunks of the queries; `tree`: FLANN's over the points (at least one).
 template <class Search>
 void for_each_chunk(const Exec& exec, std::vector<double>& point, std::int64_t queries, const Search& search) {
   Tree tree(flann::Matrix<double>(point.data(), point.size() / 3, 3), flann::KDTreeSingleIndexParams());
@@ -104,19 +104,20 @@ void for_each_chunk(const Exec& exec, std::vector<double>& point, std::int64_t q
   });
 }
 
-/// The box of some points.
+/// Bounding box of points.
 class PointBox {
  public:
   explicit PointBox(const std::vector<double>& point) {
     for (std::size_t i = 0; i < point.size(); ++i)
       lo_[i % 3] = std::min(lo_[i % 3], point[i]), hi_[i % 3] = std::max(hi_[i % 3], point[i]);
   }
-  /// At most that of any of the points, as FLANN rounds it: differences, squares and sums keep their order.
+  /// Squared distance to the box: a lower bound of that to any point, also as FLANN rounds it, because differences,
+  /// squares and sums are monotonic.
   double dist2(const double* query) const {
     double sum = 0;
     for (int a = 0; a < 3; ++a) {
-      const double beside = std::max({lo_[a] - query[a], query[a] - hi_[a], 0.0});
-      sum += beside * beside;
+      const double outside = std::max({lo_[a] - query[a], query[a] - hi_[a], 0.0});
+      sum += outside * outside;
     }
     return sum;
   }
@@ -147,10 +148,10 @@ KnnGraph search(const Exec& exec, Rows<const float, 3> points, Rows<const float,
   graph.index.resize(std::size_t(queries.n) * std::size_t(k));
   graph.dist2.resize(graph.index.size());
   const auto chunk = [&](const Tree& tree, std::int64_t begin, std::int64_t end) {
-    double last_dist2 = kInfinity;  // the K-th of the query before, which is often close
+    double last_dist2 = kInfinity;  // K-th distance of the previous query, which is often near
     for (std::int64_t i = begin; i < end; ++i) {
       const double* at_query = query.data() + 3 * i;
-      const double bound = std::isfinite(last_dist2) ? bound_beside(at_query, at_query - 3, last_dist2) : kInfinity;
+      const double bound = std::isfinite(last_dist2) ? bound_from_other(at_query, at_query - 3, last_dist2) : kInfinity;
       OrderedResult result(k, exclude_self ? std::size_t(i) : kNoExclusion, bound);
       tree.findNeighbors(result, at_query, exact_search());
       if (!exclude_self) last_dist2 = result[k - 1].dist2;
@@ -177,9 +178,9 @@ KnnGraph nearest_others(const Exec& exec, Rows<const float, 3> points, int neigh
 }
 
 std::vector<std::uint8_t> any_within(const Exec& exec, Rows<const float, 3> points, Rows<const float, 3> queries,
-                                     double radius, const std::vector<std::uint8_t>& asked) {
+                                     double radius, const std::vector<std::uint8_t>& active) {
   NGS_CHECK(radius >= 0, "radius must not be negative");
-  NGS_CHECK(asked.empty() || std::int64_t(asked.size()) == queries.n, "one flag per query");
+  NGS_CHECK(active.empty() || std::int64_t(active.size()) == queries.n, "one flag per query");
   require_countable(points);
   std::vector<std::uint8_t> found(std::size_t(queries.n), 0);
   if (points.n == 0 || queries.n == 0) return found;
@@ -187,7 +188,7 @@ std::vector<std::uint8_t> any_within(const Exec& exec, Rows<const float, 3> poin
   const PointBox box(point);
   for_each_chunk(exec, point, queries.n, [&](const Tree& tree, std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) {
-      if (!asked.empty() && !asked[std::size_t(i)]) continue;
+      if (!active.empty() && !active[std::size_t(i)]) continue;
       const float* row = queries.row(i);
       require_finite(row, "queries");
       const double query[3] = {double(row[0]), double(row[1]), double(row[2])};

@@ -1,26 +1,25 @@
 #pragma once
 // Exact K nearest neighbours in 3-D.                                                   before Eq. (8)
 //
-// Distances are compared in double and ties broken by the lower index, so the result is a function of the
-// input alone: not of the search tree, nor of exec.threads. Coincident points are legal. With fewer than K
-// points `neighbours` is the number of points (0 points: 0 neighbours, empty tables). All coordinates must be
-// finite (NGS_CHECK).
+// Distances are compared in double; ties are broken by the lower index. So the result does not depend on the search
+// tree or on exec.threads. Coincident points are legal. With fewer than K points, KnnGraph::neighbours is the number of
+// points (0 points: 0 neighbours, empty tables). All coordinates must be finite (NGS_CHECK).
 #include "ngs/backend/exec.h"
 #include "ngs/scene/knn_graph.h"
 
 namespace ngs {
 
-/// For every query its `neighbours` nearest points; 1 <= neighbours <= kMaxNeighbours.
+/// The `neighbours` nearest points of every query; 1 <= neighbours <= kMaxNeighbours.
 KnnGraph nearest_points(const Exec& exec, Rows<const float, 3> points, Rows<const float, 3> queries, int neighbours);
 
-/// For every point its nearest other points. A coincident point is another point.
+/// The nearest other points of every point. A coincident point is another point.
 KnnGraph nearest_others(const Exec& exec, Rows<const float, 3> points, int neighbours);
 
-/// 1 where some point lies within `radius` of the query, [queries]. Much cheaper than the distance to the nearest, and
-/// nearly free of what lies far from all points. `asked` [queries] 0: is not asked, gets 0, and may be anything; empty:
-/// all are.
+/// [queries] 1: a point lies within `radius` of the query. Much cheaper than the nearest distance, and almost free for
+/// queries far from all points. `active` [queries] 0: the query is skipped and gets 0, and need not be finite; empty:
+/// all are active.
 std::vector<std::uint8_t> any_within(const Exec& exec, Rows<const float, 3> points, Rows<const float, 3> queries,
-                                     double radius, const std::vector<std::uint8_t>& asked = {});
+                                     double radius, const std::vector<std::uint8_t>& active = {});
 
 /// Fills graph.row_begin and graph.edge from graph.index.
 void build_transpose(KnnGraph& graph);

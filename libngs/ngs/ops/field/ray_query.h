@@ -1,8 +1,8 @@
 #pragma once
 // The rays of a pixel grid and the query points on them.                                   Eqs. (6)-(7)
 //
-// Defined for every input: an empty grid has no rays; a window that would cross the camera starts kNearZ in
-// front of it. Positions are in the frame of the camera that is passed (see relative_to).
+// Defined for every input: an empty grid has no rays; a window that would cross the camera starts kNearZ in front of
+// it. Positions are in the frame of the given camera (see relative_to).
 #include <vector>
 
 #include "ngs/backend/exec.h"
@@ -12,9 +12,8 @@
 
 namespace ngs {
 
-/// A rendered depth map of the same camera (RenderedView): the window of a ray is centred on its expected
-/// depth where more than half of the pixel is covered. Null members: every window is centred on
-/// mean_distance.
+/// A rendered depth map of the same camera (RenderedView). If alpha > 0.5 at a ray's pixel, the ray's window is centred
+/// on its expected depth, else on mean_distance. Null members: always mean_distance.
 struct DepthMap {
   const ImageF* depth = nullptr;  // [H, W, 1] Σ α T z
   const ImageF* alpha = nullptr;  // [H, W, 1]
@@ -37,11 +36,11 @@ struct RayQueries {
 RayQueries ray_queries(const Exec& exec, const Camera& camera, const PixelGrid& grid, const RayOptions& options,
                        const DepthMap& map);
 
-/// [R] 1 where the view renders nothing at the node (alpha < 1e-3) or its expected depth lies in the ray's
-/// window: where rendered colour and field colour are about the same piece of space (C15).
+/// [R] 1: the view is empty at the node (alpha < 1e-3), or its expected depth lies in the ray's window. Only there
+/// rendered colour and field colour belong to the same part of space (C15).
 std::vector<std::uint8_t> rays_on_surface(const Camera& camera, const RayQueries& rays, const DepthMap& map);
 
-/// Bilinear reading of channel `c` at a pixel position; beyond the border the border's value.
+/// Bilinear sample of channel `c` at a pixel position; clamped to the border.
 double sample_bilinear(const ImageF& image, double x_px, double y_px, int c = 0);
 
 }  // namespace ngs

@@ -8,8 +8,8 @@ namespace ngs {
 ///
 ///   d = Rᵀ normalise(x, y, 1),   x = (u - cx) / fx, y = (v - cy) / fy,   R: world -> camera
 ///
-/// The paper calls R camera -> world but transposes it; with R world -> camera the formula is right
-/// (C11). `cosine` is the angle's with the optical axis: z-depth = cosine · distance along the ray.
+/// The paper calls R camera -> world but transposes it; with R world -> camera the formula is right (C11). `cosine`: of
+/// the angle to the optical axis, z-depth = cosine · distance along the ray.
 template <class T>
 NGS_HD Vec3<T> ray_direction(const Mat3<T>& rotation, T x, T y, T& cosine) {
   using std::sqrt;
@@ -17,13 +17,13 @@ NGS_HD Vec3<T> ray_direction(const Mat3<T>& rotation, T x, T y, T& cosine) {
   return cosine * (transpose(rotation) * Vec3<T>{x, y, T(1)});
 }
 
-/// The part of a ray that is sampled: distances from the camera centre, 0 < near <= far.
+/// The sampled part of a ray: distances from the camera centre, 0 < near <= far.
 template <class T>
 struct DepthWindow {
   T near, far;
 };
 
-/// [t - h, t + h] with h = max(span·t, epsilon), cut where it would reach the camera.           Eq. (7)
+/// [t - h, t + h] with h = max(span·t, epsilon), both ends clamped to >= `nearest`.             Eq. (7)
 template <class T>
 NGS_HD DepthWindow<T> depth_window(T centre, T span, T epsilon, T nearest) {
   const T half = max2(span * centre, epsilon);
@@ -38,7 +38,7 @@ NGS_HD T sample_distance(DepthWindow<T> window, int k, int samples) {
   return (T(1) - t) * window.near + t * window.far;
 }
 
-/// The length of ray that one sample stands for in Eq. (1) (C15).
+/// Δ of Eq. (1): the length of ray per sample (C15).
 template <class T>
 NGS_HD T sample_spacing(DepthWindow<T> window, int samples) {
   return (window.far - window.near) / T(samples > 1 ? samples - 1 : 1);
@@ -47,11 +47,11 @@ NGS_HD T sample_spacing(DepthWindow<T> window, int samples) {
 struct RayOptions {
   int samples = 8;              // per ray, >= 1
   double depth_span = 0.1;      // half window / distance
-  double depth_epsilon = 1e-4;  // world, least half window
-  double mean_distance = 0;     // world > 0: centre of the window where the depth map has no answer
+  double depth_epsilon = 1e-4;  // minimum half window, world
+  double mean_distance = 0;     // > 0, world: centre of the window without a rendered depth
 };
 
-/// A node of the grid as a ray.
+/// The ray through a node of the grid.
 struct RayNode {
   Vec3<double> direction;
   double u, v, cosine;
@@ -69,7 +69,7 @@ struct DepthPlanes {
   const float *depth = nullptr, *alpha = nullptr;
   int width_px = 0, height_px = 0;
 
-  /// Expected distance along the ray, or 0 where the view covers at most `least_alpha` of the pixel.
+  /// Expected distance along the ray; 0 if alpha <= `least_alpha` there.
   NGS_HD double expected_distance(const RayNode& node, double least_alpha) const {
     if (depth == nullptr || alpha == nullptr) return 0;
     const double covered = at(alpha, node);
@@ -90,10 +90,10 @@ struct RayArrays {
         *position = nullptr, *depth = nullptr;
 };
 
-/// Owns ray r.
+/// Index r writes ray r.
 struct SampleRay {
   static constexpr const char* kName = "sample_ray";
-  static constexpr double kCovered = 0.5;  // alpha above which a pixel has a depth of its own
+  static constexpr double kCovered = 0.5;  // alpha above which a pixel's own depth is used
   RayCamera camera;
   PixelGrid grid;
   RayOptions options;
@@ -122,10 +122,11 @@ struct SampleRay {
   NGS_HD static void store(float* p, Vec3<double> v) { p[0] = float(v.x), p[1] = float(v.y), p[2] = float(v.z); }
 };
 
-/// Owns ray r: 1 where the view shows only background at the node or its expected depth lies in the ray's window.
+/// Index r writes on[r]: 1 if the view shows only background at the node or its expected depth lies in the ray's
+/// window.
 struct RayOnSurface {
   static constexpr const char* kName = "ray_on_surface";
-  static constexpr double kNothingThere = 1e-3;  // alpha below which the view shows only background
+  static constexpr double kEmptyAlpha = 1e-3;  // alpha up to which the view shows only background
   RayCamera camera;
   PixelGrid grid;
   DepthPlanes map;
@@ -133,7 +134,7 @@ struct RayOnSurface {
   std::uint8_t* on;         // [R] out
 
   NGS_HD void operator()(std::int64_t r) const {
-    const double distance = map.expected_distance(ray_node(camera, grid, r), kNothingThere);
+    const double distance = map.expected_distance(ray_node(camera, grid, r), kEmptyAlpha);
     on[r] = distance == 0 || (distance >= double(near[r]) && distance <= double(far[r]));
   }
 };

@@ -21,7 +21,8 @@ void rbf_forward(const Exec& exec, const RbfProblem& problem, RbfField& out) {
   out.feature.assign(std::size_t(problem.query.n) * std::size_t(features), 0.f);
   out.weight.resize(graph.index.size());
   if (graph.neighbours == 0) return;
-  NGS_CHECK(graph.queries() == problem.query.n && graph.points == problem.boundary.n, "the graph is of other points");
+  NGS_CHECK(graph.queries() == problem.query.n && graph.points == problem.boundary.n,
+            "the neighbour graph belongs to other points");
   if (exec.device_ops) return exec.device_ops->field.rbf_forward(problem, inv_2h2(problem.width), out);
   for_each_index(exec, problem.query.n,
                  RbfForward<float>{problem.query,

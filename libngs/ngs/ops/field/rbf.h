@@ -1,25 +1,25 @@
 #pragma once
 // Interpolation of boundary features at query points.                                     Eqs. (8)-(9)
 //
-// The weights are the L1-normalised Gaussians of Eq. (8), computed as a softmax of -d²/2h², which equals the
-// printed form where that is defined and tends to the nearest neighbour where it is 0/0 (C22).
-// With an empty graph (no boundary Gaussians) every feature is 0. Nothing here depends on exec.threads.
+// The weights are the L1-normalised Gaussians of Eq. (8), computed as a softmax of -d²/2h². This equals the printed
+// form where that is defined, and tends to the nearest neighbour where the printed form is 0/0 (C22). With an empty
+// graph (no boundary Gaussians) every feature is 0. Results do not depend on exec.threads.
 #include "ngs/backend/exec.h"
 #include "ngs/ops/field/rbf_types.h"
 
 namespace ngs {
 
-/// 1 / (2 h²) as the kernels take it; finite for every width: the nearest neighbour's exponent is 0 times it.
+/// 1 / (2 h²), limited to the largest float: the nearest neighbour's exponent is 0 times it.
 float inv_2h2(double width);
 
 void rbf_forward(const Exec& exec, const RbfProblem& problem, RbfField& out);
 
-/// ∂L/∂feature [B, F] of `grad_feature` = ∂L/∂(field.feature) [Q, F]. The weights count as constant (C25).
+/// ∂L/∂feature [B, F] of `grad_feature` = ∂L/∂(field.feature) [Q, F]. The weights are treated as constant (C25).
 std::vector<float> rbf_backward(const Exec& exec, const RbfProblem& problem, const RbfField& field,
                                 Matrix<const float> grad_feature);
 
-/// The kernel width: factor · mean spacing of the boundary Gaussians (C22). 1 where the spacing is 0
-/// (a single or only coincident Gaussians): every width then gives the same weights.
+/// The kernel width: factor · mean spacing of the boundary Gaussians (C22). 1 if the spacing is 0 (one Gaussian, or all
+/// coincident): every width then gives the same weights.
 double auto_rbf_width(const Exec& exec, Rows<const float, 3> boundary, int neighbours, double factor);
 
 }  // namespace ngs

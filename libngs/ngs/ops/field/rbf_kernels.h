@@ -24,11 +24,13 @@ struct NeighbourRows {
 /// cancels in the ratio, and the factored form d_j² - d_0² = (x_0 - x_j)·((q - x_0) + (q - x_j)) leaves an
 /// error of order eps·‖x_0 - x_j‖·d / h² in the exponent instead of eps·d² / h².
 ///
+// clang-format off
 ///   q         query position                        [3]     world
 ///   x         boundary positions                    [B, 3]  world
 ///   nearest   neighbour rows, nearest first         [K]     0 <= row[j] < B
 ///   inv_2h2   1 / (2 h²), h = kernel width          >= 0    world^-2
 ///   w         out: weights, Σ w_j = 1, w_0 largest  [K]
+// clang-format on
 template <class T>
 NGS_HD void rbf_weights(Vec3<T> q, Rows<const T, 3> x, NeighbourRows nearest, T inv_2h2, T* w) {
   using std::exp;
@@ -43,7 +45,7 @@ NGS_HD void rbf_weights(Vec3<T> q, Rows<const T, 3> x, NeighbourRows nearest, T 
 }
 
 /// f_i = Σ_j w_ij f_j.                                                                        Eq. (9)
-/// Owns row i of `weight` and `out`.
+/// Index i writes row i of `weight` and `out`.
 template <class T>
 struct RbfForward {
   static constexpr const char* kName = "rbf_forward";
@@ -53,7 +55,7 @@ struct RbfForward {
   Matrix<const std::uint32_t> index;  // [Q, K]  into boundary, nearest first
   Matrix<const T> feature;            // [B, F]
   T inv_2h2;                          //         world^-2
-  Matrix<T> weight;                   // [Q, K]  out, kept for the backward pass
+  Matrix<T> weight;                   // [Q, K]  out, input of the backward pass
   Matrix<T> out;                      // [Q, F]  out
 
   NGS_HD void operator()(std::int64_t i) const {
@@ -68,7 +70,7 @@ struct RbfForward {
 };
 
 /// ∂L/∂f_j = Σ_{i : j ∈ N_i} w_ij ∂L/∂f_i.                                         adjoint of Eq. (9)
-/// Gathers over the transposed neighbour graph, so row j has one writer and a fixed summation order.
+/// Gathers over the transposed neighbour graph: row j has one writer and a fixed order of summation.
 template <class T>
 struct RbfBackwardFeature {
   static constexpr const char* kName = "rbf_backward_feature";

@@ -1,5 +1,5 @@
 #pragma once
-// What the interpolation of boundary features takes and gives (ops/field/rbf.h).          Eqs. (8)-(9)
+// Inputs and outputs of the interpolation of boundary features (ops/field/rbf.h).         Eqs. (8)-(9)
 #include <vector>
 
 #include "ngs/scene/knn_graph.h"

@@ -1,5 +1,5 @@
 #pragma once
-// Where the boundary lies in one view, and the pixel grid laid over it.                    Eqs. (4)-(5)
+// The bounding box of the boundary in one view, and the pixel grid over it.                Eqs. (4)-(5)
 #include "ngs/ops/field/sample_grid_kernels.h"
 #include "ngs/scene/camera.h"
 #include "ngs/scene/views.h"
@@ -12,8 +12,8 @@ inline RayCamera ray_camera(const Camera& camera) {
 }
 
 /// The box of the projected centres, grown by `pad_px`, clipped to the image.                   Eq. (4)
-/// Centres that project outside the image by more than pad_px are not visible. No Gaussians, none in front,
-/// or none in the image: visible == 0 and an empty box.
+/// Centres that project more than pad_px outside the image are not visible. If none is visible: visible == 0 and an
+/// empty box.
 BoundaryBox boundary_box(const Camera& camera, Rows<const float, 3> boundary, double pad_px);
 
 /// See the overload for a GridShape.

@@ -10,10 +10,10 @@
 
 namespace ngs {
 
-/// Gaussians nearer than this (camera z, world) do not count: their projection is meaningless.
+/// Gaussians nearer than this (camera z, world) are ignored: their projection is not meaningful.
 inline constexpr double kNearZ = 0.01;
 
-/// A camera as kernels take it.
+/// A camera in the form that kernels take.
 struct RayCamera {
   Mat3<double> rotation;  // world -> camera
   Vec3<double> translation, centre;
@@ -21,7 +21,7 @@ struct RayCamera {
   int width_px, height_px;
 };
 
-/// Sums over the boundary Gaussians that are in front of the camera and project into the padded image.
+/// Box and sums over the boundary Gaussians in front of the camera that project into the padded image.
 struct BoxSums {
   PixelBox box{HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL};  // of the centres
   double distance_sum = 0;
@@ -57,7 +57,7 @@ NGS_HD inline BoundaryBox boundary_box(const RayCamera& camera, const BoxSums& s
           sums.distance_sum / double(sums.visible)};
 }
 
-/// How many cells there may be; their nodes are their middles (C7).
+/// Largest number of cells; their nodes are their middles (C7).
 struct GridShape {
   int rows, cols;
 };

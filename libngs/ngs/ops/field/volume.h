@@ -1,8 +1,8 @@
 #pragma once
 // Colour, alpha and optical depth of rays through the field.                              Eq. (1)
 //
-// The background shows where the field is transparent, so the colours compare with a rendered view over the
-// same background (C15). K = 0 samples: the background, alpha 0. Does not depend on exec.threads.
+// Colours include the background, so they compare with a rendered view over the same background (C15). K = 0 samples:
+// the background, alpha 0. Results do not depend on exec.threads.
 #include <vector>
 
 #include "ngs/backend/exec.h"

@@ -13,7 +13,7 @@
 
 namespace ngs {
 
-/// What forward and backward read.
+/// Inputs of forward and backward.
 template <class T>
 struct VolumeRays {
   std::int64_t rays;
@@ -24,7 +24,7 @@ struct VolumeRays {
   Vec3<T> background;
 };
 
-/// Owns ray r. `1 - e^{-τ}` by expm1: as a difference it would be 0 for τ < 6e-8, and its gradient with it.
+/// Index r writes ray r. `1 - e^{-τ}` by expm1: as a difference it, and its gradient, would be 0 for τ < 6e-8.
 template <class T>
 struct VolumeForward {
   static constexpr const char* kName = "volume_forward";
@@ -32,35 +32,35 @@ struct VolumeForward {
   T* colour;               // [R, 3] out, background included
   T* alpha;                // [R]    out
   T* optical_depth;        // [R]    out, D
-  T* weight;               // [R, K] out, w_k: kept for backward
-  T* transmittance_after;  // [R, K] out, T_{k+1}: kept for backward
+  T* weight;               // [R, K] out, w_k, for backward
+  T* transmittance_after;  // [R, K] out, T_{k+1}, for backward
 
   NGS_HD void operator()(std::int64_t r) const {
     using std::exp;
-    T depth = T(0), through = T(1);
+    T depth = T(0), transmittance = T(1);
     Vec3<T> sum{T(0), T(0), T(0)};
     for (int k = 0; k < in.samples; ++k) {
       const std::int64_t at = r * in.samples + k;
       const T tau = in.density[at] * in.spacing[r];
-      weight[at] = through * one_minus_exp(tau);
+      weight[at] = transmittance * one_minus_exp(tau);
       sum = sum + weight[at] * vec3(in.rgb + at * 3);
       depth += tau;
-      through = exp(-depth);
-      transmittance_after[at] = through;
+      transmittance = exp(-depth);
+      transmittance_after[at] = transmittance;
     }
-    sum = sum + through * in.background;
+    sum = sum + transmittance * in.background;
     colour[r * 3] = sum.x, colour[r * 3 + 1] = sum.y, colour[r * 3 + 2] = sum.z;
     alpha[r] = one_minus_exp(depth);
     optical_depth[r] = depth;
   }
 };
 
-/// Adjoint of VolumeForward. Owns ray r.
+/// Adjoint of VolumeForward. Index r writes ray r.
 ///
-///   ∂C/∂τ_k = T_{k+1} c_k - S_k,   S_k = Σ_{m>k} w_m c_m + e^{-D} background   (what lies behind sample k)
+///   ∂C/∂τ_k = T_{k+1} c_k - S_k,   S_k = Σ_{m>k} w_m c_m + e^{-D} background   (colour behind sample k)
 ///   ∂α/∂τ_k = e^{-D},   ∂D/∂τ_k = 1,   ∂C/∂c_k = w_k
 ///
-/// S is summed from the far end; nothing is divided by 1 - α, which is 0 behind an opaque sample.
+/// S is summed from back to front; no division by 1 - α, which is 0 for an opaque sample.
 template <class T>
 struct VolumeBackward {
   static constexpr const char* kName = "volume_backward";

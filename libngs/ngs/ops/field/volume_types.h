@@ -1,5 +1,5 @@
 #pragma once
-// What volume rendering takes and gives (ops/field/volume.h).                             Eq. (1)
+// Inputs, outputs and gradients of volume rendering (ops/field/volume.h).                 Eq. (1)
 #include <cstdint>
 #include <vector>
 
@@ -23,7 +23,7 @@ struct VolumeOutput {
   std::vector<float> weight, transmittance_after;  // [R, K] for backward
 };
 
-/// ∂L/∂(what is rendered).
+/// ∂L/∂(VolumeOutput).
 struct VolumeOutputGradients {
   const std::vector<float>& colour;         // [R, 3]
   const std::vector<float>& alpha;          // [R]

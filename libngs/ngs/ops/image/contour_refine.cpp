@@ -14,14 +14,14 @@ namespace ngs {
 namespace {
 
 constexpr double kLeastWeight = 1e-5;   // keeps the graph connected across any edge
-constexpr double kShapeWidth_px = 2;    // of the sigmoid that s is
+constexpr double kShapeWidth_px = 2;    // of the sigmoid s
 constexpr double kColourNoise = 3e-4;   // least variance of a colour, (share of full scale)²
-constexpr double kColourGap_px = 2;     // pixels so near the contour are mixed: nothing is learned from them
+constexpr double kColourGap_px = 2;     // nearer pixels are mixed: no colours are learned from them
 constexpr double kOutliers = 0.1;       // share of colours that neither density explains
 constexpr double kLeastSupport = 1e-4;  // share of a neighbourhood below which its colours are unknown
-constexpr int kCellsOfRadius = 10;  // of a blur: it takes sums over cells of pixels, so fine that it does not show them
+constexpr int kCellsOfRadius = 10;      // a blur runs on cells of pixels, this many per radius: too fine to be visible
 
-/// The part of the image that the random walks need: the band about the contour and the colours in reach of it.
+/// The part of the image that the random walks need: the band around the contour and the colours within reach.
 struct Window {
   int x0, y0, w, h;
   std::size_t pixels() const { return std::size_t(w) * std::size_t(h); }
@@ -48,10 +48,10 @@ Window window_of(const std::vector<float>& distance, MaskPlane mask, double reac
   return {x0, y0, std::max(0, x1 - x0 + 1), std::max(0, y1 - y0 + 1)};
 }
 
-/// Values blurred together: a cache line of them in a running sum each.
+/// Number of values that are blurred together, each with its own running sum: one cache line.
 constexpr int kBlurLanes = 16;
 
-/// `n` places that lie `stride` apart, with `lanes` values side by side.
+/// `n` places, `stride` values apart, with `lanes` adjacent values each.
 struct BlurLine {
   float* first;
   int n;
@@ -60,7 +60,7 @@ struct BlurLine {
   float& at(int i, int lane) const { return first[std::size_t(i) * stride + std::size_t(lane)]; }
 };
 
-/// Three running means of width 2 r + 1 along the line: nearly a normal density of deviation r. Zeros outside.
+/// Three running means of width 2 r + 1 along the line: close to a Gaussian with standard deviation r. Zero outside.
 void blur(const BlurLine& line, int r, std::vector<double>& from) {
   const int n = line.n;
   from.resize(std::size_t(n) * kBlurLanes);
@@ -82,7 +82,7 @@ void blur(const BlurLine& line, int r, std::vector<double>& from) {
   }
 }
 
-/// Means near by of some values of the pixels: sums over square cells, blurred.
+/// Local means of N values per pixel: sums over square cells, blurred.
 template <int N>
 class LocalMeans {
   static_assert(N <= kBlurLanes);
@@ -93,7 +93,7 @@ class LocalMeans {
     values_.resize(std::size_t(w_) * std::size_t(h_) * N);
   }
 
-  /// The N values of the cell of pixel (x, y) of the window: to add to, and after blur() what is near by.
+  /// The N values of the cell of pixel (x, y) of the window: sums to add to; after blur(), local means.
   float* at(int x, int y) { return &values_[cell(x, y) * N]; }
   const float* at(int x, int y) const { return &values_[cell(x, y) * N]; }
 
@@ -114,7 +114,7 @@ class LocalMeans {
   std::vector<float> values_;
 };
 
-/// Local normal density of the colours of some pixels: weights, means and second moments, blurred.
+/// Local normal density of the colours of the chosen pixels: blurred weights, means and second moments.
 class LocalColours {
  public:
   LocalColours(const Window& win, const std::vector<std::array<float, 3>>& colour,
@@ -128,8 +128,8 @@ class LocalColours {
     moments_.blur();
   }
 
-  /// Density of the colour of pixel (x, y), a tenth of it even over all colours: one that neither side has shown is no
-  /// evidence. False where no chosen pixel is near.
+  /// Density of the colour of pixel (x, y). A tenth of it is uniform, so a colour that occurs on neither side is no
+  /// evidence. False if no chosen pixel is near.
   bool density(int x, int y, const std::array<float, 3>& colour, double& value) const {
     const float* moment = moments_.at(x, y);
     const double n = double(moment[0]);
@@ -167,8 +167,8 @@ class LocalColours {
   LocalMeans<kMoments> moments_;
 };
 
-/// The photo in the window, relative to its mean colour so that second moments do not cancel. What is no
-/// number counts as the mean colour, or it would be everywhere in the means.
+/// The photo in the window, relative to its mean colour so that second moments do not cancel. Non-finite values become
+/// the mean colour; otherwise they would spread through all local means.
 std::vector<std::array<float, 3>> colours_of(const Window& win, const ImageF& photo) {
   std::vector<std::array<float, 3>> colour(win.pixels());
   double sum[3] = {0, 0, 0}, count[3] = {0, 0, 0};
@@ -184,10 +184,10 @@ std::vector<std::array<float, 3>> colours_of(const Window& win, const ImageF& ph
   return colour;
 }
 
-/// The pixels of the window that the random walks ask about; what lies further from the contour has no part in it.
+/// The pixels of the window that the random walks use. Pixels farther from the contour are in no set.
 struct Sides {
-  std::vector<std::uint8_t> inside, outside;  // known, and their colours learned from
-  std::vector<std::uint8_t> free;             // in the band
+  std::vector<std::uint8_t> inside, outside;  // side known; colours are learned from these pixels
+  std::vector<std::uint8_t> free;             // in the band: side unknown
   explicit Sides(std::size_t pixels) : inside(pixels), outside(pixels), free(pixels) {}
   bool any(std::size_t p) const { return inside[p] || outside[p] || free[p]; }
 };
@@ -206,7 +206,7 @@ std::array<float, 3> smoothed(const Window& win, const std::vector<std::array<fl
   return out;
 }
 
-/// The colours where they are asked for, smoothed: single pixels of a photo are noisy.
+/// Smooths the colours of the pixels in `sides`: single pixels of a photo are noisy.
 std::vector<std::array<float, 3>> smoothed(const Window& win, const std::vector<std::array<float, 3>>& in,
                                            const Sides& sides) {
   std::vector<std::array<float, 3>> out(in.size());
@@ -222,7 +222,7 @@ double squared_difference(const std::array<float, 3>& a, const std::array<float,
   return sum;
 }
 
-/// Of the pairs side by side and one above the other.
+/// Mean squared colour difference of horizontal and vertical neighbours.
 double mean_squared_step(const Window& win, const std::vector<std::array<float, 3>>& colour) {
   double sum = 0, pairs = 0;
   for (int y = 0; y < win.h; ++y)
@@ -238,19 +238,18 @@ struct ColourModels {
   const std::vector<std::array<float, 3>>& colour;
 };
 
-/// What the colours say, and how far they are to be trusted.
+/// Object probability by colour, and its reliability.
 struct ColourEvidence {
-  std::vector<float> object;  // probability of the object; 0.5 where no colour was learnt, or nobody asks
-  std::vector<float> trust;   // 0 to 1
+  std::vector<float> object;  // probability of the object; 0.5 where no colour was learned, and outside `sides`
+  std::vector<float> trust;   // r, 0 to 1
 };
 
-/// Trust is what the same two densities say about the pixels on either side whose answer is known: the mean
-/// of ±(2 c - 1) near by. A texture that both sides share, or two colours on one side, tell nothing or
-/// mislead, and the densities cannot know.
+/// Trust is how well the two densities classify the nearby pixels whose side is known: the local mean of ±(2 c - 1). A
+/// texture on both sides, or two colours on one side, make c useless or wrong, which the densities alone do not show.
 ColourEvidence weigh_colours(const Window& win, const ColourModels& models, const Sides& sides, int r) {
   ColourEvidence out{std::vector<float>(win.pixels(), 0.5f), std::vector<float>(win.pixels())};
-  LocalMeans<2> said(win, r);  // right or wrong, and 1, of the known pixels
-  std::vector<std::uint8_t> learnt(win.pixels());
+  LocalMeans<2> agreement(win, r);  // of the known pixels: ±(2 c - 1), and 1
+  std::vector<std::uint8_t> learned(win.pixels());
   for (int y = 0; y < win.h; ++y)
     for (int x = 0; x < win.w; ++x) {
       const std::size_t p = win.at(x, y);
@@ -258,22 +257,22 @@ ColourEvidence weigh_colours(const Window& win, const ColourModels& models, cons
       if (!sides.any(p)) continue;
       if (!models.object.density(x, y, models.colour[p], in) || !models.rest.density(x, y, models.colour[p], ex))
         continue;
-      learnt[p] = 1, out.object[p] = float(in / (in + ex));
+      learned[p] = 1, out.object[p] = float(in / (in + ex));
       if (!sides.inside[p] && !sides.outside[p]) continue;
-      said.at(x, y)[0] += (sides.inside[p] ? 1.f : -1.f) * (2 * out.object[p] - 1), said.at(x, y)[1] += 1;
+      agreement.at(x, y)[0] += (sides.inside[p] ? 1.f : -1.f) * (2 * out.object[p] - 1), agreement.at(x, y)[1] += 1;
     }
-  said.blur();
+  agreement.blur();
   for (int y = 0; y < win.h; ++y)
     for (int x = 0; x < win.w; ++x) {
       const std::size_t p = win.at(x, y);
-      const float* near = said.at(x, y);
-      if (learnt[p] && sides.free[p] && near[1] > float(kLeastSupport))
+      const float* near = agreement.at(x, y);
+      if (learned[p] && sides.free[p] && near[1] > float(kLeastSupport))
         out.trust[p] = std::clamp(near[0] / near[1], 0.f, 1.f);
     }
   return out;
 }
 
-/// The linear system of the random walks: which pixels are free, and what pulls at each.
+/// The linear system of the random walks.
 struct WalkSystem {
   Window win;
   std::vector<float> given;         // the mask, 0 or 1
@@ -283,17 +282,17 @@ struct WalkSystem {
 
 using WalkMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
-/// Edge weights of one walk between neighbours of these colours.
+/// Edge weights between neighbouring pixels.
 struct EdgeWeights {
   const std::vector<std::array<float, 3>>& colour;
-  double mean_square;  // of the difference of neighbours
+  double mean_square;  // mean of the squared difference of neighbours
   double operator()(std::size_t p, std::size_t q, bool diagonal) const {
-    const double apart_px = diagonal ? std::numbers::sqrt2 : 1;
-    return (std::exp(-squared_difference(colour[p], colour[q]) / mean_square) + kLeastWeight) / apart_px;
+    const double distance_px = diagonal ? std::numbers::sqrt2 : 1;
+    return (std::exp(-squared_difference(colour[p], colour[q]) / mean_square) + kLeastWeight) / distance_px;
   }
 };
 
-/// The row of pixel (x, y), in the order of its columns: as the matrix is stored.
+/// Adds the row of pixel (x, y), in the storage order of the matrix: by column.
 void add_row(WalkSystem& system, const EdgeWeights& weight, int x, int y, WalkMatrix& matrix) {
   const Window& win = system.win;
   const std::size_t p = win.at(x, y);
@@ -323,7 +322,7 @@ std::vector<double> solve(WalkSystem& system, const std::vector<std::array<float
   const EdgeWeights weight{colour, std::max(mean_squared_step(win, colour), 1e-12)};
   const int n = int(system.diagonal.size());
   WalkMatrix matrix(n, n);
-  matrix.reserve(std::ptrdiff_t(n) * 9);  // so that entries stay where they are
+  matrix.reserve(std::ptrdiff_t(n) * 9);  // so that entries are never moved
   for (int y = 0; y < win.h; ++y)
     for (int x = 0; x < win.w; ++x)
       if (system.index[win.at(x, y)] >= 0) add_row(system, weight, x, y, matrix);
@@ -339,7 +338,7 @@ std::vector<double> solve(WalkSystem& system, const std::vector<std::array<float
 
 std::vector<float> refine_contour(const ContourRefineOptions& options, MaskPlane mask, const ImageF& photo) {
   NGS_CHECK(photo.width_px == mask.width_px && photo.height_px == mask.height_px && photo.channels == 3,
-            "the photo has the mask's size");
+            "refine_contour: the photo must be RGB in the size of the mask");
   std::vector<float> out(std::size_t(mask.pixels()));
   for (std::size_t p = 0; p < out.size(); ++p) out[p] = mask.data[p] ? 1.f : 0.f;
   const std::vector<float> distance = signed_distance(mask);
@@ -368,9 +367,9 @@ std::vector<float> refine_contour(const ContourRefineOptions& options, MaskPlane
   for (std::size_t p = 0; p < win.pixels(); ++p) {
     if (!sides.free[p]) continue;
     system.index[p] = int(system.diagonal.size());
-    const double trust = double(evidence.trust[p]), doubt = 1 - trust;
+    const double trust = double(evidence.trust[p]), ambiguity = 1 - trust;
     const double colour_weight = options.colour_weight * trust,
-                 shape_weight = options.shape_weight + options.ambiguity_weight * doubt * doubt;
+                 shape_weight = options.shape_weight + options.ambiguity_weight * ambiguity * ambiguity;
     system.diagonal.push_back(shape_weight + colour_weight);
     system.right.push_back(shape_weight * sigmoid(double(d[p]) / kShapeWidth_px) +
                            colour_weight * double(evidence.object[p]));

@@ -14,7 +14,7 @@ constexpr int kMostSamples = 1 << 15;   // per side; more do not change a mixtur
 
 using Colours = std::vector<std::array<std::uint8_t, 3>>;
 
-/// The part of the image that may change, with a margin.
+/// The part of the image that can change, with a margin.
 cv::Rect region_of_interest(const ViewPrompt& prompt, int margin_px) {
   int left = prompt.width_px, right = -1, top = prompt.height_px, bottom = -1;
   for (int y = 0; y < prompt.height_px; ++y)
@@ -35,7 +35,7 @@ struct Source {
   cv::Rect region;
 };
 
-/// Pixels of one side for its mixture: the certain ones, and where they are too few the likely ones too.
+/// Sample colours of one side for its mixture: the certain pixels; if they are too few, the likely ones too.
 Colours samples_of(const Source& from, bool object, std::size_t most) {
   Colours samples;
   for (const bool likely_too : {false, true}) {
@@ -54,7 +54,8 @@ Colours samples_of(const Source& from, bool object, std::size_t most) {
   return fewer;
 }
 
-/// Cuts run side by side, each on one thread; the setting is the process's, and must not be made while another runs.
+/// Cuts run in parallel, each on one thread. The setting of OpenCV is global and must not change while a cut runs, so
+/// it is made once.
 void one_thread() {
   static const bool set = (cv::setNumThreads(1), true);
   (void)set;
@@ -97,8 +98,8 @@ PixelMask cut_in(const Source& from, const GrabCutOptions& options, const SideCo
 
   one_thread();
   cv::theRNG().state = 0x9e3779b97f4a7c15ull ^ options.seed;
-  const cv::Mat whole(photo.height_px, photo.width_px, CV_8UC3, const_cast<std::uint8_t*>(photo.data.data()));
-  const cv::Mat colours = whole(region).clone();
+  const cv::Mat full(photo.height_px, photo.width_px, CV_8UC3, const_cast<std::uint8_t*>(photo.data.data()));
+  const cv::Mat colours = full(region).clone();
   cv::Mat hints(region.size(), CV_8UC1);
   const auto index = [&](int x, int y) {
     return std::size_t(y + region.y) * std::size_t(photo.width_px) + std::size_t(x + region.x);

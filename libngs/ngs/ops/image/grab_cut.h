@@ -1,7 +1,7 @@
 #pragma once
-// GrabCut (Rother, Kolmogorov, Blake 2004) by OpenCV: a colour mixture per side and a minimum cut, within
-// hints. The colours of both sides are learnt from the certain pixels before the first cut, so that what is
-// only likely cannot spoil them. One thread and a fixed seed: the same bytes everywhere.
+// GrabCut (Rother, Kolmogorov, Blake 2004) of OpenCV: a colour mixture per side and a minimum cut, with hints per
+// pixel. The colours of both sides are learned from certain pixels before the first cut, so likely pixels cannot
+// distort them. One thread and a fixed seed: the same bytes everywhere.
 #include <array>
 
 #include "ngs/scene/view_prompt.h"
@@ -9,24 +9,25 @@
 namespace ngs {
 
 struct GrabCutOptions {
-  int iterations = 3;  // cuts; after the first the colours are learnt again from its result
-  int margin_px = 40;  // only this much around the pixels that are not certain background is looked at
+  int iterations = 3;  // number of cuts; each after the first learns the colours from the previous result
+  int margin_px = 40;  // margin of the processed region around all pixels that are not certain background
   std::uint64_t seed = 0;
 };
 
-/// `photo` RGB of the prompt's size. Certain pixels keep their side. Where one side has fewer than 5 pixels
-/// of any kind there is nothing to learn from: the likely sides come back as they are.
+/// `photo` RGB of the prompt's size. Certain pixels keep their side. If one side has fewer than 5 pixels in all, no
+/// colours can be learned: likely pixels keep their side too.
 PixelMask grab_cut(const ImageU8& photo, const ViewPrompt& prompt, const GrabCutOptions& options);
 
-/// Colours that are known to be of one side or the other.
+/// Sample colours of both sides.
 struct SideColours {
   std::vector<std::array<std::uint8_t, 3>> object, background;  // RGB
 };
 
-/// Of the certain pixels, or of all of a side that has fewer than 5 of these; at most `most` per side, evenly chosen.
+/// Colours of the certain pixels; of all pixels of a side that has fewer than 5 certain ones. At most `most` per side,
+/// evenly sampled.
 SideColours side_colours(const ImageU8& photo, const ViewPrompt& prompt, int most);
 
-/// The same cut, begun with these colours: those of the large picture for a small one of it.
+/// The same cut, starting with these colours, for example those of the full-size image for a downscaled one.
 PixelMask grab_cut(const ImageU8& photo, const ViewPrompt& prompt, const GrabCutOptions& options,
                    const SideColours& colours);
 

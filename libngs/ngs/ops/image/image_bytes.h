@@ -1,5 +1,5 @@
 #pragma once
-// Pictures in [0, 1] as bytes.
+// Images in [0, 1] as bytes.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace ngs {
 
-/// Rounded to the nearest; what lies outside of [0, 1] is clamped. No NaN.
+/// Rounded to nearest; values outside [0, 1] are clamped. Values must not be NaN.
 inline ImageU8 to_bytes(const ImageF& image) {
   ImageU8 bytes(image.width_px, image.height_px, image.channels);
   for (std::size_t i = 0; i < bytes.data.size(); ++i)

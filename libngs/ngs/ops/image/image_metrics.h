@@ -1,12 +1,12 @@
 #pragma once
-// How alike two images are. Values in [0, 1], any number of channels; sizes must agree.
+// Similarity of two images. Values in [0, 1], any number of channels; sizes must agree.
 #include "ngs/backend/exec.h"
 #include "ngs/scene/views.h"
 
 namespace ngs {
 
 /// Mean squared difference over pixels and channels, summed in double by rows. `weight` ([H, W, 1]) may be null;
-/// NaN if nothing counts.
+/// NaN if all weights are 0.
 double mean_squared_error(const Exec& exec, const ImageF& a, const ImageF& b, const ImageF* weight = nullptr);
 
 /// -10 log10(MSE), dB; infinite for equal images.

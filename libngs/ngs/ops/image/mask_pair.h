@@ -1,5 +1,5 @@
 #pragma once
-// A rendered mask beside the view's own: what every measure of their agreement starts from.
+// A pair of a rendered mask and the given mask of the same view, for measures of their agreement.
 #include <algorithm>
 #include <vector>
 
@@ -9,75 +9,75 @@
 
 namespace ngs {
 
-/// 0/1 plane of what a mask gives to its object.
+/// 0/1 plane of the foreground of a mask.
 inline std::vector<std::uint8_t> object_pixels(const std::vector<float>& target) {
   std::vector<std::uint8_t> plane(target.size());
-  for (std::size_t p = 0; p < plane.size(); ++p) plane[p] = mask_says_object(target[p]);
+  for (std::size_t p = 0; p < plane.size(); ++p) plane[p] = mask_is_foreground(target[p]);
   return plane;
 }
 
-/// Pixels [x0, x1) x [y0, y1).
-struct ShownBox {
+/// A bounding box of pixels [x0, x1) x [y0, y1).
+struct ForegroundBox {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 
   bool empty() const { return x0 >= x1; }
-  void add(int x, int y) { *this = empty() ? ShownBox{x, y, x + 1, y + 1} : joined({x, y, x + 1, y + 1}); }
-  void add(const ShownBox& other) {
+  void add(int x, int y) { *this = empty() ? ForegroundBox{x, y, x + 1, y + 1} : joined({x, y, x + 1, y + 1}); }
+  void add(const ForegroundBox& other) {
     if (!other.empty()) *this = empty() ? other : joined(other);
   }
 
  private:
-  ShownBox joined(const ShownBox& o) const {
+  ForegroundBox joined(const ForegroundBox& o) const {
     return {std::min(x0, o.x0), std::min(y0, o.y0), std::max(x1, o.x1), std::max(y1, o.y1)};
   }
 };
 
-/// Where `label` [H, W, K] shows each object; one sweep, in the order of memory, however many there are.
-inline std::vector<ShownBox> boxes_shown(const ImageF& label) {
+/// The foreground box of each object in `label` [H, W, K], in one pass for all objects.
+inline std::vector<ForegroundBox> foreground_boxes(const ImageF& label) {
   const auto objects = std::size_t(label.channels);
-  std::vector<ShownBox> boxes(objects);
+  std::vector<ForegroundBox> boxes(objects);
   for (int y = 0; y < label.height_px; ++y)
     for (int x = 0; x < label.width_px; ++x) {
       const float* at = &label.data[label.index(x, y)];
       for (std::size_t k = 0; k < objects; ++k)
-        if (label_says_object(at[k])) boxes[k].add(x, y);
+        if (label_is_foreground(at[k])) boxes[k].add(x, y);
     }
   return boxes;
 }
 
-/// Where a plane [h, w] is above 0.
-inline ShownBox box_shown(const std::vector<float>& plane, int w, int h) {
-  ShownBox box;
+/// The box of the pixels above 0 in a plane [h, w].
+inline ForegroundBox foreground_box(const std::vector<float>& plane, int w, int h) {
+  ForegroundBox box;
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x)
       if (plane[std::size_t(y) * std::size_t(w) + std::size_t(x)] > 0.f) box.add(x, y);
   return box;
 }
 
-/// 0/1 planes of one object in the part of a view where either shows it; pixels of unknown mask are 0 in both.
+/// 0/1 planes of one object, cropped to the box in which either mask contains it. Pixels of unknown mask are 0 in both.
 struct MaskPair {
-  ShownBox at;
+  ForegroundBox at;
   int view_width_px, view_height_px;
   std::vector<std::uint8_t> rendered, own;
 
-  /// `label` [H, W, K] as rendered: object k where label_says_object(), all of which is in `shown`.
-  MaskPair(const ImageF& label, const ViewMasks& masks, std::size_t k, const ShownBox& shown)
+  /// `label` [H, W, K]: the rendered labels. `shown`: a box of all pixels where object k is label_is_foreground().
+  MaskPair(const ImageF& label, const ViewMasks& masks, std::size_t k, const ForegroundBox& shown)
       : at(shown), view_width_px(masks.width_px), view_height_px(masks.height_px) {
     const std::vector<float>& target = masks.target[k];
     for (int y = 0; y < view_height_px; ++y)
       for (int x = 0; x < view_width_px; ++x)
-        if (mask_says_object(target[pixel(x, y)])) at.add(x, y);
+        if (mask_is_foreground(target[pixel(x, y)])) at.add(x, y);
     rendered.reserve(std::size_t(width_px()) * std::size_t(height_px())), own.reserve(rendered.capacity());
     for (int y = at.y0; y < at.y1; ++y)
       for (int x = at.x0; x < at.x1; ++x) {
         const std::size_t p = pixel(x, y);
         const bool known = masks.known.empty() || masks.known[p];
-        rendered.push_back(known && label_says_object(label.data[label.index(x, y, int(k))]));
-        own.push_back(known && mask_says_object(target[p]));
+        rendered.push_back(known && label_is_foreground(label.data[label.index(x, y, int(k))]));
+        own.push_back(known && mask_is_foreground(target[p]));
       }
   }
 
-  /// But for the pixels that neither shows.
+  /// Counts within the box: true negatives outside it are missing.
   Confusion counts(const Exec& exec) const { return confusion(exec, plane(rendered), plane(own)); }
   /// Boundary IoU, band 2 % of the view's diagonal.
   double biou(const Exec& exec) const {

@@ -110,7 +110,7 @@ Matched match(const std::vector<std::uint8_t>& contour, const std::vector<std::i
   return count;
 }
 
-/// The truth, in void pixels the prediction.
+/// The truth, with the prediction in void pixels.
 std::vector<std::uint8_t> closest_truth(MaskPlane predicted, MaskPlane truth, MaskPlane is_void) {
   std::vector<std::uint8_t> closest(truth.data, truth.data + truth.pixels());
   for (std::size_t i = 0; i < closest.size(); ++i)
@@ -232,7 +232,7 @@ double contour_f(MaskPlane predicted, MaskPlane truth, int tolerance_px, MaskPla
   const std::vector<std::uint8_t> p = contour_of(predicted), t = contour_of(truth);
   const Matched precision = match(without_void(p, is_void), column_distance(t, w, h), w, tolerance_px);
   const Matched recall = match(without_void(t, is_void), column_distance(p, w, h), w, tolerance_px);
-  // A mask without any contour matches nothing of the other's, so that a share of nothing may count as 1.
+  // A mask without a contour matches no contour pixel of the other mask, so its own empty share may be 1.
   const double share_p = ratio_or(precision.matched, precision.total, 1.0);
   const double share_r = ratio_or(recall.matched, recall.total, 1.0);
   return share_p + share_r == 0 ? 0.0 : 2 * share_p * share_r / (share_p + share_r);

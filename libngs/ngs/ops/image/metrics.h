@@ -1,28 +1,29 @@
 #pragma once
-// How well a predicted mask agrees with the true one: counts in, ratios out. Planes are row-major [H·W]
-// bytes, nonzero = object; both planes of a pair have the same size. Counts are exact integers, so a score
-// depends on nothing but the pixels.
+// Agreement of a predicted mask with the true one: counts in, ratios out. Planes are row-major [H·W] bytes, nonzero =
+// object; both planes of a pair have the same size. Counts are exact integers, so a score depends on the pixels alone.
 //
-//   IoU            TP / (TP + FP + FN)
-//   accuracy       (TP + TN) / all                       the papers' "Acc": background counts
-//   class accuracy mean over the classes present in the truth of their recall
-//   boundary IoU   |P_d ∩ G_d| / |P_d ∪ G_d|             Cheng et al., CVPR 2021
-//                  X_d = pixels of X whose chessboard distance to the complement is <= d; outside the image
-//                  counts as complement. The same set as X minus X eroded d times by a 3x3 square.
-//   contour F      2PR / (P + R), P = share of the prediction's contour pixels with a contour pixel of the
-//   truth
-//                  within r (Euclidean), R the same the other way round. Contour = object pixels with a
-//                  4-neighbour inside the image that is not object, so the frame is never a contour.
-//                  r = ceil(0.008 · diagonal) as in DAVIS (Perazzi et al., CVPR 2016).
+// clang-format off
+//   IoU             TP / (TP + FP + FN)
+//   accuracy        (TP + TN) / all                     the papers' "Acc": background counts
+//   class accuracy  mean recall over the classes that occur in the truth
+//   boundary IoU    |P_d ∩ G_d| / |P_d ∪ G_d|           Cheng et al., CVPR 2021
+//                   X_d: pixels of X whose chessboard distance to the complement is <= d; outside the image counts as
+//                   complement. The same set as X minus X eroded d times by a 3x3 square.
+//   contour F       2PR / (P + R)
+//                   P: share of the prediction's contour pixels with a contour pixel of the truth within r (Euclidean).
+//                   R: the same with truth and prediction exchanged.
+//                   Contour: object pixels with a 4-neighbour inside the image that is not object. The image frame is
+//                   therefore never a contour.
+//                   r = ceil(0.008 · diagonal), as in DAVIS (Perazzi et al., CVPR 2016)
+// clang-format on
 //
-// Degenerate pairs have a defined answer and are flagged: both masks empty -> every score 1; exactly one
-// empty
-// -> IoU, boundary IoU and contour F 0.
+// Degenerate pairs have defined scores and are flagged. Both masks empty: every score is 1. Exactly one empty: IoU,
+// boundary IoU and contour F are 0.
 //
-// Void pixels, of which the truth says nothing (PASCAL VOC's 255), are counted nowhere: not in TP to TN, not in a
-// band, not as a pixel of a contour. Where a contour runs they do not tell either: there the truth is taken to be
-// what the prediction is, so that neither mask has an edge along a void that the prediction does not have
-// (PAPER.md 5.15). Empty then means: without a pixel that is not void.
+// Void pixels have no true label (PASCAL VOC's 255). They are counted nowhere: not in TP to TN, in no band, as no pixel
+// of a contour. Before contours are extracted, the truth gets the predicted label in void pixels. Neither mask then has
+// an edge along a void that the prediction does not have (PAPER.md 5.15). A mask is empty if it contains no pixel that
+// is not void.
 #include <array>
 #include <cstdint>
 #include <string_view>
@@ -32,7 +33,7 @@
 
 namespace ngs {
 
-/// A mask that somebody else owns.
+/// A non-owning view of a mask.
 struct MaskPlane {
   const std::uint8_t* data = nullptr;  // [H·W] nonzero = object
   int width_px = 0, height_px = 0;
@@ -46,7 +47,7 @@ struct Confusion {
   bool one_empty() const { return !both_empty() && (tp + fp == 0 || tp + fn == 0); }
 };
 
-/// Throws std::logic_error where the sizes differ.
+/// Throws std::logic_error if the sizes differ.
 Confusion confusion(const Exec& exec, MaskPlane predicted, MaskPlane truth);
 
 double iou(const Confusion& counts);
@@ -56,7 +57,7 @@ double class_accuracy(const Confusion& counts);
 enum class Outside : std::uint8_t { kComplement, kUnknown };
 
 /// Chessboard distance of every object pixel to the nearest pixel that is not object; 0 outside the object.
-/// Two raster passes. A pixel that nothing bounds (Outside::kUnknown and no complement) gets kUnbounded.
+/// Two raster passes. With Outside::kUnknown and no pixel outside the object, the distance is kUnbounded.
 inline constexpr std::int32_t kUnbounded = 1 << 30;
 std::vector<std::int32_t> chessboard_distance(MaskPlane mask, Outside outside = Outside::kComplement);
 
@@ -68,11 +69,11 @@ int band_width_px(double ratio, int width_px, int height_px);
 double boundary_iou(const Exec& exec, const std::vector<std::int32_t>& predicted_distance,
                     const std::vector<std::int32_t>& truth_distance, int width_px, int band_px);
 
-/// Contour F-score at a tolerance in px. No contour on either side -> 1, on exactly one side -> 0. Pixels of
-/// `is_void` (no data: none) are matched with, not counted.
+/// Contour F-score at a tolerance in px. 1 if neither mask has a contour, 0 if exactly one has. Contour pixels in
+/// `is_void` (no data: none) can be matched, but are not counted.
 double contour_f(MaskPlane predicted, MaskPlane truth, int tolerance_px, MaskPlane is_void = {});
 
-/// Everything reported for one pair. kScoreNames and `score` list them in one order.
+/// All scores of one pair. score_values() lists them in the order of kScoreNames.
 struct MaskScores {
   Confusion counts;
   double iou = 0, accuracy = 0, class_accuracy = 0;
@@ -80,7 +81,7 @@ struct MaskScores {
   double biou_005 = 0;  // 0.005 of the diagonal
   double biou_1px = 0, biou_3px = 0, biou_5px = 0;
   double contour_f = 0;  // DAVIS tolerance
-  // Where the wrong pixels are: far = farther from the truth's contour than the 0.02 band (chessboard). Far
+  // Wrong pixels farther from the truth's contour than the 0.02 band (chessboard distance). Far
   // false positives are leaks and floaters, far false negatives lost parts; the rest is contour error.
   std::uint64_t far_fp = 0, far_fn = 0;
   std::uint64_t void_px = 0;
@@ -97,7 +98,7 @@ MaskScores score_mask(const Exec& exec, MaskPlane predicted, MaskPlane truth, do
                       MaskPlane is_void = {});
 
 /// The nearest-neighbour resize of the official evaluators (Pillow's NEAREST): the destination pixel's centre
-/// is mapped into the source. Integer arithmetic, so every machine takes the same pixel.
+/// is mapped into the source. Integer arithmetic, so every machine selects the same pixel.
 template <class T>
 std::vector<T> resized_nearest(const T* source, int source_width, int source_height, int width_px, int height_px) {
   std::vector<T> out;

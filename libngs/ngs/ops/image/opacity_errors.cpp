@@ -13,7 +13,7 @@ std::vector<std::uint8_t> inverted(MaskPlane mask) {
   return out;
 }
 
-/// [H, W] to the nearest pixel of the mask; 0 in it.
+/// Distance [H, W] to the nearest pixel of the mask; 0 inside.
 std::vector<std::int32_t> distance_to(MaskPlane mask) {
   const std::vector<std::uint8_t> others = inverted(mask);
   return chessboard_distance({others.data(), mask.width_px, mask.height_px}, Outside::kUnknown);

@@ -10,7 +10,7 @@ constexpr std::array<int, 4> kStepX = {1, 0, -1, 0}, kStepY = {0, 1, 0, -1};
 
 struct ContourTracer {
   MaskPlane mask;
-  std::vector<std::uint8_t>& seen;  // [H·W] the top edge of this pixel was refined
+  std::vector<std::uint8_t>& seen;  // [H·W] 1: the top edge of this pixel was traced
 
   bool object(int x, int y) const {
     return x >= 0 && y >= 0 && x < mask.width_px && y < mask.height_px &&

@@ -1,6 +1,5 @@
 #pragma once
-// Compact weights of one tile, what they are made from, and what is evaluated on them. Internal to ops
-// (label_system.cpp).
+// Compact weights of one tile, with the types of their inputs and results. Internal to ops (label_system.cpp).
 #include <vector>
 
 #include "ngs/math/lanes.h"
@@ -12,24 +11,24 @@ namespace ngs {
 using LabelPack = PackF;
 inline constexpr int kLabelPacks = kPacksPerTile<LabelPack>;
 
-/// Targets of 8 pixels and what the folded Gaussians contribute to them.
+/// Targets of 8 pixels, and the contribution of the folded Gaussians to their predictions.
 struct PixelPack {
   LabelPack inside, outside;         // a, b
   LabelPack foreground, background;  // Σ_folded w m;  T + Σ_folded w (1 - m)
 };
 
-/// The columns of one tile nearest first, and their weights pack by pack, so that the sums of a pack's pixels stay in
-/// registers and a weight comes from memory once per evaluation.
+/// The columns of one tile, nearest first, and their weights pack by pack. The sums of a pack's pixels then stay in
+/// registers, and each weight is loaded once per evaluation.
 struct LabelBlock {
   struct Entry {
     std::uint32_t column, slot;
   };
   std::vector<Entry> entry;
   std::vector<PixelPack> pixel;    // reached by at least one column
-  std::vector<std::uint32_t> end;  // [pixel] of the pack's contributions, which begin where those of the last one end
+  std::vector<std::uint32_t> end;  // [pixel] end of its contributions, which begin at the end of the previous pack
   // Contributions. Each has a place, 2 · entry + band: an entry has one sum for columns 0 to 7 of the tile and one for
-  // the others. Within a pack places ascend from 0 by these steps; where one byte does not reach, weights of 0 stand
-  // between.
+  // columns 8 to 15. Within a pack, places ascend from 0 by these steps. Steps that exceed one byte are split by
+  // weights of 0.
   std::vector<std::uint8_t> step;
   std::vector<LabelPack> weight;
   std::vector<HalfPack> half;  // the same in half precision, instead of `weight`
@@ -44,12 +43,12 @@ struct LabelBlock {
   }
 };
 
-/// What the columns stand at: m and 1 - m as floats, each with its own relative accuracy.
+/// The labels of the columns: m and 1 - m as floats, each with its own relative accuracy.
 struct ColumnValues {
   const float *m, *rest;
 };
 
-/// Sums over a slot: P and Q of one (column, tile) pair.
+/// Sums of a slot: P and Q of one (column, tile) pair.
 struct SlotSums {
   float inside, outside;
 };
@@ -59,8 +58,8 @@ struct TargetPlanes {
   const float *inside, *outside;
 };
 
-/// A tile's contributions by `record` of packs of `lanes` pixels. Who traverses it overwrites alphas with weights:
-/// once.
+/// The contributions of a tile, recorded in packs of `lanes` pixels. FactorSink replaces alphas by weights, so it may
+/// traverse a tile only once.
 struct RecordedTile {
   TileWork<float> work;
   Tape<float>& tape;

@@ -9,7 +9,7 @@ using namespace label;
 
 constexpr std::uint32_t kLongestStep = 255;  // of places, in one byte
 
-/// Puts contributions behind those that the last pack of a block has so far.
+/// Appends contributions to the last pack of a block.
 class PackWriter {
  public:
   PackWriter(LabelBlock& block, bool half, std::size_t packs, std::size_t contributions) : block_(block), half_(half) {
@@ -38,7 +38,7 @@ class PackWriter {
   std::uint32_t last_ = 0;
 };
 
-/// The contributions of a tile's columns in the order of the traversal; one per thread, grows and is kept.
+/// The contributions of a tile's columns in the order of the traversal. One per thread; its memory grows and is reused.
 struct Contributions {
   struct Part {
     std::uint32_t place, pack;
@@ -140,9 +140,9 @@ LabelBlock collect_block(const RecordedTile& tile, LabelPlaces places, TargetPla
 namespace {
 
 template <class Weight>
-void fold_and_keep(const LabelBlock& block, const Weight* weight, const std::int32_t* new_column, ColumnValues at,
-                   LabelBlock& out) {
-  std::vector<std::uint32_t> place(block.entry.size(), 0);  // of the kept ones
+void fold_columns(const LabelBlock& block, const Weight* weight, const std::int32_t* new_column, ColumnValues at,
+                  LabelBlock& out) {
+  std::vector<std::uint32_t> place(block.entry.size(), 0);  // of the remaining columns
   for (std::size_t e = 0; e < block.entry.size(); ++e) {
     const std::int32_t column = new_column[block.entry[e].column];
     if (column < 0) continue;
@@ -154,7 +154,7 @@ void fold_and_keep(const LabelBlock& block, const Weight* weight, const std::int
   std::size_t begin = 0;
   for (std::size_t k = 0; k < block.pixel.size(); ++k) {
     PixelPack pixel = block.pixel[k];
-    const std::size_t kept = out.step.size();
+    const std::size_t size_before = out.step.size();
     for_each_place(block, begin, block.end[k], [&](std::size_t from, std::size_t i) {
       const std::uint32_t column = block.entry[from / kBands].column;
       const L w = wide(weight[i]);
@@ -164,7 +164,7 @@ void fold_and_keep(const LabelBlock& block, const Weight* weight, const std::int
       pixel.foreground = fma_lanes(w, L(at.m[column]), pixel.foreground);
       pixel.background = fma_lanes(w, L(at.rest[column]), pixel.background);
     });
-    if (out.step.size() > kept)
+    if (out.step.size() > size_before)
       writer.end_pack(pixel);
     else
       constant.add(pixel, out.binary);
@@ -179,8 +179,8 @@ void fold_and_keep(const LabelBlock& block, const Weight* weight, const std::int
 LabelBlock reduced_block(const LabelBlock& block, const std::int32_t* new_column, ColumnValues at) {
   LabelBlock out;
   out.binary = block.binary;
-  block.half.empty() ? fold_and_keep(block, block.weight.data(), new_column, at, out)
-                     : fold_and_keep(block, block.half.data(), new_column, at, out);
+  block.half.empty() ? fold_columns(block, block.weight.data(), new_column, at, out)
+                     : fold_columns(block, block.half.data(), new_column, at, out);
   return out;
 }
 

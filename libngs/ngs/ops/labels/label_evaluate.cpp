@@ -7,7 +7,7 @@ namespace {
 
 using namespace label;
 
-constexpr std::size_t kAhead = 64;  // contributions: what a sum asks memory for before it needs it
+constexpr std::size_t kAhead = 64;  // prefetch distance, in contributions
 
 /// Both factors of the pixels of a pack, q and c, then a / q and b / c.
 struct WeightedFactors {
@@ -37,7 +37,7 @@ struct BinaryFactors {
   }
 };
 
-/// What the entries of a block stand at, and their sums per band; one per thread, grows and is kept.
+/// The labels of the entries of a block, and their sums per band. One per thread; its memory grows and is reused.
 struct EntrySums {
   std::vector<float> m, rest;      // [entries]
   std::vector<L> inside, outside;  // [entries, bands]
@@ -69,13 +69,13 @@ double evaluate_with(const LabelBlock& block, const Weight* weight, ColumnValues
       f.add(wide(weight[i]), L(m[place / kBands]), L(rest[place / kBands]));
     });
     f.divide(block.pixel[k], loss);
-    const auto add_to = [&](L* sum, L factor) {
+    const auto accumulate = [&](L* sum, L factor) {
       if (!any(factor > L(0.f))) return;  // most packs lie on one side of the mask
       for_each_place(block, begin, end, [&](std::size_t place, std::size_t i) {
         sum[place] = fma_lanes(wide(weight[i]), factor, sum[place]);
       });
     };
-    add_to(sums.inside.data(), f.q), add_to(sums.outside.data(), f.c);
+    accumulate(sums.inside.data(), f.q), accumulate(sums.outside.data(), f.c);
     begin = end;
   }
   for (std::size_t e = 0; e < block.entry.size(); ++e) slots[block.entry[e].slot] = sums.value(e);
@@ -97,7 +97,7 @@ double evaluate_block(const LabelBlock& block, ColumnValues at, SlotSums* slots)
 
 namespace {
 
-/// The weight of a contribution, kept where its alpha was.
+/// Replaces the alpha of a contribution by its weight, and returns the weight.
 L weight_in_place(float* lane, int lanes) {
   L alpha, before;
   load_lanes(lane, alpha), load_lanes(lane + lanes, before);

@@ -1,10 +1,10 @@
 #pragma once
-// Losses of labels and the sums that their gradients are made of, tile by tile. Internal to ops (label_system.cpp).
+// Losses of labels and the sums of their gradients, tile by tile. Internal to ops (label_system.cpp).
 #include "ngs/ops/labels/label_block.h"
 
 namespace ngs {
 
-/// The block's part of Σ a ln q + b ln c, negated; writes its entries' slots.
+/// The block's part of -(Σ a ln q + b ln c). Writes the slots of its entries.
 double evaluate_block(const LabelBlock& block, ColumnValues at, SlotSums* slots);
 
 /// Loss and targets of a tile.
@@ -13,8 +13,8 @@ struct TileLoss {
   double target_sum = 0;  // Σ a + b
 };
 
-/// The sums of all Gaussians of the tile, which stand at `at` [V]; writes their slots. The same sums as those of a
-/// block whose columns are all Gaussians.
+/// The loss of a tile at the labels `at` [V] of the visible Gaussians. Writes the slots of all its Gaussians: the same
+/// sums as of a block in which every Gaussian is a column.
 TileLoss evaluate_tile(const RecordedTile& tile, ColumnValues at, TargetPlanes targets, SlotSums* slots);
 
 }  // namespace ngs

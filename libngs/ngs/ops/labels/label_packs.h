@@ -1,6 +1,6 @@
 #pragma once
-// Packs of pixels, tile targets and the contributions of a tile in order, for the two sides of a label block:
-// label_collect.cpp makes it, label_evaluate.cpp evaluates it.
+// Packs of pixels, tile targets and the traversal of a tile, shared by label_collect.cpp, which builds label blocks,
+// and label_evaluate.cpp, which evaluates them.
 #include <cmath>
 
 #include "ngs/ops/labels/label_block.h"
@@ -10,11 +10,11 @@ namespace ngs::label {
 
 using L = LabelPack;
 inline constexpr std::size_t kTilePacks = std::size_t(kLabelPacks);
-inline constexpr std::uint32_t kBands = kTilePx / L::kLanes;  // of columns that one pack covers; sums are kept per band
+inline constexpr std::uint32_t kBands = kTilePx / L::kLanes;  // of columns, one pack wide; one sum per band
 
 inline L squeezed(L sum) { return fma_lanes(L(float(1 - 2 * kMaskEps)), sum, L(float(kMaskEps))); }
 
-/// -Σ a ln q + b ln c. A logarithm is taken of products of 32 factors, each >= 1e-6: 4 in float, 8 of these in double.
+/// -Σ a ln q + b ln c. Logarithms are taken of products of 32 factors, each >= 1e-6: 4 in float, 8 of these in double.
 class LossSum {
  public:
   LossSum() { std::fill_n(product_, L::kLanes, 1.0); }
@@ -79,7 +79,7 @@ struct TileTargets {
 inline L wide(const L& w) { return w; }
 inline L wide(const HalfPack& w) { return w.wide(); }
 
-/// f(place, contribution) for the contributions [begin, end) of one pack.
+/// Calls f(place, contribution) for the contributions [begin, end) of one pack.
 template <class F>
 [[gnu::always_inline]] inline void for_each_place(const LabelBlock& block, std::size_t begin, std::size_t end, F&& f) {
   const std::uint8_t* step = block.step.data();
@@ -87,9 +87,10 @@ template <class F>
   for (std::size_t i = begin; i < end; ++i) place += step[i], f(place, i);
 }
 
-/// The contributions of a tile in packs of 8 pixels, of each entry first those of band 0 (columns 0 to 7), then the
-/// others: sink.begin(entry), sink.begin_band(band), sink.add(pack, [lanes] of alpha, then of transmittance `lanes`
-/// later), sink.end_band(band), sink.end(). Some have no lane at all: to leave them out costs more than to add zeros.
+/// Passes the contributions of a tile to `sink` in packs of 8 pixels, per entry first those of band 0 (columns 0 to 7),
+/// then those of band 1: sink.begin(entry), sink.begin_band(band), sink.add(pack, [lanes] of alpha, then of
+/// transmittance `lanes` later), sink.end_band(band), sink.end(). Some packs have no active lane: skipping them costs
+/// more than adding zeros.
 template <class Sink>
 void traverse(const RecordedTile& tile, Sink&& sink) {
   const Tape<float>& tape = tile.tape;
@@ -99,9 +100,9 @@ void traverse(const RecordedTile& tile, Sink&& sink) {
     sink.begin(entry);
     for (; k < tape.spans && tape.span[k].entry == entry; ++k) {
       const std::size_t stop = k + 1 < tape.spans ? tape.span[k + 1].begin : tape.size;
-      for (int beside = 0; beside < bands; ++beside) {
-        const std::size_t band = tape.span[k].column * std::size_t(bands) + std::size_t(beside);
-        float* lane = tape.lanes + tape.span[k].begin * std::size_t(2 * tile.lanes) + beside * L::kLanes;
+      for (int side = 0; side < bands; ++side) {
+        const std::size_t band = tape.span[k].column * std::size_t(bands) + std::size_t(side);
+        float* lane = tape.lanes + tape.span[k].begin * std::size_t(2 * tile.lanes) + side * L::kLanes;
         sink.begin_band(band);
         for (std::size_t j = tape.span[k].begin; j < stop; ++j, lane += 2 * tile.lanes)
           sink.add(band * kTilePx + tape.row[j], lane);
@@ -112,7 +113,7 @@ void traverse(const RecordedTile& tile, Sink&& sink) {
   }
 }
 
-/// What is left behind the tile's Gaussians; wider packs hold the columns of two of ours side by side.
+/// The transmittance behind the tile's Gaussians. Wider packs hold the columns of two packs of 8 side by side.
 inline L transmittance_of(const RecordedTile& tile, std::size_t pack) {
   const int column = int(pack) / kTilePx * L::kLanes, row = int(pack) % kTilePx;
   L behind;

@@ -10,17 +10,18 @@
 namespace ngs {
 namespace {
 
-// Working sets. Folded are the labels that kForeseen plain steps with the first gradient take to within kBand of a
-// bound that the gradient holds them to, unless they explain more than kOwnShare of a pixel: such a pixel would change
-// its mind at the bound. Later rounds fold only what stands at a bound exactly. A label lifted off one starts at kLift.
-constexpr int kForeseen = 4;
+// Working sets. The first round folds a label if kPredictedSteps plain steps with the first gradient take it to within
+// kBand of the bound to which the gradient pushes it. Exception: labels that explain more than kOwnShare of a pixel,
+// because at the bound that pixel could reverse the gradient. Later rounds fold only labels exactly at a bound. A label
+// that is lifted off a bound starts at kLift.
+constexpr int kPredictedSteps = 4;
 constexpr double kBand = 0.02, kOwnShare = 0.1, kLift = 0.02;
-constexpr double kRoundingOfLoss = 1e-7;  // relative: what float predictions leave uncertain
-constexpr double kInnerShare = 0.8;       // of the wanted gap, left to a working set
+constexpr double kRoundingOfLoss = 1e-7;  // relative: uncertainty of the loss with float predictions
+constexpr double kInnerShare = 0.8;       // of the requested gap: the target of a working set
 constexpr int kMaxRounds = 50;
-constexpr std::size_t kHistory = 5;  // points that a step is combined from
-// In log-odds. What is combined of a curved path overshoots: labels thrown to a bound that pixels speak against cost
-// more steps than they save.
+constexpr std::size_t kHistory = 5;  // points that a step combines
+// In log-odds. Extrapolation along a curved path overshoots. Labels that are wrongly thrown to a bound cost more steps
+// than they save.
 constexpr double kLongestStep = 2;
 
 double seconds_now() {
@@ -35,13 +36,13 @@ class Solver {
   Solver(const Exec& exec, const LabelProblem& problem, const LabelSolveOptions& options,
          const std::vector<double>& start, const std::vector<std::uint8_t>& movable)
       : exec_(exec), options_(options), begin_(seconds_now()), system_(make_system(problem, start, movable)) {
-    // The full system is never kept: of all weights only those of the working set are needed often.
+    // The full system is never cached: only the weights of the working set are needed often.
     solution_.label = start;
     solution_.columns = system_.columns();
     m_.resize(std::size_t(system_.columns()));
     for (std::size_t i = 0; i < start.size(); ++i)
       if (column_of_[i] >= 0) m_[std::size_t(column_of_[i])] = start[i];
-    kept_.assign(m_.size(), 0);
+    unfoldable_.assign(m_.size(), 0);
   }
 
   LabelSolution run() {
@@ -51,7 +52,7 @@ class Solver {
       else
         system_.evaluate(exec_, m_, sums_);
       ++solution_.evaluations;
-      note(m_, sums_, true);
+      record(m_, sums_, true);
       const GapPoint& now = solution_.trace.back();
       solution_.loss = now.loss, solution_.gap = now.gap;
       solution_.converged = now.gap <= options_.relative_gap * now.loss;
@@ -67,7 +68,7 @@ class Solver {
   LabelSystem make_system(const LabelProblem& problem, const std::vector<double>& start,
                           const std::vector<std::uint8_t>& movable) {
     NGS_CHECK(start.size() == std::size_t(problem.cloud.size()) && movable.size() == start.size(),
-              "labels to solve for");
+              "solve_labels: start and movable need one value per Gaussian");
     column_of_.assign(movable.size(), -1);
     std::int32_t next = 0;
     for (std::size_t i = 0; i < movable.size(); ++i)
@@ -79,31 +80,32 @@ class Solver {
     return solution_.evaluations >= options_.max_evaluations || (options_.stop && options_.stop()) ||
            (options_.time_budget_s > 0 && seconds_now() - begin_ > options_.time_budget_s);
   }
-  void note(const std::vector<double>& m, const LabelSums& sums, bool certified) {
+  void record(const std::vector<double>& m, const LabelSums& sums, bool certified) {
     solution_.trace.push_back(
         {seconds_now() - begin_, sums.loss, frank_wolfe_gap(m, sums, system_.gradient_scale()), certified});
   }
 
-  /// Whether a label at `m` (its distance from a bound) may be folded there. `towards`, `away`: P and Q, or Q and P.
-  bool held(double foreseen, double m, double away, double towards) const {
+  /// True if a label at distance `m` from a bound may be folded there; `predicted` is its distance after the predicted
+  /// steps. `away`, `towards`: P and Q for the bound 0, Q and P for the bound 1.
+  bool can_fold(double predicted, double m, double away, double towards) const {
     if (towards <= away) return false;
-    return solution_.rounds == 0 ? foreseen <= kBand && m * away <= kOwnShare : m <= 0;
+    return solution_.rounds == 0 ? predicted <= kBand && m * away <= kOwnShare : m <= 0;
   }
 
   void solve_working_set() {
-    std::vector<double> foreseen = m_;
+    std::vector<double> predicted = m_;
     if (solution_.rounds == 0)
-      for (int i = 0; i < kForeseen; ++i) foreseen = em_update(foreseen, sums_);
+      for (int i = 0; i < kPredictedSteps; ++i) predicted = em_update(predicted, sums_);
     std::vector<std::int32_t> place(m_.size(), -1);
     std::vector<double> work;
     for (std::size_t c = 0; c < m_.size(); ++c) {
-      const bool held_low = held(foreseen[c], m_[c], sums_.inside[c], sums_.outside[c]),
-                 held_high = held(1 - foreseen[c], 1 - m_[c], sums_.outside[c], sums_.inside[c]);
-      if (!kept_[c] && (held_low || held_high)) {
-        m_[c] = held_low ? 0.0 : 1.0;
+      const bool fold_low = can_fold(predicted[c], m_[c], sums_.inside[c], sums_.outside[c]),
+                 fold_high = can_fold(1 - predicted[c], 1 - m_[c], sums_.outside[c], sums_.inside[c]);
+      if (!unfoldable_[c] && (fold_low || fold_high)) {
+        m_[c] = fold_low ? 0.0 : 1.0;
         continue;
       }
-      if (solution_.rounds > 0) kept_[c] = 1;  // once lifted off a bound, never folded again: rounds must end
+      if (solution_.rounds > 0) unfoldable_[c] = 1;  // once lifted off a bound, never folded again: rounds must end
       const double g = sums_.outside[c] - sums_.inside[c];
       if (m_[c] <= 0 && g < 0) m_[c] = kLift;
       if (m_[c] >= 1 && g > 0) m_[c] = 1 - kLift;
@@ -118,7 +120,7 @@ class Solver {
       if (place[c] >= 0) m_[c] = work[std::size_t(place[c])];
   }
 
-  /// EM on the reduced system, accelerated, until its own gap is small enough.
+  /// Accelerated EM on the reduced system until its own gap is small enough.
   void iterate(const LabelSystem& system, std::vector<double>& m) {
     LabelSums now, next;
     const auto evaluate = [&](const std::vector<double>& at, LabelSums& out) {
@@ -128,7 +130,7 @@ class Solver {
     Anderson history(kHistory);
     evaluate(m, now);
     for (;;) {
-      note(m, now, false);
+      record(m, now, false);
       const GapPoint& point = solution_.trace.back();
       if (point.gap <= kInnerShare * options_.relative_gap * point.loss || out_of_budget()) return;
       const std::vector<double> plain = em_update(m, now);
@@ -143,8 +145,8 @@ class Solver {
     }
   }
 
-  /// The step in log-odds, each label weighted with the pixels it explains times m (1 - m). Labels at a bound, or taken
-  /// to one by rounding, move as EM moves them.
+  /// The Anderson step in log-odds. The weight of a label is the number of pixels it explains, times m (1 - m). Labels
+  /// at a bound, or taken to one by rounding, take the plain EM step.
   std::vector<double> accelerated(Anderson& history, const std::vector<double>& m, const std::vector<double>& plain,
                                   const LabelSums& sums) const {
     std::vector<double> x(m.size(), 0.0), f(m.size(), 0.0), weight(m.size(), 0.0);
@@ -165,10 +167,10 @@ class Solver {
   const Exec& exec_;
   const LabelSolveOptions& options_;
   double begin_;
-  std::vector<std::int32_t> column_of_;  // before system_, which its construction fills it for
+  std::vector<std::int32_t> column_of_;  // declared before system_, whose construction fills it
   LabelSystem system_;
   std::vector<double> m_;
-  std::vector<std::uint8_t> kept_;
+  std::vector<std::uint8_t> unfoldable_;
   LabelSums sums_;
   LabelSolution solution_;
 };

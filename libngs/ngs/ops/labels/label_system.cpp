@@ -25,10 +25,10 @@ struct FloatColumns {
   ColumnValues view() const { return {m.data(), rest.data()}; }
 };
 
-/// What the cache would hold of a block: nothing of one that no column reaches.
-std::int64_t bytes_kept(const LabelBlock& block) { return block.entry.empty() ? 0 : block.bytes(); }
+/// Bytes of a block in the cache; 0 if no column reaches it.
+std::int64_t cache_bytes_of(const LabelBlock& block) { return block.entry.empty() ? 0 : block.bytes(); }
 
-/// One view composited for the purpose of label sums.
+/// One view, composited for label sums.
 struct OpenView {
   Camera camera;
   std::optional<BinnedView<float>> binned;  // if there are targets
@@ -45,7 +45,7 @@ struct OpenView {
   const ProjectedView<float>& view() const { return binned->view(); }
   const TileLists& lists() const { return binned->lists(); }
   TargetPlanes planes() const { return {targets.inside.data(), targets.outside.data()}; }
-  /// f(tile, its contributions) for every tile.
+  /// Calls f(tile, its contributions) for every tile.
   template <class F>
   void for_each_recorded(const Exec& exec, Compat compat, const F& f) const {
     const TileKernels<float> kernels = float_tile_kernels(exec.isa);
@@ -57,7 +57,7 @@ struct OpenView {
       f(std::size_t(tile), recorded);
     });
   }
-  /// f(Gaussian, first slot, end slot) for every visible Gaussian; f owns what belongs to the Gaussian.
+  /// Calls f(Gaussian, first slot, end slot) for every visible Gaussian; f may write data of that Gaussian only.
   template <class F>
   void for_each_visible(const Exec& exec, const F& f) const {
     for_each_index(exec, std::int64_t(view().id.size()), [&](std::int64_t v) {
@@ -94,19 +94,20 @@ struct LabelSystem::State {
   double target_sum() const { return of_cached.target_sum + of_streamed.target_sum; }
   void open_view(const Exec& exec, std::size_t camera, std::int64_t cache_bytes);
   void open_streamed(const Exec& exec);
-  /// Whether blocks of `bytes` are kept. Once a view's were not, all later views are streamed too, so that sums keep
-  /// the order of the views.
+  /// True if blocks of `bytes` fit the cache. After the first view that does not fit, all later views are streamed too,
+  /// so that sums keep the order of the views.
   bool fits(std::int64_t bytes, std::int64_t cache_bytes) const {
     return streamed.empty() && stats.cached_bytes + bytes <= cache_bytes;
   }
-  /// Of tiles that take `bytes`; those of a view that does not fit may have lost their contributions.
+  /// Caches `tiles`, which take `bytes`, if they fit; false if not. The tiles of a view that does not fit
+  /// may be incomplete.
   bool add_view(std::vector<LabelBlock> tiles, std::int64_t bytes, std::int64_t cache_bytes);
   void number_slots();
   TileLoss stream(const Exec& exec, const OpenView& open, ColumnValues at, LabelSums& out) const;
 };
 
-/// Collects the view's blocks and keeps them while they fit. What does not is dropped tile by tile: a view may have far
-/// more contributions than the cache takes.
+/// Collects the view's blocks and caches them while they fit. Blocks that do not fit are dropped tile by tile: a view
+/// may have far more contributions than the cache can hold.
 void LabelSystem::State::open_view(const Exec& exec, std::size_t camera, std::int64_t cache_bytes) {
   const OpenView open(exec, problem, camera);
   if (open.empty()) return;
@@ -115,7 +116,7 @@ void LabelSystem::State::open_view(const Exec& exec, std::size_t camera, std::in
   std::atomic<std::int64_t> bytes = 0;
   open.for_each_recorded(exec, problem.splat.compat, [&](std::size_t tile, const RecordedTile& recorded) {
     LabelBlock block = collect_block(recorded, places, open.planes(), problem.half_weights);
-    bytes += bytes_kept(block);
+    bytes += cache_bytes_of(block);
     if (fits(bytes, cache_bytes))
       tiles[tile] = std::move(block);
     else
@@ -124,7 +125,7 @@ void LabelSystem::State::open_view(const Exec& exec, std::size_t camera, std::in
   if (!add_view(std::move(tiles), bytes, cache_bytes)) streamed.push_back(camera), ++stats.streamed_views;
 }
 
-/// Nothing is to be kept: one traversal gives the constants and the sums at the labels given.
+/// Without a cache: one traversal gives the constants and the sums at the given labels.
 void LabelSystem::State::open_streamed(const Exec& exec) {
   std::vector<double> m(std::size_t(columns), 0.0);
   for (std::size_t i = 0; i < column_of.size(); ++i)
@@ -144,10 +145,10 @@ void LabelSystem::State::open_streamed(const Exec& exec) {
 }
 
 bool LabelSystem::State::add_view(std::vector<LabelBlock> tiles, std::int64_t bytes, std::int64_t cache_bytes) {
-  const bool kept = fits(bytes, cache_bytes);
-  Constants& constants = kept ? of_cached : of_streamed;
+  const bool cached = fits(bytes, cache_bytes);
+  Constants& constants = cached ? of_cached : of_streamed;
   for (const LabelBlock& t : tiles) constants.target_sum += t.target_sum;
-  if (!kept) return false;
+  if (!cached) return false;
   for (const LabelBlock& t : tiles) constants.loss += t.constant_loss;
   stats.cached_bytes += bytes, ++stats.cached_views;
   std::erase_if(tiles, [](const LabelBlock& t) { return t.entry.empty(); });
@@ -170,7 +171,7 @@ void LabelSystem::State::number_slots() {
   slots.resize(std::size_t(slot_begin.back()));
 }
 
-/// Adds what one view that is not cached says; returns its whole loss.
+/// Adds the sums of one streamed view; returns its loss.
 TileLoss LabelSystem::State::stream(const Exec& exec, const OpenView& open, ColumnValues at, LabelSums& out) const {
   const std::size_t visible = open.view().id.size();
   std::vector<float> m(visible), rest(visible);
@@ -238,14 +239,14 @@ LabelSystem LabelSystem::reduced(const Exec& exec, const std::vector<std::int32_
     if (column_of[i] >= 0)
       label[i] = m[std::size_t(column_of[i])], column_of[i] = new_column[std::size_t(column_of[i])];
   auto out = std::make_unique<State>(s.problem, std::move(column_of), std::move(label));
-  out->of_cached = s.of_cached;  // a reduced block brings only what became constant
+  out->of_cached = s.of_cached;  // a reduced block adds only the loss that became constant
   for (const auto& view : s.block) {
     std::vector<LabelBlock> tiles(view.size());
     for_each_task(exec, std::int64_t(view.size()), [&](std::int64_t b) {
       tiles[std::size_t(b)] = reduced_block(view[std::size_t(b)], new_column.data(), at.view());
     });
     std::int64_t bytes = 0;
-    for (const LabelBlock& t : tiles) bytes += bytes_kept(t);
+    for (const LabelBlock& t : tiles) bytes += cache_bytes_of(t);
     out->add_view(std::move(tiles), bytes, s.stats.cached_bytes);
   }
   for (const std::size_t camera : s.streamed) out->open_view(exec, camera, cache_bytes);
@@ -258,8 +259,7 @@ double LabelSystem::gradient_scale() const {
   return state_->target_sum() > 0 ? (1 - 2 * kMaskEps) / state_->target_sum() : 0.0;
 }
 const LabelSums& LabelSystem::at_start() const {
-  NGS_CHECK(state_->start.inside.size() == std::size_t(state_->columns),
-            "sums at the start, of a system without cache");
+  NGS_CHECK(state_->start.inside.size() == std::size_t(state_->columns), "at_start() needs a system without a cache");
   return state_->start;
 }
 const LabelSystem::Stats& LabelSystem::stats() const { return state_->stats; }

@@ -5,14 +5,14 @@
 //   c(p) = ε + (1 - 2ε) (T_p + Σ_i w_ip (1 - m_i)) = 1 - q    rendered background, with the final T
 //   L(m) = -(1 / Σ_p (a_p + b_p)) Σ_p [a_p ln q(p) + b_p ln c(p)]
 //
-// a, b: weights of the pixel as inside and as outside of the mask (binary mask: one is 1, the other 0;
-// unknown pixel: both 0). Squeezing by ε instead of clamping keeps L convex, finite, and the mixture that the
-// EM update needs. q and c are both summed from non-negative terms, so neither suffers cancellation near 0.
+// a, b: weights of the pixel as inside and outside the mask (binary mask: one is 1, the other 0; unknown pixel: both
+// 0). Squeezing by ε instead of clamping keeps L convex, finite, and a mixture as the EM update needs. q and c are both
+// summed from non-negative terms, so neither suffers cancellation near 0.
 //
 // The weights w_ip of the columns (the labels that may move) are cached, 8 pixels of a row at a time;
-// everything else is folded into two constants per pixel. Pixels that no column reaches cost nothing. Views
-// that do not fit the memory budget are composited anew in every evaluation, which changes no result. Cache:
-// 33 bytes (17 in half precision) per (column, pack of 8 pixels) pair, 8 per (column, tile) pair, 132 per pack reached.
+// everything else is folded into two constants per pixel. Pixels that no column reaches cost nothing. Views that do not
+// fit the memory budget are composited again in every evaluation, with the same result. Cache: 33 bytes (17 in half
+// precision) per (column, pack of 8 pixels) pair, 8 per (column, tile) pair, 132 per pack reached.
 #include <functional>
 #include <memory>
 #include <vector>
@@ -22,12 +22,12 @@
 
 namespace ngs {
 
-/// Weights of the pixels of one view in L; empty: the view says nothing.
+/// Weights of the pixels of one view in L; empty: the view has no mask.
 struct PixelTargets {
   std::vector<float> inside, outside;  // [H·W] a, b >= 0
 };
 
-/// Masks of one object as targets.
+/// The mask of one object as targets.
 PixelTargets pixel_targets(const ViewMasks& masks, int object);
 
 struct LabelProblem {
@@ -52,22 +52,22 @@ class LabelSystem {
   };
 
   /// `column_of` [N]: index of the Gaussian's column, -1: folded at label[i]. Columns are numbered
-  /// 0..columns-1 in any order, each used once. `label` [N] in [0, 1]: what the others are folded at, and where the
-  /// columns start. Keeps a reference to `problem`.
+  /// 0..columns-1 in any order, each used once. `label` [N] in [0, 1]: the values at which the others are folded, and
+  /// the start of the columns. Keeps a reference to `problem`.
   LabelSystem(const Exec& exec, const LabelProblem& problem, const std::vector<std::int32_t>& column_of,
               const std::vector<double>& label, std::int64_t cache_bytes);
   LabelSystem(LabelSystem&&) noexcept;
   ~LabelSystem();
 
-  /// The system of the columns with new_column[c] >= 0, renumbered; the others are folded at m[c]. Its cache
-  /// of the views that are cached here is never larger than theirs; `cache_bytes` limits it for the others.
+  /// The system of the columns with new_column[c] >= 0, renumbered; the others are folded at m[c]. Views that are
+  /// cached here stay cached, in no more memory than here. `cache_bytes` limits the cache when other views are added.
   LabelSystem reduced(const Exec& exec, const std::vector<std::int32_t>& new_column, const std::vector<double>& m,
                       std::int64_t cache_bytes) const;
 
   std::int64_t columns() const;
   /// `m` [columns] in [0, 1].
   void evaluate(const Exec& exec, const std::vector<double>& m, LabelSums& out) const;
-  /// Of a system made with cache_bytes = 0: evaluate() at its `label`, found on the way.
+  /// evaluate() at the initial `label`, computed by the constructor. Only for a system with cache_bytes = 0.
   const LabelSums& at_start() const;
   double gradient_scale() const;  // (1 - 2ε) / Σ (a + b); 0 without any target
   const Stats& stats() const;

@@ -16,7 +16,7 @@ PixelView<float> pixels(const ImageF* image) { return {image->data.data(), image
 AlignView<float> view_of(const AlignOptions& options, const AlignInputs& in) {
   const auto nodes = std::size_t(in.grid.nodes());
   NGS_CHECK(in.colour->channels == 3 && in.alpha->channels == 1 && in.colour->pixels() == in.alpha->pixels(),
-            "rendered images");
+            "loss_align: colour [H, W, 3] and alpha [H, W, 1] must have one size");
   NGS_CHECK(in.field_colour->size() == nodes * 3 && in.field_alpha->size() == nodes, "one field value per node");
   NGS_CHECK(in.active == nullptr || in.active->size() == nodes, "one flag per node");
   return {in.grid,

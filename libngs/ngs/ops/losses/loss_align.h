@@ -1,9 +1,9 @@
 #pragma once
 // L_align: the rendered view and the field must agree on the boundary.                 Eq. (16); C15, C17
 //
-// Colour and opacity are compared at the nodes of the view's grid; the variance term damps the render's
-// colour variance in the 7x7 patches about them. Nodes can be switched off (rays_on_surface). No active
-// node: loss 0. Results do not depend on exec.threads.
+// Colour and opacity are compared at the nodes of the view's grid; the variance term reduces the rendered colour
+// variance in the 7x7 patches around them. Nodes can be switched off (rays_on_surface). No active node: loss 0. Results
+// do not depend on exec.threads.
 #include <vector>
 
 #include "ngs/backend/exec.h"
@@ -32,7 +32,7 @@ struct AlignLoss {
   std::int64_t nodes = 0;
 };
 
-/// What backward needs of the forward pass.
+/// Results of the forward pass that the backward pass needs.
 struct AlignContext {
   std::int64_t nodes = 0;  // active ones
   std::vector<float> colour_residual, alpha_residual, patch_mean, patch_share;
@@ -44,7 +44,7 @@ struct AlignFieldGradients {
   std::vector<float> colour, alpha;  // [R, 3], [R]
 };
 
-/// Where `weight` · ∂total goes.
+/// Receives `weight` · ∂total.
 struct AlignGradients {
   double weight;
   AlignFieldGradients& field;                    // overwritten

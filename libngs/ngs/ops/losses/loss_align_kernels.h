@@ -3,9 +3,8 @@
 //
 //   L = 1/|B| Σ_i [ ‖C_gs - C_f‖² + w_α (α_gs - α_f)² + w_v · excess(Var(R_i)) ]      over the active nodes
 //
-// C_gs, α_gs: the rendered images read bilinearly at the node. R_i: the 7x7 pixels about the node's pixel,
-// cut at the image border; Var = mean squared distance to the mean colour, in two passes (E[x²] - E[x]²
-// cancels).
+// C_gs, α_gs: the rendered images read bilinearly at the node. R_i: the 7x7 pixels around the node's pixel, clipped at
+// the image border; Var = mean squared distance to the mean colour, in two passes (E[x²] - E[x]² cancels).
 #include "ngs/core/hd.h"
 #include "ngs/math/pixel_grid.h"
 #include "ngs/math/vec.h"
@@ -25,7 +24,7 @@ struct PixelView {
   }
 };
 
-/// The patch about a node.
+/// The patch around a node.
 struct PatchRect {
   int x0, x1, y0, y1;  // inclusive
   NGS_HD int pixels() const { return (x1 - x0 + 1) * (y1 - y0 + 1); }
@@ -54,7 +53,7 @@ NGS_HD T patch_variance(const PixelView<T>& image, const PatchRect& patch, Vec3<
   return share * variance;
 }
 
-/// What forward and backward read.
+/// Inputs of forward and backward.
 template <class T>
 struct AlignView {
   PixelGrid grid;
@@ -67,7 +66,7 @@ struct AlignView {
   NGS_HD bool is_active(std::int64_t r) const { return active == nullptr || active[r] != 0; }
 };
 
-/// Kept by forward for backward, all zero for inactive nodes.
+/// Stored by forward for backward; all zero for inactive nodes.
 template <class T>
 struct AlignNodes {
   T* colour_residual;  // [R, 3] C_gs - C_f
@@ -136,9 +135,9 @@ struct AlignBackwardField {
   }
 };
 
-/// ∂L/∂(rendered images) at one pixel of the rectangle [x0, ...) x [y0, ...): the transpose of the bilinear
-/// reading and of the patches, gathered over the nodes near the pixel (inactive ones hold zeros). Owns pixel
-/// i of the rectangle.
+/// ∂L/∂(rendered images) at one pixel of the rectangle [x0, ...) x [y0, ...): the transpose of the bilinear reading and
+/// of the patches, gathered over the nodes near the pixel (inactive nodes contribute zero). Owns pixel i
+/// of the rectangle.
 ///   ∂Var/∂C_p = 2 (C_p - mean) / n   (the mean's own derivative cancels)
 template <class T>
 struct AlignBackwardImage {

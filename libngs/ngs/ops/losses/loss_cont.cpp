@@ -12,7 +12,7 @@ double loss_cont(const Exec& exec, const ContinuityInputs& in, double scale, std
   const Rows<const float, 3> colour = in.colour;
   if (gradient) gradient->assign(std::size_t(colour.n) * 3, 0.f);
   if (graph.neighbours == 0) return 0;
-  NGS_CHECK(graph.queries() == colour.n && graph.points == colour.n, "the graph is of other points");
+  NGS_CHECK(graph.queries() == colour.n && graph.points == colour.n, "loss_cont: the graph must have the same points");
   NGS_CHECK(in.weight.empty() || in.weight.size() == graph.index.size(), "one weight per edge, or none");
   const ContinuityGraph<float> view{graph.indices(), graph.row_begin.data(), graph.edge.data(),
                                     in.weight.empty() ? nullptr : in.weight.data(), colour};

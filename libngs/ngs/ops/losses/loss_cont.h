@@ -3,8 +3,8 @@
 //
 //   L = 1/|B| Σ_i Σ_{j ∈ N_i} ω_ij ‖C_i - C_j‖²,   ω = 1/|N_i|, or the given weights (rows that sum to 1)
 //
-// C is the colour of the constant SH band, rgb = 0.5 + 0.2820948 · sh_dc. The graph (nearest_others) and the
-// weights count as constant. An empty graph: loss 0. Results do not depend on exec.threads.
+// C is the colour of the constant SH band, rgb = 0.5 + 0.2820948 · sh_dc. The graph (nearest_others) and the weights
+// are constants. An empty graph: loss 0. Results do not depend on exec.threads.
 #include <vector>
 
 #include "ngs/backend/exec.h"

@@ -8,7 +8,7 @@
 
 namespace ngs {
 
-/// What forward and backward read: the directed neighbour graph of B with one weight per edge.
+/// Inputs of forward and backward: the directed neighbour graph of B with one weight per edge.
 template <class T>
 struct ContinuityGraph {
   Matrix<const std::uint32_t> index;  // [B, K] neighbours of each

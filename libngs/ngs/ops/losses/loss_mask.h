@@ -3,9 +3,9 @@
 //
 //   L = trust / N Σ_p s_p Σ_k ℓ(rendered_pk, target_pk),   s_p = sigmoid(D_p) in [0.5, 1),   N = known pixels
 //
-// The paper's formula has prediction and truth exchanged; ℓ is the ordinary cross-entropy, or the linear loss
-// that the literal formula amounts to. Pixels that are not known give no loss and no gradient; no known
-// pixel: loss 0. The weights s carry no gradient. Results do not depend on exec.threads.
+// The paper's formula has prediction and truth exchanged; ℓ is the ordinary cross-entropy, or the linear loss to which
+// the literal formula reduces. Unknown pixels have no loss and no gradient. Without known pixels the loss is 0. The
+// weights s carry no gradient. Results do not depend on exec.threads.
 #include <vector>
 
 #include "ngs/backend/exec.h"
@@ -22,14 +22,14 @@ struct MaskLossOptions {
   double lambda = 1;  // linear form: weight of pixels outside the object
 };
 
-/// How dense the field is at the nodes of a view's grid.
+/// Density of the field at the nodes of a view's grid.
 struct FieldDensity {
   PixelGrid grid;
-  PixelBox box;                             // outside of it the weight is 0.5
+  PixelBox box;                             // outside it the weight is 0.5
   const std::vector<float>& optical_depth;  // one value per node, VolumeOutput::optical_depth
 };
 
-/// s_p for every pixel.
+/// The weight s_p of every pixel.
 ImageF density_weights(const Exec& exec, int width_px, int height_px, const FieldDensity& field);
 
 struct MaskLossInputs {

@@ -9,7 +9,7 @@
 
 namespace ngs {
 
-/// Predictions closer than this to 0 or 1 do not enter the logarithm: composited masks reach neither end.
+/// Predictions closer than this to 0 or 1 do not enter the logarithm. Composited masks reach neither 0 nor 1.
 inline constexpr double kMaskEps = 1e-6;
 
 /// A loss and its derivative.
@@ -18,9 +18,9 @@ struct LossSlope {
   T value, slope;
 };
 
-/// -m ln p - (1 - m) ln(1 - p). Beyond [eps, 1 - eps] the loss goes on along its tangent: a clamp would leave
-/// a saturated wrong pixel without a gradient. log1p: the loss of an almost right pixel is about p itself, of which
-/// 1 - p keeps only the digits above eps.
+/// -m ln p - (1 - m) ln(1 - p). Beyond [eps, 1 - eps] the loss continues along its tangent: a clamp would leave a
+/// saturated wrong pixel without a gradient. log1p: the loss of an almost correct background pixel is about p, and 1 -
+/// p would lose the low digits of p.
 template <class T>
 NGS_HD LossSlope<T> mask_bce(T p, T m) {
   using std::log;
@@ -73,7 +73,7 @@ struct MaskLossRow {
 };
 
 /// sigmoid(D) at a pixel, D interpolated between the nodes of the grid (held constant from the outer nodes to
-/// the box); 0.5 outside the box, where the field says nothing. Owns pixel i.
+/// the box); 0.5 outside the box, where the field is not sampled. Owns pixel i.
 struct DensityWeight {
   static constexpr const char* kName = "density_weight";
   PixelGrid grid;
@@ -98,7 +98,7 @@ struct DensityWeight {
   }
 
  private:
-  /// Optical depths may overflow; their neighbours' share of 0 times infinity would be NaN.
+  /// Optical depths may overflow to infinity; a weight of 0 times infinity would be NaN.
   NGS_HD static double finite(float depth) { return min2(double(depth), 0x1.fffffep127); }
 };
 

@@ -3,7 +3,7 @@
 //
 //   L = 3 (u/h)² · 1/N Σ_i ‖c(x_i + h n_i) - c(x_i)‖²,   n_i random unit vectors
 //
-// An unbiased estimate, for small h, of the mean of Σ_channels ‖u ∇c‖², from two colours a point: E (n·g)² = ‖g‖²/3.
+// An unbiased estimate, for small h, of the mean of Σ_channels ‖u ∇c‖², from two colours per point: E (n·g)² = ‖g‖²/3.
 // u is the unit of length in which the gradient counts (the RBF width), so the loss does not depend on the unit of the
 // scene. No second derivatives; the caller evaluates the field at both ends of every pair. No pairs: loss 0.
 #include <cstdint>
@@ -19,13 +19,13 @@ struct SmoothnessScale {
   double unit_length = 0;  // u > 0, world
 };
 
-/// A pair per point whose colours are to differ little, [N, 3] each.
+/// One pair of points per sample, [N, 3] each. The loss penalises the colour difference of a pair.
 struct SmoothnessPairs {
   std::vector<float> from, to;
   double length = 0;  // of a pair, world
 };
 
-/// What makes the random vectors of every step different: `first_index` (for example step · points).
+/// Selects the random vectors of a step: `first_index` must differ between steps (for example step · points).
 struct SmoothnessDraw {
   std::uint64_t seed = 0, first_index = 0;
 };

@@ -4,8 +4,8 @@
 //   L = (1 - λ) · mean |x - y| + λ · (1 - mean SSIM(x, y)),   λ = 0.2
 //
 // Means run over pixels and channels. SSIM uses an 11x11 Gaussian window (σ 1.5 px) per channel with zero padding,
-// C1 = 1e-4, C2 = 9e-4, values in [0, 1]. With pixel weights w both means become Σ w · / Σ w; with a region only its
-// pixels count, but their windows still see the pixels around it. All weights zero: loss and gradient are zero.
+// C1 = 1e-4, C2 = 9e-4, values in [0, 1]. With pixel weights w both means become Σ w · / Σ w; With a region, only its
+// pixels count, but their windows include the pixels around it. If all weights are zero, loss and gradient are zero.
 // Defined in photometric_impl.h, which tests instantiate for dual numbers.
 #include <cstdint>
 
@@ -22,7 +22,7 @@ struct PixelRegion {
 struct PhotometricOptions {
   double dssim_weight = 0.2;  // λ
   PixelRegion region = {};
-  double gradient_scale = 1;  // the gradient is that of so many times the loss
+  double gradient_scale = 1;  // factor of the gradient
 };
 
 struct PhotometricLoss {
@@ -31,7 +31,7 @@ struct PhotometricLoss {
   double ssim = 1;  // mean SSIM
 };
 
-/// Keeps its buffers between calls. T: float in production, double and Dual<double> in tests.
+/// Reuses its buffers between calls. T: float in production, double and Dual<double> in tests.
 template <class T, class Acc = double>
 class PhotometricPass {
  public:
@@ -49,13 +49,13 @@ class PhotometricPass {
  private:
   Value compare(const Exec& exec, const ssim::Comparison<T>& c, double dssim_weight, double norm);
 
-  std::vector<T> partials_;  // ∂L/∂(blurred moments), of the largest image so far
-  std::vector<Acc> sums_;    // per piece of work
+  std::vector<T> partials_;  // ∂L/∂(blurred moments), sized for the largest image so far
+  std::vector<Acc> sums_;    // per work item
 };
 extern template class PhotometricPass<float, double>;
 extern template class PhotometricPass<double, double>;
 
-/// Value only, with buffers of its own.
+/// The value only, with temporary buffers.
 PhotometricLoss photometric_loss(const Exec& exec, const PhotometricOptions& options, const ImageF& rendered,
                                  const ImageF& target);
 

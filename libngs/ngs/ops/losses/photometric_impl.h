@@ -12,7 +12,7 @@ namespace ngs {
 
 namespace detail {
 
-/// The pixels that count, and Σ of their weights.
+/// Σ of the weights of the pixels in the region; their number without weights.
 inline double total_weight(const ImageF* weight, const PixelRegion& of) {
   if (!weight) return double(of.x1 - of.x0) * (of.y1 - of.y0);
   double sum = 0;
@@ -41,7 +41,7 @@ auto PhotometricPass<T, Acc>::evaluate(const Exec& exec, const PhotometricOption
   const PixelRegion full{0, 0, W, H};
   const PixelRegion inner = options.region.empty() ? full : options.region;
   NGS_CHECK(inner.x0 >= 0 && inner.y0 >= 0 && inner.x1 <= W && inner.y1 <= H, "photometric: region outside the image");
-  // Windows of pixels inside reach kRadius further; what lies beyond has no influence at all.
+  // Windows of pixels inside extend kRadius further; pixels beyond have no influence.
   const int x0 = std::max(0, inner.x0 - ssim::kRadius), y0 = std::max(0, inner.y0 - ssim::kRadius);
   const ssim::Layout layout{std::min(W, inner.x1 + ssim::kRadius) - x0, std::min(H, inner.y1 + ssim::kRadius) - y0, C};
 

@@ -2,8 +2,8 @@
 // Scalar source of ops/losses/photometric.h: SSIM by separable moments and its adjoint, value by value. L: a lane type
 // of math/lane_scalar.h or math/lanes.h.
 //
-// Images are [h, w, c] interleaved; a row is w·c values. Outside of the image everything is zero, as 3DGS's conv2d
-// pads.
+// Images are [h, w, c] interleaved; a row is w·c values. Outside the image all values are zero, like the padding of
+// conv2d in 3DGS.
 #include <cmath>
 #include <cstdint>
 
@@ -43,7 +43,7 @@ struct Layout {
   NGS_HD std::int64_t row(int y) const { return y * stride() + pad(); }  // index of column 0
 };
 
-/// The part of a larger image that is looked at: its first value and the distance of two rows, in values.
+/// A crop of a larger image: its first value and the row stride, in values.
 template <class T>
 struct Crop {
   T* first = nullptr;
@@ -54,14 +54,14 @@ struct Crop {
 /// Which pixels of the crop count, and how much.
 struct PixelWeights {
   Crop<const float> weight;  // per pixel; null: 1
-  int x0, x1, y0, y1;        // pixels outside only feed the windows of others
+  int x0, x1, y0, y1;        // pixels outside only contribute to the windows of others
   NGS_HD float at(int px, int row) const {
     if (px < x0 || px >= x1 || row < y0 || row >= y1) return 0;
     return weight.first ? weight.row(row)[px] : 1.f;
   }
 };
 
-/// What is compared, and the factors of |x - y| and of S in the loss.
+/// Inputs and output of a comparison, with the factors of |x - y| and of S in the loss.
 template <class T>
 struct Comparison {
   Layout layout;
@@ -90,7 +90,7 @@ NGS_HD void products(L x, L y, L* out) {
 /// SSIM of one window from its blurred moments, and its partials.
 ///   S = (2 μx μy + C1)(2 σxy + C2) / ((μx² + μy² + C1)(σx² + σy² + C2)),  σx² + σy² = E[x² + y²] - μx² - μy²
 /// In float σ² carries an absolute error of about eps·E[x²]; C2 keeps that below 1e-3 of the denominator for values in
-/// [0, 1]. Colours above it are drawn as they are: there σ² is kept from falling below 0, so that S keeps its sign.
+/// [0, 1]. Rendered colours above 1 are not clamped: for them, σ² is clamped to >= 0, so that S keeps its sign.
 template <class L>
 NGS_HD L similarity(const L* moment, L* partial) {
   using T = typename LaneTraits<L>::Scalar;
@@ -114,7 +114,7 @@ NGS_HD L distance(L x, L y) {
 }
 
 /// ∂L/∂x = blur(dx) + 2x·blur(dsquares) + y·blur(dxy) + factor·sign(x - y); the window is symmetric, so the adjoint of
-/// the blur is the blur. `blur`: of the partials times the factor of S in the loss.
+/// the blur is the blur. `blur`: the blurred partials, times the factor of S in the loss.
 template <class L>
 NGS_HD L gradient_of(const L* blur, L x, L y, L factor) {
   using T = typename LaneTraits<L>::Scalar;

@@ -1,6 +1,6 @@
 #pragma once
-// How the CPU runs ops/losses/photometric_kernels.h: strips of columns, whose last 11 rows stay in the innermost cache
-// while both passes of the window go down the image. Internal to ops.
+// CPU loops over ops/losses/photometric_kernels.h. The image is cut into strips of columns. The last 11 rows of a strip
+// stay in the L1 cache while both passes of the window move down the image. Internal to ops.
 #include <algorithm>
 #include <vector>
 
@@ -9,8 +9,8 @@
 
 namespace ngs::ssim {
 
-inline constexpr int kStrip = 128;  // values of a strip; only speed and the order of the loss's sums depend on it
-inline constexpr int kBand = 128;   // rows of a strip that are one piece of work
+inline constexpr int kStrip = 128;  // values per row of a strip; affects only speed and the order of the loss's sums
+inline constexpr int kBand = 128;   // rows of a strip per work item
 inline constexpr int kRing = 2 * kRadius + 1;
 
 template <class T>
@@ -40,7 +40,7 @@ requires(LaneTraits<L>::kLanes == 8) struct WideSum<L, double> {
   }
 };
 
-/// One piece of work: values [begin, begin + count) of rows [y0, y1).
+/// One work item: values [begin, begin + count) of rows [y0, y1).
 struct StripBand {
   std::int64_t begin;
   int count, y0, y1;
@@ -57,8 +57,8 @@ struct StripPlan {
   }
 };
 
-/// A strip's next row lies a whole image row further, which the processor does not foresee: it is asked for so many
-/// rows before it is read.
+/// The next row of a strip is a whole image row away, which the hardware prefetcher does not predict. Rows are
+/// prefetched this many rows ahead.
 inline constexpr int kRowsAhead = 2;
 template <class T>
 void prefetch_values(const T* first, std::int64_t count) {
@@ -66,7 +66,8 @@ void prefetch_values(const T* first, std::int64_t count) {
   for (std::int64_t i = 0; i < count; i += kLine) __builtin_prefetch(first + i);
 }
 
-/// Rows of planes as the blur wants them: value i of the strip at first[i], i from -pad; `plane` values between planes.
+/// One row of several planes as input of the blur: value i of the strip is first[i], i >= -pad; planes are `plane`
+/// values apart.
 template <class T>
 struct PlaneRows {
   const T* first;
@@ -112,7 +113,7 @@ void blur_band(const Layout& layout, const Window<T>& window, const StripBand& b
   }
 }
 
-/// Values [begin, end) of a row of `width`, zero outside of it.
+/// Copies values [begin, end) of a row of `width`; zero outside the row.
 template <class T>
 void copy_row(const T* row, std::int64_t width, std::int64_t begin, std::int64_t end, T* out) {
   const std::int64_t first = std::max<std::int64_t>(begin, 0), last = std::min(end, width);
@@ -156,15 +157,15 @@ class StripWeights {
   alignas(64) T zero_[kStrip] = {};
 };
 
-/// Zeros beside one row of a plane, where the band begins or ends it.
+/// Clears the padding of one row of a plane if the band is at the end of the row.
 template <class T>
-void clear_beside(const Layout& layout, const StripBand& band, T* row) {
+void clear_padding(const Layout& layout, const StripBand& band, T* row) {
   if (band.begin == 0) std::fill_n(row - layout.pad(), layout.pad(), T(0));
   const std::int64_t width = layout.width();
   if (band.begin + band.count == width) std::fill_n(row + width, layout.stride() - layout.pad() - width, T(0));
 }
 
-/// Σ w |x - y| and Σ w S of a band, and the partials times the factor of S, zero beside the image.
+/// Σ w |x - y| and Σ w S of a band, and the partials times the factor of S, with zero padding.
 template <class T, class Acc>
 struct BandLoss {
   Layout layout;
@@ -213,7 +214,7 @@ struct BandLoss {
         for (int d = 0; d < kPartials; ++d) store_lanes(out + d * layout.plane(), partial[d] * factor);
       }
       for (int d = 0; partials && d < kPartials; ++d)
-        clear_beside(layout, band, partials + d * layout.plane() + layout.row(row));
+        clear_padding(layout, band, partials + d * layout.plane() + layout.row(row));
     });
     sums[2 * task] = l1.total(), sums[2 * task + 1] = similar.total();
   }

@@ -35,7 +35,7 @@ std::int64_t find_unusable(const Exec& exec, std::span<const T> values, T limit)
   return -1;
 }
 
-[[noreturn]] void refuse_step(std::string_view name, std::int64_t index, double value, double limit) {
+[[noreturn]] void throw_unusable(std::string_view name, std::int64_t index, double value, double limit) {
   throw Error(ErrorCode::kNumeric,
               std::string(name) + ": gradient " + std::to_string(index) + " is " + std::to_string(value) +
                   ", expected a finite value below " + std::to_string(limit),
@@ -52,7 +52,7 @@ void step_block(const Exec& exec, const AdamOptions& o, std::int64_t step, const
   NGS_CHECK(step >= 1, "adam_step: the first step is 1");
   const T limit = adam_limit<T>();
   const auto require_usable = [&](std::int64_t bad) {
-    if (bad >= 0) refuse_step(block.name, bad, double(block.grad[std::size_t(bad)]), double(limit));
+    if (bad >= 0) throw_unusable(block.name, bad, double(block.grad[std::size_t(bad)]), double(limit));
   };
   const double bias1 = adam_bias(o.beta1, step), bias2 = adam_bias(o.beta2, step);
   const std::int64_t n = std::int64_t(value.size());

@@ -2,7 +2,7 @@
 // Adam on flat parameter blocks.
 //
 // A gradient that is not finite, or so large that its square is not representable, is an Error (kNumeric) that
-// names the index; the block is then unchanged. A zero gradient with zero moments leaves the value as it is.
+// names the index; the block is then unchanged. A zero gradient with zero moments leaves the value unchanged.
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -19,19 +19,19 @@ struct AdamOptions {
   int sparse_columns = 0;  // > 0: rows of this many values with an all-zero gradient are skipped entirely
 };
 
-/// What one step changes, and by what.
+/// The values that a step changes, and their gradients.
 template <class T>
 struct AdamBlock {
-  std::string_view name;  // for the error
+  std::string_view name;  // for error messages
   std::span<T> value;
-  std::span<const T> grad;  // as many
+  std::span<const T> grad;  // of the same size
 };
 
 /// Moments of one block; empty means zero. Both have the block's length once stepped.
 struct AdamMoments {
   std::vector<float> m, v;
 };
-/// Moments that the caller keeps, of the block's length.
+/// Moments owned by the caller, of the block's length.
 template <class T>
 struct AdamMomentSpans {
   std::span<T> m, v;

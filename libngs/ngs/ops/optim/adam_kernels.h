@@ -46,16 +46,17 @@ struct AdamKernel {
   }
 };
 
-/// 1 - βᵗ from the logarithm: for β near 1 and small t the power would cancel.
+/// 1 - βᵗ by expm1 of the logarithm: for β near 1 and small t, 1 minus the power would cancel.
 NGS_HD inline double adam_bias(double beta, std::int64_t step) { return -std::expm1(double(step) * std::log(beta)); }
 
-/// Gradients beyond it have squares that are not representable.
+/// Gradients of larger magnitude have squares that are not representable.
 template <class T>
 T adam_limit() {
   return T(0.99) * std::sqrt(std::numeric_limits<T>::max());
 }
 
-/// The same for rows of `columns` values, leaving rows whose gradient is all zero untouched, moments included.
+/// The same for rows of `columns` values. Rows whose gradient is all zero are skipped: neither values
+/// nor moments change.
 template <class T>
 struct SparseAdamKernel {
   AdamKernel<T> dense;

@@ -19,13 +19,13 @@ double weighted_dot(const std::vector<double>& a, const std::vector<double>& b, 
   return sum;
 }
 
-constexpr double kRidge = 1e-10;  // of the diagonal: differences of a converging sequence become dependent
+constexpr double kRidge = 1e-10;  // of the diagonal: the differences of a converging sequence become linearly dependent
 
 }  // namespace
 
 std::vector<double> Anderson::next(const std::vector<double>& x, const std::vector<double>& f,
                                    const std::vector<double>& weight) {
-  NGS_CHECK(x.size() == f.size() && x.size() == weight.size(), "sizes of an accelerated step");
+  NGS_CHECK(x.size() == f.size() && x.size() == weight.size(), "Anderson: x, f and weight must have one size");
   if (!last_x_.empty()) {
     dx_.push_back(difference(x, last_x_)), df_.push_back(difference(f, last_f_));
     if (dx_.size() > depth_) dx_.erase(dx_.begin()), df_.erase(df_.begin());

@@ -1,9 +1,10 @@
 #pragma once
 // Anderson acceleration of a fixed-point iteration x <- x + f(x).
 //
-// The next point combines the last few so that the combined step is as short as possible:
+// The next point is the combination of the last few points with the shortest combined step:
 //   γ = argmin |f - ΔF γ|_W,   x' = x + f - (ΔX + ΔF) γ
-// with the differences of the last points as columns. Sequential sums in double: one result for any thread count.
+// with the differences of the last points as columns of ΔX and ΔF. Sequential sums in double: one result for
+// any thread count.
 #include <cstddef>
 #include <vector>
 
@@ -13,10 +14,10 @@ class Anderson {
  public:
   explicit Anderson(std::size_t depth) : depth_(depth) {}
 
-  /// The point after `x`, whose step is f. `weight` >= 0 per component: how much of the step's length it is.
+  /// Returns the point after `x`, whose plain step is f. `weight` >= 0: the weight of each component in the norm W.
   std::vector<double> next(const std::vector<double>& x, const std::vector<double>& f,
                            const std::vector<double>& weight);
-  /// Forgets the points so far.
+  /// Clears the history of points.
   void reset();
 
  private:

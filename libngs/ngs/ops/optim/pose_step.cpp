@@ -11,11 +11,11 @@ namespace ngs {
 namespace {
 
 constexpr int kBorder_px = 4, kParameters = 6, kExposurePasses = 5;
-// Prior on the motion, in units of the information on the best determined parameter. A turn and a move that
-// cancel but for the parallax within the model have (its depth over its distance)² of it, 1/200 for an object
-// that fills a tenth of its distance; what is below a fifth of that would follow the errors of the model.
+// Prior on the motion, relative to the information on the best determined parameter. A turn and a move that cancel up
+// to the parallax within the model have (depth extent / distance)² of that information: 1/200 for an object that fills
+// a tenth of its distance. Motions with less than a fifth of that would follow the errors of the model.
 constexpr double kPrior = 1e-3;
-constexpr float kSolid = 0.5f;          // alpha; below it the depth is that of a rim
+constexpr float kSolid = 0.5f;          // least alpha; below it, the depth is that of the silhouette's rim
 constexpr double kLeastTexture = 1e-7;  // mean squared gradient, per px²: below 3e-4 it is noise
 
 using Row = Eigen::Matrix<double, kParameters, 1>;
@@ -23,8 +23,8 @@ using Normal = Eigen::Matrix<double, kParameters, kParameters>;
 
 double cauchy_weight(double residual) { return 1 / (1 + residual * residual / (kPoseResidual * kPoseResidual)); }
 
-/// Lays the colours of `from` on those of `to`, channel by channel, by gain and offset: exposures differ
-/// between photos. Least squares with Cauchy weights, as the alignment itself.
+/// Matches the colours of `from` to those of `to`, channel by channel, by gain and offset: exposures differ between
+/// photos. Least squares with Cauchy weights, as in the alignment.
 void match_exposure(const ImageF& to, const ImageF& alpha, ImageF& from) {
   for (int c = 0; c < from.channels; ++c) {
     double gain = 1, offset = 0;
@@ -46,7 +46,7 @@ void match_exposure(const ImageF& to, const ImageF& alpha, ImageF& from) {
   }
 }
 
-/// The depth that the model has on the whole.
+/// Mean depth of the model, weighted by alpha.
 double mean_depth(const RenderedView& view) {
   double depth = 0, alpha = 0;
   for (std::size_t p = 0; p < view.alpha.data.size(); ++p)
@@ -54,7 +54,7 @@ double mean_depth(const RenderedView& view) {
   return alpha > 0 ? depth / alpha : 0;
 }
 
-/// How far each parameter moves the pixel at ray (x, y, 1) and inverse relative depth q. Parameters are in
+/// The image displacement per parameter of the pixel at ray (x, y, 1) and inverse relative depth q. Parameters are in
 /// pixels: turns times f, moves times f over the mean depth.
 std::array<Row, 2> flow_of(double x, double y, double q) {
   Row du, dv;
@@ -103,7 +103,7 @@ float binomial(float a, float b, float c, float d, float e) {
   return 1 / 16.f * a + 4 / 16.f * b + 6 / 16.f * c + 4 / 16.f * d + 1 / 16.f * e;
 }
 
-/// The two pixels at either end of a row, beyond which the outermost goes on.
+/// Smooths the two pixels at either end of a row. Beyond the border, the outermost pixel is repeated.
 void smooth_ends(const float* from, float* to, int width_px, int channels) {
   for (int x = 0; x < width_px; ++x) {
     if (x >= 2 && x < width_px - 2) continue;
@@ -153,7 +153,7 @@ Camera moved(Camera camera, const CameraMotion& motion) {
 PoseStep pose_step(const RenderedView& view, const ImageF& photo, const Camera& camera, const CameraMotion& so_far) {
   NGS_CHECK(view.colour.width_px == photo.width_px && view.colour.height_px == photo.height_px &&
                 view.colour.channels == photo.channels && !view.depth.empty(),
-            "a view with depth and a photo of one size");
+            "pose_step: needs a view with depth and a photo of the same size");
   PoseStep step;
   const double depth = mean_depth(view), f_px = 0.5 * (camera.fx + camera.fy);
   if (!(depth > 0)) return step;

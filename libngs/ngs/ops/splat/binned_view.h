@@ -1,33 +1,34 @@
 #pragma once
-// One view of a cloud, projected and sorted into tiles, by the fastest way there is. Internal to ops.
+// One view of a cloud, projected and binned into tiles, with culling and with the prepared cloud if there is one.
+// Internal to ops.
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <type_traits>
 
-#include "ngs/ops/splat/asked.h"
+#include "ngs/ops/splat/cull_request.h"
 #include "ngs/ops/splat/prepared/project_block.h"
 #include "ngs/ops/splat/splat_view.h"
 
 namespace ngs {
 
-/// `camera` relative to the cloud's origin. Where options.prepared serves the cloud, the memory is lent by it. Lists
-/// may lack what is not asked for.
+/// `camera` is relative to the cloud's origin. If options.prepared was made from `cloud`, the memory comes from its
+/// pool. The tile lists leave out what `cull` makes unnecessary.
 template <class S>
 class BinnedView {
  public:
   BinnedView(const Exec& exec, const CloudView<S>& cloud, const Camera& camera, const SplatOptions& options,
-             const Asked& asked = {}) {
+             const CullRequest& cull = {}) {
     if constexpr (std::is_same_v<S, float>)
-      if (options.prepared && options.prepared->serves(cloud)) lender_ = options.prepared;
-    memory_ = lent();
+      if (options.prepared && options.prepared->serves(cloud)) prepared_ = options.prepared;
+    memory_ = acquire_memory();
     ViewProjector<S> projector = view_projector<S>(camera, options);
     TileLists& lists = memory_->lists;
     lists.tiles_x = projector.tiles_x, lists.tiles_y = projector.tiles_y;
-    lists.last_z = last_asked(exec, cloud, projector, asked);
+    lists.last_z = last_needed_z(exec, cloud, projector, cull);
     if (!lists.last_z.empty()) {
-      projector.drawn = box_of(lists);
-      projector.far_z = just_beyond(*std::max_element(lists.last_z.begin(), lists.last_z.end()));
+      projector.drawn = bounding_rect(lists);
+      projector.far_z = next_float(*std::max_element(lists.last_z.begin(), lists.last_z.end()));
     }
     project(exec, cloud, projector);
     bin_tiles(exec, memory_->view, lists, memory_->bins);
@@ -36,59 +37,59 @@ class BinnedView {
   BinnedView& operator=(BinnedView&&) = delete;
   ~BinnedView() {
     if constexpr (std::is_same_v<S, float>)
-      if (lender_ && memory_) lender_->memory.give_back(std::move(memory_));
+      if (prepared_ && memory_) prepared_->memory.release(std::move(memory_));
   }
 
   const ProjectedView<S>& view() const { return memory_->view; }
   const TileLists& lists() const { return memory_->lists; }
-  /// [n], of any value.
+  /// [n] scratch; the values are undefined.
   std::vector<S>& sums(std::size_t n) {
     if (memory_->sums.size() < n) memory_->sums.resize(n);
     return memory_->sums;
   }
 
  private:
-  /// TileLists::last_z. Where Gaussians say what is asked for, they are projected first.
-  std::vector<double> last_asked(const Exec& exec, const CloudView<S>& cloud, const ViewProjector<S>& projector,
-                                 const Asked& asked) {
+  /// TileLists::last_z. If the request consists of Gaussians, these are projected first to find it.
+  std::vector<double> last_needed_z(const Exec& exec, const CloudView<S>& cloud, const ViewProjector<S>& projector,
+                                    const CullRequest& cull) {
     const TileLists& lists = memory_->lists;
-    if (asked.limit != nullptr) return last_z_of(*asked.limit, lists);
-    const std::uint8_t* const until = are_few(asked.until, cloud.size) ? asked.until : nullptr;
-    if (until == nullptr && !are_few(asked.where, cloud.size)) return {};
-    CloudView<S> some = cloud;
-    some.include = until != nullptr ? until : asked.where;
-    project(exec, some, projector);
+    if (cull.max_depth != nullptr) return last_z_of(*cull.max_depth, lists);
+    const std::uint8_t* const stop_after = is_sparse(cull.stop_after, cloud.size) ? cull.stop_after : nullptr;
+    if (stop_after == nullptr && !is_sparse(cull.tiles_touching, cloud.size)) return {};
+    CloudView<S> requested = cloud;
+    requested.include = stop_after != nullptr ? stop_after : cull.tiles_touching;
+    project(exec, requested, projector);
     std::vector<double> last = last_z_of(memory_->view, lists, nullptr);
-    if (until == nullptr)
+    if (stop_after == nullptr)
       for (double& z : last) z = z > 0 ? std::numeric_limits<double>::infinity() : 0;
-    if (until != nullptr && asked.where != nullptr && asked.where != until) {
-      const std::vector<double> reached = last_z_of(memory_->view, lists, asked.where);
+    if (stop_after != nullptr && cull.tiles_touching != nullptr && cull.tiles_touching != stop_after) {
+      const std::vector<double> reached = last_z_of(memory_->view, lists, cull.tiles_touching);
       for (std::size_t tile = 0; tile < last.size(); ++tile) last[tile] = reached[tile] > 0 ? last[tile] : 0;
     }
     return last;
   }
-  /// Whether these are so few that to look for them first takes less than it leaves out: by a sample of the rows, since
-  /// to count all, in every view, would take longer than that.
-  static bool are_few(const std::uint8_t* flag, std::int64_t n) {
-    constexpr std::int64_t kFew = 8, kSample = 1 << 12;  // of so many one
+  /// Whether so few rows are flagged that projecting them first costs less than culling saves. Decided from a sample of
+  /// the rows: counting all of them in every view would cost more than it saves.
+  static bool is_sparse(const std::uint8_t* flag, std::int64_t n) {
+    constexpr std::int64_t kFew = 8, kSample = 1 << 12;  // sparse: fewer than one row in kFew
     std::int64_t found = 0, rows = 0;
     for (std::int64_t i = 0; flag != nullptr && i < n; i += n / kSample + 1) found += flag[i] != 0, ++rows;
     return kFew * found < rows;
   }
   /// The next float after z, which may be infinite.
-  static float just_beyond(double z) { return std::nextafter(float(z), std::numeric_limits<float>::infinity()); }
+  static float next_float(double z) { return std::nextafter(float(z), std::numeric_limits<float>::infinity()); }
   void project(const Exec& exec, const CloudView<S>& cloud, const ViewProjector<S>& projector) {
     if constexpr (std::is_same_v<S, float>)
-      if (lender_) return project_blocks(exec, *lender_, cloud, projector, *memory_);
+      if (prepared_) return project_blocks(exec, *prepared_, cloud, projector, *memory_);
     memory_->view = project_view(exec, cloud, projector);
   }
-  std::unique_ptr<PassMemory<S>> lent() const {
+  std::unique_ptr<PassMemory<S>> acquire_memory() const {
     if constexpr (std::is_same_v<S, float>)
-      if (lender_) return lender_->memory.take();
+      if (prepared_) return prepared_->memory.acquire();
     return std::make_unique<PassMemory<S>>();
   }
 
-  std::shared_ptr<const PreparedCloud> lender_;  // null: none
+  std::shared_ptr<const PreparedCloud> prepared_;  // null: the cloud is not prepared
   std::unique_ptr<PassMemory<S>> memory_;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// GaussianCloud and Camera in the form the float kernels take. Internal to ops.
+// Converts GaussianCloud and Camera to the form of the float kernels. Internal to ops.
 #include <algorithm>
 
 #include "ngs/ops/splat/splat_gaussian.h"

@@ -15,8 +15,8 @@
 namespace ngs {
 namespace {
 
-/// The objects that have sums in each tile: of few all, of many those that the masks show there. All else is nobody's,
-/// and takes no work per object.
+/// The objects that need sums in each tile. Up to kFew objects: all; more: only those with a non-zero mask in the tile,
+/// so that background tiles cost no work per object.
 class TileObjects {
  public:
   static constexpr std::size_t kFew = 3;
@@ -24,15 +24,15 @@ class TileObjects {
   TileObjects(const Exec& exec, const ViewMasks& masks, const TileLists& lists)
       : begin_(std::size_t(lists.tiles()) + 1) {
     const std::size_t count = masks.target.size(), tiles = std::size_t(lists.tiles());
-    std::vector<std::uint8_t> shows(tiles * count, 1);
+    std::vector<std::uint8_t> present(tiles * count, 1);
     for_each_task(exec, count > kFew ? std::int64_t(tiles) : 0, [&](std::int64_t t) {
       const int x0 = int(t % lists.tiles_x) * kTilePx, y0 = int(t / lists.tiles_x) * kTilePx;
       for (std::size_t k = 0; k < count; ++k)
-        shows[std::size_t(t) * count + k] = any_in_tile(masks.target[k], masks.width_px, masks.height_px, x0, y0);
+        present[std::size_t(t) * count + k] = any_in_tile(masks.target[k], masks.width_px, masks.height_px, x0, y0);
     });
     for (std::size_t t = 0; t < tiles; ++t) {
       for (std::size_t k = 0; k < count; ++k)
-        if (shows[t * count + k]) object_.push_back(std::uint32_t(k));
+        if (present[t * count + k]) object_.push_back(std::uint32_t(k));
       begin_[t + 1] = std::uint32_t(object_.size());
     }
   }
@@ -49,17 +49,18 @@ class TileObjects {
     return false;
   }
 
-  std::vector<std::uint32_t> object_, begin_;  // tile by tile; [tiles + 1]
+  std::vector<std::uint32_t> object_, begin_;  // concatenated by tile; [tiles + 1]
 };
 
-/// The pairs of one view with what each draws: [pairs, 2 + 2K] by slot, or where there are more than a few objects tile
-/// by tile, [entries of the tile, 2 + 2 objects of the tile]. Of some Gaussians, `wanted` [N] (null: all), in whose
-/// tiles alone anything is drawn.
+/// Sums of every (Gaussian, tile) pair of one view: [pairs, 2 + 2K] by slot; with more than TileObjects::kFew objects
+/// by tile, [entries of the tile, 2 + 2 objects of the tile]. `wanted` [N] (null: all) selects Gaussians; only tiles
+/// that these touch are rasterised.
 class ViewPairs {
  public:
   ViewPairs(const Exec& exec, const GaussianCloud& cloud, const MaskedView& of, const SplatOptions& options,
             const RowNumbers* wanted)
-      : binned_(exec, cloud_view(cloud, 0, nullptr), relative_camera(of.camera, cloud), options, asked_of(wanted)),
+      : binned_(exec, cloud_view(cloud, 0, nullptr), relative_camera(of.camera, cloud), options,
+                cull_request_of(wanted)),
         wanted_(wanted),
         columns_(2 + 2 * of.masks.target.size()),
         objects_(exec, of.masks, binned_.lists()) {
@@ -77,22 +78,22 @@ class ViewPairs {
   }
 
   std::int64_t chunks() const { return (std::int64_t(binned_.view().id.size()) + kChunk - 1) / kChunk; }
-  /// f(Gaussian or its number, its sums, whether an object has any of it) for those of a chunk that are wanted and have
-  /// W > 0, in their order.
+  /// f(row, sums, has_object) for the wanted Gaussians of a chunk with W > 0, in order. row: in the cloud, or in
+  /// `wanted`; has_object: whether any object's sums are non-zero.
   template <class F>
   void for_each_seen(std::int64_t chunk, const F& f) const {
     const std::vector<std::uint32_t>& id = binned_.view().id;
     std::vector<double> sum(columns_);
-    bool some = false;
+    bool has_object = false;
     const auto end = std::min(id.size(), std::size_t((chunk + 1) * kChunk));
     for (auto v = std::size_t(chunk * kChunk); v < end; ++v) {
       if (!is_wanted(id[v])) continue;
       sum[0] = sum[1] = 0;
-      if (some) std::fill(sum.begin() + 2, sum.end(), 0.0);
-      some = by_tile()       ? sum_by_tile(v, sum.data())
-             : columns_ == 4 ? sum_up<4>(v, sum.data())
-                             : sum_up<0>(v, sum.data());
-      if (sum[0] > 0) f(wanted_ ? wanted_->number[id[v]] : id[v], sum.data(), some);
+      if (has_object) std::fill(sum.begin() + 2, sum.end(), 0.0);
+      has_object = by_tile()       ? sum_by_tile(v, sum.data())
+                   : columns_ == 4 ? sum_up<4>(v, sum.data())
+                                   : sum_up<0>(v, sum.data());
+      if (sum[0] > 0) f(wanted_ ? wanted_->number[id[v]] : id[v], sum.data(), has_object);
     }
   }
 
@@ -102,8 +103,8 @@ class ViewPairs {
     std::uint32_t tile, entry;
   };
 
-  /// What a Gaussian is seen of depends on nothing behind it.
-  static Asked asked_of(const RowNumbers* wanted) {
+  /// Everything behind the last wanted Gaussian is culled: a Gaussian's weights do not depend on what lies behind it.
+  static CullRequest cull_request_of(const RowNumbers* wanted) {
     const std::uint8_t* const flags = wanted ? wanted->chosen.data() : nullptr;
     return {flags, flags};
   }
@@ -135,8 +136,7 @@ class ViewPairs {
                       of.weight == PixelWeight::kByVisibility});
   }
 
-  /// Adds what visible Gaussian v has in its tiles to sums that are 0; whether an object has any of it. C: columns, or
-  /// any number where C = 0.
+  /// Adds the pairs of visible Gaussian v to sums that are 0; returns has_object. C: columns; C = 0: any number.
   template <std::size_t C>
   bool sum_up(std::size_t v, double* sum) const {
     const std::size_t columns = C > 0 ? C : columns_;
@@ -144,30 +144,30 @@ class ViewPairs {
     return cap_objects(columns, sum);
   }
   bool sum_by_tile(std::size_t v, double* sum) const {
-    // A Gaussian's tiles lie anywhere in the sums: memory is asked for a later Gaussian's before they are needed.
-    constexpr std::size_t kAheadSlots = 16;
+    // A Gaussian's tiles are scattered in the sums.
+    constexpr std::size_t kPrefetchSlots = 16;
     const TileLists& lists = binned_.lists();
     const auto begin = std::size_t(lists.slot_begin[v]), end = std::size_t(lists.slot_begin[v + 1]);
-    bool some = false;
+    bool has_object = false;
     for (std::size_t slot = begin; slot < end; ++slot) {
-      if (slot + kAheadSlots < place_.size()) __builtin_prefetch(pair_at(place_[slot + kAheadSlots]));
+      if (slot + kPrefetchSlots < place_.size()) __builtin_prefetch(pair_at(place_[slot + kPrefetchSlots]));
       const float* pair = pair_at(place_[slot]);
       sum[0] += double(pair[0]), sum[1] += double(pair[1]);
       for (const std::uint32_t k : objects_.of(place_[slot].tile)) {
-        pair += 2, some = true;
+        pair += 2, has_object = true;
         sum[2 + 2 * k] += double(pair[0]), sum[3 + 2 * k] += double(pair[1]);
       }
     }
-    return some && cap_objects(columns_, sum);
+    return has_object && cap_objects(columns_, sum);
   }
-  /// No object has more than all; false if none has any.
+  /// Caps W1 of each object at W; returns whether any object's sums are non-zero.
   static bool cap_objects(std::size_t columns, double* sum) {
-    bool some = false;
+    bool has_object = false;
     for (std::size_t c = 2; c < columns; c += 2) {
-      some |= (sum[c] != 0) | (sum[c + 1] != 0);
+      has_object |= (sum[c] != 0) | (sum[c + 1] != 0);
       sum[c] = std::min(sum[c], sum[0]);
     }
-    return some;
+    return has_object;
   }
   const float* pair_at(const Place& at) const { return sums_ + first_[at.tile] + at.entry * columns_of(at.tile); }
 
@@ -175,12 +175,12 @@ class ViewPairs {
   const RowNumbers* wanted_;
   std::size_t columns_;
   TileObjects objects_;
-  std::vector<std::size_t> first_;  // [tiles + 1] of a tile's sums
-  std::vector<Place> place_;        // [pairs] by slot; none where the sums are by slot
+  std::vector<std::size_t> first_;  // [tiles + 1] offset of a tile's sums
+  std::vector<Place> place_;        // [pairs] by slot; empty if the sums are by slot
   const float* sums_ = nullptr;
 };
 
-/// The parts as one, by row.
+/// Merges the parts, ascending by row.
 ViewSums merged(const Exec& exec, std::int64_t rows, int objects, const std::vector<ViewSums>& parts) {
   ViewSums all{objects, {}, {}};
   const auto columns = std::size_t(all.columns());
@@ -200,7 +200,7 @@ ViewSums merged(const Exec& exec, std::int64_t rows, int objects, const std::vec
   return all;
 }
 
-/// [N, 2 + 2K] from the device, the same.
+/// [N, 2 + 2K] the same sums from the device.
 std::vector<double> sums_on_device(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,
                                    const SplatOptions& options) {
   const ViewProjector<float> projector = view_projector<float>(relative_camera(view.camera, cloud), options);
@@ -220,7 +220,7 @@ void require_size(const MaskedView& view) {
 }
 
 void require_numbers(const GaussianCloud& cloud, const RowNumbers* of) {
-  NGS_CHECK(of == nullptr || std::int64_t(of->number.size()) == cloud.size(), "a number for each Gaussian");
+  NGS_CHECK(of == nullptr || std::int64_t(of->number.size()) == cloud.size(), "one number per Gaussian");
 }
 
 }  // namespace
@@ -289,13 +289,14 @@ void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const Maske
     return;
   }
   const ViewPairs pairs(exec, cloud, view, options, nullptr);
-  std::vector<Evidence::FirstShares> put_off(std::size_t(pairs.chunks()));
+  std::vector<Evidence::DeferredInserts> deferred_inserts(std::size_t(pairs.chunks()));
   for_each_task(exec, pairs.chunks(), [&](std::int64_t chunk) {
-    pairs.for_each_seen(chunk, [&](std::uint32_t gaussian, const double* sum, bool some) {
-      some ? evidence.add(gaussian, sum, put_off[std::size_t(chunk)]) : evidence.add_nobodys(gaussian, sum[0], sum[1]);
+    pairs.for_each_seen(chunk, [&](std::uint32_t gaussian, const double* sum, bool has_object) {
+      has_object ? evidence.add(gaussian, sum, deferred_inserts[std::size_t(chunk)])
+                 : evidence.add_background(gaussian, sum[0], sum[1]);
     });
   });
-  for (const Evidence::FirstShares& of : put_off) evidence.share.add(of);
+  for (const Evidence::DeferredInserts& of : deferred_inserts) evidence.share.add(of);
 }
 
 }  // namespace ngs

@@ -1,5 +1,5 @@
 #pragma once
-// Mask evidence per Gaussian: one forward pass per view.                 m_ij before Eq. (3); PAPER.md §5.2
+// Mask evidence per Gaussian, one forward pass per view.                 m_ij before Eq. (3); PAPER.md §5.2
 #include "ngs/math/row_numbers.h"
 #include "ngs/ops/splat/splat.h"
 #include "ngs/scene/evidence.h"
@@ -7,30 +7,30 @@
 
 namespace ngs {
 
-/// What a pixel counts for a Gaussian of opacity α there, before which a part T of the light is left.
+/// Weight of a pixel for a Gaussian with alpha α and transmittance T in front of it.
 enum class PixelWeight : std::uint8_t {
-  kRendered,      // w = α T, what it adds to the picture
-  kByVisibility,  // α T², less where it only shows through others; on the CPU whatever the device
+  kRendered,      // w = α T, as in rendering
+  kByVisibility,  // α T²: less where the Gaussian is seen through others; always on the CPU
 };
 
-/// A camera and the masks of its view, at its size.
+/// A camera and the masks of its view, at the camera's size.
 struct MaskedView {
   const Camera& camera;
   const ViewMasks& masks;
   PixelWeight weight = PixelWeight::kRendered;
 };
 
-/// What one view says of the Gaussians that it sees, or of those `of` them, whose rows are then their numbers there. A
-/// view whose masks are not available says nothing. A pixel's weights are those of rendering (occlusion
-/// included); pixels with masks.known == 0 are not counted.
+/// Evidence of one view for its visible Gaussians. With `of`: only for the Gaussians in `of`, and ViewSums::row holds
+/// their numbers there. Empty if the view's masks are not available. Weights include occlusion; pixels with
+/// masks.known == 0 are not counted.
 ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view, const SplatOptions& options,
                    const RowNumbers* of = nullptr);
 
-/// The weights of that, packed.
+/// The weights of view_sums(), packed.
 ViewWeights view_weights(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,
                          const SplatOptions& options, const RowNumbers* of = nullptr);
 
-/// Adds that to `evidence`, without keeping it.
+/// Adds view_sums() to `evidence` without storing it.
 void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,
                        const SplatOptions& options, Evidence& evidence);
 

@@ -1,5 +1,5 @@
 #pragma once
-// The evidence kernel of one tile: what ops/splat/evidence.h sums, per (Gaussian, tile) pair.
+// The evidence kernel of one tile: the sums of ops/splat/evidence.h per (Gaussian, tile) pair.
 #include "ngs/ops/splat/splat_tiles.h"
 #include "ngs/scene/mask_threshold.h"
 
@@ -7,14 +7,14 @@ namespace ngs {
 
 inline constexpr int kAnyObjects = -1;
 
-/// K objects, or any number. Weights are α T², not α T, where they are taken by visibility.
+/// K objects, or kAnyObjects. Weights are α T; with kByVisibility α T².
 template <class L, int K, bool kByVisibility>
 struct EvidenceSink {
   using S = typename LaneTraits<L>::Scalar;
   using F = typename LaneTraits<L>::Folded;
   static constexpr int kLanes = LaneTraits<L>::kLanes, kSums = K == kAnyObjects ? 0 : 2 + 2 * K;
   static constexpr bool kTakesEmpty = true;
-  static constexpr std::uint32_t kSumsAhead = 24;  // pairs whose sums' memory is asked for before it is written
+  static constexpr std::uint32_t kPrefetchPairs = 24;  // prefetch distance of the sums, in pairs
   const EvidenceTile<S>& in;
   const S* mask;  // [packs][1 + objects][lanes]: known, targets
   ChannelSums<L, kSums> sum;
@@ -30,7 +30,7 @@ struct EvidenceSink {
   void begin(std::uint32_t e) {
     entry = e, seen = e + 1, reached = false;
     total.clear(sums());
-    if (e + kSumsAhead < in.work.entries) __builtin_prefetch(row(e + kSumsAhead), 1);
+    if (e + kPrefetchPairs < in.work.entries) __builtin_prefetch(row(e + kPrefetchPairs), 1);
   }
   void begin_column(int) { sum.clear(sums()); }
   [[gnu::always_inline]] void add(std::uint32_t, const Contribution<L>& hit) {
@@ -59,7 +59,7 @@ struct EvidenceSink {
     else
       clear(entry);
   }
-  /// Nothing of the entries that the tile stopped before.
+  /// Zeroes the entries behind the point where the tile stopped.
   void end_tile() const {
     for (std::uint32_t e = seen; e < in.work.entries; ++e) clear(e);
   }

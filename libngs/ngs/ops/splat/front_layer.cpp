@@ -12,10 +12,10 @@ namespace {
 using L = PackF;
 constexpr int kPacks = kPacksPerTile<L>;
 
-/// Where pixel (x, y) of a tile lies in its packs: columns of packs, rows within.
+/// Index of pixel (x, y) of a tile in its packs: columns of packs, rows within.
 int lane_of(int x, int y) { return (x / L::kLanes * kTilePx + y) * L::kLanes + x % L::kLanes; }
 
-/// A plane of the image in the tile's packs; 0 outside the image.
+/// Loads a plane of the image into the tile's packs; 0 outside the image.
 template <class T>
 void tile_plane(const TileFrame& frame, const std::vector<T>& image, L* packs) {
   float lane[kTilePixels] = {};
@@ -26,7 +26,7 @@ void tile_plane(const TileFrame& frame, const std::vector<T>& image, L* packs) {
   for (int i = 0; i < kPacks; ++i) load_lanes(lane + i * L::kLanes, packs[i]);
 }
 
-/// What both sinks share: which of the tile's Gaussians may be in front, and where.
+/// Common part of both sinks: the current Gaussian, whether it is a candidate, and its weight in front.
 struct FrontBase {
   static constexpr bool kTakesEmpty = true;
   const BinnedView<float>& binned;
@@ -34,12 +34,12 @@ struct FrontBase {
   const std::vector<std::uint8_t>& candidate;
   L limit[kPacks];
   std::size_t v = 0;
-  bool may = false;
+  bool is_candidate = false;
   float depth = 0;
 
   void enter(std::uint32_t entry) {
     v = work.visible[entry];
-    may = candidate[binned.view().id[v]] != 0;
+    is_candidate = candidate[binned.view().id[v]] != 0;
     depth = binned.view().depth[v];
   }
   L front_weight(const Contribution<L>& hit) const {
@@ -47,7 +47,7 @@ struct FrontBase {
   }
 };
 
-/// Nothing of a tile without surface is in front.
+/// Whether a pixel of the tile has a surface; without one nothing is in front.
 bool has_surface(const L* limit) {
   bool some = false;
   for (int i = 0; i < kPacks; ++i) some |= any(limit[i] > L(0.f));
@@ -55,14 +55,14 @@ bool has_surface(const L* limit) {
 }
 
 struct LayerSink : FrontBase {
-  const std::uint32_t* number;  // [N] of a Gaussian's row of `value`; null: there are no columns
+  const std::uint32_t* number;  // [N] row of `value` per Gaussian; null: there are no columns
   Matrix<const float> value;
   std::vector<L> sum;  // [C + 1, packs]
 
   void begin(std::uint32_t entry) { enter(entry); }
   void begin_column(int) {}
   void add(int, const Contribution<L>& hit) {
-    if (!may) return;
+    if (!is_candidate) return;
     const L weight = front_weight(hit);
     const float* row = number ? value.row(number[binned.view().id[v]]) : nullptr;
     for (int c = 0; c < value.c; ++c) {
@@ -87,14 +87,14 @@ struct SumSink : FrontBase {
   }
   void begin_column(int) {}
   void add(int, const Contribution<L>& hit) {
-    if (!may) return;
+    if (!is_candidate) return;
     const L weight = front_weight(hit);
     front += weight;
     of_marked = fma_lanes(weight, marked[hit.pack], of_marked);
   }
   void end_column(int) {}
   void end() {
-    if (!may) return;
+    if (!is_candidate) return;
     float* row = pair.row(work.slot[entry]);
     row[0] = sum_lanes(front), row[1] = sum_lanes(of_marked);
   }
@@ -131,12 +131,12 @@ FrontView::FrontView(const Exec& exec, const GaussianCloud& cloud, const ImageF&
   state_ =
       std::make_unique<State>(State{exec, camera, options.compat, cloud.size(), limit,
                                     BinnedView<float>(exec, cloud_view(cloud, 0, nullptr),
-                                                      relative_camera(camera, cloud), options, {.limit = &limit})});
+                                                      relative_camera(camera, cloud), options, {.max_depth = &limit})});
 }
 FrontView::~FrontView() = default;
 
 ImageF FrontView::layer(const RowValues& values) const {
-  NGS_CHECK(values.value.n == values.of.size(), "a value row for each candidate");
+  NGS_CHECK(values.value.n == values.of.size(), "one value row per candidate");
   return layer(values.of.chosen, values.of.number.data(), values.value);
 }
 

@@ -9,14 +9,16 @@
 
 namespace ngs {
 
-/// The camera as the projection needs it.
+/// The camera in the form that the projection needs.
 ///
+// clang-format off
 ///   rotation     world -> camera
 ///   f_x, f_y, c_x, c_y        px, pixel centres at +0.5
 ///   x_lo, x_hi, y_lo, y_hi    limits of x/z and y/z inside the Jacobian: 0.15 image sizes beyond the border
 ///   near_z       Gaussians with z <= near_z are culled            world
 ///   blur         variance of the low-pass filter added to the projected covariance        px^2
 ///   antialiased  the opacity is multiplied by sqrt(det / det_blurred)
+// clang-format on
 template <class T>
 struct ProjectionCamera {
   Mat3<T> rotation;
@@ -28,7 +30,7 @@ struct ProjectionCamera {
 
 inline constexpr double kCompensationFloor2 = 2.5e-5;  // of (det / blurred det): opacity factor >= 0.005
 
-/// A Gaussian's shape and opacity, as GaussianCloud has them.
+/// A Gaussian's shape and opacity in the encoding of GaussianCloud.
 template <class T>
 struct GaussianShape {
   const T *rotation, *log_scale;  // [4], [3]
@@ -36,17 +38,20 @@ struct GaussianShape {
 };
 
 /// A projected Gaussian.
+///
+// clang-format off
 ///   mean_x, mean_y      px
 ///   conic_a, _b, _c     inverse of the blurred 2D covariance [[a b] [b c]]                px^-2
 ///   cov_xx, cov_yy      diagonal of the blurred covariance                               px^2
 ///   det                 its determinant, > 0                                             px^4
 ///   opacity             sigmoid(logit) · compensation, in (0, 1]
+// clang-format on
 template <class T>
 struct ProjectedGaussian {
   T mean_x, mean_y, conic_a, conic_b, conic_c, cov_xx, cov_yy, det, opacity;
 };
 
-/// What the backward pass needs again; recomputing it is cheaper than storing it.
+/// Intermediate values of the projection. The backward pass recomputes them: cheaper than storing.
 template <class T>
 struct ProjectionContext {
   Vec4<T> unit_rotation;
@@ -62,7 +67,7 @@ struct ProjectionContext {
   bool compensation_floored;
 };
 
-/// What of the context does not depend on the view: rotation, scale and their product.
+/// The view-independent part of the context: rotation, scale and their product.
 template <class T>
 NGS_HD void gaussian_shape(const T* rotation, const T* log_scale, ProjectionContext<T>& ctx) {
   using std::exp;
@@ -120,14 +125,14 @@ NGS_HD ProjectedGaussian<T> project_gaussian(const ProjectionCamera<T>& camera, 
   return p;
 }
 
-/// ∂L/∂ of what project_gaussian returned (cov_xx, cov_yy and det carry no gradient of their own); of the opacity o
-/// o ∂L/∂o, which needs no division by it.
+/// ∂L/∂(result of project_gaussian); cov_xx, cov_yy and det carry no gradient of their own. For the opacity o it holds
+/// o ∂L/∂o, which needs no division by o.
 template <class T>
 struct ProjectedGradient {
   T mean_x, mean_y, conic_a, conic_b, conic_c, log_opacity;
 };
 
-/// ∂L/∂ of what project_gaussian took; `t` in camera coordinates.
+/// ∂L/∂(arguments of project_gaussian); `t` in camera coordinates.
 template <class T>
 struct GaussianGradient {
   Vec3<T> t;
@@ -196,6 +201,7 @@ NGS_HD GaussianGradient<T> project_gaussian_backward(const ProjectionCamera<T>& 
 }
 
 /// rgb = max(0, 0.5 + C0 dc + Σ basis_k(d) rest_k), d = normalised(p - camera centre).
+///
 ///   dc [3]   rest [n, 3] coefficient-major   offset = p - centre, not zero
 template <class T>
 NGS_HD Vec3<T> sh_colour(int degree, Vec3<T> offset, const T* dc, const T* rest) {
@@ -213,7 +219,7 @@ NGS_HD Vec3<T> sh_colour(int degree, Vec3<T> offset, const T* dc, const T* rest)
   return {rgb[0], rgb[1], rgb[2]};
 }
 
-/// What sh_colour gave, and ∂L/∂ of it.
+/// The result of sh_colour and ∂L/∂ of it.
 template <class T>
 struct ColourAndGradient {
   Vec3<T> rgb, grad;
@@ -224,8 +230,8 @@ struct ShGradient {
   T dc[3], rest[45];
 };
 
-/// Adjoint of sh_colour; channels clamped at 0 (rgb == 0) pass no gradient. Writes out.dc and, of the bands above 0, n
-/// rows of out.rest; returns ∂L/∂offset.
+/// Adjoint of sh_colour; channels clamped at 0 (rgb == 0) pass no gradient. Writes out.dc and the rows of out.rest up
+/// to `degree`; returns ∂L/∂offset.
 template <class T>
 NGS_HD Vec3<T> sh_colour_backward(int degree, Vec3<T> offset, const T* rest, const ColourAndGradient<T>& colour,
                                   ShGradient<T>& out) {

@@ -96,7 +96,7 @@ RenderedView render(const Exec& exec, const GaussianCloud& cloud, const Camera& 
     return view;
   }
   SplatEngine<float> engine(float_tile_kernels(exec.isa), options, on_view, relative_camera(camera, cloud), channels);
-  engine.ask({request.where, request.until});
+  engine.cull({request.tiles_touching, request.stop_after});
   engine.forward(exec, planes<float>(channels, view));
   return view;
 }

@@ -1,9 +1,8 @@
 #pragma once
 // Differentiable Gaussian splatting of one view: project, bin, composite.              Eq. (2); PAPER.md §5.1
 //
-// Depth order is (camera z, Gaussian index), so equal depths have a defined order. Gaussians with
-// `usable == 0`, behind the near plane or off-screen contribute nothing. Results do not depend on
-// exec.threads.
+// Depth order is (camera z, Gaussian index), so equal depths have a defined order. Gaussians with `usable == 0`, behind
+// the near plane or off-screen contribute nothing. Results do not depend on exec.threads.
 #include <memory>
 
 #include "ngs/backend/exec.h"
@@ -14,16 +13,15 @@
 
 namespace ngs {
 
-/// `cloud` made ready for passes over many views, to be put into SplatOptions: the same results, sooner. Takes 56 bytes
-/// per Gaussian, and per pass that runs at a time about 150 per Gaussian that the view sees. The cloud must
-/// not go before the last pass with it, nor change but by update_prepared(). Null where passes run on a device, which
-/// does without.
+/// Preprocesses `cloud` for passes over many views; put the result into SplatOptions. Same results, faster. Takes 56
+/// bytes per Gaussian, and for each concurrent pass about 150 bytes per visible Gaussian. The cloud must outlive the
+/// last pass; after a change of rows call update_prepared(). Null if `exec` has a device, which does not need it.
 std::shared_ptr<PreparedCloud> prepare_cloud(const Exec& exec, const GaussianCloud& cloud);
 
-/// Follows a change of these rows (increasing) of the cloud that `prepared` was made from.
+/// Updates `prepared` after these rows (ascending) of its cloud have changed.
 void update_prepared(const Exec& exec, const std::vector<std::int64_t>& rows, PreparedCloud& prepared);
 
-/// The options with what serves `cloud`: what they have, or what is made for it now.
+/// The options with a prepared `cloud`: the one in `options` if it was made from `cloud`, else a new one.
 SplatOptions prepared_for(const Exec& exec, SplatOptions options, const GaussianCloud& cloud);
 
 /// Which images to produce, and from which Gaussians.
@@ -31,27 +29,28 @@ struct RenderRequest {
   bool colour = true;
   bool depth = false;
   Matrix<const float> label;              // [N, K] label channel values in [0, 1]; n = 0: none
-  Vec3<float> background{0, 0, 0};        // colour behind everything
-  const std::uint8_t* include = nullptr;  // [N] 1: draw; null: draw all (amodal rendering passes a subset)
-  // [N] 1: of render(), tiles that none of these reaches may stay as if nothing were there; null: all tiles are drawn
-  const std::uint8_t* where = nullptr;
-  // [N] 1: all with a label are of these, and render() is asked for labels alone: what lies behind the last of them in
-  // a tile may be left out; null: it is drawn
-  const std::uint8_t* until = nullptr;
+  Vec3<float> background{0, 0, 0};        // background colour
+  const std::uint8_t* include = nullptr;  // [N] 1: render; null: render all (amodal rendering passes a subset)
+  // [N] 1: render() may skip tiles that none of these Gaussians touches. Pixels of skipped tiles are undefined, in
+  // practice the background. null: all tiles are rendered
+  const std::uint8_t* tiles_touching = nullptr;
+  // [N] 1: render() may skip Gaussians behind the last of these in each tile. Requires that every Gaussian with a
+  // non-zero label is flagged; label images are then bit-identical, the others undefined. null: none is skipped
+  const std::uint8_t* stop_after = nullptr;
 };
 
 /// Forward only.
 RenderedView render(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options,
                     const RenderRequest& request);
 
-/// Which Gaussians' gradients are wanted, and where they go.
+/// Which Gaussians need gradients, and in which rows of CloudGradients they are stored.
 struct GradientRows {
-  std::vector<std::uint8_t> label_alone = {};  // [N] 1: that of the labels alone, the rest of the row is 0; empty: none
-  std::vector<std::int32_t> place = {};        // [N] row of CloudGradients, -1: none; empty: row i. Not on a device
-  std::int64_t rows = 0;                       // of CloudGradients, where there is `place`
+  std::vector<std::uint8_t> label_alone = {};  // [N] 1: only label gradients, the rest is 0; empty: none
+  std::vector<std::int32_t> place = {};        // [N] row of CloudGradients, -1: none; empty: row i. CPU only
+  std::int64_t rows = 0;                       // rows of CloudGradients if `place` is not empty
 };
 
-/// One forward pass that can be differentiated. Keeps the projection and the tile lists of the last forward.
+/// A differentiable forward pass. Stores the projection and tile lists of the last forward for backward.
 class SplatPass {
  public:
   explicit SplatPass(SplatOptions options);

@@ -1,5 +1,5 @@
 #pragma once
-// The backward kernel of one tile: record the traversal, then go through it from the far end.      PAPER.md §5.1
+// The backward kernel of one tile: record the traversal, then process it from back to front.      PAPER.md §5.1
 #include "ngs/ops/splat/splat_tiles.h"
 
 namespace ngs {
@@ -12,7 +12,7 @@ struct TapeSink {
   static constexpr bool kTakesEmpty = true;
   Tape<S>& tape;
   std::uint32_t entry = 0;
-  // Where the next contribution goes. Kept here: a store of a row may alias whatever lies in the tape itself.
+  // Write positions of the next contribution. Copies of the tape's: a store to a row may alias the tape's own members.
   S* lanes = nullptr;
   std::uint8_t* row_begin = nullptr;
   std::uint8_t* row = nullptr;
@@ -37,8 +37,8 @@ struct TapeSink {
   void end() {}
 };
 
-/// Rows of an image's gradient that are asked for before they are read.
-inline constexpr int kRowsAhead = 4;
+/// Prefetch distance of the image gradient, in rows.
+inline constexpr int kPrefetchGradientRows = 4;
 
 /// Reads ∂L/∂(image) into packs [packs][count + 1][lanes]; false if it is zero everywhere.
 template <class L>
@@ -55,9 +55,10 @@ bool load_image_gradient(const BackwardTile<typename LaneTraits<L>::Scalar>& in)
       const S* from =
           plane.data + (std::size_t(frame.y_px + y) * std::size_t(frame.width_px) + std::size_t(frame.x_px)) *
                            std::size_t(plane.stride);
-      // Rows are short and far apart: the processor does not foresee them.
-      const std::size_t ahead =
-          y + kRowsAhead < rows ? std::size_t(kRowsAhead * frame.width_px) * std::size_t(plane.stride) : 0;
+      // Rows are short and far apart: the hardware prefetcher misses them.
+      const std::size_t ahead = y + kPrefetchGradientRows < rows
+                                    ? std::size_t(kPrefetchGradientRows * frame.width_px) * std::size_t(plane.stride)
+                                    : 0;
       for (int i = 0; i < columns * plane.stride; i += int(64 / sizeof(S))) __builtin_prefetch(from + ahead + i);
       for (int x = 0; x < columns; x += kLanes) {
         S* to = in.scratch + std::size_t((x / kLanes * kTilePx + y) * (count + 1) + c) * kLanes;
@@ -69,14 +70,14 @@ bool load_image_gradient(const BackwardTile<typename LaneTraits<L>::Scalar>& in)
   for (int pack = 0; pack < kPacksPerTile<L> * (count + 1); ++pack) {
     L g;
     load_lanes(in.scratch + std::size_t(pack) * kLanes, g);
-    if (any(!((g <= zero) & (zero <= g)))) return true;  // also if it is no number
+    if (any(!((g <= zero) & (zero <= g)))) return true;  // true for NaN too
   }
   return false;
 }
 
 /// ∂L/∂(record, channel values) of every Gaussian of one tile.
 ///
-/// Walked from the far end with s = Σ_c g_c · (colour behind):  ∂L/∂α = T (v - s),  v = Σ_c g_c c_i + g_alpha,
+/// Back to front with s = Σ_c g_c · (colour behind):  ∂L/∂α = T (v - s),  v = Σ_c g_c c_i + g_alpha,
 /// s <- α v + (1 - α) s. Exact also where α is capped; the cap itself passes no gradient to its arguments.
 /// Within a column of packs u is constant, so only Σ g, Σ g w and Σ g w² (g = ∂L/∂power, w = rows from the mean) are
 /// summed over rows; the moments in u follow per lane.
@@ -86,7 +87,7 @@ class TileBackward {
   using W = WideOf<S>;
   using F = typename LaneTraits<L>::Folded;
   static constexpr int kLanes = LaneTraits<L>::kLanes;
-  static constexpr std::size_t kSpansAhead = 6;
+  static constexpr std::size_t kPrefetchSpans = 6;
 
  public:
   explicit TileBackward(const BackwardTile<S>& in)
@@ -108,14 +109,14 @@ class TileBackward {
       const typename Tape<S>::Span span = tape.span[k];
       const bool first = k + 1 == tape.spans || tape.span[k + 1].entry != span.entry;
       const bool last = k == 0 || tape.span[k - 1].entry != span.entry;
-      if (k >= kSpansAhead) prefetch(tape.span[k - kSpansAhead].entry);
+      if (k >= kPrefetchSpans) prefetch(tape.span[k - kPrefetchSpans].entry);
       column(span, end, first, last);
       end = span.begin;
     }
   }
 
  private:
-  /// Gaussians of a tile lie anywhere in memory.
+  /// The Gaussians of a tile are scattered in memory.
   [[gnu::always_inline]] void prefetch(std::uint32_t entry) const {
     __builtin_prefetch(in_.value.row(in_.work.visible[entry]));
     __builtin_prefetch(in_.pair_grad + std::size_t(in_.work.slot[entry]) * std::size_t(kPairGeometry + count()), 1);
@@ -127,7 +128,7 @@ class TileBackward {
     return g;
   }
 
-  /// One column of packs of one entry; `first` and `last`: of the columns of its entry.
+  /// One column of packs of one entry; `first`, `last`: whether it is the entry's first or last column here.
   [[gnu::always_inline]] void column(const typename Tape<S>::Span& span, std::size_t end, bool first, bool last) {
     const std::uint32_t visible = in_.work.visible[span.entry];
     const SplatRecord<S>& g = in_.work.record[visible];
@@ -143,7 +144,7 @@ class TileBackward {
     }
     const L zero = L(S(0)), cap = L(S(kAlphaCap));
     L p0 = zero, py = zero, pyy = zero;
-    ChannelSums<L, C> sums(in_.scratch + (count() + 1) * kTilePixels);  // a local: members would live in memory
+    ChannelSums<L, C> sums(in_.scratch + (count() + 1) * kTilePixels);  // a local variable stays in registers
     sums.clear(count());
     const S* lanes = in_.tape->lanes + span.begin * 2 * kLanes;
     for (std::size_t j = span.begin; j < end; ++j, lanes += 2 * kLanes) {
@@ -188,7 +189,7 @@ class TileBackward {
   const W first_x_px_, first_y_px_;  // the tile's first pixel centre
   ChannelSums<F, C> totals_;
   L behind_[kPacksPerTile<L>];
-  S row_distance_[kTilePx];  // of the entry's mean from the rows
+  S row_distance_[kTilePx];  // from each row to the entry's mean, px
   F total_[kPairGeometry];
 };
 
@@ -205,7 +206,7 @@ void record_tile(const TileWork<typename LaneTraits<L>::Scalar>& work, Tape<type
 
 template <class L, int C>
 void backward_tile(const BackwardTile<typename LaneTraits<L>::Scalar>& in) {
-  if (!load_image_gradient<L>(in)) return;  // a loss that does not look at this tile costs nothing here
+  if (!load_image_gradient<L>(in)) return;  // the loss does not depend on this tile
   in.tape->size = in.tape->spans = 0;
   L transmittance[kPacksPerTile<L>];
   TapeSink<L> sink{*in.tape};

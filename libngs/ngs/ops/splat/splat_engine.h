@@ -1,7 +1,6 @@
 #pragma once
-// Forward and backward of one whole view, templated on the storage scalar; the kernels of its tiles come as a table.
-// Internal to ops: splat.cpp runs it with the float kernels of the machine, tests also with one-lane kernels of double
-// and Dual<double>.
+// Forward and backward pass of one view, templated on the storage scalar and a table of tile kernels. Internal to ops:
+// splat.cpp uses the float kernels of the machine, tests also one-lane kernels of double and Dual<double>.
 #include <memory>
 #include <optional>
 
@@ -17,21 +16,21 @@ class SplatEngine {
               const Camera& camera, const ChannelPlan<S>& plan)
       : kernels_(kernels), options_(options), cloud_(cloud), camera_(camera), plan_(plan) {}
 
-  /// Of views that are prepared from now on. What it names must outlive them.
-  void ask(const Asked& asked) { asked_ = asked; }
+  /// Applies to later calls of prepare(). The arrays in `request` must outlive these.
+  void cull(const CullRequest& request) { cull_ = request; }
   /// Writes channel c to out[c] and 1 - T_final to out[count()].
   void forward(const Exec& exec, const std::vector<Plane<S>>& out) {
     prepare(exec);
     composite(exec, out);
   }
-  /// The two halves of forward.
+  /// forward() is prepare(), which projects and bins, then composite().
   void prepare(const Exec& exec) {
     binned_.reset();
-    binned_.emplace(exec, cloud_, camera_, options_, asked_);
+    binned_.emplace(exec, cloud_, camera_, options_, cull_);
     gather_channels(exec);
   }
-  /// Other channels of the view that is prepared.
-  void take_channels(const Exec& exec, const ChannelPlan<S>& plan) {
+  /// Replaces the channels; projection and tile lists stay.
+  void set_channels(const Exec& exec, const ChannelPlan<S>& plan) {
     plan_ = plan;
     gather_channels(exec);
   }
@@ -84,7 +83,7 @@ class SplatEngine {
   }
 
   ChannelValues<S> channels() const { return {channel_.data(), plan_.count()}; }
-  /// Written, and so first touched, by all threads.
+  /// [n] zeros, written in parallel so that the threads share the page faults.
   static std::unique_ptr<S[]> zeros(const Exec& exec, std::int64_t n) {
     constexpr std::int64_t kChunk = 1 << 14;
     std::unique_ptr<S[]> memory = std::make_unique_for_overwrite<S[]>(std::size_t(n));
@@ -115,7 +114,7 @@ class SplatEngine {
   CloudView<S> cloud_;
   Camera camera_;
   ChannelPlan<S> plan_;
-  Asked asked_;
+  CullRequest cull_;
   std::optional<BinnedView<S>> binned_;
   std::vector<S> background_, channel_;  // [C], [V, C]
 };

@@ -1,6 +1,6 @@
 #pragma once
-// What is done once per Gaussian of a view, on any device: projection, tiles, channel values, and the way back from the
-// sums over its pixels to the cloud's columns. Internal to ops; templated on the storage scalar S.  PAPER.md §5.1
+// Work per Gaussian of a view, on any device: projection, tile intersection, channel values, and the adjoint from the
+// sums over pixels to the cloud's columns. Internal to ops; templated on the storage scalar S.  PAPER.md §5.1
 #include "ngs/math/elementary.h"
 #include "ngs/ops/splat/project_kernels.h"
 #include "ngs/ops/splat/splat_options.h"
@@ -32,9 +32,9 @@ struct CloudGradientView {
   S *position = nullptr, *rotation = nullptr, *log_scale = nullptr, *logit_opacity = nullptr;
   S *sh_dc = nullptr, *sh_rest = nullptr, *label = nullptr, *mean_px = nullptr;
   std::uint8_t* visible = nullptr;
-  const std::uint8_t* label_alone = nullptr;  // [N] 1: only `label` is wanted, the other rows are 0; null: none
-  const std::int32_t* place = nullptr;        // [N] row of the columns that a Gaussian has, -1: none; null: its own
-  std::int64_t rows = 0;                      // of the columns, where there is `place`
+  const std::uint8_t* label_alone = nullptr;  // [N] 1: only `label` is wanted, the other columns are 0; null: none
+  const std::int32_t* place = nullptr;        // [N] output row of each Gaussian, -1: none; null: row i
+  std::int64_t rows = 0;                      // output rows if `place` is not null
 };
 
 struct TileRect {
@@ -78,11 +78,11 @@ NGS_HD int clamped_int(S x, int lo, int hi) {
   return v > lo ? (v < hi ? int(v) : hi) : lo;
 }
 
-/// How many standard deviations gsplat's tiles reach from the mean.
+/// Radius of gsplat's tile rectangle in standard deviations.
 NGS_HD inline double tile_extent(double opacity) { return min2(3.33, std::sqrt(2.0 * std::log(255.0 * opacity))); }
 
-/// The tile rectangle of the chosen family: 3DGS takes 3 sigma of the longer axis, gsplat an opacity-aware
-/// box per axis. Both visit whole tiles, which is where their results differ at tile borders.
+/// The tile rectangle by `compat`: 3DGS takes 3 sigma of the longer axis, gsplat an opacity-aware extent per axis. Both
+/// visit whole tiles, so their results differ at tile borders.
 template <class S>
 NGS_HD TileRect tile_rect(const ProjectedGaussian<S>& p, Compat compat, int tiles_x, int tiles_y) {
   double radius_x, radius_y;
@@ -105,7 +105,7 @@ NGS_HD TileRect tile_rect(const ProjectedGaussian<S>& p, Compat compat, int tile
 
 /// The members of SplatRecord that depend on the opacity alone.
 template <class S>
-NGS_HD S two_cut_of(S opacity) {
+NGS_HD S max_mahalanobis2_of(S opacity) {
   using std::log;
   return S(2) * log(S(255) * opacity);
 }
@@ -118,16 +118,17 @@ NGS_HD S log2_opacity_of(S opacity) {
 template <class S>
 NGS_HD SplatRecord<S> record_of(const ProjectedGaussian<S>& p, WideOf<S> mean_x, WideOf<S> mean_y) {
   using std::sqrt;
-  const S two_cut = two_cut_of(p.opacity);
-  const S reach2 = max2(two_cut, S(0)), half_width = sqrt(reach2 * p.cov_xx), half_height = sqrt(reach2 * p.cov_yy);
+  const S max_mahalanobis2 = max_mahalanobis2_of(p.opacity);
+  const S reach2 = max2(max_mahalanobis2, S(0)), half_width = sqrt(reach2 * p.cov_xx),
+          half_height = sqrt(reach2 * p.cov_yy);
   const S log2_opacity = log2_opacity_of(p.opacity);
-  return {mean_x,          mean_y,      PowerForm<S>::of(p.conic_a, p.conic_b, p.cov_yy),
-          log2_opacity,    two_cut,     S(1) / p.det,
-          half_width,      half_height, -p.conic_b / p.conic_a * half_height,
+  return {mean_x,          mean_y,           PowerForm<S>::of(p.conic_a, p.conic_b, p.cov_yy),
+          log2_opacity,    max_mahalanobis2, S(1) / p.det,
+          half_width,      half_height,      -p.conic_b / p.conic_a * half_height,
           S(1) / p.conic_c};
 }
 
-/// Tiles [first, end) of one row of tiles: as they are kept, and as they are found.
+/// Tiles [first, end) of one row of tiles: TileSpan as stored, TileRange as computed.
 struct TileSpan {
   std::uint16_t first, end;
 };
@@ -135,20 +136,21 @@ struct TileRange {
   int first, end;
 };
 
-/// What tells the tiles that an ellipse {quadratic form <= two_cut} reaches; T is float or double.
+/// The ellipse {quadratic form <= max_mahalanobis2} in the form that tile intersection needs; T is float or double.
 template <class T>
 struct EllipseShape {
   static constexpr T kEps = std::numeric_limits<T>::epsilon();
-  T a, b, two_cut;            // of the quadratic form a u² + 2 b u v + c v²
+  T a, b, max_mahalanobis2;   // of the quadratic form a u² + 2 b u v + c v²
   T inv_det, inv_c;           // 1 / (a c - b²), 1 / c
-  T half_width, half_height;  // of its box                                    px
+  T half_width, half_height;  // of its bounding box, px
 };
 
-/// The tiles `within` a part of row `ty` whose pixel centres the ellipse about (mean_x, mean_y) can meet; {0, 0}: none.
+/// Intersects the ellipse about (mean_x, mean_y) with row `ty` of tiles: the tiles in `within` that have a pixel centre
+/// in the ellipse; {0, 0}: none.
 ///
-/// The row's widest columns lie where the ellipse's own extreme points do, or at the row's edge nearest to them.
-/// Rounding adds tiles and takes none: the square is widened by what cancels in it, the column by what cancels in u.
-/// Without branches, so that a loop over Gaussians becomes one of packs.
+/// Within the row the ellipse is widest at its own leftmost and rightmost points, or at the row's edge nearest to them.
+/// Rounding may add tiles, never remove any: the square and the column are widened by their cancellation error.
+/// Branch-free, so that the compiler can vectorise a loop over Gaussians.
 template <class T>
 NGS_HD inline TileRange tiles_of_row(const EllipseShape<T>& g, double mean_x, double mean_y, TileRange within, int ty) {
   constexpr T kEps = EllipseShape<T>::kEps, kSlack = T(kSpanSlackPx);
@@ -157,12 +159,12 @@ NGS_HD inline TileRange tiles_of_row(const EllipseShape<T>& g, double mean_x, do
   const T v_lo = max2(T(y_lo - mean_y), -height), v_hi = min2(T(y_hi - mean_y), height);
   const T v_right = -g.b * g.inv_c * g.half_width, v_most = clamp3(v_right, v_lo, v_hi),
           v_least = clamp3(-v_right, v_lo, v_hi);
-  const T inv_a = T(1) / g.a, cut = T(1 + 8 * kEps) * g.two_cut * g.a;
+  const T inv_a = T(1) / g.a, cut = T(1 + 8 * kEps) * g.max_mahalanobis2 * g.a;
   const T right = -g.b * v_most, right_root = std::sqrt(max2(T(0), cut - v_most * v_most * g.inv_det));
   const T left = -g.b * v_least, left_root = std::sqrt(max2(T(0), cut - v_least * v_least * g.inv_det));
   const T right_slack = kSlack + (std::fabs(right) + right_root) * inv_a * (4 * kEps),
           left_slack = kSlack + (std::fabs(left) + left_root) * inv_a * (4 * kEps);
-  // Pixel centres are at +0.5: column x is met when x + 0.5 lies in [x_lo, x_hi].
+  // Pixel centres are at +0.5: column x intersects if x + 0.5 lies in [x_lo, x_hi].
   const T x = T(mean_x - 0.5), x_hi = x + (inv_a * (right + right_root) + right_slack),
           x_lo = x + (inv_a * (left - left_root) - left_slack);
   const T to = T(within.end), first = x_lo / T(kTilePx), last = x_hi / T(kTilePx);
@@ -174,17 +176,17 @@ NGS_HD inline TileRange tiles_of_row(const EllipseShape<T>& g, double mean_x, do
   return {misses ? 0 : span_first, misses ? 0 : span_last + 1};
 }
 
-/// The tiles of row `ty` that a Gaussian reaches.
+/// The tiles of row `ty` that a Gaussian intersects.
 template <class S>
 NGS_HD TileSpan tile_span(const SplatRecord<S>& g, const TileRect& r, int ty) {
-  using T = std::conditional_t<std::is_same_v<S, float>, float, double>;  // a Dual's tiles have no derivative
-  const EllipseShape<T> shape{T(g.form.a()), T(g.form.b()),   T(g.two_cut),    T(g.inv_det),
+  using T = std::conditional_t<std::is_same_v<S, float>, float, double>;  // tile indices have no derivative
+  const EllipseShape<T> shape{T(g.form.a()), T(g.form.b()),   T(g.max_mahalanobis2), T(g.inv_det),
                               T(g.inv_c),    T(g.half_width), T(g.half_height)};
   const TileRange range = tiles_of_row(shape, double(g.mean_x), double(g.mean_y), {r.x_begin, r.x_end}, ty);
   return {std::uint16_t(range.first), std::uint16_t(range.end)};
 }
 
-/// Where a pixel's traversal ends in each family: below 1e-4, or at it.
+/// Transmittance at which a pixel stops: 3DGS stops below 1e-4, gsplat at 1e-4.
 inline double transmittance_stop(Compat compat) {
   return compat == Compat::kInria ? kTransmittanceStop : double(std::nextafter(float(kTransmittanceStop), 1.f));
 }
@@ -203,18 +205,18 @@ struct VisibleGaussian {
   TileRect rect;
 };
 
-/// Everything about a view that does not depend on the Gaussian.
+/// The per-view constants of projection and culling.
 template <class S>
 struct ViewProjector {
   using Wide = WideOf<S>;
   ProjectionCamera<S> camera;
   ProjectionCamera<Wide> wide;
   Vec3<double> centre;
-  double spread, blur_px;  // of beside(): px · world per unit of scale; px
+  double spread, blur_px;  // for outside_frustum(): px · world per unit of scale; px
   int width_px, height_px, tiles_x, tiles_y;
   Compat compat;
-  TileRect drawn;  // all tiles, or those that something is asked of
-  float far_z;     // what is so far away, or farther, is not asked for          world
+  TileRect drawn;  // bounding rectangle of the tiles to rasterise
+  float far_z;     // Gaussians at this camera z or beyond are culled, world
 
   /// The centre of Gaussian i relative to the camera's, in world axes.
   NGS_HD Vec3<Wide> offset(const CloudView<S>& cloud, std::int64_t i) const {
@@ -222,11 +224,11 @@ struct ViewProjector {
   }
 
   static constexpr double kRadii = 3.5, kRounding_px = 2;
-  /// Whether tile_rect would not meet `drawn`, found without the covariance; may be false although it is. Bounded are:
-  /// both radii are at most 3.33 (cov_xx + cov_yy + 0.32)^½ + 1 px and cov_xx + cov_yy <= (largest scale · `spread` /
-  /// z)² + 2 blur. All multiplied by z; what the factors exceed 3.33 and 1 by is for rounding. Without branches: a loop
-  /// over Gaussians becomes one of packs.
-  NGS_HD bool beside(const CloudView<S>& cloud, std::int64_t i) const {
+  /// Conservative cull without the covariance: true only if tile_rect would miss `drawn`. Bounds: both radii are at
+  /// most 3.33 (cov_xx + cov_yy + 0.32)^½ + 1 px, and cov_xx + cov_yy <= (largest scale · `spread` / z)² + 2 blur. All
+  /// terms are multiplied by z; the factors exceed 3.33 and 1 to allow for rounding. Branch-free, so that a loop over
+  /// Gaussians can be vectorised.
+  NGS_HD bool outside_frustum(const CloudView<S>& cloud, std::int64_t i) const {
     const Vec3<Wide> t = wide.rotation * offset(cloud, i);
     const S* log_scale = cloud.log_scale + i * 3;
     const double x = double(t.x), y = double(t.y), z = double(t.z);
@@ -280,16 +282,16 @@ ViewProjector<S> view_projector(const Camera& camera, const SplatOptions& option
           std::numeric_limits<float>::infinity()};
 }
 
-/// Which channels are composited: rgb (if colour), the label columns, camera z (if depth).
+/// The composited channels: rgb (if colour), the label columns, camera z (if depth).
 template <class S>
 struct ChannelPlan {
   bool colour = true, depth = false;
   Matrix<const S> label;                 // [N, K], n = 0: none
-  Vec3<S> background{S(0), S(0), S(0)};  // of the colour
+  Vec3<S> background{S(0), S(0), S(0)};  // of the colour channels
   NGS_HD int labels() const { return label.n > 0 ? label.c : 0; }
   NGS_HD int count() const { return (colour ? 3 : 0) + labels() + (depth ? 1 : 0); }
 
-  /// The channel values of Gaussian i at depth `z` into row [count].
+  /// Writes the channel values of Gaussian i at depth `z` to row [count].
   NGS_HD void fill(const ViewProjector<S>& view, const CloudView<S>& cloud, std::int64_t i, S z, S* row) const {
     if (colour) {
       const Vec3<S> rgb = sh_colour(cloud.sh_degree, narrowed<S>(view.offset(cloud, i)), cloud.sh_dc + i * 3,
@@ -301,8 +303,8 @@ struct ChannelPlan {
   }
 };
 
-/// From the gradients of a Gaussian's pairs [begin, end), and its channel values, to the columns of the cloud.
-///                                                                                             adjoint of project
+/// Adjoint of projection: from the gradients of a Gaussian's pairs [begin, end) and its channel values to the columns
+/// of the cloud.
 template <class S>
 struct GaussianBackward {
   using Wide = WideOf<S>;
@@ -316,7 +318,7 @@ struct GaussianBackward {
   struct Sums {
     S of[N];
   };
-  /// Over the pairs, of N columns side by side: one alone would wait for each of its additions.
+  /// Sums of N columns over the pairs, interleaved to hide the latency of the additions.
   template <int N>
   NGS_HD Sums<N> sums(int first, std::int64_t begin, std::int64_t end) const {
     Wide total[N] = {};
@@ -338,7 +340,7 @@ struct GaussianBackward {
   }
 
  private:
-  /// A Gaussian, and the row of its gradient.
+  /// A Gaussian and the row of its gradient.
   struct Row {
     std::int64_t i, to;
   };

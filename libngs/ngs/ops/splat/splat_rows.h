@@ -1,7 +1,7 @@
 #pragma once
-// Which rows of a tile a Gaussian can meet: what the loop of splat_tiles.h visits.                    PAPER.md §5.1
+// The rows of a tile that a Gaussian can reach; the loop of splat_tiles.h visits only these.         PAPER.md §5.1
 //
-// Found for kAhead Gaussians at once, one per lane. One after the other, the loop would wait for every square root.
+// Computed for kAhead Gaussians at once, one per lane, to hide the latency of the square roots.
 #include <limits>
 #include <type_traits>
 
@@ -11,22 +11,22 @@
 
 namespace ngs {
 
-/// Gaussians whose rows are found at once.
+/// Gaussians per batch.
 inline constexpr std::uint32_t kAhead = 32;
 
-/// The next Gaussians of a tile relative to its first pixel centre, and the rows in which alpha can reach 1/255 within
-/// bands of columns: 8 of them where packs are that wide, so that Pack16 visits what two PackF visit; else one.
+/// The next batch of a tile's Gaussians, relative to its first pixel centre. Per band of columns: the rows in which
+/// alpha can reach 1/255. Bands are at most 8 px wide, so that Pack16 visits the same pixels as two PackF.
 template <class L>
 class RowsAhead {
   using S = typename LaneTraits<L>::Scalar;
-  // Derivatives are not asked for which rows to visit.
+  // Which rows to visit has no derivative.
   using G = std::conditional_t<std::is_arithmetic_v<S>, L, double>;
   using T = typename LaneTraits<G>::Scalar;
   static constexpr int kBandPx = LaneTraits<L>::kLanes < 8 ? LaneTraits<L>::kLanes : 8, kBands = kTilePx / kBandPx;
   static constexpr double kEps = std::numeric_limits<T>::epsilon();
 
  public:
-  /// Gaussians [first, first + kAhead) of the tile's list, or as many as there are.
+  /// Loads Gaussians [first, first + kAhead) of the tile's list, or as many as there are.
   [[gnu::always_inline]] void find(const TileWork<S>& work, std::uint32_t first) {
     const std::uint32_t left = work.entries - first, count = left < kAhead ? left : kAhead;
     for (std::uint32_t k = kAhead; k < left && k < 2 * kAhead; ++k) prefetch(work.record[work.visible[first + k]]);
@@ -34,14 +34,14 @@ class RowsAhead {
     for (std::uint32_t k = 0; k < count; k += LaneTraits<G>::kLanes)
       for (int band = 0; band < kBands; ++band) find_rows(k, band, work.frame.rows());
   }
-  /// Of the k-th: the mean, px from the first pixel centre.
+  /// Mean of the k-th Gaussian, px from the first pixel centre.
   S x(std::uint32_t k) const { return x_[k]; }
   S y(std::uint32_t k) const { return y_[k]; }
-  /// Of the k-th: bits of the rows to visit in a band.
+  /// Bit mask of the rows of a band to visit for the k-th Gaussian.
   std::uint32_t rows(std::uint32_t k, int band) const { return rows_[band][k]; }
 
  private:
-  /// A tile's records lie anywhere in the view's: memory is asked for those of the next find() before it.
+  /// For the next find(): the records of a tile are scattered in memory.
   [[gnu::always_inline]] static void prefetch(const SplatRecord<S>& g) {
     __builtin_prefetch(&g), __builtin_prefetch(&g + 1);
   }
@@ -50,12 +50,13 @@ class RowsAhead {
     x_[k] = S(g.mean_x - W(frame.x_px + 0.5)), y_[k] = S(g.mean_y - W(frame.y_px + 0.5));
     mean_x_[k] = T(x_[k]), mean_y_[k] = T(y_[k]), b_[k] = T(g.form.b()), inv_c_[k] = T(g.inv_c),
     inv_det_[k] = T(g.inv_det);
-    cut_c_[k] = T(1 + 8 * kEps) * T(g.two_cut) * T(g.form.c()), bottom_x_[k] = T(g.bottom_x);
+    cut_c_[k] = T(1 + 8 * kEps) * T(g.max_mahalanobis2) * T(g.form.c()), bottom_x_[k] = T(g.bottom_x);
   }
 
-  /// The ellipse {quadratic form <= two_cut} has its lowest point within the columns at its own lowest point, or on the
-  /// border nearest to that. Rounding adds rows and takes none: the square is widened by what cancels in it, the border
-  /// by what cancels in v. Where the ellipse misses the columns, at most a row too many.
+  /// Within the columns the ellipse {quadratic form <= max_mahalanobis2} has its extreme row at its own lowest
+  /// (highest) point, or on the column border nearest to it. Rounding may add rows, never remove any: the square and
+  /// the border are widened by their cancellation error. If the ellipse misses the columns, at most one row is visited
+  /// in vain.
   [[gnu::always_inline]] void find_rows(std::uint32_t k, int band, int rows) {
     const G left = G(T(band * kBandPx - kSpanSlackPx)) - lanes(mean_x_, k),
             right = left + G(T(kBandPx - 1 + 2 * kSpanSlackPx));
@@ -79,7 +80,7 @@ class RowsAhead {
   }
 
   S x_[kAhead], y_[kAhead];
-  // Lanes behind the last Gaussian are computed too: they must hold something.
+  // Initialised, because lanes behind the last Gaussian are computed too.
   T mean_x_[kAhead] = {}, mean_y_[kAhead] = {}, b_[kAhead] = {}, inv_c_[kAhead] = {}, inv_det_[kAhead] = {},
     cut_c_[kAhead] = {}, bottom_x_[kAhead] = {};
   std::uint32_t rows_[kBands][kAhead];

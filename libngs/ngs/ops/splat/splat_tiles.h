@@ -2,8 +2,8 @@
 // The compositing loop of one tile and its forward kernel.                           Eq. (2); PAPER.md §5.1
 //
 // Templated on the lane type L: PackF (8 pixels of one row) or Pack16 in production, one-lane scalars in tests. A tile
-// is refined in columns of packs, pack = column · 16 + row; per Gaussian only rows where alpha can reach 1/255 within
-// 8 px of columns are visited. Pack16 visits what two PackF visit, so results do not depend on the width.
+// consists of columns of packs, pack = column · 16 + row. Per Gaussian and band of 8 px only rows where alpha can reach
+// 1/255 are visited. Pack16 visits the same pixels as two PackF, so results do not depend on the width.
 #include <cmath>
 #include <type_traits>
 
@@ -17,16 +17,17 @@ inline constexpr int kPackColumns = kTilePx / LaneTraits<L>::kLanes;
 template <class L>
 inline constexpr int kPacksPerTile = kPackColumns<L>* kTilePx;
 
-/// Where pixel (x, y) of a tile lies in a plane of [packs][lanes].
+/// Index of pixel (x, y) of a tile in a plane of [packs][lanes].
 template <class L>
 constexpr int place_in_packs(int x, int y) {
   constexpr int kLanes = LaneTraits<L>::kLanes;
   return (x / kLanes * kTilePx + y) * kLanes + x % kLanes;
 }
 
-/// One (Gaussian, pixel pack) contribution: what sinks receive.
+/// One (Gaussian, pixel pack) contribution, passed to sinks.
+///
 ///   alpha           0 in lanes that the Gaussian does not reach
-///   transmittance   before this Gaussian
+///   transmittance   in front of this Gaussian
 template <class L>
 struct Contribution {
   std::uint32_t pack;
@@ -46,7 +47,7 @@ struct RowsToVisit {
   [[gnu::always_inline]] Mask lanes(std::uint32_t, std::uint32_t) const { return all_lanes(L()); }
 };
 
-/// A pack as wide as the tile: the rows of its two halves, and for every row the lanes of the half that visits it.
+/// For a pack as wide as the tile: the rows of its two halves, and per row the lanes of the halves that visit it.
 template <class L>
 requires(LaneTraits<L>::kLanes == kTilePx) struct RowsToVisit<L> {
   using Mask = typename LaneTraits<L>::Mask;
@@ -62,13 +63,13 @@ requires(LaneTraits<L>::kLanes == kTilePx) struct RowsToVisit<L> {
   [[gnu::always_inline]] Mask lanes(std::uint32_t k, std::uint32_t row) const { return visits[k][row]; }
 };
 
-/// From the pixels `first`, first + 1, ... of a row or column to a mean; lane = 0, 1, ...
+/// Offsets from pixels `first`, first + 1, ... of a row or column to a mean; lane = 0, 1, ...
 template <class L>
 [[gnu::always_inline]] inline L offsets_to(L mean, L lane, int first) {
   return mean - (lane + L(typename LaneTraits<L>::Scalar(first)));
 }
 
-/// What splat_exponent takes per row of a Gaussian: all rows of the tile at once.
+/// Per-row terms of splat_exponent for a Gaussian, for all rows of the tile.
 template <class L>
 struct RowTerms {
   using S = typename LaneTraits<L>::Scalar;
@@ -84,7 +85,7 @@ struct RowTerms {
   }
 };
 
-/// Bits of the rows with a live lane per column of packs; false if there is none.
+/// Bit mask of the rows with a live lane, per column of packs; false if no lane is live.
 template <class L>
 bool find_live_rows(const typename LaneTraits<L>::Mask* live, std::uint32_t* rows) {
   std::uint32_t all = 0;
@@ -96,7 +97,7 @@ bool find_live_rows(const typename LaneTraits<L>::Mask* live, std::uint32_t* row
   return all != 0;
 }
 
-/// The pixels before the first Gaussian: transparent, and live where they are inside the image.
+/// Initial state of the pixels: transmittance 1; live if inside the image.
 template <class L>
 [[gnu::always_inline]] inline void begin_pixels(const TileFrame& frame, const L& lane, L* transmittance,
                                                 typename LaneTraits<L>::Mask* live) {
@@ -111,18 +112,22 @@ template <class L>
   }
 }
 
-/// Goes through the tile's Gaussians nearest first and hands each contribution to `sink`:
+/// Traverses the tile's Gaussians front to back and passes each contribution to `sink`:
+///
+// clang-format off
 ///   sink.begin(e)                        e = position in the tile's list
 ///     sink.begin_column(column)          a column of packs that may be reached
 ///     sink.add(row, Contribution<L>)     zero or more, rows ascending
 ///     sink.end_column(column)
 ///   sink.end()
-/// Contributions without any lane are left out, unless Sink::kTakesEmpty: a branch that waits for the whole evaluation
-/// costs more than an addition of zeros. `transmittance` [packs] is left at its final value. A pixel stops before its
-/// transmittance would fall below work.stop; the tile stops when all its pixels have.
+// clang-format on
 ///
-/// The alphas of a column come first, then what they do to the pixels. In one loop each row would be one long chain of
-/// operations, few of which fit into what the processor looks ahead at.
+/// Contributions with alpha 0 in all lanes are skipped, unless Sink::kTakesEmpty: adding zeros costs less than a branch
+/// that waits for alpha. On return `transmittance` [packs] is final. A pixel stops before its transmittance would fall
+/// below work.stop; the tile stops when all its pixels have stopped.
+///
+/// All alphas of a column are computed before the pixels are updated. In one loop each row would be one long dependency
+/// chain, too long for out-of-order execution to overlap rows.
 template <class L, class Sink>
 [[gnu::always_inline]] inline void composite_tile(const TileWork<typename LaneTraits<L>::Scalar>& work,
                                                   L* transmittance, Sink& sink) {
@@ -141,7 +146,7 @@ template <class L, class Sink>
   for (std::uint32_t e = 0; e < work.entries; ++e) {
     const std::uint32_t k = e % kAhead;
     if (k == 0) {
-      // Not after each Gaussian: the loop would wait for its last pixel.
+      // Once per batch: after every Gaussian the loop would wait for its last pixel.
       if (!find_live_rows<L>(live, live_rows)) return;
       to_visit.find(work, e);
     }
@@ -162,8 +167,8 @@ template <class L, class Sink>
       sink.begin_column(column);
       for (std::uint32_t left = visited; left != 0; left &= left - 1) {
         const std::uint32_t row = std::uint32_t(__builtin_ctz(left)), pack = std::uint32_t(column * kTilePx) + row;
-        const L before = transmittance[pack], after = splat_behind(alpha_of[row], before);
-        // A lane that is not reached stays as it is, for no transmittance is ever below `stop`.
+        const L before = transmittance[pack], after = attenuate(alpha_of[row], before);
+        // A lane that is not reached is unchanged: its transmittance is never below `stop`.
         const Mask lasts = and_at_least(live[pack], after, stop);
         const L alpha = select(lasts, alpha_of[row], zero);
         live[pack] = lasts;
@@ -176,7 +181,7 @@ template <class L, class Sink>
   }
 }
 
-/// The channel values of one Gaussian: C of them in registers, or any number where C = 0.
+/// The channel values of one Gaussian: C of them in registers; C = 0: any number, in memory.
 template <class L, int C>
 struct ChannelRow {
   using S = typename LaneTraits<L>::Scalar;
@@ -192,7 +197,7 @@ struct ChannelRow {
   }
 };
 
-/// Sums over lanes per channel: C of them in registers, or any number in memory where C = 0.
+/// Per-channel sums of packs: C of them in registers; C = 0: any number, in memory.
 template <class L, int C>
 struct ChannelSums {
   using S = typename LaneTraits<L>::Scalar;
@@ -225,16 +230,16 @@ struct ChannelSums {
   }
 };
 
-/// The channels of a Gaussian that are not 0, where there are few: of many objects' labels one or two. The others would
-/// add nothing to sums that begin at 0.
+/// The non-zero channels of a Gaussian if there are few, such as one or two labels of many objects. Zero channels would
+/// add nothing to the sums.
 template <class S>
 struct FewChannels {
   static constexpr int kFew = 4;
   int channel[kFew];
-  int count = 0;  // kFew + 1: more, or not known
+  int count = 0;  // kFew + 1: more than kFew, or unknown
   [[gnu::always_inline]] void find(const S* row, int channels) {
     count = kFew + 1;
-    if constexpr (std::is_floating_point_v<S>) {  // a Dual that is 0 may have a derivative
+    if constexpr (std::is_floating_point_v<S>) {  // a Dual of value 0 may have a derivative
       count = 0;
       for (int c = 0; c < channels && count <= kFew; ++c)
         if (row[c] != S(0)) {
@@ -262,8 +267,8 @@ struct ChannelSink {
     const S* values = value.row(work.visible[e]);
     row.load(values);
     if constexpr (C == 0) {
-      constexpr std::uint32_t kSoon = 8;  // entries until then: rows of many channels are waited for otherwise
-      if (e + kSoon < work.entries) __builtin_prefetch(value.row(work.visible[e + kSoon]));
+      constexpr std::uint32_t kPrefetchEntries = 8;  // rows of many channels miss the cache
+      if (e + kPrefetchEntries < work.entries) __builtin_prefetch(value.row(work.visible[e + kPrefetchEntries]));
       few.find(values, value.count);
     }
   }

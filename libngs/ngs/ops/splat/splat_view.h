@@ -1,6 +1,6 @@
 #pragma once
-// One view of a cloud, projected and sorted into tiles: what the compositing loops run over. Internal to ops;
-// templated on the storage scalar S (float in production, double and Dual in tests).
+// Projects one view of a cloud and bins it into tiles, the input of the compositing loops. Internal to ops; templated
+// on the storage scalar S (float in production, double and Dual in tests).
 #include <algorithm>
 #include <vector>
 
@@ -11,7 +11,7 @@
 
 namespace ngs {
 
-/// Projects every Gaussian of the cloud; keeps those that can reach a pixel.
+/// Projects the cloud; returns the Gaussians that can reach a pixel.
 template <class S>
 ProjectedView<S> project_view(const Exec& exec, const CloudView<S>& cloud, const ViewProjector<S>& projector) {
   constexpr std::int64_t kChunk = 1 << 11;
@@ -20,11 +20,11 @@ ProjectedView<S> project_view(const Exec& exec, const CloudView<S>& cloud, const
   for_each_task(exec, chunks, [&](std::int64_t chunk) {
     ProjectedView<S>& out = part[std::size_t(chunk)];
     const std::int64_t begin = chunk * kChunk, count = std::min(cloud.size - begin, kChunk);
-    std::uint8_t beside[kChunk];
-    for (std::int64_t k = 0; k < count; ++k) beside[k] = projector.beside(cloud, begin + k);
+    std::uint8_t outside[kChunk];
+    for (std::int64_t k = 0; k < count; ++k) outside[k] = projector.outside_frustum(cloud, begin + k);
     for (std::int64_t i = begin; i < begin + count; ++i) {
       VisibleGaussian<S> g;
-      if (beside[i - begin] || !projector.project(cloud, i, g)) continue;
+      if (outside[i - begin] || !projector.project(cloud, i, g)) continue;
       out.id.push_back(std::uint32_t(i));
       out.record.push_back(g.record), out.depth.push_back(g.depth), out.rect.push_back(g.rect);
       out.first.push_back(first_spans(g.record, g.rect));
@@ -41,7 +41,7 @@ ProjectedView<S> project_view(const Exec& exec, const CloudView<S>& cloud, const
     all.depth.insert(all.depth.end(), p.depth.begin(), p.depth.end());
     all.rect.insert(all.rect.end(), p.rect.begin(), p.rect.end());
     all.first.insert(all.first.end(), p.first.begin(), p.first.end());
-    p = {};  // the whole is never held twice
+    p = {};  // frees each part at once: memory never holds the view twice
   }
   return all;
 }
@@ -52,7 +52,7 @@ ProjectedView<S> project_view(const Exec& exec, const CloudView<S>& cloud, const
   return project_view(exec, cloud, view_projector<S>(camera, options));
 }
 
-/// Lists per tile, ordered by (depth, index).
+/// Tile lists in depth order: (depth, index).
 template <class S>
 TileLists bin_tiles(const Exec& exec, const ProjectedView<S>& view, int width_px, int height_px) {
   TileLists lists;
@@ -62,7 +62,7 @@ TileLists bin_tiles(const Exec& exec, const ProjectedView<S>& view, int width_px
   return lists;
 }
 
-/// What the kernels of one tile are given.
+/// The input of the kernels of one tile.
 template <class S>
 TileWork<S> tile_work(const ProjectedView<S>& view, const TileLists& lists, std::int64_t tile, const Camera& camera,
                       Compat compat) {

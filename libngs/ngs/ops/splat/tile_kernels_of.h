@@ -1,5 +1,5 @@
 #pragma once
-// The table of kernels of one lane type. Channel counts that the tools use have kernels of their own.
+// The kernel table of one lane type, specialised for the channel counts that the tools use.
 #include "ngs/ops/splat/evidence_tile.h"
 #include "ngs/ops/splat/splat_backward.h"
 
@@ -32,7 +32,7 @@ void evidence_any(const EvidenceTile<typename LaneTraits<L>::Scalar>& in) {
   if (in.by_visibility) return evidence_tile<L, kAnyObjects, true>(in);
   if (in.objects == 0) return evidence_tile<L, 0>(in);
   if (in.objects == 1) return evidence_tile<L, 1>(in);
-  if (in.objects == 3) return evidence_tile<L, 3>(in);  // the colours of a photo
+  if (in.objects == 3) return evidence_tile<L, 3>(in);  // rgb of a photo
   evidence_tile<L, kAnyObjects>(in);
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Which Gaussians of a view reach which tile, nearest first. Internal to ops; templated on the storage scalar S.
+// Tile intersections of a view's Gaussians, in depth order. Internal to ops; templated on the storage scalar S.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -13,7 +13,7 @@
 
 namespace ngs {
 
-/// The tiles that a Gaussian reaches in the first rows of its rectangle, {0, 0} below it; of most there are no more.
+/// The tiles that a Gaussian intersects in the first rows of its rectangle; {0, 0} below it. Most have no more rows.
 using FirstSpans = std::array<TileSpan, 2>;
 inline constexpr int kFirstRows = int(std::tuple_size_v<FirstSpans>);
 
@@ -27,19 +27,19 @@ FirstSpans first_spans(const SplatRecord<S>& record, const TileRect& rect) {
 
 template <class S>
 struct ProjectedView {
-  std::vector<std::uint32_t> id;       // [V] index into the cloud, each once
+  std::vector<std::uint32_t> id;       // [V] index into the cloud, unique
   std::vector<SplatRecord<S>> record;  // [V]
   std::vector<S> depth;                // [V] camera z
-  std::vector<TileRect> rect;          // [V] tiles the compat mode's radius reaches; may be none
+  std::vector<TileRect> rect;          // [V] tiles within the compat mode's radius; may be empty
   std::vector<FirstSpans> first;       // [V]
 };
 
-/// Per tile the visible Gaussians that reach alpha >= 1/255 in it, nearest first.
-/// Slots number the (Gaussian, tile) pairs Gaussian-major: the slots of visible Gaussian v are
-/// [slot_begin[v], slot_begin[v + 1]), so that per-pair results are summed per Gaussian in a fixed order.
+/// Per tile: the visible Gaussians that reach alpha >= 1/255 in it, nearest first. Slots number the (Gaussian, tile)
+/// pairs Gaussian-major: those of visible Gaussian v are [slot_begin[v], slot_begin[v + 1]). So per-pair results are
+/// summed per Gaussian in a fixed order.
 struct TileLists {
   int tiles_x = 0, tiles_y = 0;
-  std::vector<double> last_z;            // [tiles] camera z up to which Gaussians are listed, 0: none is; empty: all
+  std::vector<double> last_z;            // [tiles] largest camera z that is listed, 0: none; empty: no limit
   std::vector<std::int64_t> tile_begin;  // [tiles + 1]
   std::vector<std::uint32_t> visible;    // [pairs] index v
   std::vector<std::uint32_t> slot;       // [pairs]
@@ -48,7 +48,7 @@ struct TileLists {
   std::int64_t tiles() const { return std::int64_t(tiles_x) * tiles_y; }
 };
 
-/// Adds the rows of `pairs` [pairs, columns] that visible Gaussian v has, by slot, to sum [columns].
+/// Adds the rows of `pairs` [pairs, columns], indexed by slot, of visible Gaussian v to sum [columns].
 template <class S>
 [[gnu::always_inline]] inline void add_slots(const TileLists& lists, std::size_t v, const S* pairs, std::size_t columns,
                                              double* sum) {
@@ -56,26 +56,25 @@ template <class S>
     for (std::size_t c = 0; c < columns; ++c) sum[c] += double(pairs[std::size_t(slot) * columns + c]);
 }
 
-/// One (Gaussian, tile) pair on its way into the lists.
+/// A (Gaussian, tile) pair before sorting.
 struct TileEntry {
-  std::uint32_t depth;  // the bits of the depth: positive floats sort like them
+  std::uint32_t depth;  // bits of the depth: positive floats sort like their bits
   std::uint32_t visible, slot;
 };
 
-/// What bin_tiles works in; kept from view to view.
+/// Scratch memory of bin_tiles, reused from view to view.
 struct BinScratch {
-  static constexpr std::size_t kBeyond = 2;  // tiles behind the last that are read, and of which nothing is kept
-  struct Chunk {                             // of the visible Gaussians, in their order
-    std::vector<TileSpan> span;              // per Gaussian and row of its tiles after the first rows
-    std::vector<std::uint32_t> next;         // [tiles + kBeyond] how many pairs; then where the next one goes
-    std::uint32_t slots = 0;                 // pairs; then its first slot
+  static constexpr std::size_t kPaddingTiles = 2;  // count() and put() may touch this many tiles past the last one
+  struct Chunk {                                   // consecutive visible Gaussians
+    std::vector<TileSpan> span;                    // per Gaussian: the rows of tiles after the first kFirstRows
+    std::vector<std::uint32_t> next;               // [tiles + kPaddingTiles] pair count; then next position
+    std::uint32_t slots = 0;                       // pair count; then the first slot
   };
   std::vector<Chunk> chunk;
-  std::vector<TileEntry> entry;  // [pairs] by tile, in order of the Gaussians
+  std::vector<TileEntry> entry;  // [pairs] by tile, then Gaussian
 };
 
-/// Puts entries of equal depth in order of their index into the cloud, whatever order the view has. `at` [count]
-/// (depth, place in `entry`), by depth.
+/// Orders entries of equal depth by index into the cloud. `at` [count]: (depth, place in `entry`), sorted by depth.
 inline void order_equals(const TileEntry* entry, const std::vector<std::uint32_t>& id, std::uint64_t* at,
                          std::uint32_t count) {
   const auto depth = [at](std::uint32_t i) { return at[i] >> 32; };
@@ -86,13 +85,12 @@ inline void order_equals(const TileEntry* entry, const std::vector<std::uint32_t
   }
 }
 
-/// Sorts keys by their 8 bits from `shift` on; equal ones stay in the order that they have. Neighbours in the list are
-/// often neighbours in depth: with one counter per value each would wait for the one before it, so that quarters of the
-/// list have their own.
+/// One pass of a stable radix sort: by the 8 bits from `shift` on. Neighbours in the list often have equal digits. With
+/// one counter per digit each update would wait for the previous one, so each quarter of the list has its own counters.
 inline void sort_by_digit(const std::uint64_t* from, std::uint64_t* to, std::uint32_t count, int shift) {
   constexpr std::uint32_t kQuarters = 4, kValues = 256;
   const std::uint32_t quarter = count / kQuarters;
-  std::array<std::array<std::uint32_t, kQuarters>, kValues> next{};  // how many; then where the next one goes
+  std::array<std::array<std::uint32_t, kQuarters>, kValues> next{};  // count; then next position
   const auto digit = [&](std::uint32_t i) { return from[i] >> shift & (kValues - 1); };
   const auto each = [&](const auto& f) {
     for (std::uint32_t i = 0; i < quarter; ++i)
@@ -106,7 +104,7 @@ inline void sort_by_digit(const std::uint64_t* from, std::uint64_t* to, std::uin
   each([&](std::uint32_t i, std::uint32_t q) { to[next[digit(i)][q]++] = from[i]; });
 }
 
-/// Sorts the entries of one tile by (depth, index into the cloud) into its part of the lists.
+/// Sorts the entries of one tile by (depth, index into the cloud) and writes them to the lists.
 inline void sort_tile(const TileEntry* entry, std::uint32_t count, const std::vector<std::uint32_t>& id,
                       std::uint32_t* visible, std::uint32_t* slot) {
   static thread_local std::vector<std::uint64_t> memory;  // depth, place
@@ -132,15 +130,14 @@ inline void sort_tile(const TileEntry* entry, std::uint32_t count, const std::ve
   }
 }
 
-/// The tiles that visible Gaussian v reaches in row `ty` of its rectangle.
+/// The tiles that visible Gaussian v intersects in row `ty` of its rectangle.
 template <class S>
 TileSpan span_of(const ProjectedView<S>& view, std::size_t v, int ty) {
   const int row = ty - view.rect[v].y_begin;
   return row < kFirstRows ? view.first[v][std::size_t(row)] : tile_span(view.record[v], view.rect[v], ty);
 }
 
-/// Of each tile the camera z of the last Gaussian that reaches it, 0 where none does. `of` [N] 1: of these; null: of
-/// all.
+/// Per tile: camera z of the last Gaussian that intersects it, 0 if none does. `of` [N] 1: only these; null: all.
 template <class S>
 std::vector<double> last_z_of(const ProjectedView<S>& view, const TileLists& lists, const std::uint8_t* of) {
   std::vector<double> last(std::size_t(lists.tiles()), 0.0);
@@ -155,7 +152,7 @@ std::vector<double> last_z_of(const ProjectedView<S>& view, const TileLists& lis
   return last;
 }
 
-/// The same of a picture of it, [H, W, 1].
+/// Per tile: the maximum of a depth image [H, W, 1].
 inline std::vector<double> last_z_of(const ImageF& limit, const TileLists& lists) {
   std::vector<double> last(std::size_t(lists.tiles()), 0.0);
   for (int y = 0; y < limit.height_px; ++y)
@@ -166,8 +163,8 @@ inline std::vector<double> last_z_of(const ImageF& limit, const TileLists& lists
   return last;
 }
 
-/// The rectangle about the tiles that have lists; empty where none has.
-inline TileRect box_of(const TileLists& lists) {
+/// Bounding rectangle of the tiles with last_z > 0; empty if there are none.
+inline TileRect bounding_rect(const TileLists& lists) {
   TileRect box{0, 0, 0, 0};
   for (int ty = 0; ty < lists.tiles_y; ++ty)
     for (int tx = 0; tx < lists.tiles_x; ++tx) {
@@ -215,7 +212,7 @@ class TileBinner {
   void count_pairs(std::int64_t c) {
     BinScratch::Chunk& chunk = scratch_.chunk[std::size_t(c)];
     chunk.span.clear();
-    chunk.next.assign(std::size_t(lists_.tiles()) + BinScratch::kBeyond, 0);
+    chunk.next.assign(std::size_t(lists_.tiles()) + BinScratch::kPaddingTiles, 0);
     std::uint64_t slots = 0;
     for (std::size_t v = first(c); v < first(c + 1); ++v) {
       lists_.slot_begin[v] = std::int64_t(slots);
@@ -223,30 +220,30 @@ class TileBinner {
       std::uint32_t* next = chunk.next.data() + std::ptrdiff_t(r.y_begin) * lists_.tiles_x;
       int ty = r.y_begin;
       for (const TileSpan span : view_.first[v])
-        slots += kAll ? count(span, next) : count_asked(v, span, ty, next), ++ty, next += lists_.tiles_x;
+        slots += kAll ? count(span, next) : count_needed(v, span, ty, next), ++ty, next += lists_.tiles_x;
       for (; ty < r.y_end; ++ty, next += lists_.tiles_x) {
         chunk.span.push_back(tile_span(view_.record[v], r, ty));
-        slots += kAll ? count(chunk.span.back(), next) : count_asked(v, chunk.span.back(), ty, next);
+        slots += kAll ? count(chunk.span.back(), next) : count_needed(v, chunk.span.back(), ty, next);
       }
     }
     NGS_CHECK(slots <= 0xffffffff, "slots are counted in 32 bits");
     chunk.slots = std::uint32_t(slots);
   }
 
-  /// f(tx) for the tiles of a span of row `ty` in whose lists Gaussian v is.
+  /// f(tx) for the tiles of a span in row `ty` whose list contains Gaussian v.
   template <class F>
-  void for_each_asked(std::size_t v, TileSpan span, int ty, const F& f) const {
+  void for_each_needed(std::size_t v, TileSpan span, int ty, const F& f) const {
     const double depth = double(view_.depth[v]);
     for (int tx = span.first; tx < span.end; ++tx)
       if (depth <= lists_.last_z[std::size_t(ty) * std::size_t(lists_.tiles_x) + std::size_t(tx)]) f(tx);
   }
-  std::uint64_t count_asked(std::size_t v, TileSpan span, int ty, std::uint32_t* next) const {
+  std::uint64_t count_needed(std::size_t v, TileSpan span, int ty, std::uint32_t* next) const {
     std::uint64_t tiles = 0;
-    for_each_asked(v, span, ty, [&](int tx) { ++next[tx], ++tiles; });
+    for_each_needed(v, span, ty, [&](int tx) { ++next[tx], ++tiles; });
     return tiles;
   }
 
-  /// Counts the tiles of a span. Most have one or two, which no branch can foresee: these take none.
+  /// Counts the tiles of a span. Most spans have one or two tiles, which is unpredictable: branch-free for these.
   static std::uint64_t count(TileSpan span, std::uint32_t* next) {
     const int tiles = span.end - span.first;
     next[span.first] += tiles > 0, next[span.first + 1] += tiles > 1;
@@ -286,12 +283,12 @@ class TileBinner {
     }
   }
 
-  /// Writes the entries of a span of row `ty`, from entry.slot on; as count(), without branches for its first two
-  /// tiles.
+  /// Writes the entries of a span of row `ty`, from entry.slot on. As count(), branch-free for the first two tiles.
   template <bool kAll>
   void put(TileSpan span, int ty, std::uint32_t* next, TileEntry& entry) {
     if (!kAll)
-      return for_each_asked(entry.visible, span, ty, [&](int tx) { scratch_.entry[next[tx]++] = entry, ++entry.slot; });
+      return for_each_needed(entry.visible, span, ty,
+                             [&](int tx) { scratch_.entry[next[tx]++] = entry, ++entry.slot; });
     TileEntry nowhere, *const to = scratch_.entry.data();
     const int tiles = span.end - span.first;
     const std::uint32_t at[2] = {next[span.first], next[span.first + 1]}, slot = entry.slot;
@@ -310,7 +307,7 @@ class TileBinner {
   std::int64_t chunks_ = 1, per_chunk_ = 0;
 };
 
-/// Lists per tile, ordered by (depth, index into the cloud); lists.tiles_x, tiles_y and last_z are given.
+/// Fills `lists` in depth order: (depth, index into the cloud). lists.tiles_x, tiles_y and last_z are inputs.
 template <class S>
 void bin_tiles(const Exec& exec, const ProjectedView<S>& view, TileLists& lists, BinScratch& scratch) {
   TileBinner<S>(exec, view, lists, scratch).bin();

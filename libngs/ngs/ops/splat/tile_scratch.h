@@ -1,5 +1,5 @@
 #pragma once
-// Memory that the kernels of a tile work in; one per thread, grows and is kept.
+// Scratch memory of the tile kernels: one per thread; grows, never shrinks.
 #include <algorithm>
 #include <cstdint>
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace ngs {
 
-/// The first element of `memory` that begins a 64-byte line, if S allows it; leave room for kLinePad more.
+/// The first 64-byte aligned element of `memory`, if S allows it; allocate kLinePad elements more.
 template <class S>
 inline constexpr std::size_t kLinePad = 64 / sizeof(S) + 1;
 template <class S>

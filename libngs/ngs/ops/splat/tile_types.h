@@ -1,7 +1,7 @@
 #pragma once
-// What the compositing kernels of one tile are given: plain memory only, because one kernel exists per instruction set
-// and the translation units of these may share no code (PAPER.md §5.1). Templated on the storage scalar S (float in
-// production, double and Dual in tests).
+// Inputs of the compositing kernels of one tile: plain memory only, because there is one kernel per instruction set and
+// their translation units must share no code (PAPER.md §5.1). Templated on the storage scalar S (float in production,
+// double and Dual in tests).
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
@@ -13,25 +13,27 @@ namespace ngs {
 inline constexpr int kTilePx = 16;
 inline constexpr int kTilePixels = kTilePx * kTilePx;
 
-/// The scalar in which positions are subtracted and per-Gaussian sums are kept.
+/// The scalar for differences of positions and for per-Gaussian sums.
 template <class S>
 using WideOf = std::conditional_t<std::is_same_v<S, float>, double, S>;
 
-/// A visible Gaussian as the loops read it: 56 bytes for float.
-///   mean_x, mean_y           px; wide, because a float mean at 1000 px is off by 3e-5 px, and alpha by as much
-///   form, log2_opacity       alpha = min(0.99, 2^exponent) by splat_exponent; log2_opacity rounded once, so that an
-///   opacity
-///                            of 1/255 reaches its centre
-///   two_cut                  2 ln(255 · opacity): the quadratic form above which alpha < 1/255
+/// A visible Gaussian as the compositing loops read it: 56 bytes for float.
+///
+// clang-format off
+///   mean_x, mean_y           projected mean, px; wide: in float it is off by 3e-5 px at 1000 px, and alpha by as much
+///   form                     the conic: alpha = min(0.99, 2^exponent) by splat_exponent
+///   log2_opacity             rounded once, so that an opacity of 1/255 reaches the Gaussian's centre
+///   max_mahalanobis2         2 ln(255 · opacity): quadratic form above which alpha < 1/255
 ///   inv_det                  1 / det(blurred covariance) = a c - b²
-///   half_width, half_height  px, of the ellipse {quadratic form <= two_cut}
-///   bottom_x                 px, where the ellipse's lowest point lies, from the mean
+///   half_width, half_height  px, of the ellipse {quadratic form <= max_mahalanobis2}
+///   bottom_x                 px, x of the ellipse's lowest point relative to the mean
 ///   inv_c                    1 / c of the conic
+// clang-format on
 template <class S>
 struct SplatRecord {
   WideOf<S> mean_x, mean_y;
   PowerForm<S> form;
-  S log2_opacity, two_cut, inv_det, half_width, half_height, bottom_x, inv_c;
+  S log2_opacity, max_mahalanobis2, inv_det, half_width, half_height, bottom_x, inv_c;
 };
 
 /// The pixels of one tile.
@@ -42,24 +44,24 @@ struct TileFrame {
   [[gnu::always_inline]] NGS_HD int columns() const { return kTilePx < width_px - x_px ? kTilePx : width_px - x_px; }
 };
 
-/// The Gaussians of one tile, nearest first: record[visible[e]], and the slot of the pair (Gaussian, tile).
+/// The Gaussians of one tile, nearest first: record[visible[e]]; slot[e] numbers the pair (Gaussian, tile).
 template <class S>
 struct TileWork {
   TileFrame frame;
   const SplatRecord<S>* record;
   const std::uint32_t *visible, *slot;  // [entries]
   std::uint32_t entries;
-  S stop;  // a pixel ends before its transmittance falls below this
+  S stop;  // a pixel stops before its transmittance would fall below this
 };
 
-/// Where one channel of an image lives: pixel i at data[i · stride]. Null data: not wanted / zero.
+/// One channel of an image: pixel i at data[i · stride]. Null data: not wanted (output), zero (input).
 template <class T>
 struct Plane {
   T* data = nullptr;
   int stride = 1;
 };
 
-/// Values composited per Gaussian, [V, count] by `visible`.
+/// Channel values per Gaussian, [V, count], indexed by `visible`.
 template <class S>
 struct ChannelValues {
   const S* data;
@@ -78,9 +80,9 @@ struct ForwardTile {
   S* scratch;           // [count · kTilePixels]
 };
 
-/// The traversal of a tile as it was recorded, so that the backward pass can go from the far end without dividing by
-/// 1 - alpha: 8 bytes per contributing (Gaussian, pixel) pair, at most ~2300 per pixel (T falls by 1/255 each).
-/// `lanes` holds alpha and transmittance of each contribution, 2 · kLanes values.
+/// A recorded traversal of a tile, so that the backward pass can go back to front without dividing by 1 - alpha: 8
+/// bytes per contributing (Gaussian, pixel) pair, at most ~2300 per pixel (each lowers T by 1/255 or more). `lanes`
+/// holds alpha and transmittance of each contribution, 2 · kLanes values.
 template <class S>
 struct Tape {
   struct Span {
@@ -93,11 +95,11 @@ struct Tape {
   std::size_t lane_capacity = 0;
   Span* span = nullptr;
   std::size_t spans = 0, span_capacity = 0;
-  /// Makes room for kTilePx more contributions of `lanes` lanes and one more span.
+  /// Grows the capacity by at least kTilePx contributions of `lanes` lanes and one span.
   void (*grow)(Tape&, int lanes) = nullptr;
 };
 
-/// Gradient of one (Gaussian, tile) pair before it is summed per Gaussian: mean, conic, log opacity, then channels.
+/// Geometry columns of the gradient of a (Gaussian, tile) pair: mean, conic, log opacity. Channels follow.
 inline constexpr int kPairGeometry = 6;
 
 constexpr std::size_t backward_scratch(int count) {
@@ -133,7 +135,8 @@ struct EvidenceTile {
 };
 
 /// The kernels of one lane type.
-///   record   traverses the tile into the tape; transmittance [kTilePixels]: the final one, in packs
+///
+///   record   records the traversal of the tile; transmittance [kTilePixels]: the final one, in packs
 template <class S>
 struct TileKernels {
   int lanes;

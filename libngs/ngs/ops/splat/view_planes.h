@@ -1,5 +1,5 @@
 #pragma once
-// The images of a view as the planes that the compositing kernels write. Internal to ops.
+// The images of a view as planes for the compositing kernels. Internal to ops.
 #include <vector>
 
 #include "ngs/ops/splat/splat_engine.h"
@@ -7,13 +7,13 @@
 
 namespace ngs {
 
-/// Of a RenderRequest, by any name: splat.h, which has it, is a unit with splat.cpp, which includes this header.
+/// Request is RenderRequest; a template because splat.h, which defines it, must not be included here.
 template <class Request>
 ChannelPlan<float> channel_plan(const Request& request) {
   return {request.colour, request.depth, request.label, request.background};
 }
 
-/// Planes of the images of a view in channel order; `alpha` last.
+/// The planes of a view's images in channel order, `alpha` last.
 template <class T, class View>
 std::vector<Plane<T>> planes(const ChannelPlan<float>& plan, View& view) {
   std::vector<Plane<T>> out;
@@ -27,7 +27,7 @@ std::vector<Plane<T>> planes(const ChannelPlan<float>& plan, View& view) {
   return out;
 }
 
-/// Images of the right shapes; every pixel is written later, so that those of an earlier view serve as they are.
+/// Gives the images their shapes. Reuses memory of the right shape without clearing it: every pixel is written later.
 inline void allocate(const Camera& camera, const ChannelPlan<float>& plan, RenderedView& view) {
   const int w = camera.width_px, h = camera.height_px;
   view.width_px = w, view.height_px = h;

@@ -12,10 +12,10 @@
 namespace ngs {
 namespace {
 
-/// The cells that hang together with an object's core.
+/// The grid cells that are connected to an object's core.
 class LinkedCells {
  public:
-  /// None without a core that has a size.
+  /// Nullopt: there is no core, or it has no extent.
   static std::optional<LinkedCells> of(const Exec& exec, const ComponentOptions& options, const GaussianCloud& cloud,
                                        const LabelColumns& object) {
     const ObjectCore core = core_of(options.core, cloud, std::span(&object, 1));
@@ -26,7 +26,7 @@ class LinkedCells {
     return cells;
   }
 
-  /// Of the core's Gaussians.
+  /// Minimum number of views of the core's Gaussians.
   double least_views() const { return least_views_; }
   bool has_near(const float* position) const {
     bool near = false;
@@ -63,20 +63,20 @@ class LinkedCells {
 
 using RowList = std::vector<std::size_t>;
 
-/// Rows that are claimed, and not linked with the core.
+/// Rows with object evidence that are not linked to the core.
 RowList far_from_core(const Exec& exec, const ComponentOptions& options, const Problem& input,
                       const LabelColumns& object) {
   const GaussianCloud& cloud = input.cloud;
   RowList far;
   const std::optional<LinkedCells> cells = LinkedCells::of(exec, options, cloud, object);
   for (std::size_t i = 0; cells && i < std::size_t(cloud.size()); ++i) {
-    if (!cloud.usable[i] || !(double(object.prob[i]) > options.claimed) || is_fixed(input, i)) continue;
+    if (!cloud.usable[i] || !(double(object.prob[i]) > options.candidate) || is_fixed(input, i)) continue;
     if (double(object.views[i]) < cells->least_views() && !cells->has_near(&cloud.position[3 * i])) far.push_back(i);
   }
   return far;
 }
 
-/// Of each object: one alone takes all threads, several one each.
+/// The same for each object. One object uses all threads; several objects use one thread each.
 std::vector<RowList> far_from_cores(const Exec& exec, const ComponentOptions& options, const Problem& input,
                                     const std::vector<LabelColumns>& objects) {
   std::vector<RowList> far(objects.size());
@@ -112,24 +112,25 @@ ComponentFinding find_disconnected(const Exec& exec, const ComponentOptions& opt
   }
   for (const LabelColumns& object : finding.labels)
     for (std::size_t i = 0; i < finding.disconnected.size(); ++i)
-      if (double(object.prob[i]) > options.claimed) finding.disconnected[i] = 0;
+      if (double(object.prob[i]) > options.candidate) finding.disconnected[i] = 0;
   return finding;
 }
 
-std::int64_t withdraw_apart(const Exec& exec, const ComponentOptions& options, const Problem& input,
-                            Solution& solution) {
+std::int64_t restore_disconnected_labels(const Exec& exec, const ComponentOptions& options, const Problem& input,
+                                         Solution& solution) {
   const GaussianCloud& cloud = *solution.cloud;
   std::int64_t count = 0;
   for (std::size_t k = 0; k < solution.labels.size(); ++k) {
     LabelColumns& object = solution.labels[k];
     const LabelColumns& given = input.labels[k];
-    std::optional<LinkedCells> cells;  // only where something is claimed anew
-    bool looked = false;
+    std::optional<LinkedCells> cells;  // computed once a newly labelled row is found
+    bool searched = false;
     for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
       const std::size_t source = solution.source_row.empty() ? i : std::size_t(solution.source_row[i]);
-      const bool anew = double(object.prob[i]) > options.labelled && !(double(given.prob[source]) > options.labelled);
-      if (!anew || !cloud.usable[i] || is_fixed(input, source)) continue;
-      if (!looked) cells = LinkedCells::of(exec, options, cloud, object), looked = true;
+      const bool newly_labelled =
+          double(object.prob[i]) > options.labelled && !(double(given.prob[source]) > options.labelled);
+      if (!newly_labelled || !cloud.usable[i] || is_fixed(input, source)) continue;
+      if (!searched) cells = LinkedCells::of(exec, options, cloud, object), searched = true;
       if (!cells || cells->has_near(&cloud.position[3 * i])) continue;
       object.label[i] = given.label[source], object.prob[i] = given.prob[source], ++count;
     }

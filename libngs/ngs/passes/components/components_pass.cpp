@@ -1,5 +1,7 @@
 #include "ngs/passes/components/components_pass.h"
 
+#include <algorithm>
+
 #include "ngs/passes/components/components.h"
 
 namespace ngs {
@@ -7,22 +9,31 @@ namespace ngs {
 std::vector<Effect> ComponentsPass::effects() const {
   return {
       {.name = "components",
-       .help = "claim nothing that does not hang together with the object",
-       .saves = "linking what is labelled",
-       .detector = {"Gaussians that masks claim apart from the object", 0, "one is enough: it may be large",
-                    [](SceneProbe& probe) { return double(count_disconnected(probe.exec(), {}, probe.problem())); }}}};
+       .help = "unlabel pieces that are disconnected from the object",
+       .saves = "linking of labelled Gaussians",
+       .heuristic = {"labelled Gaussians that are disconnected from the object", 0, "one is enough: it may be large",
+                     [](SceneProbe& probe) { return double(count_disconnected(probe.exec(), {}, probe.problem())); }}}};
+}
+
+void ComponentsPass::edit_solution(PassRun& run) {
+  const bool labels_were_trained = run.trainer != nullptr;
+  const bool is_switched_off = std::ranges::none_of(run.decisions.all(), [](const Decision& decision) {
+    return decision.effect->name == "components" && (decision.on || decision.measured);
+  });
+  if (!labels_were_trained || is_switched_off) return;
+  run.report["components"]["withdrawn"] = restore_disconnected_labels(run.exec, {}, *run.problem, *run.solution);
 }
 
 void ComponentsPass::run(PassRun& run) {
   Problem& problem = *run.problem;
-  ComponentFinding finding = find_disconnected(run.exec, {}, problem, problem.labels.taken());
+  ComponentFinding finding = find_disconnected(run.exec, {}, problem, problem.labels.release());
   problem.labels = std::move(finding.labels);
   run.report["components"] = {{"found", finding.count}};
   if (finding.count == 0) return;
-  problem.held.resize(finding.disconnected.size());
-  for (std::size_t i = 0; i < finding.disconnected.size(); ++i) problem.held[i] |= finding.disconnected[i];
-  run.fields_fit = false;
-  run.say(std::to_string(finding.count) + " Gaussians that masks claim lie apart from the object: taken for unseen");
+  problem.frozen.resize(finding.disconnected.size());
+  for (std::size_t i = 0; i < finding.disconnected.size(); ++i) problem.frozen[i] |= finding.disconnected[i];
+  run.field_matches_model = false;
+  run.log(std::to_string(finding.count) + " labelled Gaussians are disconnected from the object: treated as unseen");
 }
 
 }  // namespace ngs

@@ -1,14 +1,15 @@
 #pragma once
-// Takes what masks claim far from the object for unseen.                                        PAPER.md §5.13
+// Treats labelled Gaussians that are disconnected from the object as unseen.                    PAPER.md §5.13
 #include "ngs/passes/pass.h"
 
 namespace ngs {
 
 class ComponentsPass : public Pass {
  public:
-  PassStage stage() const override { return PassStage::kMend; }
+  PassStage stage() const override { return PassStage::kRepair; }
   std::vector<Effect> effects() const override;
   void run(PassRun& run) override;
+  void edit_solution(PassRun& run) override;
 };
 
 }  // namespace ngs

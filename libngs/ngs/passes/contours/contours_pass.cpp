@@ -3,15 +3,15 @@
 #include <algorithm>
 
 #include "ngs/ops/image/mask_pair.h"
-#include "ngs/passes/contours/contour_stage.h"
-#include "ngs/passes/contours/refined_masks.h"
-#include "ngs/passes/detectors.h"
+#include "ngs/problem/scene_measures.h"
 #include "ngs/problem/view_list.h"
+#include "ngs/stages/contours/contour_stage.h"
+#include "ngs/stages/contours/refined_masks.h"
 
 namespace ngs {
 namespace {
 
-/// A refinement takes about as long as so many times that the training views are scored.
+/// A refinement takes about as long as this many evaluations of the training agreement.
 constexpr double kRefineChecks = 8;
 
 bool has_photos(const Problem& problem) { return photo_count(problem.scene, problem.views) > 0; }
@@ -19,16 +19,16 @@ bool has_photos(const Problem& problem) { return photo_count(problem.scene, prob
 double straddling(SceneProbe& probe, ContourViews trained) {
   const Problem& problem = probe.problem();
   const std::size_t views = trained == ContourViews::kAll ? problem.scene.views.size() : problem.views.size();
-  const std::vector<Camera> some = probe.some_cameras();
+  const std::vector<Camera> some = probe.sample_cameras();
   return straddling_bound_px(problem.cloud, some, problem.splat.blur_px2) * double(views) / double(some.size());
 }
 
 double narrow_share(SceneProbe& probe) {
   const Problem& problem = probe.problem();
   if (photo_views(problem.scene).size() < problem.scene.views.size())
-    return 1;  // what no photo holds drifts further at half the size
+    return 1;  // views without a photo drift further at half the size
   std::vector<NarrowParts> sum(problem.labels.size());
-  for_each_view(problem.monitor, probe.some_views(), [&](std::size_t, std::size_t v) {
+  for_each_view(problem.monitor, probe.sample_views(), [&](std::size_t, std::size_t v) {
     const ViewMasks masks = problem.load_masks(v);
     if (!masks.available) return;
     for (std::size_t k = 0; k < masks.target.size(); ++k) {
@@ -43,16 +43,17 @@ double narrow_share(SceneProbe& probe) {
   return most;
 }
 
-/// Under a budget the iterations may have ended too early to earn their place: whether the outcome agrees significantly
-/// less with the views' own masks than what it started from, as the stage asks of its refinement.
-bool has_lost(const Solution& outcome, const std::vector<Agreement>& before, const std::vector<Agreement>& after) {
+/// With a time budget the iterations may end too early. True: the result agrees significantly less with the views'
+/// masks than the start did. The stage applies the same test to its refinement.
+bool has_lost_agreement(const Solution& outcome, const std::vector<Agreement>& before,
+                        const std::vector<Agreement>& after) {
   const auto given = outcome.figures.find("contour_contrast_given"),
              refined = outcome.figures.find("contour_contrast_refined");
   if (given == outcome.figures.end() || given->second < kOffEdges * refined->second)
-    return false;  // those masks do not lie on edges
+    return false;  // the masks' contours do not lie on edges
   std::vector<double> gains;
   for (std::size_t i = 0; i < before.size(); ++i) gains.push_back(after[i].biou - before[i].biou);
-  return gain_in_errors(gains) < -kSignificant;
+  return gain_in_standard_errors(gains) < -kSignificant;
 }
 
 }  // namespace
@@ -61,42 +62,43 @@ std::vector<Effect> ContoursPass::effects() const {
   const ContourViews trained = options_.views;
   return {
       {.name = "contours",
-       .help = "contours follow the photos' edges",
+       .help = "move contours to the photos' edges",
        .saves = "refinement, halving, training on the windows",
-       .detector = {"views that have a photo; 0: the photos add no edge and the masks refuse refined contours", 0,
-                    "one is enough; the refinement then has its own test",
-                    [](SceneProbe& probe) { return probe.edge_gain() < -kSignificant ? 0 : probe.photos(); },
-                    has_photos, "no view has a photo"}},
+       .heuristic = {"views that have a photo; 0: the photos add no edge and the masks reject refined contours", 0,
+                     "one is enough; the refinement has its own test",
+                     [](SceneProbe& probe) { return probe.edge_gain() < -kSignificant ? 0 : probe.views_with_photo(); },
+                     has_photos, "no view has a photo"}},
       {.name = "split",
-       .help = "halve what lies across contours",
-       .saves = "the search for it, and the rows it adds",
+       .help = "halve Gaussians that straddle contours",
+       .saves = "the search for straddling Gaussians, and the added rows",
        .needs = "contours",
-       .detector = {"most weight that a Gaussian can have on a wrong side, px", kSplit_px,
-                    "less than what is halved: nothing would be",
-                    [trained](SceneProbe& probe) { return straddling(probe, trained); }}},
+       .heuristic = {"largest weight that a Gaussian can have on the wrong side, px", kSplit_px,
+                     "below it no Gaussian would be halved",
+                     [trained](SceneProbe& probe) { return straddling(probe, trained); }}},
       {.name = "contour-iterations",
        .help = "refine contours more than once",
        .saves = "all iterations but the first",
        .needs = "contours",
-       .always = "what replaced it cost up to 2 points of boundary IoU on scenes with inaccurate masks"},
+       .always = "one iteration lost up to 2 points of boundary IoU on scenes with inaccurate masks"},
       {.name = "full-resolution",
        .help = "all iterations at full size, after all steps; off: coarse to fine",
-       .saves = "half of the other iterations' rows, columns and epochs, 0.7 of the steps before them",
+       .saves = "half of the rows, columns and epochs of the other iterations, and 0.7 of the joint steps",
        .needs = "contour-iterations",
-       .detector = {"most of an object that lies in parts narrower than 9 px, share (1: some view has no photo)", 0.03,
-                    "between solid things (at most 0.02) and small or thin ones (from 0.04), which half the size "
-                    "leaves few pixels of",
-                    narrow_share}}};
+       .heuristic = {
+           "largest share of an object in parts narrower than 9 px (1: some view has no photo)", 0.03,
+           "between solid objects (at most 0.02) and small or thin ones (from 0.04), which have few pixels at "
+           "half the size",
+           narrow_share}}};
 }
 
 void ContoursPass::declare(OptionSet& options, const OptionGroup& given) {
   OptionGroup group = given;
-  group.name = group.effect = "contours", group.about = "follow the photos' edges";
+  group.name = group.effect = "contours", group.about = "move contours to the photos' edges";
   options.add(options_, std::move(group));
 }
 
-std::vector<EffectVerdict> ContoursPass::rules(const TrainingOptions& training) const {
-  std::vector<EffectVerdict> rules;
+std::vector<FixedDecision> ContoursPass::fixed_decisions(const TrainingOptions& training) const {
+  std::vector<FixedDecision> rules;
   if (contour_epochs(options_, training.joint.quality, 1) == 0)
     rules.push_back({"contours", false, "no epochs: --quality draft without --contour-epochs"});
   if (options_.iterations == 1) rules.push_back({"contour-iterations", false, "--contour-iterations 1"});
@@ -104,10 +106,10 @@ std::vector<EffectVerdict> ContoursPass::rules(const TrainingOptions& training) 
 }
 
 void ContoursPass::prepare(PassRun& run) {
-  const auto on = [&](std::string_view name) { return run.decisions.settled(name).value_or(true); };
+  const auto on = [&](std::string_view name) { return run.decisions.on_if_known(name).value_or(true); };
   options_.on = {
       .split = on("split"), .iterations = on("contour-iterations"), .full_resolution = on("full-resolution")};
-  run.training.joint.contours_go_on = on("contours") && options_.on.iterations && !options_.on.full_resolution;
+  run.training.joint.coarse_contours_follow = on("contours") && options_.on.iterations && !options_.on.full_resolution;
 }
 
 void ContoursPass::run(PassRun& run) {
@@ -115,31 +117,31 @@ void ContoursPass::run(PassRun& run) {
   const bool has_epochs = contour_epochs(options_, run.training.joint.quality, 1) > 0;
   if (!has_epochs)
     run.monitor.warn(
-        "--effect contours=on with --quality draft, which has no epochs for them: they are left out; --contour-epochs "
-        "N gives some");
-  if (run.watch->target_met() || !has_epochs) return;
-  // Contours keep no state of their own: what is interrupted from here on begins with them.
-  if (run.store != nullptr && run.on("joint")) run.store->save_on_the_way(*run.trainer);
+        "--effect contours=on: skipped, because --quality draft has no contour epochs; set --contour-epochs N to run "
+        "them");
+  if (run.tracker->target_met() || !has_epochs) return;
+  // Contour iterations are not checkpointed: a run that is interrupted in them resumes at their start.
+  if (run.store != nullptr && run.on("joint")) run.store->try_save(*run.trainer);
   std::vector<Agreement> before;
   const double began_s = wall_seconds();
-  if (budget.given()) before = training_agreement(run.exec, *run.problem, *run.solution);
+  if (budget.is_set()) before = training_agreement(run.exec, *run.problem, *run.solution);
   const double check_s = wall_seconds() - began_s;
   if (run.monitor.stop_requested()) return;
-  if (!budget.allows((1 + kRefineChecks) * check_s)) return budget.note_cut();
-  run.watch->begin_iterations(budget.given() ? check_s : 0);
-  run.say("contours begin");
-  const Solution start = budget.given() ? *run.solution : Solution{};
+  if (!budget.allows((1 + kRefineChecks) * check_s)) return budget.mark_cut();
+  run.tracker->begin_iterations(budget.is_set() ? check_s : 0);
+  run.log("contours begin");
+  const Solution start = budget.is_set() ? *run.solution : Solution{};
   run.solution = refine_contours(run.exec, run.monitor,
                                  {options_, run.training, *run.problem,
                                   [&](const JointProgress& progress, JointTrainer& trainer, const auto& whole) {
-                                    return run.watch->after_step(progress, trainer, whole);
+                                    return run.tracker->after_step(progress, trainer, whole);
                                   },
-                                  [&](int wanted) { return run.watch->iterations_known(wanted), wanted; }},
+                                  [&](int wanted) { return run.tracker->set_iterations(wanted), wanted; }},
                                  std::move(*run.solution));
-  if (run.monitor.stop_requested() || !budget.given() || run.solution->source_row.empty()) return;
+  if (run.monitor.stop_requested() || !budget.is_set() || run.solution->source_row.empty()) return;
   const std::vector<Agreement> after = training_agreement(run.exec, *run.problem, *run.solution);
-  if (run.monitor.stop_requested() || !has_lost(*run.solution, before, after)) return;
-  run.say("the contours are left out again: too few steps, or the masks disagree");
+  if (run.monitor.stop_requested() || !has_lost_agreement(*run.solution, before, after)) return;
+  run.log("contour iterations undone: they reduced the agreement with the masks");
   const double undone = run.solution->figures["contour_iterations"];
   run.solution = start;
   run.solution->figures["contour_iterations_undone"] = undone;

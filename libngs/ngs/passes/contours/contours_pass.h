@@ -1,7 +1,7 @@
 #pragma once
 // Contour refinement as a pass.                                                                  PAPER.md §5.10
-#include "ngs/passes/contours/contour_options.h"
 #include "ngs/passes/pass.h"
+#include "ngs/stages/contours/contour_options.h"
 
 namespace ngs {
 
@@ -10,9 +10,9 @@ class ContoursPass : public Pass {
   PassStage stage() const override { return PassStage::kOptimise; }
   std::vector<Effect> effects() const override;
   void declare(OptionSet& options, const OptionGroup& group) override;
-  std::vector<EffectVerdict> rules(const TrainingOptions& training) const override;
+  std::vector<FixedDecision> fixed_decisions(const TrainingOptions& training) const override;
   bool follows_clock() const override { return true; }
-  bool decided_anew() const override { return true; }
+  bool decided_again_on_resume() const override { return true; }
   void prepare(PassRun& run) override;
   void run(PassRun& run) override;
 

@@ -10,18 +10,18 @@
 namespace ngs {
 namespace {
 
-constexpr float kSolid = 0.9f;                    // opacity from which the model says what is there
-constexpr float kDark = 0.08f, kClipped = 0.97f;  // of photo and render: below, above, a ratio says nothing
+constexpr float kSolid = 0.9f;                    // minimum opacity of a compared pixel
+constexpr float kDark = 0.08f, kClipped = 0.97f;  // range of photo and rendering in which a ratio is meaningful
 constexpr std::size_t kLeastPixels = 256;
-constexpr double kMostLog = 1.4;  // two stops: beyond it photo and render show different things
+constexpr double kMostLog = 1.4;  // two stops: beyond it photo and rendering differ in content
 
-/// ln(photo / render) in the median pixel; NaN: too few.
+/// Median over the pixels of ln(photo / rendering); NaN: too few pixels.
 double log_gain(const RenderedView& rendered, const ImageF& photo, std::size_t channel) {
   std::vector<double> ratio;
   for (std::size_t p = 0; p < rendered.alpha.data.size(); ++p) {
     const float a = photo.data[3 * p + channel], b = rendered.colour.data[3 * p + channel];
-    const bool says = rendered.alpha.data[p] > kSolid && std::min(a, b) > kDark && std::max(a, b) < kClipped;
-    if (says) ratio.push_back(double(a) / double(b));
+    const bool comparable = rendered.alpha.data[p] > kSolid && std::min(a, b) > kDark && std::max(a, b) < kClipped;
+    if (comparable) ratio.push_back(double(a) / double(b));
   }
   return ratio.size() < kLeastPixels ? NAN : std::log(upper_median(std::move(ratio)));
 }
@@ -47,10 +47,10 @@ std::vector<ViewExposure> view_exposures(const Exec& exec, const Problem& input,
     for (const auto& log : logs)
       if (!std::isnan(log[c])) known.push_back(log[c]);
     if (known.empty()) continue;
-    const double models = upper_median(known);
+    const double median = upper_median(known);
     for (std::size_t i = 0; i < logs.size(); ++i)
       if (!std::isnan(logs[i][c]))
-        exposures[i].gain[c] = float(std::exp(std::clamp(logs[i][c] - models, -kMostLog, kMostLog)));
+        exposures[i].gain[c] = float(std::exp(std::clamp(logs[i][c] - median, -kMostLog, kMostLog)));
   }
   return exposures;
 }
@@ -62,7 +62,7 @@ double exposure_spread_percent(const std::vector<ViewExposure>& exposures) {
   return 100 * std::expm1(worst);
 }
 
-ImageF levelled_photo(const std::vector<ViewExposure>& exposures, std::size_t view, ImageF photo) {
+ImageF equalised_photo(const std::vector<ViewExposure>& exposures, std::size_t view, ImageF photo) {
   const auto known =
       std::find_if(exposures.begin(), exposures.end(), [&](const ViewExposure& e) { return e.view == view; });
   if (known == exposures.end()) return photo;

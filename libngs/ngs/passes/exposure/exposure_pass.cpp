@@ -17,10 +17,10 @@ bool has_photos(const Problem& problem) { return !photo_views(problem.scene).emp
 
 std::vector<Effect> ExposurePass::effects() const {
   return {{.name = "exposure",
-           .help = "take differences of exposure from the photos",
-           .saves = "a gain per view and channel",
-           .detector = {"furthest exposure of a view from the others', percent", 2, "two and a half levels of mid-grey",
-                        measured_spread, has_photos, "no view has a photo"}}};
+           .help = "equalise exposure and white balance of the photos",
+           .saves = "estimation of one gain per view and channel",
+           .heuristic = {"largest deviation of a view's exposure from the median, percent", 2,
+                         "two and a half levels of mid-grey", measured_spread, has_photos, "no view has a photo"}}};
 }
 
 void ExposurePass::run(PassRun& run) {
@@ -33,12 +33,12 @@ void ExposurePass::run(PassRun& run) {
   for (const ViewExposure& e : *exposures) gains[scene.views[e.view].camera.name] = e.gain;
   run.report["exposure"] = {{"gains", gains}};
   if (exposures->empty()) return;
-  const auto levelled = [&exposures](std::function<ImageF(std::size_t)> load) {
+  const auto equalised = [&exposures](std::function<ImageF(std::size_t)> load) {
     return
-        [exposures, load = std::move(load)](std::size_t view) { return levelled_photo(*exposures, view, load(view)); };
+        [exposures, load = std::move(load)](std::size_t view) { return equalised_photo(*exposures, view, load(view)); };
   };
-  run.problem->load_photo = levelled(run.problem->load_photo);
-  if (run.problem->load_fine_photo) run.problem->load_fine_photo = levelled(run.problem->load_fine_photo);
+  run.problem->load_photo = equalised(run.problem->load_photo);
+  if (run.problem->load_fine_photo) run.problem->load_fine_photo = equalised(run.problem->load_fine_photo);
 }
 
 }  // namespace ngs

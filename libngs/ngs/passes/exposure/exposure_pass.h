@@ -1,12 +1,12 @@
 #pragma once
-// Takes differences of exposure between the photos out of them.                                 PAPER.md §5.14
+// Equalises the exposure and white balance of the photos.                                       PAPER.md §5.14
 #include "ngs/passes/pass.h"
 
 namespace ngs {
 
 class ExposurePass : public Pass {
  public:
-  PassStage stage() const override { return PassStage::kMend; }
+  PassStage stage() const override { return PassStage::kRepair; }
   std::vector<Effect> effects() const override;
   void run(PassRun& run) override;
 };

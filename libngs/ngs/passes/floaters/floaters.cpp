@@ -7,7 +7,7 @@
 #include "ngs/math/median.h"
 #include "ngs/ops/field/knn.h"
 #include "ngs/ops/splat/front_layer.h"
-#include "ngs/passes/components/object_core.h"
+#include "ngs/problem/object_core.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/scene/mask_threshold.h"
 #include "ngs/stages/boundary/leave_one_out.h"
@@ -16,10 +16,10 @@
 namespace ngs {
 namespace {
 
-constexpr std::size_t kScoredViews = 8;  // of which the figures PSNR are means
-constexpr std::size_t kFrontViews = 32;  // of which front_opacity() is one
+constexpr std::size_t kScoredViews = 8;  // views for the mean PSNR in the figures
+constexpr std::size_t kFrontViews = 32;  // views for front_opacity()
 
-/// Neither core nor near it, nor fixed by hand.
+/// [N] 1: usable, neither in the core nor near it, and not fixed by hand.
 std::vector<std::uint8_t> candidates_of(const Exec& exec, const Problem& input, const ObjectCore& core, double margin) {
   const auto n = std::size_t(input.cloud.size());
   const std::vector<float> centres = core_centres(input.cloud, core);
@@ -31,17 +31,17 @@ std::vector<std::uint8_t> candidates_of(const Exec& exec, const Problem& input, 
   return candidate;
 }
 
-/// What the core alone looks like from one camera.
+/// The rendering of the core alone from one camera.
 struct Surface {
-  ImageF colour;  // of the surface, where there is one
-  ImageF limit;   // [H, W, 1] camera z before which things are in front of it; 0: no surface
+  ImageF colour;  // [H, W, 3] valid at pixels with a surface
+  ImageF limit;   // [H, W, 1] camera z; nearer Gaussians are in front of the surface; 0: no surface
 
   double pixels() const {
     return double(std::count_if(limit.data.begin(), limit.data.end(), [](float z) { return z > 0; }));
   }
 };
 
-/// Of what `alone` shows, from `surface_alpha` on.
+/// The surface at the pixels where `alone` has at least the opacity `surface_alpha`.
 Surface surface_of(RenderedView alone, double surface_alpha, double margin) {
   Surface s{std::move(alone.colour), ImageF(alone.width_px, alone.height_px, 1)};
   for (std::size_t p = 0; p < alone.alpha.data.size(); ++p) {
@@ -59,7 +59,7 @@ double difference(const float* a, const float* b) {
   return sum / 3;
 }
 
-/// The photo's colours as three soft masks: their evidence is the mean colour of what a Gaussian covers.
+/// The photo's colour channels as three soft masks. A Gaussian's evidence is then its mean photo colour.
 ViewMasks colours_as_masks(const ImageF& photo) {
   ViewMasks channels;
   channels.width_px = photo.width_px, channels.height_px = photo.height_px, channels.available = true;
@@ -100,7 +100,7 @@ class FloaterSearch {
       if (rounds == 1) finding.figures["hidden"] = hidden_;
       if (found.empty() || (rounds == 1 && hidden_ < options_.least_hidden)) break;
       for (const std::size_t i : found) finding.floater[i] = 1, candidate_[i] = 0;
-      take_out(found);
+      remove(found);
       finding.count += std::int64_t(found.size());
     }
     finding.figures["rounds"] = rounds, finding.figures["noise"] = noise_;
@@ -124,34 +124,34 @@ class FloaterSearch {
 
  private:
   const Camera& camera(std::size_t v) const { return input_.scene.views[v].camera; }
-  /// Without the floaters of the rounds before.
-  const GaussianCloud& cloud() const { return without_ ? *without_ : input_.cloud; }
+  /// The cloud without the floaters of earlier rounds.
+  const GaussianCloud& cloud() const { return remaining_ ? *remaining_ : input_.cloud; }
 
-  void take_out(const std::vector<std::size_t>& rows) {
-    if (!without_) without_.emplace(input_.cloud);
-    for (const std::size_t i : rows) without_->logit_opacity[i] = kRemovedLogit;
-    splat_.prepared = prepare_cloud(exec_, *without_);  // its opacities have changed
+  void remove(const std::vector<std::size_t>& rows) {
+    if (!remaining_) remaining_.emplace(input_.cloud);
+    for (const std::size_t i : rows) remaining_->logit_opacity[i] = kRemovedLogit;
+    splat_.prepared = prepare_cloud(exec_, *remaining_);  // the opacities changed
   }
 
-  /// What has to do with what lies in front of the core's surface.
+  /// The Gaussians in front of the core's surface, in view `v`.
   FrontView front_view(std::size_t v, const Surface& surface) const {
     return {exec_, cloud(), surface.limit, camera(v), splat_};
   }
 
-  /// The core is the same in all rounds; its surfaces are kept up to 256 MiB.
+  /// The core is the same in all rounds, so its surfaces are cached, up to 256 MiB.
   Surface surface(std::size_t v) {
     const auto known = surfaces_.find(v);
     if (known != surfaces_.end()) return known->second;
-    constexpr std::size_t kKeptBytes = 256u << 20;
+    constexpr std::size_t kCacheBytes = 256u << 20;
     RenderRequest request;
     request.depth = true, request.include = core_.member.data();
     Surface s = surface_of(render(exec_, cloud(), camera(v), splat_, request), options_.surface_alpha, margin_);
     const std::size_t bytes = std::size_t(s.limit.pixels()) * 4 * sizeof(float);
-    if ((surfaces_.size() + 1) * bytes <= kKeptBytes) surfaces_[v] = s;
+    if ((surfaces_.size() + 1) * bytes <= kCacheBytes) surfaces_[v] = s;
     return s;
   }
 
-  /// Median over views of the median difference between core and photo.
+  /// Median over the views of the median difference between core and photo.
   double core_noise() {
     std::vector<double> medians;
     for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) {
@@ -165,9 +165,9 @@ class FloaterSearch {
     return medians.empty() ? 1.0 : upper_median(medians);
   }
 
-  /// Mean photo colour of some Gaussians in some views, and 1; zeros where they do not show it.
+  /// Mean photo colour of each candidate over some views, followed by a 1; zeros if those views do not show it.
   struct MeanColours {
-    std::vector<float> value;  // [some, 4]
+    std::vector<float> value;  // [candidates, 4]
 
     void set(std::size_t number, const LeaveOneOut::Shares& shares) {
       std::copy_n(shares.share, 3, &value[4 * number]);
@@ -175,9 +175,8 @@ class FloaterSearch {
     }
   };
 
-  /// Pixels at which the photo shows the surface although something is drawn in front of it.
-  std::vector<std::uint8_t> seen_through(std::size_t v, const Surface& s, const ImageF& photo,
-                                         const ImageF& front) const {
+  /// [H, W] 1: the photo shows the surface although the model has Gaussians in front of it.
+  std::vector<std::uint8_t> sees_past(std::size_t v, const Surface& s, const ImageF& photo, const ImageF& front) const {
     ViewMasks masks;
     if (trained_[v]) masks = input_.load_masks(v);
     std::vector<std::uint8_t> marked(s.limit.data.size(), 0);
@@ -195,18 +194,18 @@ class FloaterSearch {
     }
     return marked;
   }
-  /// The view's own masks are known to say that the pixel shows none of the objects.
+  /// True: the view's masks are known at the pixel and label it background.
   static bool vetoed(const ViewMasks& masks, std::size_t p) {
     if (!masks.available || (!masks.known.empty() && !masks.known[p])) return false;
     return std::all_of(masks.target.begin(), masks.target.end(),
-                       [&](const std::vector<float>& target) { return !mask_says_object(target[p]); });
+                       [&](const std::vector<float>& target) { return !mask_is_foreground(target[p]); });
   }
 
-  /// [N] 1: candidates that lie in front of the surface in some view; all candidates where the core is so much of the
-  /// model that to look takes longer than it saves.
+  /// [N] 1: candidates that lie in front of the surface in some view. Returns all candidates if the core is a large
+  /// part of the model, because the test would take longer than it saves.
   std::vector<std::uint8_t> candidates_in_front() {
-    constexpr std::int64_t kLookedAt = 8;  // cores of which the model has room for so many
-    if (kLookedAt * std::int64_t(core_.count) >= cloud().size()) return candidate_;
+    constexpr std::int64_t kMinCoresPerModel = 8;  // minimum size of the model, in sizes of the core
+    if (kMinCoresPerModel * std::int64_t(core_.count) >= cloud().size()) return candidate_;
     std::vector<std::uint8_t> in_front(candidate_.size(), 0);
     for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) {
       const Surface s = surface(v);
@@ -217,15 +216,15 @@ class FloaterSearch {
     return in_front;
   }
 
-  /// Rows of the floaters of this round, and hidden_.
+  /// Finds the rows of this round's floaters. Sets hidden_.
   std::vector<std::size_t> round() {
-    const RowNumbers asked(candidates_in_front());
-    const auto n = std::size_t(asked.size());
+    const RowNumbers front_rows(candidates_in_front());
+    const auto n = std::size_t(front_rows.size());
     const auto weights = [&](std::size_t v) {
       const ViewMasks channels = colours_as_masks(input_.load_photo(v));
-      return view_weights(exec_, cloud(), {camera(v), channels}, splat_, &asked);
+      return view_weights(exec_, cloud(), {camera(v), channels}, splat_, &front_rows);
     };
-    LeaveOneOut colours(exec_, asked.size(), 3, weights);
+    LeaveOneOut colours(exec_, front_rows.size(), 3, weights);
     if (!for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) { colours.add(v); })) return {};
     MeanColours elsewhere{std::vector<float>(4 * n)};
     colours.for_all([&](std::size_t i, const LeaveOneOut::Shares& all) { elsewhere.set(i, all); });
@@ -233,7 +232,7 @@ class FloaterSearch {
     double surface_px = 0;
     for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) {
       const Surface s = surface(v);
-      if (s.pixels() == 0) return;  // nothing is before it
+      if (s.pixels() == 0) return;
       surface_px += s.pixels();
       const ImageF photo = input_.load_photo(v);
       const std::shared_ptr<const ViewWeights> shown = colours.weights_of(v);
@@ -241,10 +240,10 @@ class FloaterSearch {
         elsewhere.set(i, others), own[i] = weight;
       });
       const FrontView view = front_view(v, s);
-      const ImageF layer = view.layer({asked, {elsewhere.value.data(), asked.size(), 4}});
-      const FrontSums sums = view.sums(asked.chosen, seen_through(v, s, photo, layer));
+      const ImageF layer = view.layer({front_rows, {elsewhere.value.data(), front_rows.size(), 4}});
+      const FrontSums sums = view.sums(front_rows.chosen, sees_past(v, s, photo, layer));
       for (std::size_t k = 0; k < sums.row.size(); ++k) {
-        const std::size_t i = asked.number[sums.row[k]];
+        const std::size_t i = front_rows.number[sums.row[k]];
         front[i] += sums.front[k], through[i] += sums.marked[k];
         if (own[i] > 0) reach[i] = std::max(reach[i], sums.front[k] / own[i]);
       }
@@ -255,8 +254,8 @@ class FloaterSearch {
     std::vector<std::size_t> found;
     double hidden_px = 0;
     for (std::size_t i = 0; i < n; ++i) {
-      if (!(front[i] > 0) || reach[i] < options_.least_reach || through[i] < options_.seen_through * front[i]) continue;
-      found.push_back(std::size_t(asked.row[i])), hidden_px += through[i];
+      if (!(front[i] > 0) || reach[i] < options_.least_reach || through[i] < options_.sees_past * front[i]) continue;
+      found.push_back(std::size_t(front_rows.row[i])), hidden_px += through[i];
     }
     hidden_ = surface_px > 0 ? hidden_px / surface_px : 0;
     return found;
@@ -265,8 +264,8 @@ class FloaterSearch {
   const Exec& exec_;
   const FloaterOptions& options_;
   const Problem& input_;
-  std::optional<GaussianCloud> without_;  // floaters of the rounds before; none: there were none
-  SplatOptions splat_;                    // prepared for cloud()
+  std::optional<GaussianCloud> remaining_;  // the cloud without earlier floaters; nullopt: none found yet
+  SplatOptions splat_;                      // prepared for cloud()
   ObjectCore core_;
   std::vector<std::size_t> views_;
   std::vector<std::uint8_t> trained_;  // [views of the scene]
@@ -287,7 +286,7 @@ FloaterFinding find_floaters(const Exec& exec, Monitor& monitor, const FloaterOp
 
 namespace {
 
-/// What is drawn, once the floaters are out, where a view drew some of them.
+/// [N] 1: Gaussians that become visible at pixels where floaters were rendered.
 std::vector<std::uint8_t> uncovered_rows(const Exec& exec, const Problem& input, const std::vector<std::size_t>& views,
                                          const std::vector<std::uint8_t>& floater, const GaussianCloud& without) {
   constexpr float kDrawn = 1.f / 255;
@@ -299,7 +298,7 @@ std::vector<std::uint8_t> uncovered_rows(const Exec& exec, const Problem& input,
     const Camera& camera = input.scene.views[v].camera;
     RenderRequest request;
     request.colour = false, request.label = {label.data(), std::int64_t(label.size()), 1};
-    request.where = request.until = floater.data();
+    request.tiles_touching = request.stop_after = floater.data();
     ViewMasks covered{camera.width_px, camera.height_px, {}, {}, true};
     covered.target.push_back(std::move(render(exec, input.cloud, camera, with, request).label.data));
     for (float& pixel : covered.target[0]) pixel = float(pixel >= kDrawn);
@@ -332,7 +331,7 @@ FloaterRemoval remove_floaters(const Exec& exec, Monitor& monitor, const RefitOp
 std::vector<LabelColumns> labels_without_floaters(const Exec& exec, Monitor& monitor, const Problem& input,
                                                   const GaussianCloud& cloud,
                                                   const std::vector<std::uint8_t>& floater) {
-  std::vector<LabelColumns> labels = labels_anew(exec, monitor, input, cloud);
+  std::vector<LabelColumns> labels = recompute_labels(exec, monitor, input, cloud);
   for (std::size_t k = 0; k < labels.size(); ++k)
     for (std::size_t i = 0; i < floater.size(); ++i)
       if (floater[i]) {

@@ -9,19 +9,19 @@ namespace {
 constexpr int kDraftShrink = 2, kDraftRefitEpochs = 3;
 constexpr std::size_t kDraftViews = 48;
 
-/// Whether floaters are searched in kDraftViews, and refitted, at half the size of decisions: for a draft, and under a
-/// time budget; a run that is resumed has to do the same again.
+/// True: search in at most kDraftViews and refit briefly, at half the decision size. Used for drafts and with a time
+/// budget. A resumed run repeats the choice of the stopped run.
 bool is_draft(const PassRun& run) {
   const Json kept = run.resumed ? run.resumed->value("floaters", Json()) : Json();
   if (kept.is_object() && kept.value("draft", Json()).is_boolean()) return kept["draft"].get<bool>();
-  return preset_of(run.training.joint.quality).half_floaters || run.budget.given();
+  return preset_of(run.training.joint.quality).half_floaters || run.budget.is_set();
 }
 
 void note(const std::map<std::string, double>& figures, Json& report) {
   for (const auto& [name, value] : figures) report[name] = value;
 }
 
-/// Takes them out, and refits what they covered; false: it was asked to stop.
+/// Removes the floaters and refits the Gaussians that they covered. False: a stop was requested.
 bool remove(PassRun& run, const CoarseInput& coarse, const FloaterFinding& finding, bool draft) {
   const RefitOptions refit{.epochs = draft ? kDraftRefitEpochs : RefitOptions{}.epochs};
   FloaterRemoval removal = remove_floaters(run.exec, run.monitor, refit, coarse.get(), finding);
@@ -33,8 +33,8 @@ bool remove(PassRun& run, const CoarseInput& coarse, const FloaterFinding& findi
       run.problem->with_model(std::make_shared<const GaussianCloud>(std::move(removal.cloud)), std::move(labels));
   run.problem.emplace(std::move(next));
   run.floater.assign(finding.floater.begin(), finding.floater.end());
-  run.fields_fit = false;
-  run.say(std::to_string(finding.count) + " floaters before the object were taken out (column ngs_floater)");
+  run.field_matches_model = false;
+  run.log(std::to_string(finding.count) + " floaters in front of the object were removed (column ngs_floater)");
   return true;
 }
 
@@ -42,11 +42,11 @@ bool remove(PassRun& run, const CoarseInput& coarse, const FloaterFinding& findi
 
 std::vector<Effect> FloatersPass::effects() const {
   return {{.name = "floaters",
-           .help = "take floaters before the object out",
-           .saves = "search, removal, refit",
-           .detector = {"share of the object's surface hidden by what stands before it", 1e-3,
-                        "the search itself leaves alone what hides less (FloaterOptions::least_hidden)",
-                        [](SceneProbe& probe) { return front_opacity(probe.exec(), {}, probe.problem()); }}}};
+           .help = "remove floaters in front of the object",
+           .saves = "search, removal and refit",
+           .heuristic = {"mean opacity in front of the object's surface", 1e-3,
+                         "the search removes nothing that hides less (FloaterOptions::least_hidden)",
+                         [](SceneProbe& probe) { return front_opacity(probe.exec(), {}, probe.problem()); }}}};
 }
 
 void FloatersPass::run(PassRun& run) {
@@ -61,9 +61,9 @@ void FloatersPass::run(PassRun& run) {
   if (finding.count > 0 && !remove(run, coarse, finding, draft)) return;
   Json& report = run.report["floaters"];
   report["removed"] = finding.count;
-  report["reason"] = finding.count > 0 ? "the photos show the object behind them"
-                                       : "what lies before the object hides too little of it";
-  report["seen_through"] = options.seen_through, report["least_hidden"] = options.least_hidden;
+  report["reason"] = finding.count > 0 ? "the photos show the object behind the floaters"
+                                       : "Gaussians in front of the object hide too little of it";
+  report["sees_past"] = options.sees_past, report["least_hidden"] = options.least_hidden;
   note(finding.figures, report);
   run.state["floaters"] = {{"draft", draft}};
 }

@@ -1,12 +1,12 @@
 #pragma once
-// Takes floaters before the object out of the model.                                            PAPER.md §5.8
+// Removes floaters in front of the object.                                                      PAPER.md §5.8
 #include "ngs/passes/pass.h"
 
 namespace ngs {
 
 class FloatersPass : public Pass {
  public:
-  PassStage stage() const override { return PassStage::kMend; }
+  PassStage stage() const override { return PassStage::kRepair; }
   std::vector<Effect> effects() const override;
   void run(PassRun& run) override;
 };

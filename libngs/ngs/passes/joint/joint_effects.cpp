@@ -3,15 +3,15 @@
 #include <algorithm>
 
 #include "ngs/ops/image/mask_pair.h"
-#include "ngs/passes/detectors.h"
-#include "ngs/passes/joint/joint_field.h"
 #include "ngs/passes/scene_probe.h"
+#include "ngs/problem/scene_measures.h"
 #include "ngs/problem/view_list.h"
+#include "ngs/stages/optimise/joint_field.h"
 
 namespace ngs {
 namespace {
 
-constexpr std::string_view kHalfLevel = "half a level of an 8-bit photo, which none can show";
+constexpr std::string_view kHalfLevel = "half a level: an 8-bit photo cannot show less";
 
 double gap_without_photos(SceneProbe& probe) {
   return probe.boundary().size() == 0 ? 0 : 1 - probe.label_sample().biou;
@@ -34,7 +34,7 @@ double finest_cell(SceneProbe& probe) {
 
 double patch_deviation(SceneProbe& probe) {
   double most = 0;
-  for_each_view(probe.problem().monitor, probe.some_views(), [&](std::size_t, std::size_t v) {
+  for_each_view(probe.problem().monitor, probe.sample_views(), [&](std::size_t, std::size_t v) {
     const ViewMasks masks = probe.problem().load_masks(v);
     const ImageF photo = probe.problem().load_photo(v);
     if (!masks.available || photo.empty()) return;
@@ -51,117 +51,117 @@ struct JointPart {
   Effect effect;
 };
 
-using Switch = JointSwitches;
+using On = JointSwitches;
 
 const JointPart kParts[] = {
-    {&Switch::nerf,
+    {&On::nerf,
      {.name = "nerf",
-      .help = "the NeRF and all that needs it",
+      .help = "train a NeRF and the terms that need it",
       .saves = "rays, field, network, L_align, L_smth",
       .needs = "joint",
-      .detector = {"without photos: 1 - boundary IoU of the labels as they come with the masks", 0.02,
-                   "two points, what masks of one object differ by from tool to tool", gap_without_photos, has_no_photo,
-                   "there are photos, beside which it gained nothing"}}},
-    {&Switch::boundary,
+      .heuristic = {"without photos: 1 - boundary IoU of the closed-form labels with the masks", 0.02,
+                    "two points: masks of one object differ as much between tools", gap_without_photos, has_no_photo,
+                    "there are photos; in addition to them the NeRF gained nothing"}}},
+    {&On::boundary,
      {.name = "boundary",
-      .help = "boundary set; off: every seen Gaussian",
-      .always = "the set is what all else works on; without it there is more to do, not less"}},
-    {&Switch::box,
+      .help = "use the boundary set; off: every seen Gaussian",
+      .always = "all other parts work on the set; off is more work, not less"}},
+    {&On::box,
      {.name = "box",
-      .help = "box of the boundary; off: the whole image",
-      .always = "without it there is more to do, not less"}},
-    {&Switch::rbf,
+      .help = "sample in the boundary's box; off: in the whole image",
+      .always = "off is more work, not less"}},
+    {&On::rbf,
      {.name = "rbf",
-      .help = "RBF interpolation; off: nearest feature",
-      .saves = "all neighbours of a query but the nearest",
+      .help = "interpolate features by RBF; off: nearest feature",
+      .saves = "all neighbours of a query point except the nearest",
       .needs = "nerf",
-      .detector = {"largest colour difference between neighbours, levels", 0.5, kHalfLevel,
-                   largest_neighbour_difference}}},
-    {&Switch::hash,
+      .heuristic = {"largest colour difference between neighbours, levels", 0.5, kHalfLevel,
+                    largest_neighbour_difference}}},
+    {&On::hash,
      {.name = "hash",
-      .help = "hash levels; off: one coarse level",
-      .saves = "all levels but one",
+      .help = "multi-level hash encoding; off: one coarse level",
+      .saves = "all levels except one",
       .needs = "nerf",
-      .always = "one level costs the network as much"}},
-    {&Switch::fine_hash,
+      .always = "with one level the network costs as much"}},
+    {&On::fine_hash,
      {.name = "fine-hash",
-      .help = "hash levels finer than the boundary; off: not",
-      .saves = "levels whose cells are below half the boundary's spacing",
+      .help = "use hash levels finer than the boundary's spacing",
+      .saves = "levels with cells below half the boundary's spacing",
       .needs = "nerf",
-      .detector = {"side of the finest cell, in spacings of the boundary", kFinestCell,
-                   "two cells to a spacing: no finer detail has support", finest_cell}}},
-    {&Switch::film,
+      .heuristic = {"side of the finest cell, in spacings of the boundary", kFinestCell,
+                    "two cells per spacing: finer detail has no support", finest_cell}}},
+    {&On::film,
      {.name = "film",
-      .help = "condition on f_inter; off: none",
+      .help = "condition the network on f_inter",
       .needs = "nerf",
-      .always = "without it the same network runs"}},
-    {&Switch::align,
+      .always = "off runs the same network"}},
+    {&On::align,
      {.name = "align",
-      .help = "L_align: colour and opacity",
+      .help = "use the colour and opacity terms of L_align",
       .saves = "L_align and its gradients",
       .needs = "nerf",
-      .always = "it is what the field is trained by"}},
-    {&Switch::variance,
+      .always = "the field is trained by it"}},
+    {&On::variance,
      {.name = "variance",
-      .help = "L_align: 7x7 variance",
-      .saves = "the patch pass",
+      .help = "use the 7x7 variance term of L_align",
+      .saves = "the pass over the patches",
       .needs = "align",
-      .detector = {"standard deviation of 7x7 patches at the masks' contours, levels", 0.5, kHalfLevel,
-                   patch_deviation}}},
-    {&Switch::density,
-     {.name = "density", .help = "density weights of L_mask", .needs = "nerf", .always = "a by-product of the field"}},
-    {&Switch::mask, {.name = "mask", .help = "L_mask", .always = "what the labels are trained by"}},
-    {&Switch::cont,
+      .heuristic = {"standard deviation of 7x7 patches at the masks' contours, levels", 0.5, kHalfLevel,
+                    patch_deviation}}},
+    {&On::density,
+     {.name = "density", .help = "weight L_mask by density", .needs = "nerf", .always = "a by-product of the field"}},
+    {&On::mask, {.name = "mask", .help = "use L_mask", .always = "the labels are trained by it"}},
+    {&On::cont,
      {.name = "cont",
-      .help = "L_cont",
-      .saves = "its pass over the neighbours",
+      .help = "use L_cont",
+      .saves = "the pass over the neighbours",
       .needs = "joint",
-      .detector = {"RMS colour difference of neighbours on the boundary, levels", 0.5, kHalfLevel,
-                   [](SceneProbe& probe) {
-                     return neighbour_rms_levels(probe.boundary_neighbours(), probe.boundary_colours());
-                   }}}},
-    {&Switch::smooth,
+      .heuristic = {"RMS colour difference of neighbours on the boundary, levels", 0.5, kHalfLevel,
+                    [](SceneProbe& probe) {
+                      return neighbour_rms_levels(probe.boundary_neighbours(), probe.boundary_colours());
+                    }}}},
+    {&On::smooth,
      {.name = "smooth",
-      .help = "L_smth",
+      .help = "use L_smth",
       .saves = "two more evaluations of the field",
       .needs = "nerf",
-      .detector = {"range of the boundary's colours, levels", 0.5, kHalfLevel,
-                   [](SceneProbe& probe) { return colour_range_levels(probe.boundary_colours()); }}}},
-    {&Switch::photometric,
+      .heuristic = {"range of the boundary's colours, levels", 0.5, kHalfLevel,
+                    [](SceneProbe& probe) { return colour_range_levels(probe.boundary_colours()); }}}},
+    {&On::photometric,
      {.name = "photometric",
-      .help = "anchor to the photos",
-      .saves = "compositing colour, SSIM",
-      .detector = {"views that have a photo", 0, "one is enough", [](SceneProbe& probe) { return probe.photos(); }}}},
-    {&Switch::region,
+      .help = "anchor the colours to the photos",
+      .saves = "compositing of colour, and SSIM",
+      .heuristic = {"views that have a photo", 0, "one is enough",
+                    [](SceneProbe& probe) { return probe.views_with_photo(); }}}},
+    {&On::region,
      {.name = "region",
-      .help = "anchor to all of a photo; off: about the object",
+      .help = "anchor to the whole photo; off: near the object",
       .saves = "SSIM away from the object",
       .needs = "joint",
-      .detector = {"share of the labels' weight outside of the windows", 1e-3,
-                   "a thousandth: nothing there is moved by a mask",
-                   [](SceneProbe& probe) { return probe.label_sample().outside; }}}},
-    {&Switch::sh,
+      .heuristic = {"share of the labels' weight outside the windows", 1e-3, "a thousandth: masks move nothing there",
+                    [](SceneProbe& probe) { return probe.label_sample().outside; }}}},
+    {&On::sh,
      {.name = "sh",
-      .help = "view-dependent colour",
+      .help = "use view-dependent colour",
       .saves = "SH bands, their gradients and steps",
-      .detector = {"strongest view-dependent colour, levels", 0.5, kHalfLevel,
-                   [](SceneProbe& probe) {
-                     return view_dependence_levels(probe.problem().cloud, probe.some_cameras());
-                   }}}},
-    {&Switch::antialias,
+      .heuristic = {"strongest view-dependent colour, levels", 0.5, kHalfLevel,
+                    [](SceneProbe& probe) {
+                      return view_dependence_levels(probe.problem().cloud, probe.sample_cameras());
+                    }}}},
+    {&On::antialias,
      {.name = "antialias",
-      .help = "the opacity compensation the model was trained with",
+      .help = "use the opacity compensation of the model's training",
       .saves = "the compensation",
-      .detector = {"most opacity that it takes, levels", 0.5, kHalfLevel,
-                   [](SceneProbe& probe) {
-                     return antialias_levels(probe.problem().cloud, probe.some_cameras(), probe.problem().splat);
-                   }}}},
-    {&Switch::geometry,
+      .heuristic = {"largest opacity removed by the compensation, levels", 0.5, kHalfLevel,
+                    [](SceneProbe& probe) {
+                      return antialias_levels(probe.problem().cloud, probe.sample_cameras(), probe.problem().splat);
+                    }}}},
+    {&On::geometry,
      {.name = "geometry",
       .help = "move the Gaussians",
-      .always = "gradients that exist anyway; what they move is the result"}},
-    {&Switch::mask_geometry,
-     {.name = "mask-geometry", .help = "L_mask moves the Gaussians", .always = "gradients that exist anyway"}},
+      .always = "the gradients exist anyway, and the moved Gaussians are the result"}},
+    {&On::mask_geometry,
+     {.name = "mask-geometry", .help = "let L_mask move the Gaussians", .always = "the gradients exist anyway"}},
 };
 
 }  // namespace
@@ -169,13 +169,12 @@ const JointPart kParts[] = {
 std::vector<Effect> joint_effects() {
   std::vector<Effect> effects{
       {.name = "joint",
-       .help = "the steps of Eq. 20; off: labels as they come",
-       .saves = "all steps before the photos' edges are followed",
-       .detector = {"agreement with the masks gained by refined contours, normal score (0: the photos show edges that "
-                    "the model does not, or the masks err to one side)",
-                    -kSignificant,
-                    "the photos add no edge to the model, and refined contours agree less with the masks",
-                    [](SceneProbe& probe) { return probe.edge_gain(); }}}};
+       .help = "optimise by Eq. 20; off: closed-form labels",
+       .saves = "all steps before contour refinement",
+       .heuristic = {"gain of agreement with the masks by contour refinement, normal score (0: the photos show edges "
+                     "that the model does not, or the masks err to one side)",
+                     -kSignificant, "below it the photos add no edge, and refined contours agree less with the masks",
+                     [](SceneProbe& probe) { return probe.edge_gain(); }}}};
   for (const JointPart& part : kParts) effects.push_back(part.effect);
   return effects;
 }

@@ -1,16 +1,16 @@
 #pragma once
-// The joint optimisation as an effect, and the parts of it that can be switched.
+// The effects of the joint optimisation: the optimisation itself, and its parts.
 #include <vector>
 
 #include "ngs/passes/effect.h"
-#include "ngs/passes/joint/joint_switches.h"
+#include "ngs/stages/optimise/joint_switches.h"
 
 namespace ngs {
 
-/// The pass itself first.
+/// The effect of the whole pass comes first.
 std::vector<Effect> joint_effects();
 
-/// `on(name)`: whether that part is on.
+/// `on(name)` returns whether that part is on.
 JointSwitches joint_switches(const std::function<bool(std::string_view)>& on);
 
 }  // namespace ngs

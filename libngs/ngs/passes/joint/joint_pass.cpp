@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ngs/passes/components/components.h"
 #include "ngs/passes/joint/joint_effects.h"
 #include "ngs/passes/pipeline.h"
 #include "ngs/problem/region.h"
@@ -11,53 +10,48 @@
 namespace ngs {
 namespace {
 
-/// Not where the effect was switched off; that no mask claims anything apart does not say that training will not.
-bool may_withdraw(const Decisions& decisions) {
-  return std::ranges::any_of(decisions.all(), [](const EffectDecision& decision) {
-    return decision.effect->name == "components" && (decision.on || decision.measured);
-  });
-}
-
-/// Tells the store when steps begin and end.
-class TakingSteps {
+/// Notifies the store of the start and the end of the steps.
+class StepsNotifier {
  public:
-  explicit TakingSteps(StepStore* store) : store_(store) {
-    if (store_ != nullptr) store_->taking_steps(true);
+  explicit StepsNotifier(StepStore* store) : store_(store) {
+    if (store_ != nullptr) store_->steps_running(true);
   }
-  ~TakingSteps() {
-    if (store_ != nullptr) store_->taking_steps(false);
+  ~StepsNotifier() {
+    if (store_ != nullptr) store_->steps_running(false);
   }
-  TakingSteps(const TakingSteps&) = delete;
-  TakingSteps& operator=(const TakingSteps&) = delete;
+  StepsNotifier(const StepsNotifier&) = delete;
+  StepsNotifier& operator=(const StepsNotifier&) = delete;
 
  private:
   StepStore* store_;
 };
 
-/// Steps until `keep_s` of the budget are left, the plan, the target or a signal. `store`: null, nothing is kept.
-void take_steps(PassRun& run, double keep_s, StepStore* store) {
-  const TakingSteps taking(store);
+/// Runs steps until the planned number, the target, a signal, or until `reserve_s` seconds of the budget are left.
+/// `store`: null: no checkpoints.
+void take_steps(PassRun& run, double reserve_s, StepStore* store) {
+  const StepsNotifier notifier(store);
   JointTrainer& trainer = *run.trainer;
-  run.watch->begin_steps(keep_s, trainer);
-  run.say("step " + std::to_string(trainer.steps_done() + 1) + " begins");
-  bool ended = run.watch->target_met();
+  run.tracker->begin_steps(reserve_s, trainer);
+  run.log("step " + std::to_string(trainer.steps_done() + 1) + " begins");
+  bool ended = run.tracker->target_met();
   while (!trainer.finished() && !ended) {
     const JointProgress progress = trainer.step();
     run.monitor.progress(progress.step, progress.steps);
-    ended = run.watch->after_step(progress, trainer, [&] { return trainer.result(); });
+    ended = run.tracker->after_step(progress, trainer, [&] { return trainer.result(); });
     if (run.monitor.stop_requested()) {
-      if (store != nullptr) store->save(trainer);  // all that is left of the run
+      if (store != nullptr) store->save(trainer);
       return;
     }
-    if (store != nullptr && store->every() > 0 && progress.step % store->every() == 0) store->save_on_the_way(trainer);
+    if (store != nullptr && store->save_interval() > 0 && progress.step % store->save_interval() == 0)
+      store->try_save(trainer);
   }
 }
 
-/// Nothing optimises: the labels as they come are the solution's.
-bool is_labels_alone(const PassRun& run) { return !run.on("joint") && !run.on("contours"); }
+/// True: neither joint steps nor contours run, so the closed-form labels are the solution.
+bool is_unoptimised(const PassRun& run) { return !run.on("joint") && !run.on("contours"); }
 
-/// The problem's, whose labels are still to come.
-Solution labels_alone(const PassRun& run) {
+/// The problem's model as the solution, still without labels.
+Solution unoptimised_solution(const PassRun& run) {
   const Problem& problem = *run.problem;
   const BoundarySet boundary = boundary_to_train(problem, run.training.joint.on.boundary, run.allow_empty);
   return {.cloud = unchanged(problem.cloud),
@@ -70,27 +64,27 @@ Solution labels_alone(const PassRun& run) {
 
 std::vector<Effect> JointPass::effects() const { return joint_effects(); }
 
-std::vector<EffectVerdict> JointPass::rules(const TrainingOptions& training) const {
+std::vector<FixedDecision> JointPass::fixed_decisions(const TrainingOptions& training) const {
   if (training.joint.steps > 0) return {{"joint", true, "--steps"}};
   return {};
 }
 
 void JointPass::prepare(PassRun& run) {
-  if (run.budget.given()) leave_out_for_time(run, "nerf");  // it gains least for its time
+  if (run.budget.is_set()) skip_for_time(run, "nerf");  // smallest gain per second
   run.training.joint.on =
-      joint_switches([&](std::string_view name) { return run.decisions.settled(name).value_or(true); });
+      joint_switches([&](std::string_view name) { return run.decisions.on_if_known(name).value_or(true); });
 }
 
 void JointPass::begin(PassRun& run) {
   Problem& problem = *run.problem;
   problem.splat.antialiased = problem.splat.antialiased && run.on("antialias");
-  // The field of the paper is trained against all that is rendered, and moves it.
+  // The NeRF is trained against the whole rendering, and moves all Gaussians in it.
   if (!run.on("nerf") && run.on("boundary")) problem.region = region_of(problem.labels);
   const TrainingOptions& o = run.training;
-  run.watch.emplace(run.exec, run.watching, problem, run.budget);
-  if (is_labels_alone(run)) {  // a trainer would be as large as the model
-    run.solution = labels_alone(run);
-    run.watch->begin([&] {
+  run.tracker.emplace(run.exec, run.tracking, problem, run.budget);
+  if (is_unoptimised(run)) {  // saves the memory of a trainer, which is as large as the model
+    run.solution = unoptimised_solution(run);
+    run.tracker->begin([&] {
       Solution start = *run.solution;
       start.labels = problem.labels;
       return start;
@@ -99,40 +93,37 @@ void JointPass::begin(PassRun& run) {
   }
   run.trainer = std::make_unique<JointTrainer>(
       run.device_exec, run.monitor, JointSetup{o.joint, o.sample, o.rbf, problem, run.field}, run.allow_empty);
-  run.watch->begin([&] { return run.trainer->result(); });
+  run.tracker->begin([&] { return run.trainer->result(); });
   run.solution = run.trainer->result();
   run.solution->converged = true;
 }
 
 void JointPass::run(PassRun& run) {
   if (run.store != nullptr && run.store->load(*run.trainer))
-    run.say("resumed after step " + std::to_string(run.trainer->steps_done()));
-  run.solution.reset();  // of many objects as large as all that the steps keep
+    run.log("resumed after step " + std::to_string(run.trainer->steps_done()));
+  run.solution.reset();  // frees memory: with many objects it is as large as the trainer
   const double share = run.on("contours") ? kStepsShare : 1;
-  take_steps(run, run.budget.given() ? (1 - share) * run.budget.left_s() : 0, run.store);
+  take_steps(run, run.budget.is_set() ? (1 - share) * run.budget.remaining_s() : 0, run.store);
   run.solution = run.trainer->result();
   run.solution->converged = true;
 }
 
 void JointPass::finish(PassRun& run) {
   JointOptions all = run.training.joint;
-  all.contours_go_on = false;
+  all.coarse_contours_follow = false;
   const std::int64_t all_steps = steps_of(all, run.problem->views.size());
   const bool too_few = run.on("joint") && run.trainer->steps_done() < all_steps && run.solution->source_row.empty();
-  const bool time_left = run.budget.allows(run.watch->longest_step_s());
-  if (too_few && run.on("contours") && !run.watch->target_met() && time_left) {
+  const bool time_left = run.budget.allows(run.tracker->longest_step_s());
+  if (too_few && run.on("contours") && !run.tracker->target_met() && time_left) {
     run.trainer->plan_steps(all_steps);
-    take_steps(run, 0, nullptr);  // what is kept is the state before the contours: they would be refined anew
+    take_steps(run, 0, nullptr);  // no checkpoints: a resumed run refines the contours again
     Solution longer = run.trainer->result();
     longer.figures.merge(run.solution->figures);
     run.solution = std::move(longer);
   }
-  if (is_labels_alone(run))
-    run.solution->labels = run.problem->labels.taken();  // the last that asks for them
-  else if (may_withdraw(run.decisions))
-    run.report["components"]["withdrawn"] = withdraw_apart(run.exec, {}, *run.problem, *run.solution);
-  run.solution->converged = run.watch->target_met() || (!run.watch->cut() && !run.budget.cut());
-  const LossTerms& l = run.watch->last_loss();
+  if (is_unoptimised(run)) run.solution->labels = run.problem->labels.release();  // last use of the problem's labels
+  run.solution->converged = run.tracker->target_met() || (!run.tracker->was_cut() && !run.budget.was_cut());
+  const LossTerms& l = run.tracker->last_loss();
   run.report["last_loss"] = {{"total", l.total}, {"photometric", l.photometric},
                              {"align", l.align}, {"mask", l.mask},
                              {"cont", l.cont},   {"smooth", l.smooth}};

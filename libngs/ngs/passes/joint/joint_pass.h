@@ -8,13 +8,13 @@ class JointPass : public Pass {
  public:
   PassStage stage() const override { return PassStage::kOptimise; }
   std::vector<Effect> effects() const override;
-  std::vector<EffectVerdict> rules(const TrainingOptions&) const override;
+  std::vector<FixedDecision> fixed_decisions(const TrainingOptions&) const override;
   bool follows_clock() const override { return true; }
   void prepare(PassRun& run) override;
-  /// Makes the trainer, whose labels as they come are the solution where the steps are off.
+  /// Creates the trainer. If the steps are off, its closed-form labels are the solution.
   void begin(PassRun& run) override;
   void run(PassRun& run) override;
-  /// Takes the steps that were left to contour iterations where none came.
+  /// Runs the steps that were left to contour iterations, if no iteration ran.
   void finish(PassRun& run) override;
 };
 

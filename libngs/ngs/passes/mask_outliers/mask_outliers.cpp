@@ -16,7 +16,7 @@
 namespace ngs {
 namespace {
 
-/// Binary planes of all objects, and where they can be compared.
+/// Binary masks of all objects, and the pixels at which they are known.
 struct Planes {
   std::vector<std::vector<std::uint8_t>> object;  // [K][H·W]
   std::vector<std::uint8_t> compared;             // [H·W]
@@ -33,9 +33,9 @@ Planes planes_of(const Exec& exec, const ViewMasks& masks) {
 }
 
 constexpr double kNothingThere = -1, kNoMask = -2;
-constexpr double kSettled = 0.5;  // of the threshold: views below it are not asked again
+constexpr double kRetestShare = 0.5;  // share of the threshold; views below it are not tested again
 
-/// 1 - IoU over all objects, where both can be compared; kNothingThere where neither shows any of them.
+/// 1 - IoU over all objects, at the pixels known in both; kNothingThere if neither shows any object.
 double disagreement(const Exec& exec, const Planes& mask, const Planes& consensus) {
   std::vector<std::int64_t> both(mask.object.size(), 0), either = both;
   for_each_task(exec, std::ssize(mask.object), [&](std::int64_t task) {
@@ -54,11 +54,11 @@ double disagreement(const Exec& exec, const Planes& mask, const Planes& consensu
   return 1 - double(std::accumulate(both.begin(), both.end(), std::int64_t(0))) / double(all);
 }
 
-/// What views say of every Gaussian, as label channels; last, where it is asked, that they have seen it.
+/// Majority labels of the views as label channels. An optional last channel is 1 for Gaussians that these views see.
 struct Consensus {
   std::size_t objects, channels;
   std::vector<float> label;          // [N, channels]
-  std::vector<std::uint8_t> object;  // [N] one of the labels is 1
+  std::vector<std::uint8_t> object;  // [N] 1: one of the labels is 1
 
   Consensus(std::size_t gaussians, std::size_t k, bool seen)
       : objects(k), channels(k + std::size_t(seen)), label(gaussians * channels, 0.f), object(gaussians, 0) {}
@@ -66,14 +66,14 @@ struct Consensus {
     float* to = &label[gaussian * channels];
     object[gaussian] = 0;
     for (std::size_t k = 0; k < objects; ++k) {
-      to[k] = label_says_object(shares.share[k]) ? 1.f : 0.f;
+      to[k] = label_is_foreground(shares.share[k]) ? 1.f : 0.f;
       object[gaussian] |= to[k] > 0;
     }
     if (channels > objects) to[objects] = float(shares.seen);
   }
 };
 
-/// A consensus drawn into views of a problem, and compared with their masks.
+/// Renders a consensus into the views of a problem and compares it with their masks.
 class ConsensusViews {
  public:
   ConsensusViews(const Exec& exec, const Problem& input, const Consensus& consensus)
@@ -82,22 +82,22 @@ class ConsensusViews {
     request_.label = {consensus.label.data(), input.cloud.size(), int(consensus.channels)};
   }
 
-  /// Disagreement of a mask with the better consensus. Where mask and object alone show nothing, nothing is less, and
-  /// the model as it stands is not rendered; nor where they disagree by no more than `enough`.
-  /// `shown` [N]: 1 for all that the view shows; null: for all.
+  /// The smaller disagreement of a mask with the two renderings of the consensus. The whole model is not rendered if
+  /// neither the mask nor the object alone shows anything, or if these disagree by at most `enough`.
+  /// `shown` [N]: 1 for the Gaussians visible in the view; null: all.
   double disagreement_of(const Camera& camera, const Planes& mask, const std::uint8_t* shown, double enough) {
-    request_.include = consensus_.object.data(), request_.where = request_.until = nullptr;
+    request_.include = consensus_.object.data(), request_.tiles_touching = request_.stop_after = nullptr;
     const double alone = disagreement(exec_, mask, drawn(camera, false));
     if (alone == kNothingThere || alone <= enough) return alone;
     request_.include = shown;
-    // Where none of the objects is, the consensus shows none; which pixels the others have seen is asked everywhere.
-    request_.where = request_.until = asks_seen() ? nullptr : consensus_.object.data();
-    return std::min(alone, disagreement(exec_, mask, drawn(camera, asks_seen())));
+    // Tiles without an object show no consensus and can be skipped. The "seen" channel is needed at every pixel.
+    request_.tiles_touching = request_.stop_after = has_seen_channel() ? nullptr : consensus_.object.data();
+    return std::min(alone, disagreement(exec_, mask, drawn(camera, has_seen_channel())));
   }
 
  private:
-  bool asks_seen() const { return consensus_.channels > consensus_.objects; }
-  /// `seen_only`: compared only where most of the pixel was seen by the others.
+  bool has_seen_channel() const { return consensus_.channels > consensus_.objects; }
+  /// `seen_only`: pixels are known only if the other views see most of their weight.
   Planes drawn(const Camera& camera, bool seen_only) const {
     const RenderedView view = render(exec_, input_.cloud, camera, input_.splat, request_);
     const std::size_t pixels = std::size_t(view.label.pixels());
@@ -106,7 +106,7 @@ class ConsensusViews {
     for_each_index(exec_, view.label.pixels(), [&](std::int64_t pixel) {
       const auto i = std::size_t(pixel);
       const float* at = &view.label.data[i * consensus_.channels];
-      for (std::size_t k = 0; k < consensus_.objects; ++k) p.object[k][i] = label_says_object(at[k]);
+      for (std::size_t k = 0; k < consensus_.objects; ++k) p.object[k][i] = label_is_foreground(at[k]);
       if (seen_only) p.compared[i] = at[consensus_.objects] > 0.5f;
     });
     return p;
@@ -118,29 +118,30 @@ class ConsensusViews {
   RenderRequest request_;
 };
 
-class Judge {
+class OutlierSearch {
  public:
-  Judge(const Exec& exec, const MaskOutlierOptions& options, const Problem& input, const std::vector<double>& first)
+  OutlierSearch(const Exec& exec, const MaskOutlierOptions& options, const Problem& input,
+                const std::vector<double>& pretest)
       : exec_(exec),
         options_(options),
         input_(input),
-        whole_(input.whole ? *input.whole : input),
-        trusted_(input.views.size(), 1),
+        uncropped_(input.uncropped ? *input.uncropped : input),
+        inlier_(input.views.size(), 1),
         gathered_(input.views.size(), 0),
-        found_(first.empty() ? std::vector<double>(input.views.size(), INFINITY) : first) {}
+        found_(pretest.empty() ? std::vector<double>(input.views.size(), INFINITY) : pretest) {}
 
   MaskOutliers run(Monitor& monitor) {
-    const auto timed = monitor.scope("view trust");
-    MaskOutliers trust;
+    const auto timed = monitor.scope("mask outliers");
+    MaskOutliers result;
     int rounds = 0;
-    if (std::ranges::none_of(found_, [](double d) { return d == INFINITY; })) note(trust);
-    trust.figures["rounds"] = 0;
-    if (!asks()) return trust;
+    if (std::ranges::none_of(found_, [](double d) { return d == INFINITY; })) set_threshold(result);
+    result.figures["rounds"] = 0;
+    if (!has_unclear_views()) return result;
     seen_ = RowNumbers(seen_rows());
     LeaveOneOut others(exec_, seen_.size(), int(input_.scene.objects.size()), [this](std::size_t n) {
       const std::size_t view = input_.views[n];
-      return view_weights(exec_, whole_.cloud, {whole_.scene.views[view].camera, whole_.load_masks(view)}, whole_.splat,
-                          &seen_);
+      return view_weights(exec_, uncropped_.cloud, {uncropped_.scene.views[view].camera, uncropped_.load_masks(view)},
+                          uncropped_.splat, &seen_);
     });
     if (known_weight()) {
       std::vector<std::size_t> all(input_.views.size());
@@ -155,21 +156,23 @@ class Judge {
         if (!gather(others)) break;
       }
       ++rounds;
-      const auto judging = monitor.scope("consensus");
-      if (!judge(others, trust)) break;
+      const auto testing = monitor.scope("consensus");
+      if (!test_views(others, result)) break;
     }
-    for (std::size_t n = 0; n < trusted_.size(); ++n)
-      if (!trusted_[n]) trust.ignored.push_back(input_.views[n]);
-    trust.figures["rounds"] = rounds;
-    return trust;
+    for (std::size_t n = 0; n < inlier_.size(); ++n)
+      if (!inlier_[n]) result.ignored.push_back(input_.views[n]);
+    result.figures["rounds"] = rounds;
+    return result;
   }
 
  private:
   const Camera& camera(std::size_t n) const { return input_.scene.views[input_.views[n]].camera; }
 
-  /// [N] W of all views; null: not known.
-  const std::vector<float>* known_weight() const { return input_.whole && whole_.weight ? &*whole_.weight : nullptr; }
-  /// [N] 1: a view may show it.
+  /// [N] Total weight W over all views; null: unknown.
+  const std::vector<float>* known_weight() const {
+    return input_.uncropped && uncropped_.weight ? &*uncropped_.weight : nullptr;
+  }
+  /// [N] 1: some view may show the Gaussian.
   std::vector<std::uint8_t> seen_rows() const {
     std::vector<std::uint8_t> seen(std::size_t(input_.cloud.size()), 1);
     if (const std::vector<float>* const weight = known_weight())
@@ -177,87 +180,87 @@ class Judge {
     return seen;
   }
 
-  /// Evidence of the trusted views, from that of those that were trusted before; false where too few have masks, or it
-  /// was asked to stop.
+  /// Updates the evidence from the previous inlier views to the current ones. False: too few inlier views have masks,
+  /// or a stop was requested.
   bool gather(LeaveOneOut& others) {
     int with_masks = 0;
     const bool all = for_each_view(input_.monitor, input_.views, [&](std::size_t n, std::size_t view) {
-      if (gathered_[n] && !trusted_[n]) others.remove(n);
-      if (!gathered_[n] && trusted_[n]) others.add(n);
-      gathered_[n] = trusted_[n];
-      if (trusted_[n]) with_masks += input_.load_masks(view).available;
+      if (gathered_[n] && !inlier_[n]) others.remove(n);
+      if (!gathered_[n] && inlier_[n]) others.add(n);
+      gathered_[n] = inlier_[n];
+      if (inlier_[n]) with_masks += input_.load_masks(view).available;
     });
     return all && with_masks >= options_.least_views;
   }
 
-  /// True where another view is ignored now, or one no longer is. Views that agree on showing nothing are trusted, and
-  /// no measure of how well contours agree: where most views do not see the object, their zeros would be the median.
-  bool judge(LeaveOneOut& others, MaskOutliers& trust) {
+  /// Tests the views. True: the set of outliers changed. Views in which mask and consensus show no object are inliers,
+  /// and do not enter the median: if most views do not see the object, the median would be 0.
+  bool test_views(LeaveOneOut& others, MaskOutliers& result) {
     const auto gaussians = std::size_t(input_.cloud.size());
     Consensus consensus(gaussians, input_.scene.objects.size(), true);
     ConsensusViews views(exec_, input_, consensus);
     std::vector<std::uint8_t> shown(gaussians, 0);
     others.for_all([&](std::size_t i, const LeaveOneOut::Shares& all) { consensus.set(row(i), all); });
     const bool every = for_each_view(input_.monitor, input_.views, [&](std::size_t n, std::size_t view) {
-      if (settled(n)) return;
+      if (is_clear_inlier(n)) return;
       const ViewMasks masks = input_.load_masks(view);
       if (!masks.available) {
         found_[n] = kNoMask;
         return;
       }
       const std::shared_ptr<const ViewWeights> own = others.weights_of(n);
-      const bool known = own && !own->empty();  // what a view shows; else all is drawn
-      if (known)
+      const bool has_weights = own && !own->empty();  // visible Gaussians are known; otherwise all are rendered
+      if (has_weights)
         others.for_others_in(*own, [&](std::size_t i, const LeaveOneOut::Shares& shares, double) {
           consensus.set(row(i), shares), shown[row(i)] = 1;
         });
-      found_[n] =
-          views.disagreement_of(camera(n), planes_of(exec_, masks), known ? shown.data() : nullptr, kNothingThere);
-      if (known)
+      found_[n] = views.disagreement_of(camera(n), planes_of(exec_, masks), has_weights ? shown.data() : nullptr,
+                                        kNothingThere);
+      if (has_weights)
         others.for_all_in(*own, [&](std::size_t i, const LeaveOneOut::Shares& all) {
           consensus.set(row(i), all), shown[row(i)] = 0;
         });
     });
-    if (!note(trust) || !every) return false;
+    if (!set_threshold(result) || !every) return false;
     bool changed = false;
-    for (std::size_t n = 0; n < trusted_.size(); ++n) {
-      const std::uint8_t now = trust.disagreement[n] <= threshold_;
-      changed |= now != trusted_[n], trusted_[n] = now;
+    for (std::size_t n = 0; n < inlier_.size(); ++n) {
+      const std::uint8_t now = result.disagreement[n] <= threshold_;
+      changed |= now != inlier_[n], inlier_[n] = now;
     }
     return changed;
   }
 
   std::size_t row(std::size_t number) const { return std::size_t(seen_.row[number]); }
-  bool settled(std::size_t n) const { return found_[n] < kSettled * threshold_; }
-  /// Whether there is a view to ask.
-  bool asks() const {
+  bool is_clear_inlier(std::size_t n) const { return found_[n] < kRetestShare * threshold_; }
+  /// True: some view must be tested against the consensus of the others.
+  bool has_unclear_views() const {
     bool any = false;
-    for (std::size_t n = 0; n < found_.size(); ++n) any |= !settled(n);
+    for (std::size_t n = 0; n < found_.size(); ++n) any |= !is_clear_inlier(n);
     return any;
   }
 
-  /// What was found, and the threshold that follows from it; false: of too few views.
-  bool note(MaskOutliers& trust) {
+  /// Copies the disagreements to the result and sets the threshold. False: too few views show an object.
+  bool set_threshold(MaskOutliers& result) {
     std::vector<double> all;
-    trust.disagreement.assign(found_.size(), -1.0);
+    result.disagreement.assign(found_.size(), -1.0);
     for (std::size_t n = 0; n < found_.size(); ++n) {
-      trust.disagreement[n] = found_[n] == kNoMask ? -1.0 : std::max(found_[n], 0.0);
+      result.disagreement[n] = found_[n] == kNoMask ? -1.0 : std::max(found_[n], 0.0);
       if (found_[n] >= 0) all.push_back(found_[n]);
     }
     if (std::ssize(all) < options_.least_views) return false;
-    threshold_ = ignore_threshold(options_, all, trust.figures["median_disagreement"]);
-    trust.figures["threshold"] = threshold_;
+    threshold_ = ignore_threshold(options_, all, result.figures["median_disagreement"]);
+    result.figures["threshold"] = threshold_;
     return true;
   }
 
   const Exec& exec_;
   const MaskOutlierOptions& options_;
   const Problem& input_;
-  const Problem& whole_;                          // the same in whole views, whose evidence is asked
-  RowNumbers seen_;                               // what the evidence is of
-  std::vector<std::uint8_t> trusted_, gathered_;  // per entry of input.views
-  std::vector<double> found_;                     // disagreement of each, or kNothingThere or kNoMask
-  double threshold_ = 0;                          // of the round before
+  const Problem& uncropped_;                     // the uncropped problem, from which evidence is gathered
+  RowNumbers seen_;                              // Gaussians with evidence
+  std::vector<std::uint8_t> inlier_, gathered_;  // per entry of input.views
+  std::vector<double> found_;                    // per entry of input.views: disagreement, kNothingThere or kNoMask
+  double threshold_ = 0;                         // of the previous round
 };
 
 }  // namespace
@@ -269,19 +272,19 @@ double ignore_threshold(const MaskOutlierOptions& options, const std::vector<dou
   for (const double d : disagreement) deviations.push_back(std::abs(d - median));
   const double sigma = kMadToSigma * upper_median(std::move(deviations));
   const double threshold = std::max({options.factor * median, median + options.spreads * sigma, options.least});
-  // Of nine masks three empty ones are spread enough for a threshold that no 1 - IoU can exceed.
-  const bool strangers = *std::max_element(disagreement.begin(), disagreement.end()) > options.most;
-  return strangers && median < 0.5 ? std::min(threshold, options.most) : threshold;
+  // With three empty masks of nine, the deviation is so large that no 1 - IoU could exceed the threshold.
+  const bool has_extreme = *std::max_element(disagreement.begin(), disagreement.end()) > options.most;
+  return has_extreme && median < 0.5 ? std::min(threshold, options.most) : threshold;
 }
 
-std::vector<double> first_look(const Exec& exec, const MaskOutlierOptions& options, const Problem& input) {
+std::vector<double> pretest_masks(const Exec& exec, const MaskOutlierOptions& options, const Problem& input) {
   const std::size_t objects = input.labels.size();
-  if (input.views.size() < kManyVotes || objects == 0) return {};
+  if (input.views.size() < kPretestViews || objects == 0) return {};
   Consensus consensus(std::size_t(input.cloud.size()), objects, false);
   for_each_index(exec, input.cloud.size(), [&](std::int64_t i) {
     float* to = &consensus.label[std::size_t(i) * objects];
     for (std::size_t k = 0; k < objects; ++k) {
-      to[k] = label_says_object(input.labels[k].label[std::size_t(i)]) ? 1.f : 0.f;
+      to[k] = label_is_foreground(input.labels[k].label[std::size_t(i)]) ? 1.f : 0.f;
       consensus.object[std::size_t(i)] |= to[k] > 0;
     }
   });
@@ -291,18 +294,25 @@ std::vector<double> first_look(const Exec& exec, const MaskOutlierOptions& optio
     const ViewMasks masks = input.load_masks(view);
     if (masks.available)
       found[n] = views.disagreement_of(input.scene.views[view].camera, planes_of(exec, masks), nullptr,
-                                       kSettled * options.least);
+                                       kRetestShare * options.least);
   });
   return every ? found : std::vector<double>();
 }
 
-MaskOutliers judge_views(const Exec& exec, Monitor& monitor, const MaskOutlierOptions& options, const Problem& input,
-                         const std::vector<double>& first) {
-  return Judge(exec, options, input, first).run(monitor);
+MaskOutliers find_mask_outliers(const Exec& exec, Monitor& monitor, const MaskOutlierOptions& options,
+                                const Problem& input, const std::vector<double>& pretest) {
+  return OutlierSearch(exec, options, input, pretest).run(monitor);
 }
 
-ViewMasks consistent_masks(const MaskOutliers& trust, std::size_t view, ViewMasks masks) {
-  if (std::binary_search(trust.ignored.begin(), trust.ignored.end(), view)) masks.available = false;
+double outlier_score(const std::vector<double>& disagreement) {
+  if (disagreement.size() < 2) return 0;
+  double median = 0;
+  return *std::max_element(disagreement.begin(), disagreement.end()) /
+         (0.5 * ignore_threshold({}, disagreement, median));
+}
+
+ViewMasks consistent_masks(const MaskOutliers& outliers, std::size_t view, ViewMasks masks) {
+  if (std::binary_search(outliers.ignored.begin(), outliers.ignored.end(), view)) masks.available = false;
   return masks;
 }
 

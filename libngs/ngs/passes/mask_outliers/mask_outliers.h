@@ -1,49 +1,53 @@
 #pragma once
-// Which masks the other masks contradict.                                                     PAPER.md §5.9
+// Finds masks that contradict the other masks.                                                PAPER.md §5.9
 //
-// Every view's mask is compared with the consensus of the others: labels from the evidence of all trusted views but
-// this one, rendered into it, once as the model stands (modal) and once with the object alone (amodal; what hides the
-// object may be a floater). The better of the two counts. A view that disagrees far more than the median view is
-// ignored; the median is that of the views where mask or consensus shows an object.
+// Each view's mask is compared with the consensus of the others: labels from the evidence of all other inlier views,
+// rendered into the view. The consensus is rendered twice, with the whole model (modal) and with the object alone
+// (amodal), because the occluder may be a floater. The better agreement counts. A view is an outlier if it disagrees
+// far more than the median view. Views in which neither mask nor consensus shows an object do not enter the median.
 //
-// Of many masks one vote changes little: there a first look compares each with the labels as they come, its own vote
-// among them, and only views that come to half of the threshold are asked what the others say.
+// With many masks, one mask changes the labels little. A pretest then compares each mask with the closed-form labels of
+// all masks. Only views that reach half of the threshold in the pretest are compared with the consensus of the others.
 #include "ngs/problem/problem.h"
 
 namespace ngs {
 
 struct MaskOutlierOptions {
-  int least_views = 4;  // with fewer masks, or fewer that show an object, there is no consensus
-  double factor = 3;    // ignored: 1 - IoU above this many medians,
-  double spreads = 6;   // above the median by this many standard deviations (1.4826 MAD),
-  double least = 0.2;   // and above this;
-  double most = 0.9;    // above this at any rate, where most views share more than half with the others
-  int rounds = 3;       // the consensus without the ignored views judges again
+  int least_views = 4;  // minimum number of masks, and of masks that show an object, for a consensus
+  double factor = 3;    // an outlier has 1 - IoU above this many medians,
+  double spreads = 6;   // above the median plus this many standard deviations (1.4826 MAD),
+  double least = 0.2;   // and above this value;
+  double most = 0.9;    // or above this value, if the median is below a half
+  int rounds = 3;       // maximum number of tests; each uses a consensus without the outliers so far
 };
 
-/// The disagreement above which a view is ignored, from those of all views (at least one). `median`: of them.
+/// The threshold above which a view is an outlier. `disagreement`: of all views, at least one. Sets `median` to theirs.
 double ignore_threshold(const MaskOutlierOptions& options, const std::vector<double>& disagreement, double& median);
+
+/// The largest disagreement relative to half of the outlier threshold; 0 for fewer than two views. The largest
+/// disagreement alone would not do: with a thin object all views disagree alike.
+double outlier_score(const std::vector<double>& disagreement);
 
 struct MaskOutliers {
   std::vector<std::size_t> ignored;       // indices of scene.views, ascending
-  std::vector<double> disagreement;       // per entry of input.views: 1 - IoU with the others; negative: no mask
+  std::vector<double> disagreement;       // per entry of input.views: 1 - IoU with the consensus; negative: no mask
   std::map<std::string, double> figures;  // median, threshold, rounds
 };
 
-/// From as many views on there is a first look.
-inline constexpr std::size_t kManyVotes = 32;
+/// Minimum number of views for the pretest.
+inline constexpr std::size_t kPretestViews = 32;
 
-/// Per entry of input.views: 1 - IoU of its mask with the labels of the input, of all objects drawn alone, or of the
-/// model as it stands where that is better and the first does not show already that the mask agrees (half of
-/// MaskOutlierOptions::least); negative: there is no mask, or neither shows any object. Empty with fewer than
-/// kManyVotes views, without labels, or where it was asked to stop.
-std::vector<double> first_look(const Exec& exec, const MaskOutlierOptions& options, const Problem& input);
+/// Compares each mask with the input's labels. Per entry of input.views: 1 - IoU with all objects rendered alone; if
+/// that exceeds half of MaskOutlierOptions::least, the smaller of it and 1 - IoU with the whole model. Negative: the
+/// view has no mask, or neither shows any object. Empty with fewer than kPretestViews views, without labels, or if a
+/// stop was requested.
+std::vector<double> pretest_masks(const Exec& exec, const MaskOutlierOptions& options, const Problem& input);
 
-/// `first`: of first_look(); empty: every view is asked.
-MaskOutliers judge_views(const Exec& exec, Monitor& monitor, const MaskOutlierOptions& options, const Problem& input,
-                         const std::vector<double>& first = {});
+/// `pretest`: result of pretest_masks(); empty: every view is tested.
+MaskOutliers find_mask_outliers(const Exec& exec, Monitor& monitor, const MaskOutlierOptions& options,
+                                const Problem& input, const std::vector<double>& pretest = {});
 
-/// The masks of a view; not available where it is ignored.
-ViewMasks consistent_masks(const MaskOutliers& trust, std::size_t view, ViewMasks masks);
+/// The masks of a view, marked as not available if the view is an outlier.
+ViewMasks consistent_masks(const MaskOutliers& outliers, std::size_t view, ViewMasks masks);
 
 }  // namespace ngs

@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include "ngs/ops/image/mask_pair.h"
-#include "ngs/passes/detectors.h"
 #include "ngs/passes/mask_outliers/mask_outliers.h"
+#include "ngs/problem/scene_measures.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/boundary/method_labels.h"
 #include "ngs/stages/render/render_stage.h"
@@ -14,14 +14,14 @@
 namespace ngs {
 namespace {
 
-/// Disagreement of a view's masks with the objects drawn alone: what hides them may be floaters.
+/// Disagreement of a view's masks with the objects rendered alone, because occluders may be floaters.
 class DisagreementAlone {
  public:
   explicit DisagreementAlone(const Problem& problem)
       : problem_(problem), objects_(problem.cloud, problem.labels), last_(objects_.size(), 0.0) {}
 
-  /// Summed over objects, or any number of at least `enough` where the sum is no less. First come the objects that
-  /// disagreed most in the view before: then a few are enough to know that.
+  /// The sum over the objects. If the sum is at least `enough`, any value of at least `enough` may be returned. Objects
+  /// that disagreed most in the previous view come first, so that few objects suffice to reach `enough`.
   double at_most(const Exec& exec, double enough, const Camera& camera, const ViewMasks& masks) {
     if (enough <= 0) return 0;
     std::vector<std::size_t> order(objects_.size());
@@ -31,24 +31,24 @@ class DisagreementAlone {
     for (const std::size_t k : order) {
       const ImageF alone = objects_.view(exec, k, camera, problem_.splat);
       const ViewMasks own{masks.width_px, masks.height_px, {masks.target[k]}, masks.known, true};
-      last_[k] = disagreement(MaskPair(alone, own, 0, boxes_shown(alone)[0]).counts(exec));
+      last_[k] = disagreement(MaskPair(alone, own, 0, foreground_boxes(alone)[0]).counts(exec));
       if ((so_far += last_[k]) > kCertain * enough) return std::max(so_far, enough);
     }
     return std::accumulate(last_.begin(), last_.end(), 0.0);
   }
 
  private:
-  static constexpr double kCertain = 1 + 1e-9;  // sums of another order differ by rounding
+  static constexpr double kCertain = 1 + 1e-9;  // sums in another order differ by rounding
 
   const Problem& problem_;
   ObjectsAlone objects_;
   std::vector<double> last_;  // [K]
 };
 
-/// Of few masks, each of which is seen in full.
+/// Score without a pretest, from all views.
 double worst_of_few(SceneProbe& probe) {
   const Problem& problem = probe.problem();
-  std::vector<double> better;  // of the model as it stands and the objects alone
+  std::vector<double> better;  // smaller disagreement of the whole model and the objects alone, per view
   const LabelViews& views = probe.label_views();
   if (probe.stopped()) return 0;
   DisagreementAlone alone(problem);
@@ -57,7 +57,7 @@ double worst_of_few(SceneProbe& probe) {
     const ViewMasks masks = problem.load_masks(v);
     if (!masks.available) return;
     const std::size_t at = next++;
-    if (!views.shown[at]) return;  // as judge_views() leaves it out
+    if (!views.shown[at]) return;  // find_mask_outliers() excludes it from the median too
     const double modal = views.disagreement[at];
     const double drawn_alone = alone.at_most(probe.exec(), modal, problem.scene.views[v].camera, masks);
     better.push_back(std::min(modal, drawn_alone) / double(masks.target.size()));
@@ -65,35 +65,36 @@ double worst_of_few(SceneProbe& probe) {
   return outlier_score(better);
 }
 
-double worst_of_many(const std::vector<double>& first) {
+double worst_of_many(const std::vector<double>& pretest) {
   std::vector<double> shown;
-  for (const double d : first)
+  for (const double d : pretest)
     if (d >= 0) shown.push_back(d);
   return outlier_score(shown);
 }
 
-/// first_look() at a problem, once.
-const std::vector<double>& looked(std::vector<double>& first, const Exec& exec, const Problem& problem) {
-  if (first.size() != problem.views.size()) first = first_look(exec, {}, problem);
-  return first;
+/// pretest_masks() of a problem, cached in `pretest`.
+const std::vector<double>& cached_pretest(std::vector<double>& pretest, const Exec& exec, const Problem& problem) {
+  if (pretest.size() != problem.views.size()) pretest = pretest_masks(exec, {}, problem);
+  return pretest;
 }
 
 }  // namespace
 
 std::vector<Effect> MaskOutliersPass::effects() const {
-  return {{.name = "mask-outliers",
-           .help = "ignore masks that the others contradict",
-           .saves = "the consensus of the others, view by view",
-           .detector = {"worst view's disagreement, in halves of what would ignore it", 1,
-                        "half the distance at which a view is ignored", [first = first_](SceneProbe& probe) {
-                          const std::vector<double>& many = looked(*first, probe.exec(), probe.problem());
-                          return many.empty() ? worst_of_few(probe) : worst_of_many(many);
-                        }}}};
+  return {
+      {.name = "mask-outliers",
+       .help = "ignore masks that contradict the other views' masks",
+       .saves = "a consensus of the other views for each view",
+       .heuristic = {"largest disagreement of a view, in halves of the outlier threshold", 1,
+                     "half of the threshold above which a view is ignored", [pretest = pretest_](SceneProbe& probe) {
+                       const std::vector<double>& many = cached_pretest(*pretest, probe.exec(), probe.problem());
+                       return many.empty() ? worst_of_few(probe) : worst_of_many(many);
+                     }}}};
 }
 
 void MaskOutliersPass::run(PassRun& run) {
   const auto outliers = std::make_shared<const MaskOutliers>(
-      judge_views(run.exec, run.monitor, {}, *run.coarse, looked(*first_, run.exec, *run.coarse)));
+      find_mask_outliers(run.exec, run.monitor, {}, *run.coarse, cached_pretest(*pretest_, run.exec, *run.coarse)));
   if (run.monitor.stop_requested()) return;
   std::optional<Problem> next;
   if (!outliers->ignored.empty()) {
@@ -101,8 +102,8 @@ void MaskOutliersPass::run(PassRun& run) {
     next->load_masks = [load = next->load_masks, outliers](std::size_t view) {
       return consistent_masks(*outliers, view, load(view));
     };
-    next->labels = next->whole ? labels_without_views(run.exec, run.monitor, *next, outliers->ignored)
-                               : labels_anew(run.exec, run.monitor, *next, next->cloud);
+    next->labels = next->uncropped ? labels_without_views(run.exec, run.monitor, *next, outliers->ignored)
+                                   : recompute_labels(run.exec, run.monitor, *next, next->cloud);
     if (run.monitor.stop_requested()) return;
   }
   Json names = Json::array();

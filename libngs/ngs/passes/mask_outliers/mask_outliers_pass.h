@@ -1,5 +1,5 @@
 #pragma once
-// Ignores masks that the other views' masks contradict.                                         PAPER.md §5.9
+// Ignores masks that contradict the other views' masks.                                         PAPER.md §5.9
 #include <memory>
 #include <vector>
 
@@ -9,13 +9,13 @@ namespace ngs {
 
 class MaskOutliersPass : public Pass {
  public:
-  PassStage stage() const override { return PassStage::kMend; }
+  PassStage stage() const override { return PassStage::kRepair; }
   std::vector<Effect> effects() const override;
   void run(PassRun& run) override;
 
  private:
-  /// first_look() at the problem: the detector's is the pass's.
-  std::shared_ptr<std::vector<double>> first_ = std::make_shared<std::vector<double>>();
+  /// Cached pretest_masks(), shared by the heuristic and the pass.
+  std::shared_ptr<std::vector<double>> pretest_ = std::make_shared<std::vector<double>>();
 };
 
 }  // namespace ngs

@@ -11,15 +11,15 @@ namespace ngs {
 
 double Budget::elapsed_s() const { return wall_seconds() - start_s_; }
 
-double Budget::left_s() const {
-  return seconds_ ? *seconds_ - closing_s_ - elapsed_s() : std::numeric_limits<double>::infinity();
+double Budget::remaining_s() const {
+  return seconds_ ? *seconds_ - writing_s_ - elapsed_s() : std::numeric_limits<double>::infinity();
 }
 
-double Budget::end_of_s(double share) const { return wall_seconds() + share * left_s(); }
+double Budget::deadline_s(double share) const { return wall_seconds() + share * remaining_s(); }
 
-void Budget::keep_for_writing(double reading_s) {
-  constexpr double kLeast_s = 0.1, kOfReading = 1.5;
-  closing_s_ = kLeast_s + kOfReading * reading_s;
+void Budget::reserve_for_writing(double reading_s) {
+  constexpr double kMin_s = 0.1, kOfReading = 1.5;
+  writing_s_ = kMin_s + kOfReading * reading_s;
 }
 
 Json Budget::json() const { return {{"seconds", seconds_.value_or(0)}, {"cut", cut_}}; }

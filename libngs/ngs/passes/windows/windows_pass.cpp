@@ -5,13 +5,13 @@
 namespace ngs {
 namespace {
 
-constexpr double kWorthIt = 0.5;  // share of pixels beside the windows
+constexpr double kMinOutside = 0.5;  // minimum share of pixels outside the windows
 
 }  // namespace
 
 double WindowsPass::outside(const Exec& exec, const Problem& problem) const {
   of_masks_ = windows_of_masks(exec, problem);
-  return of_masks_.outside <= kWorthIt ? of_masks_.outside : windows(exec, problem).outside;
+  return of_masks_.outside <= kMinOutside ? of_masks_.outside : windows(exec, problem).outside;
 }
 
 const ObjectWindows& WindowsPass::windows(const Exec& exec, const Problem& problem) const {
@@ -21,11 +21,11 @@ const ObjectWindows& WindowsPass::windows(const Exec& exec, const Problem& probl
 
 std::vector<Effect> WindowsPass::effects() const {
   return {{.name = "windows",
-           .help = "work on the parts of the views that show the objects",
-           .saves = "nothing: whole views are worked on",
-           .detector = {"share of the views' pixels beside the objects' windows", kWorthIt,
-                        "below it windows save less than half of the work",
-                        [this](SceneProbe& probe) { return outside(probe.exec(), probe.problem()); }}}};
+           .help = "crop the views to windows about the objects",
+           .saves = "nothing: whole views are processed",
+           .heuristic = {"share of the views' pixels outside the objects' windows", kMinOutside,
+                         "below it windows save less than half of the work",
+                         [this](SceneProbe& probe) { return outside(probe.exec(), probe.problem()); }}}};
 }
 
 void WindowsPass::run(PassRun& run) {
@@ -35,9 +35,9 @@ void WindowsPass::run(PassRun& run) {
   const auto input = std::make_shared<const WindowInput>(*run.problem, windows_);
   run.report["windows"] = {{"pixels_outside", found.outside},
                            {"empty_views", run.problem->views.size() - input->get().views.size()}};
-  Problem focused = input->get();
-  focused.whole = std::shared_ptr<const Problem>(input, &input->whole());
-  run.problem.emplace(std::move(focused));
+  Problem cropped = input->get();
+  cropped.uncropped = std::shared_ptr<const Problem>(input, &input->uncropped());
+  run.problem.emplace(std::move(cropped));
 }
 
 }  // namespace ngs

@@ -1,5 +1,5 @@
 #pragma once
-// Windows: every other pass works on the parts of the views that show the objects.                 PAPER.md §5.16
+// Crops the views to windows about the objects; all other passes work on the crops.                PAPER.md §5.16
 #include "ngs/passes/pass.h"
 #include "ngs/problem/window_input.h"
 
@@ -7,13 +7,13 @@ namespace ngs {
 
 class WindowsPass final : public Pass {
  public:
-  PassStage stage() const override { return PassStage::kFocus; }
+  PassStage stage() const override { return PassStage::kCrop; }
   std::vector<Effect> effects() const override;
   void run(PassRun& run) override;
 
  private:
-  /// Share of the pixels beside the windows; where masks alone leave too little for windows to be worth it, what they
-  /// leave, and nothing is drawn.
+  /// Share of the pixels outside the windows. If the share outside the boxes of the masks is already too small, returns
+  /// that share without rendering.
   double outside(const Exec& exec, const Problem& problem) const;
   const ObjectWindows& windows(const Exec& exec, const Problem& problem) const;
 

@@ -7,8 +7,8 @@
 namespace ngs {
 namespace {
 
-/// -0 is a value of its own: columns keep their bits.
-bool is_nothing(float value) { return std::bit_cast<std::uint32_t>(value) == 0; }
+/// +0 only: columns preserve bits, so -0 is stored.
+bool is_positive_zero(float value) { return std::bit_cast<std::uint32_t>(value) == 0; }
 bool same_bits(float a, float b) { return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b); }
 
 }  // namespace
@@ -38,7 +38,7 @@ void LabelColumn::put(std::size_t row, float value) {
 void LabelColumn::assign(std::size_t rows, float value) {
   *this = {};
   resize(rows);
-  if (is_nothing(value)) return;
+  if (is_positive_zero(value)) return;
   Page full;
   for (std::size_t row = 0; row < kPageRows; ++row) full.put(row, value);
   const auto one = std::make_shared<Page>(std::move(full));
@@ -50,11 +50,11 @@ void LabelColumn::assign(std::size_t rows, float value) {
 }
 
 void LabelColumn::resize(std::size_t rows) {
-  if (rows < rows_ && rows % kPageRows != 0) {  // what a column grows by again is 0
+  if (rows < rows_ && rows % kPageRows != 0) {  // rows that are added again later must be 0
     const std::size_t first = rows / kPageRows * kPageRows;
-    std::vector<float> kept(begin() + std::ptrdiff_t(first), begin() + std::ptrdiff_t(rows));
+    std::vector<float> last_page(begin() + std::ptrdiff_t(first), begin() + std::ptrdiff_t(rows));
     page_.resize(rows / kPageRows), rows_ = first;
-    return append(kept.data(), kept.size());
+    return append(last_page.data(), last_page.size());
   }
   page_.resize((rows + kPageRows - 1) / kPageRows);
   rows_ = rows;
@@ -86,7 +86,7 @@ void LabelColumn::share(const LabelColumn& other, std::size_t row) {
   if (mine && others && mine != others && same(*mine, *others)) mine = others;
 }
 
-std::size_t LabelColumn::own_bytes() const {
+std::size_t LabelColumn::unshared_bytes() const {
   std::size_t bytes = page_.capacity() * sizeof page_[0];
   for (const auto& page : page_)
     if (page && page.use_count() == 1) bytes += sizeof(Page) + page->value.capacity() * sizeof(float);

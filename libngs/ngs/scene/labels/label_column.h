@@ -1,7 +1,7 @@
 #pragma once
-// A column of one object's labels: a number for every Gaussian of a scene, of which all but the object's are 0. Only
-// others take memory, and copies share what neither has changed since: a model of two million Gaussians and many
-// objects has hundreds of these columns, and every stage its own version of them.
+// A sparse copy-on-write column of one object's labels: one float per Gaussian, most of them 0. Zeros take no memory,
+// and copies share unchanged pages. A model of two million Gaussians with many objects has hundreds of such columns,
+// and every stage has its own version of them.
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -12,13 +12,13 @@
 
 namespace ngs {
 
-/// Reads as a vector<float> does. Rows of one column must not be written by several threads.
+/// Reads like a vector<float>. Writing rows of one column is not thread-safe.
 class LabelColumn {
  public:
   static constexpr std::size_t kPageRows = 1024;
 
-  /// What `column[i]` is where it may be written: it converts to float. Assigning the value that is there changes
-  /// nothing, and shares on.
+  /// Proxy reference returned by a writable `column[i]`; converts to float. Assigning an equal value keeps the page
+  /// shared.
   class Cell {
    public:
     Cell(LabelColumn& column, std::size_t row) : column_(column), row_(row) {}
@@ -95,23 +95,23 @@ class LabelColumn {
   std::vector<float> values() const { return {begin(), end()}; }
 
   void assign(std::size_t rows, float value);
-  /// Rows that are added are 0.
+  /// New rows are 0.
   void resize(std::size_t rows);
   void push_back(float value);
   void clear() { *this = {}; }
 
-  /// Pages that are those of `other`, value by value, become one.
+  /// Shares pages that are bit-identical to those of `other`.
   void share(const LabelColumn& other);
-  /// The same of the page that holds `row`.
+  /// The same for the page that holds `row`.
   void share(const LabelColumn& other, std::size_t row);
-  /// What it holds on its own, and its part of nothing that is shared.
-  std::size_t own_bytes() const;
+  /// Memory of pages that are not shared, bytes.
+  std::size_t unshared_bytes() const;
 
-  /// Value by value, as vectors compare.
+  /// Compares values, like vectors.
   friend bool operator==(const LabelColumn& a, const LabelColumn& b);
 
  private:
-  /// The values that are not 0, in the order of their rows, and which those are.
+  /// The non-zero values in row order, and a bit mask of their rows.
   struct Page {
     static constexpr std::size_t kWords = kPageRows / 64;
     std::array<std::uint64_t, kWords> has{};

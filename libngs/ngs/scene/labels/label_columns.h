@@ -1,11 +1,11 @@
 #pragma once
-// What every `labelled` PLY adds to a Gaussian. For several objects there is one LabelColumns per object.
+// The columns that a `labelled` PLY adds to the model; one LabelColumns per object.
 #include "ngs/scene/labels/label_column.h"
 
 namespace ngs {
 
 struct LabelColumns {
-  LabelColumn label;     // [N] decided label in [0, 1]; 1 = object
+  LabelColumn label;     // [N] final label in [0, 1]; 1 = object
   LabelColumn prob;      // [N] f = Σ αTM / Σ αT (closed form) or the optimised sigmoid
   LabelColumn variance;  // [N] normalised mask variance in [0, 1]                         Eq. (3)
   LabelColumn views;     // [N] number of views with evidence; 0 = never seen

@@ -25,7 +25,7 @@ double float_spacing(const GaussianCloud& cloud) {
 }
 
 bool needs_local_origin(const GaussianCloud& cloud) {
-  constexpr double kFinest = 1.0 / 16;  // of the usual size: half a step is far below what a picture shows
+  constexpr double kFinest = 1.0 / 16;  // of usual_size(): the rounding error is invisible in images
   return cloud.origin != std::array<double, 3>{} && float_spacing(cloud) > kFinest * usual_size(cloud);
 }
 

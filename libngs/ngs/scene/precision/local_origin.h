@@ -1,17 +1,17 @@
 #pragma once
-// How fine positions have to be, and whether float holds them where a model lies in the world.
+// Whether float world coordinates are precise enough for a model at its place in the world.
 #include "ngs/scene/gaussian_cloud.h"
 
 namespace ngs {
 
-/// The median over the usable Gaussians of their middle standard deviation, world; 0 without any.
+/// Median over the usable Gaussians of the middle one of their three standard deviations, world; 0 if none is usable.
 double usual_size(const GaussianCloud& cloud);
 
-/// Whether float coordinates of the world are too coarse: at the cloud's origin they lie farther apart than a 16th of
-/// the usual size. Files of such a model hold positions relative to the origin. False where the origin is 0.
+/// Whether float world coordinates are too coarse: their spacing at the cloud's origin exceeds 1/16 of usual_size().
+/// Files of such a model hold positions relative to the origin. False if the origin is 0.
 bool needs_local_origin(const GaussianCloud& cloud);
 
-/// The distance of neighbouring floats at the cloud's origin, world.
+/// The spacing of floats at the cloud's origin, world.
 double float_spacing(const GaussianCloud& cloud);
 
 }  // namespace ngs

@@ -5,16 +5,16 @@
 namespace ngs {
 namespace {
 
-constexpr double kLeastRest = 1e-3;  // of a Gaussian's weight
+constexpr double kLeastRest = 1e-3;  // fraction of a Gaussian's weight that must remain without a view
 
 }  // namespace
 
-LeaveOneOut::LeaveOneOut(const Exec& exec, std::int64_t gaussians, int objects, Gather gather, std::size_t kept_bytes)
+LeaveOneOut::LeaveOneOut(const Exec& exec, std::int64_t gaussians, int objects, Gather gather, std::size_t cache_bytes)
     : exec_(exec),
       gaussians_(gaussians),
       objects_(std::size_t(objects)),
       gather_(std::move(gather)),
-      left_bytes_(kept_bytes),
+      left_bytes_(cache_bytes),
       object_weight_(std::size_t(gaussians), objects_) {
   weight_.resize(std::size_t(gaussians));
 }
@@ -30,7 +30,7 @@ void LeaveOneOut::start(const std::vector<LabelColumns>& labels, const std::vect
 }
 
 std::shared_ptr<const ViewWeights> LeaveOneOut::weights_of(std::size_t n) {
-  if (const auto kept = kept_.find(n); kept != kept_.end()) return kept->second;
+  if (const auto kept = cache_.find(n); kept != cache_.end()) return kept->second;
   if (!not_kept_.contains(n)) return nullptr;
   auto own = std::make_shared<const ViewWeights>(gather_(n));
   keep(n, own);
@@ -43,20 +43,21 @@ void LeaveOneOut::keep(std::size_t n, const std::shared_ptr<const ViewWeights>& 
     return;
   }
   left_bytes_ -= own->bytes();
-  kept_[n] = own, not_kept_.erase(n);
+  cache_[n] = own, not_kept_.erase(n);
 }
 
 void LeaveOneOut::add(std::size_t n) {
   const auto own = std::make_shared<const ViewWeights>(gather_(n));
-  std::vector<std::vector<SparseTable<ExactSum>::First>> put_off(own->parts());
+  std::vector<std::vector<SparseTable<ExactSum>::Insert>> deferred_inserts(own->parts());
   for_each_task(exec_, std::int64_t(own->parts()), [&](std::int64_t part) {
     own->for_each(std::size_t(part), [&](std::uint32_t gaussian, const double* mine) {
       weight_.add(gaussian, mine[0]);
       for (std::size_t k = 0; k < objects_; ++k)
-        if (mine[1 + k] != 0) object_weight_.add(gaussian, k, ExactSum::of(mine[1 + k]), put_off[std::size_t(part)]);
+        if (mine[1 + k] != 0)
+          object_weight_.add(gaussian, k, ExactSum::of(mine[1 + k]), deferred_inserts[std::size_t(part)]);
     });
   });
-  for (const auto& of : put_off) object_weight_.add(of);
+  for (const auto& of : deferred_inserts) object_weight_.add(of);
   keep(n, own);
 }
 
@@ -69,7 +70,7 @@ void LeaveOneOut::remove(std::size_t n) {
       if (ExactSum* const known = mine[1 + k] != 0 ? object_weight_.find(i, k) : nullptr)
         known->subtract(ExactSum::of(mine[1 + k]));
   });
-  if (not_kept_.erase(n) == 0) left_bytes_ += own->bytes(), kept_.erase(n);
+  if (not_kept_.erase(n) == 0) left_bytes_ += own->bytes(), cache_.erase(n);
 }
 
 LeaveOneOut::Shares LeaveOneOut::shares_of(std::size_t gaussian, float* share) const {

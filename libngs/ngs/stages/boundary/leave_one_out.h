@@ -1,5 +1,5 @@
 #pragma once
-// Evidence of several views, and what the others say without one of them.
+// Evidence summed over several views, and the same sums without one of the views.
 #include <functional>
 #include <map>
 #include <memory>
@@ -11,36 +11,36 @@
 
 namespace ngs {
 
-/// Keeps the weights of single views up to `kept_bytes`; those of further views are gathered anew when they are asked
-/// for.
+/// Caches the weights of single views up to `cache_bytes`; weights of further views are gathered again when they are
+/// needed.
 class LeaveOneOut {
  public:
-  /// What view n says.
+  /// The weights of view n.
   using Gather = std::function<ViewWeights(std::size_t n)>;
   LeaveOneOut(const Exec& exec, std::int64_t gaussians, int objects, Gather gather,
-              std::size_t kept_bytes = 512u << 20);
+              std::size_t cache_bytes = 512u << 20);
 
-  /// Begins with what these views say, as labels and weight [N] hold it: with a float's rounding. A view's weights are
-  /// gathered where they are asked for.
+  /// Starts with the sums over `views`, taken from labels and weight [N], which are rounded to float. The weights of
+  /// one view are gathered when they are needed.
   void start(const std::vector<LabelColumns>& labels, const std::vector<float>& weight,
              const std::vector<std::size_t>& views);
   void add(std::size_t n);
-  /// A view that was added: nothing of it is left.
+  /// Subtracts a view that was added; the sums are then exactly those without it.
   void remove(std::size_t n);
 
-  /// [N], [N, K] of all views that were added and not removed.
+  /// Sums [N] and [N, K] over all views that were added and not removed.
   double weight(std::size_t gaussian) const { return weight_.value(gaussian); }
   double object_weight(std::size_t gaussian, std::size_t k) const {
     const ExactSum* sum = object_weight_.find(gaussian, k);
     return sum == nullptr ? 0.0 : sum->value();
   }
 
-  /// What views say of a Gaussian.
+  /// Fractions of a Gaussian's weight that objects cover.
   struct Shares {
-    bool seen;           // it has weight: of all views any, of the others at least a thousandth
-    const float* share;  // [K] of objects in its weight; 0 where not seen
+    bool seen;           // the Gaussian has weight; without one view: more than 1/1000 of the weight in all views
+    const float* share;  // [K], 0 where not seen
   };
-  /// f(gaussian, shares) with what all views say, of all Gaussians, from several threads.
+  /// Calls f(gaussian, shares over all views) for all Gaussians, from several threads.
   template <class F>
   void for_all(const F& f) const {
     constexpr std::int64_t kChunk = 1 << 14;
@@ -50,19 +50,19 @@ class LeaveOneOut {
       for (auto i = std::size_t(chunk * kChunk); i < end; ++i) f(i, shares_of(i, share.data()));
     });
   }
-  /// The same of what view n, with these weights, shows.
+  /// The same for the Gaussians visible in view n only; `own`: the weights of view n.
   template <class F>
   void for_all_in(const ViewWeights& own, const F& f) const {
     for_each_in(own, [&](std::size_t i, const double*, float* share) { f(i, shares_of(i, share)); });
   }
-  /// f(gaussian, shares, weight in view n) with what the views other than n, whose weights these are, say of what it
-  /// shows; of all else they say what all say.
+  /// Calls f(gaussian, shares over the views other than n, weight in view n) for the Gaussians visible in view n.
+  /// `own`: the weights of view n. For all other Gaussians the shares are those over all views.
   template <class F>
   void for_others_in(const ViewWeights& own, const F& f) const {
     for_each_in(
         own, [&](std::size_t i, const double* mine, float* share) { f(i, shares_without(i, mine, share), mine[0]); });
   }
-  /// The weights of a view; null where it was not added, and takes nothing away.
+  /// The weights of a view; null if the view was not added.
   std::shared_ptr<const ViewWeights> weights_of(std::size_t n);
 
  private:
@@ -74,7 +74,7 @@ class LeaveOneOut {
                    [&](std::uint32_t gaussian, const double* mine) { f(std::size_t(gaussian), mine, share.data()); });
     });
   }
-  /// Keeps them where there is room.
+  /// Caches the weights if they fit into the bytes left.
   void keep(std::size_t n, const std::shared_ptr<const ViewWeights>& own);
   Shares shares_of(std::size_t gaussian, float* share) const;
   Shares shares_without(std::size_t gaussian, const double* mine, float* share) const;
@@ -84,10 +84,10 @@ class LeaveOneOut {
   std::size_t objects_;
   Gather gather_;
   std::size_t left_bytes_;
-  ExactSums weight_;                                                // [N] of all views
-  SparseTable<ExactSum> object_weight_;                             // [N, K]
-  std::map<std::size_t, std::shared_ptr<const ViewWeights>> kept_;  // by view
-  std::set<std::size_t> not_kept_;                                  // views that were added too
+  ExactSums weight_;                                                 // [N] of all views
+  SparseTable<ExactSum> object_weight_;                              // [N, K]
+  std::map<std::size_t, std::shared_ptr<const ViewWeights>> cache_;  // by view
+  std::set<std::size_t> not_kept_;                                   // added views whose weights are not cached
 };
 
 }  // namespace ngs

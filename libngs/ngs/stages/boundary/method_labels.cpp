@@ -21,58 +21,14 @@ std::vector<LabelColumns> closed_form_labels(const Exec& exec, Monitor& monitor,
   }
   const auto timed = monitor.scope("evidence");
   return label_gaussians(
-      {}, accumulate_evidence(exec, monitor, {input.cloud, input.scene, input.views, input.splat, input.load_masks}));
+      input.rule,
+      accumulate_evidence(exec, monitor, {input.cloud, input.scene, input.views, input.splat, input.load_masks}));
 }
 
 namespace {
 
-/// How far the variances of the Gaussians that both have seen lie apart, summed up.
-double variance_distance(const std::vector<LabelColumns>& a, const std::vector<LabelColumns>& b) {
-  double sum = 0;
-  for (std::size_t k = 0; k < a.size(); ++k)
-    for (std::size_t i = 0; i < a[k].views.size(); ++i)
-      if (a[k].views[i] > 0 && b[k].views[i] > 0) sum += std::abs(double(a[k].variance[i]) - double(b[k].variance[i]));
-  return sum;
-}
-
-/// Labels by the criterion that gives the variances which are nearest to the given ones: what changed in masks and
-/// model since concerns few Gaussians, another criterion nearly all.
-std::vector<LabelColumns> labels_like(const std::vector<LabelColumns>& given, VarianceOptions rule,
-                                      const Evidence& evidence) {
-  std::vector<LabelColumns> best;
-  double least = INFINITY;
-  for (const NamedValue<Criterion>& named : kCriterionNames) {
-    rule.criterion = named.value;
-    std::vector<LabelColumns> labels = label_gaussians(rule, evidence);
-    const double apart = variance_distance(given, labels);
-    if (apart < least) least = apart, best = std::move(labels);
-  }
-  return best;
-}
-
-/// Just above the largest variance that is not boundary: the column is rounded, and what it was rounded from must not
-/// be boundary either.
-VarianceOptions rule_of(const std::vector<LabelColumns>& labels) {
-  VarianceOptions rule;
-  float largest = -1;
-  for (const LabelColumns& c : labels)
-    for (std::size_t i = 0; i < c.views.size(); ++i)
-      if (c.views[i] > 0 && !is_set(c.boundary[i])) largest = std::max(largest, c.variance[i]);
-  if (largest >= 0) rule.tau = std::min(double(std::nextafter(largest, 2.f)), std::nextafter(1.0, 0.0));
-  return rule;
-}
-
-bool is_pooled(const std::vector<LabelColumns>& labels) {
-  constexpr double kRounding = 1e-5;
-  for (const LabelColumns& c : labels)
-    for (std::size_t i = 0; i < c.views.size(); ++i)
-      if (c.views[i] > 0 && std::abs(double(c.variance[i]) - mask_variance(double(c.prob[i]))) > kRounding)
-        return false;
-  return true;
-}
-
-/// Sets the columns of a Gaussian from its weights that are left.
-void set_labels(const VarianceOptions& rule, const double* weight, std::size_t i, std::vector<LabelColumns>& labels) {
+/// Sets the columns of Gaussian i from its remaining weights [1 + K]: total, then per object.
+void set_labels(const BoundaryRule& rule, const double* weight, std::size_t i, std::vector<LabelColumns>& labels) {
   double most = 0, all = 0;
   std::size_t heaviest = 0;
   for (std::size_t k = 0; k < labels.size(); ++k) {
@@ -82,7 +38,8 @@ void set_labels(const VarianceOptions& rule, const double* weight, std::size_t i
   for (std::size_t k = 0; k < labels.size(); ++k) {
     LabelColumns& c = labels[k];
     const double share = weight[0] > 0 ? std::min(1.0, weight[1 + k] / weight[0]) : 0;
-    const bool owner = labels.size() == 1 ? share > rule.label_threshold : k == heaviest && most > weight[0] - all;
+    const bool one_of_several = rule.exclusive && labels.size() > 1;
+    const bool owner = one_of_several ? k == heaviest && most > weight[0] - all : share > rule.label_threshold;
     c.prob[i] = float(share), c.variance[i] = float(mask_variance(share)), c.label[i] = float(owner);
     c.boundary[i] = float(mask_variance(share) > rule.tau);
     if (!(weight[0] > 0)) c.views[i] = 0;
@@ -91,17 +48,18 @@ void set_labels(const VarianceOptions& rule, const double* weight, std::size_t i
 
 }  // namespace
 
-std::vector<LabelColumns> labels_anew(const Exec& exec, Monitor& monitor, const Problem& input,
-                                      const GaussianCloud& cloud) {
-  const Problem& whole = input.whole ? *input.whole : input;
+std::vector<LabelColumns> recompute_labels(const Exec& exec, Monitor& monitor, const Problem& input,
+                                           const GaussianCloud& cloud) {
+  const Problem& uncropped = input.uncropped ? *input.uncropped : input;
   const auto masks = [&](std::size_t view) {
-    ViewMasks all = whole.load_masks(view);
-    if (input.whole) all.available = all.available && input.load_masks(view).available;
+    ViewMasks all = uncropped.load_masks(view);
+    if (input.uncropped) all.available = all.available && input.load_masks(view).available;
     return all;
   };
-  const Evidence evidence = accumulate_evidence(exec, monitor, {cloud, whole.scene, whole.views, input.splat, masks});
+  const Evidence evidence =
+      accumulate_evidence(exec, monitor, {cloud, uncropped.scene, uncropped.views, input.splat, masks});
   if (monitor.stop_requested()) return input.labels;
-  std::vector<LabelColumns> labels = labels_like(input.labels, rule_of(input.labels), evidence);
+  std::vector<LabelColumns> labels = label_gaussians(input.rule, evidence);
   keep_outside(input.labels, labels);
   restore_fixed(input, {}, labels);
   return labels;
@@ -109,18 +67,19 @@ std::vector<LabelColumns> labels_anew(const Exec& exec, Monitor& monitor, const 
 
 std::vector<LabelColumns> labels_without_views(const Exec& exec, Monitor& monitor, const Problem& input,
                                                const std::vector<std::size_t>& views) {
-  if (!input.whole || !input.whole->weight || !is_pooled(input.labels))
-    return labels_anew(exec, monitor, input, input.cloud);
+  if (!input.uncropped || !input.uncropped->weight || input.rule.criterion != Criterion::kPooled)
+    return recompute_labels(exec, monitor, input, input.cloud);
   const auto timed = monitor.scope("evidence");
-  const Problem& whole = *input.whole;
+  const Problem& uncropped = *input.uncropped;
   const std::size_t objects = input.labels.size();
-  const RowNumbers claimed(claimed_rows(input.labels));
-  std::vector<LabelColumns> of_claimed = gather_labels(exec, input.labels, claimed.row);
-  std::vector<float> seen_less(of_claimed[0].prob.size(), 0.f);
-  LeaveOneOut rest(exec, claimed.size(), int(objects), [&](std::size_t v) {
-    return view_weights(exec, whole.cloud, {whole.scene.views[v].camera, whole.load_masks(v)}, whole.splat, &claimed);
+  const RowNumbers with_evidence(rows_with_evidence(input.labels));
+  std::vector<LabelColumns> gathered = gather_labels(exec, input.labels, with_evidence.row);
+  std::vector<float> seen_less(gathered[0].prob.size(), 0.f);
+  LeaveOneOut rest(exec, with_evidence.size(), int(objects), [&](std::size_t v) {
+    return view_weights(exec, uncropped.cloud, {uncropped.scene.views[v].camera, uncropped.load_masks(v)},
+                        uncropped.splat, &with_evidence);
   });
-  rest.start(of_claimed, gather_column(exec, *whole.weight, 1, claimed.row), views);
+  rest.start(gathered, gather_column(exec, *uncropped.weight, 1, with_evidence.row), views);
   const bool every = for_each_view(&monitor, views, [&](std::size_t, std::size_t v) {
     const std::shared_ptr<const ViewWeights> own = rest.weights_of(v);
     for (std::size_t part = 0; part < own->parts(); ++part)
@@ -128,18 +87,17 @@ std::vector<LabelColumns> labels_without_views(const Exec& exec, Monitor& monito
     rest.remove(v);
   });
   if (!every) return input.labels;
-  const VarianceOptions rule = rule_of(input.labels);
   std::vector<double> weight(1 + objects);
   for (std::size_t i = 0; i < seen_less.size(); ++i) {
     if (seen_less[i] == 0) continue;
-    const bool unseen = of_claimed[0].views[i] <= seen_less[i];  // but for rounding, nothing of it is left
-    for (LabelColumns& c : of_claimed) c.views[i] -= std::min(float(c.views[i]), seen_less[i]);
+    const bool unseen = gathered[0].views[i] <= seen_less[i];  // no weight remains except rounding
+    for (LabelColumns& c : gathered) c.views[i] -= std::min(float(c.views[i]), seen_less[i]);
     weight[0] = unseen ? 0 : rest.weight(i);
     for (std::size_t k = 0; k < objects; ++k) weight[1 + k] = unseen ? 0 : rest.object_weight(i, k);
-    set_labels(rule, weight.data(), i, of_claimed);
+    set_labels(input.rule, weight.data(), i, gathered);
   }
   std::vector<LabelColumns> labels = input.labels;
-  scatter_labels(exec, of_claimed, claimed.row, labels);
+  scatter_labels(exec, gathered, with_evidence.row, labels);
   keep_outside(input.labels, labels);
   restore_fixed(input, {}, labels);
   return labels;
@@ -158,7 +116,7 @@ void restore_fixed(const Problem& input, const std::vector<std::int64_t>& source
 }
 
 double labelled_count(const LabelColumns& labels) {
-  return double(std::ranges::count_if(labels.label, label_says_object));
+  return double(std::ranges::count_if(labels.label, label_is_foreground));
 }
 
 }  // namespace ngs

@@ -10,7 +10,7 @@
 namespace ngs {
 namespace {
 
-// Queries searched at a time: bounds the memory of the neighbour tables, not the result.
+// Queries per k-NN search. Bounds the memory of the neighbour tables; the result does not depend on it.
 constexpr std::int64_t kQueriesAtOnce = std::int64_t(1) << 19;
 constexpr double kFarWidths = 4;
 

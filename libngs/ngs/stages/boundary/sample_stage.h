@@ -14,7 +14,7 @@
 
 namespace ngs {
 
-/// Least half depth window, world (Eq. 7).
+/// Smallest half depth window in world units (Eq. 7).
 inline constexpr double kDepthEpsilon = 1e-4;
 
 struct SampleOptions {
@@ -22,35 +22,35 @@ struct SampleOptions {
   int depth_samples = 8;
   double bbox_pad_px = 5;
   double depth_span = 0.1;
-  bool whole_image =
-      false;  // the grid covers every view that sees the boundary: --effect box=off, no option of its own
+  // The grid covers the full image of every view that shows the boundary. Set by --effect box=off only.
+  bool whole_image = false;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.rows, Field<int>{"rows", "", "grid rows, fewer where they would be under 1 px (Eq. 5)", 1, 4096});
-    visit(self.cols, Field<int>{"cols", "", "grid columns (Eq. 5)", 1, 4096});
-    visit(self.depth_samples, Field<int>{"depth_samples", "", "query points per ray, the paper's K (Eq. 7)", 1, 256});
+    visit(self.rows,
+          Field<int>{"rows", "", "Grid rows per view, fewer if a cell would be under 1 px (Eq. 5)", 1, 4096});
+    visit(self.cols, Field<int>{"cols", "", "Grid columns per view (Eq. 5)", 1, 4096});
+    visit(self.depth_samples, Field<int>{"depth_samples", "", "Query points per ray, the paper's K (Eq. 7)", 1, 256});
     visit(self.bbox_pad_px, Field<double>{"bbox_pad_px", "px",
-                                          "margin of the box about the boundary, the paper's delta (Eq. 4)", 0, 1e4});
+                                          "Margin of the box around the boundary, the paper's delta (Eq. 4)", 0, 1e4});
     visit(self.depth_span,
-          Field<double>{"depth_span", "", "half depth window relative to the depth, the paper's alpha (Eq. 7)", 0, 1});
+          Field<double>{"depth_span", "", "Half depth window relative to the depth, the paper's alpha (Eq. 7)", 0, 1});
   }
 };
 
 /// Upper bound of the number of query points.
 std::int64_t most_queries(const SampleOptions& options, std::size_t views);
 
-/// Of the rays of a view whose boundary is `mean_distance` away.
+/// Options for the rays of a view whose boundary has the mean distance `mean_distance` (world units).
 RayOptions ray_options(const SampleOptions& options, double mean_distance);
 
 struct ViewSample {
-  BoundaryBox
-      boundary;  // visible == 0: no rays; its box is what the grid covers, the whole image if that was asked for
+  BoundaryBox boundary;  // its box is the area of the grid, the full image with whole_image; visible == 0: no rays
   RayQueries rays;
 };
 
 /// The grid and rays of one camera. `camera` is relative to the model's origin (relative_to). Depth windows are centred
-/// on the rendered depth of the pixel (C12); empty `map`: all on the mean distance.
+/// on the rendered depth of the pixel (C12), or with an empty `map` on the mean distance.
 ViewSample sample_view(const Exec& exec, const SampleOptions& options, const Camera& camera,
                        Rows<const float, 3> boundary, const DepthMap& map);
 
@@ -58,11 +58,11 @@ struct SampleInputs {
   const GaussianCloud& cloud;
   const BoundarySet& boundary;
   const Scene& scene;
-  std::vector<std::size_t> views;  // of the scene
+  std::vector<std::size_t> views;  // indices of scene.views
   SplatOptions splat = {};
 };
 
-/// Query points of the given views; depth windows follow the rendered depth.
+/// Query points of the given views, with depth windows centred on the rendered depth.
 QueryField sample_queries(const Exec& exec, Monitor& monitor, const SampleOptions& options, const SampleInputs& in);
 
 }  // namespace ngs

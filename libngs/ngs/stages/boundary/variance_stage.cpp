@@ -10,8 +10,7 @@
 namespace ngs {
 namespace {
 
-/// Normalised mask variance in [0, 1] of a Gaussian of which an object has `of`, a share `prob` in [0, 1] of its
-/// weight.
+/// Normalised mask variance in [0, 1] of a Gaussian. `of`: the object's weight in it, the fraction `prob` of all.
 double normalised_variance(Criterion criterion, const Evidence& e, std::size_t gaussian, const ObjectShare& of,
                            double prob) {
   switch (criterion) {
@@ -25,7 +24,7 @@ double normalised_variance(Criterion criterion, const Evidence& e, std::size_t g
   return 0.0;
 }
 
-/// The object that outweighs every other object and the background; -1 if none does.
+/// The object with the largest weight, if it exceeds the background's weight; otherwise -1.
 int heaviest_object(const Evidence& e, std::size_t gaussian) {
   double background = e.weight.value(gaussian), best_weight = 0;
   int best = -1;
@@ -37,7 +36,7 @@ int heaviest_object(const Evidence& e, std::size_t gaussian) {
   return best_weight > background ? best : -1;
 }
 
-/// Decoding one picture takes one thread: those of the next views together take more, and memory for each.
+/// Number of views whose masks are decoded in parallel: one image per thread, bounded for memory.
 std::size_t views_ahead(const Exec& exec, std::size_t objects) {
   constexpr std::size_t kMostPlanes = 36;
   return std::clamp<std::size_t>(kMostPlanes / std::max<std::size_t>(objects, 1), 1,
@@ -84,33 +83,33 @@ Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const EvidenceI
   return evidence;
 }
 
-void check_tau(const VarianceOptions& options) {
-  if (options.tau >= 0 && options.tau < 1) return;
+void check_tau(const BoundaryRule& rule) {
+  if (rule.tau >= 0 && rule.tau < 1) return;
   std::ostringstream found;
-  found << "tau = " << options.tau << ", expected a value in [0, 1): the normalised variance 4 Var never exceeds 1";
+  found << "tau = " << rule.tau << ", expected a value in [0, 1): the normalised variance 4 Var never exceeds 1";
   throw Error(ErrorCode::kUsage, found.str(),
               "a raw variance threshold v (at most 0.25) is --tau 4v; the default is 0.6");
 }
 
-std::vector<LabelColumns> label_gaussians(const VarianceOptions& options, const Evidence& e) {
-  check_tau(options);
+std::vector<LabelColumns> label_gaussians(const BoundaryRule& rule, const Evidence& e) {
+  check_tau(rule);
   const auto n = std::size_t(e.gaussians);
   std::vector<LabelColumns> columns(std::size_t(e.objects));
   for (LabelColumns& c : columns)
     for (const auto column : kLabelColumns) (c.*column).assign(n, 0.f);
-  LabelColumn views(n, 0.f);  // the same of all objects
+  LabelColumn views(n, 0.f);  // the same for all objects
   for (std::size_t i = 0; i < n; ++i) {
     if (e.views[i] == 0) continue;
-    const bool one_of_several = options.exclusive && e.objects > 1;
+    const bool one_of_several = rule.exclusive && e.objects > 1;
     const int owner = one_of_several ? heaviest_object(e, i) : -1;
     views[i] = float(e.views[i]);
-    e.share.for_each_in(i, [&](std::size_t k, const ObjectShare& of) {  // of others all is 0
+    e.share.for_each_in(i, [&](std::size_t k, const ObjectShare& of) {  // objects without weight keep zeros
       LabelColumns& c = columns[k];
       const double prob = of.weight.value() / e.weight.value(i);
-      const double variance = normalised_variance(options.criterion, e, i, of, prob);
+      const double variance = normalised_variance(rule.criterion, e, i, of, prob);
       c.prob[i] = float(prob), c.variance[i] = float(variance);
-      c.label[i] = one_of_several ? float(owner == int(k)) : float(prob > options.label_threshold);
-      c.boundary[i] = float(variance > options.tau);
+      c.label[i] = one_of_several ? float(owner == int(k)) : float(prob > rule.label_threshold);
+      c.boundary[i] = float(variance > rule.tau);
     });
   }
   for (LabelColumns& c : columns) c.views = views;

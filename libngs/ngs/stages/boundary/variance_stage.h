@@ -8,57 +8,52 @@
 #include "ngs/core/monitor.h"
 #include "ngs/ops/splat/evidence.h"
 #include "ngs/options/field.h"
+#include "ngs/scene/labels/boundary_rule.h"
 #include "ngs/scene/labels/label_columns.h"
 
 namespace ngs {
 
-enum class Criterion : std::uint8_t { kPooled, kBetweenViews, kRelativeDiff };
-inline constexpr NamedValue<Criterion> kCriterionNames[] = {{Criterion::kPooled, "pooled"},
-                                                            {Criterion::kBetweenViews, "between-views"},
-                                                            {Criterion::kRelativeDiff, "relative-diff"}};
+inline constexpr NamedValue<Criterion> kCriterionNames[] = {{Criterion::kPooled, kCriterionName[0]},
+                                                            {Criterion::kBetweenViews, kCriterionName[1]},
+                                                            {Criterion::kRelativeDiff, kCriterionName[2]}};
 
-struct VarianceOptions {
-  double tau = 0.6;
-  Criterion criterion = Criterion::kPooled;
-  double label_threshold = 0.5;  // closed-form label: 1 where prob exceeds it; no flag sets it
-  bool exclusive = true;
-
+struct VarianceOptions : BoundaryRule {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.tau,
-          Field<double>{"tau", "", "boundary: normalised mask variance above this (Eq. 3, C1)", 0.0, 0.999999});
-    visit(self.criterion, Choice<Criterion>{"criterion", "what the variance is taken over (C2)", kCriterionNames});
-    visit(self.exclusive, Flag{"exclusive", "several objects: a Gaussian belongs to at most one (the heaviest)"});
+    visit(self.tau, Field<double>{"tau", "", "Normalised mask variance above which a Gaussian is boundary (Eq. 3, C1)",
+                                  0.0, 0.999999});
+    visit(self.criterion, Choice<Criterion>{"criterion", "How the mask variance is measured (C2)", kCriterionNames});
+    visit(self.exclusive, Flag{"exclusive", "Assign each Gaussian to at most one object, that of most weight"});
   }
 };
 
-/// The masks of view `index` of the scene.
+/// Loads the masks of scene.views[index].
 using MaskLoader = std::function<ViewMasks(std::size_t index)>;
 
 struct EvidenceInputs {
   const GaussianCloud& cloud;
   const Scene& scene;
-  std::vector<std::size_t> views;  // of the scene; held-out views must not be among them
+  std::vector<std::size_t> views;  // indices of scene.views; must contain no held-out view
   SplatOptions splat;
   MaskLoader load_masks;
 };
 
-/// Sums the evidence of the given views; of fewer where `monitor` was asked to stop.
+/// Sums the evidence of the given views. After a stop request to `monitor` the remaining views are skipped.
 Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const EvidenceInputs& in);
 
-/// The scene with only the named objects, in the order of the scene; no names: all. kUsage for an unknown
+/// The scene with only the named objects, in the order of the scene; without names all. Throws kUsage for an unknown
 /// name.
 Scene with_objects(Scene scene, const std::vector<std::string>& names);
 
-/// Indices of the scene's views that may supervise.
+/// Indices of the scene's training views.
 std::vector<std::size_t> training_views(const Scene& scene);
 
-/// kUsage unless tau lies in the attainable range [0, 1) of the normalised variance.
-void check_tau(const VarianceOptions& options);
+/// Throws kUsage unless tau lies in the attainable range [0, 1) of the normalised variance.
+void check_tau(const BoundaryRule& rule);
 
 /// Labels, probabilities, variances and boundary membership, one LabelColumns per object. Gaussians without
-/// evidence have views = 0, prob = 0, label = 0: the third state that ngs-extract resolves by its rule.
+/// evidence have views = 0, prob = 0, label = 0: the undecided state that ngs-extract resolves by its own rule.
 /// Calls check_tau.
-std::vector<LabelColumns> label_gaussians(const VarianceOptions& options, const Evidence& evidence);
+std::vector<LabelColumns> label_gaussians(const BoundaryRule& rule, const Evidence& evidence);
 
 }  // namespace ngs

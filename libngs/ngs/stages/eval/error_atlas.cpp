@@ -8,9 +8,9 @@
 namespace ngs {
 namespace {
 
-constexpr float kBarelySeenViews = 2;
-constexpr double kHidingShareOfRadius = 0.1;
-enum Channel : std::size_t { kObject, kBarely, kBoundary, kChannels };
+constexpr float kRarelySeenViews = 2;
+constexpr double kOccluderDistance = 0.1;  // fraction of the object's radius
+enum Channel : std::size_t { kObject, kRarelySeen, kBoundary, kChannels };
 
 /// RMS distance of the object's Gaussians from their mean, world.
 double object_radius(const GaussianCloud& cloud, const std::vector<std::uint8_t>& object) {
@@ -29,10 +29,10 @@ double object_radius(const GaussianCloud& cloud, const std::vector<std::uint8_t>
 }
 
 struct Renders {
-  RenderedView whole;   // label: kObject, kBarely, kBoundary
-  RenderedView object;  // the object alone, with depth
-  RenderedView others;  // all but the object, with depth
-  double hiding = 0;    // world
+  RenderedView whole;            // label: kObject, kRarelySeen, kBoundary
+  RenderedView object;           // the object alone, with depth
+  RenderedView others;           // all but the object, with depth
+  double occluder_distance = 0;  // world: least distance of an occluder in front of the object
 };
 
 Renders rendered(const Exec& exec, const AtlasInput& in) {
@@ -41,9 +41,9 @@ Renders rendered(const Exec& exec, const AtlasInput& in) {
   std::vector<std::uint8_t> object(n), other(n);
   for (std::size_t i = 0; i < n; ++i) {
     value[i * kChannels + kObject] = in.labels.label[i];
-    value[i * kChannels + kBarely] = in.labels.views[i] <= kBarelySeenViews;
+    value[i * kChannels + kRarelySeen] = in.labels.views[i] <= kRarelySeenViews;
     value[i * kChannels + kBoundary] = in.labels.boundary[i];
-    object[i] = label_says_object(in.labels.label[i]), other[i] = !object[i];
+    object[i] = label_is_foreground(in.labels.label[i]), other[i] = !object[i];
   }
   RenderRequest request;
   request.colour = false;
@@ -54,14 +54,14 @@ Renders rendered(const Exec& exec, const AtlasInput& in) {
   r.object = render(exec, in.cloud, in.camera, in.splat, request);
   request.include = other.data();
   r.others = render(exec, in.cloud, in.camera, in.splat, request);
-  r.hiding = kHidingShareOfRadius * object_radius(in.cloud, object);
+  r.occluder_distance = kOccluderDistance * object_radius(in.cloud, object);
   return r;
 }
 
-bool hidden(const Renders& r, std::size_t p) {
+bool is_occluded(const Renders& r, std::size_t p) {
   const double behind = double(r.object.alpha.data[p]), before = double(r.others.alpha.data[p]);
   if (!(behind > 0.5) || !(before > 0)) return false;
-  return double(r.others.depth.data[p]) / before < double(r.object.depth.data[p]) / behind - r.hiding;
+  return double(r.others.depth.data[p]) / before < double(r.object.depth.data[p]) / behind - r.occluder_distance;
 }
 
 ErrorCause cause_at(const AtlasInput& in, const Renders& r, std::size_t p) {
@@ -69,8 +69,8 @@ ErrorCause cause_at(const AtlasInput& in, const Renders& r, std::size_t p) {
   const double alpha = double(r.whole.alpha.data[p]);
   const float* value = &r.whole.label.data[p * kChannels];
   if (alpha < 0.5) return ErrorCause::kReach;
-  if (double(value[kBarely]) > 0.5 * alpha) return ErrorCause::kUnseen;
-  if (truth && hidden(r, p)) return ErrorCause::kFloater;
+  if (double(value[kRarelySeen]) > 0.5 * alpha) return ErrorCause::kUnseen;
+  if (truth && is_occluded(r, p)) return ErrorCause::kFloater;
   if (in.input.data != nullptr && (in.input.data[p] != 0) != truth) return ErrorCause::kInputMask;
   if (double(value[kBoundary]) > 0.5 * alpha) return ErrorCause::kStraddler;
   if (value[kObject] > 0.25f && value[kObject] < 0.75f) return ErrorCause::kSoftEdge;

@@ -32,13 +32,13 @@ std::vector<std::uint8_t> equal_to(const std::vector<std::uint32_t>& labels, std
   return mask;
 }
 
-/// [H·W] 1 where the true label map holds void_id; empty where no pixel is void.
+/// [H·W] 1 if the true label map has void_id there; empty without void_id.
 std::vector<std::uint8_t> void_pixels(const EvalOptions& options, const std::vector<std::uint32_t>& truth) {
   if (options.void_id < 0) return {};
   return equal_to(truth, std::uint32_t(options.void_id));
 }
 
-/// PASCAL VOC and its heirs mark pixels without a label by 255.
+/// PASCAL VOC and data sets derived from it mark unlabelled pixels by 255.
 bool has_usual_void(const EvalOptions& options, const ObjectIds& ids, const std::vector<std::uint32_t>& truth) {
   constexpr std::uint32_t kUsualVoid = 255;
   if (options.void_id >= 0 || ids.contains(kUsualVoid)) return false;
@@ -49,7 +49,7 @@ bool has_usual_void(const EvalOptions& options, const ObjectIds& ids, const std:
 /// [H·W] 0 or 1 each.
 struct PairPlanes {
   const std::vector<std::uint8_t>&predicted, &truth;
-  std::vector<std::uint8_t> is_void = {};  // not counted; empty: none
+  std::vector<std::uint8_t> is_void = {};  // 1: not counted; empty: none
 };
 
 PairScore score_planes(const Exec& exec, const EvalPair& pair, const PairPlanes& planes) {

@@ -1,15 +1,16 @@
 #pragma once
-// Scores predicted masks against true ones, view by view and object by object (ops/image/metrics.h has the
-// definitions). Stage of ngs-eval; pure functions of pixels that are already in memory.
+// Scores predicted masks against true masks, per view and object (definitions: ops/image/metrics.h). Stage of ngs-eval;
+// pure functions of pixels in memory.
 //
-// Protocol (Boundary IoU, NVOS, LERF-Mask): the prediction is resized to the truth by nearest neighbour, both
-// are made binary by `> threshold` on the 8-bit scale. A file whose largest sample is 1 counts as
-// {0,1}-valued. Of several channels the largest of R, G, B decides, or alpha where it is not constant
-// (scene/mask_samples.h). In label maps an object is `value == id`; maps of three equal channels are grey, as they are
-// when a scene is made (io/image/masks.h), other colours have id = R + 256 G + 65536 B, and a pair of maps in which
-// neither has the object is no pair. Where one id is asked for, a prediction of nothing but 0 and 255 is the mask of
-// that object. True pixels of the id `void_id` are no label and are not scored (ops/image/metrics.h); a prediction of
-// that id says that there is no object.
+// Protocol (Boundary IoU, NVOS, LERF-Mask): the prediction is resized to the truth by nearest neighbour. Both are made
+// binary by `> threshold` on the 8-bit scale; a file whose largest sample is 1 counts as {0,1}-valued. With several
+// channels the largest of R, G, B is used, or alpha if it is not constant (scene/mask_samples.h).
+//
+// Label maps: an object is `value == id`. Maps of three equal channels are grey, as in scene import
+// (io/image/masks.h); other colours have id = R + 256 G + 65536 B. A pair in which neither map contains the object is
+// not counted. If exactly one id is to be scored, a prediction that contains only 0 and 255 is the mask of that object.
+// True pixels with the id `void_id` are unlabelled and not scored (ops/image/metrics.h); predicted pixels with that id
+// count as background.
 #include <cstdint>
 #include <map>
 #include <span>
@@ -22,7 +23,7 @@
 
 namespace ngs {
 
-/// Match distance of the contour F-score, share of the diagonal.
+/// Match distance of the contour F-score, as a fraction of the diagonal.
 inline constexpr double kContourTolerance = 0.008;
 
 struct EvalOptions {
@@ -34,32 +35,32 @@ struct EvalOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.threshold, Field<double>{"threshold", "of 255", "object where the sample is greater", 0, 254});
-    visit(self.label_map, Flag{"label_map", "files are label maps: score every object id by itself"});
-    visit(self.void_id, Field<int>{"void_id", "",
-                                   "label maps: id of the true pixels that are not scored, such as 255 in VOC; "
-                                   "-1: all are",
-                                   -1, 0xffffff});
-    visit(self.object_id, Text{"object_id", "ID|NAME=ID", "score only this id of the label maps (repeatable)"});
+    visit(self.threshold, Field<double>{"threshold", "of 255", "Pixels with a larger value are object", 0, 254});
+    visit(self.label_map, Flag{"label_map", "Files are label maps: score each object id separately"});
+    visit(self.void_id,
+          Field<int>{"void_id", "",
+                     "Label maps: true pixels with this id are not scored, such as 255 in VOC; -1: score all", -1,
+                     0xffffff});
+    visit(self.object_id, Text{"object_id", "ID|NAME=ID", "Score only this id of the label maps (repeatable)"});
     visit(self.fail_below,
-          Text{"fail_below", "SCORE=MIN,...", "exit 1 where a mean score is lower, e.g. iou=0.9,biou=0.6"});
+          Text{"fail_below", "SCORE=MIN,...", "Exit with 1 if a mean score is lower, e.g. iou=0.9,biou=0.6"});
   }
 };
 
-/// Object ids with their names; an empty map asks for every id that occurs.
+/// Object ids with their names; an empty map means every id that occurs.
 using ObjectIds = std::map<std::uint32_t, std::string>;
-/// kUsage for an id or a name that is given twice: one of the two would count for both.
+/// Throws kUsage for an id or a name that is given twice.
 ObjectIds parse_object_ids(const std::vector<std::string>& texts);
 
-/// [H·W] 0/1.
+/// [H·W] 0 or 1.
 std::vector<std::uint8_t> binarised(const MaskSamples& samples, double threshold);
-/// Nothing but 0 and 255: a mask, not a label map.
+/// True if all samples are 0 or 255: a mask, not a label map.
 bool is_black_and_white(const MaskSamples& samples);
 /// [H·W] object ids.
 std::vector<std::uint32_t> label_ids(const MaskSamples& samples);
 
 struct EvalPair {
-  std::string view, object;  // of label maps the ids name the objects, `object` is their prefix
+  std::string view, object;  // label maps: objects are named by id, `object` is a prefix
   MaskSamples predicted, truth;
   std::uint32_t truth_id = 0;  // > 0: the prediction is the mask of this object alone, the truth a label map
 };
@@ -69,15 +70,14 @@ struct PairScore {
   int width_px = 0, height_px = 0;                      // of the truth
   int predicted_width_px = 0, predicted_height_px = 0;  // before resizing
   bool predicted_zero_one = false, truth_zero_one = false;
-  bool truth_has_usual_void = false;  // 255 beside other ids, asked for as nothing
+  bool truth_has_usual_void = false;  // 255 occurs besides other ids, but is neither void_id nor an object id
   MaskScores scores;
 };
 
-/// kUsage where the options of label maps are given without label_map, or an object is void.
+/// Throws kUsage if options of label maps are given without label_map, or if an object id is void_id.
 void require_consistent(const EvalOptions& options);
 
-/// One score for binary masks, one per object that either label map has (none for an object that neither
-/// has). Throws kBadInput for empty images.
+/// One score for binary masks; for label maps one per object that occurs in either. Throws kBadInput for empty images.
 std::vector<PairScore> evaluate_pair(const Exec& exec, const EvalOptions& options, const ObjectIds& ids,
                                      const EvalPair& pair);
 
@@ -93,18 +93,19 @@ struct ObjectMean {
 
 struct EvalSummary {
   std::vector<ObjectMean> objects;  // by name
-  ScoreValues mean{};               // over objects of their means over views (LERF-Mask; NVOS: over tasks)
-  ScoreValues mean_over_pairs{};    // every pair counts the same (LERF-OVS)
+  ScoreValues mean{};               // mean over objects of their means over views (LERF-Mask; NVOS: over tasks)
+  ScoreValues mean_over_pairs{};    // every pair has the same weight (LERF-OVS)
 };
-/// At least one pair.
+/// `pairs` must not be empty.
 EvalSummary summarise(std::span<const PairScore> pairs);
 
 struct ScoreCheck {
   std::string score;
   double at_least = 0, found = 0;
-  bool passed() const { return found >= at_least; }  // NaN does not pass
+  bool passed() const { return found >= at_least; }  // NaN fails
 };
-/// "iou=0.9,biou=0.6" against `found`; throws kUsage for an unknown score or a value that is no number.
+/// Checks a rule such as "iou=0.9,biou=0.6" on `found`. Throws kUsage for an unknown score or a value that is no
+/// number.
 std::vector<ScoreCheck> check_scores(const std::string& rule, const std::map<std::string, double>& found);
 
 }  // namespace ngs

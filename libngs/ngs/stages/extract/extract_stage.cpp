@@ -48,8 +48,8 @@ Rows<const float, 3> as_rows(const std::vector<float>& positions) {
   return {positions.data(), std::int64_t(positions.size() / 3)};
 }
 
-/// Rows of Gaussians that some view has seen, and that none has.
-struct Sighted {
+/// Rows of Gaussians visible in some view, and in none.
+struct RowsByVisibility {
   std::vector<std::uint32_t> seen, unseen;
 };
 
@@ -58,17 +58,17 @@ float largest_scale(const GaussianCloud& cloud, std::uint32_t i) {
   return std::exp(std::max({s[0], s[1], s[2]}));
 }
 
-/// Median of the distances to the k-th neighbour, from 0; 0 where there is none.
+/// Median of the distances to neighbour k (k = 0: the nearest); 0 without neighbours.
 float median_spacing(const KnnGraph& graph, std::size_t k) {
   std::vector<float> dist2;
   for (std::size_t q = k; q < graph.dist2.size(); q += std::size_t(graph.neighbours)) dist2.push_back(graph.dist2[q]);
   return dist2.empty() ? 0 : float(std::sqrt(upper_median({dist2.begin(), dist2.end()})));
 }
 
-/// Of `rows`, those in the box about the object's seen Gaussians, `room` wider on every side. All others are too far
-/// from any of them.
-std::vector<std::uint32_t> rows_about(const GaussianCloud& cloud, const std::vector<float>& object, float room,
-                                      const std::vector<std::uint32_t>& rows) {
+/// Those of `rows` within `margin` of the bounding box of the object's seen Gaussians. All others are farther than that
+/// from every seen Gaussian of the object.
+std::vector<std::uint32_t> rows_near(const GaussianCloud& cloud, const std::vector<float>& object, float margin,
+                                     const std::vector<std::uint32_t>& rows) {
   std::array<float, 3> low, high;
   for (std::size_t a = 0; a < 3; ++a) low[a] = high[a] = object[a];
   for (std::size_t k = 0; k < object.size(); ++k)
@@ -77,14 +77,14 @@ std::vector<std::uint32_t> rows_about(const GaussianCloud& cloud, const std::vec
   for (const std::uint32_t i : rows) {
     const float* p = &cloud.position[i * 3ull];
     bool is_inside = true;
-    for (std::size_t a = 0; a < 3; ++a) is_inside &= p[a] >= low[a] - room && p[a] <= high[a] + room;
+    for (std::size_t a = 0; a < 3; ++a) is_inside &= p[a] >= low[a] - margin && p[a] <= high[a] + margin;
     if (is_inside) inside.push_back(i);
   }
   return inside;
 }
 
-/// Unseen Gaussians are object where more than half of their nearest seen ones are, and are near.
-void vote(const Exec& exec, const ExtractOptions& options, const GaussianCloud& cloud, const Sighted& rows,
+/// An unseen Gaussian becomes object if more than half of its nearest seen Gaussians are object and within reach.
+void vote(const Exec& exec, const ExtractOptions& options, const GaussianCloud& cloud, const RowsByVisibility& rows,
           Extraction& out) {
   std::vector<std::uint32_t> objects;
   for (const std::uint32_t i : rows.seen)
@@ -93,15 +93,15 @@ void vote(const Exec& exec, const ExtractOptions& options, const GaussianCloud& 
   const std::vector<float> object = positions_of(cloud, objects);
   const KnnGraph among = nearest_others(exec, as_rows(object), options.unseen_neighbours);
   const float reach = float(kVoteReach) * median_spacing(among, std::size_t(std::max(1, among.neighbours) - 1));
-  const std::vector<std::uint32_t> asked = rows_about(cloud, object, reach, rows.unseen);
-  const std::vector<float> points = positions_of(cloud, rows.seen), queries = positions_of(cloud, asked);
+  const std::vector<std::uint32_t> candidates = rows_near(cloud, object, reach, rows.unseen);
+  const std::vector<float> points = positions_of(cloud, rows.seen), queries = positions_of(cloud, candidates);
   const KnnGraph graph = nearest_points(exec, as_rows(points), as_rows(queries), options.unseen_neighbours);
   const auto voters = std::size_t(graph.neighbours);
-  for (std::size_t q = 0; q < asked.size(); ++q) {
+  for (std::size_t q = 0; q < candidates.size(); ++q) {
     std::size_t votes = 0;
     for (std::size_t k = q * voters; k < (q + 1) * voters; ++k)
       votes += out.object[rows.seen[graph.index[k]]] && std::sqrt(graph.dist2[k]) <= reach;
-    out.object[asked[q]] = 2 * votes > voters;
+    out.object[candidates[q]] = 2 * votes > voters;
   }
 }
 
@@ -192,8 +192,8 @@ Extraction extract_object(const Exec& exec, const ExtractOptions& options, const
     else
       out.object[i] = options.unseen == UnseenRule::kObject;
   }
-  const Sighted rows{rows_where(n, [&](std::size_t i) { return input.cloud.usable[i] && !is_unseen(i); }),
-                     rows_where(n, [&](std::size_t i) { return input.cloud.usable[i] && is_unseen(i); })};
+  const RowsByVisibility rows{rows_where(n, [&](std::size_t i) { return input.cloud.usable[i] && !is_unseen(i); }),
+                              rows_where(n, [&](std::size_t i) { return input.cloud.usable[i] && is_unseen(i); })};
   if (options.unseen == UnseenRule::kKnn) vote(exec, options, input.cloud, rows, out);
   out.unseen = std::int64_t(rows.unseen.size());
   for (const std::uint32_t i : rows.unseen) out.unseen_to_object += out.object[i];

@@ -1,9 +1,9 @@
 #pragma once
-// Which Gaussians are the object: a threshold on what was accumulated, an answer for those that no view has
-// seen, hand-made constraints, and small pieces removed.                            PAPER.md §5.4
+// Selects the Gaussians of the object: a threshold on label or prob, a rule for Gaussians visible in no view,
+// hand-made constraints, and removal of small components.                           PAPER.md §5.4
 //
-// The vote about an unseen Gaussian is local: of its nearest seen ones those farther than kVoteReach count as
-// background, so that nothing is decided across a scene.
+// The k-NN vote on an unseen Gaussian is local: its nearest seen Gaussians count as background if they are farther
+// than kVoteReach, so that labels do not spread across the scene.
 #include <span>
 #include <string>
 
@@ -14,8 +14,8 @@
 
 namespace ngs {
 
-/// Median distances of the object's seen Gaussians to the farthest of as many neighbours among themselves as have a
-/// vote.
+/// In units of the median distance of the object's seen Gaussians to their k-th nearest neighbour among themselves,
+/// with k = unseen_neighbours.
 inline constexpr double kVoteReach = 5;
 
 enum class UnseenRule : std::uint8_t { kKnn, kObject, kBackground };
@@ -30,31 +30,30 @@ struct ExtractOptions {
   std::string rule = "threshold:0.5";
   ScoreColumn score = ScoreColumn::kAuto;
   UnseenRule unseen = UnseenRule::kKnn;
-  int unseen_neighbours = 8;  // voters per unseen Gaussian; no flag sets it
+  int unseen_neighbours = 8;  // seen neighbours that vote on an unseen Gaussian; no option sets it
   int min_component = 0;
-  int component_neighbours = 8;  // that a piece may connect through; no flag sets it
+  int component_neighbours = 8;  // nearest neighbours that may connect two Gaussians; no option sets it
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.rule, Text{"rule", "RULE",
-                          "threshold:T (score >= T), flash:GAMMA (f > (1+GAMMA)/2), flash-l2:GAMMA (as its code "
-                          "normalises), sa3d (f > 0.3/1.3), cob:T (score > T)"});
-    visit(self.score, Choice<ScoreColumn>{"score",
-                                          "what the rule compares; auto: ngs_prob for flash and sa3d, else "
-                                          "ngs_label",
-                                          kScoreColumnNames});
-    visit(self.unseen, Choice<UnseenRule>{"unseen",
-                                          "Gaussians that no view has seen: vote of the nearest seen ones if these are "
-                                          "near, else background; or all to one side",
-                                          kUnseenRuleNames});
-    visit(self.min_component, Field<int>{"min_component", "Gaussians",
-                                         "smaller connected pieces of the object go to the "
-                                         "background; 0 keeps all",
-                                         0, 1 << 30});
+                          "Object test: threshold:T (score >= T), flash:GAMMA (f > (1+GAMMA)/2), flash-l2:GAMMA "
+                          "(normalised as in its code), sa3d (f > 0.3/1.3), cob:T (score > T)"});
+    visit(self.score,
+          Choice<ScoreColumn>{"score", "Column that the rule tests; auto: ngs_prob for flash and sa3d, else ngs_label",
+                              kScoreColumnNames});
+    visit(self.unseen,
+          Choice<UnseenRule>{
+              "unseen",
+              "Label of Gaussians that no view sees; knn: majority of near seen Gaussians, background if none is near",
+              kUnseenRuleNames});
+    visit(self.min_component,
+          Field<int>{"min_component", "Gaussians",
+                     "Move smaller connected components of the object to the background; 0: keep all", 0, 1 << 30});
   }
 };
 
-/// A Gaussian is object where score > cut, or score >= cut if `inclusive`.
+/// A Gaussian is object if score > cut, or score >= cut if `inclusive`.
 struct ExtractRule {
   double cut = 0.5;
   bool inclusive = true;
@@ -65,21 +64,21 @@ ExtractRule parse_extract_rule(const std::string& rule);
 
 struct ExtractInput {
   const GaussianCloud& cloud;
-  const LabelColumns& labels;         // label or prob; without `views` every Gaussian counts as seen
-  std::span<const float> fixed = {};  // [N] 1: label is final; empty: none is
+  const LabelColumns& labels;         // has label or prob; without `views` every Gaussian counts as seen
+  std::span<const float> fixed = {};  // [N] 1: label is final; empty: none
 };
 
 struct Extraction {
-  std::vector<std::uint8_t> object;  // [N] 1: object. Gaussians that cannot be used are background
+  std::vector<std::uint8_t> object;  // [N] 1: object; unusable Gaussians are background
   std::int64_t objects = 0, unusable = 0, unseen = 0, unseen_to_object = 0, fixed = 0;
-  std::int64_t components = 0, removed_components = 0, removed = 0;  // only counted with min_component > 0
+  std::int64_t components = 0, removed_components = 0, removed = 0;  // counted if min_component > 0
 };
 
-/// kBadInput where neither ngs_label nor ngs_prob is there.
+/// Throws kBadInput without both ngs_label and ngs_prob.
 Extraction extract_object(const Exec& exec, const ExtractOptions& options, const ExtractInput& input);
 
-/// Pieces of the Gaussians with member[i] != 0: piece[i] >= 0 numbers them in order of their first row, -1
-/// elsewhere. Two nearest neighbours touch if their distance is at most 3 (σ_i + σ_j), σ the largest scale,
+/// Connected components of the Gaussians with member[i] != 0: component numbers in order of their first row, -1
+/// elsewhere. Two nearest neighbours are connected if their distance is at most 3 (σ_i + σ_j), σ the largest scale,
 /// or at most three times the median distance to the nearest neighbour.
 std::vector<std::int32_t> connected_pieces(const Exec& exec, const GaussianCloud& cloud,
                                            const std::vector<std::uint8_t>& member, int neighbours);

@@ -24,7 +24,7 @@ struct Keyed {
 
 std::uint32_t bits(double value) { return std::bit_cast<std::uint32_t>(float(value) + 0.0f); }  // -0 is 0
 
-/// Keys of positions that `shift` is added to.
+/// Keys of all rows, with `shift` added to the positions, sorted.
 std::vector<Keyed> sorted_keys(const GaussianCloud& cloud, const std::array<double, 3>& shift) {
   std::vector<Keyed> keys(std::size_t(cloud.size()));
   for (std::size_t i = 0; i < keys.size(); ++i) {
@@ -40,7 +40,7 @@ std::vector<Keyed> sorted_keys(const GaussianCloud& cloud, const std::array<doub
   return keys;
 }
 
-/// Pairs the rows of two sorted groups at one position: equal keys first, what is left over in order.
+/// Pairs the rows of two sorted groups at one position: rows with equal keys first, the remaining rows in order.
 void pair_group(std::span<const Keyed> model, std::span<const Keyed> edit, std::vector<std::int64_t>& found) {
   std::vector<std::uint32_t> model_left, edit_left;
   std::size_t m = 0, e = 0;
@@ -55,7 +55,7 @@ void pair_group(std::span<const Keyed> model, std::span<const Keyed> edit, std::
   for (std::size_t k = 0; k < std::min(model_left.size(), edit_left.size()); ++k) found[edit_left[k]] = model_left[k];
 }
 
-using RowPairs = std::vector<std::int64_t>;  // [edit rows] row of the model, -1 where there is none
+using RowPairs = std::vector<std::int64_t>;  // [edit rows] row of the model, -1: none
 
 RowPairs match_sorted(const std::vector<Keyed>& model, const std::vector<Keyed>& edited) {
   RowPairs found(edited.size(), -1);
@@ -81,22 +81,22 @@ std::int64_t matched_of(const RowPairs& found) {
   return std::count_if(found.begin(), found.end(), [](std::int64_t row) { return row >= 0; });
 }
 
-/// In the world, where float holds it; of a model far from 0 also relative to its origin, as outputs hold it: an editor
-/// may have dropped the comment that names the origin.
+/// Matches positions in the world. For a model with an origin, positions relative to the origin are tried as well:
+/// output files store these, and an editor may have dropped the comment that states the origin.
 RowPairs match_rows(const GaussianCloud& cloud, const GaussianCloud& edit) {
   constexpr std::array<double, 3> kNone{};
   RowPairs best = match_sorted(sorted_keys(cloud, cloud.origin), sorted_keys(edit, edit.origin));
   if (cloud.origin == kNone) return best;
-  std::array<double, 3> apart;
-  for (std::size_t a = 0; a < 3; ++a) apart[a] = edit.origin[a] - cloud.origin[a];
+  std::array<double, 3> offset;
+  for (std::size_t a = 0; a < 3; ++a) offset[a] = edit.origin[a] - cloud.origin[a];
   const std::vector<Keyed> local = sorted_keys(cloud, kNone);
-  for (const std::array<double, 3>& shift : {apart, kNone})
+  for (const std::array<double, 3>& shift : {offset, kNone})
     if (RowPairs found = match_sorted(local, sorted_keys(edit, shift)); matched_of(found) >= matched_of(best))
       best = std::move(found);
   return best;
 }
 
-/// Positions of the usable rows and which rows they are.
+/// Positions and row numbers of the usable rows.
 struct Points {
   std::vector<float> position;
   std::vector<std::int64_t> row;
@@ -113,11 +113,11 @@ Points points_of(const GaussianCloud& cloud, const std::array<double, 3>& shift)
   return points;
 }
 
-/// The nearest pairs first, each row once. None at all where half of the pairs are so far apart that the edit was
-/// moved.
+/// Greedy one-to-one matching by distance, nearest pairs first. No pairs at all if their median distance shows that the
+/// edit was moved.
 RowPairs match_nearest(const GaussianCloud& cloud, const GaussianCloud& edit, const std::array<double, 3>& shift) {
   constexpr int kNeighbours = 4;
-  constexpr double kFarthest = 0.25, kUsual = 1.0 / 16;  // of the usual size
+  constexpr double kFarthest = 0.25, kUsual = 1.0 / 16;  // fractions of the usual size
   const Points model = points_of(cloud, {}), edited = points_of(edit, shift);
   const KnnGraph graph = nearest_points({}, model.rows(), edited.rows(), kNeighbours);
   struct Pair {
@@ -147,41 +147,42 @@ RowPairs match_nearest(const GaussianCloud& cloud, const GaussianCloud& edit, co
   return found;
 }
 
-/// The same, of positions that the edit's format has rounded.
+/// The same for positions that the edit's format has rounded, relative to the world or to the model's origin.
 RowPairs match_rounded(const GaussianCloud& cloud, const GaussianCloud& edit) {
-  std::array<double, 3> apart;
-  for (std::size_t a = 0; a < 3; ++a) apart[a] = edit.origin[a] - cloud.origin[a];
-  RowPairs best = match_nearest(cloud, edit, apart);
-  if (apart == std::array<double, 3>{}) return best;
+  std::array<double, 3> offset;
+  for (std::size_t a = 0; a < 3; ++a) offset[a] = edit.origin[a] - cloud.origin[a];
+  RowPairs best = match_nearest(cloud, edit, offset);
+  if (offset == std::array<double, 3>{}) return best;
   RowPairs local = match_nearest(cloud, edit, {});
   return matched_of(local) > matched_of(best) ? local : best;
 }
 
 /// [rows of the model] -1 not in the edit, 0 background, 1 object.
-std::vector<std::int8_t> verdicts_of(const std::vector<std::int64_t>& found, const std::vector<std::uint8_t>& state,
-                                     bool by_selection, std::size_t rows) {
-  std::vector<std::int8_t> verdict(rows, -1);
+std::vector<std::int8_t> fixed_decisions_of(const std::vector<std::int64_t>& found,
+                                            const std::vector<std::uint8_t>& state, bool by_selection,
+                                            std::size_t rows) {
+  std::vector<std::int8_t> decision(rows, -1);
   for (std::size_t e = 0; e < found.size(); ++e) {
     if (found[e] < 0) continue;
     const std::uint8_t s = state.empty() ? std::uint8_t(0) : state[e];
-    verdict[std::size_t(found[e])] = (s & kDeleted) == 0 && (!by_selection || (s & kSelected) != 0);
+    decision[std::size_t(found[e])] = (s & kDeleted) == 0 && (!by_selection || (s & kSelected) != 0);
   }
-  return verdict;
+  return decision;
 }
 
-/// Nobody edited anything, or what was edited is not in the file.
+/// Throws if the edit contains the whole model as object: nothing was edited, or the file does not contain the edit.
 void refuse_whole_model(const GaussianCloud& cloud, const std::vector<std::uint8_t>& object,
-                        const std::vector<std::int8_t>& verdict) {
+                        const std::vector<std::int8_t>& decision) {
   bool changes = false;
-  for (std::size_t i = 0; i < verdict.size(); ++i) {
+  for (std::size_t i = 0; i < decision.size(); ++i) {
     if (!cloud.usable[i]) continue;
-    if (verdict[i] != 1) return;
+    if (decision[i] != 1) return;
     changes |= !object[i];
   }
   if (!changes) return;
   throw Error(ErrorCode::kInconsistent,
-              "the edited model: every Gaussian of the labelled one, none selected, expected those of the object alone",
-              "an editor's export holds no selection: invert it there, delete the rest, then export what is left");
+              "the edited model contains all Gaussians of the labelled model, expected those of the object only",
+              "exports contain no selection: select the object in the editor, invert, delete, then export");
 }
 
 }  // namespace
@@ -200,15 +201,15 @@ ImportedEdit import_edit(const GaussianCloud& cloud, const std::vector<std::uint
   if (2 * out.matched < edit.size())
     throw Error(ErrorCode::kInconsistent,
                 "the edited model: " + std::to_string(out.matched) + " of " + std::to_string(edit.size()) +
-                    " Gaussians are at positions of the labelled one, expected at least half",
+                    " Gaussians are at positions of the labelled model, expected at least half",
                 "edit an output of this model and do not move, rotate or scale it in the editor");
 
   out.by_selection = std::any_of(state.begin(), state.end(), [](std::uint8_t s) { return s & kSelected; });
-  const std::vector<std::int8_t> verdict = verdicts_of(found, state, out.by_selection, n);
-  if (!out.by_selection) refuse_whole_model(cloud, object, verdict);
+  const std::vector<std::int8_t> decision = fixed_decisions_of(found, state, out.by_selection, n);
+  if (!out.by_selection) refuse_whole_model(cloud, object, decision);
   for (std::size_t i = 0; i < n; ++i) {
-    if (verdict[i] < 0 && !object[i]) continue;
-    const bool is_object = verdict[i] == 1;
+    if (decision[i] < 0 && !object[i]) continue;
+    const bool is_object = decision[i] == 1;
     out.fixed[i] = 1;
     out.label[i] = is_object;
     out.to_object += is_object && !object[i];

@@ -26,14 +26,14 @@ ViewHole find_hole(const Exec& exec, const InpaintOptions& options, const Inpain
   std::vector<std::uint8_t> rest(n);
   for (std::size_t i = 0; i < n; ++i)
     is_object[i] = model.object[i], is_seen[i] = model.seen[i], rest[i] = !model.object[i];
-  RenderRequest whole;
-  whole.colour = false;
-  whole.label = {is_object.data(), model.cloud.size(), 1};
-  RenderRequest left;
-  left.label = {is_seen.data(), model.cloud.size(), 1};
-  left.include = rest.data(), left.background = model.background;
-  const RenderedView before = render(exec, model.cloud, camera, splat, whole);
-  RenderedView after = render(exec, model.cloud, camera, splat, left);
+  RenderRequest full;
+  full.colour = false;
+  full.label = {is_object.data(), model.cloud.size(), 1};
+  RenderRequest remaining;
+  remaining.label = {is_seen.data(), model.cloud.size(), 1};
+  remaining.include = rest.data(), remaining.background = model.background;
+  const RenderedView before = render(exec, model.cloud, camera, splat, full);
+  RenderedView after = render(exec, model.cloud, camera, splat, remaining);
 
   ViewHole out;
   out.hole.resize(before.label.data.size());

@@ -1,5 +1,5 @@
 #pragma once
-// What is left to invent once an object is taken out: per view the pixels behind it that no view has seen.
+// Holes to inpaint after the removal of an object: per view the pixels behind it that no view shows.
 #include "ngs/core/monitor.h"
 #include "ngs/ops/splat/splat.h"
 #include "ngs/options/field.h"
@@ -8,8 +8,8 @@
 
 namespace ngs {
 
-/// A pixel is a hole where the object had at least the first share of it, and what is left and was seen is less opaque
-/// than the second.
+/// A pixel is a hole if the object's weight was at least kLeastObjectShare and the remaining seen Gaussians have less
+/// opacity than kHoleOpacity.
 inline constexpr double kLeastObjectShare = 0.05, kHoleOpacity = 0.5;
 
 struct InpaintOptions {
@@ -17,29 +17,28 @@ struct InpaintOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.inpaint_dilate_px, Field<int>{"inpaint_dilate_px", "px", "margin of the dilated hole masks", 0, 4096});
+    visit(self.inpaint_dilate_px,
+          Field<int>{"inpaint_dilate_px", "px", "Margin by which hole masks are dilated", 0, 4096});
   }
 };
 
-/// [N] 1: some view sees the Gaussian in the whole model (its mean weight over the pixels it reaches is at
-/// least 0.03).
+/// [N] 1: the Gaussian is visible in some view of the full model (mean weight of at least 0.03 over its pixels).
 std::vector<std::uint8_t> seen_gaussians(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud,
                                          const Scene& scene, const SplatOptions& splat);
 
 struct InpaintModel {
   const GaussianCloud& cloud;
-  const std::vector<std::uint8_t>& object;  // [N] 1: taken out
+  const std::vector<std::uint8_t>& object;  // [N] 1: removed
   const std::vector<std::uint8_t>& seen;    // [N]
   Vec3<float> background{0, 0, 0};
 };
 
 struct ViewHole {
-  ImageF colour;            // [H, W, 3] what is left, over the background
+  ImageF colour;            // [H, W, 3] render without the object, over the background
   PixelMask hole, dilated;  // [H·W]
 };
 
-/// Holes of one view: the object's share of the pixel was at least kLeastObjectShare, and the seen Gaussians of
-/// what is left reach less than kHoleOpacity there.
+/// The hole of one view, its dilation, and the render without the object.
 ViewHole find_hole(const Exec& exec, const InpaintOptions& options, const InpaintModel& model, const Camera& camera,
                    const SplatOptions& splat);
 

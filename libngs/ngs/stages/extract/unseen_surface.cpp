@@ -12,24 +12,24 @@ namespace {
 
 constexpr int kDirections = 96, kSide_px = 96;
 constexpr double kFov_deg = 40;
-constexpr double kBehind = 0.1;     // of the object's radius: how far behind the rendered depth a point is still seen
-constexpr float kOpaque = 0.5f;     // of a pixel that shows a surface
-constexpr int kNormalReach_px = 2;  // of the differences that say how a surface is turned
+constexpr double kBehind = 0.1;     // fraction of the object's radius: depth tolerance of the visibility test
+constexpr float kOpaque = 0.5f;     // least alpha of a pixel that shows a surface
+constexpr int kNormalReach_px = 2;  // step of the depth differences for normals
 
-/// What the pictures of the object alone show, relative to the model's origin.
-struct ShownPoint {
-  orbit::Vec at, normal;  // normal: of any length, to the side that is looked at
+/// A surface point in a render of the object alone, relative to the model's origin.
+struct SurfacePixel {
+  orbit::Vec at, normal;  // normal: of any length, towards the camera
   bool seen = false;
 };
 
 SplatOptions near_splat() {
   SplatOptions splat;
-  splat.compat = Compat::kGsplat;  // the nearer near plane
+  splat.compat = Compat::kGsplat;  // for its nearer near plane
   splat.max_sh_degree = 0;
   return splat;
 }
 
-/// Camera z of the surface in every pixel; 0: none.
+/// Camera z of the surface in every pixel; 0: no surface.
 ImageF depth_of(const GaussianCloud& cloud, const Camera& camera, const SplatOptions& splat) {
   RenderRequest request;
   request.colour = false, request.depth = true;
@@ -41,10 +41,10 @@ ImageF depth_of(const GaussianCloud& cloud, const Camera& camera, const SplatOpt
   return depth;
 }
 
-/// The points of a picture, place by place.
-class PointPicture {
+/// The surface points of a depth image, by pixel.
+class PointImage {
  public:
-  PointPicture(const ImageF& depth, const Camera& relative) : depth_(depth), camera_(relative) {}
+  PointImage(const ImageF& depth, const Camera& relative) : depth_(depth), camera_(relative) {}
 
   bool has(int x, int y) const {
     return x >= 0 && y >= 0 && x < depth_.width_px && y < depth_.height_px && depth_.at(x, y) > 0;
@@ -54,7 +54,7 @@ class PointPicture {
     const orbit::Vec p{z * (x + 0.5 - camera_.cx) / camera_.fx, z * (y + 0.5 - camera_.cy) / camera_.fy, z};
     return transpose(camera_.rotation) * (p - camera_.translation);
   }
-  /// The shorter of the two differences along a direction: the longer one may lead across a contour.
+  /// The shorter of the forward and backward differences along a direction: the longer one may cross a contour.
   orbit::Vec slope(int x, int y, int dx, int dy) const {
     orbit::Vec shortest{0, 0, 0};
     for (const int side : {1, -1}) {
@@ -70,17 +70,17 @@ class PointPicture {
   const Camera& camera_;
 };
 
-std::vector<ShownPoint> shown_by(const GaussianCloud& object, const Camera& camera, const SplatOptions& splat) {
+std::vector<SurfacePixel> surface_pixels(const GaussianCloud& object, const Camera& camera, const SplatOptions& splat) {
   const ImageF depth = depth_of(object, camera, splat);
   const Camera relative = relative_to(camera, object.origin);
-  const PointPicture picture(depth, relative);
+  const PointImage image(depth, relative);
   const orbit::Vec eye = relative.centre();
-  std::vector<ShownPoint> points;
+  std::vector<SurfacePixel> points;
   for (int y = 0; y < depth.height_px; ++y)
     for (int x = 0; x < depth.width_px; ++x) {
-      if (!picture.has(x, y)) continue;
-      const orbit::Vec at = picture.at(x, y);
-      orbit::Vec normal = cross(picture.slope(x, y, kNormalReach_px, 0), picture.slope(x, y, 0, kNormalReach_px));
+      if (!image.has(x, y)) continue;
+      const orbit::Vec at = image.at(x, y);
+      orbit::Vec normal = cross(image.slope(x, y, kNormalReach_px, 0), image.slope(x, y, 0, kNormalReach_px));
       if (dot(normal, normal) == 0) normal = eye - at;
       if (dot(normal, eye - at) < 0) normal = -1.0 * normal;
       points.push_back({at, normal});
@@ -88,8 +88,8 @@ std::vector<ShownPoint> shown_by(const GaussianCloud& object, const Camera& came
   return points;
 }
 
-/// Whether the camera has the point in its picture, and nothing before it.
-bool sees(const Camera& relative, const ImageF& depth, orbit::Vec at, double behind) {
+/// Whether the point projects into the camera's image and is not occluded there.
+bool is_visible(const Camera& relative, const ImageF& depth, orbit::Vec at, double behind) {
   const orbit::Vec p = relative.rotation * at + relative.translation;
   if (!(p.z > 0)) return false;
   const double x = relative.fx * p.x / p.z + relative.cx, y = relative.fy * p.y / p.z + relative.cy;
@@ -98,7 +98,7 @@ bool sees(const Camera& relative, const ImageF& depth, orbit::Vec at, double beh
   return !(surface > 0) || p.z <= surface + behind;
 }
 
-std::vector<Camera> cameras_about(const orbit::Ball& ball, const std::array<double, 3>& origin) {
+std::vector<Camera> cameras_around(const orbit::Ball& ball, const std::array<double, 3>& origin) {
   const orbit::Lens lens{kSide_px, kSide_px, kFov_deg};
   const orbit::Frame frame{.centre = ball.centre};
   std::vector<Camera> cameras;
@@ -108,13 +108,13 @@ std::vector<Camera> cameras_about(const orbit::Ball& ball, const std::array<doub
   return cameras;
 }
 
-UnseenSurface summed(const std::vector<std::vector<ShownPoint>>& pictures) {
+UnseenSurface summed(const std::vector<std::vector<SurfacePixel>>& renders) {
   const std::vector<orbit::Vec> directions = orbit::even_directions(kDirections);
   UnseenSurface out;
   double all = 0;
-  for (std::size_t d = 0; d < pictures.size(); ++d) {
-    const std::vector<ShownPoint>& points = pictures[d];
-    const auto unseen = double(std::ranges::count(points, false, &ShownPoint::seen));
+  for (std::size_t d = 0; d < renders.size(); ++d) {
+    const std::vector<SurfacePixel>& points = renders[d];
+    const auto unseen = double(std::ranges::count(points, false, &SurfacePixel::seen));
     all += double(points.size()), out.share += unseen;
     if (unseen > out.worst * double(points.size()))
       out.worst = unseen / double(points.size()), out.direction = directions[d];
@@ -134,23 +134,25 @@ UnseenSurface unseen_surface(const Exec& exec, Monitor& monitor, const UnseenInp
   const orbit::SurfacePoints points = orbit::surface_points(object);
   if (points.count() == 0) return {};
   const orbit::Ball ball = orbit::bulk_of(points);
-  const std::vector<Camera> about = cameras_about(ball, object.origin);
+  const std::vector<Camera> around = cameras_around(ball, object.origin);
   const SplatOptions alone = prepared_for(exec, near_splat(), object),
                      whole = prepared_for(exec, near_splat(), input.cloud);
-  std::vector<std::vector<ShownPoint>> pictures(about.size());
+  std::vector<std::vector<SurfacePixel>> renders(around.size());
   const auto timed = monitor.scope("unseen surface");
-  for_each_task(exec, std::int64_t(about.size()),
-                [&](std::int64_t d) { pictures[std::size_t(d)] = shown_by(object, about[std::size_t(d)], alone); });
+  for_each_task(exec, std::int64_t(around.size()), [&](std::int64_t d) {
+    renders[std::size_t(d)] = surface_pixels(object, around[std::size_t(d)], alone);
+  });
   for (const Camera& camera : input.cameras) {
     const ImageF depth = depth_of(input.cloud, camera, whole);
     const Camera relative = relative_to(camera, input.cloud.origin);
     const orbit::Vec eye = relative.centre();
-    for_each_task(exec, std::int64_t(pictures.size()), [&](std::int64_t d) {
-      for (ShownPoint& point : pictures[std::size_t(d)])
-        point.seen |= dot(eye - point.at, point.normal) > 0 && sees(relative, depth, point.at, kBehind * ball.radius);
+    for_each_task(exec, std::int64_t(renders.size()), [&](std::int64_t d) {
+      for (SurfacePixel& point : renders[std::size_t(d)])
+        point.seen |=
+            dot(eye - point.at, point.normal) > 0 && is_visible(relative, depth, point.at, kBehind * ball.radius);
     });
   }
-  return summed(pictures);
+  return summed(renders);
 }
 
 }  // namespace ngs

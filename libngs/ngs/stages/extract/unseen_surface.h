@@ -1,6 +1,6 @@
 #pragma once
-// What of an object shows once its surroundings are gone, and no view has seen: the underside, the side to a wall.
-// A splat says nothing reliable there: what stands there was fitted to nothing, or is the inside of the other side.
+// The surface of an object that is exposed by its extraction but visible in no view: the underside, the side to a wall.
+// The splat is unreliable there: no photo constrains its Gaussians, or they are the inside of the opposite side.
 #include "ngs/core/monitor.h"
 #include "ngs/ops/splat/splat.h"
 #include "ngs/stages/orbit/vectors.h"
@@ -8,21 +8,21 @@
 namespace ngs {
 
 struct UnseenSurface {
-  double share = 0;               // of the object's pixels in pictures from all around, in [0, 1]
-  double worst = 0;               // the share from the direction where it is largest
-  orbit::Vec direction{0, 0, 1};  // that direction, from the object to who looks, a unit vector of the world
+  double share = 0;               // unseen fraction of the object's pixels in renders from all directions, in [0, 1]
+  double worst = 0;               // this fraction in the direction where it is largest
+  orbit::Vec direction{0, 0, 1};  // that direction, from the object to the camera, a unit vector of the world
 };
 
 struct UnseenInput {
-  const GaussianCloud& cloud;               // the whole model, as it was captured
-  const std::vector<std::uint8_t>& object;  // [N] 1: taken out
-  const std::vector<Camera>& cameras;       // of the capture
+  const GaussianCloud& cloud;               // the full model of the capture
+  const std::vector<std::uint8_t>& object;  // [N] 1: of the extracted object
+  const std::vector<Camera>& cameras;       // cameras of the capture
 };
 
-/// The object alone is drawn from 96 directions spread evenly over the sphere, each picture 96 px wide and as near as
-/// shows its bulk. The point that an opaque pixel shows is seen if a camera of the capture looks at this side of the
-/// surface (by the picture's own depths), has it in its picture, and the whole model's depth there is at most a tenth
-/// of the object's radius nearer. An object of which nothing is drawn has no unseen surface.
+/// Renders the object alone from 96 directions spread evenly over the sphere, 96 px wide, framed on its bulk. The
+/// surface point of an opaque pixel is seen if it projects into the image of a camera of the capture, its normal (from
+/// the render's depths) faces this camera, and the full model's depth there is at most a tenth of the object's radius
+/// smaller. The result is 0 if no pixel shows the object.
 UnseenSurface unseen_surface(const Exec& exec, Monitor& monitor, const UnseenInput& input);
 
 }  // namespace ngs

@@ -9,23 +9,22 @@
 namespace ngs {
 namespace {
 
-/// Gaussians whose mean gradient asks for more of them, those with the largest gradients first if there is no
-/// room for all.
+/// Gaussians whose mean gradient reaches the threshold; those with the largest gradients if max_gaussians limits them.
 std::vector<std::int64_t> candidates(const FitState& state, const DensityRule& rule) {
   std::vector<std::int64_t> chosen;
   const auto mean = [&](std::int64_t i) {
     const float views = state.gradient_views[std::size_t(i)];
     return views > 0 ? double(state.gradient_sum[std::size_t(i)]) / double(views) : 0.0;
   };
-  const std::int64_t n = state.cloud.size(), room = std::max<std::int64_t>(0, rule.max_gaussians - n);
+  const std::int64_t n = state.cloud.size(), most_new = std::max<std::int64_t>(0, rule.max_gaussians - n);
   for (std::int64_t i = 0; i < n; ++i)
     if (mean(i) >= rule.gradient) chosen.push_back(i);
-  if (std::int64_t(chosen.size()) > room) {
+  if (std::int64_t(chosen.size()) > most_new) {
     std::sort(chosen.begin(), chosen.end(), [&](std::int64_t a, std::int64_t b) {
       const double ga = mean(a), gb = mean(b);
       return ga != gb ? ga > gb : a < b;
     });
-    chosen.resize(std::size_t(room));
+    chosen.resize(std::size_t(most_new));
     std::sort(chosen.begin(), chosen.end());
   }
   return chosen;
@@ -51,16 +50,16 @@ std::vector<CloudRow> plan_rows(const FitState& state, const DensityRule& rule, 
   change.cloned = std::int64_t(clones.size()), change.split = std::int64_t(children.size()) / 2;
 
   const float faint = logit(float(rule.min_opacity));
-  std::vector<CloudRow> left;
+  std::vector<CloudRow> remaining;
   for (const CloudRow row : rows) {
     const bool child = row.origin >= RowOrigin::kChild0;
     const double scale = largest_scale(cloud, row.source) / (child ? kSplitShrink : 1);
     const bool too_large = rule.max_scale > 0 && scale > rule.max_scale;
-    if (cloud.logit_opacity[std::size_t(row.source)] >= faint && !too_large) left.push_back(row);
+    if (cloud.logit_opacity[std::size_t(row.source)] >= faint && !too_large) remaining.push_back(row);
   }
-  if (left.empty()) left.push_back(rows.front());
-  change.pruned = std::int64_t(rows.size() - left.size());
-  return left;
+  if (remaining.empty()) remaining.push_back(rows.front());
+  change.pruned = std::int64_t(rows.size() - remaining.size());
+  return remaining;
 }
 
 }  // namespace

@@ -13,20 +13,21 @@ namespace {
 
 constexpr float kSh0 = 0.28209479177387814f;
 
-/// A world that is too small would stay empty for all steps, and no gradient would say so.
-void require_drawn(const GaussianCloud& cloud, std::span<const FitView> views) {
+/// Throws if most points are nearer than the near plane: renders would stay empty and no gradient would change that.
+void require_visible(const GaussianCloud& cloud, std::span<const FitView> views) {
   std::vector<Camera> training;
   for (const FitView& view : views)
     if (view.split == Split::kTrain) training.push_back(view.camera);
   const double near = share_too_near(cloud, training, Compat::kInria);
   if (near > kTooNear)
-    throw Error(ErrorCode::kInconsistent,
-                "fit: " + std::to_string(std::lround(100 * near)) +
-                    " % of the points before the median camera are nearer than the near plane, expected at most half",
-                kTooNearRemedy);
+    throw Error(
+        ErrorCode::kInconsistent,
+        "fit: " + std::to_string(std::lround(100 * near)) +
+            " % of the points in front of the median camera are nearer than the near plane, expected at most half",
+        kTooNearRemedy);
 }
 
-/// The point nearest to all optical axes; a pull towards the point one extent ahead settles parallel axes.
+/// The point nearest to all optical axes, regularised towards the point one extent ahead for parallel axes.
 Vec3<double> looked_at(std::span<const FitView> views, double extent) {
   constexpr double kPull = 1e-3;
   Vec3<double> row[3] = {}, right{0, 0, 0};  // the normal equations (Σ (1 - aaᵀ) + pull) x = right
@@ -55,8 +56,9 @@ std::vector<FitPoint> random_cube(const FitOptions& options, std::span<const Fit
   return points;
 }
 
-/// Evenly spread over the list: the first points of COLMAP are those of the first photos, one side of the scene.
-std::vector<FitPoint> at_most(std::vector<FitPoint> points, std::size_t most) {
+/// At most `most` points, evenly spaced in the list: the first points of COLMAP are those of the first photos, which
+/// show one side of the scene.
+std::vector<FitPoint> thinned(std::vector<FitPoint> points, std::size_t most) {
   if (points.size() <= most) return points;
   for (std::size_t i = 0; i < most; ++i) points[i] = points[i * points.size() / most];
   points.resize(most);
@@ -88,7 +90,7 @@ FitState initial_fit(const Exec& exec, const FitOptions& options, std::span<cons
                      std::span<const FitView> views, std::uint64_t seed) {
   std::vector<FitPoint> start(points.begin(), points.end());
   if (start.empty()) start = random_cube(options, views, seed);
-  start = at_most(std::move(start), std::size_t(options.max_gaussians));
+  start = thinned(std::move(start), std::size_t(options.max_gaussians));
   FitState state;
   GaussianCloud& cloud = state.cloud;
   cloud.resize(std::int64_t(start.size()), options.sh_degree);
@@ -114,7 +116,7 @@ FitState initial_fit(const Exec& exec, const FitOptions& options, std::span<cons
   }
   state.gradient_sum.assign(start.size(), 0.f);
   state.gradient_views.assign(start.size(), 0.f);
-  require_drawn(cloud, views);
+  require_visible(cloud, views);
   return state;
 }
 

@@ -19,7 +19,7 @@ RenderRequest fit_request(const FitOptions& options) {
   return request;
 }
 
-/// Log-linear from the first to the last rate, as in 3DGS.
+/// Log-linear from the initial to the final rate, as in 3DGS.
 double position_lr(const FitOptions& options, std::int64_t step, double extent) {
   if (options.position_lr == 0) return 0;
   const double t = std::clamp(double(step) / options.steps, 0.0, 1.0);
@@ -94,7 +94,7 @@ void Fitter::step(const Exec& exec) {
   ++state_.step;
   update_parameters(exec);
   if (state_.step > schedule_.densify_until) return;
-  note_gradients(exec, view.camera);
+  accumulate_gradients(exec, view.camera);
   if (state_.step > schedule_.densify_from && state_.step % schedule_.densify_every == 0) {
     const bool after_reset = state_.step > options_.opacity_reset_every;
     const DensityRule rule{options_.densify_gradient, options_.dense_fraction * extent_, options_.min_opacity,
@@ -111,7 +111,7 @@ void Fitter::update_parameters(const Exec& exec) {
   step_gaussians(exec, {state_.step, rates}, gradients_, state_.cloud, state_.moments);
 }
 
-void Fitter::note_gradients(const Exec& exec, const Camera& camera) {
+void Fitter::accumulate_gradients(const Exec& exec, const Camera& camera) {
   // 3DGS's threshold refers to normalised device coordinates, which span 2 over the image.
   const float per_ndc_x = 0.5f * float(camera.width_px), per_ndc_y = 0.5f * float(camera.height_px);
   for_each_index(exec, state_.cloud.size(), [&](std::int64_t row) {

@@ -1,9 +1,9 @@
 #pragma once
-// The ordinary photometric fit of 3D Gaussian splatting: L1 + DSSIM, clone and split by the view-space gradient,
+// The standard photometric fit of 3D Gaussian splatting: L1 + DSSIM, clone and split by the view-space gradient,
 // prune by opacity and size, opacity resets, SH bands in steps.
 //
-// A run is a function of (options, seed, views, initial state): its bytes depend neither on exec.threads nor on
-// being interrupted. Everything that later steps read is in FitState.
+// The result is a function of (options, seed, views, initial state): its bytes depend neither on exec.threads nor on
+// interruptions. FitState contains everything that later steps read.
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -13,15 +13,15 @@
 #include "ngs/ops/losses/photometric.h"
 #include "ngs/ops/splat/splat.h"
 #include "ngs/options/field.h"
-#include "ngs/scene/held_photo.h"
+#include "ngs/scene/packed_photo.h"
 #include "ngs/scene/scene.h"
 #include "ngs/stages/fit/fit_state.h"
 #include "ngs/stages/render/background.h"
 
 namespace ngs {
 
-/// Defaults are those of 3DGS, rates of Adam among them; what describe() leaves out no flag sets. Counts of steps that
-/// are 0 follow from `steps` (resolved_schedule()).
+/// Defaults, including the Adam rates, are those of 3DGS. Only members listed in describe() are options. Step counts
+/// of 0 are derived from `steps` (resolved_schedule()).
 struct FitOptions {
   int steps = 7000;
   int sh_degree = 3;
@@ -37,13 +37,13 @@ struct FitOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.steps, Field<int>{"steps", "", "optimisation steps, one view each", 1, 10000000});
-    visit(self.sh_degree, Field<int>{"sh_degree", "", "bands of spherical harmonics", 0, 3});
-    visit(self.max_gaussians, Field<int>{"max_gaussians", "", "densification stops here", 1, 1 << 30});
+    visit(self.steps, Field<int>{"steps", "", "Optimisation steps, one view each", 1, 10000000});
+    visit(self.sh_degree, Field<int>{"sh_degree", "", "Highest degree of the spherical harmonics", 0, 3});
+    visit(self.max_gaussians, Field<int>{"max_gaussians", "", "Maximum number of Gaussians", 1, 1 << 30});
     visit(self.background, background_option());
-    visit(self.antialiased, Flag{"antialiased", "fit with the Mip-Splatting opacity compensation"});
+    visit(self.antialiased, Flag{"antialiased", "Fit with the opacity compensation of Mip-Splatting"});
     visit(self.random_points,
-          Field<int>{"random_points", "", "Gaussians to start from without a point cloud", 1, 1 << 24});
+          Field<int>{"random_points", "", "Number of random initial Gaussians if there is no point cloud", 1, 1 << 24});
   }
 };
 
@@ -52,41 +52,41 @@ struct FitSchedule {
 };
 FitSchedule resolved_schedule(const FitOptions& options);
 
-/// What a fit will cost: seconds of one core, peak memory. From a current machine; right within a factor of two.
+/// Estimated cost of a fit: seconds of one core and peak memory. Measured on a current machine, within a factor of two.
 struct FitCost {
   double cpu_s = 0, memory_mib = 0;
 };
-/// `photo_bytes`: of all photos as they are held.
+/// `photo_bytes`: memory of all photos in FitView::photo.
 FitCost fit_cost(const FitOptions& options, std::span<const Camera> cameras, double photo_bytes);
 
 struct FitView {
   Camera camera;
-  HeldPhoto photo;  // of the camera's size
+  PackedPhoto photo;  // of the camera's size
   Split split = Split::kTrain;
 };
 
-/// A point to start from.
+/// A point of the initial point cloud.
 struct FitPoint {
   float position[3];
   float rgb[3];  // [0, 1]
 };
 
-/// 1.1 times the largest distance of a training camera from their mean; of one camera: 1. 3DGS's spatial scale.
+/// The spatial scale of 3DGS: 1.1 times the largest distance of a training camera from their mean; 1 for one camera.
 double scene_extent(std::span<const FitView> views);
 double scene_extent(std::span<const Camera> cameras);
 
-/// Isotropic Gaussians, opacity 0.1, as wide as the root mean square distance of their 3 nearest neighbours.
-/// Of more than `max_gaussians` points as many, evenly spread over the list.
-/// No points: `random_points` grey ones in a cube that the cameras look into.
+/// Isotropic Gaussians of opacity 0.1, as wide as the root mean square distance to their 3 nearest neighbours.
+/// From more than `max_gaussians` points, that many are taken, evenly spaced in the list.
+/// Without points: `random_points` points of random colours in a cube around the point that the cameras look at.
 FitState initial_fit(const Exec& exec, const FitOptions& options, std::span<const FitPoint> points,
                      std::span<const FitView> views, std::uint64_t seed);
 
 class Fitter {
  public:
-  /// Keeps a reference to `views` (at least one in training).
+  /// Keeps a reference to `views`; at least one must be a training view.
   Fitter(const FitOptions& options, std::span<const FitView> views, FitState state, std::uint64_t seed);
 
-  /// One optimisation step. A non-finite gradient is Error(kNumeric).
+  /// One optimisation step. Throws Error(kNumeric) for a non-finite gradient.
   void step(const Exec& exec);
   const FitState& state() const { return state_; }
   PhotometricLoss last_loss() const { return last_loss_; }
@@ -95,7 +95,7 @@ class Fitter {
  private:
   std::size_t view_of_step();
   void update_parameters(const Exec& exec);
-  void note_gradients(const Exec& exec, const Camera& camera);
+  void accumulate_gradients(const Exec& exec, const Camera& camera);
   void reset_opacity();
 
   FitOptions options_;
@@ -115,7 +115,7 @@ class Fitter {
   PhotometricLoss last_loss_;
 };
 
-/// Runs to options.steps, or until the monitor asks to stop. `every(state)` is called after each step.
+/// Runs up to options.steps, or until a stop request to `monitor`. Calls `every(fitter)` after each step.
 void run_fit(const Exec& exec, Monitor& monitor, Fitter& fitter, const FitOptions& options,
              const std::function<void(const Fitter&)>& every);
 
@@ -123,7 +123,7 @@ struct FitScore {
   double psnr_db = 0, ssim = 0;
   int views = 0;
 };
-/// Mean PSNR and SSIM of the render, clamped to [0, 1], over the views of one split; 0 views: zeros.
+/// Mean PSNR and SSIM of the render, clamped to [0, 1], over the views of one split; zeros without views.
 FitScore score_fit(const Exec& exec, const FitOptions& options, const GaussianCloud& cloud,
                    std::span<const FitView> views, Split split);
 

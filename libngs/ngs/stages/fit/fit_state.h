@@ -1,5 +1,5 @@
 #pragma once
-// Everything of a fit that later steps read (stages/fit/fit_stage.h).
+// The state of a fit: everything that later steps read (stages/fit/fit_stage.h).
 #include <cstdint>
 #include <vector>
 
@@ -11,8 +11,9 @@ struct FitState {
   std::int64_t step = 0;  // steps done
   GaussianCloud cloud;
   GaussianMoments moments;
-  std::vector<float> gradient_sum;  // [N] Σ |∂L/∂mean| in NDC over the views that saw it since the last densification
-  std::vector<float> gradient_views;  // [N] their number
+  // Over the views in which the Gaussian was visible since the last densification.
+  std::vector<float> gradient_sum;    // [N] Σ |∂L/∂mean| in NDC
+  std::vector<float> gradient_views;  // [N] number of these views
 };
 
 }  // namespace ngs

@@ -1,5 +1,5 @@
 #pragma once
-// The parameters of a cloud as the groups that 3DGS has rates for, and Adam on them.
+// The parameter groups of a cloud, each with its own learning rate as in 3DGS, and Adam steps on them.
 #include <array>
 
 #include "ngs/ops/optim/adam.h"
@@ -31,7 +31,7 @@ inline constexpr GroupColumns kGroupColumns[kGaussianGroups] = {
     {"sh_dc", &GaussianCloud::sh_dc, &CloudGradients::sh_dc},
     {"sh_rest", &GaussianCloud::sh_rest, &CloudGradients::sh_rest}};
 
-/// Values per Gaussian.
+/// Number of values per Gaussian.
 int group_width(const GaussianCloud& cloud, std::size_t group);
 
 using GroupRates = std::array<double, kGaussianGroups>;

@@ -30,13 +30,13 @@ double mean_psnr_db(const Exec& exec, const Problem& input, const GaussianCloud&
 
 namespace {
 
-struct Shown {
-  std::vector<std::int64_t> rows;  // that some pixel of a view shows, increasing: what others hide has no gradient
-  std::vector<std::size_t> views;  // that show a row which is trained
+struct Visible {
+  std::vector<std::int64_t> rows;  // with weight in some pixel of a view, ascending; occluded rows have no gradient
+  std::vector<std::size_t> views;  // in which a trained row is visible
 };
 
-Shown shown_in(const Exec& exec, const RefitInputs& in, const GaussianCloud& cloud) {
-  Shown shown;
+Visible visible_in(const Exec& exec, const RefitInputs& in, const GaussianCloud& cloud) {
+  Visible visible;
   std::vector<std::uint8_t> seen(std::size_t(cloud.size()), 0);
   const SplatOptions splat = prepared_for(exec, in.problem.splat, cloud);
   for_each_view(in.problem.monitor, in.views, [&](std::size_t, std::size_t v) {
@@ -46,24 +46,24 @@ Shown shown_in(const Exec& exec, const RefitInputs& in, const GaussianCloud& clo
     bool trained = false;
     for (const std::uint32_t row : view_sums(exec, cloud, {camera, everywhere}, splat).row)
       seen[row] = 1, trained |= in.trained[row] != 0;
-    if (trained) shown.views.push_back(v);
+    if (trained) visible.views.push_back(v);
   });
   for (std::size_t i = 0; i < seen.size(); ++i)
-    if (seen[i]) shown.rows.push_back(std::int64_t(i));
-  return shown;
+    if (seen[i]) visible.rows.push_back(std::int64_t(i));
+  return visible;
 }
 
-/// The steps, on a cloud of which every row is drawn.
+/// The optimisation steps, on a cloud whose rows are all visible.
 void train(const Exec& exec, Monitor& monitor, const RefitOptions& options, const RefitInputs& in,
            GaussianCloud& cloud) {
   const Problem& input = in.problem;
   const double extent = scene_extent(cameras_of(input.scene, photo_views(input.scene)));
   const std::int64_t steps = std::int64_t(options.epochs) * std::int64_t(in.views.size());
   TrainedRows trained(exec, in.trained, {}, cloud);
-  std::vector<std::uint8_t> still(trained.size()), kept(trained.size());
-  for (std::size_t r = 0; r < still.size(); ++r) {
+  std::vector<std::uint8_t> fixed_shape(trained.size()), fixed_colour(trained.size());
+  for (std::size_t r = 0; r < fixed_shape.size(); ++r) {
     const std::size_t row = trained.row(r);
-    kept[r] = !in.trained[row], still[r] = kept[r] || !in.moves[row];
+    fixed_colour[r] = !in.trained[row], fixed_shape[r] = fixed_colour[r] || !in.moves[row];
   }
   SplatPass pass(trained.prepared(input.splat));
   PhotometricPass<float> photometric;
@@ -79,14 +79,14 @@ void train(const Exec& exec, Monitor& monitor, const RefitOptions& options, cons
       const RenderedView& rendered = pass.forward(exec, cloud, input.scene.views[v].camera, request);
       photometric.evaluate(exec, {}, {rendered.colour, input.load_photo(v)}, &image.colour);
       pass.backward(exec, image, gradients, trained.wanted());
-      clear_shapes(still, gradients), clear_colours(kept, gradients);
+      clear_shapes(fixed_shape, gradients), clear_colours(fixed_colour, gradients);
       const double decay = std::pow(options.decay, double(step) / double(steps));
       ++step;
       GroupRates rates{options.position_lr * extent, options.rotation_lr, options.scale_lr,
                        options.opacity_lr,           options.dc_lr,       options.rest_lr};
       for (double& rate : rates) rate *= decay;
       step_gaussians(exec, {step, rates}, gradients, trained.cloud(), moments);
-      trained.put_back();
+      trained.write_back();
       monitor.progress(step, steps);
     }
 }
@@ -95,12 +95,12 @@ void train(const Exec& exec, Monitor& monitor, const RefitOptions& options, cons
 
 void refit_to_photos(const Exec& exec, Monitor& monitor, const RefitOptions& options, const RefitInputs& in,
                      GaussianCloud& cloud) {
-  const Shown shown = shown_in(exec, in, cloud);
-  const std::vector<std::uint8_t> moves = gather_column(exec, in.moves, 1, shown.rows),
-                                  trained = gather_column(exec, in.trained, 1, shown.rows);
-  GaussianCloud part = gather_rows(exec, cloud, shown.rows);
-  train(exec, monitor, options, {in.problem, shown.views, moves, trained}, part);
-  scatter_rows(exec, part, shown.rows, cloud);
+  const Visible visible = visible_in(exec, in, cloud);
+  const std::vector<std::uint8_t> moves = gather_column(exec, in.moves, 1, visible.rows),
+                                  trained = gather_column(exec, in.trained, 1, visible.rows);
+  GaussianCloud part = gather_rows(exec, cloud, visible.rows);
+  train(exec, monitor, options, {in.problem, visible.views, moves, trained}, part);
+  scatter_rows(exec, part, visible.rows, cloud);
 }
 
 }  // namespace ngs

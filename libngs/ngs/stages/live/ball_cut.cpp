@@ -22,12 +22,12 @@
 namespace ngs::live {
 namespace {
 
-constexpr std::size_t kLeastSurrounded = 2;  // views with a line around the object that tell where it is
-constexpr double kBand = 0.02;               // of the diagonal: free on both sides of the contour that is expected
-constexpr double kLeastAbove = 0.9;          // of the weight under the object's strokes, for a plane below it
-constexpr double kMostAbove = 0.1;           // of the weight under the background's strokes
-constexpr double kSkin = 0.04;               // of the object's height: the plane's own unevenness
-constexpr double kColourRoom = 0.5;          // a colour nearer than this, of the cube's edge, is like another
+constexpr std::size_t kLeastSurrounded = 2;  // least number of views with a background stroke around the object
+constexpr double kBand = 0.02;               // half-width of the free band around the expected contour, of the diagonal
+constexpr double kLeastAbove = 0.9;          // least fraction above the plane of the weight under object strokes
+constexpr double kMostAbove = 0.1;           // largest fraction above the plane of the weight under background strokes
+constexpr double kSkin = 0.04;               // unevenness of the plane, as a fraction of the object's height
+constexpr double kColourRoom = 0.5;          // distance below which colours count as similar, of the cube's edge
 
 std::vector<std::int64_t> rows_in(const GaussianCloud& cloud, const orbit::Ball& ball) {
   const Vec3<double> origin{cloud.origin[0], cloud.origin[1], cloud.origin[2]};
@@ -40,7 +40,7 @@ std::vector<std::int64_t> rows_in(const GaussianCloud& cloud, const orbit::Ball&
   return rows;
 }
 
-/// The corner of the colour cube that the fewest Gaussians are like, by their opacity.
+/// The corner of the colour cube with the least opacity of Gaussians of similar colour.
 Vec3<float> foreign_colour(const GaussianCloud& cloud) {
   std::array<double, 8> like{};
   for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i)
@@ -64,7 +64,7 @@ Camera at_segmented_size(const Camera& camera, int longer_side_px) {
   return small;
 }
 
-/// What `expected`, the share of the object in every pixel, says of a view.
+/// Hints of a view from `expected`, the fraction of the object in every pixel.
 ViewPrompt prompt_of(const ImageF& expected) {
   const std::size_t pixels = expected.data.size();
   Consensus consensus{expected.width_px, expected.height_px, expected.data, std::vector<float>(pixels, 1.f), {}};
@@ -78,7 +78,7 @@ void keep_certain(const ViewPrompt& marks, ViewPrompt& prompt) {
     if (is_certain(marks.hint[p])) prompt.hint[p] = marks.hint[p];
 }
 
-/// Rendering weight of every Gaussian of the ball over what is certain in the marked views, [rows].
+/// Rendering weight of every Gaussian of the ball over the certain pixels of the marked views, [rows].
 struct MarkedWeights {
   std::vector<double> object, background;
 
@@ -96,7 +96,7 @@ orbit::Vec mean_position(const std::vector<orbit::Vec>& position, const std::vec
   return (1 / whole) * sum;
 }
 
-/// What lies just above the plane, with nothing higher over it, is the rim of what carries the object.
+/// Gaussians just above the plane with nothing higher over them are the rim of the supporting surface, not the object.
 void leave_out_skin(orbit::Vec normal, const std::vector<orbit::Vec>& at, const std::vector<double>& height,
                     std::vector<std::uint8_t>& above) {
   const double band = kSkin * orbit::weighted_quantile(height, {above.begin(), above.end()}, 0.98);
@@ -127,7 +127,7 @@ class BallModel {
     if (rows_.empty())
       throw Error(ErrorCode::kNothingFound,
                   "the ball of radius " + std::to_string(in.ball.radius) + ": no Gaussian lies in it, expected some",
-                  "its numbers are those of the model's file: centre and radius in its own coordinates");
+                  "centre and radius are in the coordinates of the model's file");
     cloud_ = gather_rows(exec, in.cloud, rows_);
     splat_.prepared = nullptr;
     splat_ = prepared_for(exec, splat_, cloud_);
@@ -138,8 +138,8 @@ class BallModel {
   const SplatOptions& splat() const { return splat_; }
   const std::vector<std::int64_t>& rows() const { return rows_; }
 
-  /// [rows] 1: within the lines that surround the object in each of these views, and no part of the plane that runs on
-  /// outside of them, nor below it.
+  /// [rows] 1: within the strokes that surround the object in each of these views, and above the plane that continues
+  /// outside of them.
   std::vector<float> expected(const std::vector<Camera>& cameras, const std::map<std::size_t, ViewPrompt>& surrounded,
                               orbit::Vec up) const {
     std::vector<std::uint8_t> within(rows_.size(), 1);
@@ -172,9 +172,9 @@ class BallModel {
     return told;
   }
 
-  /// [rows] 1: above a plane that has the strokes on the object above it and those on background below, in a piece that
-  /// the former touch. Empty where there is none. Upwards is `up`, or the axis nearest to the way from the ones to the
-  /// others, where pictures lie on their side.
+  /// [rows] 1: above a plane that separates the strokes on the object (above) from those on background (below), in a
+  /// piece that the former touch. Empty if there is no such plane. Tries `up`, then the axis nearest to the direction
+  /// from background to object strokes, for images that are rotated by 90 degrees.
   std::vector<float> above_plane(const MarkedWeights& told, const std::vector<StrokeWeights>& strokes,
                                  orbit::Vec up) const {
     if (std::ranges::max(told.object) <= 0 || std::ranges::max(told.background) <= 0) return {};
@@ -194,7 +194,7 @@ class BallModel {
     return {};
   }
 
-  /// A view with what expected() and marks say of it. What is empty is background, unless a stroke says otherwise.
+  /// A view with hints from expected() and marks. Empty pixels are background, except under strokes on the object.
   PromptedView prompted(const Camera& camera, const ViewPrompt* marks, const std::vector<float>& expected) const {
     const RenderedView view = looked_at(camera, expected);
     ViewPrompt prompt = prompt_of(view.label);
@@ -231,8 +231,8 @@ class BallModel {
     return prompt.hint[std::size_t(y) * std::size_t(prompt.width_px) + std::size_t(x)] != PixelHint::kBackground;
   }
 
-  /// [rows] 1: above the plane that most lies in between the strokes on background and the lower ones on the object.
-  /// None where there is no such plane.
+  /// [rows] 1: above the support plane found between the background strokes and the lower object strokes. All 0 if
+  /// there is no such plane.
   std::vector<std::uint8_t> above(const MarkedWeights& told, const std::vector<orbit::Vec>& at, orbit::Vec up) const {
     std::vector<std::uint8_t> found(rows_.size());
     std::vector<double> height;
@@ -273,7 +273,7 @@ class BallModel {
   RenderRequest request_;
 };
 
-/// Cameras that look from all around, level: their mean axis of up.
+/// Mean up axis of the cameras. Assumes that level cameras surround the object.
 orbit::Vec up_of(const std::vector<Camera>& cameras) {
   orbit::Vec sum{0, 0, 0};
   for (const Camera& c : cameras) sum = sum - orbit::Vec{c.rotation(1, 0), c.rotation(1, 1), c.rotation(1, 2)};
@@ -285,7 +285,8 @@ struct Told {
   std::vector<float> expected;                      // BallModel::expected()
 };
 
-/// Every view by itself, from what is expected there: a few are drawn one by one, then segmented side by side.
+/// Segments every view independently, from the object expected there: batches are rendered one by one, then segmented
+/// in parallel.
 void segment_all(const Exec& exec, Monitor& monitor, const BallModel& model, const Told& told, BallCut& cut) {
   const auto timed = monitor.scope("masks");
   const std::size_t batch = 4 * std::size_t(exec.threads);
@@ -313,7 +314,7 @@ bool has_say(const SpreadView& view) {
   return view.source == MaskSource::kReference || view.source == MaskSource::kSegmented;
 }
 
-/// Labels of the ball's Gaussians by all masks of views that supervise, those that no view sees by their neighbours.
+/// Labels of the ball's Gaussians from the masks of all training and marked views; unseen ones from their neighbours.
 LabelColumns labels_in_ball(const Exec& exec, const BallModel& model, const BallCutInput& in, const BallCut& cut) {
   Evidence evidence(model.cloud().size(), 1);
   for (std::size_t v = 0; v < cut.views.size(); ++v)
@@ -321,7 +322,7 @@ LabelColumns labels_in_ball(const Exec& exec, const BallModel& model, const Ball
       add_view_evidence(exec, model.cloud(), {cut.cameras[v], masks_of(cut.cameras[v], cut.views[v].mask)},
                         model.splat(), evidence);
   LabelColumns labels = std::move(label_gaussians({}, evidence)[0]);
-  for (std::size_t i = 0; i < labels.views.size(); ++i)  // what shines through a surface is no part of it
+  for (std::size_t i = 0; i < labels.views.size(); ++i)  // Gaussians visible only through a surface are not part of it
     if (evidence.weight.value(i) < kLeastMeanWeight * double(evidence.pixels[i]))
       for (const auto column : kLabelColumns) (labels.*column)[i] = 0;
   const Extraction decided = extract_object(exec, {}, {model.cloud(), labels});
@@ -329,7 +330,7 @@ LabelColumns labels_in_ball(const Exec& exec, const BallModel& model, const Ball
   return labels;
 }
 
-/// The columns of the whole model.
+/// The columns of the full model.
 LabelColumns spread_out(const LabelColumns& part, const std::vector<std::int64_t>& rows, std::int64_t gaussians) {
   LabelColumns whole;
   for (const auto column : kLabelColumns) {
@@ -377,7 +378,7 @@ BallCut cut_in_ball(const Exec& exec, Monitor& monitor, const BallCutInput& in) 
     const auto timed = monitor.scope("labels");
     return labels_in_ball(exec, model, in, cut);
   }();
-  for (std::size_t i = 0; i < told.expected.size(); ++i)  // what stands on a plane hides some of it
+  for (std::size_t i = 0; i < told.expected.size(); ++i)  // the object occludes part of its plane
     if (labels.views[i] == 0 && (!by_lines || told.expected[i] == 0)) labels.label[i] = told.expected[i];
   if (!in.all_pieces) {
     const std::vector<std::uint8_t> member(labels.label.begin(), labels.label.end());

@@ -1,19 +1,21 @@
 #pragma once
-// An object within a ball of a large model, from strokes on a few of the cameras about it: masks of all these cameras
-// and closed-form labels, in seconds.
+// Cuts an object within a ball of a large model from strokes on a few of the cameras around it: masks of all these
+// cameras and closed-form labels, in seconds.
 //
-// What lies outside of the ball is not looked at: a picture shows the ball's Gaussians alone, before a colour that they
-// do not have, and what is empty in it is background. So a view costs what the ball holds, not what the model does.
+// Only the Gaussians in the ball are rendered, over a colour that they do not have; empty pixels are background. The
+// cost of a view therefore depends on the Gaussians in the ball, not on the model.
 //
-// Where background strokes run all around the object in two views or more, the object is expected where all these lines
-// surround it, but for the plane that it stands on, which runs on outside of them. Every view is segmented from that by
-// itself, free in a band about the expected contour. The same where one plane has the strokes on the object above it
-// and those on what carries it below: expected are the pieces above the plane that the object's strokes touch. Else the
-// masks of the marked views are carried to the others by spread_masks(), one pass. live_mask() takes GrabCut's place in
-// all.
+// The expected object is found in one of two ways:
+//   - In two or more views a background stroke surrounds the object: the Gaussians within all these strokes.
+//     The supporting plane, which continues outside of the strokes, is left out.
+//   - A plane separates the strokes on the object (above) from those on the background (below): the pieces above the
+//     plane that strokes on the object touch.
+// Each view is then segmented independently, with a free band around the expected contour. In all other cases
+// spread_masks() carries the masks of the marked views to the others in one pass. All masks come from live_mask().
 //
-// The masks of all views give the labels (PAPER.md §5.2). A Gaussian of the ball that no view sees takes the vote of
-// those about it; outside of the ball all is background, and so are the pieces that no stroke on the object touches.
+// The masks of all views give the labels (PAPER.md §5.2). A Gaussian of the ball that is visible in no view gets the
+// majority of its neighbours. Everything outside the ball is background, as are pieces that no stroke on the object
+// touches.
 #include <map>
 
 #include "ngs/core/monitor.h"
@@ -29,25 +31,25 @@ namespace ngs::live {
 
 struct BallCutInput {
   const GaussianCloud& cloud;
-  orbit::Ball ball;    // world, origin included
-  const Scene& scene;  // cameras, and which of them supervise; photos are not looked at
-  SplatOptions splat;  // for pictures at the cameras' size
+  orbit::Ball ball;                                      // world, origin included
+  const Scene& scene;                                    // cameras and their split; photos are not used
+  SplatOptions splat;                                    // for renders at the cameras' size
   std::map<std::size_t, std::vector<HandPrompt>> marks;  // by view, at least one
   bool all_pieces = false;                               // keep the pieces that no stroke touches
-  int longer_side_px = kSegmentedSide_px;                // of a view as it is segmented; a smaller one stays
+  int longer_side_px = kSegmentedSide_px;                // of a segmented view; smaller views keep their size
 };
 
 struct BallCut {
-  LabelColumns labels;  // [N]; `views` is 0 where no view sees a Gaussian of the ball, and 1 outside of the ball
-  std::vector<Camera> cameras;           // of the scene, at the size that is segmented
-  std::vector<SpreadView> views;         // what became of each
-  std::int64_t in_ball = 0, object = 0;  // Gaussians
+  LabelColumns labels;  // [N]; `views` is 0 for Gaussians of the ball visible in no view, and 1 outside the ball
+  std::vector<Camera> cameras;           // of the scene, at the segmented size
+  std::vector<SpreadView> views;         // result of each view
+  std::int64_t in_ball = 0, object = 0;  // numbers of Gaussians
   std::int64_t left_out = 0;             // Gaussians of the pieces that no stroke touches
-  bool is_expected = false;              // lines around the object, or a plane under it, told where it is
+  bool is_expected = false;              // the expected object was found from strokes around it or a plane under it
 };
 
-/// kNothingFound where no usable Gaussian lies in the ball, and as spread_masks(); kInconsistent as rasterise(). With
-/// nothing but the cameras where `monitor` was asked to stop.
+/// Throws kNothingFound if no usable Gaussian lies in the ball and as spread_masks(), kInconsistent as rasterise().
+/// After a stop request to `monitor` the labels are empty.
 BallCut cut_in_ball(const Exec& exec, Monitor& monitor, const BallCutInput& input);
 
 }  // namespace ngs::live

@@ -8,7 +8,7 @@
 namespace ngs::live {
 namespace {
 
-/// Which pixels of `changed` are connected, through others of it, to a stroke of that side.
+/// Pixels of `changed` in a connected component with a stroke of that side.
 PixelMask reached(const PixelMask& changed, const ViewPrompt& strokes, PixelHint side) {
   const ConnectedComponents pieces = connected_components({changed.data(), strokes.width_px, strokes.height_px});
   std::vector<std::uint8_t> is_reached(pieces.size.size());

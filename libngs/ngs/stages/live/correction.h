@@ -1,24 +1,25 @@
 #pragma once
-// What strokes change of a mask: they hold, what is about them is asked again, and nothing else is touched.
+// Local correction of a mask by strokes: pixels under strokes are fixed, pixels near them are segmented again, all
+// others stay.
 #include "ngs/ops/image/grab_cut.h"
 #include "ngs/scene/view_prompt.h"
 
 namespace ngs::live {
 
-/// What a view is segmented by when strokes are added to a selection that the person sees.
+/// Input of the segmentation when strokes are added to a visible selection.
 struct Correction {
   const PixelMask& before;            // the selection
-  const ViewPrompt &strokes, &added;  // all of the view, and the new ones of them
+  const ViewPrompt &strokes, &added;  // all strokes of the view, and the new ones among them
 
-  /// Strokes hold. What lies farther than `reach_px` from the new ones, and than `band_px` from the selection's contour
-  /// (0: no matter how near), stays as it is.
+  /// Hints: certain under strokes. Pixels farther than `reach_px` from the new strokes and than `band_px` from the
+  /// selection's contour keep their side; `band_px` 0: no band.
   ViewPrompt prompt(int reach_px, int band_px) const;
-  /// Of each side half those of its strokes and half those of all that is on it: nobody marks every kind of thing that
-  /// a picture shows. At most `most` of each half.
+  /// Colour samples of each side: half from its strokes and half from all its pixels, because strokes do not cover
+  /// every colour of an image. At most `most` per half.
   SideColours colours(const ImageU8& picture, int most) const;
 };
 
-/// A correction is local: of the mask before it changes what is connected to the new strokes, and to their side.
+/// Applies to `before` only the changes in `found` that are connected to the new strokes, and towards their side.
 PixelMask corrected(const PixelMask& before, const PixelMask& found, const ViewPrompt& strokes);
 
 }  // namespace ngs::live

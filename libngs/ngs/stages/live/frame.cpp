@@ -10,8 +10,8 @@
 namespace ngs::live {
 namespace {
 
-constexpr float kTint = 0.35f;  // of the object's colour over its pixels
-constexpr float kDim = 0.3f;    // of the model under its boundary
+constexpr float kTint = 0.35f;  // opacity of the object's colour over its pixels
+constexpr float kDim = 0.3f;    // brightness of the model under its boundary
 
 using Shown = std::vector<const ShownObject*>;
 
@@ -22,7 +22,7 @@ Shown chosen(const std::vector<ShownObject>& objects, int id) {
   return shown;
 }
 
-/// [N] 1: of one of the objects, or of none.
+/// [N] 1: in one of the objects; with `of_one` false: in none of them.
 std::vector<std::uint8_t> rows_of(const Exec& exec, const Shown& objects, std::int64_t gaussians, bool of_one) {
   std::vector<std::uint8_t> rows(std::size_t(gaussians), std::uint8_t(!of_one));
   for (const ShownObject* object : objects)
@@ -66,7 +66,7 @@ struct Canvas {
   LastFrame* last;
 };
 
-/// Of all Gaussians, with these labels [N, K] (empty: none).
+/// Renders all Gaussians, with these labels [N, K] (empty: none).
 RenderedView with_labels(const Canvas& on, const std::vector<float>& channel) {
   RenderRequest request;
   request.background = on.model.background;
@@ -75,8 +75,8 @@ RenderedView with_labels(const Canvas& on, const std::vector<float>& channel) {
   if (on.last == nullptr) return render(on.exec, on.model.cloud, on.camera, on.model.splat, request);
   auto& [view, colour] = *on.last;
   if (!view || !same_view(view->camera(), on.camera)) {
-    view.reset(), colour = {};  // its memory serves the next one
-    view = std::make_unique<KeptView>(on.exec, on.model.cloud, on.camera, on.model.splat);
+    view.reset(), colour = {};  // frees its memory for the next one
+    view = std::make_unique<CachedView>(on.exec, on.model.cloud, on.camera, on.model.splat);
   }
   request.colour = colour.empty();
   RenderedView rendered;
@@ -92,7 +92,7 @@ void mix(const ImageF& other, float share, ImageF& image) {
   for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] += share * (other.data[i] - image.data[i]);
 }
 
-/// Which object a pixel shows; -1: none.
+/// Index of the object at every pixel; -1: none.
 std::vector<int> owners(const ImageF& label) {
   std::vector<int> owner(std::size_t(label.pixels()), -1);
   const auto k_count = std::size_t(label.channels);
@@ -104,7 +104,7 @@ std::vector<int> owners(const ImageF& label) {
   return owner;
 }
 
-/// Tints what is selected and draws its outline, a pixel of its own colour and one of white outside of it.
+/// Tints the selection and draws its outline: one pixel of the object's colour inside, one white pixel outside.
 void highlight(const Exec& exec, const Shown& objects, const RenderedView& view, ImageF& image) {
   const std::vector<int> owner = owners(view.label);
   const int w = image.width_px, h = image.height_px;
@@ -115,12 +115,12 @@ void highlight(const Exec& exec, const Shown& objects, const RenderedView& view,
     const int y = int(row);
     for (int x = 0; x < w; ++x) {
       const int mine = owner_at(x, y);
-      int beside = -1;
+      int neighbour = -1;
       for (const int other : {owner_at(x - 1, y), owner_at(x + 1, y), owner_at(x, y - 1), owner_at(x, y + 1)})
-        if (other != mine) beside = std::max(beside, other);
+        if (other != mine) neighbour = std::max(neighbour, other);
       const bool inner_edge = mine >= 0 && (owner_at(x - 1, y) != mine || owner_at(x + 1, y) != mine ||
                                             owner_at(x, y - 1) != mine || owner_at(x, y + 1) != mine);
-      const bool outer_edge = mine < 0 && beside >= 0;
+      const bool outer_edge = mine < 0 && neighbour >= 0;
       const float share = inner_edge ? 1.f : mine >= 0 ? kTint : outer_edge ? 0.8f : 0.f;
       for (int c = 0; c < 3 && share > 0; ++c) {
         const float tint = outer_edge ? 1.f : objects[std::size_t(mine)]->colour[std::size_t(c)];

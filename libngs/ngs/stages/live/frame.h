@@ -1,9 +1,9 @@
 #pragma once
-// One picture of a model with what is selected on it.
+// A render of a model with its selection.
 #include <array>
 #include <memory>
 
-#include "ngs/ops/splat/kept/kept_view.h"
+#include "ngs/ops/splat/cached/cached_view.h"
 #include "ngs/stages/live/object_evidence.h"
 
 namespace ngs::live {
@@ -26,18 +26,19 @@ enum class Layer : std::uint8_t { kBoth, kObject, kBackground, kBoundary };
 struct FrameRequest {
   Camera camera;
   Layer layer = Layer::kBoth;
-  double fade = 0.5;      // of kBoth: 0 the object alone, 1 the background alone, 0.5 all of the model
+  double fade = 0.5;      // for kBoth: 0 the object alone, 1 the background alone, 0.5 the full model
   int object = 0;         // id; 0: all objects
   bool highlight = true;  // tint the selection and draw its outline
 };
 
-/// What the last frame of the whole model was made of, for the next one from the same camera: of one model alone.
+/// Cache of the last frame of the full model, reused for the next frame from the same camera. For one model only.
 struct LastFrame {
-  std::unique_ptr<KeptView> view;
+  std::unique_ptr<CachedView> view;
   ImageF colour;  // without the selection
 };
 
-/// RGB. Objects without labels are not shown as selected. `last` (null: none) saves work and changes no pixel.
+/// RGB image. Objects without labels are not shown as selected. The cache `last` (null: none) does not change any
+/// pixel.
 ImageU8 draw_frame(const Exec& exec, const Model& model, const std::vector<ShownObject>& objects,
                    const FrameRequest& request, LastFrame* last = nullptr);
 

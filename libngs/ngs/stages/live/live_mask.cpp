@@ -9,9 +9,9 @@
 namespace ngs::live {
 namespace {
 
-constexpr int kSmallSide_px = 112;  // the longer side of the picture that the cut is found in
+constexpr int kSmallSide_px = 112;  // longer side of the image in which the first cut is found
 constexpr int kSmallCuts = 4;
-constexpr int kBand_px = 3;  // about the contour found at half the size
+constexpr int kBand_px = 3;  // around the contour found at half the size
 constexpr int kMargin_px = 6;
 constexpr double kSpeck = 0.01;
 
@@ -23,13 +23,13 @@ std::vector<int> longer_sides(int full) {
   return sides;
 }
 
-/// Rows or columns of the large one that make up the small one's i-th.
+/// Rows or columns of the large image that make up row or column i of the small one.
 struct Span {
   int begin, end;
   Span(int i, int small, int large) : begin(i * large / small), end(std::max(begin + 1, (i + 1) * large / small)) {}
 };
 
-/// Mean over a part of the picture, rounded.
+/// Mean over a part of the image, rounded.
 std::uint8_t mean_value(const ImageU8& picture, const Span& rows, const Span& columns, int channel) {
   int sum = 0;
   for (int v = rows.begin; v < rows.end; ++v)
@@ -47,7 +47,7 @@ ImageU8 smaller(const ImageU8& picture, int width_px, int height_px) {
   return out;
 }
 
-/// A side that is certain in any pixel is certain, unless the other is too: strokes are thin.
+/// A side that is certain in any pixel is certain, unless both are: strokes are thin.
 PixelHint hint_of(const int (&count)[4]) {
   const int object = count[int(PixelHint::kObject)], background = count[int(PixelHint::kBackground)];
   if (object > 0 && background == 0) return PixelHint::kObject;
@@ -72,7 +72,7 @@ ViewPrompt smaller(const ViewPrompt& prompt, int width_px, int height_px) {
   return out;
 }
 
-/// The hints of a size, made narrow: away from the contour that was found at a smaller size its sides hold.
+/// Restricts the free pixels to a band around the contour found at a smaller size; all others become certain.
 void narrow(const PixelMask& found, int found_width_px, int found_height_px, ViewPrompt& prompt) {
   const int w = prompt.width_px, h = prompt.height_px;
   PixelMask side(prompt.hint.size());

@@ -1,23 +1,22 @@
 #pragma once
-// The mask of one picture while a person waits: the cut is found small, and followed to the full size in a band about
-// its contour. GrabCut of the whole picture takes seconds.
+// Interactive segmentation of one image: the cut is found at low resolution and refined to full size in a band around
+// its contour. GrabCut of the full image takes seconds.
 #include "ngs/ops/image/grab_cut.h"
 #include "ngs/scene/view_prompt.h"
 
 namespace ngs::live {
 
-/// `picture` RGB of the prompt's size. Certain pixels keep their side; pieces without a certain pixel of the object are
-/// removed. Where nothing is certainly the object the mask is empty.
+/// `picture`: RGB, of the prompt's size. Certain pixels keep their side; connected components without a certain object
+/// pixel are removed. Without any certain object pixel the mask is empty.
 PixelMask live_mask(const ImageU8& picture, const ViewPrompt& prompt, std::uint64_t seed);
 
-/// The same by colours that are known.
+/// The same with given colour samples.
 PixelMask live_mask(const ImageU8& picture, const ViewPrompt& prompt, const SideColours& colours, std::uint64_t seed);
 
 inline constexpr int kColourSamples = 2048;  // per side, for a mixture of five colours
 
-/// A person who draws a line of background all around a thing says that it lies within: what the line surrounds becomes
-/// likely object, everything else background. False, and nothing changes, where no such line surrounds all pixels that
-/// are certainly the object.
+/// If closed background strokes surround all certain object pixels, makes the surrounded pixels likely object and all
+/// others background. Otherwise returns false and changes nothing.
 bool fill_surrounded(ViewPrompt& prompt);
 
 }  // namespace ngs::live

@@ -15,10 +15,10 @@ using orbit::Vec;
 
 constexpr double kFov_deg = 50;
 constexpr double kRaised_deg = 15;            // above the horizontal, from outside
-constexpr std::size_t kMostPoints = 200'000;  // that the bulk is told from
+constexpr std::size_t kMostPoints = 200'000;  // for the estimate of the bulk
 constexpr int kCells = 64;
 
-/// Every k-th point: where the bulk of a large model lies does not hang on single Gaussians.
+/// Every k-th point, enough for the bulk of a large model.
 orbit::SurfacePoints fewer(const orbit::SurfacePoints& all) {
   orbit::SurfacePoints some;
   for (const std::size_t i : orbit::thinned(all.count(), kMostPoints)) {
@@ -28,16 +28,16 @@ orbit::SurfacePoints fewer(const orbit::SurfacePoints& all) {
   return some;
 }
 
-/// Level or a little downwards, from places within.
+/// Slightly downwards, from viewpoints inside.
 std::vector<orbit::Pose> within(const orbit::RoomFinding& room, double radius) {
   constexpr std::size_t kStands = 4;
   constexpr int kDirections = 8;
   constexpr double kDown = 0.2;  // tangent
   std::vector<orbit::Pose> poses;
-  for (std::size_t s = 0; s < std::min(kStands, room.stands.size()); ++s)
+  for (std::size_t s = 0; s < std::min(kStands, room.viewpoints.size()); ++s)
     for (int k = 0; k < kDirections; ++k) {
       const double turn = 2 * std::numbers::pi * k / kDirections;
-      poses.push_back({room.stands[s], room.stands[s] + radius * Vec{std::cos(turn), std::sin(turn), -kDown}});
+      poses.push_back({room.viewpoints[s], room.viewpoints[s] + radius * Vec{std::cos(turn), std::sin(turn), -kDown}});
     }
   return poses;
 }
@@ -55,7 +55,7 @@ std::vector<orbit::Pose> outside(double radius) {
   return poses;
 }
 
-/// How much there is to see: the mean step of colour from a pixel to its neighbours.
+/// Amount of detail: the mean colour difference between a pixel and its neighbours.
 double detail_of(const ImageF& image) {
   double sum = 0;
   for (int y = 1; y < image.height_px; ++y)
@@ -96,7 +96,7 @@ FirstLook first_look(const Exec& exec, const GaussianCloud& cloud) {
   if (points.count() == 0)
     throw Error(ErrorCode::kNothingFound,
                 "the model: none of its " + std::to_string(cloud.size()) +
-                    " Gaussians is usable and has an opacity above 1/255, expected some that can be seen");
+                    " Gaussians is usable with an opacity above 1/255, expected visible Gaussians");
   const orbit::SurfacePoints some = fewer(points);
   const orbit::Ball ball = orbit::bulk_of(some);
   const Vec up = orbit::guess_up(some, ball).up, origin{cloud.origin[0], cloud.origin[1], cloud.origin[2]};

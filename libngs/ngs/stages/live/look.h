@@ -1,5 +1,5 @@
 #pragma once
-// Where a person stands before a model and how they look at it, and where to begin with a model that is new to them.
+// The interactive camera, and an initial view of a new model.
 #include "ngs/backend/exec.h"
 #include "ngs/scene/camera.h"
 #include "ngs/scene/compat.h"
@@ -7,29 +7,29 @@
 
 namespace ngs::live {
 
-/// A camera as a person steers it. Square pixels, the principal point in the middle of the picture.
+/// An interactive camera. Square pixels, the principal point in the middle of the image.
 struct Look {
   Vec3<double> position{0, 0, 0}, look_at{0, 0, 1}, up{0, -1, 0};  // world
   double fov_y_deg = 50;                                           // over the height, in (0, 180)
   int width_px = 640, height_px = 480;
 };
 
-/// To the last digit.
+/// Exact equality of all members.
 bool operator==(const Look& a, const Look& b);
 
-/// kUsage where `position` and `look_at` are one point. Where `up` lies along the line of sight, any other is taken.
+/// Throws kUsage if `position` equals `look_at`. If `up` is parallel to the line of sight, any perpendicular is used.
 Camera camera_of(const Look& look);
 
-/// What of a model there is to look at, and from where first: outside, or from within where it is a room.
+/// The bulk of a model and an initial view of it: from outside, or from inside for a room.
 struct FirstLook {
   Vec3<double> centre{0, 0, 0};  // world
   double radius = 0;             // world, > 0
   Vec3<double> up{0, -1, 0};     // unit length
   Look look;
-  Compat compat = Compat::kInria;  // gsplat where Inria's near plane would cut into what is looked at
+  Compat compat = Compat::kInria;  // gsplat if Inria's near plane would cut into the bulk
 };
 
-/// kNothingFound where no Gaussian can be seen.
+/// Throws kNothingFound if no Gaussian is visible.
 FirstLook first_look(const Exec& exec, const GaussianCloud& cloud);
 
 }  // namespace ngs::live

@@ -1,6 +1,6 @@
 #pragma once
-// What a person has marked: objects, and on each the views that they drew on. Values that share what does not change,
-// so that a step back is a copy of before.
+// The marks of a user: objects, and for each the views with strokes. Values share unchanged parts, so that undo
+// restores an earlier copy.
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -14,34 +14,34 @@
 
 namespace ngs::live {
 
-/// Whom a view sees, and with what weight: the same whatever is marked on it.
+/// Rendering weights of the Gaussians visible in a view; they do not depend on its marks.
 struct ViewWeights {
-  std::vector<std::uint32_t> row;  // [V] increasing
+  std::vector<std::uint32_t> row;  // [V] ascending
   std::vector<double> weight;      // [V] > 0, rendering weight over all pixels
 };
 
-/// The Gaussians with a part of their weight inside a mask.
+/// The Gaussians with weight inside a mask.
 struct MaskWeights {
-  std::vector<std::uint32_t> row;  // increasing
+  std::vector<std::uint32_t> row;  // ascending
   std::vector<double> weight;      // > 0, at most that of the view
 };
 
 struct MarkedView {
-  std::string name;    // of its picture, "0001.png"; of one object's views no two are the same
-  Look look;           // as it was drawn on
-  Camera camera;       // at the size that is segmented, named after the picture
+  std::string name;    // of its image, "0001.png"; unique within an object
+  Look look;           // the view that was marked
+  Camera camera;       // at the segmented size, named after the image
   HandPrompt strokes;  // in pixels of `look`
   PixelMask mask;      // at the size of `camera`
   std::shared_ptr<const ViewWeights> seen;
   MaskWeights inside;
-  std::vector<StrokeWeights> touched;  // of the strokes on the object
+  std::vector<StrokeWeights> touched;  // weights under the strokes on the object
 };
 
 struct ObjectMarks {
   int id = 0;
   std::string name, colour;                              // "#rrggbb"
-  int next_view = 1;                                     // number of the next picture
-  std::vector<std::shared_ptr<const MarkedView>> views;  // in the order in which they were first drawn on
+  int next_view = 1;                                     // number of the next image
+  std::vector<std::shared_ptr<const MarkedView>> views;  // in the order of their first strokes
 
   std::size_t strokes() const {
     std::size_t count = 0;
@@ -54,7 +54,7 @@ struct Marks {
   std::vector<ObjectMarks> objects;
   int active = 0;  // id of an object
   int next_id = 1;
-  bool all_pieces = false;  // show and write what no stroke touches, too
+  bool all_pieces = false;  // also show and write pieces that no stroke touches
 
   const ObjectMarks* find(int id) const {
     for (const ObjectMarks& object : objects)

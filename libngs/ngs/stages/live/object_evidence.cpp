@@ -47,7 +47,7 @@ double ObjectEvidence::share(std::size_t gaussian) const {
 
 void label_rows(const Exec& exec, const ObjectEvidence& evidence, const std::vector<std::uint32_t>& rows,
                 ObjectLabels& labels) {
-  const VarianceOptions rule;
+  const BoundaryRule rule;
   constexpr std::int64_t kChunk = 1 << 12;
   std::vector<std::int64_t> more(std::size_t((std::ssize(rows) + kChunk - 1) / kChunk));
   for_each_task(exec, std::ssize(more), [&](std::int64_t chunk) {
@@ -55,7 +55,7 @@ void label_rows(const Exec& exec, const ObjectEvidence& evidence, const std::vec
     for (std::int64_t r = chunk * kChunk; r < end; ++r) {
       const std::size_t row = rows[std::size_t(r)];
       const double share = evidence.share(row);
-      const bool object = double(float(share)) > rule.label_threshold;  // the columns of files are float
+      const bool object = double(float(share)) > rule.label_threshold;  // compared as in files, whose columns are float
       more[std::size_t(chunk)] += std::int64_t(object) - std::int64_t(labels.label[row] > 0);
       labels.label[row] = float(object), labels.boundary[row] = mask_variance(share) > rule.tau;
     }

@@ -1,6 +1,6 @@
 #pragma once
-// What the marked views of one object say of every Gaussian, kept so that one view can be put in or taken out by
-// itself. The labels are those of ngs-variance and of `ngs-joint --method flash` over the same views, to the bit.
+// The evidence of one object's marked views for every Gaussian. Single views can be added and removed. The labels are
+// bit-identical to those of ngs-variance and of `ngs-joint --method flash` over the same views.
 #include "ngs/backend/exec.h"
 #include "ngs/math/exact_sum.h"
 #include "ngs/stages/live/marks.h"
@@ -13,10 +13,10 @@ class ObjectEvidence {
 
   void add(const MarkedView& view);
   void remove(const MarkedView& view);
-  /// Puts a view in the place of another that sees the same Gaussians. Those whose sums change, increasing.
+  /// Replaces a view by another with the same visible Gaussians. Returns the Gaussians whose sums change, ascending.
   std::vector<std::uint32_t> replace(const MarkedView& before, const MarkedView& now);
 
-  /// Share of the object in a Gaussian's weight, in [0, 1]; 0 where no view sees it.
+  /// Share of the object in a Gaussian's weight, in [0, 1]; 0 if it is visible in no view.
   double share(std::size_t gaussian) const;
   bool is_seen(std::size_t gaussian) const { return weight_.whole[gaussian] != 0 || weight_.fraction[gaussian] != 0; }
   std::size_t gaussians() const { return weight_.size(); }
@@ -25,19 +25,19 @@ class ObjectEvidence {
   ExactSums weight_, inside_;  // [N]
 };
 
-/// Of one object, [N].
+/// The labels of one object, [N].
 struct ObjectLabels {
   std::vector<float> label;            // 1 object, 0 not
   std::vector<std::uint8_t> boundary;  // 1: views disagree (ngs-variance --tau at its default)
-  std::int64_t count = 0;              // of label 1
+  std::int64_t count = 0;              // Gaussians with label 1
   std::int64_t left_out = 0;           // Gaussians of pieces that no stroke touches: label and boundary 0
 
-  /// Of an object that no view has shown.
+  /// The labels of an object without views.
   static ObjectLabels none(std::size_t gaussians) {
     return {std::vector<float>(gaussians), std::vector<std::uint8_t>(gaussians), 0, 0};
   }
 };
-/// After the sums of these Gaussians, of which none is there twice, have changed.
+/// Updates the labels of `rows`, each listed once, after their sums have changed.
 void label_rows(const Exec& exec, const ObjectEvidence& evidence, const std::vector<std::uint32_t>& rows,
                 ObjectLabels& labels);
 

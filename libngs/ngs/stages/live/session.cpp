@@ -17,8 +17,8 @@
 namespace ngs::live {
 namespace {
 
-constexpr double kBand = 0.02;   // of the diagonal: free on both sides of the contour that other views tell
-constexpr double kReach = 0.25;  // of the diagonal, about a new stroke
+constexpr double kBand = 0.02;   // half-width of the free band around the contour from other views, of the diagonal
+constexpr double kReach = 0.25;  // free distance around a new stroke, of the diagonal
 constexpr const char* kColours[] = {"#ff8c1a", "#2aa5ff", "#7bd13b", "#e0529c",
                                     "#f2d024", "#8f6be8", "#28c7b7", "#f25f4c"};
 
@@ -43,23 +43,23 @@ PixelMask segmented(const ImageU8& picture, const Correction& correction, int ba
   return live_mask(picture, prompt, correction.colours(picture, kColourSamples), 0);
 }
 
-/// Nothing is no object, whatever its colour.
+/// Empty pixels are never object, whatever their colour.
 void clear_empty(const std::vector<float>& alpha, PixelMask& mask) {
   for (std::size_t p = 0; p < mask.size(); ++p)
     if (alpha[p] < kEmptyAlpha) mask[p] = 0;
 }
 
-/// What nobody can see cannot be meant.
+/// Throws if object strokes cover only empty pixels.
 void require_something(const std::vector<float>& alpha, const ViewPrompt& drawn) {
   bool any = false, shown = false;
   for (std::size_t p = 0; p < alpha.size(); ++p)
     if (drawn.hint[p] == PixelHint::kObject) any = true, shown |= alpha[p] >= kEmptyAlpha;
   if (any && !shown)
-    throw Error(ErrorCode::kUsage, "stroke: nothing is there, expected some of the splat under it",
+    throw Error(ErrorCode::kUsage, "stroke: no part of the splat is under it, expected some",
                 "paint on the object itself");
 }
 
-/// While it lives a view is not in the sums.
+/// Removes a view from the sums during its lifetime.
 class WithoutView {
  public:
   WithoutView(ObjectEvidence& sums, const MarkedView* view) : sums_(sums), view_(view) {
@@ -111,8 +111,7 @@ ImageU8 Session::picture(const Camera& camera) const {
 
 const ObjectMarks& Session::object(int id) const {
   if (const ObjectMarks* found = marks_->find(id)) return *found;
-  throw Error(ErrorCode::kUsage,
-              "object " + std::to_string(id) + ": there is none of this number, expected one of the list");
+  throw Error(ErrorCode::kUsage, "object " + std::to_string(id) + ": unknown number, expected one of the list");
 }
 
 Session::Kept& Session::kept(int id) {
@@ -121,11 +120,11 @@ Session::Kept& Session::kept(int id) {
   return kept_.emplace_back(Kept{id, ObjectEvidence(model_.cloud.size()), {}, nullptr, nullptr, nullptr});
 }
 
-/// Finds the mask of a view without one: from its strokes, and where there are others from what they select in it.
-/// `sums` are of the others and `before`, the view as it was so far.
+/// Finds the mask of a view without one from its strokes and, if there are other views, from their selection in it.
+/// `sums` contains the other views and `before`, the previous state of this view.
 void Session::segment(MarkedView& view, const MarkedView* before, const MarkedViews& others, ObjectEvidence& sums) {
   const Camera& camera = view.camera;
-  RecentView& here = recent_.of(view.look, camera);
+  CachedFrame& here = recent_.of(view.look, camera);
   const ViewPrompt strokes = rasterise(view.strokes, camera.width_px, camera.height_px);
   if (others.empty()) {
     view.mask = live_mask(here.picture(), strokes, 0);
@@ -136,7 +135,7 @@ void Session::segment(MarkedView& view, const MarkedView* before, const MarkedVi
   view.mask = segmented(here.picture(), correction, std::max(3, diagonal_share(camera, kBand)));
 }
 
-/// Finds the mask of a view that has had one, with strokes added.
+/// Corrects the mask of a view by added strokes.
 void Session::correct(MarkedView& view, const MarkedView& before, const HandPrompt& added) {
   const int w = view.camera.width_px, h = view.camera.height_px;
   const ViewPrompt all = rasterise(view.strokes, w, h), drawn = rasterise(added, w, h);
@@ -195,7 +194,7 @@ int Session::add_object(const std::string& name) {
   Marks marks = *marks_;
   if (marks.objects.size() >= kMostObjects)
     throw Error(ErrorCode::kUsage, "objects: " + std::to_string(kMostObjects) + " already, expected no more",
-                "remove one, or export and begin another visit");
+                "remove one, or export and start another session");
   const int id = marks.next_id++;
   const char* colour = kColours[std::size_t(id - 1) % std::size(kColours)];
   marks.objects.push_back({id, name.empty() ? "object " + std::to_string(id) : name, colour, 1, {}});
@@ -266,14 +265,14 @@ void Session::restore(Marks marks) {
     for (std::shared_ptr<const MarkedView>& view : object.views) {
       MarkedView whole = *view;
       whole.camera = segmented_camera(whole.look), whole.camera.name = whole.name;
-      RecentView(exec_, model_, whole.look, whole.camera).weigh(whole);
+      CachedFrame(exec_, model_, whole.look, whole.camera).weigh(whole);
       view = std::make_shared<const MarkedView>(std::move(whole));
     }
   forget_steps();
   publish(std::move(marks));
 }
 
-/// Takes out the views that are gone or have changed, puts in those that are new, and labels whom they see.
+/// Removes deleted and changed views from the sums, adds new ones, and relabels the Gaussians visible in them.
 void Session::bring_up_to_date(Kept& kept, const ObjectMarks& object) {
   const auto in = [](const MarkedViews& views, const auto& view) {
     return std::find(views.begin(), views.end(), view) != views.end();

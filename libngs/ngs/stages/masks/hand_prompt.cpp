@@ -91,7 +91,7 @@ void require_shape(const HandPrompt& hand, int width_px, int height_px) {
               "prompts: made on " + std::to_string(hand.width_px) + "x" + std::to_string(hand.height_px) +
                   " px, the view has " + std::to_string(width_px) + "x" + std::to_string(height_px) +
                   " px, expected the same shape",
-              "mark the photo of the view that is named, uncropped");
+              "mark the uncropped photo of the named view");
 }
 
 }  // namespace

@@ -21,22 +21,22 @@ MaskPlane plane_of(const std::vector<std::uint8_t>& mask, int width_px, int heig
   return {mask.data(), width_px, height_px};
 }
 
-/// Root mean square distances from the object's centre beyond which nothing belongs to it.
+/// ObjectPlace::reach in RMS distances from the object's centre.
 constexpr double kReach = 3;
-/// Seen Gaussians that an unseen one asks.
+/// Seen Gaussians that vote on an unseen one.
 constexpr int kVoters = 8;
-/// A clear consensus: the share of the object beyond which thin parts are believed.
+/// Share of the object above which the consensus is clear, so that thin parts are certain.
 constexpr float kClear = 0.8f;
-/// The middle of a thin part is as far from its edges as this share of the deepest place nearby.
+/// A pixel is in the middle of a thin part if its depth is at least this fraction of the largest depth nearby.
 constexpr double kMiddle = 0.6;
 
-bool hides_object(const Consensus& c, std::size_t p) {
-  return !label_says_object(c.object[p]) && label_says_object(c.alone[p]);
+bool occludes_object(const Consensus& c, std::size_t p) {
+  return !label_is_foreground(c.object[p]) && label_is_foreground(c.alone[p]);
 }
 
-/// Unseen Gaussians take the side of their nearest seen ones where those agree.
-void ask_neighbours(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::size_t>& unseen,
-                    std::vector<float>& channels) {
+/// Unseen Gaussians get the side of their nearest seen ones if these agree.
+void label_by_neighbours(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::size_t>& unseen,
+                         std::vector<float>& channels) {
   std::vector<std::size_t> seen;
   std::vector<float> points, queries;
   const auto append = [&](std::vector<float>& to, std::size_t i) {
@@ -53,16 +53,16 @@ void ask_neighbours(const Exec& exec, const GaussianCloud& cloud, const std::vec
   for (std::size_t q = 0; q < unseen.size(); ++q) {
     std::size_t votes = 0;
     for (std::size_t k = 0; k < voters; ++k)
-      votes += label_says_object(channels[2 * seen[graph.index[q * voters + k]]]);
+      votes += label_is_foreground(channels[2 * seen[graph.index[q * voters + k]]]);
     side[q] = votes == voters ? 1.f : votes == 0 ? 0.f : -1.f;
   }
   for (std::size_t q = 0; q < unseen.size(); ++q)
     if (side[q] >= 0) channels[2 * unseen[q]] = side[q], channels[2 * unseen[q] + 1] = 1;
 }
 
-/// [N, 2]: share of the object, and 1 where something is known.
+/// [N, 2]: share of the object, and 1 if the Gaussian is known.
 std::vector<float> shares(const Exec& exec, const LiftedModel& model) {
-  const auto& [cloud, lifted, place, asks_neighbours] = model;
+  const auto& [cloud, lifted, place, use_neighbours] = model;
   const auto n = std::size_t(cloud.size());
   std::vector<float> channels(2 * n);
   std::vector<std::size_t> unseen;
@@ -77,11 +77,11 @@ std::vector<float> shares(const Exec& exec, const LiftedModel& model) {
         unseen.push_back(i);
     }
   }
-  if (asks_neighbours) ask_neighbours(exec, cloud, unseen, channels);
+  if (use_neighbours) label_by_neighbours(exec, cloud, unseen, channels);
   return channels;
 }
 
-/// The largest value within `reach` (chessboard distance), one axis after the other.
+/// The largest value within `reach` (chessboard distance): a separable maximum filter.
 std::vector<std::int32_t> largest_nearby(std::vector<std::int32_t> value, int width_px, int height_px, int reach) {
   std::vector<std::int32_t> out(value.size());
   for (const bool rows : {true, false}) {
@@ -102,7 +102,7 @@ std::vector<std::int32_t> largest_nearby(std::vector<std::int32_t> value, int wi
   return out;
 }
 
-/// Pixels of `side` deeper than the band, and the middle of its thin parts where `clear`.
+/// Pixels of `side` deeper than the band, and the middle of its thin parts if `clear(pixel)`.
 std::vector<std::uint8_t> certain(const std::vector<std::uint8_t>& side, const Consensus& c, int band_px,
                                   const auto& clear) {
   const auto depth = chessboard_distance(plane_of(side, c.width_px, c.height_px), Outside::kUnknown);
@@ -118,7 +118,7 @@ struct PixelRange {
   int x0, y0, x1, y1;
 };
 
-/// Distance of every pixel of one side from the other.
+/// Distance of every pixel of one side from the other side.
 struct SideDepth {
   std::vector<std::int32_t> depth;
   int width_px, height_px;
@@ -127,7 +127,7 @@ struct SideDepth {
   PixelRange inside(PixelRange r) const {
     return {std::max(0, r.x0), std::max(0, r.y0), std::min(width_px, r.x1), std::min(height_px, r.y1)};
   }
-  /// The first of the deepest pixels; false: there is none.
+  /// Finds the first of the deepest pixels; false if there is none.
   bool find_deepest(const PixelRange& among, PromptPoint& point) {
     const PixelRange r = inside(among);
     std::int32_t deepest = 0;
@@ -209,7 +209,7 @@ Consensus render_consensus(const Exec& exec, const LiftedModel& model, const Cam
   request.label = {channels.data(), cloud.size(), 2};
   const RenderedView view = render(exec, cloud, camera, splat, request);
   std::vector<std::uint8_t> is_object(n);
-  for (std::size_t i = 0; i < n; ++i) is_object[i] = label_says_object(channels[2 * i]);
+  for (std::size_t i = 0; i < n; ++i) is_object[i] = label_is_foreground(channels[2 * i]);
   RenderRequest alone;
   alone.colour = false;
   alone.include = is_object.data();
@@ -233,7 +233,7 @@ ViewPrompt prompt_from(const Consensus& c, int band_px, const PixelMask& before)
   std::vector<std::uint8_t> inside(c.object.size()), outside(c.object.size());
   for (std::size_t p = 0; p < inside.size(); ++p) {
     if (!is_set(c.known[p])) continue;  // on neither side
-    inside[p] = label_says_object(c.object[p]), outside[p] = !inside[p] && !hides_object(c, p);
+    inside[p] = label_is_foreground(c.object[p]), outside[p] = !inside[p] && !occludes_object(c, p);
   }
   const std::vector<std::uint8_t> sure_in =
       certain(inside, c, band_px, [&](std::size_t p) { return c.object[p] > kClear; });
@@ -256,8 +256,8 @@ ViewPrompt prompt_from(const Consensus& c, int band_px, const PixelMask& before)
 double agreement(const Consensus& consensus, const PixelMask& mask) {
   std::int64_t both = 0, either = 0;
   for (std::size_t p = 0; p < mask.size(); ++p) {
-    if (!is_set(consensus.known[p]) || hides_object(consensus, p)) continue;
-    const bool expected = label_says_object(consensus.object[p]), found = mask[p] != 0;
+    if (!is_set(consensus.known[p]) || occludes_object(consensus, p)) continue;
+    const bool expected = label_is_foreground(consensus.object[p]), found = mask[p] != 0;
     both += expected && found, either += expected || found;
   }
   return either > 0 ? double(both) / double(either) : 1;

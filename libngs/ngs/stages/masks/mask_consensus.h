@@ -1,6 +1,6 @@
 #pragma once
-// What the masks of some views, lifted to the splat, say about another view, and what a segmenter may be told
-// of it.
+// Consensus: masks of some views are lifted to the splat, rendered into another view, and turned into hints for a
+// segmenter.
 #include <array>
 
 #include "ngs/ops/splat/splat.h"
@@ -10,19 +10,18 @@
 
 namespace ngs {
 
-/// A view has seen a Gaussian where its mean weight over the pixels it reaches is at least this. What shines
-/// through a surface that is not quite opaque must not be taken for a part of it.
+/// A Gaussian is visible in a view if its mean weight over the pixels that it covers is at least this. Gaussians that
+/// only show through a surface that is not fully opaque must not count as part of it.
 inline constexpr double kLeastMeanWeight = 0.03;
 
-/// Rendering weights of every Gaussian over the masks so far: A0 + A1, and A1 inside the object (PAPER.md
-/// §5.2).
+/// Rendering weights of every Gaussian over the lifted masks: `weight` is A0 + A1, `object` is A1 (PAPER.md §5.2).
 struct Lifted {
   std::vector<double> weight, object;  // [N]
   explicit Lifted(std::int64_t gaussians) : weight(std::size_t(gaussians)), object(std::size_t(gaussians)) {}
 };
 
-/// The masks of several views together. Exact: of a view that is taken out again nothing is left, not even a rounding,
-/// of which the share of the object would be anything.
+/// Sum over the masks of several views. The sums are exact: removing a view leaves no rounding error, from which an
+/// arbitrary share of the object would follow.
 class LiftedSum {
  public:
   explicit LiftedSum(std::int64_t gaussians) {
@@ -36,58 +35,58 @@ class LiftedSum {
   ExactSums weight_, object_;  // [N]
 };
 
-/// Where the object is: the mean of its Gaussians, weighted by what the masks say of them, and three times
-/// their root mean square distance from it. What lies beyond is background although no mask has reached it.
+/// Position and extent of the object: the mean of its Gaussians, weighted by their weight inside the masks, and three
+/// times their RMS distance from it. Gaussians farther away are background even if no mask shows them.
 struct ObjectPlace {
   Vec3<double> centre{};  // world
   double reach = 0;
 };
 ObjectPlace object_place(const GaussianCloud& cloud, const Lifted& lifted);
 
-/// What one mask says, [H·W] at the camera's size. Gaussians that the view hardly sees have zeros.
+/// Lifts one mask [H·W] of the camera's size. Gaussians below kLeastMeanWeight have zeros.
 Lifted lift_mask(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& splat,
                  const PixelMask& mask);
 
-/// The consensus seen from one camera. Per pixel: the share of the object among what is known, and how much
-/// is known; what no mask has reached is background beyond the object's reach, else takes the side of its
-/// nearest Gaussians that were reached if they agree, and is unknown if they do not; an empty place is
-/// background.
+/// The consensus rendered from one camera: per pixel the known fraction, and the object's share of the known part. A
+/// Gaussian visible in no mask is background beyond ObjectPlace::reach. Within the reach it gets the side of its
+/// nearest visible Gaussians if they agree, and is unknown otherwise. Empty space is known background.
 struct Consensus {
   int width_px = 0, height_px = 0;
   std::vector<float> object, known;  // [H·W] in [0, 1]
-  std::vector<float> alone;          // [H·W] opacity of the object without what stands before it
-  std::vector<float> alpha = {};     // [H·W] opacity of the whole model
+  std::vector<float> alone;          // [H·W] opacity of the object rendered without occluders
+  std::vector<float> alpha = {};     // [H·W] opacity of the full model
 };
 
-/// A pixel where the model is less opaque than this shows nothing: it is background, whatever its colour.
+/// A pixel where the model is less opaque than this is empty: it is background, whatever its colour.
 inline constexpr float kEmptyAlpha = 0.1f;
 
-/// Makes what is empty certain background, but for strokes on the object. `alpha` [H·W].
+/// Makes empty pixels certain background, except under strokes on the object. `alpha` [H·W].
 void empty_is_background(const std::vector<float>& alpha, ViewPrompt& prompt);
 
-/// A model, what the masks say of it, and where its object is.
+/// A model with its lifted masks and the place of its object.
 struct LiftedModel {
   const GaussianCloud& cloud;
   const Lifted& lifted;
   const ObjectPlace& place;
-  bool asks_neighbours = true;  // for what no mask has reached; else it is unknown
+  bool use_neighbours = true;  // for Gaussians visible in no mask; otherwise they are unknown
 };
 
 Consensus render_consensus(const Exec& exec, const LiftedModel& model, const Camera& camera, const SplatOptions& splat);
 
-/// Hints: certain where at least half is known and the contour of the consensus is farther than `band_px`
-/// (chessboard distance), or, within thinner parts of a clear consensus, in their middle; elsewhere the
-/// likelier side. What hides the object may be a floater: there, nothing is certain. Where less than half is
-/// known the side is that of `before` (an earlier mask of the view, may be empty), else background.
+/// Hints from a consensus.
+///   - Certain: at least half is known and the contour is farther than `band_px` (chessboard distance).
+///     Also certain: the middle of a thinner part with a clear consensus.
+///   - Likely: all other pixels, with the likelier side. This includes occluders of the object, which may be floaters.
+///   - If less than half is known, the side is that of `before` (an earlier mask of the view, may be empty), else
+///     background.
 ViewPrompt prompt_from(const Consensus& consensus, int band_px, const PixelMask& before);
 
-/// IoU of `mask` with the consensus over the pixels of which at least half is known and that do not hide the
-/// object; 1 where both are empty there.
+/// IoU of `mask` with the consensus over the pixels that are at least half known and do not occlude the object; 1 if
+/// both are empty there.
 double agreement(const Consensus& consensus, const PixelMask& mask);
 
-/// Pieces of the mask (4-connected) without a pixel that is certainly the object are removed, holes of less
-/// than `speck_share` of the mask without certain background are filled. Without any certain object nothing
-/// is removed.
+/// Removes 4-connected components of the mask without a certain object pixel, and fills holes that are smaller than
+/// `speck_share` of the mask and contain no certain background. Without any certain object pixel nothing is removed.
 PixelMask keep_seeded_pieces(const ViewPrompt& prompt, PixelMask mask, double speck_share);
 
 struct PromptPoint {
@@ -95,13 +94,13 @@ struct PromptPoint {
   bool object = true;
 };
 
-/// Points for a promptable network: up to `most` per side, each the pixel deepest inside the certain region
-/// outside the surroundings of those before it (SA3D's self-prompting with distance for confidence).
-/// Background points lie within the surroundings of the object.
+/// Points for a promptable network, up to `most` per side. Each is the pixel deepest inside the certain region, outside
+/// a square around every earlier point (SA3D's self-prompting, with distance as confidence). Background points lie near
+/// the object's box.
 std::vector<PromptPoint> prompt_points(const ViewPrompt& prompt, int most);
 
-/// {left, top, right, bottom} of the pixels that are likely or certainly the object, right and bottom
-/// exclusive. All zero: none.
+/// {left, top, right, bottom} of the likely or certain object pixels, right and bottom exclusive. All zero without such
+/// a pixel.
 std::array<int, 4> object_box(const ViewPrompt& prompt);
 
 }  // namespace ngs

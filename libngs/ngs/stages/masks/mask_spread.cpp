@@ -19,13 +19,13 @@ double angle_between(Vec3<double> a, Vec3<double> b) {
 
 bool is_empty(const PixelMask& mask) { return std::find(mask.begin(), mask.end(), 1) == mask.end(); }
 
-/// The strokes of a person hold, whatever the others say.
+/// Hand-made marks override the consensus.
 void keep_strokes(const ViewPrompt& by_hand, ViewPrompt& prompt) {
   for (std::size_t p = 0; p < prompt.hint.size(); ++p)
     if (is_certain(by_hand.hint[p])) prompt.hint[p] = by_hand.hint[p];
 }
 
-/// Whatever the segmenter answers: nothing is no object, and strokes hold.
+/// Override the segmenter: empty pixels are background, and hand-made marks are kept.
 void clear_empty(const std::vector<float>& alpha, PixelMask& mask) {
   for (std::size_t p = 0; p < mask.size(); ++p)
     if (alpha[p] < kEmptyAlpha) mask[p] = 0;
@@ -78,7 +78,7 @@ class Spreader {
       if (monitor_.stop_requested()) return;
     }
     if (starts_.empty())
-      throw Error(ErrorCode::kNothingFound, "the marked views: background alone is marked, expected the object too",
+      throw Error(ErrorCode::kNothingFound, "the marked views: only background is marked, expected the object too",
                   "draw strokes on the object in one of them, or a box around it");
   }
 
@@ -103,13 +103,13 @@ class Spreader {
     first.source = MaskSource::kReference;
     first.soft.assign(first.mask.begin(), first.mask.end());
     starts_.push_back(view);
-    keep(view, first.mask);
+    lift_and_add(view, first.mask);
   }
 
   Lifted lift(std::size_t view) const {
     return lift_mask(exec_, in_.cloud, in_.camera[view], in_.splat, lifted_mask_[view]);
   }
-  void keep(std::size_t view, const PixelMask& mask) {
+  void lift_and_add(std::size_t view, const PixelMask& mask) {
     lifted_mask_[view] = mask;
     all_.add(lift(view));
   }
@@ -123,7 +123,7 @@ class Spreader {
     if (!lifted_mask_[view].empty()) all_.remove(lift(view));
     const PixelMask before = std::exchange(lifted_mask_[view], {});
     const Consensus consensus =
-        render_consensus(exec_, {in_.cloud, all_.value(), place_, in_.asks_neighbours}, in_.camera[view], in_.splat);
+        render_consensus(exec_, {in_.cloud, all_.value(), place_, in_.use_neighbours}, in_.camera[view], in_.splat);
     ViewPrompt prompt = prompt_from(consensus, band_px(in_.camera[view], pass), before);
     if (is_marked(view)) keep_strokes(in_.marked.at(view), prompt);
     empty_is_background(consensus.alpha, prompt);
@@ -132,7 +132,7 @@ class Spreader {
     for (const float known : consensus.known) out.known += double(known) / double(consensus.known.size());
     out.mask.resize(consensus.object.size());
     for (std::size_t p = 0; p < out.mask.size(); ++p)
-      out.mask[p] = label_says_object(consensus.object[p]) && is_set(consensus.known[p]);
+      out.mask[p] = label_is_foreground(consensus.object[p]) && is_set(consensus.known[p]);
     if (!is_empty(out.mask) || is_marked(view)) {
       out.source = MaskSource::kRendered;
       if (in_.has_photo[view]) try_segmenter(view, prompt, consensus, out);
@@ -150,7 +150,7 @@ class Spreader {
     if (!is_marked(view) && (out.agreement < options_.gate_iou || is_empty(found))) return;
     out.mask = std::move(found);
     out.source = is_marked(view) ? MaskSource::kReference : MaskSource::kSegmented;
-    if (supervises(view)) keep(view, out.mask);
+    if (supervises(view)) lift_and_add(view, out.mask);
   }
 
   const Exec& exec_;
@@ -158,9 +158,9 @@ class Spreader {
   const SpreadOptions& options_;
   const SpreadInput& in_;
   ObjectPlace place_;                        // at the start of the pass
-  LiftedSum all_;                            // of all masks that were kept
-  std::vector<PixelMask> lifted_mask_;       // per view; empty: none was kept
-  std::map<std::size_t, SpreadView> first_;  // of the views that the object is marked on
+  LiftedSum all_;                            // sum over lifted_mask_
+  std::vector<PixelMask> lifted_mask_;       // per view; empty: none was lifted
+  std::map<std::size_t, SpreadView> first_;  // views on which the object is marked
   std::vector<std::size_t> starts_;          // the same views
 };
 

@@ -10,28 +10,28 @@ namespace {
 
 constexpr double kShows = 0.25, kOnSurface = 0.5;
 
-/// Mean weight of a Gaussian with nothing before it over the pixels that it reaches: o exp(-r²/2) down to 1/255, over
-/// the area of that ellipse.
-double unhidden_weight(double opacity) {
+/// Mean weight of an unoccluded Gaussian over its pixels: o exp(-r²/2) down to 1/255, over the area of that ellipse.
+double unoccluded_weight(double opacity) {
   const double cut = 1.0 / 255;
   return opacity > 1.01 * cut ? (opacity - cut) / std::log(opacity / cut) : cut;
 }
 
 }  // namespace
 
-Sights::Sights(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::int32_t>& point_of_row)
+PointVisibility::PointVisibility(const Exec& exec, const GaussianCloud& cloud,
+                                 const std::vector<std::int32_t>& point_of_row)
     : cloud_(cloud), point_of_row_(point_of_row) {
-  splat_.compat = Compat::kGsplat;  // the nearer near plane
+  splat_.compat = Compat::kGsplat;  // for its nearer near plane
   splat_.max_sh_degree = 0;
   splat_.prepared = prepare_cloud(exec, cloud);
 }
 
-Sight Sights::of(const Exec& exec, const Camera& camera, double nearer_than) const {
+Visibility PointVisibility::of(const Exec& exec, const Camera& camera, double nearer_than) const {
   ViewMasks whole;
   whole.width_px = camera.width_px, whole.height_px = camera.height_px, whole.available = true;
   const ViewSums sums = view_sums(exec, cloud_, {camera, whole}, splat_);
   const Camera relative = relative_to(camera, cloud_.origin);
-  Sight sight;
+  Visibility visibility;
   double total = 0, before = 0;
   for (std::size_t v = 0; v < sums.size(); ++v) {
     const std::uint32_t row = sums.row[v];
@@ -44,46 +44,46 @@ Sight Sights::of(const Exec& exec, const Camera& camera, double nearer_than) con
       before += z < nearer_than ? weight : 0;
       continue;
     }
-    const double passed = weight / (pixels * unhidden_weight(sigmoid(double(cloud_.logit_opacity[row]))));
-    if (passed >= kShows) sight.shown.push_back(std::uint32_t(point));
-    if (passed >= kOnSurface) sight.surface.push_back(std::uint32_t(point));
+    const double passed = weight / (pixels * unoccluded_weight(sigmoid(double(cloud_.logit_opacity[row]))));
+    if (passed >= kShows) visibility.shown.push_back(std::uint32_t(point));
+    if (passed >= kOnSurface) visibility.surface.push_back(std::uint32_t(point));
   }
-  sight.blocked = total > 0 ? before / total : 0;
-  return sight;
+  visibility.blocked = total > 0 ? before / total : 0;
+  return visibility;
 }
 
-Coverage::Coverage(std::vector<double> worth, const std::vector<Sight>& pool) : views_(worth.size(), 0) {
-  std::vector<std::uint8_t> on_surface(worth.size(), 0);
-  for (const Sight& sight : pool)
-    for (const std::uint32_t point : sight.surface) on_surface[point] = 1;
-  worth_ = std::move(worth);
-  for (std::size_t i = 0; i < worth_.size(); ++i) {
-    if (!on_surface[i]) worth_[i] = 0;
-    visible_ += worth_[i];
+Coverage::Coverage(std::vector<double> weight, const std::vector<Visibility>& pool) : views_(weight.size(), 0) {
+  std::vector<std::uint8_t> on_surface(weight.size(), 0);
+  for (const Visibility& visibility : pool)
+    for (const std::uint32_t point : visibility.surface) on_surface[point] = 1;
+  weight_ = std::move(weight);
+  for (std::size_t i = 0; i < weight_.size(); ++i) {
+    if (!on_surface[i]) weight_[i] = 0;
+    visible_ += weight_[i];
   }
 }
 
-void Coverage::add(const Sight& sight) {
-  for (const std::uint32_t point : sight.shown)
+void Coverage::add(const Visibility& visibility) {
+  for (const std::uint32_t point : visibility.shown)
     views_[point] = std::uint8_t(std::min<int>(views_[point] + 1, kWantedViews));
 }
 
-double Coverage::gain(const Sight& sight) const {
+double Coverage::gain(const Visibility& visibility) const {
   double gain = 0;
-  for (const std::uint32_t point : sight.shown)
-    if (views_[point] < kWantedViews) gain += worth_[point];
+  for (const std::uint32_t point : visibility.shown)
+    if (views_[point] < kWantedViews) gain += weight_[point];
   return gain;
 }
 
 std::size_t Coverage::gaussians() const {
-  return std::size_t(std::ranges::count_if(worth_, [](double worth) { return worth > 0; }));
+  return std::size_t(std::ranges::count_if(weight_, [](double weight) { return weight > 0; }));
 }
 
 double Coverage::share() const {
   if (!(visible_ > 0)) return 1;
   double covered = 0;
-  for (std::size_t i = 0; i < worth_.size(); ++i)
-    if (views_[i] >= kWantedViews) covered += worth_[i];
+  for (std::size_t i = 0; i < weight_.size(); ++i)
+    if (views_[i] >= kWantedViews) covered += weight_[i];
   return covered / visible_;
 }
 

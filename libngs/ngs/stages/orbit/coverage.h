@@ -1,8 +1,8 @@
 #pragma once
-// Which Gaussians a camera sees, and how much of a surface a set of cameras sees often enough.
+// Which Gaussians are visible from a camera, and the fraction of a surface that enough cameras of a set show.
 //
-// A Gaussian shows in a view where at least a quarter of its light, in the mean over the pixels that it reaches, gets
-// past what lies before it. It belongs to the visible surface where at least half of it does in some view.
+// A Gaussian is shown by a view if its mean transmittance over the pixels that it covers is at least 1/4. It belongs
+// to the visible surface if this transmittance is at least 1/2 in some view.
 #include <cstdint>
 #include <vector>
 
@@ -11,24 +11,24 @@
 
 namespace ngs::orbit {
 
-inline constexpr int kWantedViews = 3;  // of each part of the surface
+inline constexpr int kWantedViews = 3;  // views that each part of the surface should have
 
-/// What one camera sees of the points of interest.
-struct Sight {
-  std::vector<std::uint32_t> shown;    // indices of points, increasing
-  std::vector<std::uint32_t> surface;  // those of them of which it sees half or more
-  double blocked = 0;                  // share of the light of the picture that lies before the points of interest
+/// The points of interest that are visible from one camera.
+struct Visibility {
+  std::vector<std::uint32_t> shown;    // indices of shown points, ascending
+  std::vector<std::uint32_t> surface;  // those of them with a transmittance of at least 1/2
+  double blocked = 0;                  // fraction of the image's weight that lies in front of the points of interest
 };
 
-/// Points of a model seen with what stands about them.
-class Sights {
+/// Renders the visibility of a model's points of interest, with occlusion by the rest of the model.
+class PointVisibility {
  public:
-  /// `cloud` as it is drawn, without colours' higher bands; `point_of_row` [cloud rows] index of the point of interest
-  /// or -1. Both must outlive it.
-  Sights(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::int32_t>& point_of_row);
+  /// `cloud` needs no SH bands above 0. `point_of_row` [cloud rows]: index of the point of interest, or -1. Both must
+  /// outlive this object.
+  PointVisibility(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::int32_t>& point_of_row);
 
-  /// `nearer_than`: camera z before which other rows block, world.
-  Sight of(const Exec& exec, const Camera& camera, double nearer_than) const;
+  /// Rows that are no point of interest count as blocking if their camera z (world units) is below `nearer_than`.
+  Visibility of(const Exec& exec, const Camera& camera, double nearer_than) const;
 
  private:
   const GaussianCloud& cloud_;
@@ -36,21 +36,21 @@ class Sights {
   SplatOptions splat_;
 };
 
-/// Counts how many of the chosen views show each point, weighted by what the points are worth.
+/// Counts how many of the chosen views show each point.
 class Coverage {
  public:
-  /// `worth` [points] >= 0. `pool`: what all cameras that could be chosen see; what none sees is no visible surface.
-  Coverage(std::vector<double> worth, const std::vector<Sight>& pool);
+  /// `weight` [points] >= 0. `pool`: the visibility from all candidate cameras; it defines the visible surface.
+  Coverage(std::vector<double> weight, const std::vector<Visibility>& pool);
 
-  void add(const Sight& sight);
-  /// What a further view would add: worth of its points that fewer than kWantedViews views show.
-  double gain(const Sight& sight) const;
-  /// Share of the visible surface that at least kWantedViews views show, in [0, 1]; 1 where there is none.
+  void add(const Visibility& visibility);
+  /// Gain of a further view: the weight of its shown points that fewer than kWantedViews chosen views show.
+  double gain(const Visibility& visibility) const;
+  /// Fraction of the visible surface that at least kWantedViews views show, in [0, 1]; 1 without a visible surface.
   double share() const;
-  std::size_t gaussians() const;  // points of the visible surface
+  std::size_t gaussians() const;  // number of points of the visible surface
 
  private:
-  std::vector<double> worth_;        // 0: not on the visible surface
+  std::vector<double> weight_;       // 0: not on the visible surface
   std::vector<std::uint8_t> views_;  // up to kWantedViews
   double visible_ = 0;
 };

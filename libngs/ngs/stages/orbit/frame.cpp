@@ -7,11 +7,11 @@ namespace ngs::orbit {
 namespace {
 
 constexpr std::size_t kMostSamples = 20000;
-constexpr int kBins = 60;               // of heights, over three radii of the bulk
-constexpr double kLeastSupport = 0.25;  // a plane must hold this much more than twice what lies below it
+constexpr int kBins = 60;               // histogram bins of heights, over three radii of the bulk
+constexpr double kLeastSupport = 0.25;  // least Slab::support of a plane
 
-/// Sampled points about the bulk in radii, with the area that each shows. No Gaussian stands for more than a disc of a
-/// tenth of the radius.
+/// Sampled points relative to the bulk, in radii, weighted by area. The area of a Gaussian is limited to that of a disc
+/// of a tenth of the radius.
 struct Samples {
   std::vector<Vec> position;
   std::vector<double> weight;  // sum 1
@@ -34,8 +34,7 @@ Samples samples_of(const SurfacePoints& points, const Ball& bulk) {
 /// A slab of two bins of heights.
 struct Slab {
   double height = 0;   // its middle, in radii
-  double support = 0;  // how much more of the samples lies in it than twice what lies below it; no more than five times
-                       // what lies above it
+  double support = 0;  // weight in the slab minus twice the weight below, at most five times the weight above
 };
 
 Slab best_slab(const Samples& samples, Vec up) {
@@ -53,7 +52,7 @@ Slab best_slab(const Samples& samples, Vec up) {
   return best;
 }
 
-/// The direction in which the samples of the best slab spread least, towards `up`.
+/// The normal of the least-squares plane of heights through the samples of the best slab, towards `up`.
 Vec normal_of_slab(const Samples& samples, Vec up) {
   const Slab slab = best_slab(samples, up);
   Vec mean{0, 0, 0};

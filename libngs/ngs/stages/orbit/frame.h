@@ -1,5 +1,5 @@
 #pragma once
-// The frame in which cameras are placed: its axes belong to the model, so that a turned model has turned cameras.
+// The coordinate frame in which cameras are placed. Its axes follow the model, so that cameras rotate with the model.
 #include "ngs/stages/orbit/surface_points.h"
 #include "ngs/stages/orbit/vectors.h"
 
@@ -13,13 +13,13 @@ struct Frame {
   Vec to_world(Vec p) const { return centre + transpose(axes) * p; }
 };
 
-/// The frame about a ball, z along the unit vector `up`, x along the horizontal in which the points within the ball
-/// spread most, towards the heavier tail.
+/// The frame centred on a ball, z along the unit vector `up`, x along the horizontal direction in which the points
+/// within the ball have the largest variance, with the sign of their skewness.
 Frame frame_about(const SurfacePoints& points, const Ball& ball, Vec up);
 
-/// The direction of up in the world, guessed: from a plane that much of the model lies in, with all but little of the
-/// rest on one side, such as a floor or a table top. `found` false: there is no such plane, and up is -y, as the
-/// cameras of structure from motion and thereby most models have it.
+/// The estimated up direction of the world: the normal of a plane that contains much of the model, such as a floor or a
+/// table top, with nearly all of the rest on one side. Without such a plane `found` is false and up is -y, as in most
+/// models from structure from motion.
 struct UpGuess {
   Vec up{0, -1, 0};
   bool found = false;

@@ -9,13 +9,13 @@ namespace {
 
 constexpr int kMostParts = 32;  // along an axis
 
-/// A share of what a Gaussian takes, at an offset from its centre in its own axes.
+/// A fraction of a Gaussian's extinction, at an offset from its centre in its own axes.
 struct Part {
   Vec offset;
   double share;
 };
 
-/// A Gaussian within one and a half standard deviations, in parts no wider than a cell. The shares add up to 1.
+/// Splits a Gaussian within 1.5 standard deviations into parts no wider than a cell. The shares sum to 1.
 std::vector<Part> parts_of(const double (&deviation)[3], double cell) {
   int count[3];
   for (int k = 0; k < 3; ++k) count[k] = int(std::clamp(std::ceil(3 * deviation[k] / cell), 1.0, double(kMostParts)));
@@ -45,18 +45,19 @@ FreeSpace::FreeSpace(const GaussianCloud& cloud, const SurfacePoints& points, co
     const float* q = &cloud.rotation[4 * std::size_t(points.row[i])];
     const double s[3] = {std::exp(double(log_scale[0])), std::exp(double(log_scale[1])),
                          std::exp(double(log_scale[2]))};
-    const double taken = points.opacity[i] * 6.283185307179586 / 3 * (s[0] * s[1] + s[1] * s[2] + s[2] * s[0]) / volume;
-    const auto take = [&](Vec at, double share) {
-      if (const std::int64_t cell = cell_at(at); cell >= 0) extinction_[std::size_t(cell)] += float(taken * share);
+    const double extinction =
+        points.opacity[i] * 6.283185307179586 / 3 * (s[0] * s[1] + s[1] * s[2] + s[2] * s[0]) / volume;
+    const auto add = [&](Vec at, double share) {
+      if (const std::int64_t cell = cell_at(at); cell >= 0) extinction_[std::size_t(cell)] += float(extinction * share);
     };
     if (3 * points.size[i] <= size_) {
-      take(p, 1);
+      add(p, 1);
       continue;
     }
     double inverse_norm;
     const Mat3<double> turned =
         frame.axes * rotation_matrix(normalised(Vec4<double>{q[0], q[1], q[2], q[3]}, inverse_norm));
-    for (const Part& part : parts_of(s, size_)) take(p + turned * part.offset, part.share);
+    for (const Part& part : parts_of(s, size_)) add(p + turned * part.offset, part.share);
   }
 }
 

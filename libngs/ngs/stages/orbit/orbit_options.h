@@ -1,12 +1,12 @@
 #pragma once
-// What ngs-scene orbit asks for: where cameras stand, how many, and what they see.
+// Options of ngs-scene orbit: placement, number and field of view of the cameras.
 #include <string>
 
 #include "ngs/options/field.h"
 
 namespace ngs {
 
-/// Whether cameras look at a model from outside or stand in it.
+/// Whether cameras are placed outside or inside the model.
 enum class Place : std::uint8_t { kAuto, kOutside, kInside };
 inline constexpr NamedValue<Place> kPlaceNames[] = {
     {Place::kAuto, "auto"}, {Place::kOutside, "outside"}, {Place::kInside, "inside"}};
@@ -28,21 +28,21 @@ struct OrbitOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.around, Text{"around", "X,Y,Z,R",
-                            "cameras about this ball, in the model's own coordinates; else about the bulk of the "
-                            "model"});
+                            "Place cameras around this ball, in model coordinates; default: the bulk of the model"});
     visit(self.up,
-          Choice<UpAxis>{"up", "axis of the model that points upwards; auto: away from a floor, else -y", kUpNames});
-    visit(self.place, Choice<Place>{"place",
-                                    "where cameras stand; auto: inside where that shows more of the surface than "
-                                    "outside, as in a room",
-                                    kPlaceNames});
-    visit(self.views, Field<int>{"views", "", "cameras to start with", 3, 1000});
-    visit(self.max_views, Field<int>{"max_views", "", "cameras at most, where coverage asks for more", 3, 1000});
+          Choice<UpAxis>{"up", "Axis of the model that points upwards; auto: away from a floor, else -y", kUpNames});
+    visit(
+        self.place,
+        Choice<Place>{"place", "Where cameras are placed; auto: inside if that shows more of the surface, as in a room",
+                      kPlaceNames});
+    visit(self.views, Field<int>{"views", "", "Number of cameras to start with", 3, 1000});
+    visit(self.max_views, Field<int>{"max_views", "", "Most cameras that --coverage may lead to", 3, 1000});
     visit(self.coverage,
-          Field<double>{"coverage", "", "add cameras until this share of the visible surface is seen by three of them",
-                        0.0, 1.0});
-    visit(self.fov_deg,
-          Field<double>{"fov", "deg", "field of view over the longer side; 0: 40 from outside, 80 inside", 0.0, 120.0});
+          Field<double>{"coverage", "", "Add cameras until three of them see this fraction of the visible surface", 0.0,
+                        1.0});
+    visit(
+        self.fov_deg,
+        Field<double>{"fov", "deg", "Field of view along the longer side; 0: 40 from outside, 80 inside", 0.0, 120.0});
   }
 };
 

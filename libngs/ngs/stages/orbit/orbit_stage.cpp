@@ -13,11 +13,11 @@
 namespace ngs::orbit {
 namespace {
 
-constexpr int kSightSide_px = 200;                   // of the pictures that say what a place sees, the shorter side
-constexpr double kMostBlocked = 0.15;                // of the picture's light, before the ball
+constexpr int kVisibilitySide_px = 200;              // shorter side of the visibility renders
+constexpr double kMostBlocked = 0.15;                // largest Visibility::blocked of a candidate
 constexpr double kOutsideFov = 40, kInsideFov = 80;  // deg
-constexpr double kRoomCoverage = 0.7;                // what cameras in a room show at least, else it is none
-constexpr double kRoomReach = 1.5;                   // of the bulk's radius: what belongs to a room
+constexpr double kRoomCoverage = 0.7;                // least coverage of cameras inside a room
+constexpr double kRoomReach = 1.5;                   // extent of a room's surface, in radii of the bulk
 
 std::string number(double value) {
   char text[32];
@@ -25,7 +25,7 @@ std::string number(double value) {
   return text;
 }
 
-/// Rows of the model within reach of what is looked at, without the higher bands of their colours.
+/// The given rows of the model, without SH bands above 0.
 GaussianCloud rows_of(const GaussianCloud& cloud, const std::vector<std::uint32_t>& rows) {
   GaussianCloud part;
   part.origin = cloud.origin;
@@ -40,7 +40,7 @@ GaussianCloud rows_of(const GaussianCloud& cloud, const std::vector<std::uint32_
   return part;
 }
 
-/// The choice of cameras, step by step.
+/// Chooses the cameras, step by step.
 class Chooser {
  public:
   Chooser(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud, const OrbitOptions& options)
@@ -48,7 +48,7 @@ class Chooser {
     if (points_.count() == 0)
       throw Error(ErrorCode::kNothingFound,
                   "the model: none of its " + std::to_string(cloud.size()) +
-                      " Gaussians is usable and has an opacity above 1/255, expected some that can be seen");
+                      " Gaussians is usable with an opacity above 1/255, expected visible Gaussians");
   }
 
   OrbitCameras run(PictureSize size) {
@@ -60,7 +60,7 @@ class Chooser {
     OrbitCameras inside = placed(size, &*room);
     if (options_.place == Place::kInside || inside.coverage >= std::min(kRoomCoverage, options_.coverage))
       return inside;
-    OrbitCameras outside = placed(size, nullptr);  // a thicket has gaps that are no room
+    OrbitCameras outside = placed(size, nullptr);  // the gaps of a thicket are no room
     return outside.coverage > inside.coverage ? outside : inside;
   }
 
@@ -88,10 +88,10 @@ class Chooser {
     const auto timed = monitor_.scope("inside or outside");
     const FreeSpace space(cloud_, points_, frame_, {1.1 * ball_.radius, 64});
     RoomFinding room = find_room(exec_, space, ball_.radius);
-    if (options_.place == Place::kInside && room.stands.empty())
+    if (options_.place == Place::kInside && room.viewpoints.empty())
       throw Error(ErrorCode::kNothingFound,
-                  "--place inside: no free place that the model surrounds, expected one for a camera",
-                  "leave it out, or name a ball that holds the room: --around X,Y,Z,R");
+                  "--place inside: the model surrounds no free space, expected some for a camera",
+                  "leave it out, or give a ball that contains the room: --around X,Y,Z,R");
     return room;
   }
 
@@ -100,18 +100,18 @@ class Chooser {
     const double reach = 1.1 * ball_.radius / lens_.least_half_sine() + ball_.radius;
     const FreeSpace space(cloud_, points_, frame_, {reach, 128});
     Rig rig = rings_about(ball_.radius, lens_, space, first_views());
-    if (rig.poses.empty()) refuse_blocked();
+    if (rig.poses.empty()) fail_blocked();
     return rig;
   }
 
-  [[noreturn]] void refuse_blocked() const {
+  [[noreturn]] void fail_blocked() const {
     throw Error(ErrorCode::kNothingFound,
-                "no place for a camera about the ball of radius " + number(ball_.radius) +
-                    ": something stands in every line of sight, expected free space",
-                "name a smaller ball: --around X,Y,Z,R, or place cameras within: --place inside");
+                "no place for a camera around the ball of radius " + number(ball_.radius) +
+                    ": every line of sight is blocked, expected free space",
+                "give a smaller ball: --around X,Y,Z,R, or place cameras inside: --place inside");
   }
 
-  /// Renderers draw nothing nearer than their near plane, an absolute length.
+  /// Renderers cull everything nearer than their near plane, an absolute length.
   void check_near_plane() {
     double nearest = 0.1 * ball_.radius;
     if (!found_.inside) {
@@ -124,25 +124,25 @@ class Chooser {
       throw Error(ErrorCode::kBadInput,
                   "the model: a radius of " + number(ball_.radius) + ", expected at least " +
                       number(ball_.radius * near_plane(Compat::kGsplat) / nearest) +
-                      " here: renderers draw nothing nearer to a camera than " + number(near_plane(Compat::kGsplat)),
-                  "make it larger first, e.g. splat-transform MODEL.ply -s " +
+                      " here: renderers cull everything nearer to a camera than " + number(near_plane(Compat::kGsplat)),
+                  "scale it up first, e.g. splat-transform MODEL.ply -s " +
                       number(std::pow(10, std::ceil(-std::log10(ball_.radius)))) + " LARGER.ply");
   }
 
-  /// The cameras in the room, or about the ball.
+  /// The cameras in the room, or around the ball if `room` is null.
   OrbitCameras placed(PictureSize size, const RoomFinding* room) {
     found_.inside = room != nullptr;
-    found_.cameras.clear(), sights_.clear();
+    found_.cameras.clear(), visibility_.clear();
     const double fov = options_.fov_deg > 0 ? options_.fov_deg : found_.inside ? kInsideFov : kOutsideFov;
     lens_ = {size.width_px, size.height_px, fov};
-    rig_ = found_.inside ? cameras_within(room->stands, ball_.radius) : rings();
+    rig_ = found_.inside ? cameras_within(room->viewpoints, ball_.radius) : rings();
     check_near_plane();
-    look();
-    pick();
+    render_candidates();
+    select_cameras();
     return found_;
   }
 
-  /// Rows of the model that a camera can have before it or see, and which of them are of interest.
+  /// Rows of the model that a camera can see or be blocked by, and which of them are points of interest.
   struct Rows {
     std::vector<std::uint32_t> row;
     std::vector<std::int32_t> point;  // index of the point of interest, or -1
@@ -151,54 +151,54 @@ class Chooser {
     double reach = kRoomReach * ball_.radius;
     for (const Pose& pose : rig_.poses) reach = std::max(reach, length(pose.centre) + ball_.radius);
     const double interest = found_.inside ? kRoomReach * ball_.radius : ball_.radius;
-    const double most_worth = 0.0314 * ball_.radius * ball_.radius;  // a disc of a tenth of the radius
+    const double most_weight = 0.0314 * ball_.radius * ball_.radius;  // a disc of a tenth of the radius
     Rows rows;
-    worth_.clear();
+    weight_.clear();
     for (std::size_t i = 0; i < points_.count(); ++i) {
       const double distance = length(points_.position[i] - ball_.centre);
       if (distance > reach + 2 * points_.size[i]) continue;
       rows.row.push_back(points_.row[i]);
-      rows.point.push_back(distance <= interest ? std::int32_t(worth_.size()) : -1);
-      if (distance <= interest) worth_.push_back(std::min(points_.area[i], most_worth * points_.opacity[i]));
+      rows.point.push_back(distance <= interest ? std::int32_t(weight_.size()) : -1);
+      if (distance <= interest) weight_.push_back(std::min(points_.area[i], most_weight * points_.opacity[i]));
     }
-    if (worth_.empty())
+    if (weight_.empty())
       throw Error(ErrorCode::kNothingFound,
-                  "--around " + options_.around + ": no Gaussian that can be seen in this ball, expected some",
-                  "its numbers are those of the model's file: centre and radius in its own coordinates");
+                  "--around " + options_.around + ": no visible Gaussian in this ball, expected some",
+                  "centre and radius are in the coordinates of the model's file");
     return rows;
   }
 
-  /// Renders what every place sees, small, and keeps the places with a free view.
-  void look() {
-    const auto timed = monitor_.scope("look from " + std::to_string(rig_.poses.size()) + " places");
+  /// Renders the visibility from every candidate at low resolution, and removes blocked candidates.
+  void render_candidates() {
+    const auto timed = monitor_.scope("visibility from " + std::to_string(rig_.poses.size()) + " places");
     const Rows rows = rows_in_reach();
     const GaussianCloud part = rows_of(cloud_, rows.row);
-    const Sights sights(exec_, part, rows.point);
-    Rig kept;
+    const PointVisibility renderer(exec_, part, rows.point);
+    Rig unblocked;
     for (std::size_t p = 0; p < rig_.poses.size(); ++p) {
       const Pose& pose = rig_.poses[p];
       const double before = found_.inside ? 0 : length(pose.centre) - ball_.radius;
-      Sight sight = sights.of(exec_, small(camera_at(pose, lens_, frame_, cloud_.origin)), before);
+      Visibility visibility = renderer.of(exec_, small(camera_at(pose, lens_, frame_, cloud_.origin)), before);
       monitor_.progress(std::int64_t(p) + 1, std::int64_t(rig_.poses.size()));
-      if (sight.blocked > kMostBlocked) continue;
-      kept.first += p < rig_.first;
-      kept.poses.push_back(pose), sights_.push_back(std::move(sight));
+      if (visibility.blocked > kMostBlocked) continue;
+      unblocked.first += p < rig_.first;
+      unblocked.poses.push_back(pose), visibility_.push_back(std::move(visibility));
     }
     found_.candidates = rig_.poses.size();
-    rig_ = std::move(kept);
-    if (rig_.poses.empty()) refuse_blocked();
+    rig_ = std::move(unblocked);
+    if (rig_.poses.empty()) fail_blocked();
   }
 
   static Camera small(const Camera& camera) {
-    const double scale = std::min(1.0, double(kSightSide_px) / std::min(camera.width_px, camera.height_px));
+    const double scale = std::min(1.0, double(kVisibilitySide_px) / std::min(camera.width_px, camera.height_px));
     return resized(camera, scaled_size_px(camera.width_px, scale), scaled_size_px(camera.height_px, scale));
   }
 
-  void pick() {
-    Coverage coverage(worth_, sights_);
+  void select_cameras() {
+    Coverage coverage(weight_, visibility_);
     std::vector<std::uint8_t> chosen(rig_.poses.size(), 0);
     const auto choose = [&](std::size_t p) {
-      chosen[p] = 1, coverage.add(sights_[p]);
+      chosen[p] = 1, coverage.add(visibility_[p]);
       Camera camera = camera_at(rig_.poses[p], lens_, frame_, cloud_.origin);
       char name[24];
       std::snprintf(name, sizeof name, "%04d.png", int(found_.cameras.size()));
@@ -211,7 +211,7 @@ class Chooser {
       double most = 0;
       std::size_t best = 0;
       for (std::size_t p = 0; p < rig_.poses.size(); ++p)
-        if (const double gain = chosen[p] ? 0 : coverage.gain(sights_[p]); gain > most) most = gain, best = p;
+        if (const double gain = chosen[p] ? 0 : coverage.gain(visibility_[p]); gain > most) most = gain, best = p;
       if (!(most > 0)) break;
       choose(best);
     }
@@ -230,8 +230,8 @@ class Chooser {
   Frame frame_;
   Lens lens_;
   Rig rig_;
-  std::vector<double> worth_;  // [points of interest]
-  std::vector<Sight> sights_;  // [poses]
+  std::vector<double> weight_;          // [points of interest]
+  std::vector<Visibility> visibility_;  // [poses]
   OrbitCameras found_;
 };
 

@@ -9,14 +9,14 @@ namespace {
 
 constexpr double kRadian = std::numbers::pi / 180;
 constexpr double kStops = 0.35;        // optical depth at which a line of sight counts as blocked
-constexpr double kNearestShare = 0.6;  // of the wanted distance
-constexpr double kMargin = 1.04;       // about the ball in the picture
+constexpr double kNearestShare = 0.6;  // least distance, as a fraction of the full distance
+constexpr double kMargin = 1.04;       // scale of the full distance, for a margin around the ball in the image
 
 Vec direction(double azimuth, double elevation) {
   return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)};
 }
 
-/// How far from the ball's centre lines of sight along `out` stay free: the second shortest of seven.
+/// Distance from the ball's centre up to which lines of sight along `out` are free: the second shortest of seven.
 double free_distance(const FreeSpace& space, double radius, Vec out, double most) {
   const Vec a = perpendicular(out), b = cross(out, a);
   std::array<double, 7> reach{};
@@ -30,9 +30,9 @@ double free_distance(const FreeSpace& space, double radius, Vec out, double most
   return reach[1];
 }
 
-/// `count` poses at one elevation, those that have room.
+/// `count` poses at one elevation; poses without free space are left out.
 struct Ring {
-  double elevation, phase;  // rad, share of a step
+  double elevation, phase;  // rad; fraction of a step
   int count;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// Places for cameras: rings about a ball, as far as there is free space; or stands within a room.
+// Candidate camera poses: rings around a ball, as far as there is free space, or viewpoints inside a room.
 #include <vector>
 
 #include "ngs/backend/exec.h"
@@ -9,7 +9,7 @@
 
 namespace ngs::orbit {
 
-/// What all cameras of a rig have in common.
+/// The intrinsics of all cameras of a rig.
 struct Lens {
   int width_px = 0, height_px = 0;
   double fov_deg = 40;  // over the longer side
@@ -19,38 +19,38 @@ struct Lens {
   double least_half_sine() const;
 };
 
-/// A place for a camera, in the frame.
+/// A camera pose in frame coordinates.
 struct Pose {
   Vec centre{0, 0, 0}, target{0, 0, 0};
 };
 
-/// The camera at `pose` with the frame's z upwards in its picture (its x where it looks along z). Coordinates of the
-/// camera are those of the world, `origin` included.
+/// The camera at `pose` with the frame's z upwards in its image, or the frame's x if it looks along z. The camera is in
+/// world coordinates, `origin` included.
 Camera camera_at(const Pose& pose, const Lens& lens, const Frame& frame, const std::array<double, 3>& origin);
 
-/// Cameras about the ball of `radius` at the frame's centre, each as far away as lets the ball fill the shorter side,
-/// nearer where something stands in the way, and left out where it would have to come nearer than 0.6 of that.
-/// `first` of them are the rings to begin with: low, middle and high above the horizontal; the others lie between,
-/// above and below.
+/// Cameras around the ball of `radius` at the frame's centre. At the full distance the ball fills the shorter side of
+/// the image. A camera with an obstacle in front is moved nearer, and left out below 0.6 of the full distance. The
+/// first `first` poses are the initial rings: low, middle and high above the horizontal; the others lie between, above
+/// and below.
 struct Rig {
   std::vector<Pose> poses;
   std::size_t first = 0;
 };
 Rig rings_about(double radius, const Lens& lens, const FreeSpace& space, int views);
 
-/// How much a model shows from within, and how much to those who walk about it. Openings above do not make an object of
-/// a room: who looks in through them is not counted.
+/// Surface visible from inside the model compared with the surface visible from outside. Views from above are not used:
+/// an open ceiling does not make a room an object.
 struct RoomFinding {
-  std::vector<Vec> stands;  // free places that the model surrounds, far from one another and from all mass
-  double seen_inside = 0;   // cells that stop rays from the stands
-  double only_inside = 0;   // of these, those that are no side of what stops level rays from outside
-  double only_outside = 0;  // cells that stop such rays and are no side of what is seen from the stands
-  /// Places surround, and show what is not seen from outside: more than is seen only there, by 2 % of all.
-  bool is_room() const { return !stands.empty() && only_inside > only_outside + 0.02 * seen_inside; }
+  std::vector<Vec> viewpoints;  // free points that the model surrounds, far from one another and from all mass
+  double seen_inside = 0;       // cells that stop rays from the viewpoints
+  double only_inside = 0;       // of these, cells not within a wall that stops level rays from outside
+  double only_outside = 0;      // cells that stop level rays from outside and are not within a wall seen from inside
+  /// There are viewpoints, and only_inside exceeds only_outside by more than 2 % of seen_inside.
+  bool is_room() const { return !viewpoints.empty() && only_inside > only_outside + 0.02 * seen_inside; }
 };
 RoomFinding find_room(const Exec& exec, const FreeSpace& space, double radius);
 
-/// Cameras at the stands, looking all around, level, up and down. None of them comes first.
-Rig cameras_within(const std::vector<Vec>& stands, double radius);
+/// Cameras at the viewpoints, looking all around, level, up and down. `first` is 0.
+Rig cameras_within(const std::vector<Vec>& viewpoints, double radius);
 
 }  // namespace ngs::orbit

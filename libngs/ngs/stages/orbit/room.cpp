@@ -8,18 +8,18 @@ namespace ngs::orbit {
 namespace {
 
 constexpr double kOpaque = 1;        // optical depth that ends a ray
-constexpr double kSurrounded = 0.6;  // share of all directions in which mass must lie
-constexpr double kClearance = 0.18;  // of the radius, about a stand
-constexpr double kFarthest = 2.5;    // of the radius, that rays are followed
-constexpr std::size_t kMostStands = 16;
+constexpr double kSurrounded = 0.6;  // fraction of all directions in which mass must lie
+constexpr double kClearance = 0.18;  // free distance around a viewpoint, in radii
+constexpr double kFarthest = 2.5;    // length of rays, in radii
+constexpr std::size_t kMostViewpoints = 16;
 
-struct Stand {
+struct Viewpoint {
   Vec at;
-  double clearance;  // world: only one direction in twenty meets mass sooner
+  double clearance;  // world: 5 % quantile of the free lengths over all directions
 };
 
-/// Whether a place is free and surrounded, and how free.
-bool stand_at(const FreeSpace& space, double radius, Vec at, Stand& stand) {
+/// Whether a point is free and surrounded by mass; sets its clearance.
+bool viewpoint_at(const FreeSpace& space, double radius, Vec at, Viewpoint& viewpoint) {
   static const std::vector<Vec> directions = even_directions(160);
   if (space.depth_at(at) > 0.05) return false;
   const double most = kFarthest * radius;
@@ -27,21 +27,21 @@ bool stand_at(const FreeSpace& space, double radius, Vec at, Stand& stand) {
   for (const Vec& d : directions) reach.push_back(space.free_length(at, d, {kOpaque, most}));
   std::sort(reach.begin(), reach.end());
   const auto surrounded = std::size_t(kSurrounded * double(reach.size()));
-  stand = {at, reach[reach.size() / 20]};
-  return reach[surrounded] < most && stand.clearance >= kClearance * radius;
+  viewpoint = {at, reach[reach.size() / 20]};
+  return reach[surrounded] < most && viewpoint.clearance >= kClearance * radius;
 }
 
-/// The most open stand, then ever those farthest from the chosen.
-std::vector<Vec> far_apart(const std::vector<Stand>& stands, double radius) {
+/// Farthest-point sampling, from the viewpoint with the largest clearance.
+std::vector<Vec> farthest_points(const std::vector<Viewpoint>& viewpoints, double radius) {
   std::vector<Vec> chosen;
-  std::vector<double> distance(stands.size(), 0);
-  for (std::size_t i = 0; i < stands.size(); ++i) distance[i] = kFarthest * radius + stands[i].clearance;
-  while (chosen.size() < kMostStands && !stands.empty()) {
+  std::vector<double> distance(viewpoints.size(), 0);
+  for (std::size_t i = 0; i < viewpoints.size(); ++i) distance[i] = kFarthest * radius + viewpoints[i].clearance;
+  while (chosen.size() < kMostViewpoints && !viewpoints.empty()) {
     const auto next = std::size_t(std::max_element(distance.begin(), distance.end()) - distance.begin());
     if (distance[next] < kClearance * radius) break;
-    chosen.push_back(stands[next].at);
-    for (std::size_t i = 0; i < stands.size(); ++i)
-      distance[i] = std::min(distance[i], length(stands[i].at - chosen.back()));
+    chosen.push_back(viewpoints[next].at);
+    for (std::size_t i = 0; i < viewpoints.size(); ++i)
+      distance[i] = std::min(distance[i], length(viewpoints[i].at - chosen.back()));
   }
   return chosen;
 }
@@ -53,7 +53,7 @@ struct Ray {
 
 using Cells = std::vector<std::uint8_t>;  // [cells] 1: ends a ray
 
-/// The cells that end one of the rays that `rays_of(i)` makes for i below `count`.
+/// The cells that stop at least one of the rays rays_of(0) ... rays_of(count - 1).
 template <class RaysOf>
 Cells stopping_cells(const Exec& exec, const FreeSpace& space, std::size_t count, const RaysOf& rays_of) {
   const double most = 4 * space.half();
@@ -73,7 +73,7 @@ Cells stopping_cells(const Exec& exec, const FreeSpace& space, std::size_t count
   return any;
 }
 
-/// With all that lie within two of them along each axis: a wall seen from its other side is the same wall.
+/// Dilation by two cells along each axis: a wall seen from its other side is the same wall.
 Cells widened(Cells cells, int side) {
   const auto n = std::int64_t(side);
   for (const std::int64_t stride : {std::int64_t(1), n, n * n}) {
@@ -87,14 +87,14 @@ Cells widened(Cells cells, int side) {
   return cells;
 }
 
-/// How many of `cells` are not in `others`.
+/// Number of `cells` that are not in `others`.
 double count_beyond(const Cells& cells, const Cells& others) {
   double count = 0;
   for (std::size_t cell = 0; cell < cells.size(); ++cell) count += cells[cell] && !others[cell];
   return count;
 }
 
-/// Where people stand to look at an object: all around it, little above or below.
+/// Directions from which an object is usually viewed: all around, slightly above or below.
 std::vector<Vec> sides_of_an_object() {
   std::vector<Vec> sides;
   for (const double elevation : {-0.3, 0.0, 0.3})
@@ -106,7 +106,7 @@ std::vector<Vec> sides_of_an_object() {
   return sides;
 }
 
-/// Parallel rays from far outside, near enough to one another for every cell of a level plane that they graze.
+/// Parallel rays from far outside, dense enough to hit every cell of a level plane at grazing angles.
 std::vector<Ray> rays_from(const FreeSpace& space, Vec out) {
   const double half = space.half() * std::numbers::sqrt3, across = space.cell_size(), upwards = 0.3 * across;
   const Vec a = unit(cross({0, 0, 1}, out)), b = cross(out, a);
@@ -119,24 +119,24 @@ std::vector<Ray> rays_from(const FreeSpace& space, Vec out) {
 }  // namespace
 
 RoomFinding find_room(const Exec& exec, const FreeSpace& space, double radius) {
-  constexpr int kSide = 13;  // of the lattice of places that are tried
-  std::vector<Stand> tried(kSide * kSide * kSide);
-  std::vector<std::uint8_t> is_stand(tried.size(), 0);
+  constexpr int kSide = 13;  // points per axis of the lattice of tried points
+  std::vector<Viewpoint> tried(kSide * kSide * kSide);
+  std::vector<std::uint8_t> is_viewpoint(tried.size(), 0);
   for_each_task(exec, kSide * kSide * kSide, [&](std::int64_t i) {
     const auto coordinate = [&](std::int64_t k) { return 0.9 * radius * (2.0 * double(k % kSide) / (kSide - 1) - 1); };
     const Vec at{coordinate(i), coordinate(i / kSide), coordinate(i / kSide / kSide)};
-    is_stand[std::size_t(i)] = stand_at(space, radius, at, tried[std::size_t(i)]);
+    is_viewpoint[std::size_t(i)] = viewpoint_at(space, radius, at, tried[std::size_t(i)]);
   });
-  std::vector<Stand> stands;
+  std::vector<Viewpoint> viewpoints;
   for (std::size_t i = 0; i < tried.size(); ++i)
-    if (is_stand[i]) stands.push_back(tried[i]);
+    if (is_viewpoint[i]) viewpoints.push_back(tried[i]);
   RoomFinding room;
-  if (stands.empty()) return room;
-  room.stands = far_apart(stands, radius);
+  if (viewpoints.empty()) return room;
+  room.viewpoints = farthest_points(viewpoints, radius);
   const std::vector<Vec> all_round = even_directions(12000), sides = sides_of_an_object();
-  const Cells inside = stopping_cells(exec, space, room.stands.size(), [&](std::size_t i) {
+  const Cells inside = stopping_cells(exec, space, room.viewpoints.size(), [&](std::size_t i) {
     std::vector<Ray> rays;
-    for (const Vec& d : all_round) rays.push_back({room.stands[i], d});
+    for (const Vec& d : all_round) rays.push_back({room.viewpoints[i], d});
     return rays;
   });
   const Cells outside =
@@ -147,17 +147,17 @@ RoomFinding find_room(const Exec& exec, const FreeSpace& space, double radius) {
   return room;
 }
 
-Rig cameras_within(const std::vector<Vec>& stands, double radius) {
+Rig cameras_within(const std::vector<Vec>& viewpoints, double radius) {
   Rig rig;
   const auto look = [&](Vec at, double azimuth, double elevation) {
     const Vec d{std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)};
     rig.poses.push_back({at, at + radius * d});
   };
-  for (std::size_t s = 0; s < stands.size(); ++s) {
-    const double phase = 2.4 * double(s);  // the golden angle: no two stands look the same way
-    for (int k = 0; k < 8; ++k) look(stands[s], phase + k * std::numbers::pi / 4, -0.1);
-    for (int k = 0; k < 4; ++k) look(stands[s], phase + k * std::numbers::pi / 2, -0.8);
-    for (int k = 0; k < 3; ++k) look(stands[s], phase + k * std::numbers::pi / 1.5, 0.7);
+  for (std::size_t s = 0; s < viewpoints.size(); ++s) {
+    const double phase = 2.4 * double(s);  // the golden angle: directions differ between viewpoints
+    for (int k = 0; k < 8; ++k) look(viewpoints[s], phase + k * std::numbers::pi / 4, -0.1);
+    for (int k = 0; k < 4; ++k) look(viewpoints[s], phase + k * std::numbers::pi / 2, -0.8);
+    for (int k = 0; k < 3; ++k) look(viewpoints[s], phase + k * std::numbers::pi / 1.5, 0.7);
   }
   return rig;
 }

@@ -9,10 +9,10 @@
 namespace ngs::orbit {
 namespace {
 
-constexpr double kLeastOpacity = 1.0 / 255;  // below it a renderer draws nothing
-constexpr std::size_t kMostSamples = 50000;  // for what is a mean or a quantile of all
+constexpr double kLeastOpacity = 1.0 / 255;  // Gaussians below are not rendered
+constexpr std::size_t kMostSamples = 50000;  // for means and quantiles
 
-/// Weiszfeld's iteration from the weighted mean. Distances are kept from 0 by a share of their mean.
+/// Weiszfeld's iteration from the weighted mean. Distances are at least 1/1000 of their mean.
 Vec geometric_median(const SurfacePoints& points, const std::vector<std::size_t>& samples) {
   Vec centre{0, 0, 0};
   double total = 0;

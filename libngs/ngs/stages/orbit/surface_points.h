@@ -1,5 +1,5 @@
 #pragma once
-// What of a model is there to be seen: its Gaussians as points with the area that they show, and where their bulk lies.
+// The visible Gaussians of a model as points with an area, and the ball that contains their bulk.
 #include <cstdint>
 #include <vector>
 
@@ -8,9 +8,9 @@
 
 namespace ngs::orbit {
 
-/// Usable Gaussians that a renderer draws (opacity above 1/255).
+/// Usable Gaussians that are rendered (opacity above 1/255).
 struct SurfacePoints {
-  std::vector<std::uint32_t> row;  // [M] of the model, increasing
+  std::vector<std::uint32_t> row;  // [M] rows of the model, ascending
   std::vector<Vec> position;       // [M] world, relative to the model's origin
   std::vector<double> opacity;     // [M] in (1/255, 1]
   std::vector<double> size;        // [M] largest standard deviation, world
@@ -26,15 +26,15 @@ struct Ball {
   double radius = 0;    // world, > 0
 };
 
-/// The bulk of a model. Its centre is the geometric median of the points by opacity, its radius reaches the far side of
-/// 98 % of the opacity, but at most twice as far as half of it lies: a few Gaussians far away, and the surroundings of
-/// a captured object, move neither. Turns and scales with the model. `points` are not empty.
+/// The bulk of a model. The centre is the geometric median of the points, weighted by opacity. The radius contains 98 %
+/// of the opacity, and is at most twice the radius that contains 50 %. Far floaters and the surroundings of a captured
+/// object therefore hardly change it. The ball rotates and scales with the model. `points` must not be empty.
 Ball bulk_of(const SurfacePoints& points);
 
-/// The smallest of the values below or at which `share` of the weight lies. Not empty.
+/// The smallest value with at least the fraction `share` of the weight at or below it. `values` must not be empty.
 double weighted_quantile(const std::vector<double>& values, const std::vector<double>& weights, double share);
 
-/// Every k-th index of `count`, k the least that leaves no more than `most`.
+/// Every k-th index below `count`, with the smallest k that gives at most `most` indices.
 std::vector<std::size_t> thinned(std::size_t count, std::size_t most);
 
 }  // namespace ngs::orbit

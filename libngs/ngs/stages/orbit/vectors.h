@@ -1,5 +1,5 @@
 #pragma once
-// The little vector algebra that placing cameras takes.
+// Vector algebra for placing cameras.
 #include <cmath>
 #include <vector>
 
@@ -17,14 +17,14 @@ inline Vec unit(Vec v) {
   return n > 0 ? (1 / n) * v : Vec{0, 0, 1};
 }
 
-/// A unit vector at right angles to the unit vector `v`.
+/// A unit vector perpendicular to the unit vector `v`.
 inline Vec perpendicular(Vec v) {
   const bool x_is_least = std::abs(v.x) <= std::abs(v.y) && std::abs(v.x) <= std::abs(v.z);
   const Vec other = x_is_least ? Vec{1, 0, 0} : std::abs(v.y) <= std::abs(v.z) ? Vec{0, 1, 0} : Vec{0, 0, 1};
   return unit(cross(v, other));
 }
 
-/// `count` directions that are spread evenly over the unit sphere (a Fibonacci spiral about +z), from +z down.
+/// `count` directions spread evenly over the unit sphere (a Fibonacci spiral around +z), from +z down.
 std::vector<Vec> even_directions(int count);
 
 }  // namespace ngs::orbit

@@ -17,9 +17,9 @@ namespace ngs {
 namespace {
 
 using Rgb = std::array<double, 3>;
-constexpr double kLeastOpen = 1.0 / 255;                    // less shows less than one level of any background
-constexpr std::size_t kMostSamples = std::size_t(1) << 16;  // per view; their median is exact to 1 % of their spread
-constexpr double kMuchApart = 0.1;
+constexpr double kLeastOpen = 1.0 / 255;                    // least T of a pixel that shows the background: one level
+constexpr std::size_t kMostSamples = std::size_t(1) << 16;  // per view; the median is accurate to 1 % of the spread
+constexpr double kWarnDifference = 0.1;
 
 Vec3<double> vec(const Rgb& c) { return {c[0], c[1], c[2]}; }
 
@@ -27,7 +27,7 @@ struct Sample {
   double value, weight;
 };
 
-/// Where half of the weight lies below.
+/// The smallest value with at least half of the weight at or below it.
 double weighted_median(std::vector<Sample>& samples) {
   std::sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) { return a.value < b.value; });
   double half = 0, below = 0;
@@ -37,8 +37,8 @@ double weighted_median(std::vector<Sample>& samples) {
   return samples.back().value;
 }
 
-/// arg min over b of Σ |r - T b|: the median of r / T with weights T. Squares instead would let the pixels decide
-/// that no trainer has ever fitted: the largest holes at the edges of what the cameras saw.
+/// arg min over b of Σ |r - T b|: the median of r / T with weights T. With squares, pixels that no trainer has fitted
+/// would dominate: the largest holes at the edges of the captured region.
 double least_deviations(const std::vector<std::size_t>& pixels, const RenderedView& view, const ImageF& photo, int c) {
   std::vector<Sample> samples;
   for (const std::size_t p : pixels) {
@@ -49,13 +49,13 @@ double least_deviations(const std::vector<std::size_t>& pixels, const RenderedVi
   return weighted_median(samples);
 }
 
-/// Σ (r - T b)² over black's Σ r², as decibels.
-double gain_db(const BackgroundWitness& w, const Rgb& b) {
+/// PSNR gain of background b over black, in dB: Σ r² / Σ (r - T b)².
+double gain_db(const BackgroundMeasurement& w, const Rgb& b) {
   double black = 0, over = 0;
   for (std::size_t c = 0; c < 3; ++c)
     black += w.residual2[c], over += w.residual2[c] - 2 * b[c] * w.residual[c] + b[c] * b[c] * w.open2;
-  constexpr double kNothing = 1e-12;  // of a photo that is explained to the last bit
-  return 10 * std::log10(std::max(black, kNothing) / std::max(over, kNothing));
+  constexpr double kLeastError = 1e-12;  // avoids division by 0 for an exact match
+  return 10 * std::log10(std::max(black, kLeastError) / std::max(over, kLeastError));
 }
 
 }  // namespace
@@ -87,10 +87,10 @@ void choose_background(const std::string& given, Monitor& monitor, Scene& scene)
   if (given.empty()) return;
   const Vec3<float> colour = parse_background(given), known = background_of(scene);
   const Vec3<float> off = colour - known;
-  const double apart = std::max({std::abs(off.x), std::abs(off.y), std::abs(off.z)});
-  if (scene.background && apart > kMuchApart)
+  const double difference = std::max({std::abs(off.x), std::abs(off.y), std::abs(off.z)});
+  if (scene.background && difference > kWarnDifference)
     monitor.warn("--background " + given + " is not the scene's, " + background_text(known) +
-                 "; leave it out to take that");
+                 "; leave it out to use the scene's");
   scene.background = Vec3<double>{colour.x, colour.y, colour.z};
 }
 
@@ -101,8 +101,8 @@ RenderedView over_background(RenderedView view, Vec3<float> background) {
   return view;
 }
 
-BackgroundWitness question_background(const RenderedView& view, const ImageF& photo) {
-  BackgroundWitness w;
+BackgroundMeasurement measure_background(const RenderedView& view, const ImageF& photo) {
+  BackgroundMeasurement w;
   std::vector<std::size_t> pixels;
   for (std::size_t p = 0; p < view.alpha.data.size(); ++p) {
     const double t = 1 - double(view.alpha.data[p]);
@@ -122,10 +122,10 @@ BackgroundWitness question_background(const RenderedView& view, const ImageF& ph
   return w;
 }
 
-BackgroundFinding find_background(std::span<const BackgroundWitness> witnesses) {
+BackgroundFinding find_background(std::span<const BackgroundMeasurement> measurements) {
   BackgroundFinding found;
   std::array<std::vector<double>, 3> values;
-  for (const BackgroundWitness& w : witnesses)
+  for (const BackgroundMeasurement& w : measurements)
     for (std::size_t c = 0; w.open && c < 3; ++c) values[c].push_back(w.colour[c]);
   found.views = int(values[0].size());
   if (found.views == 0) return found;
@@ -134,11 +134,12 @@ BackgroundFinding find_background(std::span<const BackgroundWitness> witnesses) 
     const double middle = upper_median(values[c]);
     fitted[c] = std::clamp(std::round(255 * middle) / 255, 0.0, 1.0) + 0.0;  // no -0
     for (double& v : values[c]) v = std::abs(v - middle);
-    // 1.4826 MAD is the deviation of normal values, and their median's standard error is √(π/2) that of their mean
+    // For normal values the standard deviation is 1.4826 MAD and the standard error of the median √(π/2) that of the
+    // mean.
     error[c] = 1.4826 * 1.2533 * upper_median(values[c]) / std::sqrt(double(found.views));
   }
   std::vector<double> gains, shown;
-  for (const BackgroundWitness& w : witnesses) gains.push_back(gain_db(w, fitted)), shown.push_back(w.shown);
+  for (const BackgroundMeasurement& w : measurements) gains.push_back(gain_db(w, fitted)), shown.push_back(w.shown);
   found.fitted = vec(fitted), found.error = vec(error);
   found.gain_db = upper_median(gains), found.shown = upper_median(shown);
   const bool agreed = *std::max_element(error.begin(), error.end()) <= kMostBackgroundError;
@@ -149,15 +150,15 @@ BackgroundFinding find_background(std::span<const BackgroundWitness> witnesses) 
 BackgroundFinding find_background(const Exec& exec, Monitor& monitor, const PhotographedModel& model,
                                   const std::vector<std::size_t>& views) {
   const SplatOptions splat = splat_options({}, model.cloud, model.scene);
-  std::vector<BackgroundWitness> witnesses(views.size());
+  std::vector<BackgroundMeasurement> measurements(views.size());
   ProgressCount progress(monitor, std::int64_t(views.size()));
   for_each_task(exec, std::int64_t(views.size()), [&](std::int64_t i) {
     const std::size_t v = views[std::size_t(i)];
-    witnesses[std::size_t(i)] =
-        question_background(render({}, model.cloud, model.scene.views[v].camera, splat, {}), model.load_photo(v));
+    measurements[std::size_t(i)] =
+        measure_background(render({}, model.cloud, model.scene.views[v].camera, splat, {}), model.load_photo(v));
     progress.add_one();
   });
-  return find_background(witnesses);
+  return find_background(measurements);
 }
 
 double psnr_over_background(const Exec& exec, const GaussianCloud& cloud, const Scene& scene,

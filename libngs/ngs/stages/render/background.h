@@ -1,7 +1,7 @@
 #pragma once
-// The colour behind all Gaussians. It is not in a PLY, and a trainer's images were drawn over it: where a model
-// leaves a share T of a pixel open, the photo shows its colour c plus T b. Over another b such pixels do not fit,
-// and an optimiser that is given them grows Gaussians to explain b.
+// The colour behind all Gaussians. A PLY does not contain it, but the model was trained over it: a pixel with remaining
+// transmittance T has the model's colour c plus T b. With another b such pixels do not match the photo, and an
+// optimiser grows Gaussians to reproduce b.
 #include <array>
 #include <functional>
 #include <optional>
@@ -17,58 +17,59 @@
 
 namespace ngs {
 
-/// The option of every tool that draws colours.
+/// The option of every tool that renders colours.
 inline constexpr Text background_option() {
-  return {"background", "COLOUR", "behind the model: black, white or R,G,B in [0, 1]; empty: the scene's"};
+  return {"background", "COLOUR", "Background: black, white or R,G,B in [0, 1]; default: the scene's"};
 }
 
-/// "R,G,B" with three numbers in [0, 1], "black" or "white"; kUsage otherwise.
+/// Parses "R,G,B" with three numbers in [0, 1], "black" or "white"; throws kUsage otherwise.
 Vec3<float> parse_background(const std::string& text);
 
-/// "R,G,B", every bit of it.
+/// "R,G,B" with enough digits for an exact round trip.
 std::string background_text(Vec3<float> colour);
 
-/// The rule of every tool with --background: what was `given` there is the scene's from now on; nothing given: the
-/// scene's own stays. Warns where the scene knows another one.
+/// The rule of every tool with --background: a `given` colour replaces the scene's, an empty one leaves it. Warns if
+/// the scene has a clearly different one.
 void choose_background(const std::string& given, Monitor& monitor, Scene& scene);
 
-/// The same view with `background` behind it: its colours, rendered over black, plus what its alpha leaves open of it.
+/// Composites a view that was rendered over black onto `background`.
 RenderedView over_background(RenderedView view, Vec3<float> background);
 
-/// What one photo says about it. T: the share of a pixel that the model leaves open; r: photo less view over black.
-struct BackgroundWitness {
+/// The background measured on one photo. T: transmittance left at a pixel; r: photo minus view over black.
+struct BackgroundMeasurement {
   bool open = false;                              // some pixel shows the background
-  std::array<double, 3> colour{};                 // that which fits the open pixels best, not clamped
-  double open2 = 0, shown = 0;                    // Σ T², and its mean over all pixels
+  std::array<double, 3> colour{};                 // the best fit to the open pixels, not clamped
+  double open2 = 0, shown = 0;                    // Σ T², mean of T² over all pixels
   std::array<double, 3> residual{}, residual2{};  // Σ T r and Σ r²
 };
 
 /// `view`: rendered over black at the photo's camera. The photo is opaque.
-BackgroundWitness question_background(const RenderedView& view, const ImageF& photo);
+BackgroundMeasurement measure_background(const RenderedView& view, const ImageF& photo);
 
-/// What the photos together say about it.
+/// The background estimated from all measurements.
 struct BackgroundFinding {
-  std::optional<Vec3<double>> colour;  // in steps of 1/255; none: black is what to take
-  Vec3<double> fitted{0, 0, 0};        // median over the views that show any of it
-  Vec3<double> error{0, 0, 0};         // standard error of this median, from the views' spread
-  double shown = 0;                    // median over the views: mean T², of the picture
-  double gain_db = 0;                  // median over the views: PSNR over `fitted` less that over black
-  int views = 0;                       // that show any of it
+  std::optional<Vec3<double>> colour;  // in steps of 1/255; none: use black
+  Vec3<double> fitted{0, 0, 0};        // median over the views that show the background
+  Vec3<double> error{0, 0, 0};         // standard error of this median, from the spread over views
+  double shown = 0;                    // median over the views of the image's mean T²
+  double gain_db = 0;                  // median over the views: PSNR over `fitted` minus PSNR over black
+  int views = 0;                       // number of views that show the background
 };
-// Black is what is taken for unknown. Another colour must be something that the photos show: a hundredth of the
-// picture, told by the views to this much, and explaining them better by as much as another filter must
-// (filter_probe.h). What shines through a model that covers the picture is not photographed, only what its trainer has
-// put there. It is found as well, but not taken: a model without its floaters is refitted worse over it (PAPER.md 5.1).
+// The default is black. Another colour is used only if the photos show it: at least kLeastShown of the image, a
+// standard error of at most kMostBackgroundError, and a gain of at least kBackgroundMarginDb, as for another filter
+// (filter_probe.h). Behind a model that covers the image the background is not photographed; it is only the colour that
+// the trainer used. It is found as well but not used: without its floaters, a model is refitted worse over it (PAPER.md
+// 5.1).
 inline constexpr double kLeastShown = 0.01, kMostBackgroundError = 0.1, kBackgroundMarginDb = 0.02;
 
-BackgroundFinding find_background(std::span<const BackgroundWitness> witnesses);
+BackgroundFinding find_background(std::span<const BackgroundMeasurement> measurements);
 
-/// The same from renders of the `views`, whose photos are opaque.
+/// The same from renders of the `views`. Their photos must be opaque.
 BackgroundFinding find_background(const Exec& exec, Monitor& monitor, const PhotographedModel& model,
                                   const std::vector<std::size_t>& views);
 
-/// Mean PSNR of the rendered views against their photos, both over the scene's background: which background
-/// transparent photos were fitted over.
+/// Mean PSNR of the rendered views against their photos, both over the scene's background. The background with the
+/// higher value is the one that transparent photos were fitted over.
 double psnr_over_background(const Exec& exec, const GaussianCloud& cloud, const Scene& scene,
                             const std::vector<std::size_t>& views,
                             const std::function<ImageF(std::size_t view)>& load_photo);

@@ -1,5 +1,5 @@
 #pragma once
-// A model and the photos that it is compared with.
+// A model and the photos of its scene.
 #include <cstddef>
 #include <functional>
 

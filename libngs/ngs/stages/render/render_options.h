@@ -1,5 +1,5 @@
 #pragma once
-// Options every tool shares that splats a model.
+// Options of every tool that renders a model.
 #include "ngs/ops/splat/splat.h"
 #include "ngs/options/field.h"
 #include "ngs/scene/scene.h"
@@ -20,15 +20,15 @@ struct RasterOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.compat,
-          Choice<CompatChoice>{"compat", "near plane and footprint rule; auto: as scene.json says", kCompatChoices});
+    visit(self.compat, Choice<CompatChoice>{"compat", "Near plane and footprint rule to use; auto: from scene.json",
+                                            kCompatChoices});
     visit(self.antialias,
-          Choice<Antialias>{"antialias", "opacity compensation; auto: as scene.json, else the PLY, says",
+          Choice<Antialias>{"antialias", "Opacity compensation; auto: from scene.json, else from the PLY",
                             kAntialiasNames});
   }
 };
 
-/// For renders of `scene`'s views at its working size.
+/// Options for renders of the scene's views at its working size.
 inline SplatOptions splat_options(const RasterOptions& options, const GaussianCloud& cloud, const Scene& scene) {
   const bool antialiased = options.antialias == Antialias::kAuto ? scene.antialiased.value_or(cloud.antialiased)
                                                                  : options.antialias == Antialias::kOn;

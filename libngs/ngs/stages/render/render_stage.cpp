@@ -18,7 +18,7 @@ std::vector<std::string> split(const std::string& text, char separator) {
   return parts;
 }
 
-/// Well separated hues for object k.
+/// The colour of object k; hues are well separated.
 std::array<float, 3> hue(std::size_t k) {
   const double h = std::fmod(0.02 + 0.618033988749895 * double(k), 1.0) * 6;
   const auto channel = [h](double offset) {
@@ -70,26 +70,26 @@ LabelChannels::LabelChannels(const GaussianCloud& cloud, const std::vector<Label
       objects_(objects.size()),
       label_(label_matrix(objects, std::size_t(cloud.size()))),
       object_(std::size_t(cloud.size()), 0),
-      some_(object_) {
-  // A pixel's label is a mean of Gaussians' labels and 0, rounded: above a half only where one of them is.
+      labelled_(object_) {
+  // A pixel's label is a weighted mean of Gaussians' labels and 0, up to rounding: above 1/2 only if one of them is.
   constexpr float kRounding = 0.01f;
   for (const LabelColumns& object : objects)
     for (std::size_t i = 0; i < object_.size(); ++i) {
       const float label = object.label[i];
-      object_[i] |= label > kHalfShare - kRounding, some_[i] |= label != 0;
+      object_[i] |= label > kHalfShare - kRounding, labelled_[i] |= label != 0;
     }
 }
 
 ImageF LabelChannels::masks(const Exec& exec, const Camera& camera, const SplatOptions& splat) const {
-  return view(exec, camera, splat, object_.data(), some_.data());
+  return view(exec, camera, splat, object_.data(), labelled_.data());
 }
 
-ImageF LabelChannels::view(const Exec& exec, const Camera& camera, const SplatOptions& splat, const std::uint8_t* where,
-                           const std::uint8_t* until) const {
+ImageF LabelChannels::view(const Exec& exec, const Camera& camera, const SplatOptions& splat,
+                           const std::uint8_t* tiles_touching, const std::uint8_t* stop_after) const {
   RenderRequest request;
   request.colour = false;
   request.label = {label_.data(), cloud_.size(), int(objects_)};
-  request.where = where, request.until = until;
+  request.tiles_touching = tiles_touching, request.stop_after = stop_after;
   return std::move(render(exec, cloud_, camera, splat, request).label);
 }
 
@@ -108,15 +108,15 @@ RenderedView render_labelled(const Exec& exec, const LabelledModel& model, const
 
 ObjectsAlone::ObjectsAlone(const GaussianCloud& cloud, const std::vector<LabelColumns>& objects) : cloud_(cloud) {
   for (const LabelColumns& object : objects) {
-    std::vector<std::uint8_t>& mine = mine_.emplace_back(object.label.size());
-    for (std::size_t i = 0; i < mine.size(); ++i) mine[i] = label_says_object(object.label[i]);
+    std::vector<std::uint8_t>& member = member_.emplace_back(object.label.size());
+    for (std::size_t i = 0; i < member.size(); ++i) member[i] = label_is_foreground(object.label[i]);
   }
 }
 
 ImageF ObjectsAlone::view(const Exec& exec, std::size_t k, const Camera& camera, const SplatOptions& splat) const {
   RenderRequest alone;
   alone.colour = false;
-  alone.include = mine_[k].data();
+  alone.include = member_[k].data();
   return std::move(render(exec, cloud_, camera, splat, alone).alpha);
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Pictures of a labelled model from the scene's cameras.
+// Renders of a labelled model from the scene's cameras.
 #include <string>
 #include <vector>
 
@@ -22,21 +22,21 @@ struct RenderOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.views, Text{"views", "train|held-out|all|NAME,...", "which cameras"});
-    visit(self.layers, Text{"layers", "color,mask,alpha,depth,labels,overlay", "what to render; default mask"});
-    visit(self.scale,
-          Field<double>{"scale", "", "image size relative to the scene's working size; 0: the photos' size", 0, 64.0});
-    visit(self.amodal, Flag{"amodal", "mask of the object alone, as if nothing stood before it"});
+    visit(self.views, Text{"views", "train|held-out|all|NAME,...", "Cameras to render"});
+    visit(self.layers, Text{"layers", "color,mask,alpha,depth,labels,overlay", "Images to render; default: mask"});
+    visit(self.scale, Field<double>{"scale", "",
+                                    "Image size relative to the scene's working size; 0: that of the photos", 0, 64.0});
+    visit(self.amodal, Flag{"amodal", "Render the object's mask without occluders"});
     visit(self.threshold,
           Field<double>{"threshold", "", "PNG masks: 255 where the rendered mask exceeds this", 0.0, 1.0});
     visit(self.background, background_option());
   }
 };
 
-/// Indices of the views that `selection` names. kUsage for a name that the scene does not have.
+/// Indices of the selected views. Throws kUsage for an unknown or ambiguous name.
 std::vector<std::size_t> select_views(const Scene& scene, const std::string& selection);
 
-/// How a labelled model is rendered. Modal: label channels composited through the whole model. Amodal: per object the
+/// How a labelled model is rendered. Modal: label channels composited with the full model. Amodal: for each object the
 /// alpha of its own Gaussians (label > 0.5) alone.
 struct LabelledRequest {
   SplatOptions splat = {};
@@ -47,14 +47,14 @@ struct LabelledRequest {
 RenderedView render_labelled(const Exec& exec, const LabelledModel& model, const Camera& camera,
                              const LabelledRequest& request);
 
-/// The label channels alone of such modal views of one model. `cloud` must outlive it.
+/// Renders only the label channels of modal views of one model. `cloud` must outlive this object.
 class LabelChannels {
  public:
   LabelChannels(const GaussianCloud& cloud, const std::vector<LabelColumns>& objects);
-  /// [H, W, K]; `where` and `until` as in RenderRequest.
-  ImageF view(const Exec& exec, const Camera& camera, const SplatOptions& splat, const std::uint8_t* where = nullptr,
-              const std::uint8_t* until = nullptr) const;
-  /// The same for those who ask label_says_object() alone: 0 where no object is near.
+  /// [H, W, K]; `tiles_touching` and `stop_after` as in RenderRequest.
+  ImageF view(const Exec& exec, const Camera& camera, const SplatOptions& splat,
+              const std::uint8_t* tiles_touching = nullptr, const std::uint8_t* stop_after = nullptr) const;
+  /// The same for callers that use only label_is_foreground() of the result: 0 in tiles without an object.
   ImageF masks(const Exec& exec, const Camera& camera, const SplatOptions& splat) const;
   std::size_t objects() const { return objects_; }
   const GaussianCloud& cloud() const { return cloud_; }
@@ -62,33 +62,33 @@ class LabelChannels {
  private:
   const GaussianCloud& cloud_;
   std::size_t objects_;
-  std::vector<float> label_;          // [N, K]
-  std::vector<std::uint8_t> object_;  // [N] 1: a pixel that shows an object shows one of these
-  std::vector<std::uint8_t> some_;    // [N] 1: one of its labels is not 0
+  std::vector<float> label_;            // [N, K]
+  std::vector<std::uint8_t> object_;    // [N] 1: some label is high enough for a foreground pixel
+  std::vector<std::uint8_t> labelled_;  // [N] 1: some label is not 0
 };
 
-/// The objects of a model, each as if nothing else were there. `cloud` must outlive it.
+/// Renders each object of a model alone. `cloud` must outlive this object.
 class ObjectsAlone {
  public:
   ObjectsAlone(const GaussianCloud& cloud, const std::vector<LabelColumns>& objects);
-  /// Opacity of object k, [H, W, 1]
+  /// Opacity of object k, [H, W, 1].
   ImageF view(const Exec& exec, std::size_t k, const Camera& camera, const SplatOptions& splat) const;
-  std::size_t size() const { return mine_.size(); }
+  std::size_t size() const { return member_.size(); }
 
  private:
   const GaussianCloud& cloud_;
-  std::vector<std::vector<std::uint8_t>> mine_;  // [K][N] 1: of the object
+  std::vector<std::vector<std::uint8_t>> member_;  // [K][N] 1: of the object
 };
 
-/// Makes a modal view amodal: only its label channels change.
+/// Makes a modal view amodal by replacing its label channels.
 void show_objects_alone(const Exec& exec, const LabelledModel& model, const Camera& camera, const SplatOptions& splat,
                         RenderedView& view);
 
-/// Label map: 0 background, else the id of the object whose mask is largest and exceeds `threshold`; no ids: its index
-/// + 1.
+/// Label map: the id of the object with the largest mask value if it exceeds `threshold`, else 0. Without `ids`, the
+/// object's index + 1.
 ImageU16 label_map(const RenderedView& view, double threshold, const std::vector<std::uint16_t>& ids = {});
 
-/// The picture with every mask's contour drawn (1 px) and its inside tinted, one hue per object.
+/// The colour image with a contour of 1 px around every mask and its inside tinted, one hue per object.
 ImageU8 overlay_picture(const RenderedView& view, double threshold);
 
 }  // namespace ngs

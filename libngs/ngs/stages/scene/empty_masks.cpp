@@ -11,20 +11,21 @@
 namespace ngs {
 namespace {
 
-constexpr std::size_t kMostWitnesses = 32, kMostCompared = 8;  // views
+constexpr std::size_t kMostLabelling = 32, kMostCompared = 8;  // views
 constexpr double kLeastOfUsual = 0.25;
 
-/// Pixels of a view whose mask is known.
+/// Pixel counts of a view, over pixels with a known mask.
 struct PixelCounts {
   double known = 0, mask = 0, shown = 0, both = 0;
   double share_of(double pixels) const { return known > 0 ? pixels / known : 0; }
 };
 
-/// What the labelled Gaussians show of all objects together; those that no mask sees have the label of the nearest
-/// seen.
-class Witness {
+/// Renders the labels of all objects together. Gaussians visible in no mask's view have the label of the nearest seen
+/// one.
+class LabelRenderer {
  public:
-  Witness(const Exec& exec, const GaussianCloud& cloud, const Scene& scene, const std::vector<LabelColumns>& objects)
+  LabelRenderer(const Exec& exec, const GaussianCloud& cloud, const Scene& scene,
+                const std::vector<LabelColumns>& objects)
       : cloud_(cloud), splat_(splat_options({}, cloud, scene)), label_(std::size_t(cloud.size()), 0.f) {
     std::vector<std::uint32_t> seen, unseen;
     for (std::size_t i = 0; i < label_.size(); ++i) {
@@ -47,8 +48,8 @@ class Witness {
     for (std::size_t p = 0; p < shown.data.size(); ++p) {
       if (!masks.known.empty() && masks.known[p] == 0) continue;
       const bool in_mask =
-          std::ranges::any_of(masks.target, [&](const auto& target) { return mask_says_object(target[p]); });
-      const bool is_shown = label_says_object(shown.data[p]);
+          std::ranges::any_of(masks.target, [&](const auto& target) { return mask_is_foreground(target[p]); });
+      const bool is_shown = label_is_foreground(shown.data[p]);
       counts.known += 1, counts.mask += in_mask, counts.shown += is_shown, counts.both += in_mask && is_shown;
     }
     return counts;
@@ -64,7 +65,7 @@ class Witness {
 
   const GaussianCloud& cloud_;
   SplatOptions splat_;
-  std::vector<float> label_;  // [N] 1: of an object
+  std::vector<float> label_;  // [N] 1: of some object
 };
 
 }  // namespace
@@ -73,16 +74,16 @@ EmptyMasks check_empty_masks(const Exec& exec, Monitor& monitor, const EmptyMask
   EmptyMasks result{in.empty, {}, 1};
   if (in.empty.empty() || in.others.empty()) return result;
   const auto timed = monitor.scope("empty masks");
-  const std::vector<std::size_t> witnesses = spread_views(in.others, kMostWitnesses);
+  const std::vector<std::size_t> labelling = spread_views(in.others, kMostLabelling);
   const SplatOptions splat = splat_options({}, in.cloud, in.scene);
-  const Evidence evidence = accumulate_evidence(exec, monitor, {in.cloud, in.scene, witnesses, splat, in.load_masks});
-  const Witness witness(exec, in.cloud, in.scene, label_gaussians({}, evidence));
+  const Evidence evidence = accumulate_evidence(exec, monitor, {in.cloud, in.scene, labelling, splat, in.load_masks});
+  const LabelRenderer renderer(exec, in.cloud, in.scene, label_gaussians({}, evidence));
   const auto count = [&](std::size_t view) {
-    return witness.count(exec, in.scene.views[view].camera, in.load_masks(view));
+    return renderer.count(exec, in.scene.views[view].camera, in.load_masks(view));
   };
   double both = 0, either = 0;
   std::vector<double> usual;
-  for (const std::size_t view : spread_views(witnesses, kMostCompared)) {
+  for (const std::size_t view : spread_views(labelling, kMostCompared)) {
     const PixelCounts counts = count(view);
     both += counts.both, either += counts.mask + counts.shown - counts.both;
     usual.push_back(counts.share_of(counts.mask));

@@ -9,20 +9,20 @@ namespace {
 constexpr double kFilter_px2 = 0.3;  // at the size of the fit
 constexpr std::int64_t kUsualCandidates = 3, kMostCandidates = 4;
 
-/// Measures one candidate after the other.
+/// Measures candidates one after the other.
 class Trials {
  public:
   Trials(const Exec& exec, Monitor& monitor, const PhotographedModel& model, const std::vector<std::size_t>& views)
       : exec_(exec), monitor_(monitor), model_(model), views_(views) {}
 
-  /// What the filter of a fit at `size` times the working size explains.
+  /// The PSNR with the filter of a fit at `size` times the working size.
   FilterCandidate at(double size) {
     FilterCandidate c{kFilter_px2 / (size * size), 0};
     SplatOptions splat = splat_options({}, model_.cloud, model_.scene);
     splat.blur_px2 = c.filter_px2;
     const std::int64_t passes = std::int64_t(views_.size());
     for (const std::size_t v : views_) {
-      // over the background that fits best: it is not in the PLY, and over black the largest footprints would win
+      // Over the best-fitting background: it is not in the PLY, and over black the largest footprints would win.
       const PhotoView view{model_.scene.views[v].camera, model_.load_photo(v)};
       c.psnr_db += match_photo(exec_, model_.cloud, view, splat).psnr_db / double(passes);
       ++done_;

@@ -1,7 +1,7 @@
 #pragma once
-// At which size was a model fitted? 3DGS adds a low-pass filter of 0.3 px² at the size it is fitted at.
-// Rendered at another size with 0.3 px² again, footprints are too small (or too large), and so are masks. The
-// filter that explains the photos best tells the fitting size.
+// Estimates the image size at which a model was fitted. 3DGS adds a low-pass filter of 0.3 px² at the size of the fit.
+// At another size the same 0.3 px² make footprints, and so masks, too small or too large. The filter with the highest
+// PSNR against the photos gives the size of the fit.
 #include <vector>
 
 #include "ngs/core/monitor.h"
@@ -15,14 +15,14 @@ struct FilterCandidate {
 };
 
 struct FilterProbe {
-  double filter_px2 = 0.3;                  // the best; 0.3 unless another is better by kFilterMarginDb
-  std::vector<FilterCandidate> candidates;  // those tried, in this order
+  double filter_px2 = 0.3;                  // the best; 0.3 unless another one is better by kFilterMarginDb
+  std::vector<FilterCandidate> candidates;  // in the order in which they were tried
 };
 inline constexpr double kFilterMarginDb = 0.02;
 
-/// Renders the `views` with 0.3 px² at the working size, then at 1/2 of it and, where that is better, at 1/4; else at
-/// 2 times it and, where that is better, at 4 times. The mean PSNR is taken to have one maximum over the filter. No
-/// views: 0.3 px².
+/// Renders the `views` with 0.3 px² at the working size and at 1/2 of it. If 1/2 is better, 1/4 is tried as well;
+/// otherwise 2 times the size and, if that is better, 4 times. Assumes that the mean PSNR has one maximum over the
+/// filter. Without views: 0.3 px².
 FilterProbe probe_filter(const Exec& exec, Monitor& monitor, const PhotographedModel& model,
                          const std::vector<std::size_t>& views);
 

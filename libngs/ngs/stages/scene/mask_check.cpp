@@ -43,7 +43,7 @@ void add_view(const ViewMasks& masks, ViewCheck& view, std::vector<ObjectCheck>&
   }
 }
 
-/// One warning per kind of note, however many files it is about.
+/// One warning per kind of note, with the number of files.
 class Notes {
  public:
   void add(const std::string& note) {
@@ -66,21 +66,22 @@ class Notes {
   std::map<std::string, Entry> by_text_;
 };
 
-void judge(const std::string& name, const ObjectCheck& object, std::vector<std::string>& warnings) {
-  const std::string who = "object " + name + ": ";
+void check_coverage(const std::string& name, const ObjectCheck& object, std::vector<std::string>& warnings) {
+  const std::string prefix = "object " + name + ": ";
   const std::string all =
       object.views == 1 ? "its only mask is " : "all its " + std::to_string(object.views) + " masks are ";
   if (object.views > 0 && object.empty == object.views)
-    throw Error(ErrorCode::kInconsistent, who + all + "empty, expected the object in some",
+    throw Error(ErrorCode::kInconsistent, prefix + all + "empty, expected the object in some",
                 "wrong --object-id, --mask-threshold or polarity (--mask-invert)? Maps of ids need --mask-mode label");
   if (object.views > 0 && object.full == object.views)
-    throw Error(ErrorCode::kInconsistent, who + all + "full, expected background in some",
+    throw Error(ErrorCode::kInconsistent, prefix + all + "full, expected background in some",
                 "wrong --mask-threshold or polarity (--mask-invert)?");
   if (object.full > 0)
-    warnings.push_back(who + std::to_string(object.full) + " of " + std::to_string(object.views) + " masks are full");
+    warnings.push_back(prefix + std::to_string(object.full) + " of " + std::to_string(object.views) +
+                       " masks are full");
 }
 
-/// An object fills less of the images and of their borders than its background does.
+/// Masks of an object normally cover less than half of the images and of their borders.
 void check_polarity(const Scene& scene, std::size_t k, bool refuses, SceneCheck& result) {
   constexpr double kMostBorder = 0.5, kMostCoverage = 0.5, kAllRound = 0.85;
   const ObjectCheck& object = result.objects[k];
@@ -119,7 +120,7 @@ void check_masks(Monitor& monitor, const MaskCheckInputs& in, SceneCheck& result
   for (std::size_t k = 0; k < scene.objects.size(); ++k) {
     ObjectCheck& object = result.objects[k];
     if (object.views > 0) object.mean_coverage /= object.views, object.border /= object.views;
-    judge(scene.objects[k].name, object, result.warnings);
+    check_coverage(scene.objects[k].name, object, result.warnings);
     check_polarity(scene, k, refuses_inverted, result);
   }
 }

@@ -1,5 +1,5 @@
 #pragma once
-// The masks' part of a check of a scene.
+// Checks the masks of a scene.
 #include "ngs/core/monitor.h"
 #include "ngs/stages/scene/scene_findings.h"
 
@@ -11,9 +11,9 @@ struct MaskCheckInputs {
   bool refuses_inverted = true;
 };
 
-/// Fills `masks` of every training view and `objects`; warns about JPEG files, full masks and masks that look
-/// inverted; throws kInconsistent where all masks of an object are empty or all are full, and where those of the only
-/// object look inverted, are not said to be, and are to be refused.
+/// Fills `masks` of every training view and `objects`. Warns about JPEG files, full masks and masks that look inverted.
+/// Throws kInconsistent if all masks of an object are empty or all are full. With `refuses_inverted` it also throws if
+/// the masks of the only object look inverted and neither mask_invert nor label maps explain it.
 void check_masks(Monitor& monitor, const MaskCheckInputs& in, SceneCheck& result);
 
 }  // namespace ngs

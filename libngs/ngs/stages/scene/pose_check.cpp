@@ -135,12 +135,12 @@ Camera flipped_axes(Camera c) {  // camera y and z
   return c;
 }
 
-Camera centre_as_translation(Camera c) {  // t holds the centre
+Camera centre_as_translation(Camera c) {  // t contains the centre
   c.translation = -1.0 * (c.rotation * c.translation);
   return c;
 }
 
-Camera transposed_rotation(Camera c) {  // R holds its transpose, t is right
+Camera transposed_rotation(Camera c) {  // R is transposed, t is correct
   c.rotation = transpose(c.rotation);
   return c;
 }
@@ -164,7 +164,7 @@ const std::vector<PoseRepair>& pose_repairs() {
        [](Camera c) { return inverted(flipped_axes(c)); }},
       {"quaternions are stored as x y z w and poses are camera-to-world", "write them as w x y z and invert the poses",
        [](Camera c) { return inverted(reordered_quaternion(c)); }},
-      {"the translation holds the camera's centre", "store t = -R centre", centre_as_translation},
+      {"the translation is the camera's centre", "store t = -R centre", centre_as_translation},
       {"rotations are transposed", "transpose them, keep the translations", transposed_rotation},
       {"the model is rotated by 180 degrees about x", "rotate it back, or import with --world-transform",
        [](Camera c) {

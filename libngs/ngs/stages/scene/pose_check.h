@@ -1,6 +1,6 @@
 #pragma once
-// Do cameras and model belong together? The model is rendered at a few cameras and compared with the photos;
-// if it does not fit, the usual mistakes in pose files are tried and the one that makes it fit is named.
+// Checks whether cameras and model belong together: the model is rendered at a few cameras and compared with the
+// photos. If it does not fit, common mistakes in pose files are undone one by one, to report the one that makes it fit.
 #include <span>
 #include <string>
 #include <vector>
@@ -9,11 +9,11 @@
 
 namespace ngs {
 
-/// How well the model explains one photo. The colour behind the model is not in a PLY, so the one that fits
-/// the photo best is used; thereby a model that is not in view at all scores exactly `constant_db`.
+/// How well a render of the model matches one photo. A PLY does not contain the background colour, so the one that fits
+/// the photo best is used; a model outside the view therefore scores exactly `constant_db`.
 struct PhotoMatch {
   double psnr_db = 0;      // rendered model, over the fitted background, against the photo
-  double constant_db = 0;  // PSNR of the photo's own mean colour: what a picture that knows nothing reaches
+  double constant_db = 0;  // PSNR of an image of the photo's mean colour: the baseline
   double covered = 0;      // mean alpha
   Vec3<double> background{0, 0, 0};
   double gain_db() const { return psnr_db - constant_db; }
@@ -28,29 +28,28 @@ struct PhotoView {
   const ImageF& photo;
 };
 
-/// The same of the model rendered here.
+/// The same, renders the model first.
 PhotoMatch match_photo(const Exec& exec, const GaussianCloud& cloud, const PhotoView& view, const SplatOptions& splat);
 
-/// What a gain (not negative) and an offset per channel would make of the model's picture over the background of
-/// `match`: the PSNR of min over g, o of Σ (p - g q - o)², above its `constant_db`.
+/// PSNR minus `match.constant_db` of the render over the background of `match`, after the best gain g >= 0 and offset o
+/// per channel: min over g, o of Σ (p - g q - o)².
 double recoloured_gain_db(const Exec& exec, const GaussianCloud& cloud, const PhotoView& view,
                           const SplatOptions& splat, const PhotoMatch& match);
 
-/// Median over the cameras of the share of what is in front of one that is nearer than the near plane, and so never
-/// drawn: near 1 in a world that is too small. 0: nothing is in front of any.
+/// Median over the cameras of the fraction of Gaussians in front of the camera that are nearer than the near plane and
+/// so not rendered: about 1 in a world that is too small. 0 if no camera has a Gaussian in front.
 double share_too_near(const GaussianCloud& cloud, std::span<const Camera> cameras, Compat compat);
-/// From here on it is not a matter of single cameras.
+/// Above this fraction the scale of the world is wrong, not single cameras.
 inline constexpr double kTooNear = 0.5;
-/// The way out of it.
+/// Hint for a fraction above kTooNear.
 inline constexpr const char* kTooNearRemedy =
-    "most of it lies nearer to the cameras than the near plane, before which nothing is drawn: scale the world of "
-    "cameras, points "
-    "and model up";
+    "most of the model is nearer to the cameras than the near plane and is not rendered: scale up the world of "
+    "cameras, points and model";
 
-/// A mistake that pose files have, as the change that undoes it.
+/// A common mistake in pose files and the change that undoes it.
 struct PoseRepair {
   std::string mistake;  // "quaternions stored as x y z w"
-  std::string remedy;   // what to do about it
+  std::string remedy;   // how to correct the file
   Camera (*apply)(Camera);
 };
 const std::vector<PoseRepair>& pose_repairs();

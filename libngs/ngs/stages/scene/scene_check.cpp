@@ -58,11 +58,11 @@ std::vector<Shot> take_shots(Monitor& monitor, const SceneCheckOptions& options,
   return shots;
 }
 
-// The size that the model was fitted at is not known yet (filter_probe.h). Its 0.3 px² of low-pass filter are
-// right there; of a much reduced picture a pixel's own area, 1/12 px², is what is left, and 0.3 px² would
-// drown the model.
+// The size at which the model was fitted is not known yet (filter_probe.h). The low-pass filter of 0.3 px² is right at
+// that size. In a much smaller image only the pixel's own area, about 1/12 px², remains, and 0.3 px² would blur the
+// model.
 constexpr double kFilters[] = {0.3, 0.075};
-// A gain so far above what is demanded passes whatever the other filter would say.
+// With a gain this far above min_fit_db the second filter is not tried.
 constexpr double kEnoughAbove_db = 3;
 
 std::string decibels(double value) {
@@ -86,12 +86,12 @@ std::string percent(double share) {
   return text;
 }
 
-constexpr const char* kGsplatRemedy = "by the rules of gsplat, whose near plane is nearer: --compat gsplat";
-constexpr double kSomeTooNear = 0.01;  // share of the Gaussians from which on it is worth asking
+constexpr const char* kGsplatRemedy = "with the rules of gsplat, whose near plane is nearer: --compat gsplat";
+constexpr double kSomeTooNear = 0.01;  // share of the Gaussians above which gsplat's near plane is tried
 constexpr double kGsplatGain_db = 0.5;
 constexpr double kScaleUp = 4096;  // a power of two: positions keep their bits
 
-/// A model against photos of its scene.
+/// Compares a model with photos of its scene.
 class PhotoCheck {
  public:
   PhotoCheck(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options, const GaussianCloud& cloud,
@@ -103,13 +103,13 @@ class PhotoCheck {
         scene_(scene),
         splat_(splat_options({}, cloud, scene)) {}
 
-  /// Notes how well each photo is matched, and warns; throws where they are not.
+  /// Records how well each photo is matched, and warns; throws if the median match is too low.
   void check(const std::vector<Shot>& shots, bool compat_is_default, SceneCheck& result) {
     compare(shots, result);
     std::vector<Camera> cameras;
     for (const Shot& shot : shots) cameras.push_back(shot.camera);
     const double too_near = share_too_near(cloud_, cameras, scene_.compat);
-    if (scene_.compat == Compat::kInria && too_near > kSomeTooNear) ask_gsplat(shots, compat_is_default, result);
+    if (scene_.compat == Compat::kInria && too_near > kSomeTooNear) try_gsplat(shots, compat_is_default, result);
     if (!(result.median_fit_db >= options_.min_fit_db)) refuse(shots, too_near, result);
     for (const Shot& shot : shots)
       if (const PhotoMatch& match = *result.views[shot.view].match; match.gain_db() < options_.min_fit_db)
@@ -131,8 +131,9 @@ class PhotoCheck {
     result.median_fit_db = median(gains), result.median_psnr_db = median(psnrs);
   }
 
-  /// Where part of the model is nearer than the near plane of 3DGS: what do the photos say of gsplat's?
-  void ask_gsplat(const std::vector<Shot>& shots, bool compat_is_default, SceneCheck& result) {
+  /// Part of the model is nearer than the near plane of 3DGS: tests whether gsplat's near plane matches the photos
+  /// better.
+  void try_gsplat(const std::vector<Shot>& shots, bool compat_is_default, SceneCheck& result) {
     const double more_db = gain_by_gsplat(shots) - result.median_fit_db;
     if (!(more_db > kGsplatGain_db)) return;
     const std::string better = "the model explains the photos " + decibels(more_db) + " better ";
@@ -142,8 +143,8 @@ class PhotoCheck {
     }
     result.compat = splat_.compat = Compat::kGsplat;
     result.warnings.push_back(better +
-                              "by the rules of gsplat, whose near plane is nearer: they are taken (--compat "
-                              "inria takes those of 3DGS)");
+                              "with the rules of gsplat, whose near plane is nearer: they are used (--compat "
+                              "inria: those of 3DGS)");
     compare(shots, result);
   }
 
@@ -163,7 +164,7 @@ class PhotoCheck {
     return best;
   }
 
-  /// `repair`: of the cameras; null: as they are.
+  /// `repair` is applied to the cameras; null: none.
   double median_gain(const std::vector<Shot>& shots, const PoseRepair* repair) const {
     std::vector<double> gains;
     for (const Shot& shot : shots)
@@ -171,14 +172,14 @@ class PhotoCheck {
     return median(gains);
   }
 
-  /// What the model would explain of the photos if gsplat had fitted it, whose near plane is nearer.
+  /// The median gain by the rules of gsplat, whose near plane is nearer.
   double gain_by_gsplat(const std::vector<Shot>& shots) const {
     PhotoCheck other = *this;
     other.splat_.compat = Compat::kGsplat;
     return other.median_gain(shots, nullptr);
   }
 
-  /// What it would explain of them in a world so large that the near plane hides next to nothing.
+  /// The median gain in a world so large that the near plane removes next to nothing.
   double gain_scaled_up(const std::vector<Shot>& shots) const {
     GaussianCloud cloud = cloud_;
     for (double& x : cloud.origin) x *= kScaleUp;
@@ -189,7 +190,7 @@ class PhotoCheck {
     return PhotoCheck(exec_, monitor_, options_, cloud, scene_).median_gain(moved, nullptr);
   }
 
-  /// The repair that makes the model fit a few of the shots; null: none does.
+  /// The repair that makes the model fit a few of the shots; null if none does.
   const PoseRepair* find_repair(const std::vector<Shot>& shots) {
     const auto timed = monitor_.scope("pose repairs");
     constexpr std::size_t kShots = 3;
@@ -204,7 +205,7 @@ class PhotoCheck {
     return best;
   }
 
-  /// How well the model would fit in other colours. `views`: with the matches of the shots.
+  /// The median gain after a gain and an offset per channel. `views` contains the matches of the shots.
   double median_recoloured_gain(const std::vector<Shot>& shots, const std::vector<ViewCheck>& views) const {
     std::vector<double> gains;
     for (const Shot& shot : shots) {
@@ -217,7 +218,7 @@ class PhotoCheck {
     return median(gains);
   }
 
-  /// What to do where the model does not fit the photos.
+  /// Hint for a model that does not fit the photos.
   std::string remedy(const std::vector<Shot>& shots, double too_near, const std::vector<ViewCheck>& views) {
     if (too_near > kSomeTooNear && gain_by_gsplat(shots) >= options_.min_fit_db)
       return std::string("it fits ") + kGsplatRemedy;
@@ -227,10 +228,9 @@ class PhotoCheck {
       return "the poses fit, the colours do not: with a gain and an offset per channel it is " +
              decibels(recoloured_db) +
              " above it; give the photos that the model was trained on, or import these with --min-fit-db -100";
-    return "it is another scene's model, or was trained on other poses, or in a world that was moved or scaled since; "
+    return "the model is of another scene or other poses, or its world was moved or scaled after training; "
            "import the cameras it was trained with (a splat exported by nerfstudio: with --world-transform "
-           "dataparser_transforms.json, and "
-           "--original-world where transforms.json has an applied_transform)";
+           "dataparser_transforms.json, and --original-world if transforms.json has an applied_transform)";
   }
 
   [[noreturn]] void refuse(const std::vector<Shot>& shots, double too_near, const SceneCheck& result) {
@@ -246,7 +246,7 @@ class PhotoCheck {
   const SceneCheckOptions& options_;
   const GaussianCloud& cloud_;
   const Scene& scene_;
-  SplatOptions splat_;  // as the scene says that the model was fitted
+  SplatOptions splat_;  // the scene's options for its model
 };
 
 void check_inside_only(const SceneCheck& result) {
@@ -255,7 +255,7 @@ void check_inside_only(const SceneCheck& result) {
               "cameras and model: " + percent(result.median_inside) +
                   " of the Gaussians lie inside the median view, expected at least 1 %",
               "poses are world-to-camera with x right, y down, z forward; with photos (--images DIR) the likely "
-              "mistake is found by itself");
+              "mistake is detected");
 }
 
 void check_cloud(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options, const SceneCheckInputs& in,
@@ -281,7 +281,7 @@ void check_cloud(const Exec& exec, Monitor& monitor, const SceneCheckOptions& op
     PhotoCheck(exec, monitor, options, cloud, scene).check(shots, in.compat_is_default, result);
 }
 
-/// Asks the other masks about the empty ones, unless empty is what a view without a mask means.
+/// Checks empty masks against the other masks, unless a missing mask means an empty one (MissingMask::kEmpty).
 void find_empty_masks(const Exec& exec, Monitor& monitor, const SceneCheckInputs& in, SceneCheck& result) {
   std::vector<std::size_t> empty, others;
   for (std::size_t v = 0; v < result.views.size(); ++v) {
@@ -300,11 +300,11 @@ void find_empty_masks(const Exec& exec, Monitor& monitor, const SceneCheckInputs
   if (!wrong.empty())
     result.warnings.push_back(std::to_string(wrong.size()) + of_all + " where the other masks show the object (" +
                               some_names(in.scene, wrong) +
-                              "): as if the tool that made them had lost it; import takes such views for views without "
-                              "a mask, --missing-mask empty keeps the masks as they are");
+                              "): probably the tool that made them lost it; import treats such views as views without "
+                              "a mask, --missing-mask empty keeps the masks unchanged");
   else if (result.empty_masks.agreement < kLeastMaskAgreement)
     result.warnings.push_back(std::to_string(empty.size()) + of_all + " (" + some_names(in.scene, empty) +
-                              "), and the others agree too little to say whether the object is there; look at them: "
+                              "), and the others agree too little to decide whether the object is there; view them: "
                               "ngs-scene check SCENE --sheet masks.html");
 }
 

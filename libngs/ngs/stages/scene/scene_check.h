@@ -1,13 +1,13 @@
 #pragma once
-// Does a scene hold together? Cameras against model, model against photos, masks against cameras and against
-// common sense. Photos and masks come through callbacks, one view at a time; masks of held-out views are
-// never asked for.
+// Checks the consistency of a scene: cameras against model, model against photos, masks against cameras and model.
+// Photos and masks are loaded through callbacks, one view at a time; masks of held-out views are never loaded.
 //
-// Refused (kInconsistent): the model explains the photos no better than a constant colour does (median over
-// the checked views below `min_fit_db`), or, without photos, fewer than 1 % of the Gaussians inside the
-// median view; an object whose masks are all empty or all full; the only object, where its masks cover most of the
-// images and of their borders (`check_polarity`). kNothingFound: a model without a usable
-// Gaussian.
+// Throws kInconsistent in these cases:
+//   - The model matches the photos no better than a constant colour (median over the checked views below `min_fit_db`).
+//   - Without photos: fewer than 1 % of the Gaussians are inside the median view.
+//   - All masks of an object are empty, or all are full.
+//   - The masks of the only object cover most of the images and of their borders (`check_polarity`).
+// Throws kNothingFound for a model without a usable Gaussian.
 #include <vector>
 
 #include "ngs/core/monitor.h"
@@ -18,21 +18,21 @@ namespace ngs {
 
 struct SceneCheckOptions {
   int check_views = 4;
-  int check_size_px = 512;  // longest side of these comparisons; no flag sets it
+  int check_size_px = 512;  // longest side of the compared images; no option sets it
   double min_fit_db = 3.0;
   bool check_polarity = true;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.check_views, Field<int>{"check_views", "",
-                                       "photos to compare the rendered model with, evenly spaced; 0: none", 0, 100000});
-    visit(
-        self.min_fit_db,
-        Field<double>{"min_fit_db", "dB",
-                      "refuse where the model's PSNR exceeds that of the photo's mean colour by less", -100.0, 100.0});
-    visit(
-        self.check_polarity,
-        Flag{"check_polarity", "refuse masks that look inverted: they cover most of the images and of their borders"});
+    visit(self.check_views,
+          Field<int>{"check_views", "", "Number of evenly spaced photos to compare with renders of the model; 0: none",
+                     0, 100000});
+    visit(self.min_fit_db,
+          Field<double>{"min_fit_db", "dB",
+                        "Fail if the model's PSNR exceeds that of the photo's mean colour by less than this", -100.0,
+                        100.0});
+    visit(self.check_polarity,
+          Flag{"check_polarity", "Fail if masks look inverted: they cover most of the images and of their borders"});
   }
 };
 
@@ -40,13 +40,13 @@ struct SceneCheckInputs {
   const GaussianCloud* cloud;  // null (a scene before its model is fitted): only masks are checked
   const Scene& scene;
   const SceneLoaders& loaders;
-  bool compat_is_default = false;  // nobody has said which renderer fitted the model: the photos decide
+  bool compat_is_default = false;  // the renderer of the fit is not given: the photos decide
 };
 
 SceneCheck check_scene(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options,
                        const SceneCheckInputs& in);
 
-/// `count` evenly spaced indices below n, the middle of each of `count` equal parts.
+/// `count` evenly spaced indices below n: the middles of `count` equal parts.
 std::vector<std::size_t> evenly_spaced(std::size_t count, std::size_t n);
 
 }  // namespace ngs

@@ -1,5 +1,5 @@
 #pragma once
-// What a check of a scene reads, and what it finds (stages/scene/scene_check.h).
+// Inputs and results of a scene check (stages/scene/scene_check.h).
 #include <functional>
 #include <optional>
 #include <string>
@@ -10,10 +10,10 @@
 
 namespace ngs {
 
-/// The masks of one view and what reading them took.
+/// The masks of one view and notes on reading them.
 struct MaskSample {
   ViewMasks masks;
-  std::vector<std::string> notes;  // "<file>: <what>"
+  std::vector<std::string> notes;  // "<file>: <note>"
   bool lossy = false;              // from JPEG files
 };
 
@@ -23,28 +23,28 @@ struct SceneLoaders {
 };
 
 struct MaskCheck {
-  std::vector<double> coverage;  // [K] share of the known pixels
-  double known = 1;              // share of the pixels
+  std::vector<double> coverage;  // [K] fraction of the known pixels
+  double known = 1;              // fraction of all pixels
 };
 
 struct ViewCheck {
-  double in_front = 0;  // share of the usable Gaussians with camera z > 0
-  double inside = 0;    // share whose centre projects into the image
+  double in_front = 0;  // fraction of the usable Gaussians with camera z > 0
+  double inside = 0;    // fraction whose centre projects into the image
   std::optional<PhotoMatch> match;
   std::optional<MaskCheck> masks;
 };
 
 struct ObjectCheck {
-  int views = 0, empty = 0, full = 0;  // with a mask; of these without a pixel, without another pixel
+  int views = 0, empty = 0, full = 0;  // views with a mask, with an empty mask, with a full mask
   double mean_coverage = 0;
-  double border = 0;  // mean share of the image's border: high for inverted masks
+  double border = 0;  // mean covered fraction of the image's border: high for inverted masks
 };
 
-/// Views whose masks are empty, of all objects (stages/scene/empty_masks.h).
+/// Views whose masks are empty for all objects (stages/scene/empty_masks.h).
 struct EmptyMasks {
   std::vector<std::size_t> views;
   std::vector<std::size_t> contradicted;  // of these: the other masks show an object there
-  double agreement = 1;                   // of such renders with masks that are not empty, IoU; 1: not asked
+  double agreement = 1;                   // IoU of rendered labels and masks that are not empty; 1: not measured
 };
 
 struct SceneCheck {
@@ -52,9 +52,9 @@ struct SceneCheck {
   std::vector<ObjectCheck> objects;  // [objects of the scene]
   EmptyMasks empty_masks;
   double median_fit_db = 0, median_psnr_db = 0, median_inside = 0;
-  std::int64_t sampled_gaussians = 0;  // how many the shares are taken over
+  std::int64_t sampled_gaussians = 0;  // number of Gaussians that in_front and inside are measured on
   std::vector<std::string> warnings;
-  Compat compat = Compat::kInria;  // the scene's; gsplat where it is a default and the photos fit better by gsplat's
+  Compat compat = Compat::kInria;  // the scene's; gsplat if that is a default and gsplat matches the photos better
 };
 
 }  // namespace ngs

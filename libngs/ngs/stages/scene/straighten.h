@@ -1,5 +1,5 @@
 #pragma once
-// Pictures of a lens as a pinhole would have taken them.
+// Undistortion: resamples images of a lens to a pinhole camera.
 #include <cstdint>
 #include <vector>
 
@@ -10,21 +10,21 @@
 
 namespace ngs {
 
-/// A camera with a lens; its intrinsics are those of both.
+/// A camera with a lens; `camera` holds the intrinsics of both.
 struct LensCamera {
   Camera camera;
   Lens lens;
 };
 
-/// The pinhole of the same place, axes and focal lengths whose picture lies wholly in that of the lens: the largest
-/// rectangle of the photo's proportions about the principal point, at most twice as wide and high as the photo.
-/// kBadInput: there is none, as where the lens maps two directions to one pixel near its axis.
-Camera straight_camera(const LensCamera& bent);
+/// The undistorted pinhole camera with the same pose and focal lengths whose image lies entirely within the photo: the
+/// largest rectangle of the photo's proportions around the principal point, at most twice as wide and high as the
+/// photo. Throws kBadInput if there is none, for example if the lens maps two directions near its axis to one pixel.
+Camera straight_camera(const LensCamera& distorted);
 
 enum class Resampling : std::uint8_t { kBilinear, kNearest };
 
-/// [H, W, C] of camera `to` from the samples of the lens, which may have another size than its camera.
-std::vector<std::uint16_t> straightened(const Exec& exec, const MaskSamples& photo, const LensCamera& bent,
+/// [H, W, C] samples of camera `to` from a photo of the lens, which may have another size than its camera.
+std::vector<std::uint16_t> straightened(const Exec& exec, const MaskSamples& photo, const LensCamera& distorted,
                                         const Camera& to, Resampling resampling);
 
 }  // namespace ngs

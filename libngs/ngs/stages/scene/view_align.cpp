@@ -13,27 +13,28 @@
 namespace ngs {
 namespace {
 
-constexpr int kMostSteps = 15, kPatience = 2;  // steps in all, and in a row that do not lower the error
+constexpr int kMostSteps = 15, kPatience = 2;  // steps in total, and in a row without a lower error
 
 Vec3<float> fitted_background(const RenderedView& view, const ImageF& photo) {
   const Vec3<double> b = match_rendered(view, photo).background;
   return {float(b.x), float(b.y), float(b.z)};
 }
 
-/// `question`: what its photo says about the background.
-ViewAlignment align(const PhotographedModel& model, const SplatOptions& splat, std::size_t view_index, bool question) {
+/// `with_background`: also measures the background against the photo.
+ViewAlignment align(const PhotographedModel& model, const SplatOptions& splat, std::size_t view_index,
+                    bool with_background) {
   ViewAlignment best;
   best.view = view_index;
   const ImageF photo = model.load_photo(view_index), smooth = smoothed_for_pose(photo);
   RenderRequest request;
   request.depth = true;
-  RenderedView at_start, at_best;  // over black; best: of a moved camera
-  Vec3<float> background;          // that of the first picture: it is fitted to what is rendered anyway
+  RenderedView at_start, at_best;  // over black; at_best: of a moved camera
+  Vec3<float> background;          // fitted to the first render
   Camera camera = model.scene.views[view_index].camera;
   CameraMotion total;
   double total_px = 0;
-  int in_vain = 0;
-  for (int step = 0; step < kMostSteps && in_vain < kPatience; ++step) {
+  int without_gain = 0;
+  for (int step = 0; step < kMostSteps && without_gain < kPatience; ++step) {
     RenderedView view = render({}, model.cloud, camera, splat, request);
     if (step == 0) background = fitted_background(view, photo);
     const PoseStep found = pose_step(over_background(view, background), smooth, camera, total);
@@ -42,27 +43,27 @@ ViewAlignment align(const PhotographedModel& model, const SplatOptions& splat, s
     if (better) best.motion = total, best.flow_px = total_px, best.error_after = found.error, best.camera = camera;
     if (step == 0 || better) (better ? at_best : at_start) = std::move(view);
     if (step == 0) best.at_rest = found.determined && found.flow_px < kSettled_px;
-    in_vain = step > 0 && !better ? in_vain + 1 : 0;
+    without_gain = step > 0 && !better ? without_gain + 1 : 0;
     if (!found.determined || found.flow_px < kSettled_px) break;
     camera = moved(camera, found.motion);
     total.turn = total.turn + found.motion.turn, total.move = total.move + found.motion.move;
     total_px = found.total_px;
   }
   best.applied = best.flow_px >= kLeastFlow_px && best.flow_px <= kMostFlow_px;
-  if (question) best.background = question_background(best.applied ? at_best : at_start, photo);
+  if (with_background) best.background = measure_background(best.applied ? at_best : at_start, photo);
   return best;
 }
 
 }  // namespace
 
 std::vector<ViewAlignment> measure_alignment(const Exec& exec, Monitor& monitor, const PhotographedModel& model,
-                                             const std::vector<std::size_t>& questioned) {
+                                             const std::vector<std::size_t>& background_views) {
   const auto timed = monitor.scope("align views");
   SplatOptions splat = splat_options({}, model.cloud, model.scene);
   splat.prepared = prepare_cloud(exec, model.cloud);
   const std::vector<std::size_t> views = photo_views(model.scene);
   std::vector<std::size_t> first = spread_views(views, kAlignedFirst), others;
-  first.insert(first.end(), questioned.begin(), questioned.end());
+  first.insert(first.end(), background_views.begin(), background_views.end());
   std::ranges::sort(first);
   first.erase(std::unique(first.begin(), first.end()), first.end());
   std::ranges::set_difference(views, first, std::back_inserter(others));
@@ -73,8 +74,8 @@ std::vector<ViewAlignment> measure_alignment(const Exec& exec, Monitor& monitor,
     ProgressCount progress(monitor, std::int64_t(some.size()));
     for_each_task(exec, std::int64_t(some.size()), [&](std::int64_t i) {
       const std::size_t v = some[std::size_t(i)];
-      const bool question = std::ranges::find(questioned, v) != questioned.end();
-      alignment[begin + std::size_t(i)] = align(model, splat, v, question);
+      const bool with_background = std::ranges::find(background_views, v) != background_views.end();
+      alignment[begin + std::size_t(i)] = align(model, splat, v, with_background);
       progress.add_one();
     });
   };

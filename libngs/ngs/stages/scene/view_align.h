@@ -1,6 +1,6 @@
 #pragma once
-// Cameras that are off by a pixel or two. A splat averages over such views, but a mask rendered there misses
-// the object's edge by as much. The photo tells: the camera is moved to where the rendered model lies on it.
+// Corrects camera poses that are off by a pixel or two. A splat averages over such views, but a mask rendered there
+// misses the object's contour by as much. Each camera is moved so that the rendered model aligns with its photo.
 // PAPER.md §5.11
 #include <optional>
 #include <vector>
@@ -15,24 +15,24 @@ namespace ngs {
 struct ViewAlignment {
   std::size_t view = 0;
   CameraMotion motion;
-  double flow_px = 0;                        // RMS of how far the picture moves, at the working size
-  double error_before = 0, error_after = 0;  // pose_step's, both measured on the rendered model
-  Camera camera;                             // the moved one
-  bool at_rest = false;                      // the first step found less than kSettled_px to move
+  double flow_px = 0;                        // RMS motion of the image in pixels of the working size
+  double error_before = 0, error_after = 0;  // error of pose_step, both measured on the rendered model
+  Camera camera;                             // the moved camera
+  bool at_rest = false;                      // the first step moves the image by less than kSettled_px
   bool applied = false;
-  std::optional<BackgroundWitness> background;  // of views that were to be questioned, at their camera from now on
+  std::optional<BackgroundMeasurement> background;  // of `background_views`, at the camera after alignment
 };
 
 inline constexpr double kLeastFlow_px = 0.15, kMostFlow_px = 8, kSettled_px = 0.03;
 inline constexpr std::size_t kAlignedFirst = 24;
 
-/// The alignment of views with a photo, by index: of all, unless kAlignedFirst of them, evenly spread, and those of
-/// `questioned` are all at rest; then the poses are those that the model was fitted with, and the others are left out.
-/// Applied: motions of at least kLeastFlow_px that lower the error;
-/// larger ones than kMostFlow_px are a wrong pose, not an inaccurate one. What the views of `questioned` say about
-/// the background is read off the pictures that the alignment renders.
+/// The alignment of views with a photo, by index. First kAlignedFirst evenly spread views and `background_views` are
+/// aligned. If all of these are at rest, the poses are those of the fit and the other views are left out. Motions of
+/// at least kLeastFlow_px that lower the error are applied; motions above kMostFlow_px are not, they indicate a wrong
+/// pose rather than an inaccurate one. For `background_views` the background is measured on the renders of the
+/// alignment.
 std::vector<ViewAlignment> measure_alignment(const Exec& exec, Monitor& monitor, const PhotographedModel& model,
-                                             const std::vector<std::size_t>& questioned = {});
+                                             const std::vector<std::size_t>& background_views = {});
 
 void apply_alignment(const std::vector<ViewAlignment>& alignment, Scene& scene);
 

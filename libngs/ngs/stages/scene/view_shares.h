@@ -1,5 +1,6 @@
 #pragma once
-// How much of a model a camera has before it, from a sample: exact to 0.1 % and fast for any model.
+// The fraction of a model in front of a camera and inside its image, from a sample: accurate to 0.1 %, fast for any
+// size.
 #include <cstdint>
 #include <vector>
 
@@ -8,15 +9,15 @@
 
 namespace ngs {
 
-/// Usable rows, evenly spread: of at most 2^18.
+/// Usable rows among at most 2^18 evenly spaced rows.
 std::vector<std::int64_t> sample_usable(const GaussianCloud& cloud);
 
 struct ViewShares {
-  double in_front = 0;  // share with camera z > 0
-  double inside = 0;    // share whose centre projects into the image
+  double in_front = 0;  // fraction with camera z > 0
+  double inside = 0;    // fraction whose centre projects into the image
 };
 
-/// Of the sample, which must not be empty.
+/// Fractions of the sample, which must not be empty.
 ViewShares view_shares(const GaussianCloud& cloud, const Camera& camera, const std::vector<std::int64_t>& sample);
 
 }  // namespace ngs

@@ -8,8 +8,7 @@
 namespace ngs {
 namespace {
 
-/// What orders Gaussians of one file among themselves. Finite in usable ones but for the opacity, which may be
-/// infinite.
+/// The sort key of a usable Gaussian. All its values are finite, except that the opacity logit may be infinite.
 auto key_of(const GaussianCloud& cloud, std::size_t i) {
   const float *p = &cloud.position[3 * i], *s = &cloud.log_scale[3 * i];
   return std::tuple(p[2], p[1], p[0], cloud.logit_opacity[i], s[0], s[1], s[2]);

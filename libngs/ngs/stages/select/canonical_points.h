@@ -1,16 +1,15 @@
 #pragma once
-// The points of a model in an order that its content decides, so that what samples them in order finds the same in a
-// file whose rows were shuffled.
+// The points of a model in an order that depends on its content only, so that sampling every k-th point gives the same
+// result for a file with shuffled rows.
 #include "ngs/stages/orbit/surface_points.h"
 
 namespace ngs {
 
-/// Usable Gaussians in the order of their positions: by z, then y, then x. Those of one position are ordered by opacity
-/// and sizes, and where these are equal too, one is as good as the other.
+/// Usable Gaussians ordered by z, then y, then x of their positions. Ties are ordered by opacity, then by scales.
 std::vector<std::uint32_t> canonical_rows(const GaussianCloud& cloud);
 
-/// surface_points() of the Gaussians with member[i] != 0 (empty: of all) in this order. Every k-th of them is a fair
-/// sample.
+/// surface_points() of the Gaussians with member[i] != 0 (all, if `member` is empty) in this order. Every k-th of them
+/// is an unbiased sample.
 orbit::SurfacePoints canonical_points(const GaussianCloud& cloud, const std::vector<std::uint8_t>& member = {});
 
 }  // namespace ngs

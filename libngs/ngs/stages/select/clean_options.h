@@ -1,5 +1,5 @@
 #pragma once
-// What of a whole scene is taken out as debris, and from which size.
+// Thresholds for debris that is removed from a full scene.
 #include "ngs/options/field.h"
 
 namespace ngs {
@@ -13,25 +13,23 @@ struct CleanOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.min_opacity, Field<double>{"min_opacity", "",
-                                          "near-transparent: less opaque than this, the least that training keeps; 0: "
-                                          "none is",
-                                          0.0, 1.0});
+    visit(self.min_opacity,
+          Field<double>{"min_opacity", "",
+                        "Near-transparent: opacity below this, the lowest that training keeps; 0: off", 0.0, 1.0});
     visit(self.max_size, Field<double>{"max_size", "",
-                                       "oversized: the largest standard deviation is more than this share of the "
-                                       "distance from the middle of the scene, or of the radius of its bulk within "
-                                       "it; 0: none is",
+                                       "Oversized: largest standard deviation above this fraction of the distance from "
+                                       "the scene centre (inside the bulk of the scene: of its radius); 0: off",
                                        0.0, 1e9});
-    visit(self.max_needle, Field<double>{"max_needle", "",
-                                         "needle: the largest standard deviation is more than this many times the "
-                                         "middle one; 0: none is",
-                                         0.0, 1e9});
-    visit(self.isolation, Field<double>{"isolation", "",
-                                        "isolated or a floater: farther from the others than this many times what is "
-                                        "usual there; 0: none is",
-                                        0.0, 1e9});
-    visit(self.floater_size,
-          Field<int>{"floater_size", "Gaussians", "floaters: pieces apart of at most so many; 0: none is", 0, 1 << 30});
+    visit(self.max_needle,
+          Field<double>{"max_needle", "",
+                        "Needle: largest standard deviation above this multiple of the middle one; 0: off", 0.0, 1e9});
+    visit(self.isolation,
+          Field<double>{
+              "isolation", "",
+              "Isolated or floater: distance to the others above this multiple of the usual local distance; 0: off",
+              0.0, 1e9});
+    visit(self.floater_size, Field<int>{"floater_size", "Gaussians",
+                                        "Floaters: separate components of at most this many; 0: off", 0, 1 << 30});
   }
 };
 

@@ -33,7 +33,7 @@ class Cleaner {
 
   CleanFinding run() {
     mark_single();
-    if (options_.isolation > 0 && look_around()) {
+    if (options_.isolation > 0 && find_neighbours()) {
       mark_isolated();
       if (options_.floater_size > 0) mark_floaters();
     }
@@ -42,7 +42,7 @@ class Cleaner {
   }
 
  private:
-  /// The rules that look at one Gaussian alone.
+  /// The rules for single Gaussians.
   void mark_single() {
     const orbit::SurfacePoints points = canonical_points(cloud_);
     const orbit::Ball bulk = points.count() > 0 ? orbit::bulk_of(points) : orbit::Ball{};
@@ -63,14 +63,14 @@ class Cleaner {
     }
   }
 
-  /// The distance from the middle of the bulk, and within the bulk its radius.
+  /// The distance from the middle of the bulk, at least the radius of the bulk.
   double scale_at(std::size_t i, const orbit::Ball& bulk) const {
     const float* p = &cloud_.position[3 * i];
     return std::max(bulk.radius, orbit::length(orbit::Vec{p[0], p[1], p[2]} - bulk.centre));
   }
 
-  /// What is left, with its neighbours. False where that is too little.
-  bool look_around() {
+  /// Finds the neighbours of the remaining Gaussians; false if there are fewer than kLeastRows.
+  bool find_neighbours() {
     rows_ = canonical_rows(cloud_);
     std::erase_if(rows_, [&](std::uint32_t i) { return finding_.debris[i] != Debris::kNone; });
     for (const std::size_t i : rows_)
@@ -78,47 +78,47 @@ class Cleaner {
     if (rows_.size() < kLeastRows) return false;
     graph_ = nearest_others(exec_, {position_.data(), std::int64_t(rows_.size())}, kNeighbours);
     for (std::size_t q = 0; q < rows_.size(); ++q)
-      usual_.push_back(std::sqrt(double(graph_.dist2[(q + 1) * kNeighbours - 1])));
-    usual_anywhere_ = upper_median(usual_);
+      spacing_.push_back(std::sqrt(double(graph_.dist2[(q + 1) * kNeighbours - 1])));
+    median_spacing_ = upper_median(spacing_);
     return true;
   }
 
-  bool is_left(std::size_t q) const { return finding_.debris[rows_[q]] == Debris::kNone; }
+  bool is_remaining(std::size_t q) const { return finding_.debris[rows_[q]] == Debris::kNone; }
   double reach(std::size_t q) const { return kReach * std::exp(log_sizes(cloud_, rows_[q])[2]); }
 
-  /// Beside a clump that is denser than the scene its surroundings are not debris.
-  double far_from(double usual_there) const { return options_.isolation * std::max(usual_there, usual_anywhere_); }
+  /// At least that of the median spacing, so that the surroundings of a very dense clump are no debris.
+  double isolation_distance(double spacing) const { return options_.isolation * std::max(spacing, median_spacing_); }
 
   void mark_isolated() {
     for (std::size_t q = 0; q < rows_.size(); ++q) {
       std::vector<double> near;
-      for (std::size_t k = q * kNeighbours; k < (q + 1) * kNeighbours; ++k) near.push_back(usual_[graph_.index[k]]);
-      if (usual_[q] > far_from(upper_median(std::move(near))) && usual_[q] > reach(q))
+      for (std::size_t k = q * kNeighbours; k < (q + 1) * kNeighbours; ++k) near.push_back(spacing_[graph_.index[k]]);
+      if (spacing_[q] > isolation_distance(upper_median(std::move(near))) && spacing_[q] > reach(q))
         finding_.debris[rows_[q]] = Debris::kIsolated;
     }
   }
 
-  /// Neighbours of whom one reaches the other, or no farther apart than three times what is usual at both.
-  UnionFind pieces() const {
+  /// Connects neighbours closer than the sum of their reaches, or than three times the smaller of their spacings.
+  UnionFind components() const {
     UnionFind sets(rows_.size());
     for (std::size_t q = 0; q < rows_.size(); ++q)
       for (std::size_t k = q * kNeighbours; k < (q + 1) * kNeighbours; ++k) {
         const std::size_t other = graph_.index[k];
-        if (!is_left(q) || !is_left(other)) continue;
-        const double usual = 3 * std::min(usual_[q], usual_[other]);
-        if (std::sqrt(double(graph_.dist2[k])) <= std::max(usual, reach(q) + reach(other)))
+        if (!is_remaining(q) || !is_remaining(other)) continue;
+        const double spacing = 3 * std::min(spacing_[q], spacing_[other]);
+        if (std::sqrt(double(graph_.dist2[k])) <= std::max(spacing, reach(q) + reach(other)))
           sets.join(std::uint32_t(q), std::uint32_t(other));
       }
     return sets;
   }
 
   void mark_floaters() {
-    UnionFind sets = pieces();
+    UnionFind sets = components();
     std::vector<std::int64_t> size(rows_.size(), 0);
     for (std::size_t q = 0; q < rows_.size(); ++q) ++size[sets.root(std::uint32_t(q))];
     std::vector<std::uint32_t> large, small;
     for (std::size_t q = 0; q < rows_.size(); ++q) {
-      if (!is_left(q)) continue;
+      if (!is_remaining(q)) continue;
       (size[sets.root(std::uint32_t(q))] > options_.floater_size ? large : small).push_back(std::uint32_t(q));
     }
     if (large.empty() || small.empty()) return;
@@ -127,10 +127,10 @@ class Cleaner {
       return nearest_points(exec_, {points.data(), std::int64_t(large.size())},
                             {queries.data(), std::int64_t(small.size())}, 1);
     }();
-    std::vector<std::uint8_t> attached(rows_.size(), 0);  // by root: something of the piece is near a large one
+    std::vector<std::uint8_t> attached(rows_.size(), 0);  // by root: some Gaussian of the component is near a large one
     for (std::size_t k = 0; k < small.size(); ++k) {
       const std::size_t q = small[k], other = large[nearest.index[k]];
-      const double far = std::max(far_from(usual_[other]), reach(q) + reach(other));
+      const double far = std::max(isolation_distance(spacing_[other]), reach(q) + reach(other));
       if (std::sqrt(double(nearest.dist2[k])) <= far) attached[sets.root(small[k])] = 1;
     }
     for (const std::uint32_t q : small)
@@ -148,11 +148,11 @@ class Cleaner {
   const CleanOptions& options_;
   const GaussianCloud& cloud_;
   CleanFinding finding_;
-  std::vector<std::uint32_t> rows_;  // of the model, that are looked at
+  std::vector<std::uint32_t> rows_;  // remaining rows of the model
   std::vector<float> position_;      // [rows, 3]
   KnnGraph graph_;
-  std::vector<double> usual_;  // [rows] distance to the kNeighbours-th, world
-  double usual_anywhere_ = 0;  // their median
+  std::vector<double> spacing_;  // [rows] distance to neighbour kNeighbours, world
+  double median_spacing_ = 0;    // median of spacing_
 };
 
 }  // namespace

@@ -25,7 +25,7 @@ std::vector<float> solid_positions(const GaussianCloud& cloud, const std::vector
   return positions;
 }
 
-/// The median per axis: what lies far away does not move it.
+/// The median per axis, which is robust to outliers.
 Vec3<double> middle_of(const std::vector<float>& positions) {
   double middle[3] = {};
   for (std::size_t axis = 0; axis < 3 && !positions.empty(); ++axis) {
@@ -36,7 +36,7 @@ Vec3<double> middle_of(const std::vector<float>& positions) {
   return {middle[0], middle[1], middle[2]};
 }
 
-/// Occupied cells, ascending, and the cluster of each: -1 none yet.
+/// Occupied cells, ascending, and the cluster of each.
 struct Occupied {
   std::vector<std::uint64_t> cell;
   std::vector<std::int32_t> cluster;
@@ -48,14 +48,14 @@ struct Occupied {
     join();
   }
 
-  /// -1: not occupied.
+  /// Index of a cell; -1: not occupied.
   std::int64_t index(std::uint64_t key) const {
     const auto at = std::lower_bound(cell.begin(), cell.end(), key);
     return at != cell.end() && *at == key ? at - cell.begin() : -1;
   }
 
-  /// The least, and so the largest, cluster in the cell or beside it; -1: none.
-  std::int32_t beside(std::uint64_t key) const {
+  /// The smallest number, so the largest cluster, in the cell or an adjacent one; -1: none.
+  std::int32_t adjacent_cluster(std::uint64_t key) const {
     std::int32_t found = -1;
     CellGrid::for_neighbours(key, [&](std::uint64_t next) {
       const std::int64_t at = index(next);
@@ -70,7 +70,7 @@ struct Occupied {
     UnionFind sets(cell.size());
     for (std::size_t i = 0; i < cell.size(); ++i)
       CellGrid::for_neighbours(cell[i], [&](std::uint64_t next) {
-        if (next > cell[i]) return;  // the other one finds this one
+        if (next > cell[i]) return;  // that pair is joined from the other cell
         if (const std::int64_t at = index(next); at >= 0) sets.join(std::uint32_t(i), std::uint32_t(at));
       });
     cluster.resize(cell.size());
@@ -82,7 +82,7 @@ struct Occupied {
   }
 };
 
-/// Numbers clusters anew, those of the most solid Gaussians first.
+/// Renumbers clusters by their number of solid Gaussians, largest first.
 void order_by_size(Occupied& cells, const CellGrid& grid, const std::vector<float>& positions) {
   std::vector<std::int64_t> size;
   for (const std::int32_t c : cells.cluster) size.resize(std::max(size.size(), std::size_t(c) + 1));
@@ -112,7 +112,7 @@ Clusters cluster_on_grid(const Exec& exec, const GaussianCloud& cloud, const std
   NGS_CHECK(std::int64_t(member.size()) == cloud.size(), "one entry per Gaussian");
   NGS_CHECK(side >= 0, "the side of a cell is not negative");
   Clusters out{std::vector<std::int32_t>(member.size(), -1), {}, side > 0 ? side : cluster_side(exec, cloud, member)};
-  if (!(out.side > 0)) out.side = 1;  // one solid Gaussian, or all at one place: any cell holds them
+  if (!(out.side > 0)) out.side = 1;  // one solid Gaussian, or all at one position: any size works
   const std::vector<float> positions = solid_positions(cloud, member);
   const CellGrid grid(middle_of(positions), out.side);
   Occupied cells(grid, positions);
@@ -120,7 +120,8 @@ Clusters cluster_on_grid(const Exec& exec, const GaussianCloud& cloud, const std
   for (std::size_t i = 0; i < member.size(); ++i) {
     if (!member[i] || !cloud.usable[i]) continue;
     const std::uint64_t cell = grid.of(&cloud.position[3 * i]);
-    const std::int32_t found = is_solid(cloud, i) ? cells.cluster[std::size_t(cells.index(cell))] : cells.beside(cell);
+    const std::int32_t found =
+        is_solid(cloud, i) ? cells.cluster[std::size_t(cells.index(cell))] : cells.adjacent_cluster(cell);
     out.of_row[i] = found;
     if (found < 0) continue;
     out.size.resize(std::max(out.size.size(), std::size_t(found) + 1));

@@ -1,10 +1,10 @@
 #pragma once
-// Clusters of Gaussians: what hangs together on a grid of occupied cells.
+// Clusters of Gaussians: connected components of occupied cells of a grid.
 //
-// A cell is occupied where a solid Gaussian (opacity from 0.1) has its centre in it. Occupied cells that touch, by a
-// side, an edge or a corner, are of one cluster: solid Gaussians nearer than the side of a cell always are, those
-// farther than 2 √3 sides never without others between them. Haze between two objects does not join them: a Gaussian
-// that is not solid belongs to the largest cluster in its own cell or one that touches it.
+// A cell is occupied if it contains the centre of a solid Gaussian (opacity of at least 0.1). Occupied cells that share
+// a face, an edge or a corner are in one cluster. Two solid Gaussians nearer than the side of a cell are therefore
+// always connected, those farther than 2 √3 sides only through others. Haze does not connect objects: a Gaussian that
+// is not solid belongs to the largest cluster in its own cell or an adjacent one.
 #include <cstdint>
 #include <vector>
 
@@ -14,19 +14,18 @@
 namespace ngs {
 
 struct Clusters {
-  std::vector<std::int32_t> of_row;  // [N] -1: of none, or no member
-  std::vector<std::int64_t>
-      size;         // [clusters] Gaussians; those of most solid ones come first, then by their first cell
-  double side = 0;  // world, of a cell
+  std::vector<std::int32_t> of_row;  // [N] cluster; -1: none, or no member
+  std::vector<std::int64_t> size;    // [clusters] Gaussians; ordered by solid Gaussians, most first, then by first cell
+  double side = 0;                   // of a cell, world
 };
 
-/// Of the usable Gaussians with member[i] != 0. `side` 0: cluster_side(). Depends on the set of Gaussians only, not on
-/// the order of their rows. No member: no cluster.
+/// Clusters the usable Gaussians with member[i] != 0; none if there are no members. `side` 0: cluster_side(). The
+/// result depends on the set of Gaussians only, not on the order of their rows.
 Clusters cluster_on_grid(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::uint8_t>& member,
                          double side = 0);
 
-/// The side of a cell, world: four times the distance to the nearest other solid Gaussian that nine in ten do not
-/// exceed. 0 where there are fewer than two, or nine in ten lie on another.
+/// The side of a cell, world: four times the 90 % quantile of the distances between solid Gaussians and their nearest
+/// solid neighbour. 0 with fewer than two, or if this quantile is 0.
 double cluster_side(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::uint8_t>& member);
 
 }  // namespace ngs

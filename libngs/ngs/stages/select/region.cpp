@@ -15,13 +15,13 @@ namespace {
 
 using orbit::Vec;
 
-/// A flag with a list of numbers.
+/// An option whose value is a list of numbers.
 struct NumberList {
   const char* flag;
   const char* form;  // "X,Y,Z,R"
   const std::string& text;
 
-  [[noreturn]] void refuse(const std::string& expected) const {
+  [[noreturn]] void fail(const std::string& expected) const {
     throw Error(ErrorCode::kUsage, std::string(flag) + " = " + text + ", expected " + expected);
   }
 
@@ -33,7 +33,7 @@ struct NumberList {
       const auto [stop, status] = scan_number(at, end, values[k]);
       const bool last = k + 1 == kCount;
       if (status != std::errc() || !std::isfinite(values[k]) || (last ? stop != end : stop == end || *stop != ','))
-        refuse(std::string(form) + ": " + std::to_string(kCount) + " finite numbers with commas between them");
+        fail(std::string(form) + ": " + std::to_string(kCount) + " finite numbers with commas between them");
       at = stop + 1;
     }
     return values;
@@ -45,14 +45,14 @@ Region::Box parse_box(const std::string& text) {
   const auto v = list.numbers<6>();
   const Region::Box box{{std::min(v[0], v[3]), std::min(v[1], v[4]), std::min(v[2], v[5])},
                         {std::max(v[0], v[3]), std::max(v[1], v[4]), std::max(v[2], v[5])}};
-  if (v[0] == v[3] || v[1] == v[4] || v[2] == v[5]) list.refuse("two corners that differ in x, y and z");
+  if (v[0] == v[3] || v[1] == v[4] || v[2] == v[5]) list.fail("two corners that differ in x, y and z");
   return box;
 }
 
 orbit::Ball parse_sphere(const std::string& text) {
   const NumberList list{"keep_sphere", "X,Y,Z,R", text};
   const auto v = list.numbers<4>();
-  if (!(v[3] > 0)) list.refuse("a radius above 0");
+  if (!(v[3] > 0)) list.fail("a radius above 0");
   return {{v[0], v[1], v[2]}, v[3]};
 }
 
@@ -60,7 +60,7 @@ Region::HalfSpace parse_plane(const std::string& text) {
   const NumberList list{"drop_below_plane", "auto or A,B,C,D", text};
   const auto v = list.numbers<4>();
   const double norm = std::hypot(v[0], v[1], v[2]);
-  if (!(norm > 0) || !std::isfinite(norm)) list.refuse("a normal A,B,C that is not 0");
+  if (!(norm > 0) || !std::isfinite(norm)) list.fail("a normal A,B,C that is not 0");
   return {{v[0] / norm, v[1] / norm, v[2] / norm}, v[3] / norm};
 }
 
@@ -87,17 +87,16 @@ SupportPlane support_plane(const RegionOptions& options, const GaussianCloud& cl
                            const std::vector<std::uint8_t>& member) {
   const orbit::SurfacePoints points = canonical_points(cloud, member);
   const SupportPlane plane = find_support_plane(cloud, points, up_of(options.up, points));
-  if (!is_stood_on(cloud, points, plane))
-    throw Error(
-        ErrorCode::kNothingFound,
-        "--drop-below-plane auto: no plane that anything stands on among " + std::to_string(points.count()) +
-            " Gaussians, expected a floor, a table or a pedestal",
-        "leave --drop-below-plane out where nothing lies below the object; else name the plane, A,B,C,D, or the "
-        "axis that points upwards: --up");
+  if (!supports_object(cloud, points, plane))
+    throw Error(ErrorCode::kNothingFound,
+                "--drop-below-plane auto: no supporting plane among " + std::to_string(points.count()) +
+                    " Gaussians, expected a floor, a table or a pedestal",
+                "leave --drop-below-plane out if nothing lies below the object; else give the plane, A,B,C,D, or the "
+                "axis that points upwards: --up");
   return plane;
 }
 
-/// The cluster of the Gaussian nearest to the point; -1 where there is none. Of equally near ones the larger cluster.
+/// The cluster of the Gaussian nearest to the point; -1: none. Ties go to the larger cluster.
 std::int32_t cluster_near(const GaussianCloud& cloud, const Clusters& clusters, Vec point) {
   double nearest = std::numeric_limits<double>::infinity();
   std::int32_t found = -1;
@@ -149,10 +148,10 @@ RegionSelection select_region(const Exec& exec, const RegionOptions& options, co
   out.object.assign(member.size(), 0);
   const Vec origin{cloud.origin[0], cloud.origin[1], cloud.origin[2]};
   const auto keep_where = [&](const auto& inside) {
-    std::int64_t kept = 0;
+    std::int64_t count = 0;
     for (std::size_t i = 0; i < out.object.size(); ++i)
-      kept += out.object[i] = out.object[i] && inside(position_of(cloud, i));
-    return kept;
+      count += out.object[i] = out.object[i] && inside(position_of(cloud, i));
+    return count;
   };
   for (std::size_t i = 0; i < member.size(); ++i) out.object[i] = member[i] && cloud.usable[i];
   out.above_plane = out.in_shapes = keep_where([&](Vec p) { return within(region, origin + p); });

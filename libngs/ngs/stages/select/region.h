@@ -1,6 +1,6 @@
 #pragma once
-// The Gaussians of a region: within boxes and balls, above a plane, in clusters. In this order: a plane is looked for
-// within the boxes and balls, and clusters are what is left of the object once the floor is gone.
+// Selects the Gaussians of a region: within boxes and balls, then above a plane, then in clusters. The plane is
+// searched within the boxes and balls; clusters are formed after the floor is removed.
 #include <array>
 #include <optional>
 
@@ -23,25 +23,25 @@ struct Region {
   std::vector<Box> boxes;
   std::vector<orbit::Ball> balls;
   std::optional<HalfSpace> above;
-  bool above_support = false;  // of the plane that find_support_plane() finds
+  bool above_support = false;  // above the plane of find_support_plane()
   std::vector<orbit::Vec> cluster_at;
 };
 
-/// kUsage for what is no list of so many finite numbers, a box without corners apart, a ball without a radius, a plane
-/// without a normal.
+/// Throws kUsage for a wrong count of numbers, a non-finite number, a box without volume, a ball without a radius, or a
+/// plane without a normal.
 Region parse_region(const RegionOptions& options);
 
 struct RegionSelection {
-  std::vector<std::uint8_t> object;  // [N] 1: of the region; unusable Gaussians are not
-  std::int64_t in_shapes = 0;        // after boxes and balls
-  std::int64_t above_plane = 0;      // after the plane too
-  SupportPlane plane;                // found: what auto has found, its offset without the model's origin
-  std::int64_t clusters = 0;         // that there are to choose from; 0 where none were asked for
+  std::vector<std::uint8_t> object;  // [N] 1: in the region; 0 for unusable Gaussians
+  std::int64_t in_shapes = 0;        // Gaussians after boxes and balls
+  std::int64_t above_plane = 0;      // Gaussians after the plane
+  SupportPlane plane;                // the plane of auto, offset relative to the model's origin; else found is false
+  std::int64_t clusters = 0;         // number of clusters; 0 if none are selected by
   double cluster_side = 0;           // world
 };
 
-/// Of the Gaussians with member[i] != 0. Depends on their set only, not on the order of rows. kNothingFound where no
-/// plane is found for auto; an empty region is no error.
+/// Selects among the Gaussians with member[i] != 0. Depends on their set only, not on the order of rows. Throws
+/// kNothingFound if auto finds no plane; an empty region is no error.
 RegionSelection select_region(const Exec& exec, const RegionOptions& options, const GaussianCloud& cloud,
                               const std::vector<std::uint8_t>& member);
 

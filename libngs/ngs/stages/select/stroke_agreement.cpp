@@ -10,7 +10,7 @@ namespace {
 
 struct Counted {
   std::int64_t pixels = 0, wrong = 0;
-  int x = 0, y = 0;  // of the first wrong pixel
+  int x = 0, y = 0;  // first wrong pixel
 };
 
 }  // namespace
@@ -32,7 +32,7 @@ void add_stroke_agreement(const Exec& exec, const LabelledModel& model, const Ca
       if (!marked[p] || (side == PixelHint::kBackground && view.alpha.data[p] < kEmptyAlpha)) continue;
       Counted& stroke = counted[std::size_t(strokes.component[p])];
       ++stroke.pixels;
-      if (label_says_object(view.label.data[p]) == (side == PixelHint::kObject)) continue;
+      if (label_is_foreground(view.label.data[p]) == (side == PixelHint::kObject)) continue;
       if (stroke.wrong++ == 0) stroke.x = int(p % std::size_t(w)), stroke.y = int(p / std::size_t(w));
     }
     for (const Counted& stroke : counted) {

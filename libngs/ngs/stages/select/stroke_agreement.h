@@ -1,6 +1,6 @@
 #pragma once
-// Whether labels keep to the strokes that they come from: the labelled model is rendered at the marked views, and the
-// pixels under the strokes are looked up.
+// Agreement of labels with the strokes that they were made from: the labelled model is rendered at the marked views and
+// compared with the strokes.
 #include <span>
 #include <string>
 #include <vector>
@@ -10,18 +10,18 @@
 
 namespace ngs {
 
-/// A connected stroke, or painted patch, of which more than kBrokenShare is on the wrong side.
+/// A connected stroke or painted patch with a fraction of wrong pixels above kBrokenShare.
 inline constexpr double kBrokenShare = 0.25;
 struct BrokenStroke {
   std::string view;
   bool object = true;  // its side
   int x = 0, y = 0;    // px of the camera: its first wrong pixel
-  double wrong = 0;    // share of its pixels, in (kBrokenShare, 1]
+  double wrong = 0;    // fraction of its pixels, in (kBrokenShare, 1]
 };
 
 struct StrokeAgreement {
-  std::int64_t pixels = 0, wrong = 0;  // under strokes on what the model shows
-  std::vector<BrokenStroke> broken;    // view by view, those on the object first
+  std::int64_t pixels = 0, wrong = 0;  // pixels under strokes; background strokes count where the model is visible
+  std::vector<BrokenStroke> broken;    // by view, object strokes first
 
   double wrong_share() const { return pixels > 0 ? double(wrong) / double(pixels) : 0; }
 };
@@ -32,7 +32,7 @@ struct LabelledModel {
   const SplatOptions& splat;
 };
 
-/// Adds a view; `marks` has the size of the camera. Strokes on background where the model shows nothing are right.
+/// Adds a view; `marks` has the size of the camera. Background strokes on empty pixels of the render are not counted.
 void add_stroke_agreement(const Exec& exec, const LabelledModel& model, const Camera& camera, const ViewPrompt& marks,
                           StrokeAgreement& agreement);
 

@@ -14,21 +14,21 @@ namespace {
 using orbit::Vec;
 
 constexpr std::size_t kMostSamples = 40000;
-constexpr int kDirections = 2000;     // over the sphere: 2.6 degrees apart
+constexpr int kDirections = 2000;     // over the sphere, 2.6 degrees apart
 constexpr double kMostTilt = 0.9063;  // cosine of 25 degrees
-constexpr int kBins = 120;            // of heights, over three radii of the bulk
-constexpr double kLeastAbove = 0.01;  // of all area, above the plane: on a ceiling nothing stands
-constexpr double kLeastShare = 0.05;  // of what lies flat, in the plane
+constexpr int kBins = 120;            // histogram bins of heights, over three radii of the bulk
+constexpr double kLeastAbove = 0.01;  // least fraction of all area above the plane: excludes a ceiling
+constexpr double kLeastShare = 0.05;  // least fraction of the flat area in the plane
 constexpr int kFits = 12;
-constexpr double kTolerance = 2 * 3.0 / kBins;  // of the first of them, radii of the bulk
-constexpr double kDeviations = 3 * 1.4826;      // of a normal distribution, from the median of absolute values
+constexpr double kTolerance = 2 * 3.0 / kBins;  // of the first fit, radii of the bulk
+constexpr double kDeviations = 3 * 1.4826;      // three standard deviations per median absolute deviation
 
-/// In radii of the bulk, about its centre.
+/// A Gaussian in units of the bulk's radius, relative to its centre.
 struct Sample {
   Vec position;
   Vec normal;       // of its disc
-  double area = 0;  // that it shows; no more than a disc of a tenth of the radius
-  double flat = 0;  // of a disc 1, of a ball 0
+  double area = 0;  // at most that of a disc of a tenth of the radius
+  double flat = 0;  // 1 for a disc, 0 for a ball
 };
 
 /// The axis of the smallest standard deviation.
@@ -57,8 +57,8 @@ std::vector<Sample> samples_of(const GaussianCloud& cloud, const orbit::SurfaceP
   return samples;
 }
 
-/// What a sample says for a plane of this normal. A ball says a little for all of them, so that models made of balls
-/// have planes too.
+/// The weight of a sample for a plane of this normal. A ball has a small weight for every normal, so that planes are
+/// found in models of isotropic Gaussians too.
 double weight_for(const Sample& sample, Vec normal) {
   const double facing = dot(normal, sample.normal);
   const double aligned = facing * facing;
@@ -70,7 +70,7 @@ struct Slab {
   double height = 0, weight = 0, share = 0;
 };
 
-/// The heaviest two bins of heights with enough above them.
+/// The two adjacent height bins with the largest weight and enough area above them.
 Slab best_slab(const std::vector<Sample>& samples, Vec normal) {
   std::array<double, kBins + 1> mass{}, all{};
   double total = 0, area = 0;
@@ -90,7 +90,7 @@ Slab best_slab(const std::vector<Sample>& samples, Vec normal) {
   return best;
 }
 
-Slab best_slab_about(const std::vector<Sample>& samples, Vec up) {
+Slab best_slab_around(const std::vector<Sample>& samples, Vec up) {
   Slab best = best_slab(samples, up);
   for (const Vec& direction : orbit::even_directions(kDirections)) {
     if (dot(direction, up) < kMostTilt) continue;
@@ -100,7 +100,7 @@ Slab best_slab_about(const std::vector<Sample>& samples, Vec up) {
   return best;
 }
 
-/// The plane through the samples nearer than `tolerance` to `slab`, by least squares of their heights.
+/// Least-squares plane of the heights of the samples within `tolerance` of `slab`.
 Slab fitted(const std::vector<Sample>& samples, const Slab& slab, double tolerance) {
   const auto weight_of = [&](const Sample& sample) {
     return std::abs(dot(slab.normal, sample.position) - slab.height) <= tolerance ? weight_for(sample, slab.normal) : 0;
@@ -129,7 +129,7 @@ Slab fitted(const std::vector<Sample>& samples, const Slab& slab, double toleran
   return out;
 }
 
-/// Three standard deviations of the samples nearer than `tolerance`, at least a thousandth of the radius.
+/// Three standard deviations of the samples within `tolerance`, at least a thousandth of the radius.
 double spread_of(const std::vector<Sample>& samples, const Slab& slab, double tolerance) {
   std::vector<double> distance, weight;
   for (const Sample& sample : samples) {
@@ -140,8 +140,8 @@ double spread_of(const std::vector<Sample>& samples, const Slab& slab, double to
   return std::clamp(kDeviations * orbit::weighted_quantile(distance, weight, 0.5), 1e-3, tolerance);
 }
 
-/// `slab` fitted again and again, in the world.
-SupportPlane settled(const std::vector<Sample>& samples, const orbit::Ball& bulk, Slab slab) {
+/// `slab` after kFits fits with a shrinking tolerance, in world units.
+SupportPlane refitted(const std::vector<Sample>& samples, const orbit::Ball& bulk, Slab slab) {
   double tolerance = kTolerance;
   for (int fit = 0; fit < kFits; ++fit) {
     slab = fitted(samples, slab, tolerance);
@@ -161,14 +161,14 @@ SupportPlane find_support_plane(const GaussianCloud& cloud, const orbit::Surface
   if (points.count() == 0) return plane;
   const orbit::Ball bulk = orbit::bulk_of(points);
   const std::vector<Sample> samples = samples_of(cloud, points, bulk);
-  const Slab slab = best_slab_about(samples, up);
+  const Slab slab = best_slab_around(samples, up);
   if (slab.share < kLeastShare) return plane;
-  plane = settled(samples, bulk, slab);
+  plane = refitted(samples, bulk, slab);
   plane.found = dot(plane.normal, up) >= kMostTilt;
   return plane;
 }
 
-bool is_stood_on(const GaussianCloud& cloud, const orbit::SurfacePoints& points, const SupportPlane& plane) {
+bool supports_object(const GaussianCloud& cloud, const orbit::SurfacePoints& points, const SupportPlane& plane) {
   constexpr double kCell = 0.1, kClose = 0.5;  // radii of the bulk
   constexpr double kLeastOpen = 0.2, kMostBelow = 0.1, kThin = 0.9 * kTolerance;
   if (!plane.found || points.count() == 0) return false;
@@ -198,8 +198,8 @@ SupportPlane refined_by(const GaussianCloud& cloud, const orbit::SurfacePoints& 
   if (!plane.found || points.count() == 0) return plane;
   const orbit::Ball bulk = orbit::bulk_of(points);
   const double height = (plane.offset - dot(plane.normal, bulk.centre)) / bulk.radius;
-  SupportPlane refined = settled(samples_of(cloud, points, bulk), bulk,
-                                 {.normal = plane.normal, .height = height, .share = plane.support});
+  SupportPlane refined = refitted(samples_of(cloud, points, bulk), bulk,
+                                  {.normal = plane.normal, .height = height, .share = plane.support});
   return dot(refined.normal, plane.normal) >= kMostTilt ? refined : plane;
 }
 

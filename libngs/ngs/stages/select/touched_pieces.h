@@ -1,10 +1,10 @@
 #pragma once
-// The connected pieces of a selection that strokes on the object touch. What else a mask selects is debris: Gaussians
-// that show through the object, the wall behind it, crumbs.
+// The connected pieces of a selection that strokes on the object touch. Everything else that a mask selects is debris:
+// Gaussians visible through the object, the wall behind it, small fragments.
 //
-// Pieces are clusters on a grid (clusters.h). A stroke touches a piece that has at least a tenth of the stroke's
-// rendering weight on the selection, and the piece with the largest share in any case: several strokes on several
-// pieces, or one stroke across several, keep all of them.
+// Pieces are clusters on a grid (clusters.h). A stroke touches every piece with at least a tenth of the stroke's
+// rendering weight on the selection, and always the piece with the largest weight. Several strokes on several pieces,
+// or one stroke across several pieces, keep all of them.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -16,26 +16,26 @@ namespace ngs {
 
 /// The Gaussians under one stroke, with their rendering weight over its pixels.
 struct StrokeWeights {
-  std::vector<std::uint32_t> row;  // increasing
+  std::vector<std::uint32_t> row;  // ascending
   std::vector<double> weight;      // > 0
 };
 
-/// The connected strokes on the object in one view, the largest first, each a mask. Of more than kMostStrokes the
-/// smallest share the last mask. Boxes are no strokes.
+/// The connected strokes on the object in one view as masks, the largest first. With more than kMostStrokes the
+/// smallest share the last mask. Boxes are not strokes.
 inline constexpr std::size_t kMostStrokes = 16;
 std::vector<PixelMask> object_strokes(const ViewPrompt& marks);
 
-/// Of each of these strokes; `marks` has the size of the camera.
+/// The weights under each of these strokes; `marks` has the size of the camera.
 std::vector<StrokeWeights> stroke_weights(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
                                           const ViewPrompt& marks, const SplatOptions& splat);
 
 struct PieceSelection {
-  std::vector<std::uint8_t> object;          // [N] 1: of a piece that a stroke touches
-  std::int64_t pieces = 0, kept_pieces = 0;  // there are, and are touched
-  std::int64_t left_out = 0;                 // Gaussians of the selection that are of no touched piece
+  std::vector<std::uint8_t> object;          // [N] 1: in a piece that a stroke touches
+  std::int64_t pieces = 0, kept_pieces = 0;  // number of all pieces, and of touched pieces
+  std::int64_t left_out = 0;                 // Gaussians of the selection in no touched piece
 };
 
-/// Of the usable Gaussians with member[i] != 0. Where no stroke touches any of them, all are kept.
+/// Selects among the usable Gaussians with member[i] != 0. If no stroke touches any of them, all are kept.
 PieceSelection touched_pieces(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::uint8_t>& member,
                               std::span<const StrokeWeights> strokes);
 

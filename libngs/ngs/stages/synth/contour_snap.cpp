@@ -44,7 +44,7 @@ class ContourSnap {
   }
 
  private:
-  /// Visits the offsets (dx, dy) of the disc about (x, y) that lie in the image.
+  /// Visits the offsets (dx, dy) of the disc around (x, y) that lie in the image.
   template <class Visit>
   void for_each_in_disc(double radius_px, int x, int y, const Visit& visit) const {
     const int reach = int(std::floor(radius_px));
@@ -70,7 +70,7 @@ class ContourSnap {
            (x > 0 && labels_.at(x - 1, y) != own) || (y > 0 && labels_.at(x, y - 1) != own);
   }
 
-  /// Sum over the channels of the central differences' length.
+  /// Gradient magnitude by central differences, summed over the channels.
   float gradient(int x, int y) const {
     if (x == 0 || y == 0 || x + 1 == w_ || y + 1 == h_) return 0;
     float sum = 0;
@@ -93,7 +93,7 @@ class ContourSnap {
     return best;
   }
 
-  /// Mean of the contour's displacements near (x, y), so that contours bend and do not tear.
+  /// Weighted mean of the contour's displacements near (x, y), so that contours stay connected.
   Displacement smoothed(int x, int y) const {
     double weight = 0;
     Displacement sum;
@@ -113,7 +113,7 @@ class ContourSnap {
   int w_, h_;
   std::vector<std::uint8_t> contour_, near_contour_;
   std::vector<float> gradient_;
-  std::vector<Displacement> move_;  // of contour pixels
+  std::vector<Displacement> move_;  // 0 except for contour pixels
 };
 
 }  // namespace

@@ -22,7 +22,7 @@ struct Draws {
   double uniform(std::uint64_t i) const { return rng_uniform(seed, RngStream::kMaskNoise, i); }
   double normal(std::uint64_t i) const { return rng_normal(seed, RngStream::kMaskNoise, i); }
 };
-enum Purpose : std::uint64_t { kSwap, kDrop, kJitter, kBlob, kFate };
+enum Purpose : std::uint64_t { kSwap, kDrop, kJitter, kBlob, kAssignment };
 
 std::vector<std::uint16_t> ids_in(const ImageU16& labels) {
   std::vector<std::uint8_t> seen(65536, 0);
@@ -50,7 +50,8 @@ void swap_and_drop(ImageU16& labels, const MaskNoise& noise, int view, std::uint
   for (std::uint16_t& id : labels.data) id = renamed[id];
 }
 
-/// Unit-variance smooth field: normal numbers on a lattice, blended with weights of constant square sum.
+/// Smooth random field of unit variance: normal numbers on a lattice, interpolated and divided by the root of the
+/// squared weights' sum.
 double smooth_normal(const Draws& draws, std::uint64_t channel, double x, double y) {
   const double fx = std::floor(x), fy = std::floor(y);
   const auto ease = [](double t) { return t * t * (3 - 2 * t); };
@@ -68,7 +69,7 @@ double smooth_normal(const Draws& draws, std::uint64_t channel, double x, double
 void jitter(const Exec& exec, ImageU16& labels, double sigma_px, int view, std::uint64_t seed) {
   const ImageU16 exact = labels;
   const Draws draws(seed, view, kJitter);
-  const double wavelength_px = 8 + 4 * sigma_px;  // long against the displacement, so that contours do not fold
+  const double wavelength_px = 8 + 4 * sigma_px;  // long compared with the displacement, so that contours do not fold
   for_each_index(exec, labels.height_px, [&](std::int64_t row) {
     const int y = int(row);
     for (int x = 0; x < labels.width_px; ++x) {
@@ -80,7 +81,7 @@ void jitter(const Exec& exec, ImageU16& labels, double sigma_px, int view, std::
   });
 }
 
-/// Visits the pixels of a disc inside the image, nearest first by rows of `offsets`; stops when visit returns true.
+/// An offset within a disc; disc() lists them nearest first.
 struct Offset {
   int dx, dy, distance2;
 };
@@ -94,7 +95,8 @@ std::vector<Offset> disc(double radius_px) {
   return offsets;
 }
 
-/// New id of every pixel from the disc around it: rule(own id, neighbour id) says whether the neighbour replaces it.
+/// Replaces the id of a pixel if rule(own id, neighbour id) is true for a neighbour in the disc around it: id 0 becomes
+/// that of the nearest such neighbour, any other id becomes 0.
 template <class Rule>
 void morph(const Exec& exec, ImageU16& labels, double radius_px, const Rule& rule) {
   const ImageU16 before = labels;
@@ -153,7 +155,7 @@ void add_blobs(ImageU16& labels, double probability, int view, std::uint64_t see
   }
 }
 
-[[noreturn]] void refuse(const std::string& spec, NoiseOf of) {
+[[noreturn]] void fail(const std::string& spec, NoiseOf of) {
   const std::string swap = of == NoiseOf::kLabelMaps ? "swap:P " : "";
   throw Error(ErrorCode::kUsage,
               "mask noise: \"" + spec +
@@ -164,12 +166,12 @@ void add_blobs(ImageU16& labels, double probability, int view, std::uint64_t see
 
 void parse_one(const std::string& spec, NoiseOf of, MaskNoise& noise) {
   const std::size_t colon = spec.find(':');
-  if (colon == std::string::npos) refuse(spec, of);
+  if (colon == std::string::npos) fail(spec, of);
   const std::string kind = spec.substr(0, colon), number = spec.substr(colon + 1);
   double value = 0;
-  if (!parse_number(number, value) || !(value >= 0)) refuse(spec, of);
+  if (!parse_number(number, value) || !(value >= 0)) fail(spec, of);
   const auto set = [&](double& field, double most) {
-    if (value > most) refuse(spec, of);
+    if (value > most) fail(spec, of);
     field = value;
   };
   if (kind == "erode")
@@ -187,7 +189,7 @@ void parse_one(const std::string& spec, NoiseOf of, MaskNoise& noise) {
   else if (kind == "blob")
     set(noise.blob, 1);
   else
-    refuse(spec, of);
+    fail(spec, of);
 }
 
 }  // namespace
@@ -220,19 +222,19 @@ ImageU16 disturb_labels(const Exec& exec, const ImageU16& labels, const MaskNois
   return result;
 }
 
-std::vector<int> view_fates(int views, double missing, double wrong, std::uint64_t seed) {
-  std::vector<int> fate(static_cast<std::size_t>(views)), order(fate.size());
-  std::iota(fate.begin(), fate.end(), 0), std::iota(order.begin(), order.end(), 0);
-  const Draws draws(seed, 0, kFate);
+std::vector<int> mask_assignment(int views, double missing, double wrong, std::uint64_t seed) {
+  std::vector<int> assigned(static_cast<std::size_t>(views)), order(assigned.size());
+  std::iota(assigned.begin(), assigned.end(), 0), std::iota(order.begin(), order.end(), 0);
+  const Draws draws(seed, 0, kAssignment);
   for (std::size_t i = order.size(); i-- > 1;)
     std::swap(order[i], order[std::size_t(draws.uniform(i) * double(i + 1))]);
   const auto count = [&](double share) { return std::size_t(std::llround(share * views)); };
   const std::size_t none = std::min(count(missing), order.size()), last = std::min(none + count(wrong), order.size());
   for (std::size_t i = 0; i < last; ++i) {
     const int view = order[i], step = 1 + int(draws.uniform(order.size() + i) * (views - 1));
-    fate[std::size_t(view)] = i < none || views < 2 ? -1 : (view + step) % views;
+    assigned[std::size_t(view)] = i < none || views < 2 ? -1 : (view + step) % views;
   }
-  return fate;
+  return assigned;
 }
 
 }  // namespace ngs::synth

@@ -11,7 +11,7 @@ namespace ngs::synth {
 namespace {
 
 using V = Vec3<double>;
-constexpr double kTouch = 1e-6;  // relative distance at which a ray has arrived
+constexpr double kTouch = 1e-6;  // relative distance at which a ray hits
 constexpr int kMaxSteps = 400;
 
 struct Candidate {
@@ -23,7 +23,7 @@ struct RoomHit {
   V normal;  // inwards
 };
 
-/// Where a ray from inside leaves the room.
+/// The point where a ray from inside leaves the room.
 RoomHit leave_room(const Room& room, V o, V d) {
   RoomHit hit{INFINITY, {0, 0, 1}};
   const auto face = [&](double origin, double direction, double low, double high, V axis) {
@@ -50,7 +50,7 @@ void collect(const AnalyticScene& scene, V o, V d, double spread, std::vector<Ca
     }
 }
 
-/// First hit among `candidates`, else the room. Steps by the smallest distance, which no surface is closer than.
+/// First hit among `candidates`, else the room, by sphere tracing: no surface is nearer than the step.
 Hit trace_among(const AnalyticScene& scene, std::span<const Candidate> candidates, V o, V d) {
   const double end = leave_room(scene.room, o, d).distance;
   if (candidates.empty()) return {end, -1, -1};
@@ -98,9 +98,9 @@ V shade(const AnalyticScene& scene, const Hit& hit, V o, V d) {
     n = surface_normal(object.solids[std::size_t(hit.solid)], p);
     base = albedo(object.texture, p), gloss = scene.gloss;
   }
-  // Light from the side facing away is not cut off hard: half of the cosine wraps round.
+  // Wrapped diffuse lighting: no hard terminator.
   const double lambert = std::max(0.0, 0.75 * dot(n, scene.light) + 0.25);
-  constexpr double kContact = 0.15;  // world: how far things darken what they stand on
+  constexpr double kContact = 0.15;  // world: range of contact shadows
   const double open = std::clamp(distance_to_objects(scene, p + kContact * n, kContact) / kContact, 0.0, 1.0);
   const double light = (scene.ambient + (1 - scene.ambient) * lambert) * (0.45 + 0.55 * open);
   const double mirror = dot(d - 2 * dot(d, n) * n, scene.light), m2 = mirror * mirror;
@@ -182,7 +182,7 @@ std::vector<SparsePoint> sample_points(std::span<const Camera> cameras, std::spa
       if (q.z <= 0) continue;
       const double x = other.fx * q.x / q.z + other.cx, y = other.fy * q.y / q.z + other.cy;
       if (x < 0 || y < 0 || x >= other.width_px || y >= other.height_px) continue;
-      // Seen if nothing stands in front: the depth of that pixel, with room for slanted surfaces.
+      // Occlusion test against the depth of that pixel, with 2 % tolerance for slanted surfaces.
       if (q.z > 1.02 * double(views[v].depth.at(int(x), int(y)))) continue;
       const double ox = normal(), oy = normal();
       point.track.push_back({int(v), x + kNoisePx * ox, y + kNoisePx * oy});

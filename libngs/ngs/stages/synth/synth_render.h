@@ -1,5 +1,5 @@
 #pragma once
-// Exact pictures of an analytic scene: colour by supersampling, everything else by the ray through the pixel centre.
+// Exact renders of an analytic scene: colour by supersampling, everything else by the ray through the pixel centre.
 #include <span>
 
 #include "ngs/backend/exec.h"
@@ -11,8 +11,8 @@ namespace ngs::synth {
 
 struct SynthView {
   ImageF colour;    // [H, W, 3] in [0, 1], mean over samples_per_side² rays
-  ImageU16 label;   // [H, W] id of what the pixel centre sees; 0: the room
-  ImageF coverage;  // [H, W] share of the colour rays that see the target
+  ImageU16 label;   // [H, W] id of the object at the pixel centre; 0: the room
+  ImageF coverage;  // [H, W] fraction of the colour rays that hit the target
   ImageF depth;     // [H, W] camera z at the pixel centre
 };
 
@@ -31,8 +31,8 @@ Hit trace(const AnalyticScene& scene, Vec3<double> origin, Vec3<double> directio
 /// Unit world direction of the ray through image point (x, y), px.
 Vec3<double> ray_direction(const Camera& camera, double x, double y);
 
-/// `count` points on the surfaces, each seen through a random pixel of a random view, disturbed as structure from
-/// motion would: 0.3 px in every observation and the matching distance in space. Deterministic in `seed`.
+/// `count` points on the surfaces, each through a random pixel of a random view, with noise as in structure from
+/// motion: 0.3 px in every observation and the corresponding distance in space. Deterministic in `seed`.
 std::vector<SparsePoint> sample_points(std::span<const Camera> cameras, std::span<const SynthView> views, int count,
                                        std::uint64_t seed);
 

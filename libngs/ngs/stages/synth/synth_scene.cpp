@@ -13,7 +13,7 @@ constexpr double kPi = 3.141592653589793;
 using V = Vec3<double>;
 const Mat3<double> kUpright{{1, 0, 0, 0, 1, 0, 0, 0, 1}};
 
-/// Draws from one recipe, in order of use.
+/// Random draws of one recipe, numbered in order of use.
 class Dice {
  public:
   explicit Dice(std::uint64_t seed) : seed_(seed) {}
@@ -49,7 +49,7 @@ void torus_box(AnalyticScene& scene) {
   scene.focus = {0.05, 0, 0.5}, scene.rig_radius = 2.6;
 }
 
-/// One frond: a bowed stem with pairs of pointed leaflets that shrink towards the tip.
+/// One frond: a bent stem with pairs of pointed leaflets that shrink towards the tip.
 void add_frond(Object& object, V root, double azimuth, double reach, int pairs) {
   const V out{std::cos(azimuth), std::sin(azimuth), 0}, vertical{0, 0, 1};
   const auto stem = [&](double t) { return root + (reach * t) * out + (reach * (0.95 * t - 0.75 * t * t)) * vertical; };
@@ -105,7 +105,7 @@ void bones(AnalyticScene& scene) {
   scene.focus = {0, 0, 0.45}, scene.rig_radius = 2.4;
 }
 
-/// The k-th thing on the table: one of four shapes, standing at (x, y, 0).
+/// Item k on the table: one of four shapes, at (x, y, 0).
 Object table_item(int k, double x, double y, Dice& dice) {
   const double r = dice.uniform(0.09, 0.125), turn = dice.uniform(0, kPi);
   Object item{"item" + std::to_string(k), {}, {}};
@@ -142,7 +142,7 @@ int find_target(const std::vector<Object>& objects, const std::string& name) {
     if (objects[i].name == name) return int(i);
     known += (i ? ", " : "") + objects[i].name;
   }
-  throw Error(ErrorCode::kUsage, "target: \"" + name + "\" is no object of this scene, expected one of " + known);
+  throw Error(ErrorCode::kUsage, "target: \"" + name + "\" is not an object of this scene, expected one of " + known);
 }
 
 /// Camera at `centre` looking at `at`, the world's +z upwards in the image.
@@ -206,7 +206,7 @@ AnalyticScene build_scene(const Recipe& recipe) {
   }
   const auto seed = std::uint32_t(recipe.scene_seed);
   for (Object& object : scene.objects) object.texture.seed += 101 * seed;
-  const double half = 1.6 * scene.rig_radius;  // the farthest camera stands at 1.25 radii
+  const double half = 1.6 * scene.rig_radius;  // the farthest camera is at 1.25 radii
   scene.room = {{-half, -half, floor},
                 {half, half, scene.focus.z + 1.5 * scene.rig_radius},
                 {Pattern::kChecker, {0.42, 0.4, 0.38}, {0.66, 0.63, 0.58}, 1.6, 0.1, 91 + seed},

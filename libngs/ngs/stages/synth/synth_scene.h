@@ -1,8 +1,8 @@
 #pragma once
-// Analytic scenes by name, and the rig of cameras that looks at them.
+// Analytic scenes by name, and their camera rigs.
 //
-// A scene is a list of objects (unions of solids) in a textured room, so that every pixel shows something. Object k
-// has the id k + 1; id 0 is the room. World units; +z is up.
+// A scene is a list of objects (unions of solids) in a textured room, so that no pixel is empty. Object k has the id
+// k + 1; id 0 is the room. World units; +z is up.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -22,7 +22,7 @@ inline constexpr NamedValue<SceneKind> kSceneNames[] = {{SceneKind::kTwoSpheres,
                                                         {SceneKind::kTable, "table"}};
 inline constexpr NamedValue<Rig> kRigNames[] = {{Rig::kOrbit, "orbit"}, {Rig::kForward, "forward"}};
 
-/// Everything that decides what a scene looks like.
+/// All parameters of a scene.
 struct Recipe {
   SceneKind scene = SceneKind::kTorusBox;
   Rig rig = Rig::kOrbit;
@@ -40,25 +40,26 @@ struct Recipe {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.scene, Choice<SceneKind>{"scene", "what stands in the room", kSceneNames});
-    visit(self.rig, Choice<Rig>{"rig", "where the cameras stand", kRigNames});
-    visit(self.views, Field<int>{"views", "", "number of cameras", 1, 10000});
-    visit(self.width_px, Field<int>{"width_px", "px", "image width", 8, 16384});
-    visit(self.height_px, Field<int>{"height_px", "px", "image height", 8, 16384});
-    visit(self.fov_deg, Field<double>{"fov_deg", "deg", "horizontal field of view", 5, 120});
-    visit(self.samples_per_side, Field<int>{"samples_per_side", "", "colour samples per pixel and axis", 1, 16});
-    visit(self.principal_shift, Field<double>{"principal_shift", "of the size",
-                                              "how far the principal point of every third view is off-centre", 0, 0.4});
-    visit(self.mixed_sizes, Flag{"mixed_sizes", "every fourth view has another image size"});
-    visit(self.gloss, Field<double>{"gloss", "", "strength of the view-dependent highlight", 0, 1});
-    visit(self.grey, Flag{"grey", "luminance only: colours that do not tell the objects apart"});
-    visit(self.points, Field<int>{"points", "", "sparse points sampled on the surfaces", 1, 10000000});
-    visit(self.target, Text{"target", "NAME", "object whose masks go to masks/; empty: the scene's first"});
-    visit(self.scene_seed, Field<std::int64_t>{"scene_seed", "", "textures, layout and rig", 0, 1ll << 53});
+    visit(self.scene, Choice<SceneKind>{"scene", "Objects to place in the room", kSceneNames});
+    visit(self.rig, Choice<Rig>{"rig", "Arrangement of the cameras", kRigNames});
+    visit(self.views, Field<int>{"views", "", "Number of cameras", 1, 10000});
+    visit(self.width_px, Field<int>{"width_px", "px", "Image width", 8, 16384});
+    visit(self.height_px, Field<int>{"height_px", "px", "Image height", 8, 16384});
+    visit(self.fov_deg, Field<double>{"fov_deg", "deg", "Horizontal field of view", 5, 120});
+    visit(self.samples_per_side, Field<int>{"samples_per_side", "", "Colour samples per pixel and axis", 1, 16});
+    visit(self.principal_shift,
+          Field<double>{"principal_shift", "of the size", "Offset of the principal point in every third view", 0, 0.4});
+    visit(self.mixed_sizes, Flag{"mixed_sizes", "Give every fourth view another image size"});
+    visit(self.gloss, Field<double>{"gloss", "", "Strength of the view-dependent highlight", 0, 1});
+    visit(self.grey, Flag{"grey", "Use luminance only, so that colour does not separate the objects"});
+    visit(self.points, Field<int>{"points", "", "Sparse points sampled on the surfaces", 1, 10000000});
+    visit(self.target, Text{"target", "NAME", "Object whose masks go to masks/; empty: the scene's first"});
+    visit(self.scene_seed, Field<std::int64_t>{"scene_seed", "", "Seed of textures, layout and rig", 0, 1ll << 53});
   }
 };
 
-/// A recipe by name: the five scenes, and `tiny` (two spheres, 6 views of 64x48, for tests). Unknown: Error kUsage.
+/// A recipe by name: the five scenes, and `tiny` (two spheres, 6 views of 64x48, for tests). Throws kUsage for an
+/// unknown name.
 Recipe named_recipe(const std::string& name);
 std::vector<std::string> recipe_names();
 
@@ -79,13 +80,13 @@ struct AnalyticScene {
   Room room;
   Vec3<double> light{0.45, -0.3, 0.84};  // unit, towards the light
   double ambient = 0.4, gloss = 0;
-  bool grey = false;      // pictures have luminance only
-  Vec3<double> focus{};   // what the cameras look at
-  double rig_radius = 3;  // distance of the cameras from it
+  bool grey = false;      // images have luminance only
+  Vec3<double> focus{};   // the point that the cameras look at
+  double rig_radius = 3;  // distance of the cameras from `focus`
   int target = 0;         // index into objects
 };
 
-/// Builds the scene of a recipe. An unknown target is an Error (kUsage) that lists the objects.
+/// Builds the scene of a recipe. For an unknown target throws kUsage with a list of the objects.
 AnalyticScene build_scene(const Recipe& recipe);
 
 /// The cameras, named 0000.png, 0001.png, …, all inside the room.

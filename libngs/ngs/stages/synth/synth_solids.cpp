@@ -44,7 +44,7 @@ std::uint32_t lattice_hash(std::int64_t x, std::int64_t y, std::int64_t z, std::
 double smooth_step(double t) { return t * t * (3 - 2 * t); }
 double mix(double a, double b, double t) { return a + (b - a) * t; }
 
-/// How much of colour_b, in [0, 1].
+/// Weight of colour_b, in [0, 1].
 double pattern_value(const Texture& t, Vec3<double> p) {
   const Vec3<double> q = t.frequency * p;
   const double wobble = value_noise(0.7 * q, t.seed + 17);

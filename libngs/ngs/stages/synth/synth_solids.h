@@ -1,8 +1,8 @@
 #pragma once
-// Solids given by signed distance, and procedural solid textures: what analytic scenes are made of.
+// Solids by signed distance, and procedural solid textures, for analytic scenes.
 //
-// Every distance is exact outside its solid (negative inside), so stepping along a ray by the distance never
-// passes a surface. Lengths are world units.
+// Every distance is exact outside its solid (negative inside), so sphere tracing never passes a surface. Lengths are in
+// world units.
 #include <cstdint>
 
 #include "ngs/math/vec.h"
@@ -20,7 +20,7 @@ struct Solid {
   // blade: half length (x), half width (y), half thickness (z) of a pointed leaf
   Vec3<double> size{};
   double rounding = 0;
-  double bound_radius = 0;  // of a sphere around `centre` that holds the solid
+  double bound_radius = 0;  // of a sphere around `centre` that contains the solid
 };
 
 Solid sphere(Vec3<double> centre, double radius);
@@ -45,7 +45,7 @@ struct Texture {
   std::uint32_t seed = 0;
 };
 
-/// Albedo at `p` (the coordinates in which the texture is at rest), each channel in [0, 1].
+/// Albedo at `p` (texture coordinates), each channel in [0, 1].
 Vec3<double> albedo(const Texture& texture, Vec3<double> p);
 
 /// Value noise in [-1, 1], C1, wavelength about 2 lattice units.

@@ -1,4 +1,4 @@
-"""What the stand-ins of networks ask of their callers, and the mask that they find."""
+"""Checks of the calls to the replaced networks, and the mask that they return."""
 import numpy as np
 
 
@@ -20,6 +20,6 @@ def check_marks(picture, points, labels, box):
 
 
 def orange(picture):
-    """What is orange in a picture: the object of the recipe two-spheres."""
+    """The orange pixels of an image: the object of the recipe two-spheres."""
     red, blue = picture[:, :, 0].astype(int), picture[:, :, 2].astype(int)
     return red > 1.5 * blue + 20

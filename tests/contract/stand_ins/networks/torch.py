@@ -1,4 +1,4 @@
-"""Stands in for PyTorch: of it the adapters in pipelines/segmenters use no more."""
+"""Replaces PyTorch, with only the parts that the adapters in pipelines/segmenters use."""
 import contextlib
 
 

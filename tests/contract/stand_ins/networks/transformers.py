@@ -1,4 +1,4 @@
-"""Stands in for Hugging Face's transformers, of which the adapter of SAM 3 uses the tracker."""
+"""Replaces Hugging Face's transformers, with only the tracker that the adapter of SAM 3 uses."""
 import types
 
 import numpy as np

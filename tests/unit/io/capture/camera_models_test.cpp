@@ -1,4 +1,4 @@
-// Camera models that no pinhole can be made of here: COLMAP's newer ones and panoramas.
+// Camera models that cannot be converted to a pinhole: COLMAP's newer ones and panoramas.
 #include <doctest/doctest.h>
 
 #include <functional>
@@ -12,7 +12,7 @@ namespace ngs::io {
 
 using test::random_cameras;
 
-TEST_CASE("camera models that nothing here undistorts are named, with a way out that works") {
+TEST_CASE("unsupported camera models are named in the error, with a working alternative") {
   const auto refusal = [](const std::function<void()>& read) {
     try {
       read();

@@ -1,4 +1,4 @@
-// The readers of foreign camera formats against files made here.
+// Camera readers against files written by the test.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -71,7 +71,7 @@ TEST_CASE("cameras.json and LLFF give the same cameras where the principal point
   const Capture llff = llff_capture(parse_npy(bytes_of(npy), "poses_bounds.npy"), names_of(views), "poses_bounds.npy");
   check_same(inria, views);
   check_same(llff, views);
-  CHECK(inria.notes.size() == 1);  // the principal point is an assumption and is said to be one
+  CHECK(inria.notes.size() == 1);  // the assumed principal point is noted
   nlohmann::json with_centres = test::cameras_json(views);
   for (nlohmann::json& camera : with_centres) camera["cx"] = 1.5, camera["cy"] = 2.5;
   const Capture read = parse_cameras_json(with_centres, "cameras.json");
@@ -110,7 +110,7 @@ TEST_CASE("a camera that looks along world z sees x right and y down in every fo
   check(text_capture("1 SIMPLE_PINHOLE 640 480 500 320 240\n", "1 1 0 0 0 0 0 0 1 a.png\n\n"));
 }
 
-TEST_CASE("COLMAP text: comments, CRLF, a byte order mark, an empty second line and a missing last one are fine") {
+TEST_CASE("COLMAP text: comments, CRLF, a byte order mark, an empty second line and a missing last line are accepted") {
   const std::string cameras = "\xEF\xBB\xBF# c\r\n\r\n1 SIMPLE_PINHOLE 640 480 500 320 240\r\n";
   const std::string images =
       "\xEF\xBB\xBF# i\r\n1 1 0 0 0 0 0 1 1 b c.png \r\n\r\n# between\r\n2 1 0 0 0 0 0 2 1 a.png";
@@ -121,13 +121,13 @@ TEST_CASE("COLMAP text: comments, CRLF, a byte order mark, an empty second line 
   CHECK(capture.views[1].camera.translation.z == 1);
 }
 
-TEST_CASE("COLMAP text whose second lines were stripped is refused, not read by halves") {
+TEST_CASE("COLMAP text without the second lines of images is rejected") {
   const std::string camera = "1 SIMPLE_PINHOLE 640 480 500 320 240\n";
   const std::string image = "1 1 0 0 0 0 0 0 1 a.png\n2 1 0 0 0 0 0 0 1 b.png\n";
   CHECK_THROWS_WITH_AS(text_capture(camera, image), doctest::Contains("line 2"), Error);
 }
 
-TEST_CASE("camera models: distortion of zero is accepted, any other refused with the command that undoes it") {
+TEST_CASE("camera models: zero distortion is accepted, any other is rejected with the command that undistorts") {
   const std::string image = "1 1 0 0 0 0 0 0 1 a.png\n\n";
   const Capture radial = text_capture("1 SIMPLE_RADIAL 640 480 500 320 240 5e-10\n", image);
   CHECK(radial.views[0].camera.fy == 500);
@@ -149,7 +149,7 @@ TEST_CASE("camera models: distortion of zero is accepted, any other refused with
   }
 }
 
-TEST_CASE("broken COLMAP text is refused with its line") {
+TEST_CASE("invalid COLMAP text is rejected with its line") {
   const std::string camera = "1 PINHOLE 640 480 500 500 320 240\n";
   const auto refused = [&](const std::string& cameras, const std::string& images, const char* message) {
     CAPTURE(images);
@@ -162,8 +162,8 @@ TEST_CASE("broken COLMAP text is refused with its line") {
   refused(camera, "1 1 0 0 0 0 0 0 7 a.png\n\n", "line 1: camera 7, expected one of cameras.txt");
   refused(camera, "1 1 0 0 0 0 0 zero 1 a.png\n\n", "line 1: \"zero\", expected a pose number");
   refused(camera, "1 1 0 0 0 0 0 0 1\n\n", "without a name");
-  refused(camera, "1 1 0 0 0 0 0 0 1 ../a.png\n\n", "leaves the folder");
-  refused(camera, "1 1 0 0 0 0 0 0 1 /a.png\n\n", "leaves the folder");
+  refused(camera, "1 1 0 0 0 0 0 0 1 ../a.png\n\n", "leads out of the image folder");
+  refused(camera, "1 1 0 0 0 0 0 0 1 /a.png\n\n", "leads out of the image folder");
   refused(camera, "1 1 0 0 0 0 0 0 1 a.png\n\n2 1 0 0 0 0 0 0 1 a.png\n\n", "image a.png twice");
   refused(camera, "# nothing\n", "no cameras");
   refused("1 PINHOLE 640 480 500 500 320\n", "", "expected a camera parameter");
@@ -188,7 +188,7 @@ TEST_CASE("every prefix of a COLMAP binary model is refused") {
     CHECK_THROWS_AS(parse_colmap_binary(bytes_of(files.cameras), bytes_of(files.images).first(n), "s"), Error);
 }
 
-TEST_CASE("huge counts in COLMAP binary are refused before anything is allocated") {
+TEST_CASE("huge counts in COLMAP binary are rejected before memory is allocated") {
   const test::ColmapFiles good = test::colmap_binary(test::random_cameras(1, false), 0);
   for (const std::uint64_t count : {std::uint64_t(2), std::uint64_t(1) << 40, ~std::uint64_t(0)}) {
     test::ByteWriter writer;
@@ -256,7 +256,7 @@ TEST_CASE("applied_transform is kept by default and undone on request") {
   check_same(parse_transforms_json(root, no_images(true)), views);
 }
 
-TEST_CASE("a world transform moves cameras as it moves points") {
+TEST_CASE("a world transform moves cameras and points consistently") {
   const WorldTransform world{{{0, -1, 0, 1, 0, 0, 0, 0, 1}}, {1, 2, 3}, 0.25};
   const Camera before = test::random_cameras(1, false)[0].camera;
   Camera after = before;
@@ -268,7 +268,7 @@ TEST_CASE("a world transform moves cameras as it moves points") {
   CHECK(q.z == doctest::Approx(0.25 * p.z).epsilon(kTolerance));
 }
 
-TEST_CASE("broken transforms.json files are refused with their place") {
+TEST_CASE("invalid transforms.json files are rejected with the location") {
   const nlohmann::json good = test::transforms_json(test::random_cameras(1, false));
   const auto refused = [&](const char* pointer, const nlohmann::json& value, const char* message) {
     nlohmann::json broken = good;
@@ -301,7 +301,7 @@ TEST_CASE("broken transforms.json files are refused with their place") {
   refused("/applied_transform", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 5, 0}}, "applied_transform");
 }
 
-TEST_CASE("broken cameras.json files are refused with their place") {
+TEST_CASE("invalid cameras.json files are rejected with the location") {
   const nlohmann::json good = test::cameras_json(test::random_cameras(2, true));
   const auto refused = [&](const char* pointer, const nlohmann::json& value, const char* message) {
     nlohmann::json broken = good;
@@ -342,7 +342,7 @@ TEST_CASE("npy: both scalars, both byte orders and both element orders give the 
     }
 }
 
-TEST_CASE("npy: every prefix, other types and shapes that the file cannot hold are refused") {
+TEST_CASE("npy: every prefix, other types and shapes beyond the file size are rejected") {
   const std::string good = test::llff_npy(test::random_cameras(1, true));
   for (std::size_t n = 0; n < good.size(); ++n) CHECK_THROWS_AS(parse_npy(bytes_of(good).first(n), "a.npy"), Error);
   for (const auto& c : {std::pair<const char*, const char*>{"<i8", "(1, 1)"},
@@ -359,7 +359,7 @@ TEST_CASE("npy: every prefix, other types and shapes that the file cannot hold a
   }
 }
 
-TEST_CASE("LLFF with another number of images is inconsistent") {
+TEST_CASE("LLFF with a wrong number of images is kInconsistent") {
   const auto views = test::random_cameras(2, true);
   const std::string npy = test::llff_npy(views);
   try {
@@ -370,7 +370,7 @@ TEST_CASE("LLFF with another number of images is inconsistent") {
   }
 }
 
-TEST_CASE("a COLMAP model is found in the folders where tools put it, the binary one first") {
+TEST_CASE("a COLMAP model is found in its usual folders, binary before text") {
   const test::TempDir dir;
   const auto views = test::random_cameras(1, false);
   const test::ColmapFiles text = test::colmap_text(views), binary = test::colmap_binary(views);

@@ -1,4 +1,4 @@
-// Distortion that is kept: the lenses of COLMAP's models and of transforms.json.
+// Cameras read with their distortion: the lenses of COLMAP's models and of transforms.json.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -38,8 +38,8 @@ Capture transforms_capture(const nlohmann::json& root) {
 
 }  // namespace
 
-TEST_CASE("lenses of COLMAP's camera models bend a direction as their formulas say") {
-  // Worked out from the formulas of COLMAP's documentation, beside this code, at (0.5, -0.25).
+TEST_CASE("lenses of COLMAP's camera models distort a direction according to their formulas") {
+  // Computed from the formulas of COLMAP's documentation, independently of this code, at (0.5, -0.25).
   const struct {
     const char* camera;
     double x, y;
@@ -59,21 +59,21 @@ TEST_CASE("lenses of COLMAP's camera models bend a direction as their formulas s
       {"SIMPLE_RADIAL 640 480 500 320 240 5e-10", 0.5, -0.25}};
   for (const auto& want : known) {
     CAPTURE(want.camera);
-    const Vec2<double> at = bent(colmap_lens(want.camera), {0.5, -0.25});
+    const Vec2<double> at = distort(colmap_lens(want.camera), {0.5, -0.25});
     CHECK(std::abs(at.x - want.x) < kRounding);
     CHECK(std::abs(at.y - want.y) < kRounding);
   }
 }
 
-TEST_CASE("lenses on their axis, where the radius is zero") {
+TEST_CASE("lenses are correct on the optical axis, where the radius is zero") {
   for (const char* camera : {"OPENCV_FISHEYE 640 480 500 501 320 240 0 0 0 0", "FOV 640 480 500 501 320 240 0.9"}) {
-    const Vec2<double> at = bent(colmap_lens(camera), {0, 0});
+    const Vec2<double> at = distort(colmap_lens(camera), {0, 0});
     CHECK(at.x == 0);
     CHECK(at.y == 0);
   }
 }
 
-TEST_CASE("a lens without numbers, or a view angle beyond a half turn, is refused though distortion is kept") {
+TEST_CASE("kKept: a non-finite lens, a FOV angle outside (0, 180) degrees and an unknown model are rejected") {
   for (const char* camera :
        {"OPENCV 640 480 500 501 320 240 nan 0 0 0", "FOV 640 480 500 501 320 240 0", "FOV 640 480 500 501 320 240 3.2",
         "OPENCV_FISHEYE 640 480 500 501 320 240 0 0 0 inf", "RAD_TAN_THIN_PRISM_FISHEYE 640 480 1 1 1"}) {
@@ -82,7 +82,7 @@ TEST_CASE("a lens without numbers, or a view angle beyond a half turn, is refuse
   }
 }
 
-TEST_CASE("transforms.json: the same parameters mean the same lens as in COLMAP") {
+TEST_CASE("transforms.json: equal parameters give the same lens as COLMAP") {
   const struct {
     nlohmann::json keys;
     const char* colmap;
@@ -107,8 +107,8 @@ TEST_CASE("transforms.json: the same parameters mean the same lens as in COLMAP"
     const Capture capture = transforms_capture(transforms(pair.keys));
     REQUIRE(capture.lenses.size() == 1);
     CHECK(capture.lenses.begin()->first == capture.views[0].camera.name);
-    const Vec2<double> got = bent(capture.lenses.begin()->second, {0.4, 0.3}),
-                       want = bent(colmap_lens(pair.colmap), {0.4, 0.3});
+    const Vec2<double> got = distort(capture.lenses.begin()->second, {0.4, 0.3}),
+                       want = distort(colmap_lens(pair.colmap), {0.4, 0.3});
     CHECK(got.x == want.x);
     CHECK(got.y == want.y);
   }

@@ -1,4 +1,4 @@
-// Captures as phones, Windows and RealityScan leave them: whose photo is whose, and what is left over.
+// Captures from phones, Windows and RealityScan: which photo matches which view, and which images are unused.
 #include "ngs/io/capture/photo_names.h"
 
 #include <doctest/doctest.h>
@@ -45,7 +45,7 @@ std::string note_with(const CaptureSource& source, const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("cameras that name HEIC, DNG or AVIF find the copies of another format, with a note") {
+TEST_CASE("cameras with HEIC, DNG or AVIF names match copies in another format, with a note") {
   for (const char* ending : {".HEIC", ".heif", ".dng", ".avif", ".JXL", ".cr2"}) {
     CAPTURE(ending);
     const TempDir dir;
@@ -54,11 +54,11 @@ TEST_CASE("cameras that name HEIC, DNG or AVIF find the copies of another format
     dir.write(std::string("images/a b.1") + ending, "not to be read");
     const CaptureSource got = read(dir);
     CHECK(got.capture.views[0].image_path == dir.path() + "/images/a b.1.png");
-    CHECK(note_with(got, "another ending").find("1 photos have") == 0);
+    CHECK(note_with(got, "another file extension").find("1 photos have") == 0);
   }
 }
 
-TEST_CASE("a photo that only exists in a format which is not read is refused by that name, with what converts it") {
+TEST_CASE("a photo that exists only in an unsupported format is rejected with the command that converts it") {
   for (const auto& [name, bytes] : {std::pair("0.HEIC", "any bytes that are long enough"),
                                     std::pair("0.jpg", "\1\1\1\1ftypheic\1\1\1\1\1\1\1\1\1\1")}) {
     CAPTURE(name);
@@ -77,14 +77,14 @@ TEST_CASE("a photo that only exists in a format which is not read is refused by 
   }
 }
 
-TEST_CASE("backslashes between the folders of COLMAP's names are slashes, unless a file is called so") {
+TEST_CASE("backslashes in COLMAP names become slashes, unless a file has that exact name") {
   const TempDir dir;
   write_cameras(dir, "sparse/0", {"cam1\\0.png", "cam0\\0.png", "C:\\scan\\images\\7.png"});
   for (const char* photo : {"images/cam0/0.png", "images/cam1/0.png", "images/7.png"}) write_photo(dir, photo);
   const CaptureSource got = read(dir);
   REQUIRE(got.capture.views.size() == 3);
   CHECK(got.capture.views[0].image_path == dir.path() + "/images/7.png");
-  CHECK(got.capture.views[1].camera.name == "cam0/0.png");  // sorted anew
+  CHECK(got.capture.views[1].camera.name == "cam0/0.png");  // sorted again
   CHECK(got.capture.views[1].image_path == dir.path() + "/images/cam0/0.png");
   CHECK(got.capture.views[2].image_path == dir.path() + "/images/cam1/0.png");
 
@@ -94,7 +94,7 @@ TEST_CASE("backslashes between the folders of COLMAP's names are slashes, unless
   CHECK(read(strange).capture.views[0].camera.name == "a\\0.png");
 }
 
-TEST_CASE("photos beside the cameras are found where there is no folder of images") {
+TEST_CASE("photos in the cameras' folder are found if there is no image folder") {
   for (const char* folder : {"", "sparse/0"}) {
     CAPTURE(folder);
     const TempDir dir;
@@ -104,11 +104,11 @@ TEST_CASE("photos beside the cameras are found where there is no folder of image
     const CaptureSource got = read(dir);
     CHECK(std::filesystem::path(got.capture.views[0].image_path).filename() == "0.png");
     CHECK(note_with(got, "no photo") == "");
-    CHECK(note_with(got, "photos of no camera") == "");  // a mask is none
+    CHECK(note_with(got, "images without a camera") == "");  // masks are not counted
   }
 }
 
-TEST_CASE("folders and endings in upper case are found") {
+TEST_CASE("upper-case folder names and extensions are found") {
   const TempDir dir;
   write_cameras(dir, "sparse/0", {"Übung 1.png", "b.png"});
   write_photo(dir, "Images/Übung 1.PNG");
@@ -116,10 +116,10 @@ TEST_CASE("folders and endings in upper case are found") {
   const CaptureSource got = read(dir);
   CHECK(got.capture.views[0].image_path != "");
   CHECK(got.capture.views[1].image_path != "");
-  CHECK(note_with(got, "another ending") == "");
+  CHECK(note_with(got, "another file extension") == "");
 }
 
-TEST_CASE("what lies beside the cameras and is not read is named") {
+TEST_CASE("unused images next to the cameras are noted") {
   const TempDir dir;
   write_cameras(dir, "sparse/0", {"0.png", "1.png"});
   write_photo(dir, "images/0.png");
@@ -128,7 +128,7 @@ TEST_CASE("what lies beside the cameras and is not read is named") {
   write_photo(dir, "masks/1.png");
   const CaptureSource got = read(dir);
   CHECK(note_with(got, "no photo for 1 of 2 views (first: 1.png)") != "");
-  CHECK(note_with(got, "/images: 1 of its pictures are photos of no camera (first: 5.png)") != "");
+  CHECK(note_with(got, "/images: 1 images without a camera (first: 5.png)") != "");
   CHECK(note_with(got, "--images " + dir.path() + "/photos") != "");
   CHECK(note_with(got, "/masks") == "");
 }

@@ -47,7 +47,7 @@ void check_same(const std::vector<SparsePoint>& got, const std::vector<SparsePoi
 
 }  // namespace
 
-TEST_CASE("a COLMAP text model that we write is read back with every bit") {
+TEST_CASE("a written COLMAP text model is read back bit for bit") {
   const test::TempDir dir;
   test::Random random(3);
   std::vector<Camera> cameras{test::camera_around(random, 3), test::camera_around(random, 4),
@@ -68,7 +68,7 @@ TEST_CASE("a COLMAP text model that we write is read back with every bit") {
   }
 }
 
-TEST_CASE("read_points tells binary, text and PLY apart by content") {
+TEST_CASE("read_points detects binary, text and PLY from the content") {
   const test::TempDir dir;
   const std::string path = dir.path() + "/points";
   write_file(path, binary(some_points()));
@@ -85,7 +85,7 @@ TEST_CASE("read_points tells binary, text and PLY apart by content") {
   CHECK(read_points(path).empty());
 }
 
-TEST_CASE("read_points refuses files that are cut, count too many or hold no numbers") {
+TEST_CASE("read_points rejects truncated files, too large counts and non-numeric text") {
   const test::TempDir dir;
   const std::string path = dir.path() + "/points", whole = binary(some_points());
   for (std::size_t length = 8; length < whole.size(); ++length) {

@@ -1,4 +1,4 @@
-// How transforms.json may write the paths of its images.
+// Image paths in transforms.json.
 #include <doctest/doctest.h>
 
 #include <nlohmann/json.hpp>
@@ -18,7 +18,7 @@ TransformsSource no_images() {
 
 }  // namespace
 
-TEST_CASE("transforms.json: some images named from the root and some from the file have names in common folders") {
+TEST_CASE("transforms.json: with absolute and relative image paths names are relative to the common folder") {
   const auto views = test::random_cameras(2, false);
   for (const int absolute : {0, 1}) {
     nlohmann::json root = test::transforms_json(views);
@@ -33,7 +33,7 @@ TEST_CASE("transforms.json: some images named from the root and some from the fi
   }
 }
 
-TEST_CASE("transforms.json: folders may be separated by backslashes, unless a file is called so") {
+TEST_CASE("transforms.json: backslashes separate folders, unless a file has that exact name") {
   nlohmann::json root = test::transforms_json(test::random_cameras(2, false));
   root["frames"][0]["file_path"] = R"(.\images\left\1.png)", root["frames"][0]["mask_path"] = R"(masks\1.png)";
   root["frames"][1]["file_path"] = R"(images\right\1.png)";

@@ -19,7 +19,7 @@ std::size_t entries(const std::string& folder) {
   return std::size_t(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
 }
 
-TEST_CASE("an output appears whole on commit and not at all without it") {
+TEST_CASE("an output appears complete on commit, and not at all without commit") {
   const test::TempDir dir;
   {
     io::AtomicFile file(dir.file("out.ply"));
@@ -67,12 +67,12 @@ TEST_CASE("outputs have the permissions of ordinary files") {
   CHECK((status.st_mode & 0777) == 0644);
 }
 
-TEST_CASE("a device is written in place and survives") {
+TEST_CASE("a device is written directly and not replaced") {
   io::write_file("/dev/null", "x");
   CHECK(fs::is_character_file("/dev/null"));
 }
 
-TEST_CASE("places that cannot be written or read are named with the reason") {
+TEST_CASE("paths that cannot be written or read are reported with the reason") {
   const test::TempDir dir;
   const auto code_of = [](auto&& body) {
     try {

@@ -35,11 +35,11 @@ TEST_CASE("the hash of a folder changes with contents, names and structure, not 
   CHECK(hash.xxh3 != content_hash(second.path()).xxh3);
 }
 
-TEST_CASE("what is not there has no hash") {
+TEST_CASE("the hash of a missing path is an error") {
   CHECK_THROWS_WITH_AS(content_hash("/nowhere/x"), "/nowhere/x: cannot be read: No such file or directory", Error);
 }
 
-TEST_CASE("unfinished files are removed together, released ones and those beyond the slots are not") {
+TEST_CASE("registered temporary files are removed; released ones and those beyond 64 are not") {
   const test::TempDir dir;
   const std::string kept = dir.write("kept", ""), lost = dir.write("lost", "");
   UnfinishedFile a, b;
@@ -49,7 +49,7 @@ TEST_CASE("unfinished files are removed together, released ones and those beyond
   CHECK(std::filesystem::exists(kept));
   CHECK_FALSE(std::filesystem::exists(lost));
   std::vector<UnfinishedFile> many(100);
-  for (UnfinishedFile& file : many) file.note(kept.c_str());  // 64 slots; more must do no harm
+  for (UnfinishedFile& file : many) file.note(kept.c_str());  // beyond the 64 slots: must have no effect
   const std::string too_long = dir.path() + "/" + std::string(5000, 'x');
   UnfinishedFile c;
   c.note(too_long.c_str());

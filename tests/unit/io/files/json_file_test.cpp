@@ -30,7 +30,7 @@ std::string message_of(const Body& body) {
 
 }  // namespace
 
-TEST_CASE("JSON of 64 levels is read, and deeper JSON refused before anything descends into it") {
+TEST_CASE("JSON with 64 levels is read; deeper JSON is rejected") {
   CHECK(parse_json(nested(64, "[", "]"), "a.json").is_array());
   CHECK(parse_json(nested(64, "{\"a\":", "}"), "a.json").is_object());
   for (const int levels : {65, 1000000}) {
@@ -42,7 +42,7 @@ TEST_CASE("JSON of 64 levels is read, and deeper JSON refused before anything de
   }
 }
 
-TEST_CASE("the header of a tensor file is not nested without end") {
+TEST_CASE("a tensor file with a deeply nested header is rejected") {
   const std::string header = "{\"w\":" + nested(100000, "[", "]") + "}";
   std::string file(8, '\0');
   for (std::size_t i = 0; i < 8; ++i) file[i] = char(header.size() >> (8 * i));

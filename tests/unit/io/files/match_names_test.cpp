@@ -25,7 +25,7 @@ TEST_CASE("names are paired by stem, whatever the extension and order") {
   CHECK(described({}, {}).empty());
 }
 
-TEST_CASE("double extensions and the usual affixes are understood") {
+TEST_CASE("names are paired without double extensions and common affixes") {
   CHECK(described({"IMG_4027.JPG.png"}, {"IMG_4027_mask.png"}) == "IMG_4027.JPG.png=IMG_4027_mask.png(affix) ");
   CHECK(described({"0003_label.png"}, {"frame_0003.png"}) == "0003_label.png=frame_0003.png(affix) ");
   CHECK(described({"mask_a.png"}, {"A.png"}) == "mask_a.png=A.png(affix) ");
@@ -34,22 +34,22 @@ TEST_CASE("double extensions and the usual affixes are understood") {
 TEST_CASE("numbers are paired where they are unique on both sides") {
   CHECK(described({"00012.png", "7.png"}, {"view012.png", "view7.png"}) ==
         "00012.png=view012.png(number) 7.png=view7.png(number) ");
-  // 12 occurs twice among the predictions: no guess is made.
+  // 12 occurs twice among the predictions: the name stays unpaired.
   CHECK(described({"a12.png", "b12.png"}, {"view12.png"}) == "-a12.png -b12.png +view12.png ");
   CHECK(described({"left.png"}, {"right.png"}) == "-left.png +right.png ");
 }
 
-TEST_CASE("a folder in front is part of the name") {
+TEST_CASE("a parent folder is part of the name") {
   CHECK(described({"v1/apple.png", "v2/apple.png"}, {"v2/apple.png", "v1/apple.png"}) ==
         "v1/apple.png=v1/apple.png(stem) v2/apple.png=v2/apple.png(stem) ");
   CHECK(described({"v1/001.png"}, {"v2/1.png"}) == "-v1/001.png +v2/1.png ");
 }
 
-TEST_CASE("two files of one stem are refused") {
+TEST_CASE("two files with the same stem are rejected") {
   CHECK_THROWS_AS(io::match_names(Names{"a.png", "a.jpg"}, Names{"a.png"}), Error);
 }
 
-TEST_CASE("every:N:K selects by index and refuses anything else") {
+TEST_CASE("every:N:K selects by index; other rules are rejected") {
   CHECK(io::select_every("every:4:2", 11) == std::vector<std::size_t>{2, 6, 10});
   CHECK(io::select_every("all", 3) == std::vector<std::size_t>{0, 1, 2});
   CHECK(io::select_every("every:4:2", 0).empty());

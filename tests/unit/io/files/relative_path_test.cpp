@@ -19,7 +19,7 @@ std::string there_and_back(const std::string& file, const std::string& path) {
 
 }  // namespace
 
-TEST_CASE("a path from a folder that is a link to elsewhere leads back to its file") {
+TEST_CASE("a relative path from a linked folder leads to its file") {
   const TempDir dir;
   const std::string photo = dir.write("capture/deep/images/a.png", "photo");
   fs::create_directories(dir.path() + "/disk");
@@ -33,7 +33,7 @@ TEST_CASE("a path from a folder that is a link to elsewhere leads back to its fi
   }
 }
 
-TEST_CASE("bytes that came through a pipe lie in no folder, whatever path leads to them") {
+TEST_CASE("a pipe has no folder, whatever its path") {
   const TempDir dir;
   CHECK(folder_of_file(dir.write("scene.json", "{}")) == dir.path());
   CHECK(folder_of_file(dir.path() + "/absent.json") == dir.path());
@@ -47,7 +47,7 @@ TEST_CASE("bytes that came through a pipe lie in no folder, whatever path leads 
   close(memory);
 }
 
-TEST_CASE("a linked folder below the file's own keeps its name, so that both can be moved") {
+TEST_CASE("a linked folder below the file's folder keeps its name in stored paths") {
   const TempDir dir;
   const std::string photo = dir.write("disk/images/a.png", "photo");
   fs::create_directories(dir.path() + "/scene");
@@ -60,7 +60,7 @@ TEST_CASE("a linked folder below the file's own keeps its name, so that both can
   CHECK(fs::equivalent(path_from_folder(dir.path() + "/far/away/scene", stored), photo));
 }
 
-TEST_CASE("paths without links are short, empty and absolute ones stay as they are") {
+TEST_CASE("paths without links are stored short; empty and absolute paths are unchanged") {
   const TempDir dir;
   CHECK(path_from_folder("a/b", "../c.png") == "a/c.png");
   CHECK(path_from_folder("a/b", "./c.png") == "a/b/c.png");

@@ -43,7 +43,7 @@ std::string error_of(const std::string& file) {
   return "";
 }
 
-TEST_CASE("tensors of every type and their metadata come back bit for bit") {
+TEST_CASE("tensors of every type and their metadata are read back bit for bit") {
   const test::TempDir dir;
   const io::TensorFile file = sample();
   io::write_safetensors(dir.file("t.safetensors"), file);
@@ -71,7 +71,7 @@ TEST_CASE("tensors of every type and their metadata come back bit for bit") {
   CHECK(io::read_safetensors(dir.file("again")).get<float>("w").size() == 6);
 }
 
-TEST_CASE("a tensor of another name, type or shape is refused by name") {
+TEST_CASE("a missing tensor, or one of another type or shape, is rejected with its name") {
   const io::TensorFile file = sample();
   CHECK_THROWS_AS(file.get<float>("missing"), Error);
   CHECK_THROWS_AS(file.get<double>("w"), Error);
@@ -80,7 +80,7 @@ TEST_CASE("a tensor of another name, type or shape is refused by name") {
   CHECK_THROWS_AS(file.meta("nothing"), Error);
 }
 
-TEST_CASE("a tensor file cut short at any byte, or with a byte too many, is refused") {
+TEST_CASE("a tensor file truncated at any byte, or with an extra byte, is rejected") {
   const test::TempDir dir;
   io::write_safetensors(dir.file("t"), sample());
   const std::string good = test::read_bytes(dir.file("t"));
@@ -90,10 +90,10 @@ TEST_CASE("a tensor file cut short at any byte, or with a byte too many, is refu
     CAPTURE(n);
     CHECK_THROWS_AS(io::parse_safetensors("t", {reinterpret_cast<const std::uint8_t*>(exact.data()), n}), Error);
   }
-  CHECK(error_of(good + "x").find("bytes behind the header") != std::string::npos);
+  CHECK(error_of(good + "x").find("bytes after the header") != std::string::npos);
 }
 
-TEST_CASE("hostile tensor headers are refused") {
+TEST_CASE("invalid tensor headers are rejected") {
   const std::string four(4, 'x');
   const auto entry = [](const std::string& dtype, const std::string& shape, const std::string& offsets) {
     return "{\"a\":{\"dtype\":\"" + dtype + "\",\"shape\":" + shape + ",\"data_offsets\":" + offsets + "}}";
@@ -112,8 +112,8 @@ TEST_CASE("hostile tensor headers are refused") {
                          "\"b\":{\"dtype\":\"U8\",\"shape\":[3],\"data_offsets\":[1,4]}}",
                          four))
             .find("no overlaps") != std::string::npos);
-  CHECK(error_of(file_of("{\"__metadata__\":{\"n\":1}}", "")).find("no string") != std::string::npos);
-  CHECK(error_of(file_of("[]", "")).find("no JSON object") != std::string::npos);
+  CHECK(error_of(file_of("{\"__metadata__\":{\"n\":1}}", "")).find("not a string") != std::string::npos);
+  CHECK(error_of(file_of("[]", "")).find("not a JSON object") != std::string::npos);
   CHECK(error_of(file_of("{\"a\":3}", "")).find("expected an object") != std::string::npos);
   CHECK(error_of(file_of(std::string(100000, '['), "")).find("more than 64 levels") != std::string::npos);
 }

@@ -16,7 +16,7 @@ double squared_error(const io::Codebook& codebook, const std::vector<float>& val
   return sum;
 }
 
-TEST_CASE("up to 256 different values are kept as they are") {
+TEST_CASE("up to 256 distinct values are kept exactly") {
   std::vector<float> values;
   for (int i = 0; i < 1000; ++i) values.push_back(float((i * 37) % 256) * 0.5f - 3.f);
   const io::Codebook codebook = io::fit_codebook(values);
@@ -27,7 +27,7 @@ TEST_CASE("up to 256 different values are kept as they are") {
   CHECK(io::fit_codebook({&one, 1})[255] == 5.f);
 }
 
-TEST_CASE("a codebook is better than 256 even steps, with and without a far value") {
+TEST_CASE("a codebook has less error than 256 even steps, with and without an outlier") {
   for (const bool far : {false, true}) {
     CAPTURE(far);
     test::Random random(3);
@@ -45,7 +45,7 @@ TEST_CASE("a codebook is better than 256 even steps, with and without a far valu
   }
 }
 
-TEST_CASE("the nearest value of a codebook is found, also among equal ones") {
+TEST_CASE("the nearest value of a codebook is found, also with equal values") {
   io::Codebook codebook;
   codebook.fill(4.f);
   codebook[0] = -1, codebook[1] = 0, codebook[2] = 0, codebook[3] = 1;
@@ -58,7 +58,7 @@ TEST_CASE("the nearest value of a codebook is found, also among equal ones") {
   CHECK(io::nearest_in(codebook, 9.f) == 4);
 }
 
-TEST_CASE("a palette keeps few different rows, and of many the means of groups") {
+TEST_CASE("a palette keeps few distinct rows exactly, and many as cluster means") {
   const std::vector<float> few = {1, 2, 3, 4, 1, 2, 5, 6};
   const io::Palette kept = io::fit_palette(few, 2, 3);
   REQUIRE(kept.rows.size() == 6);
@@ -78,7 +78,7 @@ TEST_CASE("a palette keeps few different rows, and of many the means of groups")
   }
 }
 
-TEST_CASE("rows whose mean rounds to one of them are split all the same") {
+TEST_CASE("rows whose mean rounds to one of them are still split") {
   const float a = 1, b = std::nextafter(1.f, 2.f);
   const io::Palette palette = io::fit_palette(std::vector<float>{b, a, b, b}, 1, 4);
   CHECK(palette.rows[palette.label[1]] == a);

@@ -11,7 +11,7 @@
 namespace ngs {
 namespace {
 
-TEST_CASE("a compressed.ply of two Gaussians has the bytes of its layout") {
+TEST_CASE("a compressed.ply of two Gaussians has the expected bytes") {
   GaussianCloud cloud = test::plain_cloud(2, 1, 3);
   cloud.position = {0, 0, 0, 2, 4, 8};
   cloud.log_scale = {-1, -1, -1, -1, -1, 1};
@@ -59,7 +59,7 @@ TEST_CASE("a compressed.ply round trip loses at most half a step of every attrib
   }
 }
 
-TEST_CASE("an empty compressed.ply is one") {
+TEST_CASE("an empty compressed.ply is written and read") {
   const test::TempDir dir;
   (void)io::write_splat(dir.file("m.compressed.ply"), test::plain_cloud(3, 1, 1), {0, 0, 0});
   CHECK(io::read_gaussian_ply(dir.file("m.compressed.ply")).cloud.size() == 0);

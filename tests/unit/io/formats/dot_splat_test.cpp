@@ -20,7 +20,7 @@ std::string record(float x, float y, float z, float scale, const std::string& rg
          little_endian(scale * 4) + rgba + rotation;
 }
 
-TEST_CASE("a .splat written by hand reads as its layout says") {
+TEST_CASE("a .splat written by hand is decoded according to its layout") {
   const test::TempDir dir;
   dir.write("m.splat", record(1, -2, 3, 0.5f, std::string("\x00\x80\xff\x33", 4), std::string("\x00\x80\x80\x80", 4)) +
                            record(4, 5, 6, 1, std::string("\xff\xff\xff\x00", 4), std::string("\x80\xc0\x40\x80", 4)));
@@ -40,7 +40,7 @@ TEST_CASE("a .splat written by hand reads as its layout says") {
   CHECK(model.cloud.rotation[6] == doctest::Approx(-std::sqrt(0.5)));
 }
 
-TEST_CASE("a .splat round trip loses what bytes cannot say, and spherical harmonics") {
+TEST_CASE("a .splat round trip loses only quantisation and higher SH") {
   GaussianCloud cloud = test::plain_cloud(700, 2, 7);
   const test::TempDir dir;
   CHECK(io::write_splat(dir.file("m.splat"), cloud, {}).empty());
@@ -57,7 +57,7 @@ TEST_CASE("a .splat round trip loses what bytes cannot say, and spherical harmon
   CHECK(error.rotation <= 2 / 256.0);
 }
 
-TEST_CASE("a .splat of the identity rotation has it exactly") {
+TEST_CASE("the identity rotation survives a .splat round trip exactly") {
   GaussianCloud cloud = test::plain_cloud(1, 0, 7);
   cloud.rotation = {5, 0, 0, 0};
   const test::TempDir dir;
@@ -65,7 +65,7 @@ TEST_CASE("a .splat of the identity rotation has it exactly") {
   CHECK(test::splat_error(cloud, io::read_gaussian_ply(dir.file("m.splat")).cloud).rotation == 0);
 }
 
-TEST_CASE("scales and positions of a .splat that are no numbers exclude their rows") {
+TEST_CASE("NaN scales and positions of a .splat exclude their rows") {
   const std::string fine = std::string("\x80\x80\x80\x80", 4), turned = std::string("\xff\x80\x80\x80", 4);
   const std::string bytes = record(1, 2, 3, 1, fine, turned) + record(NAN, 2, 3, 1, fine, turned) +
                             record(1, 2, 3, -1, fine, turned) + record(1, 2, 3, 0, fine, turned);
@@ -76,7 +76,7 @@ TEST_CASE("scales and positions of a .splat that are no numbers exclude their ro
   CHECK(model.health.excluded() == 3);
 }
 
-TEST_CASE("a .splat that is no whole number of records is refused") {
+TEST_CASE("a .splat with an incomplete record is rejected") {
   const std::string bytes(64, '\0');
   for (std::size_t n = 0; n < bytes.size(); ++n) {
     if (n == 32) continue;

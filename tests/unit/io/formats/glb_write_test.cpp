@@ -48,7 +48,7 @@ struct Glb {
   }
 };
 
-TEST_CASE("a .glb holds what KHR_gaussian_splatting names, x left, y up, z forward") {
+TEST_CASE("a .glb has the attributes of KHR_gaussian_splatting, x left, y up, z forward") {
   GaussianCloud cloud = test::plain_cloud(2, 2, 9);
   cloud.position = {1, 2, 3, -4, 5, -6};
   cloud.rotation = {2, 0, 0, 0, 0.5f, 0.5f, -0.5f, 0.5f};
@@ -88,7 +88,7 @@ TEST_CASE("a .glb holds what KHR_gaussian_splatting names, x left, y up, z forwa
   }
 }
 
-TEST_CASE("an empty .glb is one, and a .glb is not read") {
+TEST_CASE("an empty model gives a valid .glb, and reading a .glb is an error") {
   const test::TempDir dir;
   (void)io::write_splat(dir.file("m.glb"), test::plain_cloud(3, 1, 1), {0, 0, 0});
   CHECK(Glb(test::read_bytes(dir.file("m.glb"))).json["scenes"].size() == 1);

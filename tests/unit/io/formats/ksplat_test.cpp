@@ -109,7 +109,7 @@ void check_refused(const std::string& bytes, const std::string& part) {
   }
 }
 
-TEST_CASE("a .ksplat that lies or is cut short is refused before memory is taken for it") {
+TEST_CASE("a truncated .ksplat, or one with invalid counts, is rejected before memory is allocated") {
   File good(1, 2, 0);
   for (int i = 0; i < 2; ++i) good.body += words({1, 2, 3, 4, 5, 6, 7, 8, 9, 10}) + kColour;
   CHECK(read_bytes(good.bytes()).size() == 2);
@@ -125,13 +125,13 @@ TEST_CASE("a .ksplat that lies or is cut short is refused before memory is taken
   check_refused(with(false, 16, little_endian(3u)), "2 Gaussians in its sections, expected 3");
   check_refused(with(false, 20, little_endian(std::uint16_t(3))), "compression 3");
   check_refused(with(true, 0, little_endian(3u)), "3 Gaussians in a section, expected at most 2");
-  check_refused(with(true, 4, little_endian(0xffffffffu)), "expected a whole file");
-  check_refused(with(true, 12, little_endian(0xffffffffu)), "expected a whole file");
+  check_refused(with(true, 4, little_endian(0xffffffffu)), "expected a complete file");
+  check_refused(with(true, 12, little_endian(0xffffffffu)), "expected a complete file");
   check_refused(with(true, 20, little_endian(std::uint16_t(0))), "without the centres");
   check_refused(with(true, 40, little_endian(std::uint16_t(4))), "SH degree 4");
   File few = good;
   put(few.body, 0, little_endian(0u));
-  check_refused(few.bytes(), "fewer places in its buckets");
+  check_refused(few.bytes(), "less capacity than it has Gaussians");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Models in wrappings: gzip, zip, and files that only stand beside a model.
+// Models in gzip and zip wrappers, and files that users pass instead of a model.
 #include "ngs/io/formats/compression/packed_model.h"
 
 #include <doctest/doctest.h>
@@ -57,7 +57,7 @@ TEST_CASE("a gzipped PLY and the only PLY of a zip archive are read as the PLY i
   }
 }
 
-TEST_CASE("an archive that is no model is refused with what it holds and the way out") {
+TEST_CASE("an archive without a model is rejected with its contents and a hint") {
   const Refusal two = refusal_of("two.zip", zip_of({"a.ply", "b.ply"}));
   CHECK(contains(two.what, "a zip archive of a.ply, b.ply"));
   CHECK(contains(two.remedy, "unzip it"));
@@ -69,18 +69,18 @@ TEST_CASE("an archive that is no model is refused with what it holds and the way
   CHECK(contains(other.remedy, "gunzip"));
 }
 
-TEST_CASE("a PLY that unpacks to more than 64 times the bytes of its file is refused before it is all unpacked") {
+TEST_CASE("a PLY that unpacks to more than 64 times its file size is rejected early") {
   const std::string zeros = model_bytes() + std::string(std::size_t(64) << 20, '\0');
   CHECK(contains(refusal_of("bomb.ply.gz", text_of(io::gzip(test::as_bytes(zeros)))).what, "unpacks to more than"));
 }
 
-TEST_CASE("a gzipped PLY that is cut short is refused") {
+TEST_CASE("a truncated gzipped PLY is rejected") {
   std::string gz = text_of(io::gzip(test::as_bytes(model_bytes())));
   gz.resize(gz.size() - 9);
   CHECK(contains(refusal_of("m.ply.gz", gz).what, "gzip stream"));
 }
 
-TEST_CASE("parts of an unpacked or streamed .sog, archives, pointers and pages are named") {
+TEST_CASE("files of an unpacked or streamed .sog, archives, LFS pointers and web pages are identified in the error") {
   const Refusal sog = refusal_of("meta.json", R"({"version":2,"count":4,"means":{},"quats":{},"sh0":{}})");
   CHECK(contains(sog.what, "meta.json: an unpacked .sog, expected a .sog in one file"));
   CHECK(contains(sog.remedy, "splat-transform"));

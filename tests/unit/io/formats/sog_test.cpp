@@ -19,7 +19,7 @@ namespace {
 
 using nlohmann::json;
 
-/// A picture of `texels`, each four bytes, in one row.
+/// An image of one row with `texels`, four bytes each.
 std::vector<std::uint8_t> picture(const std::vector<std::array<int, 4>>& texels, int width = 0) {
   io::RgbaTable table{width > 0 ? width : int(texels.size()), 1, {}};
   table.bytes.resize(table.texels() * 4, 0);
@@ -89,7 +89,7 @@ void check_refused(const std::string& bytes, const std::string& part) {
   }
 }
 
-TEST_CASE("a .sog of either version reads as its layout says") {
+TEST_CASE(".sog versions 1 and 2 are decoded according to their layouts") {
   for (const int version : {1, 2}) {
     CAPTURE(version);
     const test::TempDir dir;
@@ -103,7 +103,7 @@ TEST_CASE("a .sog of either version reads as its layout says") {
     CHECK(cloud.position[3] == doctest::Approx(std::expm1(1.0)));
     CHECK(cloud.position[4] == 0.f);
     const double r = std::sqrt(0.5);
-    CHECK(cloud.rotation[0] == 0.f);  // the others are too long for it
+    CHECK(cloud.rotation[0] == 0.f);  // the other three already have a length above 1
     CHECK(cloud.rotation[1] == doctest::Approx(r));
     CHECK(cloud.rotation[2] == doctest::Approx(-r));
     CHECK(cloud.rotation[3] == doctest::Approx(r * (128 / 127.5 - 1)));
@@ -142,7 +142,7 @@ TEST_CASE("a .sog round trip loses at most half a step of every attribute") {
   }
 }
 
-TEST_CASE("the same model gives the same .sog, and an empty one is a .sog") {
+TEST_CASE("equal models give equal .sog bytes, and an empty model gives a valid .sog") {
   const GaussianCloud cloud = test::plain_cloud(40, 2, 13);
   const test::TempDir dir;
   (void)io::write_splat(dir.file("a.sog"), cloud, {});
@@ -152,13 +152,13 @@ TEST_CASE("the same model gives the same .sog, and an empty one is a .sog") {
   CHECK(io::read_gaussian_ply(dir.file("none.sog")).cloud.size() == 0);
 }
 
-TEST_CASE("a .sog that is cut short is refused") {
+TEST_CASE("a truncated .sog is rejected") {
   const std::string bytes = Files(2).bytes();
   for (std::size_t n = 0; n < bytes.size(); n += 7)
     CHECK_THROWS_AS((void)io::decode_sog("cut.sog", test::as_bytes(bytes.substr(0, n))), Error);
 }
 
-TEST_CASE("a .sog that lies is refused, before memory is taken for it") {
+TEST_CASE("a .sog with invalid metadata is rejected before memory is allocated") {
   const auto with = [](const std::function<void(Files&)>& spoil) {
     Files files(2);
     spoil(files);
@@ -176,7 +176,7 @@ TEST_CASE("a .sog that lies is refused, before memory is taken for it") {
   check_refused(with([](Files& f) { f.meta["sh0"]["codebook"] = json::array(); }), "holds 0 numbers, expected 256");
   check_refused(with([](Files& f) { f.meta["sh0"]["files"] = {"../../etc/passwd"}; }), "no entry '../../etc/passwd'");
   check_refused(with([](Files& f) { f.meta["shN"]["bands"] = 2; }), "contradicts the width");
-  check_refused(with([](Files& f) { f.meta = json::array(); }), "no JSON object");
+  check_refused(with([](Files& f) { f.meta = json::array(); }), "not a JSON object");
   check_refused(with([](Files& f) {
                   f.picture_of("q.webp") = picture({{0, 0, 0, 255}, {0, 0, 0, 251}});
                 }),
@@ -186,15 +186,15 @@ TEST_CASE("a .sog that lies is refused, before memory is taken for it") {
                 }),
                 "label 64 of Gaussian 0, expected less than 64");
   check_refused(with([](Files& f) { f.picture_of("p.webp") = picture({{0, 0, 0, 255}}, 100); }), "100 pixels wide");
-  check_refused(with([](Files& f) { f.picture_of("s.webp") = {'R', 'I', 'F', 'F'}; }), "no WebP picture");
-  check_refused(with([](Files& f) { f.picture_of("s.webp").resize(30); }), "WebP picture");
+  check_refused(with([](Files& f) { f.picture_of("s.webp") = {'R', 'I', 'F', 'F'}; }), "not a WebP image");
+  check_refused(with([](Files& f) { f.picture_of("s.webp").resize(30); }), "WebP image");
   // 16383 x 16383 constant pixels are a few hundred bytes of WebP
   io::RgbaTable large{16383, 400, std::vector<std::uint8_t>(std::size_t(16383) * 400 * 4, 7)};
   check_refused(with([&](Files& f) { f.picture_of("c.webp") = io::encode_webp(large); }),
                 "16383 x 400 pixels, expected at most 65540 in all");
 }
 
-TEST_CASE("an entry of a zip archive is bounded before it is read, found in a folder, and checked") {
+TEST_CASE("zip entries: size is checked before reading, folders are searched, damage is detected") {
   const std::vector<std::uint8_t> bytes = io::zip({{"folder/a", {1, 2, 3}}, {"b", {}}});
   const std::string name = "x.zip";
   const io::ZipReader reader(name, bytes);
@@ -203,7 +203,7 @@ TEST_CASE("an entry of a zip archive is bounded before it is read, found in a fo
   CHECK_THROWS_AS((void)reader.read("a", 2), Error);
   CHECK_THROWS_AS((void)reader.read("c", 9), Error);
   std::vector<std::uint8_t> damaged = bytes;
-  damaged[30 + 8 + 1] ^= 1;  // behind the local header and the name
+  damaged[30 + 8 + 1] ^= 1;  // after the local header and the name
   const io::ZipReader other(name, damaged);
   CHECK_THROWS_AS((void)other.read("a", 3), Error);
 }

@@ -15,7 +15,7 @@ namespace {
 
 using io::SplatFormat;
 
-TEST_CASE("the content of a file says what it is, and its name where the content does not") {
+TEST_CASE("the format is detected from the content, or from the name if there is no signature") {
   const auto format = [](const char* name, const std::string& bytes) {
     return io::input_format(name, test::as_bytes(bytes));
   };
@@ -33,7 +33,7 @@ TEST_CASE("the content of a file says what it is, and its name where the content
   CHECK(format("a.obj", "v 1 2 3") == SplatFormat::kPly);
 }
 
-TEST_CASE("the name of an output says its format, and labels go into PLY only") {
+TEST_CASE("the output format follows from the name, and labels are written to PLY only") {
   CHECK(io::output_format("x/object.spz") == SplatFormat::kSpz);
   CHECK(io::output_format("object.SPLAT") == SplatFormat::kSplat);
   CHECK(io::output_format("object.sog") == SplatFormat::kSog);
@@ -67,7 +67,7 @@ Matrix covariance(const io::SplatRow& row) {
   return c;
 }
 
-TEST_CASE("a row in another frame has the mirrored ellipsoid and the same colours from the mirrored side") {
+TEST_CASE("a row converted to another frame has the mirrored ellipsoid and the same colours from mirrored directions") {
   test::Random random(4);
   io::SplatRow row;
   double length = 0;

@@ -27,7 +27,7 @@ const std::string kPosition = std::string("\x00\x01\x00\x00\xfe\xff\x80\x03\x00"
 const std::string kRotation = little_endian(std::uint32_t(3u << 30 | 511u << 20 | (512u + 256u) << 10 | 0u));
 const std::string kSh1 = std::string("\x80\xff\x00\xc0\x40\x81\x7f\x90\x70", 9);
 
-/// What is in every version: x right, y down, z forward.
+/// Common to all versions: x right, y down, z forward.
 void check_common(const GaussianCloud& cloud) {
   REQUIRE(cloud.size() == 1);
   CHECK(cloud.logit_opacity[0] == doctest::Approx(std::log(128.0 / 127)).epsilon(1e-6));
@@ -72,7 +72,7 @@ void check_refused(const std::string& bytes, const std::string& part) {
   }
 }
 
-TEST_CASE("a version 3 .spz written by hand reads as its layout says") {
+TEST_CASE("a version 3 .spz written by hand is decoded according to its layout") {
   const io::GaussianPly model =
       read_bytes(test::stored_gzip(header(3, 1, 1, 8, 1) + kPosition + kAlpha + kColour + kScale + kRotation + kSh1));
   check_common(model.cloud);
@@ -99,7 +99,7 @@ TEST_CASE("versions 1 and 2 have half floats and three bytes of rotation") {
     CHECK(model.cloud.rotation[1] == 1.f);
     CHECK(model.cloud.rotation[2] == doctest::Approx(-(128 / 127.5 - 1)));
     CHECK(model.cloud.rotation[3] == doctest::Approx(-(64 / 127.5 - 1)));
-    CHECK(model.cloud.rotation[0] == 0.f);  // longer than 1 without it
+    CHECK(model.cloud.rotation[0] == 0.f);  // the other three already have a length above 1
   }
 }
 
@@ -119,7 +119,7 @@ TEST_CASE("version 4 has a zstd stream per attribute, and may name its frame") {
                 "coordinate system 9");
 }
 
-TEST_CASE("SH of degree 4 are cut to 3, and the reader says so") {
+TEST_CASE("SH of degree 4 are truncated to 3, with a note") {
   std::string sh(72, '\x80');
   sh[44] = '\xff', sh[45] = '\x00';
   const io::GaussianPly model =
@@ -148,12 +148,12 @@ TEST_CASE("an .spz round trip loses at most half a step of every attribute") {
     CHECK(error.sh_dc <= 0.5 / 255 / 0.15 + kRounding);
     CHECK(error.sh_rest <= 0.5 / 128 + kRounding);
     // The three that are stored lose h = √½ / 511 / 2. The fourth is L = √(1 - Σ q²) >= 1/2: h Σ|q| / L <= 3 h, and
-    // what is quadratic in h.
+    // a term quadratic in h.
     CHECK(error.rotation <= 3 * std::sqrt(0.5) / 1022 * 1.01);
   }
 }
 
-TEST_CASE("positions get as many bits as the farthest of them leaves room for") {
+TEST_CASE("positions get as many fractional bits as the largest coordinate allows") {
   const auto error_at = [](float reach) {
     GaussianCloud cloud = test::plain_cloud(50, 0, 3);
     for (float& p : cloud.position) p *= reach / 3;
@@ -168,7 +168,7 @@ TEST_CASE("positions get as many bits as the farthest of them leaves room for") 
   CHECK_THROWS_AS(error_at(9e6f), Error);
 }
 
-TEST_CASE("the same model gives the same .spz, and rows that it cannot hold are left out and counted") {
+TEST_CASE("equal models give equal .spz bytes, and rows that .spz cannot store are left out and counted") {
   GaussianCloud cloud = test::plain_cloud(20, 1, 5);
   cloud.position[3] = NAN;
   classify(cloud);
@@ -186,7 +186,7 @@ TEST_CASE("the same model gives the same .spz, and rows that it cannot hold are 
   CHECK(back.cloud.position[0] == doctest::Approx(cloud.position[6]).epsilon(1e-4));
 }
 
-TEST_CASE("values beyond an .spz are kept at its ends") {
+TEST_CASE("values outside the ranges of .spz are clamped") {
   GaussianCloud cloud = test::plain_cloud(1, 1, 5);
   cloud.log_scale = {-30.f, 20.f, 0.f};
   cloud.logit_opacity[0] = INFINITY;
@@ -198,10 +198,10 @@ TEST_CASE("values beyond an .spz are kept at its ends") {
   CHECK(back.log_scale == std::vector<float>{-10.f, 5.9375f, 0.f});
   CHECK(back.logit_opacity[0] == INFINITY);
   CHECK(back.sh_dc[0] == doctest::Approx(0.5 / 0.15));
-  CHECK(back.sh_rest[0] == doctest::Approx(-127 / 128.0));  // mirrored, its end is that of the other side
+  CHECK(back.sh_rest[0] == doctest::Approx(-127 / 128.0));  // mirrored, it is clamped at the opposite end
 }
 
-TEST_CASE("an .spz that is cut short anywhere is refused") {
+TEST_CASE("an .spz truncated at any byte is rejected") {
   const std::string gzip =
       test::stored_gzip(header(3, 1, 1, 8) + kPosition + kAlpha + kColour + kScale + kRotation + kSh1);
   const std::string zstd =
@@ -212,7 +212,7 @@ TEST_CASE("an .spz that is cut short anywhere is refused") {
   for (std::size_t n = 0; n < zstd.size(); ++n) CHECK_THROWS_AS(decode(zstd.substr(0, n)), Error);
 }
 
-TEST_CASE("an .spz that lies is refused before memory is taken for it") {
+TEST_CASE("an .spz with invalid counts is rejected before memory is allocated") {
   const std::string payload = kPosition + kAlpha + kColour + kScale + kRotation;
   check_refused(test::stored_gzip(header(3, 0xffffffffu, 3, 8) + payload), "expected at most 1032 times as many");
   check_refused(test::stored_gzip(header(3, 2, 0, 8) + payload), "bytes early");
@@ -231,12 +231,12 @@ TEST_CASE("an .spz that lies is refused before memory is taken for it") {
   check_refused(version_4(header(4, 1, 0, 8, 0, 5), "", {kPosition, kAlpha, kColour, kScale, kRotation + "x"}),
                 "stream 4 of 5 bytes, expected 4");
   std::string longer = version_4(header(4, 1, 0, 8, 0, 5), "", attributes);
-  longer[32] = '\x7f';  // the first stream claims the others' bytes
+  longer[32] = '\x7f';  // the first stream extends over the others' bytes
   check_refused(longer, "stream 0");
 }
 
 }  // namespace
-TEST_CASE("one row far away from the others is named where it makes the steps wider than the Gaussians") {
+TEST_CASE("a distant row that makes the steps wider than the Gaussians is reported") {
   GaussianCloud cloud = test::plain_cloud(600, 1, 21);
   for (float& s : cloud.log_scale) s = -4;
   const test::TempDir dir;

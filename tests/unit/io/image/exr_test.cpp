@@ -40,7 +40,7 @@ std::string refusal(const std::string& bytes) {
 
 }  // namespace
 
-TEST_CASE("an EXR comes back bit for bit with all channels and attributes") {
+TEST_CASE("an EXR is read back bit for bit with all channels and attributes") {
   const test::TempDir dir;
   ExrImage image = sample(37, 21);
   image.channels["Z"] = std::vector<float>(37 * 21, std::numeric_limits<float>::infinity());
@@ -72,7 +72,7 @@ TEST_CASE("every prefix of an EXR is refused as bad input") {
   }
 }
 
-TEST_CASE("an EXR attribute whose size is not that of its value is refused before what follows is misread") {
+TEST_CASE("an EXR attribute whose declared size differs from its value is rejected") {
   const test::TempDir dir;
   write_exr(dir.file("a.exr"), sample(5, 3));
   for (const std::string type : {"chlist", "box2i", "compression", "lineOrder", "v2f", "float"})
@@ -80,18 +80,18 @@ TEST_CASE("an EXR attribute whose size is not that of its value is refused befor
       CAPTURE(type);
       CAPTURE(change);
       std::string bytes = test::read_bytes(dir.file("a.exr"));
-      const std::size_t at = bytes.rfind('\0' + type + '\0');  // an attribute may have its type's name
+      const std::size_t at = bytes.rfind('\0' + type + '\0');  // an attribute may have the name of its type
       REQUIRE(at != std::string::npos);
       bytes[at + type.size() + 2] = char(bytes[at + type.size() + 2] + change);
       CHECK(refusal(bytes).find("an attribute of type " + type) != std::string::npos);
     }
   std::string bytes = test::read_bytes(dir.file("a.exr"));
   const std::size_t size_at = bytes.find("chlist") + 7;
-  bytes[size_at + 4 + std::size_t(bytes[size_at]) - 1] = '\xff';  // the list does not end where its bytes do
+  bytes[size_at + 4 + std::size_t(bytes[size_at]) - 1] = '\xff';  // the channel list ends after its declared size
   CHECK(refusal(bytes).find("an attribute of type chlist") != std::string::npos);
 }
 
-TEST_CASE("an EXR header that claims far more pixels than its bytes can hold is refused") {
+TEST_CASE("an EXR header that declares far more pixels than its bytes can hold is rejected") {
   const test::TempDir dir;
   write_exr(dir.file("a.exr"), sample(5, 3));
   const auto refused = [&](std::int32_t right, std::int32_t bottom) {
@@ -102,17 +102,17 @@ TEST_CASE("an EXR header that claims far more pixels than its bytes can hold is 
     bytes.replace(at + 12, 4, reinterpret_cast<const char*>(&bottom), 4);
     return refusal(bytes);
   };
-  CHECK(refused(9000, 9000).find("header claims") != std::string::npos);
+  CHECK(refused(9000, 9000).find("header declares") != std::string::npos);
   CHECK(refused(12000, 12000).find("image of 12001x12001 px") != std::string::npos);
   // One row of 4 MB, which the library would unpack 16 rows at a time, with a buffer for each of several chunks.
-  CHECK(refused(999999, 0).find("header claims") != std::string::npos);
-  // A larger file may claim more, but no more than its way of packing can hold: here 11 million columns, which the
+  CHECK(refused(999999, 0).find("header declares") != std::string::npos);
+  // A larger file may declare more, up to the limit of its compression: here 11 million columns, which the
   // library would unpack 16 rows at a time, 700 MB in one piece.
   write_exr(dir.file("a.exr"), sample(60, 60));
-  CHECK(refused(11272195, 2).find("header claims") != std::string::npos);
+  CHECK(refused(11272195, 2).find("header declares") != std::string::npos);
 }
 
-TEST_CASE("an EXR of one value, which packs best, is read however it is packed") {
+TEST_CASE("a constant EXR, which compresses best, is read with every compression") {
   const test::TempDir dir;
   for (int compression = Imf::NO_COMPRESSION; compression < Imf::NUM_COMPRESSION_METHODS; ++compression)
     for (const int height : {2048, 1}) {

@@ -66,20 +66,20 @@ TEST_CASE(
     SceneView view;
     view.camera.width_px = 6, view.camera.height_px = 4, view.image_path = path;
     scene.views = {view};
-    const HeldPhoto held = hold_photo(scene, 0);
+    const PackedPhoto held = read_packed_photo(scene, 0);
     CHECK(held.bytes() == 24 * bytes_per_pixel);
-    if (channels == 3) CHECK(held_photo_bytes(scene, 0) == double(held.bytes()));
+    if (channels == 3) CHECK(packed_photo_bytes(scene, 0) == double(held.bytes()));
     const ImageF whole = read_image_rgb(path, {0.25f, 0.5f, 1.f});
     CHECK(held.rgb().data == resize_area(whole, 6, 4).data);
     CHECK(load_photo(scene, 0).data == held.rgb().data);
   }
   scene.views[0].image_path.clear();
-  CHECK(hold_photo(scene, 0).empty());
+  CHECK(read_packed_photo(scene, 0).empty());
   CHECK(load_photo(scene, 0).empty());
-  CHECK(held_photo_bytes(scene, 0) == 0);
+  CHECK(packed_photo_bytes(scene, 0) == 0);
 }
 
-TEST_CASE("a PNG comes back as it was written, 8 and 16 bit, 1, 3 and 4 channels") {
+TEST_CASE("a PNG is read back as written, 8 and 16 bit, 1, 3 and 4 channels") {
   const TempDir dir;
   for (const int channels : {1, 3, 4}) {
     ImageU8 small(3, 2, channels);
@@ -107,7 +107,7 @@ TEST_CASE("write_png gives the same bytes for the same image") {
   CHECK(test::read_bytes(dir.file("a.png")) == test::read_bytes(dir.file("b.png")));
 }
 
-TEST_CASE("read_image_rgb scales to [0, 1], replicates grey and shows what is behind transparent pixels") {
+TEST_CASE("read_image_rgb scales to [0, 1], replicates grey and composites transparent pixels over the background") {
   const TempDir dir;
   ImageU16 grey(1, 1, 1, 65535);
   write_png16(dir.file("grey.png"), grey);
@@ -131,7 +131,7 @@ TEST_CASE("read_image_rgb scales to [0, 1], replicates grey and shows what is be
   CHECK(is_transparent(dir.file("rgba.png")));
 }
 
-TEST_CASE("transparency is found in 16 bit too, and never in a JPEG") {
+TEST_CASE("transparency is detected in 8 and 16 bit, and never in a JPEG") {
   const TempDir dir;
   ImageU16 rgba(2, 1, 4, 65535);
   rgba.data[7] = 65534;
@@ -153,7 +153,7 @@ TEST_CASE("a palette PNG gives its indices, whatever the colours and the bit dep
   }
 }
 
-TEST_CASE("a palette PNG of a mask gives its greys in whatever order they are, or the indices of a tracker") {
+TEST_CASE("a palette PNG mask gives its greys in any palette order, or a tracker's indices") {
   const TempDir dir;
   const auto values = [&](const std::string& palette, Palette meaning) {
     dir.write("p.png", raw_png(3, 1, 8, 3, std::string("\0\0\1\1", 4), palette));
@@ -187,7 +187,7 @@ TEST_CASE("every prefix of a PNG is refused as bad input") {
   }
 }
 
-TEST_CASE("a header that claims an absurd size is refused before decoding") {
+TEST_CASE("a header that declares an absurd size is rejected before decoding") {
   const TempDir dir;
   const std::string header{0x7f, 0, 0, 0, 0x7f, 0, 0, 0, 8, 0, 0, 0, 0};
   dir.write("huge.png",

@@ -14,7 +14,7 @@ using test::views_named;
 
 }  // namespace
 
-TEST_CASE("every naming rule finds the mask and is reported by its name") {
+TEST_CASE("every naming rule finds its mask and is reported") {
   const struct {
     const char *view, *file, *rule;
   } cases[] = {{"a.jpg", "a.jpg.png", "<name>.png"},
@@ -43,7 +43,7 @@ TEST_CASE("every naming rule finds the mask and is reported by its name") {
   }
 }
 
-TEST_CASE("a second mask of a view is counted, and which of them is taken can be said") {
+TEST_CASE("a second mask of a view is counted, and both files are reported") {
   const TempDir dir;
   for (const char* file : {"a.jpg", "a.png", "b.png", "c.jpg", "c_mask.png", "d.png", "d.exr"}) dir.write(file, "x");
   std::vector<SceneView> views = views_named({"a.jpg", "b.png", "c.jpg", "d.jpg"});
@@ -54,22 +54,22 @@ TEST_CASE("a second mask of a view is counted, and which of them is taken can be
   CHECK(views[2].mask_path == dir.path() + "/c.jpg");
 }
 
-TEST_CASE("masks among the photos are told from them, and pictures that are no view's are counted") {
+TEST_CASE("masks in the photo folder are distinguished from photos, and images of no view are counted") {
   const TempDir dir;
   for (const char* file : {"a.jpg", "a.jpg.mask.png", "b.jpg", "b_mask.png", "c.png", "sub/b.png"})
     dir.write(file, "x");
   std::vector<SceneView> views = views_named({"a.jpg", "b.jpg"});
   for (SceneView& view : views) view.image_path = dir.path() + "/" + view.camera.name;
-  CHECK(holds_masks_beside(dir.path(), views));
+  CHECK(photo_folder_holds_masks(dir.path(), views));
   const MaskMatches matches = match_masks(dir.path(), {}, views);
   CHECK(views[0].mask_path == dir.path() + "/a.jpg.mask.png");
   CHECK(views[1].mask_path == dir.path() + "/b_mask.png");
   CHECK(matches.several == 0);
   CHECK(matches.of_no_view == std::vector<std::string>{dir.path() + "/c.png", dir.path() + "/sub/b.png"});
-  CHECK_FALSE(holds_masks_beside(dir.path(), views_named({"c.png"})));
+  CHECK_FALSE(photo_folder_holds_masks(dir.path(), views_named({"c.png"})));
 }
 
-TEST_CASE("the files of a rig keep their folders; one that two views could mean is refused") {
+TEST_CASE("rig files are matched by folder; a file that matches two views is rejected") {
   const TempDir dir;
   const std::vector<std::string> names = {"cam0/0.jpg", "cam0/1.jpg", "cam1/0.jpg", "cam1/1.jpg"};
   for (const char* file : {"cam0/0.png", "cam1/0.png", "1.png"}) dir.write(file, "x");
@@ -79,11 +79,10 @@ TEST_CASE("the files of a rig keep their folders; one that two views could mean 
     FAIL("accepted");
   } catch (const Error& e) {
     CHECK(e.code() == ErrorCode::kInconsistent);
-    CHECK(std::string(e.what()).find("1.png: is called like both views cam0/1.jpg and cam1/1.jpg") !=
-          std::string::npos);
+    CHECK(std::string(e.what()).find("1.png: matches both views cam0/1.jpg and cam1/1.jpg") != std::string::npos);
     CHECK(e.remedy().find("/cam1/1.png") != std::string::npos);
   }
-  dir.write("cam0/1.png", "x");  // the file without a folder is then the other's
+  dir.write("cam0/1.png", "x");  // then the file without a folder matches only the other view
   views = views_named(names);
   CHECK(match_masks(dir.path(), {}, views).unmatched.empty());
   for (std::size_t v = 0; v < 3; ++v)
@@ -91,14 +90,14 @@ TEST_CASE("the files of a rig keep their folders; one that two views could mean 
   CHECK(views[3].mask_path == dir.path() + "/1.png");
 }
 
-TEST_CASE("a file that has a view's full name is no other view's") {
+TEST_CASE("a file that matches a view's full name is not used for another view") {
   const TempDir dir;
   dir.write("0.png", "x");
   std::vector<SceneView> views = views_named({"0.png", "cam/0.png"});
   CHECK(match_masks(dir.path(), {}, views).unmatched == std::vector<std::string>{"cam/0.png"});
 }
 
-TEST_CASE("a name in several formats is no match, and prefixes do not match") {
+TEST_CASE("a stem in several formats does not match, and neither do prefixes") {
   const TempDir dir;
   dir.write("a.tif", "x");
   dir.write("a.exr", "x");
@@ -107,7 +106,7 @@ TEST_CASE("a name in several formats is no match, and prefixes do not match") {
   CHECK(match_masks(dir.path(), {}, views).views_by_rule.empty());
 }
 
-TEST_CASE("a path that the source names comes before the folder") {
+TEST_CASE("a mask path in the source takes precedence over the folder") {
   const TempDir dir;
   dir.write("a.png", "x");
   std::vector<SceneView> views = views_named({"a.png"});
@@ -116,7 +115,7 @@ TEST_CASE("a path that the source names comes before the folder") {
   CHECK(views[0].mask_path == "/own/mask.png");
 }
 
-TEST_CASE("sub-folders become objects, or only those that were named") {
+TEST_CASE("all sub-folders become objects, or only the named ones") {
   const TempDir dir;
   for (const char* file : {"cup/a.png", "spoon/a.png", "spoon/b.png", "empty/z.png"}) dir.write(file, "x");
   std::vector<SceneView> views = views_named({"a.jpg", "b.jpg"});
@@ -127,7 +126,7 @@ TEST_CASE("sub-folders become objects, or only those that were named") {
   CHECK(match_masks(dir.path(), {"cup"}, views).unmatched == std::vector<std::string>{"b.jpg"});
 }
 
-TEST_CASE("masks of one view that are named otherwise for another object are refused, not lost") {
+TEST_CASE("masks of a view with different file names per object are rejected") {
   const TempDir dir;
   for (const char* file : {"cup/a.png", "cup/b.png", "spoon/a.png", "spoon/b_mask.png"}) dir.write(file, "x");
   std::vector<SceneView> views = views_named({"a.jpg", "b.jpg"});

@@ -37,7 +37,7 @@ std::string grey(const TempDir& dir, const std::string& name, int width, std::ve
 
 }  // namespace
 
-TEST_CASE("binary masks are cut at the threshold, object at and above it") {
+TEST_CASE("binary masks: object at and above the threshold") {
   const TempDir dir;
   Scene scene = one_view(MaskMode::kBinary, 4, 1, grey(dir, "m.png", 4, {0, 127, 128, 255}));
   CHECK(load_masks(scene, 0).target[0] == Values{0, 0, 1, 1});
@@ -47,7 +47,7 @@ TEST_CASE("binary masks are cut at the threshold, object at and above it") {
   CHECK(load_masks(scene, 0).target[0] == Values{1, 0, 0, 0});
 }
 
-TEST_CASE("a binary mask of 16 bit is cut at the same share of its range") {
+TEST_CASE("16-bit binary masks use the threshold relative to their range") {
   const TempDir dir;
   ImageU16 image(3, 1, 1);
   image.data = {128 * 257 - 1, 128 * 257, 65535};
@@ -63,7 +63,7 @@ TEST_CASE("a mask of zeros and ones is recognised and noted") {
   CHECK(got.notes[0].find("values are 0 and 1 only") != std::string::npos);
 }
 
-TEST_CASE("a mask of 8 bit that was saved as 16 bit is recognised and noted, other small values are none") {
+TEST_CASE("an 8-bit mask saved as 16 bit is recognised and noted; other small values are not") {
   const TempDir dir;
   ImageU16 image(2, 1, 1);
   image.data = {0, 255};
@@ -94,7 +94,7 @@ TEST_CASE("label maps give one plane per object, 8 and 16 bit") {
   CHECK(masks.target[0] == Values{0, 1, 0, 1});
   CHECK(masks.target[1] == Values{0, 0, 1, 0});
   ImageU16 wide(2, 1, 1);
-  wide.data = {300, 44};  // 300 & 255 == 44: the high byte counts
+  wide.data = {300, 44};  // 300 & 255 == 44: the high byte must not be ignored
   write_png16(dir.file("w.png"), wide);
   scene = one_view(MaskMode::kLabel, 2, 1, dir.file("w.png"));
   scene.objects = {{"o", 300}};
@@ -123,7 +123,7 @@ TEST_CASE("a coloured label map is refused") {
                        doctest::Contains("expected a label map"), Error);
 }
 
-TEST_CASE("a label map that went through JPEG is refused, other masks are not") {
+TEST_CASE("a JPEG label map is rejected, other JPEG masks are read") {
   const TempDir dir;
   const std::vector<std::uint8_t> jpeg = encode_jpeg(ImageU8(8, 8, 3, 200), 90);
   const std::string path = dir.write("m.jpg", {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
@@ -167,7 +167,7 @@ TEST_CASE("the alpha channel of a cut-out is the mask") {
   CHECK(load_masks(one_view(MaskMode::kBinary, 2, 1, dir.file("m.png")), 0).target[0] == Values{0, 1});
 }
 
-TEST_CASE("an object painted in a pure colour is not lost") {
+TEST_CASE("an object painted in a pure colour is in the mask") {
   const TempDir dir;
   ImageU8 image(3, 1, 3);
   image.data = {0, 0, 255, 0, 0, 0, 255, 0, 0};
@@ -185,7 +185,7 @@ TEST_CASE("a binary mask twice as large is reduced by majority, the object wins 
   const LoadedMasks got = load_masks_with_notes(one_view(MaskMode::kBinary, 3, 1, path), 0);
   CHECK(got.masks.target[0] == Values{0, 1, 1});
   CHECK(got.resized);
-  CHECK(got.notes[0].find("6x2 px brought to the camera's 3x1 px") != std::string::npos);
+  CHECK(got.notes[0].find("6x2 px resampled to the camera's 3x1 px") != std::string::npos);
 }
 
 TEST_CASE("a label map is reduced to the label with the largest share") {
@@ -197,7 +197,7 @@ TEST_CASE("a label map is reduced to the label with the largest share") {
   CHECK(masks.target[1] == Values{1});
 }
 
-TEST_CASE("a label map reduced at once is what its objects' planes are reduced to, ties and other ids included") {
+TEST_CASE("fast reduction of a label map equals the reduction of its objects' planes, including ties and other ids") {
   const TempDir dir;
   for (const int scale : {2, 4})
     for (int seed = 0; seed < 3; ++seed) {
@@ -212,7 +212,7 @@ TEST_CASE("a label map reduced at once is what its objects' planes are reduced t
       Scene scene = one_view(MaskMode::kLabel, w, h, grey(dir, "m.png", w * scale, ids));
       scene.objects = {{"c", 2}, {"a", 0}, {"b", 3}, {"nowhere", 65535}};
       const LoadedMasks at_once = load_masks_with_notes(scene, 0);
-      scene.void_id = 200;  // which no pixel has, but might
+      scene.void_id = 200;  // no pixel has it, but the slow path is taken
       const LoadedMasks by_plane = load_masks_with_notes(scene, 0);
       CHECK(at_once.masks.target == by_plane.masks.target);
       CHECK(at_once.resized);
@@ -226,7 +226,7 @@ TEST_CASE("a label map reduced at once is what its objects' planes are reduced t
     }
 }
 
-TEST_CASE("what a label map or a band calls unknown is no evidence, and no background where a mask is reduced") {
+TEST_CASE("unknown pixels of label maps and bands are no evidence, and not background in reductions") {
   const TempDir dir;
   Scene scene = one_view(MaskMode::kLabel, 4, 1, grey(dir, "m.png", 4, {0, 7, 255, 7}));
   scene.objects = {{"cup", 7}};
@@ -262,13 +262,13 @@ TEST_CASE("masks of the full-size photos suit cameras at image_scale") {
   CHECK(load_masks(scene, 0).target[0] == Values(9, 1.f));
 }
 
-TEST_CASE("a mask of another shape is refused and both sizes are named") {
+TEST_CASE("a mask of another aspect ratio is rejected with both sizes") {
   const TempDir dir;
   const Scene scene = one_view(MaskMode::kBinary, 4, 3, grey(dir, "m.png", 5, {0, 0, 0, 0, 0}));
   CHECK_THROWS_WITH_AS(load_masks(scene, 0), doctest::Contains("mask of 5x1 px for view a.png of 4x3 px"), Error);
 }
 
-TEST_CASE("a mask that lies turned is told from one of another shape") {
+TEST_CASE("a rotated mask gets another hint than one of another aspect ratio") {
   const TempDir dir;
   const auto remedy = [&](int width, int height) {
     write_png(dir.file("m.png"), ImageU8(width, height, 1));
@@ -284,7 +284,7 @@ TEST_CASE("a mask that lies turned is told from one of another shape") {
   CHECK(remedy(300, 410).find("photos that the scene names") != std::string::npos);
 }
 
-TEST_CASE("a missing mask is unknown, empty or an error, as the scene says") {
+TEST_CASE("a missing mask is unknown, empty or an error, according to missing_mask") {
   Scene scene = one_view(MaskMode::kBinary, 2, 2, "");
   CHECK_FALSE(load_masks(scene, 0).available);
   scene.missing_mask = MissingMask::kEmpty;
@@ -307,7 +307,7 @@ TEST_CASE("one folder per object gives one plane per object, and an absent file 
   CHECK(load_masks(scene, 0).target == std::vector<Values>{{1, 0}, {0, 1}, {0, 0}});
 }
 
-TEST_CASE("the colours under transparent pixels of a photo reach no pixel of the reduced one") {
+TEST_CASE("colours of transparent pixels do not affect the reduced photo") {
   const TempDir dir;
   Scene scene = one_view(MaskMode::kBinary, 1, 1, "");
   ImageU8 rgba(2, 1, 4);

@@ -31,26 +31,26 @@ struct Photos {
 
 }  // namespace
 
-TEST_CASE("a photo that is kept is decoded once, with the colours of its file") {
+TEST_CASE("a cached photo is decoded once, with the colours of its file") {
   const Photos photos;
   const ImageF first = load_photo(photos.scene, 0), last = load_photo(photos.scene, 2);
   PhotoCache cache(photos.scene, {0, 2});
   CHECK(cache.load(0).data == first.data);
   CHECK(cache.load(1).data == load_photo(photos.scene, 1).data);
   CHECK(cache.load(2).data == last.data);
-  CHECK(cache.kept_bytes() == 2 * 72);  // as bytes, not as floats
+  CHECK(cache.cache_bytes() == 2 * 72);  // cached as bytes, not as floats
   for (const std::size_t v : {0, 1, 2}) photos.remove(v);
   CHECK(cache.load(0).data == first.data);
   CHECK(cache.load(2).data == last.data);
-  CHECK(cache.kept_bytes() == 2 * 72);
-  CHECK_THROWS_AS(cache.load(1), Error);  // was not to be kept
+  CHECK(cache.cache_bytes() == 2 * 72);
+  CHECK_THROWS_AS(cache.load(1), Error);  // view 1 was not to be cached
 }
 
-TEST_CASE("photos beyond the memory set aside are decoded each time") {
+TEST_CASE("photos beyond the memory limit are decoded on each load") {
   const Photos photos;
   PhotoCache cache(photos.scene, {0, 1, 2}, 2 * 72 + 71);
   for (const std::size_t v : {1, 0, 2}) CHECK(cache.load(v).data == load_photo(photos.scene, v).data);
-  CHECK(cache.kept_bytes() == 2 * 72);
+  CHECK(cache.cache_bytes() == 2 * 72);
   for (const std::size_t v : {0, 1, 2}) photos.remove(v);
   CHECK(cache.load(1).width_px == 6);
   CHECK(cache.load(0).width_px == 6);

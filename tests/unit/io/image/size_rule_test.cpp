@@ -1,4 +1,4 @@
-// Which sizes of photos and masks belong to which cameras, and the size that is worked at.
+// Which sizes of photos and masks are accepted for a camera, and the working size.
 #include "ngs/io/image/size_rule.h"
 
 #include <doctest/doctest.h>
@@ -17,7 +17,7 @@ namespace {
 
 using test::TempDir;
 
-/// COLMAP files of one camera, 0.png, in `dir`; its working size is left to the import.
+/// COLMAP files with one camera, 0.png, in `dir`; the import chooses the working size.
 ImportRequest one_camera(const TempDir& dir, ImageSize size) {
   auto views = test::random_cameras(1, false);
   views[0].camera.name = "0.png", views[0].camera.width_px = size.width_px, views[0].camera.height_px = size.height_px;
@@ -31,7 +31,7 @@ ImportRequest one_camera(const TempDir& dir, ImageSize size) {
 
 }  // namespace
 
-TEST_CASE("sizes: same, integer factors and image_scale are related, others are not") {
+TEST_CASE("sizes: equal, integer factors and image_scale are allowed, others are not") {
   CHECK(relate_sizes({10, 8}, {10, 8}, 1).same);
   CHECK(relate_sizes({20, 16}, {10, 8}, 1).allowed);
   CHECK(relate_sizes({5, 4}, {10, 8}, 1).allowed);
@@ -45,7 +45,7 @@ TEST_CASE("sizes: same, integer factors and image_scale are related, others are 
   CHECK_FALSE(relate_sizes({20, 8}, {10, 8}, 1).allowed);
 }
 
-TEST_CASE("sizes of one shape are related by any factor, with one side rounded; other shapes and crops are not") {
+TEST_CASE("sizes of equal aspect ratio are allowed with any factor; other aspect ratios and crops are not") {
   for (const ImageSize file : {ImageSize{1600, 1200}, {1080, 810}, {853, 640}, {640, 480}, {4200, 3150}})
     for (const auto& [a, b] : {std::pair(file, ImageSize{4000, 3000}), std::pair(ImageSize{4000, 3000}, file)}) {
       CAPTURE(to_string(file));
@@ -61,7 +61,7 @@ TEST_CASE("sizes of one shape are related by any factor, with one side rounded; 
   CHECK_FALSE(relate_sizes({40000, 30000}, {1000, 750}, 1).allowed);
 }
 
-TEST_CASE("a mask may be a pixel off the photo's size or the camera's, at any working size; a photo may not") {
+TEST_CASE("a mask may be 1 px off the photo's or the camera's size, at any working size; a photo may not") {
   const ImageSize photo{1024, 768};
   for (const double scale : {1.0, 0.75, 0.5, 1.0 / 3, 0.3}) {
     CAPTURE(scale);
@@ -81,7 +81,7 @@ TEST_CASE("a mask may be a pixel off the photo's size or the camera's, at any wo
   CHECK_FALSE(relate_mask_size({1025, 768}, photo, 1).same);
 }
 
-TEST_CASE("the working size is the photos' over the smallest whole number that brings them to 800 px") {
+TEST_CASE("the working size is the photo size divided by the smallest integer that gives at most 800 px") {
   const struct {
     int photo_px, working_px;
   } cases[] = {{800, 800},  {801, 401},  {1024, 512}, {1600, 800}, {1601, 534},
@@ -93,7 +93,7 @@ TEST_CASE("the working size is the photos' over the smallest whole number that b
   }
 }
 
-TEST_CASE("photos, masks and full size of a scene of odd size at a third of it") {
+TEST_CASE("a scene of odd size at image_scale 1/3: photos, masks and full size agree") {
   const TempDir dir;
   const ImportRequest request = one_camera(dir, {1604, 1069});
   const double focal = test::random_cameras(1, false)[0].camera.fx;
@@ -114,7 +114,7 @@ TEST_CASE("photos, masks and full size of a scene of odd size at a third of it")
   }
 }
 
-TEST_CASE("photos and masks in a ratio that is no whole number are brought to one size") {
+TEST_CASE("photos and masks with a non-integer size ratio are resampled to one size") {
   const TempDir dir;
   const ImportRequest request = one_camera(dir, {240, 180});
   write_png(dir.file("images/0.png"), ImageU8(96, 72, 3, 9));
@@ -125,16 +125,16 @@ TEST_CASE("photos and masks in a ratio that is no whole number are brought to on
   const ImportedScene got = import_scene(request);
   CHECK(got.scene.views[0].camera.width_px == 96);
   CHECK(std::ranges::any_of(got.notes, [](const std::string& note) {
-    return note.find("1 cameras of 240x180 px brought to the photos' 96x72 px") != note.npos;
+    return note.find("1 cameras of 240x180 px scaled to the photos' 96x72 px") != note.npos;
   }));
   const LoadedMasks loaded = load_masks_with_notes(got.scene, 0);
   const std::vector<float>& target = loaded.masks.target[0];
   CHECK(std::count(target.begin(), target.end(), 1.f) == 48 * 72);  // the left half, as in the file
   REQUIRE(loaded.notes.size() == 1);
-  CHECK(loaded.notes[0].find("mask of 144x108 px brought to the camera's 96x72 px") != std::string::npos);
+  CHECK(loaded.notes[0].find("mask of 144x108 px resampled to the camera's 96x72 px") != std::string::npos);
 }
 
-TEST_CASE("without its photo the full size of a view is the camera's over image_scale") {
+TEST_CASE("the full size of a view without a photo is the camera's size / image_scale") {
   Scene scene;
   scene.views.resize(1);
   scene.views[0].camera.width_px = 14, scene.views[0].camera.height_px = 11, scene.image_scale = 0.3;
@@ -143,7 +143,7 @@ TEST_CASE("without its photo the full size of a view is the camera's over image_
   scene.views[0].image_path = dir.file("a.png");
   write_png(scene.views[0].image_path, ImageU8(48, 36, 3, 9));
   CHECK(full_size(scene, 0) == ImageSize{48, 36});
-  write_png(scene.views[0].image_path, ImageU8(36, 48, 3, 9));  // another picture
+  write_png(scene.views[0].image_path, ImageU8(36, 48, 3, 9));  // another image
   CHECK(full_size(scene, 0) == ImageSize{47, 37});
 }
 

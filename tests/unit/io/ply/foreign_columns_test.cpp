@@ -1,4 +1,4 @@
-// Splats as other programs save them: CloudCompare's names, SH of degree 4, values after activation.
+// Splats saved by other programs: CloudCompare's names, SH of degree 4, values after activation.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -16,7 +16,7 @@ using io::PlyFormat;
 using test::PlyColumns;
 
 io::GaussianPly parse(const PlyColumns& table) {
-  // Rows that are not borrowed: the text outlives the model in no caller.
+  // Rows are not borrowed: the text does not outlive the model.
   return io::parse_gaussian_ply("model.ply", test::as_bytes(test::ply_bytes({table}, PlyFormat::kAscii)));
 }
 
@@ -59,7 +59,7 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 
 }  // namespace
 
-TEST_CASE("a splat from CloudCompare, whose columns are called scalar_NAME, is read as the one that went in") {
+TEST_CASE("CloudCompare's columns scalar_NAME are read as NAME, with the values of the original splat") {
   const PlyColumns table = test::inria_columns(5, 1);
   PlyColumns renamed = table;
   for (auto& [name, type] : renamed.properties)
@@ -73,7 +73,7 @@ TEST_CASE("a splat from CloudCompare, whose columns are called scalar_NAME, is r
   CHECK(contains(ply.notes[0], "CloudCompare"));
 }
 
-TEST_CASE("a column scalar_NAME of a splat whose own columns are there is a foreign column and stays") {
+TEST_CASE("a column scalar_NAME next to a column NAME is a foreign column and is kept") {
   PlyColumns table = test::inria_columns(2, 0);
   test::add_column(table, table.properties.size(), "scalar_label", io::PlyType::kFloat32, 1);
   const io::GaussianPly ply = parse(table);
@@ -81,7 +81,7 @@ TEST_CASE("a column scalar_NAME of a splat whose own columns are there is a fore
   CHECK(ply.notes.empty());
 }
 
-TEST_CASE("SH beyond degree 3 of a PLY are cut to 3, and an edit of the model keeps them in their places") {
+TEST_CASE("SH beyond degree 3 are truncated to 3 when read, and kept in the file when the model is edited") {
   for (const int degree : {4, 5}) {
     CAPTURE(degree);
     const PlyColumns table = test::inria_columns(3, degree);
@@ -111,13 +111,13 @@ TEST_CASE("SH beyond degree 3 of a PLY are cut to 3, and an edit of the model ke
   }
 }
 
-TEST_CASE("a number of f_rest_* that no degree has is refused") {
+TEST_CASE("a number of f_rest_* that matches no SH degree is rejected") {
   PlyColumns table = test::inria_columns(1, 4);
   test::remove_column(table, "f_rest_71");
   CHECK(contains(refusal_of(table).what, "71 properties f_rest_*"));
 }
 
-TEST_CASE("lengths in place of logarithms and shares in place of logits are refused with the conversion") {
+TEST_CASE("activated scales and opacities are rejected with the command that converts them") {
   const PlyColumns table = trained(200, 7);
   CHECK(refusal_of(table).what.empty());
   for (const auto& [scale, opacity] : {std::pair{true, true}, {true, false}, {false, true}}) {
@@ -134,14 +134,14 @@ TEST_CASE("lengths in place of logarithms and shares in place of logits are refu
   CHECK(contains(refusal_of(large).what, "scale_* all > 0"));
 }
 
-TEST_CASE("models with large, equal or few Gaussians are not taken for activated ones") {
+TEST_CASE("models with large, equal or few Gaussians are not detected as activated") {
   PlyColumns large = trained(200, 8);  // logarithms of 1 to 8: sizes of 3 to 3000 in a world of 10000
   for (auto& row : large.rows) {
     for (const char* name : {"x", "y", "z"}) row[test::column_of(large, name)] *= 5000;
     for (const char* name : {"scale_0", "scale_1", "scale_2"}) row[test::column_of(large, name)] += 8;
   }
   CHECK(refusal_of(large).what.empty());
-  PlyColumns equal = trained(200, 9);  // of a program that gives every Gaussian the same
+  PlyColumns equal = trained(200, 9);  // of a program that writes one scale for all Gaussians
   for (auto& row : equal.rows) {
     for (const char* name : {"scale_0", "scale_1", "scale_2"}) row[test::column_of(equal, name)] = 0.5;
     row[test::column_of(equal, "opacity")] = 1;
@@ -150,7 +150,7 @@ TEST_CASE("models with large, equal or few Gaussians are not taken for activated
   CHECK(refusal_of(activated(trained(15, 10), true, true)).what.empty());
 }
 
-TEST_CASE("an activated model that is read as one is the model before activation, and no other is read so") {
+TEST_CASE("reading an activated model with kActivated restores the trained values; other models are rejected") {
   const PlyColumns table = trained(64, 11);
   const test::TempDir dir;
   const io::ReadOptions reading{.encoding = io::ValueEncoding::kActivated};

@@ -30,7 +30,7 @@ std::string error_of(const std::string& file) {
   return "";
 }
 
-/// What the reader should make of `table`, element by element and by name.
+/// Expected result for `table`, element by element and by column name.
 void check_cloud(const GaussianCloud& cloud, const PlyColumns& table) {
   const auto at = [&](std::size_t i, const std::string& name) {
     return float(table.rows[i][test::column_of(table, name)]);
@@ -51,7 +51,7 @@ void check_cloud(const GaussianCloud& cloud, const PlyColumns& table) {
   }
 }
 
-TEST_CASE("every SH degree is read in every format and number of rows") {
+TEST_CASE("every SH degree is read in every PLY format, with any number of rows") {
   for (const PlyFormat format : kFormats)
     for (int degree = 0; degree <= 3; ++degree)
       for (const int n : {0, 1, 2, 300}) {
@@ -77,10 +77,10 @@ TEST_CASE("a model without normals, with CRLF lines and a padded count is read b
   }
 }
 
-TEST_CASE("a foreign column in the middle and foreign columns at the end move nothing") {
+TEST_CASE("foreign columns in the middle or at the end do not affect other columns") {
   PlyColumns table = test::inria_columns(3, 3);
   test::add_column(table, test::column_of(table, "scale_0"), "mask", PlyType::kFloat32, 77);
-  test::add_column(table, 3, "tag", PlyType::kUint8, 9);  // makes every following column unaligned
+  test::add_column(table, 3, "tag", PlyType::kUint8, 9);  // misaligns every following column
   for (int k = 0; k < 16; ++k)
     test::add_column(table, table.properties.size(), "obj_dc_" + std::to_string(k), PlyType::kFloat32, 55);
   for (const PlyFormat format : kFormats) check_cloud(parse(test::ply_bytes({table}, format)).cloud, table);
@@ -93,7 +93,7 @@ TEST_CASE("columns in reverse order are found by name") {
   check_cloud(parse(test::ply_bytes({table}, PlyFormat::kBinaryLittle)).cloud, table);
 }
 
-TEST_CASE("elements before and after the Gaussians are skipped by their size") {
+TEST_CASE("elements before and after the Gaussians are skipped") {
   const PlyColumns table = test::inria_columns(2, 0);
   const PlyColumns camera{"camera", {{"f", PlyType::kFloat64}, {"id", PlyType::kUint8}}, {{1.5, 3}, {2.5, 4}, {3, 5}}};
   const PlyColumns empty{"nothing", {}, {}};
@@ -110,7 +110,7 @@ TEST_CASE("elements before and after the Gaussians are skipped by their size") {
   }
 }
 
-TEST_CASE("list properties are stepped over in every format") {
+TEST_CASE("list properties are skipped in every format") {
   // One row: list of 2 ints, then the scalars of a degree 0 model.
   const PlyColumns table = test::inria_columns(1, 0, false);
   for (const PlyFormat format : kFormats) {
@@ -127,7 +127,7 @@ TEST_CASE("list properties are stepped over in every format") {
   }
 }
 
-TEST_CASE("double columns near 0 are read as they are, far from 0 relative to their centre") {
+TEST_CASE("double positions near 0 are read unchanged, far from 0 relative to their centre") {
   PlyColumns table = test::inria_columns(2, 0, true, PlyType::kFloat64);
   for (const PlyFormat format : kFormats) {
     const io::GaussianPly near = parse(test::ply_bytes({table}, format));
@@ -142,7 +142,7 @@ TEST_CASE("double columns near 0 are read as they are, far from 0 relative to th
   CHECK(b - a == doctest::Approx(0.001).epsilon(1e-5));
 }
 
-TEST_CASE("a 2DGS model is read as flat Gaussians and says so") {
+TEST_CASE("a 2DGS model is read as flat Gaussians, with a note") {
   PlyColumns table = test::inria_columns(2, 0);
   test::remove_column(table, "scale_2");
   const std::string file = test::ply_bytes({table}, PlyFormat::kBinaryLittle);
@@ -152,7 +152,7 @@ TEST_CASE("a 2DGS model is read as flat Gaussians and says so") {
   CHECK(ply.notes.size() == 1);
 }
 
-TEST_CASE("comments that say how to render the model are honoured") {
+TEST_CASE("render comments of a model are applied") {
   const PlyColumns table = test::inria_columns(1, 0);
   const auto antialiased = [&](const std::string& comment) {
     const std::string file = test::ply_bytes({table}, PlyFormat::kBinaryLittle, {"comment " + comment});
@@ -176,7 +176,8 @@ TEST_CASE("filter_3D of Mip-Splatting becomes part of scales and opacities, in e
     for (int k = 0; k < 3; ++k) cell(i, "scale_" + std::to_string(k)) = -4 + k;
   }
   const PlyColumns plain = table;
-  const auto at = std::ptrdiff_t(test::column_of(table, "opacity"));  // in the middle: what lies behind must not move
+  const auto at = std::ptrdiff_t(
+      test::column_of(table, "opacity"));  // in the middle, so that later columns must keep their offsets
   table.properties.insert(table.properties.begin() + at, {"filter_3D", PlyType::kFloat32});
   for (std::size_t i = 0; i < 4; ++i) table.rows[i].insert(table.rows[i].begin() + at, kFilter[i]);
   for (const PlyFormat format : kFormats) {
@@ -185,7 +186,7 @@ TEST_CASE("filter_3D of Mip-Splatting becomes part of scales and opacities, in e
     const io::GaussianPly ply = parse(file), without = parse(unfiltered);
     for (std::size_t i = 0; i < 4; ++i) {
       CAPTURE(i);
-      double kept = 1;  // the printed form, far from where it loses its accuracy
+      double kept = 1;  // the textbook form, where it is accurate
       for (std::size_t k = 0; k < 3; ++k) {
         const double s = std::exp(double(k) - 4), wide = std::sqrt(s * s + kFilter[i] * kFilter[i]);
         CHECK(ply.cloud.log_scale[3 * i + k] == doctest::Approx(std::log(wide)).epsilon(1e-6));
@@ -194,17 +195,17 @@ TEST_CASE("filter_3D of Mip-Splatting becomes part of scales and opacities, in e
       const double alpha = kept / (1 + std::exp(1.5 - double(i)));
       CHECK(ply.cloud.logit_opacity[i] == doctest::Approx(std::log(alpha / (1 - alpha))).epsilon(1e-5));
     }
-    CHECK(ply.cloud.logit_opacity[0] == without.cloud.logit_opacity[0]);  // a width of 0 changes no bit
+    CHECK(ply.cloud.logit_opacity[0] == without.cloud.logit_opacity[0]);  // a width of 0 changes nothing
     CHECK(ply.cloud.rotation == without.cloud.rotation);
     CHECK(ply.cloud.position == without.cloud.position);
     CHECK(ply.cloud.sh_rest == without.cloud.sh_rest);
-    CHECK(ply.rows.find("filter_3D") < 0);  // else a labelled copy would be filtered again when it is read
+    CHECK(ply.rows.find("filter_3D") < 0);  // else reading a labelled copy would filter again
     CHECK(ply.cloud.antialiased);
     CHECK_FALSE(without.cloud.antialiased);
   }
 }
 
-TEST_CASE("a model without rows has its columns all the same") {
+TEST_CASE("a model without rows still has its columns") {
   PlyColumns table = test::inria_columns(0, 0);
   table.properties.push_back({"filter_3D", PlyType::kFloat32});
   const io::GaussianPly ply = parse(test::ply_bytes({table}, PlyFormat::kBinaryLittle));
@@ -214,7 +215,7 @@ TEST_CASE("a model without rows has its columns all the same") {
   CHECK_FALSE(ply.rows.column("filter_3D"));
 }
 
-TEST_CASE("a 3D filter neither makes opaque Gaussians transparent nor hides a row that is not finite") {
+TEST_CASE("filter_3D keeps opaque Gaussians opaque and non-finite rows detectable") {
   PlyColumns table = test::inria_columns(3, 0);
   table.properties.push_back({"filter_3D", PlyType::kFloat32});
   for (std::size_t i = 0; i < 3; ++i) table.rows[i].push_back(i == 2 ? NAN : 1e-4);
@@ -242,7 +243,7 @@ TEST_CASE("missing and contradictory columns are named in the error") {
   CHECK(error_of("ply\nformat ascii 1.0\nend_header\n").find("vertex") != std::string::npos);
 }
 
-TEST_CASE("a point cloud and a splat without SH coefficients are told apart where both have colours") {
+TEST_CASE("errors distinguish a coloured point cloud from a splat without SH coefficients") {
   const auto remedy_of = [](PlyColumns table, std::initializer_list<const char*> missing) {
     for (const char* name : missing) test::remove_column(table, name);
     for (const char* name : {"red", "green", "blue"}) test::add_column(table, 0, name, PlyType::kUint8, 9);
@@ -260,15 +261,16 @@ TEST_CASE("a point cloud and a splat without SH coefficients are told apart wher
   CHECK(remedy_of(splat, {}).empty());
 }
 
-TEST_CASE("a model cut short at any byte is refused, in every format") {
+TEST_CASE("a model truncated at any byte is rejected, in every format") {
   PlyColumns table = test::inria_columns(2, 0, false);
   const PlyColumns tail{"tail", {{"a", PlyType::kInt16}}, {{1}, {-20}}};
   for (const PlyFormat format : kFormats) {
     const std::string file = test::ply_bytes({table, tail}, format, {"comment antialiased 1"});
     CHECK(parse(file).cloud.size() == 2);
     for (std::size_t n = 0; n < file.size(); ++n) {
-      const std::vector<char> exact(file.begin(),
-                                    file.begin() + std::ptrdiff_t(n));  // a read past the end is seen
+      const std::vector<char> exact(
+          file.begin(),
+          file.begin() + std::ptrdiff_t(n));  // exact size, so that a sanitizer sees reads past the end
       const io::Bytes prefix(reinterpret_cast<const std::uint8_t*>(exact.data()), n);
       bool refused = false;
       try {
@@ -282,7 +284,7 @@ TEST_CASE("a model cut short at any byte is refused, in every format") {
   }
 }
 
-TEST_CASE("labels that are none are refused with column and row") {
+TEST_CASE("label values out of range are rejected with column and row") {
   const auto with = [](const std::string& column, double value) {
     PlyColumns table = test::inria_columns(3, 0);
     for (const char* name : {"ngs_label", "ngs_prob", "ngs_variance", "ngs_views", "ngs_boundary", "ngs_label_cup",
@@ -308,7 +310,7 @@ TEST_CASE("labels that are none are refused with column and row") {
     }
 }
 
-TEST_CASE("a header of more names than any model has is refused before they are compared") {
+TEST_CASE("a header with too many elements or properties is rejected before the names are compared") {
   const auto header = [](int count, const std::string& line, const std::string& behind) {
     std::string text = "ply\nformat ascii 1.0\n";
     if (behind.empty()) text += "element vertex 1\n";
@@ -320,7 +322,7 @@ TEST_CASE("a header of more names than any model has is refused before they are 
   CHECK(error_of(header(256, "element e", " 0")).find("no element 'vertex'") != std::string::npos);
 }
 
-TEST_CASE("counts that the file cannot hold are refused before anything is allocated") {
+TEST_CASE("counts beyond the file size are rejected before memory is allocated") {
   const PlyColumns table = test::inria_columns(2, 0, false);
   for (const PlyFormat format : kFormats)
     for (const std::string count : {"3", "4000000000", "9223372036854775807", "-1", "1e3", "99999999999999999999"}) {

@@ -14,10 +14,10 @@
 #include "support/temp_dir.h"
 
 namespace {
-int forgotten = 0;  // how often pages of a mapped file were given back
+int forgotten = 0;  // number of times that pages of a mapped file were released
 }
 
-/// Stands before the C library's: a reader gives pages back at the beginning and at the end of every pass over a file.
+/// Replaces the C library's function: a reader releases pages at the beginning and end of every pass over a file.
 extern "C" int madvise(void* at, std::size_t bytes, int advice) noexcept {
   forgotten += advice == MADV_DONTNEED;
   return int(syscall(SYS_madvise, at, bytes, advice));
@@ -34,7 +34,7 @@ constexpr PlyFormat kFormats[] = {PlyFormat::kAscii, PlyFormat::kBinaryLittle, P
 
 io::GaussianPly parse(const std::string& file) { return io::parse_gaussian_ply("model.ply", test::as_bytes(file)); }
 
-TEST_CASE("rows that cannot be used are counted and pass through every writer bit for bit") {
+TEST_CASE("unusable rows are counted and every writer copies them bit for bit") {
   PlyColumns table = test::inria_columns(4, 3);
   table.rows[1][0] = std::numeric_limits<double>::quiet_NaN();
   table.rows[2][test::column_of(table, "scale_1")] = std::numeric_limits<double>::infinity();
@@ -53,7 +53,7 @@ TEST_CASE("rows that cannot be used are counted and pass through every writer bi
   CHECK(strict.substr(strict.size() - 4 * 248) == file.substr(body));
 }
 
-TEST_CASE("the strict record is 62 floats at degree 3, vertex count in the third line, subset by mask") {
+TEST_CASE("strict PLY at degree 3: 62 floats per row, vertex count in the third line, rows selected by a mask") {
   const PlyColumns table = test::inria_columns(5, 3, false);
   const std::string file = test::ply_bytes({table}, PlyFormat::kAscii, {"comment SplatRenderMode: mip"});
   const io::GaussianPly ply = parse(file);
@@ -86,7 +86,7 @@ LabelColumns labels_of(std::size_t n, float base) {
   return labels;
 }
 
-TEST_CASE("a labelled model keeps the input's columns bit for bit and returns its labels") {
+TEST_CASE("a labelled PLY keeps the input's columns bit for bit, and its labels are read back") {
   PlyColumns table = test::inria_columns(3, 1);
   test::add_column(table, 5, "mask", PlyType::kUint8, 200);
   test::add_column(table, table.properties.size(), "weight", PlyType::kFloat64, 0.1);
@@ -111,7 +111,7 @@ TEST_CASE("a labelled model keeps the input's columns bit for bit and returns it
     }
     for (std::int64_t i = 0; i < 3; ++i)
       CHECK(std::equal(ply.rows.row(i), ply.rows.row(i) + ply.rows.row_bytes, back.rows.row(i)));
-    // Labelling again replaces the columns; the bytes are the same.
+    // Labelling a second time replaces the columns; the bytes are equal.
     io::write_labelled_ply(dir.file("again.ply"), back, objects);
     const io::GaussianPly again = io::read_gaussian_ply(dir.file("again.ply"));
     CHECK(again.rows.properties.size() == back.rows.properties.size());
@@ -119,7 +119,7 @@ TEST_CASE("a labelled model keeps the input's columns bit for bit and returns it
   }
 }
 
-TEST_CASE("the weight of labels is written with them alone, and does not stay beside others") {
+TEST_CASE("ngs_weight is written only with the labels to which it belongs, and dropped with other labels") {
   const io::GaussianPly ply = parse(test::ply_bytes({test::inria_columns(3, 1)}, PlyFormat::kBinaryLittle));
   const test::TempDir dir;
   const std::vector<io::NamedLabels> objects = {{"the bird", labels_of(3, 0.495f)}};
@@ -135,7 +135,7 @@ TEST_CASE("the weight of labels is written with them alone, and does not stay be
   CHECK(other.rows.properties.size() + 1 == with.rows.properties.size());
 }
 
-TEST_CASE("a 3D filter is laid into what is written once, and both outputs say how to render it") {
+TEST_CASE("filter_3D is applied exactly once, and both outputs have the comment for rendering") {
   PlyColumns table = test::inria_columns(3, 1);
   test::add_column(table, 4, "filter_3D", PlyType::kFloat32, 0.5);
   const std::string file = test::ply_bytes({table}, PlyFormat::kBinaryLittle);
@@ -154,7 +154,7 @@ TEST_CASE("a 3D filter is laid into what is written once, and both outputs say h
   }
 }
 
-TEST_CASE("several objects have a set each and the plain columns are their union") {
+TEST_CASE("several objects: one suffixed label set each, and the unsuffixed columns are their union") {
   const std::string file = test::ply_bytes({test::inria_columns(4, 0)}, PlyFormat::kBinaryLittle);
   const io::GaussianPly ply = parse(file);
   const test::TempDir dir;
@@ -167,7 +167,7 @@ TEST_CASE("several objects have a set each and the plain columns are their union
   CHECK(back.objects[1].columns.variance == objects[1].columns.variance);
   CHECK(back.labels.prob == objects[0].columns.prob);  // the larger of the two everywhere
   CHECK(back.rows.find("ngs_prob_red_cup") > 0);
-  // One object again: the suffixed sets go.
+  // Written with one object: the suffixed sets are removed.
   io::write_labelled_ply(dir.file("one.ply"), back, std::vector<io::NamedLabels>{objects[1]});
   const io::GaussianPly one = io::read_gaussian_ply(dir.file("one.ply"));
   CHECK(one.objects.empty());
@@ -178,7 +178,7 @@ TEST_CASE("several objects have a set each and the plain columns are their union
   CHECK_FALSE(std::filesystem::exists(dir.file("x.ply")));
 }
 
-TEST_CASE("an object name that leaves the folder of the masks is refused, wherever the file has it") {
+TEST_CASE("an object name with path components is rejected, in a comment or a column name") {
   const test::TempDir dir;
   const std::string file = test::ply_bytes({test::inria_columns(2, 0)}, PlyFormat::kBinaryLittle);
   const io::GaussianPly ply = parse(file);
@@ -199,7 +199,7 @@ TEST_CASE("an object name that leaves the folder of the masks is refused, wherev
   CHECK_FALSE(refused({{"-x", labels_of(2, 0.2f)}, {"..cup", labels_of(2, 0.2f)}}));
   PlyColumns table = test::inria_columns(2, 0);
   test::add_column(table, table.properties.size(), "ngs_label_..", PlyType::kFloat32, 1);
-  CHECK_THROWS_AS(parse(test::ply_bytes({table}, PlyFormat::kBinaryLittle)), Error);  // without our comment
+  CHECK_THROWS_AS(parse(test::ply_bytes({table}, PlyFormat::kBinaryLittle)), Error);  // without the comment ngs-objects
 }
 
 TEST_CASE("the columns of many objects are read in one pass over the file") {
@@ -222,12 +222,12 @@ TEST_CASE("the columns of many objects are read in one pass over the file") {
   CHECK(passes[1] == passes[0]);
 }
 
-TEST_CASE("an edited cloud overwrites usable rows only, and rows may be split and removed") {
+TEST_CASE("an edited cloud overwrites only usable rows; rows may be split and removed") {
   PlyColumns table = test::inria_columns(4, 1, true, PlyType::kFloat64);
   test::add_column(table, 0, "tag", PlyType::kInt32, 0);
   for (std::size_t i = 0; i < 4; ++i) table.rows[i][0] = double(100 + i);
   table.rows[2][1] = std::numeric_limits<double>::quiet_NaN();
-  table.rows[0][2] = 0.1;  // not a float: must survive where it is not edited
+  table.rows[0][2] = 0.1;  // not a float: must be kept where it is not edited
   const std::string file = test::ply_bytes({table}, PlyFormat::kBinaryLittle);
   const io::GaussianPly ply = parse(file);
   const test::TempDir dir;
@@ -271,7 +271,7 @@ TEST_CASE("an edited cloud overwrites usable rows only, and rows may be split an
   CHECK(parts.rows.properties.back().type == PlyType::kUint8);
 }
 
-TEST_CASE("writing is deterministic and a failed write leaves nothing") {
+TEST_CASE("writing is deterministic, and a failed write leaves no file") {
   const std::string file = test::ply_bytes({test::inria_columns(7, 2)}, PlyFormat::kBinaryLittle);
   const io::GaussianPly ply = parse(file);
   const test::TempDir dir;

@@ -1,4 +1,4 @@
-// Georeferenced models: positions that float cannot hold in the world's coordinates.
+// Georeferenced models: world coordinates that float cannot represent.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -49,7 +49,8 @@ std::size_t distinct(const GaussianCloud& cloud, std::size_t axis) {
 
 }  // namespace
 
-TEST_CASE("a strict PLY of a georeferenced model is relative to an origin that it names, and is read in the world") {
+TEST_CASE(
+    "a strict PLY of a georeferenced model stores its origin in a comment and is read back in world coordinates") {
   const PlyColumns table = utm_model();
   const io::GaussianPly ply = parse(table);
   const test::TempDir dir;
@@ -67,7 +68,7 @@ TEST_CASE("a strict PLY of a georeferenced model is relative to an origin that i
   CHECK(test::read_bytes(dir.file("again.ply")) == test::read_bytes(dir.file("o.ply")));
 }
 
-TEST_CASE("no format collapses a georeferenced model, and each says what its positions are relative to") {
+TEST_CASE("every format keeps a georeferenced model's detail and reports the origin of its positions") {
   const io::GaussianPly ply = parse(utm_model());
   const test::TempDir dir;
   for (const char* name : {"o.spz", "o.sog", "o.splat", "o.compressed.ply"}) {
@@ -80,7 +81,7 @@ TEST_CASE("no format collapses a georeferenced model, and each says what its pos
   }
 }
 
-TEST_CASE("one row far away does not hide that the others lie far from 0") {
+TEST_CASE("one distant row does not prevent detection of positions far from 0") {
   PlyColumns table = utm_model();
   for (std::size_t a = 0; a < 3; ++a) table.rows[0][a] = 0;
   const io::GaussianPly ply = parse(table);
@@ -88,7 +89,7 @@ TEST_CASE("one row far away does not hide that the others lie far from 0") {
   for (std::size_t a = 0; a < 3; ++a) CHECK(distinct(ply.cloud, a) == kRows);
 }
 
-TEST_CASE("double positions that float holds well stay in the world's coordinates") {
+TEST_CASE("double positions that float represents well stay in world coordinates") {
   PlyColumns table = utm_model();
   for (auto& row : table.rows)
     for (std::size_t a = 0; a < 3; ++a) row[a] -= kUtm[a] - 20;
@@ -101,7 +102,7 @@ TEST_CASE("double positions that float holds well stay in the world's coordinate
   CHECK(back.cloud.position[0] == doctest::Approx(table.rows[0][0]).epsilon(1e-6));
 }
 
-TEST_CASE("an edit of a georeferenced object is matched, whether the editor kept the origin's comment or not") {
+TEST_CASE("an edited georeferenced object is matched with or without the origin comment") {
   const io::GaussianPly ply = parse(utm_model());
   const test::TempDir dir;
   std::vector<std::uint8_t> keep(kRows, 0);

@@ -74,7 +74,7 @@ std::string error_of(const std::string& file) {
   return "";
 }
 
-TEST_CASE("sampled and interpolated queries come back as they were written") {
+TEST_CASE("sampled and interpolated queries are read back as written") {
   const test::TempDir dir;
   for (const std::size_t n : {std::size_t(0), std::size_t(1), std::size_t(5)}) {
     const QueryField fields[] = {sampled(n), interpolated(n)};
@@ -88,7 +88,7 @@ TEST_CASE("sampled and interpolated queries come back as they were written") {
   }
 }
 
-TEST_CASE("a bare list of points is a query field without views") {
+TEST_CASE("a PLY with only x y z is a query field without views") {
   const test::PlyColumns points{
       "vertex", {{"x", io::PlyType::kFloat64}, {"y", io::PlyType::kFloat32}, {"z", io::PlyType::kInt8}}, {{1.5, 2, 3}}};
   const std::string file = test::ply_bytes({points}, io::PlyFormat::kAscii);
@@ -99,7 +99,7 @@ TEST_CASE("a bare list of points is a query field without views") {
   CHECK(field.neighbours == 0);
 }
 
-TEST_CASE("damaged query files are refused with what is wrong") {
+TEST_CASE("damaged query files are rejected with the cause") {
   const test::TempDir dir;
   io::write_query_ply(dir.file("q.ply"), interpolated(3));
   const std::string good = test::read_bytes(dir.file("q.ply"));

@@ -1,4 +1,4 @@
-// Which file of a capture's folder is its splat.
+// Search for the splat in a capture's folder.
 #include "ngs/io/scene/find_model.h"
 
 #include <doctest/doctest.h>
@@ -25,7 +25,7 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 
 }  // namespace
 
-TEST_CASE("the only splat beside point clouds is the model, whatever they are called") {
+TEST_CASE("the only splat among point clouds is the model, whatever the file names") {
   for (const char* points : {"sparse_pc.ply", "init.ply", "fused.ply", "point_cloud.ply", "a.ply"})
     for (const char* model : {"splat.ply", "Scan.PLY", "z.splat"}) {
       CAPTURE(points);
@@ -37,7 +37,7 @@ TEST_CASE("the only splat beside point clouds is the model, whatever they are ca
     }
 }
 
-TEST_CASE("several splats are named with what they are, and none is chosen") {
+TEST_CASE("with several splats none is chosen, and the error lists each with its kind") {
   const TempDir dir;
   dir.write("export_10000.ply", splat(3)), dir.write("export_30000.ply", splat(5));
   dir.write("sparse_pc.ply", point_cloud());
@@ -48,7 +48,7 @@ TEST_CASE("several splats are named with what they are, and none is chosen") {
   CHECK(!contains(found.problem, "sparse_pc.ply"));
 }
 
-TEST_CASE("where there is no splat, the files that are there are named with what they are") {
+TEST_CASE("without a splat the error lists the files with their kinds") {
   const TempDir dir;
   CHECK(contains(io::find_model(dir.path()).problem, "no splat found"));
   dir.write("fused.ply", point_cloud());
@@ -57,7 +57,7 @@ TEST_CASE("where there is no splat, the files that are there are named with what
   CHECK(contains(found.problem, "fused.ply (a point cloud of 1 points)"));
 }
 
-TEST_CASE("a splat two folders below is found where the capture's folder has none, but not among results") {
+TEST_CASE("a splat up to two folders below is found if the capture's folder has none, but not in result folders") {
   const TempDir dir;
   dir.write("sparse_pc.ply", point_cloud());
   dir.write("exports/splat/splat.ply", splat());
@@ -68,7 +68,7 @@ TEST_CASE("a splat two folders below is found where the capture's folder has non
   CHECK(contains(io::find_model(dir.path()).problem, "exports/old/splat.ply (a splat"));
 }
 
-TEST_CASE("a splat of a usual name is the model, and other splats beside it are named as unused") {
+TEST_CASE("a splat with a standard name is the model, and other splats in its folder are listed as unused") {
   const TempDir dir;
   dir.write("other.ply", splat(7));
   dir.write("point_cloud.ply", splat(3));
@@ -78,7 +78,7 @@ TEST_CASE("a splat of a usual name is the model, and other splats beside it are 
   CHECK(contains(found.unused, "other.ply (a splat of 7 Gaussians)"));
 }
 
-TEST_CASE("a splat that is cut short is the model all the same, so that its reader says what is wrong") {
+TEST_CASE("a truncated splat is still chosen as the model, so that its reader reports the error") {
   const TempDir dir;
   dir.write("model.ply", splat().substr(0, 60));
   CHECK(io::find_model(dir.path()).path == dir.file("model.ply"));

@@ -61,7 +61,7 @@ ErrorCode code_of(const std::function<void()>& body) {
 
 }  // namespace
 
-TEST_CASE("photos of a rig in one flat folder are not given to two cameras") {
+TEST_CASE("a photo in one flat folder is not assigned to two cameras of a rig") {
   const TempDir dir;
   make_scene(dir, 2);
   auto views = test::random_cameras(2, false);
@@ -77,7 +77,7 @@ TEST_CASE("photos of a rig in one flat folder are not given to two cameras") {
   CHECK(got.scene.views[1].image_path == dir.path() + "/images/cam1/0.png");
 }
 
-TEST_CASE("a folder is imported with its photos, masks and model, and says what it chose") {
+TEST_CASE("a folder is imported with its photos, masks and model, and notes list the choices") {
   const TempDir dir;
   make_scene(dir, 3);
   mask(dir, "masks/0.jpg.png");
@@ -100,7 +100,7 @@ TEST_CASE("a folder is imported with its photos, masks and model, and says what 
   CHECK(read_scene_json(dir.file("scene.json")).views[2].mask_path == got.scene.views[2].mask_path);
 }
 
-TEST_CASE("the model's own folder is as good a source as the scene's") {
+TEST_CASE("importing from the COLMAP model's folder equals importing from the scene's folder") {
   const TempDir dir;
   make_scene(dir, 1);
   for (const char* source : {"", "/", "/sparse", "/sparse/0", "/sparse/0/"}) {
@@ -111,7 +111,7 @@ TEST_CASE("the model's own folder is as good a source as the scene's") {
   }
 }
 
-TEST_CASE("a scene's folder may be called like a part of a COLMAP tree") {
+TEST_CASE("a scene folder may have the name of a COLMAP sub-folder") {
   const TempDir dir;
   make_scene(dir, 1);
   for (const char* name : {"colmap", "sparse", "0"}) {
@@ -128,7 +128,7 @@ TEST_CASE("a scene's folder may be called like a part of a COLMAP tree") {
   }
 }
 
-TEST_CASE("the photos lie beside the cameras' folder, from whatever folder inside it the cameras are read") {
+TEST_CASE("photos next to the cameras' folder are found from every folder of the COLMAP tree") {
   const TempDir dir;
   make_scene(dir, 1);
   std::filesystem::create_directories(dir.path() + "/colmap");
@@ -150,7 +150,7 @@ TEST_CASE("the photos lie beside the cameras' folder, from whatever folder insid
   }
 }
 
-TEST_CASE("several folders of masks are not guessed between") {
+TEST_CASE("with several mask folders none is chosen") {
   const TempDir dir;
   make_scene(dir, 1);
   mask(dir, "masks_a/0.jpg.png");
@@ -159,11 +159,11 @@ TEST_CASE("several folders of masks are not guessed between") {
   const ImportedScene got = import_scene(request_for(dir));
   CHECK(got.masks_dir.empty());
   CHECK(std::any_of(got.notes.begin(), got.notes.end(), [](const std::string& note) {
-    return note.find("several folders of masks (masks_a masks_b)") != std::string::npos;
+    return note.find("several mask folders (masks_a masks_b)") != std::string::npos;
   }));
 }
 
-TEST_CASE("a folder of truth is not taken for the masks, and a guess is said") {
+TEST_CASE("a ground-truth folder is not used for masks, and a guessed folder is noted") {
   const auto noted = [](const ImportedScene& got, const std::string& text) {
     return std::any_of(got.notes.begin(), got.notes.end(),
                        [&](const std::string& note) { return note.find(text) != std::string::npos; });
@@ -175,19 +175,19 @@ TEST_CASE("a folder of truth is not taken for the masks, and a guess is said") {
   const ImportedScene none = import_scene(request_for(dir));
   CHECK(none.masks_dir.empty());
   CHECK(none.scene.views[0].mask_path.empty());
-  CHECK(noted(none, "/masks_gt: holds the truth by its name"));
-  CHECK(noted(none, "/gt_masks: holds the truth by its name"));
+  CHECK(noted(none, "/masks_gt: not read, its name suggests ground truth"));
+  CHECK(noted(none, "/gt_masks: not read, its name suggests ground truth"));
   mask(dir, "masks_sam/0.jpg.png");
   const ImportedScene guessed = import_scene(request_for(dir));
   CHECK(guessed.masks_dir == dir.path() + "/masks_sam");
-  CHECK(noted(guessed, "/masks_sam: taken as the masks, by its name"));
+  CHECK(noted(guessed, "/masks_sam: used for masks because of its name"));
   mask(dir, "masks/0.jpg.png");
   const ImportedScene usual = import_scene(request_for(dir));
   CHECK(usual.masks_dir == dir.path() + "/masks");
-  CHECK(noted(usual, "/masks: taken as the masks, masks_sam beside it not"));
+  CHECK(noted(usual, "/masks: used for masks, not masks_sam ("));
 }
 
-TEST_CASE("masks_sam/ is taken before other folders of masks; masks_gt/ or gt/ is recorded as the truth") {
+TEST_CASE("masks_sam/ is preferred to other folders of masks; masks_gt/ or gt/ is recorded as the truth") {
   const TempDir dir;
   make_scene(dir, 1);
   mask(dir, "masks_sam/0.jpg.png"), mask(dir, "masks_other/0.jpg.png");
@@ -201,7 +201,7 @@ TEST_CASE("masks_sam/ is taken before other folders of masks; masks_gt/ or gt/ i
   CHECK(import_scene(request).truth_dir == "elsewhere");
 }
 
-TEST_CASE("masks that the user names come in place of those that the source names") {
+TEST_CASE("masks named by the user replace those named by the source") {
   const TempDir dir;
   for (const char* name : {"a.png", "valid/a.png", "masks/a.png", "other/a.png"}) mask(dir, name);
   dir.write("transforms.json", R"({"camera_angle_x": 1, "frames": [{"file_path": "a.png", "mask_path": "valid/a.png",
@@ -213,11 +213,11 @@ TEST_CASE("masks that the user names come in place of those that the source name
   CHECK(got.scene.views[0].mask_path == dir.path() + "/other/a.png");
   CHECK(got.views_by_mask_rule == std::map<std::string, int>{{"<name>", 1}});
   CHECK(std::any_of(got.notes.begin(), got.notes.end(), [](const std::string& note) {
-    return note.find("mask_path of 1 views left out") != std::string::npos;
+    return note.find("mask_path of 1 views ignored") != std::string::npos;
   }));
 }
 
-TEST_CASE("cameras follow the size of their photos, then image_scale") {
+TEST_CASE("cameras are scaled to their photos, then by image_scale") {
   const TempDir dir;
   make_scene(dir, 1, {32, 24});
   ImportRequest request = request_for(dir);
@@ -229,10 +229,10 @@ TEST_CASE("cameras follow the size of their photos, then image_scale") {
   CHECK(got.cy == doctest::Approx(full.cy / 4));
 }
 
-TEST_CASE("small photos that are worked on smaller because others are large are told of") {
+TEST_CASE("small photos that are reduced because of larger ones are noted") {
   const auto told = [](const ImportedScene& scene) {
     return std::count_if(scene.notes.begin(), scene.notes.end(), [](const std::string& note) {
-      return note.find("2 views of at most 800 px are worked on at 1/2 of their size") == 0;
+      return note.find("2 views of at most 800 px are reduced to 1/2 of their size") == 0;
     });
   };
   const TempDir dir;
@@ -247,12 +247,12 @@ TEST_CASE("small photos that are worked on smaller because others are large are 
   request.image_scale = 1;
   CHECK(told(import_scene(request)) == 0);
   request.image_scale = 0;
-  for (const char* small : {"images/0.jpg.png", "images/2.jpg.png"})  // none is small
+  for (const char* small : {"images/0.jpg.png", "images/2.jpg.png"})  // no small photo is left
     write_png(dir.file(small), ImageU8(64 * 16, 48 * 16, 3, 9));
   CHECK(told(import_scene(request)) == 0);
 }
 
-TEST_CASE("of a photo too narrow for its working size, the size that keeps it is named") {
+TEST_CASE("for a photo too narrow for its working size the error has the smallest usable scale") {
   const TempDir dir;
   auto views = test::random_cameras(1, false);
   views[0].camera.name = "a.png", views[0].camera.width_px = 8000, views[0].camera.height_px = 64;
@@ -273,7 +273,7 @@ TEST_CASE("of a photo too narrow for its working size, the size that keeps it is
   CHECK(import_scene(request).scene.views[0].camera.height_px == 8);
 }
 
-TEST_CASE("photos of another shape, no photo at all and no mask at all are inconsistent") {
+TEST_CASE("photos of another aspect ratio, no photos and no masks are kInconsistent") {
   const TempDir dir;
   make_scene(dir, 1, {30, 30});
   CHECK(code_of([&] { import_scene(request_for(dir)); }) == ErrorCode::kInconsistent);
@@ -290,7 +290,7 @@ TEST_CASE("photos of another shape, no photo at all and no mask at all are incon
   CHECK(code_of([&] { import_scene(request); }) == ErrorCode::kBadInput);
 }
 
-TEST_CASE("photos that lie turned in their files are told from those of another shape") {
+TEST_CASE("photos stored rotated get another hint than photos of another aspect ratio") {
   const TempDir dir;
   make_scene(dir, 1, {48, 64});
   const auto remedy = [&] {
@@ -306,7 +306,7 @@ TEST_CASE("photos that lie turned in their files are told from those of another 
   CHECK(remedy().find("calibrated on") != std::string::npos);
 }
 
-TEST_CASE("255 beside other ids of label maps is named as what it may be, and no object where it is void") {
+TEST_CASE("label id 255 among other ids is noted as a possible void id, and is no object with --void-id 255") {
   const TempDir dir;
   ImportRequest request = two_label_maps(dir, 7, 255);
   const auto hinted = [](const ImportedScene& imported) {
@@ -323,7 +323,7 @@ TEST_CASE("255 beside other ids of label maps is named as what it may be, and no
   CHECK_FALSE(hinted(one));
 }
 
-TEST_CASE("label maps without ids give one object per id, with ids only those") {
+TEST_CASE("label maps give one object per id, or only the ids that are named") {
   const TempDir dir;
   ImportRequest request = two_label_maps(dir, 7, 3);
   const ImportedScene all = import_scene(request);
@@ -359,9 +359,9 @@ TEST_CASE("every:N:K holds out the views with index K modulo N, a file those it 
   assign_splits(dir.write("mark.txt",
                           "\xEF\xBB\xBF"
                           "a.png\r\n"),
-                views);  // as editors on Windows begin a file
+                views);  // a byte order mark, as written by Windows editors
   CHECK(views[0].split == Split::kHeldOut);
-  CHECK(code_of([&] { assign_splits(dir.write("t.txt", "nobody.png\n"), views); }) == ErrorCode::kInconsistent);
+  CHECK(code_of([&] { assign_splits(dir.write("t.txt", "unknown.png\n"), views); }) == ErrorCode::kInconsistent);
   CHECK(code_of([&] { assign_splits(dir.write("empty.txt", "# none\n"), views); }) == ErrorCode::kBadInput);
   CHECK(code_of([&] { assign_splits("every:1:0", views); }) == ErrorCode::kInconsistent);
   for (const char* wrong : {"every:", "every:0:0", "every:4:4", "every:4", "every:4:2:1", "every:4:-2"})

@@ -18,7 +18,7 @@ namespace {
 constexpr int kWidth = 40, kHeight = 30;
 using Colour = std::array<std::uint8_t, 4>;
 
-/// Leaves, petals and shade in all colours: a third of the pixels are green or red enough to be taken for marks.
+/// Leaves, petals and shade in all colours: a third of the pixels are green or red enough to look like marks.
 ImageU8 garden() {
   ImageU8 photo(kWidth, kHeight, 4);
   test::Random random(7);
@@ -64,7 +64,7 @@ const Colour kGreen{0, 255, 0, 255}, kRed{255, 0, 0, 255};
 
 }  // namespace
 
-TEST_CASE("paint on a photo is what differs from it, not what is green or red in it") {
+TEST_CASE("pixels that differ from the photo are paint; the photo's own green and red pixels are not") {
   const Files files;
   ImageU8 painted = garden();
   paint_row(painted, 10, kGreen), paint_row(painted, 20, kRed);
@@ -78,7 +78,7 @@ TEST_CASE("paint on a photo is what differs from it, not what is green or red in
   CHECK(count(files.read(painted), PixelHint::kObject) == 20);
 }
 
-TEST_CASE("a painted picture that was saved as JPEG has the marks of the PNG, and none that compression made") {
+TEST_CASE("a painted picture saved as JPEG has the marks of the PNG and no compression artefacts") {
   const int width = 160, height = 120;
   ImageU8 photo(width, height, 3);
   const auto set = [](ImageU8& image, int x, int y, std::array<int, 3> colour) {
@@ -114,12 +114,12 @@ TEST_CASE("a painted picture that was saved as JPEG has the marks of the PNG, an
       }
     CHECK(kept[0] > 0.7 * 40 * 7);
     CHECK(kept[1] > 0.7 * 120 * 7);
-    CHECK(made[0] <= 4);  // at the rims of strokes
+    CHECK(made[0] <= 4);  // at the edges of strokes
     CHECK(made[1] <= 4);
   }
 }
 
-TEST_CASE("a photo without paint, another photo and paint of another colour are refused with what was found") {
+TEST_CASE("a photo without paint, a different photo and paint of other colours are rejected with the shares found") {
   const Files files;
   CHECK(files.refusal(garden()).find("nothing is painted on the photo") != std::string::npos);
   ImageU8 turned = garden();
@@ -128,10 +128,10 @@ TEST_CASE("a photo without paint, another photo and paint of another colour are 
   CHECK(files.refusal(turned).find(" % is green, ") != std::string::npos);
   ImageU8 blue = garden();
   paint_row(blue, 10, {0, 0, 255, 255});
-  CHECK(files.refusal(blue).find("neither these nor unpainted") != std::string::npos);
+  CHECK(files.refusal(blue).find(" other colours") != std::string::npos);
 }
 
-TEST_CASE("markers stand alone on transparency, on grey and on one colour, at any size") {
+TEST_CASE("markers alone are read on transparency, on grey and on one colour, at any size") {
   const Files files;
   for (const Colour ground :
        {Colour{0, 200, 0, 0}, Colour{0, 0, 0, 255}, Colour{255, 255, 255, 255}, Colour{40, 60, 120, 255}}) {
@@ -139,7 +139,7 @@ TEST_CASE("markers stand alone on transparency, on grey and on one colour, at an
     ImageU8 markers(2 * kWidth, 2 * kHeight, 4);
     for (std::size_t i = 0; i < markers.data.size(); ++i) markers.data[i] = ground[i % 4];
     paint_row(markers, 10, kGreen), paint_row(markers, 20, kRed);
-    for (int x = 5; x < 25; ++x) markers.at(x, 11, 1) = 100, markers.at(x, 11, 0) = 20;  // a soft rim
+    for (int x = 5; x < 25; ++x) markers.at(x, 11, 1) = 100, markers.at(x, 11, 0) = 20;  // a soft edge
     const HandPrompt prompt = files.read(markers);
     CHECK(prompt.width_px == 2 * kWidth);
     CHECK(count(prompt, PixelHint::kObject) == 20);
@@ -147,7 +147,7 @@ TEST_CASE("markers stand alone on transparency, on grey and on one colour, at an
   }
 }
 
-TEST_CASE("a painted photo of another size than the view's is refused") {
+TEST_CASE("a painted photo whose size differs from the view's is rejected") {
   const Files files;
   ImageU8 large(2 * kWidth, 2 * kHeight, 4);
   const ImageU8 small = garden();
@@ -155,10 +155,10 @@ TEST_CASE("a painted photo of another size than the view's is refused") {
     for (int x = 0; x < large.width_px; ++x)
       for (int c = 0; c < 4; ++c) large.at(x, y, c) = small.at(x / 2, y / 2, c);
   paint_row(large, 10, kGreen);
-  CHECK(files.refusal(large).find("neither these nor unpainted") != std::string::npos);
+  CHECK(files.refusal(large).find("not a marked copy of ") != std::string::npos);
 }
 
-TEST_CASE("a photo is no scribble of one side; a mask is, compressed or not") {
+TEST_CASE("a photo is rejected as a one-sided scribble; a mask is accepted, compressed or not") {
   const Files files;
   HandPrompt prompt;
   try {
@@ -166,7 +166,7 @@ TEST_CASE("a photo is no scribble of one side; a mask is, compressed or not") {
     FAIL("nothing was thrown");
   } catch (const Error& e) {
     CHECK(e.code() == ErrorCode::kBadInput);
-    CHECK(std::string(e.what()).find("100 % of it is not black and in many colours") != std::string::npos);
+    CHECK(std::string(e.what()).find("100 % of the picture is not black and has many colours") != std::string::npos);
   }
   ImageU8 mask(kWidth, kHeight, 1, 250);
   for (std::size_t p = 0; p < mask.data.size(); p += 3) mask.data[p] = 255;

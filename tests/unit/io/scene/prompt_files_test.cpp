@@ -29,7 +29,7 @@ std::string refusal(const auto& body) {
   return {};
 }
 
-/// All pixels are `rest`, black by default, except one.
+/// All pixels have the colour `rest`, black by default, except one.
 ImageU8 picture(int channels, std::vector<std::uint8_t> pixel, std::vector<std::uint8_t> rest = {0, 0, 0, 0}) {
   ImageU8 image(4, 3, channels);
   for (int y = 0; y < 3; ++y)
@@ -40,7 +40,7 @@ ImageU8 picture(int channels, std::vector<std::uint8_t> pixel, std::vector<std::
 
 }  // namespace
 
-TEST_CASE("prompts are read with their defaults, and what a segmenter is told beside them is passed over") {
+TEST_CASE("prompts are read with their defaults; segmenter inputs among them are ignored") {
   const HandPrompt p = parsed(R"({"ngs_prompts":1,"view":"a.png","width":8,"height":6,
     "strokes":[{"object":true,"points":[[1,2],[3.5,4]]},{"object":false,"radius":1.5,"points":[[0,0]]}],
     "boxes":[[1,1,7,5]],"points":[{"object":true,"x":1,"y":1}],"mask":"m.png"})");
@@ -54,7 +54,7 @@ TEST_CASE("prompts are read with their defaults, and what a segmenter is told be
   CHECK(p.boxes[0][2] == 7);
 }
 
-TEST_CASE("prompts that make no sense are refused with the key") {
+TEST_CASE("invalid prompts are rejected with the key") {
   const std::string head = R"({"ngs_prompts":1,"width":8,"height":6,)";
   const std::pair<const char*, const char*> cases[] = {
       {R"("strokes":[]})", "neither strokes nor boxes"},
@@ -73,13 +73,14 @@ TEST_CASE("prompts that make no sense are refused with the key") {
     CAPTURE(c.first);
     CHECK(refusal([&] { parsed(head + c.first); }).find(c.second) != std::string::npos);
   }
-  CHECK(parsed(head + R"("strokes":[{"object":true,"points":[[-2,1]]}]})").strokes.size() == 1);  // its rim is inside
+  CHECK(parsed(head + R"("strokes":[{"object":true,"points":[[-2,1]]}]})").strokes.size() ==
+        1);  // its disc reaches into the picture
   CHECK(refusal([] { parsed(R"({"ngs_prompts":2,"width":8,"height":6,"boxes":[[1,1,2,2]]})"); }) != "");
   CHECK(refusal([] { parsed(R"({"ngs_prompts":1,"width":0,"height":6,"boxes":[[1,1,2,2]]})"); }) != "");
   CHECK(refusal([] { parsed("[]"); }) != "");
 }
 
-TEST_CASE("a file describes several views, with clicks and polygons, and leaves the first form as it is") {
+TEST_CASE("form 2 has several views with clicks and polygons; form 1 is still read") {
   const std::vector<HandPrompt> views = io::parse_prompts_json(io::parse_json(R"({"ngs_prompts":2,"views":[
       {"view":"a.png","width":8,"height":6,"points":[{"object":true,"x":1,"y":2}],
        "polygons":[{"object":false,"points":[[4,1],[7,1],[7,5]]}]},
@@ -115,9 +116,9 @@ TEST_CASE("a file describes several views, with clicks and polygons, and leaves 
   }
 }
 
-TEST_CASE("a point far beside the picture is refused also where another is inside") {
+TEST_CASE("a point far outside the picture is rejected even if another point is inside") {
   const std::string head = R"({"ngs_prompts":1,"width":80,"height":60,"strokes":[{"object":true,"points":)";
-  CHECK(parsed(head + "[[40,30],[90,30]]}]}").strokes.size() == 1);  // a hand that slips over the rim
+  CHECK(parsed(head + "[[40,30],[90,30]]}]}").strokes.size() == 1);  // slightly outside is accepted
   for (const char* points : {"[[40,30],[400,300]]", "[[40,30],[40,-12]]", "[[-20,5],[40,30]]"}) {
     CAPTURE(points);
     CHECK(refusal([&] { parsed(head + points + "}]}"); }).find("80x60 px") != std::string::npos);

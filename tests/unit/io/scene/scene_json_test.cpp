@@ -44,7 +44,7 @@ void refused(const nlohmann::json& json, const char* message) {
 
 }  // namespace
 
-TEST_CASE("the folder of true masks is stored relative to the file and is no part of the scene") {
+TEST_CASE("the folder of true masks is stored relative to the file and is not part of the scene") {
   const TempDir dir;
   write_scene_json(dir.file("scene.json"), two_views(dir), StoredPaths::kRelative, dir.path() + "/masks_gt");
   CHECK(read_json_file(dir.file("scene.json"))["truth"] == "masks_gt");
@@ -54,7 +54,7 @@ TEST_CASE("the folder of true masks is stored relative to the file and is no par
   CHECK(truth_of_scene_json(dir.file("none.json")).empty());
 }
 
-TEST_CASE("a scene comes back with every bit of its cameras and rules") {
+TEST_CASE("a scene is read back with bit-identical cameras and settings") {
   const TempDir dir;
   const Scene scene = two_views(dir);
   write_scene_json(dir.file("scene.json"), scene);
@@ -86,7 +86,7 @@ TEST_CASE("a scene comes back with every bit of its cameras and rules") {
   CHECK(back.views[1].image_path.empty());
 }
 
-TEST_CASE("a scene that does not know its background, or how its model was fitted, says nothing of it") {
+TEST_CASE("unknown background and antialiasing are not written to scene.json") {
   const TempDir dir;
   nlohmann::json json = written(dir);
   json.erase("background"), json.erase("antialiased"), json.erase("compat"), json.erase("renders");
@@ -113,18 +113,18 @@ TEST_CASE("paths are stored relative to the json file and found from any working
         std::filesystem::path(dir.path()).parent_path() / "masks/a b.png");
 }
 
-TEST_CASE("a link to a scene whose files are not beside the link is refused with the file's own name") {
+TEST_CASE("a link to a scene is rejected with the file's real path if its files do not exist from the link's folder") {
   const TempDir dir;
   written(dir);
   std::filesystem::create_directories(dir.path() + "/link");
   std::filesystem::create_symlink(dir.path() + "/scene.json", dir.path() + "/link/scene.json");
-  CHECK_NOTHROW(read_scene_json(dir.path() + "/link/scene.json"));  // the file leads nowhere either
+  CHECK_NOTHROW(read_scene_json(dir.path() + "/link/scene.json"));  // the paths do not exist from the real file either
   dir.write("model.ply", "x");
   try {
     read_scene_json(dir.path() + "/link/scene.json");
     FAIL("was accepted");
   } catch (const Error& e) {
-    const std::string expected = "/link/scene.json: is a link, and " + dir.path() + "/link/model.ply is not there";
+    const std::string expected = "/link/scene.json: is a link, and " + dir.path() + "/link/model.ply does not exist";
     CHECK(std::string(e.what()).find(expected) == dir.path().size());
     CHECK(e.remedy() == "name the file itself: " + std::filesystem::canonical(dir.path() + "/scene.json").string());
   }
@@ -132,12 +132,12 @@ TEST_CASE("a link to a scene whose files are not beside the link is refused with
   CHECK_NOTHROW(read_scene_json(dir.path() + "/link/scene.json"));
 }
 
-TEST_CASE("a view whose name is more than a line is refused") {
+TEST_CASE("a view name with control characters is rejected") {
   const TempDir dir;
   for (const char* name : {"a\nb.png", "a\tb.png", "\x7f.png"}) {
     nlohmann::json json = written(dir);
     json["views"][0]["name"] = name;
-    refused(json, "with a line end or another control character");
+    refused(json, "contains a line end or another control character");
   }
   nlohmann::json json = written(dir);
   json["views"][0]["name"] = "a\nb.png";
@@ -165,7 +165,7 @@ TEST_CASE("the same scene gives the same bytes") {
   CHECK(test::read_bytes(dir.file("a.json")) == test::read_bytes(dir.file("b.json")));
 }
 
-TEST_CASE("every broken field of a scene is refused with its place") {
+TEST_CASE("every invalid field of a scene is rejected with its location") {
   const TempDir dir;
   const nlohmann::json good = written(dir);
   const auto with = [&](const char* pointer, const nlohmann::json& value) {
@@ -183,8 +183,8 @@ TEST_CASE("every broken field of a scene is refused with its place") {
   refused(with("/views/0/fx", "500"), "views[0].fx: \"500\", expected a finite number");
   refused(with("/views/0/fx", -1), "focal length");
   refused(with("/views/0/rotation", {1, 0, 0}), "views[0].rotation");
-  refused(with("/views/0/rotation", {1, 0, 0, 0, 1, 0, 0, 0, -1}), "rotation that is none");
-  refused(with("/views/0/rotation", {2, 0, 0, 0, 2, 0, 0, 0, 2}), "rotation that is none");
+  refused(with("/views/0/rotation", {1, 0, 0, 0, 1, 0, 0, 0, -1}), "not a rotation matrix");
+  refused(with("/views/0/rotation", {2, 0, 0, 0, 2, 0, 0, 0, 2}), "not a rotation matrix");
   refused(with("/views/1/name", "a b.png"), "view a b.png twice");
   refused(with("/views", nlohmann::json::array()), "no views");
   refused(with("/objects", nlohmann::json::array()), "no objects");
@@ -192,7 +192,7 @@ TEST_CASE("every broken field of a scene is refused with its place") {
   refused(with("/objects/1/id", 3), "object id 3 twice");
   refused(with("/masks/mode", "binary"), "2 objects in one mask per view");
   refused(with("/masks/invert", true), "inverted label maps");
-  refused(with("/masks/void_id", 9), "id 9 is void and object \"spoon\"");
+  refused(with("/masks/void_id", 9), "id 9 is both void and object \"spoon\"");
   refused(with("/masks/void_id", 65536), "masks.void_id: 65536");
   nlohmann::json bands = with("/masks/mode", "bands");
   bands["objects"].erase(1);
@@ -215,7 +215,7 @@ TEST_CASE("every prefix of a scene.json is refused as bad input") {
   const TempDir dir;
   write_scene_json(dir.file("scene.json"), two_views(dir));
   const std::string text = test::read_bytes(dir.file("scene.json"));
-  for (std::size_t n = 0; n + 2 < text.size(); ++n) {  // without the last newline it is complete
+  for (std::size_t n = 0; n + 2 < text.size(); ++n) {  // the last newline is not needed
     CAPTURE(n);
     CHECK_THROWS_AS(parse_scene_json(parse_json(text.substr(0, n), "s"), "", "s"), Error);
   }

@@ -52,7 +52,7 @@ TEST_CASE("film mlp equals the formulas written out for one neuron") {
   CHECK(double(out.rgb[2]) == doctest::Approx(1 / (1 + std::exp(-(x2 + 0.4)))).epsilon(1e-6));
 }
 
-TEST_CASE("film mlp: modulation starts as the identity for a zero condition") {
+TEST_CASE("film mlp: initial modulation is the identity for a zero condition") {
   const Net net({}, 1, 2);
   const FilmMlpLayout at = film_mlp_layout(net.config);
   for (int l = 0; l < 2; ++l)
@@ -63,7 +63,7 @@ TEST_CASE("film mlp: modulation starts as the identity for a zero condition") {
   CHECK(net.store.values[net.offset + at.head_bias] == -2);
 }
 
-TEST_CASE("film mlp: the packed network agrees with the same source in double") {
+TEST_CASE("film mlp: packed float results agree with the same kernels in double") {
   for (const std::int64_t n : {1, 95, 96, 97, 1000}) {
     CAPTURE(n);
     Net net({}, n, 3);

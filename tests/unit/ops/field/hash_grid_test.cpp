@@ -38,7 +38,7 @@ TEST_CASE("hash levels grow geometrically and turn from dense to hashed when the
   }
 }
 
-TEST_CASE("the spatial hash uses the primes of the published encoding") {
+TEST_CASE("the spatial hash uses the primes of instant-ngp") {
   CHECK(hash_vertex(1, 0, 0) == 1u);
   CHECK(hash_vertex(0, 1, 0) == 2654435761u);
   CHECK(hash_vertex(0, 0, 1) == 805459861u);
@@ -98,7 +98,7 @@ TEST_CASE("a hash grid is continuous across cell faces") {
   }
 }
 
-TEST_CASE("the hash grid gives the same bytes for 1 and 7 threads and adds to the gradient it finds") {
+TEST_CASE("the hash grid gives the same bytes for 1 and 7 threads and accumulates into store.grads") {
   const HashGridConfig config;
   ParamStore a;
   add_hash_grid(a, "hash", config, 3);

@@ -18,7 +18,7 @@ double dist2(const float* a, const float* b) {
   return s;
 }
 
-/// By sorting everything: what nearest_points must return.
+/// Reference for nearest_points: sorts all points.
 KnnGraph brute_force(const std::vector<float>& points, const std::vector<float>& queries, int k, bool exclude_self) {
   KnnGraph graph;
   const std::size_t n = points.size() / 3;
@@ -44,7 +44,7 @@ void check_equal(const KnnGraph& got, const KnnGraph& want) {
 
 }  // namespace
 
-TEST_CASE("knn answers no points and no queries with empty tables") {
+TEST_CASE("knn gives empty tables without points or without queries") {
   const std::vector<float> none, one{1, 2, 3};
   CHECK(nearest_points({}, rows(none), rows(one), 8).neighbours == 0);
   CHECK(nearest_points({}, rows(one), rows(none), 8).index.empty());
@@ -53,7 +53,7 @@ TEST_CASE("knn answers no points and no queries with empty tables") {
   CHECK(self.row_begin == std::vector<std::int64_t>{0, 0});
 }
 
-TEST_CASE("any_within says what the nearest distance says, a tie included") {
+TEST_CASE("any_within equals a comparison of the nearest distance with the radius, ties included") {
   test::Random random(3);
   std::vector<float> points, queries;
   for (int i = 0; i < 3 * 500; ++i)
@@ -69,13 +69,13 @@ TEST_CASE("any_within says what the nearest distance says, a tie included") {
     }
     if (radius < 1) CHECK(ties > 0);
   }
-  const std::vector<float> origin{0, 0, 0}, beside{1, 0, 0};  // as far from the only point as from its box
-  CHECK(any_within({}, rows(origin), rows(beside), 1) == std::vector<std::uint8_t>{1});
+  const std::vector<float> origin{0, 0, 0}, query_at_radius{1, 0, 0};  // same distance to the only point and to its box
+  CHECK(any_within({}, rows(origin), rows(query_at_radius), 1) == std::vector<std::uint8_t>{1});
   queries[0] = NAN;
-  std::vector<std::uint8_t> asked(300, 1), expected = any_within({}, rows(points), {queries.data() + 3, 299}, 1);
+  std::vector<std::uint8_t> active(300, 1), expected = any_within({}, rows(points), {queries.data() + 3, 299}, 1);
   expected.insert(expected.begin(), 0), expected[7] = 0;
-  asked[0] = asked[7] = 0;
-  CHECK(any_within({}, rows(points), rows(queries), 1, asked) == expected);
+  active[0] = active[7] = 0;
+  CHECK(any_within({}, rows(points), rows(queries), 1, active) == expected);
   CHECK_THROWS(any_within({}, rows(points), rows(queries), 1));
   queries[0] = 0;
   CHECK(any_within({}, rows({}), rows(queries), 1) == std::vector<std::uint8_t>(300, 0));
@@ -110,7 +110,7 @@ TEST_CASE("knn breaks ties at the last place by index") {
   }
 }
 
-TEST_CASE("knn orders coincident points by index and keeps them apart from the point itself") {
+TEST_CASE("knn orders coincident points by index and excludes only the point itself") {
   std::vector<float> points;
   for (int i = 0; i < 50; ++i) points.insert(points.end(), {1.5f, -2.f, 0.25f});
   points.insert(points.end(), {2.5f, -2.f, 0.25f});
@@ -160,7 +160,7 @@ TEST_CASE("the transpose of a graph lists every edge once, ascending, under its 
     }
 }
 
-TEST_CASE("knn refuses coordinates that are not finite") {
+TEST_CASE("knn throws for coordinates that are not finite") {
   const std::vector<float> bad{0, NAN, 0}, good{0, 0, 0};
   CHECK_THROWS_AS(nearest_points({}, rows(bad), rows(good), 1), std::logic_error);
   CHECK_THROWS_AS(nearest_points({}, rows(good), rows(bad), 1), std::logic_error);

@@ -54,7 +54,7 @@ TEST_CASE("the samples fill the window evenly from end to end") {
   CHECK(sample_spacing(w, 8) == doctest::Approx(0.8 / 7));
 }
 
-TEST_CASE("a single sample sits in the middle and stands for the whole window") {
+TEST_CASE("a single sample lies in the middle of the window and its spacing is the window's length") {
   const DepthWindow<double> w = depth_window(4.0, 0.1, 1e-4, 0.01);
   CHECK(sample_distance(w, 0, 1) == doctest::Approx(4));
   CHECK(sample_spacing(w, 1) == doctest::Approx(0.8));
@@ -75,7 +75,7 @@ TEST_CASE("the window follows the rendered depth where the pixel is covered, els
   const PixelGrid grid = pixel_grid({0, 0, 120, 90}, 3, 4);
   ImageF alpha(120, 90, 1, 0.8f), depth(120, 90, 1, 0.8f * 6.f);  // expected z = 6
   for (int y = 0; y < 90; ++y)
-    for (int x = 0; x < 60; ++x) alpha.at(x, y) = 0.3f;  // left half: hardly covered
+    for (int x = 0; x < 60; ++x) alpha.at(x, y) = 0.3f;  // left half: alpha below 0.5
   const DepthMap map{&depth, &alpha};
   const RayQueries q = ray_queries({}, camera, grid, {.samples = 3, .mean_distance = 4}, map);
   const std::vector<std::uint8_t> on = rays_on_surface(camera, q, map);
@@ -101,7 +101,7 @@ TEST_CASE("an empty grid has no rays") {
   CHECK(q.position.empty());
 }
 
-TEST_CASE("a camera relative to an origin sees the same pixels") {
+TEST_CASE("a camera relative to an origin projects to the same pixels") {
   test::Random random(5);
   const Camera world = test::camera_around(random, 4);
   const Camera local = relative_to(world, {1e6, -2e6, 3e5});

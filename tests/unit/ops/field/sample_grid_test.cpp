@@ -77,7 +77,7 @@ TEST_CASE("a grid never steps by less than a pixel") {
   }
 }
 
-TEST_CASE("a grid knows the box that it samples, whatever its nodes and however few") {
+TEST_CASE("box_of(grid) recovers the sampled box for any number of nodes") {
   for (const double width : {0.25, 1.0, 3.75, 100.0})
     for (const int cells : {1, 2, 64}) {
       CAPTURE(width);
@@ -90,7 +90,7 @@ TEST_CASE("a grid knows the box that it samples, whatever its nodes and however 
     }
 }
 
-TEST_CASE("the bilinear weights of an image position sum to one and name every pixel that they read") {
+TEST_CASE("bilinear weights of an image position sum to one and list every pixel that is read") {
   for (const int size : {1, 2, 7})
     for (double at = -2; at < 9; at += 0.125) {
       double sum = 0, mean = 0;
@@ -104,7 +104,7 @@ TEST_CASE("the bilinear weights of an image position sum to one and name every p
     }
 }
 
-TEST_CASE("the node range of a pixel misses no node that reads it") {
+TEST_CASE("the node range of a pixel contains every node that reads the pixel") {
   const PixelGrid grids[] = {pixel_grid({-0.5, 0, 9.7, 5}, 5, 7), pixel_grid({0, 0, 9, 5}, 5, 9),
                              pixel_grid({3.2, 0, 3.9, 5}, 5, 9)};
   for (const PixelGrid& g : grids)

@@ -21,7 +21,7 @@ VolumeOutput run(int samples, const std::vector<float>& density, const std::vect
 
 }  // namespace
 
-TEST_CASE("volume: a homogeneous medium has the closed form of Beer and Lambert") {
+TEST_CASE("volume: a homogeneous medium follows the Beer-Lambert law") {
   const double sigma = 1.7, spacing = 0.3;
   const VolumeOutput o = run(8, std::vector<float>(8, 1.7f), std::vector<float>(24, 0.5f), {0.3f}, {1, 0, 0.5f});
   const double alpha = 1 - std::exp(-8 * sigma * spacing);
@@ -32,7 +32,7 @@ TEST_CASE("volume: a homogeneous medium has the closed form of Beer and Lambert"
   CHECK(double(o.colour[2]) == doctest::Approx(0.5).epsilon(1e-6));
 }
 
-TEST_CASE("volume: empty space shows the background exactly and one opaque sample hides what is behind") {
+TEST_CASE("volume: empty space gives exactly the background, an opaque sample hides everything behind it") {
   const VolumeOutput empty = run(3, {0, 0, 0}, std::vector<float>(9, 0.9f), {0.1f}, {0.25f, 0.5f, 0.75f});
   CHECK(empty.colour == std::vector<float>{0.25f, 0.5f, 0.75f});
   CHECK(empty.alpha[0] == 0);
@@ -50,7 +50,7 @@ TEST_CASE("volume: a very thin medium keeps its alpha and its gradient") {
   CHECK(g.density[0] == 1);
 }
 
-TEST_CASE("volume: no rays and no samples are defined") {
+TEST_CASE("volume: no rays give empty output, rays without samples the background") {
   CHECK(run(8, {}, {}, {}, {0, 0, 0}).colour.empty());
   const VolumeOutput o = run(0, {}, {}, {1}, {0.5f, 0.5f, 0.5f});
   CHECK(o.colour == std::vector<float>(3, 0.5f));

@@ -37,22 +37,23 @@ double contour(const std::vector<float>& soft) {
   return double(std::count_if(soft.begin(), soft.end(), [](float x) { return x > 0.5f; })) / kHeight;
 }
 
-std::vector<float> walk(const std::vector<std::uint8_t>& mask, const ImageF& photo, ContourRefineOptions options = {}) {
+std::vector<float> refine(const std::vector<std::uint8_t>& mask, const ImageF& photo,
+                          ContourRefineOptions options = {}) {
   return refine_contour(options, {mask.data(), kWidth, kHeight}, photo);
 }
 
-TEST_CASE("a contour moves to the photo's edge from either side, and not beyond the band") {
+TEST_CASE("refine_contour moves a contour to the photo's edge from either side, and not beyond the band") {
   const ImageF photo = two_colours(36, 0.3, 0.02);
   for (const double start : {32., 34., 36., 38., 40.}) {
     CAPTURE(start);
-    CHECK(contour(walk(left_of(start), photo)) == doctest::Approx(36).epsilon(0.002));
+    CHECK(contour(refine(left_of(start), photo)) == doctest::Approx(36).epsilon(0.002));
   }
-  // 12 px away: what is outside the band keeps its side.
-  CHECK(contour(walk(left_of(24), photo)) < 24 + 5.01);
+  // 12 px away: pixels outside the band keep their side.
+  CHECK(contour(refine(left_of(24), photo)) < 24 + 5.01);
 }
 
-// Stripes are steps in one direction only: how large a step counts as an edge must not depend on which.
-TEST_CASE("a turned picture has the turned contour") {
+// Stripes are edges in one direction only: the edge threshold must not depend on the direction.
+TEST_CASE("refine_contour of a transposed image gives the transposed contour") {
   constexpr int kSide = 160;
   ImageF photo(kSide, kSide, 3), turned = photo;
   std::vector<std::uint8_t> mask(kSide * kSide), turned_mask = mask;
@@ -71,53 +72,53 @@ TEST_CASE("a turned picture has the turned contour") {
   for (int y = 0; y < kSide; ++y)
     for (int x = 0; x < kSide; ++x)
       different += (soft[std::size_t(y * kSide + x)] > 0.5f) != (soft_turned[std::size_t(x * kSide + y)] > 0.5f);
-  CHECK(different <= 1);  // steps along x alone: 76 pixels
+  CHECK(different <= 1);  // with steps along x alone: 76 pixels
 }
 
-TEST_CASE("without an edge in the photo the contour stays") {
+TEST_CASE("refine_contour keeps the contour without an edge in the photo") {
   for (const double start : {20., 36., 51.})
-    CHECK(contour(walk(left_of(start), two_colours(36, 0, 0))) == doctest::Approx(start));
-  // Noise alone roughens it by less than a pixel.
-  CHECK(contour(walk(left_of(30), two_colours(36, 0, 0.02))) == doctest::Approx(30).epsilon(0.02));
+    CHECK(contour(refine(left_of(start), two_colours(36, 0, 0))) == doctest::Approx(start));
+  // Noise alone moves the contour by less than a pixel.
+  CHECK(contour(refine(left_of(30), two_colours(36, 0, 0.02))) == doctest::Approx(30).epsilon(0.02));
 }
 
-TEST_CASE("the colours decide where the strongest edge is not the object's") {
-  // A dark line beside the true contour: edges alone are drawn to it, the colours on both sides are the
-  // object's.
+TEST_CASE("refine_contour follows colours where the strongest edge is not the object's") {
+  // A dark line next to the true contour. Edges alone attract the contour to the line, but both sides of it have the
+  // colour of the object.
   ImageF photo = two_colours(36, 0.3, 0.01);
   for (int y = 0; y < kHeight; ++y)
     for (int c = 0; c < 3; ++c) photo.at(33, y, c) = 0.05f;
   ContourRefineOptions edges_alone;
   edges_alone.colour_weight = 0;
-  CHECK(contour(walk(left_of(35), photo)) == doctest::Approx(36).epsilon(0.03));
-  CHECK(contour(walk(left_of(32), photo, edges_alone)) < 34.5);
+  CHECK(contour(refine(left_of(35), photo)) == doctest::Approx(36).epsilon(0.03));
+  CHECK(contour(refine(left_of(32), photo, edges_alone)) < 34.5);
 }
 
-TEST_CASE("a texture that both sides share does not draw the contour to its own edges") {
+TEST_CASE("refine_contour is not attracted by edges of a texture on both sides") {
   ImageF photo(kWidth, kHeight, 3);
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x)
       for (int c = 0; c < 3; ++c) photo.at(x, y, c) = x / 7 % 2 == 0 ? 0.3f : 0.6f;
-  ContourRefineOptions naive;  // colours count in full, wherever they were learnt
+  ContourRefineOptions naive;  // colours have full weight, however ambiguous
   naive.ambiguity_weight = 0;
   for (const double start : {37., 38., 39.}) {  // the stripe goes from 35 to 42
     CAPTURE(start);
-    CHECK(contour(walk(left_of(start), photo)) == doctest::Approx(start));
-    CHECK(std::abs(contour(walk(left_of(start), photo, naive)) - start) >= 1);
+    CHECK(contour(refine(left_of(start), photo)) == doctest::Approx(start));
+    CHECK(std::abs(contour(refine(left_of(start), photo, naive)) - start) >= 1);
   }
 }
 
-TEST_CASE("masks without a contour come back as they are, and values stay in [0, 1]") {
+TEST_CASE("refine_contour returns masks without a contour unchanged, and values in [0, 1]") {
   const ImageF photo = two_colours(36, 0.3, 0.3);
   for (const double start : {0., double(kWidth)}) {
     const std::vector<std::uint8_t> mask = left_of(start);
-    const std::vector<float> soft = walk(mask, photo);
+    const std::vector<float> soft = refine(mask, photo);
     CHECK(std::equal(soft.begin(), soft.end(), mask.begin(), [](float a, std::uint8_t b) { return a == float(b); }));
   }
   std::vector<std::uint8_t> speck(std::size_t(kWidth) * kHeight, 0);
   speck[std::size_t(kWidth) * 30 + 36] = 1;
   for (const auto& mask : {speck, left_of(1), left_of(36)})
-    for (const float x : walk(mask, photo)) REQUIRE((x >= 0.f && x <= 1.f));
+    for (const float x : refine(mask, photo)) REQUIRE((x >= 0.f && x <= 1.f));
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ ViewPrompt prompt_of(const auto& hint) {
 
 }  // namespace
 
-TEST_CASE("a stroke on either side brings the whole object, the same bytes every time") {
+TEST_CASE("grab_cut finds the whole object from one stroke per side, with the same bytes every time") {
   const ViewPrompt strokes = prompt_of([](int x, int y) {
     return y == 22 && x > 25 && x < 35 ? PixelHint::kObject
            : y == 4                    ? PixelHint::kBackground
@@ -47,7 +47,7 @@ TEST_CASE("a stroke on either side brings the whole object, the same bytes every
   CHECK(grab_cut(disc_photo(), strokes, {}) == mask);
 }
 
-TEST_CASE("certain pixels keep their side against all colours") {
+TEST_CASE("grab_cut keeps the side of certain pixels against their colours") {
   const ViewPrompt against = prompt_of([](int x, int y) {
     if (x == 30 && y == 22) return PixelHint::kBackground;
     if (x == 5 && y == 5) return PixelHint::kObject;
@@ -58,19 +58,18 @@ TEST_CASE("certain pixels keep their side against all colours") {
   CHECK(mask[5 * kWidth + 5] == 1);
 }
 
-TEST_CASE("without pixels of a side, or without freedom, the hints come back") {
+TEST_CASE("grab_cut returns the hints if one side has too few pixels or none can change") {
   const ImageU8 photo = disc_photo();
   for (const PixelHint all :
        {PixelHint::kBackground, PixelHint::kObject, PixelHint::kLikelyBackground, PixelHint::kLikelyObject}) {
     const PixelMask mask = grab_cut(photo, prompt_of([&](int, int) { return all; }), {});
     CHECK(mask == PixelMask(std::size_t(kWidth * kHeight), is_object(all)));
   }
-  const PixelMask four = grab_cut(photo, prompt_of([](int x, int y) {
-                                    return y == 0 && x < 4
-                                               ? PixelHint::kObject
-                                               : PixelHint::kLikelyBackground;  // one fewer than a mixture has parts
-                                  }),
-                                  {});
+  // Four pixels: one fewer than the mixture has components.
+  const auto four_pixels = [](int x, int y) {
+    return y == 0 && x < 4 ? PixelHint::kObject : PixelHint::kLikelyBackground;
+  };
+  const PixelMask four = grab_cut(photo, prompt_of(four_pixels), {});
   CHECK(std::count(four.begin(), four.end(), 1) == 4);
 }
 

@@ -1,4 +1,4 @@
-// Agreement of masks is measured where either shows something. Nothing that is left out may matter.
+// Agreement of masks is measured in the box where either mask has foreground. The pixels outside must not matter.
 #include "ngs/ops/image/mask_pair.h"
 
 #include <doctest/doctest.h>
@@ -8,14 +8,14 @@
 namespace ngs {
 namespace {
 
-constexpr int kWidth_px = 113, kHeight_px = 71, kObjects = 4;  // a band of 3 px, where a part would have 1
+constexpr int kWidth_px = 113, kHeight_px = 71, kObjects = 4;  // a band of 3 px; for a part alone it would be 1 px
 constexpr std::size_t kPixels = std::size_t(kWidth_px) * kHeight_px;
 
 struct Planes {
   ImageF label{kWidth_px, kHeight_px, kObjects};
   ViewMasks masks{kWidth_px, kHeight_px, {}, {}, true};
 
-  /// Blobs, of which some reach over the picture's edge, a lone pixel, and an object that nothing shows.
+  /// Blobs, some cut by the image border, a single pixel, and an object without foreground.
   explicit Planes(std::uint64_t seed) {
     test::Random random(seed);
     masks.target.assign(kObjects, std::vector<float>(kPixels));
@@ -38,26 +38,26 @@ struct Planes {
   }
 };
 
-/// 0/1 of the whole picture.
-std::vector<std::uint8_t> whole(const Planes& of, std::size_t k, bool rendered) {
+/// 0/1 plane of the whole image.
+std::vector<std::uint8_t> full_plane(const Planes& of, std::size_t k, bool rendered) {
   std::vector<std::uint8_t> plane(kPixels);
   for (std::size_t p = 0; p < kPixels; ++p)
-    plane[p] = of.masks.known[p] && (rendered ? label_says_object(of.label.data[p * kObjects + k])
-                                              : mask_says_object(of.masks.target[k][p]));
+    plane[p] = of.masks.known[p] && (rendered ? label_is_foreground(of.label.data[p * kObjects + k])
+                                              : mask_is_foreground(of.masks.target[k][p]));
   return plane;
 }
 
 }  // namespace
 
-TEST_CASE("mask pairs: agreement in the part that shows an object is that of the whole picture") {
+TEST_CASE("mask pairs: agreement in the foreground box equals agreement in the whole image") {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     CAPTURE(seed);
     const Planes of(seed);
-    const std::vector<ShownBox> boxes = boxes_shown(of.label);
+    const std::vector<ForegroundBox> boxes = foreground_boxes(of.label);
     REQUIRE(boxes.size() == kObjects);
     for (std::size_t k = 0; k < kObjects; ++k) {
       const MaskPair pair(of.label, of.masks, k, boxes[k]);
-      const std::vector<std::uint8_t> rendered = whole(of, k, true), own = whole(of, k, false);
+      const std::vector<std::uint8_t> rendered = full_plane(of, k, true), own = full_plane(of, k, false);
       const MaskPlane a{rendered.data(), kWidth_px, kHeight_px}, b{own.data(), kWidth_px, kHeight_px};
       const Confusion part = pair.counts({}), all = confusion({}, a, b);
       CHECK(part.both_empty() == all.both_empty());

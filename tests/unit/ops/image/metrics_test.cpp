@@ -30,7 +30,7 @@ TEST_CASE("confusion counts every pixel once") {
   CHECK(class_accuracy(c) == doctest::Approx((2.0 / 4 + 4.0 / 8) / 2));
 }
 
-TEST_CASE("confusion refuses planes of different size") {
+TEST_CASE("confusion throws for planes of different size") {
   const Mask a(4, 3), b(3, 4);
   CHECK_THROWS_AS(confusion({}, a.plane(), b.plane()), std::logic_error);
 }
@@ -53,7 +53,7 @@ TEST_CASE("two empty masks score 1 everywhere and are flagged") {
 
 TEST_CASE("one empty mask scores 0 in overlap and contour, whichever side it is, and is flagged") {
   const Mask empty(9, 7);
-  // The full mask has no contour inside the image: it exists for the branch that must not answer 1.
+  // The full mask has no contour inside the image, so contour F needs a branch for it that must not return 1.
   for (const Mask& other : {box(9, 7, 2, 2, 5, 5), box(9, 7, 0, 0, 9, 7)})
     for (bool swap : {false, true}) {
       CAPTURE(swap);
@@ -69,7 +69,7 @@ TEST_CASE("one empty mask scores 0 in overlap and contour, whichever side it is,
     }
 }
 
-TEST_CASE("class accuracy averages over the classes that the truth has") {
+TEST_CASE("class accuracy averages over the classes that occur in the truth") {
   CHECK(class_accuracy({.tp = 0, .fp = 1, .fn = 0, .tn = 3}) == 0.75);  // truth: background only
   CHECK(class_accuracy({.tp = 3, .fp = 0, .fn = 1, .tn = 0}) == 0.75);  // truth: object only
   CHECK(class_accuracy({.tp = 1, .fp = 0, .fn = 1, .tn = 98}) == 0.75);
@@ -80,7 +80,7 @@ TEST_CASE("counts do not overflow 32 bits") {
   CHECK(iou(c) == 0.5);
 }
 
-TEST_CASE("band width is the official one: rounded to nearest, ties to even, at least 1 px") {
+TEST_CASE("band width equals the official one: rounded to nearest, ties to even, at least 1 px") {
   CHECK(band_width_px(0.02, 4032, 3024) == 101);
   CHECK(band_width_px(0.02, 1008, 756) == 25);
   CHECK(band_width_px(0.02, 504, 378) == 13);
@@ -89,7 +89,7 @@ TEST_CASE("band width is the official one: rounded to nearest, ties to even, at 
   CHECK(band_width_px(0.005, 20, 20) == 1);
 }
 
-TEST_CASE("chessboard distance counts the frame as complement only where asked to") {
+TEST_CASE("chessboard distance counts the image frame as complement only with Outside::kComplement") {
   const Mask full = box(5, 5, 0, 0, 5, 5);
   const auto inside = chessboard_distance(full.plane());
   CHECK(inside[0] == 1);
@@ -117,8 +117,7 @@ TEST_CASE("contour F measures the tolerance as a Euclidean distance") {
 TEST_CASE("the image frame is no contour") {
   const Mask half = box(10, 10, 0, 0, 5, 10), shorter = box(10, 10, 0, 0, 5, 9);
   CHECK(contour_f(half.plane(), half.plane(), 0) == 1);
-  // `shorter` has a contour along y = 8 which `half`, cut off by the frame, has not: recall 1, precision
-  // below.
+  // `shorter` has a contour along y = 8 that `half`, cut off by the frame, lacks. Recall is 1, precision is lower.
   const double f = contour_f(shorter.plane(), half.plane(), 1);
   CHECK(f < 1);
   CHECK(f > 0.5);
@@ -135,7 +134,7 @@ TEST_CASE("far errors are wrong pixels beyond the wide band of the truth's conto
   CHECK(s.far_fn == 1);
 }
 
-/// A box whose contour lies in a void band of 2 px to either side, as VOC's annotations have it.
+/// A box whose contour lies in a void band of 2 px to either side, as in VOC annotations.
 struct VoidBand {
   Mask truth = box(60, 40, 17, 12, 33, 28), is_void = box(60, 40, 15, 10, 35, 30);
   VoidBand() {
@@ -148,7 +147,7 @@ struct VoidBand {
   }
 };
 
-TEST_CASE("what the prediction says of void pixels changes no score") {
+TEST_CASE("predictions in void pixels change no score") {
   const VoidBand band;
   for (int by = 0; by <= 4; ++by) {
     CAPTURE(by);
@@ -159,22 +158,23 @@ TEST_CASE("what the prediction says of void pixels changes no score") {
   }
 }
 
-TEST_CASE("errors beside a void count as ever, and its edge is no edge of either mask") {
+TEST_CASE("errors next to a void are counted, and the edge of the void is no contour") {
   const VoidBand band;
   Mask predicted = box(60, 40, 13, 10, 35, 30);  // 2 px beyond the band on one side
   MaskScores s = band.score(predicted);
   CHECK(s.counts.fp == 2 * 20);
   CHECK(s.counts.fn == 0);
   CHECK(s.iou == 144.0 / 184);
-  CHECK(s.biou_1px == 0);  // the prediction's contour on that side against the truth's, which lies in the void
+  CHECK(s.biou_1px == 0);  // the prediction's contour on that side; the contour of the truth lies in the void
   CHECK(s.biou_3px == 0);
   predicted = box(60, 40, 22, 12, 33, 28);  // 3 px short of the band
   s = band.score(predicted);
   CHECK(s.counts.fn == 3 * 12);
-  CHECK(s.biou_1px == 2.0 / (12 + 16));  // columns of 12 px on either side of the gap; the truth's with its corners
+  // Columns of 12 px on either side of the gap; the column of the truth includes its corners.
+  CHECK(s.biou_1px == 2.0 / (12 + 16));
 }
 
-TEST_CASE("no void and a void without pixels are the same, and all void is two empty masks") {
+TEST_CASE("an empty void changes no score; an image that is all void scores like two empty masks") {
   const Mask predicted = box(20, 16, 3, 3, 12, 10), truth = box(20, 16, 5, 2, 13, 9), none(20, 16),
              all = box(20, 16, 0, 0, 20, 16);
   const MaskScores with = score_mask({}, predicted.plane(), truth.plane(), 0.008, none.plane());
@@ -188,7 +188,7 @@ TEST_CASE("no void and a void without pixels are the same, and all void is two e
 TEST_CASE("nearest resize takes the pixel under the destination centre") {
   const std::vector<int> row{0, 1, 2, 3, 4};
   CHECK(resized_nearest(row.data(), 5, 1, 10, 1) == std::vector<int>{0, 0, 1, 1, 2, 2, 3, 3, 4, 4});
-  CHECK(resized_nearest(row.data(), 5, 1, 3, 1) == std::vector<int>{0, 2, 4});  // Pillow's answer
+  CHECK(resized_nearest(row.data(), 5, 1, 3, 1) == std::vector<int>{0, 2, 4});  // as Pillow
   CHECK(resized_nearest(row.data(), 5, 1, 1, 2) == std::vector<int>{2, 2});
   CHECK(resized_nearest(row.data(), 5, 1, 5, 1) == row);
 }

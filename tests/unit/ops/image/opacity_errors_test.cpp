@@ -35,7 +35,7 @@ TEST_CASE("an opacity equal to the silhouette has neither halo nor holes") {
   for (const double px : errors.holes_px) CHECK(px == 0);
 }
 
-TEST_CASE("opacity everywhere is a halo, none is a hole, farther than each band") {
+TEST_CASE("opacity everywhere is a halo and no opacity is a hole, beyond each band") {
   const Mask mask = square();
   const OpacityErrors full = opacity_errors(std::vector<float>(1600, 1.f), mask.plane());
   const OpacityErrors none = opacity_errors(std::vector<float>(1600, 0.f), mask.plane());
@@ -48,35 +48,35 @@ TEST_CASE("opacity everywhere is a halo, none is a hole, farther than each band"
   }
 }
 
-TEST_CASE("half as opaque a halo counts half") {
+TEST_CASE("a halo of half opacity counts half") {
   const Mask mask = square();
   std::vector<float> opacity = opacity_of(mask);
   opacity[0] = 0.5f;
   CHECK(opacity_errors(opacity, mask.plane()).halo_px[3] == doctest::Approx(0.5 / 36));
 }
 
-TEST_CASE("where others stand before the object nothing counts") {
+TEST_CASE("opacity errors under occluders are not counted") {
   const Mask mask = square();
-  Mask other(40, 40);
+  Mask occluder(40, 40);
   for (int y = 0; y < 40; ++y)
-    for (int x = 29; x < 40; ++x) other.at(x, y) = 1;
+    for (int x = 29; x < 40; ++x) occluder.at(x, y) = 1;
   std::vector<float> opacity = opacity_of(mask);
-  opacity[20 * 40 + 35] = 1.f;  // under the other one
-  opacity[20 * 40 + 26] = 1.f;  // beside it
+  opacity[20 * 40 + 35] = 1.f;  // under the occluder
+  opacity[20 * 40 + 26] = 1.f;  // next to the occluder, within the margin
   CHECK(opacity_errors(opacity, mask.plane()).halo_px[0] == doctest::Approx(2.0 / 36));
-  const OpacityErrors errors = opacity_errors(opacity, mask.plane(), other.plane());
+  const OpacityErrors errors = opacity_errors(opacity, mask.plane(), occluder.plane());
   CHECK(errors.halo_px[0] == 0);
   CHECK(errors.contour_px == 36);
 }
 
-TEST_CASE("without a contour there is nothing to measure") {
+TEST_CASE("opacity errors of an empty silhouette are 0") {
   const Mask nothing(40, 40);
   const OpacityErrors errors = opacity_errors(std::vector<float>(1600, 1.f), nothing.plane());
   CHECK(errors.contour_px == 0);
   CHECK(errors.halo_px[0] == 0);
 }
 
-TEST_CASE("an opacity that is none is refused") {
+TEST_CASE("an opacity outside [0, 1] or NaN is an error") {
   const Mask mask = square();
   for (const float bad : {-0.1f, 1.1f, std::numeric_limits<float>::quiet_NaN()}) {
     std::vector<float> opacity = opacity_of(mask);

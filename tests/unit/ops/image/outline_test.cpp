@@ -49,7 +49,7 @@ TEST_CASE("outlines enclose exactly the object, for every kind of mask") {
       return 1 + int(rng_bits(3, RngStream::kTest, 2 * std::uint64_t(n) + i) % 30);
     };
     const Mask mask = test::zoo_mask(MaskKind(n % int(MaskKind::kCount)), side(0), side(1), std::uint64_t(n));
-    std::int64_t pixels = 0, edges = 0, refined = 0;
+    std::int64_t pixels = 0, edges = 0, traced = 0;
     const auto on = [&](int x, int y) {
       return x >= 0 && y >= 0 && x < mask.width_px && y < mask.height_px && mask.at(x, y) != 0;
     };
@@ -63,10 +63,10 @@ TEST_CASE("outlines enclose exactly the object, for every kind of mask") {
       for (std::size_t i = 0; i < loop.size(); ++i) {
         const GridPoint a = loop[i], b = loop[(i + 1) % loop.size()];
         REQUIRE((a.x == b.x) != (a.y == b.y));
-        refined += std::abs(a.x - b.x) + std::abs(a.y - b.y);
+        traced += std::abs(a.x - b.x) + std::abs(a.y - b.y);
       }
     CHECK(enclosed_area(loops) == pixels);
-    CHECK(refined == edges);  // each edge between object and complement once
+    CHECK(traced == edges);  // each edge between object and complement once
   }
 }
 

@@ -17,16 +17,16 @@ LabelProblem problem_of(const test::MethodCase& c) {
   return p;
 }
 
-struct BookSums {
+struct ReferenceSums {
   double loss = 0;
   std::vector<double> inside, outside;
   bool near_threshold = false;
 };
 
-/// The definition in label_system.h, from the reference renderer's weights, in double.
-BookSums by_the_book(const test::MethodCase& c, const std::vector<double>& m,
-                     const std::vector<PixelTargets>& targets) {
-  BookSums s;
+/// The definition in label_system.h, evaluated in double with the weights of the reference renderer.
+ReferenceSums reference_sums(const test::MethodCase& c, const std::vector<double>& m,
+                             const std::vector<PixelTargets>& targets) {
+  ReferenceSums s;
   s.inside.resize(m.size()), s.outside.resize(m.size());
   double total = 0;
   for (std::size_t v = 0; v < c.view.size(); ++v) {
@@ -56,7 +56,8 @@ std::vector<std::int32_t> every(std::size_t n, std::size_t step) {
 std::vector<std::uint8_t> ones(std::size_t n) { return std::vector<std::uint8_t>(n, 1); }
 
 /// Two Gaussians so wide that alpha is 0.5 at every pixel: the nearer has weight 0.5, the other 0.25. The
-/// second camera looks from the other side. The masks claim `share[v]` of the pixels of view v.
+/// second camera looks from the other side. The masks contain the shares `share0` and `share1` of the pixels of
+/// the two views.
 struct TwoSheets {
   GaussianCloud cloud;
   std::vector<Camera> cameras;
@@ -91,8 +92,8 @@ struct TwoSheets {
 }  // namespace
 
 TEST_CASE(
-    "the label system evaluates loss and gradient sums as defined, with any labels folded and soft targets "
-    "too") {
+    "the label system evaluates loss and gradient sums as defined, for any folded labels and for soft "
+    "targets") {
   int compared = 0;
   for (std::uint64_t seed = 20; seed < 26; ++seed) {
     CAPTURE(seed);
@@ -107,7 +108,7 @@ TEST_CASE(
     LabelProblem problem = problem_of(c);
     problem.load_targets = [&](std::size_t v) { return targets[v]; };
     const std::vector<double> m = random.uniform_vector(70, 0.02, 0.98);
-    const BookSums want = by_the_book(c, m, targets);
+    const ReferenceSums want = reference_sums(c, m, targets);
     if (want.near_threshold) continue;
     for (const std::size_t step : {std::size_t(1), std::size_t(3)}) {
       const std::vector<std::int32_t> column = every(70, step);
@@ -128,7 +129,7 @@ TEST_CASE(
   CHECK(compared > 200);
 }
 
-TEST_CASE("a label system gives the same sums streamed, cached in part, and for any number of threads") {
+TEST_CASE("a label system gives the same sums streamed, partly cached, and for any number of threads") {
   const test::MethodCase c = test::method_case(31, 150, 4);
   const LabelProblem problem = problem_of(c);
   const std::vector<double> m = test::Random(1).uniform_vector(150, 0, 1);
@@ -148,9 +149,9 @@ TEST_CASE("a label system gives the same sums streamed, cached in part, and for 
   }
 }
 
-// Between the two sheets lie 300 Gaussians in a corner of their tile: most of its pixels meet the first column and then
+// Between the two sheets lie 300 Gaussians in a corner of the tile. For most pixels, the first column is followed by
 // the 302nd.
-TEST_CASE("a cached label system finds columns that lie far apart in the list of a tile") {
+TEST_CASE("a cached label system equals the streamed one for columns far apart in the list of a tile") {
   TwoSheets sheets(0.5, 0.4);
   sheets.cloud.resize(302, 0);
   for (std::size_t i = 2; i < 302; ++i) {
@@ -175,7 +176,7 @@ TEST_CASE("a cached label system finds columns that lie far apart in the list of
   CHECK(got.loss == doctest::Approx(want.loss).epsilon(1e-14));
 }
 
-TEST_CASE("a label system without cache knows its sums at the labels it was made with") {
+TEST_CASE("at_start of a label system without cache equals evaluate at the initial labels") {
   const test::MethodCase c = test::method_case(33, 90, 3);
   const LabelProblem problem = problem_of(c);
   const std::vector<double> m = test::Random(4).uniform_vector(90, 0, 1);
@@ -190,7 +191,7 @@ TEST_CASE("a label system without cache knows its sums at the labels it was made
   CHECK(system.at_start().outside == want.outside);
 }
 
-TEST_CASE("weights in half precision take half the cache and the certificate still holds") {
+TEST_CASE("weights in half precision take less cache and the certificate still holds") {
   for (std::uint64_t seed = 80; seed < 83; ++seed) {
     const test::MethodCase c = test::method_case(seed, 120, 4);
     LabelProblem problem = problem_of(c);
@@ -204,12 +205,12 @@ TEST_CASE("weights in half precision take half the cache and the certificate sti
     CHECK(rounded.loss != exact.loss);
     CHECK(rounded.loss == doctest::Approx(exact.loss).epsilon(1e-4));
     const LabelSolution solution = solve_labels({}, problem, {}, start, ones(120));
-    CHECK(solution.converged);  // by the certificate, which is not rounded
+    CHECK(solution.converged);  // by the certificate, which uses full-precision weights
     CHECK(solution.gap <= 1e-3 * solution.loss);
   }
 }
 
-TEST_CASE("a reduced label system is the full one with the other labels held") {
+TEST_CASE("a reduced label system equals the full one with the other labels fixed") {
   const test::MethodCase c = test::method_case(32, 120, 3);
   const LabelProblem problem = problem_of(c);
   const std::vector<double> m = test::Random(2).uniform_vector(120, 0, 1);
@@ -228,11 +229,10 @@ TEST_CASE("a reduced label system is the full one with the other labels held") {
   }
 }
 
-// 0.5 m0 + 0.25 m1 = share0 and 0.25 m0 + 0.5 m1 = share1 wherever that has a solution in the box: then both
-// views are fitted exactly. Float sums leave a relative gap of about 1e-7; with 2e-6 asked for, the loss is
-// within 2e-6 of its minimum and, the curvature along any direction being above 0.3, the labels within sqrt(2
-// · 2e-6 · 0.7 / 0.3) = 3e-3.
-TEST_CASE("the label solve finds the optimum of a problem of two Gaussians that can be solved by hand") {
+// If 0.5 m0 + 0.25 m1 = share0 and 0.25 m0 + 0.5 m1 = share1 have a solution in the box, both views are fitted exactly.
+// Float sums leave a relative gap of about 1e-7. With a requested gap of 2e-6, the loss is within 2e-6 of its minimum.
+// The curvature in every direction is above 0.3, so the labels are within sqrt(2 · 2e-6 · 0.7 / 0.3) = 3e-3.
+TEST_CASE("solve_labels finds the analytic optimum of a problem of two Gaussians") {
   LabelSolveOptions options;
   options.relative_gap = 2e-6;
   const TwoSheets inside(0.5, 0.4);  // m = (0.8, 0.4)
@@ -243,7 +243,7 @@ TEST_CASE("the label solve finds the optimum of a problem of two Gaussians that 
   const double entropy = -(0.5 * std::log(0.5) + 0.5 * std::log(0.5) + 0.4 * std::log(0.4) + 0.6 * std::log(0.6)) / 2;
   CHECK(a.loss == doctest::Approx(entropy).epsilon(1e-5));
 
-  // share0 = 0.6, share1 = 0: the second Gaussian is held at 0 and the first balances 0.5 m against 0.25 m:
+  // share0 = 0.6, share1 = 0: the second label is at its bound 0, and the first balances 0.5 m against 0.25 m:
   // 0.6/m - 0.4 · 0.5/(1 - 0.5 m) - 0.25/(1 - 0.25 m) = 0, solved by bisection.
   double lo = 0.1, hi = 1;
   for (int i = 0; i < 60; ++i) {
@@ -257,19 +257,19 @@ TEST_CASE("the label solve finds the optimum of a problem of two Gaussians that 
   CHECK(b.label[1] < 3e-3);
 }
 
-TEST_CASE("the label solve keeps what may not move, and moves what wrongly starts at a bound") {
+TEST_CASE("solve_labels keeps fixed labels, and moves labels that start at the wrong bound") {
   const TwoSheets sheets(0.5, 0.4);
   LabelSolveOptions options;
   options.relative_gap = 2e-6;
-  const LabelSolution held = solve_labels({}, sheets.problem(), options, {0.25, 0.5}, {0, 1});
-  CHECK(held.label[0] == 0.25);
-  CHECK(held.columns == 1);
-  CHECK(held.converged);
-  const LabelSolution freed = solve_labels({}, sheets.problem(), options, {1.0, 0.0}, ones(2));
-  CHECK(freed.columns == 2);
-  CHECK(freed.converged);
-  CHECK(freed.label[0] == doctest::Approx(0.8).epsilon(3e-3));
-  const TwoSheets empty(0.0, 0.0);  // no pixel speaks for the object: 0 is optimal
+  const LabelSolution fixed = solve_labels({}, sheets.problem(), options, {0.25, 0.5}, {0, 1});
+  CHECK(fixed.label[0] == 0.25);
+  CHECK(fixed.columns == 1);
+  CHECK(fixed.converged);
+  const LabelSolution moved_off = solve_labels({}, sheets.problem(), options, {1.0, 0.0}, ones(2));
+  CHECK(moved_off.columns == 2);
+  CHECK(moved_off.converged);
+  CHECK(moved_off.label[0] == doctest::Approx(0.8).epsilon(3e-3));
+  const TwoSheets empty(0.0, 0.0);  // no pixel is in the mask: 0 is optimal
   const LabelSolution none = solve_labels({}, empty.problem(), options, {0.0, 0.0}, ones(2));
   CHECK(none.evaluations == 1);
   CHECK(none.working_columns == 0);
@@ -296,8 +296,8 @@ TEST_CASE("an EM update never increases the loss") {
 }
 
 TEST_CASE(
-    "the duality gap bounds what is left to gain at any labels, and the certificate is what double "
-    "arithmetic finds") {
+    "the Frank-Wolfe gap bounds the remaining gain at any labels, and the certificate equals the gap in "
+    "double") {
   for (std::uint64_t seed = 50; seed < 54; ++seed) {
     CAPTURE(seed);
     const test::MethodCase c = test::method_case(seed, 120, 4);
@@ -310,7 +310,7 @@ TEST_CASE(
     CHECK(best.converged);
     const LabelSystem system({}, problem, every(120, 1), start, 1 << 30);
     LabelSums sums;
-    for (int i = 0; i < 20; ++i) {  // points at random, and between these and the optimum
+    for (int i = 0; i < 20; ++i) {  // random points, and points between these and the optimum
       std::vector<double> m = random.uniform_vector(120, 0, 1);
       if (i % 2)
         for (std::size_t k = 0; k < m.size(); ++k) m[k] = 0.99 * best.label[k] + 0.01 * m[k];
@@ -327,14 +327,15 @@ TEST_CASE(
 
     std::vector<PixelTargets> targets;
     for (const ViewMasks& mask : c.masks) targets.push_back(pixel_targets(mask, 0));
-    const BookSums book = by_the_book(c, usual.label, targets);
-    if (book.near_threshold) continue;
-    const double gap = frank_wolfe_gap(usual.label, {book.loss, book.inside, book.outside}, system.gradient_scale());
+    const ReferenceSums reference = reference_sums(c, usual.label, targets);
+    if (reference.near_threshold) continue;
+    const double gap =
+        frank_wolfe_gap(usual.label, {reference.loss, reference.inside, reference.outside}, system.gradient_scale());
     CHECK(gap == doctest::Approx(usual.gap).epsilon(0.02));
   }
 }
 
-TEST_CASE("the label solve stops at its budgets with what it has") {
+TEST_CASE("solve_labels stops at its evaluation budget with a certified partial result") {
   const test::MethodCase c = test::method_case(60, 120, 3);
   LabelSolveOptions options;
   options.relative_gap = 1e-9, options.max_evaluations = 6;

@@ -57,7 +57,7 @@ TEST_CASE("loss_align: a constant view and an equal field agree exactly") {
   CHECK(loss.nodes == 48);
 }
 
-TEST_CASE("loss_align: its parts have the values of the formula") {
+TEST_CASE("loss_align: the parts have the values of the formula") {
   AlignScene s(1);
   s.colour = ImageF(40, 30, 3, 0.25f), s.alpha = ImageF(40, 30, 1, 0.5f);
   for (int y = 0; y < 30; ++y)
@@ -70,7 +70,7 @@ TEST_CASE("loss_align: its parts have the values of the formula") {
   CHECK(loss.total == doctest::Approx(loss.colour + 0.5 * loss.alpha + 2 * loss.variance));
 }
 
-TEST_CASE("loss_align: variance keeps its accuracy far from zero") {
+TEST_CASE("loss_align: the variance is accurate for values far from zero") {
   // Bright values with a ripple of 1/4096: E[x²] - E[x]² in float would be noise of this size.
   AlignScene s(3);
   for (int y = 0; y < 30; ++y)
@@ -81,7 +81,7 @@ TEST_CASE("loss_align: variance keeps its accuracy far from zero") {
   CHECK(loss_align({}, {}, s.inputs(), context).variance == doctest::Approx(want).epsilon(0.05));
 }
 
-TEST_CASE("loss_align: no nodes or none active give zero and leave gradients alone") {
+TEST_CASE("loss_align: without active nodes the loss is zero and gradients are unchanged") {
   AlignScene s(4);
   const std::vector<std::uint8_t> none(48, 0);
   AlignInputs in = s.inputs();
@@ -99,7 +99,7 @@ TEST_CASE("loss_align: no nodes or none active give zero and leave gradients alo
   CHECK(loss_align({}, {}, nothing, context).nodes == 0);
 }
 
-TEST_CASE("loss_align: the library's gradient is that of its loss and does not depend on the thread count") {
+TEST_CASE("loss_align: the gradient is the derivative of the loss and does not depend on the thread count") {
   AlignScene s(5);
   AlignContext context;
   const AlignOptions options{.weight_alpha = 0.5, .weight_variance = 0.3};
@@ -205,7 +205,7 @@ TEST_CASE("loss_mask gives the same bytes for 1 and 7 threads") {
   CHECK(a.data == b.data);
 }
 
-TEST_CASE("loss_cont: constant colours cost nothing, one step costs its square") {
+TEST_CASE("loss_cont: the loss of constant colours is 0, the loss of one step is its square") {
   const std::vector<float> points{0, 0, 0, 1, 0, 0, 2.5f, 0, 0};
   const KnnGraph graph = nearest_others({}, {points.data(), 3}, 1);  // 0 -> 1, 1 -> 0, 2 -> 1
   const std::vector<float> same(9, 0.4f), step{0, 0, 0, 0.5f, 0, 0, 0.5f, 0, 0};
@@ -252,7 +252,7 @@ TEST_CASE("loss_smooth: random pairs lie on spheres, differ between steps and re
 
 namespace {
 
-/// L_smth of colours that are a function of the place alone, at `points`.
+/// L_smth at `points` of colours that depend on the position alone.
 template <class Colour>
 double smoothness_of(const std::vector<float>& points, double h, double unit, const Colour& colour) {
   const Rows<const float, 3> rows{points.data(), std::int64_t(points.size() / 3)};
@@ -269,7 +269,7 @@ double smoothness_of(const std::vector<float>& points, double h, double unit, co
 
 }  // namespace
 
-TEST_CASE("loss_smooth: of a linear field it is an estimate of the squared gradient without bias") {
+TEST_CASE("loss_smooth: for a linear field the loss is an unbiased estimate of the squared gradient") {
   // c(x) = g·x in every channel with |g| = 3: Σ_channels |u ∇c|² = 3 · (2 · 3)² = 108 for u = 2.
   const auto linear = [](const float* x, std::size_t) { return x[0] + 2 * x[1] - 2 * x[2]; };
   const std::vector<float> points(60000, 0.f);

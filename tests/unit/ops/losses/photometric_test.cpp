@@ -12,7 +12,7 @@
 namespace ngs {
 namespace {
 
-// What 3DGS computes, written directly: a 2-D window, zero outside, no separability, double.
+// The loss of 3DGS, written directly: a 2-D window, zero outside, not separable, in double.
 PhotometricLoss reference_loss(const ImageF& x, const ImageF& y, double lambda, const ImageF* weight = nullptr,
                                PixelRegion region = {}) {
   double window[11][11], total = 0;
@@ -73,8 +73,8 @@ TEST_CASE("SSIM of nearly flat bright images stays within the rounding of its va
   CHECK(std::abs(photometric_loss({}, {}, x, y).ssim - reference_loss(x, y, 0.2).ssim) < 22 * 6e-8 / 9e-4);
 }
 
-// Rendered colours have no upper bound. Rounding of 10⁴ - 10⁴ is as large as C2, and of either sign.
-TEST_CASE("SSIM of a flat picture far too bright stays between 0 and 1") {
+// Rendered colours have no upper bound. The rounding error of 10⁴ - 10⁴ is as large as C2, with either sign.
+TEST_CASE("SSIM of a flat image far above 1 stays between 0 and 1") {
   for (const float level : {30.f, 100.f, 300.f, 1000.f}) {
     CAPTURE(level);
     const ImageF bright = random_image(40, 40, 1, 3, level, 0), target = random_image(40, 40, 1, 3, 0.8f, 0);
@@ -132,7 +132,7 @@ TEST_CASE("the photometric gradient has the same bytes for any thread count") {
   CHECK(one.data == three.data);
 }
 
-TEST_CASE("a photometric pass that saw images of other sizes gives the bytes of a new one") {
+TEST_CASE("a photometric pass reused for other image sizes gives the bytes of a new one") {
   Exec serial;
   PhotometricPass<float> used;
   for (const auto& size : {std::pair{140, 30}, {33, 17}, {47, 160}, {140, 30}, {9, 3}}) {

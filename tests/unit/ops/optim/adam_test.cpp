@@ -76,7 +76,7 @@ TEST_CASE("adam_step leaves values finite and unchanged under zero gradients") {
   CHECK(x == std::vector<float>{1.f, -2.f, 0.f});
 }
 
-TEST_CASE("adam_step keeps tiny gradients whose square underflows harmless") {
+TEST_CASE("adam_step stays finite for tiny gradients whose square underflows") {
   const Exec exec;
   std::vector<float> x{0.f, 0.f}, g{1e-30f, -1e-22f};  // g² is 0 in float
   AdamMoments moments;
@@ -84,7 +84,7 @@ TEST_CASE("adam_step keeps tiny gradients whose square underflows harmless") {
   for (const float value : x) CHECK(std::abs(value) < 1e-6f);
 }
 
-TEST_CASE("adam_step refuses a gradient that is not finite, names its index and changes nothing") {
+TEST_CASE("adam_step throws for a non-finite gradient, names its index and changes nothing") {
   const Exec exec{.threads = 2};
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -1e30f}) {
     for (const std::size_t at : {std::size_t(0), std::size_t(40000), std::size_t(99999)}) {
@@ -115,7 +115,7 @@ TEST_CASE("sparse adam_step skips rows with zero gradient and steps the others l
   CHECK(x[0] == 1.f), CHECK(x[1] == 1.f), CHECK(x[4] == 1.f);
   CHECK(moments.m[0] == 0.25f), CHECK(moments.v[5] == 0.25f);
   CHECK(x[2] == dense_x[2]), CHECK(x[3] == dense_x[3]);
-  CHECK(dense_x[0] < 1.f);  // dense goes on moving by momentum
+  CHECK(dense_x[0] < 1.f);  // dense keeps moving by momentum
 }
 
 TEST_CASE("adam_step gives the same bytes for any thread count") {

@@ -6,7 +6,7 @@
 
 namespace ngs {
 
-TEST_CASE("Anderson acceleration ends a linear iteration of n unknowns after n + 1 steps") {
+TEST_CASE("Anderson acceleration solves a linear iteration of n unknowns in n + 1 steps") {
   // x <- A x + b with A = diag(0.9, 0.5, -0.3), fixed point b / (1 - a)
   const std::vector<double> a{0.9, 0.5, -0.3}, b{1, 2, -1}, ones(3, 1.0);
   std::vector<double> x(3, 0.0), f(3);
@@ -14,12 +14,12 @@ TEST_CASE("Anderson acceleration ends a linear iteration of n unknowns after n +
   for (int step = 0; step < 4; ++step) {
     for (std::size_t i = 0; i < 3; ++i) f[i] = (a[i] - 1) * x[i] + b[i];
     x = history.next(x, f, ones);
-    if (step == 0) CHECK(x == b);  // without a past: the plain step
+    if (step == 0) CHECK(x == b);  // without a history: the plain step
   }
   for (std::size_t i = 0; i < 3; ++i) CHECK(x[i] == doctest::Approx(b[i] / (1 - a[i])).epsilon(1e-8));
 }
 
-TEST_CASE("Anderson acceleration leaves out components of weight 0 and survives equal points") {
+TEST_CASE("Anderson acceleration ignores components of weight 0 and stays finite for equal points") {
   Anderson history(2);
   const std::vector<double> weight{1, 0};
   std::vector<double> x{0, 0};

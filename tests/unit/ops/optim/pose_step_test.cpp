@@ -38,7 +38,7 @@ RenderedView picture(const CameraMotion& motion, double gain = 1) {
   return view;
 }
 
-TEST_CASE("the picture is smoothed by a binomial, as if its outermost pixels went on beyond it") {
+TEST_CASE("smoothed_for_pose is a 5x5 binomial filter with the border pixels repeated") {
   const double tap[5] = {1 / 16., 4 / 16., 6 / 16., 4 / 16., 1 / 16.};
   struct Size {
     int width_px, height_px, channels;
@@ -62,45 +62,45 @@ TEST_CASE("the picture is smoothed by a binomial, as if its outermost pixels wen
   }
 }
 
-TEST_CASE("a step of a small motion points at the camera that took the photo") {
+TEST_CASE("pose_step of a small motion moves the image to that of the true camera") {
   for (const CameraMotion motion :
        {CameraMotion{{0, 0, 0.01}, {}}, CameraMotion{{}, {0, 0, 0.05}}, CameraMotion{{0.002, -0.003, 0.004}, {}}}) {
     const PoseStep step = pose_step(picture({}), smoothed_for_pose(picture(motion).colour), camera(), {});
     REQUIRE(step.determined);
     CAPTURE(step.motion.turn.z);
-    // Turn and move across the line of sight look alike on a plane: what counts is where the picture goes.
+    // On a plane, a turn and a move across the line of sight look alike, so the test compares image positions.
     const Camera found = moved(camera(), step.motion), right = moved(camera(), motion);
     for (const double x : {-1.5, 1.5})
       for (const double y : {-1.2, 1.2}) {
-        const auto seen = [&](const Camera& c) {
+        const auto projected = [&](const Camera& c) {
           const Vec3<double> p = c.rotation * Vec3<double>{x, y, 5} + c.translation;
           return Vec3<double>{c.fx * p.x / p.z, c.fy * p.y / p.z, 0};
         };
-        const Vec3<double> a = seen(found), b = seen(right), still = seen(camera());
+        const Vec3<double> a = projected(found), b = projected(right), still = projected(camera());
         CHECK(std::hypot(a.x - b.x, a.y - b.y) < 0.1 * std::hypot(b.x - still.x, b.y - still.y) + 0.02);
       }
   }
 }
 
-TEST_CASE("neither an object that only the photo shows nor the photo's exposure moves the camera") {
+TEST_CASE("pose_step ignores an object that only the photo contains, and the photo's exposure") {
   ImageF photo = picture({}, 0.6).colour;
   for (int y = 10; y < 26; ++y)
     for (int x = 10; x < 26; ++x)
-      for (int k = 0; k < 3; ++k) photo.at(x, y, k) = 1.f;  // a twentieth of the picture
+      for (int k = 0; k < 3; ++k) photo.at(x, y, k) = 1.f;  // a twentieth of the image
   const PoseStep step = pose_step(picture({}), smoothed_for_pose(photo), camera(), {});
   REQUIRE(step.determined);
   CHECK(step.flow_px < 0.1);
 }
 
-TEST_CASE("the prior pulls back a motion that the photo does not ask for") {
-  const CameraMotion far{{0.5, 0, 0}, {0, 2.5, 0}};  // cancel on the plane
+TEST_CASE("pose_step reduces an earlier motion that the photo does not determine") {
+  const CameraMotion far{{0.5, 0, 0}, {0, 2.5, 0}};  // turn and move cancel on the plane
   const PoseStep step = pose_step(picture({}), smoothed_for_pose(picture({}).colour), camera(), far);
   REQUIRE(step.determined);
   CHECK(step.motion.turn.x < 0);
   CHECK(step.motion.move.y < 0);
 }
 
-TEST_CASE("a pose step is not taken without texture, without a model in view or in a picture that is too small") {
+TEST_CASE("pose_step is undetermined without texture, without a model in view and for a too small image") {
   RenderedView flat = picture({});
   std::fill(flat.colour.data.begin(), flat.colour.data.end(), 0.5f);
   CHECK(!pose_step(flat, flat.colour, camera(), {}).determined);

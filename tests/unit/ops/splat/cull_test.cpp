@@ -1,4 +1,4 @@
-// The cull before the projection: it may keep what reaches no tile, never leave out what does.
+// Frustum culling before projection is conservative: it never culls a Gaussian that touches a tile.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -16,7 +16,7 @@ double uniform(double lo, double hi) {
   return lo + (hi - lo) * rng_uniform(11, RngStream::kTest, index++);
 }
 
-/// Wide, narrow, off-centre and turned cameras.
+/// Wide, narrow, off-centre and rotated cameras.
 Camera any_camera() {
   Camera camera;
   camera.width_px = int(uniform(1, 300)), camera.height_px = int(uniform(1, 300));
@@ -31,7 +31,7 @@ struct Any {
   float position[3], rotation[4], log_scale[3];
 };
 
-/// About the border of the picture, at any depth, as large as a pixel or as the picture, round, flat or long.
+/// Near the border of the image, at any depth, from pixel to image size, round, flat or elongated.
 Any any_gaussian(const Camera& camera) {
   const double z = std::exp(uniform(-1.6, 5)), px = z / camera.fx;
   const double x = (uniform(-2, 3) * camera.width_px - camera.cx) * px,
@@ -45,7 +45,7 @@ Any any_gaussian(const Camera& camera) {
 
 }  // namespace
 
-TEST_CASE("cull: the fast bound of the exponential is never below it, and close") {
+TEST_CASE("cull: exp_at_least is an upper bound of exp within 6.3 %") {
   double least = 2, most = 0;
   for (float x = -87; x <= 88; x += 1e-4f) {
     const double ratio = double(exp_at_least(x)) / std::exp(double(x));
@@ -61,7 +61,7 @@ TEST_CASE("cull: the fast bound of the exponential is never below it, and close"
 }
 
 TEST_CASE(
-    "cull: no culled Gaussian reaches a tile, and near the border about half of those that reach none are culled") {
+    "cull: no culled Gaussian touches a tile; near the border at least 40 % of those that touch none are culled") {
   for (const Compat compat : {Compat::kInria, Compat::kGsplat}) {
     std::int64_t culled = 0, empty = 0, wrong = 0;
     for (int c = 0; c < 200; ++c) {
@@ -76,11 +76,11 @@ TEST_CASE(
         ProjectionContext<float> context;
         const TileRect r = tile_rect(project_gaussian(view.camera, t, {g.rotation, g.log_scale, 9.f}, context), compat,
                                      view.tiles_x, view.tiles_y);
-        const bool none = r.x_begin >= r.x_end || r.y_begin >= r.y_end, left_out = view.beside(cloud, 0);
+        const bool none = r.x_begin >= r.x_end || r.y_begin >= r.y_end, left_out = view.outside_frustum(cloud, 0);
         empty += none, culled += left_out, wrong += left_out && !none;
       }
     }
-    MESSAGE(culled << " of " << empty << " that reach no tile");
+    MESSAGE(culled << " of " << empty << " that touch no tile");
     CHECK(wrong == 0);
     CHECK(empty > 50000);
     CHECK(culled > empty * 2 / 5);

@@ -10,7 +10,7 @@
 
 namespace ngs {
 
-TEST_CASE("the curve is the same by many threads and by one, row for row") {
+TEST_CASE("parallel_curve_order equals curve_order row for row, for any number of threads") {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   for (const std::size_t n : {0, 1, 255, 3000, 200000}) {
     CAPTURE(n);
@@ -18,7 +18,7 @@ TEST_CASE("the curve is the same by many threads and by one, row for row") {
     std::uniform_real_distribution<float> uniform;
     std::vector<float> points;
     for (std::size_t i = 0; i < n; ++i) {
-      // A crowd, strangers far away, rows at one place, and some that are nowhere.
+      // A cluster, distant outliers, coincident points and NaNs.
       const float reach = i % 7 == 0 ? 1000.f : i % 5 == 0 ? 0.f : 1.f;
       for (int a = 0; a < 3; ++a) points.push_back(i % 11 == 3 ? kNan : reach * uniform(random));
     }

@@ -11,7 +11,7 @@
 namespace ngs {
 namespace {
 
-/// Two overlapping binary objects and, in one corner, pixels that say nothing.
+/// Two overlapping binary objects and, in one corner, unknown pixels.
 ViewMasks two_discs(const Camera& camera, double shift) {
   ViewMasks m;
   m.width_px = camera.width_px, m.height_px = camera.height_px, m.available = true;
@@ -96,8 +96,8 @@ TEST_CASE("evidence equals a brute-force evaluation in double: counts exactly, w
 }
 
 // As above: T is within 1e-6, and its square within twice that.
-TEST_CASE("evidence by visibility weighs a pixel by what is left of the light before the Gaussian") {
-  int compared = 0, apart = 0;
+TEST_CASE("evidence by visibility: weights equal the sum of alpha T^2 evaluated in double") {
+  int compared = 0, different = 0;
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
     CAPTURE(seed);
     const test::SplatCase c = test::splat_case(seed, 80, 61, 47);
@@ -125,14 +125,14 @@ TEST_CASE("evidence by visibility weighs a pixel by what is left of the light be
       CHECK(std::abs(sums.weight(v) - want[row * 3]) <= tolerance);
       for (std::size_t k = 0; k < 2; ++k)
         CHECK(std::abs(sums.object_weight(v, k) - want[row * 3 + 1 + k]) <= tolerance);
-      ++compared, apart += rendered[row] > 1.1 * want[row * 3];
+      ++compared, different += rendered[row] > 1.1 * want[row * 3];
     }
   }
   CHECK(compared > 200);
-  CHECK(apart > 50);  // as rendered they would not pass
+  CHECK(different > 50);  // weights alpha T would fail
 }
 
-TEST_CASE("evidence of some Gaussians is that of all, left out what was not asked for, to the bit") {
+TEST_CASE("evidence of selected Gaussians is bit-identical to their rows of the evidence of all") {
   const test::SplatCase c = test::splat_case(5, 300, 160, 120);
   const GaussianCloud cloud = test::float_cloud(c);
   const RowNumbers some({7, 150}, 300);  // most tiles have neither
@@ -155,7 +155,7 @@ TEST_CASE("evidence of some Gaussians is that of all, left out what was not aske
     }
 }
 
-TEST_CASE("evidence of parts adds up to the evidence of the whole, bit for bit, in any order") {
+TEST_CASE("evidence of parts adds up to the evidence of all views, bit for bit, in any order") {
   const test::SplatCase c = test::splat_case(2, 60, 50, 40);
   const GaussianCloud cloud = test::float_cloud(c);
   std::vector<Evidence> part;
@@ -175,14 +175,14 @@ TEST_CASE("evidence of parts adds up to the evidence of the whole, bit for bit, 
   CHECK_FALSE(test::same_evidence(less, whole));
 }
 
-TEST_CASE("evidence: what views lack to full contrast gives the sum of their contrasts, for few and many objects") {
+TEST_CASE("evidence: contrast_sum from the stored sums of 1 - contrast is exact, for few and many objects") {
   const test::SplatCase c = test::splat_case(4, 80, 61, 47);
   const GaussianCloud cloud = test::float_cloud(c);
   for (const std::size_t objects : {1, 2, 7}) {
     CAPTURE(objects);
     Evidence evidence(80, int(objects));
     std::vector<std::uint64_t> want(80 * objects);
-    std::size_t nobodys = 0, somebodys = 0;
+    std::size_t background = 0, object = 0;
     for (int view = 0; view < 4; ++view) {
       ViewMasks masks = two_discs(c.camera, view);
       masks.target.resize(objects, std::vector<float>(masks.target[0].size()));
@@ -192,18 +192,18 @@ TEST_CASE("evidence: what views lack to full contrast gives the sum of their con
         for (std::size_t k = 0; k < objects; ++k) {
           const double all = sums.at(v)[1], inside = sums.at(v)[3 + 2 * k];
           want[sums.row[v] * objects + k] += std::uint64_t(std::llround(std::abs(2 * inside - all) / all * 0x1p32));
-          ++(inside > 0 ? somebodys : nobodys);
+          ++(inside > 0 ? object : background);
         }
     }
-    CHECK(nobodys > 10);
-    CHECK(somebodys > 10);
+    CHECK(background > 10);
+    CHECK(object > 10);
     for (std::size_t i = 0; i < 80; ++i)
       for (std::size_t k = 0; k < objects; ++k) CHECK(evidence.contrast_sum(i, k) == want[i * objects + k]);
   }
 }
 
 TEST_CASE("between-views variance is exact where the textbook difference of floats is not") {
-  ObjectShare e;  // 1000 views that all say 0.3, then one that says 0.3 + 2^-20
+  ObjectShare e;  // 1000 views with signal 0.3, one with 0.3 + 2^-20
   const std::uint64_t m = std::uint64_t(0.3 * 0x1p32), m2 = m + (1u << 12);
   for (int view = 0; view < 1001; ++view) {
     const std::uint64_t q = view < 1000 ? m : m2;
@@ -221,19 +221,19 @@ TEST_CASE("between-views variance is exact where the textbook difference of floa
   CHECK(std::abs(double(naive) - want) > 1000 * want);
 }
 
-TEST_CASE("label_gaussians refuses a threshold that the normalised variance cannot reach") {
+TEST_CASE("label_gaussians throws for a threshold that the normalised variance cannot reach") {
   VarianceOptions options;
   options.tau = 1.0;
   CHECK_THROWS_AS(label_gaussians(options, Evidence(1, 1)), Error);
 }
 
-TEST_CASE("label_gaussians leaves Gaussians without evidence in the third state") {
+TEST_CASE("label_gaussians: a Gaussian without evidence has views = 0 and is not in the boundary") {
   const auto labels = label_gaussians({}, Evidence(2, 1));
   CHECK(labels[0].views[0] == 0.f);
   CHECK(labels[0].boundary[1] == 0.f);
 }
 
-TEST_CASE("label_gaussians gives a Gaussian to the heaviest object when labels are exclusive") {
+TEST_CASE("label_gaussians: exclusive labels assign a Gaussian to the object of largest weight") {
   Evidence e(3, 2);
   const double weight[3] = {10, 10, 10}, object[3][2] = {{4, 5}, {3, 3}, {6, 6}};  // backgrounds 1, 4, -2 (overlap)
   for (std::size_t i = 0; i < 3; ++i) {
@@ -248,7 +248,7 @@ TEST_CASE("label_gaussians gives a Gaussian to the heaviest object when labels a
   CHECK(label_gaussians(independent, e)[1].label == std::vector<float>{0, 0, 1});
 }
 
-TEST_CASE("with_objects keeps the named objects in the scene's order and refuses unknown names") {
+TEST_CASE("with_objects keeps the named objects in the scene's order and throws for unknown names") {
   Scene scene;
   scene.objects = {{"cup", 3}, {"spoon", 5}, {"plate", 9}};
   CHECK(with_objects(scene, {}).objects.size() == 3);
@@ -280,7 +280,7 @@ TEST_CASE("evidence: every instruction set gives the bytes of plain C++") {
   }
 }
 
-TEST_CASE("evidence: packed weights are those of the sums, to the bit") {
+TEST_CASE("evidence: packed weights are bit-identical to the sums") {
   const test::SplatCase c = test::splat_case(5, 120, 61, 47);
   const GaussianCloud cloud = test::float_cloud(c);
   const ViewMasks two = two_discs(c.camera, 1);

@@ -31,9 +31,9 @@ FrontCase front_case(std::uint64_t seed, int gaussians) {
 
 }  // namespace
 
-// Per pixel a weight is off by less than 1e-6 (see evidence_test), and by a whole contribution where the reference
-// lies at a threshold; such cases are left out. A row sums at most 1665 pixels, a value is at most 60.
-TEST_CASE("what lies in front of a surface equals a brute-force evaluation in double") {
+// The error of a weight per pixel is below 1e-6 (see evidence_test), or a whole contribution where the reference lies
+// at a threshold; such cases are skipped. A row sums at most 1665 pixels, a value is at most 60.
+TEST_CASE("front view: layers and sums in front of a surface equal a brute-force evaluation in double") {
   int compared = 0;
   for (const int gaussians : {0, 1, 2, 60})
     for (std::uint64_t seed = 0; seed < 6; ++seed) {
@@ -88,13 +88,13 @@ TEST_CASE("what lies in front of a surface equals a brute-force evaluation in do
   CHECK(compared >= 12);
 }
 
-TEST_CASE("a surface of another size than the view is refused before anything is read from it") {
+TEST_CASE("front view: a surface of another size than the view throws") {
   const FrontCase c = front_case(3, 40);
   for (const ImageF& limit : {ImageF(45, 37, 3), ImageF(44, 37, 1), ImageF(450, 370, 1)})
     CHECK_THROWS(FrontView({}, c.cloud, limit, c.splat.camera, {}));
 }
 
-TEST_CASE("nothing is in front where there is no surface") {
+TEST_CASE("front view: without a surface nothing is in front") {
   FrontCase c = front_case(3, 40);
   CHECK(!FrontView({}, c.cloud, c.limit, c.splat.camera, {}).sums(c.candidate, c.marked).row.empty());
   c.limit = ImageF(45, 37, 1);

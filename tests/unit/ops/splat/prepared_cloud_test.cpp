@@ -23,7 +23,7 @@ bool same_bytes(const T& a, const T& b) {
   return std::memcmp(&a, &b, sizeof(T)) == 0;
 }
 
-/// Gaussian, its weight and that of the object.
+/// Gaussian -> its weight and its weight inside the object.
 using Weights = std::map<std::uint32_t, std::pair<double, double>>;
 
 Weights unpacked(const ViewWeights& packed) {
@@ -35,7 +35,7 @@ Weights unpacked(const ViewWeights& packed) {
   return all;
 }
 
-/// Whether row `at` of the blocks' view is row v of the scalar one's.
+/// Whether row `at` of the block projection equals row v of the scalar projection.
 bool same_row(const ProjectedView<float>& blocks, std::size_t at, const ProjectedView<float>& want, std::size_t v) {
   return blocks.id[at] == want.id[v] && same_bytes(blocks.record[at], want.record[v]) &&
          blocks.depth[at] == want.depth[v] && same_bytes(blocks.rect[at], want.rect[v]) &&
@@ -44,7 +44,7 @@ bool same_row(const ProjectedView<float>& blocks, std::size_t at, const Projecte
 
 }  // namespace
 
-TEST_CASE("prepared cloud: blocks project to the bits of the scalar projection") {
+TEST_CASE("prepared cloud: block projection is bit-identical to the scalar projection") {
   for_each_scene([](View& scene) {
     const ProjectedView<float> want = project_view({}, scene.view(), scene.camera, scene.options);
     scene.options.prepared = prepare_cloud({}, scene.cloud);
@@ -59,7 +59,7 @@ TEST_CASE("prepared cloud: blocks project to the bits of the scalar projection")
   });
 }
 
-TEST_CASE("prepared cloud: a block lies in a small box whatever order the rows have") {
+TEST_CASE("prepared cloud: blocks have small bounding boxes for rows in random order") {
   GaussianCloud cloud = random_cloud(40000, 11);  // in no order
   for (const float value : {kNan, kInf, -kInf}) cloud.position[3 * 17 + std::size_t(std::isfinite(value))] = value;
   const auto prepared = prepare_cloud({.threads = 3}, cloud);
@@ -78,7 +78,7 @@ TEST_CASE("prepared cloud: a block lies in a small box whatever order the rows h
   CHECK(mean < 4);
 }
 
-TEST_CASE("prepared cloud: rows that change are told, wherever they lie") {
+TEST_CASE("prepared cloud: after update_prepared() renders equal those of the changed cloud") {
   for_each_scene([](View& scene) {
     scene.options.prepared.reset();
     const auto prepared = prepare_cloud({}, scene.cloud);
@@ -88,18 +88,18 @@ TEST_CASE("prepared cloud: rows that change are told, wherever they lie") {
       for (const std::int64_t i : rows)
         scene.cloud.position[std::size_t(3 * i)] += 0.5f, scene.cloud.logit_opacity[std::size_t(i)] += 1.f;
       update_prepared({.threads = 3}, rows, *prepared);
-      SplatOptions told = scene.options;
-      told.prepared = prepared;
+      SplatOptions updated = scene.options;
+      updated.prepared = prepared;
       RenderRequest request;
       request.include = scene.included();
       const RenderedView want = render({}, scene.cloud, scene.camera, scene.options, request),
-                         got = render({}, scene.cloud, scene.camera, told, request);
+                         got = render({}, scene.cloud, scene.camera, updated, request);
       CHECK(std::memcmp(got.colour.data.data(), want.colour.data.data(), want.colour.data.size() * sizeof(float)) == 0);
     }
   });
 }
 
-TEST_CASE("prepared cloud: groups of blocks that no view reaches come back when their rows move before the camera") {
+TEST_CASE("prepared cloud: culled groups of blocks reappear when their rows move in front of the camera") {
   GaussianCloud cloud = random_cloud(20000, 5);
   for (std::size_t i = 3 * 10000; i < 3 * 20000; ++i) cloud.position[i] -= 1e4f;  // behind the camera
   const auto prepared = prepare_cloud({}, cloud);
@@ -123,7 +123,7 @@ TEST_CASE("prepared cloud: groups of blocks that no view reaches come back when 
   CHECK(same_rows() > before + 5000);
 }
 
-TEST_CASE("prepared cloud: pictures and evidence keep their bits") {
+TEST_CASE("prepared cloud: renders and evidence are bit-identical to those of the plain cloud") {
   for_each_scene([](const View& scene) {
     SplatOptions prepared = scene.options;
     prepared.prepared = prepare_cloud({}, scene.cloud);
@@ -147,14 +147,14 @@ TEST_CASE("prepared cloud: pictures and evidence keep their bits") {
   });
 }
 
-TEST_CASE("prepared cloud: serves no other cloud") {
+TEST_CASE("prepared cloud: it serves only the cloud that it was made from") {
   const GaussianCloud cloud = random_cloud(300, 1), other = random_cloud(300, 1);
   const auto prepared = prepare_cloud({}, cloud);
   CHECK(prepared->serves(cloud_view(cloud, 3, nullptr)));
   CHECK_FALSE(prepared->serves(cloud_view(other, 3, nullptr)));
 }
 
-TEST_CASE("tile lists: nearest first, equal depths by index, for few and for many in a tile") {
+TEST_CASE("tile lists: depth order with ties by index, for few and for many Gaussians per tile") {
   for (const std::int64_t n : {3, 100, 5000}) {
     GaussianCloud cloud = random_cloud(n, 3);
     for (std::size_t i = 0; i < std::size_t(n); ++i) cloud.position[3 * i + 2] = 0.5f * float(i * 7 % 5);
@@ -175,7 +175,7 @@ TEST_CASE("tile lists: nearest first, equal depths by index, for few and for man
   }
 }
 
-TEST_CASE("tile lists: equal depths by index into the cloud, whatever order the view has") {
+TEST_CASE("tile lists: equal depths are ordered by index into the cloud for any order of the view") {
   for (const std::int64_t n : {40, 5000}) {
     GaussianCloud cloud = random_cloud(n, 3);
     for (std::size_t i = 0; i < std::size_t(n); ++i) cloud.position[3 * i + 2] = 0.5f * float(i * 7 % 5);
@@ -201,7 +201,7 @@ TEST_CASE("tile lists: equal depths by index into the cloud, whatever order the 
   }
 }
 
-TEST_CASE("tile lists: every pair of a Gaussian and a tile that it reaches is listed once, its slots in order") {
+TEST_CASE("tile lists: every (Gaussian, tile) intersection is listed once, with consecutive slots per Gaussian") {
   for (const float log_scale : {-5.f, -1.f, 0.5f})  // one or two tiles; several; rows beyond the first ones
     for (const std::array<int, 2> size : {std::array{150, 90}, std::array{11, 200}, std::array{200, 13}}) {
       const int width_px = size[0], height_px = size[1];

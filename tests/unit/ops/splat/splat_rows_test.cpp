@@ -10,8 +10,7 @@
 namespace ngs {
 namespace {
 
-/// A tile's list of `kAhead` ellipses of any size, up to a hundred times as long as wide, whose border passes near the
-/// tile.
+/// A tile's list of `kAhead` ellipses of any size, with axis ratios up to 100, whose border passes near the tile.
 struct List {
   std::vector<SplatRecord<float>> record;
   std::vector<std::uint32_t> index;
@@ -26,7 +25,7 @@ struct List {
                    yy = s * s * major * major + c * c * minor * minor, xy = c * s * (major * major - minor * minor);
       const auto opacity = float(random.uniform(0.005, 1));
       const double radius = std::sqrt(2 * std::log(255 * opacity));
-      // A point of the border, which a pixel near the tile's middle sees.
+      // A point of the border; it is placed inside the tile.
       const double px = c * major * radius * std::cos(along) - s * minor * radius * std::sin(along),
                    py = s * major * radius * std::cos(along) + c * minor * radius * std::sin(along);
       const double x = random.uniform(0, 16) - px, y = random.uniform(0, 16) - py;
@@ -47,7 +46,7 @@ std::vector<SplatRecord<double>> wide(const std::vector<SplatRecord<float>>& rec
                    g.mean_y,
                    {g.form.along_u, g.form.along_v, g.form.across},
                    g.log2_opacity,
-                   g.two_cut,
+                   g.max_mahalanobis2,
                    g.inv_det,
                    g.half_width,
                    g.half_height,
@@ -58,10 +57,10 @@ std::vector<SplatRecord<double>> wide(const std::vector<SplatRecord<float>>& rec
 
 struct Count {
   int visited = 0, reached = 0;
-  int lost = 0;  // reached, and visited by the same formulas in double: what rounding took
+  int lost = 0;  // reached and visited in double, but not in float: lost to rounding
 };
 
-/// Rows, band by band, and those of them with a pixel that the walk uses.
+/// Counts rows per band that are visited, and those with a contributing pixel.
 template <class L>
 void count_rows(const List& list, Count& count) {
   constexpr int kBandPx = LaneTraits<L>::kLanes < 8 ? 1 : 8;
@@ -76,53 +75,54 @@ void count_rows(const List& list, Count& count) {
         const bool visits = (rows.rows(k, band) >> y & 1) != 0;
         bool reaches = false, should = false;
         for (int x = band * kBandPx; x < (band + 1) * kBandPx; ++x) {
-          PixelTraversal<float> walk{1.f, true};
+          PixelTraversal<float> traversal{1.f, true};
           float before;
-          reaches |= walk.pass(tile_gaussian(list.record[k], list.work().frame), float(x), float(y), 1e-4f, before) > 0;
+          reaches |=
+              traversal.pass(tile_gaussian(list.record[k], list.work().frame), float(x), float(y), 1e-4f, before) > 0;
           should |= (exact.rows(k, x) >> y & 1) != 0;
         }
         count.visited += visits, count.reached += reaches, count.lost += reaches && should && !visits;
       }
 }
 
-/// Whether the walk uses a pixel of the tile.
+/// Whether the Gaussian contributes to a pixel of the tile.
 bool reaches_tile(const SplatRecord<float>& g, int tx, int ty) {
   const TileFrame frame{tx * kTilePx, ty * kTilePx, (tx + 1) * kTilePx, (ty + 1) * kTilePx};
   for (int y = 0; y < kTilePx; ++y)
     for (int x = 0; x < kTilePx; ++x) {
-      PixelTraversal<float> walk{1.f, true};
+      PixelTraversal<float> traversal{1.f, true};
       float before;
-      if (walk.pass(tile_gaussian(g, frame), float(x), float(y), 1e-4f, before) > 0) return true;
+      if (traversal.pass(tile_gaussian(g, frame), float(x), float(y), 1e-4f, before) > 0) return true;
     }
   return false;
 }
 
-bool holds(const TileSpan& span, int tx) { return tx >= span.first && tx < span.end; }
+bool contains(const TileSpan& span, int tx) { return tx >= span.first && tx < span.end; }
 
 constexpr int kTiles = 5, kMiddlePx = kTiles / 2 * kTilePx;
 
-/// Tiles of a picture of kTiles x kTiles.
+/// Counts the tiles of an image of kTiles x kTiles tiles.
 void count_tiles(const SplatRecord<float>& g, Count& count) {
   const TileRect all{0, kTiles, 0, kTiles};
   const SplatRecord<double> exact = wide({g})[0];
   for (int ty = 0; ty < kTiles; ++ty) {
     const TileSpan listed = tile_span(g, all, ty), should = tile_span(exact, all, ty);
     for (int tx = 0; tx < kTiles; ++tx) {
-      count.visited += holds(listed, tx), count.reached += holds(should, tx);
-      count.lost += holds(should, tx) && !holds(listed, tx) && reaches_tile(g, tx, ty);
+      count.visited += contains(listed, tx), count.reached += contains(should, tx);
+      count.lost += contains(should, tx) && !contains(listed, tx) && reaches_tile(g, tx, ty);
     }
   }
 }
 
 }  // namespace
 
-TEST_CASE("rounding drops no tile of these ellipses, and few tiles are listed in vain") {
+TEST_CASE("tile_span: rounding drops no tile, and adds less than 1 % of tiles") {
   test::Random random(2);
   Count count;
   for (int i = 0; i < 30000; ++i) {
     const List list(random);
     for (SplatRecord<float> g : list.record) {
-      g.mean_x += kMiddlePx, g.mean_y += kMiddlePx;  // the border passes in the picture's middle
+      g.mean_x += kMiddlePx, g.mean_y += kMiddlePx;  // the border passes near the middle tile
       count_tiles(g, count);
     }
   }
@@ -133,7 +133,7 @@ TEST_CASE("rounding drops no tile of these ellipses, and few tiles are listed in
 }
 
 TEST_CASE(
-    "rounding drops no row of pixels of ellipses from half a pixel to 300000 pixels, and few rows are tried in vain") {
+    "rows ahead: for ellipses from half a pixel to 300000 px rounding drops no row, and adds less than 2 % of rows") {
   test::Random random(1);
   Count packs, lanes;
   for (int i = 0; i < 2000; ++i) {

@@ -64,7 +64,7 @@ TEST_CASE("splat in float packs stays within the threshold band of the double re
   }
 }
 
-TEST_CASE("splat: a pack lane computes bit for bit what one float computes") {
+TEST_CASE("splat: every lane of a pack is bit-identical to the scalar kernel") {
   const test::SplatCase c = test::splat_case(3, 200, 71, 50);
   CHECK(rendered<PackF>(c, {}) == rendered<float>(c, {}));
 }
@@ -127,7 +127,7 @@ TEST_CASE("splat: every instruction set gives the bytes of plain C++, forward an
     }
 }
 
-TEST_CASE("splat: where the gradient of labels alone is wanted the others are zero, and no other Gaussian's change") {
+TEST_CASE("splat: label_alone zeroes all but label gradients and leaves other Gaussians' gradients unchanged") {
   const test::SplatCase c = test::splat_case(5, 200, 71, 50);
   std::vector<std::uint8_t> alone(200);
   for (std::size_t i = 0; i < alone.size(); ++i) alone[i] = i % 3 == 0;
@@ -163,7 +163,7 @@ TEST_CASE("splat: Gaussians at equal depth are composited in index order") {
   CHECK(worst_difference(rendered<double>(c, {}), reference) < 1e-12);
 }
 
-TEST_CASE("splat: labels of many objects, few of a Gaussian, have the bits of each drawn by itself") {
+TEST_CASE("splat: many sparse label channels are bit-identical to each channel rendered alone") {
   const test::SplatCase c = test::splat_case(4, 200, 71, 50);
   const GaussianCloud cloud = test::float_cloud(c);
   constexpr std::size_t kObjects = 9;

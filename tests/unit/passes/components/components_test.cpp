@@ -11,9 +11,9 @@
 namespace ngs {
 namespace {
 
-constexpr float kViews = 16;  // of the ball's Gaussians; its radius is 0.6 about (0, 0, 4)
+constexpr float kViews = 16;  // views of the ball's Gaussians; the ball has radius 0.6 about (0, 0, 4)
 
-/// The ball is certain, the wall is not claimed; rows of the wall can be moved and claimed.
+/// The ball has certain labels, the wall has none; rows of the wall can be moved and labelled.
 struct ComponentCase {
   std::unique_ptr<test::JointCase> base = test::joint_case();
   std::vector<float> fixed;
@@ -38,7 +38,7 @@ struct ComponentCase {
 
 }  // namespace
 
-TEST_CASE("the object's core is found although most views look elsewhere, and disconnected components with it") {
+TEST_CASE("the core and disconnected components are found although most views do not see the object") {
   ComponentCase c;
   LabelColumns& ball = c.base->labels[0];
   for (std::size_t i = 0; i < c.base->is_ball.size(); ++i)
@@ -66,14 +66,14 @@ TEST_CASE("a disconnected piece that few views label as object is treated as uns
   }
 }
 
-TEST_CASE("a piece that a third of the views sees unoccluded is no core that keeps other pieces") {
+TEST_CASE("a piece that a third of the views sees unoccluded is not part of the core") {
   ComponentCase c;
   for (std::size_t i = 200; i < 210; ++i) c.claim(i, 0, 9, 1, 6);
   c.claim(210, 0.1f, 9, 1, 1);
   CHECK(c.find().count == 11);
 }
 
-TEST_CASE("what is connected to the ball belongs to it however far it reaches, what lies beyond a gap does not") {
+TEST_CASE("Gaussians connected to the ball keep their labels at any distance, Gaussians beyond a gap do not") {
   const auto with_arm = [](float prob) {  // out to 7 radii
     ComponentCase c;
     for (std::size_t i = 0; i < 20; ++i) c.claim(200 + i, 0.6f + 0.2f * float(i), 4, prob, 1);
@@ -83,13 +83,12 @@ TEST_CASE("what is connected to the ball belongs to it however far it reaches, w
   CHECK(whole.find().count == 0);
   for (std::size_t i = 204; i < 212; ++i) cut.claim(i, 0.6f, 4, 1, 1);
   CHECK(cut.find().count == 8);
-  CHECK(faint.find().count > 8);  // claims do not link, labels do
+  CHECK(faint.find().count > 8);  // shares below a half do not link
 }
 
-TEST_CASE(
-    "pieces that many views agree on, that are near, hardly labelled, unusable or fixed by hand are not removed") {
+TEST_CASE("pieces that many views see, near, barely labelled, unusable or fixed pieces are not removed") {
   ComponentCase c;
-  c.claim(200, 0, 9, 0.7f, kViews / 2);  // no core, but seen well
+  c.claim(200, 0, 9, 0.7f, kViews / 2);  // not in the core, but seen by many views
   c.claim(201, 0.7f, 4, 1, 1);
   c.claim(202, 0, 9, 0.04f, 1);
   c.claim(203, NAN, 9, 1, 1);
@@ -97,7 +96,7 @@ TEST_CASE(
   c.claim(204, 0, 9, 1, 1);
   c.fixed.assign(c.base->is_ball.size(), 0), c.fixed[204] = 1;
   CHECK(c.find().count == 0);
-  c.claim(205, 3e38f, -3e38f, 1, 1);  // beyond all cells, and still apart
+  c.claim(205, 3e38f, -3e38f, 1, 1);  // outside all cells, and still disconnected
   CHECK(c.find().count == 1);
 }
 
@@ -115,7 +114,7 @@ TEST_CASE("without a core, or with so few views that one is half of them, no pie
   CHECK(none.find().count == 0);
 }
 
-TEST_CASE("a piece that is disconnected from one object and part of another is left to the other") {
+TEST_CASE("a piece that is disconnected from one object and part of another keeps the other's label") {
   ComponentCase c;
   c.base->scene.objects.push_back({"room", 1});
   c.base->labels.push_back(c.base->labels[0]);
@@ -129,7 +128,7 @@ TEST_CASE("a piece that is disconnected from one object and part of another is l
   CHECK(std::count(found.disconnected.begin(), found.disconnected.end(), 1) == 0);
 }
 
-TEST_CASE("a label that was trained apart from the object is taken back, one beside the object stays") {
+TEST_CASE("a label trained on a disconnected Gaussian is restored, one next to the object stays") {
   ComponentCase c;
   c.claim(200, 0, 9, 0.2f, kViews), c.claim(201, 0, 3.3f, 0.2f, kViews), c.claim(202, 0, 9, 0.8f, kViews);
   const Problem input = c.base->input();
@@ -138,14 +137,14 @@ TEST_CASE("a label that was trained apart from the object is taken back, one bes
                    .labels = std::vector<LabelColumns>(input.labels),
                    .figures = {}};
   for (const std::size_t row : {200, 201}) trained.labels[0].prob[row] = trained.labels[0].label[row] = 0.6f;
-  CHECK(withdraw_apart({}, {}, input, trained) == 1);
+  CHECK(restore_disconnected_labels({}, {}, input, trained) == 1);
   CHECK(trained.labels[0].prob[200] == 0.2f);
   CHECK(trained.labels[0].label[200] == 0.f);
   CHECK(trained.labels[0].prob[201] == 0.6f);
-  CHECK(trained.labels[0].prob[202] == 0.8f);  // the masks claim it
+  CHECK(trained.labels[0].prob[202] == 0.8f);  // labelled by the evidence too
 }
 
-TEST_CASE("halves are taken back to the label of what they were halved from, rows fixed by hand never") {
+TEST_CASE("halves get their parent's label back, rows fixed by hand do not change") {
   ComponentCase c;
   c.claim(200, 0, 9, 0.2f, kViews);
   Problem input = c.base->input();
@@ -156,11 +155,11 @@ TEST_CASE("halves are taken back to the label of what they were halved from, row
   for (std::size_t i = 0; i < std::size_t(trained.cloud->size()); ++i) trained.source_row.push_back(std::int64_t(i));
   std::swap(trained.source_row[200], trained.source_row[203]);
   trained.labels[0].prob[200] = 0.6f;
-  CHECK(withdraw_apart({}, {}, input, trained) == 1);
+  CHECK(restore_disconnected_labels({}, {}, input, trained) == 1);
   CHECK(trained.labels[0].prob[200] == input.labels[0].prob[203]);
   trained.labels[0].prob[200] = 0.6f;
   input.fixed.assign(input.labels[0].prob.size(), 1.f);
-  CHECK(withdraw_apart({}, {}, input, trained) == 0);
+  CHECK(restore_disconnected_labels({}, {}, input, trained) == 0);
 }
 
 }  // namespace ngs

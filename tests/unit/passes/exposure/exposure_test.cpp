@@ -9,7 +9,7 @@
 namespace ngs {
 namespace {
 
-/// Photos are renders of the model itself, times the gains.
+/// Photos are renderings of the model, multiplied by the gains.
 struct Exposed {
   std::unique_ptr<test::JointCase> base = test::joint_case();
 
@@ -26,7 +26,7 @@ const ExposureGain kSame{1, 1, 1};
 
 }  // namespace
 
-TEST_CASE("the gains of views and channels are found against the median view's") {
+TEST_CASE("gains of views and channels are estimated relative to the median over the views") {
   const Exposed c({kSame, {0.8f, 0.85f, 0.9f}, kSame, {1.1f, 1.f, 1.05f}});
   const auto found = c.found();
   REQUIRE(found.size() == 4);
@@ -36,18 +36,18 @@ TEST_CASE("the gains of views and channels are found against the median view's")
   }
   CHECK(found[3].gain[0] == doctest::Approx(1.1).epsilon(1e-5));
   CHECK(exposure_spread_percent(found) == doctest::Approx(25).epsilon(1e-3));
-  const ImageF level = levelled_photo(found, 1, c.base->photos[1]);
+  const ImageF level = equalised_photo(found, 1, c.base->photos[1]);
   const ImageF want = render({}, c.base->model, c.base->scene.views[1].camera, {}, {}).colour;
   for (std::size_t i = 0; i < want.data.size(); ++i)
     CHECK(level.data[i] == doctest::Approx(want.data[i]).epsilon(1e-4));
 }
 
-TEST_CASE("an exposure that all photos share is the model's own: nothing is taken from them") {
+TEST_CASE("an exposure shared by all photos is the model's own, and all gains are 1") {
   const Exposed c({{0.7f, 0.7f, 0.7f}, {0.7f, 0.7f, 0.7f}, {0.7f, 0.7f, 0.7f}, {0.7f, 0.7f, 0.7f}});
   CHECK(exposure_spread_percent(c.found()) < 1e-3);
 }
 
-TEST_CASE("a shadow over a third of a photo is no exposure, though its mean darkens as if it were") {
+TEST_CASE("a shadow over a third of a photo does not change the gain, although the mean darkens") {
   Exposed c({kSame, kSame, kSame, kSame});
   ImageF& photo = c.base->photos[2];
   double before = 0, after = 0;
@@ -60,7 +60,7 @@ TEST_CASE("a shadow over a third of a photo is no exposure, though its mean dark
   CHECK(exposure_spread_percent(c.found()) < 1e-3);
 }
 
-TEST_CASE("what is clipped, dark, too little or not there has no say, and no photo keeps its gain of 1") {
+TEST_CASE("clipped, dark or too few pixels give a gain of 1, and a view without a photo has no entry") {
   Exposed c({kSame, kSame, kSame, kSame});
   std::fill(c.base->photos[0].data.begin(), c.base->photos[0].data.end(), 1.f);    // clipped
   std::fill(c.base->photos[1].data.begin(), c.base->photos[1].data.end(), 0.05f);  // dark
@@ -73,7 +73,7 @@ TEST_CASE("what is clipped, dark, too little or not there has no say, and no pho
   }
   CHECK(view_exposures({}, c.base->input(), {}).empty());
   CHECK(exposure_spread_percent({}) == 0);
-  CHECK(levelled_photo(found, 2, {}).empty());
+  CHECK(equalised_photo(found, 2, {}).empty());
 }
 
 }  // namespace ngs

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::int64_t kBall = 160, kWall = 120, kAdded = 12;
 
-/// Small dark Gaussians halfway between camera 0 and the ball: they cover it there, and the wall elsewhere.
+/// Small dark Gaussians between camera 0 and the ball: they cover the ball in view 0, and the wall in the others.
 void add_before_ball(const Camera& camera, GaussianCloud& cloud) {
   const Vec3<double> from = camera.centre(), ball{0, 0, 4};
   const std::int64_t first = cloud.size();
@@ -34,7 +34,7 @@ void add_before_ball(const Camera& camera, GaussianCloud& cloud) {
   cloud = std::move(more);
 }
 
-/// The joint case with view 0 held out and Gaussians added before its ball; `real`: the photos show them.
+/// The joint case with view 0 held out and Gaussians added in front of its ball; `real`: the photos show them.
 struct FloaterCase {
   std::unique_ptr<test::JointCase> base = test::joint_case(int(kBall), int(kWall));
   std::vector<std::size_t> mask_reads;
@@ -49,8 +49,9 @@ struct FloaterCase {
     base->scene.views[0].split = Split::kHeldOut;
     Monitor monitor;
     const auto load = [&](std::size_t v) { return base->masks[v]; };
+    base->rule = {};
     base->labels =
-        label_gaussians({}, accumulate_evidence({}, monitor, {base->model, base->scene, {1, 2, 3}, {}, load}));
+        label_gaussians(base->rule, accumulate_evidence({}, monitor, {base->model, base->scene, {1, 2, 3}, {}, load}));
   }
   Problem input() {
     Problem in = base->input();
@@ -84,7 +85,7 @@ double recall_of_view_0(const FloaterCase& c, const GaussianCloud& cloud, const 
 
 }  // namespace
 
-TEST_CASE("floaters in front of the object are found by photos alone, and nothing else is") {
+TEST_CASE("floaters in front of the object, and no other Gaussians, are found from photos alone") {
   FloaterCase c(false);
   const FloaterFinding finding = c.find();
   CHECK(finding.count == kAdded);
@@ -97,7 +98,7 @@ TEST_CASE("floaters in front of the object are found by photos alone, and nothin
   CHECK(finding.floater == c.find(3).floater);
 }
 
-TEST_CASE("the same floaters are found where the core is a small part of the model") {
+TEST_CASE("the same floaters are found if the core is a small part of the model") {
   FloaterCase c(false);
   const FloaterFinding few = c.find();
   const auto n = std::size_t(c.base->model.size());
@@ -105,7 +106,7 @@ TEST_CASE("the same floaters are found where the core is a small part of the mod
   GaussianCloud large = c.base->model;
   const std::size_t m = 20 * n;
   large.resize(std::int64_t(m), large.sh_degree);
-  std::fill(large.usable.begin() + std::ptrdiff_t(n), large.usable.end(), std::uint8_t(0));  // of which none is drawn
+  std::fill(large.usable.begin() + std::ptrdiff_t(n), large.usable.end(), std::uint8_t(0));  // not rendered
   c.base->model = large;
   for (const auto column : kLabelColumns) {
     std::vector<float> values = (c.base->labels[0].*column).values();
@@ -121,17 +122,17 @@ TEST_CASE("the same floaters are found where the core is a small part of the mod
   }
 }
 
-TEST_CASE("what the photos show in front of the object is no floater") {
+TEST_CASE("Gaussians that the photos show in front of the object are no floaters") {
   FloaterCase c(true);
   CHECK(c.find().count == 0);
 }
 
-TEST_CASE("a model without floaters loses nothing") {
+TEST_CASE("a model without floaters loses no Gaussian") {
   FloaterCase c(false, true);
   CHECK(c.find().count == 0);
 }
 
-TEST_CASE("a mask without the object outvotes the photo: what covers the object there is no floater") {
+TEST_CASE("a pixel that the mask labels background never counts, whatever the photo shows") {
   FloaterCase c(false);
   Problem in = c.input();
   in.views = {0, 1, 2, 3};
@@ -139,11 +140,11 @@ TEST_CASE("a mask without the object outvotes the photo: what covers the object 
   std::fill(nothing.target[0].begin(), nothing.target[0].end(), 0.f);
   in.load_masks = [&](std::size_t v) { return v == 0 ? nothing : c.base->masks[v]; };
   Monitor monitor;
-  // View 1 sees some of them before the rim of the ball, so that not all are kept.
+  // View 1 shows some of them in front of the ball's rim, so some are still found.
   CHECK(find_floaters({}, monitor, {}, in).count < kAdded / 2);
 }
 
-TEST_CASE("floaters that hide less of the object than is asked for stay, and the report says how much they hide") {
+TEST_CASE("floaters that hide less than least_hidden stay, and the figures have the hidden share") {
   FloaterCase c(false);
   Monitor monitor;
   const FloaterFinding all = c.find();
@@ -166,7 +167,7 @@ TEST_CASE("a hand-fixed Gaussian is never a floater") {
   CHECK(finding.count > 0);
 }
 
-TEST_CASE("without a core, without photos or without Gaussians nothing is found") {
+TEST_CASE("no floater is found without a core, without photos or without Gaussians") {
   FloaterCase c(false);
   test::change(c.base->labels[0].prob, [](float p) { return std::min(p, 0.5f); });
   CHECK(c.find().count == 0);
@@ -201,7 +202,7 @@ TEST_CASE("removal uncovers the object, keeps every row and reports the photos' 
   CHECK(out.figures.at("psnr_after_db") > out.figures.at("psnr_before_db"));
 }
 
-TEST_CASE("a refit is the same to the bit whatever lies where no view looks, and leaves that as it is") {
+TEST_CASE("a refit does not depend on Gaussians outside all views to the bit, and does not change them") {
   const auto c = test::joint_case();
   for (SceneView& v : c->scene.views) v.image_path = "photo";
   const Problem in = c->input();
@@ -233,7 +234,7 @@ TEST_CASE("a refit is the same to the bit whatever lies where no view looks, and
   CHECK(left.position == given.position);
 }
 
-TEST_CASE("a refit moves only what may move and brings back a shifted colour") {
+TEST_CASE("a refit moves only the rows that may move, and recovers a shifted colour") {
   const auto c = test::joint_case();
   for (SceneView& v : c->scene.views) v.image_path = "photo";
   Problem in = c->input();
@@ -257,7 +258,7 @@ TEST_CASE("a refit moves only what may move and brings back a shifted colour") {
   CHECK(moved > 0);
 }
 
-TEST_CASE("a refit leaves the rows that are not to be trained, bit by bit") {
+TEST_CASE("a refit leaves rows that are not trained bit-identical") {
   const auto c = test::joint_case();
   for (SceneView& v : c->scene.views) v.image_path = "photo";
   const Problem in = c->input();

@@ -7,7 +7,7 @@
 namespace ngs {
 namespace {
 
-/// Six views: those of the joint case and the first two again, whose masks may be spoilt.
+/// Six views: the four of the joint case, and its first two again. Masks can be replaced by wrong ones.
 struct MaskOutlierCase {
   std::unique_ptr<test::JointCase> base = test::joint_case();
   MaskOutlierCase() {
@@ -22,9 +22,9 @@ struct MaskOutlierCase {
     in.views = {0, 1, 2, 3, 4, 5};
     return in;
   }
-  MaskOutliers judge(int threads = 1) const {
+  MaskOutliers find(int threads = 1) const {
     Monitor monitor;
-    return judge_views({.threads = threads}, monitor, {}, input());
+    return find_mask_outliers({.threads = threads}, monitor, {}, input());
   }
   void mirror(std::size_t view) {
     ViewMasks& m = base->masks[view];
@@ -38,125 +38,126 @@ struct MaskOutlierCase {
 
 TEST_CASE("masks that agree hold no outlier") {
   const MaskOutlierCase c;
-  const MaskOutliers trust = c.judge();
-  CHECK(trust.ignored.empty());
-  for (const double d : trust.disagreement) CHECK(d < 0.2);
-  CHECK(trust.figures.at("threshold") >= 0.2);
+  const MaskOutliers found = c.find();
+  CHECK(found.ignored.empty());
+  for (const double d : found.disagreement) CHECK(d < 0.2);
+  CHECK(found.figures.at("threshold") >= 0.2);
 }
 
-TEST_CASE("a view whose mask is elsewhere is an outlier, the others stay") {
+TEST_CASE("a view whose mask covers other pixels is an outlier, the other views are not") {
   MaskOutlierCase c;
   c.mirror(4);
-  const MaskOutliers trust = c.judge();
-  REQUIRE(trust.ignored.size() == 1);
-  CHECK(trust.ignored[0] == 4);
-  CHECK(trust.disagreement[4] > 0.5);
-  CHECK_FALSE(consistent_masks(trust, 4, c.base->masks[4]).available);
-  CHECK(consistent_masks(trust, 3, c.base->masks[3]).available);
-  CHECK(c.judge(3).disagreement == trust.disagreement);
+  const MaskOutliers found = c.find();
+  REQUIRE(found.ignored.size() == 1);
+  CHECK(found.ignored[0] == 4);
+  CHECK(found.disagreement[4] > 0.5);
+  CHECK_FALSE(consistent_masks(found, 4, c.base->masks[4]).available);
+  CHECK(consistent_masks(found, 3, c.base->masks[3]).available);
+  CHECK(c.find(3).disagreement == found.disagreement);
 }
 
-TEST_CASE("an empty mask is ignored where the others show the object") {
+TEST_CASE("an empty mask is an outlier if the others show the object") {
   MaskOutlierCase c;
   std::fill(c.base->masks[2].target[0].begin(), c.base->masks[2].target[0].end(), 0.f);
-  const MaskOutliers trust = c.judge();
-  REQUIRE(trust.ignored.size() == 1);
-  CHECK(trust.ignored[0] == 2);
+  const MaskOutliers found = c.find();
+  REQUIRE(found.ignored.size() == 1);
+  CHECK(found.ignored[0] == 2);
 }
 
-TEST_CASE("no share of wrong masks spreads the disagreement so far that none of them is found") {
+TEST_CASE("wrong masks are found however much they raise the deviation") {
   double median = 0;
   const std::vector<double> third_wrong = {0.07, 0.11, 0.16, 0.2, 0.22, 0.38, 1, 1, 1};
   CHECK(ignore_threshold({}, third_wrong, median) < 1);
   CHECK(median == 0.22);
   CHECK(ignore_threshold({}, third_wrong, median) > 0.38);
-  // Where most views do not know the object, they do not tell who is wrong.
+  // If the median exceeds a half, no mask is an outlier.
   CHECK(ignore_threshold({}, std::vector<double>{0.3, 0.5, 0.6, 0.8, 1}, median) > 1);
 }
 
-TEST_CASE("views that do not see the object are no measure of how well the others agree") {
+TEST_CASE("views that do not see the object do not enter the median") {
   MaskOutlierCase c;
-  for (std::size_t v = 0; v < 6; ++v) {  // every mask is off by 2 px, to one side or the other
+  for (std::size_t v = 0; v < 6; ++v) {  // every mask is shifted by 2 px, left or right
     std::vector<float>& mask = c.base->masks[v].target[0];
     std::rotate(mask.begin(), v % 2 == 0 ? mask.begin() + 2 : mask.end() - 2, mask.end());
   }
-  const MaskOutliers few = c.judge();
+  const MaskOutliers few = c.find();
   CHECK(few.ignored.empty());
   CHECK(few.figures.at("median_disagreement") > 0.15);
 
   Problem in = c.input();
-  for (int more = 0; more < 20; ++more) in.views.push_back(c.base->look_away());
+  for (int more = 0; more < 20; ++more) in.views.push_back(c.base->add_empty_view());
   Monitor monitor;
-  const MaskOutliers many = judge_views({}, monitor, {}, in);
+  const MaskOutliers many = find_mask_outliers({}, monitor, {}, in);
   CHECK(many.ignored.empty());
   CHECK(many.figures.at("median_disagreement") == few.figures.at("median_disagreement"));
   for (std::size_t n = 0; n < in.views.size(); ++n) CHECK(many.disagreement[n] == (n < 6 ? few.disagreement[n] : 0));
 
-  c.mirror(4);  // and one that is elsewhere is still found
-  const MaskOutliers one = judge_views({}, monitor, {}, in);
+  c.mirror(4);  // a wrong mask is still found
+  const MaskOutliers one = find_mask_outliers({}, monitor, {}, in);
   REQUIRE(one.ignored.size() == 1);
   CHECK(one.ignored[0] == 4);
 }
 
-TEST_CASE("no mask is an outlier where fewer than four show the object, however many are empty") {
+TEST_CASE("no mask is an outlier if fewer than four show the object, however many are empty") {
   MaskOutlierCase c;
   Problem in = c.input();
   in.views = {0, 1, 2};
   c.mirror(0);
-  for (int more = 0; more < 5; ++more) in.views.push_back(c.base->look_away());
+  for (int more = 0; more < 5; ++more) in.views.push_back(c.base->add_empty_view());
   Monitor monitor;
-  CHECK(judge_views({}, monitor, {}, in).ignored.empty());
+  CHECK(find_mask_outliers({}, monitor, {}, in).ignored.empty());
 }
 
-TEST_CASE("of four masks one that contradicts is ignored, although three are too few to judge again") {
+TEST_CASE("one wrong mask of four is an outlier, although three are too few for another round") {
   MaskOutlierCase c;
   std::fill(c.base->masks[2].target[0].begin(), c.base->masks[2].target[0].end(), 0.f);
   Problem in = c.input();
   in.views = {0, 1, 2, 3};
   Monitor monitor;
-  const MaskOutliers trust = judge_views({}, monitor, {}, in);
-  CHECK(trust.ignored == std::vector<std::size_t>{2});
-  CHECK(trust.figures.at("rounds") == 1);
+  const MaskOutliers found = find_mask_outliers({}, monitor, {}, in);
+  CHECK(found.ignored == std::vector<std::size_t>{2});
+  CHECK(found.figures.at("rounds") == 1);
 }
 
 TEST_CASE("with fewer than four masks none is an outlier") {
   MaskOutlierCase c;
   c.mirror(0);
   for (const std::size_t v : {1u, 2u, 3u}) c.base->masks[v].available = false;
-  CHECK(c.judge().ignored.empty());
+  CHECK(c.find().ignored.empty());
 }
 
-TEST_CASE("of many masks only those are asked about that a first look doubts, and the same ones are ignored") {
+TEST_CASE("with many masks only those that fail the pretest are tested, and the outliers are the same") {
   MaskOutlierCase c;
   Problem in = c.input();
-  CHECK(first_look({}, {}, in).empty());  // six views are few
+  CHECK(pretest_masks({}, {}, in).empty());  // six views are too few for a pretest
   in.views.clear();
   for (std::size_t n = 0; n < 36; ++n) in.views.push_back(n % 6);
   Monitor monitor;
-  const MaskOutliers agreed = judge_views({}, monitor, {}, in, first_look({}, {}, in));
+  const MaskOutliers agreed = find_mask_outliers({}, monitor, {}, in, pretest_masks({}, {}, in));
   CHECK(agreed.ignored.empty());
-  CHECK(agreed.figures.at("rounds") == 0);  // nobody was asked
-  CHECK(agreed.figures.at("threshold") == judge_views({}, monitor, {}, in).figures.at("threshold"));
+  CHECK(agreed.figures.at("rounds") == 0);  // no view was tested
+  CHECK(agreed.figures.at("threshold") == find_mask_outliers({}, monitor, {}, in).figures.at("threshold"));
 
   c.mirror(4);
-  const std::vector<double> first = first_look({}, {}, in);
+  const std::vector<double> first = pretest_masks({}, {}, in);
   REQUIRE(first.size() == 36);
-  const MaskOutliers all = judge_views({}, monitor, {}, in), some = judge_views({}, monitor, {}, in, first);
+  const MaskOutliers all = find_mask_outliers({}, monitor, {}, in),
+                     some = find_mask_outliers({}, monitor, {}, in, first);
   CHECK(all.ignored == std::vector<std::size_t>(6, 4));
   CHECK(some.ignored == all.ignored);
   int kept = 0;
   for (std::size_t n = 0; n < 36; ++n) {
     if (n % 6 == 4)
-      CHECK(some.disagreement[n] == all.disagreement[n]);  // the others' word, without its own
+      CHECK(some.disagreement[n] == all.disagreement[n]);  // against the consensus without its own mask
     else
       kept += some.disagreement[n] == std::max(first[n], 0.0);
   }
   CHECK(kept == 30);
-  CHECK(first_look({.threads = 3}, {}, in) == first);
+  CHECK(pretest_masks({.threads = 3}, {}, in) == first);
 }
 
-TEST_CASE("what floaters hide does not make a good mask a bad one") {
-  MaskOutlierCase c;  // a dark sheet before the ball in view 3, beside it in the others
+TEST_CASE("a mask of an object that a floater occludes is no outlier") {
+  MaskOutlierCase c;  // a dark sheet occludes the ball in view 3 only
   GaussianCloud& cloud = c.base->model;
   const auto i = std::size_t(cloud.size());
   cloud.resize(cloud.size() + 1, cloud.sh_degree);
@@ -164,7 +165,15 @@ TEST_CASE("what floaters hide does not make a good mask a bad one") {
   cloud.position[3 * i] = float(p.x), cloud.position[3 * i + 1] = float(p.y), cloud.position[3 * i + 2] = float(p.z);
   cloud.rotation[4 * i] = 1, cloud.logit_opacity[i] = 6;
   for (std::size_t a = 0; a < 3; ++a) cloud.log_scale[3 * i + a] = -2.7f;
-  CHECK(c.judge().ignored.empty());
+  CHECK(c.find().ignored.empty());
+}
+
+TEST_CASE(
+    "outliers: a thin object with equal disagreement in all views has none, one bad view among good ones is one") {
+  CHECK(outlier_score({0.42, 0.45, 0.44, 0.47, 0.43, 0.46}) < 1);  // naive: 0.47 > 0.2
+  CHECK(outlier_score({0.02, 0.03, 0.02, 0.03, 0.02, 0.15}) > 1);  // naive: 0.15 < 0.2
+  CHECK(outlier_score({}) == 0);
+  CHECK(outlier_score({0.9}) == 0);
 }
 
 }  // namespace ngs

@@ -1,4 +1,4 @@
-// ngs/stages/boundary/leave_one_out.h: what the others say is the evidence of the others, whether it was kept or not.
+// ngs/stages/boundary/leave_one_out.h: sums without one view equal the evidence of the others, cached or not.
 #include "ngs/stages/boundary/leave_one_out.h"
 
 #include <doctest/doctest.h>
@@ -11,7 +11,7 @@ namespace {
 constexpr std::int64_t kGaussians = 5;
 constexpr int kObjects = 2;
 
-/// Gaussian 4 is seen by view 1 alone.
+/// Gaussian 4 is visible in view 1 only.
 ViewSums gather(std::size_t view) {
   ViewSums sums{kObjects, {}, {}};
   for (std::size_t i = 0; i < 5; ++i) {
@@ -62,7 +62,7 @@ struct Said {
 
 }  // namespace
 
-TEST_CASE("leaving a view out gives the evidence of the others, whether it is kept or gathered again") {
+TEST_CASE("sums without one view equal the evidence of the others, whether weights are cached or gathered again") {
   for (const std::size_t kept : {std::size_t(0), std::size_t(200), std::size_t(1) << 20}) {
     CAPTURE(kept);
     const Exec exec;
@@ -88,13 +88,13 @@ TEST_CASE("leaving a view out gives the evidence of the others, whether it is ke
   }
 }
 
-TEST_CASE("a view that was removed leaves the bits of the others, and may be added again") {
+TEST_CASE("removing a view leaves bit-identical sums of the others, and it can be added again") {
   for (const std::size_t kept : {std::size_t(0), std::size_t(200), std::size_t(1) << 20}) {
     CAPTURE(kept);
     LeaveOneOut removed({}, kGaussians, kObjects, gather_packed, kept),
         never({}, kGaussians, kObjects, gather_packed, kept);
     for (const std::size_t v : kViews) removed.add(v);
-    removed.remove(1), removed.remove(2);  // the second was not there
+    removed.remove(1), removed.remove(2);  // the second has no effect
     never.add(0), never.add(3);
     const auto same = [&] {
       for (std::size_t left_out = 0; left_out < 4; ++left_out)
@@ -107,7 +107,7 @@ TEST_CASE("a view that was removed leaves the bits of the others, and may be add
   }
 }
 
-TEST_CASE("begun with what labels and their weight hold, it says what it says once all views were added") {
+TEST_CASE("sums started from labels and their weight equal those after adding all views") {
   for (const std::size_t kept : {std::size_t(0), std::size_t(200), std::size_t(1) << 20}) {
     CAPTURE(kept);
     LeaveOneOut added({}, kGaussians, kObjects, gather_packed, kept),
@@ -132,7 +132,8 @@ TEST_CASE("begun with what labels and their weight hold, it says what it says on
     close();
     added.remove(3), begun.remove(3);
     close();
-    added.remove(1), begun.remove(1);  // Gaussian 4 is seen by no other: rounding must not leave less than nothing
+    // Gaussian 4 is visible in no other view: rounding must not make its weight negative.
+    added.remove(1), begun.remove(1);
     CHECK(begun.weight(4) >= 0);
     CHECK(begun.weight(4) < 1e-6);
     CHECK(begun.object_weight(4, 0) < 1e-6);
@@ -141,12 +142,12 @@ TEST_CASE("begun with what labels and their weight hold, it says what it says on
   }
 }
 
-TEST_CASE("packed weights come back to the bit: of no object, of one alone, of several, floats or not") {
-  constexpr std::size_t kMany = 300;  // objects: their numbers take more than a byte
+TEST_CASE("packed weights unpack bit-identically: of no object, of one, of several, floats or not") {
+  constexpr std::size_t kMany = 300;  // objects: indices need more than one byte
   const double third = 1.0 / 3, large = 0x1p40 + 1;
   const std::vector<std::pair<std::uint32_t, std::vector<std::pair<std::size_t, double>>>> rows{
       {0, {}},           {1, {{299, third}}}, {130, {{0, 0.25}}}, {70000, {{2, third / 2}, {3, 0.5}, {200, 1e-30}}},
-      {4000000000u, {}}, {129, {}},  // in no order
+      {4000000000u, {}}, {129, {}},  // unsorted
       {4294967295u, {}}, {2, {{1, 0.5}}}};
   const double weight[] = {0.5, third, 0.25, large, 1e-42, 0.125, 0.25, 1.0};
   ViewWeights packed(kMany, 3);

@@ -56,10 +56,10 @@ TEST_CASE("sampling writes one row per view, node and depth, and each projects t
   }
 }
 
-TEST_CASE("the depth windows follow the rendered depth") {
+TEST_CASE("depth windows are centred on the rendered depth") {
   Capture c;
   const QueryField field = c.sample();
-  int beyond = 0;  // of what windows about the mean distance would reach
+  int beyond = 0;  // outside of windows centred on the mean distance
   for (std::size_t i = 0; i < field.depth.size(); ++i) {
     const double relative = double(field.depth[i]) / field.views[std::size_t(field.view[i])].mean_depth;
     beyond += relative < 0.9 - 1e-6 || relative > 1.1 + 1e-6;
@@ -67,9 +67,9 @@ TEST_CASE("the depth windows follow the rendered depth") {
   CHECK(beyond > 0);
 }
 
-TEST_CASE("a view that does not see the boundary has no queries") {
+TEST_CASE("a view without visible boundary has no queries") {
   Capture c;
-  c.scene.views[2].camera.translation.z = -50;  // the scene lies behind it
+  c.scene.views[2].camera.translation.z = -50;  // the scene is behind the camera
   const QueryField field = c.sample();
   CHECK(field.views[2].rows == 0);
   CHECK(field.size() == std::int64_t(5 * 9 * 7 * 4));
@@ -77,7 +77,7 @@ TEST_CASE("a view that does not see the boundary has no queries") {
   CHECK(c.sample().size() == 0);
 }
 
-TEST_CASE("sampling and interpolation give the same bytes for any number of threads") {
+TEST_CASE("sampling and interpolation are bit-identical for any number of threads") {
   Capture c;
   QueryField a = c.sample(), b = c.sample(7);
   CHECK(a.position == b.position);
@@ -89,14 +89,14 @@ TEST_CASE("sampling and interpolation give the same bytes for any number of thre
   CHECK(a.neighbour == b.neighbour);
 }
 
-TEST_CASE("interpolation names neighbours by their rows in the model") {
+TEST_CASE("interpolation lists neighbours by their rows in the model") {
   Capture c;
   QueryField field = c.sample();
   const RbfSummary summary = interpolate_features({}, c.monitor, {}, c.boundary, field);
   CHECK(summary.width > 0);
   REQUIRE(field.neighbours == 8);
   for (std::size_t i = 0; i < field.neighbour.size(); ++i) CHECK(c.tiny.is_object[field.neighbour[i]] == 1);
-  // One query again, by hand.
+  // One query recomputed by hand.
   double want = 0;
   for (std::size_t k = 0; k < 8; ++k)
     want +=
@@ -104,7 +104,7 @@ TEST_CASE("interpolation names neighbours by their rows in the model") {
   CHECK(double(field.feature[1]) == doctest::Approx(want).epsilon(1e-6));
 }
 
-TEST_CASE("interpolation refuses bad widths, positions that are not finite and another model's queries") {
+TEST_CASE("interpolation fails for bad widths, non-finite positions and another model's queries") {
   Capture c;
   QueryField field = c.sample();
   for (const char* width : {"", "x", "0", "-1", "inf", "nan", "0.3m"}) {
@@ -121,7 +121,7 @@ TEST_CASE("interpolation refuses bad widths, positions that are not finite and a
   CHECK_THROWS_AS(interpolate_features({}, c.monitor, {}, c.boundary, bad), Error);
 }
 
-TEST_CASE("the defaults are the paper's where it states them") {
+TEST_CASE("the defaults equal the values stated in the paper") {
   const SampleOptions options;
   CHECK(options.depth_samples == 8);
   CHECK(options.bbox_pad_px == 5);

@@ -10,8 +10,8 @@
 namespace ngs {
 namespace {
 
-/// The ball before its wall in view 1 with perfect labels; a prediction that is wrong everywhere, so that every
-/// pixel asks for its cause.
+/// The ball in front of its wall in view 1 with perfect labels, and a prediction that is wrong everywhere, so that
+/// every pixel gets a cause.
 struct AtlasCase {
   std::unique_ptr<test::JointCase> base = test::joint_case();
   GaussianCloud cloud = base->truth;
@@ -31,7 +31,7 @@ struct AtlasCase {
     };
     return error_atlas({.threads = threads}, {cloud, labels, c, {}, plane(predicted), plane(truth), plane(input)});
   }
-  /// Cause of the pixel in which the ball's centre lies.
+  /// Cause of the pixel at the ball's centre.
   ErrorCause at_ball() const {
     const Camera& c = base->scene.views[1].camera;
     const Vec3<double> t = c.rotation * Vec3<double>{0, 0, 4} + c.translation;
@@ -42,7 +42,7 @@ struct AtlasCase {
 
 }  // namespace
 
-TEST_CASE("right pixels have no cause, and every wrong one has exactly one") {
+TEST_CASE("correct pixels have no cause, and every wrong pixel has exactly one") {
   AtlasCase c;
   const ErrorAtlas all = c.run();
   CHECK(all.wrong() == 48 * 40);
@@ -53,10 +53,10 @@ TEST_CASE("right pixels have no cause, and every wrong one has exactly one") {
   CHECK(c.run().pixels[0] == 48 * 40);
 }
 
-TEST_CASE("each cause is told from the others") {
+TEST_CASE("each cause is distinguished from the others") {
   AtlasCase c;
-  CHECK(c.at_ball() == ErrorCause::kLabel);  // labels and render say ball, the prediction does not
-  SUBCASE("an edge that is undecided") {
+  CHECK(c.at_ball() == ErrorCause::kLabel);  // ball in labels and render, not in the prediction
+  SUBCASE("an uncertain edge") {
     test::change(c.labels.label, [](float l) { return l > 0.5f ? 0.6f : 0.f; });
     CHECK(c.at_ball() == ErrorCause::kSoftEdge);
   }
@@ -64,13 +64,13 @@ TEST_CASE("each cause is told from the others") {
     c.labels.boundary.assign(c.labels.boundary.size(), 1.f);
     CHECK(c.at_ball() == ErrorCause::kStraddler);
   }
-  SUBCASE("the input mask errs alike, or does not") {
+  SUBCASE("the input mask has the same error, or not") {
     c.input = c.predicted;
     CHECK(c.at_ball() == ErrorCause::kInputMask);
     c.input = c.truth;
     CHECK(c.at_ball() == ErrorCause::kLabel);
   }
-  SUBCASE("Gaussians that two views saw") {
+  SUBCASE("Gaussians visible in two views") {
     c.labels.views.assign(c.labels.views.size(), 2.f);
     CHECK(c.at_ball() == ErrorCause::kUnseen);
   }
@@ -78,7 +78,7 @@ TEST_CASE("each cause is told from the others") {
     for (float& o : c.cloud.logit_opacity) o = -4.f;
     CHECK(c.at_ball() == ErrorCause::kReach);
   }
-  SUBCASE("something before the object") {
+  SUBCASE("something in front of the object") {
     const Vec3<double> eye = c.base->scene.views[1].camera.centre(), p = eye + 0.4 * (Vec3<double>{0, 0, 4} - eye);
     const auto i = std::size_t(c.cloud.size()) - 1;  // a Gaussian of the wall
     c.cloud.position[3 * i] = float(p.x), c.cloud.position[3 * i + 1] = float(p.y);
@@ -87,7 +87,7 @@ TEST_CASE("each cause is told from the others") {
   }
 }
 
-TEST_CASE("causes have names of their own and colours of their own") {
+TEST_CASE("causes have distinct names and distinct colours") {
   std::set<std::string_view> names;
   std::set<std::array<std::uint8_t, 3>> colours;
   for (const ErrorCauseName& c : kErrorCauseNames) names.insert(c.name), colours.insert(c.rgb);

@@ -18,7 +18,7 @@ std::vector<PairScore> evaluate(const Samples& predicted, const Samples& truth, 
   return evaluate_pair({}, options, ids, {"view", "", predicted.view(), truth.view()});
 }
 
-TEST_CASE("a mask is object where a sample is greater than the threshold") {
+TEST_CASE("a pixel is object if its sample exceeds the threshold") {
   const Samples mask{{0, 128, 129, 255}, 4, 1};
   CHECK(binarised(mask.view(), 128) == std::vector<std::uint8_t>{0, 0, 1, 1});
   CHECK(binarised(mask.view(), 0) == std::vector<std::uint8_t>{0, 1, 1, 1});
@@ -34,7 +34,7 @@ TEST_CASE("a file of zeros and ones is recognised") {
   CHECK_FALSE(is_zero_one(Samples{{0, 1, 2, 0}, 4, 1}.view()));
 }
 
-TEST_CASE("of several channels the largest colour decides, and alpha where it is not constant") {
+TEST_CASE("with several channels the largest colour is used, or alpha if it is not constant") {
   const Samples red{{255, 0, 0, 255, 0, 0, 0, 255}, 2, 1, 4};
   CHECK(binarised(red.view(), 128) == std::vector<std::uint8_t>{1, 0});
   const Samples cut_out{{9, 9, 9, 255, 250, 250, 250, 0}, 2, 1, 4};
@@ -52,15 +52,15 @@ TEST_CASE("the prediction is resized to the truth by nearest neighbour") {
   CHECK(scores[0].predicted_width_px == 2);
 }
 
-TEST_CASE("an image without pixels is refused") {
+TEST_CASE("an image without pixels is an error") {
   const Samples none{{}, 0, 0}, one{{255}, 1, 1};
   CHECK_THROWS_AS(evaluate(none, one), Error);
   CHECK_THROWS_AS(evaluate(one, none), Error);
-  const Samples lying{{255}, 2, 1};  // fewer samples than the size says
+  const Samples lying{{255}, 2, 1};  // fewer samples than the size requires
   CHECK_THROWS_AS(evaluate(lying, one), Error);
 }
 
-TEST_CASE("label maps are scored per id that either of them has") {
+TEST_CASE("label maps are scored for every id that occurs in either of them") {
   EvalOptions options;
   options.label_map = true;
   const Samples predicted{{0, 3, 3, 7}, 4, 1}, truth{{0, 3, 9, 0}, 4, 1};
@@ -100,7 +100,7 @@ TEST_CASE("the mask of one object is scored against its id in the true label map
   CHECK(score(empty, 9).empty());
 }
 
-TEST_CASE("a black and white prediction is the mask of the one object that is asked for") {
+TEST_CASE("a prediction of 0 and 255 is the mask of the only object to be scored") {
   EvalOptions options;
   options.label_map = true;
   const Samples mask{{255, 255, 0, 0}, 4, 1}, truth{{7, 3, 3, 0}, 4, 1};
@@ -134,7 +134,7 @@ TEST_CASE("void pixels of the true label map are scored for no object") {
   CHECK(evaluate(Samples{{0, 0, 255, 255, 0, 0}, 6, 1}, truth, options, parse_object_ids({"9"})).empty());
 }
 
-TEST_CASE("255 beside other ids is told where nothing is said of it") {
+TEST_CASE("255 besides other ids is reported if it is neither void nor an object") {
   EvalOptions options;
   options.label_map = true;
   const Samples usual{{3, 255, 0, 3}, 4, 1}, two_values{{255, 255, 0, 0}, 4, 1};
@@ -149,7 +149,7 @@ TEST_CASE("255 beside other ids is told where nothing is said of it") {
   CHECK_FALSE(told(usual, {}));
 }
 
-TEST_CASE("options of label maps are refused where masks are scored, and an object that is void") {
+TEST_CASE("label map options without label_map are errors, as is an object id that is void") {
   EvalOptions options;
   CHECK_NOTHROW(require_consistent(options));
   options.void_id = 255;
@@ -165,8 +165,8 @@ TEST_CASE("colour-coded label maps give one id per colour") {
   CHECK(label_ids(Samples{{1, 2, 3, 0, 0, 0}, 2, 1, 3}.view()) == std::vector<std::uint32_t>{1 + 512 + 196608, 0});
 }
 
-TEST_CASE("object ids are numbers from 1 on, with or without a name") {
-  CHECK_THROWS_AS(parse_object_ids({"a=1", "b=1"}), Error);  // b alone would be scored
+TEST_CASE("object ids are numbers of at least 1, with or without a name") {
+  CHECK_THROWS_AS(parse_object_ids({"a=1", "b=1"}), Error);  // only b would be scored
   CHECK_THROWS_AS(parse_object_ids({"a=1", "a=2"}), Error);  // two objects in one mean
   CHECK(parse_object_ids({"a=b=4", "7"}) == ObjectIds{{4, "a=b"}, {7, "7"}});
   for (const char* text : {"", "0", "x", "a=", "-3", "4294967296"}) {
@@ -183,7 +183,7 @@ PairScore pair_of(const char* object, double iou) {
   return pair;
 }
 
-TEST_CASE("the mean is over objects of their means over views, beside the mean over all pairs") {
+TEST_CASE("the mean is over objects of their means over views, next to the mean over all pairs") {
   const std::vector<PairScore> pairs{pair_of("a", 1), pair_of("a", 1), pair_of("a", 1), pair_of("b", 0)};
   const EvalSummary summary = summarise(pairs);
   CHECK(summary.mean[0] == 0.5);
@@ -193,7 +193,7 @@ TEST_CASE("the mean is over objects of their means over views, beside the mean o
   CHECK(summary.objects[0].counts.tp == 3);
 }
 
-TEST_CASE("checks pass at the bound, fail below it, and never pass on NaN") {
+TEST_CASE("score checks pass at the bound and fail below it and for NaN") {
   const std::map<std::string, double> found{{"iou", 0.9}, {"biou", 0.5}, {"psnr_db", std::nan("")}};
   const auto checks = check_scores("iou=0.9,boundary_iou=0.6,psnr=20", found);
   REQUIRE(checks.size() == 3);

@@ -61,7 +61,7 @@ TEST_CASE("the rules are the thresholds of the methods they are named after") {
   }
 }
 
-TEST_CASE("a rule compares the column it is about, and the other one where that is missing") {
+TEST_CASE("a rule compares its own column, or the other one if that is missing") {
   const GaussianCloud cloud = on_a_line({0, 1, 2, 3});
   LabelColumns labels = labels_of({0.2f, 0.3f, 0.5f, 0.9f});
   labels.label = {0, 1, 0.5f, 0};
@@ -82,8 +82,8 @@ TEST_CASE("a rule compares the column it is about, and the other one where that 
   CHECK_THROWS_AS(object("sa3d", ScoreColumn::kAuto, {}), Error);
 }
 
-TEST_CASE("unseen Gaussians are a third state with an explicit answer") {
-  // Unseen: row 2 among objects, row 5 among background, row 6 far away. Row 7 cannot be used.
+TEST_CASE("unseen Gaussians are labelled by the chosen rule") {
+  // Unseen: row 2 among objects, row 5 among background, row 6 far away. Row 7 is unusable.
   GaussianCloud cloud = on_a_line({0, 1, 0.5f, 10, 11, 10.5f, 90, 0.25f});
   cloud.log_scale[7 * 3] = std::numeric_limits<float>::infinity();
   classify(cloud);
@@ -102,18 +102,18 @@ TEST_CASE("unseen Gaussians are a third state with an explicit answer") {
   CHECK(extract_object({}, options, {cloud, labels}).object == Flags{1, 1, 0, 0, 0, 0, 0, 0});
 }
 
-TEST_CASE("unseen Gaussians across the scene from all that was seen stay background") {
+TEST_CASE("unseen Gaussians far from all seen ones stay background") {
   std::vector<float> x, views;
   for (int i = 0; i < 100; ++i) x.push_back(0.01f * float(i)), views.push_back(i == 50 ? 0.f : 3.f);  // an object
   for (int i = 0; i < 1000; ++i) x.push_back(5 + 0.01f * float(i)), views.push_back(0);               // another room
   const Extraction found = extract_object({}, {}, {on_a_line(x), labels_of(std::vector<float>(x.size(), 1.f), views)});
   CHECK(found.unseen == 1001);
-  CHECK(found.unseen_to_object == 1);  // the one among those that were seen
+  CHECK(found.unseen_to_object == 1);  // the one among seen Gaussians
   CHECK(found.object[50] == 1);
   CHECK(found.objects == 100);
 }
 
-TEST_CASE("a model that no view has seen has no voters and no object") {
+TEST_CASE("a model without seen Gaussians has no voters and no object") {
   const GaussianCloud cloud = on_a_line({0, 1});
   const Extraction e = extract_object({}, {}, {cloud, labels_of({1, 1}, {0, 0})});
   CHECK(e.objects == 0);
@@ -135,7 +135,7 @@ TEST_CASE("hand-made labels are final") {
   CHECK(e.unseen == 0);
 }
 
-TEST_CASE("pieces are numbered by their first row and small ones are removed") {
+TEST_CASE("components are numbered by their first row and small ones are removed") {
   std::vector<float> x;
   for (int i = 0; i < 20; ++i) x.push_back(0.01f * float(i));
   for (int i = 0; i < 5; ++i) x.push_back(5 + 0.01f * float(i));
@@ -183,11 +183,11 @@ GaussianCloud rows_of(const GaussianCloud& from, const std::vector<std::size_t>&
   return cloud;
 }
 
-TEST_CASE("rows left in an edit are the object, deleted ones are background, others stay free") {
+TEST_CASE("rows in an edit become object, deleted object rows background, others stay free") {
   const GaussianCloud cloud = random_cloud(6);
   const Flags object = {1, 1, 1, 0, 0, 0};
   const std::vector<float> label = {0.9f, 0.8f, 0.7f, 0.1f, 0.2f, 0.3f};
-  // The user dropped row 1 and brought row 4; rows are reordered.
+  // The user deleted row 1 and added row 4; rows are reordered.
   const ImportedEdit e = import_edit(cloud, object, label, rows_of(cloud, {4, 2, 0}), {});
   CHECK(e.label == std::vector<float>{1, 0, 1, 0.1f, 1, 0.3f});
   CHECK(e.fixed == std::vector<float>{1, 1, 1, 0, 1, 0});
@@ -196,7 +196,7 @@ TEST_CASE("rows left in an edit are the object, deleted ones are background, oth
   CHECK(e.to_background == 1);
 }
 
-TEST_CASE("a selection in the edit decides what is object, and a deletion what is not") {
+TEST_CASE("selected rows of an edit become object, deleted rows background") {
   const GaussianCloud cloud = random_cloud(4);
   const GaussianCloud edit = rows_of(cloud, {3, 2, 1, 0});
   const std::vector<float> label = {1, 1, 0, 0};
@@ -207,7 +207,7 @@ TEST_CASE("a selection in the edit decides what is object, and a deletion what i
   CHECK(deleted.label == std::vector<float>{1, 0, 0, 0});
 }
 
-TEST_CASE("an edit that holds the whole model and no selection is refused: all would become object") {
+TEST_CASE("an edit with all rows and no selection is an error: all would become object") {
   const GaussianCloud cloud = random_cloud(4);
   const GaussianCloud edit = rows_of(cloud, {3, 2, 1, 0});
   const std::vector<float> label = {1, 1, 0, 0};
@@ -217,17 +217,17 @@ TEST_CASE("an edit that holds the whole model and no selection is refused: all w
       CHECK(false);
     } catch (const Error& e) {
       CHECK(e.code() == ErrorCode::kInconsistent);
-      CHECK(e.remedy().find("delete the rest") != std::string::npos);
+      CHECK(e.remedy().find("select the object in the editor") != std::string::npos);
     }
-  GaussianCloud broken = cloud;  // an export leaves out what is not finite
+  GaussianCloud broken = cloud;  // an export omits non-finite rows
   broken.usable[0] = 0;
   CHECK_THROWS_AS(import_edit(broken, object, label, rows_of(cloud, {3, 2, 1}), {}), Error);
-  CHECK(import_edit(cloud, {1, 1, 1, 1}, label, edit, {}).to_object == 0);  // says what was so before
+  CHECK(import_edit(cloud, {1, 1, 1, 1}, label, edit, {}).to_object == 0);  // no change
   CHECK(import_edit(cloud, object, label, edit, {0, 0, 0, 4}).to_object == 2);
   CHECK(import_edit(cloud, object, label, edit, {1, 1, 1, 1}).by_selection);
 }
 
-TEST_CASE("Gaussians at one position are told apart by opacity and colour, else taken in order") {
+TEST_CASE("Gaussians at one position are matched by opacity and colour, then in row order") {
   GaussianCloud cloud = random_cloud(5);
   for (std::size_t i = 1; i < 4; ++i)
     for (std::size_t a = 0; a < 3; ++a) cloud.position[i * 3 + a] = cloud.position[a];
@@ -235,7 +235,7 @@ TEST_CASE("Gaussians at one position are told apart by opacity and colour, else 
   const std::vector<float> label(5, 1.f);
   CHECK(import_edit(cloud, object, label, rows_of(cloud, {2, 0, 4}), {}).label == std::vector<float>{1, 0, 1, 0, 1});
   GaussianCloud repainted = rows_of(cloud, {2, 0, 4});
-  repainted.sh_dc[0] = 7;  // matches nothing exactly: takes the first of the position that is left
+  repainted.sh_dc[0] = 7;  // no exact match: gets the first remaining row at the position
   const ImportedEdit e = import_edit(cloud, object, label, repainted, {});
   CHECK(e.matched == 3);
   CHECK(std::count(e.label.begin(), e.label.end(), 1.f) == 3);
@@ -243,7 +243,7 @@ TEST_CASE("Gaussians at one position are told apart by opacity and colour, else 
   CHECK(e.label[4] == 1);
 }
 
-TEST_CASE("an edit that was moved is refused, a few strangers in it are not") {
+TEST_CASE("a moved edit is an error, a few unknown rows in it are not") {
   const GaussianCloud cloud = random_cloud(4);
   const Flags object(4, 1);
   const std::vector<float> label(4, 1.f);

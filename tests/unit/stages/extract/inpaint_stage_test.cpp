@@ -11,7 +11,7 @@ namespace {
 constexpr double kBallDepth = 4, kBallRadius = 0.7, kWallDepth = 6;
 constexpr int kWidth = 160, kHeight = 80;
 
-/// An opaque ball before an opaque wall, seen by cameras that stand side by side and look along +z.
+/// An opaque ball in front of an opaque wall, with cameras side by side that look along +z.
 struct HoleCase {
   GaussianCloud cloud;
   std::vector<std::uint8_t> object;
@@ -50,7 +50,7 @@ struct HoleCase {
     const double a = dot(d, d), b = dot(d, m), c = dot(m, m) - kBallRadius * kBallRadius;
     return b * b - a * c > 0;
   }
-  /// Exact: the wall behind this pixel is hidden by the ball from every camera.
+  /// Exact: the ball occludes the wall behind this pixel from every camera.
   bool is_hole(std::size_t view, int x, int y) const {
     const Camera& c = scene.views[view].camera;
     const Vec3<double> eye = c.centre();
@@ -71,7 +71,7 @@ struct HoleCase {
 
 }  // namespace
 
-TEST_CASE("holes are the wall that the ball hides from every camera") {
+TEST_CASE("holes are the part of the wall that the ball occludes from every camera") {
   const HoleCase c(0.6);
   const std::vector<ViewHole> holes = c.holes();
   for (std::size_t v = 0; v < 2; ++v) {
@@ -88,13 +88,13 @@ TEST_CASE("holes are the wall that the ball hides from every camera") {
   CHECK(c.holes(3)[0].hole == holes[0].hole);
 }
 
-TEST_CASE("nothing is a hole where another camera looks behind the object") {
-  const HoleCase apart(4.6);  // the two shadows on the wall do not meet
+TEST_CASE("there is no hole if another camera sees behind the object") {
+  const HoleCase apart(4.6);  // the two occluded areas on the wall are disjoint
   for (const ViewHole& view : apart.holes())
     CHECK(std::count(view.hole.begin(), view.hole.end(), 1) < 60);  // measured 36, of 1600 of the ball
 }
 
-TEST_CASE("what has nothing behind it is a hole, what was never the object is none") {
+TEST_CASE("object pixels with nothing behind are holes, background pixels are not") {
   HoleCase c(0.6);
   for (std::size_t i = 0; i < c.object.size(); ++i)
     if (!c.object[i]) c.cloud.logit_opacity[i] = -12;
@@ -105,7 +105,7 @@ TEST_CASE("what has nothing behind it is a hole, what was never the object is no
   CHECK(open.hole[0] == 0);
 }
 
-TEST_CASE("a mask grows by its margin on every side") {
+TEST_CASE("a dilated mask grows by its margin on every side") {
   PixelMask dot(9 * 7);
   CHECK(dilated(dot, 9, 7, 2) == dot);
   dot[3 * 9 + 4] = 1;

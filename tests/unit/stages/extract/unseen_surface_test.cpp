@@ -9,7 +9,7 @@
 namespace ngs {
 namespace {
 
-/// Opaque discs that lie on the unit sphere, and on a floor below it.
+/// Opaque discs on the unit sphere, and on a floor below it.
 struct BallCase {
   GaussianCloud cloud;
   std::vector<std::uint8_t> object;
@@ -36,7 +36,7 @@ struct BallCase {
     for (int y = -20; y <= 20; ++y)
       for (int x = -20; x <= 20; ++x) add({x * 0.15, y * 0.15, z}, {0, 0, 1}, 0.1, false);
   }
-  /// A camera far away in a direction, which sees nearly half of a sphere.
+  /// A distant camera in a direction, from which nearly half of a sphere is visible.
   void look_from(Vec3<double> direction) {
     const orbit::Lens lens{200, 200, 8};
     cameras.push_back(orbit::camera_at({20.0 * orbit::unit(direction), {0, 0, 0}}, lens, {}, cloud.origin));
@@ -53,14 +53,14 @@ TEST_CASE("one camera leaves half of a ball unseen, and nearly all of it from be
   CHECK(found.direction.z < -0.8);
 }
 
-TEST_CASE("six cameras see a ball from all sides") {
+TEST_CASE("six cameras around a ball leave no part of it unseen") {
   BallCase ball(-1);
   for (const double s : {-1.0, 1.0}) ball.look_from({s, 0, 0}), ball.look_from({0, s, 0}), ball.look_from({0, 0, s});
   const UnseenSurface found = ball.found();
   CHECK(found.share < 0.01);
 }
 
-TEST_CASE("what stands before an object hides it, although it is gone in the pictures of the object alone") {
+TEST_CASE("occluders hide the object in the capture, although renders of the object alone do not contain them") {
   BallCase ball(-1);
   for (const double s : {-1.0, 1.0}) ball.look_from({s, 0, 1}), ball.look_from({0, s, 1});
   ball.look_from({0, 0, -1});
@@ -71,7 +71,7 @@ TEST_CASE("what stands before an object hides it, although it is gone in the pic
   CHECK(found.direction.z < -0.8);
 }
 
-TEST_CASE("the inside of a shell is unseen where views saw its outside alone") {
+TEST_CASE("the inside of a shell is unseen if only its outside is visible in views") {
   BallCase shell(0);
   for (const double s : {-1.0, 1.0}) shell.look_from({s, 0, 1}), shell.look_from({0, s, 1});
   shell.look_from({0, 0, 1});
@@ -81,7 +81,7 @@ TEST_CASE("the inside of a shell is unseen where views saw its outside alone") {
   CHECK(found.direction.z < -0.8);
 }
 
-TEST_CASE("nothing is unseen of an object that is empty or not drawn; all of one that no camera looks at") {
+TEST_CASE("an empty or unrendered object has no unseen surface; without cameras all of it is unseen") {
   BallCase ball(-1);
   CHECK(ball.found().share == 1);
   ball.object.assign(ball.object.size(), 0);

@@ -67,7 +67,7 @@ FitState three() {
   return state;
 }
 
-// What is left of a photo reduced to a quarter of its size: mean squared error against means over 4x4 pixels.
+// Mean squared error of a photo against its means over 4x4 pixels.
 double quarter_size_psnr_db(const ImageF& photo) {
   ImageF reduced = photo;
   for (int y = 0; y < photo.height_px; ++y)
@@ -82,7 +82,7 @@ double quarter_size_psnr_db(const ImageF& photo) {
 
 }  // namespace
 
-TEST_CASE("the schedule of 30000 steps is that of 3DGS, and given numbers win") {
+TEST_CASE("the schedule of 30000 steps is that of 3DGS, and given numbers override it") {
   const FitSchedule s = resolved_schedule({.steps = 30000});
   CHECK(s.sh_every == 1000);
   CHECK(s.densify_from == 500);
@@ -95,7 +95,7 @@ TEST_CASE("the schedule of 30000 steps is that of 3DGS, and given numbers win") 
   CHECK(resolved_schedule(given).densify_every == 7);
 }
 
-TEST_CASE("initial_fit sizes Gaussians by their neighbours and colours them like the points") {
+TEST_CASE("initial_fit scales Gaussians by their neighbour distances and colours them like the points") {
   std::vector<FitPoint> grid;
   for (int i = 0; i < 64; ++i)
     grid.push_back({{0.5f * float(i % 4), 0.5f * float(i / 4 % 4), 0.5f * float(i / 16)}, {0.25f, 0.5f, 1.f}});
@@ -108,7 +108,7 @@ TEST_CASE("initial_fit sizes Gaussians by their neighbours and colours them like
   }
 }
 
-TEST_CASE("initial_fit refuses a world so small that nothing of it would ever be drawn") {
+TEST_CASE("initial_fit fails for a world that is nearer than the near plane") {
   std::vector<FitPoint> grid;
   for (int i = 0; i < 64; ++i)
     grid.push_back({{0.1f * float(i % 4), 0.1f * float(i / 4 % 4), 0.1f * float(i / 16)}, {0.25f, 0.5f, 1.f}});
@@ -124,12 +124,12 @@ TEST_CASE("initial_fit refuses a world so small that nothing of it would ever be
       FAIL("nothing was thrown");
     } catch (const Error& e) {
       CHECK(e.code() == ErrorCode::kInconsistent);
-      CHECK(std::string(e.remedy()).find("scale the world") != std::string::npos);
+      CHECK(std::string(e.remedy()).find("scale up the world") != std::string::npos);
     }
   }
 }
 
-TEST_CASE("initial_fit takes points from the whole list where they are more than it may have") {
+TEST_CASE("initial_fit samples the full list if there are more points than max_gaussians") {
   std::vector<FitPoint> points;
   for (int i = 0; i < 64; ++i) points.push_back({{float(i % 8) / 8, float(i / 8) / 8, 0}, {0.5f, 0.5f, 0.5f}});
   const FitState state = initial_fit({}, {.max_gaussians = 16}, points, tiny().views, 1);
@@ -152,7 +152,7 @@ TEST_CASE("initial_fit accepts one point, coincident points and none") {
   options.random_points = 100;
   const FitState random = initial_fit({}, options, {}, tiny().views, 1);
   CHECK(random.cloud.size() == 100);
-  int seen = 0;  // the cameras look into the cube
+  int seen = 0;  // the cube is in view
   for (std::size_t i = 0; i < 100; ++i) {
     const Camera& camera = tiny().views[0].camera;
     const float* p = &random.cloud.position[3 * i];
@@ -171,7 +171,7 @@ TEST_CASE("densification clones small, splits large and prunes faint Gaussians")
   CHECK(change.cloned == 1);
   CHECK(change.split == 1);
   CHECK(change.pruned == 1);
-  REQUIRE(state.cloud.size() == 4);  // kept 1, its clone, two children of 0
+  REQUIRE(state.cloud.size() == 4);  // 1, its clone, two children of 0
   CHECK(state.cloud.position[0] == 1.f);
   CHECK(state.cloud.position[3] == 1.f);
   CHECK(state.cloud.log_scale[6] == doctest::Approx(-std::log(1.6)));
@@ -182,14 +182,14 @@ TEST_CASE("densification clones small, splits large and prunes faint Gaussians")
   CHECK(state.cloud.sh_rest.size() == 4 * 9);
 }
 
-TEST_CASE("the gradient threshold is on the mean over the views that saw the Gaussian") {
+TEST_CASE("the gradient threshold applies to the mean over the views in which the Gaussian is visible") {
   FitState state = three();
   state.gradient_sum = {3.f, 3.f, 3.f};
   state.gradient_views = {2.f, 4.f, 0.f};  // means 1.5, 0.75, none
   CHECK(densify_and_prune({}, state, {.gradient = 1, .dense_scale = 10}, 3).cloned == 1);
 }
 
-TEST_CASE("densification under a limit takes the largest gradients first") {
+TEST_CASE("densification at max_gaussians uses the largest gradients first") {
   FitState state = three();
   state.gradient_sum = {1.f, 3.f, 2.f};
   const DensityChange change =
@@ -228,7 +228,7 @@ TEST_CASE("split children are drawn from their parent's distribution") {
     CHECK(std::sqrt(sum[k] / (2 * count)) == doctest::Approx(want[k]).epsilon(4 * 0.008));
 }
 
-TEST_CASE("a fit of the tiny scene shows more than photos of a quarter of the size would") {
+TEST_CASE("a fit of the tiny scene has a higher PSNR than photos at a quarter of their size") {
   FitOptions options;
   options.steps = 400, options.sh_degree = 1, options.max_gaussians = 2500;
   const FitState done = run(options, 2, options.steps, start(options));
@@ -248,7 +248,7 @@ TEST_CASE("a fit of the tiny scene shows more than photos of a quarter of the si
   CHECK(held_out.psnr_db > before.psnr_db + 4);
 }
 
-TEST_CASE("a fit that is interrupted and goes on equals one that is not, byte for byte") {
+TEST_CASE("an interrupted and resumed fit is bit-identical to an uninterrupted one") {
   FitOptions options;
   options.steps = 60, options.sh_degree = 2, options.opacity_reset_every = 25, options.densify_every = 8;
   const FitState whole = run(options, 2, 60, start(options));
@@ -259,7 +259,7 @@ TEST_CASE("a fit that is interrupted and goes on equals one that is not, byte fo
   CHECK(whole.cloud.size() != start(options).cloud.size());
 }
 
-TEST_CASE("a fit gives the same bytes for any thread count and others for another seed") {
+TEST_CASE("a fit is bit-identical for any thread count, and differs for another seed") {
   FitOptions options;
   options.steps = 40, options.sh_degree = 1;
   const FitState one = run(options, 1, 40, start(options));
@@ -269,7 +269,7 @@ TEST_CASE("a fit gives the same bytes for any thread count and others for anothe
   CHECK_FALSE(same(one.cloud, other.state().cloud));
 }
 
-TEST_CASE("a fit without a training view is refused") {
+TEST_CASE("a fit without a training view is an error") {
   std::vector<FitView> views{tiny().views[2]};
   REQUIRE(views[0].split == Split::kHeldOut);
   CHECK_THROWS_AS(Fitter({}, views, start({}), 1), Error);

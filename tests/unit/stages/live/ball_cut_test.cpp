@@ -14,7 +14,7 @@
 namespace ngs {
 namespace {
 
-/// A floor with a box on it, whose one side is as dark as the floor, and another box far away, or a pedestal of the
+/// A floor with a box on it, of which one side is as dark as the floor, and a distant box, or a pedestal of the
 /// box's colour in the void with the box on it and another box in the air; eight cameras around.
 struct Room {
   GaussianCloud cloud;
@@ -84,7 +84,7 @@ struct Room {
       }
   }
 
-  /// A stroke between two points of the model, as a view shows them.
+  /// A stroke between the projections of two points of the model.
   PromptStroke stroke(std::size_t view, bool object, Vec3<double> from, Vec3<double> to) const {
     PromptStroke out{object, 3, {}};
     const Camera& camera = scene.views[view].camera;
@@ -95,14 +95,14 @@ struct Room {
     return out;
   }
 
-  /// What the camera sees of the object.
+  /// The exact mask of the object in the camera.
   PixelMask truth(std::size_t view) const {
     const std::vector<float> channel(is_object.begin(), is_object.end());
     RenderRequest request;
     request.label = {channel.data(), cloud.size(), 1};
     const RenderedView seen = render({}, cloud, scene.views[view].camera, splat, request);
     PixelMask mask;
-    for (const float share : seen.label.data) mask.push_back(label_says_object(share));
+    for (const float share : seen.label.data) mask.push_back(label_is_foreground(share));
     return mask;
   }
 
@@ -126,10 +126,10 @@ struct Room {
   }
 };
 
-TEST_CASE("lines around an object in two views cut it off its floor, a side of the floor's colour with it") {
+TEST_CASE("strokes around an object in two views separate it from its floor, even a side of the floor's colour") {
   const Room room;
   const live::BallCut cut = room.cut({{0, room.by_rule(0)}, {2, room.by_rule(2)}});
-  CHECK(room.iou(cut) > 0.88);  // .8975: at the dark foot colours cannot tell
+  CHECK(room.iou(cut) > 0.88);  // .8975: colours are ambiguous at the dark foot
   std::int64_t of_floor = 0, dark = 0, dark_found = 0;
   for (std::size_t i = 0; i < room.is_object.size(); ++i) {
     of_floor += cut.labels.label[i] > 0 && room.cloud.position[3 * i + 2] == 0;
@@ -141,7 +141,7 @@ TEST_CASE("lines around an object in two views cut it off its floor, a side of t
   for (const SpreadView& view : cut.views) CHECK(view.source != MaskSource::kUnseen);
 }
 
-TEST_CASE("what lies outside of the ball is background, and a view costs what the ball holds") {
+TEST_CASE("Gaussians outside the ball are background and are not rendered") {
   const Room room;
   const live::BallCut cut = room.cut({{0, room.by_rule(0)}, {2, room.by_rule(2)}});
   CHECK(cut.in_ball < room.cloud.size() / 2);
@@ -152,17 +152,17 @@ TEST_CASE("what lies outside of the ball is background, and a view costs what th
     }
 }
 
-TEST_CASE("strokes that surround nothing are carried from view to view") {
+TEST_CASE("without surrounding strokes masks are spread from view to view") {
   const Room room;
   HandPrompt hand = room.by_rule(0)[0];
-  hand.strokes.resize(1);  // the object's alone
+  hand.strokes.resize(1);  // only the one on the object
   hand.strokes.push_back({false, 3, {{20, 150}, {220, 150}}});
   const live::BallCut cut = room.cut({{0, {hand}}});
   CHECK(room.iou(cut) > 0.5);
   CHECK(cut.views[0].source == MaskSource::kReference);
 }
 
-TEST_CASE("a stroke on the object and one on its pedestal, of one colour, cut along the plane between them") {
+TEST_CASE("strokes on an object and its pedestal of the same colour cut along the plane between them") {
   const Room room(true);
   HandPrompt hand{"v0.png", 240, 180, {}, {}, {}, {}};
   hand.strokes = {room.stroke(0, true, {0.3, 0, 0.6}, {0.3, 0, 0.15}),
@@ -188,7 +188,7 @@ TEST_CASE("a cut in a ball is the same for any number of threads") {
   for (std::size_t v = 0; v < one.views.size(); ++v) CHECK(one.views[v].mask == three.views[v].mask);
 }
 
-TEST_CASE("an empty ball is nothing found") {
+TEST_CASE("a ball without Gaussians is kNothingFound") {
   const Room room;
   Monitor monitor;
   const live::BallCutInput input{room.cloud, {{50, 0, 0}, 1}, room.scene, room.splat, {{0, room.by_rule(0)}}};

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kWidth = 240, kHeight = 180, kReach_px = 75;
 
-/// A pale statue on a dark plinth, which stands on a brown floor before a dark blue wall, all with grain.
+/// A pale statue on a dark plinth, on a brown floor in front of a dark blue wall, all with grain.
 enum class Kind { kStatue, kPlinth, kFloor, kWall };
 Kind kind_at(int x, int y) {
   if (std::abs(x - 60) < 18 && y > 40 && y < 100) return Kind::kStatue;
@@ -34,7 +34,7 @@ struct Strokes {
   ViewPrompt all{kWidth, kHeight, std::vector<PixelHint>(kWidth* kHeight, PixelHint::kLikelyBackground), true};
   ViewPrompt added = all;
 
-  /// A level line.
+  /// A horizontal line.
   void draw(int x0, int x1, int y, PixelHint side) {
     std::fill(added.hint.begin(), added.hint.end(), PixelHint::kLikelyBackground);
     for (int v = y - 2; v <= y + 2; ++v)
@@ -58,7 +58,7 @@ std::int64_t differing(const PixelMask& a, const PixelMask& b) {
 
 }  // namespace
 
-TEST_CASE("a stroke on the plinth adds the plinth, although nobody has said what the wall is") {
+TEST_CASE("a stroke on the plinth adds the plinth but not the unmarked wall") {
   const ImageU8 image = picture();
   const PixelMask statue = mask_of({Kind::kStatue}), both = mask_of({Kind::kStatue, Kind::kPlinth});
   Strokes strokes;
@@ -67,12 +67,12 @@ TEST_CASE("a stroke on the plinth adds the plinth, although nobody has said what
   const live::Correction correction{statue, strokes.all, strokes.added};
   const PixelMask found = live::live_mask(image, correction.prompt(kReach_px, 0), correction.colours(image, 512), 0);
   CHECK(differing(live::corrected(statue, found, strokes.added), both) < 700);
-  // By the colours of the strokes alone, and without a bound, it takes the wall.
+  // With the colours of the strokes only, and an unlimited reach, the wall is added too.
   const PixelMask naive = live::corrected(statue, live::live_mask(image, strokes.all, 0), strokes.added);
   CHECK(differing(naive, both) > 10'000);
 }
 
-TEST_CASE("a stroke of background on the plinth takes the plinth, and leaves the statue and all else") {
+TEST_CASE("a background stroke on the plinth removes the plinth only") {
   const ImageU8 image = picture();
   const PixelMask statue = mask_of({Kind::kStatue}), both = mask_of({Kind::kStatue, Kind::kPlinth});
   Strokes strokes;
@@ -82,7 +82,7 @@ TEST_CASE("a stroke of background on the plinth takes the plinth, and leaves the
   CHECK(differing(live::corrected(both, found, strokes.added), statue) < 400);
 }
 
-TEST_CASE("beyond the reach of new strokes a correction keeps what was there, and strokes hold") {
+TEST_CASE("a correction keeps the mask beyond the reach of new strokes, and keeps all strokes") {
   Strokes strokes;
   strokes.draw(20, 30, 20, PixelHint::kBackground), strokes.draw(100, 140, 90, PixelHint::kObject);
   const PixelMask before = mask_of({Kind::kFloor});
@@ -94,11 +94,11 @@ TEST_CASE("beyond the reach of new strokes a correction keeps what was there, an
   CHECK(at(120, 111) == PixelHint::kLikelyObject);
   CHECK(at(120, 60) == PixelHint::kBackground);
   CHECK(at(120, 130) == PixelHint::kObject);
-  // The earlier stroke is no new one.
+  // The earlier stroke is not a new one.
   CHECK(at(25, 30) == PixelHint::kBackground);
 }
 
-TEST_CASE("colours of a correction: strokes count as much as all that was not selected") {
+TEST_CASE("correction colours: strokes have the same weight as all other pixels of their side") {
   const ImageU8 image = picture();
   Strokes strokes;
   strokes.draw(45, 75, 70, PixelHint::kObject), strokes.draw(45, 75, 125, PixelHint::kBackground);

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kWidth = 400, kHeight = 300;
 
-/// A green disc before a brown ground, both with grain.
+/// A green disc on a brown background, both with grain.
 struct DiscPicture {
   double x = 180, y = 140, radius = 70;
   ImageU8 picture{kWidth, kHeight, 3};
@@ -35,7 +35,7 @@ struct DiscPicture {
 
 }  // namespace
 
-TEST_CASE("a dab on either side finds the disc to a pixel or two") {
+TEST_CASE("one dab on each side finds the disc within two pixels") {
   DiscPicture disc;
   disc.dab(180, 140, PixelHint::kObject), disc.dab(40, 40, PixelHint::kBackground);
   const PixelMask mask = live::live_mask(disc.picture, disc.prompt, 0);
@@ -45,7 +45,7 @@ TEST_CASE("a dab on either side finds the disc to a pixel or two") {
   CHECK(wrong < 2 * 3.15 * 70);  // a band of a pixel on both sides of the contour
 }
 
-TEST_CASE("strokes hold whatever the colours say, and without one on the object nothing is found") {
+TEST_CASE("strokes override colours, and without an object stroke the mask is empty") {
   DiscPicture disc;
   CHECK(live::live_mask(disc.picture, disc.prompt, 0) == PixelMask(disc.prompt.hint.size()));
   disc.dab(180, 140, PixelHint::kObject), disc.dab(40, 40, PixelHint::kBackground);
@@ -58,7 +58,7 @@ TEST_CASE("strokes hold whatever the colours say, and without one on the object 
   CHECK(live::live_mask(pixel, {1, 1, {PixelHint::kObject}, true}, 0) == PixelMask{1});
 }
 
-TEST_CASE("a line of background all around the object says that all else is background") {
+TEST_CASE("a background stroke around the object makes everything outside background") {
   constexpr int kSide = 40;
   const auto prompt_with = [](int gap) {
     ViewPrompt prompt{kSide, kSide, std::vector<PixelHint>(kSide * kSide, PixelHint::kLikelyBackground), true};
@@ -80,7 +80,7 @@ TEST_CASE("a line of background all around the object says that all else is back
   CHECK_FALSE(live::fill_surrounded(open));
   CHECK(open.hint == before);
 
-  ViewPrompt outside = prompt_with(0);  // the object is marked beside the line too
+  ViewPrompt outside = prompt_with(0);  // the object is also marked outside the line
   outside.hint[5 * kSide + 5] = PixelHint::kObject;
   CHECK_FALSE(live::fill_surrounded(outside));
 }

@@ -10,7 +10,7 @@
 
 namespace ngs {
 
-TEST_CASE("a look is a camera whose middle pixel shows what is looked at, with up upwards") {
+TEST_CASE("the camera of a look has look_at at its middle pixel and up upwards") {
   live::Look look{{1, 2, 3}, {4, 0, -2}, {0, 0, 1}, 60, 320, 240};
   const Camera camera = live::camera_of(look);
   const auto pixel = [&](Vec3<double> p) {
@@ -30,7 +30,7 @@ TEST_CASE("a look is a camera whose middle pixel shows what is looked at, with u
   CHECK_THROWS_AS(live::camera_of(look), Error);
 }
 
-TEST_CASE("the first look at a model shows it") {
+TEST_CASE("the first look at a model shows the model") {
   GaussianCloud cloud;
   test::add_sphere(cloud, {3, -1, 7}, 0.5, 700);
   const live::FirstLook first = live::first_look({}, cloud);

@@ -14,7 +14,7 @@ namespace ngs {
 
 using test::labels_of, test::mark_two_views, test::plain_marks, test::Visit;
 
-TEST_CASE("strokes on two views select the ball and leave the wall") {
+TEST_CASE("strokes on two views select the ball and not the wall") {
   const Visit visit;
   live::Session session(visit.exec, visit.model());
   const live::Look look = visit.look(0);
@@ -23,18 +23,18 @@ TEST_CASE("strokes on two views select the ball and leave the wall") {
   CHECK(answer.coverage < 0.5);
   const live::Look other = visit.look(3);
   session.mark(1, other, {visit.on_ball(other), Visit::on_wall(other)});
-  CHECK(visit.selected(labels_of(session), true) > 70);  // of 150: the far side was not seen
+  CHECK(visit.selected(labels_of(session), true) > 70);  // of 150: the far side is unseen
   CHECK(visit.selected(labels_of(session), false) < 8);
   CHECK(session.marks()->objects[0].views.size() == 2);
   CHECK(session.marks()->objects[0].strokes() == 4);
 }
 
-TEST_CASE("the labels are those of ngs-variance and flash over the same masks, to the bit") {
+TEST_CASE("the labels are bit-identical to those of ngs-variance and flash over the same masks") {
   const Visit visit;
   live::Session session(visit.exec, visit.model());
   mark_two_views(visit, session);
   const live::Look again = visit.look(0);
-  session.mark(1, again, {{true, 3, {visit.ball(again)}}});  // a correction takes the view's first mask out of the sums
+  session.mark(1, again, {{true, 3, {visit.ball(again)}}});  // a correction removes the view's first mask from the sums
   Scene scene;
   scene.objects = {SceneObject{}};
   std::vector<ViewMasks> masks;
@@ -79,7 +79,7 @@ TEST_CASE("the same strokes give the same masks and labels for any number of thr
   CHECK(labels[0] == labels[1]);
 }
 
-TEST_CASE("a step back and again gives what was there, and nothing is left of what was taken back") {
+TEST_CASE("undo and redo restore marks and labels bit-identically") {
   const Visit visit;
   live::Session session(visit.exec, visit.model());
   CHECK_FALSE(session.undo());
@@ -103,7 +103,7 @@ TEST_CASE("a step back and again gives what was there, and nothing is left of wh
   CHECK_FALSE(session.redo());
 }
 
-TEST_CASE("background painted on a new view takes from what the other views said") {
+TEST_CASE("background painted on a new view removes Gaussians that the other views selected") {
   const Visit visit;
   live::Session session(visit.exec, visit.model());
   const live::Look look = visit.look(0);
@@ -115,7 +115,7 @@ TEST_CASE("background painted on a new view takes from what the other views said
   CHECK(labels_of(session).count < before / 2);
 }
 
-TEST_CASE("objects are apart: each has its strokes, its labels and its name") {
+TEST_CASE("objects are independent: each has its strokes, its labels and its name") {
   const Visit visit;
   live::Session session(visit.exec, visit.model());
   const live::Look look = visit.look(0);
@@ -140,7 +140,7 @@ TEST_CASE("objects are apart: each has its strokes, its labels and its name") {
   CHECK_THROWS_AS(session.add_object("one too many"), Error);
 }
 
-TEST_CASE("a visit that was kept goes on as if it had not ended") {
+TEST_CASE("a restored session continues as if it had not ended") {
   const Visit visit;
   live::Session session(visit.exec, visit.model()), opened(visit.exec, visit.model());
   mark_two_views(visit, session);
@@ -153,10 +153,10 @@ TEST_CASE("a visit that was kept goes on as if it had not ended") {
   CHECK(labels_of(opened).label == labels_of(session).label);
 }
 
-TEST_CASE("what is kept of views between strokes changes nothing: each stroke does what it does in a new session") {
+TEST_CASE("cached views do not change results: each stroke has the same result in a new session") {
   const Visit visit;
   live::Session session(visit.exec, visit.model());
-  const auto beside = [&](const live::Look& look, double dx) {
+  const auto point_right_of_ball = [&](const live::Look& look, double dx) {
     const std::array<double, 2> middle = visit.ball(look);
     return std::array<double, 2>{middle[0] + dx, middle[1]};
   };
@@ -165,7 +165,7 @@ TEST_CASE("what is kept of views between strokes changes nothing: each stroke do
     double dx_px;
     bool object, undo;
   };
-  // More views than are kept, come back to; steps back between strokes on one view and on another.
+  // More views than the cache holds, revisited; undo between strokes on one view and on another.
   const std::vector<Step> steps{{0, 0, true, false},   {0, 30, false, false}, {3, 0, true, false}, {3, 9, false, false},
                                 {3, -6, true, true},   {1, 0, true, false},   {0, 8, false, true}, {3, 5, false, false},
                                 {1, 40, false, false}, {1, 10, true, false},  {0, -9, true, false}};
@@ -175,7 +175,7 @@ TEST_CASE("what is kept of views between strokes changes nothing: each stroke do
     live::Session fresh(visit.exec, visit.model());
     fresh.restore(plain_marks(session));
     const live::Look look = visit.look(step.view);
-    const PromptStroke stroke{step.object, 3, {beside(look, step.dx_px)}};
+    const PromptStroke stroke{step.object, 3, {point_right_of_ball(look, step.dx_px)}};
     session.mark(1, look, {stroke}), fresh.mark(1, look, {stroke});
     const auto &views = session.marks()->objects[0].views, &wanted = fresh.marks()->objects[0].views;
     REQUIRE(views.size() == wanted.size());
@@ -189,7 +189,7 @@ TEST_CASE("what is kept of views between strokes changes nothing: each stroke do
   }
 }
 
-TEST_CASE("a frame that is like the last one but for its labels, layer or camera is drawn as without it") {
+TEST_CASE("a frame drawn with the last-frame cache equals one drawn without, for other labels, layer or camera") {
   const Visit visit;
   live::Session session(visit.exec, visit.model());
   live::LastFrame last;
@@ -240,14 +240,14 @@ TEST_CASE("a frame shows the selection, the object alone and the background alon
   CHECK(draw().data != plain.data);
 }
 
-TEST_CASE("a correction changes what its strokes reach, to their side, and nothing else") {
+TEST_CASE("a correction changes only pixels connected to its strokes, towards their side") {
   const Visit visit;
   live::Session session(visit.exec, visit.model());
   const live::Look look = visit.look(0);
   const auto mask = [&] { return session.marks()->objects[0].views[0]->mask; };
   session.mark(1, look, {visit.on_ball(look)});
   const PixelMask first = mask();
-  // Colours alone would say otherwise: those of this stroke are the object's own.
+  // Colours alone would select otherwise: those under this stroke are the object's.
   const std::array<double, 2> middle = visit.ball(look);
   session.mark(1, look, {{false, 1.5, {{middle[0] + 9, middle[1]}}}});
   const PixelMask less = mask();

@@ -12,7 +12,7 @@ namespace ngs {
 
 using test::labels_of, test::mark_two_views, test::Visit;
 
-TEST_CASE("what is exported by the commands is what is shown, where most Gaussians are unseen") {
+TEST_CASE("exported labels equal the shown ones if most Gaussians are unseen") {
   const Visit visit(2, true);
   live::Session session(visit.exec, visit.model());
   mark_two_views(visit, session);
@@ -46,12 +46,13 @@ TEST_CASE("what is exported by the commands is what is shown, where most Gaussia
   CHECK(shown.count > 50);
 }
 
-TEST_CASE("a piece that no stroke touches is left out, and comes back with all pieces") {
+TEST_CASE("a piece that no stroke touches is left out, and shown again with all_pieces") {
   Visit visit;
   live::Session session(visit.exec, visit.model());
   const live::Look look = visit.look(0);
   const std::array<double, 2> ball = visit.ball(look);
-  session.mark(1, look, {{true, 6, {ball}}});  // no background: colours alone decide what of the wall is taken
+  // No background stroke: colours alone decide which part of the wall is selected.
+  session.mark(1, look, {{true, 6, {ball}}});
   const live::ObjectLabels touched = labels_of(session);
   session.show_all_pieces(true);
   const live::ObjectLabels all = labels_of(session);
@@ -62,7 +63,7 @@ TEST_CASE("a piece that no stroke touches is left out, and comes back with all p
   CHECK(labels_of(session).label == touched.label);
 }
 
-TEST_CASE("a stroke on nothing is refused and changes nothing") {
+TEST_CASE("a stroke on empty pixels is an error and changes nothing") {
   Visit visit;
   live::Session session(visit.exec, visit.model());
   live::Look away = visit.look(0);

@@ -1,5 +1,5 @@
 #pragma once
-// A visit of the tests to the tiny scene: where its ball is in each picture, and what is selected.
+// A test session on the tiny scene: the ball's pixel in each view, and the selected Gaussians.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace ngs::test {
 
-/// What a person would steer to see what a camera of the tiny scene sees.
+/// The look with the view of a camera of the tiny scene.
 inline live::Look look_of(const Camera& camera, int width_px) {
   const Mat3<double>& r = camera.rotation;
   live::Look look;
@@ -23,14 +23,14 @@ inline live::Look look_of(const Camera& camera, int width_px) {
   return look;
 }
 
-/// The tiny scene, where its ball is in each picture, and a visit to it.
+/// The tiny scene, the ball's pixel in each view, and a session on it.
 struct Visit {
   explicit Visit(int threads = 2, bool in_museum = false) {
     exec.threads = threads;
     if (in_museum) add_unseen();
     splat = prepared_for(exec, splat, scene.cloud);
   }
-  /// Most of a museum is behind the visitor: lattices that no view of the scene sees, the nearest of them nearer to the
+  /// Adds lattices that are visible in no view, as most of a large model is; the nearest of them is nearer to the
   /// ball than to the wall.
   void add_unseen() {
     GaussianCloud& cloud = scene.cloud;
@@ -51,7 +51,7 @@ struct Visit {
   live::Model model() const { return {scene.cloud, splat, {0, 0, 0}}; }
   live::Look look(std::size_t view) const { return look_of(scene.cameras[view], 192); }
 
-  /// The pixel of the ball's middle.
+  /// The pixel of the ball's centre.
   std::array<double, 2> ball(const live::Look& look) const {
     Vec3<double> sum{0, 0, 0};
     double count = 0;
@@ -86,7 +86,7 @@ inline const live::ObjectLabels& labels_of(const live::Session& session, std::si
   return *(*shown)[object].labels;
 }
 
-/// The marks as a file holds them.
+/// The marks as stored in a file.
 inline live::Marks plain_marks(const live::Session& session) {
   live::Marks kept;
   kept.active = 1, kept.next_id = 2;

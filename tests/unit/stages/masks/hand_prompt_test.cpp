@@ -19,7 +19,7 @@ PixelHint at(const ViewPrompt& p, int x, int y) { return p.hint[std::size_t(y * 
 
 }  // namespace
 
-TEST_CASE("strokes are as wide as they say, at any size, and later ones cover earlier ones") {
+TEST_CASE("strokes have their radius at any image size, and later ones override earlier ones") {
   HandPrompt hand = of_size(200, 100);
   hand.strokes = {{true, 10, {{30, 50}, {150, 50}}}, {false, 3, {{100, 50}}}};
   const double pi = 3.14159265358979, area = 120 * 20 + pi * 100 - pi * 9;
@@ -35,7 +35,7 @@ TEST_CASE("strokes are as wide as they say, at any size, and later ones cover ea
   }
 }
 
-TEST_CASE("outside of all boxes is background, inside is likely the object, strokes win") {
+TEST_CASE("outside all boxes is background, inside is likely object, and strokes override both") {
   HandPrompt hand = of_size(20, 10);
   hand.boxes = {{2, 2, 8, 8}, {10, 2, 18, 8}};
   hand.strokes = {{true, 1, {{9, 5}}}};
@@ -63,10 +63,10 @@ TEST_CASE("polygons are filled by the even-odd rule, below strokes and above pai
   }
 }
 
-TEST_CASE("marks of several files on one view act together") {
+TEST_CASE("marks of several files on one view are combined") {
   std::vector<HandPrompt> marks = {of_size(20, 10), of_size(40, 20), of_size(20, 10)};
   marks[0].strokes = {{true, 1, {{5, 5}}}, {true, 1, {{12, 5}}}};
-  marks[1].strokes = {{false, 2, {{24, 10}}}};  // the same place as the second of the first
+  marks[1].strokes = {{false, 2, {{24, 10}}}};  // at the position of the second stroke of the first file
   marks[2].boxes = {{2, 2, 18, 8}};
   const ViewPrompt p = rasterise(marks, 20, 10);
   CHECK(at(p, 5, 5) == PixelHint::kObject);
@@ -75,7 +75,7 @@ TEST_CASE("marks of several files on one view act together") {
   CHECK(at(p, 0, 0) == PixelHint::kBackground);
 }
 
-TEST_CASE("painted pixels are scaled and strokes beyond the picture are cut") {
+TEST_CASE("painted pixels are scaled and strokes beyond the image are clipped") {
   HandPrompt hand = of_size(4, 2);
   hand.painted.assign(8, PixelHint::kLikelyBackground);
   hand.painted[1] = PixelHint::kObject;
@@ -87,7 +87,7 @@ TEST_CASE("painted pixels are scaled and strokes beyond the picture are cut") {
   CHECK(at(p, 0, 3) == PixelHint::kLikelyBackground);
 }
 
-TEST_CASE("prompts of another shape than the view are a contradiction") {
+TEST_CASE("prompts with another aspect ratio than the view are kInconsistent") {
   try {
     rasterise(of_size(20, 10), 20, 12);
     FAIL("nothing was thrown");

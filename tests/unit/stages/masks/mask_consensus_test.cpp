@@ -9,7 +9,7 @@
 namespace ngs {
 namespace {
 
-/// A consensus drawn with characters: '#' object, '.' background, '?' unknown, '/' hidden object.
+/// A consensus drawn with characters: '#' object, '.' background, '?' unknown, '/' occluded object.
 Consensus drawn(const std::vector<std::string>& rows) {
   Consensus c{int(rows[0].size()), int(rows.size()), {}, {}, {}};
   for (const std::string& row : rows)
@@ -59,7 +59,7 @@ TEST_CASE("pixels beyond the band are certain, unknown ones keep the side of the
   CHECK(row_of(prompt_from(drawn(rows), 2, before), 4) == "----bboo++++ooobbb");
 }
 
-TEST_CASE("the middle of a thin part is certain where the consensus is clear") {
+TEST_CASE("the middle of a thin part is certain if the consensus is clear") {
   Consensus c = drawn(std::vector<std::string>(40, std::string(20, '.') + "#######" + std::string(20, '.')));
   CHECK(row_of(prompt_from(c, 8, {}), 20).substr(8, 31) == "----bbbbbbbboo+++oobbbbbbbb----");
   for (float& share : c.object) share *= 0.7f;
@@ -81,7 +81,7 @@ TEST_CASE("pixels with something in front of the object are neither certain nor 
   CHECK(agreement(drawn({"..", ".."}), mask_of({"..", ".."})) == 1);
 }
 
-TEST_CASE("pieces without a certain pixel go, small holes are filled, large ones and seeded ones stay") {
+TEST_CASE("components without a certain pixel are removed, small unseeded holes are filled") {
   ViewPrompt prompt{12, 5, std::vector<PixelHint>(60, PixelHint::kLikelyBackground), false};
   prompt.hint[2 * 12 + 1] = PixelHint::kObject;
   prompt.hint[0] = PixelHint::kBackground;
@@ -94,7 +94,7 @@ TEST_CASE("pieces without a certain pixel go, small holes are filled, large ones
   CHECK(keep_seeded_pieces(prompt, mask, 0) == mask);
 }
 
-TEST_CASE("prompt points lie deep inside either side and apart from each other") {
+TEST_CASE("prompt points lie deep inside each side and far from each other") {
   ViewPrompt prompt{40, 30, {}, false};
   for (int y = 0; y < 30; ++y)
     for (int x = 0; x < 40; ++x)
@@ -128,11 +128,11 @@ TEST_CASE("a mask lifted to the Gaussians renders as itself in its own view, an 
   CHECK(*std::min_element(seen.known.begin(), seen.known.end()) > 0.99f);
   const Consensus nothing = render_consensus({}, {c->truth, none, place}, camera, {});
   CHECK(*std::max_element(nothing.object.begin(), nothing.object.end()) == 0);
-  CHECK(nothing.known[0] > 0.5f);  // the wall is beyond the reach of the ball
+  CHECK(nothing.known[0] > 0.5f);  // the wall is beyond the ball's ObjectPlace::reach
   CHECK(object_place(c->truth, none).reach == 0);
 }
 
-TEST_CASE("what shines through the object is not taken for a part of it") {
+TEST_CASE("Gaussians visible through the object are not lifted as part of it") {
   auto c = test::joint_case();
   const Camera& camera = c->scene.views[0].camera;
   PixelMask mask;

@@ -9,7 +9,7 @@
 namespace ngs {
 namespace {
 
-/// The joint case with a segmenter that knows the true masks, except where a test spoils one.
+/// The joint case with a segmenter that returns the true masks, except where a test changes one.
 struct SpreadCase {
   std::unique_ptr<test::JointCase> base = test::joint_case();
   std::vector<PixelMask> answer;
@@ -67,7 +67,7 @@ Camera camera_at(double x, double y, double z) {
 
 }  // namespace
 
-TEST_CASE("every view is asked once per pass, after the first with certain pixels of both sides") {
+TEST_CASE("every view is segmented once per pass, after the first with certain pixels of both sides") {
   SpreadCase c;
   const auto result = c.spread({.passes = 2});
   CHECK(c.asked[0].size() == 2);
@@ -85,7 +85,7 @@ TEST_CASE("every view is asked once per pass, after the first with certain pixel
   CHECK(c.asked[0][1].hint[20 * 48 + 24] == PixelHint::kObject);
 }
 
-TEST_CASE("a mask that the others contradict is rejected and rendered from them") {
+TEST_CASE("a mask that contradicts the others is rejected and replaced by their render") {
   SpreadCase c;
   std::fill(c.answer[2].begin(), c.answer[2].begin() + 48 * 20, std::uint8_t(1));
   std::fill(c.answer[2].begin() + 48 * 20, c.answer[2].end(), std::uint8_t(0));
@@ -96,7 +96,7 @@ TEST_CASE("a mask that the others contradict is rejected and rendered from them"
   for (const std::size_t v : {1u, 3u}) CHECK(result[v].source == MaskSource::kSegmented);
 }
 
-TEST_CASE("a view without a photo gets the mask that the others render") {
+TEST_CASE("a view without a photo gets the rendered consensus as its mask") {
   SpreadCase c;
   c.has_photo[3] = false;
   const auto result = c.spread({.passes = 1});
@@ -106,7 +106,7 @@ TEST_CASE("a view without a photo gets the mask that the others render") {
   CHECK(c.iou(3, result[3].mask) > 0.8);
 }
 
-TEST_CASE("the photo of a held-out view decides the mask of that view and of no other") {
+TEST_CASE("the photo of a held-out view changes the mask of that view only") {
   SpreadCase right, wider;
   for (SpreadCase* c : {&right, &wider}) c->base->scene.views[2].split = Split::kHeldOut;
   for (std::size_t p = 0; p + 1 < wider.answer[2].size(); ++p)  // one pixel more to the left: agrees well enough
@@ -128,10 +128,10 @@ TEST_CASE("the masks do not depend on the number of threads") {
   for (std::size_t v = 0; v < 4; ++v) CHECK((a[v].mask == b[v].mask && a[v].soft == b[v].soft));
 }
 
-TEST_CASE("where the model shows nothing all masks are background, whatever the segmenter answers") {
+TEST_CASE("empty pixels of the model are background in all masks, whatever the segmenter returns") {
   SpreadCase c;
   GaussianCloud& cloud = c.base->truth;
-  for (std::int64_t i = 0; i < cloud.size(); ++i)  // the left half of what the first view shows is gone
+  for (std::int64_t i = 0; i < cloud.size(); ++i)  // removes the left half of the first view's Gaussians
     if (cloud.position[3 * std::size_t(i)] < 0) cloud.logit_opacity[std::size_t(i)] = -12;
   for (PixelMask& mask : c.answer) std::fill(mask.begin(), mask.end(), std::uint8_t(1));
   const auto result = c.spread({.gate_iou = 0, .passes = 2});
@@ -150,7 +150,7 @@ TEST_CASE("where the model shows nothing all masks are background, whatever the 
   CHECK(empty > 500);
 }
 
-TEST_CASE("strokes hold although the segmenter answers otherwise") {
+TEST_CASE("strokes override the segmenter") {
   SpreadCase c;
   c.mark(0, PixelHint::kObject);
   for (int x = 2; x < 12; ++x) c.marked[0].hint[std::size_t(4 * 48 + x)] = PixelHint::kBackground;
@@ -159,7 +159,7 @@ TEST_CASE("strokes hold although the segmenter answers otherwise") {
   for (int x = 2; x < 12; ++x) CHECK(result[0].mask[std::size_t(4 * 48 + x)] == 0);
 }
 
-TEST_CASE("an empty reference mask is nothing found") {
+TEST_CASE("an empty reference mask is kNothingFound") {
   SpreadCase c;
   std::fill(c.answer[0].begin(), c.answer[0].end(), std::uint8_t(0));
   try {
@@ -173,7 +173,7 @@ TEST_CASE("an empty reference mask is nothing found") {
 TEST_CASE("every view with a marked object is segmented from its marks first, and its mask is never rejected") {
   SpreadCase c;
   c.mark(0, PixelHint::kObject), c.mark(2, PixelHint::kObject);
-  std::fill(c.answer[2].begin() + 48 * 24, c.answer[2].end(), std::uint8_t(0));  // the upper half, say the marks
+  std::fill(c.answer[2].begin() + 48 * 24, c.answer[2].end(), std::uint8_t(0));  // the upper half, by the marks
   const auto result = c.spread({.gate_iou = 0.9, .passes = 2});
   for (const std::size_t v : {0u, 2u}) {
     CAPTURE(v);
@@ -190,13 +190,13 @@ TEST_CASE("a second marked view is evidence for the others") {
   SpreadCase one, two;
   two.mark(0, PixelHint::kObject), two.mark(2, PixelHint::kObject);
   one.has_photo[1] = two.has_photo[1] = one.has_photo[3] = two.has_photo[3] = false;
-  one.answer[2] = two.answer[2] = PixelMask(48 * 40, 1);  // all of view 2: one rejects it, two was told so
+  one.answer[2] = two.answer[2] = PixelMask(48 * 40, 1);  // all of view 2: rejected in one, marked so in two
   const auto a = one.spread({.passes = 1}), b = two.spread({.passes = 1});
   CHECK(a[2].source == MaskSource::kRendered);
   CHECK(std::count(b[3].mask.begin(), b[3].mask.end(), 1) > std::count(a[3].mask.begin(), a[3].mask.end(), 1));
 }
 
-TEST_CASE("background alone marked on a further view starts nothing there, and holds in every pass") {
+TEST_CASE("a further view with background marks only is no starting view, and its marks hold in every pass") {
   SpreadCase c;
   c.mark(0, PixelHint::kObject), c.mark(2, PixelHint::kBackground);
   c.spread({.passes = 2});
@@ -207,10 +207,10 @@ TEST_CASE("background alone marked on a further view starts nothing there, and h
   }
   SpreadCase none;
   none.mark(0, PixelHint::kBackground), none.mark(2, PixelHint::kBackground);
-  CHECK_THROWS_WITH_AS(none.spread({}), "the marked views: background alone is marked, expected the object too", Error);
+  CHECK_THROWS_WITH_AS(none.spread({}), "the marked views: only background is marked, expected the object too", Error);
 }
 
-TEST_CASE("views follow from near to far, each from its nearest done view") {
+TEST_CASE("views are processed from near to far, each next to its nearest finished view") {
   const std::vector<Camera> ring = {camera_at(1, 0, 0), camera_at(-1, 0.01, 0), camera_at(0.7, 0.7, 0),
                                     camera_at(0, 1, 0)};
   CHECK(view_order(ring, {0}, {0, 0, 0}) == std::vector<std::size_t>{0, 2, 3, 1});

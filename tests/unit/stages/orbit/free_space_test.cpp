@@ -16,7 +16,7 @@ FreeSpace space_of(const GaussianCloud& cloud, double half, int cells = 64) {
 
 }  // namespace
 
-TEST_CASE("rays end at a wall, and nowhere else") {
+TEST_CASE("rays end at a wall, and only there") {
   GaussianCloud cloud;
   test::add_floor(cloud, 2, -1, 0.1);
   const FreeSpace space = space_of(cloud, 2.5);
@@ -27,13 +27,13 @@ TEST_CASE("rays end at a wall, and nowhere else") {
   CHECK(space.depth_at({0, 0, 3}) == 0);
 }
 
-TEST_CASE("one large Gaussian fills the cells that it covers") {
+TEST_CASE("one large Gaussian adds extinction to all cells that it covers") {
   GaussianCloud cloud;
   test::add_gaussian(cloud, {0, 0, 0}, 0.5);
   const FreeSpace space = space_of(cloud, 2);
   for (const double x : {0.0, 0.3, 0.6, -0.6}) CHECK(space.depth_at({x, 0.01, 0.01}) > 0);
   CHECK(space.depth_at({1, 0, 0}) == 0);
-  // In all it takes 0.95 times the patch 2 pi 0.25 from light along any axis.
+  // In total it absorbs 0.95 times the patch of area 2 pi 0.25 from light along any axis.
   double taken = 0;
   const double step = space.cell_size();
   for (double x = -2 + step / 2; x < 2; x += step)
@@ -42,24 +42,25 @@ TEST_CASE("one large Gaussian fills the cells that it covers") {
   CHECK(taken == doctest::Approx(0.9526 * 6.2832 * 0.25).epsilon(1e-3));
 }
 
-TEST_CASE("a room shows more from within than from without, a hollow box the same, a ball on a floor nothing") {
+TEST_CASE("a room shows more surface from inside, a hollow box the same, and a ball on a floor has no viewpoints") {
   GaussianCloud box, open;
   test::add_box(box, {-1, -1, -1}, {1, 1, 1}, 0.1);
   test::add_floor(open, 1, -0.6, 0.1), test::add_sphere(open, {0, 0, 0}, 0.5, 400);
   const RoomFinding hollow = find_room(Exec{}, space_of(box, 1.9), 1.7);
-  CHECK_FALSE(hollow.stands.empty());
+  CHECK_FALSE(hollow.viewpoints.empty());
   CHECK_FALSE(hollow.is_room());
   CHECK_FALSE(find_room(Exec{}, space_of(open, 1.9), 1.7).is_room());
   test::add_box(box, {-0.4, -0.4, -0.9}, {0.3, 0.3, 0}, 0.1);
   const RoomFinding room = find_room(Exec{}, space_of(box, 1.9), 1.7);
   CHECK(room.is_room());
-  for (const Vec& stand : room.stands) {
-    CHECK(std::max({std::abs(stand.x), std::abs(stand.y), std::abs(stand.z)}) < 0.9);
-    CHECK((stand.x < -0.4 || stand.x > 0.3 || stand.y < -0.4 || stand.y > 0.3 || stand.z > 0));  // not in the box
+  for (const Vec& viewpoint : room.viewpoints) {
+    CHECK(std::max({std::abs(viewpoint.x), std::abs(viewpoint.y), std::abs(viewpoint.z)}) < 0.9);
+    CHECK((viewpoint.x < -0.4 || viewpoint.x > 0.3 || viewpoint.y < -0.4 || viewpoint.y > 0.3 ||
+           viewpoint.z > 0));  // not in the box
   }
 }
 
-TEST_CASE("a camera looks from its place at its target, the picture's down away from up") {
+TEST_CASE("a camera looks from its centre at its target, with the image's down away from up") {
   const Lens lens{80, 60, 50};
   const Frame frame{{1, 2, 3}, {{0, 1, 0, 0, 0, 1, 1, 0, 0}}};  // up is the world's x
   const Camera camera = camera_at({{2, 0.5, 1}, {0, 0, 0}}, lens, frame, {10, 0, 0});

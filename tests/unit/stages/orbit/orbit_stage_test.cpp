@@ -45,7 +45,7 @@ double off_axis(const Camera& camera, Vec p) {
 
 }  // namespace
 
-TEST_CASE("cameras look at the middle of an object from all around, the object filling the picture") {
+TEST_CASE("cameras look at the middle of an object from all around, and the object fills the image") {
   const OrbitCameras found = cameras_of(sphere());
   CHECK_FALSE(found.inside);
   CHECK(length(found.centre - Vec{5, -2, 1}) < 0.02);
@@ -58,14 +58,14 @@ TEST_CASE("cameras look at the middle of an object from all around, the object f
     const double filled = camera.fy * 1.5 / std::sqrt(distance * distance - 1.5 * 1.5) / 60;  // of half the height
     CHECK(filled > 0.8);
     CHECK(filled < 1);
-    CHECK(-camera.rotation(1, 1) <= 0);  // the picture's down is the world's +y: up is -y where no floor is
+    CHECK(-camera.rotation(1, 1) <= 0);  // the image's down is the world's +y: without a floor up is -y
     sum = sum + unit(camera.centre() - Vec{5, -2, 1});
   }
   CHECK(std::hypot(sum.x, sum.z) / double(found.cameras.size()) < 0.1);
   CHECK(found.coverage >= 0.95);
 }
 
-TEST_CASE("far floaters decide neither where cameras look nor how far away they stand") {
+TEST_CASE("distant floaters change neither the target nor the distance of cameras") {
   GaussianCloud cloud = sphere();
   for (int k = 0; k < 6; ++k) add_gaussian(cloud, {400.0 + 100 * k, 300, -900}, 20);
   const OrbitCameras found = cameras_of(cloud);
@@ -73,7 +73,7 @@ TEST_CASE("far floaters decide neither where cameras look nor how far away they 
   CHECK(found.radius == doctest::Approx(1.5).epsilon(0.15));
 }
 
-TEST_CASE("up points away from a floor, however the scene is turned") {
+TEST_CASE("up points away from a floor, for any rotation of the scene") {
   GaussianCloud cloud;
   add_floor(cloud, 3, 0, 0.1);
   add_sphere(cloud, {0, 0, 0.7}, 0.6, 500);
@@ -89,7 +89,7 @@ TEST_CASE("up points away from a floor, however the scene is turned") {
   }
 }
 
-TEST_CASE("an object without a floor has -y upwards, and the axis that is named instead") {
+TEST_CASE("up of an object without a floor is -y, or the given axis") {
   CHECK_FALSE(cameras_of(sphere()).up_is_guessed);
   CHECK(cameras_of(sphere()).up.y == -1);
   OrbitOptions options;
@@ -99,7 +99,7 @@ TEST_CASE("an object without a floor has -y upwards, and the axis that is named 
   CHECK_FALSE(found.up_is_guessed);
 }
 
-TEST_CASE("cameras stand inside a furnished room, and outside an object that is as hollow") {
+TEST_CASE("cameras are placed inside a furnished room, and outside an equally hollow object") {
   const OrbitCameras room = cameras_of(test::furnished_room());
   CHECK(room.inside);
   for (const Camera& camera : room.cameras) {
@@ -120,7 +120,7 @@ TEST_CASE("cameras stand inside a furnished room, and outside an object that is 
   CHECK_FALSE(cameras_of(test::furnished_room(), options).inside);
 }
 
-TEST_CASE("cameras about a ball in a large scene come as near as walls ask for, and stand on this side of them") {
+TEST_CASE("cameras around a ball in a large scene are placed in front of walls") {
   GaussianCloud cloud = test::furnished_room();
   add_sphere(cloud, {0.2, 0, 1.2}, 0.25, 400);
   OrbitOptions options;
@@ -137,7 +137,7 @@ TEST_CASE("cameras about a ball in a large scene come as near as walls ask for, 
   }
 }
 
-TEST_CASE("more cameras are chosen where few do not cover the surface, up to the limit") {
+TEST_CASE("cameras are added until the surface is covered, up to the limit") {
   GaussianCloud cloud;
   add_box(cloud, {-1, -1, -1}, {1, 1, 1}, 0.12);
   OrbitOptions options;
@@ -151,7 +151,7 @@ TEST_CASE("more cameras are chosen where few do not cover the surface, up to the
   CHECK(few.coverage < 0.95);
 }
 
-TEST_CASE("a model that is one Gaussian, one point or one plane has cameras too") {
+TEST_CASE("a model of one Gaussian, one point or one plane has cameras") {
   GaussianCloud one;
   add_gaussian(one, {1, 2, 3}, 0.5);
   const OrbitCameras found = cameras_of(one);
@@ -166,7 +166,7 @@ TEST_CASE("a model that is one Gaussian, one point or one plane has cameras too"
   CHECK(cameras_of(plane).coverage >= 0.95);
 }
 
-TEST_CASE("a model that shows nothing, or is smaller than what renderers draw, is refused; a huge one is not") {
+TEST_CASE("an invisible model, or one nearer than the near plane, is an error; a huge one is not") {
   GaussianCloud cloud = sphere();
   for (float& logit : cloud.logit_opacity) logit = -20;
   CHECK(refusal(cloud) == ErrorCode::kNothingFound);
@@ -174,14 +174,14 @@ TEST_CASE("a model that shows nothing, or is smaller than what renderers draw, i
   const Mat3<double> same{{1, 0, 0, 0, 1, 0, 0, 0, 1}};
   CHECK(refusal(transformed(sphere(), same, 1e-6, {0, 0, 0})) == ErrorCode::kBadInput);
   const OrbitCameras small = cameras_of(transformed(sphere(), same, 0.03, {0, 0, 0}));
-  CHECK(small.compat == Compat::kGsplat);  // Inria's near plane would cut it off
+  CHECK(small.compat == Compat::kGsplat);  // Inria's near plane would cut into it
   CHECK(small.coverage >= 0.95);
   const OrbitCameras huge = cameras_of(transformed(sphere(), same, 1e6, {0, 0, 0}));
   CHECK(huge.radius == doctest::Approx(1.5e6).epsilon(0.12));
   CHECK(huge.coverage >= 0.95);
 }
 
-TEST_CASE("a ball is four numbers with a radius above 0, and holds something that can be seen") {
+TEST_CASE("a ball is four numbers with a radius above 0, and must contain a visible Gaussian") {
   for (const char* text :
        {"", "1,2,3", "1,2,3,0", "1,2,3,-1", "1,2,3,4,5", "1,2,x,4", "1,2,3,nan", "1,,3,4", "1,2,3,4,"})
     CHECK_THROWS_AS(parse_ball(text), Error);
@@ -194,7 +194,7 @@ TEST_CASE("a ball is four numbers with a radius above 0, and holds something tha
   CHECK(refusal(sphere(), options) == ErrorCode::kNothingFound);
 }
 
-TEST_CASE("the same cameras are chosen for any number of threads") {
+TEST_CASE("the chosen cameras are the same for any number of threads") {
   const GaussianCloud room = test::furnished_room();
   const OrbitCameras one = cameras_of(room, {}, 1), three = cameras_of(room, {}, 3);
   REQUIRE(one.cameras.size() == three.cameras.size());

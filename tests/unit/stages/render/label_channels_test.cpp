@@ -9,7 +9,7 @@
 namespace ngs {
 namespace {
 
-/// A wall of Gaussians across the picture, of which a disc is more or less an object's.
+/// A wall of Gaussians across the image, with soft labels on a disc.
 struct SoftObject {
   GaussianCloud cloud;
   std::vector<LabelColumns> objects{1};
@@ -38,15 +38,15 @@ struct SoftObject {
 
 }  // namespace
 
-TEST_CASE("masks of soft labels say the same of every pixel as the labels, and are not drawn far from the object") {
+TEST_CASE("masks of soft labels equal the thresholded labels at every pixel, and are 0 far from the object") {
   const SoftObject c;
   const LabelChannels channels(c.cloud, c.objects);
   const ImageF view = channels.view({}, c.camera, {}), masks = channels.masks({}, c.camera, {});
   int object = 0, soft = 0, not_drawn = 0;
   for (std::size_t p = 0; p < view.data.size(); ++p) {
-    CHECK(label_says_object(view.data[p]) == label_says_object(masks.data[p]));
+    CHECK(label_is_foreground(view.data[p]) == label_is_foreground(masks.data[p]));
     CHECK((masks.data[p] == view.data[p] || masks.data[p] == 0));
-    object += label_says_object(view.data[p]), soft += view.data[p] > 0.1f && view.data[p] < 0.45f;
+    object += label_is_foreground(view.data[p]), soft += view.data[p] > 0.1f && view.data[p] < 0.45f;
     not_drawn += masks.data[p] != view.data[p];
   }
   CHECK(object > 200);

@@ -4,7 +4,7 @@
 
 namespace ngs {
 
-TEST_CASE("how a model is splatted: as asked for, else as the scene says, else as the PLY does") {
+TEST_CASE("splat options come from the options, else from the scene, else from the PLY") {
   Scene scene;
   GaussianCloud cloud;
   cloud.antialiased = true;

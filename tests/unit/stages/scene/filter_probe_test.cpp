@@ -15,7 +15,7 @@ struct Probed {
   std::int64_t passes = 0, told = 0, of = 0;
 };
 
-/// What the probe finds where the photos were rendered so over a bright background, and how many pictures it took.
+/// The result of the probe for photos rendered with `splat` over a bright background, and its number of renders.
 Probed probed(const SplatOptions& splat) {
   const test::TinyScene tiny = test::tiny_scene();
   Scene scene;
@@ -38,7 +38,7 @@ Probed probed(const SplatOptions& splat) {
 
 }  // namespace
 
-TEST_CASE("the filter that the photos were rendered with is found, whatever is behind the model") {
+TEST_CASE("the probe finds the filter of the photos, for any background") {
   for (const double blur : {0.3, 4.8, 1.2, 0.075, 0.01875}) {
     CAPTURE(blur);
     for (const bool antialiased : {false, true})
@@ -46,7 +46,7 @@ TEST_CASE("the filter that the photos were rendered with is found, whatever is b
   }
 }
 
-TEST_CASE("the probe goes on only to the side where the photos are explained better") {
+TEST_CASE("the probe continues only on the side with the higher PSNR") {
   const auto tried = [](double blur) {
     const Probed p = probed({.blur_px2 = blur});
     CHECK(p.passes == 2 * std::int64_t(p.found.candidates.size()));  // of two views
@@ -61,7 +61,7 @@ TEST_CASE("the probe goes on only to the side where the photos are explained bet
   CHECK(tried(0.075) == std::vector<double>{0.3, 1.2, 0.075, 0.01875});
 }
 
-TEST_CASE("without views the filter is 3DGS's own") {
+TEST_CASE("without views the filter is that of 3DGS") {
   Monitor monitor;
   const GaussianCloud cloud;
   const Scene scene;

@@ -11,7 +11,7 @@
 namespace ngs {
 namespace {
 
-/// The ball without its wall: most of the picture shows what is behind the model.
+/// The ball without its wall: most of the image shows the background.
 struct OpenCapture {
   std::unique_ptr<test::JointCase> c = test::joint_case(160, 0);
   const Camera& camera = c->scene.views[0].camera;
@@ -25,7 +25,7 @@ struct OpenCapture {
 
 }  // namespace
 
-TEST_CASE("a view rendered over black is laid over a background as if it were rendered over it") {
+TEST_CASE("a view rendered over black and composited onto a background equals a render over it") {
   const OpenCapture capture;
   const Vec3<float> behind{0.2f, 1, 0.6f};
   const RenderedView laid = over_background(capture.over({}, true), behind), drawn = capture.over(behind, true);
@@ -35,13 +35,13 @@ TEST_CASE("a view rendered over black is laid over a background as if it were re
     largest = std::max(largest, std::abs(double(laid.colour.data[i]) - double(drawn.colour.data[i])));
     brightened = std::max(brightened, double(laid.colour.data[i]) - double(black.colour.data[i]));
   }
-  CHECK(largest < 3e-7);  // roundings: the open share is one minus a float, not the product that gave it
+  CHECK(largest < 3e-7);  // rounding: the transmittance is one minus a float
   CHECK(brightened == doctest::Approx(1));
   CHECK(laid.alpha.data == drawn.alpha.data);
   CHECK(laid.depth.data == drawn.depth.data);
 }
 
-TEST_CASE("the match of a photo is that of the view rendered beforehand, with the background that fits") {
+TEST_CASE("match_photo equals match_rendered of the same view, with the fitted background") {
   const OpenCapture capture;
   const Vec3<float> behind{0.2f, 0.9f, 0.6f};
   const ImageF photo = capture.over(behind).colour;

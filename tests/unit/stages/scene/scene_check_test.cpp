@@ -28,7 +28,7 @@ struct Capture {
   }
 };
 
-/// The tiny scene with photos rendered from it, over a background that no PLY knows. One quarter of the wall is
+/// The tiny scene with photos rendered from it, over a background that is not in the PLY. One quarter of the wall is
 /// dark: the ball and the plain wall would look the same upside down.
 Capture tiny_capture() {
   const test::TinyScene tiny = test::tiny_scene();
@@ -55,7 +55,7 @@ Capture tiny_capture() {
   return capture;
 }
 
-/// The capture in other units.
+/// The capture in other length units.
 Capture shrunk(double factor) {
   Capture capture = tiny_capture();
   for (SceneView& view : capture.scene.views) view.camera.translation = factor * view.camera.translation;
@@ -85,7 +85,7 @@ Camera with_wrong_quaternion(Camera c, double w, double x, double y, double z) {
 
 }  // namespace
 
-TEST_CASE("a scene whose model explains its photos passes, and the unknown background is found") {
+TEST_CASE("a scene whose model matches its photos passes, and the unknown background is fitted") {
   const Capture capture = tiny_capture();
   const SceneCheck result = capture.check();
   CHECK(result.warnings.empty());
@@ -105,7 +105,7 @@ TEST_CASE("a scene whose model explains its photos passes, and the unknown backg
   CHECK(result.objects[0].views == 6);
 }
 
-TEST_CASE("another filter is tried only where the first does not explain the photos well enough") {
+TEST_CASE("the second filter is tried only if the first does not match the photos well enough") {
   Capture capture = tiny_capture();
   for (std::size_t v = 0; v < capture.photos.size(); ++v) {
     RenderRequest request;
@@ -128,7 +128,7 @@ TEST_CASE("the numbers do not depend on the thread count") {
   CHECK(one.median_inside == many.median_inside);
 }
 
-TEST_CASE("the usual mistakes in pose files are refused and named") {
+TEST_CASE("common mistakes in pose files are errors that name the mistake") {
   const Capture good = tiny_capture();
   const auto refused = [&](const std::string& hint, const std::function<Camera(Camera)>& spoil) {
     CAPTURE(hint);
@@ -148,7 +148,7 @@ TEST_CASE("the usual mistakes in pose files are refused and named") {
     c.translation = {c.translation.x, -c.translation.y, -c.translation.z};
     return c;
   });
-  refused("the translation holds the camera's centre", [](Camera c) {
+  refused("the translation is the camera's centre", [](Camera c) {
     c.translation = c.centre();
     return c;
   });
@@ -161,13 +161,13 @@ TEST_CASE("the usual mistakes in pose files are refused and named") {
   });
 }
 
-TEST_CASE("a world so small that nothing is drawn is refused with the way out, and not for its poses") {
+TEST_CASE("a world nearer than the near plane is an error with the right hint, not one about poses") {
   const Error error = thrown_by([] { shrunk(1e-3).check(); });
   CHECK(error.code() == ErrorCode::kInconsistent);
-  CHECK(error.remedy().find("scale the world") != std::string::npos);
+  CHECK(error.remedy().find("scale up the world") != std::string::npos);
 }
 
-TEST_CASE("another scene's model is not said to need a larger world where none would make it fit") {
+TEST_CASE("another scene's model gets no hint to scale the world") {
   Capture other = shrunk(1e-3);
   for (ImageF& photo : other.photos)
     for (int y = 0; y < photo.height_px; ++y)
@@ -175,37 +175,36 @@ TEST_CASE("another scene's model is not said to need a larger world where none w
         for (int c = 0; c < 3; ++c) photo.at(x, y, c) = (x / 3 + y / 3) % 2 == 0 ? 1.f : 0.f;
   const Error error = thrown_by([&] { other.check(); });
   CHECK(error.code() == ErrorCode::kInconsistent);
-  CHECK(error.remedy().find("scale the world") == std::string::npos);
-  CHECK(error.remedy().find("it is another scene's model") != std::string::npos);
+  CHECK(error.remedy().find("scale up the world") == std::string::npos);
+  CHECK(error.remedy().find("the model is of another scene") != std::string::npos);
 }
 
-TEST_CASE("a model between the near planes of 3DGS and gsplat is sent to gsplat's, where it passes") {
+TEST_CASE("a model between the near planes of 3DGS and gsplat gets the hint --compat gsplat, and passes with it") {
   Capture small = shrunk(0.02);
   const Error error = thrown_by([&] { small.check(); });
   CHECK(error.code() == ErrorCode::kInconsistent);
   CHECK(error.remedy().find("--compat gsplat") != std::string::npos);
   small.scene.compat = Compat::kGsplat;
-  CHECK(small.check().median_fit_db > 60);  // 73: the photos were drawn with 3DGS's footprints
+  CHECK(small.check().median_fit_db > 60);  // 73: the photos were rendered with 3DGS's footprints
 }
 
-TEST_CASE(
-    "a model of which a part lies between the near planes is warned about where gsplat's explains the photos better") {
+TEST_CASE("a model partly between the near planes gives a warning if gsplat's matches the photos better") {
   Capture part = shrunk(0.04);
   const SceneCheckOptions anything{.min_fit_db = -100};
   const SceneCheck as_inria = part.check(anything);
   REQUIRE(as_inria.warnings.size() == 1);
-  CHECK(as_inria.warnings[0].find("better by the rules of gsplat") != std::string::npos);
+  CHECK(as_inria.warnings[0].find("better with the rules of gsplat") != std::string::npos);
   part.scene.compat = Compat::kGsplat;
   CHECK(part.check(anything).warnings.empty());
   CHECK(tiny_capture().check(anything).warnings.empty());
-  // As near, but never seen by those who fitted it.
+  // As near, but culled by the renderer of the fit.
   part.scene.compat = Compat::kInria;
   for (std::size_t v = 0; v < part.photos.size(); ++v)
     part.photos[v] = render({}, part.cloud, part.scene.views[v].camera, {}, {}).colour;
   CHECK(part.check(anything).warnings.empty());
 }
 
-TEST_CASE("with --compat auto gsplat's near plane is taken if the photos fit better") {
+TEST_CASE("with --compat auto gsplat's near plane is used if the photos match better") {
   const auto checked = [](const Capture& capture) {
     Monitor monitor;
     return check_scene({}, monitor, {.min_fit_db = -100}, {&capture.cloud, capture.scene, capture.loaders(), true});
@@ -214,20 +213,20 @@ TEST_CASE("with --compat auto gsplat's near plane is taken if the photos fit bet
     const SceneCheck found = checked(shrunk(factor));
     CHECK(found.compat == Compat::kGsplat);
     CHECK(found.median_fit_db > 30);
-    CHECK((found.warnings.size() == 1 && found.warnings[0].find("taken (--compat inria") != std::string::npos));
+    CHECK((found.warnings.size() == 1 && found.warnings[0].find("they are used (--compat inria") != std::string::npos));
   }
   CHECK(checked(tiny_capture()).compat == Compat::kInria);
 }
 
-TEST_CASE("poses that no known mistake explains are refused without a wrong guess") {
+TEST_CASE("wrong poses without a known mistake are an error without a guess") {
   Capture bad = tiny_capture();
   for (SceneView& view : bad.scene.views) view.camera.translation = 4.0 * view.camera.translation;
   const Error error = thrown_by([&] { bad.check(); });
   CHECK(error.code() == ErrorCode::kInconsistent);
-  CHECK(error.remedy().find("trained on other poses") != std::string::npos);
+  CHECK(error.remedy().find("another scene or other poses") != std::string::npos);
 }
 
-TEST_CASE("photos in other colours than the model's are refused as that, and --min-fit-db takes them") {
+TEST_CASE("photos in other colours than the model's are an error about colours, and --min-fit-db accepts them") {
   Capture other = tiny_capture();
   for (ImageF& photo : other.photos)
     for (float& v : photo.data) v = 0.5f + 0.3f * v;
@@ -239,7 +238,7 @@ TEST_CASE("photos in other colours than the model's are refused as that, and --m
   CHECK(other.check(options).median_fit_db < 3);
 }
 
-TEST_CASE("one photo that does not fit is a warning that names its view") {
+TEST_CASE("one photo that does not match is a warning with the name of its view") {
   Capture capture = tiny_capture();
   SceneCheckOptions options;
   options.check_views = 6;
@@ -249,7 +248,7 @@ TEST_CASE("one photo that does not fit is a warning that names its view") {
   CHECK(result.warnings[0].find("view v2.png: the model explains its photo only") == 0);
 }
 
-TEST_CASE("without photos the share of Gaussians in view decides") {
+TEST_CASE("without photos the fraction of Gaussians in view is checked") {
   Capture capture = tiny_capture();
   SceneCheckOptions options;
   options.check_views = 0;
@@ -260,20 +259,20 @@ TEST_CASE("without photos the share of Gaussians in view decides") {
   CHECK(std::string(error.what()).find("0 % of the Gaussians lie inside") != std::string::npos);
 }
 
-TEST_CASE("a comparison at reduced size keeps model and photo on each other") {
+TEST_CASE("a comparison at reduced size keeps model and photo aligned") {
   Capture capture = tiny_capture();
   SceneCheckOptions options;
   options.check_size_px = 24;  // blocks of 2 divide 48 x 36
   const double even = capture.check(options).median_fit_db;
   options.check_size_px = 16;  // blocks of 3 do too
   const double third = capture.check(options).median_fit_db;
-  for (SceneView& view : capture.scene.views) view.camera.cx += 2;  // what a shift by less than a block costs
+  for (SceneView& view : capture.scene.views) view.camera.cx += 2;  // the effect of a shift by less than a block
   CHECK(even > third);
   CHECK(third > 5);
   CHECK(capture.check(options).median_fit_db < third - 1);
 }
 
-TEST_CASE("a model without a usable Gaussian is nothing to check") {
+TEST_CASE("a model without a usable Gaussian is kNothingFound") {
   Capture capture = tiny_capture();
   capture.cloud.usable.assign(capture.cloud.usable.size(), 0);
   CHECK(thrown_by([&] { capture.check(); }).code() == ErrorCode::kNothingFound);
@@ -281,7 +280,7 @@ TEST_CASE("a model without a usable Gaussian is nothing to check") {
   CHECK(thrown_by([&] { capture.check(); }).code() == ErrorCode::kNothingFound);
 }
 
-TEST_CASE("a scene without a model is checked for its masks alone") {
+TEST_CASE("for a scene without a model only masks are checked") {
   const Capture capture = tiny_capture();
   Monitor monitor;
   const SceneCheck result = check_scene({}, monitor, {}, {nullptr, capture.scene, capture.loaders()});
@@ -289,7 +288,7 @@ TEST_CASE("a scene without a model is checked for its masks alone") {
   CHECK(result.objects[0].views == 6);
 }
 
-TEST_CASE("masks that are all empty or all full are refused, some are not") {
+TEST_CASE("masks that are all empty or all full are an error, some are not") {
   Capture capture = tiny_capture();
   const auto set = [&](std::size_t view, float value) {
     capture.masks[view].target[0].assign(capture.masks[view].target[0].size(), value);
@@ -306,7 +305,7 @@ TEST_CASE("masks that are all empty or all full are refused, some are not") {
   CHECK(full.remedy().find("--mask-invert") != std::string::npos);
 }
 
-TEST_CASE("masks that cover the images' borders are refused as inverted, unless they are said to be or may be") {
+TEST_CASE("masks that cover the images' borders are an error, unless declared inverted or allowed") {
   Capture capture = tiny_capture();
   for (ViewMasks& masks : capture.masks)
     for (float& m : masks.target[0]) m = 1 - m;
@@ -317,7 +316,7 @@ TEST_CASE("masks that cover the images' borders are refused as inverted, unless 
   CHECK((warnings.size() == 1 && warnings[0].find("use --mask-invert") != std::string::npos));
   capture.scene.mask_invert = true;
   CHECK(capture.check().warnings.at(0).find("leave --mask-invert out") != std::string::npos);
-  capture.scene.mask_invert = false, capture.scene.mask_mode = MaskMode::kLabel;  // which cannot be inverted
+  capture.scene.mask_invert = false, capture.scene.mask_mode = MaskMode::kLabel;  // label maps cannot be inverted
   CHECK(capture.check().warnings.at(0).find("--object-id") != std::string::npos);
   CHECK(capture.check().warnings.at(0).find("--mask-invert") == std::string::npos);
 }
@@ -332,7 +331,7 @@ TEST_CASE("a ring along the borders is the background of an object that fills mo
   CHECK(thrown_by([&] { capture.check(); }).code() == ErrorCode::kInconsistent);
 }
 
-TEST_CASE("an empty mask is contradicted where the others show the object, not where the view looks past it") {
+TEST_CASE("an empty mask is contradicted if the other masks show the object there, not if the view misses it") {
   Capture capture = tiny_capture();
   const auto clear = [&](std::size_t view) { std::ranges::fill(capture.masks[view].target[0], 0.f); };
   CHECK(capture.check().empty_masks.views.empty());
@@ -343,7 +342,7 @@ TEST_CASE("an empty mask is contradicted where the others show the object, not w
   REQUIRE(result.warnings.size() == 1);
   CHECK(result.warnings[0].find("3 of 6 masks are empty where the other masks show the object (") == 0);
   CHECK(capture.check({}, 3).empty_masks.contradicted == result.empty_masks.contradicted);
-  capture.scene.missing_mask = MissingMask::kEmpty;  // empty is what they mean
+  capture.scene.missing_mask = MissingMask::kEmpty;  // views without a mask mean an empty mask
   CHECK(capture.check().empty_masks.contradicted.empty());
   capture.scene.missing_mask = MissingMask::kUnknown;
   Camera& away = capture.scene.views[1].camera;  // looks past the object
@@ -362,7 +361,7 @@ TEST_CASE("coverage counts known pixels only") {
   CHECK(result.views[1].masks->known == 8.0 / double(masks.known.size()));
 }
 
-TEST_CASE("masks of held-out views are never asked for") {
+TEST_CASE("masks of held-out views are never loaded") {
   Capture capture = tiny_capture();
   capture.scene.views[3].split = Split::kHeldOut;
   SceneLoaders loaders = capture.loaders();
@@ -376,7 +375,7 @@ TEST_CASE("masks of held-out views are never asked for") {
   CHECK_FALSE(result.views[3].masks);
 }
 
-TEST_CASE("notes about many masks become one warning, JPEG masks one too") {
+TEST_CASE("notes about many masks become one warning, as do JPEG masks") {
   const Capture capture = tiny_capture();
   SceneLoaders loaders = capture.loaders();
   loaders.masks = [&](std::size_t view) {

@@ -33,18 +33,19 @@ Lens fisheye() {
   return lens;
 }
 
-/// What stands at infinity in a direction, smooth: 20,000 to 60,000.
+/// A smooth pattern at infinity by direction, values 20,000 to 60,000.
 double pattern(Vec2<double> direction) {
   return 40000 + 10000 * std::sin(9 * direction.x + 1) + 10000 * std::cos(11 * direction.y);
 }
 
-/// The direction that the lens shows at `wanted`, by Newton's method with differences: nothing of the code under test
-/// turns the lens around.
+/// The direction that the lens maps to `wanted`, by Newton's method with differences, independent of the inverse in
+/// the code under test.
 Vec2<double> unbent(const Lens& lens, Vec2<double> wanted) {
   Vec2<double> p = wanted;
   for (int i = 0; i < 50; ++i) {
     constexpr double kStep = 1e-6;
-    const Vec2<double> at = bent(lens, p), dx = bent(lens, {p.x + kStep, p.y}), dy = bent(lens, {p.x, p.y + kStep});
+    const Vec2<double> at = distort(lens, p), dx = distort(lens, {p.x + kStep, p.y}),
+                       dy = distort(lens, {p.x, p.y + kStep});
     const double a = (dx.x - at.x) / kStep, b = (dy.x - at.x) / kStep, c = (dx.y - at.y) / kStep,
                  d = (dy.y - at.y) / kStep, ex = wanted.x - at.x, ey = wanted.y - at.y, det = a * d - b * c;
     p.x += (d * ex - b * ey) / det, p.y += (a * ey - c * ex) / det;
@@ -78,22 +79,22 @@ double largest_error(const Camera& camera, const Lens& lens, int shrink) {
 
 }  // namespace
 
-TEST_CASE("straightened: what a lens photographed, a pinhole shows in the same directions") {
-  // Between pixels a line stands for the pattern: h²/8 of each second derivative, 10,000 · (9² + 11²) at 1 px = 1/100,
-  // times the square of the most that the lens enlarges (1.7), and 1.5 for rounding twice; at the border, where half a
-  // pixel of the photo is missing, one first derivative of half a pixel: 10,000 · 11 / 200 more.
+TEST_CASE("straightened: the pinhole image shows the lens photo's values in the same directions") {
+  // Error of linear interpolation: h²/8 of each second derivative, 10,000 · (9² + 11²) at 1 px = 1/100,
+  // times the square of the largest magnification of the lens (1.7), and 1.5 for two roundings; at the border, where
+  // half a pixel of the photo is missing, one first derivative of half a pixel: 10,000 · 11 / 200 more.
   constexpr double kCurved = 10000 * (81 + 121) / 8.0 * 1e-4, kBorder = 10000 * 11 / 200.0;
   for (const Lens& lens : {barrel(), pincushion(), fisheye()})
     CHECK(largest_error(photo_camera(), lens, 1) < kCurved * 3 + kBorder + 1.5);
   // A photo at half the size of the calibration: the derivatives per pixel double.
   CHECK(largest_error(photo_camera(), barrel(), 2) < 4 * kCurved * 3 + 2 * kBorder + 1.5);
-  // The pattern taken as it is in the photo would be off by most of its range.
+  // Without undistortion the error would be most of the range.
   const Camera camera = photo_camera();
-  CHECK(std::abs(pattern({0.7, 0.5}) - pattern(bent(barrel(), {0.7, 0.5}))) > 2000);
+  CHECK(std::abs(pattern({0.7, 0.5}) - pattern(distort(barrel(), {0.7, 0.5}))) > 2000);
   CHECK(camera.fx == straight_camera({camera, barrel()}).fx);
 }
 
-TEST_CASE("straight camera: the largest rectangle about the principal point that the photo fills") {
+TEST_CASE("straight camera: the largest rectangle around the principal point that lies within the photo") {
   const Camera camera = photo_camera();
   for (const Lens& lens : {barrel(), pincushion(), fisheye()}) {
     const Camera straight = straight_camera({camera, lens});
@@ -103,7 +104,7 @@ TEST_CASE("straight camera: the largest rectangle about the principal point that
         const double w = straight.width_px, h = straight.height_px, t = i / 200.0;
         for (const Vec2<double> px : {Vec2<double>{t * w, 0}, {t * w, h}, {0, t * h}, {w, t * h}}) {
           const Vec2<double> at =
-              bent(lens, {grown * (px.x - straight.cx) / straight.fx, grown * (px.y - straight.cy) / straight.fy});
+              distort(lens, {grown * (px.x - straight.cx) / straight.fx, grown * (px.y - straight.cy) / straight.fy});
           const double x = at.x * camera.fx + camera.cx, y = at.y * camera.fy + camera.cy;
           double& beyond = grown > 1 ? out : most;
           beyond = std::max({beyond, -x, -y, x - camera.width_px, y - camera.height_px});
@@ -118,7 +119,7 @@ TEST_CASE("straight camera: the largest rectangle about the principal point that
   CHECK(same.cx == doctest::Approx(77.5));
 }
 
-TEST_CASE("straight camera: a lens that folds the picture is followed up to the fold, or refused") {
+TEST_CASE("straight camera: a lens that folds the image is used up to the fold, or is an error") {
   Lens folds;
   folds.radial = {-1, 0, 0, 0};  // r (1 - r²) turns back at r = 0.577
   const Camera straight = straight_camera({photo_camera(), folds});
@@ -130,9 +131,9 @@ TEST_CASE("straight camera: a lens that folds the picture is followed up to the 
   wild.radial = {-1e9, 0, 0, 0};
   const LensCamera is_wild{photo_camera(), wild};
   CHECK_THROWS_AS(straight_camera(is_wild), Error);
-  Camera beside = photo_camera();
-  beside.cx = -20;
-  const LensCamera looks_aside{beside, barrel()};
+  Camera off_centre = photo_camera();
+  off_centre.cx = -20;
+  const LensCamera looks_aside{off_centre, barrel()};
   CHECK_THROWS_AS(straight_camera(looks_aside), Error);
 }
 

@@ -25,7 +25,7 @@ struct Measured {
     exec.threads = threads;
     views = measure_alignment(exec, monitor, {c->truth, c->scene, [&](std::size_t v) { return c->photos[v]; }}, {1, 2});
   }
-  /// Largest distance between where the two cameras see points of the object, px.
+  /// Largest distance between the projections of the object's points by the two cameras, px.
   double error_px(const Camera& camera) const {
     double worst = 0;
     for (std::int64_t i = 0; i < c->truth.size(); ++i) {
@@ -42,7 +42,7 @@ struct Measured {
   }
 };
 
-TEST_CASE("a camera that was turned, rolled and moved is brought back, the others stay") {
+TEST_CASE("a rotated and moved camera is corrected, the others stay") {
   Measured m({{0.01, -0.015, 0.03}, {0.02, 0.01, -0.05}});
   REQUIRE(m.views.size() == 4);
   const double before = m.error_px(m.c->scene.views[1].camera);
@@ -55,18 +55,18 @@ TEST_CASE("a camera that was turned, rolled and moved is brought back, the other
   CHECK(after < 0.19);  // measured 0.12
 }
 
-TEST_CASE("what a photo says about the background is read off the view at the camera that it ends with") {
+TEST_CASE("the background is measured at the aligned camera") {
   Measured m({{0.01, -0.015, 0.03}, {0.02, 0.01, -0.05}});
   const Camera before = m.c->scene.views[1].camera;
   apply_alignment(m.views, m.c->scene);
-  CHECK(!m.views[0].background);  // was not questioned
+  CHECK(!m.views[0].background);  // not in background_views
   const auto from_render = [&](std::size_t v, const Camera& camera) {
-    return question_background(render({}, m.c->truth, camera, {}, {}), m.c->photos[v]);
+    return measure_background(render({}, m.c->truth, camera, {}, {}), m.c->photos[v]);
   };
-  for (const std::size_t v : {std::size_t(1), std::size_t(2)}) {  // moved, and left
+  for (const std::size_t v : {std::size_t(1), std::size_t(2)}) {  // moved, and not moved
     CAPTURE(v);
     REQUIRE(m.views[v].background);
-    const BackgroundWitness told = *m.views[v].background, own = from_render(v, m.c->scene.views[v].camera);
+    const BackgroundMeasurement told = *m.views[v].background, own = from_render(v, m.c->scene.views[v].camera);
     CHECK(told.open);
     CHECK(told.colour == own.colour);
     CHECK(told.residual == own.residual);
@@ -83,7 +83,7 @@ TEST_CASE("a darker photo moves no camera, and hides no motion") {
   CHECK(m.error_px(m.c->scene.views[1].camera) < 0.19);  // measured 0.12
 }
 
-TEST_CASE("views are aligned in the same way by any number of threads, and exact or photoless ones not at all") {
+TEST_CASE("alignment does not depend on the number of threads; exact views and views without photos are not moved") {
   for (const ViewAlignment& a : Measured({}).views) CHECK(!a.applied);
   const CameraMotion motion{{0.02, 0.01, 0}, {0.01, 0, 0}};
   const Measured one(motion, 1), three(motion, 3);
@@ -102,7 +102,7 @@ TEST_CASE("views are aligned in the same way by any number of threads, and exact
       Error);
 }
 
-TEST_CASE("of many views the others are aligned where one of those that come first moves") {
+TEST_CASE("all views are aligned if one of the first kAlignedFirst moves") {
   const auto aligned = [](std::size_t turned) {
     auto c = test::joint_case();
     std::vector<SceneView>& views = c->scene.views;
@@ -118,7 +118,7 @@ TEST_CASE("of many views the others are aligned where one of those that come fir
   const std::vector<ViewAlignment> all = aligned(5), few = aligned(9);
   CHECK(all.size() == 30);
   CHECK(std::ranges::count_if(all, &ViewAlignment::applied) == 1);
-  CHECK(has(few, 4));  // was questioned, and is none of the first
+  CHECK(has(few, 4));  // in background_views, and not among the first
   CHECK_FALSE(has(few, 9));
   CHECK(few.size() == kAlignedFirst + 1);
 }

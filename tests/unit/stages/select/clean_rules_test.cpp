@@ -26,12 +26,12 @@ void stretch_last(GaussianCloud& cloud, double x, double y, double z) {
 
 }  // namespace
 
-TEST_CASE("nothing of a clean model is debris, and an empty one has none") {
+TEST_CASE("a clean model and an empty model have no debris") {
   CHECK(find_debris({}, {}, sphere()).counts[0] == 600);
   CHECK(find_debris({}, {}, GaussianCloud{}).debris.empty());
 }
 
-TEST_CASE("a needle is long, a disc is flat") {
+TEST_CASE("a long Gaussian is a needle, a flat disc is not") {
   GaussianCloud cloud = sphere();
   test::add_gaussian(cloud, {0, 0, 1}, 0.05);
   stretch_last(cloud, 0.1, 0.1, 1e-6);  // largest over smallest would call it a needle
@@ -41,16 +41,16 @@ TEST_CASE("a needle is long, a disc is flat") {
   CHECK(last_of(cloud, {.max_needle = 0}) == Debris::kNone);
 }
 
-TEST_CASE("what is large in the middle may be small far away") {
+TEST_CASE("the size limit grows with the distance from the middle") {
   GaussianCloud cloud = sphere();
   test::add_gaussian(cloud, {0, 0, 0.5}, 2);
   CHECK(last_of(cloud) == Debris::kOversized);
   CHECK(last_of(cloud, {.max_size = 0}) == Debris::kNone);
-  cloud.position.back() = 20;  // of the sky
+  cloud.position.back() = 20;  // in the sky
   CHECK(last_of(cloud, {.isolation = 0}) == Debris::kNone);
 }
 
-TEST_CASE("near-transparent Gaussians and those with absurd values go, unless they are wanted") {
+TEST_CASE("near-transparent and unusable Gaussians are debris, unless the thresholds are 0") {
   GaussianCloud cloud = sphere();
   test::add_gaussian(cloud, {0, 0, 1}, 0.05);
   cloud.logit_opacity.back() = -5.4f;  // 0.0045
@@ -61,10 +61,10 @@ TEST_CASE("near-transparent Gaussians and those with absurd values go, unless th
   CHECK(last_of(cloud) == Debris::kUnusable);
 }
 
-TEST_CASE("isolated is what is far for its place: a sparse background is not") {
+TEST_CASE("isolation is relative to the local spacing: a sparse background is not isolated") {
   GaussianCloud cloud = sphere();
   const std::size_t dense = std::size_t(cloud.size());
-  test::add_floor(cloud, 20, -5, 2);  // twenty times as sparse: any one length would take it or leave the next
+  test::add_floor(cloud, 20, -5, 2);  // twenty times as sparse: no single length would separate both cases
   test::add_gaussian(cloud, {0, 0, 4.8}, 0.02);
   const CleanFinding found = find_debris({}, {.floater_size = 0}, cloud);
   CHECK(found.debris.back() == Debris::kIsolated);
@@ -72,26 +72,26 @@ TEST_CASE("isolated is what is far for its place: a sparse background is not") {
   CHECK(found.debris[dense] == Debris::kNone);
 }
 
-TEST_CASE("a clump in the air is a floater though none in it is alone; one that a haze had tied to the object too") {
+TEST_CASE("a clump in the air is a floater, even if an oversized Gaussian connected it to the object") {
   GaussianCloud cloud = sphere();
   test::add_sphere(cloud, {0, 0, 4}, 0.1, 60);
   CleanFinding found = find_debris({}, {}, cloud);
   CHECK(found.counts[std::size_t(Debris::kFloater)] == 60);
   CHECK(found.debris[0] == Debris::kNone);
-  test::add_gaussian(cloud, {0, 0, 2}, 3);  // oversized, and it reaches both
+  test::add_gaussian(cloud, {0, 0, 2}, 3);  // oversized, and reaches both
   found = find_debris({}, {}, cloud);
   CHECK(found.debris.back() == Debris::kOversized);
   CHECK(found.counts[std::size_t(Debris::kFloater)] == 60);
   CHECK(find_debris({}, {.floater_size = 59}, cloud).counts[std::size_t(Debris::kFloater)] == 0);
 }
 
-TEST_CASE("a clump on the surface is none, although its nearest neighbours are all its own") {
+TEST_CASE("a clump on the surface is not a floater, although all its nearest neighbours are its own") {
   GaussianCloud cloud = sphere();
   test::add_sphere(cloud, {0, 0, 1.05}, 0.004, 30);
   CHECK(find_debris({}, {}, cloud).counts[0] == 630);
 }
 
-TEST_CASE("a few Gaussians, and those at one place, are not isolated") {
+TEST_CASE("a few Gaussians, and coincident ones, are not isolated") {
   GaussianCloud cloud;
   for (int n = 1; n <= 12; ++n) {
     test::add_gaussian(cloud, {1, 2, 3}, 0.1);

@@ -63,7 +63,7 @@ TEST_CASE("the top of a pedestal is found although its sides are larger") {
   CHECK(count(found) > 790);
 }
 
-TEST_CASE("a floor that is tilted against the axis of up is found, and what stands on it is kept whole") {
+TEST_CASE("a floor tilted against the up axis is found, and the object on it stays complete") {
   GaussianCloud cloud;
   test::add_floor(cloud, 2, 0, 0.1);
   test::add_sphere(cloud, {0, 0, 0.6}, 0.5, 700);
@@ -74,7 +74,7 @@ TEST_CASE("a floor that is tilted against the axis of up is found, and what stan
   CHECK(count(found) == 700);  // a level plane would cut through the floor
 }
 
-TEST_CASE("a plane that a part of its points has tilted is righted by all of them") {
+TEST_CASE("refined_by corrects the tilt of a plane that was found from part of its points") {
   std::size_t pedestal = 0;
   const GaussianCloud cloud = statue(pedestal);
   const SupportPlane tilted{true, orbit::unit({0.06, -0.04, 1}), 0.02, 0.05, 0.5};
@@ -87,7 +87,7 @@ TEST_CASE("a plane that a part of its points has tilted is righted by all of the
   CHECK(refined_by(cloud, {}, tilted).normal.z == tilted.normal.z);
 }
 
-TEST_CASE("an object's own side is no plane that anything stands on, however the object is turned") {
+TEST_CASE("an object's own side is no supporting plane, for any rotation of the object") {
   // an upright guitar: a flat body whose two faces are 0.12 apart, and a neck
   GaussianCloud cloud;
   for (double x = -0.35; x < 0.35; x += 0.02)
@@ -106,12 +106,12 @@ TEST_CASE("an object's own side is no plane that anything stands on, however the
       FAIL("a plane was found");
     } catch (const Error& e) {
       CHECK(e.code() == ErrorCode::kNothingFound);
-      CHECK(std::string(e.what()).find("no plane that anything stands on") != std::string::npos);
+      CHECK(std::string(e.what()).find("no supporting plane") != std::string::npos);
     }
   }
 }
 
-TEST_CASE("a slice through a round body is no plane that its head stands on") {
+TEST_CASE("a slice through a round body is no supporting plane") {
   GaussianCloud cloud;
   test::add_sphere(cloud, {0, 0, 0}, 0.5, 3000);
   test::add_sphere(cloud, {0, 0, 0.62}, 0.15, 600);
@@ -119,14 +119,14 @@ TEST_CASE("a slice through a round body is no plane that its head stands on") {
     CHECK_THROWS_AS(selected(cloud, {.drop_below_plane = "auto", .up = up}), Error);
 }
 
-TEST_CASE("where nothing stands on anything no plane is made up") {
+TEST_CASE("a model without a supporting plane gets none") {
   GaussianCloud cloud;
   for (int i = 0; i < 50; ++i) test::add_gaussian(cloud, {1, 2, 3}, 0.1);
   CHECK_THROWS_AS(selected(cloud, {.drop_below_plane = "auto"}), Error);
   CHECK(count(selected(GaussianCloud{}, {.drop_below_plane = "auto"})) == 0);
 }
 
-TEST_CASE("below a plane that is named is where its value is negative, whatever the length of its normal") {
+TEST_CASE("Gaussians with a negative value of a given plane are below it, for any length of its normal") {
   GaussianCloud cloud;
   for (const double z : {0.5, 1.5, 2.5}) test::add_gaussian(cloud, {0, 0, z}, 0.1);
   cloud.origin = {0, 0, 1};
@@ -153,15 +153,15 @@ TEST_CASE("clusters are joined by solid Gaussians, not by haze between them") {
   REQUIRE(clusters.size.size() == 2);
   CHECK(clusters.of_row[0] == 0);
   CHECK(clusters.of_row[400] == 1);
-  CHECK(clusters.of_row[740] == -1);  // amid the haze
+  CHECK(clusters.of_row[740] == -1);  // in the haze
   const RegionSelection second = selected(cloud, {.cluster_at = {"5,0,0"}, .cluster_side = 0.5});
   CHECK(second.object[0] == 0);
   CHECK(second.object[400] == 1);
   CHECK(count(selected(cloud, {.largest = 5, .cluster_side = 0.5})) == clusters.size[0] + clusters.size[1]);
 }
 
-TEST_CASE("a large clump of nearest neighbours is one cluster with what touches it") {
-  GaussianCloud cloud;  // linking the 8 nearest would leave these twelve apart from the sphere they lie on
+TEST_CASE("a dense clump is in one cluster with the surface that it touches") {
+  GaussianCloud cloud;  // links to the 8 nearest would not connect these twelve to the sphere they lie on
   test::add_sphere(cloud, {0, 0, 0}, 1, 400);
   for (int i = 0; i < 12; ++i) test::add_gaussian(cloud, {0, 0, 1.01 + 1e-5 * i}, 0.05);
   CHECK(cluster_on_grid({}, cloud, all_of(cloud)).size.size() == 1);
@@ -178,7 +178,7 @@ TEST_CASE("none, one and coincident Gaussians have clusters") {
   CHECK(count(selected(cloud, {.largest = 1})) == 3);
 }
 
-TEST_CASE("regions that are none are refused") {
+TEST_CASE("invalid regions are errors") {
   CHECK(refusal({.keep_box = {"0,0,0,1,1"}}) == ErrorCode::kUsage);
   CHECK(refusal({.keep_box = {"0,0,0,0,1,1"}}) == ErrorCode::kUsage);
   CHECK(refusal({.keep_sphere = {"0,0,0,0"}}) == ErrorCode::kUsage);

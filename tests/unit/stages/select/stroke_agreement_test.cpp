@@ -21,7 +21,7 @@ void dab(ViewPrompt& marks, int x, int y, PixelHint hint) {
 
 }  // namespace
 
-TEST_CASE("strokes on their own side hold, and one of background inside the object is told with its place") {
+TEST_CASE("strokes on the right side agree, and a background stroke inside the object is reported with its position") {
   const test::TinyScene scene = test::tiny_scene();
   const Camera& camera = scene.cameras[2];
   ViewPrompt marks = marks_on(camera);
@@ -44,7 +44,7 @@ TEST_CASE("strokes on their own side hold, and one of background inside the obje
   CHECK(broken.wrong_share() == doctest::Approx(9.0 / 27));
 }
 
-TEST_CASE("background strokes on what the model does not show are right whatever the labels") {
+TEST_CASE("background strokes on empty pixels agree with any labels") {
   test::TinyScene scene = test::tiny_scene();
   for (float& logit : scene.cloud.logit_opacity) logit = -12;
   const std::vector<float> all(scene.is_object.size(), 1.f);

@@ -61,7 +61,7 @@ TEST_CASE("strokes on several pieces, and one across several, keep all of them")
   CHECK(in_block(pieces, 3) == 0);
 }
 
-TEST_CASE("what shines through an object under a stroke is not touched") {
+TEST_CASE("Gaussians visible through the object under a stroke are not touched") {
   const GaussianCloud cloud = blocks_at({0, 3});
   StrokeWeights stroke = on_rows(0, 20);
   for (std::uint32_t i = 216; i < 236; ++i) stroke.row.push_back(i), stroke.weight.push_back(0.05);
@@ -70,7 +70,7 @@ TEST_CASE("what shines through an object under a stroke is not touched") {
   CHECK(in_block(pieces, 1) == 0);
 }
 
-TEST_CASE("without a stroke on the selection nothing is left out") {
+TEST_CASE("without a stroke on the selection all pieces are kept") {
   const GaussianCloud cloud = blocks_at({0, 3});
   std::vector<std::uint8_t> member(432, 1);
   std::fill(member.begin(), member.begin() + 216, std::uint8_t(0));
@@ -82,7 +82,7 @@ TEST_CASE("without a stroke on the selection nothing is left out") {
   CHECK(touched_pieces({}, cloud, std::vector<std::uint8_t>(432), std::vector{on_rows(0, 2)}).pieces == 0);
 }
 
-TEST_CASE("strokes that do not touch each other are apart, the smallest share the last mask") {
+TEST_CASE("disconnected strokes are separate masks, the smallest share the last mask") {
   ViewPrompt marks{100, 40, std::vector<PixelHint>(4000, PixelHint::kLikelyBackground), true};
   for (int k = 0; k < 20; ++k)
     for (int x = 0; x < 20 - k; ++x) marks.hint[std::size_t(2 * k * 100 + x)] = PixelHint::kObject;

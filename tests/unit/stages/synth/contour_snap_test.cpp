@@ -52,7 +52,7 @@ TEST_CASE("a contour stays without a wrong edge, where the wrong edge is weak, a
   CHECK(snap_contours({}, ImageU16(kSize, kSize, 1), photo(0.1f, 0.4f, 19), 4).data == ImageU16(kSize, kSize, 1).data);
 }
 
-TEST_CASE("colours that are not finite attract no contour, and threads do not change the result") {
+TEST_CASE("non-finite colours attract no contour, and the thread count does not change the result") {
   ImageF broken = photo(0.1f, 0.4f, 19);
   for (float& v : broken.data)
     if (v == 0.f) v = NAN;

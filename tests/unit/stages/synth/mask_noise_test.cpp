@@ -30,7 +30,7 @@ double area(const ImageU16& image, std::uint16_t id = 1) {
 
 }  // namespace
 
-TEST_CASE("parse_mask_noise reads lists and refuses what it does not know") {
+TEST_CASE("parse_mask_noise parses lists and fails for unknown kinds") {
   const MaskNoise noise = noise_of("erode:1.5,drop:0.25");
   CHECK(noise.erode_px == 1.5);
   CHECK(noise.drop == 0.25);
@@ -57,8 +57,8 @@ TEST_CASE("no noise returns the exact labels") {
   CHECK(disturb_labels({}, exact, {}, {0, 3, 7}).data == exact.data);
 }
 
-TEST_CASE("dilating and eroding a disc changes its area like its radius") {
-  // A lattice disc's area components from πr² by the pixels its contour cuts unevenly: below 0.5 px of radius here.
+TEST_CASE("dilating and eroding a disc changes its radius by the given amount") {
+  // A lattice disc's area deviates from πr² by the pixels that its contour cuts: below 0.5 px of radius here.
   const double pi = 3.141592653589793, r = 30;
   const ImageU16 exact = disc_image(100, r);
   for (const double px : {1.0, 2.0, 5.0}) {
@@ -94,7 +94,7 @@ TEST_CASE("jitter moves the contour with the stated standard deviation and keeps
   }
 }
 
-TEST_CASE("drop and swap happen as often as asked, per view and object") {
+TEST_CASE("drop and swap occur with their probability, per view and object") {
   ImageU16 exact(8, 2, 1);
   for (int x = 0; x < 8; ++x) exact.at(x, 0) = std::uint16_t(x < 4 ? 1 : 2);
   int dropped = 0, swapped = 0;
@@ -105,7 +105,7 @@ TEST_CASE("drop and swap happen as often as asked, per view and object") {
   }
   const double spread = 4 * std::sqrt(views * 0.25);  // four standard deviations of the widest binomial
   CHECK(std::abs(dropped - 0.2 * views) < spread);
-  // Two objects: exchanged if exactly one of the two draws says so, 2·0.2·0.8.
+  // Two objects: exchanged if exactly one of the two draws is a swap, 2·0.2·0.8.
   CHECK(std::abs(swapped - 0.32 * views) < spread);
 }
 
@@ -138,25 +138,25 @@ TEST_CASE("mask noise depends on seed and view, and not on the thread count") {
   CHECK(a.data != disturb_labels({}, exact, noise, {0, 4, 10}).data);
 }
 
-TEST_CASE("view_fates leaves out and exchanges exactly the asked shares, by seed alone") {
+TEST_CASE("mask_assignment leaves out and exchanges exactly the given fractions, by seed only") {
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
-    const std::vector<int> fate = view_fates(20, 0.2, 0.1, seed);
+    const std::vector<int> assigned = mask_assignment(20, 0.2, 0.1, seed);
     int missing = 0, wrong = 0;
     for (int v = 0; v < 20; ++v) {
-      const int f = fate[std::size_t(v)];
+      const int f = assigned[std::size_t(v)];
       CHECK(f >= -1);
       CHECK(f < 20);
       missing += f < 0, wrong += f >= 0 && f != v;
     }
     CHECK(missing == 4);
     CHECK(wrong == 2);
-    CHECK(fate == view_fates(20, 0.2, 0.1, seed));
+    CHECK(assigned == mask_assignment(20, 0.2, 0.1, seed));
   }
-  CHECK(view_fates(20, 0.2, 0.1, 0) != view_fates(20, 0.2, 0.1, 1));
-  CHECK(view_fates(0, 1, 1, 0).empty());
-  CHECK(view_fates(1, 0, 1, 0) == std::vector<int>{-1});  // there is no other view's mask
-  CHECK(view_fates(3, 0, 0, 5) == std::vector<int>{0, 1, 2});
-  CHECK(view_fates(3, 1, 1, 5) == std::vector<int>{-1, -1, -1});
+  CHECK(mask_assignment(20, 0.2, 0.1, 0) != mask_assignment(20, 0.2, 0.1, 1));
+  CHECK(mask_assignment(0, 1, 1, 0).empty());
+  CHECK(mask_assignment(1, 0, 1, 0) == std::vector<int>{-1});  // there is no other view's mask
+  CHECK(mask_assignment(3, 0, 0, 5) == std::vector<int>{0, 1, 2});
+  CHECK(mask_assignment(3, 1, 1, 5) == std::vector<int>{-1, -1, -1});
 }
 
 }  // namespace ngs::synth

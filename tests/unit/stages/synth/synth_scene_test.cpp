@@ -49,7 +49,7 @@ TEST_CASE("signed distances never overestimate and are exact along the normal") 
       CHECK(std::abs(dp - dq) <= length(p - q) + 1e-12);  // 1-Lipschitz: sphere tracing cannot pass a surface
       if (dp > 0.01) {
         const V on = p - dp * surface_normal(solid, p);
-        CHECK(std::abs(signed_distance(solid, on)) < 1e-4);  // the normal's own difference step
+        CHECK(std::abs(signed_distance(solid, on)) < 1e-4);  // the step of the normal's differences
       }
       if (dp < 0) CHECK(length(p - solid.centre) < solid.bound_radius + 1e-12);
     }
@@ -100,7 +100,7 @@ TEST_CASE("depth at a pixel centre is the camera z of the analytic intersection"
     }
 }
 
-TEST_CASE("labels are what a single ray through the pixel centre hits, in every scene") {
+TEST_CASE("labels equal the object hit by a ray through the pixel centre, in every scene") {
   for (const auto& kind : kSceneNames) {
     Recipe recipe = named_recipe(std::string(kind.name));
     recipe.width_px = 40, recipe.height_px = 30, recipe.views = 3, recipe.samples_per_side = 1;
@@ -185,7 +185,7 @@ TEST_CASE("a grey scene has the luminance of the coloured one, and its masks") {
       CHECK(b.colour.at(x, y, 0) == b.colour.at(x, y, 2));
       chroma = std::max(chroma, double(std::abs(red - blue)));
     }
-  CHECK(chroma > 0.2);  // or there was nothing to take away
+  CHECK(chroma > 0.2);  // the coloured scene has colour
 }
 
 TEST_CASE("an unknown recipe or target is a usage error that lists what exists") {
@@ -195,7 +195,7 @@ TEST_CASE("an unknown recipe or target is a usage error that lists what exists")
   CHECK_THROWS_WITH_AS(build_scene(recipe), doctest::Contains("large, small"), Error);
 }
 
-TEST_CASE("rendering gives the same bytes for any thread count and sparse points lie on surfaces") {
+TEST_CASE("rendering is bit-identical for any thread count and sparse points lie on surfaces") {
   const Recipe recipe = named_recipe("tiny");
   const AnalyticScene scene = build_scene(recipe);
   const std::vector<Camera> rig = build_rig(recipe, scene);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kBins = 4096;
 
-/// Sums over bins 0 .. i-1, from which the cost of any run of bins follows.
+/// Prefix sums over the bins, which give the cost of any run of bins in O(1).
 struct Prefix {
   std::vector<double> weight, sum, square;
 
@@ -30,8 +30,8 @@ struct Prefix {
   double mean(std::size_t from, std::size_t to) const { return (sum[to] - sum[from]) / (weight[to] - weight[from]); }
 };
 
-/// One layer of the optimal partition: best[to] over where its last run begins, which does not decrease with `to`, so
-/// that halving finds all of them in n log n.
+/// One layer of the optimal partition: best[to] is the minimum over the start of the last run. The minimising start
+/// does not decrease with `to`, so divide and conquer finds all of them in O(n log n).
 class Layer {
  public:
   Layer(const Prefix& prefix, const std::vector<double>& before, std::vector<double>& best,
@@ -60,14 +60,14 @@ class Layer {
   std::vector<std::uint16_t>& begin_;
 };
 
-/// Fills the rest with the last value, so that the values ascend.
+/// Pads with the last value, so that the values ascend.
 Codebook codebook_of(const std::vector<double>& values) {
   Codebook codebook;
   for (std::size_t k = 0; k < kCodebookSize; ++k) codebook[k] = float(values[std::min(k, values.size() - 1)]);
   return codebook;
 }
 
-/// Non-empty bins: how many values each holds, and their mean.
+/// Non-empty bins: the number of values in each, and their mean.
 struct Bins {
   std::vector<double> count, mean;
 };
@@ -86,7 +86,7 @@ Bins bins_of(std::span<const float> values) {
   return bins;
 }
 
-/// At most 256 different values, ascending; empty where there are more.
+/// The distinct values, ascending, if there are at most 256; else empty.
 std::vector<double> few_different(std::span<const float> values) {
   std::vector<float> sorted;
   for (const float v : values) {
@@ -138,8 +138,8 @@ namespace {
 struct Group {
   std::size_t begin, end;
   double spread = 0;       // sum of squares about the mean, all columns
-  std::size_t column = 0;  // that varies most
-  float middle = 0;        // its mean
+  std::size_t column = 0;  // of largest variance
+  float middle = 0;        // mean of that column
 };
 
 class Splitter {
@@ -196,7 +196,7 @@ class Splitter {
     return group;
   }
 
-  /// The widest first; of two alike the older.
+  /// Orders by spread, largest first; the older of two equal ones first.
   bool is_below(std::size_t a, std::size_t b) const {
     return groups_[a].spread != groups_[b].spread ? groups_[a].spread < groups_[b].spread : a > b;
   }
@@ -216,7 +216,7 @@ class Splitter {
     const auto first = order_.begin() + std::ptrdiff_t(group.begin), last = order_.begin() + std::ptrdiff_t(group.end);
     auto middle = std::stable_partition(
         first, last, [&](std::uint32_t r) { return table_[std::size_t(r) * columns_ + group.column] <= group.middle; });
-    if (middle == first || middle == last) middle = first + (last - first) / 2;  // the mean rounded to an end
+    if (middle == first || middle == last) middle = first + (last - first) / 2;  // the mean was rounded to an end
     const auto at = std::size_t(middle - order_.begin());
     groups_[g] = measured(group.begin, at);
     groups_.push_back(measured(at, group.end));

@@ -12,7 +12,7 @@
 namespace ngs::io {
 namespace {
 
-constexpr int kGzipWindow = 15 + 16;  // of zlib: the largest window, in a gzip wrapper
+constexpr int kGzipWindow = 15 + 16;  // zlib's windowBits: largest window, gzip wrapper
 
 uInt at_most_uint(std::size_t n) { return uInt(std::min(n, std::size_t(std::numeric_limits<uInt>::max()))); }
 
@@ -20,8 +20,8 @@ uInt at_most_uint(std::size_t n) { return uInt(std::min(n, std::size_t(std::nume
 
 struct GunzipReader::State {
   z_stream stream{};
-  std::size_t left = 0;  // of the input, not yet handed to zlib
-  bool ended = false;    // and its checksum was right
+  std::size_t left = 0;  // input bytes not yet passed to zlib
+  bool ended = false;    // the stream ended with a correct checksum
 };
 
 GunzipReader::GunzipReader(const std::string& name, Bytes stream) : name_(name), state_(nullptr) {
@@ -37,7 +37,7 @@ GunzipReader::~GunzipReader() {
   delete state_;
 }
 
-/// One call of zlib; `done` grows by what it wrote to the end of `to`.
+/// One call of zlib; writes from `done` to the end of `to` at most, and advances `done`.
 int GunzipReader::inflate_some(std::span<std::uint8_t> to, std::size_t& done) {
   z_stream& stream = state_->stream;
   if (stream.avail_in == 0) {
@@ -58,7 +58,7 @@ void GunzipReader::refuse(int status, std::size_t missing) const {
   const bool ended = status == Z_STREAM_END || status == Z_BUF_ERROR;
   throw Error(ErrorCode::kBadInput,
               name_ + (ended ? ": the gzip stream ends " + std::to_string(missing) +
-                                   " bytes early, expected what its header announces"
+                                   " bytes early, expected the size that its header declares"
                              : std::string(": a damaged gzip stream, expected one that can be inflated")),
               "copy or export it again");
 }
@@ -97,7 +97,7 @@ void GunzipReader::finish() {
     if (done == ignored.size())
       throw Error(ErrorCode::kBadInput,
                   name_ +
-                      ": more than 1 MiB behind the data that the header announces, expected "
+                      ": more than 1 MiB after the data that the header declares, expected "
                       "the end of the file",
                   "copy or export it again");
   }

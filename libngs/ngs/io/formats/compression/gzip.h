@@ -8,20 +8,20 @@
 
 namespace ngs::io {
 
-/// Inflates a gzip stream piece by piece, so that a header can be looked at before memory is taken for what it claims.
+/// Inflates a gzip stream piece by piece, so that a header can be checked before memory is allocated for its data.
 class GunzipReader {
  public:
-  /// `name` is for messages; both outlive the reader.
+  /// `name` is for messages; both must outlive the reader.
   GunzipReader(const std::string& name, Bytes stream);
   ~GunzipReader();
   GunzipReader(const GunzipReader&) = delete;
   GunzipReader& operator=(const GunzipReader&) = delete;
 
-  /// The next bytes.size() bytes. kBadInput where the stream ends before, or is none.
+  /// The next bytes.size() bytes. kBadInput if the stream ends earlier or is not gzip.
   void read(std::span<std::uint8_t> bytes);
-  /// All that is left, with its checksum. kBadInput where that is more than `most_bytes`, and as read().
+  /// All remaining bytes; verifies the checksum. kBadInput for more than `most_bytes`, and as read().
   std::vector<std::uint8_t> read_all(std::size_t most_bytes);
-  /// Looks at what is behind: at most 1 MiB, which is ignored, then the checksum. kBadInput where it is wrong.
+  /// Skips at most 1 MiB of trailing data and verifies the checksum. kBadInput if it is wrong.
   void finish();
 
  private:
@@ -33,7 +33,7 @@ class GunzipReader {
   State* state_;
 };
 
-/// One member without a time or a name: the same bytes give the same stream.
+/// One member without time stamp and name: equal bytes give equal streams.
 std::vector<std::uint8_t> gzip(Bytes bytes);
 
 }  // namespace ngs::io

@@ -12,7 +12,7 @@
 namespace ngs::io {
 namespace {
 
-constexpr std::size_t kMostPlyExpansion = 64;  // a model with columns of zeros shrinks to a fifteenth
+constexpr std::size_t kMostPlyExpansion = 64;  // columns of zeros compress a model up to 15 times
 
 std::string_view text_of(Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
@@ -84,8 +84,8 @@ constexpr KnownFile kKnownFiles[] = {
      "7zXZ",
      "an xz stream", kUnpack},
     {"\x28\xb5\x2f\xfd", "a zstd stream", kUnpack},
-    {"LASF", "a LAS point cloud, no splat", "ngs-fit makes a splat from posed photos"},
-    {"ASTM-E57", "an E57 point cloud, no splat", "ngs-fit makes a splat from posed photos"},
+    {"LASF", "a LAS point cloud, not a splat", "ngs-fit makes a splat from posed photos"},
+    {"ASTM-E57", "an E57 point cloud, not a splat", "ngs-fit makes a splat from posed photos"},
     {"\x80\x02", "a Python pickle", kExport},
 };
 

@@ -16,19 +16,19 @@ RgbaTable decode_webp(const std::string& object, Bytes bytes, std::size_t most_t
   };
   RgbaTable table;
   if (WebPGetInfo(bytes.data(), bytes.size(), &table.width, &table.height) == 0)
-    bad("no WebP picture, or one that is cut short, expected WebP");
+    bad("not a WebP image, or a truncated one, expected WebP");
   if (table.texels() > most_texels)
     bad(std::to_string(table.width) + " x " + std::to_string(table.height) + " pixels, expected at most " +
         std::to_string(most_texels) + " in all");
   table.bytes.resize(table.texels() * 4);
   if (WebPDecodeRGBAInto(bytes.data(), bytes.size(), table.bytes.data(), table.bytes.size(), table.width * 4) ==
       nullptr)
-    bad("a damaged WebP picture, expected a whole one");
+    bad("a damaged WebP image, expected an intact one");
   return table;
 }
 
 std::vector<std::uint8_t> encode_webp(const RgbaTable& table) {
-  constexpr int kEffort = 6;  // of 0 to 9; beyond, the time doubles for a percent of the size
+  constexpr int kEffort = 6;  // of 0 to 9; each further level doubles the time for 1 % less size
   WebPConfig config;
   WebPPicture picture;
   NGS_CHECK(WebPConfigInit(&config) != 0 && WebPPictureInit(&picture) != 0, "libwebp of the version of its headers");

@@ -1,5 +1,5 @@
 #pragma once
-// WebP pictures as tables of bytes.
+// WebP images as tables of bytes.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace ngs::io {
 
-inline constexpr int kMostWebpPx = 16383;  // a side
+inline constexpr int kMostWebpPx = 16383;  // per side
 
 struct RgbaTable {
   int width = 0, height = 0;
@@ -19,11 +19,11 @@ struct RgbaTable {
   std::uint8_t* texel(std::size_t i) { return bytes.data() + i * 4; }
 };
 
-/// kBadInput, in the name of `object`, for anything but a whole picture, and before memory is taken for one of more
-/// than `most_texels`.
+/// kBadInput, with `object` in the message, unless the image is complete and has at most `most_texels`; the size is
+/// checked before memory is allocated.
 RgbaTable decode_webp(const std::string& object, Bytes bytes, std::size_t most_texels);
 
-/// Lossless, also where alpha is 0; the same table gives the same bytes.
+/// Lossless, also where alpha is 0; equal tables give equal bytes.
 std::vector<std::uint8_t> encode_webp(const RgbaTable& table);
 
 }  // namespace ngs::io

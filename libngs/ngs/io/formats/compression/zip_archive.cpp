@@ -13,7 +13,7 @@
 namespace ngs::io {
 namespace {
 
-/// What minizip takes for a file.
+/// A file in memory, for minizip's I/O functions.
 struct MemoryFile {
   Bytes input;                       // read
   std::vector<std::uint8_t> output;  // written
@@ -60,7 +60,7 @@ zlib_filefunc64_def functions_of(MemoryFile& file) {
   return {open_file, read_file, write_file, tell_file, seek_file, close_file, error_of_file, &file};
 }
 
-/// The path of the archive's current entry; empty where it cannot be read.
+/// The path of the archive's current entry; empty if it cannot be read.
 std::string current_entry(unzFile archive, unz_file_info64& info) {
   constexpr std::size_t kLongestName = 256;
   char found[kLongestName] = {};
@@ -80,7 +80,7 @@ ZipReader::ZipReader(const std::string& name, Bytes bytes) : name_(name), memory
   memory->file.input = bytes;
   zlib_filefunc64_def functions = functions_of(memory->file);
   memory->archive = unzOpen2_64("", &functions);
-  if (memory->archive == nullptr) bad("no zip archive, or one that is cut short, expected a .sog");
+  if (memory->archive == nullptr) bad("not a zip archive, or a truncated one, expected a .sog");
   memory_ = memory.release();
 }
 
@@ -122,7 +122,7 @@ std::vector<std::uint8_t> ZipReader::read(const std::string& entry, std::size_t 
       whole = n > 0;
       done += whole ? std::size_t(n) : 0;
     }
-    if (!whole || unzCloseCurrentFile(archive) != UNZ_OK) bad("'" + entry + "' is damaged, expected a whole entry");
+    if (!whole || unzCloseCurrentFile(archive) != UNZ_OK) bad("'" + entry + "' is damaged, expected an intact entry");
     return bytes;
   }
   bad("no entry '" + entry + "', expected a .sog");

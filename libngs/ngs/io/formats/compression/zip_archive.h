@@ -13,20 +13,20 @@ struct ZipEntry {
   std::vector<std::uint8_t> bytes;
 };
 
-/// The entries of an archive, by name, each read when it is asked for.
+/// Reads the entries of an archive by name, on demand.
 class ZipReader {
  public:
-  /// `name` is for messages; both outlive the reader. kBadInput where the bytes are no archive.
+  /// `name` is for messages; both must outlive the reader. kBadInput if the bytes are not an archive.
   ZipReader(const std::string& name, Bytes bytes);
   ~ZipReader();
   ZipReader(const ZipReader&) = delete;
   ZipReader& operator=(const ZipReader&) = delete;
 
-  /// Of the entries that are no folders, in the order of the archive.
+  /// Names of the entries that are not folders, in archive order.
   std::vector<std::string> names() const;
 
-  /// kBadInput where there is no such entry, where it is damaged, and before any of it is read where it is longer than
-  /// `most_bytes`. Entries may lie in a folder: the archive of a folder has its name before theirs.
+  /// kBadInput if there is no such entry, if it is damaged, or if it is longer than `most_bytes` (checked before it is
+  /// read). Entries may lie in a folder, as in an archive of a folder: the folder's name then precedes theirs.
   std::vector<std::uint8_t> read(const std::string& entry, std::size_t most_bytes) const;
 
  private:
@@ -37,7 +37,7 @@ class ZipReader {
   Memory* memory_;
 };
 
-/// Entries are stored as they are, in order, dated 1980: the same entries give the same bytes.
+/// Entries are stored uncompressed, in order, dated 1980: equal entries give equal bytes.
 std::vector<std::uint8_t> zip(const std::vector<ZipEntry>& entries);
 
 }  // namespace ngs::io

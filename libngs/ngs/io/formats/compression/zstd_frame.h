@@ -1,5 +1,5 @@
 #pragma once
-// Zstandard frames of a size that is known beforehand.
+// Zstandard frames of known size.
 #include <cstdint>
 #include <string>
 
@@ -7,7 +7,7 @@
 
 namespace ngs::io {
 
-/// Fills `out` from the frames in `frames`. kBadInput, in the name of `object`, where they hold more or less than that.
+/// Fills `out` from `frames`. kBadInput, with `object` in the message, if they hold more or fewer bytes than `out`.
 void unzstd(const std::string& object, Bytes frames, std::span<std::uint8_t> out);
 
 }  // namespace ngs::io

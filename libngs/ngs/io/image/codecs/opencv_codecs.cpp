@@ -12,7 +12,7 @@ namespace ngs::io {
 namespace {
 
 Picture decode(Bytes bytes) {
-  // The library never prints: OpenCV's own messages repeat what the caller's error says.
+  // OpenCV must not print: its messages would repeat the caller's error.
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   if (bytes.empty() || bytes.size() > std::size_t(INT_MAX)) return {};
   cv::Mat image;
@@ -24,7 +24,7 @@ Picture decode(Bytes bytes) {
   }
   if (image.empty()) return {};
   const int bits = image.depth() == CV_8U ? 8 : image.depth() == CV_16U ? 16 : 0;
-  if (bits == 0) return {image.cols, image.rows, image.channels(), bits, {}};  // not every type can be converted
+  if (bits == 0) return {image.cols, image.rows, image.channels(), bits, {}};  // not every sample type can be converted
   if (image.channels() == 3) cv::cvtColor(image, image, cv::COLOR_BGR2RGB);
   if (image.channels() == 4) cv::cvtColor(image, image, cv::COLOR_BGRA2RGBA);
   Picture picture{image.cols, image.rows, image.channels(), bits, {}};
@@ -39,7 +39,7 @@ std::vector<std::uint8_t> encode(const PictureView& picture, const char* extensi
   const int depth = picture.bits == 8 ? CV_8U : CV_16U;
   const cv::Mat image(picture.height_px, picture.width_px, CV_MAKETYPE(depth, picture.channels),
                       const_cast<void*>(picture.samples));
-  cv::Mat ordered;  // never shares the caller's pixels where it changes them
+  cv::Mat ordered;  // a copy if the pixels change: the caller's stay untouched
   if (picture.channels == 1) ordered = image;
   if (picture.channels == 3) cv::cvtColor(image, ordered, cv::COLOR_RGB2BGR);
   if (picture.channels == 4) cv::cvtColor(image, ordered, cv::COLOR_RGBA2BGRA);

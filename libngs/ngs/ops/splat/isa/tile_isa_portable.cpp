@@ -1,5 +1,4 @@
-// The compositing kernels without an intrinsic: what a processor gets for which there is nothing better, and what the
-// tests hold the others against.
+// The compositing kernels without intrinsics: the fallback for other processors and the reference in tests.
 #include "ngs/math/lanes_portable.h"
 #include "ngs/ops/splat/tile_kernels_of.h"
 

@@ -1,6 +1,6 @@
-// The only translation unit for x86-64-v3 of a build for any x86-64 (NGS_ISA=portable). It defines nothing that the
-// linker could share with the others: everything in it is inlined or named after its PackF (tests/meta/isa_test.cpp
-// looks).
+// The only translation unit for x86-64-v3 in a build for any x86-64 (NGS_ISA=portable). It must define no symbol that
+// the linker could merge with another unit's: everything is inlined or has PackF in its name (checked by
+// tests/meta/isa_test.cpp).
 #ifdef NGS_WITH_V3
 #include "ngs/ops/splat/tile_kernels_of.h"
 

@@ -1,5 +1,5 @@
-// The only translation unit for x86-64-v4. It defines nothing that the linker could share with the others: everything
-// in it is inlined or named after Pack16 (tests/meta/isa_test.cpp looks).
+// The only translation unit for x86-64-v4. It must define no symbol that the linker could merge with another unit's:
+// everything is inlined or has Pack16 in its name (checked by tests/meta/isa_test.cpp).
 #include "ngs/math/lanes16.h"
 #include "ngs/ops/splat/tile_kernels_of.h"
 

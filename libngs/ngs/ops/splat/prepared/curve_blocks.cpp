@@ -9,7 +9,7 @@
 namespace ngs {
 namespace {
 
-// Samplesort: parts of the curve of about equal size, found from a sample of the points, are sorted on their own.
+// Samplesort: the curve is split into parts of about equal size by a sample of the points; each part is sorted alone.
 //   Frazer, McKellar, "Samplesort: a sampling approach to minimal storage tree sorting", J. ACM 17(3), 1970
 constexpr std::size_t kParts = 256, kSample = 64 * kParts;
 constexpr std::size_t kChunkRows = 1 << 16;
@@ -36,7 +36,7 @@ class CurveSort {
   }
 
  private:
-  /// f(chunk, its first row, the one after its last).
+  /// f(chunk, first row, end row) for every chunk, in parallel.
   template <class F>
   void in_chunks(const F& f) const {
     for_each_task(exec_, std::int64_t(chunks_), [&](std::int64_t chunk) {
@@ -71,10 +71,10 @@ class CurveSort {
     return std::size_t(std::upper_bound(splitter_.begin(), splitter_.end(), row.cell) - splitter_.begin());
   }
 
-  /// Rows of one part in the order that they have.
+  /// Stable: rows of one part keep their order.
   void scatter_to_parts() {
     RawColumn<std::uint8_t> part(size_);
-    std::vector<std::size_t> next(chunks_ * kParts, 0);  // of each chunk where its next row of a part goes
+    std::vector<std::size_t> next(chunks_ * kParts, 0);  // [chunks, parts] row counts; then the place of the next row
     in_chunks([&](std::size_t c, std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         part[i] = std::uint8_t(part_of(rows_[i]));
@@ -98,7 +98,7 @@ class CurveSort {
   std::size_t size_, chunks_;
   MortonGrid grid_;
   RawColumn<CurvePoint> rows_, in_parts_;
-  std::vector<std::uint64_t> splitter_;  // [kParts - 1] the first cell of the parts after the first
+  std::vector<std::uint64_t> splitter_;  // [kParts - 1] first cell of each part but the first
   std::vector<std::size_t> part_begin_;  // [kParts + 1]
 };
 

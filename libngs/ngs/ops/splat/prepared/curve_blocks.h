@@ -1,5 +1,5 @@
 #pragma once
-// Neighbours in space as neighbours in memory, for models of any size. Internal to ops.      PAPER.md §5.1
+// Parallel sort of points along a space-filling curve (Morton order). Internal to ops.      PAPER.md §5.1
 #include <cstdint>
 #include <span>
 
@@ -8,7 +8,7 @@
 
 namespace ngs {
 
-/// As curve_order() of the points [N, 3], N < 2^32, by all threads.
+/// Equals curve_order() of the points [N, 3], N < 2^32; uses all threads.
 RawColumn<std::uint32_t> parallel_curve_order(const Exec& exec, std::span<const float> points);
 
 }  // namespace ngs

@@ -1,5 +1,5 @@
 #pragma once
-// Memory of a pass over a view that is kept for the next view: fresh pages cost as much as what is written to them.
+// Scratch memory of a pass over one view, reused for the next view: fresh pages cost as much as writing the data.
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -15,21 +15,21 @@ struct PassMemory {
   TileLists lists;
   BinScratch bins;
   std::vector<std::uint8_t> reaches;  // [rows] 1: the Gaussian may reach a pixel
-  std::vector<std::int64_t> first;    // [blocks + 1] the first row of ProjectedView that a block writes
-  std::vector<S> sums;                // of pairs, whatever the pass sums
+  std::vector<std::int64_t> first;    // [blocks + 1] first row of ProjectedView per block
+  std::vector<S> sums;                // per-pair sums of the pass
 };
 
-/// Hands out the memory of passes over floats; as many exist as passes run at a time.
+/// A pool of PassMemory; holds as many as passes have run at the same time. Thread-safe.
 class PassMemoryPool {
  public:
-  std::unique_ptr<PassMemory<float>> take() {
+  std::unique_ptr<PassMemory<float>> acquire() {
     const std::lock_guard lock(mutex_);
     if (free_.empty()) return std::make_unique<PassMemory<float>>();
     std::unique_ptr<PassMemory<float>> memory = std::move(free_.back());
     free_.pop_back();
     return memory;
   }
-  void give_back(std::unique_ptr<PassMemory<float>> memory) {
+  void release(std::unique_ptr<PassMemory<float>> memory) {
     const std::lock_guard lock(mutex_);
     free_.push_back(std::move(memory));
   }

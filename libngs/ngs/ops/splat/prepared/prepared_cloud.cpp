@@ -9,8 +9,8 @@
 namespace ngs {
 namespace {
 
-/// Rows that follow each other along the curve lie anywhere in the cloud: memory is asked for so many ahead.
-constexpr std::size_t kAhead = 16;
+/// Prefetch distance in rows: neighbours along the curve are scattered in the cloud.
+constexpr std::size_t kPrefetchRows = 16;
 
 void prefetch_row(const CloudView<float>& cloud, std::size_t i) {
   __builtin_prefetch(cloud.position + 3 * i);
@@ -32,11 +32,11 @@ PreparedCloud::PreparedCloud(const Exec& exec, const CloudView<float>& cloud)
   const std::size_t places = bounds.size() * kBlockRows;
   for (auto& column : position) column.resize(places);
   for (auto& column : shape) column.resize(places);
-  for (auto* column : {&opacity, &two_cut, &log2_opacity, &scale_bound}) column->resize(places);
+  for (auto* column : {&opacity, &max_mahalanobis2, &log2_opacity, &scale_bound}) column->resize(places);
   for_each_task(exec, blocks(), [&](std::int64_t block) {
     const auto begin = std::size_t(block) * kBlockRows, end = std::min(row.size(), begin + kBlockRows);
     for (std::size_t place = begin; place < end; ++place) {
-      if (place + kAhead < row.size()) prefetch_row(source_, row[place + kAhead]);
+      if (place + kPrefetchRows < row.size()) prefetch_row(source_, row[place + kPrefetchRows]);
       prepare_place(place);
     }
     for (std::size_t place = end; place < begin + kBlockRows; ++place) clear_place(place);
@@ -75,14 +75,14 @@ void PreparedCloud::prepare_place(std::size_t place) {
   for (std::size_t k = 0; k < 9; ++k) shape[k][place] = ctx.m.m[k];
   const float o = sigmoid(source_.logit_opacity[i]);
   opacity[place] = source_.usable && !source_.usable[i] ? 0.f : o;
-  two_cut[place] = two_cut_of(o), log2_opacity[place] = log2_opacity_of(o);
+  max_mahalanobis2[place] = max_mahalanobis2_of(o), log2_opacity[place] = log2_opacity_of(o);
   scale_bound[place] = exp_at_least(max2(max2(log_scale[0], log_scale[1]), log_scale[2]));
 }
 
 void PreparedCloud::clear_place(std::size_t place) {
   for (auto& column : position) column[place] = 0;
   for (auto& column : shape) column[place] = 0;
-  opacity[place] = two_cut[place] = log2_opacity[place] = scale_bound[place] = 0;
+  opacity[place] = max_mahalanobis2[place] = log2_opacity[place] = scale_bound[place] = 0;
 }
 
 BlockBounds PreparedCloud::bounds_of(std::int64_t block) const {
@@ -102,7 +102,7 @@ void PreparedCloud::bound_groups() {
 }
 
 std::shared_ptr<PreparedCloud> prepare_cloud(const Exec& exec, const GaussianCloud& cloud) {
-  if (exec.device_ops) return nullptr;  // the device prepares rows itself
+  if (exec.device_ops) return nullptr;  // the device has its own preparation
   return std::make_shared<PreparedCloud>(exec, cloud_view(cloud, 0, nullptr));
 }
 

@@ -7,10 +7,10 @@
 namespace ngs {
 namespace {
 
-/// Rows of a block that go through projection together: what is known of them stays in the nearest cache.
+/// Rows of a block that are projected together: their columns fit the L1 cache.
 constexpr int kPassRows = 64;
 
-/// f(row) for the rows of a pass, which f treats independently of each other.
+/// f(row) for the rows of a pass; f must treat them independently.
 template <class F>
 [[gnu::always_inline]] inline void each_row(const F& f) {
 #ifdef __clang__
@@ -41,12 +41,11 @@ int count_of(const std::uint8_t* flag, int rows) {
   return int(above < hi ? above : double(hi));
 }
 
-/// The rows of a pass on their way to ProjectedView; the members are those of ProjectedGaussian, SplatRecord and
-/// TileRect.
+/// The rows of a pass before they enter ProjectedView; members as in ProjectedGaussian, SplatRecord and TileRect.
 struct PassRows {
   Column<double> x, y, z;  // the centre in camera coordinates
   Column<float> depth, mean_x, mean_y, variance_x, variance_y, det_raw, det, conic_a, conic_b, conic_c;
-  Column<float> opacity, two_cut, log2_opacity;
+  Column<float> opacity, max_mahalanobis2, log2_opacity;
   Column<float> along_u, along_v, across, inv_det, half_width, half_height, bottom_x, inv_c;
   Column<double> wide_x, wide_y, radius_x, radius_y;
   Column<int> x_begin, x_end, y_begin, y_end;
@@ -61,16 +60,16 @@ class BlockProjector {
   BlockProjector(const PreparedCloud& cloud, const CloudView<float>& columns, const View& projector)
       : cloud_(cloud), columns_(columns), view_(projector) {}
 
-  /// Whether a row of it may reach a pixel.
+  /// Whether a row within these bounds may reach a pixel.
   bool may_reach(const BlockBounds& bounds) const;
-  /// Flags the rows that may reach a pixel; their number.
+  /// Flags the rows that may reach a pixel; returns their number.
   int flag(std::int64_t block, std::uint8_t* reaches) const;
-  /// Writes the flagged rows from row `at` on.
+  /// Writes the flagged rows to `out`, starting at row `at`.
   void project(std::int64_t block, const std::uint8_t* reaches, std::size_t at, ProjectedView<float>& out) const;
 
  private:
   void flag_rows(std::size_t base, std::uint8_t* reaches) const;
-  /// project() of a pass that begins with row `base`.
+  /// project() of the pass that begins at row `base`, all rows vectorised.
   void project_all(std::size_t base, const std::uint8_t* reaches, std::size_t at, ProjectedView<float>& out) const;
   /// The same row by row: faster where few are flagged.
   void project_few(std::size_t base, const std::uint8_t* reaches, std::size_t at, ProjectedView<float>& out) const;
@@ -88,8 +87,8 @@ class BlockProjector {
   const View& view_;
 };
 
-/// The four linear forms of ViewProjector::beside at the corners of the box: where one is beyond the largest Gaussian's
-/// reach at all corners, it is so at every centre.
+/// Evaluates the four linear forms of ViewProjector::outside_frustum at the corners of the box. A form that exceeds the
+/// largest Gaussian's reach at all corners exceeds it at every centre.
 bool BlockProjector::may_reach(const BlockBounds& bounds) const {
   if (bounds.empty()) return false;
   const auto& w = view_.wide;
@@ -187,15 +186,17 @@ void BlockProjector::covariance(std::size_t base, PassRows& rows) const {
 }
 
 void BlockProjector::opacity(std::size_t base, const std::uint8_t* reaches, PassRows& rows) const {
-  const float *opacity = &cloud_.opacity[base], *two_cut = &cloud_.two_cut[base], *log2 = &cloud_.log2_opacity[base];
-  each_row([&rows, opacity, two_cut, log2](int i) {
-    rows.opacity[i] = opacity[i], rows.two_cut[i] = two_cut[i], rows.log2_opacity[i] = log2[i];
+  const float *opacity = &cloud_.opacity[base], *max_mahalanobis2 = &cloud_.max_mahalanobis2[base],
+              *log2 = &cloud_.log2_opacity[base];
+  each_row([&rows, opacity, max_mahalanobis2, log2](int i) {
+    rows.opacity[i] = opacity[i], rows.max_mahalanobis2[i] = max_mahalanobis2[i], rows.log2_opacity[i] = log2[i];
   });
   if (!view_.camera.antialiased) return;
   for (int i = 0; i < kPassRows; ++i) {
     if (!reaches[i]) continue;
     rows.opacity[i] *= std::sqrt(max2(rows.det_raw[i] / rows.det[i], float(kCompensationFloor2)));
-    rows.two_cut[i] = two_cut_of(rows.opacity[i]), rows.log2_opacity[i] = log2_opacity_of(rows.opacity[i]);
+    rows.max_mahalanobis2[i] = max_mahalanobis2_of(rows.opacity[i]),
+    rows.log2_opacity[i] = log2_opacity_of(rows.opacity[i]);
   }
 }
 
@@ -230,12 +231,12 @@ void BlockProjector::rectangle(PassRows& rows) const {
   });
 }
 
-/// As record_of; and whether the row reaches a pixel.
+/// As record_of; also sets whether the row reaches a pixel.
 void BlockProjector::record(PassRows& rows) const {
   each_row([&rows](int i) {
     constexpr float kMost = std::numeric_limits<float>::max();
     const auto form = PowerForm<float>::of(rows.conic_a[i], rows.conic_b[i], rows.variance_y[i]);
-    const float reach2 = max2(rows.two_cut[i], 0.f), half_height = std::sqrt(reach2 * rows.variance_y[i]);
+    const float reach2 = max2(rows.max_mahalanobis2[i], 0.f), half_height = std::sqrt(reach2 * rows.variance_y[i]);
     rows.along_u[i] = form.along_u, rows.along_v[i] = form.along_v, rows.across[i] = form.across;
     rows.inv_det[i] = 1.f / rows.det[i], rows.inv_c[i] = 1.f / rows.conic_c[i];
     rows.half_width[i] = std::sqrt(reach2 * rows.variance_x[i]), rows.half_height[i] = half_height;
@@ -251,7 +252,7 @@ void BlockProjector::span_of(int row, PassRows& rows) const {
   Column<int>&first = rows.span_first[std::size_t(row)], &end = rows.span_end[std::size_t(row)];
   each_row([&rows, &first, &end, row](int i) {
     const PowerForm<float> form{rows.along_u[i], rows.along_v[i], rows.across[i]};
-    const EllipseShape<float> shape{form.a(),      form.b(),           rows.two_cut[i],    rows.inv_det[i],
+    const EllipseShape<float> shape{form.a(),      form.b(),           rows.max_mahalanobis2[i], rows.inv_det[i],
                                     rows.inv_c[i], rows.half_width[i], rows.half_height[i]};
     const int ty = rows.y_begin[i] + row;
     const TileRange range = tiles_of_row(shape, rows.wide_x[i], rows.wide_y[i], {rows.x_begin[i], rows.x_end[i]}, ty);
@@ -279,10 +280,11 @@ void BlockProjector::project_all(std::size_t base, const std::uint8_t* reaches, 
                                    : TileRect{0, 0, 0, 0};
     for (std::size_t row = 0; row < rows.span_first.size(); ++row)
       out.first[at][row] = {half(rows.span_first[row][i]), half(rows.span_end[row][i])};
-    out.record[at] = {rows.wide_x[i],       rows.wide_y[i],      {rows.along_u[i], rows.along_v[i], rows.across[i]},
-                      rows.log2_opacity[i], rows.two_cut[i],     rows.inv_det[i],
-                      rows.half_width[i],   rows.half_height[i], rows.bottom_x[i],
-                      rows.inv_c[i]};
+    out.record[at] = {
+        rows.wide_x[i],       rows.wide_y[i],           {rows.along_u[i], rows.along_v[i], rows.across[i]},
+        rows.log2_opacity[i], rows.max_mahalanobis2[i], rows.inv_det[i],
+        rows.half_width[i],   rows.half_height[i],      rows.bottom_x[i],
+        rows.inv_c[i]};
     ++at;
   }
 }
@@ -302,7 +304,7 @@ void BlockProjector::project_few(std::size_t base, const std::uint8_t* reaches, 
 
 void BlockProjector::project(std::int64_t block, const std::uint8_t* reaches, std::size_t at,
                              ProjectedView<float>& out) const {
-  constexpr int kFew = 12;  // flagged rows below which those of a pass are projected one by one
+  constexpr int kFew = 12;  // flagged rows of a pass below which they are projected one by one
   for (int pass = 0; pass < kBlockRows; pass += kPassRows, reaches += kPassRows) {
     const std::size_t base = std::size_t(block) * kBlockRows + std::size_t(pass);
     const int count = count_of(reaches, kPassRows);

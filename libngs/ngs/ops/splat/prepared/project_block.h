@@ -1,12 +1,12 @@
 #pragma once
-// Projection of a prepared cloud in blocks of rows: ViewProjector::project, bit for bit, in loops that the compiler
-// makes ones of packs. Internal to ops.                                                     Eq. (2); PAPER.md §5.1
+// Projects a prepared cloud block by block: bit-identical to ViewProjector::project, in loops that the compiler
+// vectorises. Internal to ops.                                                              Eq. (2); PAPER.md §5.1
 #include "ngs/ops/splat/prepared/prepared_cloud.h"
 
 namespace ngs {
 
-/// Projects the Gaussians of `cloud` that may reach a pixel and are in `include` [N] (null: all) into memory.view, in
-/// the order of `cloud`. A row with an empty rectangle reaches none after all, and its other members mean nothing.
+/// Projects the Gaussians of `cloud` that may reach a pixel and are in columns.include (null: all) into memory.view, in
+/// the order of `cloud`. A row with an empty rectangle reaches no pixel; its other members are undefined.
 void project_blocks(const Exec& exec, const PreparedCloud& cloud, const CloudView<float>& columns,
                     const ViewProjector<float>& projector, PassMemory<float>& memory);
 

@@ -1,1 +1,1 @@
-"""Stands in for SAM 2, of which the adapter uses the predictor of one picture."""
+"""Replaces SAM 2, with only the image predictor that the adapter uses."""

@@ -1,0 +1,154 @@
+#pragma once
+// Mask evidence on a device (before Eq. (3)): the sums of ops/splat/evidence_tile.h per (Gaussian, tile) pair, then per
+// Gaussian. A thread first traverses one pixel, then sums eight pixels of one Gaussian, as in
+// ops/device/splat_backward_kernel.h.
+#include "ngs/ops/device/tiles_kernel.h"
+#include "ngs/scene/mask_threshold.h"
+
+namespace ngs {
+
+/// The evidence of up to K objects in one launch, from object `first` on; `used` of the K exist.
+template <int K>
+struct EvidenceTileOnDevice {
+  static constexpr const char* kName = "evidence_tile";
+  static constexpr int kThreads = kTilePixels, kBatch = 64, kChunk = 8;
+  static constexpr int kSegments = kThreads / kChunk, kSegmentPx = kTilePixels / kSegments;
+  static constexpr int kSums = 2 + 2 * K;
+
+  TilesOnDevice tiles;
+  const std::uint8_t* known;  // [H·W] or null: all
+  const float* target;        // [objects, H·W]
+  std::int64_t pixels;        // H·W
+  int first, used;
+  float* pair;  // [pairs, columns]: W, n, then W1, n1 per object; zero where nothing is written
+  int columns;
+
+  struct Shared {
+    TileGaussian<float> gaussian[kBatch];
+    float mask[1 + K][kTilePixels];  // known, targets; 0 where unknown or outside
+    float weight[kChunk][kTilePixels];
+    float segment[kSegments][kChunk * kSums + 1];  // odd rows, as in the splat's backward pass
+  };
+  struct Thread {
+    PixelTraversal<float> traversal;
+  };
+
+  template <class Block>
+  NGS_HD void operator()(Block& block) const {
+    const TileFrame frame = tiles.frame(block.index);
+    const std::int64_t begin = tiles.begin[block.index], end = tiles.begin[block.index + 1];
+    block.phase([&](int t, Shared& shared, Thread& own) { load_masks(t, frame, shared, own); });
+    for (std::int64_t at = begin; at < end; at += kBatch) {
+      const int count = int(min2<std::int64_t>(kBatch, end - at));
+      const bool more = block.any([&](int t, Shared& shared, Thread& own) {
+        if (t < count) shared.gaussian[t] = tile_gaussian(tiles.record[tiles.gaussian[at + t]], frame);
+        return own.traversal.live;
+      });
+      if (!more) return;
+      for (int from = 0; from < count; from += kChunk)
+        sum_chunk(block, frame, at + from, from, min2(kChunk, count - from));
+    }
+  }
+
+ private:
+  NGS_HD void load_masks(int t, const TileFrame& frame, Shared& shared, Thread& own) const {
+    const TilePixel pixel(t, frame);
+    const bool counts = pixel.inside && (known == nullptr || known[pixel.index] != 0);
+    own.traversal = {1.f, pixel.inside};
+    shared.mask[0][t] = counts ? 1.f : 0.f;
+    for (int k = 0; k < K; ++k)
+      shared.mask[1 + k][t] = counts && k < used ? target[(first + k) * pixels + pixel.index] : 0.f;
+  }
+
+  template <class Block>
+  NGS_HD void sum_chunk(Block& block, const TileFrame& frame, std::int64_t entry, int from, int count) const {
+    block.phase([&](int t, Shared& shared, Thread& own) {
+      const TilePixel pixel(t, frame);
+      for (int j = 0; j < count; ++j) {
+        float before;
+        const float opaque =
+            own.traversal.pass(shared.gaussian[from + j], float(pixel.column), float(pixel.row), tiles.stop, before);
+        shared.weight[j][t] = opaque * before;
+      }
+    });
+    block.phase([&](int t, Shared& shared, Thread&) {
+      const int j = t / kSegments;
+      if (j < count) sum_segment(shared, j, t % kSegments);
+    });
+    block.phase([&](int t, Shared& shared, Thread&) {
+      const int j = t / kSums, k = t % kSums;
+      if (j >= count || k >= 2 + 2 * used) return;
+      float sum = 0.f;
+      for (int s = 0; s < kSegments; ++s) sum += shared.segment[s][t];
+      pair[std::int64_t(tiles.slot[entry + j]) * columns + (k < 2 ? k : k + 2 * first)] = sum;
+    });
+  }
+
+  NGS_HD static void sum_segment(Shared& shared, int j, int s) {
+    float sum[kSums];
+    for (int k = 0; k < kSums; ++k) sum[k] = 0.f;
+    for (int i = 0; i < kSegmentPx; ++i) {
+      const int at = s * kSegmentPx + (i + s / 4) % kSegmentPx;
+      const float weight = shared.weight[j][at], counts = shared.mask[0][at];
+      sum[0] = fma_lanes(weight, counts, sum[0]);
+      sum[1] += weight > 0.f ? counts : 0.f;
+      for (int k = 0; k < K; ++k) {
+        const float m = shared.mask[1 + k][at];
+        sum[2 + 2 * k] = fma_lanes(weight, m, sum[2 + 2 * k]);
+        sum[3 + 2 * k] += weight > 0.f && mask_is_foreground(m) ? 1.f : 0.f;
+      }
+    }
+    for (int k = 0; k < kSums; ++k) shared.segment[s][j * kSums + k] = sum[k];
+  }
+};
+
+/// Sums the pairs of Gaussian i in double; zeros if it has none.
+struct SumPairs {
+  static constexpr const char* kName = "sum_pairs";
+  const std::int64_t* slot_begin;  // [N + 1]
+  const float* pair;               // [pairs, columns]
+  int columns;
+  double* sum;  // [N, columns] out
+
+  NGS_HD void operator()(std::int64_t i) const {
+    for (int c = 0; c < columns; ++c) {
+      double total = 0;
+      for (std::int64_t slot = slot_begin[i]; slot < slot_begin[i + 1]; ++slot)
+        total += double(pair[slot * columns + c]);
+      sum[i * columns + c] = total;
+    }
+  }
+};
+
+/// The masks of a view on a device.
+struct MasksOnDevice {
+  const std::uint8_t* known;  // [H·W] or null: all
+  const float* target;        // [objects, H·W]
+  std::int64_t pixels;        // H·W
+  int objects;
+};
+
+/// [N, 2 + 2 · objects] sums of the pairs of every Gaussian.
+template <class Launcher>
+DeviceBuffer<Launcher, double> evidence_sums(Launcher& launcher, const TileBins<Launcher>& bins,
+                                             const MasksOnDevice& masks) {
+  const auto& [known, target, pixels, objects] = masks;
+  const int columns = 2 + 2 * objects;
+  DeviceBuffer<Launcher, float> pair(launcher, bins.pairs() * columns);
+  pair.zero();
+  if (objects == 1) {
+    launcher.launch_blocks(bins.tiles(),
+                           EvidenceTileOnDevice<1>{bins.view(), known, target, pixels, 0, 1, pair.data(), columns});
+  } else {
+    constexpr int kGroup = 4;
+    for (int first = 0; first < max2(objects, 1); first += kGroup)
+      launcher.launch_blocks(bins.tiles(),
+                             EvidenceTileOnDevice<kGroup>{bins.view(), known, target, pixels, first,
+                                                          min2(kGroup, objects - first), pair.data(), columns});
+  }
+  DeviceBuffer<Launcher, double> sum(launcher, bins.gaussians() * columns);
+  launcher.parallel_for(bins.gaussians(), SumPairs{bins.slot_begin(), pair.data(), columns, sum.data()});
+  return sum;
+}
+
+}  // namespace ngs

@@ -1,0 +1,95 @@
+#pragma once
+// Compositing one tile on a device: a thread is a pixel, a block a tile. The same steps in the same order as on the CPU
+// (ops/splat/splat_step_kernels.h), so equal records give bit-identical images. See Eq. (2).
+#include "ngs/ops/device/tiles_kernel.h"
+
+namespace ngs {
+
+/// C of the `stride` channels of every Gaussian, from channel `first` on. Channels from `used` on are 0,
+/// with null planes.
+template <int C>
+struct ChannelGroup {
+  const float* data;  // [N, stride]
+  int stride, first, used;
+  float background[C];
+  NGS_HD float at(std::uint32_t gaussian, int c) const {
+    return c < used ? data[std::int64_t(gaussian) * stride + first + c] : 0.f;
+  }
+};
+
+/// Entries [first, first + count) of the lists of tiles.
+struct EntryRange {
+  std::int64_t first;
+  int count;
+};
+
+/// The Gaussians that a block works on next.
+template <int C, int kBatch>
+struct StagedGaussians {
+  TileGaussian<float> gaussian[kBatch];
+  float value[kBatch][C];
+
+  /// The thread's part of loading the entries.
+  template <int kThreads>
+  NGS_HD void load(int thread, const TilesOnDevice& tiles, const TileFrame& frame, const ChannelGroup<C>& channels,
+                   const EntryRange& entries) {
+    const std::uint32_t* id = tiles.gaussian + entries.first;
+    if (thread < entries.count) gaussian[thread] = tile_gaussian(tiles.record[id[thread]], frame);
+    for (int i = thread; i < entries.count * C; i += kThreads) value[i / C][i % C] = channels.at(id[i / C], i % C);
+  }
+};
+
+template <int C>
+struct SplatForwardTile {
+  static constexpr const char* kName = "splat_forward_tile";
+  static constexpr int kThreads = kTilePixels, kBatch = 64;
+  TilesOnDevice tiles;
+  ChannelGroup<C> channels;
+  Plane<float> out[C];
+  Plane<float> alpha;
+
+  using Shared = StagedGaussians<C, kBatch>;
+  struct Thread {
+    PixelTraversal<float> traversal;
+    float sum[C];
+  };
+
+  template <class Block>
+  NGS_HD void operator()(Block& block) const {
+    const TileFrame frame = tiles.frame(block.index);
+    const std::int64_t begin = tiles.begin[block.index], end = tiles.begin[block.index + 1];
+    block.phase([&](int t, Shared&, Thread& own) {
+      own.traversal = {1.f, TilePixel(t, frame).inside};
+      for (int c = 0; c < C; ++c) own.sum[c] = 0.f;
+    });
+    for (std::int64_t first = begin; first < end; first += kBatch) {
+      const int count = int(min2<std::int64_t>(kBatch, end - first));
+      const bool more = block.any([&](int t, Shared& shared, Thread& own) {
+        shared.template load<kThreads>(t, tiles, frame, channels, {first, count});
+        return own.traversal.live;
+      });
+      if (!more) break;
+      block.phase([&](int t, Shared& shared, Thread& own) {
+        const TilePixel pixel(t, frame);
+        for (int k = 0; k < count && own.traversal.live; ++k) {
+          float before;
+          const float opaque =
+              own.traversal.pass(shared.gaussian[k], float(pixel.column), float(pixel.row), tiles.stop, before);
+          const float weight = opaque * before;
+          for (int c = 0; c < C; ++c) own.sum[c] = fma_lanes(weight, shared.value[k][c], own.sum[c]);
+        }
+      });
+    }
+    block.phase([&](int t, Shared&, Thread& own) {
+      const TilePixel pixel(t, frame);
+      if (!pixel.inside) return;
+      for (int c = 0; c < C; ++c)
+        if (out[c].data != nullptr)
+          out[c].data[pixel.index * out[c].stride] =
+              fma_lanes(own.traversal.transmittance, channels.background[c], own.sum[c]);
+      if (alpha.data != nullptr) alpha.data[pixel.index * alpha.stride] = 1.f - own.traversal.transmittance;
+    });
+  }
+};
+
+}  // namespace ngs

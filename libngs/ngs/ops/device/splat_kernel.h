@@ -1,0 +1,160 @@
+#pragma once
+// Forward and backward pass of one view on a device: the counterpart of SplatEngine on the CPU.
+#include <memory>
+
+#include "ngs/ops/device/splat_backward_kernel.h"
+
+namespace ngs {
+
+/// A device copy of the columns of a cloud. Columns that are null in `cloud` stay null.
+template <class Launcher>
+class CloudOnDevice {
+ public:
+  CloudOnDevice(Launcher& launcher, const CloudView<float>& cloud)
+      : view_(cloud),
+        position_(launcher, cloud.position, cloud.size * 3),
+        rotation_(launcher, cloud.rotation, cloud.size * 4),
+        log_scale_(launcher, cloud.log_scale, cloud.size * 3),
+        logit_opacity_(launcher, cloud.logit_opacity, cloud.size),
+        sh_dc_(launcher, cloud.sh_dc, cloud.sh_dc ? cloud.size * 3 : 0),
+        sh_rest_(launcher, cloud.sh_rest, cloud.sh_rest ? cloud.size * cloud.rest_stride * 3 : 0),
+        usable_(launcher, cloud.usable, cloud.usable ? cloud.size : 0),
+        include_(launcher, cloud.include, cloud.include ? cloud.size : 0) {
+    view_.position = position_.data(), view_.rotation = rotation_.data(), view_.log_scale = log_scale_.data();
+    view_.logit_opacity = logit_opacity_.data(), view_.sh_dc = sh_dc_.data(), view_.sh_rest = sh_rest_.data();
+    view_.usable = usable_.data(), view_.include = include_.data();
+  }
+  const CloudView<float>& view() const { return view_; }
+
+ private:
+  CloudView<float> view_;
+  DeviceBuffer<Launcher, float> position_, rotation_, log_scale_, logit_opacity_, sh_dc_, sh_rest_;
+  DeviceBuffer<Launcher, std::uint8_t> usable_, include_;
+};
+
+struct ChannelRows {
+  static constexpr const char* kName = "channel_rows";
+  ChannelPlan<float> plan;
+  ViewProjector<float> view;
+  CloudView<float> cloud;
+  const float* depth;
+  const std::int64_t* slot_begin;
+  float* row;  // [N, count] out, of Gaussians with slots
+  NGS_HD void operator()(std::int64_t i) const {
+    if (slot_begin[i] < slot_begin[i + 1]) plan.fill(view, cloud, i, depth[i], row + i * plan.count());
+  }
+};
+
+struct GaussiansBackward {
+  static constexpr const char* kName = "gaussians_backward";
+  GaussianBackward<float> kernel;  // its rows are those of SplatBackwardTile
+  const std::int64_t* slot_begin;
+  DeviceSums sums;
+  const float* channel;  // [N, count]
+  NGS_HD void operator()(std::int64_t i) const {
+    const std::int64_t begin = slot_begin[i], end = slot_begin[i + 1];
+    const bool summed = sums == DeviceSums::kAtomic;
+    if (begin < end) kernel.gather(i, channel + i * kernel.plan.count(), summed ? i : begin, summed ? i + 1 : end);
+  }
+};
+
+inline constexpr int kMostChannels = 8;  // in one launch
+
+/// One view. All pointers are device pointers; `cloud` and `plan.label` must outlive it.
+template <class Launcher>
+class SplatOnDevice {
+ public:
+  SplatOnDevice(Launcher& launcher, const ViewProjector<float>& view, const CloudView<float>& cloud,
+                const ChannelPlan<float>& plan)
+      : launcher_(launcher),
+        projector_(view),
+        cloud_(cloud),
+        plan_(plan),
+        bins_(launcher, view, cloud),
+        channel_(launcher, cloud.size * plan.count()) {
+    if (plan.count() > 0)
+      launcher.parallel_for(cloud.size,
+                            ChannelRows{plan, projector_, cloud, bins_.depth(), bins_.slot_begin(), channel_.data()});
+  }
+
+  /// out[c]: channel c; out[count]: 1 - T_final.
+  void forward(const std::vector<Plane<float>>& out) {
+    for (int first = 0; first == 0 || first < plan_.count(); first += kMostChannels)
+      with_group(first, [&](auto size) {
+        SplatForwardTile<size> kernel{bins_.view(), group<size>(first), {}, {}};
+        for (int c = 0; c < kernel.channels.used; ++c) kernel.out[c] = out[std::size_t(first + c)];
+        if (first == 0) kernel.alpha = out[std::size_t(plan_.count())];
+        launcher_.launch_blocks(bins_.tiles(), kernel);
+      });
+  }
+
+  /// Like SplatEngine::backward. The columns of `out` are overwritten.
+  void backward(const std::vector<Plane<const float>>& grad, const std::vector<std::uint8_t>& moves,
+                const CloudGradientView<float>& out, DeviceSums sums) {
+    const int columns = kPairGeometry + plan_.count();
+    DeviceBuffer<Launcher, float> rows(launcher_,
+                                       (sums == DeviceSums::kAtomic ? cloud_.size : bins_.pairs()) * columns);
+    rows.zero();
+    const DeviceBuffer<Launcher, float> checkpoints(
+        launcher_,
+        SplatBackwardTile<1, Launcher>::checkpoint_rows(bins_.pairs(), bins_.tiles()) * std::int64_t(kTilePixels));
+    for (int first = 0; first == 0 || first < plan_.count(); first += kMostChannels)
+      with_group(first, [&](auto size) {
+        SplatBackwardTile<size, Launcher> kernel{bins_.view(),       group<size>(first), {},      0,
+                                                 checkpoints.data(), rows.data(),        columns, sums};
+        for (int c = 0; c < kernel.channels.used; ++c) {
+          kernel.grad[c] = grad[std::size_t(first + c)];
+          if (moves[std::size_t(first + c)]) kernel.moves |= 1u << c;
+        }
+        if (first == 0) kernel.grad[size] = grad[std::size_t(plan_.count())];
+        launcher_.launch_blocks(bins_.tiles(), kernel);
+      });
+    clear(out);
+    const Matrix<const float> summands{rows.data(), rows.size() / columns, columns};
+    launcher_.parallel_for(
+        cloud_.size,
+        GaussiansBackward{{projector_, cloud_, plan_, summands, out}, bins_.slot_begin(), sums, channel_.data()});
+  }
+
+  const TileBins<Launcher>& bins() const { return bins_; }
+
+ private:
+  /// body(std::integral_constant<int, C>) for the C that holds the channels from `first` on.
+  template <class Body>
+  void with_group(int first, const Body& body) const {
+    switch (plan_.count() - first) {
+      case 0:
+      case 1: return body(std::integral_constant<int, 1>{});
+      case 3: return body(std::integral_constant<int, 3>{});
+      case 4: return body(std::integral_constant<int, 4>{});
+      case 5: return body(std::integral_constant<int, 5>{});
+      default: return body(std::integral_constant<int, kMostChannels>{});
+    }
+  }
+  template <int C>
+  ChannelGroup<C> group(int first) const {
+    ChannelGroup<C> g{channel_.data(), plan_.count(), first, min2(C, plan_.count() - first), {}};
+    const float b[3] = {plan_.background.x, plan_.background.y, plan_.background.z};
+    if (plan_.colour && first == 0)
+      for (int c = 0; c < min2(C, 3); ++c) g.background[c] = b[c];
+    return g;
+  }
+  void clear(const CloudGradientView<float>& out) {
+    const auto zero = [&](auto* column, int width) {
+      if (column) launcher_.fill_zero(column, std::size_t(cloud_.size) * std::size_t(width) * sizeof *column);
+    };
+    zero(out.position, 3), zero(out.rotation, 4), zero(out.log_scale, 3), zero(out.logit_opacity, 1);
+    zero(out.sh_dc, 3), zero(out.sh_rest, cloud_.rest_stride * 3), zero(out.label, plan_.labels()),
+        zero(out.mean_px, 2);
+    zero(out.visible, 1);
+  }
+
+  Launcher& launcher_;
+  ViewProjector<float> projector_;
+  CloudView<float> cloud_;
+  ChannelPlan<float> plan_;
+  TileBins<Launcher> bins_;
+  DeviceBuffer<Launcher, float> channel_;  // [N, count]
+};
+
+}  // namespace ngs

@@ -1,0 +1,162 @@
+#pragma once
+// Projection and tile lists of a view on a device (backend/launcher.h). The lists are those of the CPU
+// (ops/splat/splat_view.h), without compaction: Gaussians keep their row numbers, and a Gaussian that reaches no tile
+// has no slots.
+//
+// Pairs (Gaussian, tile) are created in the order of Gaussians and radix-sorted by (tile, depth). The sort is stable,
+// so equal depths are ordered by index.
+#include "ngs/backend/launcher.h"
+#include "ngs/core/check.h"
+#include "ngs/ops/splat/splat_gaussian.h"
+
+namespace ngs {
+
+/// Inputs of the tile kernels. Tile t has the entries [begin[t], begin[t + 1]), nearest first.
+struct TilesOnDevice {
+  const SplatRecord<float>* record;      // [N]
+  const std::uint32_t *gaussian, *slot;  // [pairs]
+  const std::int64_t* begin;             // [tiles + 1]
+  int tiles_x, width_px, height_px;
+  float stop;
+
+  NGS_HD TileFrame frame(std::int64_t tile) const {
+    return {int(tile % tiles_x) * kTilePx, int(tile / tiles_x) * kTilePx, width_px, height_px};
+  }
+};
+
+/// The pixel of a thread in its tile: thread t is pixel t, row by row.
+struct TilePixel {
+  int column, row;
+  bool inside;
+  std::int64_t index;  // into the image
+  NGS_HD TilePixel(int thread, const TileFrame& frame)
+      : column(thread % kTilePx),
+        row(thread / kTilePx),
+        inside(column < frame.columns() && row < frame.rows()),
+        index(std::int64_t(frame.y_px + row) * frame.width_px + frame.x_px + column) {}
+};
+
+struct ProjectGaussians {
+  static constexpr const char* kName = "project_gaussians";
+  ViewProjector<float> view;
+  CloudView<float> cloud;
+  SplatRecord<float>* record;  // [N] out, of Gaussians with tiles > 0
+  float* depth;                // [N] out
+  TileRect* rect;              // [N] out
+  std::uint32_t* tiles;        // [N] out: number of tiles that the Gaussian reaches
+
+  NGS_HD void operator()(std::int64_t i) const {
+    VisibleGaussian<float> g;
+    std::uint32_t reached = 0;
+    if (view.project(cloud, i, g)) {
+      for (int ty = g.rect.y_begin; ty < g.rect.y_end; ++ty) {
+        const TileSpan span = tile_span(g.record, g.rect, ty);
+        reached += std::uint32_t(span.end - span.first);
+      }
+      record[i] = g.record, depth[i] = g.depth, rect[i] = g.rect;
+    }
+    tiles[i] = reached;
+  }
+};
+
+struct MakePairs {
+  static constexpr const char* kName = "make_pairs";
+  const SplatRecord<float>* record;
+  const float* depth;
+  const TileRect* rect;
+  const std::int64_t* slot_begin;  // [N + 1]
+  int tiles_x;
+  std::uint64_t* key;      // [pairs] out: tile, then the bits of the depth, which is positive
+  std::uint32_t* slot;     // [pairs] out: 0, 1, 2, ...
+  std::uint32_t* of_slot;  // [pairs] out: the Gaussian
+
+  NGS_HD void operator()(std::int64_t i) const {
+    if (slot_begin[i] == slot_begin[i + 1]) return;
+    const std::uint32_t near_first = __builtin_bit_cast(std::uint32_t, depth[i]);
+    std::int64_t at = slot_begin[i];
+    for (int ty = rect[i].y_begin; ty < rect[i].y_end; ++ty) {
+      const TileSpan span = tile_span(record[i], rect[i], ty);
+      for (int tx = span.first; tx < span.end; ++tx, ++at) {
+        key[at] = std::uint64_t(ty * tiles_x + tx) << 32 | near_first;
+        slot[at] = std::uint32_t(at), of_slot[at] = std::uint32_t(i);
+      }
+    }
+  }
+};
+
+struct FindTiles {
+  static constexpr const char* kName = "find_tiles";
+  const std::uint64_t* key;
+  std::int64_t pairs;
+  std::int64_t* begin;  // [tiles + 1] out
+  NGS_HD void operator()(std::int64_t tile) const {
+    begin[tile] = lower_bound_of(key, pairs, std::uint64_t(tile) << 32);
+  }
+};
+
+struct GaussianOfEntry {
+  static constexpr const char* kName = "gaussian_of_entry";
+  const std::uint32_t *slot, *of_slot;
+  std::uint32_t* gaussian;
+  NGS_HD void operator()(std::int64_t e) const { gaussian[e] = of_slot[slot[e]]; }
+};
+
+/// The lists of one view and the memory they live in.
+template <class Launcher>
+class TileBins {
+ public:
+  /// All arrays of `cloud` are device pointers. Waits for the number of pairs, to allocate their memory.
+  TileBins(Launcher& launcher, const ViewProjector<float>& view, const CloudView<float>& cloud)
+      : width_px_(view.width_px),
+        height_px_(view.height_px),
+        tiles_x_(view.tiles_x),
+        tile_count_(std::int64_t(view.tiles_x) * view.tiles_y),
+        stop_(float(transmittance_stop(view.compat))),
+        record_(launcher, cloud.size),
+        depth_(launcher, cloud.size),
+        slot_begin_(launcher, cloud.size + 1),
+        begin_(launcher, tile_count_ + 1) {
+    const DeviceBuffer<Launcher, TileRect> rect(launcher, cloud.size);
+    const DeviceBuffer<Launcher, std::uint32_t> tiles(launcher, cloud.size);
+    launcher.parallel_for(cloud.size,
+                          ProjectGaussians{view, cloud, record_.data(), depth_.data(), rect.data(), tiles.data()});
+    launcher.exclusive_scan(tiles.data(), slot_begin_.data(), cloud.size);
+    launcher.download(&pairs_, slot_begin_.data() + cloud.size, sizeof pairs_);
+    NGS_CHECK(pairs_ <= 0xffffffff, "slots are counted in 32 bits");
+    const DeviceBuffer<Launcher, std::uint64_t> key(launcher, pairs_);
+    const DeviceBuffer<Launcher, std::uint32_t> of_slot(launcher, pairs_);
+    slot_ = DeviceBuffer<Launcher, std::uint32_t>(launcher, pairs_),
+    gaussian_ = DeviceBuffer<Launcher, std::uint32_t>(launcher, pairs_);
+    launcher.parallel_for(cloud.size, MakePairs{record_.data(), depth_.data(), rect.data(), slot_begin_.data(),
+                                                tiles_x_, key.data(), slot_.data(), of_slot.data()});
+    launcher.sort(key.data(), slot_.data(), pairs_, 32 + bits_of(tile_count_));
+    launcher.parallel_for(tile_count_ + 1, FindTiles{key.data(), pairs_, begin_.data()});
+    launcher.parallel_for(pairs_, GaussianOfEntry{slot_.data(), of_slot.data(), gaussian_.data()});
+  }
+
+  TilesOnDevice view() const {
+    return {record_.data(), gaussian_.data(), slot_.data(), begin_.data(), tiles_x_, width_px_, height_px_, stop_};
+  }
+  std::int64_t tiles() const { return tile_count_; }
+  std::int64_t gaussians() const { return record_.size(); }
+  std::int64_t pairs() const { return pairs_; }
+  const std::int64_t* slot_begin() const { return slot_begin_.data(); }  // [N + 1]
+  const float* depth() const { return depth_.data(); }
+
+ private:
+  static int bits_of(std::int64_t n) {
+    int bits = 0;
+    while ((std::int64_t(1) << bits) < n) ++bits;
+    return bits;
+  }
+  int width_px_, height_px_, tiles_x_;
+  std::int64_t tile_count_;
+  float stop_;
+  std::int64_t pairs_ = 0;
+  DeviceBuffer<Launcher, SplatRecord<float>> record_;
+  DeviceBuffer<Launcher, float> depth_;
+  DeviceBuffer<Launcher, std::int64_t> slot_begin_, begin_;
+  DeviceBuffer<Launcher, std::uint32_t> slot_, gaussian_;
+};
+
+}  // namespace ngs

@@ -1,0 +1,73 @@
+#pragma once
+// Options of contour refinement.                                                                 PAPER.md §5.10
+#include <cstdint>
+
+#include "ngs/ops/image/contour_refine.h"
+#include "ngs/options/field.h"
+#include "ngs/stages/optimise/joint_options.h"
+
+namespace ngs {
+
+enum class ContourViews : std::uint8_t { kAll, kTrain };
+inline constexpr NamedValue<ContourViews> kContourViewsNames[] = {{ContourViews::kAll, "all"},
+                                                                  {ContourViews::kTrain, "train"}};
+
+/// What a view without a photo is trained on: kLeave: nothing; kPicture: the model's own rendering; kAuto: the better
+/// of both, as measured on views with a photo.
+enum class PhotolessViews : std::uint8_t { kAuto, kLeave, kPicture };
+inline constexpr NamedValue<PhotolessViews> kPhotolessViewsNames[] = {
+    {PhotolessViews::kAuto, "auto"}, {PhotolessViews::kLeave, "leave"}, {PhotolessViews::kPicture, "picture"}};
+
+/// The effects split, contour-iterations and full-resolution.
+struct ContourSwitches {
+  bool split = true;            // halve Gaussians that straddle contours
+  bool iterations = true;       // run more than one iteration
+  bool full_resolution = true;  // in all iterations; false: only in the last
+};
+
+/// Gaussians with more weight on the wrong side of contours are halved.
+inline constexpr double kSplit_px = 3;
+
+struct ContourOptions {
+  int iterations = 0, epochs = 0;  // 0: contour_iterations(), contour_epochs()
+  ContourViews views = ContourViews::kAll;
+  PhotolessViews photoless = PhotolessViews::kAuto;
+  ContourRefineOptions refine;
+  double margin_px = 64;  // of the trained windows; not an option
+  ContourSwitches on;     // set by the decisions on effects
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.iterations, Field<int>{"contour_iterations", "",
+                                      "Number of refinements; 0: 2, or 3 if the masks' contours miss the photos' "
+                                      "edges, and 2 more at high, 5 more at reference",
+                                      0, 100}
+                               .of("contour-iterations"));
+    visit(self.epochs, Field<int>{"contour_epochs", "",
+                                  "Epochs per iteration, half as many at half resolution; 0: 15, fewer with many views",
+                                  0, 1'000'000});
+    visit(self.views, Choice<ContourViews>{"contour_views", "Views whose photos are used; held-out masks never are",
+                                           kContourViewsNames});
+    visit(self.photoless,
+          Choice<PhotolessViews>{
+              "contour_photoless",
+              "Views without a photo: skip, train on the model's own render, or what is better in views with a photo",
+              kPhotolessViewsNames});
+    visit(self.refine.band_px,
+          Field<double>{"contour_band", "px of the photo", "Largest move of a contour in one iteration", 0.5, 1e3});
+  }
+};
+
+/// With more views, the default number of epochs falls so that steps grow with the square root of the number of views.
+inline constexpr int kViewsOfAllEpochs = 21;
+
+/// Epochs of the last iteration for this number of views; 0: contours are not refined.
+int contour_epochs(const ContourOptions& contour, Quality quality, std::size_t views);
+
+/// Number of iterations. `misaligned`: the masks' contours miss the photos' edges by more than one refinement moves.
+int contour_iterations(const ContourOptions& contour, Quality quality, bool misaligned);
+
+/// Epochs of an iteration at half the size, if the last iteration has `epochs`.
+int early_epochs(int epochs);
+
+}  // namespace ngs

@@ -1,0 +1,345 @@
+#include "ngs/stages/optimise/joint_trainer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "ngs/core/rng.h"
+#include "ngs/math/sh.h"
+#include "ngs/ops/field/knn.h"
+#include "ngs/ops/losses/loss_cont.h"
+#include "ngs/ops/losses/loss_mask.h"
+#include "ngs/ops/losses/photometric.h"
+#include "ngs/problem/trained_rows.h"
+#include "ngs/problem/view_list.h"
+#include "ngs/stages/boundary/method_labels.h"
+#include "ngs/stages/fit/fit_stage.h"
+#include "ngs/stages/optimise/first_queries.h"
+#include "ngs/stages/optimise/trained_labels.h"
+#include "ngs/stages/optimise/view_cache.h"
+
+namespace ngs {
+namespace {
+
+void refresh_positions(const GaussianCloud& cloud, BoundarySet& boundary) {
+  for (std::size_t b = 0; b < boundary.row.size(); ++b)
+    std::copy_n(&cloud.position[std::size_t(boundary.row[b]) * 3], 3, &boundary.position[b * 3]);
+}
+
+GroupRates group_rates(const JointSetup& s, const JointSwitches& effects) {
+  const GaussianRates& r = s.rates;
+  const double extent = scene_extent(cameras_of(s.input.scene, s.input.views));
+  GroupRates rates{r.position * extent, r.rotation, r.log_scale, r.logit_opacity, r.sh_dc, r.sh_rest};
+  for (double& rate : rates) rate = rate * s.options.rate_scale;
+  if (!effects.geometry) rates = {};
+  if (!effects.sh) rates[kGroupRest] = 0;
+  return rates;
+}
+
+SplatOptions splat_of(SplatOptions splat, const JointSwitches& effects) {
+  if (!effects.sh) splat.max_sh_degree = 0;
+  return splat;
+}
+
+}  // namespace
+
+BoundarySet boundary_to_train(const Problem& input, bool boundary_effect, bool allow_empty) {
+  BoundarySet boundary = boundary_set(input.cloud, boundary_flags(input, boundary_effect));
+  if (boundary.size() == 0 && !allow_empty)
+    throw Error(ErrorCode::kNothingFound, "the boundary set is empty",
+                "lower --tau of ngs-variance, or pass --allow-empty to train labels alone");
+  return boundary;
+}
+
+struct JointTrainer::Impl {
+  Exec exec;
+  Monitor& monitor;
+  JointOptions options;
+  JointSwitches effects;
+  SampleOptions sample;
+  RbfOptions rbf;
+  const Problem& input;
+  const QueryField* given_field;
+  GroupRates rates;  // at the first step, before decay
+
+  GaussianCloud cloud;
+  TrainedRows trained;
+  TrainedLabels labels;
+  BoundarySet boundary;
+  std::unique_ptr<JointField> field;
+  std::int64_t steps = 0, done = 0;
+
+  SplatOptions splat_options;
+  SplatPass splat;
+  PhotometricPass<float> photometric;
+  CloudGradients gradients;
+  GaussianMoments moments;
+  KnnGraph cont_graph;
+  ViewCache cache;
+
+  Impl(const Exec& e, Monitor& m, const JointSetup& s)
+      : exec(e),
+        monitor(m),
+        options(s.options),
+        effects(s.options.on),
+        sample(sample_of(s.sample, s.options)),
+        rbf(s.rbf),
+        input(s.input),
+        given_field(s.field),
+        rates(group_rates(s, effects)),
+        cloud(s.input.cloud),
+        trained(e, s.input.region, s.frozen.empty() ? s.input.frozen : s.frozen, cloud),
+        labels(trained),
+        splat_options(trained.prepared(splat_of(s.input.splat, effects))),
+        splat(splat_options),
+        cache(input, effects) {}
+
+  void start(bool allow_empty) {
+    boundary = boundary_to_train(input, effects.boundary, allow_empty);
+    if (boundary.size() == 0) effects.nerf = false;
+    if (!effects.nerf) effects.align = effects.density = effects.smooth = effects.variance = false;
+    steps = steps_of(options, input.views.size());
+    labels.start(input, options.start_steps);
+    if (boundary.size() > 1) {
+      cont_graph = nearest_others(exec, boundary.positions(), rbf.neighbours);
+      build_transpose(cont_graph);
+    }
+    if (effects.nerf) {
+      const double reach = field_reach(sample, cloud, cameras_of(input.scene, input.views), boundary);
+      field = std::make_unique<JointField>(
+          exec, JointField::Setup{options, effects, sample, rbf, cloud, boundary, reach, input.seed});
+    }
+  }
+
+  /// Copies the trained values to the rendered cloud, labels and boundary.
+  void write_back() {
+    labels.write_back(exec);
+    trained.write_back();
+    refresh_positions(cloud, boundary);
+  }
+
+  std::string step_name(std::int64_t s) const {
+    return "view '" + input.scene.views[input.views[view_of(s)]].camera.name + "', step " + std::to_string(s + 1);
+  }
+
+  /// Position in input.views of step `s` (from 0). Every round is a new permutation.
+  std::size_t view_of(std::int64_t s) const {
+    const auto n = input.views.size();
+    const std::uint64_t round = std::uint64_t(s) / n;
+    std::vector<std::size_t> order(n);
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    for (std::size_t i = n; i-- > 1;)
+      std::swap(order[i], order[rng_bits(input.seed, RngStream::kViewOrder, round * n + i) % (i + 1)]);
+    return order[std::size_t(s) % n];
+  }
+
+  FirstQueries first_queries() const { return {exec, sample, rbf, input, effects.boundary, given_field, *field}; }
+
+  FieldRays rays_of(std::size_t n, const RenderedView& rendered) {
+    const auto timed = monitor.scope("rays");
+    const std::size_t v = input.views[n];
+    const Camera& world = input.scene.views[v].camera;
+    const Camera camera = relative_to(world, cloud.origin);
+    const DepthMap map{&rendered.depth, &rendered.alpha};
+    FieldRays rays;
+    if (done < std::int64_t(input.views.size())) {
+      rays = first_queries().rays(v);
+    } else {
+      rays = field->rays(exec, camera, boundary.positions(), map);
+    }
+    if (rays.rays.rays() > 0) rays.on_surface = rays_on_surface(camera, rays.rays, map);
+    return rays;
+  }
+
+  /// Rendering, photo and masks of the view of a step.
+  struct StepImages {
+    const RenderedView& rendered;
+    const ViewCache::View& view;
+  };
+  LossTerms step_view(std::size_t n);
+  ImageF field_terms(const FieldRays& rays, const StepImages& images, LossTerms& loss, ViewGradients& grad);
+  void cont_term(LossTerms& loss);
+  void update(double decay);
+  void set_total(LossTerms& loss) const;
+};
+
+/// Adds the terms of the field. Returns the density weights of the mask loss; empty: all 1.
+ImageF JointTrainer::Impl::field_terms(const FieldRays& rays, const StepImages& images, LossTerms& loss,
+                                       ViewGradients& grad) {
+  ImageF weights;
+  if (rays.rays.rays() == 0) return weights;
+  const auto& [rendered, view] = images;
+  const auto timed = monitor.scope("field");
+  const VolumeOutput& volume = field->forward(exec, rays, boundary.positions(), input.background);
+  if (effects.density) {
+    const PixelGrid& g = rays.rays.grid;
+    weights = density_weights(exec, rendered.width_px, rendered.height_px, {g, box_of(g), volume.optical_depth});
+  }
+  AlignFieldGradients to_field{std::vector<float>(volume.colour.size()), std::vector<float>(volume.alpha.size())};
+  if (effects.align) {
+    const AlignOptions align{options.weight_opacity, effects.variance ? options.weight_variance : 0.0};
+    const AlignInputs in{.grid = rays.rays.grid,
+                         .colour = &rendered.colour,
+                         .alpha = &rendered.alpha,
+                         .field_colour = &volume.colour,
+                         .field_alpha = &volume.alpha,
+                         .active = &rays.on_surface};
+    AlignContext context;
+    const AlignLoss value = loss_align(exec, align, in, context);
+    loss_align_backward(exec, align, in, context, {1.0, to_field, grad.colour, grad.alpha});
+    loss.align = value.total;
+  }
+  if (effects.align) field->backward(exec, rays, boundary.positions(), input.background, to_field);
+  if (effects.smooth) loss.smooth = field->smoothness(exec, rays, boundary.positions(), options.lambda_smooth, done);
+  return weights;
+}
+
+void JointTrainer::Impl::cont_term(LossTerms& loss) {
+  if (!effects.cont || cont_graph.queries() == 0) return;
+  std::vector<float> colour(boundary.row.size() * 3), grad;
+  for (std::size_t b = 0; b < boundary.row.size(); ++b)
+    for (std::size_t c = 0; c < 3; ++c)
+      colour[b * 3 + c] = float(0.5 + kShC0 * double(cloud.sh_dc[std::size_t(boundary.row[b]) * 3 + c]));
+  loss.cont = loss_cont(exec, {cont_graph, {colour.data(), boundary.size()}}, options.lambda_cont, &grad);
+  for (std::size_t b = 0; b < boundary.row.size(); ++b) {
+    const std::size_t row = boundary.row[b];
+    const std::optional<std::size_t> to = trained.place(row);
+    if (!to) continue;
+    for (std::size_t c = 0; c < 3; ++c) gradients.sh_dc[*to * 3 + c] += float(kShC0 * double(grad[b * 3 + c]));
+  }
+}
+
+LossTerms JointTrainer::Impl::step_view(std::size_t n) {
+  ViewCache::View scratch;
+  const ViewCache::View& view = cache.load(monitor, n, scratch);
+  const Camera& camera = input.scene.views[input.views[n]].camera;
+  const bool colour = effects.photometric || effects.align;
+  RenderRequest request;
+  request.colour = colour, request.depth = effects.nerf, request.background = input.background;
+  request.label = labels.rendered();
+  const RenderedView& rendered = [&]() -> const RenderedView& {
+    const auto timed = monitor.scope("splat forward");
+    return splat.forward(exec, cloud, camera, request);
+  }();
+  const double shown = window_share(input, input.views[n]);  // scales losses to means over uncropped views
+  LossTerms loss;
+  ViewGradients grad;
+  grad.label_moves_geometry = effects.mask_geometry;
+  if (effects.align) grad.alpha = ImageF(camera.width_px, camera.height_px, 1);
+  if (effects.photometric && !view.photo.empty()) {
+    const auto timed = monitor.scope("photometric");
+    const PixelRegion& r = view.region;
+    const double share = shown * (r.empty() ? 1 : double(r.x1 - r.x0) * (r.y1 - r.y0) / double(view.photo.pixels()));
+    const PhotometricOptions anchor{.region = r, .gradient_scale = share * options.photometric_weight};
+    loss.photometric = share * photometric.evaluate(exec, anchor, {rendered.colour, view.photo}, &grad.colour).total;
+  } else if (colour) {
+    grad.colour = ImageF(camera.width_px, camera.height_px, 3);
+  }
+  ImageF weights;
+  if (effects.nerf) {
+    const FieldRays rays = rays_of(n, rendered);
+    weights = field_terms(rays, {rendered, view}, loss, grad);
+  }
+  if (effects.mask && view.masks.available) {
+    const auto timed = monitor.scope("mask loss");
+    loss.mask = loss_mask(exec, {MaskLossForm::kBce, 1.0},
+                          {&rendered.label, &view.masks, weights.empty() ? nullptr : &weights, shown},
+                          options.lambda_mask, &grad.label)
+                    .total;
+  }
+  {
+    const auto timed = monitor.scope("splat backward");
+    splat.backward(exec, grad, gradients, trained.wanted());  // rows that are not wanted keep zero moments
+  }
+  cont_term(loss);
+  set_total(loss);
+  return loss;
+}
+
+void JointTrainer::Impl::set_total(LossTerms& loss) const {
+  loss.total = options.photometric_weight * loss.photometric + loss.align + options.lambda_mask * loss.mask +
+               options.lambda_cont * loss.cont + options.lambda_smooth * loss.smooth;
+}
+
+void JointTrainer::Impl::update(double decay) {
+  const auto timed = monitor.scope("adam");
+  const std::int64_t t = done + 1;
+  labels.step(exec, options.rate_label * decay, t, gradients.label);
+  if (effects.geometry) {
+    GroupRates fallen = rates;
+    for (double& rate : fallen) rate *= decay;
+    step_gaussians(exec, {t, fallen}, gradients, trained.cloud(), moments);
+  }
+  write_back();
+  if (field) field->step(exec, t, decay);
+}
+
+JointTrainer::JointTrainer(const Exec& exec, Monitor& monitor, const JointSetup& setup, bool allow_empty)
+    : impl_(std::make_unique<Impl>(exec, monitor, setup)) {
+  impl_->start(allow_empty);
+}
+JointTrainer::~JointTrainer() = default;
+
+bool JointTrainer::finished() const { return impl_->done >= impl_->steps; }
+void JointTrainer::plan_steps(std::int64_t steps) { impl_->steps = std::max(steps, impl_->done); }
+std::int64_t JointTrainer::steps_done() const { return impl_->done; }
+std::int64_t JointTrainer::steps_planned() const { return impl_->steps; }
+
+JointProgress JointTrainer::step() {
+  Impl& s = *impl_;
+  const std::size_t n = s.view_of(s.done);
+  JointProgress progress;
+  with_context(s.step_name(s.done), [&] {
+    progress.loss = s.step_view(n);
+    s.update(std::pow(kRateDecay, double(s.done) / double(s.steps)));
+  });
+  ++s.done;
+  progress.step = s.done, progress.steps = s.steps, progress.view = s.input.views[n];
+  return progress;
+}
+
+Solution JointTrainer::result() const {
+  const Impl& s = *impl_;
+  Solution result;
+  result.cloud = std::make_shared<const GaussianCloud>(s.cloud);
+  result.labels = s.input.labels;
+  result.converged = finished();
+  s.labels.write(result.labels);
+  result.figures = figures();
+  return result;
+}
+
+std::map<std::string, double> JointTrainer::figures() const {
+  return {{"steps", double(impl_->done)}, {"boundary", double(impl_->boundary.size())}};
+}
+
+std::vector<StateBlock> JointTrainer::state() {
+  Impl& s = *impl_;
+  std::vector<StateBlock> blocks;
+  const auto moments = [&](const std::string& name, AdamMoments& m, std::size_t size) {
+    blocks.push_back({name + ".m", &m.m, size, true});
+    blocks.push_back({name + ".v", &m.v, size, true});
+  };
+  const auto stepped = [&](const std::string& name, std::vector<float>& values, AdamMoments& m) {
+    blocks.push_back({name, &values, values.size()});
+    moments(name, m, values.size());
+  };
+  for (std::size_t g = 0; g < kGaussianGroups; ++g)
+    stepped(kGroupColumns[g].name, s.trained.cloud().*kGroupColumns[g].value, s.moments[g]);
+  stepped("label", s.labels.logit(), s.labels.moments());
+  if (s.field) {
+    ParamStore& store = s.field->parameters();
+    blocks.push_back({"field", &store.values, store.values.size()});
+    for (std::size_t b = 0; b < s.field->moments().size(); ++b)
+      moments("field." + std::to_string(b), s.field->moments()[b], store.blocks[b].size);
+  }
+  return blocks;
+}
+
+void JointTrainer::resume_at(std::int64_t step) {
+  impl_->done = step;
+  impl_->write_back();
+}
+
+}  // namespace ngs

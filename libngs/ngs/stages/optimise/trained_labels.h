@@ -1,0 +1,53 @@
+#pragma once
+// The labels of the joint steps: log-odds of the trained labels, and rendered values of all labels.  PAPER.md §5.4
+//
+// A trained label is a cell (Gaussian, object). A trained Gaussian has a cell for each object whose region contains it,
+// or for all objects if no region does. With many objects, storing all cells would need most of the memory.
+#include <vector>
+
+#include "ngs/ops/optim/adam.h"
+#include "ngs/problem/problem.h"
+#include "ngs/problem/trained_rows.h"
+#include "ngs/scene/views.h"
+
+namespace ngs {
+
+class TrainedLabels {
+ public:
+  /// `rows` must outlive this object.
+  explicit TrainedLabels(const TrainedRows& rows) : rows_(rows) {}
+
+  /// Sets the labels to the problem's, after `steps` EM steps from 1/2. Labels of unseen Gaussians and labels fixed by
+  /// hand are not trained. Without a region all others are.
+  void start(const Problem& input, int steps);
+  /// [N, K] the rendered labels.
+  Matrix<const float> rendered() const { return {label_.data(), gaussians_, int(objects_)}; }
+  /// Adam step `t` from 1. `grad` [rows, K]: ∂L/∂(rendered).
+  void step(const Exec& exec, double rate, std::int64_t t, const std::vector<float>& grad);
+  /// Copies the trained labels to the rendered ones.
+  void write_back(const Exec& exec);
+  /// Writes label and prob of the result, one LabelColumns per object.
+  void write(std::vector<LabelColumns>& columns) const;
+
+  std::vector<float>& logit() { return logit_; }  // [cells]
+  AdamMoments& moments() { return moments_; }
+
+ private:
+  std::size_t end_of_page(std::size_t row) const;
+  /// Calls f(cell, index in [rows, K], object) for the cells of trained row r.
+  template <class F>
+  void for_each_cell(std::size_t r, const F& f) const {
+    for (std::size_t c = begin_[r]; c < begin_[r + 1]; ++c) f(c, r * objects_ + object_[c], std::size_t(object_[c]));
+  }
+
+  const TrainedRows& rows_;
+  std::int64_t gaussians_ = 0;
+  std::size_t objects_ = 0;
+  std::vector<float> label_;           // [N, K]
+  std::vector<std::size_t> begin_;     // [rows + 1] first cell of a row
+  std::vector<std::uint32_t> object_;  // [cells]
+  std::vector<float> logit_, grad_;    // [cells]
+  AdamMoments moments_;
+};
+
+}  // namespace ngs

@@ -1,0 +1,55 @@
+#pragma once
+// Cache of the decoded photos and masks of the training views, with a limited size.
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include "ngs/ops/losses/photometric.h"
+#include "ngs/problem/pixel_window.h"
+#include "ngs/problem/problem.h"
+#include "ngs/stages/optimise/joint_options.h"
+
+namespace ngs {
+
+class ViewCache {
+ public:
+  struct View {
+    ImageF photo;
+    ViewMasks masks;
+    PixelRegion region;  // region of the photometric anchor; empty: the whole photo
+  };
+  ViewCache(const Problem& input, const JointSwitches& effects)
+      : input_(input), effects_(effects), view_(input.views.size()) {}
+
+  /// View `n` of input.views. Views that do not fit into the cache are returned in `scratch`.
+  const View& load(Monitor& monitor, std::size_t n, View& scratch) {
+    if (view_[n]) return *view_[n];
+    const auto timed = monitor.scope("load view");
+    scratch.masks = input_.load_masks(input_.views[n]);
+    if (effects_.photometric || effects_.align) scratch.photo = input_.load_photo(input_.views[n]);
+    if (!effects_.region) scratch.region = region_of(scratch.masks);
+    std::size_t bytes = scratch.photo.data.size() * sizeof(float) + scratch.masks.known.size();
+    for (const auto& target : scratch.masks.target) bytes += target.size() * sizeof(float);
+    if (bytes_ + bytes > kBytes) return scratch;
+    bytes_ += bytes;
+    view_[n] = std::make_unique<View>(std::move(scratch));
+    return *view_[n];
+  }
+
+ private:
+  static constexpr std::size_t kBytes = 512u << 20;
+
+  /// Region about the object, for --effect region=off; empty if the mask is empty.
+  static PixelRegion region_of(const ViewMasks& masks) {
+    if (!masks.available) return {};
+    const PixelWindow w = window_of(masks.target, masks.width_px, masks.height_px, kRegionMargin_px);
+    return {w.x0, w.y0, w.x0 + w.w, w.y0 + w.h};
+  }
+
+  const Problem& input_;
+  const JointSwitches& effects_;
+  std::vector<std::unique_ptr<View>> view_;
+  std::size_t bytes_ = 0;
+};
+
+}  // namespace ngs

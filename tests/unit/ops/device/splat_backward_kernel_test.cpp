@@ -1,0 +1,30 @@
+#include "ngs/ops/device/splat_backward_kernel.h"
+
+#include <doctest/doctest.h>
+
+#include "support/host_launcher.h"
+#include "support/random.h"
+
+namespace ngs {
+
+// The emulation runs one block after the other, so it cannot detect tiles that share rows.
+TEST_CASE("splat backward kernel: tiles store their checkpoints in disjoint rows within the allocation") {
+  using Tile = SplatBackwardTile<3, test::HostLauncher>;
+  test::Random random(3);
+  for (int draw = 0; draw < 200; ++draw) {
+    std::int64_t begin = 0, free_row = 0;
+    const std::int64_t tiles = 1 + random.below(20);
+    for (std::int64_t tile = 0; tile < tiles; ++tile) {
+      const std::int64_t entries = random.below(2) == 0 ? random.below(3) : random.below(4 * Tile::kBatch);
+      const std::int64_t first = Tile::first_checkpoint_row(begin, tile);
+      if (entries > 0) {
+        CHECK(first >= free_row);
+        free_row = first + ceil_div<std::int64_t>(entries, Tile::kBatch);
+      }
+      begin += entries;
+    }
+    CHECK(free_row <= Tile::checkpoint_rows(begin, tiles));
+  }
+}
+
+}  // namespace ngs

@@ -1,0 +1,126 @@
+#include "ngs/ops/splat/cached/cached_view.h"
+
+#include <doctest/doctest.h>
+
+#include <random>
+
+#include "ngs/ops/splat/evidence.h"
+
+namespace ngs {
+namespace {
+
+GaussianCloud random_cloud(std::int64_t n) {
+  std::mt19937 random(7);
+  std::normal_distribution<float> normal;
+  GaussianCloud cloud;
+  cloud.resize(n, 1);
+  for (float& x : cloud.position) x = 1.5f * normal(random);
+  for (float& x : cloud.rotation) x = normal(random);
+  for (float& x : cloud.log_scale) x = -3.f + normal(random);
+  for (float& x : cloud.logit_opacity) x = 2.f * normal(random);
+  for (float& x : cloud.sh_dc) x = normal(random);
+  for (float& x : cloud.sh_rest) x = 0.2f * normal(random);
+  return cloud;
+}
+
+Camera camera_in_front() {
+  Camera camera;
+  camera.width_px = 150, camera.height_px = 90;
+  camera.fx = 120, camera.fy = 118, camera.cx = 70.5, camera.cy = 46.25;
+  camera.rotation = {{1, 0, 0, 0, 0.8, -0.6, 0, 0.6, 0.8}};
+  camera.translation = {0.1, -0.2, 4};
+  return camera;
+}
+
+/// A model and its camera; `prepared`: with a prepared cloud in the options.
+struct Case {
+  explicit Case(bool prepared, int threads = 2) {
+    exec.threads = threads;
+    if (prepared) options = prepared_for(exec, options, cloud);
+  }
+  Exec exec;
+  GaussianCloud cloud = random_cloud(900);
+  Camera camera = camera_in_front();
+  SplatOptions options;
+};
+
+PixelMask mask_of(const Camera& camera, const auto& is_object) {
+  PixelMask mask;
+  for (int y = 0; y < camera.height_px; ++y)
+    for (int x = 0; x < camera.width_px; ++x) mask.push_back(is_object(x, y));
+  return mask;
+}
+
+/// view_sums(), expanded to a row for every Gaussian of the cached view.
+MaskSums sums_of(const Case& c, const PixelMask& mask, const std::vector<std::uint32_t>& rows) {
+  ViewMasks masks{c.camera.width_px, c.camera.height_px, {}, {}, true};
+  masks.target.emplace_back(mask.begin(), mask.end());
+  const ViewSums sums = view_sums(c.exec, c.cloud, {c.camera, masks}, c.options);
+  MaskSums all{std::vector<double>(rows.size()), std::vector<double>(rows.size())};
+  std::size_t next = 0;
+  for (std::size_t v = 0; v < rows.size(); ++v)
+    if (next < sums.size() && sums.row[next] == rows[v])
+      all.weight[v] = sums.weight(next), all.object_weight[v] = sums.object_weight(next, 0), ++next;
+  CHECK(next == sums.size());
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("cached view: renders are bit-identical to render(), whatever was rendered before") {
+  for (const bool prepared : {false, true}) {
+    const Case c(prepared);
+    CachedView cached(c.exec, c.cloud, c.camera, c.options);
+    std::vector<float> label(2 * std::size_t(c.cloud.size()));
+    for (std::size_t i = 0; i < label.size(); ++i) label[i] = float(i % 7) / 6;
+    RenderRequest colour, labels, both, depth;
+    colour.background = both.background = {0.2f, 0.4f, 0.8f};
+    labels.colour = false, labels.label = both.label = {label.data(), c.cloud.size(), 2};
+    depth.depth = true;
+    for (const RenderRequest* request : {&colour, &labels, &both, &depth, &colour}) {
+      const RenderedView wanted = render(c.exec, c.cloud, c.camera, c.options, *request);
+      const RenderedView drawn = cached.render(c.exec, *request);
+      CHECK(drawn.width_px == wanted.width_px);
+      CHECK(drawn.colour.data == wanted.colour.data);
+      CHECK(drawn.label.data == wanted.label.data);
+      CHECK(drawn.depth.data == wanted.depth.data);
+      CHECK(drawn.alpha.data == wanted.alpha.data);
+    }
+  }
+}
+
+TEST_CASE("cached view: the sums over a mask are bit-identical to view_sums(), for masks in any sequence") {
+  for (const int threads : {1, 3}) {
+    const Case c(true, threads);
+    CachedView cached(c.exec, c.cloud, c.camera, c.options);
+    REQUIRE(cached.rows().size() > 100);
+    const auto left = [](int x, int) { return x < 61; };
+    const auto masks = {mask_of(c.camera, left),
+                        mask_of(c.camera, [&](int x, int y) { return left(x, y) || (x == 149 && y == 89); }),
+                        mask_of(c.camera, [&](int x, int y) { return left(x, y) && y > 40; }),
+                        mask_of(c.camera, [](int, int) { return false; }),
+                        mask_of(c.camera, [](int, int) { return true; }),
+                        mask_of(c.camera, left)};
+    std::vector<double> before;
+    std::size_t differing = 0;
+    for (const PixelMask& mask : masks) {
+      const MaskSums wanted = sums_of(c, mask, cached.rows()), &found = cached.weigh(c.exec, mask);
+      CHECK(found.weight == wanted.weight);
+      CHECK(found.object_weight == wanted.object_weight);
+      differing += found.object_weight != before;
+      before = found.object_weight;
+    }
+    CHECK(differing == masks.size());
+  }
+}
+
+TEST_CASE("cached view: without visible Gaussians it has no rows and renders nothing") {
+  Case c(true);
+  c.camera.translation.z = -50;
+  CachedView nothing(c.exec, c.cloud, c.camera, c.options);
+  CHECK(nothing.rows().empty());
+  CHECK(nothing.weigh(c.exec, mask_of(c.camera, [](int, int) { return true; })).weight.empty());
+  CHECK(nothing.render(c.exec, RenderRequest()).alpha.data == std::vector<float>(150 * 90));
+}
+
+}  // namespace ngs
