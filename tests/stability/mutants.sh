@@ -23,7 +23,8 @@ count=0
 flags=(-std=c++20 $(pkg-config --cflags eigen3) -O1 -march=x86-64-v3 -ffp-contract=off -fno-math-errno -fopenmp -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS
   "-DNGS_SOURCE_DIR=\"$root\"" "-DNGS_TOOL_DIR=\"$build/bin\"")
 libraries=("$build"/tests/libngs_test_support.a "$build"/libngs/libngs_{methods,passes,stages,problem,ops,backend,options,scene,core}.a -llz4
-  -lopencv_core -lopencv_imgproc)
+  -lopencv_core -lopencv_imgproc
+  -Wl,--allow-multiple-definition)  # the mutant's definition is first; the library's batch of files has the original
 
 # run FILE TESTS SOURCES WHAT SED: FILE and SOURCES are below libngs/ngs, TESTS below tests. SOURCES instantiate FILE.
 run() {
