@@ -44,9 +44,8 @@ int import_command(int argc, char** argv) {
       tool.optional_input("--masks", "folder of masks; default: masks/ or masks_sam/ next to the cameras");
   const cli::Input& truth = tool.optional_input(
       "--truth", "folder of true masks, used only by ngs-eval; default: masks_gt/ or gt/ next to the cameras", "--gt");
-  const cli::Input& world = tool.optional_input("--world-transform",
-                                                "JSON {transform, scale} from camera to model coordinates "
-                                                "(nerfstudio's dataparser_transforms.json)");
+  const cli::Input& world = tool.optional_input(
+      "--world-transform", "JSON {transform, scale} from cameras to model (nerfstudio's dataparser_transforms.json)");
   const cli::Output& out = tool.output("-o,--output", "scene.json");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
