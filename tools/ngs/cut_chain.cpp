@@ -207,7 +207,7 @@ void CutChain::write_scene_with(const std::string& masks) const {
     if (found == 0)
       throw Error(ErrorCode::kInconsistent, masks + ": no mask of any view, expected for example " + names[0] + ".png",
                   "name masks after the images");
-    scene.mask_mode = MaskMode::kBinary, scene.mask_invert = false, scene.mask_threshold = 128;
+    scene.use_binary_masks();
     scene.objects = {SceneObject{}};
   }
   io::write_scene_json(at("scene.json"), scene);
