@@ -78,7 +78,7 @@ void write_inpainting(Run& run, const Extractor& extractor, const InpaintOptions
   handed.model_path = folder + "/background.ply";
   handed.objects = {{"hole", 0}};
   handed.image_scale = 1;  // its photos are renders, which have the cameras' size
-  handed.mask_mode = MaskMode::kBinary, handed.mask_invert = false, handed.mask_threshold = 128;
+  handed.use_binary_masks();
   handed.void_id.reset(),
       handed.missing_mask = MissingMask::kUnknown;  // settings of label maps do not apply; every view has a hole mask
   std::vector<Camera> cameras;

@@ -37,7 +37,7 @@ std::vector<LabelColumns> take_labels(io::GaussianPly& ply, const Scene& scene) 
     throw Error(ErrorCode::kBadInput,
                 "the model has ngs_ columns for " + std::to_string(labels.size()) + " of the scene's " +
                     std::to_string(wanted) + " objects, expected all of them",
-                ply.names_object ? "use its single object: --objects '" + ply.object + "'"
+                ply.names_object ? "use its single object: --object '" + ply.object + "'"
                                  : "label the model first: ngs-variance scene.json -o boundary.ply");
   ply.objects.clear(), ply.labels = {};
   return labels;

@@ -25,7 +25,7 @@ struct MethodChoice {
     visit(self.method,
           Choice<Method>{"method", "Method that computes the labels (--method M --help: its options)", kMethodNames});
     visit(self.quality, Choice<Quality>{"quality", "How long to train", kQualityNames});
-    visit(self.objects, Text{"objects", "NAME", "Use only this object of the scene"});
+    visit(self.objects, Text{"object", "NAME", "Use only this object of the scene"});
     visit(self.effect, Text{"effect", "NAME=auto|on|off", "Switch a pass or a part of one, or all=... of them"});
     visit(self.explain, Flag{"explain", "List the effects chosen for this scene with reasons, then stop"});
     visit(self.background, background_option());

@@ -32,14 +32,14 @@ PixelMask read_mask(const std::string& path, const Camera& camera) {
                     std::to_string(camera.width_px) + "x" + std::to_string(camera.height_px) + " as for the saved view",
                 "start a new session in a new folder: -o FOLDER");
   PixelMask mask(raw.data.size());
-  for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = raw.data[p] >= 128;
+  for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = raw.data[p] >= kMaskThreshold;
   return mask;
 }
 
 Scene scene_like(const Scene& like) {
   Scene scene = like;
   scene.views.clear(), scene.objects = {SceneObject{}};
-  scene.mask_mode = MaskMode::kBinary, scene.mask_invert = false, scene.mask_threshold = 128;
+  scene.use_binary_masks();
   scene.missing_mask = MissingMask::kUnknown;
   return scene;
 }

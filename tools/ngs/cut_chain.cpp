@@ -210,7 +210,7 @@ void CutChain::write_scene_with(const std::string& masks) const {
     if (found == 0)
       throw Error(ErrorCode::kInconsistent, masks + ": no mask of any view, expected for example " + names[0] + ".png",
                   "name masks after the images");
-    scene.mask_mode = MaskMode::kBinary, scene.mask_invert = false, scene.mask_threshold = 128;
+    scene.use_binary_masks();
     scene.objects = {SceneObject{}};
   }
   const std::string truth = inputs_.truth.empty() ? io::truth_of_scene_json(plain_scene_) : inputs_.truth;

@@ -12,6 +12,8 @@
 namespace ngs {
 
 inline constexpr float kHalfShare = 0.5f;
+/// Samples of a mask file, of 255: object at and above this value, in imports and in evaluation.
+inline constexpr double kMaskThreshold = 128;
 
 /// Whether a pixel of a given mask is object.
 NGS_HD inline bool mask_is_foreground(float mask) { return mask >= kHalfShare; }

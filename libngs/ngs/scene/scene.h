@@ -7,6 +7,7 @@
 
 #include "ngs/scene/camera.h"
 #include "ngs/scene/compat.h"
+#include "ngs/scene/mask_threshold.h"
 #include "ngs/scene/views.h"
 
 namespace ngs {
@@ -42,8 +43,8 @@ struct Scene {
   std::vector<SceneObject> objects;  // at least one
   MaskMode mask_mode = MaskMode::kBinary;
   bool mask_invert = false;
-  double mask_threshold = 128;           // 8-bit scale; binary mode: object where value >= threshold
-  std::optional<std::uint32_t> void_id;  // label maps: pixels with this id are unknown; none: all known
+  double mask_threshold = kMaskThreshold;  // 8-bit scale; binary mode: object where value >= threshold
+  std::optional<std::uint32_t> void_id;    // label maps: pixels with this id are unknown; none: all known
   MissingMask missing_mask = MissingMask::kUnknown;
   double image_scale = 1.0;
   double filter_px2 = 0.3;  // variance of the low-pass filter the model was fitted with, px² at the working size
@@ -51,6 +52,9 @@ struct Scene {
   std::optional<bool> antialiased;         // fitted with Mip-Splatting's opacity compensation; none: see PLY comments
   std::optional<Vec3<double>> background;  // background colour in [0, 1]; none: unknown, treated as black
   std::optional<RenderedPhotos> renders;   // set: the photos are renders; none: real photos
+
+  /// Masks are read as the tools write them: 0 background, 255 object.
+  void use_binary_masks() { mask_mode = MaskMode::kBinary, mask_invert = false, mask_threshold = kMaskThreshold; }
 };
 
 /// The background of renders and of transparent photos, for every stage.

@@ -16,7 +16,7 @@ struct ImportOptions {
   MaskMode mask_mode = MaskMode::kBinary;
   std::vector<std::string> object_id;
   bool mask_invert = false;
-  double mask_threshold = 128;
+  double mask_threshold = kMaskThreshold;
   int void_id = -1;
   MissingMask missing_mask = MissingMask::kUnknown;
   std::string hold_out;
@@ -37,7 +37,7 @@ struct ImportOptions {
           Text{"object_id", "N|NAME=N|NAME", "An object: its id in label maps, or the name of its folder of masks"});
     visit(self.mask_invert, Flag{"mask_invert", "Read black as object, white as background"});
     visit(self.mask_threshold,
-          Field<double>{"mask_threshold", "", "Binary masks: object from this value on (8-bit scale)", 0.0, 255.0});
+          Field<double>{"mask_threshold", "", "Binary masks: object at and above this value (of 255)", 0.0, 255.0});
     visit(
         self.void_id,
         Field<int>{"void_id", "", "Label maps: id of pixels without a label, such as 255 in VOC; -1: none", -1, 65535});

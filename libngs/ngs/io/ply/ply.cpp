@@ -164,7 +164,7 @@ void PlyFile::parse_header() {
     } else if (key == "property") {
       if (++properties > kMaxProperties)
         bad(name_, "more than " + std::to_string(kMaxProperties) + " properties, expected at most that many",
-            "write models of many objects in parts: ngs-joint --objects NAME");
+            "write models of many objects in parts: ngs-joint --object NAME");
       add_property(name_, elements_, parse_property(name_, words));
     } else if (!key.empty()) {
       bad(name_, "header line starting with '" + printable(key) + "', expected format, comment, element, property");

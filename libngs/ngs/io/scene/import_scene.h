@@ -23,7 +23,7 @@ struct ImportRequest {
   std::string hold_out;                 // "every:N:K", a file of names, or empty
   MaskMode mask_mode = MaskMode::kBinary;
   bool mask_invert = false;
-  double mask_threshold = 128;
+  double mask_threshold = kMaskThreshold;
   std::optional<std::uint32_t> void_id;  // label maps
   MissingMask missing_mask = MissingMask::kUnknown;
   double image_scale = 1;  // (0, 1]; 0: automatic, see kWorkingSizePx

@@ -100,9 +100,9 @@ bool is_black_and_white(const MaskSamples& samples) {
 std::vector<std::uint8_t> binarised(const MaskSamples& samples, double threshold) {
   const std::vector<std::uint16_t> plane = decisive_channel(samples);
   const float scale = full_scale(samples);
-  const double limit = scale == 1 ? 0.0 : threshold * (double(scale) / 255);
+  const double limit = scale == 1 ? 1.0 : threshold * (double(scale) / 255);
   std::vector<std::uint8_t> mask(plane.size());
-  for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = double(plane[i]) > limit;
+  for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = double(plane[i]) >= limit;
   return mask;
 }
 

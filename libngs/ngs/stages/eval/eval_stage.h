@@ -3,7 +3,7 @@
 // pure functions of pixels in memory.
 //
 // Protocol (Boundary IoU, NVOS, LERF-Mask): the prediction is resized to the truth by nearest neighbour. Both are made
-// binary by `> threshold` on the 8-bit scale; a file whose largest sample is 1 counts as {0,1}-valued. With several
+// binary by `>= threshold` on the 8-bit scale; a file whose largest sample is 1 counts as {0,1}-valued. With several
 // channels the largest of R, G, B is used, or alpha if it is not constant (scene/mask_samples.h).
 //
 // Label maps: an object is `value == id`. Maps of three equal channels are grey, as in scene import
@@ -20,6 +20,7 @@
 #include "ngs/ops/image/metrics.h"
 #include "ngs/options/field.h"
 #include "ngs/scene/mask_samples.h"
+#include "ngs/scene/mask_threshold.h"
 
 namespace ngs {
 
@@ -27,7 +28,7 @@ namespace ngs {
 inline constexpr double kContourTolerance = 0.008;
 
 struct EvalOptions {
-  double threshold = 128;
+  double threshold = kMaskThreshold;
   bool label_map = false;
   int void_id = -1;
   std::vector<std::string> object_id;
@@ -35,7 +36,7 @@ struct EvalOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.threshold, Field<double>{"threshold", "of 255", "Pixels with a larger value are object", 0, 254});
+    visit(self.threshold, Field<double>{"threshold", "of 255", "Object at and above this value", 1, 255});
     visit(self.label_map, Flag{"label_map", "Files are label maps: score each object id separately"});
     visit(self.void_id,
           Field<int>{"void_id", "",

@@ -18,11 +18,11 @@ std::vector<PairScore> evaluate(const Samples& predicted, const Samples& truth, 
   return evaluate_pair({}, options, ids, {"view", "", predicted.view(), truth.view()});
 }
 
-TEST_CASE("a pixel is object if its sample exceeds the threshold") {
-  const Samples mask{{0, 128, 129, 255}, 4, 1};
-  CHECK(binarised(mask.view(), 128) == std::vector<std::uint8_t>{0, 0, 1, 1});
-  CHECK(binarised(mask.view(), 0) == std::vector<std::uint8_t>{0, 1, 1, 1});
-  const Samples deep{{0, 32896, 32897, 65535}, 4, 1, 1, 16};
+TEST_CASE("a pixel is object at and above the threshold") {
+  const Samples mask{{0, 127, 128, 255}, 4, 1};
+  CHECK(binarised(mask.view(), kMaskThreshold) == std::vector<std::uint8_t>{0, 0, 1, 1});
+  CHECK(binarised(mask.view(), 1) == std::vector<std::uint8_t>{0, 1, 1, 1});
+  const Samples deep{{0, 32895, 32896, 65535}, 4, 1, 1, 16};
   CHECK(binarised(deep.view(), 128) == std::vector<std::uint8_t>{0, 0, 1, 1});
 }
 
