@@ -138,11 +138,13 @@ nlohmann::json parameters_of(const std::string& page) {
 void write_scene_of_viewer(const std::string& out, const nlohmann::json& camera) {
   nlohmann::json scene = nlohmann::json::parse(test::read_bytes(out + "/scene.json"));
   nlohmann::json view = scene["views"][0];
-  view["rotation"] = {camera["right"], camera["down"], camera["forward"]};
-  view["translation"] = nlohmann::json::array();
-  for (const nlohmann::json& row : view["rotation"]) {
+  view["rotation"] = view["translation"] = nlohmann::json::array();
+  for (const char* axis : {"right", "down", "forward"}) {
     double sum = 0;
-    for (std::size_t k = 0; k < 3; ++k) sum -= row[k].get<double>() * camera["eye"][k].get<double>();
+    for (std::size_t k = 0; k < 3; ++k) {
+      view["rotation"].push_back(camera[axis][k]);
+      sum -= camera[axis][k].get<double>() * camera["eye"][k].get<double>();
+    }
     view["translation"].push_back(sum);
   }
   view["fx"] = view["fy"] = camera["fx"];

@@ -12,7 +12,7 @@
 // Positional inputs come in the order of their declaration; a name that begins with '-' declares a flag. The references
 // stay valid as long as the tool and hold paths when the body runs. Before the body runs: every given input exists, no
 // output exists (unless -w), no output is also an input, no two outputs are one file, and the folders of the outputs
-// exist. A dry run needs no output. "-" is stdin or stdout (run/streams.h); the report then goes to --report only.
+// exist: missing ones are created, and removed if the body fails. A dry run needs no output. "-" is stdin or stdout (run/streams.h); the report then goes to --report only.
 #include <functional>
 #include <initializer_list>
 #include <memory>
