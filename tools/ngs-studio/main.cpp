@@ -8,6 +8,7 @@
 #include "ngs/io/files/atomic_file.h"
 #include "server.h"
 #include "shared/run/child_process.h"
+#include "shared/run/sibling_program.h"
 #include "shared/tool.h"
 #include "studio.h"
 #include "visit.h"
@@ -98,7 +99,10 @@ int main(int argc, char** argv) {
       if (record) io::write_file(record.path, recorder.lines());
     }
     run.result()["latency"] = studio.log();
-    run.text(table_of(studio.log()));
+    if (const std::string table = table_of(studio.log()); !table.empty()) run.info("response times\n" + table);
+    const std::string folder = out ? out.path : default_folder(source.path);
+    run.text("saved in " + std::filesystem::absolute(folder).lexically_normal().string() + "\n");
+    if (!visit) run.verbatim("continue with: " + cli::quoted_line({"ngs-studio", source.path, "-o", folder}) + "\n");
     const bool quit = studio.has_quit();
     return quit ? int(cli::kDone) : run.stop_code();
   });

@@ -40,8 +40,7 @@ struct CutOptions {
     visit(self.around, Text{"around", "X,Y,Z,R", "Splat: ball that the cameras look at; default: its bulk"});
     visit(self.up, Text{"up", "AXIS", "Splat: axis that points upwards, as in ngs-scene orbit"});
     visit(self.size, Text{"size", "WxH", "Splat: size of the renders in pixels; default: as ngs-scene orbit"});
-    visit(self.views,
-          Field<int>{"views", "", "Splat: number of cameras to start with; 0: as ngs-scene orbit", 0, 10000});
+    visit(self.views, Field<int>{"views", "", "Splat: number of pictures to make; 0: as many as needed", 0, 1000});
     visit(self.image_scale, Field<double>{"image_scale", "",
                                           "Capture: working size relative to the photos; 0: 800 px at most", 0.0, 1.0});
   }

@@ -53,7 +53,8 @@ void hash_inputs(RunState& state) {
   for (ReadInput& input : state.inputs) input.path = state.streams.given(input.path);
 }
 
-/// Creates the output folders and those of output files, removes those that a failed body leaves empty, and finds files of earlier runs in them.
+/// Creates the output folders and those of output files, removes those that a failed body leaves empty, and finds files
+/// of earlier runs in them.
 class OutputFolders {
  public:
   explicit OutputFolders(const RunState& state) {
@@ -145,8 +146,8 @@ int execute(Spec& spec, const CommonFlags& flags, Console& console, const std::f
   const Json report = report_of(state, wall_seconds() - start_s, exit_code);
   streams.copy_output();
   if (!flags.report_path.empty()) io::write_file(flags.report_path, json_document(report));
-  if (flags.json || (flags.report_path.empty() && !streams.to_stdout() && isatty(STDOUT_FILENO) == 0))
-    print_json(report);
+  const bool unasked = !spec.reports_on_request && flags.report_path.empty() && !streams.to_stdout();
+  if (flags.json || (unasked && isatty(STDOUT_FILENO) == 0)) print_json(report);
   if (exit_code < kInterrupted) console.summary(summary_text(spec, report));
   return exit_code;
 }
