@@ -219,8 +219,9 @@ TEST_CASE("a stroke on nothing is rejected with a hint") {
   const auto answer = server.post("/api/strokes", strokes(camera.dump()));
   CHECK(answer.status == 409);
   CHECK(answer.body.find("nothing is there") != std::string::npos);
-  const auto background = server.post("/api/strokes", R"({"object":1,"camera":)" + camera.dump() +
-                                                          R"(,"strokes":[{"label":"background","radius_px":6,"points":[[96,72]]}]})");
+  const auto background =
+      server.post("/api/strokes", R"({"object":1,"camera":)" + camera.dump() +
+                                      R"(,"strokes":[{"label":"background","radius_px":6,"points":[[96,72]]}]})");
   CHECK(background.status == 409);
   const Json state = json_of(server.get("/api/state"));
   CHECK(state["objects"][0]["strokes"] == 0);
@@ -246,8 +247,9 @@ TEST_CASE("the focus is the piece under the strokes, also if all pieces are show
   StudioServer server(place.dir.path(), {kModel, "-o", "visit"});
   const Json state = json_of(server.get("/api/state"));
   // Without a background stroke colours alone decide which part of the wall is selected.
-  const Json marked = json_of(server.post("/api/strokes", R"({"object":1,"camera":)" + camera_of(state, 0) +
-                                                              R"(,"strokes":[{"label":"object","radius_px":6,"points":[[96,72]]}]})"));
+  const Json marked =
+      json_of(server.post("/api/strokes", R"({"object":1,"camera":)" + camera_of(state, 0) +
+                                              R"(,"strokes":[{"label":"object","radius_px":6,"points":[[96,72]]}]})"));
   const Json focus = marked["objects"][0]["focus"];
   CHECK(focus["radius"] < 0.6 * state["bounds"]["radius"].get<double>());
   const Json all = json_of(server.post("/api/objects", R"({"all_pieces":true})"));

@@ -166,7 +166,10 @@ void Extractor::keep_touched(const std::vector<StrokeWeights>& strokes) {
   const auto timed = run_.monitor().scope("pieces");
   PieceSelection found = touched_pieces(run_.exec(), ply_.cloud, keep_, strokes);
   const std::int64_t kept = std::count(found.object.begin(), found.object.end(), std::uint8_t(1));
-  run_.result()["pieces"] = {{"found", found.pieces}, {"touched", found.kept_pieces}, {"left_out", found.left_out}, {"needles", found.needles}};
+  run_.result()["pieces"] = {{"found", found.pieces},
+                             {"touched", found.kept_pieces},
+                             {"left_out", found.left_out},
+                             {"needles", found.needles}};
   run_.result()["object"] = kept, run_.result()["background"] = ply_.cloud.size() - kept;
   if (found.left_out > 0)
     run_.text("left out: " + std::to_string(found.left_out) + " Gaussians of " +

@@ -192,7 +192,8 @@ std::string overview_section(const Exec& exec, RunFolder& run, Pictures& picture
   const char* which =
       view->scores.is_null() ? "The middle view of the list." : "The view with the median boundary IoU.";
   return "<section id=\"overview\">" + link_to(viewer) + "<div class=\"sheet opening\">" + html +
-         "</div><p class=note><span class=screen>Click or tap a picture to flip it. </span>" + which + "</p></section>\n";
+         "</div><p class=note><span class=screen>Click or tap a picture to flip it. </span>" + which +
+         "</p></section>\n";
 }
 
 std::string marked_section(RunFolder& run, Pictures& pictures) {
@@ -209,10 +210,10 @@ std::string marked_section(RunFolder& run, Pictures& pictures) {
       const int width = std::min(kMarkedWidthPx, full.width_px);
       const int height = std::max(1, int(std::lround(double(full.height_px) * width / full.width_px)));
       const std::string name = file.filename().string();
-      const std::string figure = "<figure><span class=stack>" +
-                                 image_html("marked", io::resize_area(full, width, height),
-                                            "View " + name + " with the strokes") +
-                                 "</span><figcaption><b>" + escaped(name) + "</b></figcaption></figure>\n";
+      const std::string figure =
+          "<figure><span class=stack>" +
+          image_html("marked", io::resize_area(full, width, height), "View " + name + " with the strokes") +
+          "</span><figcaption><b>" + escaped(name) + "</b></figcaption></figure>\n";
       if (pictures.spend(figure.size())) html += figure;
     } catch (const Error& e) {
       run.problems.push_back(e.what());

@@ -48,7 +48,8 @@ std::string run_html(const Exec& exec, RunFolder& run, Pictures& pictures, const
                            decisions_section(run) + times_section(run) + trace_section(run) + inputs_section(run) +
                            repeat_section(run) + tools_section(run);
   return overview + tiles(run) + warnings_section(run) + marked + views +
-         (made.empty() ? made : "<details class=made><summary><b>How it was made</b></summary>" + made + "</details>\n");
+         (made.empty() ? made
+                       : "<details class=made><summary><b>How it was made</b></summary>" + made + "</details>\n");
 }
 
 /// "2 objects cut out of a 3D Gaussian splat by METHOD.": HTML.

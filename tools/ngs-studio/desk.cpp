@@ -79,12 +79,8 @@ Json Desk::strokes(Fields request) {
   Json out = changed();
   const double all_s = watch.wall_s();
   const std::int64_t count = shown_count(object);
-  out["answer"] = {{"mask_ms", ms(answer.mask_s)},
-                   {"lift_ms", ms(answer.lift_s)},
-                   {"ms", ms(all_s)},
-                   {"gaussians", count},
-                   {"change", count - before},
-                   {"coverage", answer.coverage}};
+  out["answer"] = {{"mask_ms", ms(answer.mask_s)}, {"lift_ms", ms(answer.lift_s)}, {"ms", ms(all_s)},
+                   {"gaussians", count},           {"change", count - before},     {"coverage", answer.coverage}};
   const std::lock_guard lock(mutex_);
   stroke_ms_.add(watch);
   (answer.is_first ? first_ms_ : correction_ms_).add(watch);

@@ -116,7 +116,7 @@ Json Desk::refine(Fields request) {
   const live::ObjectMarks object = *found;
   const RefineChoice choice = choice_for(object.id, quality);
   std::vector<JobStep> steps;
-  steps.push_back({"Writing", 0.2, {}, [this, object] {
+  steps.push_back({"Writing", 0, {}, [this, object] {
                      folder_.write_scene(session_, object, loaded_.scene);
                      fs::create_directories(folder_.of(object.id, "orbit"));
                    }});
@@ -124,7 +124,7 @@ Json Desk::refine(Fields request) {
   for (std::size_t w = 0; w < words.size(); ++w) {
     const bool last = w + 1 == words.size();
     if (last)
-      steps.push_back({"Writing", 0.1, {}, [this, object, made = !choice.source.empty()] {
+      steps.push_back({"Writing", 0, {}, [this, object, made = !choice.source.empty()] {
                          const std::string orbit = folder_.of(object.id, "orbit/scene.json");
                          folder_.write_cut(object, made ? io::read_scene_json(orbit) : loaded_.scene);
                        }});
@@ -162,12 +162,12 @@ Json Desk::export_files(Fields request) {
     const bool refined = is_refined(object);
     const std::string folder = folder_.of(object.id, refined ? "cut" : "");
     folders.emplace_back(folder, shown + (refined ? "/cut" : ""));
-    steps.push_back({"Writing", 0.1, {}, [folder, refined] { remove_exports(folder, refined); }});
+    steps.push_back({"Writing", 0, {}, [folder, refined] { remove_exports(folder, refined); }});
     if (refined) {
       for (const auto& words : convert_words(folder_, object.id, format)) steps.push_back({"Writing", 1, words});
       continue;
     }
-    steps.push_back({"Writing", 0.3, {}, [this, object] { folder_.write_scene(session_, object, loaded_.scene); }});
+    steps.push_back({"Writing", 0, {}, [this, object] { folder_.write_scene(session_, object, loaded_.scene); }});
     const auto words = export_words(folder_, object.id, {marks->all_pieces, format});
     for (std::size_t w = 0; w < words.size(); ++w) steps.push_back({"Writing", kExportShares[w], words[w]});
   }
@@ -199,7 +199,9 @@ Reply Desk::download(Fields request) const {
   if (!is_exported) request.refuse("file", "a file of the last export");
   request.end();
   const io::MappedFile bytes(folder_.at(file));
-  return {200, std::string(bytes.text()), "application/octet-stream",
+  return {200,
+          std::string(bytes.text()),
+          "application/octet-stream",
           {{"Content-Disposition", "attachment; filename=\"" + fs::path(file).filename().string() + "\""}}};
 }
 

@@ -14,10 +14,12 @@ namespace {
 
 struct Cancelled {};
 
-std::vector<double> shares_of(const std::vector<JobStep>& steps) {
-  std::vector<double> shares;
-  for (const JobStep& step : steps) shares.push_back(step.share);
-  return shares;
+std::vector<cli::ChainStep> parts_of(const std::vector<JobStep>& steps) {
+  std::vector<cli::ChainStep> parts;
+  for (const JobStep& step : steps) {
+    parts.push_back({step.words.empty() ? 0 : step.share, !step.words.empty() && step.words[0] == "ngs-joint"});
+  }
+  return parts;
 }
 
 }  // namespace
@@ -27,7 +29,7 @@ Job::Job(std::string kind, std::vector<JobStep> steps, std::function<void()> fin
       steps_(std::move(steps)),
       finished_(std::move(finished)),
       start_s_(wall_seconds()),
-      clock_(shares_of(steps_)) {
+      clock_(parts_of(steps_)) {
   thread_ = std::thread([this] { work(); });
 }
 

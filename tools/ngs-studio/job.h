@@ -15,7 +15,7 @@ namespace ngs::studio {
 /// One program with its arguments, or a function to call between two programs.
 struct JobStep {
   std::string stage;               // shown to the user: "joint"
-  double share = 1;                // expected time, relative to the other steps
+  double share = 1;                // expected time of a program, relative to the other programs
   std::vector<std::string> words;  // command line; empty: call `run`
   std::function<void()> run = {};
 };

@@ -77,11 +77,10 @@ void CutChain::plan() {
 
 /// Reads the strokes before anything is computed from them, and draws them on their views. A dry run only lists them.
 void CutChain::look_at_strokes() {
-  if (run_.dry_run())
-    strokes_found_ = strokes_text(run_, exists(plain_scene_) ? plain_scene_ : "", options_.view,
-                                  not_in_folder(inputs_.strokes, pictures()));
-  else
-    write_marked_views(run_, {plain_scene_, options_.view, inputs_.strokes}, at("marked"));
+  if (!run_.dry_run()) return write_marked_views(run_, {plain_scene_, options_.view, inputs_.strokes}, at("marked"));
+  const bool has_views = exists(plain_scene_) && (inputs_.kind != SourceKind::kSplat || reused_orbit_);
+  strokes_found_ =
+      strokes_text(run_, has_views ? plain_scene_ : "", options_.view, not_in_folder(inputs_.strokes, pictures()));
 }
 
 bool CutChain::make_scene() {

@@ -18,9 +18,10 @@ double joint_share(CutQuality quality) {
 }
 
 void add_masks_of_strokes(const CutOptions& options, const CutInputs& inputs, std::vector<PlannedStep>& steps) {
-  if (inputs.kind == SourceKind::kSplat) steps.push_back({"first look", "finding the object", "ngs cut", "marked/", 5});
+  if (inputs.kind == SourceKind::kSplat)
+    steps.push_back({"first look", "finding the object", "ngs cut", "marked/", 5, true});
   const double share = options.quality == CutQuality::kDraft ? 20 : 60;
-  steps.push_back({"ngs-mask", "outlining the object in the pictures", "ngs-mask", "strokes/", share});
+  steps.push_back({"ngs-mask", "outlining the object in the pictures", "ngs-mask", "strokes/", share, true});
 }
 
 std::string padded(const std::string& text, std::size_t width) {
@@ -37,13 +38,15 @@ std::vector<PlannedStep> planned_steps(const CutOptions& options, const CutInput
     steps.push_back({"ngs-scene", "reading the capture", "ngs-scene", "capture.json", 3});
   if (!facts.marked && !facts.has_masks) return steps;
   if (options.quality == CutQuality::kFlash) {
-    steps.push_back({"flash", "finding the object", "ngs cut", "object.ply, background.ply, labelled.ply, masks/", 5});
+    steps.push_back(
+        {"flash", "finding the object", "ngs cut", "object.ply, background.ply, labelled.ply, masks/", 5, true});
     steps.push_back({"ngs-report", "writing the pages", "ngs-report", "report.html, object.html", 3});
     return steps;
   }
   if (facts.marked) add_masks_of_strokes(options, inputs, steps);
   steps.push_back({"ngs-variance", "finding the splats on the edge", "ngs-variance", "boundary.ply", 4});
-  steps.push_back({"ngs-joint", "sharpening the edge", "ngs-joint", "labelled.ply", joint_share(options.quality)});
+  steps.push_back(
+      {"ngs-joint", "sharpening the edge", "ngs-joint", "labelled.ply", joint_share(options.quality), true});
   steps.push_back({"ngs-extract", "writing the object", "ngs-extract", "object.ply, background.ply", 2});
   steps.push_back({"ngs-render", "drawing the masks of the result", "ngs-render", "masks/", 4});
   if (!inputs.truth.empty())

@@ -9,11 +9,12 @@
 namespace ngs::front {
 
 struct PlannedStep {
-  std::string name;   // of the stage, as for StageRunner
-  std::string words;  // what is done: "sharpening the edge"
-  std::string tool;   // "ngs-joint"; "ngs cut": in this process
-  std::string files;  // what it writes, relative to the output folder
-  double share = 1;   // expected time in seconds, of a small splat
+  std::string name;         // of the stage, as for StageRunner
+  std::string words;        // what is done: "sharpening the edge"
+  std::string tool;         // "ngs-joint"; "ngs cut": in this process
+  std::string files;        // what it writes, relative to the output folder
+  double share = 1;         // expected time in seconds, of a small splat
+  bool has_passes = false;  // its progress restarts
 };
 
 struct PlanFacts {

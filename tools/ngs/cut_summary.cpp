@@ -114,7 +114,8 @@ std::string summary_of(const CutChain& chain) {
         std::to_string(chain.flash()->segmented) + " of " + std::to_string(chain.flash()->views) +
             " views were segmented; " + std::to_string(chain.flash()->in_ball) + " Gaussians in the ball");
   if (const std::int64_t needles = pieces_of(chain, "needles"); needles > 0)
-    row(text, "trimmed", std::to_string(needles) + " long thin Gaussians that stuck out of the object where it was cut");
+    row(text, "trimmed",
+        std::to_string(needles) + " long thin Gaussians that stuck out of the object where it was cut");
   if (const std::int64_t left_out = pieces_of(chain, "left_out"); left_out > 0)
     row(text, "left out",
         std::to_string(left_out) + " Gaussians in components that no stroke touches; --all-pieces keeps them");

@@ -90,8 +90,8 @@ std::optional<FlashCut> flash_cut(cli::Run& run, const io::GaussianPly& ply, con
   live::BallCut cut = live::cut_in_ball(run.exec(), monitor, input);
   if (monitor.stop_requested()) return std::nullopt;
   out.labels = std::move(cut.labels), out.cameras = std::move(cut.cameras), out.is_expected = cut.is_expected;
-  out.figures = {cut.object, ply.cloud.size() - cut.object, cut.in_ball, cut.left_out, cut.needles,
-                 cut.views.size(), 0, 0};
+  out.figures = {cut.object, ply.cloud.size() - cut.object, cut.in_ball, cut.left_out, cut.needles, cut.views.size(), 0,
+                 0};
   for (SpreadView& view : cut.views) {
     const bool segmented = view.source == MaskSource::kReference || view.source == MaskSource::kSegmented;
     out.figures.segmented += segmented;

@@ -26,8 +26,8 @@ struct FlashInputs {
 
 struct FlashFigures {
   std::int64_t object = 0, background = 0, in_ball = 0, left_out = 0, needles = 0;  // Gaussians
-  std::size_t views = 0, segmented = 0;                                // segmented: views with their own mask
-  double wall_s = 0;                                                   // including reading and writing
+  std::size_t views = 0, segmented = 0;  // segmented: views with their own mask
+  double wall_s = 0;                     // including reading and writing
 };
 
 struct FlashCut {

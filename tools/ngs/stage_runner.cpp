@@ -46,9 +46,9 @@ StageRunner::~StageRunner() { run_.monitor().on_progress = nullptr; }
 
 void StageRunner::plan(std::vector<PlannedStep> steps) {
   steps_ = std::move(steps), step_ = 0;
-  std::vector<double> shares;
-  for (const PlannedStep& step : steps_) shares.push_back(step.share);
-  clock_ = cli::ChainClock(std::move(shares));
+  std::vector<cli::ChainStep> parts;
+  for (const PlannedStep& step : steps_) parts.push_back({step.share, step.has_passes});
+  clock_ = cli::ChainClock(std::move(parts));
 }
 
 void StageRunner::begin(const std::string& name) {

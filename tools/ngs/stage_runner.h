@@ -61,7 +61,7 @@ class StageRunner {
   std::set<std::string> own_flags_;
   std::vector<PlannedStep> steps_;
   std::size_t step_ = 0;  // index of the current step
-  cli::ChainClock clock_{{}};
+  cli::ChainClock clock_{std::vector<cli::ChainStep>()};
   std::vector<StageResult> results_;
   std::vector<std::string> names_, warnings_, commands_;
   std::string error_, hint_;  // of the running tool

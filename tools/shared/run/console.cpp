@@ -113,7 +113,10 @@ void Console::write_progress(const std::string& text) {
 
 void Console::progress(const ChainProgress& chain) {
   constexpr int kBar = 20, kParts = 1000;
-  if (level_ < LogLevel::kWarning || !is_time_for_progress(wall_seconds())) return;
+  if (level_ < LogLevel::kWarning) return;
+  if (chain.words != last_words_) last_progress_s_ = 0;  // a new step is shown at once
+  last_words_ = chain.words;
+  if (!is_time_for_progress(wall_seconds())) return;
   const double done = std::clamp(chain.done, 0.0, 1.0);
   if (format_ == LogFormat::kJson)
     return write_stderr(json_line({{"tool", tool_},

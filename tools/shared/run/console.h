@@ -54,6 +54,7 @@ class Console {
   bool terminal_, colour_;
   bool shows_progress_ = false;
   ProgressClock clock_;
+  std::string last_words_;  // of progress(ChainProgress)
   double last_progress_s_, progress_every_s_;
 };
 

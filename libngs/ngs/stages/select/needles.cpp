@@ -25,8 +25,8 @@ std::vector<float> ends_of(const GaussianCloud& cloud, std::size_t i, double ski
   if (!(kReach * sigma > skin) || !(double(sorted[2]) - double(sorted[1]) >= std::log(kElongation))) return {};
   const float* q = &cloud.rotation[4 * i];
   const double norm = std::sqrt(double(q[0]) * q[0] + double(q[1]) * q[1] + double(q[2]) * q[2] + double(q[3]) * q[3]);
-  const Vec4<double> unit = norm > 0 ? Vec4<double>{q[0] / norm, q[1] / norm, q[2] / norm, q[3] / norm}
-                                     : Vec4<double>{1, 0, 0, 0};
+  const Vec4<double> unit =
+      norm > 0 ? Vec4<double>{q[0] / norm, q[1] / norm, q[2] / norm, q[3] / norm} : Vec4<double>{1, 0, 0, 0};
   const Mat3<double> r = rotation_matrix(unit);
   std::vector<float> ends;
   for (const double way : {-kReach * sigma, kReach * sigma})

@@ -104,7 +104,8 @@ PieceSelection touched_pieces(const Exec& exec, const GaussianCloud& cloud, cons
     if (piece >= 0 && touched[std::size_t(piece)]) continue;
     out.object[i] = 0, ++out.left_out;
   }
-  for (const std::uint32_t needle : needles_beyond(exec, cloud, out.object, side)) out.object[needle] = 0, ++out.needles;
+  for (const std::uint32_t needle : needles_beyond(exec, cloud, out.object, side))
+    out.object[needle] = 0, ++out.needles;
   return out;
 }
 

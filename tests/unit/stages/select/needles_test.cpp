@@ -9,8 +9,8 @@
 namespace ngs {
 namespace {
 
-/// Two lattices of 8 x 8 x 8 compact Gaussians, 0.1 apart: the object above z = 0, the background below; and one Gaussian
-/// of the object at its lower side, `length` long along `axis`.
+/// Two lattices of 8 x 8 x 8 compact Gaussians, 0.1 apart: the object above z = 0, the background below; and one
+/// Gaussian of the object at its lower side, `length` long along `axis`.
 struct Statue {
   GaussianCloud cloud;
   std::vector<std::uint8_t> object;
@@ -65,7 +65,8 @@ TEST_CASE("needles are the same for any number of threads, and touched pieces do
   const Statue statue(2, 0.3);
   Exec one, three;
   one.threads = 1, three.threads = 3;
-  CHECK(needles_beyond(one, statue.cloud, statue.object, 0.2) == needles_beyond(three, statue.cloud, statue.object, 0.2));
+  CHECK(needles_beyond(one, statue.cloud, statue.object, 0.2) ==
+        needles_beyond(three, statue.cloud, statue.object, 0.2));
   StrokeWeights stroke;
   for (std::uint32_t i = 0; i < 20; ++i) stroke.row.push_back(i), stroke.weight.push_back(1);
   const PieceSelection pieces = touched_pieces({}, statue.cloud, statue.object, std::vector{stroke});
