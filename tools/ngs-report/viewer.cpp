@@ -182,7 +182,8 @@ ViewerPage viewer_page(const RunFolder& run, const ViewerOptions& options) {
       ". Simplified colours (no view-dependent shading).</p></header>\n" + file_of_page("/viewer.html") +
       "<script type=\"application/json\" id=parameters>" + for_script(viewer_parameters(run, selection)) +
       "</script>\n<script type=\"application/octet-stream\" id=splats>" + base64(io::encode_dot_splat(selection)) +
-      "</script>\n<script>\n" + file_of_page("/viewer.js") + "</script>\n<!-- ngs " + kVersion + " --></body></html>\n";
+      "</script>\n<script>\n" + file_of_page("/viewer.js") + "</script>\n" + kViewerMark + kVersion +
+      " --></body></html>\n";
   return page;
 }
 

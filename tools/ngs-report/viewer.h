@@ -7,6 +7,9 @@
 
 namespace ngs::cli {
 
+/// Near the end of every 3D page, followed by the version.
+inline constexpr const char* kViewerMark = "<!-- ngs ";
+
 struct ViewerPage {
   std::string html;
   std::int64_t shown = 0, left_out = 0;  // Gaussians

@@ -17,7 +17,8 @@ struct ViewerOutput {
 
 /// Writes the 3D page of a single run and returns its path. Empty: not written, because there are several runs, no
 /// object, no file name (stdout) or --viewer-gaussians 0. An object that cannot be shown is an error with --viewer,
-/// else a problem of the run. Throws kUsage if the default path exists, without -w.
+/// else a problem of the run. Throws kUsage if the default path is a file
+/// that no ngs-report wrote, without -w.
 std::string write_viewer(Run& run, const ViewerOutput& output, std::vector<RunFolder>& runs);
 
 }  // namespace ngs::cli
