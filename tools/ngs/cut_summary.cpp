@@ -187,11 +187,11 @@ std::string next_line(const CutChain& chain, const std::vector<std::string>& fur
 
 std::string stopped_text(const CutChain& chain) {
   std::string kept;
-  for (const auto& [name, what] : {std::pair("orbit/made_from.json", "pictures in orbit/images/"),
-                                   {"capture.json", "capture.json"},
-                                   {"strokes", "masks in strokes/"},
-                                   {"boundary.ply", "boundary.ply"},
-                                   {"object.ply", "object.ply"}})
+  for (const auto& [name, what] :
+       {std::pair("orbit/made_from.json", "pictures in orbit/images/"),
+        {"capture.json", "capture.json"},
+        {"strokes", "masks in strokes/"},
+        {"object.ply", chain.stages().report("ngs-extract").is_null() ? "object.ply of an earlier run" : "object.ply"}})
     if (exists(chain.at(name))) kept += (kept.empty() ? "" : ", ") + std::string(what);
   std::string text;
   row(text, "stopped", kept.empty() ? "nothing was finished" : "kept in " + chain.inputs().out + "/: " + kept);

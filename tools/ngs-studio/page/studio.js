@@ -96,7 +96,10 @@ function request() {
   return { layer, fade, object: everyObject && fade > 0 ? 0 : state.active, highlight: highlight && layer === 'both' };
 }
 
+const kFirst = 'Drawing the first picture …';
+
 function frameShown({ version, kind, ms }) {
+  if (find('status').textContent === kFirst) say('');
   brush.forget(version);
   if (find('trouble').dataset.gone) hideTrouble();
   if (version > state.version) inTurn(() => get('/api/state')).then(showState, failed);  // another page changed the state
@@ -105,6 +108,7 @@ function frameShown({ version, kind, ms }) {
 }
 
 function begin() {
+  say(kFirst);
   camera = new Camera(state.start, state.bounds);
   frames = new Frames(find('picture'), camera, request, {
     shown: frameShown, failed, busy: showBusy,
