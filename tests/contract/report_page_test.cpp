@@ -131,6 +131,12 @@ TEST_CASE("the page of a run holds every section, lists warnings and loads nothi
     CHECK(stand_in.find("</svg>input mask</label>") == stand_in.npos);
     CHECK(stand_in.find("the true mask") == stand_in.npos);
     CHECK(stand_in.find("<b>scores</b>") == stand_in.npos);  // no warning
+    // As ngs cut writes them for a run by strokes.
+    fs::rename(out + "/metrics.json", out + "/agreement.json");
+    fs::rename(out + "/reports/ngs-eval.json", out + "/reports/ngs-eval-agreement.json");
+    run_tool(out, {"ngs-report", ".", "-o", "agreed.html"});
+    CHECK(test::read_bytes(out + "/agreed.html").find("<dt>IoU</dt><dd>1.000<small>against input masks") !=
+          std::string::npos);
   }
   SUBCASE("a run by strokes shows the marked views, and a splat that cannot be drawn is a warning") {
     CHECK(section_at("marked") == page.npos);
