@@ -4,8 +4,10 @@
 
 namespace ngs::cli {
 
+using Steps = std::vector<ChainStep>;
+
 TEST_CASE("steps of equal pace give the exact fraction and remaining time") {
-  ChainClock clock({{1}, {3}, {6}});
+  ChainClock clock(Steps{{1}, {3}, {6}});
   CHECK(clock.left_s(0) < 0);
   CHECK(clock.done(0) == 0);
   clock.begin(0, 0);
@@ -23,7 +25,7 @@ TEST_CASE("steps of equal pace give the exact fraction and remaining time") {
 }
 
 TEST_CASE("over restarting passes and a slow step the fraction never falls and the estimate never grows") {
-  ChainClock clock({{1}, {10, true}, {1}});
+  ChainClock clock(Steps{{1}, {10, true}, {1}});
   clock.begin(0, 0);
   clock.update(1);
   clock.begin(1, 10);  // expected: 100 s; it takes 400
@@ -44,13 +46,13 @@ TEST_CASE("over restarting passes and a slow step the fraction never falls and t
 }
 
 TEST_CASE("with passes a step counts by its expected time, not by its first pass") {
-  ChainClock clock({{1}, {10, true}});
+  ChainClock clock(Steps{{1}, {10, true}});
   clock.begin(0, 0);
   clock.begin(1, 10);
   clock.update(0.9);  // of a first, short pass
   CHECK(clock.done(20) == doctest::Approx(2.0 / 11));
   CHECK(clock.left_s(20) == doctest::Approx(90));
-  ChainClock first({{10, true}, {1}});
+  ChainClock first(Steps{{10, true}, {1}});
   first.begin(0, 0);
   first.update(1);
   CHECK(first.left_s(5) < 0);
@@ -58,7 +60,7 @@ TEST_CASE("with passes a step counts by its expected time, not by its first pass
 }
 
 TEST_CASE("steps that are left out do not count") {
-  ChainClock clock({{1}, {5}, {1}});
+  ChainClock clock(Steps{{1}, {5}, {1}});
   clock.begin(0, 0);
   clock.begin(2, 10);
   CHECK(clock.done(10) == doctest::Approx(0.5));
@@ -66,11 +68,11 @@ TEST_CASE("steps that are left out do not count") {
 }
 
 TEST_CASE("without steps, or beyond the last one, nothing is known and nothing fails") {
-  ChainClock none(std::vector<ChainStep>{});
+  ChainClock none(Steps{});
   none.begin(0, 0);
   none.update(0.5);
   CHECK(none.done(1) == 0);
-  ChainClock one({{1}});
+  ChainClock one(Steps{{1}});
   one.begin(0, 0);
   one.begin(7, 4);
   CHECK(one.done(5) == 1);
