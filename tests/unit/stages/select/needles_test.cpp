@@ -40,13 +40,13 @@ struct Statue {
   std::uint32_t last() const { return std::uint32_t(object.size() - 1); }
 };
 
-using Rows = std::vector<std::uint32_t>;
+using RowList = std::vector<std::uint32_t>;
 
 }  // namespace
 
 TEST_CASE("a long Gaussian that reaches into the background is a needle, one along the cut or inside is none") {
   const Statue down(2, 0.3);
-  CHECK(needles_beyond({}, down.cloud, down.object, 0.2) == Rows{down.last()});
+  CHECK(needles_beyond({}, down.cloud, down.object, 0.2) == RowList{down.last()});
   const Statue along(0, 0.15);
   CHECK(needles_beyond({}, along.cloud, along.object, 0.2).empty());
   const Statue compact(2, 0.02);
