@@ -77,7 +77,7 @@ TEST_CASE("the viewer is one file, escapes names and loads no other file") {
     make(out, {"ngs-report", ".", "-o", "none.html", "--viewer-gaussians", "0", "-q"});
     CHECK(!fs::exists(out + "/none-object.html"));
     dir.write("mine/object.html", "mine");
-    const test::ProcessResult refused = run_in(out, {"ngs-report", ".", "-o", "../mine/report.html", "-q"});
+    const test::ProcessResult refused = run_in(out, {"ngs-report", ".", "-o", dir.path() + "/mine/report.html", "-q"});
     CHECK(refused.exit_code == 2);
     CHECK(refused.err.find("exists already") != refused.err.npos);
     CHECK(test::read_bytes(dir.path() + "/mine/object.html") == "mine");
