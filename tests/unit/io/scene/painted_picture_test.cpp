@@ -165,17 +165,6 @@ TEST_CASE("markers alone are read on transparency, on grey and on one colour, at
   }
 }
 
-TEST_CASE("a painted photo whose size differs from the view's is rejected") {
-  const Files files;
-  ImageU8 large(2 * kWidth, 2 * kHeight, 4);
-  const ImageU8 small = garden();
-  for (int y = 0; y < large.height_px; ++y)
-    for (int x = 0; x < large.width_px; ++x)
-      for (int c = 0; c < 4; ++c) large.at(x, y, c) = small.at(x / 2, y / 2, c);
-  paint_row(large, 10, kGreen);
-  CHECK(files.refusal(large).find("neither these nor unpainted") != std::string::npos);
-}
-
 TEST_CASE("a photo is rejected as a one-sided scribble; a mask is accepted, compressed or not") {
   const Files files;
   HandPrompt prompt;
