@@ -93,8 +93,9 @@ const Json& list_at(const Json& json, std::initializer_list<std::string_view> ke
 /// True if the result was made from a mask of this view, which biases its scores.
 bool is_training_view(const SceneView& view) { return view.split == Split::kTrain && !view.mask_path.empty(); }
 
-/// "3 of 7 NOUN were used in training" if training views are scored, otherwise empty.
+/// "3 of 7 NOUN were used in training" if training views are scored against ground truth, otherwise empty.
 std::string training_note(const RunFolder& run, const std::string& noun) {
+  if (run.has_input_as_truth()) return {};  // no accuracy anyway, and named so
   std::set<std::string> scored, training;
   for (const ShownView& view : run.views) {
     if (view.scores.is_null()) continue;
