@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# ngs cut --around --quality flash on objects of a splat with known ground truth, with generated strokes:
+# ngs cut --around --method flash on objects of a splat with known ground truth, with generated strokes:
 #
 #   tests/bench/around.sh [-o OUT] [--scene SCENE_JSON] MODEL IDS ID...
 #
@@ -40,7 +40,7 @@ mkdir -p "$out" || fail 8 "$out: cannot be created"
 for id in "$@"; do
   folder=$out/object-$id
   ball=$(tool ngs_strokes ball "$model" "$ids" "$id")
-  cut=(cut "$model" "--around=$ball" --quality flash -o "$folder" -w -q)
+  cut=(cut "$model" "--around=$ball" --method flash -o "$folder" -w -q)
   [ -f "$folder/orbit/scene.json" ] || tool ngs "${cut[@]}" > /dev/null
   tool ngs_strokes strokes "$model" "$ids" "$id" "$folder/orbit/scene.json" > "$out/strokes-$id.json"
   tool ngs "${cut[@]}" --strokes "$out/strokes-$id.json" --report "$out/report-$id.json" > /dev/null

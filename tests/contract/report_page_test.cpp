@@ -68,11 +68,18 @@ TEST_CASE("the page of a run holds every section, lists warnings and loads nothi
   run_tool(out, {"ngs-report", ".", "-o", "report.html"});
   const std::string page = test::read_bytes(out + "/report.html");
 
-  for (const char* id : {"overview", "warnings", "accuracy", "views", "objects", "decisions", "times", "trace",
-                         "inputs", "repeat", "tools"}) {
+  const auto section_at = [&](const std::string& id) { return page.find("<section id=\"" + id + "\">"); };
+  for (const char* id : {"overview", "warnings", "accuracy", "views", "view-scores", "objects", "decisions", "times",
+                         "trace", "inputs", "repeat", "tools"}) {
     CAPTURE(id);
-    CHECK(page.find("<section id=\"" + std::string(id) + "\">") != page.npos);
+    CHECK(section_at(id) != page.npos);
   }
+  // All but the result is folded once.
+  const std::size_t fold = page.find("<details class=made><summary><b>How it was made</b></summary>");
+  REQUIRE(fold != page.npos);
+  CHECK(occurrences(page, "How it was made") == 1);
+  for (const char* id : {"overview", "warnings", "views"}) CHECK(section_at(id) < fold);
+  for (const char* id : {"accuracy", "decisions", "times", "inputs", "tools", "given"}) CHECK(section_at(id) > fold);
   CHECK(page.find("a &quot;strange&quot; &lt;mask&gt;") != page.npos);
   CHECK(page.find("stopped at its budget") != page.npos);
   CHECK(page.find("<th scope=row>cont</th><td>off</td><td>no gain &lt;measured&gt;; saves time</td>") != page.npos);
@@ -83,6 +90,8 @@ TEST_CASE("the page of a run holds every section, lists warnings and loads nothi
 
   CHECK(page.find("ngs-joint scene.json --method bce &lt;x&gt;") != page.npos);
   CHECK(occurrences(page, "<figure class=flip>") == 2);  // the object alone; input mask and result
+  CHECK(occurrences(page, "<input type=checkbox checked aria-label=\"Show ") == 2);
+  CHECK(page.find("<span class=of-before>the photo</span><span class=of-after>the object alone</span>") != page.npos);
 
   // The page opens on the object, before any figure of it, and has the given masks of all views.
   CHECK(page.find("<input type=checkbox checked aria-label=\"Show the object alone\">") <
@@ -121,7 +130,25 @@ TEST_CASE("the page of a run holds every section, lists warnings and loads nothi
     CHECK(stand_in.find("</svg>truth</label>") == stand_in.npos);
     CHECK(stand_in.find("</svg>input mask</label>") == stand_in.npos);
     CHECK(stand_in.find("the true mask") == stand_in.npos);
-    CHECK(stand_in.find("<li><b>scores</b> are against input masks") != stand_in.npos);
+    CHECK(stand_in.find("<b>scores</b>") == stand_in.npos);  // no warning
+    // As ngs cut writes them for a run by strokes.
+    fs::rename(out + "/metrics.json", out + "/agreement.json");
+    fs::rename(out + "/reports/ngs-eval.json", out + "/reports/ngs-eval-agreement.json");
+    run_tool(out, {"ngs-report", ".", "-o", "agreed.html"});
+    CHECK(test::read_bytes(out + "/agreed.html").find("<dt>IoU</dt><dd>1.000<small>against input masks") !=
+          std::string::npos);
+  }
+  SUBCASE("a run by strokes shows the marked views, and a splat that cannot be drawn is a warning") {
+    CHECK(section_at("marked") == page.npos);
+    fs::create_directory(out + "/marked");
+    io::write_png(out + "/marked/v2.png", ImageU8(48, 36, 3));
+    dir.write("a <run> & more/object.ply", "no splat");
+    run_tool(out, {"ngs-report", ".", "-o", "marked.html"});
+    const std::string marked = test::read_bytes(out + "/marked.html");
+    CHECK(marked.find("<section id=\"marked\">") < marked.find("<section id=\"views\">"));
+    CHECK(marked.find("View v2.png with the strokes") != marked.npos);
+    CHECK(marked.find("<li><b>report</b>") != marked.npos);
+    CHECK(!fs::exists(out + "/marked-object.html"));
   }
   SUBCASE("a page without scores mentions no scores") {
     CHECK(page.find("The view with the median boundary IoU.") != page.npos);

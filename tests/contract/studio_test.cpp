@@ -218,8 +218,76 @@ TEST_CASE("a stroke on nothing is rejected with a hint") {
     camera["look_at"][a] = 2 * camera["position"][a].get<double>() - camera["look_at"][a].get<double>();
   const auto answer = server.post("/api/strokes", strokes(camera.dump()));
   CHECK(answer.status == 409);
-  CHECK(answer.body.find("no part of the splat is under it") != std::string::npos);
-  CHECK(json_of(server.get("/api/state"))["objects"][0]["strokes"] == 0);
+  CHECK(answer.body.find("nothing is there") != std::string::npos);
+  const auto background =
+      server.post("/api/strokes", R"({"object":1,"camera":)" + camera.dump() +
+                                      R"(,"strokes":[{"label":"background","radius_px":6,"points":[[96,72]]}]})");
+  CHECK(background.status == 409);
+  const Json state = json_of(server.get("/api/state"));
+  CHECK(state["objects"][0]["strokes"] == 0);
+  CHECK(state["undo"] == 0);
+}
+
+TEST_CASE("the answer to a stroke has the change of the count, 0 for a stroke without effect") {
+  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
+  const Place place;
+  StudioServer server(place.dir.path(), {kModel, "-o", "visit"});
+  const std::string stroke = strokes(camera_of(json_of(server.get("/api/state")), 0));
+  const Json first = json_of(server.post("/api/strokes", stroke));
+  CHECK(first["answer"]["change"] == first["answer"]["gaussians"]);
+  CHECK(first["objects"][0]["views"] == 1);
+  const Json again = json_of(server.post("/api/strokes", stroke));
+  CHECK(again["answer"]["change"] == 0);
+  CHECK(again["objects"][0]["gaussians"] == first["objects"][0]["gaussians"]);
+}
+
+TEST_CASE("the focus is the piece under the strokes, also if all pieces are shown") {
+  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
+  const Place place;
+  StudioServer server(place.dir.path(), {kModel, "-o", "visit"});
+  const Json state = json_of(server.get("/api/state"));
+  // Without a background stroke colours alone decide which part of the wall is selected.
+  const Json marked =
+      json_of(server.post("/api/strokes", R"({"object":1,"camera":)" + camera_of(state, 0) +
+                                              R"(,"strokes":[{"label":"object","radius_px":6,"points":[[96,72]]}]})"));
+  const Json focus = marked["objects"][0]["focus"];
+  CHECK(focus["radius"] < 0.6 * state["bounds"]["radius"].get<double>());
+  const Json all = json_of(server.post("/api/objects", R"({"all_pieces":true})"));
+  CHECK(all["objects"][0]["focus"] == focus);
+}
+
+TEST_CASE("Export writes the chosen format with the same Gaussians, and only its files can be downloaded") {
+  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
+  const Place place;
+  StudioServer server(place.dir.path(), {kModel, "-o", "visit"});
+  const Json state = json_of(server.get("/api/state"));
+  json_of(server.post("/api/strokes", strokes(camera_of(state, 0))));
+  CHECK(server.post("/api/export", R"({"format":"exe"})").status == 400);
+  CHECK(server.post("/api/download", R"({"file":"object-1/object.ply"})").status == 400);
+  const std::string folder = place.dir.path() + "/visit/";
+  const auto exported = [&](const std::string& format) {
+    CHECK(server.post("/api/export", R"({"format":")" + format + "\"}").status == 202);
+    const Json job = finished_job(server);
+    INFO(job.dump());
+    REQUIRE(job["state"] == "done");
+    return json_of(server.get("/api/state"));
+  };
+  const Json plain = exported("ply");
+  CHECK(plain["export"]["path"] == fs::absolute(folder).parent_path().string());
+  const Json spz = exported("spz");
+  CHECK_FALSE(fs::exists(folder + "object-1/object.ply"));  // an older selection could stay in it
+  CHECK(io::read_gaussian_ply(folder + "object-1/object.spz").cloud.size() == spz["objects"][0]["gaussians"]);
+  const auto file = server.post("/api/download", R"({"file":"object-1/object.spz"})");
+  CHECK(file.status == 200);
+  CHECK(file.headers.find("filename=\"object.spz\"") != std::string::npos);
+  CHECK(file.body == test::read_bytes(folder + "object-1/object.spz"));
+  for (const char* other : {"studio.json", "object-1/../studio.json", "/etc/passwd", "object-1/object.ply"})
+    CHECK(server.post("/api/download", Json{{"file", other}}.dump()).status == 400);
+  CHECK(server.post("/api/refine", R"({"quality":"draft"})").status == 202);
+  CHECK(finished_job(server)["state"] == "done");
+  const Json refined = exported("compressed.ply");
+  CHECK(io::read_gaussian_ply(folder + "object-1/cut/object.compressed.ply").cloud.size() ==
+        refined["objects"][0]["gaussians"]);
 }
 
 TEST_CASE("Refine runs ngs cut on the scene's views and the marked ones, and Export delivers its files") {

@@ -2,9 +2,13 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "ngs/io/image/image_file.h"
+#include "ngs/io/ply/gaussian_ply.h"
 #include "support/process.h"
 #include "support/skip.h"
 #include "support/temp_dir.h"
@@ -62,6 +66,23 @@ TEST_CASE("the viewer is one file, escapes names and loads no other file") {
     CHECK(few.find("3 Gaussians, ") != few.npos);
     CHECK(viewer.find("left out") == viewer.npos);
   }
+  SUBCASE("it is written by default, linked first, and never over another file") {
+    make(out, {"ngs-report", ".", "-o", "again/report.html", "-q"});
+    CHECK(test::read_bytes(out + "/again/object.html") == viewer);
+    const std::string linked = test::read_bytes(out + "/again/report.html");
+    const std::size_t link = linked.find("href=\"./object.html\"");
+    CHECK(link < linked.find("<figure"));
+    make(out, {"ngs-report", ".", "-o", "other.html", "-q"});
+    CHECK(fs::exists(out + "/other-object.html"));
+    make(out, {"ngs-report", ".", "-o", "none.html", "--viewer-gaussians", "0", "-q"});
+    CHECK(!fs::exists(out + "/none-object.html"));
+    dir.write("mine/object.html", "mine");
+    const test::ProcessResult refused = run_in(out, {"ngs-report", ".", "-o", dir.path() + "/mine/report.html", "-q"});
+    CHECK(refused.exit_code == 2);
+    CHECK(refused.err.find("exists already") != refused.err.npos);
+    CHECK(test::read_bytes(dir.path() + "/mine/object.html") == "mine");
+    CHECK(!fs::exists(dir.path() + "/mine/report.html"));
+  }
   SUBCASE("a run without an object is rejected with the command that writes one") {
     fs::remove(out + "/object.ply");
     const test::ProcessResult result = run_in(out, {"ngs-report", ".", "-o", "r.html", "--viewer", "v.html", "-q"});
@@ -107,6 +128,55 @@ std::vector<bool> drawn(const ImageF& image) {
   return is_drawn;
 }
 
+/// The parameters of the 3D page.
+nlohmann::json parameters_of(const std::string& page) {
+  const std::size_t begin = page.find("id=parameters>") + 14;
+  return nlohmann::json::parse(page.substr(begin, page.find("</script>", begin) - begin));
+}
+
+/// scene.json with one view: the first camera of the 3D page.
+void write_scene_of_viewer(const std::string& out, const nlohmann::json& camera) {
+  nlohmann::json scene = nlohmann::json::parse(test::read_bytes(out + "/scene.json"));
+  nlohmann::json view = scene["views"][0];
+  view["rotation"] = view["translation"] = nlohmann::json::array();
+  for (const char* axis : {"right", "down", "forward"}) {
+    double sum = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      view["rotation"].push_back(camera[axis][k]);
+      sum -= camera[axis][k].get<double>() * camera["eye"][k].get<double>();
+    }
+    view["translation"].push_back(sum);
+  }
+  view["fx"] = view["fy"] = camera["fx"];
+  view["cx"] = 0.5 * view["width"].get<double>(), view["cy"] = 0.5 * view["height"].get<double>();
+  scene["views"] = {view};
+  std::ofstream(out + "/first.json") << scene;
+}
+
+TEST_CASE("the viewer's first camera looks at the middle of the object, upright, and shows all of it") {
+  const test::TempDir dir;
+  const std::string out = made_run(dir, "run");
+  make(out, {"ngs-report", ".", "-o", "report.html", "-q"});
+  const nlohmann::json camera = parameters_of(test::read_bytes(out + "/object.html"));
+  const auto vector = [&](const char* name) {
+    return Vec3<double>{camera[name][0].get<double>(), camera[name][1].get<double>(), camera[name][2].get<double>()};
+  };
+  const Vec3<double> eye = vector("eye"), line = vector("centre") - eye;
+  const double distance = std::sqrt(dot(line, line));
+  CHECK(dot(line, vector("forward")) == doctest::Approx(distance));
+  CHECK(std::abs(dot(vector("right"), vector("up"))) < 1e-9);
+  CHECK(dot(vector("down"), vector("up")) < 0);
+  const GaussianCloud object = io::read_gaussian_ply(out + "/object.ply").cloud;
+  const double fx = camera["fx"], half = 0.5 * std::min(camera["width_px"].get<int>(), camera["height_px"].get<int>());
+  for (std::size_t i = 0; i < std::size_t(object.size()); ++i) {
+    const float* p = &object.position[3 * i];
+    const Vec3<double> at = Vec3<double>{double(p[0]), double(p[1]), double(p[2])} - eye;
+    const double z = dot(at, vector("forward"));
+    REQUIRE(z > 0);
+    CHECK(fx * std::hypot(dot(at, vector("right")), dot(at, vector("down"))) / z < half);
+  }
+}
+
 TEST_CASE("the viewer's first image equals the render of ngs-render at the same camera") {
   if (!fs::exists("/usr/bin/chromium")) return test::skip("no /usr/bin/chromium");
   const test::TempDir dir;
@@ -126,13 +196,10 @@ TEST_CASE("the viewer's first image equals the render of ngs-render at the same 
   REQUIRE(fs::exists(out + "/seen.png"));
   const ImageF seen = io::read_image_rgb(out + "/seen.png");
   REQUIRE(seen.width_px == 576);
-  std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(out + "/masks")) names.push_back(entry.path().stem().string());
-  std::ranges::sort(names);
-  const std::string name = names[names.size() / 2] + ".png";  // the view shown by a page without scores
-  make(out, {"ngs-render", "scene.json", "object.ply", "--views", "all", "--layers", "color", "--scale", "12",
+  write_scene_of_viewer(out, parameters_of(test::read_bytes(out + "/object.html")));
+  make(out, {"ngs-render", "first.json", "object.ply", "--views", "all", "--layers", "color", "--scale", "12",
              "--background", "0.93,0.92,0.9", "-o", "colour", "-w", "-q"});
-  const ImageF rendered = io::read_image_rgb(out + "/colour/" + name);
+  const ImageF rendered = io::read_image_rgb(fs::directory_iterator(out + "/colour")->path().string());
   const std::vector<bool> a = drawn(seen), b = drawn(rendered);
   REQUIRE(a.size() == b.size());
   double both = 0, either = 0;

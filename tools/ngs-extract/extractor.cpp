@@ -166,12 +166,18 @@ void Extractor::keep_touched(const std::vector<StrokeWeights>& strokes) {
   const auto timed = run_.monitor().scope("pieces");
   PieceSelection found = touched_pieces(run_.exec(), ply_.cloud, keep_, strokes);
   const std::int64_t kept = std::count(found.object.begin(), found.object.end(), std::uint8_t(1));
-  run_.result()["pieces"] = {{"found", found.pieces}, {"touched", found.kept_pieces}, {"left_out", found.left_out}};
+  run_.result()["pieces"] = {{"found", found.pieces},
+                             {"touched", found.kept_pieces},
+                             {"left_out", found.left_out},
+                             {"needles", found.needles}};
   run_.result()["object"] = kept, run_.result()["background"] = ply_.cloud.size() - kept;
   if (found.left_out > 0)
     run_.text("left out: " + std::to_string(found.left_out) + " Gaussians of " +
               std::to_string(found.pieces - found.kept_pieces) +
               " components that no stroke on the object touches; leave --strokes out to keep them\n");
+  if (found.needles > 0)
+    run_.text("trimmed: " + std::to_string(found.needles) +
+              " long thin Gaussians that stick out of the object where it was cut; leave --strokes out to keep them\n");
   restrict_to(std::move(found.object));
 }
 

@@ -9,7 +9,7 @@
 #include "shared/page/html.h"
 #include "shared/run/summary.h"
 #include "shared/tool.h"
-#include "viewer.h"
+#include "viewer_output.h"
 #include "work_precision.h"
 
 namespace {
@@ -45,25 +45,21 @@ int runs_command(int argc, char** argv) {
   const cli::Output& atlas = tool.optional_output_dir(
       "--atlas", "folder for pictures of wrong pixels by cause, one PNG per scored view; one run only");
   const cli::Output& viewer =
-      tool.optional_output("--viewer", "HTML page with the object in 3D, linked from the page; one run only");
+      tool.optional_output("--viewer", "HTML page with the object in 3D; one run only; default: object.html beside -o");
   return tool.run(argc, argv, [&](cli::Run& run) {
     for (const cli::Output* output : {&atlas, &viewer})
       if (*output && folders.paths.size() > 1)
         throw Error(ErrorCode::kUsage,
                     output->flags + ": " + std::to_string(folders.paths.size()) + " runs, expected a single run",
                     "make a separate page for each run");
-    if (!viewer) run.warn_unused({"--viewer-gaussians"}, "without --viewer");
     std::vector<cli::RunFolder> runs;
     for (const std::string& path : folders.paths) runs.push_back(cli::read_run_folder(path));
     make_titles_unique(runs);
     run.result()["runs"] = runs.size();
     if (run.dry_run()) return 0;
-    if (viewer) {
-      const cli::ViewerPage object = cli::viewer_page(runs.front(), viewer_options);
-      io::write_file(viewer.path, object.html);
-      run.result()["viewer"] = {{"gaussians", object.shown}, {"left_out", object.left_out}};
-    }
-    const cli::PageOutputs outputs{atlas.path, viewer ? cli::address_from(out.path, viewer.path) : std::string()};
+    const std::string viewer_page = cli::write_viewer(run, {out, viewer, viewer_options}, runs);
+    const cli::PageOutputs outputs{atlas.path,
+                                   viewer_page.empty() ? std::string() : cli::address_from(out.path, viewer_page)};
     const std::string page = cli::report_page(run.exec(), runs, options, outputs);
     io::write_file(out.path, page);
     for (const cli::RunFolder& folder : runs) {

@@ -19,7 +19,7 @@ namespace ngs::cli {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr int kFlipWidthPx = 800, kSidePx = 360;
+constexpr int kFlipWidthPx = 800, kSidePx = 360, kMarkedWidthPx = 400;
 using Colour = std::array<double, 3>;
 constexpr Vec3<float> kPaperBehind{0.93f, 0.92f, 0.9f};
 constexpr Colour kPaper{kPaperBehind.x, kPaperBehind.y, kPaperBehind.z}, kOrange{1, 0.42, 0.17},
@@ -30,20 +30,25 @@ std::string image_html(const char* state, const ImageF& image, const std::string
          " height=" + std::to_string(image.height_px) + " src=\"" + jpeg_source(to_bytes(image), 85) + "\">";
 }
 
+std::string link_to(const std::string& viewer) {
+  if (viewer.empty()) return {};
+  return "<p class=screen><a class=button href=\"" + viewer + "\">Turn the object in 3D</a></p>\n";
+}
+
 struct Flip {
   ImageF before, after;
   std::string view, before_name, after_name;
-  bool opens_after = false;  // show `after` first
 };
 
+/// Opens on `after`. The caption names the picture that is shown.
 std::string flip_html(const Flip& flip) {
   const std::string start = "View " + flip.view + ": ";
-  return std::string("<figure class=flip><label><input type=checkbox") + (flip.opens_after ? " checked" : "") +
-         " aria-label=\"Show " + escaped(flip.after_name) + "\"><span class=stack>" +
+  return std::string("<figure class=flip><label><input type=checkbox checked") + " aria-label=\"Show " +
+         escaped(flip.after_name) + "\"><span class=stack>" +
          image_html("before", flip.before, start + flip.before_name) +
          image_html("after", flip.after, start + flip.after_name) + "</span></label><figcaption><b>" +
-         escaped(flip.view) + "</b> " + escaped(flip.before_name) + " ⇄ " + escaped(flip.after_name) +
-         "</figcaption></figure>\n";
+         escaped(flip.view) + "</b> <span class=of-before>" + escaped(flip.before_name) +
+         "</span><span class=of-after>" + escaped(flip.after_name) + "</span></figcaption></figure>\n";
 }
 
 void mix(ImageF& image, std::size_t pixel, const Colour& colour, double share) {
@@ -89,20 +94,22 @@ std::vector<Flip> flips_of(const Exec& exec, const RunFolder& run, const ShownVi
   };
   const Plane result = plane(view.predicted, view.predicted_id);
   const bool several = !view.object.empty();
+  const std::string photo_name = run.scene && run.scene->renders ? "the splat" : "the photo";
   const std::string object = several ? view.object : "the object";
   std::vector<Flip> flips;
   ImageF cut = splat_picture(exec, run, view, {"object.ply", kPaperBehind, width, height});
   const bool is_splat = !cut.empty();
   if (!is_splat) cut = painted(photo, result, false, kPaper, 1);
   const std::string name = !is_splat ? object + " alone" : several ? "the objects, cut out" : "the object, cut out";
-  flips.push_back({photo, std::move(cut), view.view, "the photo", name, true});
+  flips.push_back({photo, std::move(cut), view.view, photo_name, name});
   const auto behind = run.scene && run.scene->background ? background_of(*run.scene) : Vec3<float>{0.5f, 0.5f, 0.5f};
   if (ImageF left = splat_picture(exec, run, view, {"background.ply", behind, width, height}); !left.empty())
-    flips.push_back({photo, std::move(left), view.view, "the photo",
-                     several ? "the splat without the objects" : "the splat without the object", false});
+    flips.push_back({photo, std::move(left), view.view, photo_name,
+                     several ? "the splat without the objects" : "the splat without the object"});
   if (const Plane input = plane(view.input, view.input_id); !input.empty())
     flips.push_back({painted(photo, input, true, {1, 1, 1}, 0.55), painted(photo, result, true, kOrange, 0.55),
-                     view.view, several ? "the input mask of " + object : "the input mask", "the result", false});
+                     view.view, (several ? "the input mask of " + object : "the input mask") + " (white)",
+                     "the mask of the result (orange)"});
   return flips;
 }
 
@@ -171,7 +178,7 @@ const ShownView* median_view(const RunFolder& run) {
 
 std::string overview_section(const Exec& exec, RunFolder& run, Pictures& pictures, const std::string& viewer) {
   const ShownView* view = median_view(run);
-  if (view == nullptr) return {};
+  if (view == nullptr) return link_to(viewer);
   std::string html;
   try {
     for (const Flip& flip : flips_of(exec, run, *view)) {
@@ -181,13 +188,40 @@ std::string overview_section(const Exec& exec, RunFolder& run, Pictures& picture
   } catch (const Error& e) {
     run.problems.push_back(e.what());
   }
-  if (html.empty()) return html;
+  if (html.empty()) return link_to(viewer);
   const char* which =
       view->scores.is_null() ? "The middle view of the list." : "The view with the median boundary IoU.";
-  return "<section id=\"overview\"><div class=\"sheet opening\">" + html +
+  return "<section id=\"overview\">" + link_to(viewer) + "<div class=\"sheet opening\">" + html +
          "</div><p class=note><span class=screen>Click or tap a picture to flip it. </span>" + which +
-         (viewer.empty() ? "" : " <a class=\"screen\" href=\"" + viewer + "\">Open the object in 3D</a>") +
          "</p></section>\n";
+}
+
+std::string marked_section(RunFolder& run, Pictures& pictures) {
+  const fs::path folder = fs::path(run.path) / "marked";
+  std::error_code unreadable;
+  std::vector<fs::path> files;
+  for (fs::directory_iterator entry(folder, unreadable), end; !unreadable && entry != end; entry.increment(unreadable))
+    if (entry->path().extension() == ".png") files.push_back(entry->path());
+  std::ranges::sort(files);
+  std::string html;
+  for (const fs::path& file : files) {
+    try {
+      const ImageF full = io::read_image_rgb(file.string(), {0, 0, 0});
+      const int width = std::min(kMarkedWidthPx, full.width_px);
+      const int height = std::max(1, int(std::lround(double(full.height_px) * width / full.width_px)));
+      const std::string name = file.filename().string();
+      const std::string figure =
+          "<figure><span class=stack>" +
+          image_html("marked", io::resize_area(full, width, height), "View " + name + " with the strokes") +
+          "</span><figcaption><b>" + escaped(name) + "</b></figcaption></figure>\n";
+      if (pictures.spend(figure.size())) html += figure;
+    } catch (const Error& e) {
+      run.problems.push_back(e.what());
+    }
+  }
+  if (html.empty()) return html;
+  return section("marked", "Your strokes",
+                 "<p class=note>Green: object. Red: background.</p><div class=\"sheet crops\">" + html + "</div>");
 }
 
 std::string boundary_section(RunFolder& run, Pictures& pictures) {

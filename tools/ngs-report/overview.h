@@ -13,8 +13,12 @@ namespace ngs::cli {
 const ShownView* median_view(const RunFolder& run);
 
 /// Pairs of pictures of median_view(): photo and object, photo and background, input mask and result, each if its files
-/// exist. The first opens on the object. `viewer`: URL of the 3D page, or empty. Empty without photo and mask.
+/// exist. All open on the result. `viewer`: URL of the 3D page, which is linked first, or empty. Only this link without
+/// photo and mask.
 std::string overview_section(const Exec& exec, RunFolder& run, Pictures& pictures, const std::string& viewer);
+
+/// The marked views with their strokes, marked/NAME.png of ngs cut. Empty without them.
+std::string marked_section(RunFolder& run, Pictures& pictures);
 
 /// Pictures of labelled.ply along the world's axes. Empty without labelled.ply or boundary set.
 std::string boundary_section(RunFolder& run, Pictures& pictures);

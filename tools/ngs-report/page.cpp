@@ -41,11 +41,15 @@ std::string run_html(const Exec& exec, RunFolder& run, Pictures& pictures, const
   const std::string views = views_section(run, pictures);  // first: may add problems
   const std::string errors = errors_section(exec, run, pictures, outputs.atlas);
   const std::string overview = overview_section(exec, run, pictures, outputs.viewer);
+  const std::string marked = marked_section(run, pictures);
   const std::string boundary = boundary_section(run, pictures);
   const std::string given = given_section(run, pictures);  // last: uses the remaining picture budget
-  return overview + tiles(run) + warnings_section(run) + accuracy_section(run) + views + errors + boundary + given +
-         objects_section(run) + decisions_section(run) + times_section(run) + trace_section(run) + inputs_section(run) +
-         repeat_section(run) + tools_section(run);
+  const std::string made = accuracy_section(run) + view_scores(run) + errors + boundary + given + objects_section(run) +
+                           decisions_section(run) + times_section(run) + trace_section(run) + inputs_section(run) +
+                           repeat_section(run) + tools_section(run);
+  return overview + tiles(run) + warnings_section(run) + marked + views +
+         (made.empty() ? made
+                       : "<details class=made><summary><b>How it was made</b></summary>" + made + "</details>\n");
 }
 
 /// "2 objects cut out of a 3D Gaussian splat by METHOD.": HTML.

@@ -92,9 +92,15 @@ std::uint32_t count_at(const Json& json, std::string_view key) {
   return value.is_number_unsigned() ? value.get<std::uint32_t>() : 0;
 }
 
+/// Of ngs-eval; without scores against true masks, of its comparison with the masks from strokes.
+const Json& scoring_report(const RunFolder& run) {
+  const Json& scores = run.report("ngs-eval");
+  return scores.is_null() ? run.report("ngs-eval-agreement") : scores;
+}
+
 /// Id of an object in the label maps that ngs-eval read; 0 for masks.
 std::uint32_t label_id(const RunFolder& run, const std::string& object) {
-  const Json& options = value_at(run.report("ngs-eval"), {"options"});
+  const Json& options = value_at(scoring_report(run), {"options"});
   if (value_at(options, {"label_map"}) != Json(true)) return 0;
   for (const Json& entry : value_at(options, {"object_id"})) {
     const std::string text = entry.is_string() ? entry.get<std::string>() : std::string();
@@ -107,7 +113,7 @@ std::uint32_t label_id(const RunFolder& run, const std::string& object) {
 /// Adds scored views: files from the report of ngs-eval, scores from metrics.json.
 void add_scored_views(RunFolder& run) {
   std::map<std::pair<std::string, std::string>, const Json*> files;
-  for (const Json& file : value_at(run.report("ngs-eval"), {"result", "files"}))
+  for (const Json& file : value_at(scoring_report(run), {"result", "files"}))
     files[{text_at(file, "view"), text_at(file, "object")}] = &file;
   for (const Json& scores : value_at(run.metrics, {"views"})) {
     ShownView view{.view = text_at(scores, "view"),
@@ -123,7 +129,7 @@ void add_scored_views(RunFolder& run) {
       view.predicted = found_path(run, text_at(*file->second, "predicted"));
       view.truth = found_path(run, text_at(*file->second, "truth"));
       view.truth_id = count_at(*file->second, "truth_id");
-      const Json& void_id = value_at(run.report("ngs-eval"), {"options", "void_id"});
+      const Json& void_id = value_at(scoring_report(run), {"options", "void_id"});
       if (void_id.is_number_integer()) view.void_id = void_id.get<std::int64_t>();
       if (view.truth_id == 0) view.truth_id = view.predicted_id = label_id(run, view.object);
     }
@@ -208,6 +214,7 @@ RunFolder read_run_folder(const std::string& path) {
     if_present(run, folder / name, [&] { json = parse_json(read_text(folder / name), (folder / name).string()); });
   };
   metrics("metrics.json", run.metrics);
+  if (run.metrics.is_null()) metrics("agreement.json", run.metrics);  // of ngs cut: against the masks from strokes
   metrics("metrics_input.json", run.metrics_input);
   if_present(run, folder / "trace.jsonl", [&] { read_trace(run, folder / "trace.jsonl"); });
   if (run.reports.empty() && !run.scene && run.metrics.is_null())

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <set>
 
 #include "charts.h"
+#include "ngs/core/error.h"
+#include "ngs/io/ply/ply.h"
 #include "ngs/ops/image/metrics.h"
 #include "run_figures.h"
 #include "shared/page/html.h"
@@ -21,7 +24,7 @@ void add_tile(std::string& html, const std::string& name, const std::string& val
 constexpr const char* kInputAsTruth = "input masks, no ground truth";
 
 std::string reference_note(const RunFolder& run, std::string_view score) {
-  if (run.has_input_as_truth()) return std::string("against ") + kInputAsTruth;
+  if (run.has_input_as_truth()) return std::string("against ") + kInputAsTruth + ", which may be wrong";
   const double input = number_at(run.metrics_input, {"mean", score});
   return std::isfinite(input) ? "input masks " + decimal(input, 3) : std::string();
 }
@@ -48,6 +51,24 @@ std::string legend(const char* truth, bool input) {
          (input ? entry("input", "input mask") : "") + "</div>";
 }
 
+/// Rows of a splat of the run, from its header; -1: none.
+std::int64_t gaussians_in(const RunFolder& run, const char* file) {
+  const std::filesystem::path path = std::filesystem::path(run.path) / file;
+  std::error_code unreadable;
+  if (!std::filesystem::is_regular_file(path, unreadable)) return -1;
+  try {
+    const io::PlyFile ply = io::PlyFile::header_of(path.string());
+    const io::PlyElement* rows = ply.find("vertex");
+    return rows == nullptr ? -1 : std::int64_t(rows->count);
+  } catch (const Error&) {  // overview_section() reports it
+    return -1;
+  }
+}
+
+std::string share_of(std::int64_t part, std::int64_t all) {
+  return all > 0 ? "; " + decimal(100 * double(part) / double(all), 1) + " % are object" : std::string();
+}
+
 double seconds_of(const Json& stage) { return number_at(stage, {"wall_s"}); }
 
 std::string rate(double per_second) {
@@ -72,8 +93,9 @@ const Json& list_at(const Json& json, std::initializer_list<std::string_view> ke
 /// True if the result was made from a mask of this view, which biases its scores.
 bool is_training_view(const SceneView& view) { return view.split == Split::kTrain && !view.mask_path.empty(); }
 
-/// "3 of 7 NOUN were used in training" if training views are scored, otherwise empty.
+/// "3 of 7 NOUN were used in training" if training views are scored against ground truth, otherwise empty.
 std::string training_note(const RunFolder& run, const std::string& noun) {
+  if (run.has_input_as_truth()) return {};  // no accuracy anyway, and named so
   std::set<std::string> scored, training;
   for (const ShownView& view : run.views) {
     if (view.scores.is_null()) continue;
@@ -100,6 +122,10 @@ std::string tiles(const RunFolder& run) {
     add_tile(html, "method", escaped(method_title(run)),
              quality.is_string() ? name + ", --quality " + escaped(quality.get<std::string>()) : name);
   }
+  if (const std::int64_t object = gaussians_in(run, "object.ply"), rest = gaussians_in(run, "background.ply");
+      object >= 0)
+    add_tile(html, "Gaussians of the object", whole(object),
+             rest < 0 ? "" : whole(rest) + " of the background" + share_of(object, object + rest));
   if (run_seconds(run) > 0) add_tile(html, "time", duration(run_seconds(run)), "whole chain without scoring");
   if (run.scene) {
     const auto held_out = std::count_if(run.scene->views.begin(), run.scene->views.end(),
@@ -115,10 +141,6 @@ std::string warnings_section(const RunFolder& run) {
   std::string list;
   if (const std::string training = training_note(run, "scored views"); !training.empty())
     list += "<li><b>scores</b> " + training + ": these scores are biased, use held-out views</li>";
-  if (run.scene && run.scene->renders) list += "<li><b>photos</b> none: pictures were rendered from the splat</li>";
-  if (run.has_input_as_truth())
-    list += std::string("<li><b>scores</b> are against ") + kInputAsTruth +
-            ": they measure agreement with these masks, which may be wrong</li>";
   for (const std::string& problem : run.problems) list += "<li><b>report</b> " + escaped(problem) + "</li>";
   for (const ToolReport& tool : run.reports) {
     for (const Json& warning : list_at(tool.report, {"warnings"}))
@@ -127,7 +149,7 @@ std::string warnings_section(const RunFolder& run) {
     if (code == 1) list += "<li><b>" + escaped(tool.name) + "</b> a requested check failed</li>";
     if (code == 7) list += "<li><b>" + escaped(tool.name) + "</b> stopped at its budget with a partial result</li>";
   }
-  return section("warnings", "Warnings", list.empty() ? "<p>None.</p>" : "<ul class=odd>" + list + "</ul>");
+  return list.empty() ? list : section("warnings", "Warnings", "<ul class=odd>" + list + "</ul>");
 }
 
 std::string accuracy_section(const RunFolder& run) {
@@ -166,12 +188,15 @@ std::string views_section(RunFolder& run, Pictures& pictures) {
   if (!crops.empty()) html += "<h3>Where the worst views go wrong</h3><div class=\"sheet crops\">" + crops + "</div>";
   html += std::string("<h3>") + (scored ? "All views, worst boundary IoU first" : "All views") +
           "</h3><div class=sheet>" + sheet + "</div>";
+  return "<div class=views>" + section("views", "Views", html) + "</div>";
+}
+
+std::string view_scores(const RunFolder& run) {
   Table table{.caption = {}, .head = score_head("view"), .rows = {}};
   for (const ShownView& view : run.views)
     if (!view.scores.is_null())
       table.rows.push_back(score_row(escaped(view.view + (view.object.empty() ? "" : " " + view.object)), view.scores));
-  if (!table.rows.empty()) html += details("Scores of every view", table.html());
-  return "<div class=views>" + section("views", "Views", html) + "</div>";
+  return table.rows.empty() ? std::string() : section("view-scores", "Scores of every view", table.html());
 }
 
 std::string objects_section(const RunFolder& run) {

@@ -1,5 +1,5 @@
 #pragma once
-// The sections of one run. A section without content is empty, except the warnings.
+// The sections of one run. A section without content is empty.
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,6 +13,7 @@ std::string tiles(const RunFolder& run);
 std::string warnings_section(const RunFolder& run);
 std::string accuracy_section(const RunFolder& run);
 std::string views_section(RunFolder& run, Pictures& pictures);
+std::string view_scores(const RunFolder& run);
 std::string objects_section(const RunFolder& run);
 std::string decisions_section(const RunFolder& run);
 std::string times_section(const RunFolder& run);

@@ -45,24 +45,32 @@ void keep_largest(io::SplatSelection& selection, std::size_t most) {
   std::ranges::sort(selection.rows);
 }
 
-/// Median of the Gaussians along each axis, and the longest extent between the 5 % and 95 % quantiles.
+/// A ball around the object without outliers, world.
 struct Middle {
   Vec3<double> centre;
   double radius = 1;
 };
 
+/// Centre: middle of the extent along each axis without the outermost 0.5 % on either side. Radius: contains 99.5 % of
+/// the Gaussians.
 Middle middle_of(const io::SplatSelection& selection) {
-  double centre[3], reach = 0;
+  const std::size_t n = selection.rows.size(), outer = n / 200;
+  const auto at = [&](std::int64_t row, std::size_t axis) {
+    return selection.cloud.origin[axis] + double(selection.cloud.position[std::size_t(3 * row) + axis]);
+  };
+  double centre[3];
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    std::vector<float> along;
-    for (const std::int64_t row : selection.rows)
-      along.push_back(selection.cloud.position[std::size_t(3 * row) + axis]);
+    std::vector<double> along;
+    for (const std::int64_t row : selection.rows) along.push_back(at(row, axis));
     std::ranges::sort(along);
-    const std::size_t n = along.size();
-    centre[axis] = selection.cloud.origin[axis] + double(along[n / 2]);
-    reach = std::max(reach, double(along[n - 1 - n / 20]) - double(along[n / 20]));
+    centre[axis] = 0.5 * (along[outer] + along[n - 1 - outer]);
   }
-  return {{centre[0], centre[1], centre[2]}, reach > 0 ? reach : 1};
+  std::vector<double> distance;
+  for (const std::int64_t row : selection.rows)
+    distance.push_back(std::hypot(at(row, 0) - centre[0], at(row, 1) - centre[1], at(row, 2) - centre[2]));
+  std::ranges::sort(distance);
+  const double radius = distance[n - 1 - outer];
+  return {{centre[0], centre[1], centre[2]}, radius > 0 ? radius : 1};
 }
 
 Json triple(const Vec3<double>& v) { return Json::array({v.x, v.y, v.z}); }
@@ -75,7 +83,8 @@ Vec3<double> up_of(const Scene& scene) {
   return length > 1e-6 ? (1 / length) * up : Vec3<double>{0, -1, 0};
 }
 
-Camera first_camera(const RunFolder& run, const Middle& middle) {
+/// A camera of the run, for the intrinsics and the side from which the object is seen.
+Camera camera_of_run(const RunFolder& run, const Middle& middle) {
   if (const ShownView* view = median_view(run); view != nullptr && view->scene_view)
     return run.scene->views[*view->scene_view].camera;
   if (run.scene && !run.scene->views.empty()) return run.scene->views.front().camera;
@@ -85,20 +94,44 @@ Camera first_camera(const RunFolder& run, const Middle& middle) {
   return camera;
 }
 
+Vec3<double> unit(const Vec3<double>& v) { return (1 / std::sqrt(dot(v, v))) * v; }
+bool is_direction(const Vec3<double>& v) { return dot(v, v) > 1e-6; }
+
+/// Looks at the middle of the object from the side of `camera`, upright if that is defined.
+struct Pose {
+  Vec3<double> right, down, forward, eye;
+};
+
+Pose pose_towards(const Middle& middle, const Camera& camera, const Vec3<double>& up) {
+  const auto axis = [&](const Vec3<double>& v) { return transpose(camera.rotation) * v; };
+  const Vec3<double> line = (1 / middle.radius) * (middle.centre - camera.centre());
+  Pose pose;
+  pose.forward = is_direction(line) ? unit(line) : axis({0, 0, 1});
+  constexpr double kSteep = 0.04;  // squared sine: within 12 degrees of the vertical "up" does not define the roll
+  Vec3<double> side = cross(-1.0 * up, pose.forward);
+  if (dot(side, side) < kSteep) side = cross(axis({0, 1, 0}), pose.forward);
+  if (!is_direction(side)) side = axis({1, 0, 0});
+  pose.right = unit(side), pose.down = cross(pose.forward, pose.right);
+  constexpr double kMargin = 1.15;  // free space around the object
+  const double half_px = 0.5 * std::min(camera.width_px, camera.height_px), focal_px = camera.fx;
+  const double distance = kMargin * middle.radius * std::hypot(focal_px, half_px) / half_px;
+  pose.eye = middle.centre - distance * pose.forward;
+  return pose;
+}
+
 /// Parameters of viewer.js: the first camera, in world units and in pixels.
 Json viewer_parameters(const RunFolder& run, const io::SplatSelection& selection) {
   const Middle middle = middle_of(selection);
-  const Camera camera = first_camera(run, middle);
-  const auto axis = [&](const Vec3<double>& v) { return triple(transpose(camera.rotation) * v); };
-  return {{"right", axis({1, 0, 0})},
-          {"down", axis({0, 1, 0})},
-          {"forward", axis({0, 0, 1})},
-          {"eye", triple(camera.centre())},
+  const Camera camera = camera_of_run(run, middle);
+  const Vec3<double> up = run.scene ? up_of(*run.scene) : -1.0 * (transpose(camera.rotation) * Vec3<double>{0, 1, 0});
+  const Pose pose = pose_towards(middle, camera, up);
+  return {{"right", triple(pose.right)},
+          {"down", triple(pose.down)},
+          {"forward", triple(pose.forward)},
+          {"eye", triple(pose.eye)},
           {"centre", triple(middle.centre)},
-          {"up", run.scene ? triple(up_of(*run.scene)) : axis({0, -1, 0})},
+          {"up", triple(up)},
           {"fx", camera.fx},
-          {"cx", camera.cx},
-          {"cy", camera.cy},
           {"width_px", camera.width_px},
           {"height_px", camera.height_px},
           {"filter_px2", run.scene ? run.scene->filter_px2 : 0.3}};
@@ -113,6 +146,17 @@ std::string for_script(const Json& json) {
 }
 
 }  // namespace
+
+std::string viewer_beside(const std::string& page) {
+  const fs::path path(page);
+  const std::string stem = path.stem().string();
+  return (path.parent_path() / (stem == "report" ? "object.html" : stem + "-object.html")).string();
+}
+
+bool has_object(const RunFolder& run) {
+  std::error_code unreadable;
+  return fs::is_regular_file(fs::path(run.path) / "object.ply", unreadable);
+}
 
 ViewerPage viewer_page(const RunFolder& run, const ViewerOptions& options) {
   const fs::path path = fs::path(run.path) / "object.ply";
@@ -138,7 +182,8 @@ ViewerPage viewer_page(const RunFolder& run, const ViewerOptions& options) {
       ". Simplified colours (no view-dependent shading).</p></header>\n" + file_of_page("/viewer.html") +
       "<script type=\"application/json\" id=parameters>" + for_script(viewer_parameters(run, selection)) +
       "</script>\n<script type=\"application/octet-stream\" id=splats>" + base64(io::encode_dot_splat(selection)) +
-      "</script>\n<script>\n" + file_of_page("/viewer.js") + "</script>\n<!-- ngs " + kVersion + " --></body></html>\n";
+      "</script>\n<script>\n" + file_of_page("/viewer.js") + "</script>\n" + kViewerMark + kVersion +
+      " --></body></html>\n";
   return page;
 }
 

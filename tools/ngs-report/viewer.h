@@ -7,14 +7,23 @@
 
 namespace ngs::cli {
 
+/// Near the end of every 3D page, followed by the version.
+inline constexpr const char* kViewerMark = "<!-- ngs ";
+
 struct ViewerPage {
   std::string html;
   std::int64_t shown = 0, left_out = 0;  // Gaussians
 };
 
-/// Page for object.ply of the run's folder. First camera: that of median_view(), otherwise the first view of the scene,
-/// otherwise one on the negative z axis. Colours have no view dependence, as in .splat. kBadInput without object.ply,
-/// kNothingFound if it contains no Gaussian to draw.
+/// Path of the 3D page beside a page: object.html beside report.html, else NAME-object.html beside NAME.html.
+std::string viewer_beside(const std::string& page);
+
+bool has_object(const RunFolder& run);  // object.ply is a file of the run's folder
+
+/// Page for object.ply of the run's folder. The first camera looks at the middle of the object, from the side of
+/// median_view(), otherwise of the first view of the scene, otherwise of the negative z axis; it is upright and far
+/// enough away to show the whole object. The camera turns about the middle of the object. Colours have no view
+/// dependence, as in .splat. kBadInput without object.ply, kNothingFound if it contains no Gaussian to draw.
 ViewerPage viewer_page(const RunFolder& run, const ViewerOptions& options);
 
 }  // namespace ngs::cli

@@ -9,9 +9,8 @@ struct ViewerOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.gaussians,
-          Field<int>{"viewer_gaussians", "", "Most Gaussians in --viewer, largest on screen first; 44 bytes each", 1,
-                     20000000});
+    visit(self.gaussians, Field<int>{"viewer_gaussians", "",
+                                     "Most Gaussians on the 3D page, 44 bytes each; 0: no 3D page", 0, 20000000});
   }
 };
 

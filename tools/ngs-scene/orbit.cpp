@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "check_report.h"
+#include "contact_sheet.h"
 #include "ngs/backend/for_each.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/folder_index.h"
@@ -69,6 +70,8 @@ Vec3<double> contrasting_background(const GaussianCloud& cloud) {
   return sum < 0.5 * total ? Vec3<double>{1, 1, 1} : Vec3<double>{0, 0, 0};
 }
 
+constexpr int kSheetQuality = 85;
+
 /// Marker file of a folder with renders of an earlier run, not photos.
 constexpr const char* kOfRenders = ".ngs-renders";
 
@@ -121,23 +124,39 @@ Scene scene_of(const orbit::OrbitCameras& chosen, const std::string& model, cons
   return scene;
 }
 
-/// Renders the scene's views at the size of `cameras` to their image paths.
-void write_renders(cli::Run& run, const GaussianCloud& cloud, const Scene& scene, const std::vector<Camera>& cameras) {
+/// The contact sheet, next to scene.json. Throws if a file of this name is not from an earlier run.
+std::string sheet_path(const std::string& scene_path, const ImagesFolder& images) {
+  const std::string path = (fs::path(scene_path).parent_path() / "sheet.jpg").string();
+  std::error_code ignored;
+  if (images.earlier.empty() && fs::exists(path, ignored))
+    throw Error(ErrorCode::kUsage, path + ": exists already, expected a free name for the contact sheet",
+                "choose another folder for scene.json");
+  return path;
+}
+
+/// Renders the scene's views at the size of `cameras` to their image paths. Returns a contact sheet of them.
+ContactSheet write_renders(cli::Run& run, const GaussianCloud& cloud, const Scene& scene,
+                           const std::vector<Camera>& cameras) {
   const auto timed = run.monitor().scope("render");
   const SplatOptions splat =
       prepared_for(run.exec(), filter_at_scale(splat_options({}, cloud, scene), 1 / scene.image_scale), cloud);
   RenderRequest request;
   request.background = background_of(scene);
+  ContactSheet sheet(cameras.size(), cameras[0].width_px, cameras[0].height_px);
   const std::size_t batch = 4 * std::size_t(run.exec().threads);
   for (std::size_t begin = 0; begin < cameras.size(); begin += batch) {
     std::vector<ImageU8> pictures;
-    for (std::size_t v = begin; v < std::min(cameras.size(), begin + batch); ++v)
-      pictures.push_back(to_bytes(render(run.exec(), cloud, cameras[v], splat, request).colour));
+    for (std::size_t v = begin; v < std::min(cameras.size(), begin + batch); ++v) {
+      const ImageF colour = render(run.exec(), cloud, cameras[v], splat, request).colour;
+      sheet.add(v, colour, cameras[v].name);
+      pictures.push_back(to_bytes(colour));
+    }
     for_each_task(run.exec(), std::int64_t(pictures.size()), [&](std::int64_t k) {
       io::write_png(scene.views[begin + std::size_t(k)].image_path, pictures[std::size_t(k)]);
     });
     run.monitor().progress(std::int64_t(begin + pictures.size()), std::int64_t(cameras.size()));
   }
+  return sheet;
 }
 
 std::string with_digits(const char* pattern, double value) {
@@ -193,7 +212,8 @@ int orbit_command(int argc, char** argv) {
   tool.options(options);
   tool.options(pictures);
   const cli::Input& model = tool.input("model", "3DGS model (.ply, .spz, .sog, .splat, .ksplat)");
-  const cli::Output& out = tool.output("-o,--output", "scene.json; renders are written to images/ next to it");
+  const cli::Output& out =
+      tool.output("-o,--output", "scene.json; renders go to images/ next to it, all of them to sheet.jpg");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
     if (run.comes_from_stream(model) || (out && run.goes_to_stdout(out)))
@@ -202,6 +222,7 @@ int orbit_command(int argc, char** argv) {
                   "model and renders");
     const orbit::PictureSize size = parse_size(pictures.size);
     const ImagesFolder images = out ? images_folder(out.path) : ImagesFolder{"images", {}};
+    const std::string sheet = out ? sheet_path(out.path, images) : std::string();
     const io::GaussianPly ply = [&] {
       const auto timed = run.monitor().scope("read");
       return io::read_gaussian_ply(model.path);
@@ -222,7 +243,9 @@ int orbit_command(int argc, char** argv) {
     }
     fs::create_directories(images.path);
     io::write_file((fs::path(images.path) / kOfRenders).string(), "");
-    write_renders(run, ply.cloud, scene, chosen.cameras);
+    const ContactSheet drawn = write_renders(run, ply.cloud, scene, chosen.cameras);
+    const std::vector<std::uint8_t> jpeg = io::encode_jpeg(drawn.picture(), kSheetQuality);
+    io::write_file(sheet, std::string(jpeg.begin(), jpeg.end()));
     remove_stale(images, scene);
     io::write_scene_json(out.path, scene);
     return cli::kDone;

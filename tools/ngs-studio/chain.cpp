@@ -6,15 +6,25 @@
 
 namespace ngs::studio {
 
-std::vector<std::vector<std::string>> export_words(const StateFolder& folder, int object, bool all_pieces) {
+std::vector<std::vector<std::string>> export_words(const StateFolder& folder, int object, const ExportChoice& choice) {
   const auto at = [&](const char* name) { return folder.of(object, name); };
   std::vector<std::vector<std::string>> words{
       {"ngs-variance", at("scene.json"), "-o", at("boundary.ply"), "-w"},
       {"ngs-joint", at("scene.json"), at("boundary.ply"), "--method", "flash", "-o", at("labelled.ply"), "-w"},
-      {"ngs-extract", at("labelled.ply"), "--unseen", "background", "--object", at("object.ply"), "--background",
-       at("background.ply"), "-w"}};
-  if (!all_pieces)
+      {"ngs-extract", at("labelled.ply"), "--unseen", "background", "--object",
+       folder.of(object, "object." + choice.format), "--background", folder.of(object, "background." + choice.format),
+       "-w"}};
+  if (!choice.all_pieces)
     words.back().insert(words.back().end(), {"--scene", at("scene.json"), "--strokes", at("strokes.json")});
+  return words;
+}
+
+std::vector<std::vector<std::string>> convert_words(const StateFolder& folder, int object, const std::string& format) {
+  std::vector<std::vector<std::string>> words;
+  if (format == "ply") return words;
+  for (const std::string side : {"cut/object.", "cut/background."})  // a ball around everything: the whole model
+    words.push_back({"ngs-extract", folder.of(object, side + "ply"), "--keep-sphere", "0,0,0,1e18", "--allow-empty",
+                     "--object", folder.of(object, side + format), "-w"});
   return words;
 }
 

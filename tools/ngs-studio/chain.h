@@ -5,8 +5,17 @@
 
 namespace ngs::studio {
 
+/// File formats of Export, by the ending of the file.
+inline constexpr const char* kFormats[] = {"ply", "compressed.ply", "spz", "sog"};
+
+struct ExportChoice {
+  bool all_pieces = false;
+  std::string format = "ply";
+};
 /// Export: writes exactly the Gaussians shown, with ngs-variance, ngs-joint --method flash and ngs-extract.
-std::vector<std::vector<std::string>> export_words(const StateFolder& folder, int object, bool all_pieces);
+std::vector<std::vector<std::string>> export_words(const StateFolder& folder, int object, const ExportChoice& choice);
+/// Export after Refine: converts its object.ply and background.ply; none for ply.
+std::vector<std::vector<std::string>> convert_words(const StateFolder& folder, int object, const std::string& format);
 
 struct RefineChoice {
   std::string source;  // a splat without views, to be rendered; empty: the scene has views

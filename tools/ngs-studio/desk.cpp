@@ -74,21 +74,26 @@ Json Desk::strokes(Fields request) {
   const live::Look look = look_of(request.object("camera"));
   const std::vector<PromptStroke> drawn = strokes_of(request);
   request.end();
+  const std::int64_t before = shown_count(object);
   const live::StrokeAnswer answer = session_.mark(object, look, drawn);
   Json out = changed();
   const double all_s = watch.wall_s();
-  std::int64_t count = 0;
-  for (const live::ShownObject& shown : *session_.shown())
-    if (shown.id == object && shown.labels) count = shown.labels->count;
-  out["answer"] = {{"mask_ms", ms(answer.mask_s)},
-                   {"lift_ms", ms(answer.lift_s)},
-                   {"ms", ms(all_s)},
-                   {"gaussians", count},
-                   {"coverage", answer.coverage}};
+  const std::int64_t count = shown_count(object);
+  out["answer"] = {{"mask_ms", ms(answer.mask_s)}, {"lift_ms", ms(answer.lift_s)}, {"ms", ms(all_s)},
+                   {"gaussians", count},           {"change", count - before},     {"coverage", answer.coverage}};
   const std::lock_guard lock(mutex_);
   stroke_ms_.add(watch);
   (answer.is_first ? first_ms_ : correction_ms_).add(watch);
   return out;
+}
+
+/// Gaussians of the object that the page shows.
+std::int64_t Desk::shown_count(int object) const {
+  if (const std::shared_ptr<const RefinedModel> refined = refined_of(*session_.marks(), object))
+    return refined->labels->count;
+  for (const live::ShownObject& shown : *session_.shown())
+    if (shown.id == object && shown.labels) return shown.labels->count;
+  return 0;
 }
 
 Json Desk::undo(Fields request) {
@@ -209,22 +214,22 @@ Json Desk::objects_json(const live::Marks& marks) const {
   Json out = Json::array();
   const auto shown = session_.shown();
   for (const live::ObjectMarks& object : marks.objects) {
-    std::int64_t count = 0, left_out = 0;
+    const bool refined = is_refined(object);
+    std::int64_t left_out = 0;
     Focus focus;
     for (const live::ShownObject& s : *shown)
       if (s.id == object.id && s.labels) {
-        count = s.labels->count, left_out = s.labels->left_out;
-        if (s.id == marks.active) focus = focus_of(loaded_.ply.cloud, *s.labels);
+        left_out = refined ? 0 : s.labels->left_out;
+        if (s.id == marks.active) focus = focus_of(loaded_.ply.cloud, *s.touched);
       }
-    if (const std::shared_ptr<const RefinedModel> refined = refined_of(marks, object.id))
-      count = refined->labels->count, left_out = 0;
     out.push_back({{"id", object.id},
                    {"name", object.name},
                    {"colour", object.colour},
-                   {"gaussians", count},
+                   {"gaussians", shown_count(object.id)},
                    {"left_out", left_out},
                    {"strokes", object.strokes()},
-                   {"refined", is_refined(object)}});
+                   {"views", object.views.size()},
+                   {"refined", refined}});
     if (focus.radius > 0) out.back()["focus"] = {{"centre", list(focus.centre)}, {"radius", focus.radius}};
   }
   return out;
@@ -255,8 +260,10 @@ Json Desk::commands_json(const live::Marks& marks) const {
       if (const auto found = quality_.find(object.id); found != quality_.end()) quality = found->second;
     }
     for (const auto& words : refined ? refine_words(folder_, object.id, choice_for(object.id, quality))
-                                     : export_words(folder_, object.id, marks.all_pieces))
+                                     : export_words(folder_, object.id, {marks.all_pieces, format()}))
       add(words);
+    if (!refined) continue;
+    for (const auto& words : convert_words(folder_, object.id, format())) add(words);
   }
   return lines;
 }

@@ -24,6 +24,8 @@ class Desk {
   Json objects(Fields request);
   Json refine(Fields request);
   Json export_files(Fields request);
+  /// A file of the last export, for the browser.
+  Reply download(Fields request) const;
   /// Clears the undo history. A reopened session records this request, since it starts without history.
   Json forget(Fields request);
   /// Appends a request to visit.jsonl for --replay.
@@ -44,6 +46,7 @@ class Desk {
   };
 
   Json changed();
+  std::int64_t shown_count(int object) const;
   Json objects_json(const live::Marks& marks) const;
   Json commands_json(const live::Marks& marks) const;
   Json views_json() const;
@@ -52,6 +55,7 @@ class Desk {
   RefineChoice choice_for(int object, const std::string& quality) const;
   void start(std::string kind, std::vector<JobStep> steps, std::function<void()> finished);
   void refuse_while_busy() const;
+  std::string format() const;
   live::FrameRequest frame_request(Fields& request, bool& moving) const;
 
   const Exec exec_;
@@ -66,6 +70,7 @@ class Desk {
   mutable std::mutex mutex_;        // guards the members below
   std::map<int, Refined> refined_;  // by object id
   std::map<int, std::string> quality_;
+  std::string format_ = "ply";  // of the last export
   Json exported_;
   Latencies stroke_ms_, first_ms_, correction_ms_, moving_ms_, still_ms_;
   std::shared_ptr<Job> job_;  // the last job; declared last, so that it is destroyed first

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "desk.h"
+#include "ngs/io/files/mapped_file.h"
 #include "ngs/io/scene/scene_json.h"
 
 namespace ngs::studio {
@@ -13,14 +14,25 @@ namespace fs = std::filesystem;
 /// Progress shares of the three programs of Export.
 constexpr double kExportShares[] = {1, 1, 1};
 
+/// What a program does, for people.
 std::string stage_of(const std::vector<std::string>& words) {
-  return words[0] == "ngs" ? words[1] : words[0] == "ngs-scene" ? "pictures" : words[0].substr(4);
+  if (words[0] == "ngs") return "Refining";
+  return words[0] == "ngs-scene" ? "Making pictures" : "Writing";
 }
 
-Json files_in(const std::string& folder, const std::string& shown) {
+/// Removes files of earlier exports, which may hold another selection.
+void remove_exports(const std::string& folder, bool keep_ply) {
+  std::error_code ignored;
+  for (const std::string side : {"/object.", "/background."})
+    for (const std::string format : kFormats)
+      if (!keep_ply || format != "ply") fs::remove(folder + side + format, ignored);
+}
+
+Json files_in(const std::string& folder, const std::string& shown, const std::string& format) {
   Json files = Json::array();
   std::error_code absent;
-  for (const char* name : {"object.ply", "background.ply", "labelled.ply", "strokes.json", "masks"}) {
+  for (const std::string& name : {"object." + format, "background." + format, std::string("labelled.ply"),
+                                  std::string("strokes.json"), std::string("masks")}) {
     const fs::path path = fs::path(folder) / name;
     if (!fs::is_directory(path, absent)) {
       if (fs::exists(path, absent)) files.push_back(shown + "/" + name);
@@ -104,7 +116,7 @@ Json Desk::refine(Fields request) {
   const live::ObjectMarks object = *found;
   const RefineChoice choice = choice_for(object.id, quality);
   std::vector<JobStep> steps;
-  steps.push_back({"write", 0.2, {}, [this, object] {
+  steps.push_back({"Writing", 0, {}, [this, object] {
                      folder_.write_scene(session_, object, loaded_.scene);
                      fs::create_directories(folder_.of(object.id, "orbit"));
                    }});
@@ -112,7 +124,7 @@ Json Desk::refine(Fields request) {
   for (std::size_t w = 0; w < words.size(); ++w) {
     const bool last = w + 1 == words.size();
     if (last)
-      steps.push_back({"write", 0.1, {}, [this, object, made = !choice.source.empty()] {
+      steps.push_back({"Writing", 0, {}, [this, object, made = !choice.source.empty()] {
                          const std::string orbit = folder_.of(object.id, "orbit/scene.json");
                          folder_.write_cut(object, made ? io::read_scene_json(orbit) : loaded_.scene);
                        }});
@@ -122,15 +134,24 @@ Json Desk::refine(Fields request) {
     auto model = std::make_shared<const RefinedModel>(exec_, folder_.of(object.id, "cut/labelled.ply"), loaded_.splat);
     const std::lock_guard lock(mutex_);
     refined_[object.id] = {std::move(model), object.views}, quality_[object.id] = quality;
-    for (const char* older : {"labelled.ply", "object.ply", "background.ply", "boundary.ply"})
-      fs::remove(folder_.of(object.id, older));
+    for (const char* older : {"labelled.ply", "boundary.ply"}) fs::remove(folder_.of(object.id, older));
+    remove_exports(folder_.of(object.id), false);
+    remove_exports(folder_.of(object.id, "cut"), true);
     exported_ = nullptr;
     ++version_;
   });
   return state();
 }
 
+std::string Desk::format() const {
+  const std::lock_guard lock(mutex_);
+  return format_;
+}
+
 Json Desk::export_files(Fields request) {
+  const std::string format = request.has("format") ? request.text("format", 20) : "ply";
+  if (std::ranges::find(kFormats, format) == std::end(kFormats))
+    request.refuse("format", "ply, compressed.ply, spz or sog");
   request.end();
   const std::shared_ptr<const live::Marks> marks = session_.marks();
   std::vector<JobStep> steps;
@@ -139,24 +160,49 @@ Json Desk::export_files(Fields request) {
     if (object.views.empty()) continue;
     const std::string shown = "object-" + std::to_string(object.id);
     const bool refined = is_refined(object);
-    folders.emplace_back(folder_.of(object.id, refined ? "cut" : ""), shown + (refined ? "/cut" : ""));
-    if (refined) continue;
-    steps.push_back({"write", 0.3, {}, [this, object] { folder_.write_scene(session_, object, loaded_.scene); }});
-    const auto words = export_words(folder_, object.id, marks->all_pieces);
-    for (std::size_t w = 0; w < words.size(); ++w) steps.push_back({stage_of(words[w]), kExportShares[w], words[w]});
+    const std::string folder = folder_.of(object.id, refined ? "cut" : "");
+    folders.emplace_back(folder, shown + (refined ? "/cut" : ""));
+    steps.push_back({"Writing", 0, {}, [folder, refined] { remove_exports(folder, refined); }});
+    if (refined) {
+      for (const auto& words : convert_words(folder_, object.id, format)) steps.push_back({"Writing", 1, words});
+      continue;
+    }
+    steps.push_back({"Writing", 0, {}, [this, object] { folder_.write_scene(session_, object, loaded_.scene); }});
+    const auto words = export_words(folder_, object.id, {marks->all_pieces, format});
+    for (std::size_t w = 0; w < words.size(); ++w) steps.push_back({"Writing", kExportShares[w], words[w]});
   }
   if (folders.empty())
     throw Refusal(409, "export", "no object has strokes", "strokes in at least one view", "draw on the object");
-  if (steps.empty()) steps.push_back({"write", 1, {}, [] {}});
-  start("export", std::move(steps), [this, folders] {
+  start("export", std::move(steps), [this, folders, format] {
     Json files = Json::array();
     for (const auto& [folder, shown] : folders)
-      for (const Json& file : files_in(folder, shown)) files.push_back(file);
+      for (const Json& file : files_in(folder, shown, format)) files.push_back(file);
     const std::lock_guard lock(mutex_);
-    exported_ = {{"files", std::move(files)}, {"folder", fs::path(place_.folder).filename().string()}};
+    format_ = format;
+    exported_ = {{"files", std::move(files)},
+                 {"format", format},
+                 {"folder", fs::path(place_.folder).filename().string()},
+                 {"path", fs::absolute(place_.folder).lexically_normal().string()}};
     ++version_;
   });
   return state();
+}
+
+Reply Desk::download(Fields request) const {
+  const std::string file = request.text("file", 4096);
+  bool is_exported = false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (exported_.is_object())
+      for (const Json& name : exported_.at("files")) is_exported |= name == file;
+  }
+  if (!is_exported) request.refuse("file", "a file of the last export");
+  request.end();
+  const io::MappedFile bytes(folder_.at(file));
+  return {200,
+          std::string(bytes.text()),
+          "application/octet-stream",
+          {{"Content-Disposition", "attachment; filename=\"" + fs::path(file).filename().string() + "\""}}};
 }
 
 }  // namespace ngs::studio

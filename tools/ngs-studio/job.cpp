@@ -1,6 +1,5 @@
 #include "job.h"
 
-#include <algorithm>
 #include <limits>
 
 #include "ngs/core/error.h"
@@ -15,11 +14,22 @@ namespace {
 
 struct Cancelled {};
 
+std::vector<cli::ChainStep> parts_of(const std::vector<JobStep>& steps) {
+  std::vector<cli::ChainStep> parts;
+  for (const JobStep& step : steps) {
+    parts.push_back({step.words.empty() ? 0 : step.share, !step.words.empty() && step.words[0] == "ngs-joint"});
+  }
+  return parts;
+}
+
 }  // namespace
 
 Job::Job(std::string kind, std::vector<JobStep> steps, std::function<void()> finished)
-    : kind_(std::move(kind)), steps_(std::move(steps)), finished_(std::move(finished)), start_s_(wall_seconds()) {
-  for (const JobStep& step : steps_) share_sum_ += step.share;
+    : kind_(std::move(kind)),
+      steps_(std::move(steps)),
+      finished_(std::move(finished)),
+      start_s_(wall_seconds()),
+      clock_(parts_of(steps_)) {
   thread_ = std::thread([this] { work(); });
 }
 
@@ -33,23 +43,28 @@ bool Job::is_running() const {
   return state_ == "running";
 }
 
-void Job::progress(const std::string& stage, double done) {
+void Job::begin(std::size_t step) {
   const std::lock_guard lock(mutex_);
-  stage_ = stage, done_ = std::max(done_, std::min(1.0, done));
+  stage_ = steps_[step].stage;
+  clock_.begin(step, wall_seconds());
+}
+
+void Job::progress(const std::string& stage, double fraction) {
+  const std::lock_guard lock(mutex_);
+  stage_ = stage;
+  clock_.update(fraction);
 }
 
 void Job::work() {
   std::string state = "done", error;
   try {
-    double before = 0;
-    for (const JobStep& step : steps_) {
+    for (std::size_t k = 0; k < steps_.size(); ++k) {
       if (stop_) throw Cancelled{};
-      progress(step.stage, before / share_sum_);
-      if (step.words.empty())
-        step.run();
+      begin(k);
+      if (steps_[k].words.empty())
+        steps_[k].run();
       else
-        run_program(step, before);
-      before += step.share;
+        run_program(steps_[k]);
     }
     finished_();
   } catch (const Cancelled&) {
@@ -61,10 +76,10 @@ void Job::work() {
   }
   const std::lock_guard lock(mutex_);
   state_ = state, error_ = error, end_s_ = wall_seconds();
-  if (state == "done") done_ = 1;
+  if (state == "done") clock_.begin(steps_.size(), end_s_);
 }
 
-void Job::run_program(const JobStep& step, double before) {
+void Job::run_program(const JobStep& step) {
   std::vector<std::string> argv = step.words;
   argv[0] = cli::sibling_path(argv[0]);
   for (const char* word : {"--log-format", "json"}) argv.emplace_back(word);
@@ -76,9 +91,9 @@ void Job::run_program(const JobStep& step, double before) {
     if (event == "error") error = record.value("message", "");
     if (event == "hint") hint = record.value("message", "");
     const double total = record.value("total", 0.0);
-    if (event == "progress" && total > 0)
-      progress(record.value("stage", step.stage),
-               (before + step.share * record.value("done", 0.0) / total) / share_sum_);
+    if (event == "progress" && total > 0)  // stages of a single program are no words for people
+      progress(step.words[0] == "ngs" ? record.value("stage", step.stage) : step.stage,
+               record.value("done", 0.0) / total);
   };
   constexpr double kPatienceS = 2;
   const cli::SignalGrace waits;  // waits until the program has removed its unfinished files
@@ -96,12 +111,13 @@ void Job::run_program(const JobStep& step, double before) {
 nlohmann::ordered_json Job::json() const {
   const std::lock_guard lock(mutex_);
   const bool running = state_ == "running";
-  const double elapsed_s = (running ? wall_seconds() : end_s_) - start_s_;
+  const double now_s = running ? wall_seconds() : end_s_, elapsed_s = now_s - start_s_;
+  const double left_s = clock_.left_s(now_s);
   nlohmann::ordered_json remaining;
-  if (running && done_ > 0.05) remaining = elapsed_s * (1 - done_) / done_;
+  if (running && left_s >= 0) remaining = left_s;
   return {{"kind", kind_},
           {"stage", stage_},
-          {"done", done_},
+          {"done", clock_.done(now_s)},
           {"elapsed_s", elapsed_s},
           {"remaining_s", remaining},
           {"state", state_},

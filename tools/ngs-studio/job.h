@@ -8,12 +8,14 @@
 #include <thread>
 #include <vector>
 
+#include "shared/run/chain_clock.h"
+
 namespace ngs::studio {
 
 /// One program with its arguments, or a function to call between two programs.
 struct JobStep {
   std::string stage;               // shown to the user: "joint"
-  double share = 1;                // expected time, relative to the other steps
+  double share = 1;                // expected time of a program, relative to the other programs
   std::vector<std::string> words;  // command line; empty: call `run`
   std::function<void()> run = {};
 };
@@ -35,18 +37,19 @@ class Job {
 
  private:
   void work();
-  void run_program(const JobStep& step, double before);
-  void progress(const std::string& stage, double done);
+  void run_program(const JobStep& step);
+  void begin(std::size_t step);
+  void progress(const std::string& stage, double fraction);
 
   const std::string kind_;
   const std::vector<JobStep> steps_;
   const std::function<void()> finished_;
-  double share_sum_ = 0;
   const double start_s_;
   std::atomic<bool> stop_ = false;
   mutable std::mutex mutex_;  // guards the members below
   std::string stage_, state_ = "running", error_;
-  double done_ = 0, end_s_ = 0;
+  mutable cli::ChainClock clock_;
+  double end_s_ = 0;
   std::thread thread_;
 };
 

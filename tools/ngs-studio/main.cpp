@@ -1,5 +1,6 @@
 // ngs-studio: a local web page to mark objects of a splat, check and correct the selection, and cut the objects out.
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <sstream>
 #include <thread>
@@ -8,6 +9,7 @@
 #include "ngs/io/files/atomic_file.h"
 #include "server.h"
 #include "shared/run/child_process.h"
+#include "shared/run/sibling_program.h"
 #include "shared/tool.h"
 #include "studio.h"
 #include "visit.h"
@@ -85,7 +87,9 @@ int main(int argc, char** argv) {
   return tool.run(argc, argv, [&](cli::Run& run) {
     if (visit) run.warn_unused({"--port", "--browser", "--record"}, "with --replay");
     if (run.dry_run()) return int(cli::kDone);
-    studio::Studio studio(run.exec(), {source.path, out ? out.path : default_folder(source.path)});
+    setenv("NGS_PROGRESS_S", "0.3", 0);  // of the programs that Refine and Export run
+    const studio::StudioPlace place{source.path, out ? out.path : default_folder(source.path)};
+    studio::Studio studio(run.exec(), place);
     if (visit) {
       const std::size_t requests =
           studio::replay(studio, visit.path,
@@ -98,8 +102,9 @@ int main(int argc, char** argv) {
       if (record) io::write_file(record.path, recorder.lines());
     }
     run.result()["latency"] = studio.log();
-    run.text(table_of(studio.log()));
-    const bool quit = studio.has_quit();
-    return quit ? int(cli::kDone) : run.stop_code();
+    run.info("response times\n" + table_of(studio.log()));
+    run.text("saved in " + std::filesystem::absolute(place.folder).lexically_normal().string() + "\n");
+    run.verbatim("continue with: " + cli::quoted_line({"ngs-studio", place.source, "-o", place.folder}) + "\n");
+    return studio.has_quit() ? int(cli::kDone) : run.stop_code();
   });
 }

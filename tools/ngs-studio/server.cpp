@@ -157,7 +157,7 @@ struct Server::Impl {
     http.Get("/api/[a-z]+", pass_on);
     http.Post("/api/[a-z]+", pass_on);
     http.set_error_handler([](const httplib::Request& request, httplib::Response& response) {
-      if (response.status == 403 || !response.body.empty()) return;
+      if (!response.body.empty()) return;
       const Reply reply = reply_of({response.status, request.method + " " + request.path,
                                     httplib_reason(response.status), "a request of data-schema/studio-protocol.md"});
       response.set_content(reply.body, reply.type);
@@ -198,7 +198,11 @@ struct Server::Impl {
 
   static httplib::Server::HandlerResponse refuse(httplib::Response& response, const Refusal& refusal) {
     response.status = refusal.status;
-    if (refusal.status != 403) response.set_content(reply_of(refusal).body, "application/json");
+    if (refusal.status == 403)
+      response.set_content("ngs-studio: access denied, open the address that it printed, with its token\n",
+                           "text/plain; charset=utf-8");
+    else
+      response.set_content(reply_of(refusal).body, "application/json");
     response.set_header("Connection", "close");
     close_connection = true;
     return httplib::Server::HandlerResponse::Handled;

@@ -59,6 +59,7 @@ struct Studio::Impl {
     for (const Route& route : kChanges)
       if (path == route.path) return change(route.change, path, parsed);
     if (path == "/api/frame") return desk.frame(std::move(fields));
+    if (path == "/api/download") return desk.download(std::move(fields));
     if (path == "/api/before") return {200, desk.before(std::move(fields)).dump()};
     if (path == "/api/cancel") return fields.end(), Reply{200, desk.cancel().dump()};
     if (path == "/api/quit") return fields.end(), quit = true, Reply{};

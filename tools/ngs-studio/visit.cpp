@@ -44,7 +44,9 @@ void wait_for_job(Studio& studio, const std::string& where, const ReplayControl&
 
 Reply Recorder::answer(const std::string& method, const std::string& path, const std::string& body) {
   Reply reply = studio_.answer(method, path, body);
-  if (method != "POST" || reply.status >= 400 || path == "/api/quit" || path == "/api/cancel") return reply;
+  if (method != "POST" || reply.status >= 400 || path == "/api/quit" || path == "/api/cancel" ||
+      path == "/api/download")
+    return reply;
   const std::string line = Json{{"path", path}, {"body", parse_body(body)}}.dump() + "\n";
   const std::lock_guard lock(mutex_);
   lines_ += line;

@@ -94,9 +94,23 @@ Words given_words(const OptionSet& options, const std::string& group = {}) {
 void check_flash(SourceKind kind, bool has_masks) {
   if (kind == SourceKind::kSplat && !has_masks) return;
   throw Error(ErrorCode::kUsage,
-              std::string("--quality flash with ") + (has_masks ? "masks" : "photos") +
+              std::string("--method flash with ") + (has_masks ? "masks" : "photos") +
                   ": it uses renders of the splat only, expected a splat and strokes",
               "choose --quality draft");
+}
+
+int tell_plan(cli::Run& run, const CutChain& chain, CutEnd end) {
+  std::string text = plan_text(chain.stages().steps(), chain.inputs().out);
+  if (end == CutEnd::kNeedsStrokes) text += "then it stops, because nothing is marked yet\n";
+  run.text(text + chain.strokes_found());
+  std::string commands = "commands:\n";
+  for (const std::string& command : chain.stages().commands()) commands += "  " + command + "\n";
+  run.verbatim(commands);
+  Json steps = Json::array();
+  for (const PlannedStep& step : chain.stages().steps())
+    steps.push_back({{"step", step.words}, {"tool", step.tool}, {"files", step.files}});
+  run.plan({{"steps", std::move(steps)}, {"commands", chain.stages().commands()}});
+  return cli::kDone;
 }
 
 int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
@@ -115,22 +129,19 @@ int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
       throw;
     }
   }();
-  if (run.dry_run()) {
-    std::string plan = "commands:\n";
-    for (const std::string& command : chain.stages().commands()) plan += "  " + command + "\n";
-    run.text(plan);
-    run.plan({{"commands", chain.stages().commands()}});
-    return cli::kDone;
-  }
+  if (run.dry_run()) return tell_plan(run, chain, end);
   if (end == CutEnd::kStopped) {
-    run.text("stopped: " + chain.inputs().out +
-             " contains the finished stages; run the same command again to continue\n");
+    run.text(stopped_text(chain));
+    run.verbatim(next_line(chain, {}));
     return run.stop_code();
   }
   run.result()["out"] = chain.inputs().out;
   if (end == CutEnd::kNeedsStrokes) {
     run.result()["needs_strokes"] = true;
-    run.text(stroke_help(chain));
+    const StrokeHelp help = stroke_help(chain);
+    run.text(help.text);
+    run.verbatim(help.sample);
+    run.verbatim(next_line(chain, {"--strokes", "FILE"}));
     return cli::kDone;
   }
   run.result().update(summary_json(chain));
@@ -155,8 +166,8 @@ int cut_command(int argc, char** argv) {
       tool.argument("source",
                     "a splat (.ply, .spz, .sog, .splat, .ksplat), a folder of photos, poses, a splat and masks, "
                     "or a scene.json");
-  const cli::Inputs& strokes =
-      tool.inputs("--strokes", "strokes on views, as for ngs-mask --prompts (repeatable, or PATH,PATH)");
+  const cli::Inputs& strokes = tool.inputs(
+      "--strokes", "marked copies of pictures or JSON files, or a folder of them (repeatable, or PATH,PATH)");
   const cli::Input& model =
       tool.optional_input("--model", "the splat, if the capture or scene has none or another one", "--ply");
   const cli::Input& masks = tool.optional_input("--masks", "folder of masks named like the images, instead of strokes");
@@ -166,11 +177,12 @@ int cut_command(int argc, char** argv) {
   const cli::Input& truth = tool.optional_input("--gt", "folder of true masks, to score the result");
   const cli::Output& out = tool.resumed_output_dir("-o,--output", "folder for all outputs; default: SOURCE-cut");
   tool.stops_on_request();
+  tool.reports_on_request();
 
   return tool.run(argc, argv, [&](cli::Run& run) {
     if (strokes && masks) throw Error(ErrorCode::kUsage, "--strokes and --masks are both given, expected one of them");
     const SourceKind kind = kind_of(source.value);
-    if (options.quality == CutQuality::kFlash) check_flash(kind, masks || truth);
+    if (options.method == CutMethod::kFlash) check_flash(kind, masks || truth);
     if (kind != SourceKind::kSplat)
       run.warn_unused({"--around", "--up", "--size", "--views"}, "except for a splat without photos");
     if (kind != SourceKind::kCapture) {
@@ -187,6 +199,8 @@ int cut_command(int argc, char** argv) {
                 .model = model.path,
                 .masks = masks.path,
                 .truth = truth.path,
+                .given_masks = masks.path,
+                .given_truth = truth.path,
                 .images = images.path,
                 .world_transform = world.path,
                 .import_words = given_words(tool.option_set(), kCaptureGroup),

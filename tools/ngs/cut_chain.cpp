@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "marked_views.h"
 #include "ngs/core/error.h"
 #include "ngs/core/version.h"
 #include "ngs/io/files/atomic_file.h"
@@ -10,6 +11,7 @@
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/options/name_of.h"
 #include "ngs/scene/view_names.h"
+#include "ngs/stages/render/render_options.h"
 #include "painted_pictures.h"
 
 namespace ngs::front {
@@ -18,8 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kWholePicture_px = 1 << 20;
-constexpr double kWorseMargin =
-    0.01;  // tolerated increase of wrong stroke pixels by training, as a fraction of all stroke pixels
 
 bool exists(const std::string& path) {
   std::error_code unreadable;
@@ -45,12 +45,15 @@ CutChain::CutChain(cli::Run& run, const CutOptions& options, CutInputs inputs)
       stages_(run, inputs_.out, run.exec().threads, inputs_.own_flags) {}
 
 CutEnd CutChain::run() {
+  plan();
   if (!make_scene()) return CutEnd::kStopped;  // may find strokes painted into its images
   const bool marked = !inputs_.strokes.empty();
-  if (options_.quality == CutQuality::kFlash) {
+  if (marked) look_at_strokes();
+  if (options_.method == CutMethod::kFlash) {
     if (!marked) return CutEnd::kNeedsStrokes;
-    return cut_flash() ? CutEnd::kDone : CutEnd::kStopped;
+    return cut_flash() && write_page() ? CutEnd::kDone : CutEnd::kStopped;
   }
+  if (run_.dry_run() && stages_.steps().size() < 2) return CutEnd::kNeedsStrokes;
   if (marked && !masks_from_strokes()) return CutEnd::kStopped;
   if (run_.dry_run()) return cut(), score(), CutEnd::kDone;
   if (!marked && inputs_.masks.empty() && !has_masks(io::read_scene_json(plain_scene_))) return CutEnd::kNeedsStrokes;
@@ -58,14 +61,22 @@ CutEnd CutChain::run() {
   return cut() && score() ? CutEnd::kDone : CutEnd::kStopped;
 }
 
-bool CutChain::stage(const std::string& name, const Words& words) {
-  const bool marked = !inputs_.strokes.empty();
-  const bool makes_scene = inputs_.kind != SourceKind::kScene && !reused_orbit_;
-  const bool only_pictures = inputs_.kind == SourceKind::kSplat && !marked && inputs_.masks.empty();
-  const bool scored = marked || !inputs_.truth.empty() || !options_.hold_out.empty();
-  constexpr std::size_t kAlways = 5;  // variance, joint, extract, render, report
-  stages_.expect(only_pictures ? 1 : std::size_t(makes_scene) + std::size_t(marked) + kAlways + std::size_t(scored));
-  return stages_.run(name, words);
+/// Call it again if the strokes, the reuse of pictures or the files of the capture become known. Until the capture is
+/// imported, it is expected to have masks.
+void CutChain::plan() {
+  PlanFacts facts{!inputs_.strokes.empty(), !inputs_.masks.empty(), reused_orbit_};
+  if (inputs_.kind == SourceKind::kScene) facts.has_masks |= has_masks(io::read_scene_json(inputs_.source));
+  if (inputs_.kind == SourceKind::kCapture)
+    facts.has_masks |= !imported_ || has_masks(io::read_scene_json(plain_scene_));
+  stages_.plan(planned_steps(options_, inputs_, facts));
+}
+
+/// Reads the strokes before anything is computed from them, and draws them on their views. A dry run only lists them.
+void CutChain::look_at_strokes() {
+  if (!run_.dry_run()) return write_marked_views(run_, {plain_scene_, options_.view, inputs_.strokes}, at("marked"));
+  const bool has_views = exists(plain_scene_) && (inputs_.kind != SourceKind::kSplat || reused_orbit_);
+  strokes_found_ =
+      strokes_text(run_, has_views ? plain_scene_ : "", options_.view, not_in_folder(inputs_.strokes, pictures()));
 }
 
 bool CutChain::make_scene() {
@@ -79,6 +90,15 @@ bool CutChain::make_scene() {
   return true;
 }
 
+/// Whether the pictures are those of an earlier run with the same options and, unless it is a dry run, the same model.
+bool CutChain::has_same_pictures(const Json& key) const {
+  const std::string key_file = at("orbit/made_from.json");
+  if (!exists(plain_scene_) || !exists(key_file)) return false;
+  nlohmann::json made = io::read_json_file(key_file);
+  if (run_.dry_run() && made.is_object()) made.erase("model");
+  return made == nlohmann::json(key);
+}
+
 /// Reuses the images of an earlier run if model, options and version are unchanged, because strokes were drawn on them.
 bool CutChain::orbit() {
   plain_scene_ = at("orbit/scene.json");
@@ -88,7 +108,7 @@ bool CutChain::orbit() {
   append(words, "--size", options_.size);
   append(words, "--views", options_.views > 0 ? std::to_string(options_.views) : "");
   append(words, "--hold-out", options_.hold_out);
-  append(words, "--max-views", options_.quality == CutQuality::kFlash ? most_flash_views(options_.views) : "");
+  append(words, "--max-views", most_views(options_));
   Json key{{"version", kVersion}, {"options", Words(words.begin() + 5, words.end())}};
   const std::string key_file = at("orbit/made_from.json");
   if (!run_.dry_run()) {
@@ -100,8 +120,11 @@ bool CutChain::orbit() {
     std::error_code absent;
     if (!painted.empty()) fs::remove(key_file, absent);
     key["model"] = io::content_hash(inputs_.source).xxh3;
-    if (exists(plain_scene_) && exists(key_file) && io::read_json_file(key_file) == nlohmann::json(key))
-      return reused_orbit_ = true;
+  }
+  reused_orbit_ = has_same_pictures(key);
+  plan();
+  if (reused_orbit_) return true;
+  if (!run_.dry_run()) {
     fs::create_directories(at("orbit"));
     std::error_code ignored;
     fs::remove(key_file, ignored);
@@ -129,7 +152,8 @@ bool CutChain::import() {
   inputs_.masks.clear();  // the scene has their paths
   if (!stage("ngs-scene", words)) return false;
   if (run_.dry_run()) return true;
-  inputs_.truth = io::truth_of_scene_json(plain_scene_);
+  inputs_.truth = io::truth_of_scene_json(plain_scene_), imported_ = true;
+  plan();
   if (!inputs_.strokes.empty() && has_masks(io::read_scene_json(plain_scene_)))
     run_.monitor().warn(inputs_.source + ": its masks are not used because strokes are given");
   return true;
@@ -142,6 +166,7 @@ std::optional<FlashCut> CutChain::flash(const io::GaussianPly& ply, int longer_s
 
 bool CutChain::cut_flash() {
   if (run_.dry_run()) return true;
+  stages_.begin("flash");
   const double start_s = wall_seconds();
   const io::GaussianPly ply = [&] {
     const auto timed = run_.monitor().scope("read");
@@ -158,14 +183,29 @@ bool CutChain::cut_flash() {
   const auto timed = run_.monitor().scope("write");
   write_flash_masks(at("masks"), *found);
   write_flash_models(run_, inputs_.out, ply, found->labels);
+  remove_results_of_training();
+  write_scene_with("");
   flash_ = found->figures;
   flash_->wall_s = wall_seconds() - start_s;
   return true;
 }
 
-/// For a splat without photos: the result of --quality flash, with masks of the images' size. False: stopped by a
+/// The folder may hold an earlier run of another quality; its page would show these as results of this run.
+void CutChain::remove_results_of_training() const {
+  std::error_code ignored;
+  for (const char* name : {"metrics.json", "agreement.json", "trace.jsonl", "boundary.ply", "strokes"})
+    fs::remove_all(at(name), ignored);
+  for (const PlannedStep& step : planned_steps({}, inputs_, {.marked = true, .has_masks = true}))
+    for (const char* ending : {".json", ".sh"})
+      if (step.name != "ngs-scene") fs::remove(at("reports/" + step.name + ending), ignored);
+}
+
+bool CutChain::write_page() { return stage("ngs-report", {"ngs-report", inputs_.out, "-o", at("report.html")}); }
+
+/// For a splat without photos: the result of --method flash, with masks of the images' size. False: stopped by a
 /// signal.
 bool CutChain::cut_untrained() {
+  stages_.begin("first look");
   const auto timed = run_.monitor().scope("first look");
   const io::GaussianPly ply = io::read_gaussian_ply(inputs_.source);
   try {
@@ -175,11 +215,23 @@ bool CutChain::cut_untrained() {
     return true;
   }
   if (!untrained_) return false;
+  untrained_quality_ = quality_of(ply.cloud, untrained_->labels.label.values(), untrained_->segmented);
   if (untrained_->is_expected) render_masks_from_labels(run_, ply.cloud, *untrained_);
-  untrained_wrong_ = StrokeCheck(run_, plain_scene_, options_.view, inputs_.strokes)
-                         .of(ply.cloud, untrained_->labels.label.values(), true)
-                         .wrong_share();
   return true;
+}
+
+/// Agreement of labels with the strokes and with `masks`, which have the views and sizes of the untrained result.
+ResultQuality CutChain::quality_of(const GaussianCloud& cloud, const std::vector<float>& label,
+                                   const std::vector<PixelMask>& masks) const {
+  const StrokeAgreement strokes =
+      StrokeCheck(run_, plain_scene_, options_.view, inputs_.strokes).of(cloud, label, true);
+  const SplatOptions splat = prepared_for(run_.exec(), splat_options({}, cloud, untrained_->scene), cloud);
+  return {strokes.wrong_share(), view_agreement(run_.exec(), {cloud, label, splat}, untrained_->cameras, masks)};
+}
+
+/// The masks that the trained result stems from: the segmented ones of the untrained result, or those of ngs-mask.
+std::vector<PixelMask> CutChain::masks_of_training() const {
+  return untrained_->is_expected ? untrained_->segmented : read_flash_masks(at("strokes"), *untrained_);
 }
 
 bool CutChain::masks_from_strokes() {
@@ -188,7 +240,7 @@ bool CutChain::masks_from_strokes() {
     if (untrained_ && untrained_->is_expected) return write_flash_masks(at("strokes"), *untrained_), true;
   }
   Words words{"ngs-mask", plain_scene_, "-o", at("strokes")};
-  if (options_.quality == CutQuality::kDraft) append(words, "--passes", "1");
+  if (options_.quality == Quality::kDraft) append(words, "--passes", "1");
   if (inputs_.kind == SourceKind::kScene) append(words, "--model", inputs_.model);
   append(words, "--view", options_.view);
   for (const std::string& strokes : inputs_.strokes) append(words, "--prompts", strokes);
@@ -227,7 +279,7 @@ bool CutChain::check_strokes() {
     return check.of(ply.cloud, ply.labels.label.values(), options_.all_pieces);
   };
   StrokeAgreement found = now();
-  if (!found.broken.empty() && untrained_ && untrained_wrong_ < found.wrong_share()) {
+  if (!found.broken.empty() && untrained_ && untrained_quality_.strokes_wrong < found.wrong_share()) {
     write_flash_masks(at("strokes"), *untrained_);
     if (!stage("ngs-variance", {"ngs-variance", at("scene.json"), "-o", at("boundary.ply")})) return false;
     found = now();
@@ -249,7 +301,7 @@ bool CutChain::cut() {
   if (marked && !run_.dry_run() && !check_strokes()) return false;
   if (!stage("ngs-joint",
              {"ngs-joint", scene, at("boundary.ply"), "--quality",
-              std::string(name_of(kCutQualities, options_.quality)), "--trace", at("trace.jsonl"), "-o", trained}) ||
+              std::string(name_of(kQualityNames, options_.quality)), "--trace", at("trace.jsonl"), "-o", trained}) ||
       !extract(trained))
     return false;
   if (run_.dry_run()) return true;
@@ -272,17 +324,18 @@ bool CutChain::extract(const std::string& trained) {
   return stage("ngs-extract", words);
 }
 
-/// Writes the untrained result if the trained one agrees less with the strokes.
+/// Writes the untrained result if the trained one agrees less with the strokes, or less with the masks of its views
+/// than the untrained one with its own.
 void CutChain::keep_better_result() {
   if (!untrained_ || untrained_->figures.object == 0) return;
-  const double wrong = [&] {
+  const ResultQuality trained = [&] {
     const io::GaussianPly ply = io::read_gaussian_ply(at("labelled.ply"), {io::HigherBands::kCheckOnly});
-    return StrokeCheck(run_, at("scene.json"), options_.view, inputs_.strokes)
-        .of(ply.cloud, ply.labels.label.values(), true)
-        .wrong_share();
+    return quality_of(ply.cloud, ply.labels.label.values(), masks_of_training());
   }();
-  run_.result()["strokes_wrong"] = {{"trained", wrong}, {"first", untrained_wrong_}};
-  if (wrong <= untrained_wrong_ + kWorseMargin) return;
+  const ResultQuality& first = untrained_quality_;
+  run_.result()["strokes_wrong"] = {{"trained", trained.strokes_wrong}, {"first", first.strokes_wrong}};
+  run_.result()["view_agreement"] = {{"trained", trained.agreement}, {"first", first.agreement}};
+  if (!is_worse(trained, first)) return;
   kept_untrained_ = true;
   write_flash_models(run_, inputs_.out, io::read_gaussian_ply(inputs_.source), untrained_->labels);
 }
@@ -305,7 +358,7 @@ bool CutChain::score() {
     if (!stage("ngs-eval", {"ngs-eval", at("masks"), at("scene.json"), "-o", at("metrics.json"), "--allow-empty"}))
       return false;
   }
-  return stage("ngs-report", {"ngs-report", inputs_.out, "-o", at("report.html")});
+  return write_page();
 }
 
 }  // namespace ngs::front

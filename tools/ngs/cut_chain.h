@@ -1,37 +1,27 @@
 #pragma once
 // The stages flags of ngs cut, from its input to the splat of the object.
 //
-//   OUT/orbit/       a splat: scene.json and images/, the pictures that strokes are made on
+//   OUT/orbit/       a splat: scene.json and images/, the pictures that strokes are made on, and sheet.jpg, all of them
 //   OUT/capture.json a capture: its cameras, photos and model
+//   OUT/marked/      the marked views with their strokes
 //   OUT/strokes/     masks from strokes, STEM.png
 //   OUT/scene.json   the one that is cut: cameras, pictures and masks
-//   OUT/labelled.ply object.ply background.ply masks/STEM.png agreement.json or metrics.json, report.html
+//   OUT/labelled.ply object.ply background.ply masks/STEM.png agreement.json or metrics.json, report.html,
+//                  object.html
 //
-// With --quality flash only orbit/, the models and masks/ (flash_cut.h).
+// With --method flash only orbit/, marked/, the models, masks/ and the pages (flash_cut.h).
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
+#include "cut_inputs.h"
 #include "cut_options.h"
-#include "cut_source.h"
 #include "flash_cut.h"
+#include "ngs/stages/select/view_agreement.h"
 #include "stage_runner.h"
 #include "stroke_check.h"
 
 namespace ngs::front {
-
-struct CutInputs {
-  std::string source;  // as given on the command line
-  SourceKind kind = SourceKind::kSplat;
-  std::vector<std::string> strokes;     // prompt files, as for ngs-mask --prompts
-  std::string model, masks, truth;      // empty: from the capture
-  std::string images, world_transform;  // of a capture; empty: from the capture, none
-  Words import_words;                   // other options for ngs-scene import
-  Words all_words;                      // all given options
-  std::set<std::string> own_flags;      // of ngs cut
-  std::string out;                      // the output folder
-};
 
 enum class CutEnd { kDone, kNeedsStrokes, kStopped };
 
@@ -43,7 +33,7 @@ class CutChain {
   CutEnd run();
   const StageRunner& stages() const { return stages_; }
   const CutInputs& inputs() const { return inputs_; }
-  /// Figures of a finished --quality flash.
+  /// Figures of a finished --method flash.
   const std::optional<FlashFigures>& flash() const { return flash_; }
   /// True if the untrained result was written because the trained one was worse.
   bool kept_untrained() const { return kept_untrained_; }
@@ -55,18 +45,27 @@ class CutChain {
   bool reused_orbit() const { return reused_orbit_; }
   std::string at(const std::string& name) const { return inputs_.out + "/" + name; }
   std::string pictures() const { return at("orbit/images"); }
+  /// For a dry run: the marked views, one per line; empty without strokes.
+  const std::string& strokes_found() const { return strokes_found_; }
 
  private:
-  /// Calls StageRunner::run() and passes it the expected number of stages.
-  bool stage(const std::string& name, const Words& words);
+  bool stage(const std::string& name, const Words& words) { return stages_.run(name, words); }
+  void plan();
   bool make_scene();
+  bool has_same_pictures(const Json& key) const;
+  void look_at_strokes();
   bool orbit();
   bool import();
   bool masks_from_strokes();
   void write_scene_with(const std::string& masks) const;
   bool cut_flash();
+  bool write_page();
   std::optional<FlashCut> flash(const io::GaussianPly& ply, int longer_side_px);
+  void remove_results_of_training() const;
   bool cut_untrained();
+  ResultQuality quality_of(const GaussianCloud& cloud, const std::vector<float>& label,
+                           const std::vector<PixelMask>& masks) const;
+  std::vector<PixelMask> masks_of_training() const;
   bool check_strokes();
   bool cut();
   bool extract(const std::string& trained);
@@ -79,9 +78,11 @@ class CutChain {
   StageRunner stages_;
   std::string plain_scene_;  // scene file with cameras and images, before masks are added
   bool reused_orbit_ = false;
+  bool imported_ = false;  // the capture
   std::optional<FlashFigures> flash_;
+  std::string strokes_found_;
   std::optional<FlashCut> untrained_;  // for a splat without photos: result before training
-  double untrained_wrong_ = 0;         // StrokeAgreement::wrong_share() of its labels
+  ResultQuality untrained_quality_;    // of its labels
   bool kept_untrained_ = false;
 };
 

@@ -3,20 +3,18 @@
 #include <string>
 
 #include "ngs/options/field.h"
+#include "ngs/problem/preset.h"
 #include "ngs/stages/scene/scene_check.h"
 #include "shared/scene/import_options.h"
 
 namespace ngs::front {
 
-enum class CutQuality { kFlash, kDraft, kStandard, kHigh, kReference };
-inline constexpr NamedValue<CutQuality> kCutQualities[] = {{CutQuality::kFlash, "flash"},
-                                                           {CutQuality::kDraft, "draft"},
-                                                           {CutQuality::kStandard, "standard"},
-                                                           {CutQuality::kHigh, "high"},
-                                                           {CutQuality::kReference, "reference"}};
+enum class CutMethod { kNgs, kFlash };
+inline constexpr NamedValue<CutMethod> kCutMethods[] = {{CutMethod::kNgs, "ngs"}, {CutMethod::kFlash, "flash"}};
 
 struct CutOptions {
-  CutQuality quality = CutQuality::kStandard;
+  CutMethod method = CutMethod::kNgs;
+  Quality quality = Quality::kStandard;
   bool keep = false;
   bool all_pieces = false, force = false;
   std::string hold_out;
@@ -27,9 +25,9 @@ struct CutOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.quality,
-          Choice<CutQuality>{"quality", "How long ngs-joint trains; flash: seconds, no training (splats only)",
-                             kCutQualities});
+    visit(self.method,
+          Choice<CutMethod>{"method", "ngs: train with ngs-joint; flash: labels in seconds, splats only", kCutMethods});
+    visit(self.quality, Choice<Quality>{"quality", "How long ngs-joint trains", kQualityNames});
     visit(self.keep, Flag{"keep", "Keep intermediate files: boundary.ply and the training trace"});
     visit(self.all_pieces, Flag{"all_pieces", "Keep components of the object that no stroke touches"});
     visit(self.force, Flag{"force", "Train even if the result contradicts a stroke"});
@@ -39,7 +37,7 @@ struct CutOptions {
           Text{"around", "X,Y,Z,R", "Splat: where the object is (centre, radius); default: the bulk of the splat"});
     visit(self.up, Text{"up", "AXIS", "Splat: axis that points upwards, as in ngs-scene orbit"});
     visit(self.size, Text{"size", "WxH", "Splat: size of the renders in pixels; default: as ngs-scene orbit"});
-    visit(self.views, Field<int>{"views", "", "Splat: pictures to make at least; 0: 24 to 96, as needed", 0, 10000});
+    visit(self.views, Field<int>{"views", "", "Splat: number of pictures to make; 0: as many as needed", 0, 1000});
     visit(self.image_scale, Field<double>{"image_scale", "",
                                           "Capture: working size relative to the photos; 0: 800 px at most", 0.0, 1.0});
   }

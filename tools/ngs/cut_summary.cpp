@@ -45,11 +45,12 @@ std::int64_t count_of(const CutChain& chain, const std::string& key) {
   return report.is_object() ? report.at("result").value(key, std::int64_t(-1)) : -1;
 }
 
-std::int64_t left_out_of(const CutChain& chain) {
-  if (const FlashFigures* flash = chain.written_by_flash()) return flash->left_out;
+/// `key`: left_out or needles.
+std::int64_t pieces_of(const CutChain& chain, const std::string& key) {
+  if (const FlashFigures* flash = chain.written_by_flash()) return key == "needles" ? flash->needles : flash->left_out;
   const nlohmann::json& report = chain.stages().report("ngs-extract");
   if (!report.is_object() || !report.at("result").contains("pieces")) return 0;
-  return report.at("result").at("pieces").value("left_out", std::int64_t(0));
+  return report.at("result").at("pieces").value(key, std::int64_t(0));
 }
 
 /// A warning if nearly all Gaussians are object, which is rarely intended.
@@ -107,17 +108,20 @@ std::string summary_of(const CutChain& chain) {
   row(text, "object", with_count(chain.at("object.ply"), count_of(chain, "object")));
   row(text, "background", with_count(chain.at("background.ply"), count_of(chain, "background")));
   row(text, "masks", chain.at("masks") + "/");
+  row(text, "page", chain.at("report.html"));
+  if (exists(chain.at("object.html"))) row(text, "3D", chain.at("object.html"));
   if (chain.flash())
     row(text, "seen",
         std::to_string(chain.flash()->segmented) + " of " + std::to_string(chain.flash()->views) +
             " views were segmented; " + std::to_string(chain.flash()->in_ball) + " Gaussians in the ball");
-  else
-    row(text, "page", chain.at("report.html"));
-  if (const std::int64_t left_out = left_out_of(chain); left_out > 0)
+  if (const std::int64_t needles = pieces_of(chain, "needles"); needles > 0)
+    row(text, "trimmed",
+        std::to_string(needles) + " long thin Gaussians that stuck out of the object where it was cut");
+  if (const std::int64_t left_out = pieces_of(chain, "left_out"); left_out > 0)
     row(text, "left out",
         std::to_string(left_out) + " Gaussians in components that no stroke touches; --all-pieces keeps them");
   if (chain.kept_untrained())
-    row(text, "kept", "the untrained result, because the trained one agrees less with the strokes");
+    row(text, "kept", "the untrained result, because the trained one agrees less with the strokes or between views");
   if (const std::string unusual = unusual_share(chain); !unusual.empty()) row(text, "warning", unusual);
   if (const Scores scores = scores_of(chain); !scores.kind.empty())
     row(text, scores.kind, score_line(scores, !chain.inputs().truth.empty()));
@@ -135,35 +139,66 @@ std::string summary_of(const CutChain& chain) {
         std::to_string(warnings.size() - kShownWarnings) + " more warnings, in " + chain.at("reports") + "/");
   if (!chain.inputs().strokes.empty())
     row(text, "next",
-        "where " + std::string(chain.flash() ? "a mask" : "the page") +
-            " shows a wrong edge, draw strokes on that view too, add --strokes FILE and run again");
+        "where the page shows a wrong edge, draw strokes on that view too, add --strokes FILE and run again");
   return text;
 }
 
-std::string stroke_help(const CutChain& chain) {
+StrokeHelp stroke_help(const CutChain& chain) {
   const Scene scene = io::read_scene_json(chain.inputs().kind == SourceKind::kSplat     ? chain.at("orbit/scene.json")
                                           : chain.inputs().kind == SourceKind::kCapture ? chain.at("capture.json")
                                                                                         : chain.inputs().source);
-  const SceneView& first = scene.views.front();
-  std::string text;
-  row(text, "pictures",
-      std::to_string(scene.views.size()) + " in " + fs::path(first.image_path).parent_path().string() + "/");
-  if (chain.inputs().kind == SourceKind::kSplat)
-    row(text, "", "if the images are not upright, give the upward axis, e.g. --up=-y, and run again");
-  row(text, "mark", "paint the object green (0,255,0) and the background red (255,0,0) on copies of one or more");
-  row(text, "", "images, as PNG with the same names, in another folder; or write strokes as JSON:");
-  row(text, "",
-      R"({"ngs_prompts": 1, "view": ")" + first.camera.name + R"(", "width": )" +
-          std::to_string(first.camera.width_px) + R"(, "height": )" + std::to_string(first.camera.height_px) +
-          R"(, "strokes": [)");
-  row(text, "", R"(  {"object": true, "points": [[X, Y], [X, Y]]}, {"object": false, "points": [[X, Y], [X, Y]]}]})");
-  std::vector<std::string> again{"ngs", "cut", chain.inputs().source, "-o", chain.inputs().out, "--strokes", "FILE"};
+  const Camera& first = scene.views.front().camera;
+  StrokeHelp help;
+  row(help.text, "pictures",
+      std::to_string(scene.views.size()) + " in " + fs::path(scene.views.front().image_path).parent_path().string() +
+          "/");
+  if (chain.inputs().kind == SourceKind::kSplat) {
+    if (exists(chain.at("orbit/sheet.jpg")))
+      row(help.text, "sheet", chain.at("orbit/sheet.jpg") + " shows all of them");
+    row(help.text, "", "if the pictures are not upright, give the upward axis, e.g. --up=-y, and run again");
+  }
+  row(help.text, "mark",
+      "paint the object green (0,255,0) and the background red (255,0,0) on copies of one or more pictures, as PNG "
+      "with the same names, in another folder");
+  row(help.text, "or", "write strokes as JSON, in pixels:");
+  const int w = first.width_px, h = first.height_px;
+  const auto point = [](int x, int y) { return "[" + std::to_string(x) + ", " + std::to_string(y) + "]"; };
+  help.sample =
+      R"({"ngs_prompts": 1, "view": )" + Json(first.name).dump(-1, ' ', false, Json::error_handler_t::replace) +
+      R"(, "width": )" + std::to_string(w) + R"(, "height": )" + std::to_string(h) +
+      R"(, "strokes": [{"object": true, "points": [)" + point(w / 2, h / 2) + ", " + point(w / 2, h / 2 + h / 8) +
+      R"(]}, {"object": false, "points": [)" + point(w / 20, h / 20) + ", " + point(w - w / 20, h / 20) + "]}]}\n";
+  return help;
+}
+
+std::string next_line(const CutChain& chain, const std::vector<std::string>& further) {
+  std::vector<std::string> again{"ngs", "cut", chain.inputs().source, "-o", chain.inputs().out};
+  for (const std::string& strokes : chain.inputs().strokes) again.insert(again.end(), {"--strokes", strokes});
   for (const auto& [flag, path] : {std::pair("--model", chain.inputs().model),
                                    {"--images", chain.inputs().images},
-                                   {"--world-transform", chain.inputs().world_transform}})
+                                   {"--world-transform", chain.inputs().world_transform},
+                                   {"--masks", chain.inputs().given_masks},
+                                   {"--gt", chain.inputs().given_truth}})
     if (!path.empty()) again.insert(again.end(), {flag, path});
+  again.insert(again.end(), further.begin(), further.end());
   again.insert(again.end(), chain.inputs().all_words.begin(), chain.inputs().all_words.end());
+  std::string text;
   row(text, "next", cli::quoted_line(again));
+  return text;
+}
+
+std::string stopped_text(const CutChain& chain) {
+  std::string kept;
+  for (const auto& [name, what] :
+       {std::pair("orbit/made_from.json", "pictures in orbit/images/"),
+        {"capture.json", "capture.json"},
+        {"strokes", "masks in strokes/"},
+        {"object.ply", chain.stages().report("ngs-extract").is_null() ? "object.ply of an earlier run" : "object.ply"}})
+    if (exists(chain.at(name))) kept += (kept.empty() ? "" : ", ") + std::string(what);
+  std::string text;
+  row(text, "stopped", kept.empty() ? "nothing was finished" : "kept in " + chain.inputs().out + "/: " + kept);
+  if (exists(chain.at("orbit/made_from.json")))
+    row(text, "", "the pictures are used again, so that your strokes on them stay valid");
   return text;
 }
 
@@ -174,11 +209,12 @@ Json summary_json(const CutChain& chain) {
             {"masks", chain.at("masks")},
             {"object_gaussians", object},
             {"background_gaussians", background},
-            {"left_out", left_out_of(chain)},
+            {"left_out", pieces_of(chain, "left_out")},
             {"kept_untrained", chain.kept_untrained()},
             {"reused_pictures", chain.reused_orbit()},
             {"stage_warnings", chain.stages().warnings()}};
-  if (!chain.flash()) json["page"] = chain.at("report.html");
+  json["page"] = chain.at("report.html");
+  if (exists(chain.at("object.html"))) json["page_3d"] = chain.at("object.html");
   if (chain.flash())
     json.update({{"in_ball", chain.flash()->in_ball},
                  {"views", chain.flash()->views},

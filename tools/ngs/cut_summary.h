@@ -8,8 +8,15 @@ namespace ngs::front {
 
 /// About ten lines of text: files, scores, time, warnings and the next step.
 std::string summary_of(const CutChain& chain);
-/// Instructions for drawing strokes, and the command to continue.
-std::string stroke_help(const CutChain& chain);
+/// Instructions for drawing strokes, and a sample of them as one line of JSON.
+struct StrokeHelp {
+  std::string text, sample;
+};
+StrokeHelp stroke_help(const CutChain& chain);
+/// The command that continues the run, with `further` arguments.
+std::string next_line(const CutChain& chain, const std::vector<std::string>& further);
+/// What a run leaves that was stopped by a signal.
+std::string stopped_text(const CutChain& chain);
 /// The summary as JSON.
 Json summary_json(const CutChain& chain);
 

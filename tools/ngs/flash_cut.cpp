@@ -57,7 +57,25 @@ void write_flash_models(cli::Run& run, const std::string& folder, const io::Gaus
   io::write_labelled_ply(folder + "/labelled.ply", ply, objects);
 }
 
-std::string most_flash_views(int views) { return std::to_string(std::max(views, kMostViews)); }
+std::vector<PixelMask> read_flash_masks(const std::string& folder, const FlashCut& cut) {
+  const std::vector<std::string> names = output_names(cut.scene.views);
+  std::vector<PixelMask> masks(names.size());
+  for (std::size_t v = 0; v < names.size(); ++v) {
+    const std::string path = folder + "/" + names[v] + ".png";
+    std::error_code unreadable;
+    if (!fs::exists(path, unreadable)) continue;
+    const io::RawMask raw = io::read_mask_raw(path, io::Palette::kMask);
+    const Camera& camera = cut.cameras[v];
+    if (raw.width_px != camera.width_px || raw.height_px != camera.height_px || raw.channels != 1) continue;
+    for (const auto value : raw.data) masks[v].push_back(std::uint8_t(value >= 128));
+  }
+  return masks;
+}
+
+std::string most_views(const CutOptions& options) {
+  if (options.views > 0) return std::to_string(options.views);
+  return options.method == CutMethod::kFlash ? std::to_string(kMostViews) : "";
+}
 
 std::optional<FlashCut> flash_cut(cli::Run& run, const io::GaussianPly& ply, const FlashInputs& in) {
   Monitor& monitor = run.monitor();
@@ -72,9 +90,12 @@ std::optional<FlashCut> flash_cut(cli::Run& run, const io::GaussianPly& ply, con
   live::BallCut cut = live::cut_in_ball(run.exec(), monitor, input);
   if (monitor.stop_requested()) return std::nullopt;
   out.labels = std::move(cut.labels), out.cameras = std::move(cut.cameras), out.is_expected = cut.is_expected;
-  out.figures = {cut.object, ply.cloud.size() - cut.object, cut.in_ball, cut.left_out, cut.views.size(), 0, 0};
+  out.figures = {cut.object, ply.cloud.size() - cut.object, cut.in_ball, cut.left_out, cut.needles, cut.views.size(), 0,
+                 0};
   for (SpreadView& view : cut.views) {
-    out.figures.segmented += view.source == MaskSource::kReference || view.source == MaskSource::kSegmented;
+    const bool segmented = view.source == MaskSource::kReference || view.source == MaskSource::kSegmented;
+    out.figures.segmented += segmented;
+    out.segmented.push_back(segmented ? view.mask : PixelMask());
     out.masks.push_back(std::move(view.mask));
   }
   return out;

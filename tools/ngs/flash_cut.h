@@ -1,12 +1,13 @@
 #pragma once
 // Computes labels from strokes on renders of a splat in seconds, without training and in this process
-// (stages/live/ball_cut.h). It is all of --quality flash; the other qualities start from its result and compare against
+// (stages/live/ball_cut.h). It is all of --method flash; --method ngs starts from its result and compares against
 // it.
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "cut_options.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/scene/scene.h"
 #include "ngs/scene/view_prompt.h"
@@ -24,18 +25,19 @@ struct FlashInputs {
 };
 
 struct FlashFigures {
-  std::int64_t object = 0, background = 0, in_ball = 0, left_out = 0;  // Gaussians
-  std::size_t views = 0, segmented = 0;                                // segmented: views with their own mask
-  double wall_s = 0;                                                   // including reading and writing
+  std::int64_t object = 0, background = 0, in_ball = 0, left_out = 0, needles = 0;  // Gaussians
+  std::size_t views = 0, segmented = 0;  // segmented: views with their own mask
+  double wall_s = 0;                     // including reading and writing
 };
 
 struct FlashCut {
-  LabelColumns labels;           // [N]
-  Scene scene;                   // as read from the file
-  std::vector<Camera> cameras;   // cameras of its views, at the size of the masks
-  std::vector<PixelMask> masks;  // of all views
-  bool is_expected = false;      // BallCut::is_expected
-  FlashFigures figures;          // wall_s is not set
+  LabelColumns labels;               // [N]
+  Scene scene;                       // as read from the file
+  std::vector<Camera> cameras;       // cameras of its views, at the size of the masks
+  std::vector<PixelMask> masks;      // of all views
+  std::vector<PixelMask> segmented;  // the same as segmented; empty: the view's mask is a render of the labels
+  bool is_expected = false;          // BallCut::is_expected
+  FlashFigures figures;              // wall_s is not set
 };
 
 /// Returns nullopt if stopped by a signal.
@@ -47,12 +49,13 @@ void render_masks_from_labels(const cli::Run& run, const GaussianCloud& cloud, F
 
 /// STEM.png masks of all views.
 void write_flash_masks(const std::string& folder, const FlashCut& cut);
+/// Reads such masks of the views of `cut`, which another tool may have written; empty: no file, or of another size.
+std::vector<PixelMask> read_flash_masks(const std::string& folder, const FlashCut& cut);
 /// Writes object.ply, background.ply and labelled.ply.
 void write_flash_models(cli::Run& run, const std::string& folder, const io::GaussianPly& ply,
                         const LabelColumns& labels);
 
-/// Value of ngs-scene orbit --max-views for --quality flash. `views`: requested number of cameras to start with; 0:
-/// default.
-std::string most_flash_views(int views);
+/// Value of ngs-scene orbit --max-views: --views, else a limit for --method flash; empty: the default.
+std::string most_views(const CutOptions& options);
 
 }  // namespace ngs::front

@@ -50,4 +50,12 @@ std::vector<std::string> strokes_on_copies(const std::vector<std::string>& strok
   return out;
 }
 
+std::vector<std::string> not_in_folder(const std::vector<std::string>& strokes, const std::string& folder) {
+  std::vector<std::string> out;
+  std::error_code absent;
+  for (const std::string& path : strokes)
+    if (!fs::equivalent(fs::path(path).parent_path() / "", fs::path(folder) / "", absent)) out.push_back(path);
+  return out;
+}
+
 }  // namespace ngs::front

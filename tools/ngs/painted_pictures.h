@@ -17,4 +17,7 @@ std::vector<std::string> rescue_painted(const std::string& folder, const std::st
 std::vector<std::string> strokes_on_copies(const std::vector<std::string>& strokes, const std::string& folder,
                                            const std::string& copies, const std::vector<std::string>& painted);
 
+/// `strokes` without the files in `folder`, which were painted in place.
+std::vector<std::string> not_in_folder(const std::vector<std::string>& strokes, const std::string& folder);
+
 }  // namespace ngs::front

@@ -10,6 +10,7 @@
 #include "ngs/io/files/json_file.h"
 #include "shared/cli/exit_code.h"
 #include "shared/run/child_process.h"
+#include "shared/run/console.h"
 #include "shared/run/sibling_program.h"
 #include "shared/run/signals.h"
 
@@ -35,7 +36,35 @@ void remove_unfinished(const std::string& folder) {
 }  // namespace
 
 StageRunner::StageRunner(cli::Run& run, std::string folder, int threads, std::set<std::string> own_flags)
-    : run_(run), folder_(std::move(folder)), threads_(threads), own_flags_(std::move(own_flags)) {}
+    : run_(run), folder_(std::move(folder)), threads_(threads), own_flags_(std::move(own_flags)) {
+  run_.monitor().on_progress = [this](const std::string&, std::int64_t done, std::int64_t total) {
+    show_progress(done, total);
+  };
+}
+
+StageRunner::~StageRunner() { run_.monitor().on_progress = nullptr; }
+
+void StageRunner::plan(std::vector<PlannedStep> steps) {
+  steps_ = std::move(steps), step_ = 0;
+  std::vector<cli::ChainStep> parts;
+  for (const PlannedStep& step : steps_) parts.push_back({step.share, step.has_passes});
+  clock_ = cli::ChainClock(std::move(parts));
+}
+
+void StageRunner::begin(const std::string& name) {
+  const auto found = std::ranges::find(steps_, name, &PlannedStep::name);
+  if (found == steps_.end()) return;
+  step_ = std::size_t(found - steps_.begin());
+  clock_.begin(step_, wall_seconds());
+  show_progress(0, 0);
+}
+
+void StageRunner::show_progress(std::int64_t done, std::int64_t total) {
+  if (step_ >= steps_.size()) return;
+  if (total > 0) clock_.update(double(done) / double(total));
+  const double now_s = wall_seconds();
+  run_.progress({steps_[step_].words, step_ + 1, steps_.size(), clock_.done(now_s), clock_.left_s(now_s)});
+}
 
 bool StageRunner::names_flag_of_stage(const std::string& text) const {
   for (std::size_t at = text.find("--"); at != text.npos; at = text.find("--", at + 2)) {
@@ -64,7 +93,7 @@ void StageRunner::on_output_line(const std::string& line) {
   const nlohmann::json record = nlohmann::json::parse(line, nullptr, false);
   if (!record.is_object() || !record.contains("event")) return;
   const std::string event = record.value("event", ""), message = record.value("message", "");
-  if (event == "progress") run_.monitor().progress(record.value("done", 0), record.value("total", 0));
+  if (event == "progress") show_progress(record.value("done", 0), record.value("total", 0));
   if (event == "error") error_ = message;
   if (event == "hint") hint_ = message;
   if (event == "warning") warnings_.push_back(record.value("tool", "") + ": " + message);
@@ -84,9 +113,8 @@ bool StageRunner::run(const std::string& name, const Words& words) {
   argv[0] = cli::sibling_path(argv[0]);
   for (const char* word : {"--log-format", "json"}) argv.emplace_back(word);
 
-  run_.stage_of_chain(results_.size() + 1, std::max(expected_, results_.size() + 1));
   const auto timed = run_.monitor().scope(name);
-  run_.monitor().progress(0, 0);
+  begin(name);
   setenv("NGS_PROGRESS_S", "0.3", 1);  // short enough to update the progress of ngs cut
   const double start_s = wall_seconds();
   error_.clear(), hint_.clear();

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "cut_plan.h"
+#include "shared/run/chain_clock.h"
 #include "shared/run/run.h"
 
 namespace ngs::front {
@@ -22,13 +24,20 @@ class StageRunner {
   /// Reports and command lines go to `folder`/reports, where ngs-report reads them. A dry run only collects the command
   /// lines. `own_flags`: flags of ngs cut, which hints may mention without the name of a tool.
   StageRunner(cli::Run& run, std::string folder, int threads, std::set<std::string> own_flags);
+  ~StageRunner();
+  StageRunner(const StageRunner&) = delete;
+  StageRunner& operator=(const StageRunner&) = delete;
 
   /// `words`: the tool and its arguments; -w, -j, --seed and --report are added. `name`: file name of the report.
   /// Returns false if a signal stopped the run. Throws an Error with the tool's exit code and message if the tool
   /// failed; a hit budget and a failed check are no failures.
   bool run(const std::string& name, const Words& words);
-  /// Sets the total number of stages, for the progress.
-  void expect(std::size_t stages) { expected_ = stages; }
+  /// Sets the steps of the whole run, for the progress. Call it before the first step begins.
+  void plan(std::vector<PlannedStep> steps);
+  const std::vector<PlannedStep>& steps() const { return steps_; }
+  /// Begins a step that runs in this process; run() calls it for the others. A step that is not planned belongs to the
+  /// current one.
+  void begin(const std::string& name);
 
   const std::vector<StageResult>& results() const { return results_; }
   /// Report of the latest stage of this name; null if there is none.
@@ -42,6 +51,7 @@ class StageRunner {
 
  private:
   void on_output_line(const std::string& line);
+  void show_progress(std::int64_t done, std::int64_t total);
   /// The hint of the failed tool, plus its command line if the hint mentions flags that ngs cut does not have.
   std::string hint_for(const Words& words) const;
 
@@ -49,7 +59,9 @@ class StageRunner {
   std::string folder_;
   int threads_;
   std::set<std::string> own_flags_;
-  std::size_t expected_ = 1;
+  std::vector<PlannedStep> steps_;
+  std::size_t step_ = 0;  // index of the current step
+  cli::ChainClock clock_{std::vector<cli::ChainStep>()};
   std::vector<StageResult> results_;
   std::vector<std::string> names_, warnings_, commands_;
   std::string error_, hint_;  // of the running tool

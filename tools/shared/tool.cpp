@@ -78,6 +78,7 @@ void Tool::writes_nothing_if(const bool& option) { impl_->spec.writes_nothing_if
 void Tool::help(std::string name, std::function<std::string(bool in_full)> text) {
   impl_->spec.help_topics.push_back({std::move(name), std::move(text)});
 }
+void Tool::reports_on_request() { impl_->spec.reports_on_request = true; }
 void Tool::stops_on_request() { impl_->spec.stops_on_request = true; }
 void Tool::runs_on_device() { impl_->spec.runs_on_device = true; }
 void Tool::runs_partly_on_device() { impl_->spec.runs_on_device = impl_->spec.partly_on_device = true; }

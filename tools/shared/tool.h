@@ -12,7 +12,8 @@
 // Positional inputs come in the order of their declaration; a name that begins with '-' declares a flag. The references
 // stay valid as long as the tool and hold paths when the body runs. Before the body runs: every given input exists, no
 // output exists (unless -w), no output is also an input, no two outputs are one file, and the folders of the outputs
-// exist. A dry run needs no output. "-" is stdin or stdout (run/streams.h); the report then goes to --report only.
+// exist: missing ones are created, and removed if the body fails. A dry run needs no output. "-" is stdin or stdout
+// (run/streams.h); the report then goes to --report only.
 #include <functional>
 #include <initializer_list>
 #include <memory>
@@ -66,6 +67,8 @@ class Tool {
   /// A section of --help after the options, also shown by --help NAME. Called once the command line is parsed; an empty
   /// text is not shown.
   void help(std::string name, std::function<std::string(bool in_full)> text);
+  /// For a tool that people run: the JSON report is written to --report, or with --json to stdout, never unrequested.
+  void reports_on_request();
   /// The body polls monitor().stop_requested(). It has 0.3 s to return after a signal, or unlimited time while a
   /// SignalGrace exists (run/signals.h). Without this call a signal ends the tool at once, without output.
   void stops_on_request();

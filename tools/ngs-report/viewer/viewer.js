@@ -183,8 +183,7 @@ function start() {
     gl.uniformMatrix3fv(place('turn'), false, [r[0], d[0], w[0], r[1], d[1], w[1], r[2], d[2], w[2]]);
     gl.uniform3f(place('eye'), ...eye);
     gl.uniform2f(place('size'), canvas.width, canvas.height);
-    gl.uniform2f(place('middle'), canvas.width / 2 + f * (parameters.cx - parameters.width_px / 2) / parameters.fx,
-                 canvas.height / 2 + f * (parameters.cy - parameters.height_px / 2) / parameters.fx);
+    gl.uniform2f(place('middle'), canvas.width / 2, canvas.height / 2);
     gl.uniform1f(place('focal'), f);
     gl.uniform1f(place('filterPx2'), Math.max(0.05, parameters.filter_px2 * (f / parameters.fx) ** 2));
     gl.uniform1f(place('nearest'), kNearShare * Math.hypot(...plus(eye, pose.centre, -1)));

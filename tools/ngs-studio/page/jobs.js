@@ -1,5 +1,5 @@
 // Refine and Export: jobs of the server, their progress and results.
-import { get, inTurn, post } from './server.js';
+import { fileOf, get, inTurn, post } from './server.js';
 
 const kPollMs = 400;
 
@@ -8,7 +8,8 @@ export class Jobs {
   constructor(find, on) {
     Object.assign(this, { find, on, running: false });
     find('refine').addEventListener('click', () => this.start('/api/refine', { quality: this.quality }));
-    find('export').addEventListener('click', () => this.start('/api/export', {}));
+    find('export').addEventListener('click', () => this.start('/api/export', { format: find('format').value }));
+    find('download').addEventListener('click', () => this.download().catch(on.failed));
     find('job-cancel').addEventListener('click', () => post('/api/cancel').catch(on.failed));
     find('copy').addEventListener('click', () => this.copy());
     this.holdToCompare(find('before'));
@@ -32,6 +33,7 @@ export class Jobs {
     if (running) this.find(job.kind).after(this.find('job'));  // in place of the button, so that the layout does not move
     const marked = state.objects.some(({ gaussians }) => gaussians > 0);
     this.find('refine').disabled = this.find('export').disabled = running || !marked;
+    this.find('download').hidden = running || !state.export;
     this.find('before').hidden = !state.objects.some(({ id, refined }) => refined && id === state.active);
     this.showExport(state);
     if (running) this.showProgress(job);
@@ -42,7 +44,7 @@ export class Jobs {
     const left = remaining === null || remaining === undefined ? '' : `, ${duration(remaining)} left`;
     this.find('job-bar').value = done;
     const work = kind === 'export' ? 'Writing' : stage || 'Refining';
-    this.find('job-text').textContent = `${work}: ${Math.round(100 * done)} %${left}`;
+    this.find('job-text').textContent = `${work[0].toUpperCase()}${work.slice(1)}: ${Math.round(100 * done)} %${left}`;
   }
 
   async watch() {
@@ -69,9 +71,21 @@ export class Jobs {
     this.find('commands').textContent = (commands ?? []).join('\n');
     this.find('commands-box').hidden = !commands?.length;
     if (!written) return;
-    this.find('folder').textContent = written.folder;
+    this.written = written;
+    this.find('folder').textContent = written.path;
     this.find('files').replaceChildren(...inShort(written.files).map((file) =>
       Object.assign(document.createElement('li'), { textContent: file })));
+  }
+
+  // Saves the objects of the last export from the browser.
+  async download() {
+    const objects = this.written.files.filter((file) => file.endsWith(`/object.${this.written.format}`));
+    for (const file of objects) {
+      const address = URL.createObjectURL(await fileOf(file));
+      const name = objects.length > 1 ? file.replaceAll('/', '-') : file.slice(file.lastIndexOf('/') + 1);
+      Object.assign(document.createElement('a'), { href: address, download: name }).click();
+      setTimeout(() => URL.revokeObjectURL(address), 60000);
+    }
   }
 
   async copy() {

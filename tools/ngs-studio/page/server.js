@@ -39,6 +39,9 @@ const posted = (body, signal) => ({
 export const get = async (path) => (await request(path)).json();
 export const post = async (path, body = {}) => (await request(path, posted(body))).json();
 
+// A file of the last export.
+export const fileOf = async (file) => (await request('/api/download', posted({ file }))).blob();
+
 // A picture, the time that the server took for it, and the version of the labels shown.
 export async function frame(body, signal) {
   const response = await request('/api/frame', posted(body, signal));

@@ -41,10 +41,17 @@ function showState(next, finished) {
   find('all-row').hidden = state.objects.length < 2;
   showObjects(find('objects'), state, (change) => write('/api/objects', change));
   showPieces();
+  const active = state.objects.find(({ id }) => id === state.active);
+  find('one-side').hidden = active?.views !== 1 || active.refined || active.gaussians === 0;
   jobs.show(state);
-  if (finished) say({ done: kDone[finished.kind], failed: 'Failed', cancelled: 'Cancelled' }[finished.state] ?? '');
+  if (finished) say(finishedText(finished));
   if (first) begin();
   frames.refresh();
+}
+
+function finishedText({ kind, state: how }) {
+  if (how !== 'done') return { failed: 'Failed', cancelled: 'Cancelled' }[how] ?? '';
+  return kind === 'refine' ? `${kDone.refine}: ${number(gaussiansOf(state.active))} Gaussians` : kDone[kind];
 }
 
 // Pieces that no stroke touches are left out, unless "All pieces" is on.
@@ -89,7 +96,10 @@ function request() {
   return { layer, fade, object: everyObject && fade > 0 ? 0 : state.active, highlight: highlight && layer === 'both' };
 }
 
+const kFirst = 'Drawing the first picture …';
+
 function frameShown({ version, kind, ms }) {
+  if (find('status').textContent === kFirst) say('');
   brush.forget(version);
   if (find('trouble').dataset.gone) hideTrouble();
   if (version > state.version) inTurn(() => get('/api/state')).then(showState, failed);  // another page changed the state
@@ -98,6 +108,7 @@ function frameShown({ version, kind, ms }) {
 }
 
 function begin() {
+  say(kFirst);
   camera = new Camera(state.start, state.bounds);
   frames = new Frames(find('picture'), camera, request, {
     shown: frameShown, failed, busy: showBusy,
@@ -202,6 +213,19 @@ function addObject() {
   return write('/api/objects', { add: { name: `object ${last + 1}` } });
 }
 
+// "46,737 Gaussians (−1,742)"
+function countText(gaussians, change) {
+  const sign = change > 0 ? '+' : '−';
+  return `${number(gaussians)} Gaussians (${change === 0 ? 'no change' : sign + number(Math.abs(change))})`;
+}
+
+// Undo or redo, and the count that results.
+async function step(path, what) {
+  const before = gaussiansOf(state.active);
+  const answered = await write(path, {});
+  if (answered) say(`${what}: ${countText(gaussiansOf(state.active), gaussiansOf(state.active) - before)}`);
+}
+
 const gaussiansOf = (object) => state.objects.find(({ id }) => id === object)?.gaussians ?? 0;
 
 async function endStroke() {
@@ -212,14 +236,12 @@ async function endStroke() {
   const of = kind === 'still' ? shownBy : frames.cameraFor('still');
   say('Updating the selection …');
   if (state.objects.length === 0) await addObject();
-  const before = gaussiansOf(state.active);
   const body = { object: state.active, camera: of, strokes: [strokeFor(stroke, find('paint'), of)] };
   const answered = await write('/api/strokes', body);
   if (!answered) return brush.drop(stroke);
   stroke.version = answered.version;
-  const { gaussians, ms } = answered.answer, more = gaussians - before;
-  const change = more === 0 ? 'no change' : `${number(Math.abs(more))} ${more > 0 ? 'more' : 'fewer'}`;
-  say(`${number(gaussians)} Gaussians, ${change}, in ${(ms / 1000).toFixed(2)} s`);
+  const { gaussians, change, ms } = answered.answer;
+  say(`${countText(gaussians, change)}, ${(ms / 1000).toFixed(2)} s`);
   frames.refresh();
 }
 
@@ -297,6 +319,7 @@ function say(text) {
 
 // Shows a StudioError, the error text of a job, or any other exception.
 function failed(error) {
+  if (error.object === 'stroke') return say('Nothing is there: paint on the splat. Nothing was changed.');
   const [object, found] = find('trouble').firstElementChild.children;
   object.textContent = error.object ?? 'ngs-studio';
   const expected = error.expected && `expected ${error.expected}`;
@@ -349,8 +372,8 @@ const keys = keyTable({
 function listen() {
   const clicked = (id, work) => find(id).addEventListener('click', work);
   for (const name of ['look', 'object', 'background']) clicked(`tool-${name}`, () => take(name));
-  clicked('undo', () => { say(''); write('/api/undo', {}); });
-  clicked('redo', () => { say(''); write('/api/redo', {}); });
+  clicked('undo', () => step('/api/undo', 'Undone'));
+  clicked('redo', () => step('/api/redo', 'Redone'));
   find('pieces').addEventListener('change', ({ target }) => write('/api/objects', { all_pieces: target.checked }));
   clicked('fit', fit);
   clicked('help', () => find('keys').showModal());

@@ -46,7 +46,7 @@ struct CommonFlags {
     visit(self.short_help, Flag{"h", "Print a short help"});
     visit(self.help, Text{"help", "[GROUP]", "Print this or a group"});
     visit(self.version, Flag{"version", "Print version and build"});
-    visit(self.json, Flag{"json", "Report to terminals too"});
+    visit(self.json, Flag{"json", "Print the report on stdout"});
     visit(self.threads,
           Field<int>{"threads", "", "Threads to use; default: NGS_THREADS, or all cores", 1, 4096}.letter('j'));
     visit(self.device, Choice<DeviceChoice>{"device", "Device to use", kDevices});

@@ -41,6 +41,8 @@ ul.odd b{color:var(--warn)}
 details{margin:.5rem 0}
 summary{cursor:pointer;color:var(--accent)}
 a{color:var(--accent)}
+a.button{display:inline-block;padding:.45rem 1.1rem;border-radius:4px;background:var(--accent);color:var(--ground);text-decoration:none;font-weight:600}
+details.made{margin-top:2.6rem;border-top:1px solid var(--line);padding-top:.8rem}
 details th,details td{overflow-wrap:anywhere}
 code{font:.88em ui-monospace,SFMono-Regular,Menlo,Consolas,monospace}
 .legend{display:flex;flex-wrap:wrap;gap:.3rem 1.4rem;margin:.2rem 0 1rem}
@@ -68,6 +70,7 @@ figcaption em{color:var(--warn);font-style:normal}
 span.stack{display:block}
 .flip .after{position:absolute;inset:0;opacity:0;transition:opacity .25s}
 .flip input:checked~.stack .after{opacity:1}
+.flip:has(input:checked) .of-before,.flip:not(:has(input:checked)) .of-after{display:none}
 .flip input:focus-visible~.stack{outline:3px solid var(--accent)}
 pre{font:.85rem/1.6 ui-monospace,SFMono-Regular,Menlo,Consolas,monospace;white-space:pre-wrap;overflow-wrap:anywhere;background:var(--panel);border:1px solid var(--line);padding:.8rem 1rem;border-radius:4px}
 .crop img{image-rendering:pixelated}
@@ -109,6 +112,8 @@ thead th{white-space:normal}
 .opening figure:first-child{grid-column:auto;grid-row:auto}
 .flip .stack{display:grid;grid-template-columns:1fr 1fr;gap:.3rem;background:none}
 .flip .after{position:static;opacity:1}
+.flip span.of-before,.flip span.of-after{display:inline!important}
+.of-before::after{content:", "}
 }
 )css";
 

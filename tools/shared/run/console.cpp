@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
@@ -17,6 +18,14 @@ namespace {
 
 /// One write per line, so that lines of several tools in a pipeline do not mix.
 void write_stderr(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stderr); }
+
+/// "20 s", "3 min", "1 h 20 min".
+std::string rough_duration(double seconds) {
+  if (seconds < 55) return std::to_string(std::max(1L, std::lround(seconds))) + " s";
+  const long minutes = std::lround(seconds / 60);
+  if (minutes < 60) return std::to_string(minutes) + " min";
+  return std::to_string(minutes / 60) + " h " + std::to_string(minutes % 60) + " min";
+}
 
 std::string json_line(const Json& record) { return record.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
@@ -55,6 +64,13 @@ void Console::text(const std::string& lines) {
   write_stderr(terminal_ ? rewrapped(lines, terminal_columns(STDERR_FILENO)) : lines);
 }
 
+void Console::verbatim(const std::string& lines) {
+  if (level_ < LogLevel::kWarning) return;
+  if (format_ == LogFormat::kJson) return line("text", "", lines);
+  clear_progress();
+  write_stderr(lines);
+}
+
 void Console::line(std::string_view level, std::string_view colour, const std::string& message) {
   clear_progress();
   if (format_ == LogFormat::kJson)
@@ -73,15 +89,48 @@ void Console::progress(const std::string& stage, std::int64_t done, std::int64_t
   if (level_ < LogLevel::kWarning) return;
   const double now_s = wall_seconds();
   clock_.update(stage, done, now_s);
-  if (now_s - last_progress_s_ < progress_every_s_) return;
-  last_progress_s_ = now_s;
+  if (!is_time_for_progress(now_s)) return;
   if (format_ == LogFormat::kJson)
     return write_stderr(
         json_line({{"tool", tool_}, {"event", "progress"}, {"stage", stage}, {"done", done}, {"total", total}}));
-  const std::string text = progress_line(stage, done, total, now_s);
-  write_stderr(terminal_ ? "\r\033[K" + text : text + "\n");
+  write_progress(progress_line(stage, done, total, now_s));
+}
+
+bool Console::is_time_for_progress(double now_s) {
+  if (now_s - last_progress_s_ < progress_every_s_) return false;
+  last_progress_s_ = now_s;
+  return true;
+}
+
+void Console::write_progress(const std::string& text) {
+  if (terminal_)
+    write_stderr("\r\033[K" + std::string(first_columns(text, terminal_columns(STDERR_FILENO) - 1)));
+  else
+    write_stderr(text + "\n");
   std::fflush(stderr);
   shows_progress_ = terminal_;
+}
+
+void Console::progress(const ChainProgress& chain) {
+  constexpr int kBar = 20, kParts = 1000;
+  if (level_ < LogLevel::kWarning) return;
+  if (chain.words != last_words_) last_progress_s_ = 0;  // a new step is shown at once
+  last_words_ = chain.words;
+  if (!is_time_for_progress(wall_seconds())) return;
+  const double done = std::clamp(chain.done, 0.0, 1.0);
+  if (format_ == LogFormat::kJson)
+    return write_stderr(json_line({{"tool", tool_},
+                                   {"event", "progress"},
+                                   {"stage", chain.words},
+                                   {"done", std::lround(done * kParts)},
+                                   {"total", kParts}}));
+  std::string text = tool_ + ": ";
+  const auto filled = std::size_t(kBar * done);
+  if (terminal_) text += "[" + std::string(filled, '#') + std::string(kBar - filled, '.') + "] ";
+  text += std::to_string(std::lround(100 * done)) + " %";
+  if (chain.left_s >= 0) text += ", about " + rough_duration(chain.left_s) + " left";
+  write_progress(text + ": " + chain.words + " (" + std::to_string(chain.step) + "/" + std::to_string(chain.steps) +
+                 ")");
 }
 
 /// A bar and times as soon as they are known. Narrower than the terminal: a line that wraps could not be erased.
@@ -96,7 +145,7 @@ std::string Console::progress_line(const std::string& stage, std::int64_t done, 
     if (terminal_) text += " [" + std::string(filled, '#') + std::string(kBar - filled, '.') + "]";
     text += " " + duration_text(taken_s) + ", " + duration_text(left_s) + " left";
   }
-  return terminal_ ? std::string(first_columns(text, terminal_columns(STDERR_FILENO) - 1)) : text;
+  return text;
 }
 
 void Console::summary(const std::string& lines) {

@@ -53,19 +53,24 @@ void hash_inputs(RunState& state) {
   for (ReadInput& input : state.inputs) input.path = state.streams.given(input.path);
 }
 
-/// Creates the output folders, removes those that a failed body leaves empty, and finds files of earlier runs in them.
+/// Creates the output folders and those of output files, removes those that a failed body leaves empty, and finds files
+/// of earlier runs in them.
 class OutputFolders {
  public:
   explicit OutputFolders(const RunState& state) {
+    if (state.flags.dry_run) return;
     for (const Output& output : state.spec.outputs)
-      if (output && output.directory && !output.resumes && !state.flags.dry_run) {
-        if (std::filesystem::create_directories(output.path)) made_.push_back(output.path);
+      if (output && output.directory && !output.resumes) {
+        create(output.path);
         folders_.emplace_back(output.path);
+      } else if (output && !output.directory) {
+        create(std::filesystem::path(output.path).parent_path().string());
       }
+    create(std::filesystem::path(state.flags.report_path).parent_path().string());
   }
   void remove_empty() const {
     std::error_code not_empty;
-    for (const std::string& folder : made_) std::filesystem::remove(folder, not_empty);
+    for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder) std::filesystem::remove(*folder, not_empty);
   }
   void warn_of_leftovers(Monitor& monitor) const {
     for (const Leftovers& folder : folders_)
@@ -76,6 +81,12 @@ class OutputFolders {
   }
 
  private:
+  void create(const std::string& folder) {
+    if (folder.empty()) return;
+    const std::vector<std::string> created = create_folders(folder);
+    made_.insert(made_.end(), created.begin(), created.end());
+  }
+
   std::vector<Leftovers> folders_;
   std::vector<std::string> made_;
 };
@@ -135,8 +146,8 @@ int execute(Spec& spec, const CommonFlags& flags, Console& console, const std::f
   const Json report = report_of(state, wall_seconds() - start_s, exit_code);
   streams.copy_output();
   if (!flags.report_path.empty()) io::write_file(flags.report_path, json_document(report));
-  if (flags.json || (flags.report_path.empty() && !streams.to_stdout() && isatty(STDOUT_FILENO) == 0))
-    print_json(report);
+  const bool unasked = !spec.reports_on_request && flags.report_path.empty() && !streams.to_stdout();
+  if (flags.json || (unasked && isatty(STDOUT_FILENO) == 0)) print_json(report);
   if (exit_code < kInterrupted) console.summary(summary_text(spec, report));
   return exit_code;
 }

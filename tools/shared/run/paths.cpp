@@ -51,14 +51,22 @@ void check_distinct(const Spec& spec, const std::string& report_path) {
   take(report_path, "--report");
 }
 
+/// Throws kEnvironment if a folder for the file neither exists nor can be created.
+void require_place_for(const std::string& path) {
+  std::error_code unreadable;
+  fs::path folder = fs::absolute(path).lexically_normal().parent_path();
+  while (folder.has_relative_path() && !fs::exists(folder, unreadable)) folder = folder.parent_path();
+  if (fs::is_directory(folder, unreadable)) return;
+  throw Error(ErrorCode::kEnvironment, path + ": no folder: " + folder.string() + " is a file",
+              "choose another path for the output");
+}
+
 void check_output(const Spec& spec, const Output& output, bool overwrite) {
   const fs::path path = output.path;
   std::error_code ignored;
   for_each_input(spec,
                  [&](const std::string& name, const std::string& input) { refuse_input(output.path, name, input); });
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : ".";
-  if (!output.directory && !fs::is_directory(folder, ignored))
-    throw Error(ErrorCode::kEnvironment, output.path + ": no folder " + folder.string(), "mkdir -p " + folder.string());
+  require_place_for(output.path);
   if (!fs::exists(path, ignored)) return;
   const bool is_folder = fs::is_directory(path, ignored);
   if (is_folder != output.directory && (is_folder || fs::is_regular_file(path, ignored)))
@@ -95,6 +103,23 @@ void check_outputs(const Spec& spec, const std::string& report_path, bool overwr
   Output report;
   report.path = report_path;
   if (report) check_output(spec, report, overwrite);
+}
+
+std::vector<std::string> create_folders(const std::string& folder) {
+  std::vector<std::string> created;
+  std::error_code failed;
+  fs::path missing = fs::absolute(folder).lexically_normal();
+  if (!missing.has_filename()) missing = missing.parent_path();
+  std::vector<fs::path> levels;
+  for (; missing.has_relative_path() && !fs::exists(missing, failed); missing = missing.parent_path())
+    levels.push_back(missing);
+  for (auto level = levels.rbegin(); level != levels.rend(); ++level) {
+    if (!fs::create_directory(*level, failed) && failed)
+      throw Error(ErrorCode::kEnvironment, level->string() + ": cannot be created: " + failed.message(),
+                  "choose another path for the output");
+    created.push_back(level->string());
+  }
+  return created;
 }
 
 ReadInput describe_input(const std::string& name, const std::string& path, bool hash) {

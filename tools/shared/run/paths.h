@@ -7,8 +7,10 @@ namespace ngs::cli {
 /// Throws kBadInput unless every given input exists and is readable.
 void check_inputs(const Spec& spec);
 /// Throws kUsage if an output or the report exists (unless `overwrite`), is also an input, or is given twice. Throws
-/// kEnvironment if the folder of an output is missing.
+/// kEnvironment if the folder of an output is missing and a file is in its place.
 void check_outputs(const Spec& spec, const std::string& report_path, bool overwrite);
+/// Creates the folder with all missing levels and returns those created, the topmost first. Throws kEnvironment.
+std::vector<std::string> create_folders(const std::string& folder);
 /// Throws kUsage if an output or the report is this input, which the tool found in another file.
 void refuse_outputs_over(const Spec& spec, const std::string& report_path, const std::string& name,
                          const std::string& input);

@@ -51,11 +51,10 @@ bool Run::goes_to_stdout(const Output& output) const { return state_.streams.giv
 bool Run::comes_from_stream(const std::string& path) const { return state_.streams.given(path) != path; }
 Json& Run::result() { return state_.result; }
 void Run::plan(Json plan) { state_.plan = std::move(plan); }
-void Run::stage_of_chain(std::size_t index, std::size_t count) {
-  state_.console.set_stage_of_chain(std::to_string(index) + "/" + std::to_string(count));
-}
+void Run::progress(const ChainProgress& chain) { state_.console.progress(chain); }
 void Run::info(const std::string& message) { state_.console.info(message); }
 void Run::text(const std::string& lines) { state_.console.text(lines); }
+void Run::verbatim(const std::string& lines) { state_.console.verbatim(lines); }
 int Run::columns() const { return isatty(STDERR_FILENO) == 0 ? 0 : terminal_columns(STDERR_FILENO); }
 int Run::stop_code() const { return signal_exit_code(); }
 

@@ -12,6 +12,7 @@
 
 namespace ngs::cli {
 
+struct ChainProgress;
 struct RunState;
 
 class Run {
@@ -35,14 +36,16 @@ class Run {
   Json& result();
   /// "plan" of the report: the estimates of a dry run (memory, time, sizes).
   void plan(Json plan);
-  /// For a tool that runs other tools: the progress that follows belongs to stage `index` (from 1) of `count`.
-  void stage_of_chain(std::size_t index, std::size_t count);
+  /// For a tool that runs other tools: shows the progress of the whole run.
+  void progress(const ChainProgress& chain);
   /// Prints a line on stderr with -v.
   void info(const std::string& message);
   /// Columns of the terminal on stderr; 0: stderr is no terminal.
   int columns() const;
   /// Prints a table on stderr unless -q.
   void text(const std::string& lines);
+  /// The same, but never wrapped, so that a command or JSON can be copied from the terminal.
+  void verbatim(const std::string& lines);
   /// Adds a file that is read because an input names it to the report. Call it before writing anything: throws kUsage
   /// if the file is also an output, which would replace it.
   void add_input(const std::string& name, const std::string& path);

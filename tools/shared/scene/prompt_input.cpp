@@ -5,6 +5,8 @@
 #include <fstream>
 
 #include "ngs/core/error.h"
+#include "ngs/io/files/content_hash.h"
+#include "ngs/io/image/image_file.h"
 #include "ngs/io/scene/painted_picture.h"
 #include "ngs/io/scene/prompt_files.h"
 #include "ngs/scene/view_names.h"
@@ -19,14 +21,19 @@ bool is_json(const std::string& path) {
   return (std::ifstream(path) >> first) && first == '{';  // no image format begins with a brace
 }
 
+struct PromptFile {
+  std::string path;
+  bool in_folder = false;  // found in a given folder
+};
+
 /// Files unchanged; folders replaced by all files in them that may be prompts.
-std::vector<std::string> files_of(const std::vector<std::string>& paths) {
+std::vector<PromptFile> files_of(const std::vector<std::string>& paths) {
   namespace fs = std::filesystem;
-  std::vector<std::string> files;
+  std::vector<PromptFile> files;
   for (const std::string& path : paths) {
     std::error_code unreadable;
     if (!fs::is_directory(path, unreadable)) {
-      files.push_back(path);
+      files.push_back({path});
       continue;
     }
     std::vector<std::string> inside;
@@ -37,9 +44,15 @@ std::vector<std::string> files_of(const std::vector<std::string>& paths) {
       throw Error(ErrorCode::kBadInput, path + ": no prompts in this folder, expected PNG, JPEG or JSON files",
                   "put painted copies of the photos into it, under the same names");
     std::sort(inside.begin(), inside.end());
-    files.insert(files.end(), inside.begin(), inside.end());
+    for (std::string& file : inside) files.push_back({std::move(file), true});
   }
   return files;
+}
+
+bool has_same_bytes(const std::string& a, const std::string& b) {
+  std::error_code unreadable;
+  return std::filesystem::file_size(a, unreadable) == std::filesystem::file_size(b, unreadable) && !unreadable &&
+         io::content_hash(a).xxh3 == io::content_hash(b).xxh3;
 }
 
 /// Finds the view that prompts belong to.
@@ -93,20 +106,33 @@ Marks read_prompts(const Run& run, const Scene& scene, const std::string& wanted
                    const std::vector<std::string>& paths) {
   const ViewFinder finder{run, scene, wanted};
   Marks marks;
-  for (const std::string& path : files_of(paths)) {
+  for (const auto& [path, in_folder] : files_of(paths)) {
     if (is_json(path)) {
       for (HandPrompt& prompt : io::read_prompts_json(path))
         marks[finder.view_of(prompt.view, path)].push_back(std::move(prompt));
     } else {
       const std::size_t view = finder.view_of("", path);
       std::error_code none;
+      if (in_folder && has_same_bytes(path, scene.views[view].image_path)) continue;  // copied, but not painted
       if (std::filesystem::equivalent(path, scene.views[view].image_path, none))
         throw Error(ErrorCode::kBadInput, path + ": is the photo of the view, expected a painted copy",
                     "restore the photo, and paint on a copy with the same name in another folder");
       marks[view].push_back(io::read_painted_picture(path, scene.views[view].image_path));
     }
   }
+  if (marks.empty() && !paths.empty())
+    throw Error(ErrorCode::kBadInput, paths.front() + ": no copy in this folder is painted, expected one at least",
+                "paint the object green (0, 255, 0) and the background red (255, 0, 0)");
   return marks;
+}
+
+void check_prompt_files(const std::vector<std::string>& paths) {
+  for (const PromptFile& file : files_of(paths)) {
+    if (is_json(file.path))
+      io::read_prompts_json(file.path);
+    else
+      io::read_image_size(file.path);
+  }
 }
 
 Marks read_marks(const Run& run, const Scene& scene, const std::string& wanted, const PromptInputs& inputs) {

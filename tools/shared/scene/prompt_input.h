@@ -25,9 +25,13 @@ using Marks = std::map<std::size_t, std::vector<HandPrompt>>;
 /// such view, or if the file names a view other than `wanted`.
 Marks read_marks(const Run& run, const Scene& scene, const std::string& wanted, const PromptInputs& inputs);
 
-/// The same for prompt files and folders: all PNG, JPEG and JSON files in a folder, sorted by name. Throws kBadInput
-/// for a folder without any.
+/// The same for prompt files and folders: all PNG, JPEG and JSON files in a folder, sorted by name, without pictures
+/// that are unchanged copies of their photo. Throws kBadInput for a folder without any.
 Marks read_prompts(const Run& run, const Scene& scene, const std::string& wanted,
                    const std::vector<std::string>& paths);
+
+/// Reads the files of such paths without the views, for a dry run: JSON completely, of pictures the size. Throws as
+/// read_prompts().
+void check_prompt_files(const std::vector<std::string>& paths);
 
 }  // namespace ngs::cli

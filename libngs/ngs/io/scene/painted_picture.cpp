@@ -190,7 +190,8 @@ HandPrompt read_painted_picture(const std::string& path, const std::string& phot
                 "give one picture per side: --object-scribbles PNG --background-scribbles PNG");
   HandPrompt prompt;
   prompt.width_px = picture.width_px, prompt.height_px = picture.height_px;
-  if (!photo.empty() && read_image_size(photo) == ImageSize{picture.width_px, picture.height_px}) {
+  const ImageSize size = size_of(picture), photo_size = photo.empty() ? size : read_image_size(photo);
+  if (!photo.empty() && photo_size == size) {
     PhotoReading over = read_difference(picture, read_mask_raw(photo, Palette::kColours));
     if (over.kept >= kLeastKept && over.marks.is_clear()) {
       prompt.painted = std::move(over.marks.mark);
@@ -199,6 +200,11 @@ HandPrompt read_painted_picture(const std::string& path, const std::string& phot
     if (over.kept > 1 - kUnclearShare && over.marks.marked() == 0) refuse(path, "nothing is painted on the photo");
   }
   Reading alone = read_markers(picture);
+  if (!alone.is_clear() && photo_size != size)
+    throw Error(ErrorCode::kBadInput,
+                path + ": " + to_string(size) + " px, expected a marked copy of " + photo + " with its " +
+                    to_string(photo_size) + " px",
+                "paint on a copy at its full size, without scaling or cropping it");
   if (alone.marked() == 0) refuse(path, "nothing is marked");
   if (!alone.is_clear() && !photo.empty() && read_image_size(photo) != size_of(picture))
     refuse(path, "not a marked copy of " + photo + " (" + to_string(size_of(picture)) + " px against " +

@@ -384,7 +384,7 @@ BallCut cut_in_ball(const Exec& exec, Monitor& monitor, const BallCutInput& in) 
     const std::vector<std::uint8_t> member(labels.label.begin(), labels.label.end());
     const PieceSelection pieces = touched_pieces(exec, model.cloud(), member, strokes);
     labels.label = std::vector<float>(pieces.object.begin(), pieces.object.end());
-    cut.left_out = pieces.left_out;
+    cut.left_out = pieces.left_out, cut.needles = pieces.needles;
   }
   cut.object = std::count(labels.label.begin(), labels.label.end(), 1.f);
   cut.labels = spread_out(labels, model.rows(), in.cloud.size());

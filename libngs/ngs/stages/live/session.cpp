@@ -49,14 +49,16 @@ void clear_empty(const std::vector<float>& alpha, PixelMask& mask) {
     if (alpha[p] < kEmptyAlpha) mask[p] = 0;
 }
 
-/// Throws if object strokes cover only empty pixels.
+/// Throws if the object strokes, or without any the background strokes, cover only empty pixels.
 void require_something(const std::vector<float>& alpha, const ViewPrompt& drawn) {
+  const bool has_object = std::ranges::count(drawn.hint, PixelHint::kObject) > 0;
+  const PixelHint side = has_object ? PixelHint::kObject : PixelHint::kBackground;
   bool any = false, shown = false;
   for (std::size_t p = 0; p < alpha.size(); ++p)
-    if (drawn.hint[p] == PixelHint::kObject) any = true, shown |= alpha[p] >= kEmptyAlpha;
+    if (drawn.hint[p] == side) any = true, shown |= alpha[p] >= kEmptyAlpha;
   if (any && !shown)
-    throw Error(ErrorCode::kUsage, "stroke: no part of the splat is under it, expected some",
-                "paint on the object itself");
+    throw Error(ErrorCode::kUsage, "stroke: nothing is there, expected a part of the splat under it",
+                "paint on the object itself; empty space is background already");
 }
 
 /// Removes a view from the sums during its lifetime.
@@ -310,7 +312,8 @@ void Session::leave_out_untouched(Kept& kept) const {
   ObjectLabels labels = *kept.labels;
   for (std::size_t i = 0; i < member.size(); ++i)
     if (member[i] && !pieces.object[i]) labels.label[i] = 0, labels.boundary[i] = 0;
-  labels.count -= pieces.left_out, labels.left_out = pieces.left_out;
+  labels.left_out = pieces.left_out + pieces.needles;
+  labels.count -= labels.left_out;
   kept.touched = std::make_shared<const ObjectLabels>(std::move(labels));
 }
 
@@ -318,12 +321,12 @@ void Session::publish(Marks marks) {
   std::erase_if(kept_, [&](const Kept& k) { return marks.find(k.id) == nullptr; });
   std::vector<ShownObject> shown;
   for (const ObjectMarks& object : marks.objects) {
-    ShownObject one{object.id, rgb(object.colour), nullptr};
+    ShownObject one{object.id, rgb(object.colour), nullptr, nullptr};
     if (!object.views.empty()) {
       Kept& sums = kept(object.id);
       bring_up_to_date(sums, object);
-      if (!marks.all_pieces) leave_out_untouched(sums);
-      one.labels = marks.all_pieces ? sums.labels : sums.touched;
+      leave_out_untouched(sums);
+      one.labels = marks.all_pieces ? sums.labels : sums.touched, one.touched = sums.touched;
     } else {
       std::erase_if(kept_, [&](const Kept& k) { return k.id == object.id; });
     }

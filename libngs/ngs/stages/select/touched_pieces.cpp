@@ -9,6 +9,7 @@
 #include "ngs/ops/image/connected_components.h"
 #include "ngs/ops/splat/evidence.h"
 #include "ngs/stages/select/clusters.h"
+#include "ngs/stages/select/needles.h"
 
 namespace ngs {
 namespace {
@@ -89,7 +90,8 @@ PieceSelection touched_pieces(const Exec& exec, const GaussianCloud& cloud, cons
   PieceSelection out;
   out.object = member;
   for (std::size_t i = 0; i < member.size(); ++i) out.object[i] = member[i] && cloud.usable[i];
-  const Clusters pieces = cluster_on_grid(exec, cloud, out.object, side_by_sample(exec, cloud, out.object));
+  const double side = side_by_sample(exec, cloud, out.object);
+  const Clusters pieces = cluster_on_grid(exec, cloud, out.object, side);
   out.pieces = out.kept_pieces = std::int64_t(pieces.size.size());
   std::vector<std::uint8_t> touched(pieces.size.size());
   for (const StrokeWeights& stroke : strokes) touch(stroke, pieces, touched);
@@ -102,6 +104,8 @@ PieceSelection touched_pieces(const Exec& exec, const GaussianCloud& cloud, cons
     if (piece >= 0 && touched[std::size_t(piece)]) continue;
     out.object[i] = 0, ++out.left_out;
   }
+  for (const std::uint32_t needle : needles_beyond(exec, cloud, out.object, side))
+    out.object[needle] = 0, ++out.needles;
   return out;
 }
 

@@ -33,9 +33,11 @@ struct PieceSelection {
   std::vector<std::uint8_t> object;          // [N] 1: in a piece that a stroke touches
   std::int64_t pieces = 0, kept_pieces = 0;  // number of all pieces, and of touched pieces
   std::int64_t left_out = 0;                 // Gaussians of the selection in no touched piece
+  std::int64_t needles = 0;                  // further ones that stick out of the touched pieces (needles.h)
 };
 
-/// Selects among the usable Gaussians with member[i] != 0. If no stroke touches any of them, all are kept.
+/// Selects among the usable Gaussians with member[i] != 0, without needles. If no stroke touches any of them, all are
+/// kept.
 PieceSelection touched_pieces(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::uint8_t>& member,
                               std::span<const StrokeWeights> strokes);
 

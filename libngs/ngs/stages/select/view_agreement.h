@@ -1,0 +1,26 @@
+#pragma once
+// How well a labelled model fits the masks that it was made from: the labels are rendered at the views and compared
+// with the masks. It is no accuracy, because the masks may be wrong; but labels that contradict the masks of several
+// views are.
+#include <span>
+#include <vector>
+
+#include "ngs/scene/views.h"
+#include "ngs/stages/select/stroke_agreement.h"
+
+namespace ngs {
+
+/// Mean IoU over the views between the rendered labels and the masks. An empty vector is a view without a mask. Views
+/// in which both are empty do not count; 1 without a view that counts. A mask has the size of its camera.
+double view_agreement(const Exec& exec, const LabelledModel& model, std::span<const Camera> cameras,
+                      std::span<const PixelMask> masks);
+
+struct ResultQuality {
+  double strokes_wrong = 0;  // StrokeAgreement::wrong_share()
+  double agreement = 1;      // view_agreement() with the masks that the result was made from
+};
+
+/// True if `result` contradicts strokes, or the masks of its views, by more than `other` does, beyond a small margin.
+bool is_worse(const ResultQuality& result, const ResultQuality& other);
+
+}  // namespace ngs

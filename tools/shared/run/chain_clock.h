@@ -1,0 +1,93 @@
+#pragma once
+// Progress of a run of several steps as one fraction, which never falls, and an estimate of the remaining time, which
+// never grows. A step may report its progress in several passes, each from 0 again; its time then tells more.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace ngs::cli {
+
+struct ChainStep {
+  double share = 1;         // expected time, in any unit
+  bool has_passes = false;  // reports several passes
+};
+
+class ChainClock {
+ public:
+  explicit ChainClock(std::vector<ChainStep> steps) : steps_(std::move(steps)) {}
+
+  /// Ends the current step and begins another; steps in between are left out.
+  void begin(std::size_t step, double now_s) {
+    end_step(now_s);
+    for (std::size_t k = next_; k < std::min(step, steps_.size()); ++k) steps_[k].share = 0;
+    current_ = std::min(step, steps_.size()), next_ = current_ + 1;
+    began_s_ = now_s, fraction_ = 0, has_passes_ = current_ < steps_.size() && steps_[current_].has_passes;
+  }
+
+  /// Progress of the current step, in [0, 1].
+  void update(double fraction) {
+    has_passes_ |= fraction < fraction_;
+    fraction_ = std::max(fraction_, std::clamp(fraction, 0.0, 1.0));
+  }
+
+  /// Fraction of the whole run that is done, in [0, 1].
+  double done(double now_s) {
+    if (current_ == kNone) return done_;
+    double before = 0, all = 0;
+    for (std::size_t k = 0; k < steps_.size(); ++k) {
+      all += steps_[k].share;
+      if (k < current_) before += steps_[k].share;
+    }
+    if (all > 0) done_ = std::max(done_, std::min(1.0, (before + share() * within(now_s)) / all));
+    return done_;
+  }
+
+  /// Remaining seconds; negative: unknown, since no step has shown its pace yet.
+  double left_s(double now_s) {
+    const double pace_s = pace(now_s);
+    if (!(pace_s > 0) || done(now_s) < kLeastSpent) return left_s_;
+    double rest = share() * (1 - within(now_s));
+    for (std::size_t k = next_; k < steps_.size(); ++k) rest += steps_[k].share;
+    const double found_s = rest * pace_s;
+    return left_s_ = left_s_ < 0 ? found_s : std::min(left_s_, found_s);
+  }
+
+ private:
+  static constexpr double kLinear = 0.8;       // share of a step's expected time after which its progress slows down
+  static constexpr double kLeastSpent = 0.03;  // least share of the run that shows the pace of the rest
+  static constexpr double kLeastSeen = 0.05;   // least progress of a step that shows its pace
+  static constexpr std::size_t kNone = ~std::size_t(0);
+
+  double share() const { return current_ < steps_.size() ? steps_[current_].share : 0; }
+
+  void end_step(double now_s) {
+    if (share() > 0) spent_s_ += now_s - began_s_, spent_share_ += share();
+  }
+
+  /// Seconds per unit of the shares; 0: unknown.
+  double pace(double now_s) const {
+    double spent_s = spent_s_, spent = spent_share_;
+    if (!has_passes_ && fraction_ >= kLeastSeen) spent_s += now_s - began_s_, spent += share() * fraction_;
+    return spent > 0 ? spent_s / spent : 0;
+  }
+
+  /// Fraction of the current step: what it reports, or with several passes its time as a fraction of the expected one,
+  /// which approaches 1 slowly. While no pace is known, the first pass counts as half of the step.
+  double within(double now_s) const {
+    if (!has_passes_) return fraction_;
+    const double expected_s = share() * pace(now_s);
+    if (!(expected_s > 0)) return 0.5 * fraction_;
+    const double x = (now_s - began_s_) / expected_s;
+    return x < kLinear ? x : 1 - (1 - kLinear) * std::exp(-(x - kLinear) / (1 - kLinear));
+  }
+
+  std::vector<ChainStep> steps_;
+  std::size_t current_ = kNone, next_ = 0;
+  double began_s_ = 0, fraction_ = 0;
+  bool has_passes_ = false;
+  double spent_s_ = 0, spent_share_ = 0;  // of finished steps
+  double done_ = 0, left_s_ = -1;
+};
+
+}  // namespace ngs::cli
