@@ -136,7 +136,7 @@ check_ksplat() {
   done
 }
 
-# Half a step of every attribute (data-schema/formats.md); for codebooks a step of 1/255 of the range. The axes of an ellipsoid
+# Half a step of every attribute (docs/formats.md); for codebooks a step of 1/255 of the range. The axes of an ellipsoid
 # rotate by at most twice the error of its quaternion, which may affect three components.
 limits_of() {
   case $1 in

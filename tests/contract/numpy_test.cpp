@@ -45,7 +45,7 @@ void extract(const nlohmann::json& arguments) {
 
 /// The first block of Python after <!-- numpy --> in the FAQ.
 std::string documented_python() {
-  const std::string page = test::read_bytes(NGS_SOURCE_DIR "/pipelines/faq.md");
+  const std::string page = test::read_bytes(NGS_SOURCE_DIR "/docs/faq.md");
   const std::string opening = "<!-- numpy -->\n```python\n";
   const std::size_t start = page.find(opening);
   REQUIRE(start != std::string::npos);

@@ -1,4 +1,4 @@
-// Runs the ```sh blocks of pipelines/tutorial.md and of the tool pages unchanged, in one folder, with the tools and
+// Runs the ```sh blocks of docs/tutorial.md and of the tool pages unchanged, in one folder, with the tools and
 // scripts of this tree in PATH. (```bash blocks need user data or other programs.)
 #include <doctest/doctest.h>
 
@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kTutorial = NGS_SOURCE_DIR "/pipelines/tutorial.md";
+const std::string kTutorial = NGS_SOURCE_DIR "/docs/tutorial.md";
 
 struct Step {
   std::string commands;

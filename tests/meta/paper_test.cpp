@@ -1,4 +1,4 @@
-// Checks references: files named in PAPER.md and the decision notes, links between documents, and sections of PAPER.md
+// Checks references: files named in paper.md and the decision notes, links between documents, and sections of paper.md
 // cited in comments.
 #include <doctest/doctest.h>
 
@@ -109,9 +109,7 @@ std::vector<SourceFile> documents() {
   return files;
 }
 
-bool is_design(const SourceFile& document) {
-  return document.path == "libngs/PAPER.md" || document.in("libngs/decisions");
-}
+bool is_design(const SourceFile& document) { return document.path == "docs/paper.md" || document.in("docs/decisions"); }
 
 void append(std::vector<std::string>& to, const std::vector<std::string>& from) {
   to.insert(to.end(), from.begin(), from.end());
@@ -119,7 +117,7 @@ void append(std::vector<std::string>& to, const std::vector<std::string>& from) 
 
 }  // namespace
 
-TEST_CASE("every path named in PAPER.md or a decision note exists") {
+TEST_CASE("every path named in paper.md or a decision note exists") {
   std::vector<std::string> offenders;
   for (const SourceFile& document : documents())
     if (is_design(document)) append(offenders, broken_paths(document));
@@ -135,14 +133,14 @@ TEST_CASE("every relative link points to an existing file and heading") {
   CHECK(test::listed(offenders) == "");
 
   const SourceFile broken{"libngs/a.md",
-                          "## A b: `c`\n[a](PAPER.md#4--readings) [b](#a-b-c) [d](https://e.org) "
-                          "[f](decisions/none.md) [g](PAPER.md#44--none) [h](#a)"};
+                          "## A b: `c`\n[a](paper.md#4--readings) [b](#a-b-c) [d](https://e.org) "
+                          "[f](decisions/none.md) [g](paper.md#44--none) [h](#a)"};
   CHECK(broken_links(broken) == std::vector<std::string>{"libngs/a.md: decisions/none.md",
-                                                         "libngs/a.md: PAPER.md#44--none", "libngs/a.md: #a"});
+                                                         "libngs/a.md: paper.md#44--none", "libngs/a.md: #a"});
 }
 
-TEST_CASE("every section cited in a comment or document exists in PAPER.md") {
-  const std::set<std::string> sections = sections_of(top_file("libngs/PAPER.md"));
+TEST_CASE("every section cited in a comment or document exists in paper.md") {
+  const std::set<std::string> sections = sections_of(top_file("docs/paper.md"));
   std::vector<SourceFile> files = test::source_files({"libngs", "tools", "tests"}, {".h", ".cpp", ".cu", ".cuh"});
   for (SourceFile& document : documents()) files.push_back(std::move(document));
   std::vector<std::string> offenders;
@@ -150,7 +148,7 @@ TEST_CASE("every section cited in a comment or document exists in PAPER.md") {
     if (file.path != "tests/meta/paper_test.cpp") append(offenders, broken_sections(file, sections));
   CHECK(test::listed(offenders) == "");
 
-  CHECK(broken_sections({"a.h", "// PAPER.md §5.1 and §5.99"}, sections) == std::vector<std::string>{"a.h: §5.99"});
+  CHECK(broken_sections({"a.h", "// paper.md §5.1 and §5.99"}, sections) == std::vector<std::string>{"a.h: §5.99"});
 }
 
 }  // namespace ngs

@@ -90,8 +90,8 @@ TEST_CASE("the README has at most 100 lines of at most 140 characters") {
   CHECK(count <= 100);
 }
 
-TEST_CASE("data-schema/formats.md lists every PLY property and EXR channel") {
-  const std::string page = test::read_bytes((kTree / "data-schema/formats.md").string());
+TEST_CASE("docs/formats.md lists every PLY property and EXR channel") {
+  const std::string page = test::read_bytes((kTree / "docs/formats.md").string());
   for (const char* list : {"ply-properties.json", "exr-channels.json"}) {
     const nlohmann::json entries = nlohmann::json::parse(test::read_bytes((kTree / "data-schema" / list).string()));
     for (const nlohmann::json& entry : entries) {

@@ -1,4 +1,4 @@
-// The language of the tree (STYLE.md, "Names and comments"): no banned word, and no thing that acts like a person.
+// The language of the tree (style.md, "Names and comments"): no banned word, and no thing that acts like a person.
 #include <doctest/doctest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Pose steps, contour refinement and Anderson acceleration on underdetermined data.         PAPER.md §5.3, §5.10, §5.11
+// Pose steps, contour refinement and Anderson acceleration on underdetermined data.         paper.md §5.3, §5.10, §5.11
 #include <doctest/doctest.h>
 
 #include <algorithm>

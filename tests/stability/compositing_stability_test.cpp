@@ -1,4 +1,4 @@
-// The compositing loops, forward and backward, one lane and eight.                     Eq. (2); PAPER.md §5.1
+// The compositing loops, forward and backward, one lane and eight.                     Eq. (2); paper.md §5.1
 #include <doctest/doctest.h>
 
 #include <numeric>

@@ -1,4 +1,4 @@
-// Mask evidence: sums, merges, counts, variances and degenerate cases.                       PAPER.md §5.2
+// Mask evidence: sums, merges, counts, variances and degenerate cases.                       paper.md §5.2
 #include <doctest/doctest.h>
 
 #include <algorithm>

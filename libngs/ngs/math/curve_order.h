@@ -1,5 +1,5 @@
 #pragma once
-// Sorts points along a Z-order (Morton) curve: neighbours in space become neighbours in memory (PAPER.md §5.1).
+// Sorts points along a Z-order (Morton) curve: neighbours in space become neighbours in memory (paper.md §5.1).
 //   Morton, "A computer oriented geodetic data base and a new technique in file sequencing", 1966
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 #pragma once
-// The state of a COB-GS run and its phases. Internal to the methods cob and released.      PAPER.md §6.3
+// The state of a COB-GS run and its phases. Internal to the methods cob and released.      paper.md §6.3
 #include "ngs/methods/cob_options.h"
 #include "ngs/ops/losses/photometric.h"
 #include "ngs/problem/cloud_rows.h"

@@ -1,5 +1,5 @@
 #pragma once
-// ngs-joint --method cob: COB-GS with given masks.                                          PAPER.md §6.3
+// ngs-joint --method cob: COB-GS with given masks.                                          paper.md §6.3
 //
 // Two kinds of phases alternate, each of 2V iterations for V training views. A mask phase trains one label logit per
 // Gaussian against the linear loss, then splits the large Gaussians that touch pixels inside and outside the mask.

@@ -1,5 +1,5 @@
 #pragma once
-// ngs-joint --method flash: labels by majority of the rendering weights, in closed form.   PAPER.md §6.1
+// ngs-joint --method flash: labels by majority of the rendering weights, in closed form.   paper.md §6.1
 //
 // A1 is a Gaussian's rendering weight inside the object's masks, A0 the weight outside. The label is 1 if the object's
 // share exceeds the background's share plus gamma. Shares are normalised by their sum (l1, as in the FlashSplat
@@ -27,7 +27,7 @@ struct FlashOptions {
   }
 };
 
-/// The share f above which a Gaussian belongs to the object (PAPER.md §5.4).
+/// The share f above which a Gaussian belongs to the object (paper.md §5.4).
 double flash_threshold(const FlashOptions& options);
 
 Solution run_flash(const Exec& exec, Monitor& monitor, const FlashOptions& options, const Problem& input);

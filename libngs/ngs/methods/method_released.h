@@ -1,5 +1,5 @@
 #pragma once
-// ngs-joint --method released: the algorithm of the authors' published code.                 PAPER.md §6.5
+// ngs-joint --method released: the algorithm of the authors' published code.                 paper.md §6.5
 //
 // COB-GS (method cob, divided by all views) plus a colour regulariser in the texture phases. For comparison only:
 // the regulariser uses no ray, query point or mask. It changes the colours of the 4096 Gaussians with the most

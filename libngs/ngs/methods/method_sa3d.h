@@ -1,5 +1,5 @@
 #pragma once
-// ngs-joint --method sa3d: mask inverse rendering of SA3D-GS in closed form.               PAPER.md §6.2
+// ngs-joint --method sa3d: mask inverse rendering of SA3D-GS in closed form.               paper.md §6.2
 //
 // The loss of SA3D-GS, -Σ G M + λ Σ (1 - G) M per view, is linear in the labels: the label of a Gaussian is 1 if its
 // share f = A1 / (A0 + A1) exceeds λ / (1 + λ). Views are processed in order. A view other than the first is skipped

@@ -1,5 +1,5 @@
 #pragma once
-// ngs-joint --method saga: contrastive affinity features from given masks alone.            PAPER.md §6.4
+// ngs-joint --method saga: contrastive affinity features from given masks alone.            paper.md §6.4
 //
 // SAGA reduced to the part that needs no segmentation network. Every Gaussian has a feature. The loss pulls rendered
 // features of pixels of one object together and pushes those of different ids apart. An object's prototype is the mean

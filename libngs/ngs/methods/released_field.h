@@ -1,5 +1,5 @@
 #pragma once
-// The colour regulariser of the authors' released code, oddities included.                 PAPER.md §6.5
+// The colour regulariser of the authors' released code, oddities included.                 paper.md §6.5
 //
 // A network refines the constant (SH degree 0) colours of at most 4096 Gaussians. Its 8 hash levels of 2 features are
 // looked up at the floor cell without interpolation, with composite numbers in place of primes, in coordinates

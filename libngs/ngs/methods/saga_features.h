@@ -1,6 +1,6 @@
 #pragma once
 // Affinity features of the method saga: smoothing over neighbours, contrastive loss, and their gradients.
-// PAPER.md §6.4
+// paper.md §6.4
 //
 // T is float in production and double in gradient tests. The loss is always in double.
 #include <cmath>

@@ -1,5 +1,5 @@
 #pragma once
-// Effects: passes, and parts of passes, that can be on, off, or decided by the scene.                     PAPER.md §5.7
+// Effects: passes, and parts of passes, that can be on, off, or decided by the scene.                     paper.md §5.7
 //
 // An Effect describes one of them for --help, --explain, the report, --effects-from and the decision. Its heuristic
 // measures one number, cheaply, on data that is already loaded. An effect that is off costs no work.

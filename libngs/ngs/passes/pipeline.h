@@ -1,5 +1,5 @@
 #pragma once
-// Runs the passes in order: decides which are on, limits their time, and reports.                   PAPER.md §5.7
+// Runs the passes in order: decides which are on, limits their time, and reports.                   paper.md §5.7
 #include <memory>
 #include <vector>
 

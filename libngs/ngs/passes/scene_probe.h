@@ -1,6 +1,6 @@
 #pragma once
 // Quantities that heuristics measure on a scene. Shared quantities are computed at their first use and cached.
-//                                                                                                        PAPER.md §5.7
+//                                                                                                        paper.md §5.7
 // The probe reads photos of all views and masks of the training views. It never reads masks of held-out views.
 // Quantities are measured at the size of the given problem. Some of them use at most kDecisionViews views.
 #include <memory>

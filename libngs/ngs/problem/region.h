@@ -1,6 +1,6 @@
 #pragma once
 // The region of an object: the rows of a model that may change. A scene has millions of Gaussians, an object thousands.
-// All rows outside the region keep their bytes.                                                     PAPER.md §5.16
+// All rows outside the region keep their bytes.                                                     paper.md §5.16
 #include "ngs/problem/problem.h"
 
 namespace ngs {

@@ -1,6 +1,6 @@
 #pragma once
 // The Gaussians that a trainer changes. With a region, only its rows have gradients and moments. Without a region, and
-// always on a device, all rows are trained in place.                                                   PAPER.md §5.16
+// always on a device, all rows are trained in place.                                                   paper.md §5.16
 #include <memory>
 #include <optional>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-// The renderer whose constants apply where 3DGS (Inria) and gsplat differ.                         PAPER.md §5.1
+// The renderer whose constants apply where 3DGS (Inria) and gsplat differ.                         paper.md §5.1
 #include <cstdint>
 
 namespace ngs {

@@ -68,7 +68,7 @@ TEST_CASE("flash without bias is the majority of brute-force rendering weights")
 
 TEST_CASE("flash thresholds equal the tie of the two normalised shares, by the norms of paper and code") {
   const double gamma[5] = {-0.8, -0.7, 0, 0.4, 0.75};
-  const double l1[5] = {0.10, 0.15, 0.5, 0.70, 0.875}, l2[5] = {0.157, 0.215, 0.5, 0.647, 0.813};  // PAPER.md §5.4
+  const double l1[5] = {0.10, 0.15, 0.5, 0.70, 0.875}, l2[5] = {0.157, 0.215, 0.5, 0.647, 0.813};  // paper.md §5.4
   for (int i = 0; i < 5; ++i) {
     CHECK(flash_threshold({gamma[i], FlashNorm::kL1}) == doctest::Approx(l1[i]).epsilon(1e-9));
     CHECK(std::abs(flash_threshold({gamma[i], FlashNorm::kL2}) - l2[i]) < 6e-4);

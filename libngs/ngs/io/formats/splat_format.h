@@ -1,5 +1,5 @@
 #pragma once
-// The file formats of Gaussian splatting models that are read or written (data-schema/formats.md), and their detection.
+// The file formats of Gaussian splatting models that are read or written (docs/formats.md), and their detection.
 #include <cstdint>
 #include <string>
 #include <string_view>

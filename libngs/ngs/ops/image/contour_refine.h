@@ -1,5 +1,5 @@
 #pragma once
-// Moves the contour of a mask to the edges of the photo.                                            PAPER.md §5.10
+// Moves the contour of a mask to the edges of the photo.                                            paper.md §5.10
 //
 // Random walks with a prior (Grady, "Random walks for image segmentation", PAMI 2006). In a band around the contour of
 // a given mask, x in [0, 1] minimises

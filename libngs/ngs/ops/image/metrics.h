@@ -22,7 +22,7 @@
 //
 // Void pixels have no true label (PASCAL VOC's 255). They are counted nowhere: not in TP to TN, in no band, as no pixel
 // of a contour. Before contours are extracted, the truth gets the predicted label in void pixels. Neither mask then has
-// an edge along a void that the prediction does not have (PAPER.md 5.15). A mask is empty if it contains no pixel that
+// an edge along a void that the prediction does not have (paper.md 5.15). A mask is empty if it contains no pixel that
 // is not void.
 #include <array>
 #include <cstdint>

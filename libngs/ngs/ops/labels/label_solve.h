@@ -1,5 +1,5 @@
 #pragma once
-// Labels that minimise the mask loss with fixed geometry, with a certificate of optimality (PAPER.md §5.3).
+// Labels that minimise the mask loss with fixed geometry, with a certificate of optimality (paper.md §5.3).
 //
 // The problem is convex (label_system.h). Update: EM of the mixture q = Σ w m in log-odds,
 //   logit m <- logit m + ω (logit EM(m) - logit m),   EM(m) = m P / (m P + (1 - m) Q),

@@ -1,5 +1,5 @@
 #pragma once
-// The mask loss as a function of the labels alone, with geometry fixed.              C18 (a), PAPER.md §5.3
+// The mask loss as a function of the labels alone, with geometry fixed.              C18 (a), paper.md §5.3
 //
 //   q(p) = ε + (1 - 2ε) Σ_i w_ip m_i                          rendered foreground of pixel p
 //   c(p) = ε + (1 - 2ε) (T_p + Σ_i w_ip (1 - m_i)) = 1 - q    rendered background, with the final T

@@ -1,5 +1,5 @@
 #pragma once
-// Mask evidence per Gaussian, one forward pass per view.                 m_ij before Eq. (3); PAPER.md §5.2
+// Mask evidence per Gaussian, one forward pass per view.                 m_ij before Eq. (3); paper.md §5.2
 #include "ngs/math/row_numbers.h"
 #include "ngs/ops/splat/splat.h"
 #include "ngs/scene/evidence.h"

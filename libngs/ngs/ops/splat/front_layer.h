@@ -1,5 +1,5 @@
 #pragma once
-// The part of a view in front of a given surface, and each Gaussian's share of it.   PAPER.md §5.8
+// The part of a view in front of a given surface, and each Gaussian's share of it.   paper.md §5.8
 //
 // A contribution at pixel p is in front if its Gaussian is a candidate with camera z < limit(p). limit 0: no surface at
 // this pixel, nothing is in front. Weights w = α T are those of rendering the whole model.

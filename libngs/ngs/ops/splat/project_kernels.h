@@ -1,5 +1,5 @@
 #pragma once
-// EWA projection of one Gaussian and its adjoint.                          Eq. (2); PAPER.md §5.1
+// EWA projection of one Gaussian and its adjoint.                          Eq. (2); paper.md §5.1
 #include <cmath>
 
 #include "ngs/math/quat.h"

@@ -1,5 +1,5 @@
 #pragma once
-// Differentiable Gaussian splatting of one view: project, bin, composite.              Eq. (2); PAPER.md §5.1
+// Differentiable Gaussian splatting of one view: project, bin, composite.              Eq. (2); paper.md §5.1
 //
 // Depth order is (camera z, Gaussian index), so equal depths have a defined order. Gaussians with `usable == 0`, behind
 // the near plane or off-screen contribute nothing. Results do not depend on exec.threads.

@@ -1,5 +1,5 @@
 #pragma once
-// The backward kernel of one tile: record the traversal, then process it from back to front.      PAPER.md §5.1
+// The backward kernel of one tile: record the traversal, then process it from back to front.      paper.md §5.1
 #include "ngs/ops/splat/splat_tiles.h"
 
 namespace ngs {

@@ -1,6 +1,6 @@
 #pragma once
 // Work per Gaussian of a view, on any device: projection, tile intersection, channel values, and the adjoint from the
-// sums over pixels to the cloud's columns. Internal to ops; templated on the storage scalar S.  PAPER.md §5.1
+// sums over pixels to the cloud's columns. Internal to ops; templated on the storage scalar S.  paper.md §5.1
 #include "ngs/math/elementary.h"
 #include "ngs/ops/splat/project_kernels.h"
 #include "ngs/ops/splat/splat_options.h"

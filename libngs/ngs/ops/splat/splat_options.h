@@ -9,7 +9,7 @@ namespace ngs {
 /// The view-independent part of projection, computed once for many views (splat.h: prepare_cloud).
 class PreparedCloud;
 
-/// Camera z of the near plane, world.                                                        PAPER.md §5.1
+/// Camera z of the near plane, world.                                                        paper.md §5.1
 constexpr double near_plane(Compat compat) { return compat == Compat::kInria ? 0.2 : 0.01; }
 
 struct SplatOptions {

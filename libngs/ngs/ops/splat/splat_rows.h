@@ -1,5 +1,5 @@
 #pragma once
-// The rows of a tile that a Gaussian can reach; the loop of splat_tiles.h visits only these.         PAPER.md §5.1
+// The rows of a tile that a Gaussian can reach; the loop of splat_tiles.h visits only these.         paper.md §5.1
 //
 // Computed for kAhead Gaussians at once, one per lane, to hide the latency of the square roots.
 #include <limits>

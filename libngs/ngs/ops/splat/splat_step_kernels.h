@@ -1,5 +1,5 @@
 #pragma once
-// One Gaussian at one pixel: the inner step of every compositing loop.                Eq. (2); PAPER.md §5.1
+// One Gaussian at one pixel: the inner step of every compositing loop.                Eq. (2); paper.md §5.1
 //
 // L is a lane type: a pack of pixels on the CPU, one pixel per thread on a device. Every multiply-add is an explicit
 // fma, so all lane types compute the same bits.

@@ -1,5 +1,5 @@
 #pragma once
-// The compositing loop of one tile and its forward kernel.                           Eq. (2); PAPER.md §5.1
+// The compositing loop of one tile and its forward kernel.                           Eq. (2); paper.md §5.1
 //
 // Templated on the lane type L: PackF (8 pixels of one row) or Pack16 in production, one-lane scalars in tests. A tile
 // consists of columns of packs, pack = column · 16 + row. Per Gaussian and band of 8 px only rows where alpha can reach

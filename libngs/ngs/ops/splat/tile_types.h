@@ -1,6 +1,6 @@
 #pragma once
 // Inputs of the compositing kernels of one tile: plain memory only, because there is one kernel per instruction set and
-// their translation units must share no code (PAPER.md §5.1). Templated on the storage scalar S (float in production,
+// their translation units must share no code (paper.md §5.1). Templated on the storage scalar S (float in production,
 // double and Dual in tests).
 #include <cstddef>
 #include <cstdint>

@@ -1,5 +1,5 @@
 #pragma once
-// Removes labels of Gaussians that are only visible through the object.                          PAPER.md §5.17
+// Removes labels of Gaussians that are only visible through the object.                          paper.md §5.17
 //
 // A Gaussian behind the object shows through it faintly in many views, always within the mask. If few views see the
 // Gaussian unoccluded, these faint contributions are most of its rendering weight. Weighting by visibility suppresses

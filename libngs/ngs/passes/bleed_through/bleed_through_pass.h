@@ -1,5 +1,5 @@
 #pragma once
-// Removes labels of Gaussians that are only visible through the object.                          PAPER.md §5.17
+// Removes labels of Gaussians that are only visible through the object.                          paper.md §5.17
 #include "ngs/passes/pass.h"
 
 namespace ngs {

@@ -1,5 +1,5 @@
 #pragma once
-// Disconnected components: labelled Gaussians that are not connected to the object.              PAPER.md §5.13
+// Disconnected components: labelled Gaussians that are not connected to the object.              paper.md §5.13
 //
 // A Gaussian behind the object is nearly hidden in the views across the object. Its faint contribution lies within the
 // mask, so its closed-form label is 1, and a view that sees it unoccluded shows background as object. So little

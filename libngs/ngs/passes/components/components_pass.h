@@ -1,5 +1,5 @@
 #pragma once
-// Treats labelled Gaussians that are disconnected from the object as unseen.                    PAPER.md §5.13
+// Treats labelled Gaussians that are disconnected from the object as unseen.                    paper.md §5.13
 #include "ngs/passes/pass.h"
 
 namespace ngs {

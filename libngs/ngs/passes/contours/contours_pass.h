@@ -1,5 +1,5 @@
 #pragma once
-// Contour refinement as a pass.                                                                  PAPER.md §5.10
+// Contour refinement as a pass.                                                                  paper.md §5.10
 #include "ngs/passes/pass.h"
 #include "ngs/stages/contours/contour_options.h"
 

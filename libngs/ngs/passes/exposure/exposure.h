@@ -1,5 +1,5 @@
 #pragma once
-// Estimates exposure and white balance that differ between photos.                              PAPER.md §5.14
+// Estimates exposure and white balance that differ between photos.                              paper.md §5.14
 //
 // With automatic exposure the same surface has a different colour in every photo, but the model has one colour. The
 // model was trained on all photos and has their average exposure. Further training on such photos oscillates, and tests

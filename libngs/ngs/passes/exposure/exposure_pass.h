@@ -1,5 +1,5 @@
 #pragma once
-// Equalises the exposure and white balance of the photos.                                       PAPER.md §5.14
+// Equalises the exposure and white balance of the photos.                                       paper.md §5.14
 #include "ngs/passes/pass.h"
 
 namespace ngs {

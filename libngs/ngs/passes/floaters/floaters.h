@@ -1,5 +1,5 @@
 #pragma once
-// Floaters in front of the object: Gaussians on no surface that cover the object in some views.     PAPER.md §5.8
+// Floaters in front of the object: Gaussians on no surface that cover the object in some views.     paper.md §5.8
 //
 // Training can fit a photo with floaters near the camera instead of the object itself. Other views' masks correctly
 // label these floaters background, so the rendered mask has a hole where they cover the object. The search reads photos

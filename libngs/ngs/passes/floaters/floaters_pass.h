@@ -1,5 +1,5 @@
 #pragma once
-// Removes floaters in front of the object.                                                      PAPER.md §5.8
+// Removes floaters in front of the object.                                                      paper.md §5.8
 #include "ngs/passes/pass.h"
 
 namespace ngs {

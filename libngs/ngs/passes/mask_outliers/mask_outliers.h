@@ -1,5 +1,5 @@
 #pragma once
-// Finds masks that contradict the other masks.                                                PAPER.md §5.9
+// Finds masks that contradict the other masks.                                                paper.md §5.9
 //
 // Each view's mask is compared with the consensus of the others: labels from the evidence of all other inlier views,
 // rendered into the view. The consensus is rendered twice, with the whole model (modal) and with the object alone

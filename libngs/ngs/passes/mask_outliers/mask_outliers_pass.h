@@ -1,5 +1,5 @@
 #pragma once
-// Ignores masks that contradict the other views' masks.                                         PAPER.md §5.9
+// Ignores masks that contradict the other views' masks.                                         paper.md §5.9
 #include <memory>
 #include <vector>
 

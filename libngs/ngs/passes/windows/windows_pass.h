@@ -1,5 +1,5 @@
 #pragma once
-// Crops the views to windows about the objects; all other passes work on the crops.                PAPER.md §5.16
+// Crops the views to windows about the objects; all other passes work on the crops.                paper.md §5.16
 #include "ngs/passes/pass.h"
 #include "ngs/problem/window_input.h"
 

@@ -1,5 +1,5 @@
 #pragma once
-// Options of contour refinement.                                                                 PAPER.md §5.10
+// Options of contour refinement.                                                                 paper.md §5.10
 #include <cstdint>
 
 #include "ngs/ops/image/contour_refine.h"

@@ -320,7 +320,7 @@ class ContourRun {
     detail_ = kLargeDetail, refined_ = std::move(large);
   }
 
-  /// False: the given masks reject the refined contours (PAPER.md §5.10). Sets the figures of agreement and contrast.
+  /// False: the given masks reject the refined contours (paper.md §5.10). Sets the figures of agreement and contrast.
   bool agrees_with_masks() {
     double count = 0;
     for (const RefinedView& view : refined_) {

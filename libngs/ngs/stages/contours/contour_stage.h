@@ -1,6 +1,6 @@
 #pragma once
 // Contour refinement after the joint optimisation: moves contours to the photos' edges and trains the model on them.
-// An addition to the paper, after its step 6.                                                     PAPER.md §5.10
+// An addition to the paper, after its step 6.                                                     paper.md §5.10
 //
 // Each iteration has four steps. The labels are rendered into every photo, including views without a mask. Each
 // rendered mask is refined to the photo's edges (ops/image/contour_refine.h). Gaussians that straddle a contour are

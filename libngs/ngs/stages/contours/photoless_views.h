@@ -1,5 +1,5 @@
 #pragma once
-// Views without a photo, in contour iterations.                                                 PAPER.md §5.10
+// Views without a photo, in contour iterations.                                                 paper.md §5.10
 //
 // Nothing constrains a view without a photo in an iteration, so its rendering drifts. The rendering before the
 // iterations can replace the photo, and contours are refined to its edges. This helps if the rendering is as good as a

@@ -1,5 +1,5 @@
 #pragma once
-// Refines the rendered masks of a labelled model to the edges of the photos.                     PAPER.md §5.10
+// Refines the rendered masks of a labelled model to the edges of the photos.                     paper.md §5.10
 #include "ngs/ops/image/contour_refine.h"
 #include "ngs/problem/pixel_window.h"
 #include "ngs/problem/problem.h"

@@ -1,5 +1,5 @@
 #pragma once
-// Tests whether the photos show edges that the model does not.                                     PAPER.md §5.10
+// Tests whether the photos show edges that the model does not.                                     paper.md §5.10
 //
 // Contour refinement moves contours to edges of the photos. If the model's rendering equals the photo, every edge of
 // the photo is already an edge between Gaussians. Then no Gaussian must be split or moved; only labels can be wrong,

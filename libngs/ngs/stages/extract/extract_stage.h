@@ -1,6 +1,6 @@
 #pragma once
 // Selects the Gaussians of the object: a threshold on label or prob, a rule for Gaussians visible in no view,
-// hand-made constraints, and removal of small components.                           PAPER.md §5.4
+// hand-made constraints, and removal of small components.                           paper.md §5.4
 //
 // The k-NN vote on an unseen Gaussian is local: its nearest seen Gaussians count as background if they are farther
 // than kVoteReach, so that labels do not spread across the scene.

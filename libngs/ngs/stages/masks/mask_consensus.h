@@ -14,7 +14,7 @@ namespace ngs {
 /// only show through a surface that is not fully opaque must not count as part of it.
 inline constexpr double kLeastMeanWeight = 0.03;
 
-/// Rendering weights of every Gaussian over the lifted masks: `weight` is A0 + A1, `object` is A1 (PAPER.md §5.2).
+/// Rendering weights of every Gaussian over the lifted masks: `weight` is A0 + A1, `object` is A1 (paper.md §5.2).
 struct Lifted {
   std::vector<double> weight, object;  // [N]
   explicit Lifted(std::int64_t gaussians) : weight(std::size_t(gaussians)), object(std::size_t(gaussians)) {}

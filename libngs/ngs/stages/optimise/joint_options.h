@@ -1,5 +1,5 @@
 #pragma once
-// Options of the joint optimisation. Defaults are the paper's values, or our reading if it gives none (PAPER.md §4).
+// Options of the joint optimisation. Defaults are the paper's values, or our reading if it gives none (paper.md §4).
 #include <cmath>
 #include <string>
 #include <vector>
@@ -54,7 +54,7 @@ inline constexpr int kSmoothPoints = 2048;
 inline constexpr double kSmoothStep = 0.01;
 /// Adam rate of the label logits, and the factor by which all rates decay exponentially over a run.
 inline constexpr double kLabelRate = 0.1, kRateDecay = 0.1;
-/// EM steps from labels of 1/2 to the start labels of the joint steps (PAPER.md §5.4, decision 011).
+/// EM steps from labels of 1/2 to the start labels of the joint steps (paper.md §5.4, decision 011).
 inline constexpr int kStartSteps = 3;
 
 /// Options of the steps of Eq. 20. describe() does not visit the members of FieldOptions.

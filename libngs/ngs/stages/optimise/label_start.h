@@ -1,5 +1,5 @@
 #pragma once
-// Start values of the soft labels of the joint steps (PAPER.md §5.4).
+// Start values of the soft labels of the joint steps (paper.md §5.4).
 #include <algorithm>
 
 #include "ngs/math/stable.h"

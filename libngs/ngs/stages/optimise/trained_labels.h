@@ -1,5 +1,5 @@
 #pragma once
-// The labels of the joint steps: log-odds of the trained labels, and rendered values of all labels.  PAPER.md §5.4
+// The labels of the joint steps: log-odds of the trained labels, and rendered values of all labels.  paper.md §5.4
 //
 // A trained label is a cell (Gaussian, object). A trained Gaussian has a cell for each object whose region contains it,
 // or for all objects if no region does. With many objects, storing all cells would need most of the memory.

@@ -58,7 +58,7 @@ struct BackgroundFinding {
 // The default is black. Another colour is used only if the photos show it: at least kLeastShown of the image, a
 // standard error of at most kMostBackgroundError, and a gain of at least kBackgroundMarginDb, as for another filter
 // (filter_probe.h). Behind a model that covers the image the background is not photographed; it is only the colour that
-// the trainer used. It is found as well but not used: without its floaters, a model is refitted worse over it (PAPER.md
+// the trainer used. It is found as well but not used: without its floaters, a model is refitted worse over it (paper.md
 // 5.1).
 inline constexpr double kLeastShown = 0.01, kMostBackgroundError = 0.1, kBackgroundMarginDb = 0.02;
 

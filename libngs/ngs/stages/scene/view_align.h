@@ -1,7 +1,7 @@
 #pragma once
 // Corrects camera poses that are off by a pixel or two. A splat averages over such views, but a mask rendered there
 // misses the object's contour by as much. Each camera is moved so that the rendered model aligns with its photo.
-// PAPER.md §5.11
+// paper.md §5.11
 #include <optional>
 #include <vector>
 

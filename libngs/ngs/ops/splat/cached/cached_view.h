@@ -9,7 +9,7 @@
 
 namespace ngs {
 
-/// Rendering weights of a view's Gaussians, summed over a mask, [V]; m_ij before Eq. (3), PAPER.md §5.2.
+/// Rendering weights of a view's Gaussians, summed over a mask, [V]; m_ij before Eq. (3), paper.md §5.2.
 struct MaskSums {
   std::vector<double> weight;         // Σ α T over all pixels; 0: hidden
   std::vector<double> object_weight;  // Σ α T inside the mask, at most `weight`

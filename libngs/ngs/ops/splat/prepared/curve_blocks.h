@@ -1,5 +1,5 @@
 #pragma once
-// Parallel sort of points along a space-filling curve (Morton order). Internal to ops.      PAPER.md §5.1
+// Parallel sort of points along a space-filling curve (Morton order). Internal to ops.      paper.md §5.1
 #include <cstdint>
 #include <span>
 

@@ -1,6 +1,6 @@
 #pragma once
 // Projects a prepared cloud block by block: bit-identical to ViewProjector::project, in loops that the compiler
-// vectorises. Internal to ops.                                                              Eq. (2); PAPER.md §5.1
+// vectorises. Internal to ops.                                                              Eq. (2); paper.md §5.1
 #include "ngs/ops/splat/prepared/prepared_cloud.h"
 
 namespace ngs {
