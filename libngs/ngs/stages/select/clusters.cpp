@@ -12,9 +12,6 @@
 namespace ngs {
 namespace {
 
-constexpr float kSolidLogit = -2.1972246f;  // opacity 0.1
-constexpr double kSpacings = 4, kSpacingQuantile = 0.9;
-
 bool is_solid(const GaussianCloud& cloud, std::size_t i) { return cloud.logit_opacity[i] >= kSolidLogit; }
 
 std::vector<float> solid_positions(const GaussianCloud& cloud, const std::vector<std::uint8_t>& member) {

@@ -13,6 +13,11 @@
 
 namespace ngs {
 
+/// Gaussians of less opacity (0.1) connect nothing.
+inline constexpr float kSolidLogit = -2.1972246f;
+/// The side of a cell: so many times this quantile of the distances between nearest neighbours.
+inline constexpr double kSpacings = 4, kSpacingQuantile = 0.9;
+
 struct Clusters {
   std::vector<std::int32_t> of_row;  // [N] cluster; -1: none, or no member
   std::vector<std::int64_t> size;    // [clusters] Gaussians; ordered by solid Gaussians, most first, then by first cell

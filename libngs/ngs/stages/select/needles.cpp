@@ -7,13 +7,13 @@
 #include "ngs/core/check.h"
 #include "ngs/math/quat.h"
 #include "ngs/ops/field/knn.h"
+#include "ngs/stages/select/clusters.h"
 
 namespace ngs {
 namespace {
 
-constexpr double kReach = 2;                // standard deviations from the centre to an end
-constexpr double kElongation = 3;           // longest over second longest standard deviation
-constexpr float kSolidLogit = -2.1972246f;  // opacity 0.1, as in clusters.h
+constexpr double kNeedleReach = 2;  // standard deviations from the centre to an end
+constexpr double kElongation = 3;   // longest over second longest standard deviation
 
 /// The ends of a Gaussian along its longest axis, 6 numbers; empty if it is not long and thin.
 std::vector<float> ends_of(const GaussianCloud& cloud, std::size_t i, double skin) {
@@ -22,14 +22,14 @@ std::vector<float> ends_of(const GaussianCloud& cloud, std::size_t i, double ski
   std::array<float, 3> sorted{s[0], s[1], s[2]};
   std::ranges::sort(sorted);
   const double sigma = std::exp(double(sorted[2]));
-  if (!(kReach * sigma > skin) || !(double(sorted[2]) - double(sorted[1]) >= std::log(kElongation))) return {};
+  if (!(kNeedleReach * sigma > skin) || !(double(sorted[2]) - double(sorted[1]) >= std::log(kElongation))) return {};
   const float* q = &cloud.rotation[4 * i];
   const double norm = std::sqrt(double(q[0]) * q[0] + double(q[1]) * q[1] + double(q[2]) * q[2] + double(q[3]) * q[3]);
   const Vec4<double> unit =
       norm > 0 ? Vec4<double>{q[0] / norm, q[1] / norm, q[2] / norm, q[3] / norm} : Vec4<double>{1, 0, 0, 0};
   const Mat3<double> r = rotation_matrix(unit);
   std::vector<float> ends;
-  for (const double way : {-kReach * sigma, kReach * sigma})
+  for (const double way : {-kNeedleReach * sigma, kNeedleReach * sigma})
     for (int a = 0; a < 3; ++a)
       ends.push_back(float(double(cloud.position[3 * i + std::size_t(a)]) + way * r(a, int(longest))));
   return ends;

@@ -14,10 +14,8 @@
 namespace ngs {
 namespace {
 
-constexpr double kTouched = 0.1;                         // least fraction of a stroke's weight on the selection
-constexpr std::size_t kSample = 4096;                    // Gaussians in the estimate of the spacing
-constexpr double kSpacings = 4, kSpacingQuantile = 0.9;  // as in cluster_side()
-constexpr float kSolidLogit = -2.1972246f;               // opacity 0.1, as in clusters.h
+constexpr double kTouched = 0.1;       // least fraction of a stroke's weight on the selection
+constexpr std::size_t kSample = 4096;  // Gaussians in the estimate of the spacing
 
 /// cluster_side() from a sample of the Gaussians, for interactive use.
 double side_by_sample(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::uint8_t>& member) {
