@@ -12,6 +12,7 @@ namespace ngs {
 namespace {
 
 constexpr double kLevels = 255;
+constexpr double kNearest = 0.01;  // least camera z, in units of math/world_unit.h
 
 struct Seen {
   Vec3<double> offset;  // from the camera, world
@@ -21,11 +22,11 @@ struct Seen {
 };
 
 /// False behind the camera or far outside of its picture.
-bool sees(const Camera& camera, const GaussianCloud& cloud, std::size_t i, Seen& seen) {
+bool sees(const Camera& camera, const GaussianCloud& cloud, std::size_t i, double near_z, Seen& seen) {
   const float* p = &cloud.position[3 * i];
   const Vec3<double> x{double(p[0]), double(p[1]), double(p[2])};
   const Vec3<double> at = camera.rotation * x + camera.translation;
-  if (!(at.z > 0.01)) return false;
+  if (!(at.z > near_z)) return false;
   const double u = camera.fx * at.x / at.z + camera.cx, v = camera.fy * at.y / at.z + camera.cy;
   const double px_per_unit = std::max(camera.fx, camera.fy) / at.z;
   const double reach =
@@ -37,12 +38,13 @@ bool sees(const Camera& camera, const GaussianCloud& cloud, std::size_t i, Seen&
 
 /// Calls use(i, seen, opacity) for every usable Gaussian that a camera sees.
 template <class Use>
-void for_each_seen(const GaussianCloud& cloud, std::span<const Camera> cameras, const Use& use) {
+void for_each_seen(const GaussianCloud& cloud, std::span<const Camera> cameras, double world_unit, const Use& use) {
   for (const Camera& world : cameras) {
     const Camera camera = relative_to(world, cloud.origin);
     Seen seen;
     for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i)
-      if (cloud.usable[i] && sees(camera, cloud, i, seen)) use(i, seen, double(sigmoid(cloud.logit_opacity[i])));
+      if (cloud.usable[i] && sees(camera, cloud, i, kNearest * world_unit, seen))
+        use(i, seen, double(sigmoid(cloud.logit_opacity[i])));
   }
 }
 
@@ -60,11 +62,11 @@ void for_each_edge(const KnnGraph& graph, const Use& use) {
 
 }  // namespace
 
-double view_dependence_levels(const GaussianCloud& cloud, std::span<const Camera> cameras) {
+double view_dependence_levels(const GaussianCloud& cloud, std::span<const Camera> cameras, double world_unit) {
   const auto bands = std::size_t(cloud.rest_count());
   double most = 0;
   if (bands == 0) return 0;
-  for_each_seen(cloud, cameras, [&](std::size_t i, const Seen& seen, double opacity) {
+  for_each_seen(cloud, cameras, world_unit, [&](std::size_t i, const Seen& seen, double opacity) {
     double basis[15];
     const double length = std::sqrt(dot(seen.offset, seen.offset));
     sh_rest_basis(cloud.sh_degree, (1 / length) * seen.offset, basis);
@@ -80,7 +82,7 @@ double view_dependence_levels(const GaussianCloud& cloud, std::span<const Camera
 double antialias_levels(const GaussianCloud& cloud, std::span<const Camera> cameras, const SplatOptions& splat) {
   double most = 0;
   if (!splat.antialiased) return 0;
-  for_each_seen(cloud, cameras, [&](std::size_t i, const Seen& seen, double opacity) {
+  for_each_seen(cloud, cameras, splat.world_unit, [&](std::size_t i, const Seen& seen, double opacity) {
     float s[3] = {cloud.log_scale[3 * i], cloud.log_scale[3 * i + 1], cloud.log_scale[3 * i + 2]};
     std::sort(s, s + 3);
     double kept = 1;  // sqrt(det / det blurred), with the two shorter axes in the picture
@@ -93,15 +95,15 @@ double antialias_levels(const GaussianCloud& cloud, std::span<const Camera> came
   return kLevels * most;
 }
 
-double straddling_bound_px(const GaussianCloud& cloud, std::span<const Camera> cameras, double blur_px2) {
+double straddling_bound_px(const GaussianCloud& cloud, std::span<const Camera> cameras, const SplatOptions& splat) {
   std::vector<double> bound(std::size_t(cloud.size()), 0.0);
-  for_each_seen(cloud, cameras, [&](std::size_t i, const Seen& seen, double opacity) {
+  for_each_seen(cloud, cameras, splat.world_unit, [&](std::size_t i, const Seen& seen, double opacity) {
     float s[3] = {cloud.log_scale[3 * i], cloud.log_scale[3 * i + 1], cloud.log_scale[3 * i + 2]};
     std::sort(s, s + 3);
     double area = 2 * std::numbers::pi;  // of a Gaussian: its integral; at most half of it is on the wrong side
     for (int a = 1; a < 3; ++a) {
       const double px = std::exp(double(s[a])) * seen.px_per_unit;
-      area *= std::sqrt(px * px + blur_px2);
+      area *= std::sqrt(px * px + splat.blur_px2);
     }
     bound[i] += 0.5 * opacity * std::min(area, seen.picture_px2);
   });

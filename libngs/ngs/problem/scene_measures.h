@@ -18,8 +18,8 @@ namespace ngs {
 
 /// Largest opacity-weighted change of colour that the SH bands beyond the constant one cause in front of a
 /// camera, levels. Not the largest coefficient: bands of what is transparent, or lies in no picture, show
-/// nowhere.
-double view_dependence_levels(const GaussianCloud& cloud, std::span<const Camera> cameras);
+/// nowhere. `world_unit`: math/world_unit.h.
+double view_dependence_levels(const GaussianCloud& cloud, std::span<const Camera> cameras, double world_unit = 1);
 
 /// Largest opacity that the antialiasing compensation takes from a Gaussian, levels; 0 where `splat` does not
 /// ask for it. Not the flag alone: large footprints lose nothing.
@@ -27,7 +27,7 @@ double antialias_levels(const GaussianCloud& cloud, std::span<const Camera> came
 
 /// Upper bound of the weight that any one Gaussian has on the wrong side of contours, summed over the views,
 /// px. Not the share alone: half of a speck is nothing.
-double straddling_bound_px(const GaussianCloud& cloud, std::span<const Camera> cameras, double blur_px2);
+double straddling_bound_px(const GaussianCloud& cloud, std::span<const Camera> cameras, const SplatOptions& splat);
 
 /// RMS difference between the colours [B, 3] of neighbours, levels. Not the spread of all colours, which a
 /// boundary of two plain parts has too.

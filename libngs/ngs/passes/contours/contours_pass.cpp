@@ -3,10 +3,10 @@
 #include <algorithm>
 
 #include "ngs/ops/image/mask_pair.h"
-#include "ngs/stages/contours/contour_stage.h"
-#include "ngs/stages/contours/refined_masks.h"
 #include "ngs/problem/scene_measures.h"
 #include "ngs/problem/view_list.h"
+#include "ngs/stages/contours/contour_stage.h"
+#include "ngs/stages/contours/refined_masks.h"
 
 namespace ngs {
 namespace {
@@ -20,7 +20,7 @@ double straddling(SceneProbe& probe, ContourViews trained) {
   const Problem& problem = probe.problem();
   const std::size_t views = trained == ContourViews::kAll ? problem.scene.views.size() : problem.views.size();
   const std::vector<Camera> some = probe.some_cameras();
-  return straddling_bound_px(problem.cloud, some, problem.splat.blur_px2) * double(views) / double(some.size());
+  return straddling_bound_px(problem.cloud, some, problem.splat) * double(views) / double(some.size());
 }
 
 double narrow_share(SceneProbe& probe) {

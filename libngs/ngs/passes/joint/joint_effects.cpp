@@ -3,10 +3,10 @@
 #include <algorithm>
 
 #include "ngs/ops/image/mask_pair.h"
-#include "ngs/problem/scene_measures.h"
-#include "ngs/stages/optimise/joint_field.h"
 #include "ngs/passes/scene_probe.h"
+#include "ngs/problem/scene_measures.h"
 #include "ngs/problem/view_list.h"
+#include "ngs/stages/optimise/joint_field.h"
 
 namespace ngs {
 namespace {
@@ -146,7 +146,8 @@ const JointPart kParts[] = {
       .saves = "SH bands, their gradients and steps",
       .detector = {"strongest view-dependent colour, levels", 0.5, kHalfLevel,
                    [](SceneProbe& probe) {
-                     return view_dependence_levels(probe.problem().cloud, probe.some_cameras());
+                     return view_dependence_levels(probe.problem().cloud, probe.some_cameras(),
+                                                   probe.problem().splat.world_unit);
                    }}}},
     {&Switch::antialias,
      {.name = "antialias",

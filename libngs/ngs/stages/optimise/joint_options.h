@@ -7,10 +7,10 @@
 #include "ngs/ops/field/film_mlp.h"
 #include "ngs/ops/field/hash_grid.h"
 #include "ngs/options/field.h"
-#include "ngs/stages/optimise/joint_switches.h"
 #include "ngs/problem/preset.h"
 #include "ngs/stages/boundary/rbf_stage.h"
 #include "ngs/stages/boundary/sample_stage.h"
+#include "ngs/stages/optimise/joint_switches.h"
 
 namespace ngs {
 
@@ -103,8 +103,8 @@ inline std::int64_t steps_of(const JointOptions& options, std::size_t views) {
 
 /// The samples of a run: the whole image without its box (Sp), and half of the nodes and depths along each axis where
 /// the quality asks for it.
-inline SampleOptions sample_of(SampleOptions sample, const JointOptions& options) {
-  sample.whole_image = !options.on.box;
+inline SampleOptions sample_of(SampleOptions sample, const JointOptions& options, double world_unit) {
+  sample.whole_image = !options.on.box, sample.world_unit = world_unit;
   if (!preset_of(options.quality).half_samples) return sample;
   for (int* count : {&sample.rows, &sample.cols, &sample.depth_samples}) *count = (*count + 1) / 2;
   return sample;

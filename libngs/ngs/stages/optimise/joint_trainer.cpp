@@ -11,13 +11,13 @@
 #include "ngs/ops/losses/loss_cont.h"
 #include "ngs/ops/losses/loss_mask.h"
 #include "ngs/ops/losses/photometric.h"
-#include "ngs/stages/optimise/first_queries.h"
-#include "ngs/stages/optimise/trained_labels.h"
-#include "ngs/stages/optimise/view_cache.h"
 #include "ngs/problem/trained_rows.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/boundary/method_labels.h"
 #include "ngs/stages/fit/fit_stage.h"
+#include "ngs/stages/optimise/first_queries.h"
+#include "ngs/stages/optimise/trained_labels.h"
+#include "ngs/stages/optimise/view_cache.h"
 
 namespace ngs {
 namespace {
@@ -83,7 +83,7 @@ struct JointTrainer::Impl {
         monitor(m),
         options(s.options),
         effects(s.options.on),
-        sample(sample_of(s.sample, s.options)),
+        sample(sample_of(s.sample, s.options, s.input.splat.world_unit)),
         rbf(s.rbf),
         input(s.input),
         given_field(s.field),
