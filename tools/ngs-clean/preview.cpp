@@ -22,7 +22,7 @@ constexpr Vec3<float> kBackground{0.5f, 0.5f, 0.5f};  // removed Gaussians are d
 /// Two poses around the bulk; for a room, two directions from inside.
 std::array<orbit::Pose, 2> poses_for(const orbit::RoomFinding& room, double radius, const orbit::Lens& lens) {
   if (room.is_room()) {
-    const orbit::Vec stand = room.stands.front(), level{-stand.x, -stand.y, 0};
+    const orbit::Vec stand = room.viewpoints.front(), level{-stand.x, -stand.y, 0};
     const orbit::Vec ahead = orbit::length(level) > 0.1 * radius ? orbit::unit(level) : orbit::Vec{1, 0, 0};
     return {{{stand, stand + radius * ahead}, {stand, stand - radius * ahead}}};
   }

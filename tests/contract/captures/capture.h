@@ -72,7 +72,8 @@ class Capture {
   nlohmann::json scene() const { return nlohmann::json::parse(read_bytes(dir.path() + "/s.json")); }
   int views_with(const char* key) const {
     int count = 0;
-    for (const nlohmann::json& view : scene()["views"]) count += view.value(key, "") != "";
+    const nlohmann::json root = scene();
+    for (const nlohmann::json& view : root["views"]) count += view.value(key, "") != "";
     return count;
   }
 

@@ -68,7 +68,8 @@ TEST_CASE("of two views with one stem the mask belongs to the one whose whole na
   test::ProcessResult result = capture.import();
   CAPTURE(result.err);
   CHECK(result.exit_code == 0);
-  for (const auto& view : capture.scene()["views"]) {
+  const nlohmann::json scene = capture.scene();
+  for (const nlohmann::json& view : scene["views"]) {
     if (view["name"] == "v0.png") CHECK(contains(view.value("mask", ""), "masks/v0.png"));
     if (view["name"] == "v0.jpg") CHECK(view.value("mask", "") == "");
   }

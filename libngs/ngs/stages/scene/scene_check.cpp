@@ -91,6 +91,7 @@ constexpr const char* kSmallWorldRemedy = "with near planes scaled to this small
 constexpr double kSomeTooNear = 0.01;  // share of the Gaussians above which other near planes are tried
 constexpr double kManyTooNear = 0.1;   // the same without photos
 constexpr double kNearPlaneGain_db = 0.5;
+constexpr double kEqual_db = 0.1;  // renderers whose gains differ by less are equally good
 
 /// Compares a model with photos of its scene.
 class PhotoCheck {
@@ -160,7 +161,9 @@ class PhotoCheck {
   void try_near_planes(const std::vector<Shot>& shots, const std::vector<Camera>& cameras, bool compat_is_default,
                        SceneCheck& result) {
     tried_ = nearer_renderers(shots, cameras);
-    const auto best = std::ranges::max_element(tried_, {}, &Renderer::gain_db);
+    const auto highest = std::ranges::max_element(tried_, {}, &Renderer::gain_db);
+    const auto best = std::ranges::find_if(  // the first of equal ones: a scaled world keeps the rules of 3DGS
+        tried_, [&](const Renderer& r) { return r.gain_db > highest->gain_db - kEqual_db; });
     if (best == tried_.end() || !(best->gain_db - result.median_fit_db > kNearPlaneGain_db)) return;
     const std::string better =
         "the model explains the photos " + decibels(best->gain_db - result.median_fit_db) + " better ";

@@ -147,7 +147,7 @@ TEST_CASE("markers alone are read on transparency, on grey and on one colour, at
   }
 }
 
-TEST_CASE("a painted photo whose size differs from the view's is rejected") {
+TEST_CASE("a painted photo of twice the size is read; the photo's own green pixels are not paint") {
   const Files files;
   ImageU8 large(2 * kWidth, 2 * kHeight, 4);
   const ImageU8 small = garden();
@@ -155,7 +155,7 @@ TEST_CASE("a painted photo whose size differs from the view's is rejected") {
     for (int x = 0; x < large.width_px; ++x)
       for (int c = 0; c < 4; ++c) large.at(x, y, c) = small.at(x / 2, y / 2, c);
   paint_row(large, 10, kGreen);
-  CHECK(files.refusal(large).find("neither these nor unpainted") != std::string::npos);
+  CHECK(count(files.read(large), PixelHint::kObject) == 20);
 }
 
 TEST_CASE("a photo is rejected as a one-sided scribble; a mask is accepted, compressed or not") {
@@ -208,8 +208,11 @@ TEST_CASE("paint on the photo at another size is read, on another shape it is an
     const HandPrompt prompt = io::read_painted_picture(picture, photo);
     const int pixels = factor > 0 ? 8 * 20 * 4 : 8 * 20 / 4;
     CHECK(prompt.width_px == (factor > 0 ? 320 : 80));
-    CHECK(count(prompt, PixelHint::kObject) == doctest::Approx(pixels).epsilon(0.15));
-    CHECK(count(prompt, PixelHint::kBackground) == doctest::Approx(pixels).epsilon(0.15));
+    for (const PixelHint hint :
+         {PixelHint::kObject, PixelHint::kBackground}) {  // few cells of the photo have its colour
+      CHECK(double(count(prompt, hint)) > 0.6 * pixels);
+      CHECK(double(count(prompt, hint)) <= pixels);
+    }
   }
   io::write_png(picture, resized(garden4, 2));  // nothing is painted
   CHECK_THROWS_AS(io::read_painted_picture(picture, photo), Error);
