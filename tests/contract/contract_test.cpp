@@ -1,6 +1,7 @@
 // Runs the cases of cases/*.json (see cases/README.md) against the built tools. Every case also checks the rules that
 // all tools share: an error leaves stdout empty, prints "error" on stderr, and leaves no output and no temporary file;
-// a success writes one report that satisfies its own schema; flags named in a hint or a warning exist.
+// a success writes one report that satisfies its own schema; flags named in a hint or a warning exist, and complete
+// commands in them are accepted.
 #include <doctest/doctest.h>
 #include <signal.h>
 
@@ -116,6 +117,27 @@ void check_hints(const std::string& err) {
   for (const test::HintedFlag& hinted : test::hinted_flags(err)) {
     INFO("hint: " << hinted.flag);
     CHECK(test::has_flag(hinted));
+  }
+}
+
+/// Complete commands in a hint are run in the case's folder, each once per process: their flags must be accepted, and
+/// they must succeed if all their inputs exist.
+void check_hinted_commands(const std::string& err, const std::string& folder) {
+  static std::set<std::string> tried;
+  for (const Words& words : test::hinted_commands(err)) {
+    std::string text;
+    for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
+    static const std::regex of_run("/[^ ]*/ngs-test-[A-Za-z0-9]+");
+    if (!tried.insert(std::regex_replace(text, of_run, "...")).second) continue;
+    ProcessSpec spec = command(words);
+    spec.folder = folder;
+    if (words[0] == "ngs-fit") spec.argv.insert(spec.argv.end(), {"--steps", "20"});  // not minutes
+    if (words[0] == "ngs" && words[1] == "cut") spec.argv.insert(spec.argv.end(), {"--quality", "draft"});
+    const ProcessResult result = test::run_process(spec);
+    INFO("hinted command: " << text << "\nstderr: " << result.err.substr(0, 2000));
+    CHECK_FALSE(result.timed_out);
+    CHECK(result.exit_code != 2);
+    if (test::has_its_inputs(words, folder)) CHECK(result.exit_code == 0);
   }
 }
 
@@ -242,6 +264,7 @@ ProcessResult run_case(const Json& raw) {
   if (prepared.spec.contains("killed")) check_killed(prepared, spec);
   if (prepared.spec.contains("equal"))
     CHECK(test::read_bytes(prepared.spec["equal"][0]) == test::read_bytes(prepared.spec["equal"][1]));
+  check_hinted_commands(result.err, dir.path());
   return result;
 }
 

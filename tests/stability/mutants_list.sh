@@ -108,7 +108,7 @@ mutant ops/splat/evidence_tile.h $t ops/splat/tile_isa.cpp "evidence: visibility
 mutant ops/splat/evidence.cpp $t ops/splat/evidence.cpp "evidence: only tiles whose first Gaussian is wanted" 's/std::any_of\(work\.visible, work\.visible \+ work\.entries,/std::any_of(work.visible, work.visible + std::min(work.entries, 1u),/'
 mutant passes/mask_outliers/mask_outliers.cpp unit/passes/mask_outliers/mask_outliers_test.cpp passes/mask_outliers/mask_outliers.cpp "trust: views without the object count as agreeing" 's/if \(found_\[n\] >= 0\) all\.push_back\(found_\[n\]\)/all.push_back(result.disagreement[n])/'
 t=stability/geometry_stability_test.cpp
-mutant ops/field/sample_grid_kernels.h $t ops/field/sample_grid.cpp "Gaussians behind the camera count" 's/if \(!\(t\.z > kNearZ\)\) return;//'
+mutant ops/field/sample_grid_kernels.h $t ops/field/sample_grid.cpp "Gaussians behind the camera count" 's/if \(!\(t\.z > camera\.near_z\)\) return;//'
 mutant ops/field/sample_grid_kernels.h $t ops/field/sample_grid.cpp "boxes thinner than a pixel divided" 's/if \(length < 1\) return .*;//'
 mutant ops/field/sample_grid_kernels.h $t ops/field/sample_grid.cpp "box without visible Gaussians" 's/if \(sums\.visible == 0\) return \{\};//'
 mutant ops/field/sample_grid_kernels.h $t ops/field/sample_grid.cpp "box not clipped" 's/max2\(b\.min_x - pad_px, 0\.0\)/b.min_x - pad_px/'

@@ -1,6 +1,7 @@
 #include "support/hinted_flags.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <regex>
 #include <set>
@@ -60,6 +61,84 @@ void add_flags(const Words& said_by, const std::string& text, std::vector<Hinted
   }
 }
 
+/// Words as a shell would split them; quotes are removed. `ends`: whether punctuation follows a word, which is removed.
+struct ShellWords {
+  Words words;
+  std::vector<bool> ends;
+};
+
+ShellWords shell_words_of(const std::string& text) {
+  ShellWords out;
+  std::string word;
+  bool any = false, quoted = false, in_quotes = false;  // in_quotes: the word began with a quote
+  const auto close = [&] {
+    if (!any) return;
+    const std::size_t last = word.find_last_not_of(",;:.)");
+    const bool ends = !word.ends_with("..") && last != word.npos && last + 1 < word.size();
+    out.words.push_back(ends ? word.substr(0, last + 1) : word), out.ends.push_back(ends);
+    word.clear(), any = false;
+  };
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (!any) in_quotes = c == '\'';
+    const bool opens = c == '\'' && in_quotes;
+    if (c == '\\' && !quoted && i + 1 < text.size())
+      word += text[++i], any = true;
+    else if (opens)
+      quoted = !quoted, any = true;
+    else if (!quoted && (c == ' ' || c == '('))
+      close();
+    else
+      word += c, any = true;
+  }
+  return close(), out;
+}
+
+bool is_placeholder(const std::string& word) {
+  static const std::regex capitals("[A-Z][A-Z0-9_]*([,=.:-][A-Za-z0-9]*)*(=.*)?|.*=[A-Z]+|.*\\.\\.\\..*");
+  return word.find('/') == word.npos && std::regex_match(word, capitals);
+}
+
+bool is_file(const std::string& word) {
+  static const std::regex file(".*/.*|.*[^.]\\.[A-Za-z][A-Za-z0-9]*");
+  return std::regex_match(word, file);
+}
+
+/// Flags without a value, as far as hints name them.
+bool is_switch(const std::string& flag) {
+  static const std::set<std::string> switches{"--activated",
+                                              "--all-pieces",
+                                              "--allow-empty",
+                                              "--mask-invert",
+                                              "--no-check-polarity",
+                                              "--no-align-views",
+                                              "--resume",
+                                              "--force",
+                                              "--fast-atomics",
+                                              "--original-world",
+                                              "-w",
+                                              "--dry-run"};
+  return switches.contains(flag) || flag.starts_with("--no-") || flag.find('=') != flag.npos;
+}
+
+/// The command at words[at] up to the first word of prose; empty: not complete.
+Words complete_command_at(const ShellWords& text, std::size_t at) {
+  Words command = command_at(text.words, at);
+  if (command.empty() || text.words[at] != command[0]) return {};
+  bool has_file = false, is_value = false;
+  for (std::size_t i = at + command.size(), ended = at + command.size() - 1; i < text.words.size(); ++i) {
+    if (text.ends[ended]) break;
+    const std::string& word = text.words[i];
+    const bool is_flag = !is_value && word.starts_with("-") && word.size() > 1;
+    if (!is_flag && is_placeholder(word)) return {};
+    if (!is_flag && !is_value && !is_file(word)) break;
+    has_file |= !is_flag && is_file(word);
+    is_value = is_flag && !is_switch(word);
+    command.push_back(word), ended = i;
+  }
+  return has_file && !is_value ? command : Words{};
+}
+
 const std::string& help_of(const Words& command) {
   static std::map<Words, std::string> texts;
   std::string& text = texts[command];
@@ -73,15 +152,45 @@ const std::string& help_of(const Words& command) {
 
 }  // namespace
 
-std::vector<HintedFlag> hinted_flags(const std::string& err) {
+namespace {
+
+/// Calls use(tool, text) for each hint and warning.
+template <class Use>
+void for_each_hint(const std::string& err, const Use& use) {
   static const std::regex line_of("(ngs(?:-[a-z]+)?(?: [a-z]+)?): (?:hint|warning): (.*)");
-  std::vector<HintedFlag> found;
   std::istringstream lines(err);
   for (std::string line; std::getline(lines, line);) {
     std::smatch match;
-    if (std::regex_match(line, match, line_of)) add_flags(words_of(match[1].str()), match[2].str(), found);
+    if (std::regex_match(line, match, line_of)) use(match[1].str(), match[2].str());
   }
+}
+
+}  // namespace
+
+std::vector<HintedFlag> hinted_flags(const std::string& err) {
+  std::vector<HintedFlag> found;
+  for_each_hint(err, [&](const std::string& tool, const std::string& text) { add_flags(words_of(tool), text, found); });
   return found;
+}
+
+std::vector<Words> hinted_commands(const std::string& err) {
+  std::vector<Words> found;
+  for_each_hint(err, [&](const std::string&, const std::string& text) {
+    const ShellWords words = shell_words_of(text);
+    for (std::size_t i = 0; i < words.words.size(); ++i)
+      if (Words command = complete_command_at(words, i); !command.empty()) found.push_back(std::move(command));
+  });
+  return found;
+}
+
+bool has_its_inputs(const Words& command, const std::string& folder) {
+  static const std::set<std::string> outputs{"-o",       "--output", "--object", "--background", "--labelled",
+                                             "--report", "--sheet",  "--npz",    "--partial",    "--checkpoint"};
+  for (std::size_t i = 1; i < command.size(); ++i)
+    if (is_file(command[i]) && !outputs.contains(command[i - 1]) &&
+        !std::filesystem::exists(std::filesystem::path(folder) / command[i]))
+      return false;
+  return true;
 }
 
 bool has_flag(const HintedFlag& hinted) {

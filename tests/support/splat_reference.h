@@ -35,7 +35,7 @@ inline ReferenceGaussian reference_gaussian(const SplatCase& c, int i, const Spl
     t[r] = c.camera.rotation(r, 0) * p[0] + c.camera.rotation(r, 1) * p[1] + c.camera.rotation(r, 2) * p[2] +
            (&c.camera.translation.x)[r];
   g.z = t[2];
-  if (t[2] <= (o.compat == Compat::kInria ? 0.2 : 0.01)) return g;
+  if (t[2] <= (o.compat == Compat::kInria ? 0.2 : 0.01) * o.world_unit) return g;
   double q[4], norm = 0;
   for (int k = 0; k < 4; ++k) norm += c.rotation[idx * 4 + std::size_t(k)] * c.rotation[idx * 4 + std::size_t(k)];
   for (int k = 0; k < 4; ++k) q[k] = c.rotation[idx * 4 + std::size_t(k)] / std::sqrt(norm);

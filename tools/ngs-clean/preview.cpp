@@ -6,6 +6,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/image/image_file.h"
+#include "ngs/math/world_unit.h"
 #include "ngs/ops/image/image_bytes.h"
 #include "ngs/ops/splat/splat.h"
 #include "ngs/stages/orbit/rigs.h"
@@ -30,7 +31,12 @@ std::array<orbit::Pose, 2> poses_for(const orbit::RoomFinding& room, double radi
            {distance * orbit::Vec{0, -level, kElevation}, {0, 0, 0}}}};
 }
 
-std::array<Camera, 2> cameras_of(const Exec& exec, const GaussianCloud& cloud) {
+struct Look {
+  std::array<Camera, 2> cameras;
+  double world_unit = 1;  // math/world_unit.h
+};
+
+Look look_at(const Exec& exec, const GaussianCloud& cloud) {
   const orbit::SurfacePoints points = canonical_points(cloud);
   if (points.count() == 0)
     throw Error(ErrorCode::kNothingFound, "--preview: no Gaussian is visible, expected some", "leave --preview out");
@@ -40,7 +46,9 @@ std::array<Camera, 2> cameras_of(const Exec& exec, const GaussianCloud& cloud) {
   const orbit::RoomFinding room = orbit::find_room(exec, space, bulk.radius);
   const orbit::Lens lens{kSide_px, kSide_px, room.is_room() ? 80.0 : 40.0};
   const auto poses = poses_for(room, bulk.radius, lens);
-  return {orbit::camera_at(poses[0], lens, frame, cloud.origin), orbit::camera_at(poses[1], lens, frame, cloud.origin)};
+  return {
+      {orbit::camera_at(poses[0], lens, frame, cloud.origin), orbit::camera_at(poses[1], lens, frame, cloud.origin)},
+      world_unit_for(0.1 * bulk.radius, near_plane(Compat::kGsplat))};
 }
 
 /// The model with only the rows where `keep` equals `kept`.
@@ -65,16 +73,16 @@ void paste(const ImageU8& colour, ImageU8& sheet, int left, int top) {
 
 void write_preview(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::uint8_t>& keep,
                    const std::string& path) {
-  const std::array<Camera, 2> cameras = cameras_of(exec, cloud);
+  const Look look = look_at(exec, cloud);
   ImageU8 sheet(3 * kSide_px + 2 * kGap_px, 2 * kSide_px + kGap_px, 3);
   std::ranges::fill(sheet.data, std::uint8_t(255));
   RenderRequest request;
   request.background = kBackground;
-  const SplatOptions splat{.compat = Compat::kGsplat, .antialiased = cloud.antialiased};
+  const SplatOptions splat{.compat = Compat::kGsplat, .antialiased = cloud.antialiased, .world_unit = look.world_unit};
   for (int column = 0; column < 3; ++column) {
     const GaussianCloud part = column == 0 ? cloud : shown(cloud, keep, column == 1);
     for (int row = 0; row < 2; ++row)
-      paste(to_bytes(render(exec, part, cameras[std::size_t(row)], splat, request).colour), sheet,
+      paste(to_bytes(render(exec, part, look.cameras[std::size_t(row)], splat, request).colour), sheet,
             column * (kSide_px + kGap_px), row * (kSide_px + kGap_px));
   }
   io::write_png(path, sheet);

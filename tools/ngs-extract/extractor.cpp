@@ -93,6 +93,9 @@ void Extractor::import(const std::string& path) {
   if (imported.by_nearest)
     run_.monitor().warn(path + ": its format rounds positions: " + std::to_string(imported.matched) + " of " +
                         std::to_string(edit.cloud.size()) + " Gaussians were matched by nearest position in the model");
+  if (!imported.turned.empty())
+    run_.monitor().warn(path + ": turned " + imported.turned +
+                        ", as some converters do: matched after turning it back");
   if (imported.unmatched > 0)
     run_.monitor().warn(std::to_string(imported.unmatched) + " Gaussians of the edit are not in the labelled model");
   const std::int64_t background = std::count(before.object.begin(), before.object.end(), std::uint8_t(0));

@@ -63,6 +63,7 @@ int main(int argc, char** argv) {
                 {"output_mib_at_most", double(queries * kBytesPerQuery) / 1048576}});
       return 0;
     }
+    options.world_unit = scene.world_unit;
     const QueryField field =
         sample_queries(run.exec(), run.monitor(), options,
                        {ply.cloud, boundary, scene, views, splat_options(raster, ply.cloud, scene)});

@@ -104,7 +104,7 @@ void SceneChecks::check(bool compat_is_default) {
                              }};
   const SceneCheck result = check_scene(run_.exec(), run_.monitor(), options_,
                                         {model_ ? &model_->cloud : nullptr, scene_, loaders, compat_is_default});
-  scene_.compat = result.compat;
+  scene_.compat = result.compat, scene_.world_unit = result.world_unit;
   notes_.insert(notes_.end(), result.warnings.begin(), result.warnings.end());
   for (const std::string& note : notes_) run_.monitor().warn(note);
   run_.result().update(check_json(scene_, result));

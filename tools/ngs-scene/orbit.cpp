@@ -75,6 +75,11 @@ constexpr int kSheetQuality = 85;
 /// Marker file of a folder with renders of an earlier run, not photos.
 constexpr const char* kOfRenders = ".ngs-renders";
 
+/// Whether a file is named like a render. Other files in the folder are the user's, such as a painted 0000.jpg.
+bool is_render_name(const std::string& name) {
+  return name.ends_with(".png") && name.find_first_not_of("0123456789") == name.size() - 4 && name.size() >= 8;
+}
+
 /// Output folder of the renders, and its renders of an earlier run.
 struct ImagesFolder {
   std::string path;
@@ -95,7 +100,8 @@ ImagesFolder images_folder(const std::string& scene_path) {
     throw Error(ErrorCode::kUsage,
                 images.path + ": contains files that are not renders of " + scene_path + ", expected none",
                 "choose another folder for scene.json");
-  for (const std::string& name : io::list_images(images.path)) images.earlier.push_back((folder / name).string());
+  for (const std::string& name : io::list_images(images.path))
+    if (is_render_name(name)) images.earlier.push_back((folder / name).string());
   return images;
 }
 
@@ -110,7 +116,7 @@ Scene scene_of(const orbit::OrbitCameras& chosen, const std::string& model, cons
   Scene scene;
   scene.model_path = model;
   scene.objects.push_back({});
-  scene.compat = chosen.compat;
+  scene.world_unit = chosen.world_unit;
   scene.renders = RenderedPhotos{chosen.coverage};
   const auto [width, height] = std::pair(chosen.cameras[0].width_px, chosen.cameras[0].height_px);
   const int shrink = (std::max(width, height) + io::kWorkingSizePx - 1) / io::kWorkingSizePx;

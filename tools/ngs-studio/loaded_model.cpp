@@ -34,7 +34,7 @@ LoadedModel::LoadedModel(const Exec& exec, const std::string& source) {
   }
   ply = io::read_gaussian_ply(scene.model_path);
   first = with_context(scene.model_path, [&] { return live::first_look(exec, ply.cloud); });
-  if (!is_scene) scene.compat = first.compat;
+  if (!is_scene) scene.world_unit = first.world_unit;
   splat = prepared_for(exec, splat_options({}, ply.cloud, scene), ply.cloud);
   if (is_scene && !scene.views.empty()) {
     const Camera& camera = scene.views.front().camera;

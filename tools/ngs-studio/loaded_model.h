@@ -15,7 +15,7 @@ struct LoadedModel {
   LoadedModel& operator=(const LoadedModel&) = delete;
 
   bool is_scene = false;
-  Scene scene;  // for a splat without a scene: compat and model path only, no views
+  Scene scene;  // for a splat without a scene: world unit and model path only, no views
   io::GaussianPly ply;
   SplatOptions splat;
   live::FirstLook first;

@@ -57,6 +57,14 @@ class NewFolder {
   bool is_new_;
 };
 
+/// A path that no tool takes for an option: "./-photos" for "-photos".
+std::string operand(const std::string& path) { return path.starts_with("-") ? "./" + path : path; }
+
+std::vector<std::string> operands(std::vector<std::string> paths) {
+  for (std::string& path : paths) path = operand(path);
+  return paths;
+}
+
 constexpr const char* kCaptureGroup = "capture";
 
 /// Flags that hints of stages may mention without the name of a tool.
@@ -193,20 +201,20 @@ int cut_command(int argc, char** argv) {
     if (kind == SourceKind::kScene) run.warn_unused({"--hold-out"}, "with a scene.json, which has its own split");
     if (fs::is_regular_file(source.value)) run.add_input("source", source.value);
     return cut(run, options,
-               {.source = source.value,
+               {.source = operand(source.value),
                 .kind = kind,
-                .strokes = strokes.paths,
-                .model = model.path,
-                .masks = masks.path,
-                .truth = truth.path,
-                .given_masks = masks.path,
-                .given_truth = truth.path,
-                .images = images.path,
-                .world_transform = world.path,
+                .strokes = operands(strokes.paths),
+                .model = operand(model.path),
+                .masks = operand(masks.path),
+                .truth = operand(truth.path),
+                .given_masks = operand(masks.path),
+                .given_truth = operand(truth.path),
+                .images = operand(images.path),
+                .world_transform = operand(world.path),
                 .import_words = given_words(tool.option_set(), kCaptureGroup),
                 .all_words = given_words(tool.option_set()),
                 .own_flags = own_flags(tool.option_set()),
-                .out = out ? out.path : default_folder(source.value)});
+                .out = operand(out ? out.path : default_folder(source.value))});
   });
 }
 

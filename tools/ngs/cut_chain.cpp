@@ -112,13 +112,20 @@ bool CutChain::orbit() {
   Json key{{"version", kVersion}, {"options", Words(words.begin() + 5, words.end())}};
   const std::string key_file = at("orbit/made_from.json");
   if (!run_.dry_run()) {
-    const std::vector<std::string> painted = rescue_painted(pictures(), at("orbit/pictures.json"), at("painted"));
-    for (const std::string& name : painted)
+    const PaintedPictures painted = rescue_painted(pictures(), at("orbit/pictures.json"), at("painted"));
+    for (const std::string& name : painted.unknown)
+      run_.monitor().warn(pictures() + "/" + name +
+                          ": called like no image of the splat, not read; if it is painted, " +
+                          "name it after its image or pass it with --strokes and --view");
+    for (const std::string& name : painted.beside)
+      run_.monitor().warn(pictures() + "/" + name + ": strokes are read from it (a copy: " + at("painted/") + name +
+                          ")");
+    for (const std::string& name : painted.in_place)
       run_.monitor().warn(pictures() + "/" + name + ": was painted on; its strokes are read from a copy, " +
                           at("painted/") + name + ", and the image is rendered again");
     inputs_.strokes = strokes_on_copies(inputs_.strokes, pictures(), at("painted"), painted);
     std::error_code absent;
-    if (!painted.empty()) fs::remove(key_file, absent);
+    if (!painted.in_place.empty()) fs::remove(key_file, absent);
     key["model"] = io::content_hash(inputs_.source).xxh3;
   }
   reused_orbit_ = has_same_pictures(key);

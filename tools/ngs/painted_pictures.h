@@ -8,14 +8,23 @@ namespace ngs::front {
 /// Writes hashes of the images in `folder` to the file `record`.
 void record_pictures(const std::string& folder, const std::string& record);
 
-/// Copies images that differ from `record` to the folder `copies` and returns their names. They must be rendered again,
-/// because strokes are read as the difference. Returns none without a record.
-std::vector<std::string> rescue_painted(const std::string& folder, const std::string& record,
-                                        const std::string& copies);
+/// Names of images in a folder of renders that are the user's work.
+struct PaintedPictures {
+  std::vector<std::string> in_place;  // differ from `record`: they must be rendered again, because strokes are read as
+                                      // the difference
+  std::vector<std::string> beside;    // saved next to a render in another format: 0000.jpg
+  std::vector<std::string> unknown;   // called like no render
 
-/// `strokes` with images in `folder` replaced by their copies, plus the copies of `painted` that are not among them.
+  std::vector<std::string> all() const;  // in_place and beside
+};
+
+/// Copies images in place and beside renders to the folder `copies`. Finds none without a record.
+PaintedPictures rescue_painted(const std::string& folder, const std::string& record, const std::string& copies);
+
+/// `strokes` with images in `folder`, and the folder itself, replaced by their copies, plus the copies of `painted`
+/// that are not among them.
 std::vector<std::string> strokes_on_copies(const std::vector<std::string>& strokes, const std::string& folder,
-                                           const std::string& copies, const std::vector<std::string>& painted);
+                                           const std::string& copies, const PaintedPictures& painted);
 
 /// `strokes` without the files in `folder`, which were painted in place.
 std::vector<std::string> not_in_folder(const std::vector<std::string>& strokes, const std::string& folder);

@@ -12,6 +12,7 @@ namespace ngs {
 namespace {
 
 constexpr double kLevels = 255;
+constexpr double kNearest = 0.01;  // least camera z, in units of math/world_unit.h
 
 struct Visible {
   Vec3<double> offset;  // from the camera, world
@@ -21,11 +22,11 @@ struct Visible {
 };
 
 /// False: behind the camera or far outside the image.
-bool in_view(const Camera& camera, const GaussianCloud& cloud, std::size_t i, Visible& visible) {
+bool in_view(const Camera& camera, const GaussianCloud& cloud, std::size_t i, double near_z, Visible& visible) {
   const float* p = &cloud.position[3 * i];
   const Vec3<double> x{double(p[0]), double(p[1]), double(p[2])};
   const Vec3<double> at = camera.rotation * x + camera.translation;
-  if (!(at.z > 0.01)) return false;
+  if (!(at.z > near_z)) return false;
   const double u = camera.fx * at.x / at.z + camera.cx, v = camera.fy * at.y / at.z + camera.cy;
   const double px_per_unit = std::max(camera.fx, camera.fy) / at.z;
   const double reach =
@@ -37,12 +38,12 @@ bool in_view(const Camera& camera, const GaussianCloud& cloud, std::size_t i, Vi
 
 /// Calls use(i, visible, opacity) for every camera and every usable Gaussian in its view.
 template <class Use>
-void for_each_visible(const GaussianCloud& cloud, std::span<const Camera> cameras, const Use& use) {
+void for_each_visible(const GaussianCloud& cloud, std::span<const Camera> cameras, double world_unit, const Use& use) {
   for (const Camera& world : cameras) {
     const Camera camera = relative_to(world, cloud.origin);
     Visible visible;
     for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i)
-      if (cloud.usable[i] && in_view(camera, cloud, i, visible))
+      if (cloud.usable[i] && in_view(camera, cloud, i, kNearest * world_unit, visible))
         use(i, visible, double(sigmoid(cloud.logit_opacity[i])));
   }
 }
@@ -61,11 +62,11 @@ void for_each_edge(const KnnGraph& graph, const Use& use) {
 
 }  // namespace
 
-double view_dependence_levels(const GaussianCloud& cloud, std::span<const Camera> cameras) {
+double view_dependence_levels(const GaussianCloud& cloud, std::span<const Camera> cameras, double world_unit) {
   const auto bands = std::size_t(cloud.rest_count());
   double most = 0;
   if (bands == 0) return 0;
-  for_each_visible(cloud, cameras, [&](std::size_t i, const Visible& visible, double opacity) {
+  for_each_visible(cloud, cameras, world_unit, [&](std::size_t i, const Visible& visible, double opacity) {
     double basis[15];
     const double length = std::sqrt(dot(visible.offset, visible.offset));
     sh_rest_basis(cloud.sh_degree, (1 / length) * visible.offset, basis);
@@ -81,7 +82,7 @@ double view_dependence_levels(const GaussianCloud& cloud, std::span<const Camera
 double antialias_levels(const GaussianCloud& cloud, std::span<const Camera> cameras, const SplatOptions& splat) {
   double most = 0;
   if (!splat.antialiased) return 0;
-  for_each_visible(cloud, cameras, [&](std::size_t i, const Visible& visible, double opacity) {
+  for_each_visible(cloud, cameras, splat.world_unit, [&](std::size_t i, const Visible& visible, double opacity) {
     float s[3] = {cloud.log_scale[3 * i], cloud.log_scale[3 * i + 1], cloud.log_scale[3 * i + 2]};
     std::sort(s, s + 3);
     double compensation = 1;  // sqrt(det / det blurred), if the two shorter axes are parallel to the image
@@ -94,16 +95,16 @@ double antialias_levels(const GaussianCloud& cloud, std::span<const Camera> came
   return kLevels * most;
 }
 
-double straddling_bound_px(const GaussianCloud& cloud, std::span<const Camera> cameras, double blur_px2) {
+double straddling_bound_px(const GaussianCloud& cloud, std::span<const Camera> cameras, const SplatOptions& splat) {
   std::vector<double> bound(std::size_t(cloud.size()), 0.0);
-  for_each_visible(cloud, cameras, [&](std::size_t i, const Visible& visible, double opacity) {
+  for_each_visible(cloud, cameras, splat.world_unit, [&](std::size_t i, const Visible& visible, double opacity) {
     float s[3] = {cloud.log_scale[3 * i], cloud.log_scale[3 * i + 1], cloud.log_scale[3 * i + 2]};
     std::sort(s, s + 3);
     double area =
         2 * std::numbers::pi;  // integral of a Gaussian of unit scales; at most half of it is on the wrong side
     for (int a = 1; a < 3; ++a) {
       const double px = std::exp(double(s[a])) * visible.px_per_unit;
-      area *= std::sqrt(px * px + blur_px2);
+      area *= std::sqrt(px * px + splat.blur_px2);
     }
     bound[i] += 0.5 * opacity * std::min(area, visible.picture_px2);
   });

@@ -17,8 +17,9 @@
 namespace ngs {
 
 /// Largest opacity-weighted change of colour by the SH bands above degree 0 of Gaussians in view, levels. The largest
-/// coefficient would be wrong: it may belong to a Gaussian that is transparent or in no view.
-double view_dependence_levels(const GaussianCloud& cloud, std::span<const Camera> cameras);
+/// coefficient would be wrong: it may belong to a Gaussian that is transparent or in no view. `world_unit`:
+/// math/world_unit.h.
+double view_dependence_levels(const GaussianCloud& cloud, std::span<const Camera> cameras, double world_unit = 1);
 
 /// Largest opacity that the antialiasing compensation removes from a Gaussian, levels; 0 if `splat` has it off. The
 /// flag alone would be wrong: large footprints lose nothing.
@@ -26,7 +27,7 @@ double antialias_levels(const GaussianCloud& cloud, std::span<const Camera> came
 
 /// Upper bound on the weight of one Gaussian on the wrong side of contours, summed over the views, px. The share would
 /// be wrong: half of a tiny Gaussian does not matter.
-double straddling_bound_px(const GaussianCloud& cloud, std::span<const Camera> cameras, double blur_px2);
+double straddling_bound_px(const GaussianCloud& cloud, std::span<const Camera> cameras, const SplatOptions& splat);
 
 /// RMS difference between the colours [B, 3] of neighbours, levels. The spread of all colours would be wrong: it is
 /// large for a boundary of two plain parts too.

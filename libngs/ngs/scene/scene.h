@@ -49,6 +49,7 @@ struct Scene {
   double image_scale = 1.0;
   double filter_px2 = 0.3;  // variance of the low-pass filter the model was fitted with, px² at the working size
   Compat compat = Compat::kInria;          // renderer that the model was fitted with
+  double world_unit = 1;                   // world length that near planes count as 1 (world_unit.h)
   std::optional<bool> antialiased;         // fitted with Mip-Splatting's opacity compensation; none: see PLY comments
   std::optional<Vec3<double>> background;  // background colour in [0, 1]; none: unknown, treated as black
   std::optional<RenderedPhotos> renders;   // set: the photos are renders; none: real photos

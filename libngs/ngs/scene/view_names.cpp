@@ -5,6 +5,7 @@
 #include <cctype>
 #include <set>
 
+#include "ngs/core/folded_name.h"
 #include "ngs/core/parse_number.h"
 
 namespace ngs {
@@ -33,6 +34,11 @@ template <class Rule>
 std::vector<std::string> names_by(const std::vector<SceneView>& views, const Rule& rule) {
   std::vector<std::string> names;
   for (const SceneView& view : views) names.push_back(rule(view.camera.name));
+  return names;
+}
+
+std::vector<std::string> folded(std::vector<std::string> names) {
+  for (std::string& name : names) name = folded_name(name);
   return names;
 }
 
@@ -82,13 +88,17 @@ std::vector<std::string> output_names(const std::vector<SceneView>& views) {
 ViewNames::ViewNames(const std::vector<SceneView>& views)
     : by_name_(indices_of(names_by(views, [](auto& name) { return name; }))),
       by_path_(indices_of(names_by(views, image_stem))),
-      by_output_name_(indices_of(output_names(views))) {}
+      by_output_name_(indices_of(output_names(views))),
+      by_folded_path_(indices_of(folded(names_by(views, image_stem)))),
+      by_folded_name_(indices_of(folded(output_names(views)))) {}
 
 std::vector<std::size_t> ViewNames::find(std::string_view name) const {
   if (const auto own = by_name_.find(name); own != by_name_.end()) return own->second;
   const std::string stem = image_stem(name);
   for (const Indices* names : {&by_path_, &by_output_name_})
     if (const auto found = names->find(stem); found != names->end()) return found->second;
+  for (const Indices* names : {&by_folded_path_, &by_folded_name_})
+    if (const auto found = names->find(folded_name(stem)); found != names->end()) return found->second;
   return {};
 }
 

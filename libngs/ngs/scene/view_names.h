@@ -36,13 +36,14 @@ class ViewNames {
  public:
   explicit ViewNames(const std::vector<SceneView>& views);
 
-  /// Indices of the views that match `name`: by exact name, else by path with any extension, else by output name. Empty
-  /// or several if the name is unknown or ambiguous.
+  /// Indices of the views that match `name`: by exact name, else by path with any extension, else by output name, else
+  /// by path or output name in another case or Unicode form (core/folded_name.h). Empty or several if the name is
+  /// unknown or ambiguous.
   std::vector<std::size_t> find(std::string_view name) const;
 
  private:
   using Indices = std::map<std::string, std::vector<std::size_t>, std::less<>>;
-  Indices by_name_, by_path_, by_output_name_;
+  Indices by_name_, by_path_, by_output_name_, by_folded_path_, by_folded_name_;
 };
 
 /// "every:N:K": selects indices i with i % n == k.

@@ -49,9 +49,9 @@ TEST_CASE("straddling: Gaussians outside the image that reach into it count, als
   camera.fy = 4 * camera.fx;
   GaussianCloud cloud = row_of(1, std::log(0.3f));
   cloud.position[1] = -0.9f;  // 30 px above the image; three deviations are 54 px
-  CHECK(straddling_bound_px(cloud, std::vector<Camera>{camera}, 0.3) > 0);
+  CHECK(straddling_bound_px(cloud, std::vector<Camera>{camera}, {}) > 0);
   cloud.position[1] = -2;
-  CHECK(straddling_bound_px(cloud, std::vector<Camera>{camera}, 0.3) == 0);
+  CHECK(straddling_bound_px(cloud, std::vector<Camera>{camera}, {}) == 0);
 }
 
 TEST_CASE("view dependence: a large coefficient that is not visible does not count, a sum of many small ones does") {
@@ -83,15 +83,15 @@ TEST_CASE("straddling: tiny Gaussians on the contour stay below 3 px, a large on
   const std::vector<Camera> cameras{front_camera()};
   GaussianCloud specks = row_of(3, -8);
   for (float& o : specks.logit_opacity) o = -1;
-  CHECK(straddling_bound_px(specks, cameras, 0.3) < 3);  // whatever their share of object evidence
-  CHECK(straddling_bound_px(row_of(1, 0), cameras, 0.3) > 100);
-  CHECK(straddling_bound_px({}, cameras, 0.3) == 0);
+  CHECK(straddling_bound_px(specks, cameras, {}) < 3);  // whatever their share of object evidence
+  CHECK(straddling_bound_px(row_of(1, 0), cameras, {}) > 100);
+  CHECK(straddling_bound_px({}, cameras, {}) == 0);
 }
 
 TEST_CASE("straddling: the bound of a Gaussian larger than the image is at most half of the image per view") {
   GaussianCloud cloud = row_of(1, 3);  // larger than the image
   const std::vector<Camera> cameras{front_camera(), front_camera()};
-  CHECK(straddling_bound_px(cloud, cameras, 0.3) <= 2 * 0.5 * 64 * 48);
+  CHECK(straddling_bound_px(cloud, cameras, {}) <= 2 * 0.5 * 64 * 48);
 }
 
 TEST_CASE("neighbours: a seam between two plain halves hardly changes the RMS difference, but gives the largest one") {

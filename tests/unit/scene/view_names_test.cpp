@@ -54,6 +54,16 @@ TEST_CASE("a view is found by exact name, by path with any extension, or by outp
   CHECK(ViewNames(views_of({"a.jpg", "a.png"})).find("a.png") == Indices{1});
 }
 
+TEST_CASE("a view is found in another case or Unicode form if no name is nearer and only one fits") {
+  std::vector<SceneView> views(3);
+  views[0].camera.name = "IMG_1.JPG", views[1].camera.name = "u\xcc\x88.png", views[2].camera.name = "img_2.png";
+  const ViewNames names(views);
+  CHECK(names.find("img_1.png") == std::vector<std::size_t>{0});
+  CHECK(names.find("\xc3\xbc.jpg") == std::vector<std::size_t>{1});
+  CHECK(names.find("IMG_2") == std::vector<std::size_t>{2});
+  CHECK(names.find("img_3").empty());
+}
+
 TEST_CASE("parse_every accepts every:N:K with K < N only, which selects indices K modulo N") {
   const auto every = parse_every("every:4:2");
   REQUIRE(every);

@@ -50,6 +50,18 @@ struct Located {
   std::vector<std::string> also;  // other camera files in the same folder
 };
 
+/// Models beside sparse/0: COLMAP writes one for each part of a capture that it could not connect.
+std::vector<std::string> other_models(const std::string& model) {
+  const fs::path path(model), above = path.parent_path();
+  std::vector<std::string> others;
+  if (path.filename() != "0") return others;
+  for (const std::string& name : list_folders(above.string()))
+    if (const std::string other = (above / name).string();
+        name != "0" && name.find_first_not_of("0123456789") == name.npos && find_colmap_model(other) == other)
+      others.push_back((above.filename() / name).string());
+  return others;
+}
+
 [[noreturn]] void refuse_without_cameras(const std::string& source) {
   for (const char* name : {"meta.json", "lod-meta.json"})
     if (const std::string file = (fs::path(source) / name).string(); is_regular_file(file))
@@ -80,7 +92,7 @@ Located locate(const std::string& source) {
     throw Error(ErrorCode::kBadInput, source + ": no such file or folder, expected cameras");
   Located found;
   if (const std::string model = find_colmap_model(source); !model.empty())
-    found = {model, base_of_model(source, model), true, {}};
+    found = {model, base_of_model(source, model), true, other_models(model)};
   for (const char* name : kKnownFiles) {
     const std::string file = (fs::path(source) / name).string();
     if (!is_regular_file(file)) continue;

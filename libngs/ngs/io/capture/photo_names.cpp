@@ -60,6 +60,21 @@ void note_unused_pictures(Capture& capture) {
   }
 }
 
+/// Notes folders of photos, such as images_2, that are not used because another one is.
+void note_other_photo_folders(const std::string& base, const std::string& used, Capture& capture) {
+  std::string others;
+  std::error_code ignored;
+  for (const std::string& name : list_folders(base)) {
+    const std::string folder = (fs::path(base) / name).string(), lower = lower_case(name);
+    const bool of_photos = lower.starts_with("image") || lower.starts_with("photo") || lower.starts_with("input");
+    if (!of_photos || lower.find("mask") != lower.npos || fs::equivalent(folder, used, ignored)) continue;
+    if (!find_photo(FolderIndex(folder), bare_name(capture.views[0].camera.name)).empty())
+      others += (others.empty() ? "" : ", ") + name;
+  }
+  if (!others.empty())
+    capture.notes.push_back(used + ": used for photos, not " + others + " (choose another with --images DIR)");
+}
+
 /// Notes other folders next to the cameras whose images have the names of views without a photo.
 void note_folders_like(const std::string& base, Capture& capture) {
   const auto open = std::ranges::find_if(capture.views, [](const SceneView& view) { return view.image_path.empty(); });
@@ -74,6 +89,12 @@ void note_folders_like(const std::string& base, Capture& capture) {
                               "photos: --images " +
                               folder + ")");
   }
+}
+
+/// For a folder whose images match no view: what they are called.
+std::string names_found_in(const std::string& folder) {
+  const std::vector<std::string> images = folder.empty() ? std::vector<std::string>{} : list_images(folder);
+  return images.empty() ? "" : "; " + folder + " has other names (first: " + images[0] + ")";
 }
 
 }  // namespace
@@ -112,12 +133,15 @@ void attach_photos(const PhotoFolder& folder, Capture& capture) {
   if (missing > 0)
     capture.notes.push_back("no photo for " + std::to_string(missing) + " of " + std::to_string(capture.views.size()) +
                             " views (first: " + first_without_photo(capture).camera.name + ")" +
-                            (folder.path.empty() ? "; name their folder with --images DIR" : ""));
+                            (folder.path.empty() ? "; name their folder with --images DIR" : "") +
+                            (missing == capture.views.size() ? names_found_in(folder.path) : ""));
 }
 
 void note_unused_photos(const std::string& base, Capture& capture) {
   note_unused_pictures(capture);
   note_folders_like(base, capture);
+  const fs::path first = capture.views[0].image_path;
+  if (!first.empty()) note_other_photo_folders(base, first.parent_path().string(), capture);
 }
 
 }  // namespace ngs::io

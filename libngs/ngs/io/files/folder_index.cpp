@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "ngs/core/error.h"
+#include "ngs/core/folded_name.h"
 #include "ngs/io/files/regular_file.h"
 #include "ngs/scene/view_names.h"
 
@@ -58,37 +59,75 @@ std::string FolderIndex::find(const std::string& name) const {
   if (is_regular_file(path.string())) return path.string();
   const std::string file = path.filename().string(), stem = image_stem(file);
   if (stem == file) return {};
+  const Stems& stems = stems_of(path.parent_path().string());
   std::string found;
-  const auto [begin, end] = stems_of(path.parent_path().string()).equal_range(stem);
-  for (auto entry = begin; entry != end; ++entry) {
-    if (lower_case(entry->second) != lower_case(file)) continue;
-    if (!found.empty()) return {};
-    found = (path.parent_path() / entry->second).string();
-  }
+  const auto find_among = [&](const auto& range, const std::string& folded) {
+    for (auto entry = range.first; entry != range.second; ++entry) {
+      if (folded_name(entry->second) != folded) continue;
+      if (!found.empty()) return found.clear();
+      found = (path.parent_path() / entry->second).string();
+    }
+  };
+  const std::string folded = folded_name(file);
+  find_among(stems.exact.equal_range(stem), folded);
+  if (found.empty() && stems.exact.count(stem) == 0) find_among(stems.folded.equal_range(folded_name(stem)), folded);
   return found;
 }
 
 std::string FolderIndex::find_stem(const std::string& name) const {
   const fs::path stem(image_stem(name)), folder = fs::path(folder_) / stem.parent_path();
-  const auto& stems = stems_of(folder.string());
-  if (stems.count(stem.filename().string()) != 1) return {};
-  return (folder / stems.find(stem.filename().string())->second).lexically_normal().string();
+  const Stems& stems = stems_of(folder.string());
+  const std::string file = stem.filename().string(), folded = folded_name(file);
+  const auto only = [&](const auto& of, const std::string& key) {
+    return of.count(key) == 1 ? (folder / of.find(key)->second).lexically_normal().string() : std::string();
+  };
+  return stems.exact.count(file) > 0 ? only(stems.exact, file) : only(stems.folded, folded);
 }
 
-const std::multimap<std::string, std::string>& FolderIndex::stems_of(const std::string& folder) const {
+const FolderIndex::Stems& FolderIndex::stems_of(const std::string& folder) const {
   const auto [it, is_new] = stems_.try_emplace(folder);
   if (is_new)
-    for (const std::string& name : list_images(folder)) it->second.emplace(image_stem(name), name);
+    for (const std::string& name : list_images(folder)) {
+      it->second.exact.emplace(image_stem(name), name);
+      it->second.folded.emplace(folded_name(image_stem(name)), name);
+    }
   return it->second;
 }
 
+namespace {
+
+[[noreturn]] void refuse_shared(const std::string& file, const std::string& one, const std::string& other,
+                                const std::string& remedy) {
+  throw Error(ErrorCode::kInconsistent,
+              file + ": matches both views " + one + " and " + other + ", expected a file for each", remedy);
+}
+
+/// Of several views of one stem (0000.jpg, 0000.png), the one whose whole name the file repeats has it.
+void part_equal_stems(const std::vector<std::string>& views, std::vector<FoundFile>& files) {
+  std::map<std::string, std::vector<std::size_t>> owners;
+  for (std::size_t i = 0; i < views.size(); ++i)
+    if (!files[i].path.empty()) owners[files[i].path].push_back(i);
+  for (const auto& [path, of] : owners) {
+    if (of.size() < 2) continue;
+    const std::string file = fs::path(path).filename().string();
+    const auto repeats = [&](std::size_t i) { return file.starts_with(bare_name(views[i])); };
+    if (std::ranges::count_if(of, repeats) != 1)
+      refuse_shared(path, views[of[0]], views[of[1]],
+                    "name each after the whole name of its view, such as " + bare_name(views[of[0]]) + ".png");
+    for (const std::size_t i : of)
+      if (!repeats(i)) files[i] = {};
+  }
+}
+
+}  // namespace
+
 std::vector<FoundFile> files_of_views(const std::vector<std::string>& views, const FindFile& find) {
   std::vector<FoundFile> files;
+  for (const std::string& view : views) files.push_back(find(view));
+  part_equal_stems(views, files);
   std::map<std::string, std::string> owner;  // path -> view
-  for (const std::string& view : views) {
-    files.push_back(find(view));
-    if (!files.back().path.empty()) owner.emplace(files.back().path, view);
-  }
+  for (std::size_t i = 0; i < views.size(); ++i)
+    if (!files[i].path.empty()) owner.emplace(files[i].path, views[i]);
   const auto owned_by_full_name = owner;
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (!files[i].path.empty()) continue;
@@ -97,10 +136,8 @@ std::vector<FoundFile> files_of_views(const std::vector<std::string>& views, con
     const auto [other, is_free] = owner.emplace(bare.path, views[i]);
     if (!is_free) {
       const fs::path file(bare.path), folder = fs::path(views[i]).parent_path();
-      throw Error(
-          ErrorCode::kInconsistent,
-          bare.path + ": matches both views " + other->second + " and " + views[i] + ", expected a file for each",
-          "keep the folders of the view names: " + (file.parent_path() / folder / file.filename()).string());
+      refuse_shared(bare.path, other->second, views[i],
+                    "keep the folders of the view names: " + (file.parent_path() / folder / file.filename()).string());
     }
     files[i] = bare;
   }

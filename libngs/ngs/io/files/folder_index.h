@@ -23,17 +23,22 @@ class FolderIndex {
  public:
   explicit FolderIndex(std::string folder) : folder_(std::move(folder)) {}
 
-  /// Path of the file with this name, else of the only one whose extension differs in case; empty: none.
+  /// Path of the file with this name, else of the only one whose extension differs in case, else of the only one that
+  /// differs in case or Unicode form (core/folded_name.h); empty: none.
   std::string find(const std::string& name) const;
-  /// Path of the only file with the stem of `name` and any extension; empty: none or several.
+  /// Path of the only file with the stem of `name`, in the same spelling or else in another, and any extension; empty:
+  /// none or several.
   std::string find_stem(const std::string& name) const;
   const std::string& folder() const { return folder_; }
 
  private:
-  const std::multimap<std::string, std::string>& stems_of(const std::string& folder) const;
+  struct Stems {
+    std::multimap<std::string, std::string> exact, folded;  // stem -> file name
+  };
+  const Stems& stems_of(const std::string& folder) const;
 
   std::string folder_;
-  mutable std::map<std::string, std::multimap<std::string, std::string>> stems_;
+  mutable std::map<std::string, Stems> stems_;
 };
 
 struct FoundFile {
@@ -44,7 +49,8 @@ struct FoundFile {
 using FindFile = std::function<FoundFile(const std::string& name)>;
 
 /// The file of each view: find(name) or, if that finds nothing, find(name without its folders), unless that file is
-/// another view's by full name. Throws kInconsistent if several views match one file this way (cam0/0001, cam1/0001).
+/// another view's by full name. Throws kInconsistent if several views match one file this way (cam0/0001, cam1/0001),
+/// or by their common stem (0000.jpg, 0000.tif) while the file repeats the whole name of none or of several.
 std::vector<FoundFile> files_of_views(const std::vector<std::string>& views, const FindFile& find);
 
 }  // namespace ngs::io

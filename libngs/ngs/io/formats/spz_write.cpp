@@ -16,7 +16,7 @@ namespace {
 using namespace spz;
 
 constexpr std::uint32_t kWrittenVersion = 3;  // supported by every reader
-constexpr int kMostFractionalBits = 16;
+constexpr int kUsualFractionalBits = 16, kMostFractionalBits = 24;
 
 struct Farthest {
   double coordinate = 0;
@@ -31,10 +31,15 @@ Farthest farthest_of(const SplatSelection& model) {
   return farthest;
 }
 
-int fractional_bits(double farthest) {
-  constexpr double kMostFixed = 0x7fffff;
-  for (int bits = kMostFractionalBits; bits >= 0; --bits)
-    if (std::nearbyint(std::ldexp(farthest, bits)) <= kMostFixed) return bits;
+/// At most 16, as in other writers; more if a step of 2^-16 is coarse for the model's Gaussians, as in millimetre
+/// worlds.
+int fractional_bits(double farthest, double usual) {
+  constexpr double kMostFixed = 0x7fffff, kFinest = 1.0 / 16;  // of the usual size: invisible in images
+  const auto fits = [&](int bits) { return std::nearbyint(std::ldexp(farthest, bits)) <= kMostFixed; };
+  int bits = kUsualFractionalBits;
+  while (bits < kMostFractionalBits && fits(bits + 1) && std::ldexp(1, -bits) > kFinest * usual) ++bits;
+  for (; bits >= 0; --bits)
+    if (fits(bits)) return bits;
   throw Error(ErrorCode::kUsage, "a coordinate of " + std::to_string(farthest) + ", .spz holds up to 8388607",
               "write the model as PLY, or centre it first");
 }
@@ -99,7 +104,7 @@ class Encoder {
 }  // namespace
 
 std::vector<std::uint8_t> encode_spz(const SplatSelection& model) {
-  Encoder encoder(model, fractional_bits(farthest_of(model).coordinate));
+  Encoder encoder(model, fractional_bits(farthest_of(model).coordinate, usual_size(model.cloud)));
   for (std::size_t i = 0; i < model.rows.size(); ++i) {
     SplatRow row = load_row(model, model.rows[i]);
     reverse_axes(row, kRightUpBack);
@@ -110,8 +115,9 @@ std::vector<std::uint8_t> encode_spz(const SplatSelection& model) {
 
 Rounding spz_rounding(const SplatSelection& model) {
   const Farthest farthest = farthest_of(model);
-  const double step = std::ldexp(1, -fractional_bits(farthest.coordinate));
-  if (0.5 * step <= usual_size(model.cloud)) return {};
+  const double usual = usual_size(model.cloud);
+  const double step = std::ldexp(1, -fractional_bits(farthest.coordinate, usual));
+  if (0.5 * step <= usual) return {};
   return {std::ssize(model.rows), step, farthest.row, farthest.coordinate};
 }
 

@@ -67,8 +67,8 @@ std::vector<Candidate> candidates_in(const fs::path& folder) {
   return found;
 }
 
-/// The newest point_cloud/iteration_N/point_cloud.ply of a trainer's output folder.
-std::string newest_iteration(const fs::path& base) {
+/// The newest point_cloud/iteration_N/point_cloud.ply of a trainer's output folder. `others`: the older ones.
+std::string newest_iteration(const fs::path& base, std::vector<Candidate>& others) {
   std::uint32_t newest = 0;
   std::string path;
   for (const std::string& name : list_folders((base / "point_cloud").string())) {
@@ -76,7 +76,9 @@ std::string newest_iteration(const fs::path& base) {
     const std::string file = (base / "point_cloud" / name / "point_cloud.ply").string();
     if (name.rfind("iteration_", 0) != 0 || !parse_number(name.substr(10), iteration) || !is_regular_file(file))
       continue;
-    if (path.empty() || iteration > newest) newest = iteration, path = file;
+    const bool is_newest = path.empty() || iteration > newest;
+    if (const std::string older = is_newest ? path : file; !older.empty()) others.push_back(look_at_ply(older));
+    if (is_newest) newest = iteration, path = file;
   }
   return path;
 }
@@ -130,8 +132,10 @@ ModelSearch find_model(const std::string& folder) {
     for (const Candidate& file : files)
       if (found.path.empty() && fs::path(file.path).filename() == name && file.kind != FileKind::kNoSplat)
         found.path = file.path;
-  if (found.path.empty()) found.path = newest_iteration(folder);
+  std::vector<Candidate> older;
+  if (found.path.empty()) found.path = newest_iteration(folder, older);
   if (!found.path.empty()) {
+    files.insert(files.end(), older.begin(), older.end());
     std::vector<Candidate> others = of_kind(files, FileKind::kSplat);
     std::erase_if(others, [&](const Candidate& file) { return file.path == found.path; });
     if (!others.empty()) found.unused = found.path + " is the model, not " + listed(others);

@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "ngs/core/error.h"
+#include "ngs/io/image/size_rule.h"
 #include "ngs/io/scene/picture_samples.h"
 
 namespace ngs::io {
@@ -27,6 +28,8 @@ constexpr int kFringePx = 2;
 constexpr double kUnclearShare = 0.005, kUnclearOfMarks = 0.25;
 /// Least share of the photo's pixels that must be unpainted.
 constexpr double kLeastKept = 0.5;
+/// The same for a scaled picture: a higher share, because no other pixels count as evidence against it.
+constexpr double kLeastKeptScaled = 0.8;
 
 /// The mark that a colour means if it is paint.
 PixelHint mark_of(const Colour8& colour) {
@@ -162,6 +165,48 @@ PhotoReading read_difference(const RawMask& picture, const RawMask& photo) {
   return out;
 }
 
+/// The average of the samples that a pixel of `size` covers, or the nearest sample.
+RawMask scaled(const RawMask& picture, ImageSize size) {
+  RawMask out{size.width_px, size.height_px, picture.channels, picture.bits, picture.lossy, {}};
+  const auto range = [](int i, int from, int to) {
+    const auto begin = std::int64_t(i) * from / to, end = (std::int64_t(i) + 1) * from / to;
+    return std::pair(int(begin), int(std::max(begin + 1, end)));
+  };
+  const auto channels = std::size_t(picture.channels);
+  for (int y = 0; y < size.height_px; ++y)
+    for (int x = 0; x < size.width_px; ++x)
+      for (std::size_t c = 0; c < channels; ++c) {
+        const auto [left, right] = range(x, picture.width_px, size.width_px);
+        const auto [top, bottom] = range(y, picture.height_px, size.height_px);
+        std::uint64_t sum = 0, count = 0;
+        for (int v = top; v < bottom; ++v)
+          for (int u = left; u < right; ++u, ++count)
+            sum += picture.data[Reading::index(u, v, size_of(picture)) * channels + c];
+        out.data.push_back(std::uint16_t((sum + count / 2) / count));
+      }
+  return out;
+}
+
+/// For a picture that was scaled with its paint. Scaling changes pixels at edges, so only nearly pure green and red is
+/// paint, where the photo has another colour.
+PhotoReading read_scaled(const RawMask& picture, const RawMask& photo) {
+  PhotoReading out{Reading(pixels_of(picture)), 0};
+  std::size_t opaque = 0, kept = 0;
+  for (std::size_t p = 0; p < out.marks.mark.size(); ++p) {
+    if (is_see_through(picture, p)) continue;
+    const Colour8 colour = colour_of(picture, p), before = colour_of(photo, p);
+    const PixelHint mark = mark_of(colour);
+    ++opaque;
+    if (is_certain(mark) && distance_to_pure(colour, mark) <= kPureDistance &&
+        distance_of(colour, before) > 2 * kPaintDistance)
+      out.marks.mark[p] = mark;
+    else
+      kept += distance_of(colour, before) <= 2 * kPaintDistance;
+  }
+  out.kept = opaque > 0 ? double(kept) / double(opaque) : 0;
+  return out;
+}
+
 std::string percent(double share) {
   std::ostringstream text;
   text << std::round(1000 * share) / 10 << " %";
@@ -190,8 +235,16 @@ HandPrompt read_painted_picture(const std::string& path, const std::string& phot
                 "give one picture per side: --object-scribbles PNG --background-scribbles PNG");
   HandPrompt prompt;
   prompt.width_px = picture.width_px, prompt.height_px = picture.height_px;
-  const ImageSize size = size_of(picture), photo_size = photo.empty() ? size : read_image_size(photo);
-  if (!photo.empty() && photo_size == size) {
+  const ImageSize size = size_of(picture), of_photo = photo.empty() ? size : read_image_size(photo);
+  const bool is_scaled = of_photo != size;
+  if (is_scaled && relate_sizes(size, of_photo, 1).allowed) {
+    PhotoReading over = read_scaled(picture, scaled(read_mask_raw(photo, Palette::kColours), size));
+    if (over.kept >= kLeastKeptScaled && over.marks.marked() > 0) {
+      prompt.painted = std::move(over.marks.mark);
+      return prompt;
+    }
+  }
+  if (!photo.empty() && !is_scaled) {
     PhotoReading over = read_difference(picture, read_mask_raw(photo, Palette::kColours));
     if (over.kept >= kLeastKept && over.marks.is_clear()) {
       prompt.painted = std::move(over.marks.mark);
@@ -200,15 +253,12 @@ HandPrompt read_painted_picture(const std::string& path, const std::string& phot
     if (over.kept > 1 - kUnclearShare && over.marks.marked() == 0) refuse(path, "nothing is painted on the photo");
   }
   Reading alone = read_markers(picture);
-  if (!alone.is_clear() && photo_size != size)
-    throw Error(ErrorCode::kBadInput,
-                path + ": " + to_string(size) + " px, expected a marked copy of " + photo + " with its " +
-                    to_string(photo_size) + " px",
-                "paint on a copy at its full size, without scaling or cropping it");
+  const std::string sizes = is_scaled ? ": " + to_string(size) + " px, expected a marked copy of " + photo +
+                                            " with its " + to_string(of_photo) + " px"
+                                      : "";
+  if (is_scaled && !alone.is_clear())
+    throw Error(ErrorCode::kBadInput, path + sizes, "paint on a copy at its full size, without cropping it");
   if (alone.marked() == 0) refuse(path, "nothing is marked");
-  if (!alone.is_clear() && !photo.empty() && read_image_size(photo) != size_of(picture))
-    refuse(path, "not a marked copy of " + photo + " (" + to_string(size_of(picture)) + " px against " +
-                     to_string(read_image_size(photo)) + " px)");
   if (!alone.is_clear()) refuse(path, shares_of(alone));
   prompt.painted = std::move(alone.mark);
   return prompt;

@@ -5,7 +5,7 @@
 // clang-format off
 //   paint on the photo   The picture has the photo's size and mostly its pixels; pixels that differ are paint. In a
 //                        compressed picture only nearly pure green or red is paint, because compression changes the
-//                        colours around a stroke.
+//                        colours around a stroke. The same holds for a picture of another size and the same shape.
 //   markers alone        The rest is transparent, grey or of one colour, and each marker has one colour.
 // clang-format on
 //

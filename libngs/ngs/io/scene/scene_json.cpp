@@ -166,6 +166,8 @@ void validate_scene(const Scene& scene, const std::string& object) {
     refuse(object, "image_scale " + std::to_string(scene.image_scale) + ", expected (0, 1]");
   if (!(scene.filter_px2 > 0 && scene.filter_px2 <= 1e4))
     refuse(object, "filter_px2 " + std::to_string(scene.filter_px2) + ", expected (0, 10000] px²");
+  if (!(scene.world_unit > 0 && scene.world_unit <= 1))
+    refuse(object, "world_unit " + std::to_string(scene.world_unit) + ", expected (0, 1]");
   if (!(scene.mask_threshold >= 0 && scene.mask_threshold <= 255))
     refuse(object, "mask threshold " + std::to_string(scene.mask_threshold) + ", expected [0, 255]");
   if (const auto& b = scene.background)
@@ -193,6 +195,7 @@ Scene parse_scene_json(const json& root, const std::string& folder, const std::s
   scene.image_scale = reader.number("image_scale");
   scene.filter_px2 = reader.number_or("filter_px2", scene.filter_px2);
   if (reader.has("compat")) scene.compat = value_of(kCompats, reader, "compat");
+  scene.world_unit = reader.number_or("world_unit", scene.world_unit);
   if (reader.has("antialiased")) scene.antialiased = reader.boolean("antialiased");
   if (reader.has("background")) scene.background = vec3(reader.matrix("background", 3, 0).data());
   if (reader.has("renders")) scene.renders = parse_renders(reader.object("renders"));
@@ -237,6 +240,7 @@ void write_scene_json(const std::string& path, const Scene& scene, StoredPaths s
   if (!truth_dir.empty()) out["truth"] = path_to_folder(folder, truth_dir);
   out["image_scale"] = scene.image_scale, out["filter_px2"] = scene.filter_px2;
   out["compat"] = name_of(kCompats, scene.compat);
+  if (scene.world_unit != 1) out["world_unit"] = scene.world_unit;
   if (scene.antialiased) out["antialiased"] = *scene.antialiased;
   if (const auto& b = scene.background) out["background"] = {b->x, b->y, b->z};
   if (scene.renders) out["renders"] = {{"note", kRenderedPhotosNote}, {"coverage", scene.renders->coverage}};

@@ -4,6 +4,7 @@
 //   {"ngs_scene": 1, "model": PATH, "truth": PATH (optional: a folder of true masks),
 //    "image_scale": S, "filter_px2": V (optional, default 0.3),
 //    "compat": "inria"|"gsplat" (optional, default inria), "antialiased": BOOL (optional, default: the PLY's comments),
+//    "world_unit": U (optional, default 1; below 1 in small worlds: near planes shrink with it),
 //    "background": [R, G, B] (optional: absent if the photos do not determine it), each in [0, 1],
 //    "renders": {"note": "renders of the model, no photos", "coverage": SHARE} (optional, absent for photos),
 //    "masks": {"mode": "binary"|"label"|"soft"|"bands", "invert": BOOL, "threshold": 0..255,

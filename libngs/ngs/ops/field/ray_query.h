@@ -1,7 +1,7 @@
 #pragma once
 // The rays of a pixel grid and the query points on them.                                   Eqs. (6)-(7)
 //
-// Defined for every input: an empty grid has no rays; a window that would cross the camera starts kNearZ in front of
+// Defined for every input: an empty grid has no rays; a window that would cross the camera starts near_z in front of
 // it. Positions are in the frame of the given camera (see relative_to).
 #include <vector>
 

@@ -49,6 +49,7 @@ struct RayOptions {
   double depth_span = 0.1;      // half window / distance
   double depth_epsilon = 1e-4;  // minimum half window, world
   double mean_distance = 0;     // > 0, world: centre of the window without a rendered depth
+  double near_z = kNearZ;       // least camera z of a sample, world
 };
 
 /// The ray through a node of the grid.
@@ -103,9 +104,9 @@ struct SampleRay {
   NGS_HD void operator()(std::int64_t r) const {
     const RayNode node = ray_node(camera, grid, r);
     double distance = map.expected_distance(node, kCovered);
-    if (!(distance > kNearZ)) distance = options.mean_distance;
+    if (!(distance > options.near_z)) distance = options.mean_distance;
     const DepthWindow<double> window =
-        depth_window(distance, options.depth_span, options.depth_epsilon, kNearZ / node.cosine);
+        depth_window(distance, options.depth_span, options.depth_epsilon, options.near_z / node.cosine);
     if (out.pixel) out.pixel[r * 2] = float(node.u), out.pixel[r * 2 + 1] = float(node.v);
     store(out.direction + r * 3, node.direction);
     out.near[r] = float(window.near), out.far[r] = float(window.far);

@@ -2,8 +2,8 @@
 
 namespace ngs {
 
-BoundaryBox boundary_box(const Camera& camera, Rows<const float, 3> boundary, double pad_px) {
-  const RayCamera view = ray_camera(camera);
+BoundaryBox boundary_box(const Camera& camera, Rows<const float, 3> boundary, double pad_px, double world_unit) {
+  const RayCamera view = ray_camera(camera, world_unit);
   BoxSums sums;
   for (std::int64_t j = 0; j < boundary.n; ++j) {
     const float* p = boundary.row(j);

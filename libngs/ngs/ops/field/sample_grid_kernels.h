@@ -10,7 +10,7 @@
 
 namespace ngs {
 
-/// Gaussians nearer than this (camera z, world) are ignored: their projection is not meaningful.
+/// Gaussians nearer than this (camera z, units of math/world_unit.h) are ignored: their projection is not meaningful.
 inline constexpr double kNearZ = 0.01;
 
 /// A camera in the form that kernels take.
@@ -19,6 +19,7 @@ struct RayCamera {
   Vec3<double> translation, centre;
   double fx, fy, cx, cy;  // px
   int width_px, height_px;
+  double near_z = kNearZ;  // camera z, world
 };
 
 /// Box and sums over the boundary Gaussians in front of the camera that project into the padded image.
@@ -29,7 +30,7 @@ struct BoxSums {
 
   NGS_HD void add(const RayCamera& camera, Vec3<double> world, double pad_px) {
     const Vec3<double> t = camera.rotation * world + camera.translation;
-    if (!(t.z > kNearZ)) return;
+    if (!(t.z > camera.near_z)) return;
     const double x = camera.fx * t.x / t.z + camera.cx, y = camera.fy * t.y / t.z + camera.cy;
     if (!(x >= -pad_px && x <= camera.width_px + pad_px && y >= -pad_px && y <= camera.height_px + pad_px)) return;
     const Vec3<double> away = world - camera.centre;

@@ -55,7 +55,7 @@ ProjectionCamera<S> projection_camera(const Camera& camera, const SplatOptions& 
           S((camera.width_px - camera.cx) / camera.fx + margin_x),
           S(-camera.cy / camera.fy - margin_y),
           S((camera.height_px - camera.cy) / camera.fy + margin_y),
-          S(near_plane(options.compat)),
+          S(near_plane(options.compat) * options.world_unit),
           S(options.blur_px2),
           options.antialiased};
 }

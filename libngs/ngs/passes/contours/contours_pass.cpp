@@ -20,7 +20,7 @@ double straddling(SceneProbe& probe, ContourViews trained) {
   const Problem& problem = probe.problem();
   const std::size_t views = trained == ContourViews::kAll ? problem.scene.views.size() : problem.views.size();
   const std::vector<Camera> some = probe.sample_cameras();
-  return straddling_bound_px(problem.cloud, some, problem.splat.blur_px2) * double(views) / double(some.size());
+  return straddling_bound_px(problem.cloud, some, problem.splat) * double(views) / double(some.size());
 }
 
 double narrow_share(SceneProbe& probe) {

@@ -146,7 +146,8 @@ const JointPart kParts[] = {
       .saves = "SH bands, their gradients and steps",
       .heuristic = {"strongest view-dependent colour, levels", 0.5, kHalfLevel,
                     [](SceneProbe& probe) {
-                      return view_dependence_levels(probe.problem().cloud, probe.sample_cameras());
+                      return view_dependence_levels(probe.problem().cloud, probe.sample_cameras(),
+                                                    probe.problem().splat.world_unit);
                     }}}},
     {&On::antialias,
      {.name = "antialias",

@@ -36,14 +36,15 @@ std::int64_t most_queries(const SampleOptions& options, std::size_t views) {
 RayOptions ray_options(const SampleOptions& options, double mean_distance) {
   return {.samples = options.depth_samples,
           .depth_span = options.depth_span,
-          .depth_epsilon = kDepthEpsilon,
-          .mean_distance = mean_distance};
+          .depth_epsilon = kDepthEpsilon * options.world_unit,
+          .mean_distance = mean_distance,
+          .near_z = kNearZ * options.world_unit};
 }
 
 ViewSample sample_view(const Exec& exec, const SampleOptions& options, const Camera& camera,
                        Rows<const float, 3> boundary, const DepthMap& map) {
   ViewSample sample;
-  sample.boundary = boundary_box(camera, boundary, options.bbox_pad_px);
+  sample.boundary = boundary_box(camera, boundary, options.bbox_pad_px, options.world_unit);
   if (options.whole_image && sample.boundary.visible > 0)
     sample.boundary.box = {0, 0, double(camera.width_px), double(camera.height_px)};
   const PixelGrid grid = pixel_grid(sample.boundary.box, options.rows, options.cols);
@@ -57,13 +58,13 @@ QueryField sample_queries(const Exec& exec, Monitor& monitor, const SampleOption
   auto timed = monitor.scope("sample");
   QueryField field;
   field.origin = cloud.origin;
-  field.depth_span = options.depth_span, field.depth_epsilon = kDepthEpsilon;
+  field.depth_span = options.depth_span, field.depth_epsilon = kDepthEpsilon * options.world_unit;
   for (std::size_t n = 0; n < in.views.size(); ++n) {
     const Camera& world = in.scene.views[in.views[n]].camera;
     const Camera camera = relative_to(world, cloud.origin);
     RenderedView rendered;
     DepthMap map;
-    if (boundary_box(camera, boundary.positions(), options.bbox_pad_px).visible > 0) {
+    if (boundary_box(camera, boundary.positions(), options.bbox_pad_px, options.world_unit).visible > 0) {
       rendered = render_depth(exec, cloud, world, in.splat);
       map = {&rendered.depth, &rendered.alpha};
     }

@@ -14,7 +14,7 @@
 
 namespace ngs {
 
-/// Smallest half depth window in world units (Eq. 7).
+/// Smallest half depth window, in units of math/world_unit.h (Eq. 7).
 inline constexpr double kDepthEpsilon = 1e-4;
 
 struct SampleOptions {
@@ -24,6 +24,7 @@ struct SampleOptions {
   double depth_span = 0.1;
   // The grid covers the full image of every view that shows the boundary. Set by --effect box=off only.
   bool whole_image = false;
+  double world_unit = 1;  // the scene's (math/world_unit.h)
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {

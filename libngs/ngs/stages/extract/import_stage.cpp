@@ -157,6 +157,45 @@ RowPairs match_rounded(const GaussianCloud& cloud, const GaussianCloud& edit) {
   return matched_of(local) > matched_of(best) ? local : best;
 }
 
+/// How converters turn a model, and how to undo it: coordinate k is sign[k] times the edit's coordinate axis[k].
+struct Turn {
+  const char* name;
+  std::size_t axis[3];
+  float sign[3];
+};
+constexpr Turn kTurns[] = {{"by 180 degrees about x", {0, 1, 2}, {1, -1, -1}},  // y up or y down
+                           {"by 180 degrees about z", {0, 1, 2}, {-1, -1, 1}},  // PlayCanvas
+                           {"by 180 degrees about y", {0, 1, 2}, {-1, 1, -1}},
+                           {"by 90 degrees about x", {0, 2, 1}, {1, 1, -1}},  // y up or z up
+                           {"by -90 degrees about x", {0, 2, 1}, {1, -1, 1}}};
+
+GaussianCloud turned_back(GaussianCloud edit, const Turn& turn) {
+  for (std::size_t i = 0; i < edit.position.size(); i += 3) {
+    const float p[3] = {edit.position[i], edit.position[i + 1], edit.position[i + 2]};
+    for (std::size_t k = 0; k < 3; ++k) edit.position[i + k] = turn.sign[k] * p[turn.axis[k]];
+  }
+  return edit;
+}
+
+/// Pairs by exact positions, else by nearest, else the same after turning the edit back; records how in `out`.
+RowPairs match_any(const GaussianCloud& cloud, const GaussianCloud& edit, ImportedEdit& out) {
+  const auto is_enough = [&](const RowPairs& found) { return 2 * matched_of(found) >= edit.size(); };
+  RowPairs exact = match_rows(cloud, edit);
+  if (is_enough(exact)) return exact;
+  RowPairs rounded = match_rounded(cloud, edit);
+  out.by_nearest = true;
+  if (is_enough(rounded) || edit.origin != std::array<double, 3>{}) return rounded;
+  for (const Turn& turn : kTurns) {
+    const GaussianCloud back = turned_back(edit, turn);
+    out.turned = turn.name, out.by_nearest = false;
+    if (RowPairs found = match_rows(cloud, back); is_enough(found)) return found;
+    out.by_nearest = true;
+    if (RowPairs found = match_rounded(cloud, back); is_enough(found)) return found;
+  }
+  out.turned.clear();
+  return rounded;
+}
+
 /// [rows of the model] -1 not in the edit, 0 background, 1 object.
 std::vector<std::int8_t> fixed_decisions_of(const std::vector<std::int64_t>& found,
                                             const std::vector<std::uint8_t>& state, bool by_selection,
@@ -193,9 +232,11 @@ ImportedEdit import_edit(const GaussianCloud& cloud, const std::vector<std::uint
   const std::size_t n = std::size_t(cloud.size());
   NGS_CHECK(object.size() == n && label.size() == n, "one decision and one label per Gaussian");
   NGS_CHECK(state.empty() || std::int64_t(state.size()) == edit.size(), "one state per edited row");
-  RowPairs found = match_rows(cloud, edit);
+  if (edit.size() == 0)
+    throw Error(ErrorCode::kNothingFound, "the edited model: contains no Gaussian, expected those of the object",
+                "export the object from the editor");
   ImportedEdit out{.label = label, .fixed = std::vector<float>(n, 0.f)};
-  if (2 * matched_of(found) < edit.size()) found = match_rounded(cloud, edit), out.by_nearest = true;
+  const RowPairs found = match_any(cloud, edit, out);
   out.matched = matched_of(found);
   out.unmatched = edit.size() - out.matched;
   if (2 * out.matched < edit.size())

@@ -4,6 +4,7 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/check.h"
+#include "ngs/math/world_unit.h"
 #include "ngs/problem/cloud_rows.h"
 #include "ngs/stages/orbit/rigs.h"
 
@@ -22,10 +23,12 @@ struct SurfacePixel {
   bool seen = false;
 };
 
-SplatOptions near_splat() {
+/// `radius`: of the object; cameras around it are about twice as far from its surface.
+SplatOptions near_splat(double radius) {
   SplatOptions splat;
   splat.compat = Compat::kGsplat;  // for its nearer near plane
   splat.max_sh_degree = 0;
+  splat.world_unit = world_unit_for(radius, near_plane(Compat::kGsplat));
   return splat;
 }
 
@@ -135,8 +138,8 @@ UnseenSurface unseen_surface(const Exec& exec, Monitor& monitor, const UnseenInp
   if (points.count() == 0) return {};
   const orbit::Ball ball = orbit::bulk_of(points);
   const std::vector<Camera> around = cameras_around(ball, object.origin);
-  const SplatOptions alone = prepared_for(exec, near_splat(), object),
-                     whole = prepared_for(exec, near_splat(), input.cloud);
+  const SplatOptions alone = prepared_for(exec, near_splat(ball.radius), object),
+                     whole = prepared_for(exec, near_splat(ball.radius), input.cloud);
   std::vector<std::vector<SurfacePixel>> renders(around.size());
   const auto timed = monitor.scope("unseen surface");
   for_each_task(exec, std::int64_t(around.size()), [&](std::int64_t d) {

@@ -3,8 +3,11 @@
 
 #include "ngs/core/error.h"
 #include "ngs/core/rng.h"
+#include "ngs/math/median.h"
 #include "ngs/math/stable.h"
+#include "ngs/math/world_unit.h"
 #include "ngs/ops/field/knn.h"
+#include "ngs/ops/splat/splat_options.h"
 #include "ngs/stages/fit/fit_stage.h"
 #include "ngs/stages/scene/pose_check.h"
 
@@ -18,7 +21,7 @@ void require_visible(const GaussianCloud& cloud, std::span<const FitView> views)
   std::vector<Camera> training;
   for (const FitView& view : views)
     if (view.split == Split::kTrain) training.push_back(view.camera);
-  const double near = share_too_near(cloud, training, Compat::kInria);
+  const double near = share_too_near(cloud, training, near_plane(Compat::kInria) * fit_world_unit(views));
   if (near > kTooNear)
     throw Error(
         ErrorCode::kInconsistent,
@@ -86,6 +89,17 @@ double scene_extent(std::span<const FitView> views) {
   return scene_extent(training);
 }
 
+double fit_world_unit(std::span<const FitView> views) {
+  const Vec3<double> middle = looked_at(views, scene_extent(views));
+  std::vector<double> distances;
+  for (const FitView& view : views) {
+    const Vec3<double> d = middle - view.camera.centre();
+    distances.push_back(std::sqrt(dot(d, d)));
+  }
+  if (distances.empty()) return 1;
+  return world_unit_for(0.5 * upper_median(std::move(distances)), near_plane(Compat::kInria));
+}
+
 FitState initial_fit(const Exec& exec, const FitOptions& options, std::span<const FitPoint> points,
                      std::span<const FitView> views, std::uint64_t seed) {
   std::vector<FitPoint> start(points.begin(), points.end());
@@ -104,12 +118,13 @@ FitState initial_fit(const Exec& exec, const FitOptions& options, std::span<cons
       cloud.sh_dc[3 * i + k] = (start[i].rgb[k] - 0.5f) / kSh0;
     }
   const KnnGraph near = nearest_others(exec, {cloud.position.data(), cloud.size()}, 3);
-  const float alone = float(0.01 * scene_extent(views));  // a single point has no neighbours
+  const float alone = float(0.01 * scene_extent(views));                   // a single point has no neighbours
+  const double unit = fit_world_unit(views), least2 = 1e-7 * unit * unit;  // of 3DGS
   for (std::size_t i = 0; i < start.size(); ++i) {
     double mean = 0;
     for (int k = 0; k < near.neighbours; ++k)
       mean += double(near.dist2[i * std::size_t(near.neighbours) + std::size_t(k)]) / near.neighbours;
-    const float log_scale = near.neighbours > 0 ? float(0.5 * std::log(std::max(mean, 1e-7))) : std::log(alone);
+    const float log_scale = near.neighbours > 0 ? float(0.5 * std::log(std::max(mean, least2))) : std::log(alone);
     std::fill_n(cloud.log_scale.begin() + std::ptrdiff_t(3 * i), 3, log_scale);
     cloud.rotation[4 * i] = 1;
     cloud.logit_opacity[i] = logit(0.1f);

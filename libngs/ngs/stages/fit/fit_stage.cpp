@@ -53,6 +53,7 @@ Fitter::Fitter(const FitOptions& options, std::span<const FitView> views, FitSta
       state_(std::move(state)),
       seed_(seed),
       extent_(scene_extent(views)),
+      world_unit_(fit_world_unit(views)),
       pass_(SplatOptions{}) {
   for (std::size_t i = 0; i < views.size(); ++i)
     if (views[i].split == Split::kTrain) training_.push_back(i);
@@ -79,7 +80,8 @@ void Fitter::step(const Exec& exec) {
   const FitView& view = views_[view_of_step()];
   const int degree = int(std::min<std::int64_t>(options_.sh_degree, state_.step / schedule_.sh_every));
   if (degree != pass_degree_) {
-    pass_ = SplatPass(SplatOptions{.antialiased = options_.antialiased, .max_sh_degree = degree});
+    pass_ = SplatPass(
+        SplatOptions{.antialiased = options_.antialiased, .max_sh_degree = degree, .world_unit = world_unit_});
     pass_degree_ = degree;
   }
   const RenderedView& rendered = pass_.forward(exec, state_.cloud, view.camera, fit_request(options_));
@@ -144,9 +146,11 @@ void run_fit(const Exec& exec, Monitor& monitor, Fitter& fitter, const FitOption
 FitScore score_fit(const Exec& exec, const FitOptions& options, const GaussianCloud& cloud,
                    std::span<const FitView> views, Split split) {
   FitScore score;
+  const double world_unit = fit_world_unit(views);
   for (const FitView& view : views) {
     if (view.split != split) continue;
-    const SplatOptions splat{.antialiased = options.antialiased, .max_sh_degree = options.sh_degree};
+    const SplatOptions splat{
+        .antialiased = options.antialiased, .max_sh_degree = options.sh_degree, .world_unit = world_unit};
     ImageF colour = std::move(render(exec, cloud, view.camera, splat, fit_request(options)).colour);
     for (float& c : colour.data) c = std::clamp(c, 0.f, 1.f);
     const ImageF photo = view.photo.rgb();

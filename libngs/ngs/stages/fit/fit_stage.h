@@ -75,6 +75,9 @@ struct FitPoint {
 double scene_extent(std::span<const FitView> views);
 double scene_extent(std::span<const Camera> cameras);
 
+/// Unit of math/world_unit.h: below 1 if the point that the cameras look at is less than two near planes away.
+double fit_world_unit(std::span<const FitView> views);
+
 /// Isotropic Gaussians of opacity 0.1, as wide as the root mean square distance to their 3 nearest neighbours.
 /// From more than `max_gaussians` points, that many are taken, evenly spaced in the list.
 /// Without points: `random_points` points of random colours in a cube around the point that the cameras look at.
@@ -103,7 +106,7 @@ class Fitter {
   std::span<const FitView> views_;
   FitState state_;
   std::uint64_t seed_;
-  double extent_;
+  double extent_, world_unit_;
   std::vector<std::size_t> training_;  // indices of views
   std::vector<std::size_t> order_;     // of the current epoch
   std::int64_t order_epoch_ = -1;

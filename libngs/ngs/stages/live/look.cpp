@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "ngs/core/error.h"
+#include "ngs/math/world_unit.h"
 #include "ngs/ops/splat/splat.h"
 #include "ngs/stages/orbit/rigs.h"
 
@@ -103,9 +104,9 @@ FirstLook first_look(const Exec& exec, const GaussianCloud& cloud) {
   const orbit::Frame frame = orbit::frame_about(some, ball, up);
   const orbit::FreeSpace space(cloud, points, frame, {1.1 * ball.radius, kCells});
   const orbit::RoomFinding room = orbit::find_room(exec, space, ball.radius);
-  FirstLook first{ball.centre + origin, ball.radius, up, {}, Compat::kInria};
-  if (!room.is_room() && 1.2 * ball.radius < near_plane(Compat::kInria)) first.compat = Compat::kGsplat;
-  SplatOptions splat{.compat = first.compat, .antialiased = cloud.antialiased, .max_sh_degree = 0};
+  const double nearest = room.is_room() ? ball.radius : 1.2 * ball.radius;
+  FirstLook first{ball.centre + origin, ball.radius, up, {}, world_unit_for(nearest, near_plane(Compat::kInria))};
+  SplatOptions splat{.antialiased = cloud.antialiased, .max_sh_degree = 0, .world_unit = first.world_unit};
   splat = prepared_for(exec, splat, cloud);
   double most = -1;
   for (const orbit::Pose& pose : room.is_room() ? within(room, ball.radius) : outside(ball.radius)) {

@@ -2,7 +2,6 @@
 // The interactive camera, and an initial view of a new model.
 #include "ngs/backend/exec.h"
 #include "ngs/scene/camera.h"
-#include "ngs/scene/compat.h"
 #include "ngs/scene/gaussian_cloud.h"
 
 namespace ngs::live {
@@ -26,7 +25,7 @@ struct FirstLook {
   double radius = 0;             // world, > 0
   Vec3<double> up{0, -1, 0};     // unit length
   Look look;
-  Compat compat = Compat::kInria;  // gsplat if Inria's near plane would cut into the bulk
+  double world_unit = 1;  // below 1 if 3DGS's near plane would cut into the bulk (math/world_unit.h)
 };
 
 /// Throws kNothingFound if no Gaussian is visible.

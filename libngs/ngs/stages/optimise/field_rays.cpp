@@ -25,10 +25,9 @@ double field_reach(const SampleOptions& sample, const GaussianCloud& cloud, cons
                    const BoundarySet& boundary) {
   double reach = 0;
   for (const Camera& camera : cameras)
-    reach = std::max(
-        reach,
-        sample.depth_span *
-            boundary_box(relative_to(camera, cloud.origin), boundary.positions(), sample.bbox_pad_px).mean_distance);
+    reach = std::max(reach, sample.depth_span * boundary_box(relative_to(camera, cloud.origin), boundary.positions(),
+                                                             sample.bbox_pad_px, sample.world_unit)
+                                                    .mean_distance);
   return reach;
 }
 

@@ -104,8 +104,8 @@ inline std::int64_t steps_of(const JointOptions& options, std::size_t views) {
 
 /// The sampling options of a run: the whole image if the effect `box` is off, and half of the nodes and depths along
 /// each axis if the preset halves the samples.
-inline SampleOptions sample_of(SampleOptions sample, const JointOptions& options) {
-  sample.whole_image = !options.on.box;
+inline SampleOptions sample_of(SampleOptions sample, const JointOptions& options, double world_unit) {
+  sample.whole_image = !options.on.box, sample.world_unit = world_unit;
   if (!preset_of(options.quality).half_samples) return sample;
   for (int* count : {&sample.rows, &sample.cols, &sample.depth_samples}) *count = (*count + 1) / 2;
   return sample;

@@ -83,7 +83,7 @@ struct JointTrainer::Impl {
         monitor(m),
         options(s.options),
         effects(s.options.on),
-        sample(sample_of(s.sample, s.options)),
+        sample(sample_of(s.sample, s.options, s.input.splat.world_unit)),
         rbf(s.rbf),
         input(s.input),
         given_field(s.field),

@@ -19,10 +19,11 @@ double unoccluded_weight(double opacity) {
 }  // namespace
 
 PointVisibility::PointVisibility(const Exec& exec, const GaussianCloud& cloud,
-                                 const std::vector<std::int32_t>& point_of_row)
+                                 const std::vector<std::int32_t>& point_of_row, double world_unit)
     : cloud_(cloud), point_of_row_(point_of_row) {
   splat_.compat = Compat::kGsplat;  // for its nearer near plane
   splat_.max_sh_degree = 0;
+  splat_.world_unit = world_unit;
   splat_.prepared = prepare_cloud(exec, cloud);
 }
 

@@ -24,8 +24,9 @@ struct Visibility {
 class PointVisibility {
  public:
   /// `cloud` needs no SH bands above 0. `point_of_row` [cloud rows]: index of the point of interest, or -1. Both must
-  /// outlive this object.
-  PointVisibility(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::int32_t>& point_of_row);
+  /// outlive this object. `world_unit`: math/world_unit.h.
+  PointVisibility(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::int32_t>& point_of_row,
+                  double world_unit = 1);
 
   /// Rows that are no point of interest count as blocking if their camera z (world units) is below `nearer_than`.
   Visibility of(const Exec& exec, const Camera& camera, double nearer_than) const;

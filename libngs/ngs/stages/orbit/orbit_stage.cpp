@@ -7,6 +7,8 @@
 #include <sstream>
 
 #include "ngs/core/error.h"
+#include "ngs/math/world_unit.h"
+#include "ngs/ops/splat/splat_options.h"
 #include "ngs/stages/orbit/coverage.h"
 #include "ngs/stages/orbit/rigs.h"
 
@@ -111,22 +113,15 @@ class Chooser {
                 "give a smaller ball: --around X,Y,Z,R, or place cameras inside: --place inside");
   }
 
-  /// Renderers cull everything nearer than their near plane, an absolute length.
-  void check_near_plane() {
+  /// Renderers cull everything nearer than their near plane: it must not reach the model.
+  void choose_world_unit() {
     double nearest = 0.1 * ball_.radius;
     if (!found_.inside) {
       nearest = length(rig_.poses.front().centre);
       for (const Pose& pose : rig_.poses) nearest = std::min(nearest, length(pose.centre));
       nearest -= ball_.radius;
     }
-    found_.compat = nearest >= near_plane(Compat::kInria) ? Compat::kInria : Compat::kGsplat;
-    if (nearest < near_plane(Compat::kGsplat))
-      throw Error(ErrorCode::kBadInput,
-                  "the model: a radius of " + number(ball_.radius) + ", expected at least " +
-                      number(ball_.radius * near_plane(Compat::kGsplat) / nearest) +
-                      " here: renderers cull everything nearer to a camera than " + number(near_plane(Compat::kGsplat)),
-                  "scale it up first, e.g. splat-transform MODEL.ply -s " +
-                      number(std::pow(10, std::ceil(-std::log10(ball_.radius)))) + " LARGER.ply");
+    found_.world_unit = world_unit_for(nearest, near_plane(Compat::kInria));
   }
 
   /// The cameras in the room, or around the ball if `room` is null.
@@ -136,7 +131,7 @@ class Chooser {
     const double fov = options_.fov_deg > 0 ? options_.fov_deg : found_.inside ? kInsideFov : kOutsideFov;
     lens_ = {size.width_px, size.height_px, fov};
     rig_ = found_.inside ? cameras_within(room->viewpoints, ball_.radius) : rings();
-    check_near_plane();
+    choose_world_unit();
     render_candidates();
     select_cameras();
     return found_;
@@ -173,7 +168,7 @@ class Chooser {
     const auto timed = monitor_.scope("visibility from " + std::to_string(rig_.poses.size()) + " places");
     const Rows rows = rows_in_reach();
     const GaussianCloud part = rows_of(cloud_, rows.row);
-    const PointVisibility renderer(exec_, part, rows.point);
+    const PointVisibility renderer(exec_, part, rows.point, found_.world_unit);
     Rig unblocked;
     for (std::size_t p = 0; p < rig_.poses.size(); ++p) {
       const Pose& pose = rig_.poses[p];

@@ -11,7 +11,6 @@
 #include "ngs/backend/exec.h"
 #include "ngs/core/monitor.h"
 #include "ngs/scene/camera.h"
-#include "ngs/scene/compat.h"
 #include "ngs/scene/gaussian_cloud.h"
 #include "ngs/stages/orbit/orbit_options.h"
 #include "ngs/stages/orbit/surface_points.h"
@@ -19,16 +18,16 @@
 namespace ngs::orbit {
 
 struct OrbitCameras {
-  std::vector<Camera> cameras;     // named 0000.png, 0001.png ..., the initial rings first
-  Vec centre{0, 0, 0};             // world, origin included: the point that cameras look at, or the middle of the room
-  double radius = 0;               // world
-  Vec up{0, -1, 0};                // world, unit length
-  bool up_is_guessed = false;      // estimated from a floor of the model
-  bool inside = false;             // the cameras are inside the model
-  double coverage = 0;             // fraction of the visible surface that at least kWantedViews cameras show
-  std::size_t candidates = 0;      // number of candidate cameras
-  std::size_t surface = 0;         // number of Gaussians of the visible surface
-  Compat compat = Compat::kInria;  // gsplat if Inria's near plane would cut into the model
+  std::vector<Camera> cameras;  // named 0000.png, 0001.png ..., the initial rings first
+  Vec centre{0, 0, 0};          // world, origin included: the point that cameras look at, or the middle of the room
+  double radius = 0;            // world
+  Vec up{0, -1, 0};             // world, unit length
+  bool up_is_guessed = false;   // estimated from a floor of the model
+  bool inside = false;          // the cameras are inside the model
+  double coverage = 0;          // fraction of the visible surface that at least kWantedViews cameras show
+  std::size_t candidates = 0;   // number of candidate cameras
+  std::size_t surface = 0;      // number of Gaussians of the visible surface
+  double world_unit = 1;        // below 1 if 3DGS's near plane would cut into the model (math/world_unit.h)
 };
 
 struct PictureSize {
@@ -44,8 +43,7 @@ Vec axis_of(UpAxis up);
 /// The cameras for images of `size`.
 ///
 /// Throws kNothingFound if no Gaussian is visible, if none lies in the ball, or if no camera around the ball has a free
-/// line of sight; kBadInput if the model is so small that a renderer's near plane would remove it; kUsage for
-/// `options`.
+/// line of sight; kUsage for `options`.
 OrbitCameras choose_cameras(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud, const OrbitOptions& options,
                             PictureSize size);
 

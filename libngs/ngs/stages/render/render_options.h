@@ -35,7 +35,7 @@ inline SplatOptions splat_options(const RasterOptions& options, const GaussianCl
   const Compat compat = options.compat == CompatChoice::kAuto    ? scene.compat
                         : options.compat == CompatChoice::kInria ? Compat::kInria
                                                                  : Compat::kGsplat;
-  return {compat, antialiased, 3, scene.filter_px2};
+  return {compat, antialiased, 3, scene.filter_px2, scene.world_unit};
 }
 
 }  // namespace ngs

@@ -5,6 +5,7 @@
 
 #include "ngs/core/check.h"
 #include "ngs/math/median.h"
+#include "ngs/math/world_unit.h"
 #include "ngs/ops/splat/splat_options.h"
 
 namespace ngs {
@@ -73,20 +74,40 @@ double recoloured_gain_db(const Exec& exec, const GaussianCloud& cloud, const Ph
   return db(error / (3 * n)) - match.constant_db;
 }
 
-double share_too_near(const GaussianCloud& cloud, std::span<const Camera> cameras, Compat compat) {
+namespace {
+
+/// Calls use(z) for the camera z, world, of every usable Gaussian in front.
+template <class Use>
+void for_each_depth(const GaussianCloud& cloud, const Camera& camera, const Use& use) {
+  for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
+    const float* p = &cloud.position[3 * i];
+    const Vec3<double> world{cloud.origin[0] + double(p[0]), cloud.origin[1] + double(p[1]),
+                             cloud.origin[2] + double(p[2])};
+    if (const double z = (camera.rotation * world + camera.translation).z; cloud.usable[i] && z > 0) use(z);
+  }
+}
+
+}  // namespace
+
+double share_too_near(const GaussianCloud& cloud, std::span<const Camera> cameras, double near_z) {
   std::vector<double> shares;
   for (const Camera& camera : cameras) {
     double in_front = 0, near = 0;
-    for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
-      const float* p = &cloud.position[3 * i];
-      const Vec3<double> world{cloud.origin[0] + double(p[0]), cloud.origin[1] + double(p[1]),
-                               cloud.origin[2] + double(p[2])};
-      const double z = (camera.rotation * world + camera.translation).z;
-      in_front += cloud.usable[i] && z > 0, near += cloud.usable[i] && z > 0 && z <= near_plane(compat);
-    }
+    for_each_depth(cloud, camera, [&](double z) { ++in_front, near += z <= near_z; });
     if (in_front > 0) shares.push_back(near / in_front);
   }
   return shares.empty() ? 0 : upper_median(std::move(shares));
+}
+
+double model_world_unit(const GaussianCloud& cloud, std::span<const Camera> cameras) {
+  constexpr double kUsualDepth = 2.5;  // median camera z of an ordinary world: its near plane is 0.08 of that
+  std::vector<double> depths;
+  for (const Camera& camera : cameras) {
+    std::vector<double> in_front;
+    for_each_depth(cloud, camera, [&](double z) { in_front.push_back(z); });
+    if (!in_front.empty()) depths.push_back(upper_median(std::move(in_front)));
+  }
+  return depths.empty() ? 1 : world_unit_from(upper_median(std::move(depths)) / kUsualDepth);
 }
 
 namespace {

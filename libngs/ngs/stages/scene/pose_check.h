@@ -38,13 +38,16 @@ double recoloured_gain_db(const Exec& exec, const GaussianCloud& cloud, const Ph
 
 /// Median over the cameras of the fraction of Gaussians in front of the camera that are nearer than the near plane and
 /// so not rendered: about 1 in a world that is too small. 0 if no camera has a Gaussian in front.
-double share_too_near(const GaussianCloud& cloud, std::span<const Camera> cameras, Compat compat);
+double share_too_near(const GaussianCloud& cloud, std::span<const Camera> cameras, double near_z);
+/// The unit (math/world_unit.h) for the model's distance from the median camera: 1 from 2.5 on, else proportional to
+/// it and rounded down to a power of two; 1 if no camera has a Gaussian in front.
+double model_world_unit(const GaussianCloud& cloud, std::span<const Camera> cameras);
 /// Above this fraction the scale of the world is wrong, not single cameras.
 inline constexpr double kTooNear = 0.5;
-/// Hint for a fraction above kTooNear.
+/// Hint for a fraction above kTooNear in a fit.
 inline constexpr const char* kTooNearRemedy =
     "most of the model is nearer to the cameras than the near plane and is not rendered: scale up the world of "
-    "cameras, points and model";
+    "cameras and points";
 
 /// A common mistake in pose files and the change that undoes it.
 struct PoseRepair {

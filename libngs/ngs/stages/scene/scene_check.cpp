@@ -87,9 +87,11 @@ std::string percent(double share) {
 }
 
 constexpr const char* kGsplatRemedy = "with the rules of gsplat, whose near plane is nearer: --compat gsplat";
-constexpr double kSomeTooNear = 0.01;  // share of the Gaussians above which gsplat's near plane is tried
-constexpr double kGsplatGain_db = 0.5;
-constexpr double kScaleUp = 4096;  // a power of two: positions keep their bits
+constexpr const char* kSmallWorldRemedy = "with near planes scaled to this small world: import it with --compat auto";
+constexpr double kSomeTooNear = 0.01;  // share of the Gaussians above which other near planes are tried
+constexpr double kManyTooNear = 0.1;   // the same without photos
+constexpr double kNearPlaneGain_db = 0.5;
+constexpr double kEqual_db = 0.1;  // renderers whose gains differ by less are equally good
 
 /// Compares a model with photos of its scene.
 class PhotoCheck {
@@ -108,9 +110,9 @@ class PhotoCheck {
     compare(shots, result);
     std::vector<Camera> cameras;
     for (const Shot& shot : shots) cameras.push_back(shot.camera);
-    const double too_near = share_too_near(cloud_, cameras, scene_.compat);
-    if (scene_.compat == Compat::kInria && too_near > kSomeTooNear) try_gsplat(shots, compat_is_default, result);
-    if (!(result.median_fit_db >= options_.min_fit_db)) refuse(shots, too_near, result);
+    const double too_near = share_too_near(cloud_, cameras, near_plane(splat_.compat) * splat_.world_unit);
+    if (too_near > kSomeTooNear) try_near_planes(shots, cameras, compat_is_default, result);
+    if (!(result.median_fit_db >= options_.min_fit_db)) refuse(shots, result);
     for (const Shot& shot : shots)
       if (const PhotoMatch& match = *result.views[shot.view].match; match.gain_db() < options_.min_fit_db)
         result.warnings.push_back("view " + scene_.views[shot.view].camera.name +
@@ -131,20 +133,52 @@ class PhotoCheck {
     result.median_fit_db = median(gains), result.median_psnr_db = median(psnrs);
   }
 
-  /// Part of the model is nearer than the near plane of 3DGS: tests whether gsplat's near plane matches the photos
-  /// better.
-  void try_gsplat(const std::vector<Shot>& shots, bool compat_is_default, SceneCheck& result) {
-    const double more_db = gain_by_gsplat(shots) - result.median_fit_db;
-    if (!(more_db > kGsplatGain_db)) return;
-    const std::string better = "the model explains the photos " + decibels(more_db) + " better ";
+  /// A renderer that might have made the photos.
+  struct Renderer {
+    Compat compat = Compat::kInria;
+    double world_unit = 1;
+    double gain_db = 0;  // median
+
+    bool is_small() const { return world_unit < 1; }
+  };
+
+  /// The renderers whose near planes are nearer than the scene's: 3DGS in a smaller world, gsplat, gsplat in that
+  /// world.
+  std::vector<Renderer> nearer_renderers(const std::vector<Shot>& shots, const std::vector<Camera>& cameras) const {
+    const double unit = std::min(splat_.world_unit, model_world_unit(cloud_, cameras));
+    std::vector<Renderer> tried;
+    const double near_z = near_plane(splat_.compat) * splat_.world_unit;
+    for (const Renderer& r : {Renderer{Compat::kInria, unit}, Renderer{Compat::kGsplat, splat_.world_unit},
+                              Renderer{Compat::kGsplat, unit}})
+      if (near_plane(r.compat) * r.world_unit < near_z && std::ranges::none_of(tried, [&](const Renderer& t) {
+            return t.compat == r.compat && t.world_unit == r.world_unit;
+          }))
+        tried.push_back({r.compat, r.world_unit, gain_by(r, shots)});
+    return tried;
+  }
+
+  /// Part of the model is nearer than the near plane: tests whether a nearer one matches the photos better.
+  void try_near_planes(const std::vector<Shot>& shots, const std::vector<Camera>& cameras, bool compat_is_default,
+                       SceneCheck& result) {
+    tried_ = nearer_renderers(shots, cameras);
+    const auto highest = std::ranges::max_element(tried_, {}, &Renderer::gain_db);
+    const auto best = std::ranges::find_if(  // the first of equal ones: a scaled world keeps the rules of 3DGS
+        tried_, [&](const Renderer& r) { return r.gain_db > highest->gain_db - kEqual_db; });
+    if (best == tried_.end() || !(best->gain_db - result.median_fit_db > kNearPlaneGain_db)) return;
+    const std::string better =
+        "the model explains the photos " + decibels(best->gain_db - result.median_fit_db) + " better ";
     if (!compat_is_default) {
-      result.warnings.push_back(better + kGsplatRemedy);
+      result.warnings.push_back(better + (best->is_small() ? kSmallWorldRemedy : kGsplatRemedy));
       return;
     }
-    result.compat = splat_.compat = Compat::kGsplat;
-    result.warnings.push_back(better +
-                              "with the rules of gsplat, whose near plane is nearer: they are used (--compat "
-                              "inria: those of 3DGS)");
+    result.compat = splat_.compat = best->compat, result.world_unit = splat_.world_unit = best->world_unit;
+    const std::string rules = best->compat == Compat::kGsplat ? "gsplat" : "3DGS";
+    result.warnings.push_back(better + (best->is_small()
+                                            ? "with near planes scaled to this small world and the rules of " + rules +
+                                                  ": they are used (--compat inria or gsplat: "
+                                                  "near planes of 0.2 or 0.01)"
+                                            : "with the rules of gsplat, whose near plane is nearer: they "
+                                              "are used (--compat inria: those of 3DGS)"));
     compare(shots, result);
   }
 
@@ -172,22 +206,10 @@ class PhotoCheck {
     return median(gains);
   }
 
-  /// The median gain by the rules of gsplat, whose near plane is nearer.
-  double gain_by_gsplat(const std::vector<Shot>& shots) const {
+  double gain_by(const Renderer& renderer, const std::vector<Shot>& shots) const {
     PhotoCheck other = *this;
-    other.splat_.compat = Compat::kGsplat;
+    other.splat_.compat = renderer.compat, other.splat_.world_unit = renderer.world_unit;
     return other.median_gain(shots, nullptr);
-  }
-
-  /// The median gain in a world so large that the near plane removes next to nothing.
-  double gain_scaled_up(const std::vector<Shot>& shots) const {
-    GaussianCloud cloud = cloud_;
-    for (double& x : cloud.origin) x *= kScaleUp;
-    for (float& x : cloud.position) x *= float(kScaleUp);
-    for (float& s : cloud.log_scale) s += float(std::log(kScaleUp));
-    std::vector<Shot> moved = shots;
-    for (Shot& shot : moved) shot.camera.translation = kScaleUp * shot.camera.translation;
-    return PhotoCheck(exec_, monitor_, options_, cloud, scene_).median_gain(moved, nullptr);
   }
 
   /// The repair that makes the model fit a few of the shots; null if none does.
@@ -219,10 +241,13 @@ class PhotoCheck {
   }
 
   /// Hint for a model that does not fit the photos.
-  std::string remedy(const std::vector<Shot>& shots, double too_near, const std::vector<ViewCheck>& views) {
-    if (too_near > kSomeTooNear && gain_by_gsplat(shots) >= options_.min_fit_db)
-      return std::string("it fits ") + kGsplatRemedy;
-    if (too_near > kSomeTooNear && gain_scaled_up(shots) >= options_.min_fit_db) return kTooNearRemedy;
+  std::string remedy(const std::vector<Shot>& shots, const std::vector<ViewCheck>& views) {
+    std::string fits;
+    for (const bool small : {false, true})
+      if (std::ranges::any_of(
+              tried_, [&](const Renderer& r) { return r.is_small() == small && r.gain_db >= options_.min_fit_db; }))
+        fits += std::string(fits.empty() ? "it fits " : ", or ") + (small ? kSmallWorldRemedy : kGsplatRemedy);
+    if (!fits.empty()) return fits;
     if (const PoseRepair* repair = find_repair(shots)) return "it fits if " + repair->mistake + ": " + repair->remedy;
     if (const double recoloured_db = median_recoloured_gain(shots, views); recoloured_db >= options_.min_fit_db)
       return "the poses fit, the colours do not: with a gain and an offset per channel it is " +
@@ -233,12 +258,12 @@ class PhotoCheck {
            "dataparser_transforms.json, and --original-world if transforms.json has an applied_transform)";
   }
 
-  [[noreturn]] void refuse(const std::vector<Shot>& shots, double too_near, const SceneCheck& result) {
+  [[noreturn]] void refuse(const std::vector<Shot>& shots, const SceneCheck& result) {
     throw Error(ErrorCode::kInconsistent,
                 "cameras and model: rendered views match the photos " + decibels(result.median_psnr_db) + ", " +
                     decibels(result.median_fit_db) + " above a constant colour (" + percent(result.median_inside) +
                     " of the Gaussians in view), expected at least " + decibels(options_.min_fit_db) + " above it",
-                remedy(shots, too_near, result.views));
+                remedy(shots, result.views));
   }
 
   const Exec& exec_;
@@ -246,8 +271,23 @@ class PhotoCheck {
   const SceneCheckOptions& options_;
   const GaussianCloud& cloud_;
   const Scene& scene_;
-  SplatOptions splat_;  // the scene's options for its model
+  SplatOptions splat_;           // the scene's options for its model
+  std::vector<Renderer> tried_;  // empty unless part of the model is nearer than the near plane
 };
+
+/// Without photos only distances show that the near plane would remove the model.
+void scale_near_plane(const SceneCheckInputs& in, SceneCheck& result) {
+  std::vector<Camera> cameras;
+  for (const std::size_t v : evenly_spaced(16, in.scene.views.size())) cameras.push_back(in.scene.views[v].camera);
+  const double near_z = near_plane(in.scene.compat) * in.scene.world_unit;
+  const double too_near = share_too_near(*in.cloud, cameras, near_z);
+  const double unit = model_world_unit(*in.cloud, cameras);
+  if (!(too_near > kManyTooNear) || !(unit < in.scene.world_unit)) return;
+  result.world_unit = unit;
+  result.warnings.push_back(percent(too_near) +
+                            " of the model is nearer to the cameras than the near plane: near planes are scaled to "
+                            "this small world (--compat inria or gsplat: near planes of 0.2 or 0.01)");
+}
 
 void check_inside_only(const SceneCheck& result) {
   if (result.median_inside >= kLowestInside) return;
@@ -275,10 +315,12 @@ void check_cloud(const Exec& exec, Monitor& monitor, const SceneCheckOptions& op
   for (const ViewCheck& view : result.views) inside.push_back(view.inside);
   result.median_inside = median(inside);
   const std::vector<Shot> shots = take_shots(monitor, options, scene, in.loaders);
-  if (shots.empty())
+  if (shots.empty()) {
     check_inside_only(result);
-  else
+    if (in.compat_is_default) scale_near_plane(in, result);
+  } else {
     PhotoCheck(exec, monitor, options, cloud, scene).check(shots, in.compat_is_default, result);
+  }
 }
 
 /// Checks empty masks against the other masks, unless a missing mask means an empty one (MissingMask::kEmpty).
@@ -292,9 +334,10 @@ void find_empty_masks(const Exec& exec, Monitor& monitor, const SceneCheckInputs
   }
   result.empty_masks.views = empty;
   if (in.cloud == nullptr || in.scene.missing_mask == MissingMask::kEmpty) return;
-  result.empty_masks = check_empty_masks(exec, monitor, {*in.cloud, in.scene, empty, others, [&](std::size_t view) {
-                                                           return in.loaders.masks(view).masks;
-                                                         }});
+  Scene scene = in.scene;
+  scene.compat = result.compat, scene.world_unit = result.world_unit;
+  result.empty_masks = check_empty_masks(
+      exec, monitor, {*in.cloud, scene, empty, others, [&](std::size_t view) { return in.loaders.masks(view).masks; }});
   const std::vector<std::size_t>& wrong = result.empty_masks.contradicted;
   const std::string of_all = " of " + std::to_string(empty.size() + others.size()) + " masks are empty";
   if (!wrong.empty())
@@ -320,7 +363,7 @@ std::vector<std::size_t> evenly_spaced(std::size_t count, std::size_t n) {
 SceneCheck check_scene(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options,
                        const SceneCheckInputs& in) {
   SceneCheck result;
-  result.compat = in.scene.compat;
+  result.compat = in.scene.compat, result.world_unit = in.scene.world_unit;
   result.views.resize(in.scene.views.size());
   if (in.cloud != nullptr) check_cloud(exec, monitor, options, in, result);
   check_masks(monitor, {in.scene, in.loaders, options.check_polarity}, result);

@@ -55,6 +55,7 @@ struct SceneCheck {
   std::int64_t sampled_gaussians = 0;  // number of Gaussians that in_front and inside are measured on
   std::vector<std::string> warnings;
   Compat compat = Compat::kInria;  // the scene's; gsplat if that is a default and gsplat matches the photos better
+  double world_unit = 1;           // the same; below 1 if near planes of a small world match better
 };
 
 }  // namespace ngs

@@ -157,11 +157,14 @@ TEST_CASE("positions get as many fractional bits as the largest coordinate allow
   const auto error_at = [](float reach) {
     GaussianCloud cloud = test::plain_cloud(50, 0, 3);
     for (float& p : cloud.position) p *= reach / 3;
+    if (reach < 1)
+      for (float& s : cloud.log_scale) s += std::log(reach / 3);
     cloud.position[0] = -reach;
     const test::TempDir dir;
     (void)io::write_splat(dir.file("m.spz"), cloud, {});
     return test::splat_error(cloud, io::read_gaussian_ply(dir.file("m.spz")).cloud).position;
   };
+  CHECK(error_at(1e-3f) <= std::ldexp(0.5, -20) * 1.01);  // finer than 2^-16, which is coarse for this size
   CHECK(error_at(127.f) <= std::ldexp(0.5, -16) * 1.01);
   CHECK(error_at(2000.f) <= std::ldexp(0.5, -12) * 1.01);
   CHECK(error_at(8e6f) <= 0.51);

@@ -97,6 +97,30 @@ TEST_CASE("a file that matches a view's full name is not used for another view")
   CHECK(match_masks(dir.path(), {}, views).unmatched == std::vector<std::string>{"cam/0.png"});
 }
 
+TEST_CASE("a mask in another case or Unicode form matches if it is the only one, and exact names come first") {
+  const TempDir dir;
+  dir.write("img_1.PNG", "x"), dir.write("u\xcc\x88.png", "x");
+  dir.write("a.png", "x"), dir.write("A.png", "x");
+  std::vector<SceneView> views = views_named({"IMG_1.jpg", "\xc3\x9c.jpg", "a.jpg", "A.jpg"});
+  CHECK(match_masks(dir.path(), {}, views).unmatched.empty());
+  CHECK(views[2].mask_path == dir.path() + "/a.png");
+  CHECK(views[3].mask_path == dir.path() + "/A.png");
+  std::vector<SceneView> ambiguous = views_named({"b.jpg"});
+  dir.write("B.png", "x"), dir.write("B.PNG", "x");
+  CHECK(match_masks(dir.path(), {}, ambiguous).unmatched == std::vector<std::string>{"b.jpg"});
+}
+
+TEST_CASE("of views with one stem the mask belongs to the one whose whole name it repeats, else it is an error") {
+  const TempDir dir;
+  dir.write("0.png", "x");
+  std::vector<SceneView> views = views_named({"0.jpg", "0.png"});
+  CHECK(match_masks(dir.path(), {}, views).unmatched == std::vector<std::string>{"0.jpg"});
+  views = views_named({"0.jpg", "0.tif"});
+  CHECK_THROWS_AS(match_masks(dir.path(), {}, views), Error);
+  dir.write("0.jpg.png", "x"), dir.write("0.tif.png", "x");
+  CHECK(match_masks(dir.path(), {}, views).unmatched.empty());
+}
+
 TEST_CASE("a stem in several formats does not match, and neither do prefixes") {
   const TempDir dir;
   dir.write("a.tif", "x");

@@ -78,6 +78,15 @@ TEST_CASE("a splat with a standard name is the model, and other splats in its fo
   CHECK(contains(found.unused, "other.ply (a splat of 7 Gaussians)"));
 }
 
+TEST_CASE("the newest iteration of a training is the model, and the older ones are listed as unused") {
+  const TempDir dir;
+  dir.write("point_cloud/iteration_7000/point_cloud.ply", splat(3));
+  dir.write("point_cloud/iteration_30000/point_cloud.ply", splat(5));
+  const io::ModelSearch found = io::find_model(dir.path());
+  CHECK(found.path == dir.file("point_cloud/iteration_30000/point_cloud.ply"));
+  CHECK(contains(found.unused, "iteration_7000/point_cloud.ply (a splat of 3 Gaussians)"));
+}
+
 TEST_CASE("a truncated splat is still chosen as the model, so that its reader reports the error") {
   const TempDir dir;
   dir.write("model.ply", splat().substr(0, 60));

@@ -165,6 +165,17 @@ TEST_CASE("markers alone are read on transparency, on grey and on one colour, at
   }
 }
 
+TEST_CASE("a painted photo of twice the size is read; the photo's own green pixels are not paint") {
+  const Files files;
+  ImageU8 large(2 * kWidth, 2 * kHeight, 4);
+  const ImageU8 small = garden();
+  for (int y = 0; y < large.height_px; ++y)
+    for (int x = 0; x < large.width_px; ++x)
+      for (int c = 0; c < 4; ++c) large.at(x, y, c) = small.at(x / 2, y / 2, c);
+  paint_row(large, 10, kGreen);
+  CHECK(count(files.read(large), PixelHint::kObject) == 20);
+}
+
 TEST_CASE("a photo is rejected as a one-sided scribble; a mask is accepted, compressed or not") {
   const Files files;
   HandPrompt prompt;
@@ -181,6 +192,59 @@ TEST_CASE("a photo is rejected as a one-sided scribble; a mask is accepted, comp
   io::write_png(files.picture, mask);
   io::add_scribbles(files.picture, true, prompt);
   CHECK(count(prompt, PixelHint::kObject) == kWidth * kHeight - 1);
+}
+
+namespace {
+
+/// `picture` with every pixel as a square of `factor`, or the mean of such squares for a negative factor.
+ImageU8 resized(const ImageU8& picture, int factor) {
+  const int k = std::abs(factor), w = factor > 0 ? k * picture.width_px : picture.width_px / k,
+            h = factor > 0 ? k * picture.height_px : picture.height_px / k;
+  ImageU8 out(w, h, picture.channels);
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x)
+      for (int c = 0; c < picture.channels; ++c) {
+        int sum = 0;
+        for (int j = 0; j < k * k && factor < 0; ++j) sum += picture.at(k * x + j % k, k * y + j / k, c);
+        out.at(x, y, c) = factor > 0 ? picture.at(x / k, y / k, c) : std::uint8_t(sum / (k * k));
+      }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("paint on the photo at another size is read, on another shape it is an error with both sizes") {
+  test::TempDir dir;
+  const std::string photo = dir.path() + "/photo.png", picture = dir.path() + "/picture.png";
+  const ImageU8 garden4 = resized(garden(), 4);  // 160 x 120
+  io::write_png(photo, garden4);
+  ImageU8 painted = garden4;
+  for (int y = 40; y < 48; ++y) paint_row(painted, y, kGreen), paint_row(painted, y + 40, kRed);
+  for (const int factor : {2, -2}) {
+    CAPTURE(factor);
+    io::write_png(picture, resized(painted, factor));
+    const HandPrompt prompt = io::read_painted_picture(picture, photo);
+    const int pixels = factor > 0 ? 8 * 20 * 4 : 8 * 20 / 4;
+    CHECK(prompt.width_px == (factor > 0 ? 320 : 80));
+    for (const PixelHint hint :
+         {PixelHint::kObject, PixelHint::kBackground}) {  // few cells of the photo have its colour
+      CHECK(double(count(prompt, hint)) > 0.6 * pixels);
+      CHECK(double(count(prompt, hint)) <= pixels);
+    }
+  }
+  io::write_png(picture, resized(garden4, 2));  // nothing is painted
+  CHECK_THROWS_AS(io::read_painted_picture(picture, photo), Error);
+  ImageU8 cropped(100, 120, 4);
+  for (int y = 0; y < 120; ++y)
+    for (int x = 0; x < 100; ++x)
+      for (int c = 0; c < 4; ++c) cropped.at(x, y, c) = painted.at(x, y, c);
+  io::write_png(picture, cropped);
+  try {
+    io::read_painted_picture(picture, photo);
+    FAIL("nothing was thrown");
+  } catch (const Error& e) {
+    CHECK(std::string(e.what()).find("it has 100x120 px, the photo 160x120 px") != std::string::npos);
+  }
 }
 
 }  // namespace ngs

@@ -20,6 +20,7 @@ Scene two_views(const TempDir& dir) {
   scene.mask_mode = MaskMode::kLabel, scene.missing_mask = MissingMask::kError;
   scene.void_id = 255, scene.mask_threshold = 99.5, scene.image_scale = 0.3;
   scene.background = Vec3<double>{1.0 / 3, 0, 1}, scene.antialiased = false, scene.compat = Compat::kGsplat;
+  scene.world_unit = 0x1p-9;
   scene.renders = RenderedPhotos{0.9625};
   for (const char* name : {"a b.png", "c.jpg"}) {
     SceneView view;
@@ -77,6 +78,7 @@ TEST_CASE("a scene is read back with bit-identical cameras and settings") {
   CHECK(back.image_scale == 0.3);
   CHECK(back.antialiased == false);
   CHECK(back.compat == Compat::kGsplat);
+  CHECK(back.world_unit == 0x1p-9);
   REQUIRE(back.background.has_value());
   CHECK((back.background->x == 1.0 / 3 && back.background->y == 0 && back.background->z == 1));
   REQUIRE(back.renders.has_value());
@@ -89,15 +91,17 @@ TEST_CASE("a scene is read back with bit-identical cameras and settings") {
 TEST_CASE("unknown background and antialiasing are not written to scene.json") {
   const TempDir dir;
   nlohmann::json json = written(dir);
-  json.erase("background"), json.erase("antialiased"), json.erase("compat"), json.erase("renders");
+  json.erase("background"), json.erase("antialiased"), json.erase("compat"), json.erase("renders"),
+      json.erase("world_unit");
   const Scene back = parse_scene_json(json, "", "scene.json");
   CHECK_FALSE(back.background.has_value());
   CHECK_FALSE(back.antialiased.has_value());
   CHECK_FALSE(back.renders.has_value());  // photos
   CHECK(back.compat == Compat::kInria);
+  CHECK(back.world_unit == 1);
   CHECK(background_of(back).x == 0.f);
   write_scene_json(dir.file("again.json"), back);
-  for (const char* key : {"background", "antialiased", "renders"})
+  for (const char* key : {"background", "antialiased", "renders", "world_unit"})
     CHECK_FALSE(read_json_file(dir.file("again.json")).contains(key));
 }
 

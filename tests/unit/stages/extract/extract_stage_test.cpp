@@ -243,6 +243,38 @@ TEST_CASE("Gaussians at one position are matched by opacity and colour, then in 
   CHECK(e.label[4] == 1);
 }
 
+TEST_CASE("an edit that a converter turned is matched after turning it back, and one without rows is an error") {
+  GaussianCloud cloud = random_cloud(40);
+  std::fill(cloud.log_scale.begin(), cloud.log_scale.end(), -5.f);
+  const Flags object(40, 1);
+  const std::vector<float> label(40, 1.f);
+  const GaussianCloud edit = rows_of(cloud, {3, 0, 7, 5});
+  const auto turned = [&](std::array<std::size_t, 3> axis, std::array<float, 3> sign, float rounding) {
+    GaussianCloud out = edit;
+    for (std::size_t i = 0; i < out.position.size(); i += 3)
+      for (std::size_t k = 0; k < 3; ++k)
+        out.position[i + k] = sign[k] * edit.position[i + axis[k]] + (i % 2 == 0 ? rounding : -rounding);
+    return import_edit(cloud, object, label, out, {});
+  };
+  const ImportedEdit plain = import_edit(cloud, object, label, edit, {});
+  CHECK(plain.turned.empty());
+  for (const float rounding : {0.f, 1e-5f}) {
+    CHECK(turned({0, 1, 2}, {1, -1, -1}, rounding).turned == "by 180 degrees about x");
+    CHECK(turned({0, 1, 2}, {-1, -1, 1}, rounding).turned == "by 180 degrees about z");
+    CHECK(turned({0, 1, 2}, {-1, 1, -1}, rounding).turned == "by 180 degrees about y");
+    CHECK(turned({0, 2, 1}, {1, -1, 1}, rounding).turned == "by 90 degrees about x");  // (x, y, z) -> (x, -z, y)
+    CHECK(turned({0, 2, 1}, {1, 1, -1}, rounding).turned == "by -90 degrees about x");
+    CHECK(turned({0, 2, 1}, {1, 1, -1}, rounding).label == plain.label);
+  }
+  try {
+    import_edit(cloud, object, label, rows_of(cloud, {}), {});
+    CHECK(false);
+  } catch (const Error& e) {
+    CHECK(e.code() == ErrorCode::kNothingFound);
+    CHECK(std::string(e.what()).find("contains no Gaussian") != std::string::npos);
+  }
+}
+
 TEST_CASE("a moved edit is an error, a few unknown rows in it are not") {
   const GaussianCloud cloud = random_cloud(4);
   const Flags object(4, 1);

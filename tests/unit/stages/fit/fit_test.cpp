@@ -108,24 +108,35 @@ TEST_CASE("initial_fit scales Gaussians by their neighbour distances and colours
   }
 }
 
-TEST_CASE("initial_fit fails for a world that is nearer than the near plane") {
+TEST_CASE("a fit in a small world starts as in a large one, up to the scale") {
   std::vector<FitPoint> grid;
   for (int i = 0; i < 64; ++i)
     grid.push_back({{0.1f * float(i % 4), 0.1f * float(i / 4 % 4), 0.1f * float(i / 16)}, {0.25f, 0.5f, 1.f}});
   std::vector<FitView> views = tiny().views;
-  CHECK(initial_fit({}, {}, grid, views, 1).cloud.size() == 64);
+  const FitState large = initial_fit({}, {}, grid, views, 1);
+  CHECK(large.cloud.size() == 64);
+  CHECK(fit_world_unit(views) == 1);
   for (FitView& view : views) view.camera.translation = 1e-3 * view.camera.translation;
   for (FitPoint& point : grid)
     for (float& x : point.position) x *= 1e-3f;
-  for (const std::vector<FitPoint>& start : {grid, std::vector<FitPoint>()}) {
-    CAPTURE(start.size());
-    try {
-      initial_fit({}, {.random_points = 100}, start, views, 1);
-      FAIL("nothing was thrown");
-    } catch (const Error& e) {
-      CHECK(e.code() == ErrorCode::kInconsistent);
-      CHECK(std::string(e.remedy()).find("scale up the world") != std::string::npos);
-    }
+  CHECK(fit_world_unit(views) < 0.01);
+  const FitState small = initial_fit({}, {}, grid, views, 1);
+  CHECK(std::exp(small.cloud.log_scale[0] - large.cloud.log_scale[0]) == doctest::Approx(1e-3).epsilon(1e-4));
+  CHECK(initial_fit({}, {.random_points = 100}, {}, views, 1).cloud.size() == 100);
+}
+
+TEST_CASE("initial_fit fails if most points are nearer than the near plane") {
+  const std::vector<FitView> one(tiny().views.begin(), tiny().views.begin() + 1);  // no distance to derive a unit from
+  const Camera& camera = one[0].camera;
+  const Vec3<double> ahead =
+      camera.centre() + 0.1 * Vec3<double>{camera.rotation(2, 0), camera.rotation(2, 1), camera.rotation(2, 2)};
+  const std::vector<FitPoint> points(8, {{float(ahead.x), float(ahead.y), float(ahead.z)}, {0.5f, 0.5f, 0.5f}});
+  try {
+    initial_fit({}, {}, points, one, 1);
+    FAIL("nothing was thrown");
+  } catch (const Error& e) {
+    CHECK(e.code() == ErrorCode::kInconsistent);
+    CHECK(std::string(e.remedy()).find("scale up the world") != std::string::npos);
   }
 }
 

@@ -166,16 +166,19 @@ TEST_CASE("a model of one Gaussian, one point or one plane has cameras") {
   CHECK(cameras_of(plane).coverage >= 0.95);
 }
 
-TEST_CASE("an invisible model, or one nearer than the near plane, is an error; a huge one is not") {
+TEST_CASE("an invisible model is an error; a tiny or a huge one is not") {
   GaussianCloud cloud = sphere();
   for (float& logit : cloud.logit_opacity) logit = -20;
   CHECK(refusal(cloud) == ErrorCode::kNothingFound);
   CHECK(refusal(GaussianCloud{}) == ErrorCode::kNothingFound);
   const Mat3<double> same{{1, 0, 0, 0, 1, 0, 0, 0, 1}};
-  CHECK(refusal(transformed(sphere(), same, 1e-6, {0, 0, 0})) == ErrorCode::kBadInput);
-  const OrbitCameras small = cameras_of(transformed(sphere(), same, 0.03, {0, 0, 0}));
-  CHECK(small.compat == Compat::kGsplat);  // Inria's near plane would cut into it
-  CHECK(small.coverage >= 0.95);
+  CHECK(cameras_of(sphere()).world_unit == 1);
+  for (const double factor : {0.03, 1e-3, 1e-6}) {
+    const OrbitCameras small = cameras_of(transformed(sphere(), same, factor, {0, 0, 0}));
+    CHECK(0.2 * small.world_unit < small.radius);  // the near plane does not cut into it
+    CHECK(small.world_unit > 0.01 * factor);
+    CHECK(small.coverage >= 0.95);
+  }
   const OrbitCameras huge = cameras_of(transformed(sphere(), same, 1e6, {0, 0, 0}));
   CHECK(huge.radius == doctest::Approx(1.5e6).epsilon(0.12));
   CHECK(huge.coverage >= 0.95);

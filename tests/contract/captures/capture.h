@@ -1,0 +1,91 @@
+#pragma once
+// The tiny scene as a capture of a stranger: COLMAP text, photos, masks and a splat, with other names or lengths.
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "support/process.h"
+#include "support/temp_dir.h"
+#include "support/tiny_scene.h"
+
+namespace ngs::test {
+
+constexpr int kCaptureViews = 6;
+
+/// Names of view i without an extension.
+struct CaptureNames {
+  std::function<std::string(int)> camera = [](int i) { return "v" + std::to_string(i); }, photo = camera, mask = camera;
+  std::string camera_extension = ".png", photo_extension = ".png", mask_extension = ".png";
+};
+
+class Capture {
+ public:
+  explicit Capture(const CaptureNames& names = {}, std::string folder = "c") : folder_(std::move(folder)) {
+    write_tiny_scene(dir.path() + "/tiny");
+    std::string images = read_bytes(dir.path() + "/tiny/text/images.txt");
+    for (int i = 0; i < kCaptureViews; ++i) {
+      const std::string old_name = "v" + std::to_string(i) + ".png";
+      images.replace(images.find(old_name), old_name.size(), names.camera(i) + names.camera_extension);
+      move("tiny/images/" + old_name, "images/" + names.photo(i) + names.photo_extension);
+      move("tiny/masks/" + old_name, "masks/" + names.mask(i) + names.mask_extension);
+    }
+    dir.write(folder_ + "/sparse/0/images.txt", images);
+    for (const char* name : {"cameras.txt", "points3D.txt"})
+      move(std::string("tiny/text/") + name, std::string("sparse/0/") + name);
+    move("tiny/model.ply", "point_cloud.ply");
+    std::filesystem::remove_all(dir.path() + "/tiny");
+  }
+
+  /// All lengths times `factor`.
+  void scale(double factor) const {
+    GaussianCloud cloud = tiny_scene().cloud;
+    for (float& x : cloud.position) x = float(factor * double(x));
+    for (float& s : cloud.log_scale) s = float(double(s) + std::log(factor));
+    dir.write(folder_ + "/point_cloud.ply", strict_ply_bytes(cloud));
+    std::istringstream lines(read_bytes(path("sparse/0/images.txt")));
+    std::ostringstream out;
+    out.precision(17);
+    for (std::string line; std::getline(lines, line);) {
+      std::istringstream words(line);
+      std::string word;
+      for (int k = 0; words >> word; ++k)
+        k >= 5 && k < 8 ? out << ' ' << factor * std::stod(word) : out << (k > 0 ? " " : "") << word;
+      out << '\n';
+    }
+    dir.write(folder_ + "/sparse/0/images.txt", out.str());
+  }
+
+  std::string path(const std::string& name) const { return dir.path() + "/" + folder_ + "/" + name; }
+  const std::string& folder() const { return folder_; }
+
+  /// Runs a tool in the folder that holds the capture.
+  ProcessResult run(std::vector<std::string> argv) const {
+    ProcessSpec spec;
+    argv[0] = std::string(NGS_TOOL_DIR "/") + argv[0];
+    spec.argv = std::move(argv), spec.folder = dir.path(), spec.environment = {{"NGS_THREADS", "2"}};
+    return run_process(spec);
+  }
+  ProcessResult import() const { return run({"ngs-scene", "import", "./" + folder_, "-o", "s.json", "-w"}); }
+  /// The scene.json that import wrote.
+  nlohmann::json scene() const { return nlohmann::json::parse(read_bytes(dir.path() + "/s.json")); }
+  int views_with(const char* key) const {
+    int count = 0;
+    const nlohmann::json root = scene();
+    for (const nlohmann::json& view : root["views"]) count += view.value(key, "") != "";
+    return count;
+  }
+
+  TempDir dir;
+
+ private:
+  void move(const std::string& from, const std::string& to) const {
+    std::filesystem::rename(dir.path() + "/" + from, dir.file(folder_ + "/" + to));
+  }
+  std::string folder_;
+};
+
+inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace ngs::test

@@ -1,0 +1,99 @@
+// Captures whose parts do not agree: what exists and is not used is always named.
+#include <doctest/doctest.h>
+
+#include "contract/captures/capture.h"
+
+namespace ngs {
+namespace {
+
+namespace fs = std::filesystem;
+using test::Capture, test::contains;
+
+void copy(const Capture& capture, const std::string& from, const std::string& to) {
+  fs::create_directories(fs::path(capture.path(to)).parent_path());
+  fs::copy(capture.path(from), capture.path(to), fs::copy_options::recursive);
+}
+
+/// Whether import succeeds and prints all parts.
+void check_note(const Capture& capture, const std::vector<std::string>& parts) {
+  const test::ProcessResult result = capture.import();
+  CAPTURE(result.err);
+  CHECK(result.exit_code == 0);
+  for (const std::string& part : parts) CHECK_MESSAGE(contains(result.err, part), part);
+}
+
+}  // namespace
+
+TEST_CASE("a plain capture prints no note") {
+  const Capture capture;
+  const test::ProcessResult result = capture.import();
+  CHECK(result.exit_code == 0);
+  CHECK(!contains(result.err, "warning"));
+}
+
+TEST_CASE("photos without cameras, and cameras without photos or masks, are counted and the first is named") {
+  const Capture capture;
+  copy(capture, "images/v0.png", "images/extra.png");
+  copy(capture, "masks/v0.png", "masks/extra.png");
+  fs::remove(capture.path("images/v3.png"));
+  for (const char* name : {"v1", "v3", "v5"}) fs::remove(capture.path(std::string("masks/") + name + ".png"));
+  check_note(capture,
+             {"images: 1 images without a camera (first: extra.png)", "no photo for 1 of 6 views (first: v3.png)",
+              "masks: 1 images match no view", "extra.png", "no mask for 3 of 6 views (first: v1.png)"});
+}
+
+TEST_CASE("other folders of photos, masks and cameras are named") {
+  const Capture capture;
+  copy(capture, "images", "images_2"), copy(capture, "images", "input");
+  copy(capture, "masks", "masks_sam");
+  copy(capture, "sparse/0", "sparse/1");
+  capture.dir.write("c/transforms.json", "{\"frames\": []}");
+  check_note(capture, {"images: used for photos, not images_2, input (choose another with --images DIR)",
+                       "masks: used for masks, not masks_sam", "also holds sparse/1", "also holds transforms.json"});
+}
+
+TEST_CASE("other splats, and older iterations of the chosen one, are named") {
+  const Capture capture;
+  copy(capture, "point_cloud.ply", "point_cloud/iteration_7000/point_cloud.ply");
+  copy(capture, "point_cloud.ply", "point_cloud/iteration_30000/point_cloud.ply");
+  copy(capture, "point_cloud.ply", "edited.ply");
+  fs::remove(capture.path("point_cloud.ply"));
+  check_note(capture, {"iteration_30000/point_cloud.ply is the model, not ", "edited.ply (a splat of 374 Gaussians)",
+                       "iteration_7000/point_cloud.ply (a splat of 374 Gaussians)", "name it with --model PATH"});
+}
+
+TEST_CASE("photos beside the cameras files are found, as RealityScan exports them") {
+  const Capture capture;
+  for (const char* name : {"cameras.txt", "images.txt", "points3D.txt"})
+    fs::rename(capture.path(std::string("sparse/0/") + name), capture.path(name));
+  fs::remove_all(capture.path("sparse"));
+  for (int i = 0; i < test::kCaptureViews; ++i) {
+    const std::string name = "v" + std::to_string(i) + ".png";
+    fs::rename(capture.path("images/" + name), capture.path(name));
+    fs::rename(capture.path("masks/" + name), capture.path("masks/" + name + ".mask.png"));
+  }
+  fs::remove(capture.path("images"));
+  const test::ProcessResult result = capture.import();
+  CAPTURE(result.err);
+  CHECK(result.exit_code == 0);
+  CHECK(capture.views_with("image") == test::kCaptureViews);
+  CHECK(capture.views_with("mask") == test::kCaptureViews);
+}
+
+TEST_CASE("a capture without cameras names its splat, one without a splat how to make it") {
+  const Capture capture;
+  fs::rename(capture.path("sparse"), capture.path("../sparse"));
+  test::ProcessResult result = capture.run({"ngs", "cut", "c", "-o", "out"});
+  CHECK(result.exit_code == 3);
+  CHECK(contains(result.err, "no cameras found"));
+  CHECK(contains(result.err, "ngs cut c/point_cloud.ply"));
+  fs::rename(capture.path("../sparse"), capture.path("sparse"));
+  fs::remove(capture.path("point_cloud.ply"));
+  result = capture.run({"ngs", "cut", "c", "-o", "out"});
+  CHECK(result.exit_code == 3);
+  CHECK(contains(result.err, "no splat found"));
+  CHECK(contains(result.err, "ngs-scene import c -o scene.json, then ngs-fit scene.json -o model.ply"));
+  CHECK(!fs::exists(capture.dir.path() + "/out"));
+}
+
+}  // namespace ngs
