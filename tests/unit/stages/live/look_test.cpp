@@ -37,7 +37,7 @@ TEST_CASE("the first look at a model shows the model") {
   const Vec3<double> off = first.centre - Vec3<double>{3, -1, 7};
   CHECK(std::sqrt(dot(off, off)) < 0.1);
   CHECK(first.radius == doctest::Approx(0.5).epsilon(0.3));
-  const RenderedView view = render({}, cloud, live::camera_of(first.look), {.compat = first.compat}, {});
+  const RenderedView view = render({}, cloud, live::camera_of(first.look), {.world_unit = first.world_unit}, {});
   double covered = 0;
   for (const float alpha : view.alpha.data) covered += double(alpha) / double(view.alpha.data.size());
   CHECK(covered > 0.1);
