@@ -132,11 +132,11 @@ TEST_CASE("every relative link points to an existing file and heading") {
   for (const SourceFile& document : documents()) append(offenders, broken_links(document));
   CHECK(test::listed(offenders) == "");
 
-  const SourceFile broken{"libngs/a.md",
+  const SourceFile broken{"docs/a.md",
                           "## A b: `c`\n[a](paper.md#4--readings) [b](#a-b-c) [d](https://e.org) "
                           "[f](decisions/none.md) [g](paper.md#44--none) [h](#a)"};
-  CHECK(broken_links(broken) == std::vector<std::string>{"libngs/a.md: decisions/none.md",
-                                                         "libngs/a.md: paper.md#44--none", "libngs/a.md: #a"});
+  CHECK(broken_links(broken) ==
+        std::vector<std::string>{"docs/a.md: decisions/none.md", "docs/a.md: paper.md#44--none", "docs/a.md: #a"});
 }
 
 TEST_CASE("every section cited in a comment or document exists in paper.md") {

@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "shared/run/chain_clock.h"
+#include "shared/progress/chain_clock.h"
 
 namespace ngs::studio {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "cut_plan.h"
-#include "shared/run/chain_clock.h"
+#include "shared/progress/chain_clock.h"
 #include "shared/run/run.h"
 
 namespace ngs::front {

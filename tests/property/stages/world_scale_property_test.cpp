@@ -81,7 +81,7 @@ Labels labels_of(test::JointCase& c) {
   return out;
 }
 
-/// Labels of a few training steps with field and rays, the boundary sampled anew.
+/// Labels of a few training steps with field and rays, the boundary sampled again.
 std::vector<std::uint8_t> trained_labels(const test::JointCase& c) {
   JointOptions options;
   options.steps = 8;

@@ -1,4 +1,4 @@
-#include "shared/run/chain_clock.h"
+#include "shared/progress/chain_clock.h"
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include "shared/run/progress_clock.h"
+#include "shared/progress/progress_clock.h"
 
 #include <doctest/doctest.h>
 

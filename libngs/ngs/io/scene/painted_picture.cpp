@@ -165,25 +165,29 @@ PhotoReading read_difference(const RawMask& picture, const RawMask& photo) {
   return out;
 }
 
+/// The pixels of `from` that pixel i of `to` covers, at least one.
+std::pair<int, int> covered_pixels(int i, int from, int to) {
+  const auto begin = std::int64_t(i) * from / to, end = (std::int64_t(i) + 1) * from / to;
+  return {int(begin), int(std::max(begin + 1, end))};
+}
+
+std::uint16_t mean_sample(const RawMask& picture, std::pair<int, int> columns, std::pair<int, int> rows, int channel) {
+  std::uint64_t sum = 0, count = 0;
+  for (int v = rows.first; v < rows.second; ++v)
+    for (int u = columns.first; u < columns.second; ++u, ++count)
+      sum +=
+          picture.data[Reading::index(u, v, size_of(picture)) * std::size_t(picture.channels) + std::size_t(channel)];
+  return std::uint16_t((sum + count / 2) / count);
+}
+
 /// The average of the samples that a pixel of `size` covers, or the nearest sample.
 RawMask scaled(const RawMask& picture, ImageSize size) {
   RawMask out{size.width_px, size.height_px, picture.channels, picture.bits, picture.lossy, {}};
-  const auto range = [](int i, int from, int to) {
-    const auto begin = std::int64_t(i) * from / to, end = (std::int64_t(i) + 1) * from / to;
-    return std::pair(int(begin), int(std::max(begin + 1, end)));
-  };
-  const auto channels = std::size_t(picture.channels);
   for (int y = 0; y < size.height_px; ++y)
     for (int x = 0; x < size.width_px; ++x)
-      for (std::size_t c = 0; c < channels; ++c) {
-        const auto [left, right] = range(x, picture.width_px, size.width_px);
-        const auto [top, bottom] = range(y, picture.height_px, size.height_px);
-        std::uint64_t sum = 0, count = 0;
-        for (int v = top; v < bottom; ++v)
-          for (int u = left; u < right; ++u, ++count)
-            sum += picture.data[Reading::index(u, v, size_of(picture)) * channels + c];
-        out.data.push_back(std::uint16_t((sum + count / 2) / count));
-      }
+      for (int c = 0; c < picture.channels; ++c)
+        out.data.push_back(mean_sample(picture, covered_pixels(x, picture.width_px, size.width_px),
+                                       covered_pixels(y, picture.height_px, size.height_px), c));
   return out;
 }
 

@@ -17,7 +17,7 @@ struct Model {
 
 struct ShownObject {
   int id = 0;
-  std::array<float, 3> colour{1, 0.5f, 0};  // RGB in [0, 1]
+  std::array<float, 3> colour{1, 0.5f, 0};      // RGB in [0, 1]
   std::shared_ptr<const ObjectLabels> labels;   // null: no strokes
   std::shared_ptr<const ObjectLabels> touched;  // of the pieces that strokes touch
 };

@@ -5,76 +5,15 @@
 #include <cmath>
 
 #include "ngs/core/error.h"
-#include "support/tiny_scene.h"
+#include "support/checked_capture.h"
 
 namespace ngs {
 namespace {
 
-struct Capture {
-  Scene scene;
-  GaussianCloud cloud;
-  std::vector<ImageF> photos;
-  std::vector<ViewMasks> masks;
-
-  SceneLoaders loaders() const {
-    return {[this](std::size_t view) { return photos.at(view); },
-            [this](std::size_t view) {
-              return MaskSample{masks.at(view), {}, false};
-            }};
-  }
-  SceneCheck check(SceneCheckOptions options = {}, int threads = 1) const {
-    Monitor monitor;
-    return check_scene(Exec{Device::kCpu, threads}, monitor, options, {&cloud, scene, loaders()});
-  }
-};
-
-/// The tiny scene with photos rendered from it, over a background that is not in the PLY. One quarter of the wall is
-/// dark: the ball and the plain wall would look the same upside down.
-Capture tiny_capture() {
-  const test::TinyScene tiny = test::tiny_scene();
-  Capture capture;
-  capture.cloud = tiny.cloud;
-  for (std::size_t i = 0; i < capture.cloud.usable.size(); ++i)
-    if (tiny.is_object[i] == 0 && capture.cloud.position[i * 3] > 0 && capture.cloud.position[i * 3 + 1] > 0)
-      for (std::size_t c = 0; c < 3; ++c) capture.cloud.sh_dc[i * 3 + c] = -1.5f;
-  classify(capture.cloud);
-  capture.scene.objects = {{"ball", 0}};
-  for (const Camera& camera : tiny.cameras) {
-    SceneView view;
-    view.camera = camera, view.image_path = "photo", view.mask_path = "mask";
-    capture.scene.views.push_back(view);
-    RenderRequest request;
-    request.background = {0.2f, 0.9f, 0.4f};
-    request.label = {tiny.is_object.data(), tiny.cloud.size(), 1};
-    const RenderedView rendered = render({}, capture.cloud, camera, {}, request);
-    capture.photos.push_back(rendered.colour);
-    ViewMasks masks{camera.width_px, camera.height_px, {rendered.label.data}, {}, true};
-    for (float& m : masks.target[0]) m = m > 0.5f ? 1.f : 0.f;
-    capture.masks.push_back(masks);
-  }
-  return capture;
-}
-
-/// The capture in other length units.
-Capture shrunk(double factor) {
-  Capture capture = tiny_capture();
-  for (SceneView& view : capture.scene.views) view.camera.translation = factor * view.camera.translation;
-  for (float& x : capture.cloud.position) x *= float(factor);
-  for (float& s : capture.cloud.log_scale) s += float(std::log(factor));
-  return capture;
-}
-
-/// {code, message, remedy} of what `body` throws.
-template <class Body>
-Error thrown_by(const Body& body) {
-  try {
-    body();
-  } catch (const Error& e) {
-    return e;
-  }
-  FAIL("nothing was thrown");
-  return Error(ErrorCode::kUsage, "");
-}
+using test::Capture;
+using test::shrunk;
+using test::thrown_by;
+using test::tiny_capture;
 
 Camera with_wrong_quaternion(Camera c, double w, double x, double y, double z) {
   c.rotation = {{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y), 2 * (x * y + w * z),
@@ -159,86 +98,6 @@ TEST_CASE("common mistakes in pose files are errors that name the mistake") {
     const double x = (m[7] - m[5]) / (4 * w), y = (m[2] - m[6]) / (4 * w), z = (m[3] - m[1]) / (4 * w);
     return with_wrong_quaternion(c, x, y, z, w);
   });
-}
-
-TEST_CASE("another scene's model in a small world gets no hint about near planes") {
-  Capture other = shrunk(1e-3);
-  for (ImageF& photo : other.photos)
-    for (int y = 0; y < photo.height_px; ++y)
-      for (int x = 0; x < photo.width_px; ++x)
-        for (int c = 0; c < 3; ++c) photo.at(x, y, c) = (x / 3 + y / 3) % 2 == 0 ? 1.f : 0.f;
-  const Error error = thrown_by([&] { other.check(); });
-  CHECK(error.code() == ErrorCode::kInconsistent);
-  CHECK(error.remedy().find("near plane") == std::string::npos);
-  CHECK(error.remedy().find("the model is of another scene") != std::string::npos);
-}
-
-TEST_CASE("with --compat inria a model nearer than its near plane gets a hint that names what fits") {
-  Capture small = shrunk(0.02);  // behind gsplat's near plane
-  const Error error = thrown_by([&] { small.check(); });
-  CHECK(error.code() == ErrorCode::kInconsistent);
-  CHECK(error.remedy().find("--compat gsplat, or") != std::string::npos);
-  CHECK(error.remedy().find("--compat auto") != std::string::npos);
-  small.scene.compat = Compat::kGsplat;
-  CHECK(small.check().median_fit_db > 60);                        // 73: the photos were rendered with 3DGS's footprints
-  const Error smaller = thrown_by([] { shrunk(1e-3).check(); });  // before both near planes
-  CHECK(smaller.remedy().find("--compat gsplat") == std::string::npos);
-  CHECK(smaller.remedy().find("--compat auto") != std::string::npos);
-}
-
-TEST_CASE("a model partly between the near planes gives a warning if a nearer one matches the photos better") {
-  Capture part = shrunk(0.04);
-  const SceneCheckOptions anything{.min_fit_db = -100};
-  const SceneCheck as_inria = part.check(anything);
-  REQUIRE(as_inria.warnings.size() == 1);
-  CHECK(as_inria.warnings[0].find("better with near planes scaled to this small world") != std::string::npos);
-  CHECK(as_inria.world_unit == 1);
-  part.scene.compat = Compat::kGsplat;
-  CHECK(part.check(anything).warnings.empty());
-  CHECK(tiny_capture().check(anything).warnings.empty());
-  // As near, but culled by the renderer of the fit.
-  part.scene.compat = Compat::kInria;
-  for (std::size_t v = 0; v < part.photos.size(); ++v)
-    part.photos[v] = render({}, part.cloud, part.scene.views[v].camera, {}, {}).colour;
-  CHECK(part.check(anything).warnings.empty());
-}
-
-TEST_CASE("with --compat auto the renderer and near plane that match the photos best are used") {
-  const auto checked = [](const Capture& capture) {
-    Monitor monitor;
-    return check_scene({}, monitor, {.min_fit_db = -100}, {&capture.cloud, capture.scene, capture.loaders(), true});
-  };
-  for (const double factor : {1e-3, 0.02, 0.04}) {
-    CAPTURE(factor);
-    Capture small = shrunk(factor);
-    SceneCheck found = checked(small);
-    CHECK(found.compat == Compat::kInria);
-    CHECK(found.world_unit < 1);
-    CHECK(found.median_fit_db > 60);
-    CHECK((found.warnings.size() == 1 && found.warnings[0].find("used (--compat inria") != std::string::npos));
-    if (factor < 0.01) continue;
-    for (std::size_t v = 0; v < small.photos.size(); ++v)
-      small.photos[v] = render({}, small.cloud, small.scene.views[v].camera, {.compat = Compat::kGsplat}, {}).colour;
-    found = checked(small);
-    CHECK(found.compat == Compat::kGsplat);
-    CHECK(found.world_unit == 1);
-  }
-  CHECK(checked(tiny_capture()).compat == Compat::kInria);
-  CHECK(checked(tiny_capture()).world_unit == 1);
-}
-
-TEST_CASE("without photos, near planes are scaled if they would remove a tenth of the model") {
-  const auto checked = [](double factor) {
-    Capture capture = shrunk(factor);
-    for (SceneView& view : capture.scene.views) view.image_path.clear();
-    Monitor monitor;
-    return check_scene({}, monitor, {}, {&capture.cloud, capture.scene, capture.loaders(), true});
-  };
-  CHECK(checked(1).world_unit == 1);
-  CHECK(checked(1).warnings.empty());
-  const SceneCheck small = checked(1e-3);
-  CHECK(small.world_unit < 0.01);
-  CHECK((small.warnings.size() == 1 && small.warnings[0].find("scaled to this small world") != std::string::npos));
 }
 
 TEST_CASE("wrong poses without a known mistake are an error without a guess") {
