@@ -11,7 +11,6 @@ namespace ngs {
 namespace {
 
 using test::Capture;
-using test::shrunk;
 using test::thrown_by;
 using test::tiny_capture;
 
