@@ -104,13 +104,22 @@ refuse_out() {
 }
 files_in() { (cd "$1" 2> /dev/null && find . ! -type d -printf '%P\n' | LC_ALL=C sort) || true; }
 
+# is_finished OUT KEY: whether the last call of the chain had this key, and its results are still there.
+is_finished() {
+  local name
+  [ "$(cat "$1/.state/call" 2> /dev/null)" = "$2" ] || return 1
+  for name in scene.json boundary.ply labelled.ply object.ply background.ply masks report.html; do
+    [ -e "$1/$name" ] || return 1
+  done
+}
+
 # lock_out OUT: waits for another run in the folder, then removes leftovers: unfinished files, and results that the next run
 # may not rewrite.
 lock_out() {
   mkdir -p -- "$1/.state" "$1/reports" || fail 8 "$1: cannot be created"
   exec 9> "$1/.state/run.lock" || fail 8 "$1: cannot be written"
   flock -n 9 || { say "another run is at work in $1, waiting for it"; flock 9; }
-  rm -f -- "$1"/{queries,field}.ply "$1"/trace.jsonl "$1"/metrics{,_input}.json "$1"/reports/ngs-* "$1"/.state/done
+  rm -f -- "$1"/{queries,field}.ply "$1"/trace.jsonl "$1"/metrics{,_input}.json "$1"/reports/ngs-* "$1"/.state/{done,call}
   find "$1" -maxdepth 1 -name '.ngs-*.tmp*' -delete
 }
 
@@ -121,15 +130,22 @@ score_masks() {
     tool ngs-eval "$4.masks" "$3" -o "$4" -w -q > /dev/null && rm -r "$4.masks"
 }
 
-# once FOLDER COMMAND...: runs the command, which fills FOLDER, unless it has already succeeded there with the same words,
-# flags, tools and files.
-once() {
-  local folder=$1 key word bin code=0
+# key_of FOLDER WORD...: prints what the result of a command that fills FOLDER depends on: its words, the *_FLAGS, the tools,
+# and the files that the words name.
+key_of() {
+  local folder=$1 word bin
   shift
   bin=$(find_bin) || return
-  key=$(printf '%s\n' "$@" && { env | grep '^[A-Z]*_FLAGS=' | sort || true; } &&
+  printf '%s\n' "$@" && { env | grep '^[A-Z]*_FLAGS=' | sort || true; } &&
     stat -L -c '%n %s %Y' "$(PATH=${bin:+$bin:}$PATH command -v ngs-joint)" &&
-    for word in "$@"; do if [ "$word" != "$folder" ] && [ -e "$word" ]; then fingerprint "$word"; fi; done)
+    for word in "$@"; do if [ "$word" != "$folder" ] && [ -e "$word" ]; then fingerprint "$word"; fi; done
+}
+
+# once FOLDER COMMAND...: runs the command, which fills FOLDER, unless it has already succeeded there with the same key_of.
+once() {
+  local folder=$1 key code=0
+  shift
+  key=$(key_of "$folder" "$@") || return
   if [ "$(cat "$folder/.state/done" 2> /dev/null)" = "$key" ]; then return; fi
   "$@" || code=$?
   if [ "$code" -eq 0 ]; then mkdir -p "$folder/.state" && printf '%s\n' "$key" > "$folder/.state/done"; fi

@@ -16,14 +16,14 @@
 #
 # Options for the other tools go in SCENE_FLAGS, VARIANCE_FLAGS, SAMPLE_FLAGS, RBF_FLAGS, EXTRACT_FLAGS, RENDER_FLAGS,
 # EVAL_FLAGS and REPORT_FLAGS (JOINT_FLAGS too), quoted as for the shell: SCENE_FLAGS='--mask-mode label --object-id 7' ...
-# Every call runs the whole chain; experiment.mk runs only what changed. Files that no earlier call has written are never
-# replaced. The exit code is that of the failed tool; 1 if a bound of --fail-below in EVAL_FLAGS was not met.
+# A call like the last one, on unchanged files, does nothing; experiment.mk runs only the stages that changed. Files that no call
+# has written are never replaced. The exit code is that of the failed tool; 1 if a bound of --fail-below in EVAL_FLAGS was not met.
 # The tools are searched in $NGS_BIN, then in the build folder, then in PATH.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"
 
-scene='' out='' artifacts=needed views=all passes='check run' inputs=() import=() joint=() common=() device=() report=
+words=("$@") scene='' out='' artifacts=needed views=all passes='check run' inputs=() import=() joint=() common=() device=() report=
 while [ $# -gt 0 ]; do
   case $1 in --*=*) set -- "${1%%=*}" "${1#*=}" "${@:2}" ;; esac
   case $1 in
@@ -78,8 +78,13 @@ chain() {
   step ngs-report "$out" -o "$out/report.html"
 }
 
+key=$(key_of "$out" "${words[@]}")
 for pass in $passes; do
-  if [ "$pass" = run ]; then lock_out "$out"; fi
+  if [ "$pass" = run ]; then
+    if is_finished "$out" "$key"; then say "$out: nothing has changed since the last call"; exit 0; fi
+    lock_out "$out"
+  fi
   chain
 done
+if [ "$failed" -eq 0 ] && [ "$pass" = run ]; then printf '%s\n' "$key" > "$out/.state/call"; fi
 exit "$failed"

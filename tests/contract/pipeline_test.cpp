@@ -46,6 +46,29 @@ TEST_CASE("ngs-gs.sh leaves no result of an earlier call with other options") {
   CHECK(fs::exists(capture.out + "/masks/v0.png"));
 }
 
+TEST_CASE("ngs-gs.sh called again does nothing, unless a word, a flag, an input or a result has changed") {
+  const Capture capture;
+  REQUIRE(capture.run({"--method", "flash"}).exit_code == 0);
+  auto before = times_of(capture.out);
+  const test::ProcessResult again = capture.run({"--method", "flash"});
+  CHECK(again.exit_code == 0);
+  CHECK(again.err.find("nothing has changed since the last call") != std::string::npos);
+  CHECK(times_of(capture.out) == before);
+  const auto runs_again = [&](const test::ProcessResult& result) {
+    INFO(result.err);
+    CHECK(result.exit_code == 0);
+    const auto after = times_of(capture.out);
+    CHECK(after.at("labelled.ply") != before.at("labelled.ply"));
+    before = after;
+  };
+  fs::remove(capture.out + "/object.ply");
+  runs_again(capture.run({"--method", "flash"}));
+  fs::last_write_time(capture.dir.path() + "/my scene/masks/v0.png", fs::file_time_type::clock::now());
+  runs_again(capture.run({"--method", "flash"}));
+  runs_again(capture.run({"--method", "flash"}, {{"VARIANCE_FLAGS", "--tau 0.4"}}));
+  runs_again(capture.run({"--method", "bce"}, {{"VARIANCE_FLAGS", "--tau 0.4"}}));
+}
+
 TEST_CASE("ngs cut of a capture and ngs-gs.sh, with the same options, write the same labelled.ply and object.ply") {
   const Capture capture;
   const std::vector<std::string> same{"--quality", "draft", "--hold-out", "every:4:2", "--gt", "my scene/masks"};
