@@ -2,10 +2,10 @@
 # Checks changed source files with .clang-format and .clang-tidy:
 #   tests/ci/lint.sh [--base COMMIT] [--most N] [--libcxx] [FILE...]
 # Without FILE: files changed since COMMIT (default: merge base with origin/main, or HEAD~1), committed or not.
-# clang-tidy needs compile_commands.json in build/ (made by pipelines/build.sh), and takes some seconds per file; --most
-# checks N files, evenly chosen, and prints that. --libcxx compiles them with clang and libc++ instead, without code
-# generation; warnings are findings. Exit code 1: findings; 77: no findings, but a part was skipped because a program,
-# compile_commands.json or the commit is missing.
+# clang-tidy needs build/ (made by pipelines/build.sh), configures build/lint, which compiles every file by itself, and takes
+# some seconds per file; --most checks N files, evenly chosen, and prints that. --libcxx compiles them with clang and libc++
+# instead, without code generation; warnings are findings. Exit code 1: findings; 77: no findings, but a part was skipped
+# because a program, compile_commands.json or the commit is missing.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/../../pipelines/common.sh"
@@ -59,6 +59,8 @@ if ! command -v "$program" > /dev/null; then
   skip "$program is not installed"
 elif [ ! -e build/compile_commands.json ]; then
   skip "build/compile_commands.json is missing"
+elif ! cmake -S . -B build/lint -G Ninja -DNGS_UNITY=OFF -DNGS_WITH_CUDA=OFF > build/lint.log 2>&1; then
+  fail 8 "a build without batches cannot be configured" "see build/lint.log"
 elif [ -n "$libcxx" ]; then
   headers=$(find /usr/lib/llvm-*/include/c++ /usr/include/c++ -maxdepth 1 -name v1 2> /dev/null | sort -V | tail -n 1)
   [ -n "$headers" ] || fail 8 "libc++ is not installed" "Debian: apt-get install libc++-dev"
@@ -67,10 +69,10 @@ elif [ -n "$libcxx" ]; then
     -Wno-unknown-warning-option -Wno-unused-command-line-argument -Wno-ignored-optimization-argument)
   sources=()  # headers are compiled by including files
   for file in "${compiled[@]}"; do case $file in *.cpp) sources+=("$file") ;; esac; done
-  printf '%s\0' "${sources[@]}" | xargs -0 -n 1 -P "$(nproc)" clang-check -p build "${flags[@]/#/--extra-arg=}" || code=1
+  printf '%s\0' "${sources[@]}" | xargs -0 -n 1 -P "$(nproc)" clang-check -p build/lint "${flags[@]/#/--extra-arg=}" || code=1
 elif [ ${#compiled[@]} -gt 0 ]; then
   # Check only the file itself, and only warnings that g++ has too.
-  printf '%s\0' "${compiled[@]}" | xargs -0 -n 1 -P "$(nproc)" clang-tidy -p build --quiet --header-filter='^$' \
+  printf '%s\0' "${compiled[@]}" | xargs -0 -n 1 -P "$(nproc)" clang-tidy -p build/lint --quiet --header-filter='^$' \
     --extra-arg=-Wno-unknown-warning-option --extra-arg=-Wno-sign-conversion \
     --extra-arg=-Wno-bitwise-instead-of-logical || code=1
 fi

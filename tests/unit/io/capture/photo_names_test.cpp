@@ -59,8 +59,9 @@ TEST_CASE("cameras with HEIC, DNG or AVIF names match copies in another format, 
 }
 
 TEST_CASE("a photo that exists only in an unsupported format is rejected with the command that converts it") {
-  for (const auto& [name, bytes] : {std::pair("0.HEIC", "any bytes that are long enough"),
-                                    std::pair("0.jpg", "\1\1\1\1ftypheic\1\1\1\1\1\1\1\1\1\1")}) {
+  for (const auto& file : {std::pair("0.HEIC", "any bytes that are long enough"),
+                           std::pair("0.jpg", "\1\1\1\1ftypheic\1\1\1\1\1\1\1\1\1\1")}) {
+    const char *const name = file.first, *const bytes = file.second;
     CAPTURE(name);
     const TempDir dir;
     write_cameras(dir, "sparse/0", {name});
