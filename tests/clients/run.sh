@@ -80,7 +80,7 @@ check_supersplat() {
   left=$(ply count "$out/edited.ply")
   tool ngs-extract "$out/run/labelled.ply" --import "$out/edited.ply" --labelled "$out/corrected.ply" --object "$out/kept.ply"
   expect "--import of $left of $(ply count "$out/run/object.ply") rows, reordered, without our columns: object" "$(ply count "$out/kept.ply")" "$left"
-  for method in flash bce paper; do  # without contours these methods keep the number of rows
+  for method in flash bce ng-gs; do  # without contours these methods keep the number of rows
     tool ngs-joint "$out/run/scene.json" "$out/corrected.ply" --method $method --quality draft --effect contours=off -o "$out/next.ply"
     expect "--method $method keeps the rows fixed by hand" "$(ply fixed "$out/corrected.ply" "$out/next.ply" 2>&1)" \
       "$(ply equal-to "$out/corrected.ply" ngs_fixed 1)"

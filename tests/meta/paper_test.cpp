@@ -99,13 +99,9 @@ std::vector<std::string> broken_sections(const SourceFile& file, const std::set<
   return offenders;
 }
 
-SourceFile top_file(const std::string& name) {
-  return {name, test::read_bytes((fs::path(NGS_SOURCE_DIR) / name).string())};
-}
-
 std::vector<SourceFile> documents() {
-  std::vector<SourceFile> files = test::source_files({"libngs", "tools", "pipelines", "data-schema", "tests"}, {".md"});
-  for (const char* name : {"README.md", "BENCHMARKS.md"}) files.push_back(top_file(name));
+  std::vector<SourceFile> files = test::source_files({"docs", "tools", "pipelines", "data-schema", "tests"}, {".md"});
+  for (const char* name : {"README.md", "BENCHMARKS.md"}) files.push_back(test::source_file(name));
   return files;
 }
 
@@ -140,7 +136,7 @@ TEST_CASE("every relative link points to an existing file and heading") {
 }
 
 TEST_CASE("every section cited in a comment or document exists in paper.md") {
-  const std::set<std::string> sections = sections_of(top_file("docs/paper.md"));
+  const std::set<std::string> sections = sections_of(test::source_file("docs/paper.md"));
   std::vector<SourceFile> files = test::source_files({"libngs", "tools", "tests"}, {".h", ".cpp", ".cu", ".cuh"});
   for (SourceFile& document : documents()) files.push_back(std::move(document));
   std::vector<std::string> offenders;

@@ -84,14 +84,19 @@ std::vector<std::string> offences(const Banned& banned, const std::string& line)
   return found;
 }
 
-std::string text_of(const std::string& path) { return test::read_bytes(NGS_SOURCE_DIR "/" + path); }
+std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
 
 /// Files in which people read words. Of a decision note its first paragraph; the rest is history.
 std::vector<SourceFile> readable_files() {
   std::vector<SourceFile> files =
       test::source_files({"libngs", "tools", "tests", "pipelines", "docs", "data-schema"},
                          {".h", ".cpp", ".cu", ".cuh", ".md", ".sh", ".mk", ".js", ".html"});
-  for (const char* page : {"README.md", "CHANGELOG.md", "BENCHMARKS.md"}) files.push_back({page, text_of(page)});
+  for (const char* page : {"README.md", "CHANGELOG.md", "BENCHMARKS.md"}) files.push_back(test::source_file(page));
   std::erase_if(files, [](const SourceFile& f) { return f.path.ends_with("tests/meta/words_test.cpp"); });
   for (SourceFile& file : files)
     if (file.path.find("decisions/0") != std::string::npos)
@@ -122,28 +127,18 @@ std::vector<std::size_t> reflowed(const std::vector<std::string>& lines) {
   return found;
 }
 
-std::vector<std::string> lines_of(const std::string& text) {
-  std::istringstream in(text);
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(in, line);) lines.push_back(line);
-  return lines;
-}
-
 }  // namespace
 
 TEST_CASE("names, comments, help, pages and test names contain no banned word") {
-  const Banned banned(text_of("tests/meta/banned_words.txt"));
+  const Banned banned(test::source_file("tests/meta/banned_words.txt").text);
   CHECK(banned.identifiers.size() > 20);
   CHECK(banned.phrases.size() > 300);
   std::vector<std::string> all;
   for (const SourceFile& file : readable_files()) {
-    std::istringstream lines(file.text);
-    int number = 0;
-    for (std::string line; std::getline(lines, line);) {
-      ++number;
-      for (const std::string& word : offences(banned, line))
-        all.push_back(file.path + ":" + std::to_string(number) + ": '" + word + "'");
-    }
+    const std::vector<std::string> lines = lines_of(file.text);
+    for (std::size_t i = 0; i < lines.size(); ++i)
+      for (const std::string& word : offences(banned, lines[i]))
+        all.push_back(file.path + ":" + std::to_string(i + 1) + ": '" + word + "'");
   }
   CHECK(test::listed(all) == "");
 }

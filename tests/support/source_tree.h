@@ -18,6 +18,8 @@ struct SourceFile {
   bool in(const std::string& folder) const { return path.rfind(folder + "/", 0) == 0; }
 };
 
+inline SourceFile source_file(const std::string& path) { return {path, read_bytes(NGS_SOURCE_DIR "/" + path)}; }
+
 /// Files under the named folders whose names end with one of `suffixes`, sorted by path; files installed by npm are
 /// skipped.
 inline std::vector<SourceFile> source_files(const std::vector<std::string>& folders,

@@ -44,8 +44,8 @@ int runs_command(int argc, char** argv) {
   const cli::Output& out = tool.output("-o,--output", "HTML page");
   const cli::Output& atlas = tool.optional_output_dir(
       "--atlas", "folder for pictures of wrong pixels by cause, one PNG per scored view; one run only");
-  const cli::Output& viewer =
-      tool.optional_output("--viewer", "HTML page with the object in 3D; one run only; default: object.html beside -o");
+  const cli::Output& viewer = tool.optional_output(
+      "--viewer", "HTML page with the object in 3D; one run only; default: object.html next to -o");
   return tool.run(argc, argv, [&](cli::Run& run) {
     for (const cli::Output* output : {&atlas, &viewer})
       if (*output && folders.paths.size() > 1)

@@ -15,7 +15,7 @@ struct ViewerPage {
   std::int64_t shown = 0, left_out = 0;  // Gaussians
 };
 
-/// Path of the 3D page beside a page: object.html beside report.html, else NAME-object.html beside NAME.html.
+/// Path of the 3D page of a page: object.html next to report.html, else NAME-object.html next to NAME.html.
 std::string viewer_beside(const std::string& page);
 
 bool has_object(const RunFolder& run);  // object.ply is a file of the run's folder

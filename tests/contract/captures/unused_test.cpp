@@ -62,7 +62,7 @@ TEST_CASE("other splats, and older iterations of the chosen one, are named") {
                        "iteration_7000/point_cloud.ply (a splat of 374 Gaussians)", "name it with --model PATH"});
 }
 
-TEST_CASE("photos beside the cameras files are found, as RealityScan exports them") {
+TEST_CASE("photos next to the cameras files are found, as RealityScan exports them") {
   const Capture capture;
   for (const char* name : {"cameras.txt", "images.txt", "points3D.txt"})
     fs::rename(capture.path(std::string("sparse/0/") + name), capture.path(name));

@@ -50,7 +50,7 @@ struct Located {
   std::vector<std::string> also;  // other camera files in the same folder
 };
 
-/// Models beside sparse/0: COLMAP writes one for each part of a capture that it could not connect.
+/// Other models next to sparse/0: COLMAP writes one for each part of a capture that it could not connect.
 std::vector<std::string> other_models(const std::string& model) {
   const fs::path path(model), above = path.parent_path();
   std::vector<std::string> others;

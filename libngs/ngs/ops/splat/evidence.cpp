@@ -103,7 +103,7 @@ class ViewPairs {
     std::uint32_t tile, entry;
   };
 
-  /// Everything behind the last wanted Gaussian is culled: a Gaussian's weights do not depend on what lies behind it.
+  /// Gaussians behind the last requested one are culled: the weights of a Gaussian do not depend on those behind it.
   static CullRequest cull_request_of(const RowNumbers* wanted) {
     const std::uint8_t* const flags = wanted ? wanted->chosen.data() : nullptr;
     return {flags, flags};
