@@ -78,9 +78,9 @@ chain() {
   step ngs-report "$out" -o "$out/report.html"
 }
 
-key=$(key_of "$out" "${words[@]}")
 for pass in $passes; do
   if [ "$pass" = run ]; then
+    key=$(key_of "$out" "${words[@]}")
     if is_finished "$out" "$key"; then say "$out: nothing has changed since the last call"; exit 0; fi
     lock_out "$out"
   fi

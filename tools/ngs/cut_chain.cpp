@@ -21,11 +21,6 @@ namespace fs = std::filesystem;
 
 constexpr int kWholePicture_px = 1 << 20;
 
-bool exists(const std::string& path) {
-  std::error_code unreadable;
-  return !path.empty() && fs::exists(path, unreadable);
-}
-
 void append(Words& words, const std::string& flag, const std::string& value) {
   if (!value.empty()) words.push_back(flag), words.push_back(value);
 }
@@ -117,7 +112,7 @@ bool CutChain::orbit() {
       run_.monitor().warn(pictures() + "/" + name +
                           ": called like no image of the splat, not read; if it is painted, " +
                           "name it after its image or pass it with --strokes and --view");
-    for (const std::string& name : painted.beside)
+    for (const std::string& name : painted.other_format)
       run_.monitor().warn(pictures() + "/" + name + ": strokes are read from it (a copy: " + at("painted/") + name +
                           ")");
     for (const std::string& name : painted.in_place)

@@ -14,6 +14,11 @@ namespace ngs::front {
 
 namespace fs = std::filesystem;
 
+bool exists(const std::string& path) {
+  std::error_code unreadable;
+  return !path.empty() && fs::exists(path, unreadable);
+}
+
 SourceKind kind_of(const std::string& path) {
   std::error_code unreadable;
   if (!fs::exists(path, unreadable))

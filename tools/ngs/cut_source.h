@@ -11,6 +11,9 @@ enum class SourceKind { kSplat, kCapture, kScene };
 /// exist.
 SourceKind kind_of(const std::string& path);
 
+/// False for an empty path and for one that cannot be read.
+bool exists(const std::string& path);
+
 /// Throws kBadInput, with a list of the files found, if the capture has no splat.
 void require_model_in(const std::string& path);
 

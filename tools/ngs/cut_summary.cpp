@@ -17,11 +17,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kShownWarnings = 3;
 
-bool exists(const std::string& path) {
-  std::error_code unreadable;
-  return fs::exists(path, unreadable);
-}
-
 /// kind: "scores", or "agreement" without true masks; empty: neither.
 struct Scores {
   std::string kind;

@@ -67,7 +67,7 @@ std::vector<PixelMask> read_flash_masks(const std::string& folder, const FlashCu
     const io::RawMask raw = io::read_mask_raw(path, io::Palette::kMask);
     const Camera& camera = cut.cameras[v];
     if (raw.width_px != camera.width_px || raw.height_px != camera.height_px || raw.channels != 1) continue;
-    for (const auto value : raw.data) masks[v].push_back(std::uint8_t(value >= 128));
+    for (const auto value : raw.data) masks[v].push_back(std::uint8_t(value >= kMaskThreshold));
   }
   return masks;
 }

@@ -23,7 +23,7 @@ void record_pictures(const std::string& folder, const std::string& record) {
 
 std::vector<std::string> PaintedPictures::all() const {
   std::vector<std::string> names = in_place;
-  names.insert(names.end(), beside.begin(), beside.end());
+  names.insert(names.end(), other_format.begin(), other_format.end());
   return names;
 }
 
@@ -36,7 +36,7 @@ PaintedPictures rescue_painted(const std::string& folder, const std::string& rec
   for (const auto& entry : hashes.items()) stems.insert(image_stem(entry.key()));
   for (const std::string& name : io::list_images(folder)) {
     if (!hashes.contains(name))
-      (stems.contains(image_stem(name)) ? painted.beside : painted.unknown).push_back(name);
+      (stems.contains(image_stem(name)) ? painted.other_format : painted.unknown).push_back(name);
     else if (io::content_hash((fs::path(folder) / name).string()).xxh3 != hashes.at(name))
       painted.in_place.push_back(name);
   }

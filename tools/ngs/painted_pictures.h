@@ -12,13 +12,13 @@ void record_pictures(const std::string& folder, const std::string& record);
 struct PaintedPictures {
   std::vector<std::string> in_place;  // differ from `record`: they must be rendered again, because strokes are read as
                                       // the difference
-  std::vector<std::string> beside;    // saved next to a render in another format: 0000.jpg
-  std::vector<std::string> unknown;   // called like no render
+  std::vector<std::string> other_format;  // saved next to a render in another format: 0000.jpg
+  std::vector<std::string> unknown;       // called like no render
 
-  std::vector<std::string> all() const;  // in_place and beside
+  std::vector<std::string> all() const;  // in_place and other_format
 };
 
-/// Copies images in place and beside renders to the folder `copies`. Finds none without a record.
+/// Copies images in place and in another format to the folder `copies`. Finds none without a record.
 PaintedPictures rescue_painted(const std::string& folder, const std::string& record, const std::string& copies);
 
 /// `strokes` with images in `folder`, and the folder itself, replaced by their copies, plus the copies of `painted`

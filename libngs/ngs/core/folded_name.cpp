@@ -68,6 +68,7 @@ bool append_hangul(std::uint32_t c, std::string& out) {
 }
 
 void append_decomposed(std::uint32_t c, std::string& out) {
+  if (c < 0x80) return append_utf8(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c, out);
   if (append_hangul(c, out)) return;
   for (const Composed& of : kComposed)
     for (std::size_t i = 0; i < of.pairs.size(); i += 2) {
@@ -75,7 +76,7 @@ void append_decomposed(std::uint32_t c, std::string& out) {
       append_decomposed(of.pairs[i + 1], out);
       return append_utf8(of.mark, out);
     }
-  append_utf8(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c, out);
+  append_utf8(c, out);
 }
 
 /// Bytes of the character at name[at] if it is UTF-8 of one to three bytes; 0: other bytes.

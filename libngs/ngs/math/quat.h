@@ -43,6 +43,12 @@ NGS_HD Mat3<T> rotation_matrix(Vec4<T> q) {
            T(1) - two * (x * x + y * y)}};
 }
 
+/// The axes of a Gaussian, as columns, from its stored quaternion (w, x, y, z) of any length.
+inline Mat3<double> axes_of_quaternion(const float* q) {
+  double inv_norm = 0;
+  return rotation_matrix(normalised(Vec4<double>{double(q[0]), double(q[1]), double(q[2]), double(q[3])}, inv_norm));
+}
+
 /// ∂L/∂(unit quaternion) from ∂L/∂(rotation matrix).
 template <class T>
 NGS_HD Vec4<T> rotation_matrix_backward(Vec4<T> q, const Mat3<T>& g) {

@@ -22,12 +22,6 @@ void gather_moments(const std::vector<CloudRow>& rows, int width, std::vector<fl
   moments = std::move(out);
 }
 
-Mat3<double> axes_of(const GaussianCloud& cloud, std::size_t r) {
-  const float* q = &cloud.rotation[r * 4];
-  double inv;
-  return rotation_matrix(normalised(Vec4<double>{double(q[0]), double(q[1]), double(q[2]), double(q[3])}, inv));
-}
-
 void move_by(GaussianCloud& cloud, std::size_t r, Vec3<double> offset) {
   float* p = &cloud.position[r * 3];
   p[0] += float(offset.x), p[1] += float(offset.y), p[2] += float(offset.z);
@@ -40,7 +34,7 @@ void place_child(GaussianCloud& cloud, std::size_t r, const CloudRow& row, std::
   double local[3];
   for (std::uint64_t k = 0; k < 3; ++k)
     local[k] = std::exp(double(s[k])) * rng_normal(seed, RngStream::kSplit, 3 * draw + k);
-  move_by(cloud, r, axes_of(cloud, r) * Vec3<double>{local[0], local[1], local[2]});
+  move_by(cloud, r, axes_of_quaternion(&cloud.rotation[r * 4]) * Vec3<double>{local[0], local[1], local[2]});
   for (std::size_t k = 0; k < 3; ++k) cloud.log_scale[r * 3 + k] -= float(std::log(kSplitShrink));
 }
 
@@ -54,7 +48,7 @@ void place_half(GaussianCloud& cloud, std::size_t r, RowOrigin half) {
   const auto axis = std::size_t(std::max_element(s, s + 3) - s);
   double local[3] = {0, 0, 0};
   local[axis] = (half == RowOrigin::kHalf0 ? kShift : -kShift) * std::exp(double(s[axis]));
-  move_by(cloud, r, axes_of(cloud, r) * Vec3<double>{local[0], local[1], local[2]});
+  move_by(cloud, r, axes_of_quaternion(&cloud.rotation[r * 4]) * Vec3<double>{local[0], local[1], local[2]});
   s[axis] += float(std::log(shrink));
   const double depth = softplus(double(cloud.logit_opacity[r])) / (2 * shrink);  // -log(1 - opacity) of one half
   cloud.logit_opacity[r] = float(std::log(std::max(std::expm1(depth), 1e-300)));

@@ -54,9 +54,7 @@ FreeSpace::FreeSpace(const GaussianCloud& cloud, const SurfacePoints& points, co
       add(p, 1);
       continue;
     }
-    double inverse_norm;
-    const Mat3<double> turned =
-        frame.axes * rotation_matrix(normalised(Vec4<double>{q[0], q[1], q[2], q[3]}, inverse_norm));
+    const Mat3<double> turned = frame.axes * axes_of_quaternion(q);
     for (const Part& part : parts_of(s, size_)) add(p + turned * part.offset, part.share);
   }
 }

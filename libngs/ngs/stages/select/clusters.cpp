@@ -99,8 +99,13 @@ double cluster_side(const Exec& exec, const GaussianCloud& cloud, const std::vec
   const std::vector<float> positions = solid_positions(cloud, member);
   KnnGraph graph = nearest_others(exec, {positions.data(), std::int64_t(positions.size() / 3)}, 1);
   if (graph.dist2.empty()) return 0;
-  const auto at = graph.dist2.begin() + std::ptrdiff_t(kSpacingQuantile * double(graph.dist2.size() - 1));
-  std::nth_element(graph.dist2.begin(), at, graph.dist2.end());
+  return side_of_spacings(std::move(graph.dist2));
+}
+
+double side_of_spacings(std::vector<float> dist2) {
+  constexpr double kSpacings = 4, kQuantile = 0.9;
+  const auto at = dist2.begin() + std::ptrdiff_t(kQuantile * double(dist2.size() - 1));
+  std::nth_element(dist2.begin(), at, dist2.end());
   return kSpacings * std::sqrt(double(*at));
 }
 

@@ -15,8 +15,6 @@ namespace ngs {
 
 /// Gaussians of less opacity (0.1) connect nothing.
 inline constexpr float kSolidLogit = -2.1972246f;
-/// The side of a cell: so many times this quantile of the distances between nearest neighbours.
-inline constexpr double kSpacings = 4, kSpacingQuantile = 0.9;
 
 struct Clusters {
   std::vector<std::int32_t> of_row;  // [N] cluster; -1: none, or no member
@@ -32,5 +30,7 @@ Clusters cluster_on_grid(const Exec& exec, const GaussianCloud& cloud, const std
 /// The side of a cell, world: four times the 90 % quantile of the distances between solid Gaussians and their nearest
 /// solid neighbour. 0 with fewer than two, or if this quantile is 0.
 double cluster_side(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::uint8_t>& member);
+/// The same from the squared distances, at least one.
+double side_of_spacings(std::vector<float> dist2);
 
 }  // namespace ngs

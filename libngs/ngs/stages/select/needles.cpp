@@ -23,15 +23,11 @@ std::vector<float> ends_of(const GaussianCloud& cloud, std::size_t i, double ski
   std::ranges::sort(sorted);
   const double sigma = std::exp(double(sorted[2]));
   if (!(kNeedleReach * sigma > skin) || !(double(sorted[2]) - double(sorted[1]) >= std::log(kElongation))) return {};
-  const float* q = &cloud.rotation[4 * i];
-  const double norm = std::sqrt(double(q[0]) * q[0] + double(q[1]) * q[1] + double(q[2]) * q[2] + double(q[3]) * q[3]);
-  const Vec4<double> unit =
-      norm > 0 ? Vec4<double>{q[0] / norm, q[1] / norm, q[2] / norm, q[3] / norm} : Vec4<double>{1, 0, 0, 0};
-  const Mat3<double> r = rotation_matrix(unit);
+  const Mat3<double> axes = axes_of_quaternion(&cloud.rotation[4 * i]);
   std::vector<float> ends;
   for (const double way : {-kNeedleReach * sigma, kNeedleReach * sigma})
     for (int a = 0; a < 3; ++a)
-      ends.push_back(float(double(cloud.position[3 * i + std::size_t(a)]) + way * r(a, int(longest))));
+      ends.push_back(float(double(cloud.position[3 * i + std::size_t(a)]) + way * axes(a, int(longest))));
   return ends;
 }
 

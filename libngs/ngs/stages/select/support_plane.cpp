@@ -33,9 +33,7 @@ struct Sample {
 
 /// The axis of the smallest standard deviation.
 Vec normal_of(const GaussianCloud& cloud, std::size_t row) {
-  const float* q = &cloud.rotation[4 * row];
-  double inv_norm = 0;
-  const Mat3<double> axes = rotation_matrix(normalised(Vec4<double>{q[0], q[1], q[2], q[3]}, inv_norm));
+  const Mat3<double> axes = axes_of_quaternion(&cloud.rotation[4 * row]);
   const float* s = &cloud.log_scale[3 * row];
   const int least = int(std::min_element(s, s + 3) - s);
   return {axes(0, least), axes(1, least), axes(2, least)};
