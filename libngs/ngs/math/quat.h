@@ -1,6 +1,7 @@
 #pragma once
 // Rotation matrices of quaternions (w, x, y, z), with their adjoints.
 #include <cmath>
+#include <initializer_list>
 
 #include "ngs/math/vec.h"
 
