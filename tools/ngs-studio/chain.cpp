@@ -35,8 +35,12 @@ std::vector<std::vector<std::string>> refine_words(const StateFolder& folder, in
     words.push_back({"ngs-scene", "orbit", choice.source, "-o", at("orbit/scene.json"), "-w"});
     if (!choice.around.empty()) words.back().insert(words.back().end(), {"--around", choice.around});
   }
-  words.push_back({"ngs", "cut", at("cut.json"), "--strokes", at("marks.json"), "--quality", choice.quality, "--force",
-                   "-o", at("cut"), "-w"});
+  words.push_back({"ngs", "cut", at("cut.json"), "--strokes", at("marks.json"), "--force", "-o", at("cut"), "-w"});
+  const bool quick = choice.quality == kQuickRefine;
+  if (quick && !choice.source.empty())
+    words.back().insert(words.back().end(), {"--method", "flash"});
+  else
+    words.back().insert(words.back().end(), {"--quality", quick ? "draft" : choice.quality});
   if (choice.all_pieces) words.back().push_back("--all-pieces");
   return words;
 }

@@ -17,6 +17,9 @@ std::vector<std::vector<std::string>> export_words(const StateFolder& folder, in
 /// Export after Refine: converts its object.ply and background.ply; none for ply.
 std::vector<std::vector<std::string>> convert_words(const StateFolder& folder, int object, const std::string& format);
 
+/// The quality of Refine that takes seconds: --method flash for a splat without photos, else --quality draft.
+inline constexpr const char* kQuickRefine = "quick";
+
 struct RefineChoice {
   std::string source;  // a splat without views, to be rendered; empty: the scene has views
   std::string around;  // X,Y,Z,R for ngs-scene orbit

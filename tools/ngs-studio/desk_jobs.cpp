@@ -106,8 +106,8 @@ RefineChoice Desk::choice_for(int object, const std::string& quality) const {
 
 Json Desk::refine(Fields request) {
   const std::string quality = request.text("quality", 20);
-  if (quality != "draft" && quality != "standard" && quality != "high")
-    request.refuse("quality", "draft, standard or high");
+  if (quality != kQuickRefine && quality != "draft" && quality != "standard" && quality != "high")
+    request.refuse("quality", "quick, draft, standard or high");
   request.end();
   const std::shared_ptr<const live::Marks> marks = session_.marks();
   const live::ObjectMarks* found = marks->find(marks->active);

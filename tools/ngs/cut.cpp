@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <set>
 
 #include "cut_chain.h"
 #include "cut_summary.h"
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
+#include "ngs/io/scene/scene_json.h"
 #include "shared/tool.h"
 
 namespace ngs::front {
@@ -99,8 +101,8 @@ Words given_words(const OptionSet& options, const std::string& group = {}) {
   return words;
 }
 
-void check_flash(SourceKind kind, bool has_masks) {
-  if (kind == SourceKind::kSplat && !has_masks) return;
+void check_flash(bool has_renders, bool has_masks) {
+  if (has_renders && !has_masks) return;
   throw Error(ErrorCode::kUsage,
               std::string("--method flash with ") + (has_masks ? "masks" : "photos") +
                   ": it uses renders of the splat only, expected a splat and strokes",
@@ -119,6 +121,13 @@ int tell_plan(cli::Run& run, const CutChain& chain, CutEnd end) {
     steps.push_back({{"step", step.words}, {"tool", step.tool}, {"files", step.files}});
   run.plan({{"steps", std::move(steps)}, {"commands", chain.stages().commands()}});
   return cli::kDone;
+}
+
+/// The scene at `path` if its images are renders of its splat.
+std::optional<Scene> scene_of_renders(SourceKind kind, const std::string& path) {
+  if (kind != SourceKind::kScene) return {};
+  Scene scene = io::read_scene_json(path);
+  return scene.renders ? std::optional(std::move(scene)) : std::nullopt;
 }
 
 int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
@@ -190,9 +199,11 @@ int cut_command(int argc, char** argv) {
   return tool.run(argc, argv, [&](cli::Run& run) {
     if (strokes && masks) throw Error(ErrorCode::kUsage, "--strokes and --masks are both given, expected one of them");
     const SourceKind kind = kind_of(source.value);
-    if (options.method == CutMethod::kFlash) check_flash(kind, masks || truth);
-    if (kind != SourceKind::kSplat)
-      run.warn_unused({"--around", "--up", "--size", "--views"}, "except for a splat without photos");
+    const std::optional<Scene> renders = scene_of_renders(kind, source.value);
+    const bool has_renders = kind == SourceKind::kSplat || renders;
+    if (options.method == CutMethod::kFlash) check_flash(has_renders, masks || truth);
+    if (kind != SourceKind::kSplat) run.warn_unused({"--up", "--size", "--views"}, "except for a splat without photos");
+    if (!has_renders) run.warn_unused({"--around"}, "except for a splat without photos");
     if (kind != SourceKind::kCapture) {
       run.warn_unused({"--image-scale"}, "except for a capture");
       run.warn_unused(capture_flags(tool.option_set()), "except for a capture");
@@ -204,7 +215,7 @@ int cut_command(int argc, char** argv) {
                {.source = operand(source.value),
                 .kind = kind,
                 .strokes = operands(strokes.paths),
-                .model = operand(model.path),
+                .model = operand(renders && !model ? renders->model_path : model.path),
                 .masks = operand(masks.path),
                 .truth = operand(truth.path),
                 .given_masks = operand(masks.path),
@@ -214,7 +225,8 @@ int cut_command(int argc, char** argv) {
                 .import_words = given_words(tool.option_set(), kCaptureGroup),
                 .all_words = given_words(tool.option_set()),
                 .own_flags = own_flags(tool.option_set()),
-                .out = operand(out ? out.path : default_folder(source.value))});
+                .out = operand(out ? out.path : default_folder(source.value)),
+                .has_renders = has_renders});
   });
 }
 

@@ -172,7 +172,7 @@ bool CutChain::cut_flash() {
   const double start_s = wall_seconds();
   const io::GaussianPly ply = [&] {
     const auto timed = run_.monitor().scope("read");
-    return io::read_gaussian_ply(inputs_.source);
+    return io::read_gaussian_ply(inputs_.splat());
   }();
   const std::optional<FlashCut> found = flash(ply, 0);
   if (!found) return false;
@@ -204,12 +204,12 @@ void CutChain::remove_results_of_training() const {
 
 bool CutChain::write_page() { return stage("ngs-report", {"ngs-report", inputs_.out, "-o", at("report.html")}); }
 
-/// For a splat without photos: the result of --method flash, with masks of the images' size. False: stopped by a
+/// Without photos: the result of --method flash, with masks of the images' size. False: stopped by a
 /// signal.
 bool CutChain::cut_untrained() {
   stages_.begin("first look");
   const auto timed = run_.monitor().scope("first look");
-  const io::GaussianPly ply = io::read_gaussian_ply(inputs_.source);
+  const io::GaussianPly ply = io::read_gaussian_ply(inputs_.splat());
   try {
     untrained_ = flash(ply, kWholePicture_px);
   } catch (const Error& e) {
@@ -237,7 +237,7 @@ std::vector<PixelMask> CutChain::masks_of_training() const {
 }
 
 bool CutChain::masks_from_strokes() {
-  if (inputs_.kind == SourceKind::kSplat && !run_.dry_run()) {
+  if (inputs_.has_renders && !run_.dry_run()) {
     if (!cut_untrained()) return false;
     if (untrained_ && untrained_->is_expected) return write_flash_masks(at("strokes"), *untrained_), true;
   }
@@ -339,7 +339,7 @@ void CutChain::keep_better_result() {
   run_.result()["view_agreement"] = {{"trained", trained.agreement}, {"first", first.agreement}};
   if (!is_worse(trained, first)) return;
   kept_untrained_ = true;
-  write_flash_models(run_, inputs_.out, io::read_gaussian_ply(inputs_.source), untrained_->labels);
+  write_flash_models(run_, inputs_.out, io::read_gaussian_ply(inputs_.splat()), untrained_->labels);
 }
 
 /// Scores the masks of the result against the true masks; without true masks, against the masks from strokes or the

@@ -19,6 +19,8 @@ struct CutInputs {
   std::vector<std::string> all_words;     // all given options
   std::set<std::string> own_flags;        // of ngs cut
   std::string out;                        // the output folder
+  bool has_renders = false;               // all images are renders of the splat, or will be
+  std::string splat() const { return kind == SourceKind::kSplat ? source : model; }  // with has_renders
 };
 
 }  // namespace ngs::front

@@ -17,8 +17,7 @@ double joint_share(Quality quality) {
 }
 
 void add_masks_of_strokes(const CutOptions& options, const CutInputs& inputs, std::vector<PlannedStep>& steps) {
-  if (inputs.kind == SourceKind::kSplat)
-    steps.push_back({"first look", "finding the object", "ngs cut", "marked/", 5, true});
+  if (inputs.has_renders) steps.push_back({"first look", "finding the object", "ngs cut", "marked/", 5, true});
   const double share = options.quality == Quality::kDraft ? 12 : 30;
   steps.push_back({"ngs-mask", "outlining the object in the pictures", "ngs-mask", "strokes/", share, true});
 }

@@ -3,6 +3,10 @@
 //
 //   ngs_strokes ball    MODEL IDS ID               X,Y,Z,R of the Gaussians with this id
 //   ngs_strokes strokes MODEL IDS ID SCENE         prompts for two views about 90 degrees apart
+//   ngs_strokes sides   MODEL IDS ID SCENE COUNT   prompts for COUNT (1 or 2) views: a line on each side
+//   ngs_strokes visit   MODEL IDS ID SCENE         requests for ngs-studio --replay: a line on the object and one
+//   around
+//                                                  it, a line on the object from behind, export
 //   ngs_strokes score   MODEL IDS ID SCENE LABELLED  {"iou", "worst_view", "views"}, "gaussian_iou" of the same rows
 //   ngs_strokes ids     LABELLED IDS               writes IDS: 1 for Gaussians labelled as object
 //   ngs_strokes above   MODEL A,B,C,D IDS          writes IDS: 1 if Ax + By + Cz + D >= 0 at the centre
@@ -20,6 +24,7 @@
 #include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
@@ -114,6 +119,8 @@ double deviation_from_square(const Camera& a, const Camera& b) {
   return turned > 0.1 ? std::abs(dot(axis(a, 0), axis(b, 0))) + std::abs(dot(rise, up)) / turned : 2;
 }
 
+Vec3<double> viewing_direction(const Camera& c) { return {c.rotation(2, 0), c.rotation(2, 1), c.rotation(2, 2)}; }
+
 void print(const std::vector<HandPrompt>& prompts) {
   Json out{{"ngs_prompts", 2}, {"views", Json::array()}};
   for (const HandPrompt& prompt : prompts) {
@@ -137,6 +144,76 @@ void print_strokes(const Truth& truth, const Views& views) {
     prompts.push_back(strokes_of_truth(mask, camera->width_px, camera->height_px, camera->name));
   }
   print(prompts);
+}
+
+/// First view: the one that shows most of the smaller side. Second: of the views turned by more than 120 degrees from
+/// it, the same.
+void print_sides(const Truth& truth, const Views& views, int count) {
+  std::vector<float> rest;
+  for (const float share : truth.share) rest.push_back(1 - share);
+  const Camera* last = nullptr;
+  std::vector<HandPrompt> prompts;
+  for (int k = 0; k < count; ++k) {
+    std::int64_t most = 0;
+    HandPrompt best;
+    const Camera* chosen = nullptr;
+    for (const SceneView& view : views.scene.views) {
+      const Camera& camera = view.camera;
+      if (last != nullptr && dot(viewing_direction(*last), viewing_direction(camera)) > -0.5) continue;
+      const PixelMask object = mask_of(views.labels(truth.ply.cloud, camera, truth.share));
+      const PixelMask other = mask_of(views.labels(truth.ply.cloud, camera, rest));
+      const std::int64_t smaller = std::min(std::ranges::count(object, 1), std::ranges::count(other, 1));
+      if (smaller <= most) continue;
+      most = smaller, chosen = &camera;
+      best = strokes_of_sides(object, other, camera.width_px, camera.height_px, camera.name);
+    }
+    if (chosen == nullptr) throw Error(ErrorCode::kNothingFound, "no view shows both sides");
+    prompts.push_back(best), last = chosen;
+  }
+  print(prompts);
+}
+
+/// The camera of ngs-studio at the pose of a view, with a centred principal point.
+Json studio_camera(const Camera& camera) {
+  const Vec3<double> forward = viewing_direction(camera);
+  const Vec3<double> centre = camera.centre();
+  return {{"position", {centre.x, centre.y, centre.z}},
+          {"look_at", {centre.x + forward.x, centre.y + forward.y, centre.z + forward.z}},
+          {"up", {-camera.rotation(1, 0), -camera.rotation(1, 1), -camera.rotation(1, 2)}},
+          {"fov_y_deg", 2 * std::atan(0.5 * camera.height_px / camera.fy) * 180 / std::numbers::pi},
+          {"width", camera.width_px},
+          {"height", camera.height_px}};
+}
+
+/// Front: the view with most pixels of the object. Behind: of the views turned by more than 120 degrees, the same.
+void print_visit(const Truth& truth, const Views& views) {
+  const Camera* front = nullptr;
+  for (const bool behind : {false, true}) {
+    std::int64_t most = 0;
+    const Camera* chosen = nullptr;
+    PixelMask mask;
+    for (const SceneView& view : views.scene.views) {
+      if (behind && dot(viewing_direction(*front), viewing_direction(view.camera)) > -0.5) continue;
+      PixelMask seen = mask_of(views.labels(truth.ply.cloud, view.camera, truth.share));
+      const std::int64_t pixels = std::ranges::count(seen, 1);
+      if (pixels > most) most = pixels, chosen = &view.camera, mask = std::move(seen);
+    }
+    if (chosen == nullptr) throw Error(ErrorCode::kNothingFound, "no view shows the object");
+    Json strokes = Json::array();
+    for (const PromptStroke& stroke : strokes_of_truth(mask, chosen->width_px, chosen->height_px, chosen->name).strokes)
+      strokes.push_back({{"label", stroke.object ? "object" : "background"},
+                         {"radius_px", stroke.radius_px},
+                         {"points", stroke.points}});
+    std::cout << Json{{"path", "/api/strokes"},
+                      {"body", {{"camera", studio_camera(*chosen)}, {"object", 1}, {"strokes", strokes}}}}
+                     .dump()
+              << "\n";
+    front = chosen;
+  }
+  std::cout << R"({"path": "/api/refine", "body": {"quality": "quick"}})"
+            << "\n"
+            << R"({"path": "/api/export", "body": {}})"
+            << "\n";
 }
 
 void print_marks(const std::string& mask_path, const std::string& view, bool only_points) {
@@ -218,11 +295,12 @@ void write_alone(const Truth& truth, const char* out) {
 
 int run(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "";
-  const std::map<std::string, int> words{{"ball", 5},  {"strokes", 6}, {"score", 7}, {"ids", 4},
-                                         {"above", 5}, {"alone", 6},   {"lines", 4}, {"points", 4}};
+  const std::map<std::string, int> words{{"ball", 5},  {"strokes", 6}, {"score", 7},  {"ids", 4},   {"above", 5},
+                                         {"alone", 6}, {"lines", 4},   {"points", 4}, {"sides", 7}, {"visit", 6}};
   if (!words.contains(what) || argc != words.at(what)) {
     std::fputs(
-        "usage: ngs_strokes ball|strokes|score MODEL IDS ID [SCENE [LABELLED]]\n"
+        "usage: ngs_strokes ball|strokes|visit|score MODEL IDS ID [SCENE [LABELLED]]\n"
+        "       ngs_strokes sides MODEL IDS ID SCENE COUNT\n"
         "       ngs_strokes ids LABELLED IDS | above MODEL A,B,C,D IDS | alone MODEL IDS ID OUT\n"
         "       ngs_strokes lines|points MASK VIEW\n",
         stderr);
@@ -236,6 +314,8 @@ int run(int argc, char** argv) {
   if (what == "alone") return write_alone(truth, argv[5]), 0;
   const Views views(argv[5], truth.ply.cloud);
   if (what == "strokes") return print_strokes(truth, views), 0;
+  if (what == "visit") return print_visit(truth, views), 0;
+  if (what == "sides") return print_sides(truth, views, std::atoi(argv[6])), 0;
   return print_score(truth, views, argv[5], argv[6]), 0;
 }
 

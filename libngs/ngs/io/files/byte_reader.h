@@ -29,7 +29,7 @@ class ByteReader {
     const void* end = std::memchr(bytes_.data() + at_, 0, left());
     if (left() == 0 || end == nullptr) truncated();
     const std::size_t length = std::size_t(static_cast<const std::uint8_t*>(end) - (bytes_.data() + at_));
-    const std::string name(reinterpret_cast<const char*>(bytes_.data()) + at_, length);
+    std::string name(reinterpret_cast<const char*>(bytes_.data()) + at_, length);
     at_ += length + 1;
     return name;
   }

@@ -65,9 +65,14 @@ float median_spacing(const KnnGraph& graph, std::size_t k) {
   return dist2.empty() ? 0 : float(std::sqrt(upper_median({dist2.begin(), dist2.end()})));
 }
 
-/// Those of `rows` within `margin` of the bounding box of the object's seen Gaussians. All others are farther than that
-/// from every seen Gaussian of the object.
-std::vector<std::uint32_t> rows_near(const GaussianCloud& cloud, const std::vector<float>& object, float margin,
+/// Distance within which the neighbours of Gaussian i vote.
+float reach_of(const GaussianCloud& cloud, std::uint32_t i, float spacing) {
+  return std::max(float(kVoteReach) * spacing, float(kOwnVoteReach) * largest_scale(cloud, i));
+}
+
+/// The members of `rows` within their reach of the bounding box of the object's seen Gaussians. Every other row is
+/// out of reach of all of them.
+std::vector<std::uint32_t> rows_near(const GaussianCloud& cloud, const std::vector<float>& object, float spacing,
                                      const std::vector<std::uint32_t>& rows) {
   std::array<float, 3> low, high;
   for (std::size_t a = 0; a < 3; ++a) low[a] = high[a] = object[a];
@@ -76,6 +81,7 @@ std::vector<std::uint32_t> rows_near(const GaussianCloud& cloud, const std::vect
   std::vector<std::uint32_t> inside;
   for (const std::uint32_t i : rows) {
     const float* p = &cloud.position[i * 3ull];
+    const float margin = reach_of(cloud, i, spacing);
     bool is_inside = true;
     for (std::size_t a = 0; a < 3; ++a) is_inside &= p[a] >= low[a] - margin && p[a] <= high[a] + margin;
     if (is_inside) inside.push_back(i);
@@ -92,12 +98,13 @@ void vote(const Exec& exec, const ExtractOptions& options, const GaussianCloud& 
   if (rows.unseen.empty() || objects.empty()) return;
   const std::vector<float> object = positions_of(cloud, objects);
   const KnnGraph among = nearest_others(exec, as_rows(object), options.unseen_neighbours);
-  const float reach = float(kVoteReach) * median_spacing(among, std::size_t(std::max(1, among.neighbours) - 1));
-  const std::vector<std::uint32_t> candidates = rows_near(cloud, object, reach, rows.unseen);
+  const float spacing = median_spacing(among, std::size_t(std::max(1, among.neighbours) - 1));
+  const std::vector<std::uint32_t> candidates = rows_near(cloud, object, spacing, rows.unseen);
   const std::vector<float> points = positions_of(cloud, rows.seen), queries = positions_of(cloud, candidates);
   const KnnGraph graph = nearest_points(exec, as_rows(points), as_rows(queries), options.unseen_neighbours);
   const auto voters = std::size_t(graph.neighbours);
   for (std::size_t q = 0; q < candidates.size(); ++q) {
+    const float reach = reach_of(cloud, candidates[q], spacing);
     std::size_t votes = 0;
     for (std::size_t k = q * voters; k < (q + 1) * voters; ++k)
       votes += out.object[rows.seen[graph.index[k]]] && std::sqrt(graph.dist2[k]) <= reach;

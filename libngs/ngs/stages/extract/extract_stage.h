@@ -17,6 +17,8 @@ namespace ngs {
 /// In units of the median distance of the object's seen Gaussians to their k-th nearest neighbour among themselves,
 /// with k = unseen_neighbours.
 inline constexpr double kVoteReach = 5;
+/// In units of the unseen Gaussian's largest scale: a large Gaussian overlaps neighbours that are farther away.
+inline constexpr double kOwnVoteReach = 3;
 
 enum class UnseenRule : std::uint8_t { kKnn, kObject, kBackground };
 inline constexpr NamedValue<UnseenRule> kUnseenRuleNames[] = {

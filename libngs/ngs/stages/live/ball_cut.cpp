@@ -314,7 +314,9 @@ bool has_say(const SpreadView& view) {
   return view.source == MaskSource::kReference || view.source == MaskSource::kSegmented;
 }
 
-/// Labels of the ball's Gaussians from the masks of all training and marked views; unseen ones from their neighbours.
+/// Labels of the ball's Gaussians from the masks of all training and marked views. A Gaussian visible only through a
+/// surface is object if its neighbours are, or if most of its small weight lies inside the masks; one without weight,
+/// if its neighbours are.
 LabelColumns labels_in_ball(const Exec& exec, const BallModel& model, const BallCutInput& in, const BallCut& cut) {
   Evidence evidence(model.cloud().size(), 1);
   for (std::size_t v = 0; v < cut.views.size(); ++v)
@@ -322,11 +324,15 @@ LabelColumns labels_in_ball(const Exec& exec, const BallModel& model, const Ball
       add_view_evidence(exec, model.cloud(), {cut.cameras[v], masks_of(cut.cameras[v], cut.views[v].mask)},
                         model.splat(), evidence);
   LabelColumns labels = std::move(label_gaussians({}, evidence)[0]);
+  const std::vector<float> own = labels.label.values();
   for (std::size_t i = 0; i < labels.views.size(); ++i)  // Gaussians visible only through a surface are not part of it
     if (evidence.weight.value(i) < kLeastMeanWeight * double(evidence.pixels[i]))
       for (const auto column : kLabelColumns) (labels.*column)[i] = 0;
   const Extraction decided = extract_object(exec, {}, {model.cloud(), labels});
-  labels.label = std::vector<float>(decided.object.begin(), decided.object.end());
+  std::vector<float> label(decided.object.begin(), decided.object.end());
+  for (std::size_t i = 0; i < label.size(); ++i)  // hidden Gaussians: neighbours or the masks behind which they lie
+    if (labels.views[i] == 0 && evidence.weight.value(i) > 0 && label[i] == 0) label[i] = own[i];
+  labels.label = label;
   return labels;
 }
 

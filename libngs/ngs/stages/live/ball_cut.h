@@ -13,9 +13,9 @@
 // Each view is then segmented independently, with a free band around the expected contour. In all other cases
 // spread_masks() carries the masks of the marked views to the others in one pass. All masks come from live_mask().
 //
-// The masks of all views give the labels (paper.md §5.2). A Gaussian of the ball that is visible in no view gets the
-// majority of its neighbours. Everything outside the ball is background, as are pieces that no stroke on the object
-// touches.
+// The masks of all views give the labels (paper.md §5.2). A Gaussian of the ball that is hidden in all views is object
+// if the majority of its neighbours is, or if most of the little weight it has lies inside the masks. Everything
+// outside the ball is background, as are pieces that no stroke on the object touches.
 #include <map>
 
 #include "ngs/core/monitor.h"

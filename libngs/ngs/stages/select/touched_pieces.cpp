@@ -8,6 +8,7 @@
 #include "ngs/ops/field/knn.h"
 #include "ngs/ops/image/connected_components.h"
 #include "ngs/ops/splat/evidence.h"
+#include "ngs/problem/cloud_rows.h"
 #include "ngs/stages/select/clusters.h"
 #include "ngs/stages/select/needles.h"
 
@@ -15,6 +16,7 @@ namespace ngs {
 namespace {
 
 constexpr double kTouched = 0.1;       // least fraction of a stroke's weight on the selection
+constexpr double kReach = 2;           // standard deviations that a Gaussian reaches
 constexpr std::size_t kSample = 4096;  // Gaussians in the estimate of the spacing
 
 /// cluster_side() from a sample of the Gaussians, for interactive use.
@@ -46,6 +48,25 @@ void touch(const StrokeWeights& stroke, const Clusters& pieces, std::vector<std:
   if (!(whole > 0)) return;
   touched[std::size_t(std::max_element(weight.begin(), weight.end()) - weight.begin())] = 1;
   for (std::size_t p = 0; p < weight.size(); ++p) touched[p] |= std::uint8_t(weight[p] >= kTouched * whole);
+}
+
+/// Keeps the Gaussians of other pieces that reach a kept one, out[i] = 1: an object may be sparse in places, with large
+/// Gaussians farther apart than the grid's cells. Those between pieces are tested against touched pieces only.
+void keep_overlapping(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::uint8_t>& member,
+                      double side, std::vector<std::uint8_t>& kept) {
+  std::vector<float> inside, query;
+  std::vector<std::size_t> row;
+  for (std::size_t i = 0; i < member.size(); ++i) {
+    const float* p = &cloud.position[3 * i];
+    if (kept[i] && cloud.logit_opacity[i] >= kSolidLogit) inside.insert(inside.end(), p, p + 3);
+    if (member[i] && !kept[i] && kReach * largest_scale(cloud, std::int64_t(i)) > side)
+      row.push_back(i), query.insert(query.end(), p, p + 3);
+  }
+  if (inside.empty() || row.empty()) return;
+  const KnnGraph nearest = nearest_points(exec, {inside.data(), std::int64_t(inside.size() / 3)},
+                                          {query.data(), std::int64_t(query.size() / 3)}, 1);
+  for (std::size_t q = 0; q < row.size(); ++q)
+    kept[row[q]] = std::sqrt(double(nearest.dist2[q])) <= kReach * largest_scale(cloud, std::int64_t(row[q]));
 }
 
 }  // namespace
@@ -94,12 +115,11 @@ PieceSelection touched_pieces(const Exec& exec, const GaussianCloud& cloud, cons
   const auto kept = std::count(touched.begin(), touched.end(), std::uint8_t(1));
   if (kept == 0) return out;
   out.kept_pieces = kept;
-  for (std::size_t i = 0; i < out.object.size(); ++i) {
-    if (!out.object[i]) continue;
-    const std::int32_t piece = pieces.of_row[i];
-    if (piece >= 0 && touched[std::size_t(piece)]) continue;
-    out.object[i] = 0, ++out.left_out;
-  }
+  const std::vector<std::uint8_t> all = out.object;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    out.object[i] = all[i] && pieces.of_row[i] >= 0 && touched[std::size_t(pieces.of_row[i])];
+  keep_overlapping(exec, cloud, all, side, out.object);
+  for (std::size_t i = 0; i < all.size(); ++i) out.left_out += all[i] && !out.object[i];
   for (const std::uint32_t needle : needles_beyond(exec, cloud, out.object, side))
     out.object[needle] = 0, ++out.needles;
   return out;

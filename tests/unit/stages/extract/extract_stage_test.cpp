@@ -113,6 +113,18 @@ TEST_CASE("unseen Gaussians far from all seen ones stay background") {
   CHECK(found.objects == 100);
 }
 
+TEST_CASE("the neighbours of a large unseen Gaussian may be farther away than those of a small one") {
+  for (const float scale : {0.2f, 0.01f}) {
+    std::vector<float> x, views;
+    for (int i = 0; i < 100; ++i) x.push_back(0.01f * float(i)), views.push_back(3);  // spacing of the 8th: 0.04
+    x.push_back(1.3f), views.push_back(0);
+    GaussianCloud cloud = on_a_line(x);
+    for (std::size_t a = 0; a < 3; ++a) cloud.log_scale[3 * 100 + a] = std::log(scale);
+    const Extraction found = extract_object({}, {}, {cloud, labels_of(std::vector<float>(x.size(), 1.f), views)});
+    CHECK(found.object[100] == (scale > 0.1f));
+  }
+}
+
 TEST_CASE("a model without seen Gaussians has no voters and no object") {
   const GaussianCloud cloud = on_a_line({0, 1});
   const Extraction e = extract_object({}, {}, {cloud, labels_of({1, 1}, {0, 0})});

@@ -61,6 +61,24 @@ TEST_CASE("a long Gaussian that ends in empty space, as a whisker, is no needle"
   CHECK(needles_beyond({}, sideways.cloud, sideways.object, 0.2).empty());
 }
 
+TEST_CASE("a long Gaussian among sparse ones of the object is no needle, although it ends far from all of them") {
+  Statue statue(2, 0.3);
+  const std::size_t last = statue.last(), foot = 40;  // 40 Gaussians 0.4 apart, below the block, in the background
+  statue.cloud.resize(std::int64_t(last + 1 + foot), 0);
+  statue.object.resize(last + 1 + foot, 1);
+  for (std::size_t k = 0; k < foot; ++k) {
+    const std::size_t i = last + 1 + k;
+    const double at[3] = {0.4 * double(k % 4) - 0.25, 0.4 * double(k / 4 % 5) - 0.45, -0.3 - 0.4 * double(k / 20)};
+    for (std::size_t a = 0; a < 3; ++a) {
+      statue.cloud.position[3 * i + a] = float(at[a]);
+      statue.cloud.log_scale[3 * i + a] = std::log(0.1f);
+    }
+    statue.cloud.rotation[4 * i] = 1, statue.cloud.logit_opacity[i] = 3;
+  }
+  classify(statue.cloud);
+  CHECK(needles_beyond({}, statue.cloud, statue.object, 0.2).empty());
+}
+
 TEST_CASE("needles are the same for any number of threads, and touched pieces do not have them") {
   const Statue statue(2, 0.3);
   Exec one, three;

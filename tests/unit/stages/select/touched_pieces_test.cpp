@@ -70,6 +70,24 @@ TEST_CASE("Gaussians visible through the object under a stroke are not touched")
   CHECK(in_block(pieces, 1) == 0);
 }
 
+TEST_CASE("a large Gaussian that reaches a touched piece is kept, a small one at its place is left out") {
+  GaussianCloud cloud = blocks_at({0, 3});
+  const std::size_t i = std::size_t(cloud.size());
+  for (const float scale : {0.4f, 0.04f}) {
+    cloud.resize(std::int64_t(i + 1), 0);
+    cloud.position[3 * i] = 1.2f, cloud.position[3 * i + 1] = cloud.position[3 * i + 2] = 0.2f;
+    for (std::size_t a = 0; a < 3; ++a) cloud.log_scale[3 * i + a] = std::log(scale);
+    cloud.rotation[4 * i] = 1, cloud.logit_opacity[i] = 3;
+    classify(cloud);
+    const PieceSelection pieces =
+        touched_pieces({}, cloud, std::vector<std::uint8_t>(i + 1, 1), std::vector{on_rows(0, 20)});
+    CHECK(pieces.object[i] == (scale > 0.1f));
+    CHECK(in_block(pieces, 0) == 216);
+    CHECK(in_block(pieces, 1) == 0);
+    CHECK(pieces.left_out == (scale > 0.1f ? 216 : 217));
+  }
+}
+
 TEST_CASE("without a stroke on the selection all pieces are kept") {
   const GaussianCloud cloud = blocks_at({0, 3});
   std::vector<std::uint8_t> member(432, 1);
