@@ -130,6 +130,18 @@ std::optional<Scene> scene_of_renders(SourceKind kind, const std::string& path) 
   return scene.renders ? std::optional(std::move(scene)) : std::nullopt;
 }
 
+/// Warns about options that have no effect on this kind of source.
+void warn_unused_options(cli::Run& run, cli::Tool& tool, SourceKind kind, bool has_renders) {
+  if (kind != SourceKind::kSplat) run.warn_unused({"--up", "--size", "--views"}, "except for a splat without photos");
+  if (!has_renders) run.warn_unused({"--around"}, "except for a splat without photos");
+  if (kind != SourceKind::kCapture) {
+    run.warn_unused({"--image-scale"}, "except for a capture");
+    run.warn_unused(capture_flags(tool.option_set()), "except for a capture");
+  }
+  if (kind == SourceKind::kSplat) run.warn_unused({"--model"}, "with a splat");
+  if (kind == SourceKind::kScene) run.warn_unused({"--hold-out"}, "with a scene.json, which has its own split");
+}
+
 int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
   const NewFolder folder(inputs.out, !run.dry_run() && !fs::exists(inputs.out));
   if (!run.dry_run()) {
@@ -202,14 +214,7 @@ int cut_command(int argc, char** argv) {
     const std::optional<Scene> renders = scene_of_renders(kind, source.value);
     const bool has_renders = kind == SourceKind::kSplat || renders;
     if (options.method == CutMethod::kFlash) check_flash(has_renders, masks || truth);
-    if (kind != SourceKind::kSplat) run.warn_unused({"--up", "--size", "--views"}, "except for a splat without photos");
-    if (!has_renders) run.warn_unused({"--around"}, "except for a splat without photos");
-    if (kind != SourceKind::kCapture) {
-      run.warn_unused({"--image-scale"}, "except for a capture");
-      run.warn_unused(capture_flags(tool.option_set()), "except for a capture");
-    }
-    if (kind == SourceKind::kSplat) run.warn_unused({"--model"}, "with a splat");
-    if (kind == SourceKind::kScene) run.warn_unused({"--hold-out"}, "with a scene.json, which has its own split");
+    warn_unused_options(run, tool, kind, has_renders);
     if (fs::is_regular_file(source.value)) run.add_input("source", source.value);
     return cut(run, options,
                {.source = operand(source.value),

@@ -8,14 +8,14 @@ inline constexpr double kShC0 = 0.28209479177387814;
 inline constexpr double kShC1 = 0.4886025119029199;
 /// Factors of the second and third band. Functions, because device code cannot read a host array.
 NGS_HD constexpr double sh_c2(int k) {
-  constexpr double factor[5] = {1.0925484305920792, -1.0925484305920792, 0.31539156525252005, -1.0925484305920792,
-                                0.5462742152960396};
-  return factor[k];
+  constexpr double kFactor[5] = {1.0925484305920792, -1.0925484305920792, 0.31539156525252005, -1.0925484305920792,
+                                 0.5462742152960396};
+  return kFactor[k];
 }
 NGS_HD constexpr double sh_c3(int k) {
-  constexpr double factor[7] = {-0.5900435899266435, 2.890611442640554, -0.4570457994644658, 0.3731763325901154,
-                                -0.4570457994644658, 1.445305721320277, -0.5900435899266435};
-  return factor[k];
+  constexpr double kFactor[7] = {-0.5900435899266435, 2.890611442640554, -0.4570457994644658, 0.3731763325901154,
+                                 -0.4570457994644658, 1.445305721320277, -0.5900435899266435};
+  return kFactor[k];
 }
 
 /// The basis functions beyond the constant one at the unit direction d: basis[0 .. (degree + 1)² - 2].

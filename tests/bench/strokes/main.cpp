@@ -4,9 +4,8 @@
 //   ngs_strokes ball    MODEL IDS ID               X,Y,Z,R of the Gaussians with this id
 //   ngs_strokes strokes MODEL IDS ID SCENE         prompts for two views about 90 degrees apart
 //   ngs_strokes sides   MODEL IDS ID SCENE COUNT   prompts for COUNT (1 or 2) views: a line on each side
-//   ngs_strokes visit   MODEL IDS ID SCENE         requests for ngs-studio --replay: a line on the object and one
-//   around
-//                                                  it, a line on the object from behind, export
+//   ngs_strokes visit   MODEL IDS ID SCENE         requests for ngs-studio --replay: lines on and around the object
+//                                                  from two sides, Refine in quick quality, export
 //   ngs_strokes score   MODEL IDS ID SCENE LABELLED  {"iou", "worst_view", "views"}, "gaussian_iou" of the same rows
 //   ngs_strokes ids     LABELLED IDS               writes IDS: 1 for Gaussians labelled as object
 //   ngs_strokes above   MODEL A,B,C,D IDS          writes IDS: 1 if Ax + By + Cz + D >= 0 at the centre

@@ -2,6 +2,7 @@
 // Exact K nearest neighbours on a device: brute force, a tile of points at a time. Distances are compared in the order
 // of ops/field/knn.cpp, so graphs are equal. Used before Eq. (8).
 #include "ngs/backend/launcher.h"
+#include "ngs/core/check.h"
 #include "ngs/math/stable.h"
 #include "ngs/scene/knn_graph.h"
 

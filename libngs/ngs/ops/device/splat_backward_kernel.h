@@ -215,7 +215,8 @@ struct SplatBackwardTile {
       p += power, pu += first, puu = fma_lanes(first, u, puu);
       for (int c = 0; c < C; ++c) channel[c] = fma_lanes(weight, shared.grad[c][at], channel[c]);
     }
-    const float v = g.y - float(s / 2);
+    const int row = s / 2;
+    const float v = g.y - float(row);
     part[0] = p, part[1] = pu, part[2] = p * v, part[3] = puu, part[4] = pu * v, part[5] = p * v * v;
     for (int c = 0; c < C; ++c) part[kPairGeometry + c] = channel[c];
   }
