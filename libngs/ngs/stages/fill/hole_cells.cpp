@@ -24,7 +24,7 @@ constexpr double kLeastElevation = 0.2;         // sine: no camera looks along a
 constexpr double kMostSeen = 0.65;              // fraction of the directions from which a cell of the hole is visible
 constexpr double kContact = 0.3;                // diagonals: height of the object's part that stands on a surface
 constexpr double kGrown = 0.03;                 // diagonals: margin of the object's projection
-constexpr double kOpaque = 0.5;
+constexpr double kStanding = 0.5;
 constexpr double kInside = 0.3;                    // weight of a Gaussian's disc at its outline
 constexpr double kContinues = 0.6, kWhole = 0.95;  // density, in that of the rim, and covered fraction of no hole
 
@@ -144,7 +144,7 @@ void exclude_occupied(const HoleScene& scene, const FillSurface& surface, HoleCe
   const orbit::SurfacePoints& points = scene.rim.background;
   for (std::size_t i = 0; i < points.count(); ++i) {
     const double height = surface.height(points.position[i]);
-    if (scene.debris[i] || points.opacity[i] < kOpaque || height < 2 * surface.tolerance ||
+    if (scene.debris[i] || points.opacity[i] < kStanding || height < 2 * surface.tolerance ||
         height > kContact * scene.rim.diagonal)
       continue;
     for_cells(cells, footprint_of(scene.cloud, surface, cells, points.row[i]), [&](std::int64_t cell, double weight) {

@@ -9,7 +9,7 @@ namespace {
 using orbit::Vec;
 
 constexpr double kCellsAcross = 72;  // along the diagonal of the object
-constexpr double kOpaque = 0.25;
+constexpr double kBlocking = 0.25;
 
 }  // namespace
 
@@ -22,7 +22,7 @@ Occluder::Occluder(const Rim& rim) {
   reach_ = 1.1 * rim.diagonal;
   occupied_.assign(std::size_t(x_ * y_ * z_), 0);
   for (std::size_t i = 0; i < rim.object.count(); ++i) {
-    if (rim.object.opacity[i] < kOpaque) continue;
+    if (rim.object.opacity[i] < kBlocking) continue;
     const int cells = int(std::min(rim.object.size[i] / side_, 3.0) + 0.5);  // a long Gaussian fills no ball
     const int margin = std::min(cells, 1);
     for (int dz = -margin; dz <= margin; ++dz)
