@@ -10,9 +10,9 @@
 namespace ngs {
 namespace {
 
-constexpr std::int64_t kReach = 4;  // patches of 9 x 9 texels
-constexpr std::int64_t kBlur = 2;
-constexpr double kMostWork = 1.5e9;  // comparisons of texels over all patches; above, sources are thinned
+constexpr std::int64_t kReaches[] = {4, 2};  // patches of 9 x 9 texels; 5 x 5 where no larger one is known
+constexpr std::int64_t kCoarse = 6;          // texels
+constexpr double kMostWork = 1.5e9;          // comparisons of texels over all patches; above, sources are thinned
 constexpr double kGradientFloor = 1e-3;
 
 using Size = std::size_t;
@@ -42,34 +42,43 @@ class RectangleSums {
   std::vector<double> sum_;
 };
 
-/// RMS difference of the known texels from the mean of their surroundings.
-double detail_of(const TextureGrid& grid) {
-  const auto known = [&](std::int64_t i) { return double(grid.state[Size(i)] == Texel::kKnown); };
-  const RectangleSums count(grid.columns, grid.rows, known);
+/// RMS difference of the known texels from the mean of two on opposite sides, `distance` away along rows and columns. 0
+/// for a gradient.
+double detail_at(const TextureGrid& grid, std::int64_t distance) {
   double squares = 0, all = 0;
-  for (Size c = 0; c < 3; ++c) {
-    const RectangleSums sum(grid.columns, grid.rows,
-                            [&](std::int64_t i) { return known(i) > 0 ? double(grid.colour[3 * Size(i) + c]) : 0; });
-    for (std::int64_t i = 0; i < grid.columns * grid.rows; ++i) {
-      if (!(known(i) > 0)) continue;
-      const std::int64_t x = i % grid.columns, y = i / grid.columns;
-      const double d = double(grid.colour[3 * Size(i) + c]) - sum.around(x, y, kBlur) / count.around(x, y, kBlur);
+  const auto add = [&](std::int64_t at, std::int64_t step) {
+    const Size i = Size(at), before = Size(at - step), after = Size(at + step);
+    if (grid.state[i] != Texel::kKnown || grid.state[before] != Texel::kKnown || grid.state[after] != Texel::kKnown)
+      return;
+    for (Size c = 0; c < 3; ++c) {
+      const double mean = 0.5 * (double(grid.colour[3 * before + c]) + double(grid.colour[3 * after + c]));
+      const double d = double(grid.colour[3 * i + c]) - mean;
       squares += d * d, ++all;
     }
-  }
+  };
+  for (std::int64_t y = 0; y < grid.rows; ++y)
+    for (std::int64_t x = 0; x < grid.columns; ++x) {
+      const std::int64_t at = y * grid.columns + x;
+      if (x >= distance && x + distance < grid.columns) add(at, distance);
+      if (y >= distance && y + distance < grid.rows) add(at, distance * grid.columns);
+    }
   return all > 0 ? std::sqrt(squares / all) : 0;
 }
+
+/// Of fine and of coarse textures.
+double detail_of(const TextureGrid& grid) { return std::max(detail_at(grid, 1), detail_at(grid, kCoarse)); }
 
 /// Fills by whole patches.
 class PatchFill {
  public:
-  PatchFill(const Exec& exec, TextureGrid& grid) : exec_(exec), grid_(grid), confidence_(grid.state.size()) {
+  PatchFill(const Exec& exec, TextureGrid& grid, std::int64_t reach)
+      : exec_(exec), grid_(grid), reach_(reach), confidence_(grid.state.size()) {
     for (Size i = 0; i < confidence_.size(); ++i) confidence_[i] = grid.state[i] == Texel::kKnown;
     const RectangleSums known(grid.columns, grid.rows, [&](std::int64_t i) { return confidence_[Size(i)]; });
-    const auto whole = double((2 * kReach + 1) * (2 * kReach + 1));
-    for (std::int64_t y = kReach; y < grid.rows - kReach; ++y)
-      for (std::int64_t x = kReach; x < grid.columns - kReach; ++x)
-        if (known.around(x, y, kReach) == whole) sources_.push_back(y * grid.columns + x);
+    const auto whole = double((2 * reach_ + 1) * (2 * reach_ + 1));
+    for (std::int64_t y = reach_; y < grid.rows - reach_; ++y)
+      for (std::int64_t x = reach_; x < grid.columns - reach_; ++x)
+        if (known.around(x, y, reach_) == whole) sources_.push_back(y * grid.columns + x);
     thin_sources();
   }
   bool has_sources() const { return !sources_.empty(); }
@@ -98,8 +107,8 @@ class PatchFill {
   template <class Visit>
   void for_patch(std::int64_t centre, const Visit& visit) const {
     const std::int64_t x = centre % grid_.columns, y = centre / grid_.columns;
-    for (std::int64_t dy = std::max(-kReach, -y); dy <= std::min(kReach, grid_.rows - 1 - y); ++dy)
-      for (std::int64_t dx = std::max(-kReach, -x); dx <= std::min(kReach, grid_.columns - 1 - x); ++dx) {
+    for (std::int64_t dy = std::max(-reach_, -y); dy <= std::min(reach_, grid_.rows - 1 - y); ++dy)
+      for (std::int64_t dx = std::max(-reach_, -x); dx <= std::min(reach_, grid_.columns - 1 - x); ++dx) {
         const std::int64_t step = dy * grid_.columns + dx;
         visit(Offset{step, dx, dy, Size(centre + step)});
       }
@@ -204,6 +213,7 @@ class PatchFill {
 
   const Exec& exec_;
   TextureGrid& grid_;
+  std::int64_t reach_;  // of patches, texels to each side of their centre
   std::vector<double> confidence_;
   std::vector<std::int64_t> sources_;
 };
@@ -255,8 +265,10 @@ TextureFill fill_texture(const Exec& exec, TextureGrid& grid, double detail) {
       std::ranges::find(grid.state, Texel::kKnown) == grid.state.end())
     return TextureFill::kNothing;
   if (detail_of(grid) > detail) {
-    PatchFill patches(exec, grid);
-    if (patches.has_sources()) return patches.run(), TextureFill::kPatches;
+    for (const std::int64_t reach : kReaches) {
+      PatchFill patches(exec, grid, reach);
+      if (patches.has_sources()) return patches.run(), TextureFill::kPatches;
+    }
   }
   fill_smoothly(grid);
   return TextureFill::kSmooth;

@@ -20,8 +20,8 @@ enum class TextureFill : std::uint8_t { kNothing, kSmooth, kPatches };
 
 /// Sets the colour of all unknown texels, and their state to kKnown. kNothing: no texel is known, or none unknown.
 /// Patches are taken whole from known texels; without a whole known patch, the blend is used. `detail` >= 0: patches
-/// are used if the known texels differ from their blurred surroundings by more than this (RMS, all channels). The same
-/// bytes for any number of threads.
+/// are used if the known texels differ by more than this from the mean of two on opposite sides (RMS, all channels).
+/// The same bytes for any number of threads.
 TextureFill fill_texture(const Exec& exec, TextureGrid& grid, double detail);
 
 /// The blend alone: every unknown texel is the mean of its four neighbours (Laplace's equation).
