@@ -198,6 +198,13 @@ Heights cell_means(const FillSurface& plane, const std::vector<RimPoint>& points
   return means;
 }
 
+std::vector<RimPoint> within(const std::vector<RimPoint>& points, const FillSurface& surface, double tolerance) {
+  std::vector<RimPoint> in;
+  std::ranges::copy_if(points, std::back_inserter(in),
+                       [&](const RimPoint& p) { return std::abs(surface.height(p.position)) <= tolerance; });
+  return in;
+}
+
 /// Curved ground: a thin plate over the plane that has most points within a wide tolerance. Points far from the plate
 /// are dropped, and the rest fitted again.
 std::optional<FillSurface> find_ground(const Exec& exec, const Rim& rim, const std::vector<RimPoint>& points,
@@ -212,11 +219,10 @@ std::optional<FillSurface> find_ground(const Exec& exec, const Rim& rim, const s
   set_axes(surface, plane->normal);
   surface.tolerance = tolerance;
   if (!stands_on(rim, surface)) return std::nullopt;
-  std::vector<RimPoint> in;
+  std::vector<RimPoint> sample;
+  for (const std::size_t i : orbit::thinned(points.size(), kMostScored)) sample.push_back(points[i]);
   for (int fit = 0; fit < kFits; ++fit) {
-    in.clear();
-    std::ranges::copy_if(points, std::back_inserter(in),
-                         [&](const RimPoint& p) { return std::abs(surface.height(p.position)) <= tolerance; });
+    const std::vector<RimPoint> in = within(sample, surface, tolerance);
     if (in.size() < kLeastPoints) return std::nullopt;
     const Heights means = cell_means(surface, in);
     surface.relief = ThinPlate(means.at, means.height, kSmoothing);
@@ -225,6 +231,7 @@ std::optional<FillSurface> find_ground(const Exec& exec, const Rim& rim, const s
     for (const RimPoint& p : in) distance.push_back(std::abs(surface.height(p.position)));
     tolerance = std::min(tolerance, std::max(kDeviations * upper_median(std::move(distance)), 0.5 * rim.spacing));
   }
+  const std::vector<RimPoint> in = within(points, surface, tolerance);
   measure(exec, in, surface);
   if (!(surface.spacing > 0) || !stands_on(rim, surface)) return std::nullopt;
   return surface;
@@ -233,13 +240,14 @@ std::optional<FillSurface> find_ground(const Exec& exec, const Rim& rim, const s
 /// Whether curved ground explains clearly more of the rim than the planes, or as much with a clearly smaller residual
 /// where that of the planes matters.
 bool is_better(const FillSurface& ground, const std::vector<FillSurface>& planes) {
-  constexpr double kClearlyMore = 1.25, kAsMuch = 0.95, kClearlyLess = 0.6, kMatters = 0.15;
+  constexpr double kClearlyMore = 1.25, kAsMuch = 0.95, kClearlyLess = 0.6, kMatters = 0.15, kFits = 0.3;
   double points = 0, residual = 0, spacing = 0;
   for (const FillSurface& plane : planes) {
     points += double(plane.rim_points);
     residual = std::max(residual, plane.residual), spacing = std::max(spacing, plane.spacing);
   }
   const auto of_ground = double(ground.rim_points);
+  if (ground.residual > kFits * ground.spacing && !planes.empty()) return false;  // a mean over clutter
   return of_ground >= kClearlyMore * points ||
          (of_ground >= kAsMuch * points && residual > kMatters * spacing && ground.residual < kClearlyLess * residual);
 }

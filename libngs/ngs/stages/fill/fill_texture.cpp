@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::int64_t kReaches[] = {4, 2};  // patches of 9 x 9 texels; 5 x 5 where no larger one is known
 constexpr std::int64_t kCoarse = 6;          // texels
-constexpr double kMostWork = 1.5e9;          // comparisons of texels over all patches; above, sources are thinned
+constexpr double kMostWork = 5e8;            // comparisons of texels over all patches; above, sources are thinned
 constexpr double kGradientFloor = 1e-3;
 
 using Size = std::size_t;
