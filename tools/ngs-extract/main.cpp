@@ -87,7 +87,7 @@ int main(int argc, char** argv) {
     extractor.decide();
     if (strokes) extractor.keep_touched(cli::stroke_weights_of(run, *scene, marks, extractor.cloud()));
     if (scene && !scene->renders) cli::report_unseen_surface(run, extractor, *scene);
-    const cli::FillOutput fill(run, extractor, fill_options);
+    const cli::FillOutput fill(run, extractor, out.background || out.filled ? fill_options : FillOptions{});
     const auto timed = run.monitor().scope("write");
     if (out.object) extractor.write_object(out.object.path);
     if (out.background) fill.write_background(out.background.path);

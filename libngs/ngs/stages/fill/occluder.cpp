@@ -23,14 +23,12 @@ Occluder::Occluder(const Rim& rim) {
   occupied_.assign(std::size_t(x_ * y_ * z_), 0);
   for (std::size_t i = 0; i < rim.object.count(); ++i) {
     if (rim.object.opacity[i] < kBlocking) continue;
-    const int cells = int(std::min(rim.object.size[i] / side_, 3.0) + 0.5);  // a long Gaussian fills no ball
-    const int margin = std::min(cells, 1);
-    for (int dz = -margin; dz <= margin; ++dz)
-      for (int dy = -margin; dy <= margin; ++dy)
-        for (int dx = -margin; dx <= margin; ++dx) {
-          const std::int64_t cell = cell_of(rim.object.position[i] + side_ * Vec{double(dx), double(dy), double(dz)});
-          if (cell >= 0) occupied_[std::size_t(cell)] = 1;
-        }
+    const int margin = rim.object.size[i] >= 0.5 * side_;
+    for (int k = 0; k < 27; ++k) {
+      const Vec step{double(k % 3 - 1), double(k / 3 % 3 - 1), double(k / 9 - 1)};
+      const std::int64_t cell = cell_of(rim.object.position[i] + double(margin) * side_ * step);
+      if (cell >= 0) occupied_[std::size_t(cell)] = 1;
+    }
   }
 }
 
