@@ -75,7 +75,7 @@ std::vector<std::string> FillOutput::comments() const {
 }
 
 /// Rows from `kept` on are marked as filled.
-void FillOutput::write(const std::string& path, const GaussianCloud& cloud, std::size_t kept) const {
+void FillOutput::write_rows(const std::string& path, const GaussianCloud& cloud, std::size_t kept) const {
   std::vector<float> filled(std::size_t(cloud.size()));
   std::fill(filled.begin() + std::ptrdiff_t(kept), filled.end(), 1.f);
   const io::AddedColumn column{std::string(io::kFilledColumn), filled};
@@ -91,9 +91,12 @@ void FillOutput::write_background(const std::string& path) const {
     if (!extractor_.object()[i] && !fill_->removed[i]) append_row(model, i, cloud);
   const auto kept = std::size_t(cloud.size());
   for (std::size_t i = 0; i < std::size_t(fill_->filled.size()); ++i) append_row(fill_->filled, i, cloud);
-  write(path, cloud, kept);
+  write_rows(path, cloud, kept);
 }
 
-void FillOutput::write_filled(const std::string& path) const { write(path, fill_->filled, 0); }
+void FillOutput::write(const Outputs& out) const {
+  if (out.background) write_background(out.background.path);
+  if (out.filled) write_rows(out.filled.path, fill_->filled, 0);
+}
 
 }  // namespace ngs::cli

@@ -18,14 +18,15 @@ class FillOutput {
   /// one line.
   FillOutput(Run& run, const Extractor& extractor, const FillOptions& options);
 
+  /// Writes the requested ones of --background and --filled.
+  void write(const Outputs& out) const;
+
+ private:
   /// The background; with --fill without the removed rows, and with the added ones at its end. PLY: with the column
   /// ngs_filled and the comment ngs-fill.
   void write_background(const std::string& path) const;
-  void write_filled(const std::string& path) const;
-
- private:
   std::vector<std::string> comments() const;
-  void write(const std::string& path, const GaussianCloud& cloud, std::size_t kept) const;
+  void write_rows(const std::string& path, const GaussianCloud& cloud, std::size_t kept) const;
 
   Run& run_;
   const Extractor& extractor_;

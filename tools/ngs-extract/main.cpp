@@ -90,8 +90,7 @@ int main(int argc, char** argv) {
     const cli::FillOutput fill(run, extractor, out.background || out.filled ? fill_options : FillOptions{});
     const auto timed = run.monitor().scope("write");
     if (out.object) extractor.write_object(out.object.path);
-    if (out.background) fill.write_background(out.background.path);
-    if (out.filled) fill.write_filled(out.filled.path);
+    fill.write(out);
     if (out.decided) extractor.write_labelled(out.decided.path, false);
     if (labels) labels->write(out.npz.path, extractor);
     if (out.inpaint) cli::write_inpainting(run, extractor, inpaint_options, *scene, out.inpaint.path);

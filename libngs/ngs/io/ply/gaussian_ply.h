@@ -87,8 +87,8 @@ struct AddedColumn {
 };
 
 /// Writes rows with keep[i] != 0, in order; an empty `keep` writes all. `comments` are written verbatim. `added` is a
-/// float column after those of the Inria record. If float cannot hold world coordinates (needs_local_origin()), positions are relative to the cloud's origin, which is written
-/// as the comment ngs-origin.
+/// float column after those of the Inria record. If float cannot hold world coordinates (needs_local_origin()),
+/// positions are relative to the cloud's origin, which is written as the comment ngs-origin.
 void write_strict_ply(const std::string& path, const GaussianCloud& cloud, const std::vector<std::uint8_t>& keep,
                       const std::vector<std::string>& comments = {}, const std::optional<AddedColumn>& added = {});
 /// The same with those comments of the input that affect rendering.

@@ -273,12 +273,13 @@ double share_in_hole(const GaussianCloud& cloud, const FillSurface& surface, con
 std::vector<std::uint8_t> grown(const HoleCells& cells, std::vector<std::uint8_t> marked, int margin) {
   for (const bool along_rows : {true, false}) {
     const std::int64_t step = along_rows ? 1 : cells.columns, length = along_rows ? cells.columns : cells.rows;
-    const std::int64_t lines = along_rows ? cells.rows : cells.columns, stride = along_rows ? cells.columns : 1;
     const std::vector<std::uint8_t> before = marked;
-    for (std::int64_t line = 0; line < lines; ++line)
-      for (std::int64_t k = 0; k < length; ++k)
-        for (std::int64_t d = std::max<std::int64_t>(0, k - margin); d <= std::min(length - 1, k + margin); ++d)
-          if (before[std::size_t(line * stride + d * step)]) marked[std::size_t(line * stride + k * step)] = 1;
+    for (std::size_t cell = 0; cell < marked.size(); ++cell) {
+      const std::int64_t k = along_rows ? std::int64_t(cell) % cells.columns : std::int64_t(cell) / cells.columns;
+      const std::int64_t first = std::max<std::int64_t>(-margin, -k),
+                         last = std::min<std::int64_t>(margin, length - 1 - k);
+      for (std::int64_t d = first; d <= last; ++d) marked[cell] |= before[std::size_t(std::int64_t(cell) + d * step)];
+    }
   }
   return marked;
 }
