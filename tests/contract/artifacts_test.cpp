@@ -115,6 +115,47 @@ TEST_CASE("scene.json and metrics.json of the chain satisfy their schemas, and b
   CHECK(test::schema_violations(schema("metrics.schema.json"), broken) != "");
 }
 
+TEST_CASE("scenes, depth and scores of both halves satisfy their schemas, and a damaged truth is an error") {
+  const test::TempDir dir;
+  const auto run = [&](std::vector<std::string> argv, int exit_code) {
+    test::ProcessSpec spec = test::command(Json(argv));
+    const test::ProcessResult result = test::run_process(spec);
+    INFO(result.err);
+    CHECK(result.exit_code == exit_code);
+    return result.err;
+  };
+  const auto file = [&](const std::string& name) { return Json::parse(std::ifstream(dir.file(name))); };
+  const std::string truth = dir.file("scene/halves"), depth = truth + "/background/depth/near-05.exr";
+  run({"ngs-synth", "tiny", "--truth", "halves", "--width-px", "32", "--height-px", "24", "--fit-steps", "8", "-o",
+       dir.file("scene")},
+      0);
+  for (const char* half : {"background", "object"})
+    CHECK(test::schema_violations(schema("scene.schema.json"),
+                                  file("scene/halves/" + std::string(half) + "/scene.json")) == "");
+  const io::ExrImage exr = io::read_exr(depth);
+  REQUIRE(exr.channels.size() == 1);
+  CHECK(entry_of(schema("exr-channels.json"), exr.channels.begin()->first) != nullptr);
+
+  fs::create_directory(dir.file("cut"));
+  for (const char* half : {"object.ply", "background.ply"})
+    fs::copy_file(dir.file("scene/point_cloud.ply"), dir.file("cut/" + std::string(half)));
+  const std::vector<std::string> eval = {
+      "ngs-eval", dir.file("cut"),   truth, "--halves", "--model", dir.file("scene/point_cloud.ply"), "-w",
+      "-o",       dir.file("m.json")};
+  run(eval, 0);
+  Json scores = file("m.json");
+  CHECK(test::schema_violations(schema("metrics.schema.json"), scores) == "");
+  CHECK(scores["background"]["outside_change"]["most"] == 0);  // nothing was cut
+  CHECK(scores["object"]["seen"]["views"].get<int>() + scores["object"]["unseen"]["views"].get<int>() == 64);
+  CHECK(scores["object"]["seen"]["views"] > 10);
+  CHECK(scores["object"]["unseen"]["views"] > 10);
+  scores["object"]["seen"]["iou"] = 2;
+  CHECK(test::schema_violations(schema("metrics.schema.json"), scores) != "");
+
+  fs::remove(depth);
+  CHECK(run(eval, 3).find("near-05.exr") != std::string::npos);
+}
+
 TEST_CASE("the JSON files of ngs-synth satisfy the schemas, and broken files do not") {
   const test::TempDir dir;
   test::ProcessSpec spec =

@@ -16,7 +16,7 @@ enum class Layout : std::uint8_t { kViewObject, kObjectView, kView };
 struct EvalFileOptions {
   std::string views = "all";
   Layout layout = Layout::kViewObject;
-  bool image_metrics = false, opacity = false, allow_missing = false;
+  bool image_metrics = false, opacity = false, halves = false, allow_missing = false;
   std::vector<std::string> scene_views = {};  // no option: names of the views to score, in place of `views`
 
   static constexpr NamedValue<Layout> kLayouts[] = {
@@ -33,6 +33,8 @@ struct EvalFileOptions {
     visit(self.image_metrics, Flag{"image_metrics", "Score photos by PSNR and SSIM instead of masks"});
     visit(self.opacity,
           Flag{"opacity", "Score opacities of an object rendered alone: its halo and its holes instead of masks"});
+    visit(self.halves,
+          Flag{"halves", "Score object.ply and background.ply against the truth of ngs-synth --truth halves"});
     visit(self.allow_missing, Flag{"allow_missing", "With --fail-below: do not fail if true masks have no prediction"});
   }
 };
@@ -63,7 +65,6 @@ struct PhotoScore {
   std::string view;
   double psnr_db = 0, ssim = 0;  // kEqualPsnrDb for equal photos
 };
-inline constexpr double kEqualPsnrDb = 100;
 
 std::vector<PairScore> score_masks(Run& run, const EvalOptions& options, const std::vector<FilePair>& pairs);
 std::vector<PhotoScore> score_photos(Run& run, const std::vector<FilePair>& pairs);

@@ -1,6 +1,7 @@
 // ngs-eval: scores predicted masks against true masks (ops/image/metrics.h).
 #include <optional>
 
+#include "halves.h"
 #include "ngs/io/files/atomic_file.h"
 #include "opacity_scores.h"
 #include "outcome.h"
@@ -19,31 +20,6 @@ std::map<std::string, double> scores_of(const cli::EvalFileOptions& files) {
   return mean_scores(EvalSummary{});
 }
 
-struct Masks {
-  cli::ImageList predicted, truth;
-};
-
-/// Completes `options` and `files` from the scene. Empty if nothing can be scored and --allow-empty is given.
-std::optional<Masks> masks_of_scene(cli::Run& run, const std::string& predicted, const std::string& scene_json,
-                                    EvalOptions& options, cli::EvalFileOptions& files) {
-  const cli::SceneMasks scene(scene_json);
-  const bool scores_inputs = cli::is_scene_file(predicted);
-  std::string problem = scene.problem();
-  if (problem.empty()) {
-    scene.complete(options, files);
-    if (scores_inputs) problem = scene.problem_of_inputs(options);
-  }
-  if (!problem.empty()) {
-    run.nothing_found(
-        "nothing is scored: " + problem,
-        "record true masks in the scene, or hold views out: ngs-scene import --truth DIR --hold-out RULE");
-    return {};
-  }
-  if (scene.inputs_are_truth())
-    run.text("no true masks are known: scored against the input masks of the held-out views\n");
-  return Masks{scores_inputs ? scene.input_masks() : cli::list_images(predicted), scene.truth()};
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -52,17 +28,26 @@ int main(int argc, char** argv) {
                   "ngs-eval masks masks_gt --views every:4:2 --fail-below iou=0.9,biou=0.6 -o metrics.json",
                   "ngs-eval labels labels_gt --label-map --void-id 255 -o metrics.json",
                   "ngs-eval renders photos --image-metrics -o photos.json",
-                  "ngs-eval object_alpha masks_gt --opacity -o halo.json"});
+                  "ngs-eval object_alpha masks_gt --opacity -o halo.json",
+                  "ngs-eval cut scene/halves --halves --model scene/point_cloud.ply -o halves.json"});
   EvalOptions options;
   cli::EvalFileOptions files;
   tool.options(options);
   tool.options(files);
   const cli::Input& predicted =
-      tool.input("predicted", "folder of masks from any tool, or one file; of a scene.json its input masks");
+      tool.input("predicted",
+                 "folder of masks from any tool, or one file; of a scene.json its input masks; "
+                 "with --halves a folder with object.ply, background.ply or both");
   const cli::Input& truth =
-      tool.input("truth", "folder of true masks, or one file; of a scene.json the true masks of its held-out views");
+      tool.input("truth",
+                 "folder of true masks, or one file; of a scene.json the true masks of its held-out views; "
+                 "with --halves the folder halves/ of ngs-synth");
+  const cli::Input& model = tool.optional_input(
+      "--model", "with --halves: the uncut model, to score what the cut changed outside of the hole");
   const cli::Output& out = tool.output("-o,--output", "metrics.json");
   return tool.run(argc, argv, [&](cli::Run& run) {
+    cli::check_halves_options(run, options, files);
+    if (files.halves) return cli::score_halves(run, {predicted.path, truth.path, model.path, out.path}), cli::kDone;
     require_consistent(options);
     if (files.image_metrics && files.opacity)
       throw Error(ErrorCode::kUsage, "--image-metrics and --opacity, expected one of them");
@@ -73,10 +58,11 @@ int main(int argc, char** argv) {
       run.warn_unused({"--threshold"}, "with --label-map");
     // A misspelt score name fails before the work.
     check_scores(options.fail_below, scores_of(files));
-    const std::optional<Masks> masks = [&]() -> std::optional<Masks> {
-      if (!cli::is_scene_file(truth.path)) return Masks{cli::list_images(predicted.path), cli::list_images(truth.path)};
+    const std::optional<cli::Masks> masks = [&]() -> std::optional<cli::Masks> {
+      if (!cli::is_scene_file(truth.path))
+        return cli::Masks{cli::list_images(predicted.path), cli::list_images(truth.path)};
       run.warn_unused({"--layout"}, "with a scene.json, which sets the layout");
-      return masks_of_scene(run, predicted.path, truth.path, options, files);
+      return cli::masks_of_scene(run, predicted.path, truth.path, options, files);
     }();
     if (!masks) return cli::kDone;
     const cli::Pairing pairing = cli::paired(masks->predicted, masks->truth, options, files);

@@ -89,4 +89,24 @@ void SceneMasks::complete(EvalOptions& options, EvalFileOptions& files) const {
   }
 }
 
+std::optional<Masks> masks_of_scene(Run& run, const std::string& predicted, const std::string& scene_json,
+                                    EvalOptions& options, EvalFileOptions& files) {
+  const SceneMasks scene(scene_json);
+  const bool scores_inputs = is_scene_file(predicted);
+  std::string problem = scene.problem();
+  if (problem.empty()) {
+    scene.complete(options, files);
+    if (scores_inputs) problem = scene.problem_of_inputs(options);
+  }
+  if (!problem.empty()) {
+    run.nothing_found(
+        "nothing is scored: " + problem,
+        "record true masks in the scene, or hold views out: ngs-scene import --truth DIR --hold-out RULE");
+    return {};
+  }
+  if (scene.inputs_are_truth())
+    run.text("no true masks are known: scored against the input masks of the held-out views\n");
+  return Masks{scores_inputs ? scene.input_masks() : list_images(predicted), scene.truth()};
+}
+
 }  // namespace ngs::cli

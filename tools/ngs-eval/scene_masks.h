@@ -1,5 +1,6 @@
 #pragma once
 // The masks of a scene.json: the true masks, and the input masks, which can be scored against them.
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,5 +35,13 @@ class SceneMasks {
   std::vector<std::size_t> views_;
   bool held_out_ = false;
 };
+
+struct Masks {
+  ImageList predicted, truth;
+};
+
+/// Completes `options` and `files` from the scene. Empty if nothing can be scored and --allow-empty is given.
+std::optional<Masks> masks_of_scene(Run& run, const std::string& predicted, const std::string& scene_json,
+                                    EvalOptions& options, EvalFileOptions& files);
 
 }  // namespace ngs::cli

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "extractor.h"
+#include "fill_output.h"
 #include "inpaint_output.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/stages/select/region.h"
@@ -53,6 +54,8 @@ int main(int argc, char** argv) {
   tool.options(region);
   InpaintOptions inpaint_options;
   tool.options(inpaint_options);
+  FillOptions fill_options;
+  tool.options(fill_options);
   const cli::Input& labelled =
       tool.input("labelled", "labelled PLY of ngs-variance or ngs-joint; with a region any splat");
   const cli::Input& edited = tool.optional_input(
@@ -66,8 +69,9 @@ int main(int argc, char** argv) {
 
   return tool.run(argc, argv, [&](cli::Run& run) {
     check_options(run, options, region);
-    require_one_of({&out.object, &out.background, &out.decided, &out.supersplat, &out.npz, &out.inpaint});
+    require_one_of({&out.object, &out.background, &out.filled, &out.decided, &out.supersplat, &out.npz, &out.inpaint});
     cli::check_inpaint_options(run, out.inpaint, scene_json);
+    cli::check_fill_options(run, fill_options, out);
     cli::check_strokes(run, strokes, scene_json);
     cli::check_formats(out);
     std::optional<Scene> scene;
@@ -83,9 +87,10 @@ int main(int argc, char** argv) {
     extractor.decide();
     if (strokes) extractor.keep_touched(cli::stroke_weights_of(run, *scene, marks, extractor.cloud()));
     if (scene && !scene->renders) cli::report_unseen_surface(run, extractor, *scene);
+    const cli::FillOutput fill(run, extractor, out.background || out.filled ? fill_options : FillOptions{});
     const auto timed = run.monitor().scope("write");
     if (out.object) extractor.write_object(out.object.path);
-    if (out.background) extractor.write_background(out.background.path);
+    fill.write(out);
     if (out.decided) extractor.write_labelled(out.decided.path, false);
     if (labels) labels->write(out.npz.path, extractor);
     if (out.inpaint) cli::write_inpainting(run, extractor, inpaint_options, *scene, out.inpaint.path);

@@ -8,13 +8,14 @@
 namespace ngs::cli {
 
 struct Outputs {
-  const Output &object, &background, &decided, &supersplat, &npz, &inpaint;
+  const Output &object, &background, &filled, &decided, &supersplat, &npz, &inpaint;
 };
 
 inline Outputs declare_outputs(Tool& tool) {
   return {
       tool.optional_output("--object", "the object, as plain 3DGS .ply, .compressed.ply, .spz, .sog, .splat or .glb"),
       tool.optional_output("--background", "everything else, in the same formats"),
+      tool.optional_output("--filled", "with --fill: the added Gaussians alone, in the same formats"),
       tool.optional_output("--labelled", "the labelled model with ngs_label decided to 0 or 1"),
       tool.optional_output("--supersplat", "the same with the object selected in SuperSplat"),
       tool.optional_output("--npz", "labels and row numbers of the object, for numpy"),
@@ -23,7 +24,8 @@ inline Outputs declare_outputs(Tool& tool) {
 
 /// Throws kUsage for a format that cannot be written. Outputs that were not requested have an empty path.
 inline void check_formats(const Outputs& out) {
-  for (const std::string& splat : {out.object.path, out.background.path}) (void)io::output_format(splat);
+  for (const std::string& splat : {out.object.path, out.background.path, out.filled.path})
+    (void)io::output_format(splat);
   for (const std::string& labelled : {out.decided.path, out.supersplat.path}) io::require_ply_output(labelled);
 }
 

@@ -17,6 +17,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
+io::ExrImage layers_of(const synth::SynthView& view) {
+  io::ExrImage exr;
+  exr.width_px = view.label.width_px, exr.height_px = view.label.height_px;
+  exr.channels["Z"] = view.depth.data;
+  exr.channels["ngs.mask"] = view.coverage.data;
+  exr.channels["ngs.id"] = {view.label.data.begin(), view.label.data.end()};
+  exr.text["ngs:schema"] = "ngs-synth layers 1";
+  return exr;
+}
+
+}  // namespace
+
 std::string in_folder(const std::string& folder, const std::string& name) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -29,18 +41,6 @@ ImageU8 binary_mask(const ImageU16& labels, std::uint32_t id) {
   for (std::size_t i = 0; i < mask.data.size(); ++i) mask.data[i] = labels.data[i] == id ? 255 : 0;
   return mask;
 }
-
-io::ExrImage layers_of(const synth::SynthView& view) {
-  io::ExrImage exr;
-  exr.width_px = view.label.width_px, exr.height_px = view.label.height_px;
-  exr.channels["Z"] = view.depth.data;
-  exr.channels["ngs.mask"] = view.coverage.data;
-  exr.channels["ngs.id"] = {view.label.data.begin(), view.label.data.end()};
-  exr.text["ngs:schema"] = "ngs-synth layers 1";
-  return exr;
-}
-
-}  // namespace
 
 void write_view(const Exec& exec, const std::string& folder, const SynthData& data, std::size_t view,
                 const MaskErrors& errors) {

@@ -6,6 +6,7 @@
 //   masks/NNNN.png     0/255, the target, with the requested errors       masks_gt/    the same, exact
 //   labels/NNNN.png    16 bit ids, with the requested errors              labels_gt/   the same, exact
 //   objects/NAME/NNNN.png  0/255, exact       layers/NNNN.exr  Z, ngs.id, ngs.mask (share of the pixel)
+//   halves/            with --truth halves (halves.h)
 //   recipe.json        input of ngs-synth for the same scene          ground_truth.json  ids, names, errors
 // clang-format on
 #include <string>
@@ -31,6 +32,11 @@ struct MaskErrors {
   synth::MaskNoise noise;
   std::uint64_t seed = 0;
 };
+
+/// FOLDER/NAME; creates the folder.
+std::string in_folder(const std::string& folder, const std::string& name);
+/// [H, W] 255 where the label is `id`, else 0.
+ImageU8 binary_mask(const ImageU16& labels, std::uint32_t id);
 
 /// Writes photo, masks and layers of one view.
 void write_view(const Exec& exec, const std::string& folder, const SynthData& data, std::size_t view,

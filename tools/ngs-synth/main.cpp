@@ -1,5 +1,6 @@
 // ngs-synth: generates photos, poses, exact and erroneous masks, depth, and a fitted splat from a recipe.
 #include "dataset.h"
+#include "halves.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "options.h"
 #include "shared/tool.h"
@@ -32,8 +33,11 @@ FitOptions small_fit() {
 Json estimate(const cli::SynthData& data, const cli::SynthOptions& options, const FitOptions& fit, int threads) {
   double pixels = 0;
   for (const Camera& c : data.cameras) pixels += double(c.width_px) * c.height_px;
+  const double photos_px = pixels;
+  if (options.truth == cli::Truth::kHalves)
+    pixels *= 1 + double(cli::views_of_halves(data)) / double(data.cameras.size());
   const double rays = pixels * (1 + data.recipe.samples_per_side * data.recipe.samples_per_side);
-  const FitCost cost = options.fit ? fit_cost(fit, data.cameras, 3 * sizeof(float) * pixels) : FitCost{};
+  const FitCost cost = options.fit ? fit_cost(fit, data.cameras, 3 * sizeof(float) * photos_px) : FitCost{};
   return {{"time_s", (4e-7 * rays + cost.cpu_s) / threads}, {"memory_mib", 40 + 2e-6 * rays + cost.memory_mib}};
 }
 
@@ -62,7 +66,7 @@ int main(int argc, char** argv) {
   cli::Tool tool(
       "ngs-synth", "Generate an analytic scene with exact masks and fit a splat to it.",
       {"ngs-synth torus-box -o scene/", "ngs-synth leaves -o noisy/ --mask-noise jitter:1.5,drop:0.1 --fit-steps 3000",
-       "ngs-synth recipe.json -o again/ --no-fit"});
+       "ngs-synth recipe.json -o again/ --no-fit", "ngs-synth corner -o corner/ --truth halves"});
   cli::SynthOptions options;
   FitOptions fit_options = small_fit();
   tool.options(options);
@@ -71,8 +75,8 @@ int main(int argc, char** argv) {
                              .prefix = "fit_",
                              .applies = [&options] { return options.fit; },
                              .needs = "--fit"});
-  const cli::Argument& name =
-      tool.argument("recipe", "two-spheres, torus-box, leaves, bones, table, tiny, or a JSON file of recipe options");
+  const cli::Argument& name = tool.argument(
+      "recipe", "two-spheres, torus-box, leaves, bones, table, corner, ground, tiny, or a JSON file of recipe options");
   const cli::Output& out = tool.output_dir("-o,--output", "folder of the scene");
   tool.stops_on_request();
 
@@ -99,7 +103,8 @@ int main(int argc, char** argv) {
     data.points =
         synth::sample_points(data.cameras, data.views, data.recipe.points, std::uint64_t(data.recipe.scene_seed));
     cli::write_description(out.path, data, errors);
-    if (options.fit) fit(run, data, fit_options, out.path + "/point_cloud.ply");
+    if (options.truth == cli::Truth::kHalves) cli::write_halves(run, out.path + "/halves", data);
+    if (options.fit && run.stop_code() == 0) fit(run, data, fit_options, out.path + "/point_cloud.ply");
     return run.stop_code();
   });
 }

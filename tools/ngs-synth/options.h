@@ -8,12 +8,18 @@
 
 namespace ngs::cli {
 
+/// kHalves: also the room without the target, and the target alone from all sides.
+enum class Truth : std::uint8_t { kMasks, kHalves };
+
 struct SynthOptions {
   int views = 0, width_px = 0, height_px = 0;
   std::int64_t scene_seed = -1;
   std::string target;
   std::vector<std::string> mask_noise;
   bool grey = false, fit = true;
+  Truth truth = Truth::kMasks;
+
+  static constexpr NamedValue<Truth> kTruths[] = {{Truth::kMasks, "masks"}, {Truth::kHalves, "halves"}};
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -27,6 +33,10 @@ struct SynthOptions {
           Text{"mask_noise", "KIND:AMOUNT",
                "Errors to add to masks/ and labels/: erode:PX dilate:PX jitter:PX snap:PX drop:P swap:P blob:P"});
     visit(self.grey, Flag{"grey", "Make all images grey; off: from the recipe"});
+    visit(self.truth, Choice<Truth>{"truth",
+                                    "Ground truth to write; halves: also the room without the target, and the target "
+                                    "alone from all sides, to halves/",
+                                    kTruths});
     visit(self.fit, Flag{"fit", "Fit a splat to the photos and write point_cloud.ply"});
   }
 };

@@ -25,6 +25,12 @@ void append(Words& words, const std::string& flag, const std::string& value) {
   if (!value.empty()) words.push_back(flag), words.push_back(value);
 }
 
+/// The value of --fill for ngs-extract; empty: off.
+std::string fill_word(const CutOptions& options) {
+  const FillKind kind = options.fill.fill;
+  return kind == FillKind::kOff ? "" : std::string(name_of(kFillNames, kind));
+}
+
 bool has_masks(const Scene& scene) {
   for (const SceneView& view : scene.views)
     if (!view.mask_path.empty()) return true;
@@ -189,7 +195,7 @@ bool CutChain::cut_flash() {
   write_scene_with("");
   flash_ = found->figures;
   flash_->wall_s = wall_seconds() - start_s;
-  return true;
+  return fill_untrained();
 }
 
 /// The folder may hold an earlier run of another quality; its page would show these as results of this run.
@@ -308,6 +314,7 @@ bool CutChain::cut() {
     return false;
   if (run_.dry_run()) return true;
   if (marked) keep_better_result();
+  if (kept_untrained_ && !fill_untrained()) return false;
   if (options_.keep) return true;
   for (const char* intermediate : {"boundary.ply", "joint.ply", "trace.jsonl"}) fs::remove(at(intermediate));
   return true;
@@ -323,7 +330,16 @@ bool CutChain::extract(const std::string& trained) {
     append(words, "--view", options_.view);
     for (const std::string& strokes : inputs_.strokes) append(words, "--strokes", strokes);
   }
+  append(words, "--fill", fill_word(options_));
   return stage("ngs-extract", words);
+}
+
+/// Replaces the background of an untrained result, which is written without ngs-extract, by a filled one. False:
+/// stopped by a signal.
+bool CutChain::fill_untrained() {
+  if (fill_word(options_).empty()) return true;
+  return stage("ngs-extract", {"ngs-extract", at("labelled.ply"), "--background", at("background.ply"), "--fill",
+                               fill_word(options_)});
 }
 
 /// Writes the untrained result if the trained one agrees less with the strokes, or less with the masks of its views

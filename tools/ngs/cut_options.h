@@ -4,6 +4,7 @@
 
 #include "ngs/options/field.h"
 #include "ngs/problem/preset.h"
+#include "ngs/stages/fill/fill_options.h"
 #include "ngs/stages/scene/scene_check.h"
 #include "shared/scene/import_options.h"
 
@@ -22,6 +23,7 @@ struct CutOptions {
   std::string around, up = "auto", size;
   int views = 0;
   double image_scale = 0;
+  FillOptions fill;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -40,6 +42,7 @@ struct CutOptions {
     visit(self.views, Field<int>{"views", "", "Splat: number of pictures to make; 0: as many as needed", 0, 1000});
     visit(self.image_scale, Field<double>{"image_scale", "",
                                           "Capture: working size relative to the photos; 0: 800 px at most", 0.0, 1.0});
+    FillOptions::describe(self.fill, visit);
   }
 };
 

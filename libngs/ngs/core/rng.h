@@ -21,7 +21,8 @@ enum class RngStream : std::uint32_t {
   kFitInit,
   kTest,
   kSaga,
-  kReleased
+  kReleased,
+  kFill
 };
 
 /// 64 well-mixed bits (the finaliser of SplitMix64, applied twice).

@@ -87,6 +87,8 @@ Json row_of(const Words& words, const std::set<std::string>& numeric) {
     const auto [key, value] = pair_of(words[i]);
     if (key == "scores")
       row.update(read_scores(value));
+    else if (key == "halves")
+      row.update(read_halves(value));
     else if (key == "times")
       row.update(read_times(value));
     else if (numeric.count(key) != 0)

@@ -116,6 +116,22 @@ Json read_times(const std::string& path) {
   });
 }
 
+Json read_halves(const std::string& path) {
+  return read_json(path, "metrics.json of ngs-eval --halves", [](const Json& file) {
+    Json scores = Json::object();
+    const auto add = [&](const std::string& prefix, const Json& values) {
+      for (const auto& [key, value] : values.items())
+        if (value.is_number()) scores[prefix + key] = rounded(value);
+    };
+    for (const char* group : {"seen", "unseen"}) add(std::string(group) + "_", file.at("object").at(group));
+    const Json& background = file.at("background");
+    for (const char* group : {"photos", "new"}) add(std::string(group) + "_", background.at(group));
+    add("", background);
+    add("outside_", background.at("outside_change"));
+    return scores;
+  });
+}
+
 std::vector<Json> read_rows(const std::string& kind, const std::string& path) {
   if (kind == "benchmark") return read_json(path, "JSON of google-benchmark", benchmark_rows);
   if (kind == "stability") return read_json(path, "stability.json", stability_rows);

@@ -73,9 +73,10 @@ std::vector<std::string> write_encoded(const std::string& path, const SplatSelec
 }  // namespace
 
 std::vector<std::string> write_splat(const std::string& path, const GaussianCloud& cloud,
-                                     const std::vector<std::uint8_t>& keep, const std::vector<std::string>& comments) {
+                                     const std::vector<std::uint8_t>& keep, const std::vector<std::string>& comments,
+                                     const std::optional<AddedColumn>& added) {
   if (output_format(path) != SplatFormat::kPly) return write_encoded(path, select_rows(cloud, keep));
-  write_strict_ply(path, cloud, keep, comments);
+  write_strict_ply(path, cloud, keep, comments, added);
   std::vector<std::string> notes;
   return note_origin(path, cloud, notes), notes;
 }

@@ -25,6 +25,7 @@ inline constexpr std::array<LabelField, 5> kLabelFields{{{"ngs_label", &LabelCol
 inline constexpr std::string_view kFixedColumn = "ngs_fixed";
 inline constexpr std::string_view kFloaterColumn = "ngs_floater";
 inline constexpr std::string_view kWeightColumn = "ngs_weight";
+inline constexpr std::string_view kFilledColumn = "ngs_filled";
 inline constexpr std::string_view kStateColumn = "state";
 inline constexpr std::string_view kFilter3dColumn = "filter_3D";     // Mip-Splatting: width per Gaussian, world units
 inline constexpr std::string_view kObjectsComment = "ngs-objects ";  // followed by a JSON array of names

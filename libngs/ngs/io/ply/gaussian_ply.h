@@ -81,11 +81,16 @@ inline std::vector<std::string> trained_comments(const std::string& history, boo
 /// "ngs <tool> <version> <options>", an entry for `history` below.
 std::string history_line(const std::string& tool, const std::string& options_json);
 
-/// Writes rows with keep[i] != 0, in order; an empty `keep` writes all. `comments` are written verbatim. If float
-/// cannot hold world coordinates (needs_local_origin()), positions are relative to the cloud's origin, which is written
-/// as the comment ngs-origin.
+struct AddedColumn {
+  std::string name;
+  std::span<const float> values;  // [N] of the model's rows
+};
+
+/// Writes rows with keep[i] != 0, in order; an empty `keep` writes all. `comments` are written verbatim. `added` is a
+/// float column after those of the Inria record. If float cannot hold world coordinates (needs_local_origin()),
+/// positions are relative to the cloud's origin, which is written as the comment ngs-origin.
 void write_strict_ply(const std::string& path, const GaussianCloud& cloud, const std::vector<std::uint8_t>& keep,
-                      const std::vector<std::string>& comments = {});
+                      const std::vector<std::string>& comments = {}, const std::optional<AddedColumn>& added = {});
 /// The same with those comments of the input that affect rendering.
 void write_strict_ply(const std::string& path, const GaussianPly& ply, const std::vector<std::uint8_t>& keep,
                       const std::vector<std::string>& history = {});

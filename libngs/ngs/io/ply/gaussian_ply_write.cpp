@@ -233,14 +233,23 @@ LabelColumns union_of(std::span<const NamedLabels> objects) {
 }
 
 void write_strict_ply(const std::string& path, const GaussianCloud& cloud, const std::vector<std::uint8_t>& keep,
-                      const std::vector<std::string>& comments) {
+                      const std::vector<std::string>& comments, const std::optional<AddedColumn>& added) {
+  NGS_CHECK(!added || std::int64_t(added->values.size()) == cloud.size(),
+            "the added column has one value per Gaussian");
   const bool is_local = needs_local_origin(cloud);
   std::vector<std::string> all_comments = comments;
   if (is_local) all_comments.push_back(origin_comment(cloud.origin));
-  PlyWriter writer(path, inria_element(count_kept(cloud.size(), keep), cloud.sh_degree), all_comments);
+  PlyElement element = inria_element(count_kept(cloud.size(), keep), cloud.sh_degree);
+  const std::size_t floats = element.properties.size();
+  if (added) element.properties.push_back({.name = added->name});
+  PlyWriter writer(path, element, all_comments);
   const std::array<double, 3> shift = is_local ? std::array<double, 3>{} : cloud.origin;
   for (std::int64_t i = 0; i < cloud.size(); ++i)
-    if (keep.empty() || keep[std::size_t(i)]) store_inria_row(cloud, shift, i, writer.row());
+    if (keep.empty() || keep[std::size_t(i)]) {
+      std::uint8_t* to = writer.row();
+      store_inria_row(cloud, shift, i, to);
+      if (added) ply_store_float(added->values[std::size_t(i)], to + floats * sizeof(float));
+    }
   writer.commit();
 }
 

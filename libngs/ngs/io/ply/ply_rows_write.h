@@ -1,18 +1,12 @@
 #pragma once
 // Writes some rows of a model verbatim: all columns of the input, bytes copied without decoding.
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "ngs/io/ply/gaussian_ply.h"
 
 namespace ngs::io {
-
-struct AddedColumn {
-  std::string name;
-  std::span<const float> values;  // [N] of the input's rows
-};
 
 /// Writes rows with keep[i] != 0, in order, with the input's comments. For compressed.ply, filter_3D and formats other
 /// than PLY these are the decoded rows. A column of the input with the name of `added` is replaced.

@@ -33,6 +33,8 @@ double psnr_db(const Exec& exec, const ImageF& a, const ImageF& b, const ImageF*
   return -10.0 * std::log10(mean_squared_error(exec, a, b, weight));
 }
 
-double ssim_index(const Exec& exec, const ImageF& a, const ImageF& b) { return photometric_loss(exec, {}, a, b).ssim; }
+double ssim_index(const Exec& exec, const ImageF& a, const ImageF& b, const ImageF* weight) {
+  return PhotometricPass<float>().evaluate(exec, {}, {a, b, weight}, nullptr).ssim;
+}
 
 }  // namespace ngs

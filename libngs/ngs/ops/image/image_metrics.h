@@ -12,7 +12,11 @@ double mean_squared_error(const Exec& exec, const ImageF& a, const ImageF& b, co
 /// -10 log10(MSE), dB; infinite for equal images.
 double psnr_db(const Exec& exec, const ImageF& a, const ImageF& b, const ImageF* weight = nullptr);
 
-/// Mean SSIM, 3DGS's convention (ops/losses/photometric.h).
-double ssim_index(const Exec& exec, const ImageF& a, const ImageF& b);
+/// The PSNR that reports give to equal images, the most that they give.
+inline constexpr double kEqualPsnrDb = 100;
+
+/// Mean SSIM, 3DGS's convention (ops/losses/photometric.h). With a weight, the mean over the weighted pixels; their
+/// windows include the pixels around them.
+double ssim_index(const Exec& exec, const ImageF& a, const ImageF& b, const ImageF* weight = nullptr);
 
 }  // namespace ngs

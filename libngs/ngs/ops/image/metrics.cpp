@@ -226,6 +226,31 @@ double boundary_iou(const Exec& exec, const std::vector<std::int32_t>& predicted
   return ratio_or(in_both, in_any, 1.0);
 }
 
+std::vector<std::int32_t> squared_distance(MaskPlane mask) {
+  const int w = mask.width_px;
+  const std::vector<std::int32_t> column = column_distance({mask.data, mask.data + mask.pixels()}, w, mask.height_px);
+  std::vector<std::int32_t> distance2(column.size(), kUnbounded);
+  std::vector<std::int64_t> owner(static_cast<std::size_t>(w)), from(static_cast<std::size_t>(w));
+  for (int y = 0; y < mask.height_px; ++y) {
+    const std::int32_t* dy = column.data() + std::int64_t(y) * w;
+    const auto cost = [&](std::int64_t x, std::int64_t u) { return (x - u) * (x - u) + std::int64_t(dy[u]) * dy[u]; };
+    // Column owner[k] is the nearest one from x = from[k] on: the lower envelope of parabolas, in integers.
+    std::size_t owners = 0;
+    for (std::int64_t u = 0; u < w; ++u) {
+      if (dy[u] == kUnbounded) continue;
+      while (owners > 0 && cost(from[owners - 1], owner[owners - 1]) > cost(from[owners - 1], u)) --owners;
+      const std::int64_t last = owners > 0 ? owner[owners - 1] : 0;
+      const std::int64_t start = owners > 0 ? 1 + (cost(0, u) - cost(0, last)) / (2 * (u - last)) : 0;
+      if (start < w) owner[owners] = u, from[owners++] = start;
+    }
+    for (std::int64_t x = w - 1; x >= 0 && owners > 0; --x) {
+      distance2[std::size_t(std::int64_t(y) * w + x)] = std::int32_t(cost(x, owner[owners - 1]));
+      if (x == from[owners - 1]) --owners;
+    }
+  }
+  return distance2;
+}
+
 double contour_f(MaskPlane predicted, MaskPlane truth, int tolerance_px, MaskPlane is_void) {
   require_same_size(predicted, truth);
   const int w = predicted.width_px, h = predicted.height_px;

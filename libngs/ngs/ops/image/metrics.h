@@ -61,6 +61,10 @@ enum class Outside : std::uint8_t { kComplement, kUnknown };
 inline constexpr std::int32_t kUnbounded = 1 << 30;
 std::vector<std::int32_t> chessboard_distance(MaskPlane mask, Outside outside = Outside::kComplement);
 
+/// Squared Euclidean distance, px², of every pixel to the nearest object pixel, 0 inside the object; kUnbounded for an
+/// empty mask. Sides of at most 23000 px.
+std::vector<std::int32_t> squared_distance(MaskPlane mask);
+
 /// Width in px of the boundary band for a share of the diagonal: max(1, round(ratio · sqrt(h² + w²))), ties
 /// to even as in the official Python.
 int band_width_px(double ratio, int width_px, int height_px);

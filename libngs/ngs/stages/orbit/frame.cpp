@@ -6,7 +6,7 @@
 namespace ngs::orbit {
 namespace {
 
-constexpr std::size_t kMostSamples = 20000;
+constexpr std::size_t kMostFlatSamples = 20000;
 constexpr int kBins = 60;               // histogram bins of heights, over three radii of the bulk
 constexpr double kLeastSupport = 0.25;  // least Slab::support of a plane
 
@@ -20,7 +20,7 @@ struct Samples {
 Samples samples_of(const SurfacePoints& points, const Ball& bulk) {
   Samples samples;
   double total = 0;
-  for (const std::size_t i : thinned(points.count(), kMostSamples)) {
+  for (const std::size_t i : thinned(points.count(), kMostFlatSamples)) {
     const Vec p = (1 / bulk.radius) * (points.position[i] - bulk.centre);
     if (length(p) > 1.5) continue;
     const double area = std::min(points.area[i] / (bulk.radius * bulk.radius), 0.01 * points.opacity[i]);
@@ -95,7 +95,7 @@ Frame frame_about(const SurfacePoints& points, const Ball& ball, Vec up) {
   const Vec a = perpendicular(up), b = cross(up, a);
   std::vector<std::array<double, 3>> samples;  // along a and b, weight
   double xx = 0, xy = 0, yy = 0;
-  for (const std::size_t i : thinned(points.count(), 2 * kMostSamples)) {
+  for (const std::size_t i : thinned(points.count(), 2 * kMostFlatSamples)) {
     const Vec p = points.position[i] - ball.centre;
     if (length(p) > ball.radius) continue;
     const double x = dot(a, p) / ball.radius, y = dot(b, p) / ball.radius, w = points.opacity[i];

@@ -41,7 +41,7 @@ RoomHit leave_room(const Room& room, V o, V d) {
 void collect(const AnalyticScene& scene, V o, V d, double spread, std::vector<Candidate>& out) {
   out.clear();
   for (std::size_t i = 0; i < scene.objects.size(); ++i)
-    for (std::size_t k = 0; k < scene.objects[i].solids.size(); ++k) {
+    for (std::size_t k = 0; scene.objects[i].visible && k < scene.objects[i].solids.size(); ++k) {
       const Solid& s = scene.objects[i].solids[k];
       const V to = s.centre - o;
       const double along = dot(to, d), distance = length(to),

@@ -135,6 +135,32 @@ void table(AnalyticScene& scene, Dice& dice) {
   scene.focus = {0, 0, 0}, scene.rig_radius = 2.6;
 }
 
+constexpr double kWallX = -0.42, kWallY = -0.36;  // of the corner
+
+/// A cabinet with a ball on it against two walls: floor and both walls meet behind it.
+void corner(AnalyticScene& scene) {
+  scene.objects = {
+      {"cabinet",
+       {box({0, 0, 0.36}, kUpright, {0.4, 0.34, 0.35}, 0.03), sphere({-0.05, 0.02, 0.88}, 0.18)},
+       {Pattern::kMarble, {0.7, 0.3, 0.2}, {0.9, 0.75, 0.5}, 2.5, 0.1, 10}},
+      {"ball", {sphere({0.72, 0.1, 0.2}, 0.2)}, {Pattern::kSpots, {0.15, 0.4, 0.3}, {0.7, 0.8, 0.5}, 4, 0.1, 11}}};
+  scene.focus = {0.15, 0.1, 0.4}, scene.rig_radius = 2.4;
+  scene.open_side = 0.25 * kPi, scene.arc = 0.4 * kPi;
+}
+
+/// A statue on the cap of a large sphere with a checker.
+void ground(AnalyticScene& scene) {
+  const double radius = 6;
+  scene.objects = {{"statue",
+                    {box({0, 0, 0.1}, turned_about_z(0.4), {0.3, 0.24, 0.14}, 0.02),
+                     cylinder({0, 0, 0.45}, kUpright, 0.12, 0.25), sphere({0, 0, 0.82}, 0.2)},
+                    {Pattern::kMarble, {0.75, 0.7, 0.6}, {0.45, 0.4, 0.45}, 3, 0.1, 12}},
+                   {"ground",
+                    {sphere({0, 0, -radius}, radius)},
+                    {Pattern::kChecker, {0.25, 0.42, 0.22}, {0.78, 0.7, 0.45}, 3, 0.1, 13}}};
+  scene.focus = {0, 0, 0.4}, scene.rig_radius = 2.6;
+}
+
 int find_target(const std::vector<Object>& objects, const std::string& name) {
   if (name.empty()) return 0;
   std::string known;
@@ -145,18 +171,13 @@ int find_target(const std::vector<Object>& objects, const std::string& name) {
   throw Error(ErrorCode::kUsage, "target: \"" + name + "\" is not an object of this scene, expected one of " + known);
 }
 
-/// Camera at `centre` looking at `at`, the world's +z upwards in the image.
-void look_at(Camera& camera, V centre, V at) {
-  const V z = normalized(at - centre), x = normalized(cross(z, V{0, 0, 1})), y = cross(z, x);
-  camera.rotation = {{x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z}};
-  camera.translation = -1.0 * (camera.rotation * centre);
-}
-
 V rig_position(const Recipe& recipe, const AnalyticScene& scene, int i, Dice& dice) {
   const double radius = scene.rig_radius * dice.uniform(0.95, 1.05);
   if (recipe.rig == Rig::kOrbit) {
     // The golden ratio spreads the elevations evenly over the azimuths for any number of views.
-    const double azimuth = 2 * kPi * i / recipe.views, part = std::fmod(0.5 + 0.6180339887 * i, 1.0);
+    const double part = std::fmod(0.5 + 0.6180339887 * i, 1.0);
+    const double azimuth = scene.arc < 2 * kPi ? scene.open_side + scene.arc * ((i + 0.5) / recipe.views - 0.5)
+                                               : 2 * kPi * i / recipe.views;
     const double elevation = (12 + 36 * part) * kPi / 180;
     return scene.focus + radius * V{std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
                                     std::sin(elevation)};
@@ -165,7 +186,8 @@ V rig_position(const Recipe& recipe, const AnalyticScene& scene, int i, Dice& di
   const int rows = (recipe.views + columns - 1) / columns;
   const double u = columns > 1 ? double(i % columns) / (columns - 1) - 0.5 : 0;
   const double v = rows > 1 ? double(i / columns) / (rows - 1) - 0.5 : 0;
-  return scene.focus + V{radius * 0.7 * u, -radius, radius * (0.35 + 0.4 * v)};
+  const V place{radius * 0.7 * u, -radius, radius * (0.35 + 0.4 * v)};
+  return scene.focus + transpose(turned_about_z(scene.open_side + 0.5 * kPi)) * place;
 }
 
 }  // namespace
@@ -203,6 +225,8 @@ AnalyticScene build_scene(const Recipe& recipe) {
     case SceneKind::kLeaves: leaves(scene, dice); break;
     case SceneKind::kBones: bones(scene); break;
     case SceneKind::kTable: table(scene, dice), floor = -0.8; break;
+    case SceneKind::kCorner: corner(scene); break;
+    case SceneKind::kGround: ground(scene), floor = -1.2; break;
   }
   const auto seed = std::uint32_t(recipe.scene_seed);
   for (Object& object : scene.objects) object.texture.seed += 101 * seed;
@@ -211,23 +235,39 @@ AnalyticScene build_scene(const Recipe& recipe) {
                 {half, half, scene.focus.z + 1.5 * scene.rig_radius},
                 {Pattern::kChecker, {0.42, 0.4, 0.38}, {0.66, 0.63, 0.58}, 1.6, 0.1, 91 + seed},
                 {Pattern::kSpots, {0.36, 0.42, 0.5}, {0.6, 0.58, 0.5}, 0.7, 0.1, 92 + seed}};
+  if (recipe.scene == SceneKind::kCorner) {
+    scene.room.low.x = kWallX, scene.room.low.y = kWallY;
+    scene.room.walls = {Pattern::kStripes, {0.36, 0.42, 0.5}, {0.6, 0.58, 0.5}, 2, 0.1, 92 + seed};
+  }
   scene.light = normalized(scene.light);
   scene.gloss = recipe.gloss, scene.grey = recipe.grey;
   scene.target = find_target(scene.objects, recipe.target);
   return scene;
 }
 
+Camera recipe_camera(const Recipe& recipe) {
+  Camera camera;
+  camera.width_px = recipe.width_px, camera.height_px = recipe.height_px;
+  camera.fx = camera.fy = 0.5 * recipe.width_px / std::tan(0.5 * recipe.fov_deg * kPi / 180);
+  camera.cx = 0.5 * camera.width_px, camera.cy = 0.5 * camera.height_px;
+  return camera;
+}
+
+void look_at(Camera& camera, V centre, V at) {
+  const V z = normalized(at - centre), x = normalized(cross(z, V{0, 0, 1})), y = cross(z, x);
+  camera.rotation = {{x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z}};
+  camera.translation = -1.0 * (camera.rotation * centre);
+}
+
 std::vector<Camera> build_rig(const Recipe& recipe, const AnalyticScene& scene) {
   Dice dice(std::uint64_t(recipe.scene_seed) + 1000003);
   std::vector<Camera> cameras;
   for (int i = 0; i < recipe.views; ++i) {
-    Camera camera;
+    Camera camera = recipe_camera(recipe);
     const std::string number = std::to_string(i);
     camera.name = std::string(number.size() < 4 ? 4 - number.size() : 0, '0') + number + ".png";
     const bool other_size = recipe.mixed_sizes && i % 4 == 1, shifted = i % 3 == 1;
-    camera.width_px = other_size ? std::max(8, recipe.width_px * 7 / 8) : recipe.width_px;
-    camera.height_px = recipe.height_px;
-    camera.fx = camera.fy = 0.5 * recipe.width_px / std::tan(0.5 * recipe.fov_deg * kPi / 180);
+    if (other_size) camera.width_px = std::max(8, recipe.width_px * 7 / 8);
     camera.cx = camera.width_px * (0.5 + (shifted ? recipe.principal_shift : 0));
     camera.cy = camera.height_px * (0.5 - (shifted ? 0.8 * recipe.principal_shift : 0));
     const V centre = rig_position(recipe, scene, i, dice);

@@ -13,13 +13,15 @@
 
 namespace ngs::synth {
 
-enum class SceneKind : std::uint8_t { kTwoSpheres, kTorusBox, kLeaves, kBones, kTable };
+enum class SceneKind : std::uint8_t { kTwoSpheres, kTorusBox, kLeaves, kBones, kTable, kCorner, kGround };
 enum class Rig : std::uint8_t { kOrbit, kForward };
 inline constexpr NamedValue<SceneKind> kSceneNames[] = {{SceneKind::kTwoSpheres, "two-spheres"},
                                                         {SceneKind::kTorusBox, "torus-box"},
                                                         {SceneKind::kLeaves, "leaves"},
                                                         {SceneKind::kBones, "bones"},
-                                                        {SceneKind::kTable, "table"}};
+                                                        {SceneKind::kTable, "table"},
+                                                        {SceneKind::kCorner, "corner"},
+                                                        {SceneKind::kGround, "ground"}};
 inline constexpr NamedValue<Rig> kRigNames[] = {{Rig::kOrbit, "orbit"}, {Rig::kForward, "forward"}};
 
 /// All parameters of a scene.
@@ -58,7 +60,7 @@ struct Recipe {
   }
 };
 
-/// A recipe by name: the five scenes, and `tiny` (two spheres, 6 views of 64x48, for tests). Throws kUsage for an
+/// A recipe by name: the seven scenes, and `tiny` (two spheres, 6 views of 64x48, for tests). Throws kUsage for an
 /// unknown name.
 Recipe named_recipe(const std::string& name);
 std::vector<std::string> recipe_names();
@@ -67,6 +69,7 @@ struct Object {
   std::string name;
   std::vector<Solid> solids;
   Texture texture;
+  bool visible = true;  // false: rays pass through, but it still shades what it touches
 };
 
 /// The room, seen from inside: an axis-aligned box with one texture for the floor and one for the rest.
@@ -83,7 +86,9 @@ struct AnalyticScene {
   bool grey = false;      // images have luminance only
   Vec3<double> focus{};   // the point that the cameras look at
   double rig_radius = 3;  // distance of the cameras from `focus`
-  int target = 0;         // index into objects
+  // The cameras' azimuths, rad: all of them, or an arc around the open side of a scene against walls.
+  double open_side = -1.5707963267948966, arc = 6.283185307179586;
+  int target = 0;  // index into objects
 };
 
 /// Builds the scene of a recipe. For an unknown target throws kUsage with a list of the objects.
@@ -91,5 +96,11 @@ AnalyticScene build_scene(const Recipe& recipe);
 
 /// The cameras, named 0000.png, 0001.png, …, all inside the room.
 std::vector<Camera> build_rig(const Recipe& recipe, const AnalyticScene& scene);
+
+/// A camera with the size and focal length of a recipe and a centred principal point, without a pose.
+Camera recipe_camera(const Recipe& recipe);
+/// Places the camera at `centre` and turns it to `at`, the world's +z upwards in the image. The view must not be
+/// vertical.
+void look_at(Camera& camera, Vec3<double> centre, Vec3<double> at);
 
 }  // namespace ngs::synth

@@ -287,5 +287,22 @@ TEST_CASE("writing is deterministic, and a failed write leaves no file") {
   }
 }
 
+TEST_CASE("a column added to a strict file follows the Inria record, for the kept rows") {
+  const io::GaussianPly ply = parse(test::ply_bytes({test::inria_columns(3, 1)}, PlyFormat::kBinaryLittle));
+  const test::TempDir dir;
+  const std::vector<float> values{0, 1, 0.5f};
+  io::write_strict_ply(dir.file("a.ply"), ply.cloud, {1, 0, 1}, {}, io::AddedColumn{"ngs_filled", values});
+  const io::GaussianPly back = io::read_gaussian_ply(dir.file("a.ply"));
+  REQUIRE(back.rows.rows == 2);
+  CHECK(back.rows.properties.back().name == "ngs_filled");
+  const io::PlyColumn column = back.rows.column("ngs_filled");
+  CHECK(column.value(0) == 0);
+  CHECK(column.value(1) == 0.5);
+  CHECK(back.cloud.sh_rest.size() == 18);
+  CHECK(back.cloud.position[3] == ply.cloud.position[6]);
+  CHECK_THROWS_AS(io::write_strict_ply(dir.file("b.ply"), ply.cloud, {}, {}, io::AddedColumn{"x", {values.data(), 2}}),
+                  std::logic_error);
+}
+
 }  // namespace
 }  // namespace ngs

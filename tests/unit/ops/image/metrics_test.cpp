@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "support/mask_zoo.h"
 
 namespace ngs {
@@ -33,6 +35,26 @@ TEST_CASE("confusion counts every pixel once") {
 TEST_CASE("confusion throws for planes of different size") {
   const Mask a(4, 3), b(3, 4);
   CHECK_THROWS_AS(confusion({}, a.plane(), b.plane()), std::logic_error);
+}
+
+TEST_CASE("squared distances equal a search over all object pixels, and an empty mask has none") {
+  for (const auto& [w, h] : {std::pair{1, 1}, {7, 1}, {1, 6}, {13, 9}, {24, 17}})
+    for (int kind = 0; kind < int(MaskKind::kCount); ++kind) {
+      CAPTURE(kind);
+      const Mask mask = zoo_mask(MaskKind(kind), w, h, 3);
+      const std::vector<std::int32_t> found = squared_distance(mask.plane());
+      int wrong = 0;
+      for (int y = 0; y < h; ++y)
+        for (int x = 0; x < w; ++x) {
+          std::int32_t nearest = kUnbounded;
+          for (int at = 0; at < w * h; ++at)
+            if (const int dx = x - at % w, dy = y - at / w; mask.at(at % w, at / w) != 0)
+              nearest = std::min(nearest, dx * dx + dy * dy);
+          wrong += found[std::size_t(y * w + x)] != nearest;
+        }
+      CHECK(wrong == 0);
+    }
+  CHECK(squared_distance(Mask(0, 0).plane()).empty());
 }
 
 TEST_CASE("scores of an image without pixels and of one pixel are defined") {

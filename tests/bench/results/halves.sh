@@ -1,0 +1,89 @@
+# halves: both halves of a cut against the truth of synthetic scenes: the object from all sides, the room behind it
+# shellcheck shell=bash disable=SC2154
+#
+# Masks are exact and every photo is used: what differs from the truth is what no photo shows, or what the cut left. The
+# splat is fitted to the photos with the object alone. About 3 minutes a recipe on two cores.
+halves_recipes=${RECIPES:-torus-box leaves bones table two-spheres corner ground}
+
+question_halves() {
+  title 'Both halves of a cut against the truth, 16 photos of 320x240, exact masks'
+  label scene scene
+  label method method
+  label 'options of ngs-extract' variant
+  local group
+  for group in seen unseen; do
+    column "$group: B-IoU" '' "${group}_biou" mean 4
+    column "$group: PSNR" dB "${group}_psnr_db" mean 2
+    column "$group: spikes" px "${group}_spikes_px" mean 1
+    column "$group: longest" px "${group}_longest_spike_px" mean 1
+    column "$group: holes" px "${group}_holes_px" mean 1
+  done
+  column 'hole, photos: PSNR' dB photos_psnr_db mean 2
+  column 'hole, new views: PSNR' dB new_psnr_db mean 2
+  column 'hole, new views: SSIM' '' new_ssim mean 4
+  column 'flicker' '' flicker mean 4
+  column 'change outside' '' outside_mean mean 5
+  local recipe method
+  for recipe in $halves_recipes; do
+    halves_scene "$recipe"
+    for method in flash cob ngs; do
+      wanted "$method" || continue
+      halves_labels "$recipe" "$method"
+      halves_row "$recipe" "$method"
+      if [ "$method" = ngs ]; then halves_variants "$recipe" "$method"; fi
+    done
+  done
+}
+
+# halves_scene RECIPE: photos, truth, splat, scene.json and boundary.ply in $work/RECIPE-scene and $work/RECIPE.
+halves_scene() {
+  local scene=$work/$1-scene
+  if [ ! -f "$scene/done" ]; then
+    say "$question: $1"
+    tool ngs-synth "$1" -o "$scene" --truth halves --views 16 --fit-steps 1500 -w -q > /dev/null
+    touch "$scene/done"
+  fi
+  prepare "$1" "$scene" --masks "$scene/masks_gt"
+}
+
+# halves_labels RECIPE METHOD: writes $work/RECIPE-METHOD/labelled.ply.
+halves_labels() {
+  local run=$work/$1-$2
+  if [ -f "$run/done" ]; then return; fi
+  say "$question: $1, $2"
+  mkdir -p "$run"
+  # shellcheck disable=SC2046
+  tool ngs-joint "$work/$1/scene.json" "$work/$1/boundary.ply" -o "$run/labelled.ply" -w -q $(flags_of "$2") > /dev/null
+  touch "$run/done"
+}
+
+# halves_row RECIPE METHOD [options of ngs-extract]: cuts, scores, prints the row.
+halves_row() {
+  local labelled=$work/$1-$2/labelled.ply cut
+  cut="$work/$1-$2/$(printf '%s' "cut ${*:3}" | tr -c 'A-Za-z0-9\n' _)"
+  if [ ! -f "$cut/halves.json" ]; then
+    mkdir -p "$cut"
+    # shellcheck disable=SC2086
+    tool ngs-extract "$labelled" ${3:+--scene "$work/$1/scene.json"} ${*:3} \
+      --object "$cut/object.ply" --background "$cut/background.ply" -w -q > /dev/null
+    tool ngs-eval "$cut" "$work/$1-scene/halves" --halves --model "$work/$1-scene/point_cloud.ply" \
+      -o "$cut/halves.json" -w -q > /dev/null
+  fi
+  row scene="$1" method="$2" variant="${*:3}" halves="$cut/halves.json"
+}
+
+# halves_variants RECIPE METHOD: a row for each list of options in VARIANTS, separated by |. Default: --finish, --fill and
+# both, as far as this ngs-extract has them.
+halves_variants() {
+  local help lists=${VARIANTS:-} options
+  if [ -z "$lists" ]; then
+    help=$(tool ngs-extract --help)
+    case $help in *--*finish*) lists='--finish' ;; esac
+    case $help in *--*fill*) lists="${lists:+$lists|}--fill" ;; esac
+    case $lists in *finish*fill*) lists="$lists|--finish --fill" ;; esac
+  fi
+  while IFS= read -r options; do
+    # shellcheck disable=SC2086
+    if [ -n "$options" ]; then halves_row "$1" "$2" $options; fi
+  done <<< "${lists//|/$'\n'}"
+}
