@@ -48,6 +48,7 @@ class Extractor {
   void keep_touched(const std::vector<StrokeWeights>& strokes);
 
   const GaussianCloud& cloud() const { return ply_.cloud; }
+  const io::GaussianPly& model() const { return ply_; }
   const std::vector<std::uint8_t>& object() const { return keep_; }  // [N], after decide()
   /// Labels of the extracted objects, in the order of the model; every column is filled.
   std::vector<const io::NamedLabels*> chosen() const;

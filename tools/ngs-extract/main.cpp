@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "extractor.h"
+#include "finish_output.h"
 #include "inpaint_output.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/stages/select/region.h"
@@ -53,12 +54,14 @@ int main(int argc, char** argv) {
   tool.options(region);
   InpaintOptions inpaint_options;
   tool.options(inpaint_options);
+  finish::FinishOptions finish_options;
+  tool.options(finish_options);
   const cli::Input& labelled =
       tool.input("labelled", "labelled PLY of ngs-variance or ngs-joint; with a region any splat");
   const cli::Input& edited = tool.optional_input(
       "--import", "hand-edited splat: its rows (its selected rows, if it has a selection) are the object");
   const cli::Input& scene_json =
-      tool.optional_input("--scene", "scene.json, for --inpaint, for --strokes and to report unseen surface");
+      tool.optional_input("--scene", "scene.json, for --inpaint, --finish and --strokes, and to report unseen surface");
   const cli::Inputs& strokes = tool.inputs("--strokes",
                                            "strokes on views of the scene, as for ngs-mask --prompts: keep only "
                                            "components that they touch (repeatable, or PATH,PATH)");
@@ -68,6 +71,7 @@ int main(int argc, char** argv) {
     check_options(run, options, region);
     require_one_of({&out.object, &out.background, &out.decided, &out.supersplat, &out.npz, &out.inpaint});
     cli::check_inpaint_options(run, out.inpaint, scene_json);
+    cli::check_finish_options(finish_options, out.object, scene_json);
     cli::check_strokes(run, strokes, scene_json);
     cli::check_formats(out);
     std::optional<Scene> scene;
@@ -84,7 +88,8 @@ int main(int argc, char** argv) {
     if (strokes) extractor.keep_touched(cli::stroke_weights_of(run, *scene, marks, extractor.cloud()));
     if (scene && !scene->renders) cli::report_unseen_surface(run, extractor, *scene);
     const auto timed = run.monitor().scope("write");
-    if (out.object) extractor.write_object(out.object.path);
+    if (out.object && finish_options.finish) cli::write_finished(run, extractor, *scene, out.object.path);
+    if (out.object && !finish_options.finish) extractor.write_object(out.object.path);
     if (out.background) extractor.write_background(out.background.path);
     if (out.decided) extractor.write_labelled(out.decided.path, false);
     if (labels) labels->write(out.npz.path, extractor);

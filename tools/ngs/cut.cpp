@@ -198,6 +198,7 @@ int cut_command(int argc, char** argv) {
       run.warn_unused(capture_flags(tool.option_set()), "except for a capture");
     }
     if (kind == SourceKind::kSplat) run.warn_unused({"--model"}, "with a splat");
+    if (options.method == CutMethod::kFlash) run.warn_unused({"--finish"}, "with --method flash");
     if (kind == SourceKind::kScene) run.warn_unused({"--hold-out"}, "with a scene.json, which has its own split");
     if (fs::is_regular_file(source.value)) run.add_input("source", source.value);
     return cut(run, options,

@@ -86,7 +86,9 @@ std::string history_line(const std::string& tool, const std::string& options_jso
 /// as the comment ngs-origin.
 void write_strict_ply(const std::string& path, const GaussianCloud& cloud, const std::vector<std::uint8_t>& keep,
                       const std::vector<std::string>& comments = {});
-/// The same with those comments of the input that affect rendering.
+/// Those comments of the input that affect rendering.
+std::vector<std::string> render_comments(const GaussianPly& ply);
+/// The same with render_comments().
 void write_strict_ply(const std::string& path, const GaussianPly& ply, const std::vector<std::uint8_t>& keep,
                       const std::vector<std::string>& history = {});
 
