@@ -9,6 +9,8 @@
 namespace ngs::cli {
 namespace {
 
+constexpr std::size_t kMostViews = 64;  // evenly spread over the scene's: more change little
+
 /// Indices in the scene of the extracted objects; empty if the scene lacks one of them.
 std::vector<std::size_t> objects_in(const Scene& scene, const Extractor& extractor) {
   std::vector<std::size_t> found;
@@ -49,10 +51,12 @@ void write_finished(Run& run, const Extractor& extractor, const Scene& scene, co
   const std::vector<std::size_t> objects = objects_in(scene, extractor);
   const SplatOptions splat = prepared_for(run.exec(), splat_options({}, model.cloud, scene), model.cloud);
   std::vector<finish::SupportView> views;
-  for (std::size_t v = 0; v < scene.views.size(); ++v) {
+  const std::size_t count = std::min(scene.views.size(), kMostViews);
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t v = k * scene.views.size() / count;
     const std::vector<finish::GivenMask> given = given_mask(scene, v, objects);
     views.emplace_back(run.exec(), model, splat, finish::SupportView::Input{scene.views[v].camera, given});
-    run.monitor().progress(std::int64_t(v + 1), std::int64_t(scene.views.size()));
+    run.monitor().progress(std::int64_t(k + 1), std::int64_t(count));
   }
   const finish::Finished found = finish::finish_object(run.exec(), model, views);
   run.result()["finish"] = {{"clipped", found.clipped}, {"dropped", found.dropped}};

@@ -21,13 +21,18 @@ constexpr double kBehind = 0.05;      // of the object's radius: tolerance of th
 constexpr double kLeast_px = 2;       // shorter axes are not tested
 constexpr double kLeastAlpha = 0.01;  // of a Gaussian; the outline of what is fainter may not be rendered
 
-/// In how many views a point lies on the two sides of the mask.
+/// In how many views a point lies on each side.
 struct Counts {
-  int inside = 0, outside = 0;
-  void add(Side side) { inside += side == Side::kInside, outside += side == Side::kOutside; }
-  bool contradict(double share, int least) const {
-    return outside >= least && double(outside) >= share * double(inside + outside);
+  int seen = 0, inside = 0, outside = 0, hidden = 0;
+  void add(Side side) {
+    seen += side == Side::kSeen, inside += side == Side::kInside;
+    outside += side == Side::kOutside, hidden += side == Side::kHidden;
   }
+  bool contradict(double share, int least) const {
+    return outside >= least && double(outside) >= share * double(seen + inside + outside);
+  }
+  /// Never seen, and hidden by other things in most views: inside the floor, for example.
+  bool is_buried() const { return seen == 0 && hidden > seen + inside + outside; }
 };
 
 }  // namespace
@@ -39,7 +44,7 @@ bool HullSupport::supported(Vec3<double> point) const {
     rendered.add(sides.rendered), given.add(sides.given);
   }
   const int least = std::min(kLeastViews, int(views_.size()));
-  return !rendered.contradict(kRenderedShare, least) && !given.contradict(kGivenShare, least);
+  return !rendered.contradict(kRenderedShare, least) && !given.contradict(kGivenShare, least) && !rendered.is_buried();
 }
 
 double HullSupport::pixel_size(Vec3<double> point) const {

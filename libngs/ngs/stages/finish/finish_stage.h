@@ -29,8 +29,9 @@ class HullSupport {
   /// `behind`: as in SupportView::sides(). The views must outlive this object.
   HullSupport(const std::vector<SupportView>& views, double behind) : views_(views), behind_(behind) {}
 
-  /// False if enough views show the point outside of the mask, in front of the visible surface or at it. Views in which
-  /// other things hide it do not count: a part of the object may be there.
+  /// False if enough views show the point outside of the mask, in front of the visible surface or at it. Also false if
+  /// other things hide it in most views and no view sees it within the mask, as inside the floor. True for a point that
+  /// no view contains.
   bool supported(Vec3<double> point) const;
   /// The smallest size of a pixel at a point in any view, world; 0: no view contains it.
   double pixel_size(Vec3<double> point) const;

@@ -95,9 +95,10 @@ SupportView::Sides SupportView::sides(Vec3<double> point, double behind) const {
   Pixel at;
   if (!project(point, at)) return {};
   const std::size_t q = index(at.x, at.y);
-  const Side beyond = at.z <= double(depth_[q]) + behind ? Side::kOutside : Side::kUnknown;
+  const bool visible = at.z <= double(depth_[q]) + behind;
+  const Side within = visible ? Side::kSeen : Side::kInside, beyond = visible ? Side::kOutside : Side::kHidden;
   const std::uint8_t mask = mask_[q];
-  Sides found{mask & kRendered ? Side::kInside : beyond, mask & kGiven ? Side::kInside : beyond};
+  Sides found{mask & kRendered ? within : beyond, mask & kGiven ? within : beyond};
   if (mask & kNoEvidence) found.given = Side::kUnknown;
   return found;
 }

@@ -16,9 +16,14 @@ struct FinishModel {
 /// A pixel of an input mask.
 enum class GivenMask : std::uint8_t { kBackground, kObject, kUnknown };
 
-/// Where a point lies in a view. kUnknown: not in the image, outside the mask but hidden by other things, or without a
-/// mask.
-enum class Side : std::uint8_t { kUnknown, kInside, kOutside };
+/// Where a point lies in a view.
+enum class Side : std::uint8_t {
+  kUnknown,  // not in the image, or the view has no mask there
+  kSeen,     // within the mask, in front of the visible surface or at it
+  kInside,   // within the mask, behind the visible surface
+  kOutside,  // outside the mask, in front of the visible surface or at it
+  kHidden    // outside the mask, hidden by other things
+};
 
 /// One view, cropped to the object's Gaussians.
 class SupportView {
