@@ -7,6 +7,7 @@
 
 #include "extractor.h"
 #include "fill_output.h"
+#include "finish_output.h"
 #include "inpaint_output.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/stages/select/region.h"
@@ -56,12 +57,14 @@ int main(int argc, char** argv) {
   tool.options(inpaint_options);
   FillOptions fill_options;
   tool.options(fill_options);
+  finish::FinishOptions finish_options;
+  tool.options(finish_options);
   const cli::Input& labelled =
       tool.input("labelled", "labelled PLY of ngs-variance or ngs-joint; with a region any splat");
   const cli::Input& edited = tool.optional_input(
       "--import", "hand-edited splat: its rows (its selected rows, if it has a selection) are the object");
   const cli::Input& scene_json =
-      tool.optional_input("--scene", "scene.json, for --inpaint, for --strokes and to report unseen surface");
+      tool.optional_input("--scene", "scene.json, for --inpaint, --finish and --strokes, and to report unseen surface");
   const cli::Inputs& strokes = tool.inputs("--strokes",
                                            "strokes on views of the scene, as for ngs-mask --prompts: keep only "
                                            "components that they touch (repeatable, or PATH,PATH)");
@@ -72,6 +75,7 @@ int main(int argc, char** argv) {
     require_one_of({&out.object, &out.background, &out.filled, &out.decided, &out.supersplat, &out.npz, &out.inpaint});
     cli::check_inpaint_options(run, out.inpaint, scene_json);
     cli::check_fill_options(run, fill_options, out);
+    cli::check_finish_options(finish_options, out.object, scene_json);
     cli::check_strokes(run, strokes, scene_json);
     cli::check_formats(out);
     std::optional<Scene> scene;
@@ -89,7 +93,8 @@ int main(int argc, char** argv) {
     if (scene && !scene->renders) cli::report_unseen_surface(run, extractor, *scene);
     const cli::FillOutput fill(run, extractor, out.background || out.filled ? fill_options : FillOptions{});
     const auto timed = run.monitor().scope("write");
-    if (out.object) extractor.write_object(out.object.path);
+    if (out.object && finish_options.finish) cli::write_finished(run, extractor, *scene, out.object.path);
+    if (out.object && !finish_options.finish) extractor.write_object(out.object.path);
     fill.write(out);
     if (out.decided) extractor.write_labelled(out.decided.path, false);
     if (labels) labels->write(out.npz.path, extractor);

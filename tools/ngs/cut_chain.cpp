@@ -325,8 +325,10 @@ bool CutChain::cut() {
 bool CutChain::extract(const std::string& trained) {
   Words words{"ngs-extract", trained, "--object", at("object.ply"), "--background", at("background.ply")};
   if (!inputs_.strokes.empty()) append(words, "--labelled", at("labelled.ply"));
-  if (!inputs_.strokes.empty() && !options_.all_pieces) {
-    append(words, "--scene", at("scene.json"));
+  const bool by_strokes = !inputs_.strokes.empty() && !options_.all_pieces;
+  if (by_strokes || options_.finish) append(words, "--scene", at("scene.json"));
+  if (options_.finish) words.emplace_back("--finish");
+  if (by_strokes) {
     append(words, "--view", options_.view);
     for (const std::string& strokes : inputs_.strokes) append(words, "--strokes", strokes);
   }

@@ -91,7 +91,9 @@ struct AddedColumn {
 /// positions are relative to the cloud's origin, which is written as the comment ngs-origin.
 void write_strict_ply(const std::string& path, const GaussianCloud& cloud, const std::vector<std::uint8_t>& keep,
                       const std::vector<std::string>& comments = {}, const std::optional<AddedColumn>& added = {});
-/// The same with those comments of the input that affect rendering.
+/// Those comments of the input that affect rendering.
+std::vector<std::string> render_comments(const GaussianPly& ply);
+/// The same with render_comments().
 void write_strict_ply(const std::string& path, const GaussianPly& ply, const std::vector<std::uint8_t>& keep,
                       const std::vector<std::string>& history = {});
 

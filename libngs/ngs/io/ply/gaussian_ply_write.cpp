@@ -253,11 +253,16 @@ void write_strict_ply(const std::string& path, const GaussianCloud& cloud, const
   writer.commit();
 }
 
-void write_strict_ply(const std::string& path, const GaussianPly& ply, const std::vector<std::uint8_t>& keep,
-                      const std::vector<std::string>& history) {
+std::vector<std::string> render_comments(const GaussianPly& ply) {
   std::vector<std::string> comments;
   for (const std::string& c : ply.comments)
     if (is_render_comment(c)) comments.push_back(c);
+  return comments;
+}
+
+void write_strict_ply(const std::string& path, const GaussianPly& ply, const std::vector<std::uint8_t>& keep,
+                      const std::vector<std::string>& history) {
+  std::vector<std::string> comments = render_comments(ply);
   comments.insert(comments.end(), history.begin(), history.end());
   write_strict_ply(path, ply.cloud, keep, comments);
 }

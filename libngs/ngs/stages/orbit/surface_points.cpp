@@ -9,8 +9,8 @@
 namespace ngs::orbit {
 namespace {
 
-constexpr double kLeastOpacity = 1.0 / 255;  // Gaussians below are not rendered
-constexpr std::size_t kMostSamples = 50000;  // for means and quantiles
+constexpr double kLeastOpacity = 1.0 / 255;      // Gaussians below are not rendered
+constexpr std::size_t kMostBulkSamples = 50000;  // for means and quantiles
 
 /// Weiszfeld's iteration from the weighted mean. Distances are at least 1/1000 of their mean.
 Vec geometric_median(const SurfacePoints& points, const std::vector<std::size_t>& samples) {
@@ -76,7 +76,7 @@ double weighted_quantile(const std::vector<double>& values, const std::vector<do
 }
 
 Ball bulk_of(const SurfacePoints& points) {
-  const std::vector<std::size_t> samples = thinned(points.count(), kMostSamples);
+  const std::vector<std::size_t> samples = thinned(points.count(), kMostBulkSamples);
   Ball bulk;
   bulk.centre = geometric_median(points, samples);
   std::vector<double> distance, weight;

@@ -13,7 +13,7 @@ namespace {
 
 using orbit::Vec;
 
-constexpr std::size_t kMostSamples = 40000;
+constexpr std::size_t kMostPlaneSamples = 40000;
 constexpr int kDirections = 2000;     // over the sphere, 2.6 degrees apart
 constexpr double kMostTilt = 0.9063;  // cosine of 25 degrees
 constexpr int kBins = 120;            // histogram bins of heights, over three radii of the bulk
@@ -42,7 +42,7 @@ Vec normal_of(const GaussianCloud& cloud, std::size_t row) {
 std::vector<Sample> samples_of(const GaussianCloud& cloud, const orbit::SurfacePoints& points,
                                const orbit::Ball& bulk) {
   std::vector<Sample> samples;
-  for (const std::size_t i : orbit::thinned(points.count(), kMostSamples)) {
+  for (const std::size_t i : orbit::thinned(points.count(), kMostPlaneSamples)) {
     const Vec p = (1 / bulk.radius) * (points.position[i] - bulk.centre);
     if (orbit::length(p) > 1.5) continue;
     std::array<float, 3> s;

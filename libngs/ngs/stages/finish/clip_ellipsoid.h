@@ -1,0 +1,32 @@
+#pragma once
+// Clips the ellipsoid of a Gaussian to the part of space that views support.
+#include <functional>
+
+#include "ngs/math/vec.h"
+
+namespace ngs::finish {
+
+/// The shape of a Gaussian: centre, axes as columns (orthonormal), standard deviations. World.
+struct Ellipsoid {
+  Vec3<double> centre{};
+  Mat3<double> axes{};
+  double sigma[3] = {};
+};
+
+using Supported = std::function<bool(Vec3<double>)>;
+
+/// An opaque Gaussian is half transparent at this number of standard deviations: its outline in a mask. What lies
+/// farther out is neither tested nor clipped.
+inline constexpr double kOutline = 1.2;
+
+enum class Clip { kWithin, kClipped, kUnsupported };
+
+/// Tests the centre, and on every axis whose outline is farther than `least` (world) from the centre points at the
+/// outline and half-way to it, and the diagonals between the two longest such axes. If one is unsupported, every axis
+/// from the longest to the shortest is clipped to the supported interval nearest to the centre: the centre moves to its
+/// middle, and the standard deviation shrinks so that the outline ends with the interval. No axis grows.
+///
+/// kWithin: `shape` is unchanged. kUnsupported: no tested point is supported, `shape` is unchanged.
+Clip clip_ellipsoid(double least, const Supported& supported, Ellipsoid& shape);
+
+}  // namespace ngs::finish

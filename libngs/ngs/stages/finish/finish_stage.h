@@ -1,0 +1,54 @@
+#pragma once
+// Finishes an object that was cut out: clips its Gaussians to the places that the views support.
+//
+// A Gaussian that reaches out of the object is faint in the views of the scene, or hidden behind the object, but not if
+// the object is rendered alone from other directions.
+#include <vector>
+
+#include "ngs/options/field.h"
+#include "ngs/stages/finish/clip_ellipsoid.h"
+#include "ngs/stages/finish/support_view.h"
+
+namespace ngs::finish {
+
+struct FinishOptions {
+  bool finish = false;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.finish,
+          Flag{"finish",
+               "Clip Gaussians in --object that reach out of the object's masks in the views of the scene; "
+               "needs --scene. All other outputs are unchanged"});
+  }
+};
+
+/// Whether views support a point as part of the object.
+class HullSupport {
+ public:
+  /// `behind`: as in SupportView::sides(). The views must outlive this object.
+  HullSupport(const std::vector<SupportView>& views, double behind) : views_(views), behind_(behind) {}
+
+  /// False if enough views show the point outside of the mask, in front of the visible surface or at it. Also false if
+  /// other things hide it in most views and no view sees it within the mask, as inside the floor. True for a point that
+  /// no view contains.
+  bool supported(Vec3<double> point) const;
+  /// The smallest size of a pixel at a point in any view, world; 0: no view contains it.
+  double pixel_size(Vec3<double> point) const;
+
+ private:
+  const std::vector<SupportView>& views_;
+  double behind_;
+};
+
+struct Finished {
+  GaussianCloud cloud;             // the model, in which Gaussians of the object may be smaller
+  std::vector<std::uint8_t> keep;  // [N] the object without the Gaussians that no view supports
+  std::int64_t clipped = 0, dropped = 0;
+};
+
+/// Rows that are not clipped keep their bits. Left unchanged are Gaussians that are not usable, that no view contains,
+/// or that are too faint to be rendered; and all of them without views.
+Finished finish_object(const Exec& exec, const FinishModel& model, const std::vector<SupportView>& views);
+
+}  // namespace ngs::finish
