@@ -37,6 +37,24 @@ void require_one_of(std::initializer_list<const ngs::cli::Output*> outputs) {
   throw ngs::Error(ngs::ErrorCode::kUsage, "no output was given, expected one of " + flags);
 }
 
+struct Options {
+  ngs::ExtractOptions extract;
+  ngs::cli::SelectOptions select;
+  ngs::RegionOptions region;
+  ngs::InpaintOptions inpaint;
+  ngs::FillOptions fill;
+  ngs::finish::FinishOptions finish;
+
+  void declare(ngs::cli::Tool& tool) {
+    tool.options(extract);
+    tool.options(select);
+    tool.options(region);
+    tool.options(inpaint);
+    tool.options(fill);
+    tool.options(finish);
+  }
+};
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -47,18 +65,8 @@ int main(int argc, char** argv) {
                   "ngs-extract labelled.ply --supersplat edit_me.ply",
                   "ngs-extract labelled.ply --scene scene.json --inpaint inpaint/",
                   "ngs-extract labelled.ply --import edited.ply --labelled corrected.ply --object object.ply"});
-  ExtractOptions options;
-  cli::SelectOptions select;
-  tool.options(options);
-  tool.options(select);
-  RegionOptions region;
-  tool.options(region);
-  InpaintOptions inpaint_options;
-  tool.options(inpaint_options);
-  FillOptions fill_options;
-  tool.options(fill_options);
-  finish::FinishOptions finish_options;
-  tool.options(finish_options);
+  Options options;
+  options.declare(tool);
   const cli::Input& labelled =
       tool.input("labelled", "labelled PLY of ngs-variance or ngs-joint; with a region any splat");
   const cli::Input& edited = tool.optional_input(
@@ -71,19 +79,20 @@ int main(int argc, char** argv) {
   const cli::Outputs out = cli::declare_outputs(tool);
 
   return tool.run(argc, argv, [&](cli::Run& run) {
-    check_options(run, options, region);
+    check_options(run, options.extract, options.region);
     require_one_of({&out.object, &out.background, &out.filled, &out.decided, &out.supersplat, &out.npz, &out.inpaint});
     cli::check_inpaint_options(run, out.inpaint, scene_json);
-    cli::check_fill_options(run, fill_options, out);
-    cli::check_finish_options(finish_options, out.object, scene_json);
+    cli::check_fill_options(run, options.fill, out);
+    cli::check_finish_options(options.finish, out.object, scene_json);
     cli::check_strokes(run, strokes, scene_json);
     cli::check_formats(out);
     std::optional<Scene> scene;
     if (scene_json) scene = io::read_scene_json(scene_json.path);
     if (out.inpaint) cli::check_inpaint_folder(*scene, scene_json.path, out.inpaint.path, {labelled.path, edited.path});
-    cli::Extractor extractor(run, io::read_gaussian_ply(labelled.path, select.reading()), options, region, select);
+    cli::Extractor extractor(run, io::read_gaussian_ply(labelled.path, options.select.reading()), options.extract,
+                             options.region, options.select);
     cli::Marks marks;
-    if (strokes) marks = cli::read_prompts(run, *scene, select.view, strokes.paths);
+    if (strokes) marks = cli::read_prompts(run, *scene, options.select.view, strokes.paths);
     if (run.dry_run()) return cli::kDone;
     if (edited) extractor.import(edited.path);
     std::optional<cli::NumpyLabels> labels;
@@ -91,14 +100,14 @@ int main(int argc, char** argv) {
     extractor.decide();
     if (strokes) extractor.keep_touched(cli::stroke_weights_of(run, *scene, marks, extractor.cloud()));
     if (scene && !scene->renders) cli::report_unseen_surface(run, extractor, *scene);
-    const cli::FillOutput fill(run, extractor, out.background || out.filled ? fill_options : FillOptions{});
+    const cli::FillOutput fill(run, extractor, out.background || out.filled ? options.fill : FillOptions{});
     const auto timed = run.monitor().scope("write");
-    if (out.object && finish_options.finish) cli::write_finished(run, extractor, *scene, out.object.path);
-    if (out.object && !finish_options.finish) extractor.write_object(out.object.path);
+    if (out.object && options.finish.finish) cli::write_finished(run, extractor, *scene, out.object.path);
+    if (out.object && !options.finish.finish) extractor.write_object(out.object.path);
     fill.write(out);
     if (out.decided) extractor.write_labelled(out.decided.path, false);
     if (labels) labels->write(out.npz.path, extractor);
-    if (out.inpaint) cli::write_inpainting(run, extractor, inpaint_options, *scene, out.inpaint.path);
+    if (out.inpaint) cli::write_inpainting(run, extractor, options.inpaint, *scene, out.inpaint.path);
     if (out.supersplat) extractor.write_labelled(out.supersplat.path, true);
     return cli::kDone;
   });
