@@ -20,6 +20,31 @@ std::map<std::string, double> scores_of(const cli::EvalFileOptions& files) {
   return mean_scores(EvalSummary{});
 }
 
+/// Throws kUsage for options that contradict each other, before any work; warns about unused ones.
+void check_options(cli::Run& run, const EvalOptions& options, const cli::EvalFileOptions& files) {
+  require_consistent(options);
+  if (files.image_metrics && files.opacity)
+    throw Error(ErrorCode::kUsage, "--image-metrics and --opacity, expected one of them");
+  if (files.opacity) cli::require_one_object(options);
+  if (files.image_metrics)
+    run.warn_unused({"--threshold"}, "with --image-metrics");
+  else if (options.label_map)
+    run.warn_unused({"--threshold"}, "with --label-map");
+  // A misspelt score name fails before the work.
+  check_scores(options.fail_below, scores_of(files));
+}
+
+Json files_json(const cli::Pairing& pairing) {
+  Json json = Json::array();
+  for (const cli::FilePair& pair : pairing.pairs)
+    json.push_back({{"view", pair.view},
+                    {"object", pair.object},
+                    {"predicted", pair.predicted},
+                    {"truth", pair.truth},
+                    {"truth_id", pair.truth_id}});
+  return json;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -48,16 +73,7 @@ int main(int argc, char** argv) {
   return tool.run(argc, argv, [&](cli::Run& run) {
     cli::check_halves_options(run, options, files);
     if (files.halves) return cli::score_halves(run, {predicted.path, truth.path, model.path, out.path}), cli::kDone;
-    require_consistent(options);
-    if (files.image_metrics && files.opacity)
-      throw Error(ErrorCode::kUsage, "--image-metrics and --opacity, expected one of them");
-    if (files.opacity) cli::require_one_object(options);
-    if (files.image_metrics)
-      run.warn_unused({"--threshold"}, "with --image-metrics");
-    else if (options.label_map)
-      run.warn_unused({"--threshold"}, "with --label-map");
-    // A misspelt score name fails before the work.
-    check_scores(options.fail_below, scores_of(files));
+    check_options(run, options, files);
     const std::optional<cli::Masks> masks = [&]() -> std::optional<cli::Masks> {
       if (!cli::is_scene_file(truth.path))
         return cli::Masks{cli::list_images(predicted.path), cli::list_images(truth.path)};
@@ -81,13 +97,7 @@ int main(int argc, char** argv) {
     io::write_file(out.path, outcome.metrics.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 
     run.result()["mean"] = outcome.metrics["mean"];
-    run.result()["files"] = Json::array();
-    for (const cli::FilePair& pair : pairing.pairs)
-      run.result()["files"].push_back({{"view", pair.view},
-                                       {"object", pair.object},
-                                       {"predicted", pair.predicted},
-                                       {"truth", pair.truth},
-                                       {"truth_id", pair.truth_id}});
+    run.result()["files"] = files_json(pairing);
     run.text(outcome.table);
     return cli::all_passed(run, checks, pairing, files.allow_missing) ? cli::kDone : cli::kCheckFailed;
   });

@@ -2,7 +2,7 @@
 // The folder halves/ of ngs-synth: the truth of a cut.
 //
 // clang-format off
-//   background/scene.json  the room without the target, at the cameras of the scene (split train) and 24 more (held-out)
+//   background/scene.json  the room without the target: cameras of the scene (split train) and 24 more (held-out)
 //   background/images/NAME.png                  photos
 //   background/masks/NAME.png                   0/255, the hole: pixels where the full scene shows the target
 //   background/depth/NAME.exr                   Z: camera z of the room without the target

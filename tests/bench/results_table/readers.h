@@ -17,8 +17,8 @@ Json read_scores(const std::string& path);
 /// A tool's report -> {wall_s, cpu_s, peak_mib} of the whole process; cpu_s of all threads together.
 Json read_times(const std::string& path);
 
-/// metrics.json of ngs-eval --halves, of both halves with the uncut model -> the means as seen_biou, unseen_spikes_px, …
-/// of the object alone, photos_psnr_db, new_ssim, … of the hole, flicker, outside_mean and outside_most.
+/// metrics.json of ngs-eval --halves, of both halves with the uncut model -> the means as seen_biou, unseen_spikes_px,
+/// … of the object alone, photos_psnr_db, new_ssim, … of the hole, flicker, outside_mean and outside_most.
 Json read_halves(const std::string& path);
 
 // clang-format off

@@ -65,9 +65,7 @@ AnalyticScene without_target(AnalyticScene scene) {
 
 AnalyticScene target_alone(AnalyticScene scene) {
   for (std::size_t i = 0; i < scene.objects.size(); ++i) scene.objects[i].visible = int(i) == scene.target;
-  constexpr double kFar = 1e3;  // world: beyond every camera
-  const Texture black{Pattern::kMarble, {0, 0, 0}, {0, 0, 0}, 1, 0, 0};
-  scene.room = {{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}, black, black};
+  scene.has_room = false;
   return scene;
 }
 

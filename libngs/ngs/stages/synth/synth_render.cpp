@@ -52,7 +52,7 @@ void collect(const AnalyticScene& scene, V o, V d, double spread, std::vector<Ca
 
 /// First hit among `candidates`, else the room, by sphere tracing: no surface is nearer than the step.
 Hit trace_among(const AnalyticScene& scene, std::span<const Candidate> candidates, V o, V d) {
-  const double end = leave_room(scene.room, o, d).distance;
+  const double end = scene.has_room ? leave_room(scene.room, o, d).distance : INFINITY;
   if (candidates.empty()) return {end, -1, -1};
   double near = end, far = 0;
   for (const Candidate& c : candidates) {
@@ -87,6 +87,7 @@ double distance_to_objects(const AnalyticScene& scene, V p, double at_most) {
 }
 
 V shade(const AnalyticScene& scene, const Hit& hit, V o, V d) {
+  if (hit.object < 0 && !scene.has_room) return {0, 0, 0};
   const V p = o + hit.distance * d;
   V n, base;
   double gloss = 0;
@@ -136,6 +137,7 @@ SynthView render_view(const Exec& exec, const AnalyticScene& scene, const Camera
       const Hit centre = trace_among(scene, candidates, o, middle);
       view.label.at(x, y) = std::uint16_t(centre.object + 1);
       view.depth.at(x, y) = float(centre.distance * dot(middle, forward));
+      if (candidates.empty() && !scene.has_room) continue;
       V sum{0, 0, 0};
       int covered = 0;
       for (int j = 0; j < samples_per_side; ++j)

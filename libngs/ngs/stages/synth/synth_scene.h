@@ -81,6 +81,7 @@ struct Room {
 struct AnalyticScene {
   std::vector<Object> objects;
   Room room;
+  bool has_room = true;                  // false: rays that miss every object are black and have no depth (infinity)
   Vec3<double> light{0.45, -0.3, 0.84};  // unit, towards the light
   double ambient = 0.4, gloss = 0;
   bool grey = false;      // images have luminance only

@@ -43,9 +43,11 @@ double distance_to_target(const AnalyticScene& scene, V p) {
   return nearest;
 }
 
+/// Up to the tolerance at which rays hit: without an object in their way they take other steps to the same surface.
 bool same_colour(const SynthView& a, const SynthView& b, int x, int y) {
-  return a.colour.at(x, y, 0) == b.colour.at(x, y, 0) && a.colour.at(x, y, 1) == b.colour.at(x, y, 1) &&
-         a.colour.at(x, y, 2) == b.colour.at(x, y, 2);
+  float difference = 0;
+  for (int c = 0; c < 3; ++c) difference = std::max(difference, std::abs(a.colour.at(x, y, c) - b.colour.at(x, y, c)));
+  return difference < 1e-4f;
 }
 
 }  // namespace
@@ -92,24 +94,24 @@ TEST_CASE("the room without the target equals the photo where it neither covers 
   const SmallScene small = small_scene("torus-box");
   int equal = 0, shaded = 0;
   for (const Camera& camera : small.rig) {
-    const SynthView full = render_view({.threads = 2}, small.scene, camera, 2);
-    const SynthView room = render_view({.threads = 2}, without_target(small.scene), camera, 2);
+    const SynthView full = render_view({.threads = 2}, small.scene, camera, 1);
+    const SynthView room = render_view({.threads = 2}, without_target(small.scene), camera, 1);
     int wrong = 0, hole = 0, unchanged = 0;
     for (int y = 0; y < camera.height_px; ++y)
       for (int x = 0; x < camera.width_px; ++x) {
         wrong += room.label.at(x, y) == small.scene.target + 1;
         const bool same = same_colour(full, room, x, y), shows = full.label.at(x, y) == small.scene.target + 1;
         if (shows) ++hole, unchanged += same;
-        if (shows || full.coverage.at(x, y) > 0.f) continue;
-        // Contact shadows reach 0.15 from a point that is 0.15 above the surface; 0.1 for the other rays of the pixel.
-        const bool reached = distance_to_target(small.scene, point_at(room, camera, x, y)) < 0.4;
+        if (shows) continue;
+        // Contact shadows reach 0.15 from a point that is 0.15 above the surface.
+        const bool reached = distance_to_target(small.scene, point_at(room, camera, x, y)) < 0.31;
         if (!reached) ++equal, wrong += !same;
         shaded += reached && !same;
       }
     CHECK(wrong == 0);
     CHECK(hole > 100);
     CHECK(unchanged == 0);
-    CHECK(render_view({.threads = 1}, without_target(small.scene), camera, 2).colour.data == room.colour.data);
+    CHECK(render_view({.threads = 1}, without_target(small.scene), camera, 1).colour.data == room.colour.data);
   }
   CHECK(equal > 4000);
   CHECK(shaded > 20);
