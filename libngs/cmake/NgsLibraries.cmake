@@ -1,4 +1,7 @@
 # Third-party libraries. Each is linked by exactly the layer that may include it (libngs/CMakeLists.txt).
+if(NGS_ONE_PROGRAM)  # needs nothing but the C library where it runs
+  set(CMAKE_FIND_LIBRARY_SUFFIXES ${CMAKE_STATIC_LIBRARY_SUFFIX})
+endif()
 # libgomp is linked statically where it exists as an archive: the tools set its spin count before it starts
 # (tools/shared/run/start/thread_wait.cpp), and a binary runs where the compiler's libraries are not installed.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT NGS_SANITIZE)
@@ -27,7 +30,7 @@ foreach(module core imgproc imgcodecs)
 endforeach()
 add_library(ngs_opencv INTERFACE)
 target_include_directories(ngs_opencv SYSTEM INTERFACE ${NGS_OPENCV_INCLUDE})
-target_link_libraries(ngs_opencv INTERFACE ${NGS_OPENCV_core} ${NGS_OPENCV_imgproc})
+target_link_libraries(ngs_opencv INTERFACE ${NGS_OPENCV_imgproc} ${NGS_OPENCV_core})
 
 find_path(NGS_FLANN_INCLUDE flann/flann.hpp REQUIRED)
 find_library(NGS_LZ4 lz4 REQUIRED)  # flann.hpp instantiates its index serialisation inline
@@ -47,6 +50,20 @@ find_library(NGS_MINIZIP minizip REQUIRED)
 target_include_directories(ngs_compression SYSTEM INTERFACE
   ${NGS_ZSTD_INCLUDE} ${NGS_WEBP_INCLUDE} ${NGS_MINIZIP_INCLUDE})
 target_link_libraries(ngs_compression INTERFACE ${NGS_MINIZIP} ${NGS_WEBP} ZLIB::ZLIB ${NGS_ZSTD})
+
+# A shared imgcodecs loads the libraries of picture formats itself.
+if(NGS_ONE_PROGRAM)
+  find_package(TIFF REQUIRED)
+  find_package(JPEG REQUIRED)
+  find_package(PNG REQUIRED)
+  set_property(TARGET TIFF::TIFF APPEND PROPERTY INTERFACE_LINK_LIBRARIES JPEG::JPEG ngs_compression)
+  add_library(ngs_imgcodecs STATIC IMPORTED)
+  set_target_properties(ngs_imgcodecs PROPERTIES IMPORTED_LOCATION ${NGS_OPENCV_imgcodecs}
+    INTERFACE_LINK_LIBRARIES "ngs_opencv;TIFF::TIFF;JPEG::JPEG;PNG::PNG;ngs_compression")
+else()
+  add_library(ngs_imgcodecs INTERFACE)
+  target_link_libraries(ngs_imgcodecs INTERFACE ${NGS_OPENCV_imgcodecs})
+endif()
 
 find_path(NGS_XXHASH_INCLUDE xxhash.h REQUIRED)
 find_library(NGS_XXHASH xxhash REQUIRED)

@@ -67,14 +67,15 @@ TEST_CASE("the Containerfile copies existing paths and all folders that the buil
   CHECK(checked >= 3);
 }
 
-TEST_CASE("the Containerfile installs the packages of pipelines/setup.sh and builds without tests") {
+TEST_CASE("the Containerfile installs the packages of setup.sh and bundle.sh and installs the package of bundle.sh") {
   std::string run;
   for (const Instruction& i : instructions())
     if (i.name == "RUN")
       for (const std::string& word : i.words) run += word + " ";
-  CHECK(run.find("/src/pipelines/setup.sh") != std::string::npos);
-  CHECK(run.find("-DNGS_BUILD_TESTS=OFF") != std::string::npos);
-  CHECK(run.find("cpack") != std::string::npos);
+  CHECK(run.find("/src/pipelines/setup.sh &&") != std::string::npos);
+  CHECK(run.find("/src/pipelines/setup.sh /src/pipelines/bundle/packages.txt") != std::string::npos);
+  CHECK(run.find("/src/pipelines/bundle.sh --no-setup -o /package") != std::string::npos);
+  CHECK(run.find("/package/ngs_*.deb") != std::string::npos);
 }
 
 }  // namespace ngs

@@ -4,9 +4,16 @@
 
 #include "ngs/core/error.h"
 
+#ifdef NGS_LINKED_CODECS
+extern "C" const ngs::io::ImageCodecs ngs_image_codecs;  // codecs/opencv_codecs.cpp
+#endif
+
 namespace ngs::io {
 namespace {
 
+#ifdef NGS_LINKED_CODECS
+const ImageCodecs& load() { return ngs_image_codecs; }
+#else
 const ImageCodecs& load() {
   // Found by its bare name through the executable's run path. Never unloaded.
   void* plugin = dlopen("libngs_codecs.so", RTLD_NOW | RTLD_LOCAL);
@@ -20,6 +27,7 @@ const ImageCodecs& load() {
   }
   return *static_cast<const ImageCodecs*>(entry);
 }
+#endif
 
 }  // namespace
 

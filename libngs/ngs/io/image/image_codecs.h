@@ -1,7 +1,7 @@
 #pragma once
 // Image decoding and encoding with OpenCV. OpenCV loads 130 other libraries (maps, databases, medical images), which
 // takes longer than the work of a small tool. It is therefore in a plug-in, libngs_codecs.so next to the executables,
-// which is loaded with the first image.
+// which is loaded with the first image. The OpenCV of NGS_ONE_PROGRAM has no such libraries and is linked.
 #include <cstdint>
 #include <vector>
 

@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# Makes all files of a release: the archive, the wheel and the Debian package of bundle.sh, the list of what they contain
+# (SPDX) and SHA-256 sums of all.
+#
+#   pipelines/release.sh [-o OUT] [--no-setup]       OUT: default release-VERSION in build-bundle/; must not exist
+#
+# From a clean checkout only. Check the files with tests/ci/bundle.sh OUT before publishing them.
+set -euo pipefail
+# shellcheck source=pipelines/common.sh
+. "$(dirname "$0")/common.sh"
+
+out='' words=()
+while [ $# -gt 0 ]; do
+  case $1 in
+    -h | --help) usage_of "$0"; exit 0 ;;
+    -o | --output) need "$@"; out=$2; shift 2 ;;
+    --no-setup) words+=("$1"); shift ;;
+    *) fail 2 "unknown word '$1'" "see $0 --help" ;;
+  esac
+done
+version=$(sed -n 's/^project(ngs VERSION \([0-9.]*\).*/\1/p' "$top/CMakeLists.txt")
+out=${out:-$top/build-bundle/release-$version}
+[ ! -e "$out" ] || fail 2 "$out: exists" "remove it, or choose another folder with -o"
+changed=$(git -C "$top" status --porcelain)
+[ -z "$changed" ] || fail 4 "the checkout has changes: ${changed%%$'\n'*}" "commit them"
+
+rm -rf "$out.part"
+"$pipelines/bundle.sh" -o "$out.part" "${words[@]}"
+cp "$out.part/ngs-$version"-linux-*/sbom.spdx.json "$out.part/ngs-$version.spdx.json"
+rm -rf "$out.part/ngs-$version"-linux-*/
+(cd "$out.part" && LC_ALL=C sha256sum -- * > SHA256SUMS)
+mv "$out.part" "$out"
+cat "$out/SHA256SUMS"

@@ -1,0 +1,112 @@
+#!/usr/bin/env bash
+# Tests the files of pipelines/bundle.sh on bare systems without network, which contain a C library and a shell:
+#
+#   tests/ci/bundle.sh [DIR] [SUITE...]      DIR: folder of the files (default: build-bundle)
+#
+# SUITE is a Debian release (default: bookworm trixie), or the path of a root folder. debootstrap makes the roots of releases
+# in build-bundle/roots/ and keeps them. NGS_DEBIAN_MIRROR=http://... replaces deb.debian.org. In each root:
+#   the archive  runs from its folder, loads only the C library, and writes the results of tests/golden/golden.sha256
+#   the package  is installed by dpkg, runs, and leaves no file when purged
+# and here, in an empty environment of Python without network:
+#   the wheel    is installed by pip, cuts with the program and with the module, and leaves no file when uninstalled
+# A line per check: ok or FAIL. Exit code 1 if a check failed, 77 without debootstrap or rights for chroot.
+set -euo pipefail
+# shellcheck source=pipelines/common.sh
+. "$(dirname "$0")/../../pipelines/common.sh"
+
+case ${1:-} in -h | --help) usage_of "$0"; exit 0 ;; esac
+skip() { say "SKIP $*"; exit 77; }
+files=$(cd "${1:-$top/build-bundle}" && pwd)
+suites=("${@:2}")
+[ ${#suites[@]} -gt 0 ] || suites=(bookworm trixie)
+archive=$(find "$files" -maxdepth 1 -name 'ngs-*.tar.xz') wheel=$(find "$files" -maxdepth 1 -name '*.whl')
+package=$(find "$files" -maxdepth 1 -name 'ngs_*.deb')
+for file in "$archive" "$wheel" "$package"; do
+  [ -f "$file" ] || fail 3 "$files: '$file', expected one archive, one wheel and one package" "make them with pipelines/bundle.sh"
+done
+[ "$(id -u)" -eq 0 ] || skip "not root: debootstrap and chroot need it"
+work=$top/build-bundle/test
+rm -rf "$work"
+mkdir -p "$work" "$top/build-bundle/roots"
+
+failed=0
+check() {  # NAME COMMAND...: prints the command's output if it fails
+  local name=$1
+  shift
+  if "$@" > "$work/log" 2>&1; then say "ok   $name"; else failed=1; say "FAIL $name"; tail -n 20 "$work/log" >&2; fi
+}
+
+# root_of SUITE: prints the root folder of a release; makes it if it does not exist.
+root_of() {
+  local root=$top/build-bundle/roots/$1
+  if [ -d "$1" ]; then (cd "$1" && pwd); return; fi
+  if [ ! -f "$root/.ngs-whole" ]; then
+    command -v debootstrap > /dev/null || skip "no debootstrap (Debian: debootstrap)"
+    rm -rf "$root"
+    debootstrap --variant=minbase "$1" "$root" "${NGS_DEBIAN_MIRROR:-http://deb.debian.org/debian}" > "$root.log" 2>&1 ||
+      skip "debootstrap failed, see $root.log"
+    touch "$root/.ngs-whole"
+  fi
+  echo "$root"
+}
+
+# shellcheck disable=SC2317  # called by check
+only_the_c_library() {  # BIN
+  ! inside sh -c "ldd $1/ngs" | grep -vE '(linux-vdso|/lib(64)?/.*(libc|libm|ld-linux-x86-64))\.so'
+}
+
+test_root() {  # SUITE ROOT
+  local root=$2 before
+  inside() { unshare -n chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root NGS_THREADS=2 "$@"; }
+  lists() { inside sh -c 'find /usr /etc -path "*ngs*" | grep -vE "/(perl|locale|zoneinfo)|/usr/include" | LC_ALL=C sort'; }
+  mkdir -p "$root/proc" "$root/opt/golden"
+  mount -t proc proc "$root/proc" || skip "no right to mount /proc"
+  # shellcheck disable=SC2064  # the root of now
+  trap "umount '$root/proc'" EXIT
+  rm -rf "$root/opt/ngs"
+  mkdir "$root/opt/ngs"
+  tar -xJf "$archive" -C "$root/opt/ngs" --strip-components=1
+  cp "$top/tests/golden/bytes.sh" "$top/tests/golden/golden.sha256" "$root/opt/golden/"
+  cp "$package" "$root/opt/ngs.deb"
+  check "$1: ngs --version" inside /opt/ngs/bin/ngs --version
+  check "$1: the archive loads only the C library" only_the_c_library /opt/ngs/bin
+  check "$1: the archive writes the golden bytes" inside /opt/golden/bytes.sh /opt/ngs/bin /tmp/golden
+  check "$1: ngs-gs" inside /opt/ngs/bin/ngs-gs /tmp/golden/scene /tmp/golden/gs --hold-out every:4:2 --method flash -q
+  before=$(lists)
+  check "$1: dpkg installs the package, which needs the C library only" inside dpkg -i /opt/ngs.deb
+  check "$1: the package loads only the C library" only_the_c_library /usr/bin
+  check "$1: the package cuts" inside ngs cut /tmp/golden/scene --quality draft -o /tmp/golden/cut
+  check "$1: dpkg purges the package" inside dpkg --purge ngs
+  check "$1: the purge leaves no file" test "$before" = "$(lists)"
+  rm -rf "$root/opt/ngs" "$root/opt/ngs.deb" "$root/opt/golden" "$root/tmp/golden"
+  umount "$root/proc"
+  trap - EXIT
+}
+
+test_wheel() {
+  local venv=$work/venv
+  python3 -m venv "$venv" > "$work/venv.log" 2>&1 || { say "SKIP the wheel: python3 -m venv failed, see $work/venv.log"; return; }
+  installed() { find "$venv" | LC_ALL=C sort; }
+  installed > "$work/before"
+  # shellcheck disable=SC2317  # called by check
+  alone() { (cd "$work" && unshare -n env -i PATH="$venv/bin:/usr/bin:/bin" NGS_THREADS=2 "$@"); }
+  check "wheel: pip installs it without network" \
+    alone pip install --no-index --no-compile --disable-pip-version-check "$wheel"
+  check "wheel: ngs-synth" alone ngs-synth two-spheres -o scene --views 4 --width-px 96 --height-px 72 --fit-steps 60
+  check "wheel: ngs cut" alone ngs cut scene --quality draft -o cut
+  check "wheel: import ngs" alone python3 -B -c 'if True:
+    import ngs
+    report = ngs.run("extract", "cut/labelled.ply", object="again.ply")
+    assert report["tool"] == "ngs-extract", report
+    assert ngs.read_ply("again.ply")["x"] == ngs.read_ply("cut/object.ply")["x"]'
+  check "wheel: pip uninstalls it" alone pip uninstall -y --disable-pip-version-check ngs-tools
+  installed > "$work/after"
+  check "wheel: pip uninstall leaves no file" cmp "$work/before" "$work/after"
+}
+
+for suite in "${suites[@]}"; do
+  root=$(root_of "$suite")
+  test_root "$(basename "$suite")" "$root"
+done
+test_wheel
+exit "$failed"
