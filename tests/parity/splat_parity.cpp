@@ -4,6 +4,7 @@
 #include "ngs/ops/splat/tile_types.h"
 #include "parity/backends.h"
 #include "support/random.h"
+#include "support/same_evidence.h"
 #include "support/splat_reference.h"
 
 namespace ngs::test {
@@ -235,7 +236,7 @@ TEST_CASE("evidence of a device equals the CPU's within rounding") {
         for (std::size_t i = 0; i < want.weight.size(); ++i)
           for (std::size_t k = 0; k < std::size_t(objects); ++k) {
             object.push_back(got.object_weight(i, k)), object_want.push_back(want.object_weight(i, k));
-            same_pixels &= got.object_pixels(i, k) == want.object_pixels(i, k);
+            same_pixels &= test::object_pixels(got, i, k) == test::object_pixels(want, i, k);
           }
         CAPTURE(objects);
         CAPTURE(gaussians);

@@ -211,8 +211,8 @@ mutant $f $t $f "contours: small photos are always refined enlarged" 's/if \(gai
 mutant $f $t $f "contours: trained labels start from EM steps" 's/joint\.start_steps = 1;//'
 mutant $f $t $f "contours: no iteration at the full size" 's/iteration \+ 1 < iterations \&\& //'
 mutant stages/contours/refined_masks.cpp $t stages/contours/refined_masks.cpp "contours: band width not scaled with enlarged photos" 's/refine\.band_px \*= .*;//'
-mutant scene/enlarge.cpp unit/scene/enlarge_test.cpp scene/enlarge.cpp "enlarged: shifted by half a pixel" 's/\(i \+ 0\.5\) \* from_px \/ to_px - 0\.5/double(i) * from_px \/ to_px/'
-mutant scene/enlarge.cpp unit/scene/enlarge_test.cpp scene/enlarge.cpp "enlarged: zero beyond the border" 's/sum \+= taps\.weight\[t\] \* double\(image/if (taps.pixel[t] > 0) &/'
+mutant scene/resize/enlarge.cpp unit/scene/resize/enlarge_test.cpp scene/resize/enlarge.cpp "enlarged: shifted by half a pixel" 's/\(i \+ 0\.5\) \* from_px \/ to_px - 0\.5/double(i) * from_px \/ to_px/'
+mutant scene/resize/enlarge.cpp unit/scene/resize/enlarge_test.cpp scene/resize/enlarge.cpp "enlarged: zero beyond the border" 's/sum \+= taps\.weight\[t\] \* double\(image/if (taps.pixel[t] > 0) &/'
 mutant stages/optimise/label_start.h unit/stages/optimise/label_start_test.cpp stages/optimise/trained_labels.cpp "labels start at their share" 's/steps \* logit\(/logit(/'
 mutant stages/optimise/label_start.h unit/stages/optimise/label_start_test.cpp stages/optimise/trained_labels.cpp "start of the labels without a bound" 's/return std::clamp\((steps \* logit\(.*\)), -most, most\);/return \1;/'
 
@@ -258,8 +258,8 @@ mutant $f $t $f "front layer: depths not compared" 's/select\(L\(depth\) < limit
 
 t=stability/pictures_stability_test.cpp
 mutant $f $t $f "a surface at a Gaussian lies behind it" 's/L\(depth\) < limit\[hit\.pack\]/limit[hit.pack] >= L(depth)/'
-mutant scene/shrink.cpp $t scene/shrink.cpp "shrunk: border cells divided by the full cell size" 's/= mean_of\(image, cell, c\);/= mean_of(image, cell, c) * float((cell.right - cell.left) * (cell.bottom - cell.top)) \/ float(factor * factor);/'
-mutant scene/shrink.cpp $t scene/shrink.cpp "float accumulator" 's/double sum = 0/float sum = 0/; s/sum \+= double\(image(.*)\);/sum += image\1;/'
+mutant scene/resize/shrink.cpp $t scene/resize/shrink.cpp "shrunk: border cells divided by the full cell size" 's/= mean_of\(image, cell, c\);/= mean_of(image, cell, c) * float((cell.right - cell.left) * (cell.bottom - cell.top)) \/ float(factor * factor);/'
+mutant scene/resize/shrink.cpp $t scene/resize/shrink.cpp "float accumulator" 's/double sum = 0/float sum = 0/; s/sum \+= double\(image(.*)\);/sum += image\1;/'
 mutant math/median.h $t "" "a third instead of the middle" 's/values\.size\(\) \/ 2/values.size() \/ 3/'
 f=ops/image/image_metrics.cpp
 mutant $f $t $f "squares, not the square of the difference" 's/sum \+= w \* d \* d;/const float p = a.at(x, int(y), c), q = b.at(x, int(y), c); sum += w * double(p * p - 2 * p * q + q * q) + 0 * d;/'
@@ -334,7 +334,7 @@ mutant $f $t $f "masks: too large masks are not one-sided errors" 's/std::abs\(b
 
 t=unit/ops/splat/cached_view_test.cpp f=ops/splat/cached/cached_view.cpp
 mutant $f $t "$f" "cached view: pixels that leave the mask are ignored" 's/target\[p\] == float\(mask\[p\]\)/target[p] >= float(mask[p])/'
-mutant $f $t "$f" "cached view: sums are computed only once" 's/if \(!changed\[v\]\) continue;/if (changed[v] \&\& s.sums.weight[s.place[v]] > 0) continue;/'
+mutant $f $t "$f" "cached view: sums are computed only once" 's/if \(!changed\[v\]\) continue;/if (changed[v] \&\& s.sums.weight(s.place[v]) > 0) continue;/'
 t=unit/stages/live/correction_test.cpp f=stages/live/correction.cpp
 mutant $f $t "$f" "correction: colour model from strokes only" 's/if \(std::ranges::count\(rest\.hint, side\) == 0\) all\.clear\(\);/all.clear();/'
 mutant $f $t "$f" "correction: unlimited reach" 's/from_stroke\[p\] <= reach_px/true/'
@@ -348,7 +348,7 @@ mutant $f $t "$f" "numbers: overflow gives infinity" 's/std::isinf\(number\) \|\
 mutant $f $t "$f" "numbers: blanks before them" 's/!begins_number\(\{begin, end\}\)/begin == end/'
 
 t=unit/stages/boundary/leave_one_out_test.cpp f=stages/boundary/leave_one_out.cpp
-mutant $f $t $f "leave-one-out: initialised with shares instead of weights" 's/\.add\(prob \* double\(weight\[i\]\)\)/.add(prob)/'
+mutant $f $t $f "leave-one-out: initialised with shares instead of weights" 's/add_object\(i, k, prob \* double\(weight\[i\]\)\)/add_object(i, k, prob)/'
 mutant math/exact_sum.h $t $f "exact sum: subtraction below zero is not clamped" 's/    if \(whole < other\.whole .*return void\(\*this = \{\}\);//'
 
 t=unit/math/sparse_table_test.cpp f=math/sparse_table.h

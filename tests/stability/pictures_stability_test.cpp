@@ -7,7 +7,7 @@
 #include "ngs/math/median.h"
 #include "ngs/ops/image/image_metrics.h"
 #include "ngs/ops/splat/front_layer.h"
-#include "ngs/scene/shrink.h"
+#include "ngs/scene/resize/shrink.h"
 #include "support/stability.h"
 
 namespace ngs {
@@ -95,9 +95,10 @@ TEST_CASE("front layer: a Gaussian is in front of a surface one ulp behind it, n
         for (int i = 0; i < 3; ++i) camera.rotation(i, i) = 1;
         const ImageF surface(16, 16, 1, limit), far(16, 16, 1, 1e30f);
         const std::vector<std::uint8_t> candidate{1}, marked(256, 1);
-        const FrontSums sums = FrontView({}, cloud, surface, camera, {}).sums(candidate, marked);
-        const double whole = FrontView({}, cloud, far, camera, {}).sums(candidate, marked).front[0];
-        const double front = sums.row.empty() ? 0 : sums.front[0], of_marked = sums.row.empty() ? 0 : sums.marked[0];
+        const ViewSums sums = FrontView({}, cloud, surface, camera, {}).sums(candidate, marked);
+        const double whole = FrontView({}, cloud, far, camera, {}).sums(candidate, marked).weight(0);
+        const double front = sums.row.empty() ? 0 : sums.weight(0);
+        const double of_marked = sums.row.empty() ? 0 : sums.object_weight(0, 0);
         worst.ours_is(whole > 0.5 && front == (h > 0 ? whole : 0) && of_marked == front);
         worst.naive_is((1 / limit < 1 / depth) == (h > 0));
       });

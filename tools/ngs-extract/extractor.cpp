@@ -165,7 +165,7 @@ void Extractor::restrict_to(std::vector<std::uint8_t> keep) {
       if (!keep_[i]) objects_[k].columns.label[i] = 0;
 }
 
-void Extractor::keep_touched(const std::vector<StrokeWeights>& strokes) {
+void Extractor::keep_touched(const std::vector<ViewSums>& strokes) {
   const auto timed = run_.monitor().scope("pieces");
   PieceSelection found = touched_pieces(run_.exec(), ply_.cloud, keep_, strokes);
   const std::int64_t kept = std::count(found.object.begin(), found.object.end(), std::uint8_t(1));

@@ -45,7 +45,7 @@ class Extractor {
 
   /// After decide(): keeps only the connected components of the object that these strokes touch, and reports the
   /// others.
-  void keep_touched(const std::vector<StrokeWeights>& strokes);
+  void keep_touched(const std::vector<ViewSums>& strokes);
 
   const GaussianCloud& cloud() const { return ply_.cloud; }
   const io::GaussianPly& model() const { return ply_; }

@@ -11,14 +11,14 @@ void check_strokes(Run& run, const Inputs& strokes, const Input& scene) {
   if (!strokes) run.warn_unused({"--view"}, "without --strokes");
 }
 
-std::vector<StrokeWeights> stroke_weights_of(const Run& run, const Scene& scene, const Marks& marks,
-                                             const GaussianCloud& cloud) {
+std::vector<ViewSums> stroke_weights_of(const Run& run, const Scene& scene, const Marks& marks,
+                                        const GaussianCloud& cloud) {
   const SplatOptions splat = prepared_for(run.exec(), splat_options({}, cloud, scene), cloud);
-  std::vector<StrokeWeights> strokes;
+  std::vector<ViewSums> strokes;
   for (const auto& [view, hand] : marks) {
     const Camera& camera = scene.views[view].camera;
     const ViewPrompt prompt = rasterise(hand, camera.width_px, camera.height_px);
-    for (StrokeWeights& stroke : stroke_weights(run.exec(), cloud, camera, prompt, splat))
+    for (ViewSums& stroke : stroke_weights(run.exec(), cloud, camera, prompt, splat))
       strokes.push_back(std::move(stroke));
   }
   return strokes;

@@ -9,7 +9,7 @@ namespace ngs::cli {
 void check_strokes(Run& run, const Inputs& strokes, const Input& scene);
 
 /// For every stroke on the object: the rendering weights of the Gaussians under it.
-std::vector<StrokeWeights> stroke_weights_of(const Run& run, const Scene& scene, const Marks& marks,
-                                             const GaussianCloud& cloud);
+std::vector<ViewSums> stroke_weights_of(const Run& run, const Scene& scene, const Marks& marks,
+                                        const GaussianCloud& cloud);
 
 }  // namespace ngs::cli

@@ -28,7 +28,7 @@ StrokeCheck::StrokeCheck(const cli::Run& run, const std::string& scene, const st
 StrokeAgreement StrokeCheck::of(const GaussianCloud& cloud, std::vector<float> label, bool all_pieces) const {
   const SplatOptions splat = prepared_for(exec_, splat_options({}, cloud, scene_), cloud);
   if (!all_pieces) {
-    std::vector<StrokeWeights> strokes;
+    std::vector<ViewSums> strokes;
     for (const auto& [camera, prompt] : marked_)
       std::ranges::move(stroke_weights(exec_, cloud, camera, prompt, splat), std::back_inserter(strokes));
     std::vector<std::uint8_t> member(label.size());

@@ -6,17 +6,14 @@
 
 namespace ngs {
 
-/// [rows, columns] cells, all of them Cell() until touched. A touched cell takes its size plus 8 bytes, every row 4
-/// bytes. The touched cells of a row are sorted by column, in whatever order they were touched. Finding one takes time
-/// linear in their number.
+/// Cells of some rows and any number of columns, all of them Cell() until touched. A touched cell takes its size plus 8
+/// bytes, every row 4 bytes. The touched cells of a row are sorted by column, in whatever order they were touched.
+/// Finding one takes time linear in their number.
 template <class Cell>
 class SparseTable {
  public:
   SparseTable() = default;
-  SparseTable(std::size_t rows, std::size_t columns) : columns_(columns), first_(rows, kNone) {}
-
-  std::size_t columns() const { return columns_; }
-  std::size_t touched() const { return node_.size(); }
+  explicit SparseTable(std::size_t rows) : first_(rows, kNone) {}
 
   /// Null if the cell was never touched.
   const Cell* find(std::size_t row, std::size_t column) const {
@@ -68,7 +65,6 @@ class SparseTable {
     std::uint32_t column, next;
   };
 
-  std::size_t columns_ = 0;
   std::vector<std::uint32_t> first_;  // [rows] into node_
   std::deque<Node> node_;
 };

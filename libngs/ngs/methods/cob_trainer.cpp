@@ -39,8 +39,7 @@ void CobTrainer::mask_phase(const Exec& exec, Monitor& monitor) {
       if (monitor.stop_requested()) break;
       const ViewMasks masks = input_.load_masks(view);
       if (!masks.available) continue;
-      Evidence one(cloud_.size(), objects_);
-      add_view_evidence(exec, cloud_, {input_.scene.views[view].camera, masks}, input_.splat, one);
+      const ViewSums one = view_sums(exec, cloud_, {input_.scene.views[view].camera, masks}, input_.splat);
       label_step(exec, one);
       if (pass == 0) evidence_.add(one), ++mask_views_;  // the second pass has the same evidence
     }
@@ -48,13 +47,13 @@ void CobTrainer::mask_phase(const Exec& exec, Monitor& monitor) {
 }
 
 /// The linear loss -Σ G M + λ Σ (1 - G) M has the constant gradient λ (W - W1) - W1 in m = sigmoid(logit).
-void CobTrainer::label_step(const Exec& exec, const Evidence& view) {
+void CobTrainer::label_step(const Exec& exec, const ViewSums& view) {
   std::vector<float> gradient(logit_.size());
-  for_each_index(exec, cloud_.size(), [&](std::int64_t row) {
-    for (int k = 0; k < objects_; ++k) {
-      const std::size_t cell = std::size_t(row) * std::size_t(objects_) + std::size_t(k);
-      const double inside = view.object_weight(std::size_t(row), std::size_t(k));
-      const double outside = view.weight.value(std::size_t(row)) - inside;
+  for_each_index(exec, std::ssize(view.row), [&](std::int64_t index) {
+    const auto v = std::size_t(index);
+    for (std::size_t k = 0; k < std::size_t(objects_); ++k) {
+      const std::size_t cell = view.row[v] * std::size_t(objects_) + k;
+      const double inside = view.object_weight(v, k), outside = view.weight(v) - inside;
       const double m = sigmoid(double(logit_[cell]));
       gradient[cell] = float((options_.lambda * outside - inside) * m * (1 - m));
     }

@@ -33,7 +33,7 @@ class CobTrainer {
 
  private:
   void apply(const Exec& exec, const std::vector<CloudRow>& rows);
-  void label_step(const Exec& exec, const Evidence& view);
+  void label_step(const Exec& exec, const ViewSums& view);
   void texture_step(const Exec& exec, std::size_t view, const ImageF& photo, const ColourTerm& colour_term);
   bool keeps_label(std::size_t row) const { return is_fixed(input_, std::size_t(source_row_[row])); }
 

@@ -1,6 +1,6 @@
 #include "ngs/methods/method_sa3d.h"
 
-#include "ngs/scene/mask_threshold.h"
+#include "ngs/ops/image/mask_pair.h"
 #include "ngs/stages/boundary/method_labels.h"
 
 namespace ngs {
@@ -9,14 +9,13 @@ namespace {
 /// State of one object's inverse rendering.
 struct ObjectState {
   int object;
-  double threshold;
+  BoundaryRule rule;
   GaussianCloud cloud;                // `usable` is 0 for Gaussians that a pass removed
   Evidence evidence;                  // of the current pass
   std::vector<std::size_t> accepted;  // views that passed the gate in the first pass
   std::vector<float> label() const {
     std::vector<float> out(std::size_t(evidence.gaussians), 0.f);
-    for (std::size_t i = 0; i < out.size(); ++i)
-      out[i] = float(evidence.object_weight(i, 0) > threshold * evidence.weight.value(i));
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = float(is_object(rule, evidence.prob(i, 0)));
     return out;
   }
 };
@@ -29,14 +28,7 @@ double mask_agreement(const Exec& exec, const ObjectState& state, const Problem&
   request.colour = false;
   request.label = {label.data(), std::int64_t(label.size()), 1};
   const RenderedView view = render(exec, state.cloud, camera, input.splat, request);
-  const std::vector<float>& target = masks.target[0];
-  std::int64_t both = 0, either = 0;
-  for (std::size_t p = 0; p < target.size(); ++p) {
-    if (!masks.known.empty() && !masks.known[p]) continue;
-    const bool rendered = label_is_foreground(view.label.data[p]), given = mask_is_foreground(target[p]);
-    both += rendered && given, either += rendered || given;
-  }
-  return either == 0 ? 1.0 : double(both) / double(either);
+  return iou(MaskPair(view.label, masks, 0, foreground_boxes(view.label)[0]).counts(exec));
 }
 
 /// The view's mask of this object only, so that no evidence of other objects is accumulated.
@@ -78,18 +70,16 @@ Solution run_sa3d(const Exec& exec, Monitor& monitor, const Sa3dOptions& options
   result.cloud = unchanged(input.cloud);
   const double threshold = options.lambda / (1 + options.lambda);
   for (int k = 0; k < int(input.scene.objects.size()); ++k) {
-    ObjectState state{k, threshold, input.cloud, Evidence(input.cloud.size(), 1), {}};
+    ObjectState state{k, input.rule, input.cloud, Evidence(input.cloud.size(), 1), {}};
+    state.rule.label_threshold = threshold;
     first_pass(exec, monitor, options, input, state);
-    BoundaryRule closed_form = input.rule;
-    closed_form.label_threshold = threshold;
-    LabelColumns columns = label_gaussians(closed_form, state.evidence)[0];
+    LabelColumns columns = label_gaussians(state.rule, state.evidence)[0];
     for (int pass = 1; pass < options.passes && !monitor.stop_requested(); ++pass) {
       later_pass(exec, input, state);
       const std::vector<float> label = state.label();
       for (std::size_t i = 0; i < label.size(); ++i) {
         columns.label[i] = label[i];
-        if (state.evidence.views[i] > 0)
-          columns.prob[i] = float(state.evidence.object_weight(i, 0) / state.evidence.weight.value(i));
+        if (state.evidence.views[i] > 0) columns.prob[i] = float(state.evidence.prob(i, 0));
       }
     }
     result.figures["views_accepted"] += double(state.accepted.size());

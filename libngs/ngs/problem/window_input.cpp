@@ -8,7 +8,7 @@
 #include "ngs/problem/cloud_rows.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/scene/mask_threshold.h"
-#include "ngs/scene/shrink.h"
+#include "ngs/scene/resize/shrink.h"
 
 namespace ngs {
 namespace {

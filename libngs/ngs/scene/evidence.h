@@ -1,69 +1,111 @@
 #pragma once
-// Mask evidence per Gaussian, summed over views. Additive: the evidence of a set of views is the exact sum of its
-// parts, in any order and sharding. So merged shards equal a single run byte for byte.
+// Sums per Gaussian over views. w = α T is a Gaussian's rendering weight at a pixel, M the mask there. Sums are exact:
+// in any order and sharding they are the same bits, so merged shards equal a single run byte for byte, and after
+// remove() no rounding error is left, from which an arbitrary share of the object would follow.
+#include <algorithm>
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "ngs/math/exact_sum.h"
 #include "ngs/math/sparse_table.h"
+#include "ngs/scene/labels/boundary_rule.h"
+#include "ngs/scene/view_sums.h"
 
 namespace ngs {
 
-/// The evidence of a single view for the V Gaussians with W > 0.
-struct ViewSums {
-  int objects = 0;
-  std::vector<std::uint32_t> row;  // [V] ascending
-  std::vector<double> sum;         // [V, 2 + 2 K] W, pixels, then W1 <= W and pixels per object
+/// Eq. (3): the label of a share f = W1 / W, and whether a Gaussian of this normalised variance is boundary.
+inline bool is_object(const BoundaryRule& rule, double prob) { return prob > rule.label_threshold; }
+inline bool is_boundary(const BoundaryRule& rule, double variance) { return variance > rule.tau; }
 
-  std::size_t size() const { return row.size(); }
-  int columns() const { return 2 + 2 * objects; }
-  const double* at(std::size_t v) const { return &sum[v * std::size_t(columns())]; }
-  double weight(std::size_t v) const { return at(v)[0]; }
-  double object_weight(std::size_t v, std::size_t k) const { return at(v)[2 + 2 * k]; }
+/// The weight of one object in a Gaussian.
+struct ObjectWeight {
+  ExactSum weight;  // W1 = Σ_views Σ_pixels w M, at most W
+
+  void add(const ObjectWeight& other) { weight.add(other.weight); }
+  bool operator==(const ObjectWeight&) const = default;
 };
 
-/// The weights of a single view, packed to about 8 bytes per Gaussian for any number of objects, so that all views fit
-/// in memory. Parts hold disjoint Gaussians and can be written and read in parallel.
-class ViewWeights {
- public:
-  ViewWeights(int objects, std::size_t parts) : objects_(std::size_t(objects)), part_(parts) {}
+/// W and W1 of N Gaussians and K objects. Share: ObjectWeight, or a struct derived from it with further sums. Adding or
+/// removing a view touches only its rows.
+template <class Share = ObjectWeight>
+struct WeightSums {
+  std::int64_t gaussians = 0;
+  int objects = 0;
+  ExactSums weight;          // [N] W = Σ_views Σ_pixels w over known pixels
+  SparseTable<Share> share;  // [N, K] W1; sparse: most objects have no share in most Gaussians
+  using DeferredInserts = std::vector<typename SparseTable<Share>::Insert>;
 
-  /// Adds a Gaussian with W > 0 that no part contains yet. `sum` [2 + 2 K] as in ViewSums; the pixel counts are
-  /// ignored.
-  void add(std::size_t part, std::uint32_t gaussian, const double* sum);
-  /// Call after the last add() to a part.
-  void shrink_to_fit(std::size_t part) { part_[part].bytes.shrink_to_fit(); }
+  WeightSums() = default;
+  WeightSums(std::int64_t n, int k) : gaussians(n), objects(k), share(std::size_t(n)) { weight.resize(std::size_t(n)); }
 
-  std::size_t parts() const { return part_.size(); }
-  std::size_t bytes() const;
-  bool empty() const { return bytes() == 0; }
-  /// f(gaussian, weight) in order of add(); weight [1 + K]: W, then W1 per object, bit-identical to the input.
-  template <class F>
-  void for_each(std::size_t part, const F& f) const {
-    std::vector<double> weight(1 + objects_);
-    std::uint32_t gaussian = 0;
-    const std::uint8_t *at = part_[part].bytes.data(), *end = at + part_[part].bytes.size();
-    while (at < end) {
-      at = next(at, gaussian, weight.data());
-      f(gaussian, static_cast<const double*>(weight.data()));
+  void add(const ViewSums& view) {
+    for (std::size_t v = 0; v < view.size(); ++v) {
+      weight.add(view.row[v], view.weight(v));
+      for (int k = 0; k < view.objects; ++k)
+        add_object(view.row[v], std::size_t(k), view.object_weight(v, std::size_t(k)));
     }
   }
+  /// `view`: one that was added.
+  void remove(const ViewSums& view) {
+    for (std::size_t v = 0; v < view.size(); ++v) {
+      weight.subtract(view.row[v], view.weight(v));
+      for (int k = 0; k < view.objects; ++k)
+        remove_object(view.row[v], std::size_t(k), view.object_weight(v, std::size_t(k)));
+    }
+  }
+  void add_object(std::size_t gaussian, std::size_t k, double w1) {
+    if (w1 != 0) share.touch(gaussian, k).weight.add(w1);
+  }
+  void remove_object(std::size_t gaussian, std::size_t k, double w1) {
+    if (Share* const known = w1 != 0 ? share.find(gaussian, k) : nullptr) known->weight.subtract(ExactSum::of(w1));
+  }
 
- private:
-  struct Part {
-    std::vector<std::uint8_t> bytes;
-    std::uint32_t last = 0;  // Gaussian
-  };
-  const std::uint8_t* next(const std::uint8_t* at, std::uint32_t& gaussian, double* weight) const;
-
-  std::size_t objects_;
-  std::vector<Part> part_;
+  double object_weight(std::size_t gaussian, std::size_t k) const {
+    const Share* known = share.find(gaussian, k);
+    return known == nullptr ? 0.0 : known->weight.value();
+  }
+  /// The share f = W1 / W, in [0, 1]; 0 for a Gaussian that is visible in no view.
+  double prob(std::size_t gaussian, std::size_t k) const {
+    const Share* known = share.find(gaussian, k);
+    return known == nullptr ? 0.0 : prob(gaussian, *known);
+  }
+  double prob(std::size_t gaussian, const Share& of) const {
+    const double all = weight.value(gaussian);
+    return all > 0 ? of.weight.value() / all : 0.0;
+  }
+  /// f of all objects. Writes [K] floats to `probs`; returns whether the Gaussian is visible.
+  bool probs(std::size_t gaussian, float* probs) const {
+    std::fill_n(probs, objects, 0.f);
+    share.for_each_in(gaussian, [&](std::size_t k, const Share& of) { probs[k] = float(prob(gaussian, of)); });
+    return weight.value(gaussian) > 0;
+  }
+  /// The same without one view, whose weights in the Gaussian are `view` [1 + K]. Visible: more than 1/1000 of the
+  /// Gaussian's weight remains.
+  bool probs_without(const double* view, std::size_t gaussian, float* probs) const {
+    constexpr double kLeastRest = 1e-3;
+    const double all = weight.value(gaussian), others = all - view[0];
+    std::fill_n(probs, objects, 0.f);
+    if (!(others > kLeastRest * all)) return false;
+    share.for_each_in(gaussian, [&](std::size_t k, const Share& of) {
+      probs[k] = float(std::max(0.0, of.weight.value() - view[1 + k]) / others);
+    });
+    return true;
+  }
+  /// The object with the largest weight, if it exceeds the background's weight; otherwise -1.
+  int heaviest_object(std::size_t gaussian) const {
+    double background = weight.value(gaussian), best_weight = 0;
+    int best = -1;
+    share.for_each_in(gaussian, [&](std::size_t k, const Share& of) {
+      const double w = of.weight.value();
+      background -= w;
+      if (w > best_weight) best = int(k), best_weight = w;
+    });
+    return best_weight > background ? best : -1;
+  }
 };
 
-/// Mask evidence of one object for a Gaussian.
-struct ObjectShare {
-  ExactSum weight;           // W1 = Σ_views Σ_pixels w M, at most W
+/// Further sums of an object, for the criteria of variance.
+struct ObjectShare : ObjectWeight {
   std::uint64_t pixels = 0;  // pixels reached with M >= 0.5
   // Per-view signals m = W1 / W, quantised to 2^-32: their sum in these units, and the sum of their squares.
   std::uint64_t signal_sum = 0;
@@ -79,21 +121,18 @@ struct ObjectShare {
   bool operator==(const ObjectShare&) const = default;
 };
 
-/// Evidence of N Gaussians and K objects. w = α T is a Gaussian's weight at a pixel, M the mask there.
-struct Evidence {
-  std::int64_t gaussians = 0;
-  int objects = 0;
-  ExactSums weight;                   // [N] W = Σ_views Σ_pixels w over known pixels
+/// Everything that files of evidence contain: the weights with counts of pixels and views, and the signals per view.
+struct Evidence : WeightSums<ObjectShare> {
   std::vector<std::uint64_t> pixels;  // [N] known pixels reached (unweighted)
   std::vector<std::uint32_t> views;   // [N] views with W > 0
-  SparseTable<ObjectShare> share;     // [N, K] sparse: most objects have no share in most Gaussians
 
   Evidence() = default;
-  Evidence(std::int64_t n, int k);
+  Evidence(std::int64_t n, int k) : WeightSums(n, k), pixels(std::size_t(n)), views(std::size_t(n)) {}
   void add(const Evidence& other);
-  /// Adds the evidence of one view for a Gaussian, a row of ViewSums. Not thread-safe.
+  /// Adds one view, with its pixel counts.
+  void add(const ViewSums& view);
+  /// Adds one view for one Gaussian, a row of ViewSums. Not thread-safe.
   void add(std::size_t gaussian, const double* sum);
-  using DeferredInserts = std::vector<SparseTable<ObjectShare>::Insert>;
   /// Thread-safe for different Gaussians. Afterwards pass `deferred_inserts` to share.add().
   void add(std::size_t gaussian, const double* sum, DeferredInserts& deferred_inserts);
   /// For a Gaussian without a share of any object.
@@ -102,24 +141,17 @@ struct Evidence {
     pixels[gaussian] += std::uint64_t(count);
     views[gaussian] += 1;
   }
-  double object_weight(std::size_t gaussian, std::size_t object) const {
-    const ObjectShare* known = share.find(gaussian, object);
-    return known == nullptr ? 0.0 : known->weight.value();
-  }
-  std::uint64_t object_pixels(std::size_t gaussian, std::size_t object) const {
-    const ObjectShare* known = share.find(gaussian, object);
-    return known == nullptr ? 0 : known->pixels;
-  }
+  void remove(const ViewSums& view) = delete;  // signals cannot be removed
   /// Σ r over the views, in units of 2^-32.
   std::uint64_t contrast_sum(std::size_t gaussian, std::size_t object) const {
     const ObjectShare* known = share.find(gaussian, object);
     return contrast_sum(gaussian, known == nullptr ? ObjectShare() : *known);
   }
-  /// [N] W in float, as stored with the labels.
-  std::vector<float> weights() const;
   std::uint64_t contrast_sum(std::size_t gaussian, const ObjectShare& of) const {
     return (std::uint64_t(views[gaussian]) << 32) - of.one_minus_contrast_sum;
   }
+  /// [N] W in float, as stored with the labels.
+  std::vector<float> weights() const;
 };
 
 /// 4 · variance of the signal over `views`, in [0, 1]. V Σ m² - (Σ m)² is evaluated in integers, free of cancellation

@@ -182,8 +182,8 @@ class ViewPairs {
 
 /// Merges the parts, ascending by row.
 ViewSums merged(const Exec& exec, std::int64_t rows, int objects, const std::vector<ViewSums>& parts) {
-  ViewSums all{objects, {}, {}};
-  const auto columns = std::size_t(all.columns());
+  ViewSums all{objects, true, {}, {}};
+  const std::size_t columns = all.columns();
   RowRanks ranks(rows);
   std::size_t size = 0;
   for (const ViewSums& part : parts) ranks.add(part.row), size += part.size();
@@ -211,91 +211,81 @@ std::vector<double> sums_on_device(const Exec& exec, const GaussianCloud& cloud,
   return sums;
 }
 
-bool on_device(const Exec& exec, const MaskedView& view) {
-  return exec.device_ops != nullptr && view.weight == PixelWeight::kRendered;
-}
+/// A view, and the Gaussians whose sums are wanted; `of` null: all.
+struct Query {
+  const GaussianCloud& cloud;
+  const MaskedView& view;
+  const SplatOptions& options;
+  const RowNumbers* of = nullptr;
+};
 
-void require_size(const MaskedView& view) {
-  NGS_CHECK(view.masks.width_px == view.camera.width_px && view.masks.height_px == view.camera.height_px, "mask size");
-}
-
-void require_numbers(const GaussianCloud& cloud, const RowNumbers* of) {
-  NGS_CHECK(of == nullptr || std::int64_t(of->number.size()) == cloud.size(), "one number per Gaussian");
+/// Calls start(number of chunks), then body(chunk, rows) from several threads. rows(f) calls f(row, sums, has_object)
+/// for the wanted Gaussians of the chunk with W > 0, as ViewPairs::for_each_seen().
+template <class Start, class Body>
+void for_each_chunk(const Exec& exec, const Query& q, const Start& start, const Body& body) {
+  const ViewMasks& masks = q.view.masks;
+  NGS_CHECK(masks.width_px == q.view.camera.width_px && masks.height_px == q.view.camera.height_px, "mask size");
+  NGS_CHECK(q.of == nullptr || std::int64_t(q.of->number.size()) == q.cloud.size(), "one number per Gaussian");
+  if (exec.device_ops != nullptr && q.view.weight == PixelWeight::kRendered) {
+    const std::vector<double> sums = sums_on_device(exec, q.cloud, q.view, q.options);
+    start(std::size_t(1));
+    body(std::size_t(0), [&](const auto& f) {
+      for (std::size_t i = 0; i < std::size_t(q.cloud.size()); ++i) {
+        const double* sum = &sums[i * (2 + 2 * masks.target.size())];
+        if (sum[0] > 0 && (q.of == nullptr || q.of->has(i))) f(q.of ? q.of->number[i] : std::uint32_t(i), sum, true);
+      }
+    });
+    return;
+  }
+  const ViewPairs pairs(exec, q.cloud, q.view, q.options, q.of);
+  start(std::size_t(pairs.chunks()));
+  for_each_task(exec, pairs.chunks(), [&](std::int64_t chunk) {
+    body(std::size_t(chunk), [&](const auto& f) { pairs.for_each_seen(chunk, f); });
+  });
 }
 
 }  // namespace
 
 ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view, const SplatOptions& options,
                    const RowNumbers* of) {
-  ViewSums seen{int(view.masks.target.size()), {}, {}};
-  if (!view.masks.available) return seen;
-  require_size(view);
-  require_numbers(cloud, of);
-  const auto columns = std::size_t(seen.columns());
-  if (on_device(exec, view)) {
-    const std::vector<double> sums = sums_on_device(exec, cloud, view, options);
-    for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
-      const double* sum = &sums[i * columns];
-      if (!(sum[0] > 0) || (of != nullptr && !of->has(i))) continue;
-      seen.row.push_back(of ? of->number[i] : std::uint32_t(i)), seen.sum.insert(seen.sum.end(), sum, sum + columns);
-    }
-    return seen;
-  }
-  const ViewPairs pairs(exec, cloud, view, options, of);
-  std::vector<ViewSums> part(std::size_t(pairs.chunks()), ViewSums{seen.objects, {}, {}});
-  for_each_task(exec, pairs.chunks(), [&](std::int64_t chunk) {
-    pairs.for_each_seen(chunk,
-                        [&part = part[std::size_t(chunk)], columns](std::uint32_t gaussian, const double* sum, bool) {
-                          part.row.push_back(gaussian), part.sum.insert(part.sum.end(), sum, sum + columns);
-                        });
-  });
-  return merged(exec, of ? of->size() : cloud.size(), seen.objects, part);
+  const ViewSums none{int(view.masks.target.size()), true, {}, {}};
+  if (!view.masks.available) return none;
+  std::vector<ViewSums> part;
+  for_each_chunk(
+      exec, {cloud, view, options, of}, [&](std::size_t chunks) { part.assign(chunks, none); },
+      [&](std::size_t chunk, const auto& rows) {
+        rows([&to = part[chunk]](std::uint32_t gaussian, const double* sum, bool) { to.add(gaussian, sum); });
+      });
+  return merged(exec, of ? of->size() : cloud.size(), none.objects, part);
 }
 
-ViewWeights view_weights(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,
-                         const SplatOptions& options, const RowNumbers* of) {
+PackedSums packed_sums(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,
+                       const SplatOptions& options, const RowNumbers* of) {
   const int objects = int(view.masks.target.size());
-  if (!view.masks.available) return {objects, 0};
-  if (on_device(exec, view)) {
-    const ViewSums sums = view_sums(exec, cloud, view, options, of);
-    ViewWeights seen(objects, 1);
-    for (std::size_t v = 0; v < sums.size(); ++v) seen.add(0, sums.row[v], sums.at(v));
-    seen.shrink_to_fit(0);
-    return seen;
-  }
-  require_size(view);
-  require_numbers(cloud, of);
-  const ViewPairs pairs(exec, cloud, view, options, of);
-  ViewWeights seen(objects, std::size_t(pairs.chunks()));
-  for_each_task(exec, pairs.chunks(), [&](std::int64_t chunk) {
-    const auto part = std::size_t(chunk);
-    pairs.for_each_seen(chunk, [&](std::uint32_t gaussian, const double* sum, bool) { seen.add(part, gaussian, sum); });
-    seen.shrink_to_fit(part);
-  });
+  PackedSums seen(objects, 0);
+  if (!view.masks.available) return seen;
+  for_each_chunk(
+      exec, {cloud, view, options, of}, [&](std::size_t chunks) { seen = PackedSums(objects, chunks); },
+      [&](std::size_t chunk, const auto& rows) {
+        rows([&](std::uint32_t gaussian, const double* sum, bool) { seen.add(chunk, gaussian, sum); });
+        seen.shrink_to_fit(chunk);
+      });
   return seen;
 }
 
 void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,
                        const SplatOptions& options, Evidence& evidence) {
-  const ViewMasks& masks = view.masks;
-  if (!masks.available) return;
-  require_size(view);
-  NGS_CHECK(int(masks.target.size()) == evidence.objects && evidence.gaussians == cloud.size(), "evidence shape");
-  const std::size_t columns = 2 + 2 * masks.target.size();
-  if (on_device(exec, view)) {
-    const std::vector<double> sums = sums_on_device(exec, cloud, view, options);
-    for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i)
-      if (sums[i * columns] > 0) evidence.add(i, &sums[i * columns]);
-    return;
-  }
-  const ViewPairs pairs(exec, cloud, view, options, nullptr);
-  std::vector<Evidence::DeferredInserts> deferred_inserts(std::size_t(pairs.chunks()));
-  for_each_task(exec, pairs.chunks(), [&](std::int64_t chunk) {
-    pairs.for_each_seen(chunk, [&](std::uint32_t gaussian, const double* sum, bool has_object) {
-      has_object ? evidence.add(gaussian, sum, deferred_inserts[std::size_t(chunk)])
-                 : evidence.add_background(gaussian, sum[0], sum[1]);
-    });
-  });
+  if (!view.masks.available) return;
+  NGS_CHECK(int(view.masks.target.size()) == evidence.objects && evidence.gaussians == cloud.size(), "evidence shape");
+  std::vector<Evidence::DeferredInserts> deferred_inserts;
+  for_each_chunk(
+      exec, {cloud, view, options}, [&](std::size_t chunks) { deferred_inserts.resize(chunks); },
+      [&](std::size_t chunk, const auto& rows) {
+        rows([&](std::uint32_t gaussian, const double* sum, bool has_object) {
+          has_object ? evidence.add(gaussian, sum, deferred_inserts[chunk])
+                     : evidence.add_background(gaussian, sum[0], sum[1]);
+        });
+      });
   for (const Evidence::DeferredInserts& of : deferred_inserts) evidence.share.add(of);
 }
 

@@ -13,6 +13,12 @@ enum class PixelWeight : std::uint8_t {
   kByVisibility,  // α T²: less where the Gaussian is seen through others; always on the CPU
 };
 
+/// A view whose pixels are all known, without objects, or with one that covers `mask` [H·W] (0 or 1).
+inline ViewMasks known_view(const Camera& camera) { return {camera.width_px, camera.height_px, {}, {}, true}; }
+inline ViewMasks known_view(const Camera& camera, const std::vector<std::uint8_t>& mask) {
+  return {camera.width_px, camera.height_px, {{mask.begin(), mask.end()}}, {}, true};
+}
+
 /// A camera and the masks of its view, at the camera's size.
 struct MaskedView {
   const Camera& camera;
@@ -27,8 +33,8 @@ ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const MaskedVie
                    const RowNumbers* of = nullptr);
 
 /// The weights of view_sums(), packed.
-ViewWeights view_weights(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,
-                         const SplatOptions& options, const RowNumbers* of = nullptr);
+PackedSums packed_sums(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,
+                       const SplatOptions& options, const RowNumbers* of = nullptr);
 
 /// Adds view_sums() to `evidence` without storing it.
 void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,

@@ -161,7 +161,7 @@ ImageF FrontView::layer(const Candidates& candidate, const std::uint32_t* number
   return out;
 }
 
-FrontSums FrontView::sums(const Candidates& candidate, const std::vector<std::uint8_t>& marked) const {
+ViewSums FrontView::sums(const Candidates& candidate, const std::vector<std::uint8_t>& marked) const {
   const State& s = *state_;
   const BinnedView<float>& b = s.binned;
   s.check(candidate);
@@ -178,13 +178,13 @@ FrontSums FrontView::sums(const Candidates& candidate, const std::vector<std::ui
     L transmittance[kPacks];
     composite_tile<L>(work, transmittance, sink);
   });
-  FrontSums sums;
+  ViewSums sums{1, false, {}, {}};
   for (std::size_t v = 0; v < b.view().id.size(); ++v) {
     if (!candidate[b.view().id[v]]) continue;
-    double front = 0, of_marked = 0;
+    double sum[2] = {};  // in front, and marked
     for (std::int64_t slot = b.lists().slot_begin[v]; slot < b.lists().slot_begin[v + 1]; ++slot)
-      front += double(pair.row(slot)[0]), of_marked += double(pair.row(slot)[1]);
-    if (front > 0) sums.row.push_back(b.view().id[v]), sums.front.push_back(front), sums.marked.push_back(of_marked);
+      sum[0] += double(pair.row(slot)[0]), sum[1] += double(pair.row(slot)[1]);
+    if (sum[0] > 0) sums.add(b.view().id[v], sum);
   }
   return sums;
 }

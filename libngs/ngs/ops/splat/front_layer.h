@@ -7,16 +7,11 @@
 
 #include "ngs/math/row_numbers.h"
 #include "ngs/ops/splat/splat.h"
+#include "ngs/scene/view_sums.h"
 
 namespace ngs {
 
 using Candidates = std::vector<std::uint8_t>;  // [N]
-
-/// Per Gaussian: Σ w over the pixels where it is in front, and over the marked ones of these. Only rows with Σ w > 0.
-struct FrontSums {
-  std::vector<std::uint32_t> row;     // index into the cloud, unique
-  std::vector<double> front, marked;  // [rows]
-};
 
 /// The candidates, with one row of values each.
 struct RowValues {
@@ -39,8 +34,9 @@ class FrontView {
   ImageF layer(const RowValues& values) const;
   /// [H, W, 1]: Σ w.
   ImageF layer(const Candidates& candidate) const;
-  /// `marked` [H·W].
-  FrontSums sums(const Candidates& candidate, const std::vector<std::uint8_t>& marked) const;
+  /// Per candidate with Σ w > 0, in no order: Σ w over the pixels where it is in front, and over the marked ones of
+  /// these. `marked` [H·W].
+  ViewSums sums(const Candidates& candidate, const std::vector<std::uint8_t>& marked) const;
 
  private:
   struct State;

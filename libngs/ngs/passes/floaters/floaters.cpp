@@ -222,7 +222,7 @@ class FloaterSearch {
     const auto n = std::size_t(front_rows.size());
     const auto weights = [&](std::size_t v) {
       const ViewMasks channels = colours_as_masks(input_.load_photo(v));
-      return view_weights(exec_, cloud(), {camera(v), channels}, splat_, &front_rows);
+      return packed_sums(exec_, cloud(), {camera(v), channels}, splat_, &front_rows);
     };
     LeaveOneOut colours(exec_, front_rows.size(), 3, weights);
     if (!for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) { colours.add(v); })) return {};
@@ -235,17 +235,17 @@ class FloaterSearch {
       if (s.pixels() == 0) return;
       surface_px += s.pixels();
       const ImageF photo = input_.load_photo(v);
-      const std::shared_ptr<const ViewWeights> shown = colours.weights_of(v);
+      const std::shared_ptr<const PackedSums> shown = colours.weights_of(v);
       colours.for_others_in(*shown, [&](std::size_t i, const LeaveOneOut::Shares& others, double weight) {
         elsewhere.set(i, others), own[i] = weight;
       });
       const FrontView view = front_view(v, s);
       const ImageF layer = view.layer({front_rows, {elsewhere.value.data(), front_rows.size(), 4}});
-      const FrontSums sums = view.sums(front_rows.chosen, sees_past(v, s, photo, layer));
-      for (std::size_t k = 0; k < sums.row.size(); ++k) {
+      const ViewSums sums = view.sums(front_rows.chosen, sees_past(v, s, photo, layer));
+      for (std::size_t k = 0; k < sums.size(); ++k) {
         const std::size_t i = front_rows.number[sums.row[k]];
-        front[i] += sums.front[k], through[i] += sums.marked[k];
-        if (own[i] > 0) reach[i] = std::max(reach[i], sums.front[k] / own[i]);
+        front[i] += sums.weight(k), through[i] += sums.object_weight(k, 0);
+        if (own[i] > 0) reach[i] = std::max(reach[i], sums.weight(k) / own[i]);
       }
       colours.for_all_in(*shown,
                          [&](std::size_t i, const LeaveOneOut::Shares& all) { elsewhere.set(i, all), own[i] = 0; });
@@ -299,7 +299,7 @@ std::vector<std::uint8_t> uncovered_rows(const Exec& exec, const Problem& input,
     RenderRequest request;
     request.colour = false, request.label = {label.data(), std::int64_t(label.size()), 1};
     request.tiles_touching = request.stop_after = floater.data();
-    ViewMasks covered{camera.width_px, camera.height_px, {}, {}, true};
+    ViewMasks covered = known_view(camera);
     covered.target.push_back(std::move(render(exec, input.cloud, camera, with, request).label.data));
     for (float& pixel : covered.target[0]) pixel = float(pixel >= kDrawn);
     const ViewSums sums = view_sums(exec, without, {camera, covered}, splat);

@@ -62,15 +62,17 @@ struct Consensus {
 
   Consensus(std::size_t gaussians, std::size_t k, bool seen)
       : objects(k), channels(k + std::size_t(seen)), label(gaussians * channels, 0.f), object(gaussians, 0) {}
-  void set(std::size_t gaussian, const LeaveOneOut::Shares& shares) {
+  /// `share`: [K].
+  void set(std::size_t gaussian, const auto& share, bool seen) {
     float* to = &label[gaussian * channels];
     object[gaussian] = 0;
     for (std::size_t k = 0; k < objects; ++k) {
-      to[k] = label_is_foreground(shares.share[k]) ? 1.f : 0.f;
+      to[k] = label_is_foreground(share[k]) ? 1.f : 0.f;
       object[gaussian] |= to[k] > 0;
     }
-    if (channels > objects) to[objects] = float(shares.seen);
+    if (channels > objects) to[objects] = float(seen);
   }
+  void set(std::size_t gaussian, const LeaveOneOut::Shares& shares) { set(gaussian, shares.share, shares.seen); }
 };
 
 /// Renders a consensus into the views of a problem and compares it with their masks.
@@ -140,8 +142,8 @@ class OutlierSearch {
     seen_ = RowNumbers(seen_rows());
     LeaveOneOut others(exec_, seen_.size(), int(input_.scene.objects.size()), [this](std::size_t n) {
       const std::size_t view = input_.views[n];
-      return view_weights(exec_, uncropped_.cloud, {uncropped_.scene.views[view].camera, uncropped_.load_masks(view)},
-                          uncropped_.splat, &seen_);
+      return packed_sums(exec_, uncropped_.cloud, {uncropped_.scene.views[view].camera, uncropped_.load_masks(view)},
+                         uncropped_.splat, &seen_);
     });
     if (known_weight()) {
       std::vector<std::size_t> all(input_.views.size());
@@ -208,7 +210,7 @@ class OutlierSearch {
         found_[n] = kNoMask;
         return;
       }
-      const std::shared_ptr<const ViewWeights> own = others.weights_of(n);
+      const std::shared_ptr<const PackedSums> own = others.weights_of(n);
       const bool has_weights = own && !own->empty();  // visible Gaussians are known; otherwise all are rendered
       if (has_weights)
         others.for_others_in(*own, [&](std::size_t i, const LeaveOneOut::Shares& shares, double) {

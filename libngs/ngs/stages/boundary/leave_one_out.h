@@ -1,5 +1,5 @@
 #pragma once
-// Evidence summed over several views, and the same sums without one of the views.
+// The weights of several views: their sums, with all views or without one, and a cache of single views.
 #include <functional>
 #include <map>
 #include <memory>
@@ -16,7 +16,7 @@ namespace ngs {
 class LeaveOneOut {
  public:
   /// The weights of view n.
-  using Gather = std::function<ViewWeights(std::size_t n)>;
+  using Gather = std::function<PackedSums(std::size_t n)>;
   LeaveOneOut(const Exec& exec, std::int64_t gaussians, int objects, Gather gather,
               std::size_t cache_bytes = 512u << 20);
 
@@ -28,12 +28,8 @@ class LeaveOneOut {
   /// Subtracts a view that was added; the sums are then exactly those without it.
   void remove(std::size_t n);
 
-  /// Sums [N] and [N, K] over all views that were added and not removed.
-  double weight(std::size_t gaussian) const { return weight_.value(gaussian); }
-  double object_weight(std::size_t gaussian, std::size_t k) const {
-    const ExactSum* sum = object_weight_.find(gaussian, k);
-    return sum == nullptr ? 0.0 : sum->value();
-  }
+  /// Over all views that were added and not removed.
+  const WeightSums<>& sums() const { return sums_; }
 
   /// Fractions of a Gaussian's weight that objects cover.
   struct Shares {
@@ -44,50 +40,46 @@ class LeaveOneOut {
   template <class F>
   void for_all(const F& f) const {
     constexpr std::int64_t kChunk = 1 << 14;
-    for_each_task(exec_, (gaussians_ + kChunk - 1) / kChunk, [&](std::int64_t chunk) {
-      std::vector<float> share(objects_);
-      const auto end = std::size_t(std::min(gaussians_, (chunk + 1) * kChunk));
-      for (auto i = std::size_t(chunk * kChunk); i < end; ++i) f(i, shares_of(i, share.data()));
+    for_each_task(exec_, (sums_.gaussians + kChunk - 1) / kChunk, [&](std::int64_t chunk) {
+      std::vector<float> share(std::size_t(sums_.objects));
+      const auto end = std::size_t(std::min(sums_.gaussians, (chunk + 1) * kChunk));
+      for (auto i = std::size_t(chunk * kChunk); i < end; ++i) f(i, Shares{sums_.probs(i, share.data()), share.data()});
     });
   }
   /// The same for the Gaussians visible in view n only; `own`: the weights of view n.
   template <class F>
-  void for_all_in(const ViewWeights& own, const F& f) const {
-    for_each_in(own, [&](std::size_t i, const double*, float* share) { f(i, shares_of(i, share)); });
+  void for_all_in(const PackedSums& own, const F& f) const {
+    for_each_in(own, [&](std::size_t i, const double*, float* share) { f(i, Shares{sums_.probs(i, share), share}); });
   }
   /// Calls f(gaussian, shares over the views other than n, weight in view n) for the Gaussians visible in view n.
   /// `own`: the weights of view n. For all other Gaussians the shares are those over all views.
   template <class F>
-  void for_others_in(const ViewWeights& own, const F& f) const {
-    for_each_in(
-        own, [&](std::size_t i, const double* mine, float* share) { f(i, shares_without(i, mine, share), mine[0]); });
+  void for_others_in(const PackedSums& own, const F& f) const {
+    for_each_in(own, [&](std::size_t i, const double* mine, float* share) {
+      f(i, Shares{sums_.probs_without(mine, i, share), share}, mine[0]);
+    });
   }
   /// The weights of a view; null if the view was not added.
-  std::shared_ptr<const ViewWeights> weights_of(std::size_t n);
+  std::shared_ptr<const PackedSums> weights_of(std::size_t n);
 
  private:
   template <class F>
-  void for_each_in(const ViewWeights& own, const F& f) const {
+  void for_each_in(const PackedSums& own, const F& f) const {
     for_each_task(exec_, std::int64_t(own.parts()), [&](std::int64_t part) {
-      std::vector<float> share(objects_);
+      std::vector<float> share(std::size_t(sums_.objects));
       own.for_each(std::size_t(part),
                    [&](std::uint32_t gaussian, const double* mine) { f(std::size_t(gaussian), mine, share.data()); });
     });
   }
   /// Caches the weights if they fit into the bytes left.
-  void keep(std::size_t n, const std::shared_ptr<const ViewWeights>& own);
-  Shares shares_of(std::size_t gaussian, float* share) const;
-  Shares shares_without(std::size_t gaussian, const double* mine, float* share) const;
+  void keep(std::size_t n, const std::shared_ptr<const PackedSums>& own);
 
   const Exec exec_;
-  std::int64_t gaussians_;
-  std::size_t objects_;
   Gather gather_;
   std::size_t left_bytes_;
-  ExactSums weight_;                                                 // [N] of all views
-  SparseTable<ExactSum> object_weight_;                              // [N, K]
-  std::map<std::size_t, std::shared_ptr<const ViewWeights>> cache_;  // by view
-  std::set<std::size_t> not_kept_;                                   // added views whose weights are not cached
+  WeightSums<> sums_;
+  std::map<std::size_t, std::shared_ptr<const PackedSums>> cache_;  // by view
+  std::set<std::size_t> not_kept_;                                  // added views whose weights are not cached
 };
 
 }  // namespace ngs

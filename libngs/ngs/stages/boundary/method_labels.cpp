@@ -27,22 +27,16 @@ std::vector<LabelColumns> closed_form_labels(const Exec& exec, Monitor& monitor,
 
 namespace {
 
-/// Sets the columns of Gaussian i from its remaining weights [1 + K]: total, then per object.
-void set_labels(const BoundaryRule& rule, const double* weight, std::size_t i, std::vector<LabelColumns>& labels) {
-  double most = 0, all = 0;
-  std::size_t heaviest = 0;
-  for (std::size_t k = 0; k < labels.size(); ++k) {
-    all += weight[1 + k];
-    if (weight[1 + k] > most) most = weight[1 + k], heaviest = k;
-  }
+/// Sets the columns of Gaussian i from its weights.
+void set_labels(const BoundaryRule& rule, const WeightSums<>& sums, std::size_t i, std::vector<LabelColumns>& labels) {
+  const bool one_of_several = rule.exclusive && labels.size() > 1;
+  const int owner = one_of_several ? sums.heaviest_object(i) : -1;
   for (std::size_t k = 0; k < labels.size(); ++k) {
     LabelColumns& c = labels[k];
-    const double share = weight[0] > 0 ? std::min(1.0, weight[1 + k] / weight[0]) : 0;
-    const bool one_of_several = rule.exclusive && labels.size() > 1;
-    const bool owner = one_of_several ? k == heaviest && most > weight[0] - all : share > rule.label_threshold;
-    c.prob[i] = float(share), c.variance[i] = float(mask_variance(share)), c.label[i] = float(owner);
-    c.boundary[i] = float(mask_variance(share) > rule.tau);
-    if (!(weight[0] > 0)) c.views[i] = 0;
+    const double prob = std::min(1.0, sums.prob(i, k));  // the sums started with rounded weights
+    c.prob[i] = float(prob), c.variance[i] = float(mask_variance(prob));
+    c.label[i] = one_of_several ? float(owner == int(k)) : float(is_object(rule, prob));
+    c.boundary[i] = float(is_boundary(rule, mask_variance(prob)));
   }
 }
 
@@ -71,30 +65,31 @@ std::vector<LabelColumns> labels_without_views(const Exec& exec, Monitor& monito
     return recompute_labels(exec, monitor, input, input.cloud);
   const auto timed = monitor.scope("evidence");
   const Problem& uncropped = *input.uncropped;
-  const std::size_t objects = input.labels.size();
   const RowNumbers with_evidence(rows_with_evidence(input.labels));
   std::vector<LabelColumns> gathered = gather_labels(exec, input.labels, with_evidence.row);
   std::vector<float> seen_less(gathered[0].prob.size(), 0.f);
-  LeaveOneOut rest(exec, with_evidence.size(), int(objects), [&](std::size_t v) {
-    return view_weights(exec, uncropped.cloud, {uncropped.scene.views[v].camera, uncropped.load_masks(v)},
-                        uncropped.splat, &with_evidence);
+  LeaveOneOut rest(exec, with_evidence.size(), int(input.labels.size()), [&](std::size_t v) {
+    return packed_sums(exec, uncropped.cloud, {uncropped.scene.views[v].camera, uncropped.load_masks(v)},
+                       uncropped.splat, &with_evidence);
   });
   rest.start(gathered, gather_column(exec, *uncropped.weight, 1, with_evidence.row), views);
   const bool every = for_each_view(&monitor, views, [&](std::size_t, std::size_t v) {
-    const std::shared_ptr<const ViewWeights> own = rest.weights_of(v);
+    const std::shared_ptr<const PackedSums> own = rest.weights_of(v);
     for (std::size_t part = 0; part < own->parts(); ++part)
       own->for_each(part, [&](std::uint32_t i, const double*) { ++seen_less[i]; });
     rest.remove(v);
   });
   if (!every) return input.labels;
-  std::vector<double> weight(1 + objects);
   for (std::size_t i = 0; i < seen_less.size(); ++i) {
     if (seen_less[i] == 0) continue;
     const bool unseen = gathered[0].views[i] <= seen_less[i];  // no weight remains except rounding
     for (LabelColumns& c : gathered) c.views[i] -= std::min(float(c.views[i]), seen_less[i]);
-    weight[0] = unseen ? 0 : rest.weight(i);
-    for (std::size_t k = 0; k < objects; ++k) weight[1 + k] = unseen ? 0 : rest.object_weight(i, k);
-    set_labels(input.rule, weight.data(), i, gathered);
+    if (!unseen && rest.sums().weight.value(i) > 0) {
+      set_labels(input.rule, rest.sums(), i, gathered);
+    } else {
+      for (LabelColumns& c : gathered)
+        for (const auto column : kLabelColumns) (c.*column)[i] = 0;
+    }
   }
   std::vector<LabelColumns> labels = input.labels;
   scatter_labels(exec, gathered, with_evidence.row, labels);

@@ -24,18 +24,6 @@ double normalised_variance(Criterion criterion, const Evidence& e, std::size_t g
   return 0.0;
 }
 
-/// The object with the largest weight, if it exceeds the background's weight; otherwise -1.
-int heaviest_object(const Evidence& e, std::size_t gaussian) {
-  double background = e.weight.value(gaussian), best_weight = 0;
-  int best = -1;
-  e.share.for_each_in(gaussian, [&](std::size_t k, const ObjectShare& of) {
-    const double w = of.weight.value();
-    background -= w;
-    if (w > best_weight) best = int(k), best_weight = w;
-  });
-  return best_weight > background ? best : -1;
-}
-
 /// Number of views whose masks are decoded in parallel: one image per thread, bounded for memory.
 std::size_t views_ahead(const Exec& exec, std::size_t objects) {
   constexpr std::size_t kMostPlanes = 36;
@@ -101,15 +89,15 @@ std::vector<LabelColumns> label_gaussians(const BoundaryRule& rule, const Eviden
   for (std::size_t i = 0; i < n; ++i) {
     if (e.views[i] == 0) continue;
     const bool one_of_several = rule.exclusive && e.objects > 1;
-    const int owner = one_of_several ? heaviest_object(e, i) : -1;
+    const int owner = one_of_several ? e.heaviest_object(i) : -1;
     views[i] = float(e.views[i]);
     e.share.for_each_in(i, [&](std::size_t k, const ObjectShare& of) {  // objects without weight keep zeros
       LabelColumns& c = columns[k];
-      const double prob = of.weight.value() / e.weight.value(i);
+      const double prob = e.prob(i, of);
       const double variance = normalised_variance(rule.criterion, e, i, of, prob);
       c.prob[i] = float(prob), c.variance[i] = float(variance);
-      c.label[i] = one_of_several ? float(owner == int(k)) : float(prob > rule.label_threshold);
-      c.boundary[i] = float(variance > rule.tau);
+      c.label[i] = one_of_several ? float(owner == int(k)) : float(is_object(rule, prob));
+      c.boundary[i] = float(is_boundary(rule, variance));
     });
   }
   for (LabelColumns& c : columns) c.views = views;

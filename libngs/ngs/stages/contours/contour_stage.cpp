@@ -58,10 +58,7 @@ ExactSums weight_in_all(const Exec& exec, const ContourSetup& setup, const std::
   const SplatOptions splat = prepared_for(exec, setup.problem.splat, cloud);
   for_each_view(setup.problem.monitor, views, [&](std::size_t, std::size_t v) {
     const Camera& camera = uncropped.scene.views[v].camera;
-    ViewMasks all;
-    all.width_px = camera.width_px, all.height_px = camera.height_px, all.available = true;
-    all.target.emplace_back(std::size_t(camera.width_px) * std::size_t(camera.height_px), 1.f);
-    const ViewSums seen = view_sums(exec, cloud, {camera, all}, splat);
+    const ViewSums seen = view_sums(exec, cloud, {camera, known_view(camera)}, splat);
     for (std::size_t r = 0; r < seen.size(); ++r) weight.add(seen.row[r], seen.weight(r));
   });
   return weight;

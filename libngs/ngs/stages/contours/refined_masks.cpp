@@ -8,8 +8,8 @@
 #include "ngs/ops/image/metrics.h"
 #include "ngs/problem/scene_measures.h"
 #include "ngs/problem/view_list.h"
-#include "ngs/scene/enlarge.h"
 #include "ngs/scene/mask_threshold.h"
+#include "ngs/scene/resize/enlarge.h"
 #include "ngs/stages/render/render_stage.h"
 
 namespace ngs {

@@ -12,8 +12,7 @@ std::vector<std::uint8_t> seen_gaussians(const Exec& exec, Monitor& monitor, con
   for (const SceneView& view : scene.views) {
     const auto timed = monitor.scope("visibility");
     const PixelMask nothing(std::size_t(view.camera.width_px) * std::size_t(view.camera.height_px));
-    const Lifted lifted = lift_mask(exec, cloud, view.camera, splat, nothing);
-    for (std::size_t i = 0; i < seen.size(); ++i) seen[i] |= lifted.weight[i] > 0;
+    for (const std::uint32_t row : lift_mask(exec, cloud, view.camera, splat, nothing).row) seen[row] = 1;
   }
   return seen;
 }

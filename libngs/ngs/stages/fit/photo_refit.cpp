@@ -41,10 +41,8 @@ Visible visible_in(const Exec& exec, const RefitInputs& in, const GaussianCloud&
   const SplatOptions splat = prepared_for(exec, in.problem.splat, cloud);
   for_each_view(in.problem.monitor, in.views, [&](std::size_t, std::size_t v) {
     const Camera& camera = in.problem.scene.views[v].camera;
-    const std::vector<float> nothing(std::size_t(camera.width_px) * std::size_t(camera.height_px));
-    const ViewMasks everywhere{camera.width_px, camera.height_px, {nothing}, {}, true};
     bool trained = false;
-    for (const std::uint32_t row : view_sums(exec, cloud, {camera, everywhere}, splat).row)
+    for (const std::uint32_t row : view_sums(exec, cloud, {camera, known_view(camera)}, splat).row)
       seen[row] = 1, trained |= in.trained[row] != 0;
     if (trained) visible.views.push_back(v);
   });

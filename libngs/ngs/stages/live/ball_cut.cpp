@@ -30,11 +30,9 @@ constexpr double kSkin = 0.04;               // unevenness of the plane, as a fr
 constexpr double kColourRoom = 0.5;          // distance below which colours count as similar, of the cube's edge
 
 std::vector<std::int64_t> rows_in(const GaussianCloud& cloud, const orbit::Ball& ball) {
-  const Vec3<double> origin{cloud.origin[0], cloud.origin[1], cloud.origin[2]};
   std::vector<std::int64_t> rows;
   for (std::int64_t i = 0; i < cloud.size(); ++i) {
-    const float* p = &cloud.position[3 * std::size_t(i)];
-    const Vec3<double> d = Vec3<double>{double(p[0]), double(p[1]), double(p[2])} + origin - ball.centre;
+    const Vec3<double> d = world_position(cloud, std::size_t(i)) - ball.centre;
     if (cloud.usable[std::size_t(i)] && dot(d, d) <= ball.radius * ball.radius) rows.push_back(i);
   }
   return rows;
@@ -57,13 +55,6 @@ Vec3<float> foreign_colour(const GaussianCloud& cloud) {
   return {float(best & 1), float(best >> 1 & 1), float(best >> 2 & 1)};
 }
 
-Camera at_segmented_size(const Camera& camera, int longer_side_px) {
-  const double scale = std::min(1.0, double(longer_side_px) / std::max(camera.width_px, camera.height_px));
-  Camera small = resized(camera, scaled_size_px(camera.width_px, scale), scaled_size_px(camera.height_px, scale));
-  small.name = camera.name;
-  return small;
-}
-
 /// Hints of a view from `expected`, the fraction of the object in every pixel.
 ViewPrompt prompt_of(const ImageF& expected) {
   const std::size_t pixels = expected.data.size();
@@ -71,11 +62,6 @@ ViewPrompt prompt_of(const ImageF& expected) {
   consensus.alone = consensus.object;
   const double diagonal = std::hypot(double(expected.width_px), double(expected.height_px));
   return prompt_from(consensus, int(std::lround(kBand * diagonal)), {});
-}
-
-void keep_certain(const ViewPrompt& marks, ViewPrompt& prompt) {
-  for (std::size_t p = 0; p < prompt.hint.size(); ++p)
-    if (is_certain(marks.hint[p])) prompt.hint[p] = marks.hint[p];
 }
 
 /// Rendering weight of every Gaussian of the ball over the certain pixels of the marked views, [rows].
@@ -157,26 +143,25 @@ class BallModel {
 
   MarkedWeights marked_weights(const std::vector<Camera>& cameras,
                                const std::map<std::size_t, ViewPrompt>& marked) const {
-    Evidence evidence(cloud_.size(), 2);
+    WeightSums<> sums(cloud_.size(), 2);
     for (const auto& [view, prompt] : marked) {
-      ViewMasks masks{prompt.width_px, prompt.height_px, {}, {}, true};
+      ViewMasks masks = known_view(cameras[view]);
       for (const PixelHint side : {PixelHint::kObject, PixelHint::kBackground}) {
         std::vector<float>& target = masks.target.emplace_back(prompt.hint.size());
         for (std::size_t p = 0; p < target.size(); ++p) target[p] = float(prompt.hint[p] == side);
       }
-      add_view_evidence(exec_, cloud_, {cameras[view], masks}, splat_, evidence);
+      sums.add(view_sums(exec_, cloud_, {cameras[view], masks}, splat_));
     }
     MarkedWeights told;
     for (std::size_t i = 0; i < rows_.size(); ++i)
-      told.object.push_back(evidence.object_weight(i, 0)), told.background.push_back(evidence.object_weight(i, 1));
+      told.object.push_back(sums.object_weight(i, 0)), told.background.push_back(sums.object_weight(i, 1));
     return told;
   }
 
   /// [rows] 1: above a plane that separates the strokes on the object (above) from those on background (below), in a
   /// piece that the former touch. Empty if there is no such plane. Tries `up`, then the axis nearest to the direction
   /// from background to object strokes, for images that are rotated by 90 degrees.
-  std::vector<float> above_plane(const MarkedWeights& told, const std::vector<StrokeWeights>& strokes,
-                                 orbit::Vec up) const {
+  std::vector<float> above_plane(const MarkedWeights& told, const std::vector<ViewSums>& strokes, orbit::Vec up) const {
     if (std::ranges::max(told.object) <= 0 || std::ranges::max(told.background) <= 0) return {};
     std::vector<orbit::Vec> at;
     for (std::size_t i = 0; i < rows_.size(); ++i) at.push_back(position(i));
@@ -198,7 +183,7 @@ class BallModel {
   PromptedView prompted(const Camera& camera, const ViewPrompt* marks, const std::vector<float>& expected) const {
     const RenderedView view = looked_at(camera, expected);
     ViewPrompt prompt = prompt_of(view.label);
-    if (marks != nullptr) keep_certain(*marks, prompt);
+    if (marks != nullptr) keep_strokes(*marks, prompt);
     return with_empty(view, std::move(prompt));
   }
   PixelMask segment(const Camera& camera, ViewPrompt prompt) const {
@@ -223,8 +208,7 @@ class BallModel {
   }
 
   bool is_within(const Camera& camera, const ViewPrompt& prompt, std::size_t i) const {
-    const Vec3<double> origin{cloud_.origin[0], cloud_.origin[1], cloud_.origin[2]};
-    const Vec3<double> at = camera.rotation * (position(i) + origin) + camera.translation;
+    const Vec3<double> at = camera.rotation * world_position(cloud_, i) + camera.translation;
     if (!(at.z > 0)) return false;
     const double x = camera.fx * at.x / at.z + camera.cx, y = camera.fy * at.y / at.z + camera.cy;
     if (!(x >= 0 && y >= 0 && x < camera.width_px && y < camera.height_px)) return false;
@@ -253,11 +237,7 @@ class BallModel {
     const orbit::SurfacePoints all = canonical_points(cloud_);
     orbit::SurfacePoints some;
     for (std::size_t i = 0; i < all.count(); ++i)
-      if (wanted(all.row[i])) {
-        some.row.push_back(all.row[i]), some.position.push_back(all.position[i]);
-        some.opacity.push_back(all.opacity[i]), some.size.push_back(all.size[i]);
-        some.area.push_back(all.area[i]);
-      }
+      if (wanted(all.row[i])) some.add(all, i);
     return some;
   }
 
@@ -304,12 +284,6 @@ void segment_all(const Exec& exec, Monitor& monitor, const BallModel& model, con
   }
 }
 
-ViewMasks masks_of(const Camera& camera, const PixelMask& mask) {
-  ViewMasks masks{camera.width_px, camera.height_px, {}, {}, true};
-  masks.target.emplace_back(mask.begin(), mask.end());
-  return masks;
-}
-
 bool has_say(const SpreadView& view) {
   return view.source == MaskSource::kReference || view.source == MaskSource::kSegmented;
 }
@@ -321,7 +295,7 @@ LabelColumns labels_in_ball(const Exec& exec, const BallModel& model, const Ball
   Evidence evidence(model.cloud().size(), 1);
   for (std::size_t v = 0; v < cut.views.size(); ++v)
     if (has_say(cut.views[v]) && (in.scene.views[v].split == Split::kTrain || in.marks.contains(v)))
-      add_view_evidence(exec, model.cloud(), {cut.cameras[v], masks_of(cut.cameras[v], cut.views[v].mask)},
+      add_view_evidence(exec, model.cloud(), {cut.cameras[v], known_view(cut.cameras[v], cut.views[v].mask)},
                         model.splat(), evidence);
   LabelColumns labels = std::move(label_gaussians({}, evidence)[0]);
   const std::vector<float> own = labels.label.values();
@@ -359,7 +333,7 @@ BallCut cut_in_ball(const Exec& exec, Monitor& monitor, const BallCutInput& in) 
   }
   const BallModel model(exec, in);
   cut.in_ball = model.cloud().size();
-  std::vector<StrokeWeights> strokes;
+  std::vector<ViewSums> strokes;
   for (const auto& [view, prompt] : marked)
     std::ranges::move(stroke_weights(exec, model.cloud(), cut.cameras[view], prompt, model.splat()),
                       std::back_inserter(strokes));

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "ngs/ops/splat/cached/cached_view.h"
-#include "ngs/stages/live/object_evidence.h"
+#include "ngs/stages/live/object_labels.h"
 
 namespace ngs::live {
 

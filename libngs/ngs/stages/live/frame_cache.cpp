@@ -6,17 +6,17 @@
 #include "ngs/ops/image/image_bytes.h"
 #include "ngs/scene/mask_threshold.h"
 #include "ngs/stages/masks/hand_prompt.h"
+#include "ngs/stages/select/touched_pieces.h"
 
 namespace ngs::live {
 namespace {
 
 /// Channels [N, 2] of the Gaussians `rows`: the object's share of the weight, and 1 if the Gaussian has evidence.
-std::vector<float> known_channels(const Exec& exec, const ObjectEvidence& evidence,
-                                  const std::vector<std::uint32_t>& rows) {
-  std::vector<float> channel(2 * evidence.gaussians());
+std::vector<float> known_channels(const Exec& exec, const WeightSums<>& sums, const std::vector<std::uint32_t>& rows) {
+  std::vector<float> channel(2 * std::size_t(sums.gaussians));
   for_each_index(exec, std::ssize(rows), [&](std::int64_t v) {
     const std::size_t row = rows[std::size_t(v)];
-    if (evidence.is_seen(row)) channel[2 * row] = float(evidence.share(row)), channel[2 * row + 1] = 1;
+    if (sums.weight.value(row) > 0) channel[2 * row] = float(sums.prob(row, 0)), channel[2 * row + 1] = 1;
   });
   return channel;
 }
@@ -54,32 +54,19 @@ const ImageU8& CachedFrame::picture() {
 
 const std::vector<float>& CachedFrame::alpha() { return picture(), alpha_; }
 
-const PixelMask& CachedFrame::selection(const ObjectEvidence& evidence, const MarkedViews& others) {
-  if (!has_selection(others)) draw(known_channels(exec_, evidence, kept_.rows()));
+const PixelMask& CachedFrame::selection(const WeightSums<>& sums, const MarkedViews& others) {
+  if (!has_selection(others)) draw(known_channels(exec_, sums, kept_.rows()));
   others_ = others;
   return selection_;
 }
 
 void CachedFrame::weigh(MarkedView& view) {
-  const std::vector<std::uint32_t>& rows = kept_.rows();
   view.touched.clear();
-  for (const PixelMask& stroke : object_strokes(rasterise(view.strokes, view.camera.width_px, view.camera.height_px))) {
-    const std::vector<double>& weight = kept_.weigh(exec_, stroke).object_weight;
-    StrokeWeights& touched = view.touched.emplace_back();
-    for (std::size_t v = 0; v < rows.size(); ++v)
-      if (weight[v] > 0) touched.row.push_back(rows[v]), touched.weight.push_back(weight[v]);
-  }
-  const MaskSums& sums = kept_.weigh(exec_, view.mask);
-  if (!view.seen) {
-    ViewWeights seen;
-    for (std::size_t v = 0; v < rows.size(); ++v)
-      if (sums.weight[v] > 0) seen.row.push_back(rows[v]), seen.weight.push_back(sums.weight[v]);
-    view.seen = std::make_shared<const ViewWeights>(std::move(seen));
-  }
-  view.inside = {};
-  for (std::size_t v = 0; v < rows.size(); ++v)
-    if (sums.object_weight[v] > 0)
-      view.inside.row.push_back(rows[v]), view.inside.weight.push_back(sums.object_weight[v]);
+  for (const PixelMask& stroke : object_strokes(rasterise(view.strokes, view.camera.width_px, view.camera.height_px)))
+    view.touched.push_back(kept_.weigh(exec_, stroke).weights_inside(0));
+  const ViewSums& sums = kept_.weigh(exec_, view.mask);
+  if (!view.seen) view.seen = std::make_shared<const ViewSums>(sums.weights());
+  view.inside = sums.weights_inside(0);
 }
 
 CachedFrame& FrameCache::of(const Look& look, const Camera& camera) {

@@ -21,9 +21,9 @@ class CachedFrame {
   const ImageU8& picture();
   /// [H·W] opacity of the model; rendered together with the picture.
   const std::vector<float>& alpha();
-  /// The selection in this view by the labels of `others`, whose sums are `evidence`. Rendered again only if `others`
+  /// The selection in this view by the labels of `others`, whose sums are `sums`. Rendered again only if `others`
   /// differs from the previous call.
-  const PixelMask& selection(const ObjectEvidence& evidence, const MarkedViews& others);
+  const PixelMask& selection(const WeightSums<>& sums, const MarkedViews& others);
   bool has_selection(const MarkedViews& others) const { return !others.empty() && others == others_; }
   /// Sets the rendering weights of the Gaussians in the view and under its mask and strokes.
   void weigh(MarkedView& view);

@@ -22,10 +22,7 @@ constexpr int kCells = 64;
 /// Every k-th point, enough for the bulk of a large model.
 orbit::SurfacePoints fewer(const orbit::SurfacePoints& all) {
   orbit::SurfacePoints some;
-  for (const std::size_t i : orbit::thinned(all.count(), kMostPoints)) {
-    some.row.push_back(all.row[i]), some.position.push_back(all.position[i]);
-    some.opacity.push_back(all.opacity[i]), some.size.push_back(all.size[i]), some.area.push_back(all.area[i]);
-  }
+  for (const std::size_t i : orbit::thinned(all.count(), kMostPoints)) some.add(all, i);
   return some;
 }
 

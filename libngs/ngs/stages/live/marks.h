@@ -9,32 +9,20 @@
 
 #include "ngs/scene/hand_prompt.h"
 #include "ngs/scene/view_prompt.h"
+#include "ngs/scene/view_sums.h"
 #include "ngs/stages/live/look.h"
-#include "ngs/stages/select/touched_pieces.h"
 
 namespace ngs::live {
 
-/// Rendering weights of the Gaussians visible in a view; they do not depend on its marks.
-struct ViewWeights {
-  std::vector<std::uint32_t> row;  // [V] ascending
-  std::vector<double> weight;      // [V] > 0, rendering weight over all pixels
-};
-
-/// The Gaussians with weight inside a mask.
-struct MaskWeights {
-  std::vector<std::uint32_t> row;  // ascending
-  std::vector<double> weight;      // > 0, at most that of the view
-};
-
 struct MarkedView {
-  std::string name;    // of its image, "0001.png"; unique within an object
-  Look look;           // the view that was marked
-  Camera camera;       // at the segmented size, named after the image
-  HandPrompt strokes;  // in pixels of `look`
-  PixelMask mask;      // at the size of `camera`
-  std::shared_ptr<const ViewWeights> seen;
-  MaskWeights inside;
-  std::vector<StrokeWeights> touched;  // weights under the strokes on the object
+  std::string name;                      // of its image, "0001.png"; unique within an object
+  Look look;                             // the view that was marked
+  Camera camera;                         // at the segmented size, named after the image
+  HandPrompt strokes;                    // in pixels of `look`
+  PixelMask mask;                        // at the size of `camera`
+  std::shared_ptr<const ViewSums> seen;  // weights of the visible Gaussians; they do not depend on the marks
+  ViewSums inside;                       // weights inside the mask
+  std::vector<ViewSums> touched;         // weights under each stroke on the object
 };
 
 struct ObjectMarks {

@@ -13,6 +13,7 @@
 #include "ngs/stages/live/live_mask.h"
 #include "ngs/stages/masks/hand_prompt.h"
 #include "ngs/stages/masks/mask_consensus.h"
+#include "ngs/stages/select/touched_pieces.h"
 
 namespace ngs::live {
 namespace {
@@ -33,20 +34,13 @@ std::array<float, 3> rgb(const std::string& colour) {
   return {float(value >> 16 & 255) / 255, float(value >> 8 & 255) / 255, float(value & 255) / 255};
 }
 
-int diagonal_share(const Camera& camera, double share) {
-  return int(std::lround(share * std::hypot(double(camera.width_px), double(camera.height_px))));
+int diagonal_share(const ImageU8& picture, double share) {
+  return int(std::lround(share * std::hypot(double(picture.width_px), double(picture.height_px))));
 }
 
 PixelMask segmented(const ImageU8& picture, const Correction& correction, int band_px) {
-  const double diagonal_px = std::hypot(double(picture.width_px), double(picture.height_px));
-  const ViewPrompt prompt = correction.prompt(int(std::lround(kReach * diagonal_px)), band_px);
+  const ViewPrompt prompt = correction.prompt(diagonal_share(picture, kReach), band_px);
   return live_mask(picture, prompt, correction.colours(picture, kColourSamples), 0);
-}
-
-/// Empty pixels are never object, whatever their colour.
-void clear_empty(const std::vector<float>& alpha, PixelMask& mask) {
-  for (std::size_t p = 0; p < mask.size(); ++p)
-    if (alpha[p] < kEmptyAlpha) mask[p] = 0;
 }
 
 /// Throws if the object strokes, or without any the background strokes, cover only empty pixels.
@@ -64,27 +58,24 @@ void require_something(const std::vector<float>& alpha, const ViewPrompt& drawn)
 /// Removes a view from the sums during its lifetime.
 class WithoutView {
  public:
-  WithoutView(ObjectEvidence& sums, const MarkedView* view) : sums_(sums), view_(view) {
-    if (view_ != nullptr) sums_.remove(*view_);
+  WithoutView(WeightSums<>& sums, const MarkedView* view) : sums_(sums), view_(view) {
+    if (view_ != nullptr) remove_view(*view_, sums_);
   }
   ~WithoutView() {
-    if (view_ != nullptr) sums_.add(*view_);
+    if (view_ != nullptr) add_view(*view_, sums_);
   }
   WithoutView(const WithoutView&) = delete;
   WithoutView& operator=(const WithoutView&) = delete;
 
  private:
-  ObjectEvidence& sums_;
+  WeightSums<>& sums_;
   const MarkedView* view_;
 };
 
 }  // namespace
 
-Camera segmented_camera(const Look& look) {
-  Camera camera = camera_of(look);
-  const int longer = std::max(camera.width_px, camera.height_px);
-  if (longer <= kSegmentedSide_px) return camera;
-  const double scale = double(kSegmentedSide_px) / longer;
+Camera at_segmented_size(const Camera& camera, int longer_side_px) {
+  const double scale = std::min(1.0, double(longer_side_px) / std::max(camera.width_px, camera.height_px));
   return resized(camera, scaled_size_px(camera.width_px, scale), scaled_size_px(camera.height_px, scale));
 }
 
@@ -119,12 +110,12 @@ const ObjectMarks& Session::object(int id) const {
 Session::Kept& Session::kept(int id) {
   for (Kept& k : kept_)
     if (k.id == id) return k;
-  return kept_.emplace_back(Kept{id, ObjectEvidence(model_.cloud.size()), {}, nullptr, nullptr, nullptr});
+  return kept_.emplace_back(Kept{id, WeightSums<>(model_.cloud.size(), 1), {}, nullptr, nullptr, nullptr});
 }
 
 /// Finds the mask of a view without one from its strokes and, if there are other views, from their selection in it.
 /// `sums` contains the other views and `before`, the previous state of this view.
-void Session::segment(MarkedView& view, const MarkedView* before, const MarkedViews& others, ObjectEvidence& sums) {
+void Session::segment(MarkedView& view, const MarkedView* before, const MarkedViews& others, WeightSums<>& sums) {
   const Camera& camera = view.camera;
   CachedFrame& here = recent_.of(view.look, camera);
   const ViewPrompt strokes = rasterise(view.strokes, camera.width_px, camera.height_px);
@@ -134,7 +125,7 @@ void Session::segment(MarkedView& view, const MarkedView* before, const MarkedVi
   }
   const WithoutView alone(sums, here.has_selection(others) ? nullptr : before);
   const Correction correction{here.selection(sums, others), strokes, strokes};
-  view.mask = segmented(here.picture(), correction, std::max(3, diagonal_share(camera, kBand)));
+  view.mask = segmented(here.picture(), correction, std::max(3, diagonal_share(here.picture(), kBand)));
 }
 
 /// Corrects the mask of a view by added strokes.
@@ -157,7 +148,7 @@ StrokeAnswer Session::mark(int id, const Look& look, const std::vector<PromptStr
     view = **place;
   } else {
     view.name = picture_name(marked.next_view++), view.look = look;
-    view.camera = segmented_camera(look), view.camera.name = view.name;
+    view.camera = at_segmented_size(camera_of(look)), view.camera.name = view.name;
     view.strokes.view = view.name, view.strokes.width_px = look.width_px, view.strokes.height_px = look.height_px;
   }
   view.strokes.strokes.insert(view.strokes.strokes.end(), strokes.begin(), strokes.end());
@@ -173,9 +164,9 @@ StrokeAnswer Session::mark(int id, const Look& look, const std::vector<PromptStr
   } else {
     MarkedViews others = marked.views;
     if (!is_new) others.erase(others.begin() + (place - marked.views.begin()));
-    segment(view, is_new ? nullptr : place->get(), others, kept(id).evidence);
+    segment(view, is_new ? nullptr : place->get(), others, kept(id).sums);
   }
-  clear_empty(recent_.of(look, view.camera).alpha(), view.mask);
+  empty_is_background(recent_.of(look, view.camera).alpha(), view.mask);
   const double masked_s = wall_seconds();
   recent_.of(look, view.camera).weigh(view);
   StrokeAnswer answer;
@@ -266,7 +257,7 @@ void Session::restore(Marks marks) {
   for (ObjectMarks& object : marks.objects)
     for (std::shared_ptr<const MarkedView>& view : object.views) {
       MarkedView whole = *view;
-      whole.camera = segmented_camera(whole.look), whole.camera.name = whole.name;
+      whole.camera = at_segmented_size(camera_of(whole.look)), whole.camera.name = whole.name;
       CachedFrame(exec_, model_, whole.look, whole.camera).weigh(whole);
       view = std::make_shared<const MarkedView>(std::move(whole));
     }
@@ -290,22 +281,22 @@ void Session::bring_up_to_date(Kept& kept, const ObjectMarks& object) {
   for (const auto& view : gone) {
     const auto now = std::ranges::find(come, view->seen, [](const auto& v) { return v->seen; });
     if (now != come.end()) {
-      changed.push_back(kept.evidence.replace(*view, **now));
+      changed.push_back(replace_view(*view, **now, kept.sums));
       come.erase(now);
     } else {
-      kept.evidence.remove(*view), changed.push_back(view->seen->row);
+      remove_view(*view, kept.sums), changed.push_back(view->seen->row);
     }
   }
-  for (const auto& view : come) kept.evidence.add(*view), changed.push_back(view->seen->row);
-  ObjectLabels labels = kept.labels ? *kept.labels : ObjectLabels::none(kept.evidence.gaussians());
-  for (const std::vector<std::uint32_t>& rows : changed) label_rows(exec_, kept.evidence, rows, labels);
+  for (const auto& view : come) add_view(*view, kept.sums), changed.push_back(view->seen->row);
+  ObjectLabels labels = kept.labels ? *kept.labels : ObjectLabels::none(std::size_t(kept.sums.gaussians));
+  for (const std::vector<std::uint32_t>& rows : changed) label_rows(exec_, kept.sums, rows, labels);
   kept.labels = std::make_shared<const ObjectLabels>(std::move(labels));
 }
 
 void Session::leave_out_untouched(Kept& kept) const {
   if (kept.touched && kept.touched_of == kept.labels) return;
   kept.touched_of = kept.labels;
-  std::vector<StrokeWeights> strokes;
+  std::vector<ViewSums> strokes;
   for (const auto& view : kept.views) strokes.insert(strokes.end(), view->touched.begin(), view->touched.end());
   const std::vector<std::uint8_t> member(kept.labels->label.begin(), kept.labels->label.end());
   const PieceSelection pieces = touched_pieces(exec_, model_.cloud, member, strokes);

@@ -18,8 +18,8 @@ inline constexpr int kSegmentedSide_px = 512;    // longer side of a segmented v
 inline constexpr std::size_t kMostObjects = 16;  // each takes 70 bytes per Gaussian
 inline constexpr std::size_t kMostStepsBack = 200;
 
-/// The camera that strokes on `look` are segmented and lifted at.
-Camera segmented_camera(const Look& look);
+/// The camera that strokes on a view are segmented and lifted at.
+Camera at_segmented_size(const Camera& camera, int longer_side_px = kSegmentedSide_px);
 
 /// Result of a stroke.
 struct StrokeAnswer {
@@ -64,14 +64,14 @@ class Session {
   /// Cached sums of an object, and the views in them.
   struct Kept {
     int id;
-    ObjectEvidence evidence;
+    WeightSums<> sums;
     MarkedViews views;
     std::shared_ptr<const ObjectLabels> labels;      // of all pieces
     std::shared_ptr<const ObjectLabels> touched;     // of the pieces that strokes touch
     std::shared_ptr<const ObjectLabels> touched_of;  // the labels that `touched` was made from
   };
 
-  void segment(MarkedView& view, const MarkedView* before, const MarkedViews& others, ObjectEvidence& sums);
+  void segment(MarkedView& view, const MarkedView* before, const MarkedViews& others, WeightSums<>& sums);
   void correct(MarkedView& view, const MarkedView& before, const HandPrompt& added);
   Kept& kept(int id);
   void bring_up_to_date(Kept& kept, const ObjectMarks& object);

@@ -12,11 +12,6 @@
 namespace ngs {
 namespace {
 
-Vec3<double> position_of(const GaussianCloud& cloud, std::size_t i) {
-  const float* p = &cloud.position[3 * i];
-  return Vec3<double>{cloud.origin[0], cloud.origin[1], cloud.origin[2]} + Vec3<double>{p[0], p[1], p[2]};
-}
-
 MaskPlane plane_of(const std::vector<std::uint8_t>& mask, int width_px, int height_px) {
   return {mask.data(), width_px, height_px};
 }
@@ -67,10 +62,10 @@ std::vector<float> shares(const Exec& exec, const LiftedModel& model) {
   std::vector<float> channels(2 * n);
   std::vector<std::size_t> unseen;
   for (std::size_t i = 0; i < n; ++i) {
-    if (lifted.weight[i] > 0) {
-      channels[2 * i] = float(std::min(1.0, lifted.object[i] / lifted.weight[i])), channels[2 * i + 1] = 1;
+    if (lifted.weight.value(i) > 0) {
+      channels[2 * i] = float(lifted.prob(i, 0)), channels[2 * i + 1] = 1;
     } else if (cloud.usable[i]) {
-      const Vec3<double> d = position_of(cloud, i) - place.centre;
+      const Vec3<double> d = world_position(cloud, i) - place.centre;
       if (dot(d, d) > place.reach * place.reach)
         channels[2 * i + 1] = 1;
       else
@@ -151,49 +146,30 @@ std::vector<std::uint8_t> marked(const std::vector<PixelHint>& hints, const auto
 
 }  // namespace
 
-void LiftedSum::add(const Lifted& view) {
-  for (std::size_t i = 0; i < view.weight.size(); ++i) weight_.add(i, view.weight[i]), object_.add(i, view.object[i]);
-}
-
-void LiftedSum::remove(const Lifted& view) {
-  for (std::size_t i = 0; i < view.weight.size(); ++i)
-    weight_.subtract(i, view.weight[i]), object_.subtract(i, view.object[i]);
-}
-
-Lifted LiftedSum::value() const {
-  Lifted sum{std::int64_t(weight_.size())};
-  for (std::size_t i = 0; i < weight_.size(); ++i) sum.weight[i] = weight_.value(i), sum.object[i] = object_.value(i);
-  return sum;
-}
-
-Lifted lift_mask(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& splat,
-                 const PixelMask& mask) {
-  ViewMasks masks;
-  masks.width_px = camera.width_px, masks.height_px = camera.height_px, masks.available = true;
-  masks.target.emplace_back(mask.begin(), mask.end());
-  Evidence evidence(cloud.size(), 1);
-  add_view_evidence(exec, cloud, {camera, masks}, splat, evidence);
-  Lifted lifted(cloud.size());
-  for (std::size_t i = 0; i < lifted.weight.size(); ++i)
-    if (evidence.weight.value(i) >= kLeastMeanWeight * double(evidence.pixels[i]))
-      lifted.weight[i] = evidence.weight.value(i), lifted.object[i] = evidence.object_weight(i, 0);
+ViewSums lift_mask(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& splat,
+                   const PixelMask& mask) {
+  const ViewSums all = view_sums(exec, cloud, {camera, known_view(camera, mask)}, splat);
+  ViewSums lifted{1, true, {}, {}};
+  for (std::size_t v = 0; v < all.size(); ++v)
+    if (all.weight(v) >= kLeastMeanWeight * all.at(v)[1]) lifted.add(all.row[v], all.at(v));
   return lifted;
 }
 
-ObjectPlace object_place(const GaussianCloud& cloud, const Lifted& lifted) {
+ObjectPlace object_place(const GaussianCloud& cloud, const WeightSums<>& lifted) {
   ObjectPlace place;
   const auto mean = [&](const auto& of) {
     decltype(of(std::size_t(0))) sum{};
     double total = 0;
     for (std::size_t i = 0; i < lifted.weight.size(); ++i) {
-      if (lifted.object[i] <= 0.5 * lifted.weight[i]) continue;
-      sum = sum + lifted.object[i] * of(i), total += lifted.object[i];
+      if (!is_object(BoundaryRule(), lifted.prob(i, 0))) continue;
+      const double weight = lifted.object_weight(i, 0);
+      sum = sum + weight * of(i), total += weight;
     }
     return total > 0 ? (1 / total) * sum : sum;
   };
-  place.centre = mean([&](std::size_t i) { return position_of(cloud, i); });
+  place.centre = mean([&](std::size_t i) { return world_position(cloud, i); });
   place.reach = kReach * std::sqrt(mean([&](std::size_t i) {
-                  const Vec3<double> d = position_of(cloud, i) - place.centre;
+                  const Vec3<double> d = world_position(cloud, i) - place.centre;
                   return dot(d, d);
                 }));
   return place;
@@ -227,6 +203,16 @@ Consensus render_consensus(const Exec& exec, const LiftedModel& model, const Cam
 void empty_is_background(const std::vector<float>& alpha, ViewPrompt& prompt) {
   for (std::size_t p = 0; p < prompt.hint.size(); ++p)
     if (alpha[p] < kEmptyAlpha && prompt.hint[p] != PixelHint::kObject) prompt.hint[p] = PixelHint::kBackground;
+}
+
+void empty_is_background(const std::vector<float>& alpha, PixelMask& mask) {
+  for (std::size_t p = 0; p < mask.size(); ++p)
+    if (alpha[p] < kEmptyAlpha) mask[p] = 0;
+}
+
+void keep_strokes(const ViewPrompt& by_hand, ViewPrompt& prompt) {
+  for (std::size_t p = 0; p < prompt.hint.size(); ++p)
+    if (is_certain(by_hand.hint[p])) prompt.hint[p] = by_hand.hint[p];
 }
 
 ViewPrompt prompt_from(const Consensus& c, int band_px, const PixelMask& before) {

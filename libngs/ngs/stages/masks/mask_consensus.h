@@ -14,26 +14,10 @@ namespace ngs {
 /// only show through a surface that is not fully opaque must not count as part of it.
 inline constexpr double kLeastMeanWeight = 0.03;
 
-/// Rendering weights of every Gaussian over the lifted masks: `weight` is A0 + A1, `object` is A1 (paper.md §5.2).
-struct Lifted {
-  std::vector<double> weight, object;  // [N]
-  explicit Lifted(std::int64_t gaussians) : weight(std::size_t(gaussians)), object(std::size_t(gaussians)) {}
-};
-
-/// Sum over the masks of several views. The sums are exact: removing a view leaves no rounding error, from which an
-/// arbitrary share of the object would follow.
-class LiftedSum {
- public:
-  explicit LiftedSum(std::int64_t gaussians) {
-    weight_.resize(std::size_t(gaussians)), object_.resize(std::size_t(gaussians));
-  }
-  void add(const Lifted& view);
-  void remove(const Lifted& view);
-  Lifted value() const;
-
- private:
-  ExactSums weight_, object_;  // [N]
-};
+inline Vec3<double> world_position(const GaussianCloud& cloud, std::size_t i) {
+  const float* p = &cloud.position[3 * i];
+  return Vec3<double>{cloud.origin[0], cloud.origin[1], cloud.origin[2]} + Vec3<double>{p[0], p[1], p[2]};
+}
 
 /// Position and extent of the object: the mean of its Gaussians, weighted by their weight inside the masks, and three
 /// times their RMS distance from it. Gaussians farther away are background even if no mask shows them.
@@ -41,11 +25,11 @@ struct ObjectPlace {
   Vec3<double> centre{};  // world
   double reach = 0;
 };
-ObjectPlace object_place(const GaussianCloud& cloud, const Lifted& lifted);
+ObjectPlace object_place(const GaussianCloud& cloud, const WeightSums<>& lifted);
 
-/// Lifts one mask [H·W] of the camera's size. Gaussians below kLeastMeanWeight have zeros.
-Lifted lift_mask(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& splat,
-                 const PixelMask& mask);
+/// Lifts one mask [H·W] of the camera's size: the sums of the Gaussians that are visible by kLeastMeanWeight.
+ViewSums lift_mask(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& splat,
+                   const PixelMask& mask);
 
 /// The consensus rendered from one camera: per pixel the known fraction, and the object's share of the known part. A
 /// Gaussian visible in no mask is background beyond ObjectPlace::reach. Within the reach it gets the side of its
@@ -60,13 +44,17 @@ struct Consensus {
 /// A pixel where the model is less opaque than this is empty: it is background, whatever its colour.
 inline constexpr float kEmptyAlpha = 0.1f;
 
-/// Makes empty pixels certain background, except under strokes on the object. `alpha` [H·W].
+/// Makes empty pixels certain background, in a prompt except under strokes on the object. `alpha` [H·W].
 void empty_is_background(const std::vector<float>& alpha, ViewPrompt& prompt);
+void empty_is_background(const std::vector<float>& alpha, PixelMask& mask);
+
+/// Hand-made marks override the consensus.
+void keep_strokes(const ViewPrompt& by_hand, ViewPrompt& prompt);
 
 /// A model with its lifted masks and the place of its object.
 struct LiftedModel {
   const GaussianCloud& cloud;
-  const Lifted& lifted;
+  const WeightSums<>& lifted;  // of one object
   const ObjectPlace& place;
   bool use_neighbours = true;  // for Gaussians visible in no mask; otherwise they are unknown
 };

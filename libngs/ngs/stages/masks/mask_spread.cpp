@@ -19,17 +19,7 @@ double angle_between(Vec3<double> a, Vec3<double> b) {
 
 bool is_empty(const PixelMask& mask) { return std::find(mask.begin(), mask.end(), 1) == mask.end(); }
 
-/// Hand-made marks override the consensus.
-void keep_strokes(const ViewPrompt& by_hand, ViewPrompt& prompt) {
-  for (std::size_t p = 0; p < prompt.hint.size(); ++p)
-    if (is_certain(by_hand.hint[p])) prompt.hint[p] = by_hand.hint[p];
-}
-
-/// Override the segmenter: empty pixels are background, and hand-made marks are kept.
-void clear_empty(const std::vector<float>& alpha, PixelMask& mask) {
-  for (std::size_t p = 0; p < mask.size(); ++p)
-    if (alpha[p] < kEmptyAlpha) mask[p] = 0;
-}
+/// Hand-made marks override the segmenter.
 void keep_strokes(const ViewPrompt& by_hand, PixelMask& mask) {
   for (std::size_t p = 0; p < mask.size(); ++p)
     if (is_certain(by_hand.hint[p])) mask[p] = is_object(by_hand.hint[p]);
@@ -42,19 +32,18 @@ class Spreader {
         monitor_(monitor),
         options_(options),
         in_(input),
-        all_(input.cloud.size()),
+        all_(input.cloud.size(), 1),
         lifted_mask_(input.camera.size()) {}
 
   void run() {
     start();
     if (monitor_.stop_requested()) return;
-    const std::vector<std::size_t> order =
-        view_order(in_.camera, starts_, object_place(in_.cloud, all_.value()).centre);
+    const std::vector<std::size_t> order = view_order(in_.camera, starts_, object_place(in_.cloud, all_).centre);
     for (int pass = 0; pass < options_.passes; ++pass) {
       const auto timed = monitor_.scope("pass " + std::to_string(pass + 1));
       const bool last = pass + 1 == options_.passes;
       std::int64_t count = 0;
-      place_ = object_place(in_.cloud, all_.value());
+      place_ = object_place(in_.cloud, all_);
       for (const std::size_t view : order) {
         if (!last && !supervises(view)) continue;
         const bool is_started = pass == 0 && first_.contains(view);
@@ -73,7 +62,8 @@ class Spreader {
   void start() {
     const auto timed = monitor_.scope("reference");
     for (const auto& [view, prompt] : in_.marked) {
-      if (in_.marked.size() > 1 && std::none_of(prompt.hint.begin(), prompt.hint.end(), is_object)) continue;
+      if (in_.marked.size() > 1 && std::ranges::none_of(prompt.hint, [](PixelHint hint) { return is_object(hint); }))
+        continue;
       start_with(view, prompt);
       if (monitor_.stop_requested()) return;
     }
@@ -93,7 +83,7 @@ class Spreader {
     const std::vector<float> alpha = opacity(view);
     empty_is_background(alpha, prompt);
     first.mask = in_.segment(view, prompt);
-    clear_empty(alpha, first.mask);
+    empty_is_background(alpha, first.mask);
     if (monitor_.stop_requested()) return;
     if (is_empty(first.mask))
       throw Error(ErrorCode::kNothingFound,
@@ -106,7 +96,7 @@ class Spreader {
     lift_and_add(view, first.mask);
   }
 
-  Lifted lift(std::size_t view) const {
+  ViewSums lift(std::size_t view) const {
     return lift_mask(exec_, in_.cloud, in_.camera[view], in_.splat, lifted_mask_[view]);
   }
   void lift_and_add(std::size_t view, const PixelMask& mask) {
@@ -123,7 +113,7 @@ class Spreader {
     if (!lifted_mask_[view].empty()) all_.remove(lift(view));
     const PixelMask before = std::exchange(lifted_mask_[view], {});
     const Consensus consensus =
-        render_consensus(exec_, {in_.cloud, all_.value(), place_, in_.use_neighbours}, in_.camera[view], in_.splat);
+        render_consensus(exec_, {in_.cloud, all_, place_, in_.use_neighbours}, in_.camera[view], in_.splat);
     ViewPrompt prompt = prompt_from(consensus, band_px(in_.camera[view], pass), before);
     if (is_marked(view)) keep_strokes(in_.marked.at(view), prompt);
     empty_is_background(consensus.alpha, prompt);
@@ -144,7 +134,7 @@ class Spreader {
 
   void try_segmenter(std::size_t view, const ViewPrompt& prompt, const Consensus& consensus, SpreadView& out) {
     PixelMask found = in_.segment(view, prompt);
-    clear_empty(consensus.alpha, found);
+    empty_is_background(consensus.alpha, found);
     if (is_marked(view)) keep_strokes(in_.marked.at(view), found);
     out.agreement = agreement(consensus, found);
     if (!is_marked(view) && (out.agreement < options_.gate_iou || is_empty(found))) return;
@@ -158,7 +148,7 @@ class Spreader {
   const SpreadOptions& options_;
   const SpreadInput& in_;
   ObjectPlace place_;                        // at the start of the pass
-  LiftedSum all_;                            // sum over lifted_mask_
+  WeightSums<> all_;                         // sum over lifted_mask_
   std::vector<PixelMask> lifted_mask_;       // per view; empty: none was lifted
   std::map<std::size_t, SpreadView> first_;  // views on which the object is marked
   std::vector<std::size_t> starts_;          // the same views

@@ -28,9 +28,7 @@ PointVisibility::PointVisibility(const Exec& exec, const GaussianCloud& cloud,
 }
 
 Visibility PointVisibility::of(const Exec& exec, const Camera& camera, double nearer_than) const {
-  ViewMasks whole;
-  whole.width_px = camera.width_px, whole.height_px = camera.height_px, whole.available = true;
-  const ViewSums sums = view_sums(exec, cloud_, {camera, whole}, splat_);
+  const ViewSums sums = view_sums(exec, cloud_, {camera, known_view(camera)}, splat_);
   const Camera relative = relative_to(camera, cloud_.origin);
   Visibility visibility;
   double total = 0, before = 0;

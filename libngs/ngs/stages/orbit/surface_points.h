@@ -17,6 +17,10 @@ struct SurfacePoints {
   std::vector<double> area;        // [M] opacity times the ellipse of the two largest standard deviations, world²
 
   std::size_t count() const { return row.size(); }
+  void add(const SurfacePoints& from, std::size_t i) {
+    row.push_back(from.row[i]), position.push_back(from.position[i]), opacity.push_back(from.opacity[i]);
+    size.push_back(from.size[i]), area.push_back(from.area[i]);
+  }
 };
 
 SurfacePoints surface_points(const GaussianCloud& cloud);

@@ -7,7 +7,7 @@
 #include "ngs/backend/for_each.h"
 #include "ngs/core/error.h"
 #include "ngs/problem/view_list.h"
-#include "ngs/scene/shrink.h"
+#include "ngs/scene/resize/shrink.h"
 #include "ngs/stages/render/render_options.h"
 #include "ngs/stages/scene/empty_masks.h"
 #include "ngs/stages/scene/mask_check.h"

@@ -33,12 +33,8 @@ orbit::SurfacePoints canonical_points(const GaussianCloud& cloud, const std::vec
   for (std::size_t k = 0; k < all.count(); ++k)
     if (member.empty() || member[all.row[k]]) point_of[all.row[k]] = std::uint32_t(k);
   orbit::SurfacePoints out;
-  for (const std::uint32_t row : canonical_rows(cloud)) {
-    const std::uint32_t k = point_of[row];
-    if (k == kNone) continue;
-    out.row.push_back(row), out.position.push_back(all.position[k]), out.opacity.push_back(all.opacity[k]);
-    out.size.push_back(all.size[k]), out.area.push_back(all.area[k]);
-  }
+  for (const std::uint32_t row : canonical_rows(cloud))
+    if (const std::uint32_t k = point_of[row]; k != kNone) out.add(all, k);
   return out;
 }
 

@@ -39,11 +39,11 @@ double side_by_sample(const Exec& exec, const GaussianCloud& cloud, const std::v
 }
 
 /// Marks the pieces that the stroke touches.
-void touch(const StrokeWeights& stroke, const Clusters& pieces, std::vector<std::uint8_t>& touched) {
+void touch(const ViewSums& stroke, const Clusters& pieces, std::vector<std::uint8_t>& touched) {
   std::vector<double> weight(pieces.size.size());
-  for (std::size_t v = 0; v < stroke.row.size(); ++v)
+  for (std::size_t v = 0; v < stroke.size(); ++v)
     if (const std::int32_t piece = pieces.of_row[stroke.row[v]]; piece >= 0)
-      weight[std::size_t(piece)] += stroke.weight[v];
+      weight[std::size_t(piece)] += stroke.weight(v);
   const double whole = std::accumulate(weight.begin(), weight.end(), 0.0);
   if (!(whole > 0)) return;
   touched[std::size_t(std::max_element(weight.begin(), weight.end()) - weight.begin())] = 1;
@@ -86,23 +86,20 @@ std::vector<PixelMask> object_strokes(const ViewPrompt& marks) {
   return strokes;
 }
 
-std::vector<StrokeWeights> stroke_weights(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
-                                          const ViewPrompt& marks, const SplatOptions& splat) {
+std::vector<ViewSums> stroke_weights(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
+                                     const ViewPrompt& marks, const SplatOptions& splat) {
   NGS_CHECK(marks.width_px == camera.width_px && marks.height_px == camera.height_px, "marks of the camera's size");
-  ViewMasks masks{camera.width_px, camera.height_px, {}, {}, true};
+  ViewMasks masks = known_view(camera);
   for (const PixelMask& stroke : object_strokes(marks)) masks.target.emplace_back(stroke.begin(), stroke.end());
-  std::vector<StrokeWeights> strokes(masks.target.size());
-  if (strokes.empty()) return strokes;
+  std::vector<ViewSums> strokes;
+  if (masks.target.empty()) return strokes;
   const ViewSums sums = view_sums(exec, cloud, {camera, masks}, splat);
-  for (std::size_t k = 0; k < strokes.size(); ++k)
-    for (std::size_t v = 0; v < sums.size(); ++v)
-      if (const double weight = sums.object_weight(v, k); weight > 0)
-        strokes[k].row.push_back(sums.row[v]), strokes[k].weight.push_back(weight);
+  for (std::size_t k = 0; k < masks.target.size(); ++k) strokes.push_back(sums.weights_inside(k));
   return strokes;
 }
 
 PieceSelection touched_pieces(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::uint8_t>& member,
-                              std::span<const StrokeWeights> strokes) {
+                              std::span<const ViewSums> strokes) {
   NGS_CHECK(std::int64_t(member.size()) == cloud.size(), "one entry per Gaussian");
   PieceSelection out;
   out.object = member;
@@ -111,7 +108,7 @@ PieceSelection touched_pieces(const Exec& exec, const GaussianCloud& cloud, cons
   const Clusters pieces = cluster_on_grid(exec, cloud, out.object, side);
   out.pieces = out.kept_pieces = std::int64_t(pieces.size.size());
   std::vector<std::uint8_t> touched(pieces.size.size());
-  for (const StrokeWeights& stroke : strokes) touch(stroke, pieces, touched);
+  for (const ViewSums& stroke : strokes) touch(stroke, pieces, touched);
   const auto kept = std::count(touched.begin(), touched.end(), std::uint8_t(1));
   if (kept == 0) return out;
   out.kept_pieces = kept;

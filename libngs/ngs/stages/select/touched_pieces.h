@@ -11,23 +11,18 @@
 
 #include "ngs/ops/splat/splat.h"
 #include "ngs/scene/view_prompt.h"
+#include "ngs/scene/view_sums.h"
 
 namespace ngs {
-
-/// The Gaussians under one stroke, with their rendering weight over its pixels.
-struct StrokeWeights {
-  std::vector<std::uint32_t> row;  // ascending
-  std::vector<double> weight;      // > 0
-};
 
 /// The connected strokes on the object in one view as masks, the largest first. With more than kMostStrokes the
 /// smallest share the last mask. Boxes are not strokes.
 inline constexpr std::size_t kMostStrokes = 16;
 std::vector<PixelMask> object_strokes(const ViewPrompt& marks);
 
-/// The weights under each of these strokes; `marks` has the size of the camera.
-std::vector<StrokeWeights> stroke_weights(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
-                                          const ViewPrompt& marks, const SplatOptions& splat);
+/// The Gaussians under each of these strokes, with their weight over its pixels; `marks` has the size of the camera.
+std::vector<ViewSums> stroke_weights(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
+                                     const ViewPrompt& marks, const SplatOptions& splat);
 
 struct PieceSelection {
   std::vector<std::uint8_t> object;          // [N] 1: in a piece that a stroke touches
@@ -39,6 +34,6 @@ struct PieceSelection {
 /// Selects among the usable Gaussians with member[i] != 0, without needles. If no stroke touches any of them, all are
 /// kept.
 PieceSelection touched_pieces(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::uint8_t>& member,
-                              std::span<const StrokeWeights> strokes);
+                              std::span<const ViewSums> strokes);
 
 }  // namespace ngs

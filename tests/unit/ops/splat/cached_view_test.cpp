@@ -52,15 +52,16 @@ PixelMask mask_of(const Camera& camera, const auto& is_object) {
 }
 
 /// view_sums(), expanded to a row for every Gaussian of the cached view.
-MaskSums sums_of(const Case& c, const PixelMask& mask, const std::vector<std::uint32_t>& rows) {
-  ViewMasks masks{c.camera.width_px, c.camera.height_px, {}, {}, true};
-  masks.target.emplace_back(mask.begin(), mask.end());
-  const ViewSums sums = view_sums(c.exec, c.cloud, {c.camera, masks}, c.options);
-  MaskSums all{std::vector<double>(rows.size()), std::vector<double>(rows.size())};
+ViewSums sums_of(const Case& c, const PixelMask& mask, const std::vector<std::uint32_t>& rows) {
+  const ViewSums sums = view_sums(c.exec, c.cloud, {c.camera, known_view(c.camera, mask)}, c.options);
+  ViewSums all{1, false, {}, {}};
   std::size_t next = 0;
-  for (std::size_t v = 0; v < rows.size(); ++v)
-    if (next < sums.size() && sums.row[next] == rows[v])
-      all.weight[v] = sums.weight(next), all.object_weight[v] = sums.object_weight(next, 0), ++next;
+  for (const std::uint32_t row : rows) {
+    double sum[2] = {};
+    if (next < sums.size() && sums.row[next] == row)
+      sum[0] = sums.weight(next), sum[1] = sums.object_weight(next, 0), ++next;
+    all.add(row, sum);
+  }
   CHECK(next == sums.size());
   return all;
 }
@@ -104,11 +105,11 @@ TEST_CASE("cached view: the sums over a mask are bit-identical to view_sums(), f
     std::vector<double> before;
     std::size_t differing = 0;
     for (const PixelMask& mask : masks) {
-      const MaskSums wanted = sums_of(c, mask, cached.rows()), &found = cached.weigh(c.exec, mask);
-      CHECK(found.weight == wanted.weight);
-      CHECK(found.object_weight == wanted.object_weight);
-      differing += found.object_weight != before;
-      before = found.object_weight;
+      const ViewSums wanted = sums_of(c, mask, cached.rows()), &found = cached.weigh(c.exec, mask);
+      CHECK(found.row == wanted.row);
+      CHECK(found.sum == wanted.sum);
+      differing += found.sum != before;
+      before = found.sum;
     }
     CHECK(differing == masks.size());
   }
@@ -119,7 +120,7 @@ TEST_CASE("cached view: without visible Gaussians it has no rows and renders not
   c.camera.translation.z = -50;
   CachedView nothing(c.exec, c.cloud, c.camera, c.options);
   CHECK(nothing.rows().empty());
-  CHECK(nothing.weigh(c.exec, mask_of(c.camera, [](int, int) { return true; })).weight.empty());
+  CHECK(nothing.weigh(c.exec, mask_of(c.camera, [](int, int) { return true; })).sum.empty());
   CHECK(nothing.render(c.exec, RenderRequest()).alpha.data == std::vector<float>(150 * 90));
 }
 

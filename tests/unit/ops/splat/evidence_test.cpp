@@ -76,7 +76,7 @@ TEST_CASE("evidence equals a brute-force evaluation in double: counts exactly, w
       CHECK(got.pixels[i] == want.pixels[i]);
       CHECK(std::abs(got.weight.value(i) - want.weight[i]) <= tolerance);
       for (std::size_t k = 0; k < 2; ++k) {
-        CHECK(got.object_pixels(i, k) == want.object_pixels[i * 2 + k]);
+        CHECK(test::object_pixels(got, i, k) == want.object_pixels[i * 2 + k]);
         CHECK(std::abs(got.object_weight(i, k) - want.object_weight[i * 2 + k]) <= tolerance);
       }
       compared += want.pixels[i] > 0;
@@ -147,7 +147,7 @@ TEST_CASE("evidence of selected Gaussians is bit-identical to their rows of the 
         if (!some.has(all.row[a])) continue;
         REQUIRE(v < few.size());
         CHECK(few.row[v] == some.number[all.row[a]]);
-        for (int s = 0; s < all.columns(); ++s) CHECK(few.at(v)[s] == all.at(a)[s]);
+        for (std::size_t s = 0; s < all.columns(); ++s) CHECK(few.at(v)[s] == all.at(a)[s]);
         ++v;
       }
       CHECK(v == few.size());
@@ -293,7 +293,7 @@ TEST_CASE("evidence: packed weights are bit-identical to the sums") {
       for (std::size_t k = 0; k < objects; ++k) masks.target.push_back(two.target[k % 2]);
       masks.target.erase(masks.target.begin(), masks.target.begin() + 2);
       const ViewSums sums = view_sums({}, cloud, {c.camera, masks}, {}, of);
-      const ViewWeights packed = view_weights({.threads = 3}, cloud, {c.camera, masks}, {}, of);
+      const PackedSums packed = packed_sums({.threads = 3}, cloud, {c.camera, masks}, {}, of);
       std::size_t v = 0;
       for (std::size_t part = 0; part < packed.parts(); ++part)
         packed.for_each(part, [&](std::uint32_t gaussian, const double* weight) {

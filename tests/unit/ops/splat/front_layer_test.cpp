@@ -75,11 +75,11 @@ TEST_CASE("front view: layers and sums in front of a surface equal a brute-force
         CHECK(worst < 1e-6 * 60 * 4);
         const ImageF weight = view.layer(c.candidate);
         for (std::size_t p = 0; p < image.size(); ++p) CHECK(weight.data[p] == got.data[3 * p + 2]);
-        const FrontSums sums = view.sums(c.candidate, c.marked);
-        for (std::size_t k = 0; k < sums.row.size(); ++k) {
+        const ViewSums sums = view.sums(c.candidate, c.marked);
+        for (std::size_t k = 0; k < sums.size(); ++k) {
           const std::size_t i = sums.row[k];
-          CHECK(std::abs(sums.front[k] - front[i]) < 2e-3);
-          CHECK(std::abs(sums.marked[k] - marked[i]) < 2e-3);
+          CHECK(std::abs(sums.weight(k) - front[i]) < 2e-3);
+          CHECK(std::abs(sums.object_weight(k, 0) - marked[i]) < 2e-3);
           left[i] = 0;
         }
         for (const double missed : left) CHECK(missed < 2e-3);

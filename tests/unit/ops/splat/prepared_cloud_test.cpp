@@ -26,7 +26,7 @@ bool same_bytes(const T& a, const T& b) {
 /// Gaussian -> its weight and its weight inside the object.
 using Weights = std::map<std::uint32_t, std::pair<double, double>>;
 
-Weights unpacked(const ViewWeights& packed) {
+Weights unpacked(const PackedSums& packed) {
   Weights all;
   for (std::size_t part = 0; part < packed.parts(); ++part)
     packed.for_each(part, [&](std::uint32_t gaussian, const double* weight) {
@@ -141,8 +141,8 @@ TEST_CASE("prepared cloud: renders and evidence are bit-identical to those of th
       CHECK(sums.size() > 5);
       CHECK(same.row == sums.row);
       CHECK(same.sum == sums.sum);
-      CHECK(unpacked(view_weights({.threads = threads}, scene.cloud, {scene.camera, masks}, prepared)) ==
-            unpacked(view_weights({}, scene.cloud, {scene.camera, masks}, scene.options)));
+      CHECK(unpacked(packed_sums({.threads = threads}, scene.cloud, {scene.camera, masks}, prepared)) ==
+            unpacked(packed_sums({}, scene.cloud, {scene.camera, masks}, scene.options)));
     }
   });
 }

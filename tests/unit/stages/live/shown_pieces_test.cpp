@@ -6,6 +6,7 @@
 #include "ngs/stages/boundary/variance_stage.h"
 #include "ngs/stages/extract/extract_stage.h"
 #include "ngs/stages/masks/hand_prompt.h"
+#include "ngs/stages/select/touched_pieces.h"
 #include "visit.h"
 
 namespace ngs {
@@ -19,15 +20,14 @@ TEST_CASE("exported labels equal the shown ones if most Gaussians are unseen") {
   Scene scene;
   scene.objects = {SceneObject{}};
   std::vector<ViewMasks> masks;
-  std::vector<StrokeWeights> strokes;
+  std::vector<ViewSums> strokes;
   std::vector<std::size_t> views;
   for (const auto& view : session.marks()->objects[0].views) {
     views.push_back(scene.views.size());
     scene.views.push_back({view->camera, "", "", Split::kTrain});
-    masks.push_back({view->camera.width_px, view->camera.height_px, {}, {}, true});
-    masks.back().target.emplace_back(view->mask.begin(), view->mask.end());
+    masks.push_back(known_view(view->camera, view->mask));
     const ViewPrompt prompt = rasterise(view->strokes, view->camera.width_px, view->camera.height_px);
-    for (StrokeWeights& s : stroke_weights(visit.exec, visit.scene.cloud, view->camera, prompt, visit.splat))
+    for (ViewSums& s : stroke_weights(visit.exec, visit.scene.cloud, view->camera, prompt, visit.splat))
       strokes.push_back(std::move(s));
   }
   Monitor monitor;

@@ -35,22 +35,6 @@ PixelMask mask_of(const std::vector<std::string>& rows) {
 
 }  // namespace
 
-TEST_CASE("adding masks to a consensus and removing them in any order leaves it empty") {
-  std::vector<Lifted> views;
-  for (const double weight : {0.1, 0.7, 1e-9, 3e5}) {
-    views.emplace_back(2);
-    views.back().weight = {weight, weight / 3}, views.back().object = {weight / 7, 0};
-  }
-  LiftedSum sum(2);
-  for (const Lifted& view : views) sum.add(view);
-  const Lifted all = sum.value();
-  CHECK(all.weight[0] == doctest::Approx(300000.8));
-  CHECK((all.object[0] == doctest::Approx(300000.8 / 7) && all.object[1] == 0));
-  for (const std::size_t v : {2, 0, 3, 1}) sum.remove(views[v]);
-  for (const double left : sum.value().weight) CHECK(left == 0);
-  for (const double left : sum.value().object) CHECK(left == 0);
-}
-
 TEST_CASE("pixels beyond the band are certain, unknown ones keep the side of the earlier mask") {
   const std::vector<std::string> rows(9, "......########????");
   CHECK(row_of(prompt_from(drawn(rows), 2, {}), 4) == "----bboo++++oobbbb");
@@ -120,7 +104,8 @@ TEST_CASE("a mask lifted to the Gaussians renders as itself in its own view, an 
   const Camera& camera = c->scene.views[0].camera;
   PixelMask mask;
   for (const float target : c->masks[0].target[0]) mask.push_back(target > 0.5f);
-  const Lifted one = lift_mask({}, c->truth, camera, {}, mask), none(c->truth.size());
+  WeightSums<> one(c->truth.size(), 1), none = one;
+  one.add(lift_mask({}, c->truth, camera, {}, mask));
   const ObjectPlace place = object_place(c->truth, one);
   CHECK(place.centre.z == doctest::Approx(3.6).epsilon(0.05));  // the near side of the ball at z = 4
   const Consensus seen = render_consensus({}, {c->truth, one, place}, camera, {});
@@ -137,11 +122,12 @@ TEST_CASE("Gaussians visible through the object are not lifted as part of it") {
   const Camera& camera = c->scene.views[0].camera;
   PixelMask mask;
   for (const float target : c->masks[0].target[0]) mask.push_back(target > 0.5f);
-  const Lifted lifted = lift_mask({}, c->truth, camera, {}, mask);
+  const ViewSums lifted = lift_mask({}, c->truth, camera, {}, mask);
   int through = 0, seen = 0;
-  for (std::size_t i = 160; i < lifted.weight.size(); ++i) {  // the wall
-    through += lifted.object[i] > 0.5 * lifted.weight[i];
-    seen += lifted.weight[i] > 0;
+  for (std::size_t v = 0; v < lifted.size(); ++v) {
+    if (lifted.row[v] < 160) continue;  // else the wall
+    through += lifted.object_weight(v, 0) > 0.5 * lifted.weight(v);
+    seen += lifted.weight(v) > 0;
   }
   CHECK(seen > 60);
   CHECK(through <= seen / 10);

@@ -85,8 +85,9 @@ TEST_CASE("needles are the same for any number of threads, and touched pieces do
   one.threads = 1, three.threads = 3;
   CHECK(needles_beyond(one, statue.cloud, statue.object, 0.2) ==
         needles_beyond(three, statue.cloud, statue.object, 0.2));
-  StrokeWeights stroke;
-  for (std::uint32_t i = 0; i < 20; ++i) stroke.row.push_back(i), stroke.weight.push_back(1);
+  ViewSums stroke{0, false, {}, {}};
+  const double weight = 1;
+  for (std::uint32_t i = 0; i < 20; ++i) stroke.add(i, &weight);
   const PieceSelection pieces = touched_pieces({}, statue.cloud, statue.object, std::vector{stroke});
   CHECK(pieces.needles == 1);
   CHECK(pieces.left_out == 0);

@@ -25,10 +25,14 @@ GaussianCloud blocks_at(const std::vector<double>& corners) {
   return cloud;
 }
 
+void add_rows(std::uint32_t first, std::size_t count, double weight, ViewSums& stroke) {
+  for (std::uint32_t i = first; i < first + count; ++i) stroke.add(i, &weight);
+}
+
 /// Weight 1 on each of the first `count` Gaussians from `first` on.
-StrokeWeights on_rows(std::uint32_t first, std::size_t count) {
-  StrokeWeights stroke;
-  for (std::uint32_t i = first; i < first + count; ++i) stroke.row.push_back(i), stroke.weight.push_back(1);
+ViewSums on_rows(std::uint32_t first, std::size_t count) {
+  ViewSums stroke{0, false, {}, {}};
+  add_rows(first, count, 1, stroke);
   return stroke;
 }
 
@@ -41,7 +45,7 @@ std::int64_t in_block(const PieceSelection& pieces, std::size_t block) {
 
 TEST_CASE("a stroke keeps the piece that it touches and leaves the others out") {
   const GaussianCloud cloud = blocks_at({0, 3, 6});
-  const std::vector<StrokeWeights> strokes{on_rows(216, 20)};
+  const std::vector<ViewSums> strokes{on_rows(216, 20)};
   const PieceSelection pieces = touched_pieces({}, cloud, std::vector<std::uint8_t>(648, 1), strokes);
   CHECK(pieces.pieces == 3);
   CHECK(pieces.kept_pieces == 1);
@@ -53,8 +57,8 @@ TEST_CASE("a stroke keeps the piece that it touches and leaves the others out") 
 
 TEST_CASE("strokes on several pieces, and one across several, keep all of them") {
   const GaussianCloud cloud = blocks_at({0, 3, 6, 9});
-  StrokeWeights across = on_rows(0, 20);
-  for (std::uint32_t i = 216; i < 222; ++i) across.row.push_back(i), across.weight.push_back(1);
+  ViewSums across = on_rows(0, 20);
+  add_rows(216, 6, 1, across);
   const PieceSelection pieces =
       touched_pieces({}, cloud, std::vector<std::uint8_t>(864, 1), std::vector{across, on_rows(432, 2)});
   CHECK(pieces.kept_pieces == 3);
@@ -63,8 +67,8 @@ TEST_CASE("strokes on several pieces, and one across several, keep all of them")
 
 TEST_CASE("Gaussians visible through the object under a stroke are not touched") {
   const GaussianCloud cloud = blocks_at({0, 3});
-  StrokeWeights stroke = on_rows(0, 20);
-  for (std::uint32_t i = 216; i < 236; ++i) stroke.row.push_back(i), stroke.weight.push_back(0.05);
+  ViewSums stroke = on_rows(0, 20);
+  add_rows(216, 20, 0.05, stroke);
   const PieceSelection pieces = touched_pieces({}, cloud, std::vector<std::uint8_t>(432, 1), std::vector{stroke});
   CHECK(in_block(pieces, 0) == 216);
   CHECK(in_block(pieces, 1) == 0);
@@ -92,7 +96,7 @@ TEST_CASE("without a stroke on the selection all pieces are kept") {
   const GaussianCloud cloud = blocks_at({0, 3});
   std::vector<std::uint8_t> member(432, 1);
   std::fill(member.begin(), member.begin() + 216, std::uint8_t(0));
-  for (const std::vector<StrokeWeights>& strokes : {std::vector<StrokeWeights>{}, {on_rows(0, 20)}}) {
+  for (const std::vector<ViewSums>& strokes : {std::vector<ViewSums>{}, {on_rows(0, 20)}}) {
     const PieceSelection pieces = touched_pieces({}, cloud, member, strokes);
     CHECK(pieces.object == member);
     CHECK(pieces.left_out == 0);

@@ -18,10 +18,9 @@ constexpr std::int64_t kChunk = 1 << 12;  // visible Gaussians per task
 
 struct CachedView::State {
   SplatEngine<float> engine;
-  std::vector<std::uint32_t> row;    // [V] returned by rows()
-  std::vector<std::uint32_t> place;  // [V] index into `row`, in the order of the engine's view
-  std::vector<float> target;         // [H·W] the last mask; empty before the first one
-  MaskSums sums;
+  ViewSums sums{1, false, {}, {}};        // of rows()
+  std::vector<std::uint32_t> place = {};  // [V] index into `sums`, in the order of the engine's view
+  std::vector<float> target = {};         // [H·W] the last mask; empty before the first one
 };
 
 CachedView::CachedView(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options)
@@ -29,26 +28,22 @@ CachedView::CachedView(const Exec& exec, const GaussianCloud& cloud, const Camer
   NGS_CHECK(!exec.device_ops, "a cached view needs the CPU");
   state_ = std::make_unique<State>(
       State{{float_tile_kernels(exec.isa), options, cloud_view(cloud, options.max_sh_degree, nullptr),
-             relative_camera(camera, cloud), channel_plan(RenderRequest{.colour = false, .label = {}})},
-            {},
-            {},
-            {},
-            {}});
+             relative_camera(camera, cloud), channel_plan(RenderRequest{.colour = false, .label = {}})}});
   State& s = *state_;
   s.engine.prepare(exec);
   const std::vector<std::uint32_t>& id = s.engine.view().id;
   RowRanks ranks(cloud.size());
   ranks.add(id), ranks.count();
-  s.row.resize(id.size()), s.place.resize(id.size());
+  s.sums.row.resize(id.size()), s.sums.sum.resize(2 * id.size()), s.place.resize(id.size());
   for (std::size_t v = 0; v < id.size(); ++v) {
     s.place[v] = std::uint32_t(ranks.of(id[v]));
-    s.row[s.place[v]] = id[v];
+    s.sums.row[s.place[v]] = id[v];
   }
 }
 
 CachedView::~CachedView() = default;
 
-const std::vector<std::uint32_t>& CachedView::rows() const { return state_->row; }
+const std::vector<std::uint32_t>& CachedView::rows() const { return state_->sums.row; }
 
 RenderedView CachedView::render(const Exec& exec, const RenderRequest& request) {
   NGS_CHECK(request.include == nullptr, "a cached view renders all Gaussians");
@@ -87,7 +82,7 @@ std::vector<std::uint8_t> CachedView::in_tiles(const std::vector<std::uint8_t>& 
   return in;
 }
 
-const MaskSums& CachedView::weigh(const Exec& exec, const PixelMask& mask) {
+const ViewSums& CachedView::weigh(const Exec& exec, const PixelMask& mask) {
   State& s = *state_;
   const TileLists& lists = s.engine.lists();
   const std::vector<std::uint8_t> tiles = update_mask(mask), changed = in_tiles(tiles);
@@ -100,14 +95,14 @@ const MaskSums& CachedView::weigh(const Exec& exec, const PixelMask& mask) {
       kernels.evidence({s.engine.work(tile), nullptr, &target, 1, pairs.data(), scratch.values(evidence_scratch(1))});
   });
   const std::size_t visible = rows().size();
-  s.sums.weight.resize(visible), s.sums.object_weight.resize(visible);
   for_each_task(exec, (std::int64_t(visible) + kChunk - 1) / kChunk, [&](std::int64_t chunk) {
     const std::size_t end = std::min(visible, std::size_t((chunk + 1) * kChunk));
     for (auto v = std::size_t(chunk * kChunk); v < end; ++v) {
       if (!changed[v]) continue;
       double sum[kColumns] = {};
       add_slots(lists, v, pairs.data(), kColumns, sum);
-      s.sums.weight[s.place[v]] = sum[0], s.sums.object_weight[s.place[v]] = std::min(sum[2], sum[0]);
+      double* const to = &s.sums.sum[2 * s.place[v]];
+      to[0] = sum[0], to[1] = std::min(sum[2], sum[0]);
     }
   });
   return s.sums;

@@ -6,14 +6,9 @@
 
 #include "ngs/ops/splat/splat.h"
 #include "ngs/scene/view_prompt.h"
+#include "ngs/scene/view_sums.h"
 
 namespace ngs {
-
-/// Rendering weights of a view's Gaussians, summed over a mask, [V]; m_ij before Eq. (3), paper.md §5.2.
-struct MaskSums {
-  std::vector<double> weight;         // Σ α T over all pixels; 0: hidden
-  std::vector<double> object_weight;  // Σ α T inside the mask, at most `weight`
-};
 
 /// The cloud must outlive this object and must not change. CPU only. Takes about 90 bytes per Gaussian that may reach a
 /// pixel and 40 bytes per (Gaussian, tile) pair.
@@ -31,9 +26,9 @@ class CachedView {
   /// Bit-identical to ngs::render(). request.include must be null.
   RenderedView render(const Exec& exec, const RenderRequest& request);
 
-  /// Bit-identical to view_sums() with this mask [H·W] and no unknown pixels; valid until the next call. Only tiles
-  /// whose mask differs from that of the previous call are composited again.
-  const MaskSums& weigh(const Exec& exec, const PixelMask& mask);
+  /// The weights of rows(), 0 if hidden, bit-identical to view_sums() with this mask [H·W] and no unknown pixels; valid
+  /// until the next call. Only tiles whose mask differs from that of the previous call are composited again.
+  const ViewSums& weigh(const Exec& exec, const PixelMask& mask);
 
  private:
   struct State;

@@ -1,4 +1,4 @@
-#include "ngs/scene/shrink.h"
+#include "ngs/scene/resize/shrink.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "ngs/scene/enlarge.h"
+#include "ngs/scene/resize/enlarge.h"
 
 #include <doctest/doctest.h>
 
