@@ -11,6 +11,7 @@
 #include "ngs/io/image/exr.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/ops/image/image_bytes.h"
+#include "ngs/stages/synth/synth_halves.h"
 
 namespace ngs::cli {
 namespace {
@@ -28,6 +29,12 @@ io::ExrImage layers_of(const synth::SynthView& view) {
 }
 
 }  // namespace
+
+void build(SynthData& data, bool with_halves) {
+  data.scene = synth::build_scene(data.recipe);
+  data.cameras = synth::build_rig(data.recipe, data.scene);
+  if (with_halves) data.hole_cameras = synth::hole_rig(data.recipe, data.scene);
+}
 
 std::string in_folder(const std::string& folder, const std::string& name) {
   std::error_code error;

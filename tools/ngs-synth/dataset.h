@@ -23,9 +23,13 @@ struct SynthData {
   synth::Recipe recipe;
   synth::AnalyticScene scene;
   std::vector<Camera> cameras;
+  std::vector<Camera> hole_cameras;  // synth::hole_rig(); empty: without halves/
   std::vector<synth::SynthView> views;
   std::vector<SparsePoint> points;
 };
+
+/// Builds scene and cameras of data.recipe.
+void build(SynthData& data, bool with_halves);
 
 struct MaskErrors {
   std::vector<std::string> specs;  // as given

@@ -44,8 +44,7 @@ void write_background_view(const std::string& folder, const std::string& name, c
 void write_background(Run& run, const std::string& folder, const SynthData& data) {
   const synth::AnalyticScene room = synth::without_target(data.scene);
   std::vector<Camera> cameras = data.cameras;
-  const std::vector<Camera> more = synth::hole_rig(data.recipe, data.scene);
-  cameras.insert(cameras.end(), more.begin(), more.end());
+  cameras.insert(cameras.end(), data.hole_cameras.begin(), data.hole_cameras.end());
   Scene scene = empty_scene(data);
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     if (run.stop_code() != 0) return;
@@ -76,7 +75,8 @@ void write_object(Run& run, const std::string& folder, const SynthData& data) {
 }  // namespace
 
 std::size_t views_of_halves(const SynthData& data) {
-  return data.cameras.size() + 2 * synth::kHoleViews + synth::kTargetViews;
+  if (data.hole_cameras.empty()) return 0;
+  return data.cameras.size() + data.hole_cameras.size() + synth::kTargetViews;
 }
 
 void write_halves(Run& run, const std::string& folder, const SynthData& data) {

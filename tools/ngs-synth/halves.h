@@ -16,7 +16,7 @@
 
 namespace ngs::cli {
 
-/// Number of views that write_halves() renders.
+/// Number of views that write_halves() renders; 0 without hole cameras.
 std::size_t views_of_halves(const SynthData& data);
 
 /// Writes both halves into `folder`. Returns early after a stop request.

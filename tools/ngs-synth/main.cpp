@@ -33,12 +33,11 @@ FitOptions small_fit() {
 Json estimate(const cli::SynthData& data, const cli::SynthOptions& options, const FitOptions& fit, int threads) {
   double pixels = 0;
   for (const Camera& c : data.cameras) pixels += double(c.width_px) * c.height_px;
-  const double photos_px = pixels;
-  if (options.truth == cli::Truth::kHalves)
-    pixels *= 1 + double(cli::views_of_halves(data)) / double(data.cameras.size());
+  const double all_per_photo = 1 + double(cli::views_of_halves(data)) / double(data.cameras.size());
   const double rays = pixels * (1 + data.recipe.samples_per_side * data.recipe.samples_per_side);
-  const FitCost cost = options.fit ? fit_cost(fit, data.cameras, 3 * sizeof(float) * photos_px) : FitCost{};
-  return {{"time_s", (4e-7 * rays + cost.cpu_s) / threads}, {"memory_mib", 40 + 2e-6 * rays + cost.memory_mib}};
+  const FitCost cost = options.fit ? fit_cost(fit, data.cameras, 3 * sizeof(float) * pixels) : FitCost{};
+  return {{"time_s", (4e-7 * rays * all_per_photo + cost.cpu_s) / threads},
+          {"memory_mib", 40 + 2e-6 * rays + cost.memory_mib}};
 }
 
 void fit(cli::Run& run, const cli::SynthData& data, const FitOptions& options, const std::string& path) {
@@ -85,8 +84,7 @@ int main(int argc, char** argv) {
     cli::SynthData data;
     data.recipe = resolved(cli::load_recipe(name.value, is_file), options);
     if (is_file) run.add_input("recipe", name.value);
-    data.scene = synth::build_scene(data.recipe);
-    data.cameras = synth::build_rig(data.recipe, data.scene);
+    cli::build(data, options.truth == cli::Truth::kHalves);
     const cli::MaskErrors errors{options.mask_noise, synth::parse_mask_noise(options.mask_noise), run.seed()};
     run.result()["views"] = data.cameras.size();
     run.result()["objects"] = data.scene.objects.size();
@@ -103,7 +101,7 @@ int main(int argc, char** argv) {
     data.points =
         synth::sample_points(data.cameras, data.views, data.recipe.points, std::uint64_t(data.recipe.scene_seed));
     cli::write_description(out.path, data, errors);
-    if (options.truth == cli::Truth::kHalves) cli::write_halves(run, out.path + "/halves", data);
+    if (!data.hole_cameras.empty()) cli::write_halves(run, out.path + "/halves", data);
     if (options.fit && run.stop_code() == 0) fit(run, data, fit_options, out.path + "/point_cloud.ply");
     return run.stop_code();
   });
