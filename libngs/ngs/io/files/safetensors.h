@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "ngs/io/files/mapped_file.h"
@@ -18,35 +19,15 @@ namespace ngs::io {
 enum class TensorType : std::uint8_t { kU8, kU32, kI32, kU64, kI64, kF32, kF64 };
 
 template <class T>
-struct TensorTypeOf;
-template <>
-struct TensorTypeOf<std::uint8_t> {
-  static constexpr TensorType value = TensorType::kU8;
-};
-template <>
-struct TensorTypeOf<std::uint32_t> {
-  static constexpr TensorType value = TensorType::kU32;
-};
-template <>
-struct TensorTypeOf<std::int32_t> {
-  static constexpr TensorType value = TensorType::kI32;
-};
-template <>
-struct TensorTypeOf<std::uint64_t> {
-  static constexpr TensorType value = TensorType::kU64;
-};
-template <>
-struct TensorTypeOf<std::int64_t> {
-  static constexpr TensorType value = TensorType::kI64;
-};
-template <>
-struct TensorTypeOf<float> {
-  static constexpr TensorType value = TensorType::kF32;
-};
-template <>
-struct TensorTypeOf<double> {
-  static constexpr TensorType value = TensorType::kF64;
-};
+constexpr TensorType tensor_type_of() {
+  if constexpr (std::is_same_v<T, std::uint8_t>) return TensorType::kU8;
+  if constexpr (std::is_same_v<T, std::uint32_t>) return TensorType::kU32;
+  if constexpr (std::is_same_v<T, std::int32_t>) return TensorType::kI32;
+  if constexpr (std::is_same_v<T, std::uint64_t>) return TensorType::kU64;
+  if constexpr (std::is_same_v<T, std::int64_t>) return TensorType::kI64;
+  if constexpr (std::is_same_v<T, float>) return TensorType::kF32;
+  if constexpr (std::is_same_v<T, double>) return TensorType::kF64;
+}
 
 struct Tensor {
   std::string name;
@@ -62,7 +43,7 @@ struct TensorFile {
 
   template <class T>
   void add(std::string tensor, std::vector<std::int64_t> shape, std::span<const T> values) {
-    add_bytes(std::move(tensor), TensorTypeOf<T>::value, std::move(shape), values.data(), values.size_bytes());
+    add_bytes(std::move(tensor), tensor_type_of<T>(), std::move(shape), values.data(), values.size_bytes());
   }
   template <class T>
   void add(std::string tensor, std::vector<std::int64_t> shape, const std::vector<T>& values) {
@@ -73,7 +54,7 @@ struct TensorFile {
   /// -1 in `shape` accepts any size.
   template <class T>
   std::vector<T> get(std::string_view tensor, const std::vector<std::int64_t>& shape = {}) const {
-    const Tensor& found = find(tensor, TensorTypeOf<T>::value, shape);
+    const Tensor& found = find(tensor, tensor_type_of<T>(), shape);
     std::vector<T> values(found.bytes.size() / sizeof(T));
     copy_bytes(found, values.data());
     return values;
