@@ -83,8 +83,7 @@ struct DensityWeight {
   float* weight;               // [H, W] out
 
   NGS_HD void operator()(std::int64_t i) const {
-    const std::int64_t column = i % width, row = i / width;
-    const double x = double(column) + 0.5, y = double(row) + 0.5;
+    const double x = double(i % width) + 0.5, y = double(i / width) + 0.5;
     if (grid.cols == 0 || x < min_x || x > max_x || y < min_y || y > max_y) {
       weight[i] = 0.5f;
       return;
