@@ -1,6 +1,5 @@
 // ngs-extract: reads a labelled PLY, or any splat and the place of the object; writes object and background as plain
 // splats, and decided labels; imports hand edits.
-#include <initializer_list>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,15 +25,6 @@ void check_options(ngs::cli::Run& run, const ngs::ExtractOptions& options, const
   if (region.drop_below_plane != "auto") run.warn_unused({"--up"}, "without --drop-below-plane auto");
   if (region.cluster_at.empty() && region.largest == 0)
     run.warn_unused({"--cluster-side"}, "without --cluster-at or --largest");
-}
-
-void require_one_of(std::initializer_list<const ngs::cli::Output*> outputs) {
-  std::string flags;
-  for (const ngs::cli::Output* output : outputs) {
-    if (*output) return;
-    flags += (flags.empty() ? "" : ", ") + output->flags;
-  }
-  throw ngs::Error(ngs::ErrorCode::kUsage, "no output was given, expected one of " + flags);
 }
 
 struct Options {
@@ -80,7 +70,7 @@ int main(int argc, char** argv) {
 
   return tool.run(argc, argv, [&](cli::Run& run) {
     check_options(run, options.extract, options.region);
-    require_one_of({&out.object, &out.background, &out.filled, &out.decided, &out.supersplat, &out.npz, &out.inpaint});
+    cli::require_one_of(out);
     cli::check_inpaint_options(run, out.inpaint, scene_json);
     cli::check_fill_options(run, options.fill, out);
     cli::check_finish_options(options.finish, out.object, scene_json);

@@ -1,7 +1,9 @@
 #pragma once
 // The outputs of ngs-extract; at least one is required.
+#include <initializer_list>
 #include <string>
 
+#include "ngs/core/error.h"
 #include "ngs/io/formats/splat_format.h"
 #include "shared/tool.h"
 
@@ -20,6 +22,17 @@ inline Outputs declare_outputs(Tool& tool) {
       tool.optional_output("--supersplat", "the same with the object selected in SuperSplat"),
       tool.optional_output("--npz", "labels and row numbers of the object, for numpy"),
       tool.optional_output_dir("--inpaint", "folder for inpainting: background, cameras, hole masks of every view")};
+}
+
+/// Throws kUsage if no output is requested.
+inline void require_one_of(const Outputs& out) {
+  std::string flags;
+  for (const Output* output :
+       {&out.object, &out.background, &out.filled, &out.decided, &out.supersplat, &out.npz, &out.inpaint}) {
+    if (*output) return;
+    flags += (flags.empty() ? "" : ", ") + output->flags;
+  }
+  throw Error(ErrorCode::kUsage, "no output was given, expected one of " + flags);
 }
 
 /// Throws kUsage for a format that cannot be written. Outputs that were not requested have an empty path.
