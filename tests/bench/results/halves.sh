@@ -2,7 +2,7 @@
 # shellcheck shell=bash disable=SC2154
 #
 # Masks are exact and every photo is used: what differs from the truth is what no photo shows, or what the cut left. The
-# splat is fitted to the photos with the object alone. About 3 minutes a recipe on two cores.
+# splat is fitted to the photos with the object alone. About 80 CPU seconds a recipe.
 halves_recipes=${RECIPES:-torus-box leaves bones table two-spheres corner ground}
 
 question_halves() {
