@@ -59,10 +59,10 @@ int main(int argc, char** argv) {
   options.declare(tool);
   const cli::Input& labelled =
       tool.input("labelled", "labelled PLY of ngs-variance or ngs-joint; with a region any splat");
-  const cli::Input& edited = tool.optional_input(
-      "--import", "hand-edited splat: its rows (its selected rows, if it has a selection) are the object");
+  const cli::Input& edited =
+      tool.optional_input("--import", "hand-edited splat whose rows (or selected rows) are the object");
   const cli::Input& scene_json =
-      tool.optional_input("--scene", "scene.json, for --inpaint, --finish and --strokes, and to report unseen surface");
+      tool.optional_input("--scene", "scene.json, for --inpaint, --finish, --strokes, unseen surface");
   const cli::Inputs& strokes = tool.inputs("--strokes",
                                            "strokes on views of the scene, as for ngs-mask --prompts: keep only "
                                            "components that they touch (repeatable, or PATH,PATH)");

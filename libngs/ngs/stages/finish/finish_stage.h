@@ -17,9 +17,7 @@ struct FinishOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.finish,
-          Flag{"finish",
-               "Clip Gaussians in --object that reach out of the object's masks in the views of the scene; "
-               "needs --scene. All other outputs are unchanged"});
+          Flag{"finish", "Clip Gaussians of --object that reach out of its masks in the views of --scene"});
   }
 };
 
