@@ -168,7 +168,7 @@ async function cancel(page) {
 }
 
 async function refine(page) {
-  await page.getByText('Draft', { exact: true }).click();
+  await page.getByText('Quick', { exact: true }).click();
   await page.locator('#refine').click();
   await page.locator('#before, #trouble').filter({ visible: true }).first().waitFor();
   check(await page.locator('#trouble').isHidden(), 'refine: succeeds');
