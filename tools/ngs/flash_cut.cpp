@@ -54,7 +54,8 @@ void write_flash_models(cli::Run& run, const std::string& folder, const io::Gaus
   for (const std::string& note : io::write_splat(folder + "/object.ply", ply, keep)) run.monitor().warn(note);
   for (const std::string& note : io::write_splat(folder + "/background.ply", ply, rest)) run.monitor().warn(note);
   const std::vector<io::NamedLabels> objects{{"object", labels}};
-  io::write_labelled_ply(folder + "/labelled.ply", ply, objects);
+  const std::vector<float> fixed(keep.size(), 1);  // ngs-extract would vote again about Gaussians that no view sees
+  io::write_labelled_ply(folder + "/labelled.ply", ply, objects, {.fixed = fixed});
 }
 
 std::vector<PixelMask> read_flash_masks(const std::string& folder, const FlashCut& cut) {
