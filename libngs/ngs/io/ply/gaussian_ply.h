@@ -98,16 +98,16 @@ void write_strict_ply(const std::string& path, const GaussianPly& ply, const std
                       const std::vector<std::string>& history = {});
 
 struct LabelledWrite {
-  const GaussianCloud* edited = nullptr;     // optimised attributes; null: the input's. Unusable rows and values
-                                             // equal to the input's keep the input's bits
-  std::span<const std::int64_t> source_row;  // [edited rows] row of the input that a row descends from (its
-                                             // other columns are copied); empty: the same rows as the input
-  std::span<const float> fixed;              // [rows] adds ngs_fixed; empty: the input's column, if any, is kept
-  std::span<const float> floater;            // [rows] adds ngs_floater; empty: the input's column, if any, is kept
-  std::span<const float> weight;             // [rows] adds ngs_weight; empty: none, whatever the input has
-  std::span<const std::uint8_t> state;       // [rows] adds `uchar state` (supersplat)
-  std::optional<BoundaryRule> rule = {};     // recorded in a comment; nullopt: the input's comment, if any, is copied
-  std::vector<std::string> history;          // appended to the input's comments
+  const GaussianCloud* edited = nullptr;          // optimised attributes; null: the input's. Unusable rows and values
+                                                  // equal to the input's keep the input's bits
+  std::span<const std::int64_t> source_row = {};  // [edited rows] row of the input that a row descends from (its
+                                                  // other columns are copied); empty: the same rows as the input
+  std::span<const float> fixed = {};              // [rows] adds ngs_fixed; empty: the input's column, if any, is kept
+  std::span<const float> floater = {};            // [rows] adds ngs_floater; empty: the input's column, if any, is kept
+  std::span<const float> weight = {};             // [rows] adds ngs_weight; empty: none, whatever the input has
+  std::span<const std::uint8_t> state = {};       // [rows] adds `uchar state` (supersplat)
+  std::optional<BoundaryRule> rule = {};  // recorded in a comment; nullopt: the input's comment, if any, is copied
+  std::vector<std::string> history = {};  // appended to the input's comments
 };
 
 /// Labels owned by the caller.
