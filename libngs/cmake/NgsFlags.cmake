@@ -31,6 +31,10 @@ if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
   target_compile_options(ngs_flags INTERFACE
     $<$<COMPILE_LANGUAGE:CXX>:-Wno-bitwise-instead-of-logical -Wno-sign-conversion>)
 endif()
+set(NGS_OTHER_SYSTEM "_windows\\.cpp$")  # sources that are not compiled
+if(WIN32)
+  set(NGS_OTHER_SYSTEM "_posix\\.cpp$")
+endif()
 if(NGS_WERROR)
   target_compile_options(ngs_flags INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Werror>)
 endif()

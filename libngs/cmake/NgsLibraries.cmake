@@ -3,7 +3,7 @@ if(NGS_ONE_PROGRAM)  # needs nothing but the C library where it runs
   set(CMAKE_FIND_LIBRARY_SUFFIXES ${CMAKE_STATIC_LIBRARY_SUFFIX})
 endif()
 # libgomp is linked statically where it exists as an archive: the tools set its spin count before it starts
-# (tools/shared/run/start/thread_wait.cpp), and a binary runs where the compiler's libraries are not installed.
+# (tools/shared/os/start/thread_wait.cpp), and a binary runs where the compiler's libraries are not installed.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT NGS_SANITIZE)
   execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=libgomp.a
     OUTPUT_VARIABLE gomp_archive OUTPUT_STRIP_TRAILING_WHITESPACE)

@@ -15,7 +15,8 @@ using test::SourceFile;
 using Offenders = std::vector<std::string>;
 
 const std::map<std::string, std::set<std::string>> kMayInclude = {
-    {"core", {"core"}},
+    {"os", {"os"}},
+    {"core", {"os", "core"}},
     {"math", {"core", "math"}},
     {"scene", {"core", "math", "scene"}},
     {"backend", {"core", "math", "scene", "backend"}},
@@ -25,7 +26,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"stages", {"core", "math", "scene", "backend", "ops", "options", "problem", "stages"}},
     {"passes", {"core", "math", "scene", "backend", "ops", "options", "problem", "stages", "passes"}},
     {"methods", {"core", "math", "scene", "backend", "ops", "options", "problem", "stages", "methods"}},
-    {"io", {"core", "math", "scene", "options", "io"}},
+    {"io", {"os", "core", "math", "scene", "options", "io"}},
 };
 
 struct Confinement {
@@ -58,9 +59,9 @@ const std::vector<Confinement>& confinements() {
     only("httplib\\.h", "tools/ngs-studio/.*", "cpp-httplib belongs to tools/ngs-studio/");
     only("omp\\.h", "libngs/ngs/backend/.*", "OpenMP belongs to backend/");
     only("(immintrin|arm_neon)\\.h", "libngs/ngs/math/.*", "vector intrinsics belong to math/");
-    only("(sys/.*|unistd|fcntl|dlfcn|spawn|sched|signal|poll|termios|pthread)(\\.h)?",
-         "libngs/ngs/(io/files/.*|io/image/image_codecs\\.cpp|core/monitor\\.cpp)|(tools|tests)/.*",
-         "the operating system belongs to io/files, image_codecs.cpp, monitor.cpp and the tools");
+    only("(sys/.*|unistd|fcntl|dlfcn|spawn|sched|signal|poll|termios|pthread|malloc|windows|winsock2|io)(\\.h)?",
+         "libngs/ngs/(os/.*|io/image/image_codecs\\.cpp)|tools/shared/os/.*|tests/.*",
+         "the operating system belongs to os/ of libngs and of tools/shared, and to image_codecs.cpp");
     only("(cuda|cub/|thrust/|cooperative_groups).*", "libngs/ngs/(backend/.*|.*\\.cuh?)",
          "CUDA belongs to backend/ and *.cu");
     return list;

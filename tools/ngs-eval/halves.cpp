@@ -181,7 +181,7 @@ std::string table_of(const Json& metrics) {
 /// FOLDER/NAME if it exists.
 std::optional<std::string> file_in(const std::string& folder, const char* name) {
   const fs::path path = fs::path(folder) / name;
-  return fs::is_regular_file(path) ? std::optional(path.string()) : std::nullopt;
+  return fs::is_regular_file(path) ? std::optional(path.generic_string()) : std::nullopt;
 }
 
 }  // namespace

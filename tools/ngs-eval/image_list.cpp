@@ -37,7 +37,7 @@ void add_images_below(const fs::path& folder, const std::string& prefix, int dep
 ImageList list_images(const std::string& path) {
   if (!fs::is_directory(path)) {
     const fs::path file(path);
-    return {file.has_parent_path() ? file.parent_path().string() : ".", {file.filename().string()}};
+    return {file.has_parent_path() ? file.parent_path().generic_string() : ".", {file.filename().string()}};
   }
   ImageList list{path, {}};
   add_images(path, "", list.names);

@@ -1,7 +1,5 @@
 #include "run.h"
 
-#include <malloc.h>
-
 #include <algorithm>
 
 #include "fixed_decisions.h"
@@ -19,6 +17,7 @@
 #include "ngs/stages/boundary/variance_stage.h"
 #include "ngs/stages/optimise/first_queries.h"
 #include "photo_match.h"
+#include "shared/os/machine.h"
 #include "shared/run/checkpoints.h"
 #include "shared/scene/scene_model.h"
 #include "step_files.h"
@@ -170,7 +169,7 @@ class MethodRun {
     }
     if (!options_.pipeline.run(PassStage::kRepair, passes)) return run_.stop_code();
     coarse.clear_cache();  // the decisions that need it have been made
-    malloc_trim(0);
+    os::release_freed_memory();
     return options_.runs_passes() ? optimise(passes, std::move(identity), full) : baseline(passes);
   }
 
@@ -263,7 +262,7 @@ class MethodRun {
     if (!options_.pipeline.run(PassStage::kOptimise, passes)) return run_.stop_code();
     views.clear_cache();
     passes.trainer.reset();  // unused from here on, and as large as the model
-    malloc_trim(0);
+    os::release_freed_memory();
     return write(passes);
   }
 

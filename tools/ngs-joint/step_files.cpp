@@ -50,7 +50,7 @@ std::int64_t step_in(const std::string& path, const std::string& text, std::int6
 }  // namespace
 
 std::string StepFile::path_in(const std::string& folder) {
-  return (std::filesystem::path(folder) / "checkpoint.safetensors").string();
+  return (std::filesystem::path(folder) / "checkpoint.safetensors").generic_string();
 }
 
 const std::optional<Json>& StepFile::resumed(const Json& known) {

@@ -10,6 +10,7 @@
 #include "ngs/io/files/unfinished_files.h"
 #include "ngs/io/image/image_file.h"
 #include "segmenters.h"
+#include "shared/os/files.h"
 #include "shared/run/child_process.h"
 #include "shared/run/line_program.h"
 
@@ -22,8 +23,8 @@ namespace fs = std::filesystem;
 struct ScratchFolder {
   std::string path;
   io::UnfinishedFile cleanup;
-  ScratchFolder() : path((fs::temp_directory_path() / "ngs-mask-XXXXXX").string()) {
-    if (mkdtemp(path.data()) == nullptr)
+  ScratchFolder() : path((fs::temp_directory_path() / "ngs-mask-XXXXXX").generic_string()) {
+    if (!os::make_temporary_folder(path))
       throw Error(ErrorCode::kEnvironment, path + ": cannot be created: " + std::strerror(errno),
                   "set TMPDIR to a writable folder");
     cleanup.note(path.c_str());

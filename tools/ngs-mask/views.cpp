@@ -39,7 +39,7 @@ MaskViews::MaskViews(const Scene& scene, int detail)
 }
 
 std::string MaskViews::file_in(const std::string& folder, std::size_t view) const {
-  return (std::filesystem::path(folder) / (file_names_[view] + ".png")).string();
+  return (std::filesystem::path(folder) / (file_names_[view] + ".png")).generic_string();
 }
 
 ImageU8 MaskViews::photo(std::size_t view) const { return to_bytes(io::load_fine_photo(scene_, view, detail_)); }

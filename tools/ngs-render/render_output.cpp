@@ -40,7 +40,7 @@ ImageU8 binary_mask(const ImageF& label, std::size_t object, double threshold) {
 std::string prepared(const std::filesystem::path& folder, const std::string& file) {
   const std::filesystem::path path = folder / file;
   std::filesystem::create_directories(path.parent_path());
-  return path.string();
+  return path.generic_string();
 }
 
 std::filesystem::path layer_folder(const Destination& to, const std::set<std::string>& layers,
@@ -136,12 +136,13 @@ std::vector<std::string> file_names(const Scene& scene, FileNames names) {
 
 std::vector<std::string> files_of(const Destination& to, const Objects& objects, const std::set<std::string>& layers,
                                   Format format) {
-  if (format == Format::kExr) return {(std::filesystem::path(to.folder) / (to.stem + ".exr")).string()};
+  if (format == Format::kExr) return {(std::filesystem::path(to.folder) / (to.stem + ".exr")).generic_string()};
   std::vector<std::string> files;
   for (const std::string& layer : layers) {
     const std::filesystem::path folder = layer_folder(to, layers, layer);
     for (std::size_t k = 0; k < (layer == "mask" ? objects.names.size() : 1); ++k)
-      files.push_back(((layer == "mask" ? mask_folder(folder, objects, k) : folder) / (to.stem + ".png")).string());
+      files.push_back(
+          ((layer == "mask" ? mask_folder(folder, objects, k) : folder) / (to.stem + ".png")).generic_string());
   }
   return files;
 }

@@ -120,7 +120,7 @@ void write_picture(const std::string& folder, const ShownView& view, const Image
   std::replace(object.begin(), object.end(), '/', '_');
   const fs::path file = fs::path(folder) / (view.view + (object.empty() ? "" : " " + object) + ".png");
   fs::create_directories(file.parent_path());
-  io::write_png(file.string(), picture);
+  io::write_png(file.generic_string(), picture);
 }
 
 std::string figure_of(const std::string& name, const Found& found) {
@@ -135,7 +135,7 @@ std::string figure_of(const std::string& name, const Found& found) {
 }  // namespace
 
 std::string errors_section(const Exec& exec, RunFolder& run, Pictures& pictures, const std::string& folder) {
-  const std::string model = (fs::path(run.path) / "labelled.ply").string();
+  const std::string model = (fs::path(run.path) / "labelled.ply").generic_string();
   if (!run.scene || !fs::is_regular_file(model)) return {};
   Table table{
       .caption = "Wrong pixels of each view by cause, worst views first", .head = {"view", "wrong"}, .rows = {}};

@@ -75,7 +75,7 @@ ImageF splat_picture(const Exec& exec, const RunFolder& run, const ShownView& vi
   const fs::path path = fs::path(run.path) / wanted.file;
   if (!view.scene_view || !fs::is_regular_file(path)) return {};
   const Camera& camera = run.scene->views[*view.scene_view].camera;
-  const io::GaussianPly ply = io::read_gaussian_ply(path.string());
+  const io::GaussianPly ply = io::read_gaussian_ply(path.generic_string());
   RenderRequest request;
   request.background = wanted.behind;
   const double scale = double(wanted.width_px) / camera.width_px;
@@ -206,7 +206,7 @@ std::string marked_section(RunFolder& run, Pictures& pictures) {
   std::string html;
   for (const fs::path& file : files) {
     try {
-      const ImageF full = io::read_image_rgb(file.string(), {0, 0, 0});
+      const ImageF full = io::read_image_rgb(file.generic_string(), {0, 0, 0});
       const int width = std::min(kMarkedWidthPx, full.width_px);
       const int height = std::max(1, int(std::lround(double(full.height_px) * width / full.width_px)));
       const std::string name = file.filename().string();
@@ -231,7 +231,7 @@ std::string boundary_section(RunFolder& run, Pictures& pictures) {
   std::int64_t boundary = 0, object = 0;
   bool several = false;
   try {
-    const io::GaussianPly ply = io::read_gaussian_ply(path.string(), {io::HigherBands::kCheckOnly});
+    const io::GaussianPly ply = io::read_gaussian_ply(path.generic_string(), {io::HigherBands::kCheckOnly});
     const LabelColumns& labels = ply.labels;  // union over several objects
     several = ply.objects.size() > 1;
     if (labels.label.empty() || labels.boundary.empty()) return {};

@@ -23,11 +23,11 @@ constexpr std::uintmax_t kLargestJsonBytes = 256u << 20;
 
 std::string read_text(const fs::path& path) {
   if (fs::file_size(path) > kLargestJsonBytes)
-    throw Error(ErrorCode::kBadInput, path.string() + ": larger than 256 MiB, expected a report");
+    throw Error(ErrorCode::kBadInput, path.generic_string() + ": larger than 256 MiB, expected a report");
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;
   text << file.rdbuf();
-  if (!file) throw Error(ErrorCode::kBadInput, path.string() + ": cannot be read");
+  if (!file) throw Error(ErrorCode::kBadInput, path.generic_string() + ": cannot be read");
   return text.str();
 }
 
@@ -55,8 +55,9 @@ void read_reports(RunFolder& run) {
     const std::string name = entry.path().stem().string();
     if (entry.path().extension() != ".json" || name == "ngs-report") continue;
     if_present(run, entry.path(), [&] {
-      Json report = parse_json(read_text(entry.path()), entry.path().string());
-      if (!report.is_object()) throw Error(ErrorCode::kBadInput, entry.path().string() + ": expected a JSON object");
+      Json report = parse_json(read_text(entry.path()), entry.path().generic_string());
+      if (!report.is_object())
+        throw Error(ErrorCode::kBadInput, entry.path().generic_string() + ": expected a JSON object");
       const fs::path command = folder / (name + ".sh");
       run.reports.push_back(
           {name, std::move(report), fs::is_regular_file(command) ? read_text(command) : std::string()});
@@ -70,7 +71,7 @@ void read_reports(RunFolder& run) {
 void read_trace(RunFolder& run, const fs::path& path) {
   std::istringstream text(read_text(path));
   for (std::string line; std::getline(text, line);)
-    if (!line.empty()) run.trace.push_back(parse_json(line, path.string()));
+    if (!line.empty()) run.trace.push_back(parse_json(line, path.generic_string()));
 }
 
 /// Resolves a path in a report, relative to the run folder or to the working directory.
@@ -78,7 +79,7 @@ std::string found_path(const RunFolder& run, const std::string& path) {
   if (path.empty()) return {};
   std::error_code ignored;
   for (const fs::path& candidate : {fs::path(run.path) / path, fs::path(path)})
-    if (fs::is_regular_file(candidate, ignored)) return candidate.string();
+    if (fs::is_regular_file(candidate, ignored)) return candidate.generic_string();
   return {};
 }
 
@@ -149,10 +150,10 @@ void add_rendered_views(RunFolder& run) {
   if (!run.views.empty() || !fs::is_directory(folder)) return;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
     if (entry.path().extension() == ".png")
-      run.views.push_back({.view = image_stem(entry.path().lexically_relative(folder).string()),
+      run.views.push_back({.view = image_stem(entry.path().lexically_relative(folder).generic_string()),
                            .object = {},
                            .photo = {},
-                           .predicted = entry.path().string(),
+                           .predicted = entry.path().generic_string(),
                            .truth = {},
                            .input = {},
                            .scores = {}});
@@ -209,9 +210,11 @@ RunFolder read_run_folder(const std::string& path) {
   run.title = fs::weakly_canonical(path).filename().string();
   const fs::path folder(path);
   read_reports(run);
-  if_present(run, folder / "scene.json", [&] { run.scene = io::read_scene_json((folder / "scene.json").string()); });
+  if_present(run, folder / "scene.json",
+             [&] { run.scene = io::read_scene_json((folder / "scene.json").generic_string()); });
   const auto metrics = [&](const char* name, Json& json) {
-    if_present(run, folder / name, [&] { json = parse_json(read_text(folder / name), (folder / name).string()); });
+    if_present(run, folder / name,
+               [&] { json = parse_json(read_text(folder / name), (folder / name).generic_string()); });
   };
   metrics("metrics.json", run.metrics);
   if (run.metrics.is_null()) metrics("agreement.json", run.metrics);  // of ngs cut: against the masks from strokes

@@ -57,7 +57,7 @@ std::int64_t gaussians_in(const RunFolder& run, const char* file) {
   std::error_code unreadable;
   if (!std::filesystem::is_regular_file(path, unreadable)) return -1;
   try {
-    const io::PlyFile ply = io::PlyFile::header_of(path.string());
+    const io::PlyFile ply = io::PlyFile::header_of(path.generic_string());
     const io::PlyElement* rows = ply.find("vertex");
     return rows == nullptr ? -1 : std::int64_t(rows->count);
   } catch (const Error&) {  // overview_section() reports it

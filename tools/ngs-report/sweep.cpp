@@ -20,11 +20,11 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 Json read_json(const fs::path& path) {
   if (!fs::is_regular_file(path)) return nullptr;
-  return parse_json(read_text_file(path.string(), ErrorCode::kBadInput), path.string());
+  return parse_json(read_text_file(path.generic_string(), ErrorCode::kBadInput), path.generic_string());
 }
 
 int read_exit_code(const fs::path& path) {
-  const std::string text = read_text_file(path.string(), ErrorCode::kBadInput);
+  const std::string text = read_text_file(path.generic_string(), ErrorCode::kBadInput);
   int code = -1;
   std::from_chars(text.data(), text.data() + text.size(), code);
   return code;
@@ -40,7 +40,7 @@ SweepRun read_run(const fs::path& folder) {
   const Json metrics = read_json(folder / "metrics.json");
   if (run.exit_code == 0 || run.exit_code == 7) run.scores = value_at(metrics, {"mean"});
   if (!fs::is_regular_file(folder / "trace.jsonl")) return run;
-  std::istringstream lines(read_text_file((folder / "trace.jsonl").string(), ErrorCode::kBadInput));
+  std::istringstream lines(read_text_file((folder / "trace.jsonl").generic_string(), ErrorCode::kBadInput));
   for (std::string line; std::getline(lines, line);)
     if (Json step = parse_json(line, "trace.jsonl"); step.is_object() && step.contains("training_biou"))
       run.trace.push_back(std::move(step));

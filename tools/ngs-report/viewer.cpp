@@ -150,7 +150,7 @@ std::string for_script(const Json& json) {
 std::string viewer_beside(const std::string& page) {
   const fs::path path(page);
   const std::string stem = path.stem().string();
-  return (path.parent_path() / (stem == "report" ? "object.html" : stem + "-object.html")).string();
+  return (path.parent_path() / (stem == "report" ? "object.html" : stem + "-object.html")).generic_string();
 }
 
 bool has_object(const RunFolder& run) {
@@ -161,11 +161,11 @@ bool has_object(const RunFolder& run) {
 ViewerPage viewer_page(const RunFolder& run, const ViewerOptions& options) {
   const fs::path path = fs::path(run.path) / "object.ply";
   if (!fs::is_regular_file(path))
-    throw Error(ErrorCode::kBadInput, path.string() + ": no such file, expected the object for --viewer",
+    throw Error(ErrorCode::kBadInput, path.generic_string() + ": no such file, expected the object for --viewer",
                 "write it with ngs-extract --object");
-  const io::GaussianPly ply = io::read_gaussian_ply(path.string());
+  const io::GaussianPly ply = io::read_gaussian_ply(path.generic_string());
   io::SplatSelection selection = io::select_rows(ply.cloud, {});
-  if (selection.rows.empty()) throw Error(ErrorCode::kNothingFound, path.string() + ": no Gaussian to draw");
+  if (selection.rows.empty()) throw Error(ErrorCode::kNothingFound, path.generic_string() + ": no Gaussian to draw");
   const auto all = std::ssize(selection.rows);
   keep_largest(selection, std::size_t(options.gaussians));
   ViewerPage page;

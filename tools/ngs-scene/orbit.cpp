@@ -89,7 +89,7 @@ struct ImagesFolder {
 /// The folder images/ next to scene.json. Throws if it contains other files, such as photos, that would be lost.
 ImagesFolder images_folder(const std::string& scene_path) {
   const fs::path folder = fs::path(scene_path).parent_path() / "images";
-  ImagesFolder images{folder.string(), {}};
+  ImagesFolder images{folder.generic_string(), {}};
   std::error_code ignored;
   if (!fs::exists(folder, ignored)) return images;
   if (!fs::is_directory(folder, ignored))
@@ -101,7 +101,7 @@ ImagesFolder images_folder(const std::string& scene_path) {
                 images.path + ": contains files that are not renders of " + scene_path + ", expected none",
                 "choose another folder for scene.json");
   for (const std::string& name : io::list_images(images.path))
-    if (is_render_name(name)) images.earlier.push_back((folder / name).string());
+    if (is_render_name(name)) images.earlier.push_back((folder / name).generic_string());
   return images;
 }
 
@@ -124,7 +124,7 @@ Scene scene_of(const orbit::OrbitCameras& chosen, const std::string& model, cons
   for (const Camera& camera : chosen.cameras)
     scene.views.push_back(
         {resized(camera, scaled_size_px(width, scene.image_scale), scaled_size_px(height, scene.image_scale)),
-         (fs::path(folder) / camera.name).string(),
+         (fs::path(folder) / camera.name).generic_string(),
          {},
          Split::kTrain});
   return scene;
@@ -132,7 +132,7 @@ Scene scene_of(const orbit::OrbitCameras& chosen, const std::string& model, cons
 
 /// The contact sheet, next to scene.json. Throws if a file of this name is not from an earlier run.
 std::string sheet_path(const std::string& scene_path, const ImagesFolder& images) {
-  const std::string path = (fs::path(scene_path).parent_path() / "sheet.jpg").string();
+  const std::string path = (fs::path(scene_path).parent_path() / "sheet.jpg").generic_string();
   std::error_code ignored;
   if (images.earlier.empty() && fs::exists(path, ignored))
     throw Error(ErrorCode::kUsage, path + ": exists already, expected a free name for the contact sheet",
@@ -248,7 +248,7 @@ int orbit_command(int argc, char** argv) {
       return cli::kDone;
     }
     fs::create_directories(images.path);
-    io::write_file((fs::path(images.path) / kOfRenders).string(), "");
+    io::write_file((fs::path(images.path) / kOfRenders).generic_string(), "");
     const ContactSheet drawn = write_renders(run, ply.cloud, scene, chosen.cameras);
     const std::vector<std::uint8_t> jpeg = io::encode_jpeg(drawn.picture(), kSheetQuality);
     io::write_file(sheet, std::string(jpeg.begin(), jpeg.end()));

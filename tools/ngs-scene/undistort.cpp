@@ -164,7 +164,7 @@ class Undistortion {
                       [&](std::size_t v, const std::string& path) {
                         const std::string below = masks_dir.empty()
                                                       ? image_stem(views_[v].distorted.name) + ".png"
-                                                      : fs::path(path).lexically_relative(masks_dir).string();
+                                                      : fs::path(path).lexically_relative(masks_dir).generic_string();
                         const std::string to = folder_ + "/" + name + "/" + below;
                         make_folder_of(to);
                         if (!views_[v].lens) return copy_bytes(path, to);
@@ -176,7 +176,7 @@ class Undistortion {
     for (const Straightening& view : views_) cameras.push_back(view.straight);
     std::vector<SparsePoint> points;
     for (const char* name : {"points3D.bin", "points3D.txt"})
-      if (const std::string path = (fs::path(source_.file) / name).string();
+      if (const std::string path = (fs::path(source_.file) / name).generic_string();
           points.empty() && io::is_regular_file(path))
         points = io::read_points(path);
     io::write_colmap_text(folder_ + "/sparse/0", cameras, points);
@@ -240,7 +240,8 @@ int undistort_command(int argc, char** argv) {
     io::CaptureSource capture = io::read_capture(request);
     for (const std::string& note : capture.capture.notes) run.info(note);
     std::vector<std::string> folders = masks.paths;
-    if (const std::string found = (fs::path(capture.base) / "masks").string(); !masks && fs::is_directory(found))
+    if (const std::string found = (fs::path(capture.base) / "masks").generic_string();
+        !masks && fs::is_directory(found))
       folders.push_back(found);
     if (folders.empty()) folders.emplace_back();  // masks named in the source
     const std::size_t views = capture.capture.views.size();

@@ -181,7 +181,7 @@ Json Desk::export_files(Fields request) {
     exported_ = {{"files", std::move(files)},
                  {"format", choice.format},
                  {"folder", fs::path(place_.folder).filename().string()},
-                 {"path", fs::absolute(place_.folder).lexically_normal().string()}};
+                 {"path", fs::absolute(place_.folder).lexically_normal().generic_string()}};
     ++version_;
   });
   return state();

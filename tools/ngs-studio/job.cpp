@@ -81,7 +81,7 @@ void Job::work() {
 
 void Job::run_program(const JobStep& step) {
   std::vector<std::string> argv = step.words;
-  argv[0] = cli::sibling_path(argv[0]);
+  argv = cli::sibling_command(std::move(argv));
   for (const char* word : {"--log-format", "json"}) argv.emplace_back(word);
   std::string error, hint;
   const auto listen = [&](const std::string& line) {

@@ -1,6 +1,5 @@
 // ngs-studio: a local web page to mark objects of a splat, check and correct the selection, and cut the objects out.
 #include <chrono>
-#include <cstdlib>
 #include <filesystem>
 #include <sstream>
 #include <thread>
@@ -8,6 +7,7 @@
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
 #include "server.h"
+#include "shared/os/machine.h"
 #include "shared/run/child_process.h"
 #include "shared/run/sibling_program.h"
 #include "shared/tool.h"
@@ -35,7 +35,7 @@ std::string default_folder(const std::string& source) {
 
 void open_browser(cli::Run& run, const std::string& url) {
   try {
-    if (cli::run_child({"xdg-open", url}, {.time_s = 10}).code == 0) return;
+    if (cli::run_child(os::browser_command(url), {.time_s = 10}).code == 0) return;
   } catch (const Error&) {
   }
   run.info("no browser could be opened");
@@ -87,7 +87,7 @@ int main(int argc, char** argv) {
   return tool.run(argc, argv, [&](cli::Run& run) {
     if (visit) run.warn_unused({"--port", "--browser", "--record"}, "with --replay");
     if (run.dry_run()) return int(cli::kDone);
-    setenv("NGS_PROGRESS_S", "0.3", 0);  // of the programs that Refine and Export run
+    os::set_variable("NGS_PROGRESS_S", "0.3", false);  // of the programs that Refine and Export run
     const studio::StudioPlace place{source.path, out ? out.path : default_folder(source.path)};
     studio::Studio studio(run.exec(), place);
     if (visit) {
@@ -103,7 +103,7 @@ int main(int argc, char** argv) {
     }
     run.result()["latency"] = studio.log();
     run.info("response times\n" + table_of(studio.log()));
-    run.text("saved in " + std::filesystem::absolute(place.folder).lexically_normal().string() + "\n");
+    run.text("saved in " + std::filesystem::absolute(place.folder).lexically_normal().generic_string() + "\n");
     run.verbatim("continue with: " + cli::quoted_line({"ngs-studio", place.source, "-o", place.folder}) + "\n");
     return studio.has_quit() ? int(cli::kDone) : run.stop_code();
   });

@@ -1,9 +1,5 @@
 #include "server.h"
 
-#include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
@@ -13,6 +9,7 @@
 #include "httplib.h"
 #include "ngs/core/error.h"
 #include "page_files.h"
+#include "shared/os/socket.h"
 
 namespace ngs::studio {
 namespace {
@@ -22,7 +19,7 @@ using std::chrono::milliseconds;
 /// A connection with a deadline for each request: a client that sends single bytes slowly is disconnected.
 class TimedStream : public httplib::Stream {
  public:
-  explicit TimedStream(int socket) : socket_(socket) {}
+  explicit TimedStream(socket_t socket) : socket_(socket) {}
 
   /// Waits for the first byte of the next request, which starts the deadline; false: no byte came.
   bool wait_for_request(milliseconds patience, milliseconds request_time);
@@ -36,17 +33,17 @@ class TimedStream : public httplib::Stream {
   socket_t socket() const override { return socket_; }
 
  private:
-  bool ready(short event, milliseconds patience) const;
+  bool ready(os::SocketEvent event, milliseconds patience) const;
   milliseconds left() const;
 
-  int socket_;
+  socket_t socket_;
   std::chrono::steady_clock::time_point deadline_{};
   char buffer_[4096] = {};
   std::size_t begin_ = 0, end_ = 0;
 };
 
 bool TimedStream::wait_for_request(milliseconds patience, milliseconds request_time) {
-  if (begin_ == end_ && !ready(POLLIN, patience)) return false;
+  if (begin_ == end_ && !ready(os::SocketEvent::kReadable, patience)) return false;
   deadline_ = std::chrono::steady_clock::now() + request_time;
   return true;
 }
@@ -56,19 +53,18 @@ milliseconds TimedStream::left() const {
       std::max(std::chrono::steady_clock::duration::zero(), deadline_ - std::chrono::steady_clock::now()));
 }
 
-bool TimedStream::ready(short event, milliseconds patience) const {
-  pollfd wanted{socket_, event, 0};
-  return poll(&wanted, 1, int(patience.count())) > 0 && (wanted.revents & event) != 0;
+bool TimedStream::ready(os::SocketEvent event, milliseconds patience) const {
+  return os::socket_is_ready(os::Socket(socket_), event, patience.count());
 }
 
-bool TimedStream::is_readable() const { return begin_ < end_ || ready(POLLIN, left()); }
-bool TimedStream::is_writable() const { return ready(POLLOUT, milliseconds(0)); }
+bool TimedStream::is_readable() const { return begin_ < end_ || ready(os::SocketEvent::kReadable, left()); }
+bool TimedStream::is_writable() const { return ready(os::SocketEvent::kWritable, milliseconds(0)); }
 
 ssize_t TimedStream::read(char* to, std::size_t size) {
   if (begin_ == end_) {
-    if (left().count() == 0 || !ready(POLLIN, left())) return -1;
-    const ssize_t got = recv(socket_, buffer_, sizeof buffer_, 0);
-    if (got <= 0) return got;
+    if (left().count() == 0 || !ready(os::SocketEvent::kReadable, left())) return -1;
+    const std::int64_t got = os::receive_some(os::Socket(socket_), buffer_, sizeof buffer_);
+    if (got <= 0) return ssize_t(got);
     begin_ = 0, end_ = std::size_t(got);
   }
   const std::size_t some = std::min(size, end_ - begin_);
@@ -80,7 +76,7 @@ ssize_t TimedStream::read(char* to, std::size_t size) {
 /// The response has its own time limit: computing it may have used up that of the request.
 ssize_t TimedStream::write(const char* from, std::size_t size) {
   constexpr milliseconds kPatience(5000);
-  return ready(POLLOUT, kPatience) ? send(socket_, from, size, MSG_NOSIGNAL | MSG_DONTWAIT) : -1;
+  return ready(os::SocketEvent::kWritable, kPatience) ? ssize_t(os::send_now(os::Socket(socket_), from, size)) : -1;
 }
 
 constexpr std::size_t kMostBody = 1 << 20;
@@ -114,8 +110,7 @@ class TimedServer : public httplib::Server {
       bool closed = false;
       keep_alive = process_request(stream, n == kMostRequests, closed, nullptr) && !closed && !close_connection;
     }
-    shutdown(socket, SHUT_RDWR);
-    close(socket);
+    os::close_socket(os::Socket(socket));
     return keep_alive;
   }
 };

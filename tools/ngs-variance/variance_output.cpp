@@ -170,7 +170,7 @@ void write_layers(cli::Run& run, const LabelledScene& labelled, const SplatOptio
     image.text["ngs:schema"] = "ngs.variance.1";
     const std::filesystem::path file = std::filesystem::path(folder) / (names[view] + ".exr");
     std::filesystem::create_directories(file.parent_path());
-    io::write_exr(file.string(), image);
+    io::write_exr(file.generic_string(), image);
   }
 }
 

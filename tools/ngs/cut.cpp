@@ -32,7 +32,7 @@ std::string default_folder(const std::string& source) {
   if (name.empty()) name = "ngs";
   name += "-cut";
   const bool is_around = std::mismatch(path.begin(), path.end(), here.begin(), here.end()).first == path.end();
-  return (is_around ? (path.parent_path() / name).lexically_relative(here) : name).string();
+  return (is_around ? (path.parent_path() / name).lexically_relative(here) : name).generic_string();
 }
 
 /// Throws kUsage if the folder has files that are not from an earlier run.

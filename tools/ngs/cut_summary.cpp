@@ -145,8 +145,8 @@ StrokeHelp stroke_help(const CutChain& chain) {
   const Camera& first = scene.views.front().camera;
   StrokeHelp help;
   row(help.text, "pictures",
-      std::to_string(scene.views.size()) + " in " + fs::path(scene.views.front().image_path).parent_path().string() +
-          "/");
+      std::to_string(scene.views.size()) + " in " +
+          fs::path(scene.views.front().image_path).parent_path().generic_string() + "/");
   if (chain.inputs().kind == SourceKind::kSplat) {
     if (exists(chain.at("orbit/sheet.jpg")))
       row(help.text, "sheet", chain.at("orbit/sheet.jpg") + " shows all of them");

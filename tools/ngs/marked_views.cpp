@@ -65,7 +65,7 @@ void write_marked_views(cli::Run& run, const StrokeFiles& files, const std::stri
     }
     const fs::path file = fs::path(folder) / (names[index] + ".png");
     fs::create_directories(file.parent_path());
-    io::write_png(file.string(), to_bytes(picture));
+    io::write_png(file.generic_string(), to_bytes(picture));
   }
 }
 

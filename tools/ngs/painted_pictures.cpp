@@ -37,7 +37,7 @@ PaintedPictures rescue_painted(const std::string& folder, const std::string& rec
   for (const std::string& name : io::list_images(folder)) {
     if (!hashes.contains(name))
       (stems.contains(image_stem(name)) ? painted.other_format : painted.unknown).push_back(name);
-    else if (io::content_hash((fs::path(folder) / name).string()).xxh3 != hashes.at(name))
+    else if (io::content_hash((fs::path(folder) / name).generic_string()).xxh3 != hashes.at(name))
       painted.in_place.push_back(name);
   }
   for (const std::string& name : painted.all()) {
@@ -58,10 +58,12 @@ std::vector<std::string> strokes_on_copies(const std::vector<std::string>& strok
     if (is_folder(fs::path(path) / "") && fs::exists(copies, absent))
       out.push_back(copies), all_copies = true;
     else
-      out.push_back(is_folder(fs::path(path).parent_path() / "") && fs::exists(copy, absent) ? copy.string() : path);
+      out.push_back(is_folder(fs::path(path).parent_path() / "") && fs::exists(copy, absent) ? copy.generic_string()
+                                                                                             : path);
   }
   for (const std::string& name : painted.all())
-    if (const std::string copy = (fs::path(copies) / name).string(); !all_copies && !std::ranges::count(out, copy))
+    if (const std::string copy = (fs::path(copies) / name).generic_string();
+        !all_copies && !std::ranges::count(out, copy))
       out.push_back(copy);
   return out;
 }

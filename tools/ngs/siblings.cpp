@@ -1,11 +1,9 @@
 #include "siblings.h"
 
-#include <unistd.h>
-
-#include <cerrno>
 #include <cstring>
 
 #include "ngs/core/error.h"
+#include "shared/os/process.h"
 #include "shared/run/sibling_program.h"
 
 namespace ngs::front {
@@ -30,12 +28,11 @@ const std::vector<Sibling>& siblings() {
 }
 
 void exec_program(const std::string& program, const std::vector<std::string>& words) {
-  const std::string path = cli::sibling_path(program);
-  std::vector<char*> argv{const_cast<char*>(path.c_str())};
-  for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
-  argv.push_back(nullptr);
-  execv(path.c_str(), argv.data());
-  throw Error(ErrorCode::kEnvironment, path + ": cannot be started: " + std::strerror(errno));
+  std::vector<std::string> argv{program};
+  argv.insert(argv.end(), words.begin(), words.end());
+  argv = cli::sibling_command(std::move(argv));
+  const int reason = os::become(argv);
+  throw Error(ErrorCode::kEnvironment, argv[0] + ": cannot be started: " + std::strerror(reason));
 }
 
 }  // namespace ngs::front

@@ -9,6 +9,7 @@
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/json_file.h"
 #include "shared/cli/exit_code.h"
+#include "shared/os/machine.h"
 #include "shared/run/child_process.h"
 #include "shared/run/console.h"
 #include "shared/run/sibling_program.h"
@@ -110,12 +111,12 @@ bool StageRunner::run(const std::string& name, const Words& words) {
   if (run_.monitor().stop_requested()) return false;
   fs::create_directories(folder_ + "/reports");
   io::write_file(folder_ + "/reports/" + name + ".sh", commands_.back() + "\n");
-  argv[0] = cli::sibling_path(argv[0]);
+  argv = cli::sibling_command(std::move(argv));
   for (const char* word : {"--log-format", "json"}) argv.emplace_back(word);
 
   const auto timed = run_.monitor().scope(name);
   begin(name);
-  setenv("NGS_PROGRESS_S", "0.3", 1);  // short enough to update the progress of ngs cut
+  os::set_variable("NGS_PROGRESS_S", "0.3", true);  // short enough to update the progress of ngs cut
   const double start_s = wall_seconds();
   error_.clear(), hint_.clear();
   const cli::SignalGrace waits;  // until the tool has ended and removed its unfinished files

@@ -1,7 +1,5 @@
 #include "shared/tool.h"
 
-#include <malloc.h>
-
 #include <filesystem>
 #include <locale>
 #include <new>
@@ -9,6 +7,7 @@
 #include "ngs/core/error.h"
 #include "shared/cli/command_line.h"
 #include "shared/cli/help.h"
+#include "shared/os/machine.h"
 #include "shared/run/execute.h"
 #include "shared/run/report.h"
 #include "shared/text/layout.h"
@@ -125,18 +124,11 @@ int guarded(Console& console, const std::function<int()>& body) {
   }
 }
 
-/// Keeps the memory of images and lists that are freed after every view, so that the system does not clear its pages
-/// again.
-void keep_freed_memory() {
-  mallopt(M_MMAP_THRESHOLD, 32 << 20);
-  mallopt(M_TRIM_THRESHOLD, 256 << 20);
-}
-
 }  // namespace
 
 int Tool::run(int argc, char** argv, const std::function<int(Run&)>& body) {
   std::locale::global(std::locale::classic());
-  keep_freed_memory();
+  os::keep_freed_memory();
   Spec& spec = impl_->spec;
   Console early(spec.name, LogLevel::kWarning, LogFormat::kText);
   CommonFlags flags;

@@ -1,27 +1,10 @@
 #include "ngs/core/monitor.h"
 
-#include <sys/resource.h>
-
 #include <chrono>
 
+#include "ngs/os/process_usage.h"
+
 namespace ngs {
-namespace {
-
-double cpu_seconds() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& t) { return double(t.tv_sec) + 1e-6 * double(t.tv_usec); };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
-
-double peak_rss_mib() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return double(usage.ru_maxrss) / 1024.0;
-}
-
-}  // namespace
-
 double wall_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -29,7 +12,7 @@ double wall_seconds() {
 Monitor::Monitor() : current_(&root_) {}
 
 Monitor::Scope::Scope(Monitor& monitor, std::string name)
-    : monitor_(monitor), parent_(monitor.current_), wall_start_(wall_seconds()), cpu_start_(cpu_seconds()) {
+    : monitor_(monitor), parent_(monitor.current_), wall_start_(wall_seconds()), cpu_start_(os::cpu_seconds()) {
   // A step that runs many times under one parent is one node: its times add up.
   for (StageNode& child : parent_->children)
     if (child.name == name) node_ = &child, name.clear();
@@ -42,8 +25,8 @@ Monitor::Scope::Scope(Monitor& monitor, std::string name)
 
 Monitor::Scope::~Scope() {
   node_->wall_s += wall_seconds() - wall_start_;
-  node_->cpu_s += cpu_seconds() - cpu_start_;
-  node_->max_rss_mib = peak_rss_mib();
+  node_->cpu_s += os::cpu_seconds() - cpu_start_;
+  node_->max_rss_mib = os::peak_rss_mib();
   monitor_.current_ = parent_;
   if (monitor_.on_stage_end) monitor_.on_stage_end(node_->name);
 }

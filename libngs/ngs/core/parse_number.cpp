@@ -1,21 +1,15 @@
 #include "ngs/core/parse_number.h"
 
-#include <locale.h>
-
 #include <cmath>
-#include <cstdlib>
 #include <string>
+
+#include "ngs/os/plain_number.h"
 
 namespace ngs {
 namespace {
 
-locale_t plain_locale() {
-  static const locale_t plain = newlocale(LC_ALL_MASK, "C", nullptr);
-  return plain;
-}
-
-float convert(const char* text, char** stop, float) { return strtof_l(text, stop, plain_locale()); }
-double convert(const char* text, char** stop, double) { return strtod_l(text, stop, plain_locale()); }
+float convert(const char* text, char** stop, float) { return os::plain_strtof(text, stop); }
+double convert(const char* text, char** stop, double) { return os::plain_strtod(text, stop); }
 
 bool begins_number(std::string_view text) {
   if (text.starts_with('-')) text.remove_prefix(1);

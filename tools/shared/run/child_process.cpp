@@ -1,11 +1,5 @@
 #include "shared/run/child_process.h"
 
-#include <fcntl.h>
-#include <signal.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
@@ -19,8 +13,8 @@
 
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
-
-extern char** environ;
+#include "ngs/os/output_file.h"
+#include "shared/os/files.h"
 
 namespace ngs::cli {
 namespace {
@@ -30,16 +24,16 @@ constexpr std::size_t kLastWords = 2000;
 /// An unnamed file for the output of the child; a pipe would have to be read while the child runs.
 struct Transcript {
   int descriptor = -1;
-  off_t position = 0;  // read so far
-  std::string line;    // the last line, as far as it was read
+  std::int64_t position = 0;  // read so far
+  std::string line;           // the last line, as far as it was read
   Transcript() { descriptor = unnamed_file(); }
-  ~Transcript() { close(descriptor); }
+  ~Transcript() { os::close_file(descriptor); }
   Transcript(const Transcript&) = delete;
 
   /// Calls `on_line` for every line completed since the last call.
   void read_on(const std::function<void(const std::string&)>& on_line) {
     char block[4096];
-    for (ssize_t count; (count = pread(descriptor, block, sizeof block, position)) > 0;) {
+    for (std::int64_t count; (count = os::read_at(descriptor, block, sizeof block, position)) > 0;) {
       position += count;
       for (const char c : std::string_view(block, std::size_t(count))) {
         if (c != '\n') {
@@ -55,17 +49,16 @@ struct Transcript {
 }  // namespace
 
 int unnamed_file() {
-  std::string name = (std::filesystem::temp_directory_path() / "ngs-child-XXXXXX").string();
-  const int descriptor = mkostemp(name.data(), O_CLOEXEC);
+  const std::string name = (std::filesystem::temp_directory_path() / "ngs-child-XXXXXX").generic_string();
+  const int descriptor = os::unnamed_file(name);
   if (descriptor < 0) throw Error(ErrorCode::kEnvironment, name + ": cannot be created: " + std::strerror(errno));
-  unlink(name.c_str());
   return descriptor;
 }
 
 std::string output_tail_of(int descriptor) {
-  const off_t size = lseek(descriptor, 0, SEEK_END), from = size > off_t(kLastWords) ? size - off_t(kLastWords) : 0;
-  std::string text(std::size_t(std::max(off_t(0), size - from)), '\0');
-  const ssize_t count = pread(descriptor, text.data(), text.size(), from);
+  const std::int64_t size = std::max<std::int64_t>(0, os::size_of_file(descriptor));
+  std::string text(std::min(std::size_t(size), kLastWords), '\0');
+  const std::int64_t count = os::read_at(descriptor, text.data(), text.size(), size - std::int64_t(text.size()));
   text.resize(count > 0 ? std::size_t(count) : 0);
   while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.pop_back();
   for (char& c : text)
@@ -73,34 +66,10 @@ std::string output_tail_of(int descriptor) {
   return text;
 }
 
-int spawn_program(const std::vector<std::string>& argv, const Descriptors& given) {
-  std::vector<char*> words;
-  for (const std::string& word : argv) words.push_back(const_cast<char*>(word.c_str()));
-  words.push_back(nullptr);
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  if (given.in < 0)
-    posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  else
-    posix_spawn_file_actions_adddup2(&files, given.in, STDIN_FILENO);
-  posix_spawn_file_actions_adddup2(&files, given.out, STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&files, given.err, STDERR_FILENO);
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  sigset_t none, defaults;
-  sigemptyset(&none), sigemptyset(&defaults);
-  for (const int number : {SIGTERM, SIGINT, SIGUSR1, SIGPIPE, SIGXFSZ, SIGCHLD}) sigaddset(&defaults, number);
-  posix_spawnattr_setsigmask(&attributes, &none);
-  posix_spawnattr_setsigdefault(&attributes, &defaults);
-  posix_spawnattr_setflags(&attributes, short(POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF));
-  pid_t child = 0;
-  const int status = posix_spawnp(&child, words[0], &files, &attributes, words.data(), environ);
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&files);
-  if (status != 0)
-    throw Error(ErrorCode::kEnvironment, argv[0] + ": cannot be started: " + std::strerror(status),
+void start_program(os::Process& process, const std::vector<std::string>& argv, const os::Descriptors& descriptors) {
+  if (const int reason = process.start(argv, descriptors); reason != 0)
+    throw Error(ErrorCode::kEnvironment, argv[0] + ": cannot be started: " + std::strerror(reason),
                 "name a program that is in PATH, or give its full path");
-  return child;
 }
 
 std::vector<std::string> split_command(const std::string& line) {
@@ -157,39 +126,38 @@ std::vector<std::string> fill_placeholders(std::vector<std::string> words,
 ChildResult run_child(const std::vector<std::string>& argv, const ChildLimits& limits) {
   NGS_CHECK(!argv.empty(), "a program to run");
   Transcript transcript;
-  const pid_t child = spawn_program(argv, {.out = transcript.descriptor, .err = transcript.descriptor});
+  os::Process child;
+  start_program(child, argv, {.in = -1, .out = transcript.descriptor, .err = transcript.descriptor});
   using Clock = std::chrono::steady_clock;
   const auto since = [](Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
   };
   const Clock::time_point start = Clock::now();
   Clock::time_point asked{};
-  ChildResult result;
-  bool ending = false;
-  int status = 0;
-  pid_t ended = 0;
-  for (double pause_ms = 1; (ended = waitpid(child, &status, WNOHANG)) == 0 || (ended < 0 && errno == EINTR);
+  ChildResult::End why = ChildResult::End::kExited;
+  os::Process::Status status{};
+  for (double pause_ms = 1; (status = child.poll()).state == os::Process::State::kRunning;
        pause_ms = std::min(50.0, pause_ms * 1.5)) {
     const bool late = since(start) > limits.time_s, stopped = limits.stop && limits.stop();
-    if (!ending && (late || stopped)) {
-      ending = true, asked = Clock::now();
-      result.end = stopped ? ChildResult::End::kStopped : ChildResult::End::kTimedOut;
-      kill(-child, SIGTERM);
-    } else if (ending && since(asked) > (stopped ? limits.patience_on_stop_s : limits.patience_s)) {
-      kill(-child, SIGKILL);
+    if (why == ChildResult::End::kExited && (late || stopped)) {
+      asked = Clock::now();
+      why = stopped ? ChildResult::End::kStopped : ChildResult::End::kTimedOut;
+      child.request_end();
+    } else if (why != ChildResult::End::kExited &&
+               since(asked) > (stopped ? limits.patience_on_stop_s : limits.patience_s)) {
+      child.kill();
     }
     if (limits.on_line) transcript.read_on(limits.on_line);
     std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(pause_ms));
   }
   if (limits.on_line) transcript.read_on(limits.on_line);
-  if (ending) kill(-child, SIGKILL);  // processes that the child started
-  if (ended < 0 && !ending)
+  const bool ended_by_itself = why == ChildResult::End::kExited;
+  if (!ended_by_itself) child.kill();  // processes that the child started
+  if (status.state == os::Process::State::kLost && ended_by_itself)
     throw Error(ErrorCode::kEnvironment, argv[0] + ": its exit code is lost: " + std::strerror(errno),
                 "start this process with the default SIGCHLD handler: if SIGCHLD is ignored, exit codes are lost");
-  if (!ending && WIFSIGNALED(status)) result.end = ChildResult::End::kSignalled;
-  result.code = WIFEXITED(status) ? WEXITSTATUS(status) : WTERMSIG(status);
-  result.output_tail = output_tail_of(transcript.descriptor);
-  return result;
+  if (ended_by_itself && status.state == os::Process::State::kSignalled) why = ChildResult::End::kSignalled;
+  return {why, status.code, output_tail_of(transcript.descriptor)};
 }
 
 }  // namespace ngs::cli

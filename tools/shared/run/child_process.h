@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "shared/os/process.h"
+
 namespace ngs::cli {
 
 /// Words of a command line: blanks separate, '...' and "..." group, a backslash quotes the next character (not within
@@ -31,15 +33,10 @@ struct ChildLimits {
   std::function<void(const std::string& line)> on_line = {};  // called with each line of output while the child runs
 };
 
-/// Standard streams of a program; -1: /dev/null.
-struct Descriptors {
-  int in = -1, out = -1, err = -1;
-};
-/// Returns its process id, which is also its process group. Signal handlers are reset. Throws kEnvironment if it cannot
-/// be started.
-int spawn_program(const std::vector<std::string>& argv, const Descriptors& descriptors);
+/// Starts a program. Throws kEnvironment if it cannot be started.
+void start_program(os::Process& process, const std::vector<std::string>& argv, const os::Descriptors& descriptors);
 
-/// A new unnamed file; it vanishes when its descriptor is closed.
+/// A new unnamed file in the temporary folder (os::unnamed_file). Throws kEnvironment.
 int unnamed_file();
 /// The end of such a file, as in ChildResult::output_tail.
 std::string output_tail_of(int descriptor);

@@ -1,7 +1,5 @@
 #include "shared/run/console.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -9,6 +7,7 @@
 
 #include "ngs/core/monitor.h"
 #include "ngs/options/option_set.h"
+#include "shared/os/terminal.h"
 #include "shared/run/summary.h"
 #include "shared/text/layout.h"
 #include "shared/text/text_columns.h"
@@ -38,7 +37,7 @@ Console::Console(std::string tool, LogLevel level, LogFormat format)
       format_(format),
       last_progress_s_(wall_seconds()) {
   const char* no_colour = std::getenv("NO_COLOR");
-  terminal_ = format == LogFormat::kText && isatty(STDERR_FILENO) != 0;
+  terminal_ = format == LogFormat::kText && os::is_terminal(os::kStderr);
   const char* every_s = std::getenv("NGS_PROGRESS_S");
   progress_every_s_ = every_s != nullptr ? std::max(0.05, std::atof(every_s)) : terminal_ ? 0.1 : 10.0;
   colour_ = terminal_ && (no_colour == nullptr || *no_colour == '\0');
@@ -61,7 +60,7 @@ void Console::text(const std::string& lines) {
   if (level_ < LogLevel::kWarning) return;
   if (format_ == LogFormat::kJson) return line("text", "", lines);
   clear_progress();
-  write_stderr(terminal_ ? rewrapped(lines, terminal_columns(STDERR_FILENO)) : lines);
+  write_stderr(terminal_ ? rewrapped(lines, terminal_columns(os::kStderr)) : lines);
 }
 
 void Console::verbatim(const std::string& lines) {
@@ -77,7 +76,7 @@ void Console::line(std::string_view level, std::string_view colour, const std::s
     return write_stderr(json_line({{"tool", tool_}, {"event", level}, {"message", message}}));
   std::string text = tool_ + ": " + std::string(level) + ": ";
   if (terminal_ && message.find('\n') == message.npos)
-    text = wrapped(std::move(text), message, {2, terminal_columns(STDERR_FILENO)});
+    text = wrapped(std::move(text), message, {2, terminal_columns(os::kStderr)});
   else
     text += message;
   if (colour_ && !colour.empty())
@@ -104,7 +103,7 @@ bool Console::is_time_for_progress(double now_s) {
 
 void Console::write_progress(const std::string& text) {
   if (terminal_)
-    write_stderr("\r\033[K" + std::string(first_columns(text, terminal_columns(STDERR_FILENO) - 1)));
+    write_stderr("\r\033[K" + std::string(first_columns(text, terminal_columns(os::kStderr) - 1)));
   else
     write_stderr(text + "\n");
   std::fflush(stderr);

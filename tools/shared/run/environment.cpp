@@ -1,14 +1,12 @@
 #include "shared/run/environment.h"
 
-#include <sched.h>
-
-#include <algorithm>
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
 
 #include "ngs/backend/device_info.h"
 #include "ngs/core/error.h"
+#include "shared/os/machine.h"
 
 namespace ngs::cli {
 
@@ -25,9 +23,7 @@ int choose_threads(int flag) {
                   std::string("unset it or use -j"));
     return threads;
   }
-  cpu_set_t cpus;
-  if (sched_getaffinity(0, sizeof cpus, &cpus) != 0) return 1;
-  return std::max(1, CPU_COUNT(&cpus));
+  return os::processor_count();
 }
 
 const char* isa_name(Isa isa) {

@@ -1,16 +1,15 @@
 #include "shared/run/execute.h"
 
-#include <sys/resource.h>
-#include <unistd.h>
-
 #include <filesystem>
 
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/ops/device/cuda_ops.h"
 #include "ngs/options/option_warnings.h"
+#include "ngs/os/process_usage.h"
 #include "shared/cli/command_line.h"
 #include "shared/cli/exit_code.h"
+#include "shared/os/terminal.h"
 #include "shared/run/leftovers.h"
 #include "shared/run/paths.h"
 #include "shared/run/run_state.h"
@@ -19,13 +18,6 @@
 
 namespace ngs::cli {
 namespace {
-
-double process_cpu_seconds() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& t) { return double(t.tv_sec) + 1e-6 * double(t.tv_usec); };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
 
 void choose_where_to_compute(RunState& state) {
   state.exec.threads = choose_threads(state.flags.threads);
@@ -64,9 +56,9 @@ class OutputFolders {
         create(output.path);
         folders_.emplace_back(output.path);
       } else if (output && !output.directory) {
-        create(std::filesystem::path(output.path).parent_path().string());
+        create(std::filesystem::path(output.path).parent_path().generic_string());
       }
-    create(std::filesystem::path(state.flags.report_path).parent_path().string());
+    create(std::filesystem::path(state.flags.report_path).parent_path().generic_string());
   }
   void remove_empty() const {
     std::error_code not_empty;
@@ -116,7 +108,7 @@ Json report_of(const RunState& state, double wall_s, int exit_code) {
                       .result = state.result,
                       .plan = state.plan,
                       .wall_s = wall_s,
-                      .cpu_s = process_cpu_seconds(),
+                      .cpu_s = os::cpu_seconds(),
                       .exit_code = exit_code});
 }
 
@@ -147,7 +139,7 @@ int execute(Spec& spec, const CommonFlags& flags, Console& console, const std::f
   streams.copy_output();
   if (!flags.report_path.empty()) io::write_file(flags.report_path, json_document(report));
   const bool unasked = !spec.reports_on_request && flags.report_path.empty() && !streams.to_stdout();
-  if (flags.json || (unasked && isatty(STDOUT_FILENO) == 0)) print_json(report);
+  if (flags.json || (unasked && !os::is_terminal(os::kStdout))) print_json(report);
   if (exit_code < kInterrupted) console.summary(summary_text(spec, report));
   return exit_code;
 }

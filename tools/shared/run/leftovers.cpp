@@ -1,7 +1,5 @@
 #include "shared/run/leftovers.h"
 
-#include <sys/stat.h>
-
 #include <filesystem>
 #include <set>
 
@@ -11,21 +9,19 @@ namespace fs = std::filesystem;
 
 Leftovers::Leftovers(std::string folder) : folder_(std::move(folder)), before_(files_in(folder_)) {}
 
-std::map<std::string, Leftovers::File> Leftovers::files_in(const std::string& folder) {
-  std::map<std::string, File> files;
+std::map<std::string, os::FileVersion> Leftovers::files_in(const std::string& folder) {
+  std::map<std::string, os::FileVersion> files;
   std::error_code failed;
   for (fs::recursive_directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
-    struct stat status {};
-    if (::stat(entry->path().c_str(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
-    files[entry->path().lexically_relative(folder).string()] = {
-        status.st_ino, 1'000'000'000LL * status.st_mtim.tv_sec + status.st_mtim.tv_nsec};
+    const os::FileVersion version = os::version_of_file(entry->path().generic_string());
+    if (version.inode != 0) files[entry->path().lexically_relative(folder).generic_string()] = version;
   }
   return files;
 }
 
 std::vector<std::string> Leftovers::untouched() const {
   if (before_.empty()) return {};
-  const std::map<std::string, File> now = files_in(folder_);
+  const std::map<std::string, os::FileVersion> now = files_in(folder_);
   const auto is_old = [&](const std::string& name) {
     const auto old = before_.find(name), found = now.find(name);
     return old != before_.end() && found != now.end() && old->second == found->second;

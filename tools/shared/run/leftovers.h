@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "shared/os/files.h"
+
 namespace ngs::cli {
 
 class Leftovers {
@@ -17,15 +19,10 @@ class Leftovers {
   std::vector<std::string> untouched() const;
 
  private:
-  struct File {
-    unsigned long inode = 0;  // differs after a file was replaced
-    long long written_ns = 0;
-    bool operator==(const File&) const = default;
-  };
-  static std::map<std::string, File> files_in(const std::string& folder);
+  static std::map<std::string, os::FileVersion> files_in(const std::string& folder);
 
   std::string folder_;
-  std::map<std::string, File> before_;
+  std::map<std::string, os::FileVersion> before_;
 };
 
 }  // namespace ngs::cli

@@ -1,12 +1,5 @@
 #include "shared/run/line_program.h"
 
-#include <fcntl.h>
-#include <poll.h>
-#include <signal.h>
-#include <sys/socket.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <cerrno>
 #include <chrono>
 #include <cstring>
@@ -14,6 +7,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/core/monitor.h"
+#include "ngs/os/output_file.h"
 
 namespace ngs::cli {
 namespace {
@@ -23,39 +17,41 @@ constexpr double kPatienceAtEndS = 0.5;
 constexpr int kPollMs = 20;
 
 void close_descriptor(int& descriptor) {
-  if (descriptor >= 0) close(descriptor);
+  if (descriptor >= 0) os::close_file(descriptor);
   descriptor = -1;
 }
 
 }  // namespace
 
 LineProgram::LineProgram(const std::vector<std::string>& argv) : name_(argv[0]) {
-  // A socket, because writing to a pipe without a reader would end this process by SIGPIPE.
-  int socket[2], pipe[2];
-  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, socket) != 0 || pipe2(pipe, O_CLOEXEC) != 0)
-    throw Error(ErrorCode::kEnvironment, name_ + ": no connection to the program: " + std::strerror(errno));
-  to_ = socket[0], from_ = pipe[0];
+  os::Channels ends;
+  const bool is_open = os::open_channels(ends);
+  const int reason = errno;
+  to_ = ends.to, from_ = ends.from;
   try {
+    if (!is_open)
+      throw Error(ErrorCode::kEnvironment, name_ + ": no connection to the program: " + std::strerror(reason));
     err_file_ = unnamed_file();
-    process_ = spawn_program(argv, {.in = socket[1], .out = pipe[1], .err = err_file_});
+    start_program(process_, argv, {.in = ends.of_child_in, .out = ends.of_child_out, .err = err_file_});
   } catch (...) {
-    for (int* descriptor : {&socket[1], &pipe[1], &to_, &from_, &err_file_}) close_descriptor(*descriptor);
+    for (int* descriptor : {&ends.of_child_in, &ends.of_child_out, &to_, &from_, &err_file_})
+      close_descriptor(*descriptor);
     throw;
   }
-  close(socket[1]), close(pipe[1]);
+  close_descriptor(ends.of_child_in), close_descriptor(ends.of_child_out);
 }
 
 LineProgram::~LineProgram() {
   close_descriptor(to_);
-  if (process_ != 0) end(ChildResult::End::kExited, kPatienceAtEndS);
+  if (process_.is_started()) end(ChildResult::End::kExited, kPatienceAtEndS);
   close_descriptor(from_), close_descriptor(err_file_);
 }
 
 bool LineProgram::send(const std::string& text) const {
   for (std::size_t done = 0; done < text.size();) {
-    const ssize_t count = ::send(to_, text.data() + done, text.size() - done, MSG_NOSIGNAL);
-    if (count < 0 && errno != EINTR) return false;
-    done += count > 0 ? std::size_t(count) : 0;
+    const std::int64_t count = os::send_some(to_, text.data() + done, text.size() - done);
+    if (count < 0) return false;
+    done += std::size_t(count);
   }
   return true;
 }
@@ -73,25 +69,26 @@ std::optional<std::string> LineProgram::next_line() {
   return line;
 }
 
-/// Sends SIGTERM, or with kExited first waits `patience_s`, then sends it; after another `patience_s` sends SIGKILL.
+/// Requests it to end, or with kExited first waits `patience_s`, then requests it; after another `patience_s` kills it.
 ChildResult LineProgram::end(ChildResult::End why, double patience_s) {
   ChildResult result;
   result.end = why;
   double since_s = wall_seconds();
-  int status = 0, next_signal = why == ChildResult::End::kExited ? 0 : SIGTERM;
-  if (next_signal != 0) kill(-process_, next_signal);
-  pid_t ended = 0;
-  while ((ended = waitpid(process_, &status, WNOHANG)) == 0 || (ended < 0 && errno == EINTR)) {
+  bool is_requested = why != ChildResult::End::kExited;
+  if (is_requested) process_.request_end();
+  os::Process::Status status{};
+  while ((status = process_.poll()).state == os::Process::State::kRunning) {
     if (wall_seconds() - since_s > patience_s) {
-      next_signal = next_signal == 0 ? SIGTERM : SIGKILL, since_s = wall_seconds();
-      kill(-process_, next_signal);
+      is_requested ? process_.kill() : process_.request_end();
+      is_requested = true, since_s = wall_seconds();
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
-  kill(-process_, SIGKILL);  // processes that it started
-  process_ = 0;
-  if (why == ChildResult::End::kExited && WIFSIGNALED(status)) result.end = ChildResult::End::kSignalled;
-  result.code = WIFEXITED(status) ? WEXITSTATUS(status) : WTERMSIG(status);
+  process_.kill();  // processes that it started
+  process_.release();
+  if (why == ChildResult::End::kExited && status.state == os::Process::State::kSignalled)
+    result.end = ChildResult::End::kSignalled;
+  result.code = status.code;
   result.output_tail = output_tail_of(err_file_);
   return ended_ = result;
 }
@@ -99,17 +96,16 @@ ChildResult LineProgram::end(ChildResult::End why, double patience_s) {
 LineProgram::Answer LineProgram::ask(const std::string& line, const ChildLimits& limits) {
   using End = ChildResult::End;
   const double start_s = wall_seconds();
-  if (process_ == 0) return {.line = {}, .ended = ended_};
+  if (!process_.is_started()) return {.line = {}, .ended = ended_};
   if (!send(line + "\n")) return {.line = {}, .ended = end(End::kExited, limits.patience_s)};
   while (true) {
     while (std::optional<std::string> found = next_line())
       if (found->starts_with("{")) return {.line = std::move(*found), .ended = std::nullopt};
     if (limits.stop && limits.stop()) return {.line = {}, .ended = end(End::kStopped, limits.patience_on_stop_s)};
     if (wall_seconds() - start_s > limits.time_s) return {.line = {}, .ended = end(End::kTimedOut, limits.patience_s)};
-    pollfd readable{.fd = from_, .events = POLLIN, .revents = 0};
-    if (poll(&readable, 1, kPollMs) <= 0) continue;
+    if (!os::is_readable_within(from_, kPollMs)) continue;
     char block[4096];
-    const ssize_t count = read(from_, block, sizeof block);
+    const std::int64_t count = os::read_some(from_, block, sizeof block);
     if (count == 0) return {.line = {}, .ended = end(End::kExited, limits.patience_s)};
     if (count > 0) received_.append(block, std::size_t(count));
   }

@@ -35,7 +35,7 @@ class LineProgram {
   std::string name_, received_;
   int to_ = -1, from_ = -1, err_file_ = -1;  // its stdin, its stdout, a file with its stderr
   ChildResult ended_;
-  int process_ = 0;  // 0: has ended
+  os::Process process_;  // not started: has ended
 };
 
 }  // namespace ngs::cli

@@ -1,14 +1,12 @@
 #include "shared/run/paths.h"
 
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <map>
 
 #include "ngs/io/files/content_hash.h"
+#include "shared/os/files.h"
 
 namespace ngs::cli {
 namespace {
@@ -57,7 +55,7 @@ void require_place_for(const std::string& path) {
   fs::path folder = fs::absolute(path).lexically_normal().parent_path();
   while (folder.has_relative_path() && !fs::exists(folder, unreadable)) folder = folder.parent_path();
   if (fs::is_directory(folder, unreadable)) return;
-  throw Error(ErrorCode::kEnvironment, path + ": no folder: " + folder.string() + " is a file",
+  throw Error(ErrorCode::kEnvironment, path + ": no folder: " + folder.generic_string() + " is a file",
               "choose another path for the output");
 }
 
@@ -82,7 +80,7 @@ void check_output(const Spec& spec, const Output& output, bool overwrite) {
 
 void check_inputs(const Spec& spec) {
   for_each_input(spec, [](const std::string& name, const std::string& path) {
-    if (access(path.c_str(), R_OK) != 0)
+    if (!os::is_readable(path))
       throw Error(ErrorCode::kBadInput, path + ": " +
                                             (errno == ENOENT ? "no such file or folder" : std::strerror(errno)) +
                                             " (given as input '" + name + "')");

@@ -1,13 +1,12 @@
 #include "shared/run/run.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
 #include "ngs/ops/device/cuda_ops.h"
 #include "ngs/options/option_warnings.h"
+#include "shared/os/terminal.h"
 #include "shared/run/paths.h"
 #include "shared/run/run_state.h"
 #include "shared/run/signals.h"
@@ -55,7 +54,7 @@ void Run::progress(const ChainProgress& chain) { state_.console.progress(chain);
 void Run::info(const std::string& message) { state_.console.info(message); }
 void Run::text(const std::string& lines) { state_.console.text(lines); }
 void Run::verbatim(const std::string& lines) { state_.console.verbatim(lines); }
-int Run::columns() const { return isatty(STDERR_FILENO) == 0 ? 0 : terminal_columns(STDERR_FILENO); }
+int Run::columns() const { return os::is_terminal(os::kStderr) ? terminal_columns(os::kStderr) : 0; }
 int Run::stop_code() const { return signal_exit_code(); }
 
 void Run::add_input(const std::string& name, const std::string& path) {

@@ -1,28 +1,34 @@
 #include "shared/run/sibling_program.h"
 
-#include <unistd.h>
-
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 
 #include "ngs/core/error.h"
 #include "ngs/io/files/shell_word.h"
+#include "shared/os/files.h"
+#include "shared/os/machine.h"
 
 namespace ngs::cli {
 
 namespace fs = std::filesystem;
 
-std::string sibling_path(const std::string& program) {
-  std::error_code unknown;
-  const fs::path self = fs::read_symlink("/proc/self/exe", unknown);
-  const std::string path = (self.parent_path() / program).string();
-  if (unknown || access(path.c_str(), X_OK) != 0)
+std::vector<std::string> sibling_command(std::vector<std::string> words) {
+  const fs::path self = os::path_of_this_program();
+  const int unknown = self.empty() ? errno : 0;
+#ifdef _WIN32  // one program; a link to it would need rights that users do not have
+  if (words[0] == "ngs") words.erase(words.begin());
+  words.insert(words.begin(), self.generic_string());
+#else
+  const std::string program = words[0];
+  words[0] = (self.parent_path() / program).generic_string();
+  if (unknown != 0 || !os::is_executable(words[0]))
     throw Error(ErrorCode::kEnvironment,
-                path + ": " + (unknown ? unknown.message() : std::strerror(errno)) + ", expected the program " +
-                    program + " next to " + self.filename().string(),
+                words[0] + ": " + std::strerror(unknown != 0 ? unknown : errno) + ", expected the program " + program +
+                    " next to " + self.filename().string(),
                 "install all tools into one folder");
-  return path;
+#endif
+  return words;
 }
 
 std::string quoted_line(const std::vector<std::string>& words) {

@@ -1,9 +1,5 @@
 #include "shared/run/streams.h"
 
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
@@ -12,32 +8,18 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/files/mapped_file.h"
+#include "ngs/os/output_file.h"
+#include "shared/os/files.h"
+#include "shared/os/terminal.h"
 
 namespace ngs::cli {
 namespace {
 
-void write_all(int descriptor, const char* data, std::size_t bytes, const char* name) {
-  while (bytes > 0) {
-    const ssize_t written = ::write(descriptor, data, bytes);
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0)
-      throw Error(ErrorCode::kEnvironment, std::string(name) + ": cannot be written: " + std::strerror(errno));
-    data += written;
-    bytes -= std::size_t(written);
-  }
-}
-
-/// An unnamed file in memory with these bytes; it exists until the process ends.
+/// A file with these bytes; it exists until the process ends.
 std::string memory_file(std::string_view bytes) {
-  const int descriptor = memfd_create("ngs", MFD_CLOEXEC);
-  if (descriptor < 0) throw Error(ErrorCode::kEnvironment, std::string("memfd: ") + std::strerror(errno));
-  write_all(descriptor, bytes.data(), bytes.size(), "memory");
-  return "/proc/self/fd/" + std::to_string(descriptor);
-}
-
-bool is_pipe(const std::string& path) {
-  struct stat status {};
-  return stat(path.c_str(), &status) == 0 && (S_ISFIFO(status.st_mode) || S_ISSOCK(status.st_mode));
+  const std::string path = os::file_of_bytes(bytes);
+  if (path.empty()) throw Error(ErrorCode::kEnvironment, std::string("memory file: ") + std::strerror(errno));
+  return path;
 }
 
 }  // namespace
@@ -63,11 +45,9 @@ void Streams::redirect_output(Output& output) {
   if (output.directory || to_stdout())
     throw Error(ErrorCode::kUsage,
                 output.flags + ": '-', expected a " + (output.directory ? "folder" : "path: one output can be stdout"));
-  std::string name = (std::filesystem::temp_directory_path() / "ngs-stdout-XXXXXX").string();
-  const int descriptor = mkstemp(name.data());
-  if (descriptor < 0)
+  std::string name = (std::filesystem::temp_directory_path() / "ngs-stdout-XXXXXX").generic_string();
+  if (!os::make_temporary_file(name))
     throw Error(ErrorCode::kEnvironment, name + ": cannot be created: " + std::strerror(errno), "set TMPDIR");
-  ::close(descriptor);
   output_ = name;
   unfinished_.note(output_.c_str());
   redirections_.push_back({"-", output_});
@@ -75,15 +55,15 @@ void Streams::redirect_output(Output& output) {
 }
 
 Streams::~Streams() {
-  if (to_stdout()) ::unlink(output_.c_str());
+  if (to_stdout()) os::remove_file(output_.c_str());
 }
 
 void Streams::redirect_input(std::string& path, bool& stdin_taken) {
   const bool from_stdin = path == "-";
   if (from_stdin && stdin_taken) throw Error(ErrorCode::kUsage, "two inputs are '-', expected one at most");
-  if (!from_stdin && !is_pipe(path)) return;
+  if (!from_stdin && !os::is_pipe(path)) return;
   stdin_taken |= from_stdin;
-  const io::MappedFile bytes(from_stdin ? "/dev/stdin" : path);
+  const io::MappedFile bytes(from_stdin ? os::path_of_stdin() : path);
   redirections_.push_back({path, memory_file(bytes.text())});
   path = redirections_.back().path;
 }
@@ -97,7 +77,12 @@ std::string Streams::given(const std::string& path) const {
 void Streams::copy_output() const {
   if (!to_stdout()) return;
   const io::MappedFile bytes(output_);
-  write_all(STDOUT_FILENO, bytes.text().data(), bytes.text().size(), "stdout");
+  for (std::string_view rest = bytes.text(); !rest.empty();) {
+    const std::int64_t written = os::write_some(os::kStdout, rest.data(), rest.size());
+    if (written < 0)
+      throw Error(ErrorCode::kEnvironment, std::string("stdout: cannot be written: ") + std::strerror(errno));
+    rest.remove_prefix(std::size_t(written));
+  }
 }
 
 }  // namespace ngs::cli

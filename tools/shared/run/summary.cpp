@@ -1,7 +1,5 @@
 #include "shared/run/summary.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -12,6 +10,7 @@
 #include <vector>
 
 #include "shared/cli/exit_code.h"
+#include "shared/os/terminal.h"
 #include "shared/text/layout.h"
 
 namespace ngs::cli {
@@ -180,8 +179,7 @@ std::string summary_text(const Spec& spec, const Json& report) {
   if (const std::size_t warnings = report["warnings"].size(); warnings > 0)
     text += "  " + std::to_string(warnings) + (warnings == 1 ? " warning, see above\n" : " warnings, see above\n");
   if (const std::string next = next_command(spec); made && report["exit_code"] == kDone && !next.empty())
-    text +=
-        wrapped("  next: ", next, {8, terminal_columns(STDERR_FILENO), next.starts_with("ngs") ? " \\" : ""}) + "\n";
+    text += wrapped("  next: ", next, {8, terminal_columns(os::kStderr), next.starts_with("ngs") ? " \\" : ""}) + "\n";
   return text;
 }
 

@@ -39,7 +39,7 @@ std::vector<PromptFile> files_of(const std::vector<std::string>& paths) {
     std::vector<std::string> inside;
     for (const fs::directory_entry& entry : fs::directory_iterator(path, unreadable))
       for (const char* ending : {".png", ".jpg", ".jpeg", ".json"})
-        if (entry.path().extension() == ending) inside.push_back(entry.path().string());
+        if (entry.path().extension() == ending) inside.push_back(entry.path().generic_string());
     if (inside.empty())
       throw Error(ErrorCode::kBadInput, path + ": no prompts in this folder, expected PNG, JPEG or JSON files",
                   "put painted copies of the photos into it, under the same names");

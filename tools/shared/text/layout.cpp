@@ -1,13 +1,11 @@
 #include "shared/text/layout.h"
 
-#include <sys/ioctl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
 
+#include "shared/os/terminal.h"
 #include "shared/text/text_columns.h"
 
 namespace ngs::cli {
@@ -74,9 +72,8 @@ std::size_t hanging_indent(std::string_view line, std::size_t width) {
 
 int terminal_columns(int descriptor) {
   int columns = 0;
-  winsize size{};
   if (const char* text = std::getenv("COLUMNS")) std::from_chars(text, text + std::strlen(text), columns);
-  if (columns <= 0 && ioctl(descriptor, TIOCGWINSZ, &size) == 0) columns = size.ws_col;
+  if (columns <= 0) columns = os::terminal_width(descriptor);
   return columns <= 0 ? kColumnsOfNoTerminal : std::clamp(columns, kFewestColumns, kMostColumns);
 }
 

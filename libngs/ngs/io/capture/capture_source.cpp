@@ -41,7 +41,7 @@ std::string base_of_model(const std::string& source, const std::string& model) {
     named = named.parent_path(), base /= "..";
   }
   base = base.lexically_normal();
-  return (base.has_filename() ? base : base.parent_path()).string();
+  return (base.has_filename() ? base : base.parent_path()).generic_string();
 }
 
 struct Located {
@@ -55,16 +55,16 @@ std::vector<std::string> other_models(const std::string& model) {
   const fs::path path(model), above = path.parent_path();
   std::vector<std::string> others;
   if (path.filename() != "0") return others;
-  for (const std::string& name : list_folders(above.string()))
-    if (const std::string other = (above / name).string();
+  for (const std::string& name : list_folders(above.generic_string()))
+    if (const std::string other = (above / name).generic_string();
         name != "0" && name.find_first_not_of("0123456789") == name.npos && find_colmap_model(other) == other)
-      others.push_back((above.filename() / name).string());
+      others.push_back((above.filename() / name).generic_string());
   return others;
 }
 
 [[noreturn]] void refuse_without_cameras(const std::string& source) {
   for (const char* name : {"meta.json", "lod-meta.json"})
-    if (const std::string file = (fs::path(source) / name).string(); is_regular_file(file))
+    if (const std::string file = (fs::path(source) / name).generic_string(); is_regular_file(file))
       if (const std::string_view kind = sog_kind(read_json_file(file)); !kind.empty()) refuse_unpacked_sog(file, kind);
   const std::string splat = find_model(source).path;
   throw Error(ErrorCode::kBadInput,
@@ -83,9 +83,9 @@ Located locate(const std::string& source) {
     const fs::path folder = fs::path(source).parent_path();
     const std::string stem = fs::path(source).stem().string();  // a file of a COLMAP model means its folder
     if ((stem == "cameras" || stem == "images") && fs::path(source).extension() != ".json")
-      if (const std::string model = find_colmap_model(folder.empty() ? "." : folder.string()); !model.empty())
+      if (const std::string model = find_colmap_model(folder.empty() ? "." : folder.generic_string()); !model.empty())
         return {model, base_of_model(model, model), true, {}};
-    return {source, folder.empty() ? "." : folder.string(), false, {}};
+    return {source, folder.empty() ? "." : folder.generic_string(), false, {}};
   }
   std::error_code ignored;
   if (!fs::is_directory(source, ignored))
@@ -94,14 +94,14 @@ Located locate(const std::string& source) {
   if (const std::string model = find_colmap_model(source); !model.empty())
     found = {model, base_of_model(source, model), true, other_models(model)};
   for (const char* name : kKnownFiles) {
-    const std::string file = (fs::path(source) / name).string();
+    const std::string file = (fs::path(source) / name).generic_string();
     if (!is_regular_file(file)) continue;
     if (found.file.empty())
       found = {file, source, false, {}};
     else
       found.also.push_back(name);
   }
-  if (const std::string scene = (fs::path(source) / "scene.json").string();
+  if (const std::string scene = (fs::path(source) / "scene.json").generic_string();
       found.file.empty() && is_regular_file(scene))
     return {scene, source, false, {}};
   if (found.file.empty()) refuse_without_cameras(source);

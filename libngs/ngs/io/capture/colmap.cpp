@@ -14,8 +14,8 @@ namespace {
 namespace fs = std::filesystem;
 
 bool has_model(const fs::path& folder, const char* extension) {
-  return is_regular_file((folder / "cameras").string() + extension) &&
-         is_regular_file((folder / "images").string() + extension);
+  return is_regular_file((folder / "cameras").generic_string() + extension) &&
+         is_regular_file((folder / "images").generic_string() + extension);
 }
 
 ColmapCameras read_cameras(ByteReader reader, const ColmapReading& reading) {
@@ -42,7 +42,7 @@ ColmapCameras read_cameras(ByteReader reader, const ColmapReading& reading) {
 std::string find_colmap_model(const std::string& folder) {
   for (const char* below : {"", "sparse/0", "sparse", "0", "colmap/sparse/0"}) {
     const fs::path candidate = *below == '\0' ? fs::path(folder) : fs::path(folder) / below;
-    if (has_model(candidate, ".bin") || has_model(candidate, ".txt")) return candidate.string();
+    if (has_model(candidate, ".bin") || has_model(candidate, ".txt")) return candidate.generic_string();
   }
   return {};
 }

@@ -36,7 +36,7 @@ void note_other_endings(const std::vector<SceneView*>& views, std::vector<std::s
     const bool known = has_image_extension(view->camera.name) || has_unread_extension(view->camera.name);
     if (file.empty() || !known || lower_case(named.extension().string()) == lower_case(file.extension().string()))
       continue;
-    if (count++ == 0) first = view->camera.name + " is " + file.string();
+    if (count++ == 0) first = view->camera.name + " is " + file.generic_string();
   }
   if (count > 0)
     notes.push_back(std::to_string(count) + " photos have another file extension than the cameras name (" + first +
@@ -49,7 +49,7 @@ void note_unused_pictures(Capture& capture) {
   std::map<std::string, std::set<std::string>> used;  // names by folder
   for (const SceneView& view : capture.views)
     if (const fs::path file(view.image_path); !file.empty())
-      used[file.parent_path().string()].insert(file.filename().string());
+      used[file.parent_path().generic_string()].insert(file.filename().string());
   for (const auto& [folder, names] : used) {
     std::vector<std::string> others;
     for (const std::string& name : list_images(folder))
@@ -65,7 +65,7 @@ void note_other_photo_folders(const std::string& base, const std::string& used, 
   std::string others;
   std::error_code ignored;
   for (const std::string& name : list_folders(base)) {
-    const std::string folder = (fs::path(base) / name).string(), lower = lower_case(name);
+    const std::string folder = (fs::path(base) / name).generic_string(), lower = lower_case(name);
     const bool of_photos = lower.starts_with("image") || lower.starts_with("photo") || lower.starts_with("input");
     if (!of_photos || lower.find("mask") != lower.npos || fs::equivalent(folder, used, ignored)) continue;
     if (!find_photo(FolderIndex(folder), bare_name(capture.views[0].camera.name)).empty())
@@ -80,7 +80,7 @@ void note_folders_like(const std::string& base, Capture& capture) {
   const auto open = std::ranges::find_if(capture.views, [](const SceneView& view) { return view.image_path.empty(); });
   if (open == capture.views.end()) return;
   for (const std::string& name : list_folders(base)) {
-    const std::string folder = (fs::path(base) / name).string(), lower = lower_case(name);
+    const std::string folder = (fs::path(base) / name).generic_string(), lower = lower_case(name);
     const bool of_masks = lower.find("mask") != lower.npos || lower.starts_with("gt") || lower.ends_with("_gt");
     if (of_masks) continue;
     if (!find_photo(FolderIndex(folder), bare_name(open->camera.name)).empty())
@@ -141,7 +141,7 @@ void note_unused_photos(const std::string& base, Capture& capture) {
   note_unused_pictures(capture);
   note_folders_like(base, capture);
   const fs::path first = capture.views[0].image_path;
-  if (!first.empty()) note_other_photo_folders(base, first.parent_path().string(), capture);
+  if (!first.empty()) note_other_photo_folders(base, first.parent_path().generic_string(), capture);
 }
 
 }  // namespace ngs::io

@@ -177,7 +177,7 @@ void name_views(Capture& capture) {
     while (std::mismatch(shared.begin(), shared.end(), file.begin(), file.end()).first != shared.end())
       shared = shared.parent_path();
   for (std::size_t i = 0; i < files.size(); ++i)
-    capture.views[i].camera.name = files[i].lexically_relative(shared).string();
+    capture.views[i].camera.name = files[i].lexically_relative(shared).generic_string();
 }
 
 }  // namespace
@@ -218,8 +218,8 @@ Capture parse_transforms_json(const json& root, const TransformsSource& source) 
 }
 
 Capture read_transforms_json(const std::string& path, bool original_world, Distortion distortion) {
-  return parse_transforms_json(read_json_file(path), {fs::path(path).parent_path().string(), path, original_world,
-                                                      images_on_disk(), distortion});
+  return parse_transforms_json(read_json_file(path), {fs::path(path).parent_path().generic_string(), path,
+                                                      original_world, images_on_disk(), distortion});
 }
 
 WorldTransform read_world_transform(const std::string& path) {

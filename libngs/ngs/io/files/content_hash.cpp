@@ -40,7 +40,7 @@ std::string digits(const State& state) {
 
 ContentHash file_hash(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw Error(ErrorCode::kBadInput, path.string() + ": cannot be read: " + std::strerror(errno));
+  if (!file) throw Error(ErrorCode::kBadInput, path.generic_string() + ": cannot be read: " + std::strerror(errno));
   std::vector<char> chunk(1 << 20);
   ContentHash hash;
   const State state = new_state();
@@ -49,7 +49,7 @@ ContentHash file_hash(const fs::path& path) {
     XXH3_128bits_update(state.get(), chunk.data(), std::size_t(file.gcount()));
     hash.bytes += std::uint64_t(file.gcount());
   }
-  if (!file.eof()) throw Error(ErrorCode::kBadInput, path.string() + ": cannot be read");
+  if (!file.eof()) throw Error(ErrorCode::kBadInput, path.generic_string() + ": cannot be read");
   hash.xxh3 = digits(state);
   return hash;
 }
@@ -59,7 +59,7 @@ ContentHash folder_hash(const fs::path& folder) {
   std::error_code failed;
   for (fs::recursive_directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed))
     if (entry->is_regular_file()) names.push_back(entry->path().lexically_relative(folder).generic_string());
-  if (failed) throw Error(ErrorCode::kBadInput, folder.string() + ": " + failed.message());
+  if (failed) throw Error(ErrorCode::kBadInput, folder.generic_string() + ": " + failed.message());
   std::sort(names.begin(), names.end());
   ContentHash hash;
   const State state = new_state();

@@ -27,7 +27,7 @@ std::vector<std::string> list(const std::string& folder, const Keep& keep) {
 
 std::vector<std::string> list_images(const std::string& folder) {
   return list(folder, [](const fs::directory_entry& entry) {
-    return has_image_extension(entry.path().filename().string()) && is_regular_file(entry.path().string());
+    return has_image_extension(entry.path().filename().string()) && is_regular_file(entry.path().generic_string());
   });
 }
 
@@ -48,24 +48,24 @@ std::string lower_case(std::string_view name) {
 std::string folder_called(const std::string& folder, const std::string& name) {
   std::vector<std::string> alike;
   for (const std::string& found : list_folders(folder)) {
-    if (found == name) return (fs::path(folder) / name).string();
+    if (found == name) return (fs::path(folder) / name).generic_string();
     if (lower_case(found) == lower_case(name)) alike.push_back(found);
   }
-  return alike.size() == 1 ? (fs::path(folder) / alike[0]).string() : std::string();
+  return alike.size() == 1 ? (fs::path(folder) / alike[0]).generic_string() : std::string();
 }
 
 std::string FolderIndex::find(const std::string& name) const {
   const fs::path path = fs::path(folder_) / name;
-  if (is_regular_file(path.string())) return path.string();
+  if (is_regular_file(path.generic_string())) return path.generic_string();
   const std::string file = path.filename().string(), stem = image_stem(file);
   if (stem == file) return {};
-  const Stems& stems = stems_of(path.parent_path().string());
+  const Stems& stems = stems_of(path.parent_path().generic_string());
   std::string found;
   const auto find_among = [&](const auto& range, const std::string& folded) {
     for (auto entry = range.first; entry != range.second; ++entry) {
       if (folded_name(entry->second) != folded) continue;
       if (!found.empty()) return found.clear();
-      found = (path.parent_path() / entry->second).string();
+      found = (path.parent_path() / entry->second).generic_string();
     }
   };
   const std::string folded = folded_name(file);
@@ -76,10 +76,10 @@ std::string FolderIndex::find(const std::string& name) const {
 
 std::string FolderIndex::find_stem(const std::string& name) const {
   const fs::path stem(image_stem(name)), folder = fs::path(folder_) / stem.parent_path();
-  const Stems& stems = stems_of(folder.string());
+  const Stems& stems = stems_of(folder.generic_string());
   const std::string file = stem.filename().string(), folded = folded_name(file);
   const auto only = [&](const auto& of, const std::string& key) {
-    return of.count(key) == 1 ? (folder / of.find(key)->second).lexically_normal().string() : std::string();
+    return of.count(key) == 1 ? (folder / of.find(key)->second).lexically_normal().generic_string() : std::string();
   };
   return stems.exact.count(file) > 0 ? only(stems.exact, file) : only(stems.folded, folded);
 }
@@ -136,8 +136,9 @@ std::vector<FoundFile> files_of_views(const std::vector<std::string>& views, con
     const auto [other, is_free] = owner.emplace(bare.path, views[i]);
     if (!is_free) {
       const fs::path file(bare.path), folder = fs::path(views[i]).parent_path();
-      refuse_shared(bare.path, other->second, views[i],
-                    "keep the folders of the view names: " + (file.parent_path() / folder / file.filename()).string());
+      refuse_shared(
+          bare.path, other->second, views[i],
+          "keep the folders of the view names: " + (file.parent_path() / folder / file.filename()).generic_string());
     }
     files[i] = bare;
   }

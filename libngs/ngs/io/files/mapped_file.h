@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "ngs/os/input_file.h"
+
 namespace ngs::io {
 
 using Bytes = std::span<const std::uint8_t>;
@@ -20,7 +22,7 @@ class MappedFile {
   /// Throws kBadInput with the reason.
   explicit MappedFile(const std::string& path);
   /// Bytes that are already in memory, such as those of an unpacked archive.
-  explicit MappedFile(std::vector<std::uint8_t> bytes) : read_(std::move(bytes)) {}
+  explicit MappedFile(std::vector<std::uint8_t> bytes) { bytes_.read = std::move(bytes); }
   ~MappedFile();
   MappedFile(MappedFile&& other) noexcept { swap(other); }
   MappedFile& operator=(MappedFile&& other) noexcept {
@@ -28,7 +30,7 @@ class MappedFile {
     return *this;
   }
 
-  Bytes bytes() const { return map_ != nullptr ? Bytes(map_, map_bytes_) : Bytes(read_); }
+  Bytes bytes() const { return bytes_.map != nullptr ? Bytes(bytes_.map, bytes_.map_bytes) : Bytes(bytes_.read); }
   /// Releases the pages that have been loaded; a later access loads them again.
   void forget_pages() const;
   std::string_view text() const { return {reinterpret_cast<const char*>(bytes().data()), bytes().size()}; }
@@ -36,9 +38,7 @@ class MappedFile {
  private:
   void swap(MappedFile& other) noexcept;
 
-  const std::uint8_t* map_ = nullptr;
-  std::size_t map_bytes_ = 0;
-  std::vector<std::uint8_t> read_;
+  os::FileBytes bytes_;
 };
 
 }  // namespace ngs::io

@@ -26,12 +26,12 @@ bool lies_nowhere(const std::string& file) {
 std::string path_from_folder(const std::string& folder, const std::string& path) {
   if (path.empty() || folder.empty()) return path;
   const fs::path joined = fs::path(folder) / path;
-  if (leads_out(fs::path(path).lexically_normal()) && is_behind_a_link(folder)) return joined.string();
-  return joined.lexically_normal().string();
+  if (leads_out(fs::path(path).lexically_normal()) && is_behind_a_link(folder)) return joined.generic_string();
+  return joined.lexically_normal().generic_string();
 }
 
 std::string folder_of_file(const std::string& file) {
-  return lies_nowhere(file) ? std::string() : fs::path(file).parent_path().string();
+  return lies_nowhere(file) ? std::string() : fs::path(file).parent_path().generic_string();
 }
 
 FileFolder::FileFolder(const std::string& file)
@@ -41,11 +41,12 @@ FileFolder::FileFolder(const std::string& file)
 std::string path_to_folder(const FileFolder& folder, const std::string& path) {
   if (path.empty()) return path;
   const fs::path absolute = fs::absolute(path).lexically_normal();
-  if (folder.named.empty()) return absolute.string();
-  if (const fs::path below = absolute.lexically_relative(folder.named); !leads_out(below)) return below.string();
+  if (folder.named.empty()) return absolute.generic_string();
+  if (const fs::path below = absolute.lexically_relative(folder.named); !leads_out(below))
+    return below.generic_string();
   const fs::path relative =
       (fs::weakly_canonical(absolute.parent_path()) / absolute.filename()).lexically_relative(folder.real);
-  return relative.empty() ? absolute.string() : relative.string();
+  return relative.empty() ? absolute.generic_string() : relative.generic_string();
 }
 
 }  // namespace ngs::io

@@ -1,9 +1,9 @@
 #include "ngs/io/files/unfinished_files.h"
 
-#include <unistd.h>
-
 #include <atomic>
 #include <cstring>
+
+#include "ngs/os/output_file.h"
 
 namespace ngs::io {
 namespace {
@@ -38,9 +38,9 @@ void UnfinishedFile::release() {
 
 void remove_unfinished_files() noexcept {
   for (Slot& slot : slots)
-    if (slot.state == 2) ::unlink(slot.path);
+    if (slot.state == 2) os::remove_file(slot.path);
   for (Slot& slot : slots)
-    if (slot.state == 2) ::rmdir(slot.path);
+    if (slot.state == 2) os::remove_folder(slot.path);
 }
 
 }  // namespace ngs::io

@@ -1,11 +1,11 @@
 #include "ngs/io/image/image_codecs.h"
 
-#include <dlfcn.h>
-
 #include "ngs/core/error.h"
 
 #ifdef NGS_LINKED_CODECS
 extern "C" const ngs::io::ImageCodecs ngs_image_codecs;  // codecs/opencv_codecs.cpp
+#else
+#include <dlfcn.h>
 #endif
 
 namespace ngs::io {

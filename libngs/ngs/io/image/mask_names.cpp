@@ -52,7 +52,7 @@ std::vector<FoundFile> find_masks(const std::string& folder, const std::vector<S
 
 /// "<folder>/cup/a/0001.png" with object "cup" -> "<folder>/{object}/a/0001.png"
 std::string with_object_field(const std::string& path, const std::string& object_folder, const std::string& folder) {
-  return (fs::path(folder) / "{object}" / fs::path(path).lexically_relative(object_folder)).string();
+  return (fs::path(folder) / "{object}" / fs::path(path).lexically_relative(object_folder)).generic_string();
 }
 
 void match_plain(const std::string& folder, const std::vector<SceneView*>& views, MaskMatches& matches) {
@@ -67,7 +67,7 @@ void match_plain(const std::string& folder, const std::vector<SceneView*>& views
 void match_per_object(const std::string& folder, const std::vector<std::string>& candidates,
                       const std::vector<SceneView*>& views, MaskMatches& matches) {
   for (const std::string& object : candidates) {
-    const std::string object_folder = (fs::path(folder) / object).string();
+    const std::string object_folder = (fs::path(folder) / object).generic_string();
     const std::vector<FoundFile> found = find_masks(object_folder, views, matches);
     bool has_any = false;
     for (std::size_t v = 0; v < views.size(); ++v) {
@@ -97,8 +97,8 @@ void note_unused(const std::string& folder, const std::vector<SceneView>& views,
   }
   for (const std::string& name : list_folders(folder)) folders.insert((fs::path(folder) / name).lexically_normal());
   for (const fs::path& of_masks : folders)
-    for (const std::string& name : list_images(of_masks.string()))
-      if (!used.contains(of_masks / name)) matches.of_no_view.push_back((of_masks / name).string());
+    for (const std::string& name : list_images(of_masks.generic_string()))
+      if (!used.contains(of_masks / name)) matches.of_no_view.push_back((of_masks / name).generic_string());
 }
 
 }  // namespace

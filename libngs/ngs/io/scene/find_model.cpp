@@ -55,7 +55,7 @@ std::vector<Candidate> candidates_in(const fs::path& folder) {
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
     const std::string name = lower(entry.path().filename().string());
     const bool is_model = name.ends_with(".ply") || name.ends_with(".ply.gz") || is_model_name(name);
-    if (is_model && is_regular_file(entry.path().string())) paths.push_back(entry.path().string());
+    if (is_model && is_regular_file(entry.path().generic_string())) paths.push_back(entry.path().generic_string());
   }
   std::ranges::sort(paths);
   std::vector<Candidate> found;
@@ -71,9 +71,9 @@ std::vector<Candidate> candidates_in(const fs::path& folder) {
 std::string newest_iteration(const fs::path& base, std::vector<Candidate>& others) {
   std::uint32_t newest = 0;
   std::string path;
-  for (const std::string& name : list_folders((base / "point_cloud").string())) {
+  for (const std::string& name : list_folders((base / "point_cloud").generic_string())) {
     std::uint32_t iteration = 0;
-    const std::string file = (base / "point_cloud" / name / "point_cloud.ply").string();
+    const std::string file = (base / "point_cloud" / name / "point_cloud.ply").generic_string();
     if (name.rfind("iteration_", 0) != 0 || !parse_number(name.substr(10), iteration) || !is_regular_file(file))
       continue;
     const bool is_newest = path.empty() || iteration > newest;
@@ -90,7 +90,7 @@ bool holds_results(const fs::path& folder) {
 }
 
 void add_below(const fs::path& folder, int levels, std::vector<Candidate>& found) {
-  for (const std::string& name : list_folders(folder.string())) {
+  for (const std::string& name : list_folders(folder.generic_string())) {
     const fs::path below = folder / name;
     if (name.starts_with(".") || holds_results(below)) continue;
     for (Candidate& candidate : candidates_in(below))

@@ -47,7 +47,7 @@ std::string find_masks_dir(const ImportRequest& request, const std::string& base
   std::vector<std::string> candidates, of_truth;
   for (const std::string& name : list_folders(base)) {
     const std::string lower = lower_case(name);
-    if (lower.find("mask") == std::string::npos || (fs::path(base) / name).string() == usual) continue;
+    if (lower.find("mask") == std::string::npos || (fs::path(base) / name).generic_string() == usual) continue;
     const bool is_truth = lower.ends_with("_gt") || lower.starts_with("gt");
     (is_truth ? of_truth : candidates).push_back(name);
   }
@@ -59,12 +59,12 @@ std::string find_masks_dir(const ImportRequest& request, const std::string& base
   if (const char* preferred = "masks_sam"; std::ranges::find(candidates, preferred) != candidates.end())
     candidates = {preferred};
   if (candidates.size() == 1) {
-    std::string chosen = (fs::path(base) / candidates[0]).string();
+    std::string chosen = (fs::path(base) / candidates[0]).generic_string();
     notes.push_back(chosen + ": used for masks because of its name (choose another with --masks DIR)");
     return chosen;
   }
   for (const std::string& name : of_truth)
-    notes.push_back((fs::path(base) / name).string() +
+    notes.push_back((fs::path(base) / name).generic_string() +
                     ": not read, its name suggests ground truth (if it holds the input masks: --masks DIR)");
   if (!candidates.empty())
     notes.push_back(base + ": several mask folders (" + joined(candidates) +

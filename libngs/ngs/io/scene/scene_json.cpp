@@ -146,13 +146,13 @@ void refuse_lost_link(const json& root, const Scene& scene, const std::string& p
   std::error_code ignored;
   if (!fs::is_symlink(path, ignored)) return;
   const fs::path file = fs::weakly_canonical(path, ignored);
-  const Scene meant = parse_scene_json(root, file.parent_path().string(), path);
+  const Scene meant = parse_scene_json(root, file.parent_path().generic_string(), path);
   const auto check = [&](const std::string& found, const std::string& there) {
     if (found.empty() || fs::exists(found, ignored) || !fs::exists(there, ignored)) return;
     throw Error(ErrorCode::kBadInput,
                 path + ": is a link, and " + found +
                     " does not exist; expected the scene's files at paths relative to the link",
-                "name the file itself: " + file.string());
+                "name the file itself: " + file.generic_string());
   };
   check(scene.model_path, meant.model_path);
   check(scene.views[0].image_path, meant.views[0].image_path);

@@ -13,7 +13,12 @@
 namespace {
 
 [[gnu::constructor(101)]] void limit_spinning() {
-  if (std::getenv("OMP_WAIT_POLICY") == nullptr) setenv("GOMP_SPINCOUNT", "1000", 0);
+  if (std::getenv("OMP_WAIT_POLICY") != nullptr) return;
+#ifdef _WIN32
+  if (std::getenv("GOMP_SPINCOUNT") == nullptr) _putenv("GOMP_SPINCOUNT=1000");
+#else
+  setenv("GOMP_SPINCOUNT", "1000", 0);
+#endif
 }
 
 }  // namespace

@@ -1,0 +1,24 @@
+#pragma once
+// Bytes of a file to read: mapped if it is a regular file, else read to its end.
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace ngs::os {
+
+struct FileBytes {
+  const std::uint8_t* map = nullptr;  // of a regular file that is not empty
+  std::size_t map_bytes = 0;
+  std::vector<std::uint8_t> read;
+};
+
+/// 0, or the errno that tells why the file cannot be read (EISDIR: it is a folder).
+int load_file(const std::string& path, FileBytes& bytes);
+void unmap_file(const FileBytes& bytes);
+/// Releases the loaded pages of the map; a later access loads them again.
+void forget_pages(const FileBytes& bytes);
+/// The path by which load_file() reads the standard input.
+const char* path_of_stdin();
+
+}  // namespace ngs::os

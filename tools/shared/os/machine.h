@@ -1,0 +1,22 @@
+#pragma once
+// Processor, memory and environment of this process.
+#include <string>
+#include <vector>
+
+namespace ngs::os {
+
+/// Processors that this process may use, at least 1.
+int processor_count();
+/// Sets a variable of the environment, of child processes too; an existing one only with `replace`.
+void set_variable(const char* name, const char* value, bool replace);
+/// Keeps the memory of images and lists that are freed after every view, so that the system does not clear its pages
+/// again.
+void keep_freed_memory();
+/// Returns freed memory to the system.
+void release_freed_memory();
+/// The file of this program; empty, with errno set: unknown.
+std::string path_of_this_program();
+/// The command that opens an address in the user's browser.
+std::vector<std::string> browser_command(const std::string& url);
+
+}  // namespace ngs::os
