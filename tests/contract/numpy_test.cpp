@@ -17,13 +17,13 @@
 namespace ngs {
 namespace {
 
-constexpr std::size_t kMostBytes = 1 << 20;
+constexpr std::size_t kMaxBytes = 1 << 20;
 
 /// The data after the header of an .npy file; the header must contain `descr` and `count`.
 template <class T>
 std::vector<T> values_of(const io::ZipReader& archive, const std::string& name, const std::string& descr,
                          std::size_t count) {
-  const std::vector<std::uint8_t> file = archive.read(name, kMostBytes);
+  const std::vector<std::uint8_t> file = archive.read(name, kMaxBytes);
   REQUIRE(file.size() > 10);
   const std::size_t header = 10u + file[8] + 256u * file[9];
   CHECK(header % 64 == 0);

@@ -246,7 +246,7 @@ mutant $f $t "$g" "label sums: unknown pixels count as background" 's/select\(p\
 mutant $f $t "$g" "label sums: predictions of exactly 0" 's/return fma_lanes\(L\(float\(1 - 2 \* kMaskEps\)\), sum, .*;/return sum;/'
 f=ops/labels/label_collect.cpp
 mutant $f $t $f "label sums: folded Gaussians ignored" 's/foreground\[k\] = fma_lanes\(weight, m, foreground\[k\]\)/foreground[k] = foreground[k]/'
-mutant $f $t $f "label sums: long steps cut off" 's/for \(; place - last_ > kLongestStep; .*$//'
+mutant $f $t $f "label sums: long steps cut off" 's/for \(; place - last_ > kMaxByteStep; .*$//'
 t=unit/ops/image/metrics_test.cpp f=ops/image/metrics.cpp
 mutant $f $t $f "band without its last pixel" 's/<= band_px/< band_px/g'
 mutant $f $t $f "score of two empty masks is 0" 's/whole == 0 \? if_nothing/whole == 0 ? 0/'
@@ -306,11 +306,11 @@ mutant $f $t $f "decisions: a fixed decision overrides a switch" 's/mode != Swit
 t=unit/stages/render/background_test.cpp f=stages/render/background.cpp
 mutant $f $t $f "background: always black" 's/found\.gain_db >= kBackgroundMarginDb/false/'
 mutant $f $t $f "background: estimated without a margin over black" 's/ && found\.gain_db >= kBackgroundMarginDb//'
-mutant $f $t $f "background: the views need not agree" 's/<= kMostBackgroundError/<= 1e9/'
+mutant $f $t $f "background: the views need not agree" 's/<= kMaxBackgroundError/<= 1e9/'
 mutant $f $t $f "background: mean instead of median" 's/if \(\(below \+= s\.weight\) >= half\) return s\.value;/below += s.weight * s.value;/; s/return samples\.back\(\)\.value;/return below \/ (2 * half);/'
-mutant $f $t $f "background: opaque pixels count" 's/t >= kLeastOpen/t > 0/'
+mutant $f $t $f "background: opaque pixels count" 's/t >= kMinOpen/t > 0/'
 mutant $f $t $f "background: black under transparent photos" 's/  request\.background = background_of\(scene\);//'
-mutant $f $t $f "background: estimated although almost no pixel shows it" 's/found\.shown >= kLeastShown && //'
+mutant $f $t $f "background: estimated although almost no pixel shows it" 's/found\.shown >= kMinShown && //'
 
 t=unit/problem/window_input_test.cpp
 mutant problem/pixel_window.cpp $t problem/pixel_window.cpp "windows not aligned to the tiles" 's/ \/ kGrain_px \* kGrain_px; \};/ + 1; };/'
@@ -322,7 +322,7 @@ mutant problem/window_input.cpp $t problem/window_input.cpp "no window in masked
 mutant stages/boundary/method_labels.cpp $t stages/boundary/method_labels.cpp "leave-one-out: the view stays in the evidence" 's/    rest\.remove\(v\);//'
 mutant stages/boundary/method_labels.cpp $t stages/boundary/method_labels.cpp "leave-one-out: rounding error taken for evidence" 's/const bool unseen = .*;/const bool unseen = false;/'
 mutant problem/trained_rows.h $t stages/optimise/joint_trainer.cpp "gradients in the rows of other Gaussians" 's/wanted_\.place\[i\] = std::int32_t\(rows_\.size\(\)\)/wanted_.place[i] = 0/'
-mutant problem/region.cpp $t problem/region.cpp "region: all Gaussians" 's/object\.prob\[row\] >= kLeastRegionShare/true/'
+mutant problem/region.cpp $t problem/region.cpp "region: all Gaussians" 's/object\.prob\[row\] >= kMinRegionShare/true/'
 mutant problem/region.cpp $t problem/region.cpp "region: changed rows are not counted" 's/changed \+= !same;//'
 t=unit/stages/contours/refined_masks_test.cpp
 f=stages/contours/refined_masks.cpp
@@ -340,7 +340,7 @@ mutant $f $t "$f" "correction: colour model from strokes only" 's/if \(std::rang
 mutant $f $t "$f" "correction: unlimited reach" 's/from_stroke\[p\] <= reach_px/true/'
 
 t=unit/stages/select/region_test.cpp f=stages/select/support_plane.cpp
-mutant $f $t "$f" "plane: keeps the tilted fit" 's/>= kMostTilt \? refined : plane/>= kMostTilt ? plane : plane/'
+mutant $f $t "$f" "plane: keeps the tilted fit" 's/>= kMaxTilt \? refined : plane/>= kMaxTilt ? plane : plane/'
 
 t=unit/core/parse_number_test.cpp f=core/parse_number.cpp
 mutant $f $t "$f" "numbers: hexadecimal ones" 's/prefix == "0x" \|\| prefix == "0X"/false/'

@@ -16,7 +16,7 @@ namespace ngs::cli {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::size_t kMostViews = 32;
+constexpr std::size_t kMaxViews = 32;
 constexpr int kPictureWidthPx = 720;
 
 const LabelColumns* labels_of(const io::GaussianPly& ply, const std::string& object) {
@@ -155,7 +155,7 @@ std::string errors_section(const Exec& exec, RunFolder& run, Pictures& pictures,
     const io::GaussianPly ply = io::read_gaussian_ply(model);
     const AtlasMaker maker(exec, *run.scene, ply);
     for (const ShownView& view : run.views) {
-      if (folder.empty() && table.rows.size() == kMostViews) {  // each view costs renderings
+      if (folder.empty() && table.rows.size() == kMaxViews) {  // each view costs renderings
         all_views = false;
         break;
       }
@@ -175,7 +175,7 @@ std::string errors_section(const Exec& exec, RunFolder& run, Pictures& pictures,
   if (table.rows.empty()) return {};
   if (!all_views)
     table.caption =
-        "Wrong pixels of the " + std::to_string(kMostViews) + " worst views by cause; --atlas lists every view";
+        "Wrong pixels of the " + std::to_string(kMaxViews) + " worst views by cause; --atlas lists every view";
   add_row(all_views ? "all" : "all of these", sum);
   return section("errors", "Where the errors come from",
                  legend_html() + "<div class=sheet>" + figures + "</div>" + table.html());

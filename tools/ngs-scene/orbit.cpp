@@ -49,9 +49,9 @@ orbit::PictureSize parse_size(const std::string& text) {
   const auto [cross, bad_width] = std::from_chars(text.data(), end, size.width_px);
   const bool has_cross = bad_width == std::errc() && cross != end && *cross == 'x';
   const auto [rest, bad_height] = std::from_chars(has_cross ? cross + 1 : end, end, size.height_px);
-  constexpr int kLeast_px = 16, kMost_px = 16384;
-  if (!has_cross || bad_height != std::errc() || rest != end || std::min(size.width_px, size.height_px) < kLeast_px ||
-      std::max(size.width_px, size.height_px) > kMost_px)
+  constexpr int kMin_px = 16, kMax_px = 16384;
+  if (!has_cross || bad_height != std::errc() || rest != end || std::min(size.width_px, size.height_px) < kMin_px ||
+      std::max(size.width_px, size.height_px) > kMax_px)
     throw Error(ErrorCode::kUsage, "--size " + text + ": invalid size, expected WxH with sides of 16 to 16384 px",
                 "such as --size 1280x960");
   return size;

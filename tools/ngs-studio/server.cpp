@@ -83,10 +83,10 @@ ssize_t TimedStream::write(const char* from, std::size_t size) {
   return ready(POLLOUT, kPatience) ? send(socket_, from, size, MSG_NOSIGNAL | MSG_DONTWAIT) : -1;
 }
 
-constexpr std::size_t kMostBody = 1 << 20;
+constexpr std::size_t kMaxBody = 1 << 20;
 constexpr std::size_t kThreads = 24;  // a browser opens six connections
 constexpr std::chrono::milliseconds kIdle(3000), kRequest(8000);
-constexpr std::size_t kMostRequests = 100'000;  // per connection
+constexpr std::size_t kMaxRequests = 100'000;  // per connection
 
 const char* type_of(std::string_view path) {
   return path.ends_with(".js")    ? "text/javascript; charset=utf-8"
@@ -112,7 +112,7 @@ class TimedServer : public httplib::Server {
     for (std::size_t n = 1; keep_alive && svr_sock_ != INVALID_SOCKET && stream.wait_for_request(kIdle, kRequest);
          ++n) {
       bool closed = false;
-      keep_alive = process_request(stream, n == kMostRequests, closed, nullptr) && !closed && !close_connection;
+      keep_alive = process_request(stream, n == kMaxRequests, closed, nullptr) && !closed && !close_connection;
     }
     shutdown(socket, SHUT_RDWR);
     close(socket);
@@ -131,9 +131,9 @@ struct Server::Impl {
 
   void set_up() {
     http.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
-    http.set_payload_max_length(kMostBody);
+    http.set_payload_max_length(kMaxBody);
     http.set_tcp_nodelay(true);
-    http.set_keep_alive_max_count(kMostRequests), http.set_keep_alive_timeout(kIdle.count() / 1000);
+    http.set_keep_alive_max_count(kMaxRequests), http.set_keep_alive_timeout(kIdle.count() / 1000);
     http.set_default_headers({{"Cache-Control", "no-store"},
                               {"X-Content-Type-Options", "nosniff"},
                               {"Referrer-Policy", "no-referrer"},
@@ -186,7 +186,7 @@ struct Server::Impl {
     if (request.has_header("Transfer-Encoding") || !request.has_header("Content-Length"))
       return refuse(response, {411, "request", "a body without Content-Length", "a Content-Length header"});
     const std::string length = request.get_header_value("Content-Length");
-    if (length.size() > 7 || std::strtoull(length.c_str(), nullptr, 10) > kMostBody)
+    if (length.size() > 7 || std::strtoull(length.c_str(), nullptr, 10) > kMaxBody)
       return refuse(response, {413, "request", "a body of " + length.substr(0, 20) + " bytes", "at most 1 MiB"});
     if (request.has_header("Content-Encoding"))
       return refuse(response, {415, "request", "a compressed body", "plain JSON"});

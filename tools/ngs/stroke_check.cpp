@@ -12,7 +12,7 @@
 namespace ngs::front {
 namespace {
 
-constexpr std::size_t kMostTold = 3;
+constexpr std::size_t kMaxListed = 3;
 
 }  // namespace
 
@@ -45,14 +45,14 @@ StrokeAgreement StrokeCheck::of(const GaussianCloud& cloud, std::vector<float> l
 
 std::string broken_text(const StrokeAgreement& agreement) {
   std::string text;
-  for (std::size_t i = 0; i < std::min(kMostTold, agreement.broken.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kMaxListed, agreement.broken.size()); ++i) {
     const BrokenStroke& stroke = agreement.broken[i];
     text += (i > 0 ? "; " : "") + stroke.view + ": " + std::to_string(std::lround(100 * stroke.wrong)) + " % of the " +
             (stroke.object ? "object" : "background") + " stroke at " + std::to_string(stroke.x) + "," +
             std::to_string(stroke.y) + " is " + (stroke.object ? "background" : "object");
   }
-  if (agreement.broken.size() > kMostTold)
-    text += "; and " + std::to_string(agreement.broken.size() - kMostTold) + " more strokes";
+  if (agreement.broken.size() > kMaxListed)
+    text += "; and " + std::to_string(agreement.broken.size() - kMaxListed) + " more strokes";
   return text;
 }
 

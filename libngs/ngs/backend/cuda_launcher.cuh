@@ -91,10 +91,10 @@ class CudaLauncher {
   void parallel_for(std::int64_t n, const Kernel& kernel) {
     if (n <= 0) return;
     constexpr int kBlock = 256;
-    constexpr std::int64_t kMostBlocks = std::int64_t(1) << 20;
+    constexpr std::int64_t kMaxBlocks = std::int64_t(1) << 20;
     const std::int64_t blocks = ceil_div<std::int64_t>(n, kBlock);
     detail::KernelClock clock(Kernel::kName, stream());
-    detail::index_kernel<<<unsigned(blocks < kMostBlocks ? blocks : kMostBlocks), kBlock, 0, stream()>>>(n, kernel);
+    detail::index_kernel<<<unsigned(blocks < kMaxBlocks ? blocks : kMaxBlocks), kBlock, 0, stream()>>>(n, kernel);
     check_cuda(cudaGetLastError(), Kernel::kName);
     clock.stop();
     last_kernel_ = Kernel::kName;
@@ -103,9 +103,9 @@ class CudaLauncher {
   template <class Kernel>
   void launch_blocks(std::int64_t n, const Kernel& kernel) {
     static_assert(sizeof(typename Kernel::Shared) <= 48 * 1024, "more shared memory needs an opt-in attribute");
-    constexpr std::int64_t kMost = 0x7fffffff;
-    for (std::int64_t first = 0; first < n; first += kMost) {
-      const std::int64_t count = n - first < kMost ? n - first : kMost;
+    constexpr std::int64_t kMaxLaunched = 0x7fffffff;
+    for (std::int64_t first = 0; first < n; first += kMaxLaunched) {
+      const std::int64_t count = n - first < kMaxLaunched ? n - first : kMaxLaunched;
       detail::KernelClock clock(Kernel::kName, stream());
       detail::block_kernel<<<unsigned(count), Kernel::kThreads, 0, stream()>>>(first, kernel);
       check_cuda(cudaGetLastError(), Kernel::kName);

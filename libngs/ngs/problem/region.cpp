@@ -38,8 +38,7 @@ bool same_row(const GaussianCloud& a, std::size_t i, const GaussianCloud& b, std
 }  // namespace
 
 bool in_region(const LabelColumns& object, std::size_t row) {
-  return object.prob[row] >= kLeastRegionShare || label_is_foreground(object.label[row]) ||
-         is_set(object.boundary[row]);
+  return object.prob[row] >= kMinRegionShare || label_is_foreground(object.label[row]) || is_set(object.boundary[row]);
 }
 
 std::vector<std::uint8_t> region_of(const std::vector<LabelColumns>& labels) {

@@ -7,9 +7,9 @@ namespace ngs {
 
 /// Minimum share of object evidence of a Gaussian in the region: the smallest start value of soft labels
 /// (1 - kMaxInitialConfidence of stages/optimise/label_start.h). A smaller share is the error of the masks' contours.
-inline constexpr float kLeastRegionShare = 0.01f;
+inline constexpr float kMinRegionShare = 0.01f;
 
-/// True: the row is in the object's region: prob of at least kLeastRegionShare, labelled, or boundary.
+/// True: the row is in the object's region: prob of at least kMinRegionShare, labelled, or boundary.
 bool in_region(const LabelColumns& object, std::size_t row);
 
 /// [N] 1: the row is in the region of some object.

@@ -10,7 +10,7 @@
 namespace ngs::cli {
 namespace {
 
-constexpr std::size_t kLongestList = 200;  // maximum entries of a list on a page
+constexpr std::size_t kMaxListEntries = 200;  // maximum entries of a list on a page
 
 bool all_objects(const Json& list) {
   for (const Json& entry : list)
@@ -29,7 +29,7 @@ std::string list_table(const Json& list) {
       if (std::find(table.head.begin(), table.head.end(), escaped(key)) == table.head.end())
         table.head.push_back(escaped(key));
   for (const Json& entry : list) {
-    if (table.rows.size() == kLongestList) break;
+    if (table.rows.size() == kMaxListEntries) break;
     std::vector<std::string> row(table.head.size());
     for (const auto& [key, value] : entry.items())
       row[std::size_t(std::find(table.head.begin(), table.head.end(), escaped(key)) - table.head.begin())] =
@@ -37,8 +37,8 @@ std::string list_table(const Json& list) {
     table.rows.push_back(std::move(row));
   }
   std::string html = table.html();
-  if (list.size() > kLongestList)
-    html += "<p class=note>" + whole(std::int64_t(list.size() - kLongestList)) + " more rows are not shown.</p>";
+  if (list.size() > kMaxListEntries)
+    html += "<p class=note>" + whole(std::int64_t(list.size() - kMaxListEntries)) + " more rows are not shown.</p>";
   return html;
 }
 
@@ -138,8 +138,9 @@ std::string json_html(const Json& json) {
   if (json.is_array() && all_objects(json)) return list_table(json);
   if (json.is_array()) {
     std::string text;
-    for (std::size_t i = 0; i < std::min(json.size(), kLongestList); ++i) text += (i ? ", " : "") + json_text(json[i]);
-    return escaped(text) + (json.size() > kLongestList ? ", …" : "");
+    for (std::size_t i = 0; i < std::min(json.size(), kMaxListEntries); ++i)
+      text += (i ? ", " : "") + json_text(json[i]);
+    return escaped(text) + (json.size() > kMaxListEntries ? ", …" : "");
   }
   return escaped(json_text(json));
 }

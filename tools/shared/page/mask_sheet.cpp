@@ -107,10 +107,11 @@ std::string legend(const Scene& scene) {
 }
 
 std::string list_of(const std::vector<std::string>& names) {
-  constexpr std::size_t kMost = 12;
+  constexpr std::size_t kMaxListed = 12;
   std::string text;
-  for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i) text += (i ? ", " : "") + names[i];
-  return escaped(text) + (names.size() > kMost ? " and " + std::to_string(names.size() - kMost) + " more" : "");
+  for (std::size_t i = 0; i < std::min(names.size(), kMaxListed); ++i) text += (i ? ", " : "") + names[i];
+  return escaped(text) +
+         (names.size() > kMaxListed ? " and " + std::to_string(names.size() - kMaxListed) + " more" : "");
 }
 
 }  // namespace

@@ -18,7 +18,7 @@
 namespace ngs::cli {
 namespace {
 
-constexpr std::size_t kLongestLine = 1 << 20;
+constexpr std::size_t kMaxLineBytes = 1 << 20;
 constexpr double kPatienceAtEndS = 0.5;
 constexpr int kPollMs = 20;
 
@@ -64,7 +64,7 @@ bool LineProgram::send(const std::string& text) const {
 std::optional<std::string> LineProgram::next_line() {
   const std::size_t feed = received_.find('\n');
   if (feed == std::string::npos) {
-    if (received_.size() > kLongestLine)
+    if (received_.size() > kMaxLineBytes)
       throw Error(ErrorCode::kBadInput, name_ + ": a line of more than 1 MiB, expected an answer of one line");
     return std::nullopt;
   }

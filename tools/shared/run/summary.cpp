@@ -18,7 +18,7 @@ namespace ngs::cli {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::size_t kMostOutputs = 4, kMostFigures = 5;
+constexpr std::size_t kMaxOutputs = 4, kMaxFigures = 5;
 
 /// The usual next command. {-o} is the output of that flag, {scene} the input of that name.
 const std::map<std::string, std::string>& next_commands() {
@@ -99,7 +99,7 @@ std::string figures(const Json& object) {
   std::string text;
   std::size_t count = 0;
   for (const auto& [name, value] : object.items())
-    if (value.is_number() && count < kMostFigures) {
+    if (value.is_number() && count < kMaxFigures) {
       std::string words = name;
       std::ranges::replace(words, '_', ' ');
       text += (count++ > 0 ? ", " : "") + words + " " + number_text(value);
@@ -172,10 +172,9 @@ std::string summary_text(const Spec& spec, const Json& report) {
   std::string text = spec.name + ": " + ending(report) + "\n";
   const Json& outputs = report["outputs"];
   const bool made = report["dry_run"] == false;
-  for (std::size_t i = 0; made && i < std::min(kMostOutputs, outputs.size()); ++i)
+  for (std::size_t i = 0; made && i < std::min(kMaxOutputs, outputs.size()); ++i)
     text += "  " + output_text(outputs[i]["path"]) + "\n";
-  if (made && outputs.size() > kMostOutputs)
-    text += "  and " + std::to_string(outputs.size() - kMostOutputs) + " more\n";
+  if (made && outputs.size() > kMaxOutputs) text += "  and " + std::to_string(outputs.size() - kMaxOutputs) + " more\n";
   if (const std::string outcome = outcome_text(spec.name, report); !outcome.empty()) text += "  " + outcome + "\n";
   if (const std::size_t warnings = report["warnings"].size(); warnings > 0)
     text += "  " + std::to_string(warnings) + (warnings == 1 ? " warning, see above\n" : " warnings, see above\n");

@@ -23,7 +23,7 @@ class SogWriter {
     // A nearly square image of 4 x 4 texel blocks.
     width_ = std::max(4, int(std::ceil(std::sqrt(double(count_)) / 4)) * 4);
     height_ = std::max(4, int(std::ceil(double(count_) / double(width_) / 4)) * 4);
-    if (width_ > kMostWebpPx || height_ > kMostWebpPx)
+    if (width_ > kMaxWebpSide_px || height_ > kMaxWebpSide_px)
       throw Error(ErrorCode::kUsage, std::to_string(count_) + " Gaussians, a .sog holds up to 268 million",
                   "write the model as PLY");
     meta_ = {{"version", 2}, {"asset", {{"generator", std::string("ngs ") + kVersion}}}, {"count", count_}};
@@ -65,7 +65,7 @@ class SogWriter {
     for (std::size_t i = 0; i < count_; ++i)
       for (std::size_t a = 0; a < 3; ++a) {
         const double span = high[a] - low[a], c = compressed(row(i).position[a]);
-        const auto word = std::uint32_t(std::lround(span > 0 ? clamp3((c - low[a]) / span, 0.0, 1.0) * kMostWord : 0));
+        const auto word = std::uint32_t(std::lround(span > 0 ? clamp3((c - low[a]) / span, 0.0, 1.0) * kMaxWord : 0));
         lower.texel(i)[a] = std::uint8_t(word & 255), upper.texel(i)[a] = std::uint8_t(word >> 8);
       }
     meta_["means"] = {{"mins", low}, {"maxs", high}, {"files", {"means_l.webp", "means_u.webp"}}};
@@ -98,7 +98,7 @@ class SogWriter {
       const std::size_t largest = largest_component(q);
       const double scale = (q[largest] < 0 ? -1 : 1) * std::sqrt(2.0);
       for (std::size_t k = 0; k < 3; ++k)
-        table.texel(i)[k] = to_byte((q[kOthers[largest][k]] * scale * 0.5 + 0.5) * kMostByte);
+        table.texel(i)[k] = to_byte((q[kOthers[largest][k]] * scale * 0.5 + 0.5) * kMaxByte);
       table.texel(i)[3] = std::uint8_t(kFirstMode + int(largest));
     }
     meta_["quats"] = {{"files", {"quats.webp"}}};
@@ -119,7 +119,7 @@ class SogWriter {
       const SplatRow values = row(i);
       table.insert(table.end(), values.sh_rest.begin(), values.sh_rest.begin() + std::ptrdiff_t(columns));
     }
-    const Palette palette = fit_palette(table, columns, kMostPalette);
+    const Palette palette = fit_palette(table, columns, kMaxPalette);
     const Codebook codebook = fit_codebook(palette.rows);
     const std::size_t size = palette.rows.size() / columns;
     RgbaTable labels = texture(),

@@ -106,11 +106,11 @@ std::vector<Candidate> of_kind(const std::vector<Candidate>& all, FileKind kind)
 }
 
 std::string listed(const std::vector<Candidate>& files) {
-  constexpr std::size_t kMost = 6;
+  constexpr std::size_t kMaxListed = 6;
   std::string text;
-  for (std::size_t k = 0; k < std::min(files.size(), kMost); ++k)
+  for (std::size_t k = 0; k < std::min(files.size(), kMaxListed); ++k)
     text += (k > 0 ? ", " : "") + files[k].path + " (" + files[k].what + ")";
-  return files.size() > kMost ? text + " and " + std::to_string(files.size() - kMost) + " more" : text;
+  return files.size() > kMaxListed ? text + " and " + std::to_string(files.size() - kMaxListed) + " more" : text;
 }
 
 /// The only file of the most preferred kind that occurs.

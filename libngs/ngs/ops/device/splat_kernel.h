@@ -58,7 +58,7 @@ struct GaussiansBackward {
   }
 };
 
-inline constexpr int kMostChannels = 8;  // in one launch
+inline constexpr int kMaxChannels = 8;  // in one launch
 
 /// One view. All pointers are device pointers; `cloud` and `plan.label` must outlive it.
 template <class Launcher>
@@ -79,7 +79,7 @@ class SplatOnDevice {
 
   /// out[c]: channel c; out[count]: 1 - T_final.
   void forward(const std::vector<Plane<float>>& out) {
-    for (int first = 0; first == 0 || first < plan_.count(); first += kMostChannels)
+    for (int first = 0; first == 0 || first < plan_.count(); first += kMaxChannels)
       with_group(first, [&](auto size) {
         SplatForwardTile<size> kernel{bins_.view(), group<size>(first), {}, {}};
         for (int c = 0; c < kernel.channels.used; ++c) kernel.out[c] = out[std::size_t(first + c)];
@@ -98,7 +98,7 @@ class SplatOnDevice {
     const DeviceBuffer<Launcher, float> checkpoints(
         launcher_,
         SplatBackwardTile<1, Launcher>::checkpoint_rows(bins_.pairs(), bins_.tiles()) * std::int64_t(kTilePixels));
-    for (int first = 0; first == 0 || first < plan_.count(); first += kMostChannels)
+    for (int first = 0; first == 0 || first < plan_.count(); first += kMaxChannels)
       with_group(first, [&](auto size) {
         SplatBackwardTile<size, Launcher> kernel{bins_.view(),       group<size>(first), {},      0,
                                                  checkpoints.data(), rows.data(),        columns, sums};
@@ -128,7 +128,7 @@ class SplatOnDevice {
       case 3: return body(std::integral_constant<int, 3>{});
       case 4: return body(std::integral_constant<int, 4>{});
       case 5: return body(std::integral_constant<int, 5>{});
-      default: return body(std::integral_constant<int, kMostChannels>{});
+      default: return body(std::integral_constant<int, kMaxChannels>{});
     }
   }
   template <int C>

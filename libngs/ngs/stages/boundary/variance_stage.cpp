@@ -26,8 +26,8 @@ double normalised_variance(Criterion criterion, const Evidence& e, std::size_t g
 
 /// Number of views whose masks are decoded in parallel: one image per thread, bounded for memory.
 std::size_t views_ahead(const Exec& exec, std::size_t objects) {
-  constexpr std::size_t kMostPlanes = 36;
-  return std::clamp<std::size_t>(kMostPlanes / std::max<std::size_t>(objects, 1), 1,
+  constexpr std::size_t kMaxPlanes = 36;
+  return std::clamp<std::size_t>(kMaxPlanes / std::max<std::size_t>(objects, 1), 1,
                                  std::size_t(std::clamp(exec.threads, 1, 8)));
 }
 

@@ -11,10 +11,10 @@ namespace {
 using orbit::Vec;
 
 constexpr int kNeighbours = 8;
-constexpr double kMostOfSolid = 0.75, kMostOfThin = 0.5;  // fraction of neighbours that were object
-constexpr double kSolid = 0.5;                            // opacity
-constexpr double kLong = 4;                               // longest to second standard deviation of a needle
-constexpr double kMostSize = 0.08;                        // diagonals: larger Gaussians are part of the surroundings
+constexpr double kMaxOfSolid = 0.75, kMaxOfThin = 0.5;  // fraction of neighbours that were object
+constexpr double kSolid = 0.5;                          // opacity
+constexpr double kLong = 4;                             // longest to second standard deviation of a needle
+constexpr double kMaxSize = 0.08;                       // diagonals: larger Gaussians are part of the surroundings
 
 void append_point(std::vector<float>& to, Vec p) {
   for (const double x : {p.x, p.y, p.z}) to.push_back(float(x));
@@ -44,7 +44,7 @@ std::vector<std::uint8_t> find_debris(const Exec& exec, const GaussianCloud& clo
   const double margin = 0.05 * rim.diagonal;
   for (std::size_t i = 0; i < points.count(); ++i) {
     const Vec p = points.position[i];
-    if (!in_box(rim, p, margin) || points.size[i] > kMostSize * rim.diagonal || is_on_surface(surfaces, p)) continue;
+    if (!in_box(rim, p, margin) || points.size[i] > kMaxSize * rim.diagonal || is_on_surface(surfaces, p)) continue;
     asked.push_back(i), append_point(queries, p);
   }
   if (asked.empty() || around.size() < 3 * std::size_t(kNeighbours + 1)) return debris;
@@ -58,7 +58,7 @@ std::vector<std::uint8_t> find_debris(const Exec& exec, const GaussianCloud& clo
     for (std::size_t k = 0; k < std::size_t(graph.neighbours); ++k)
       object += graph.index[q * std::size_t(graph.neighbours) + k] < of_object;
     const double share = object / kNeighbours;  // one of the nine may be the Gaussian itself
-    debris[i] = share >= (is_thin ? kMostOfThin : kMostOfSolid) || occluder.contains(points.position[i]);
+    debris[i] = share >= (is_thin ? kMaxOfThin : kMaxOfSolid) || occluder.contains(points.position[i]);
   }
   return debris;
 }

@@ -18,7 +18,7 @@ constexpr double kSurroundings = 0.6;  // diagonals: where textures are taken fr
 constexpr double kRimReach = 0.25;     // diagonals: where surfaces are searched
 constexpr double kSolidOpacity = 0.5;
 constexpr double kNeedle = 4;  // longest to second standard deviation
-constexpr std::size_t kMostSpacings = 4000;
+constexpr std::size_t kMaxSpacings = 4000;
 
 struct Box {
   Vec low, high;
@@ -84,7 +84,7 @@ double surface_spacing(const Exec& exec, const std::vector<Vec>& points) {
   std::vector<float> all, some;
   for (const Vec& p : points)
     for (const double x : {p.x - points[0].x, p.y - points[0].y, p.z - points[0].z}) all.push_back(float(x));
-  for (const std::size_t i : orbit::thinned(points.size(), kMostSpacings))
+  for (const std::size_t i : orbit::thinned(points.size(), kMaxSpacings))
     some.insert(some.end(), all.begin() + std::ptrdiff_t(3 * i), all.begin() + std::ptrdiff_t(3 * i + 3));
   const KnnGraph graph =
       nearest_points(exec, {all.data(), std::int64_t(points.size())}, {some.data(), std::int64_t(some.size() / 3)},

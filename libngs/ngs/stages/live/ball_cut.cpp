@@ -22,12 +22,12 @@
 namespace ngs::live {
 namespace {
 
-constexpr std::size_t kLeastSurrounded = 2;  // least number of views with a background stroke around the object
-constexpr double kBand = 0.02;               // half-width of the free band around the expected contour, of the diagonal
-constexpr double kLeastAbove = 0.9;          // least fraction above the plane of the weight under object strokes
-constexpr double kMostAbove = 0.1;           // largest fraction above the plane of the weight under background strokes
-constexpr double kSkin = 0.04;               // unevenness of the plane, as a fraction of the object's height
-constexpr double kColourRoom = 0.5;          // distance below which colours count as similar, of the cube's edge
+constexpr std::size_t kMinSurrounded = 2;  // least number of views with a background stroke around the object
+constexpr double kBand = 0.02;             // half-width of the free band around the expected contour, of the diagonal
+constexpr double kMinAbove = 0.9;          // least fraction above the plane of the weight under object strokes
+constexpr double kMaxAbove = 0.1;          // largest fraction above the plane of the weight under background strokes
+constexpr double kSkin = 0.04;             // unevenness of the plane, as a fraction of the object's height
+constexpr double kColourRoom = 0.5;        // distance below which colours count as similar, of the cube's edge
 
 std::vector<std::int64_t> rows_in(const GaussianCloud& cloud, const orbit::Ball& ball) {
   std::vector<std::int64_t> rows;
@@ -172,8 +172,8 @@ class BallModel {
       if (const double along = dot(a, way); std::abs(along) > std::abs(most)) most = along, axis = a;
     for (const orbit::Vec& upwards : {up, std::copysign(1.0, most) * axis}) {
       const std::vector<std::uint8_t> found = touched_pieces(exec_, cloud_, above(told, at, upwards), strokes).object;
-      if (MarkedWeights::share(told.object, found) >= kLeastAbove &&
-          MarkedWeights::share(told.background, found) <= kMostAbove)
+      if (MarkedWeights::share(told.object, found) >= kMinAbove &&
+          MarkedWeights::share(told.background, found) <= kMaxAbove)
         return {found.begin(), found.end()};
     }
     return {};
@@ -300,7 +300,7 @@ LabelColumns labels_in_ball(const Exec& exec, const BallModel& model, const Ball
   LabelColumns labels = std::move(label_gaussians({}, evidence)[0]);
   const std::vector<float> own = labels.label.values();
   for (std::size_t i = 0; i < labels.views.size(); ++i)  // Gaussians visible only through a surface are not part of it
-    if (evidence.weight.value(i) < kLeastMeanWeight * double(evidence.pixels[i]))
+    if (evidence.weight.value(i) < kMinMeanWeight * double(evidence.pixels[i]))
       for (const auto column : kLabelColumns) (labels.*column)[i] = 0;
   const Extraction decided = extract_object(exec, {}, {model.cloud(), labels});
   std::vector<float> label(decided.object.begin(), decided.object.end());
@@ -337,7 +337,7 @@ BallCut cut_in_ball(const Exec& exec, Monitor& monitor, const BallCutInput& in) 
   for (const auto& [view, prompt] : marked)
     std::ranges::move(stroke_weights(exec, model.cloud(), cut.cameras[view], prompt, model.splat()),
                       std::back_inserter(strokes));
-  const bool by_lines = surrounded.size() >= kLeastSurrounded;
+  const bool by_lines = surrounded.size() >= kMinSurrounded;
   Told told{marked, {}};
   if (by_lines)
     told.expected = model.expected(cut.cameras, surrounded, up_of(cut.cameras));

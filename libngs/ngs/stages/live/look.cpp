@@ -15,14 +15,14 @@ namespace {
 using orbit::Vec;
 
 constexpr double kFov_deg = 50;
-constexpr double kRaised_deg = 15;            // above the horizontal, from outside
-constexpr std::size_t kMostPoints = 200'000;  // for the estimate of the bulk
+constexpr double kRaised_deg = 15;           // above the horizontal, from outside
+constexpr std::size_t kMaxPoints = 200'000;  // for the estimate of the bulk
 constexpr int kCells = 64;
 
 /// Every k-th point, enough for the bulk of a large model.
 orbit::SurfacePoints fewer(const orbit::SurfacePoints& all) {
   orbit::SurfacePoints some;
-  for (const std::size_t i : orbit::thinned(all.count(), kMostPoints)) some.add(all, i);
+  for (const std::size_t i : orbit::thinned(all.count(), kMaxPoints)) some.add(all, i);
   return some;
 }
 

@@ -16,7 +16,7 @@ namespace ngs::orbit {
 namespace {
 
 constexpr int kVisibilitySide_px = 200;              // shorter side of the visibility renders
-constexpr double kMostBlocked = 0.15;                // largest Visibility::blocked of a candidate
+constexpr double kMaxBlocked = 0.15;                 // largest Visibility::blocked of a candidate
 constexpr double kOutsideFov = 40, kInsideFov = 80;  // deg
 constexpr double kRoomCoverage = 0.7;                // least coverage of cameras inside a room
 constexpr double kRoomReach = 1.5;                   // extent of a room's surface, in radii of the bulk
@@ -175,7 +175,7 @@ class Chooser {
       const double before = found_.inside ? 0 : length(pose.centre) - ball_.radius;
       Visibility visibility = renderer.of(exec_, small(camera_at(pose, lens_, frame_, cloud_.origin)), before);
       monitor_.progress(std::int64_t(p) + 1, std::int64_t(rig_.poses.size()));
-      if (visibility.blocked > kMostBlocked) continue;
+      if (visibility.blocked > kMaxBlocked) continue;
       unblocked.first += p < rig_.first;
       unblocked.poses.push_back(pose), visibility_.push_back(std::move(visibility));
     }

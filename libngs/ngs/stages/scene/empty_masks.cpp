@@ -11,8 +11,8 @@
 namespace ngs {
 namespace {
 
-constexpr std::size_t kMostLabelling = 32, kMostCompared = 8;  // views
-constexpr double kLeastOfUsual = 0.25;
+constexpr std::size_t kMaxLabelling = 32, kMaxCompared = 8;  // views
+constexpr double kMinOfUsual = 0.25;
 
 /// Pixel counts of a view, over pixels with a known mask.
 struct PixelCounts {
@@ -74,7 +74,7 @@ EmptyMasks check_empty_masks(const Exec& exec, Monitor& monitor, const EmptyMask
   EmptyMasks result{in.empty, {}, 1};
   if (in.empty.empty() || in.others.empty()) return result;
   const auto timed = monitor.scope("empty masks");
-  const std::vector<std::size_t> labelling = spread_views(in.others, kMostLabelling);
+  const std::vector<std::size_t> labelling = spread_views(in.others, kMaxLabelling);
   const SplatOptions splat = splat_options({}, in.cloud, in.scene);
   const Evidence evidence = accumulate_evidence(exec, monitor, {in.cloud, in.scene, labelling, splat, in.load_masks});
   const LabelRenderer renderer(exec, in.cloud, in.scene, label_gaussians({}, evidence));
@@ -83,14 +83,14 @@ EmptyMasks check_empty_masks(const Exec& exec, Monitor& monitor, const EmptyMask
   };
   double both = 0, either = 0;
   std::vector<double> usual;
-  for (const std::size_t view : spread_views(labelling, kMostCompared)) {
+  for (const std::size_t view : spread_views(labelling, kMaxCompared)) {
     const PixelCounts counts = count(view);
     both += counts.both, either += counts.mask + counts.shown - counts.both;
     usual.push_back(counts.share_of(counts.mask));
   }
   result.agreement = either > 0 ? both / either : 0;
-  if (result.agreement < kLeastMaskAgreement) return result;
-  const double least = kLeastOfUsual * upper_median(usual);
+  if (result.agreement < kMinMaskAgreement) return result;
+  const double least = kMinOfUsual * upper_median(usual);
   for_each_view(&monitor, in.empty, [&](std::size_t, std::size_t view) {
     const PixelCounts counts = count(view);
     if (counts.share_of(counts.shown) > least) result.contradicted.push_back(view);

@@ -14,7 +14,7 @@ namespace ngs {
 namespace {
 
 constexpr int kNeighbours = 8;
-constexpr std::size_t kLeastRows = kNeighbours + 2;
+constexpr std::size_t kMinRows = kNeighbours + 2;
 constexpr double kReach = 3;  // standard deviations
 
 /// The standard deviations of a Gaussian, ln world, ascending.
@@ -69,13 +69,13 @@ class Cleaner {
     return std::max(bulk.radius, orbit::length(orbit::Vec{p[0], p[1], p[2]} - bulk.centre));
   }
 
-  /// Finds the neighbours of the remaining Gaussians; false if there are fewer than kLeastRows.
+  /// Finds the neighbours of the remaining Gaussians; false if there are fewer than kMinRows.
   bool find_neighbours() {
     rows_ = canonical_rows(cloud_);
     std::erase_if(rows_, [&](std::uint32_t i) { return finding_.debris[i] != Debris::kNone; });
     for (const std::size_t i : rows_)
       position_.insert(position_.end(), &cloud_.position[3 * i], &cloud_.position[3 * i] + 3);
-    if (rows_.size() < kLeastRows) return false;
+    if (rows_.size() < kMinRows) return false;
     graph_ = nearest_others(exec_, {position_.data(), std::int64_t(rows_.size())}, kNeighbours);
     for (std::size_t q = 0; q < rows_.size(); ++q)
       spacing_.push_back(std::sqrt(double(graph_.dist2[(q + 1) * kNeighbours - 1])));

@@ -13,12 +13,12 @@ namespace {
 
 using orbit::Vec;
 
-constexpr std::size_t kMostPlaneSamples = 40000;
-constexpr int kDirections = 2000;     // over the sphere, 2.6 degrees apart
-constexpr double kMostTilt = 0.9063;  // cosine of 25 degrees
-constexpr int kBins = 120;            // histogram bins of heights, over three radii of the bulk
-constexpr double kLeastAbove = 0.01;  // least fraction of all area above the plane: excludes a ceiling
-constexpr double kLeastShare = 0.05;  // least fraction of the flat area in the plane
+constexpr std::size_t kMaxPlaneSamples = 40000;
+constexpr int kDirections = 2000;    // over the sphere, 2.6 degrees apart
+constexpr double kMaxTilt = 0.9063;  // cosine of 25 degrees
+constexpr int kBins = 120;           // histogram bins of heights, over three radii of the bulk
+constexpr double kMinAbove = 0.01;   // least fraction of all area above the plane: excludes a ceiling
+constexpr double kMinShare = 0.05;   // least fraction of the flat area in the plane
 constexpr int kFits = 12;
 constexpr double kTolerance = 2 * 3.0 / kBins;  // of the first fit, radii of the bulk
 constexpr double kDeviations = 3 * 1.4826;      // three standard deviations per median absolute deviation
@@ -42,7 +42,7 @@ Vec normal_of(const GaussianCloud& cloud, std::size_t row) {
 std::vector<Sample> samples_of(const GaussianCloud& cloud, const orbit::SurfacePoints& points,
                                const orbit::Ball& bulk) {
   std::vector<Sample> samples;
-  for (const std::size_t i : orbit::thinned(points.count(), kMostPlaneSamples)) {
+  for (const std::size_t i : orbit::thinned(points.count(), kMaxPlaneSamples)) {
     const Vec p = (1 / bulk.radius) * (points.position[i] - bulk.centre);
     if (orbit::length(p) > 1.5) continue;
     std::array<float, 3> s;
@@ -82,7 +82,7 @@ Slab best_slab(const std::vector<Sample>& samples, Vec normal) {
   double above = area - all[0];
   for (std::size_t b = 0; b < kBins; ++b, above -= all[b]) {
     const double in = mass[b] + mass[b + 1];
-    if (above - all[b + 1] < kLeastAbove * area || in <= best.weight) continue;
+    if (above - all[b + 1] < kMinAbove * area || in <= best.weight) continue;
     best.height = 3 * double(b + 1) / kBins - 1.5, best.weight = in, best.share = in / total;
   }
   return best;
@@ -91,7 +91,7 @@ Slab best_slab(const std::vector<Sample>& samples, Vec normal) {
 Slab best_slab_around(const std::vector<Sample>& samples, Vec up) {
   Slab best = best_slab(samples, up);
   for (const Vec& direction : orbit::even_directions(kDirections)) {
-    if (dot(direction, up) < kMostTilt) continue;
+    if (dot(direction, up) < kMaxTilt) continue;
     const Slab slab = best_slab(samples, direction);
     if (slab.weight > 1.05 * best.weight) best = slab;
   }
@@ -160,15 +160,15 @@ SupportPlane find_support_plane(const GaussianCloud& cloud, const orbit::Surface
   const orbit::Ball bulk = orbit::bulk_of(points);
   const std::vector<Sample> samples = samples_of(cloud, points, bulk);
   const Slab slab = best_slab_around(samples, up);
-  if (slab.share < kLeastShare) return plane;
+  if (slab.share < kMinShare) return plane;
   plane = refitted(samples, bulk, slab);
-  plane.found = dot(plane.normal, up) >= kMostTilt;
+  plane.found = dot(plane.normal, up) >= kMaxTilt;
   return plane;
 }
 
 bool supports_object(const GaussianCloud& cloud, const orbit::SurfacePoints& points, const SupportPlane& plane) {
   constexpr double kCell = 0.1, kClose = 0.5;  // radii of the bulk
-  constexpr double kLeastOpen = 0.2, kMostBelow = 0.1, kThin = 0.9 * kTolerance;
+  constexpr double kMinOpen = 0.2, kMaxBelow = 0.1, kThin = 0.9 * kTolerance;
   if (!plane.found || points.count() == 0) return false;
   const orbit::Ball bulk = orbit::bulk_of(points);
   const double offset = (plane.offset - dot(plane.normal, bulk.centre)) / bulk.radius;
@@ -189,7 +189,7 @@ bool supports_object(const GaussianCloud& cloud, const orbit::SurfacePoints& poi
       covered.insert(cell);
   }
   const auto open = std::ranges::count_if(of_plane, [&](const auto& cell) { return !covered.contains(cell); });
-  return double(open) >= kLeastOpen * double(of_plane.size()) && (below <= kMostBelow * all || thickness < kThin);
+  return double(open) >= kMinOpen * double(of_plane.size()) && (below <= kMaxBelow * all || thickness < kThin);
 }
 
 SupportPlane refined_by(const GaussianCloud& cloud, const orbit::SurfacePoints& points, const SupportPlane& plane) {
@@ -198,7 +198,7 @@ SupportPlane refined_by(const GaussianCloud& cloud, const orbit::SurfacePoints& 
   const double height = (plane.offset - dot(plane.normal, bulk.centre)) / bulk.radius;
   SupportPlane refined = refitted(samples_of(cloud, points, bulk), bulk,
                                   {.normal = plane.normal, .height = height, .share = plane.support});
-  return dot(refined.normal, plane.normal) >= kMostTilt ? refined : plane;
+  return dot(refined.normal, plane.normal) >= kMaxTilt ? refined : plane;
 }
 
 }  // namespace ngs

@@ -79,8 +79,8 @@ std::vector<PixelMask> object_strokes(const ViewPrompt& marks) {
   std::iota(order.begin(), order.end(), std::size_t(0));
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return found.size[a] > found.size[b]; });
-  for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = std::min(k, kMostStrokes - 1);
-  std::vector<PixelMask> strokes(std::min(order.size(), kMostStrokes), PixelMask(marked.size()));
+  for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = std::min(k, kMaxStrokes - 1);
+  std::vector<PixelMask> strokes(std::min(order.size(), kMaxStrokes), PixelMask(marked.size()));
   for (std::size_t p = 0; p < marked.size(); ++p)
     if (marked[p]) strokes[place[std::size_t(found.component[p])]][p] = 1;
   return strokes;

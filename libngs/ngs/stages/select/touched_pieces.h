@@ -15,9 +15,9 @@
 
 namespace ngs {
 
-/// The connected strokes on the object in one view as masks, the largest first. With more than kMostStrokes the
+/// The connected strokes on the object in one view as masks, the largest first. With more than kMaxStrokes the
 /// smallest share the last mask. Boxes are not strokes.
-inline constexpr std::size_t kMostStrokes = 16;
+inline constexpr std::size_t kMaxStrokes = 16;
 std::vector<PixelMask> object_strokes(const ViewPrompt& marks);
 
 /// The Gaussians under each of these strokes, with their weight over its pixels; `marks` has the size of the camera.

@@ -109,7 +109,7 @@ TEST_CASE("disconnected strokes are separate masks, the smallest share the last 
   for (int k = 0; k < 20; ++k)
     for (int x = 0; x < 20 - k; ++x) marks.hint[std::size_t(2 * k * 100 + x)] = PixelHint::kObject;
   const std::vector<PixelMask> strokes = object_strokes(marks);
-  REQUIRE(strokes.size() == kMostStrokes);
+  REQUIRE(strokes.size() == kMaxStrokes);
   CHECK(std::count(strokes[0].begin(), strokes[0].end(), 1) == 20);
   CHECK(std::count(strokes[15].begin(), strokes[15].end(), 1) == 5 + 4 + 3 + 2 + 1);
   CHECK(object_strokes({4, 4, std::vector<PixelHint>(16, PixelHint::kBackground), true}).empty());

@@ -8,7 +8,7 @@
 
 namespace ngs::io {
 
-inline constexpr int kMostWebpPx = 16383;  // per side
+inline constexpr int kMaxWebpSide_px = 16383;  // per side
 
 struct RgbaTable {
   int width = 0, height = 0;

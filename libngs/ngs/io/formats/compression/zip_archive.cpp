@@ -62,9 +62,9 @@ zlib_filefunc64_def functions_of(MemoryFile& file) {
 
 /// The path of the archive's current entry; empty if it cannot be read.
 std::string current_entry(unzFile archive, unz_file_info64& info) {
-  constexpr std::size_t kLongestName = 256;
-  char found[kLongestName] = {};
-  if (unzGetCurrentFileInfo64(archive, &info, found, kLongestName - 1, nullptr, 0, nullptr, 0) != UNZ_OK) return {};
+  constexpr std::size_t kMaxNameBytes = 256;
+  char found[kMaxNameBytes] = {};
+  if (unzGetCurrentFileInfo64(archive, &info, found, kMaxNameBytes - 1, nullptr, 0, nullptr, 0) != UNZ_OK) return {};
   return found;
 }
 
