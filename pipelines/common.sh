@@ -61,7 +61,7 @@ run() {
       case $code in
         0) ;;
         1) failed=1 ;;
-        7) say "$1 stopped at its budget; continuing with its partial result" ;;
+        7) say "$1: time budget used up; continuing with the partial result" ;;
         *) exit "$code" ;;
       esac ;;
     run:*) "$@" || exit 8 ;;

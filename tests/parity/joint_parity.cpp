@@ -128,7 +128,7 @@ TEST_CASE("joint: with any single effect off, a device equals the CPU within bou
   const Backend& b = backends()[0];
   std::vector<Setup> setups;
   for (const char* effect : {"nerf", "box", "rbf", "hash", "film", "align", "variance", "density", "mask", "cont",
-                             "smooth", "photometric", "region", "sh", "geometry", "mask-geometry"})
+                             "smooth", "photometric", "whole-photo", "sh", "geometry", "mask-geometry"})
     setups.emplace_back().off(effect);
   setups.emplace_back().frozen.assign(std::size_t(c->model.size()), 1);
   for (Setup& s : setups) {

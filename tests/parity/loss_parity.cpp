@@ -109,7 +109,7 @@ TEST_CASE("continuity and smoothness of a device equal the CPU's within rounding
 TEST_CASE("photometric: value and gradient of a device equal the CPU's within rounding") {
   struct Case {
     int width, height;
-    PixelRegion region;
+    PixelRect box;
     bool weighted;
   };
   const Case cases[] = {{1, 1, {}, false}, {5, 40, {}, true}, {37, 29, {}, false}, {60, 45, {20, 10, 31, 25}, true}};
@@ -118,7 +118,7 @@ TEST_CASE("photometric: value and gradient of a device equal the CPU's within ro
       Random random(4);
       const ImageF x = random_image(random, c.width, c.height, 3), y = random_image(random, c.width, c.height, 3),
                    weight = random_image(random, c.width, c.height, 1);
-      const PhotometricOptions options{0.2, c.region};
+      const PhotometricOptions options{0.2, c.box};
       ImageF want_grad, got_grad;
       PhotometricPass<float> pass;
       const auto want = pass.evaluate({}, options, {x, y, c.weighted ? &weight : nullptr}, &want_grad),

@@ -21,7 +21,7 @@ struct Channels {
 };
 
 View run_view(const Exec& exec, const SplatCase& c, const SplatOptions& options, const Channels& channels,
-              const ViewGradients& upstream, const std::vector<std::uint8_t>& label_alone = {}) {
+              const ViewGradients& upstream, const std::vector<std::uint8_t>& label_only = {}) {
   const GaussianCloud cloud = float_cloud(c);
   Random random(7);
   const auto label = random.uniform_vector<float>(std::size_t(c.gaussians * channels.labels), 0, 1);
@@ -31,7 +31,7 @@ View run_view(const Exec& exec, const SplatCase& c, const SplatOptions& options,
   SplatPass pass(options);
   View view;
   view.image = pass.forward(exec, cloud, c.camera, request);
-  pass.backward(exec, upstream, view.gradient, {.label_alone = label_alone});
+  pass.backward(exec, upstream, view.gradient, {.label_only = label_only});
   return view;
 }
 
@@ -199,7 +199,7 @@ TEST_CASE("splat: without upstream gradients, the gradients of a device are zero
   }
 }
 
-TEST_CASE("splat: with label_alone, a device computes the label gradient only") {
+TEST_CASE("splat: with label_only, a device computes the label gradient only") {
   const SplatCase c = splat_case(2, 100, 53, 41);
   const Channels channels{true, false, 2};
   const ViewGradients upstream = random_gradients(c, channels);

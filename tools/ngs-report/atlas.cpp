@@ -129,7 +129,7 @@ std::string figure_of(const std::string& name, const Found& found) {
          " with its wrong pixels by cause\" width=" + std::to_string(small.width_px) +
          " height=" + std::to_string(small.height_px) + " src=\"data:image/jpeg;base64," +
          base64(io::encode_jpeg(small, 90)) + "\"></div><figcaption><b>" + escaped(name) + "</b> " +
-         whole(found.atlas.wrong()) + " wrong pixels</figcaption></figure>\n";
+         with_separators(found.atlas.wrong()) + " wrong pixels</figcaption></figure>\n";
 }
 
 }  // namespace
@@ -146,8 +146,8 @@ std::string errors_section(const Exec& exec, RunFolder& run, Pictures& pictures,
   const auto add_row = [&](const std::string& name, const std::array<std::int64_t, kErrorCauses>& pixels) {
     std::int64_t wrong = 0;
     for (std::size_t c = 1; c < kErrorCauses; ++c) wrong += pixels[c];
-    std::vector<std::string> row{escaped(name), whole(wrong)};
-    for (std::size_t c = 1; c < kErrorCauses; ++c) row.push_back(whole(pixels[c]));
+    std::vector<std::string> row{escaped(name), with_separators(wrong)};
+    for (std::size_t c = 1; c < kErrorCauses; ++c) row.push_back(with_separators(pixels[c]));
     table.rows.push_back(std::move(row));
   };
   int shown = 0;

@@ -15,6 +15,7 @@
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/scene/import_scene.h"
 #include "ngs/io/scene/scene_json.h"
+#include "ngs/math/sh.h"
 #include "ngs/math/stable.h"
 #include "ngs/ops/image/image_bytes.h"
 #include "ngs/stages/orbit/coverage.h"
@@ -64,7 +65,7 @@ Vec3<double> contrasting_background(const GaussianCloud& cloud) {
     if (!cloud.usable[i]) continue;
     const double opacity = sigmoid(double(cloud.logit_opacity[i]));
     const float* dc = &cloud.sh_dc[3 * i];
-    const double grey = 0.5 + 0.28209479 * (double(dc[0]) + double(dc[1]) + double(dc[2])) / 3;
+    const double grey = colour_of_dc((double(dc[0]) + double(dc[1]) + double(dc[2])) / 3);
     sum += opacity * std::clamp(grey, 0.0, 1.0), total += opacity;
   }
   return sum < 0.5 * total ? Vec3<double>{1, 1, 1} : Vec3<double>{0, 0, 0};

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "ngs/math/median.h"
+
 namespace ngs::studio {
 
 std::vector<std::vector<std::string>> export_words(const StateFolder& folder, int object, const ExportChoice& choice) {
@@ -59,17 +61,11 @@ std::vector<Vec3<double>> selected(const GaussianCloud& cloud, const live::Objec
   return members;
 }
 
-double quantile(std::vector<double> values, double share) {
-  const auto at = std::ptrdiff_t(share * double(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[std::size_t(at)];
-}
-
 /// Radius around `centre` that contains the fraction `share` of the members.
 double radius_of_share(const std::vector<Vec3<double>>& members, Vec3<double> centre, double share) {
   std::vector<double> distance;
   distance.reserve(members.size());
-  for (const Vec3<double>& m : members) distance.push_back(std::sqrt(dot(m - centre, m - centre)));
+  for (const Vec3<double>& m : members) distance.push_back(length(m - centre));
   return quantile(std::move(distance), share);
 }
 

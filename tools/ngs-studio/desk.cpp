@@ -240,8 +240,8 @@ Json Desk::views_json() const {
   for (const SceneView& view : loaded_.scene.views) {
     if (out.size() == kMaxViews) break;
     const Vec3<double> line = loaded_.first.centre - view.camera.centre();
-    out.push_back({{"name", view.camera.name},
-                   {"camera", json_of(look_of_view(view.camera, std::max(1e-6, std::sqrt(dot(line, line)))))}});
+    out.push_back(
+        {{"name", view.camera.name}, {"camera", json_of(look_of_view(view.camera, std::max(1e-6, length(line))))}});
   }
   return out;
 }

@@ -25,7 +25,7 @@ class TimedStream : public httplib::Stream {
   explicit TimedStream(int socket) : socket_(socket) {}
 
   /// Waits for the first byte of the next request, which starts the deadline; false: no byte came.
-  bool wait_for_request(milliseconds patience, milliseconds request_time);
+  bool wait_for_request(milliseconds timeout, milliseconds request_time);
 
   bool is_readable() const override;
   bool is_writable() const override;
@@ -36,7 +36,7 @@ class TimedStream : public httplib::Stream {
   socket_t socket() const override { return socket_; }
 
  private:
-  bool ready(short event, milliseconds patience) const;
+  bool ready(short event, milliseconds timeout) const;
   milliseconds left() const;
 
   int socket_;
@@ -45,8 +45,8 @@ class TimedStream : public httplib::Stream {
   std::size_t begin_ = 0, end_ = 0;
 };
 
-bool TimedStream::wait_for_request(milliseconds patience, milliseconds request_time) {
-  if (begin_ == end_ && !ready(POLLIN, patience)) return false;
+bool TimedStream::wait_for_request(milliseconds timeout, milliseconds request_time) {
+  if (begin_ == end_ && !ready(POLLIN, timeout)) return false;
   deadline_ = std::chrono::steady_clock::now() + request_time;
   return true;
 }
@@ -56,9 +56,9 @@ milliseconds TimedStream::left() const {
       std::max(std::chrono::steady_clock::duration::zero(), deadline_ - std::chrono::steady_clock::now()));
 }
 
-bool TimedStream::ready(short event, milliseconds patience) const {
+bool TimedStream::ready(short event, milliseconds timeout) const {
   pollfd wanted{socket_, event, 0};
-  return poll(&wanted, 1, int(patience.count())) > 0 && (wanted.revents & event) != 0;
+  return poll(&wanted, 1, int(timeout.count())) > 0 && (wanted.revents & event) != 0;
 }
 
 bool TimedStream::is_readable() const { return begin_ < end_ || ready(POLLIN, left()); }
@@ -79,8 +79,8 @@ ssize_t TimedStream::read(char* to, std::size_t size) {
 
 /// The response has its own time limit: computing it may have used up that of the request.
 ssize_t TimedStream::write(const char* from, std::size_t size) {
-  constexpr milliseconds kPatience(5000);
-  return ready(POLLOUT, kPatience) ? send(socket_, from, size, MSG_NOSIGNAL | MSG_DONTWAIT) : -1;
+  constexpr milliseconds kTimeout(5000);
+  return ready(POLLOUT, kTimeout) ? send(socket_, from, size, MSG_NOSIGNAL | MSG_DONTWAIT) : -1;
 }
 
 constexpr std::size_t kMaxBody = 1 << 20;

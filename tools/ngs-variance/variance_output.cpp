@@ -9,6 +9,7 @@
 #include "ngs/io/image/exr.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/options/name_of.h"
+#include "ngs/problem/view_list.h"
 #include "ngs/scene/view_names.h"
 #include "ngs/stages/render/render_options.h"
 #include "shared/scene/memory_model.h"

@@ -88,7 +88,7 @@ std::vector<std::string> capture_flags(const OptionSet& options) {
 /// The given options, or those of one group, as command line arguments.
 Words given_words(const OptionSet& options, const std::string& group = {}) {
   Words words;
-  for (const OptionEntry* entry : options.given()) {
+  for (const OptionEntry* entry : options.changed()) {
     if (!group.empty() && entry->group->name != group) continue;
     const std::string flag = option_flag(entry->name);
     const Json value = entry->get();

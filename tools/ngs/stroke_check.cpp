@@ -5,7 +5,7 @@
 
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/scene/mask_threshold.h"
-#include "ngs/stages/masks/hand_prompt.h"
+#include "ngs/stages/masks/rasterise_prompt.h"
 #include "ngs/stages/render/render_options.h"
 #include "shared/scene/prompt_input.h"
 

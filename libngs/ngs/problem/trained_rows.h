@@ -17,11 +17,11 @@ class TrainedRows {
   TrainedRows(const Exec& exec, const std::vector<std::uint8_t>& region, const std::vector<std::uint8_t>& frozen,
               GaussianCloud& all)
       : exec_(exec), all_(all) {
-    wanted_.label_alone = frozen;
+    wanted_.label_only = frozen;
     if (region.empty() || exec.device_ops) return;
-    wanted_.place.assign(region.size(), -1);
+    wanted_.gradient_row.assign(region.size(), -1);
     for (std::size_t i = 0; i < region.size(); ++i)
-      if (region[i]) wanted_.place[i] = std::int32_t(rows_.size()), rows_.push_back(std::int64_t(i));
+      if (region[i]) wanted_.gradient_row[i] = std::int32_t(rows_.size()), rows_.push_back(std::int64_t(i));
     wanted_.rows = std::int64_t(rows_.size());
     part_ = gather_rows(exec, all, rows_);
     prepared_ = prepare_cloud(exec, all);
@@ -31,10 +31,11 @@ class TrainedRows {
   std::size_t size() const { return is_part() ? rows_.size() : std::size_t(all_.size()); }
   std::size_t row(std::size_t r) const { return is_part() ? std::size_t(rows_[r]) : r; }
   /// Row of the gradients of a Gaussian's shape and colour; nullopt: they are not trained.
-  std::optional<std::size_t> place(std::size_t gaussian) const {
-    if (!wanted_.label_alone.empty() && wanted_.label_alone[gaussian]) return std::nullopt;
+  std::optional<std::size_t> gradient_row(std::size_t gaussian) const {
+    if (!wanted_.label_only.empty() && wanted_.label_only[gaussian]) return std::nullopt;
     if (!is_part()) return gaussian;
-    return wanted_.place[gaussian] < 0 ? std::nullopt : std::optional(std::size_t(wanted_.place[gaussian]));
+    return wanted_.gradient_row[gaussian] < 0 ? std::nullopt
+                                              : std::optional(std::size_t(wanted_.gradient_row[gaussian]));
   }
   /// The trained rows. write_back() copies them to the whole cloud.
   GaussianCloud& cloud() { return is_part() ? part_ : all_; }
@@ -50,7 +51,7 @@ class TrainedRows {
   }
 
  private:
-  bool is_part() const { return !wanted_.place.empty(); }
+  bool is_part() const { return !wanted_.gradient_row.empty(); }
 
   Exec exec_;
   GaussianCloud& all_;

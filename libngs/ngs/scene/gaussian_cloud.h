@@ -15,7 +15,7 @@ struct GaussianCloud {
   std::vector<float> rotation;       // [N, 4] w x y z as stored; used normalised (a zero quaternion: identity)
   std::vector<float> log_scale;      // [N, 3] ln world
   std::vector<float> logit_opacity;  // [N]
-  std::vector<float> sh_dc;          // [N, 3] rgb = 0.5 + 0.28209479 · sh_dc
+  std::vector<float> sh_dc;          // [N, 3] rgb = colour_of_dc(sh_dc), math/sh.h
   std::vector<float> sh_rest;        // [N, sh_rest_count(sh_degree), 3]; the PLY is channel-major, transposed on load
   int sh_degree = 0;                 // 0..3
   bool antialiased = false;          // trained with the Mip-Splatting opacity compensation (PLY comment)

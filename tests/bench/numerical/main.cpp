@@ -23,9 +23,11 @@
 #include "ngs/ops/splat/splat_engine.h"
 #include "ngs/ops/splat/tile_kernels_of.h"
 #include "ngs/ops/splat/tile_scratch.h"
+#include "ngs/problem/view_list.h"
 #include "ngs/scene/boundary_set.h"
 #include "ngs/stages/boundary/rbf_stage.h"
 #include "ngs/stages/boundary/variance_stage.h"
+#include "support/projected_view.h"
 
 namespace ngs::bench {
 namespace {

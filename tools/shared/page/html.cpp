@@ -1,5 +1,6 @@
 #include "shared/page/html.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -38,7 +39,8 @@ std::string list_table(const Json& list) {
   }
   std::string html = table.html();
   if (list.size() > kMaxListEntries)
-    html += "<p class=note>" + whole(std::int64_t(list.size() - kMaxListEntries)) + " more rows are not shown.</p>";
+    html += "<p class=note>" + with_separators(std::int64_t(list.size() - kMaxListEntries)) +
+            " more rows are not shown.</p>";
   return html;
 }
 
@@ -77,7 +79,7 @@ std::string decimal(double value, int decimals) {
   return text;
 }
 
-std::string whole(std::int64_t value) {
+std::string with_separators(std::int64_t value) {
   std::string digits = std::to_string(value), out;
   const std::size_t first = value < 0;
   for (std::size_t i = 0; i < digits.size(); ++i) {

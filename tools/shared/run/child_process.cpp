@@ -175,7 +175,7 @@ ChildResult run_child(const std::vector<std::string>& argv, const ChildLimits& l
       ending = true, asked = Clock::now();
       result.end = stopped ? ChildResult::End::kStopped : ChildResult::End::kTimedOut;
       kill(-child, SIGTERM);
-    } else if (ending && since(asked) > (stopped ? limits.patience_on_stop_s : limits.patience_s)) {
+    } else if (ending && since(asked) > (stopped ? limits.grace_on_stop_s : limits.grace_s)) {
       kill(-child, SIGKILL);
     }
     if (limits.on_line) transcript.read_on(limits.on_line);

@@ -19,7 +19,7 @@ namespace ngs::cli {
 namespace {
 
 constexpr std::size_t kMaxLineBytes = 1 << 20;
-constexpr double kPatienceAtEndS = 0.5;
+constexpr double kGraceAtEnd_s = 0.5;
 constexpr int kPollMs = 20;
 
 void close_descriptor(int& descriptor) {
@@ -34,26 +34,26 @@ LineProgram::LineProgram(const std::vector<std::string>& argv) : name_(argv[0]) 
   int socket[2], pipe[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, socket) != 0 || pipe2(pipe, O_CLOEXEC) != 0)
     throw Error(ErrorCode::kEnvironment, name_ + ": no connection to the program: " + std::strerror(errno));
-  to_ = socket[0], from_ = pipe[0];
+  stdin_fd_ = socket[0], stdout_fd_ = pipe[0];
   try {
-    err_file_ = unnamed_file();
-    process_ = spawn_program(argv, {.in = socket[1], .out = pipe[1], .err = err_file_});
+    stderr_fd_ = unnamed_file();
+    process_ = spawn_program(argv, {.in = socket[1], .out = pipe[1], .err = stderr_fd_});
   } catch (...) {
-    for (int* descriptor : {&socket[1], &pipe[1], &to_, &from_, &err_file_}) close_descriptor(*descriptor);
+    for (int* descriptor : {&socket[1], &pipe[1], &stdin_fd_, &stdout_fd_, &stderr_fd_}) close_descriptor(*descriptor);
     throw;
   }
   close(socket[1]), close(pipe[1]);
 }
 
 LineProgram::~LineProgram() {
-  close_descriptor(to_);
-  if (process_ != 0) end(ChildResult::End::kExited, kPatienceAtEndS);
-  close_descriptor(from_), close_descriptor(err_file_);
+  close_descriptor(stdin_fd_);
+  if (process_ != 0) end(ChildResult::End::kExited, kGraceAtEnd_s);
+  close_descriptor(stdout_fd_), close_descriptor(stderr_fd_);
 }
 
 bool LineProgram::send(const std::string& text) const {
   for (std::size_t done = 0; done < text.size();) {
-    const ssize_t count = ::send(to_, text.data() + done, text.size() - done, MSG_NOSIGNAL);
+    const ssize_t count = ::send(stdin_fd_, text.data() + done, text.size() - done, MSG_NOSIGNAL);
     if (count < 0 && errno != EINTR) return false;
     done += count > 0 ? std::size_t(count) : 0;
   }
@@ -65,7 +65,7 @@ std::optional<std::string> LineProgram::next_line() {
   const std::size_t feed = received_.find('\n');
   if (feed == std::string::npos) {
     if (received_.size() > kMaxLineBytes)
-      throw Error(ErrorCode::kBadInput, name_ + ": a line of more than 1 MiB, expected an answer of one line");
+      throw Error(ErrorCode::kBadInput, name_ + ": a line of more than 1 MiB, expected a response of one line");
     return std::nullopt;
   }
   std::string line = received_.substr(0, feed);
@@ -73,8 +73,7 @@ std::optional<std::string> LineProgram::next_line() {
   return line;
 }
 
-/// Sends SIGTERM, or with kExited first waits `patience_s`, then sends it; after another `patience_s` sends SIGKILL.
-ChildResult LineProgram::end(ChildResult::End why, double patience_s) {
+ChildResult LineProgram::end(ChildResult::End why, double grace_s) {
   ChildResult result;
   result.end = why;
   double since_s = wall_seconds();
@@ -82,7 +81,7 @@ ChildResult LineProgram::end(ChildResult::End why, double patience_s) {
   if (next_signal != 0) kill(-process_, next_signal);
   pid_t ended = 0;
   while ((ended = waitpid(process_, &status, WNOHANG)) == 0 || (ended < 0 && errno == EINTR)) {
-    if (wall_seconds() - since_s > patience_s) {
+    if (wall_seconds() - since_s > grace_s) {
       next_signal = next_signal == 0 ? SIGTERM : SIGKILL, since_s = wall_seconds();
       kill(-process_, next_signal);
     }
@@ -92,25 +91,25 @@ ChildResult LineProgram::end(ChildResult::End why, double patience_s) {
   process_ = 0;
   if (why == ChildResult::End::kExited && WIFSIGNALED(status)) result.end = ChildResult::End::kSignalled;
   result.code = WIFEXITED(status) ? WEXITSTATUS(status) : WTERMSIG(status);
-  result.output_tail = output_tail_of(err_file_);
+  result.output_tail = output_tail_of(stderr_fd_);
   return ended_ = result;
 }
 
-LineProgram::Answer LineProgram::ask(const std::string& line, const ChildLimits& limits) {
+LineProgram::Response LineProgram::request(const std::string& line, const ChildLimits& limits) {
   using End = ChildResult::End;
   const double start_s = wall_seconds();
   if (process_ == 0) return {.line = {}, .ended = ended_};
-  if (!send(line + "\n")) return {.line = {}, .ended = end(End::kExited, limits.patience_s)};
+  if (!send(line + "\n")) return {.line = {}, .ended = end(End::kExited, limits.grace_s)};
   while (true) {
     while (std::optional<std::string> found = next_line())
       if (found->starts_with("{")) return {.line = std::move(*found), .ended = std::nullopt};
-    if (limits.stop && limits.stop()) return {.line = {}, .ended = end(End::kStopped, limits.patience_on_stop_s)};
-    if (wall_seconds() - start_s > limits.time_s) return {.line = {}, .ended = end(End::kTimedOut, limits.patience_s)};
-    pollfd readable{.fd = from_, .events = POLLIN, .revents = 0};
+    if (limits.stop && limits.stop()) return {.line = {}, .ended = end(End::kStopped, limits.grace_on_stop_s)};
+    if (wall_seconds() - start_s > limits.time_s) return {.line = {}, .ended = end(End::kTimedOut, limits.grace_s)};
+    pollfd readable{.fd = stdout_fd_, .events = POLLIN, .revents = 0};
     if (poll(&readable, 1, kPollMs) <= 0) continue;
     char block[4096];
-    const ssize_t count = read(from_, block, sizeof block);
-    if (count == 0) return {.line = {}, .ended = end(End::kExited, limits.patience_s)};
+    const ssize_t count = read(stdout_fd_, block, sizeof block);
+    if (count == 0) return {.line = {}, .ended = end(End::kExited, limits.grace_s)};
     if (count > 0) received_.append(block, std::size_t(count));
   }
 }

@@ -69,7 +69,7 @@ void Streams::redirect_output(Output& output) {
     throw Error(ErrorCode::kEnvironment, name + ": cannot be created: " + std::strerror(errno), "set TMPDIR");
   ::close(descriptor);
   output_ = name;
-  unfinished_.note(output_.c_str());
+  unfinished_.track(output_.c_str());
   redirections_.push_back({"-", output_});
   output.path = output_;
 }

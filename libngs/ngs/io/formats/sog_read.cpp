@@ -109,14 +109,14 @@ class SogReader {
     return parse_json({reinterpret_cast<const char*>(text.data()), text.size()}, name_ + ": meta.json");
   }
 
-  RgbaTable picture(const char* part, std::size_t which, std::size_t most_texels) const {
+  RgbaImage picture(const char* part, std::size_t which, std::size_t max_texels) const {
     const std::string file = meta_.file(part, which);
-    return decode_webp(name_ + ": " + file, zip_.read(file, bytes_.size()), most_texels);
+    return decode_webp(name_ + ": " + file, zip_.read(file, bytes_.size()), max_texels);
   }
 
   /// An image with at least one texel per Gaussian, and not many more.
-  RgbaTable texture(const char* part, std::size_t which) const {
-    RgbaTable table = picture(part, which, 2 * count_ + kMaxPalette);
+  RgbaImage texture(const char* part, std::size_t which) const {
+    RgbaImage table = picture(part, which, 2 * count_ + kMaxPalette);
     if (table.texels() < count_)
       meta_.bad("'" + meta_.file(part, which) + "' has " + std::to_string(table.texels()) +
                 " pixels, expected at least " + std::to_string(count_));
@@ -211,7 +211,7 @@ class SogReader {
   Meta meta_;
   std::uint64_t version_ = 0, count_ = 0;
   int degree_ = 0;
-  RgbaTable means_low_, means_high_, quats_, scales_, sh0_, centroids_, labels_;
+  RgbaImage means_low_, means_high_, quats_, scales_, sh0_, centroids_, labels_;
   std::vector<double> mins_, maxs_;
   std::array<Values, 3> scale_values_{}, colour_values_{};
   Values rest_values_{};

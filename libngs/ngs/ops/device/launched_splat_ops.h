@@ -56,7 +56,7 @@ class LaunchedSplatView final : public DeviceSplat {
   /// The requested columns of the gradient.
   struct Columns {
     DeviceBuffer<Launcher, float> position, rotation, log_scale, logit_opacity, sh_dc, sh_rest, label, mean_px;
-    DeviceBuffer<Launcher, std::uint8_t> visible, label_alone;
+    DeviceBuffer<Launcher, std::uint8_t> visible, label_only;
     CloudGradientView<float> view;
 
     Columns(Launcher& launcher, const CloudView<float>& cloud, int labels, const CloudGradientView<float>& wanted) {
@@ -71,8 +71,8 @@ class LaunchedSplatView final : public DeviceSplat {
       make(sh_dc, wanted.sh_dc, view.sh_dc, 3), make(sh_rest, wanted.sh_rest, view.sh_rest, cloud.rest_stride * 3);
       make(label, wanted.label, view.label, labels), make(mean_px, wanted.mean_px, view.mean_px, 2);
       make(visible, wanted.visible, view.visible, 1);
-      if (wanted.label_alone)
-        label_alone = {launcher, wanted.label_alone, cloud.size}, view.label_alone = label_alone.data();
+      if (wanted.label_only)
+        label_only = {launcher, wanted.label_only, cloud.size}, view.label_only = label_only.data();
     }
     void download(const CloudGradientView<float>& to) const {
       position.to(to.position), rotation.to(to.rotation), log_scale.to(to.log_scale),

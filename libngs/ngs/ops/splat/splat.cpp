@@ -54,9 +54,9 @@ void SplatPass::backward(const Exec& exec, const ViewGradients& gradients, Cloud
                          const GradientRows& wanted) {
   const State& s = *state_;
   const auto all = std::size_t(s.gaussians);
-  const bool some = !wanted.place.empty();
-  NGS_CHECK(wanted.label_alone.empty() || wanted.label_alone.size() == all, "one flag per Gaussian");
-  NGS_CHECK(!some || (wanted.place.size() == all && !s.on_device), "one place per Gaussian, on the CPU");
+  const bool some = !wanted.gradient_row.empty();
+  NGS_CHECK(wanted.label_only.empty() || wanted.label_only.size() == all, "one flag per Gaussian");
+  NGS_CHECK(!some || (wanted.gradient_row.size() == all && !s.on_device), "one row per Gaussian, on the CPU");
   const std::size_t n = some ? std::size_t(wanted.rows) : all;
   out.position.resize(n * 3), out.rotation.resize(n * 4), out.log_scale.resize(n * 3), out.logit_opacity.resize(n);
   out.sh_dc.resize(n * 3), out.sh_rest.resize(s.rest_values * n), out.mean_px.resize(n * 2), out.visible.resize(n);
@@ -74,8 +74,8 @@ void SplatPass::backward(const Exec& exec, const ViewGradients& gradients, Cloud
                                       out.label.data(),
                                       out.mean_px.data(),
                                       out.visible.data(),
-                                      wanted.label_alone.empty() ? nullptr : wanted.label_alone.data(),
-                                      some ? wanted.place.data() : nullptr,
+                                      wanted.label_only.empty() ? nullptr : wanted.label_only.data(),
+                                      some ? wanted.gradient_row.data() : nullptr,
                                       wanted.rows};
   const std::vector<Plane<const float>> image = planes<const float>(s.plan, gradients);
   if (s.on_device)

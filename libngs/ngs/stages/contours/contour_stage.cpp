@@ -241,7 +241,7 @@ class ContourRun {
     const GaussianCloud part = gather_rows(exec_, model_.cloud, rows.rows);
     Problem input = window_input(scene, iteration, part);
     input.labels = gather_labels(exec_, model_.labels, rows.rows);
-    input.region = rows_with_evidence(input.labels);
+    input.region = rows_with_foreground_evidence(input.labels);
     for (std::size_t r = 0; r < rows.frozen.size(); ++r) input.region[r] |= !rows.frozen[r];
     if (!model_.fixed.empty()) input.fixed = gather_column(exec_, model_.fixed, 1, rows.rows);
     const bool early = iteration + 1 < iterations && !setup_.contour.on.full_resolution;

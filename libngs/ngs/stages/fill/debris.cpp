@@ -20,11 +20,6 @@ void append_point(std::vector<float>& to, Vec p) {
   for (const double x : {p.x, p.y, p.z}) to.push_back(float(x));
 }
 
-bool in_box(const Rim& rim, Vec p, double margin) {
-  return p.x >= rim.low.x - margin && p.x <= rim.high.x + margin && p.y >= rim.low.y - margin &&
-         p.y <= rim.high.y + margin && p.z >= rim.low.z - margin && p.z <= rim.high.z + margin;
-}
-
 bool is_on_surface(const std::vector<FillSurface>& surfaces, Vec p) {
   return std::ranges::any_of(surfaces, [&](const FillSurface& s) { return s.height(p) <= s.tolerance; });
 }
@@ -36,7 +31,7 @@ std::vector<std::uint8_t> find_debris(const Exec& exec, const GaussianCloud& clo
   const orbit::SurfacePoints& points = rim.background;
   std::vector<std::uint8_t> debris(points.count());
   std::vector<float> around, queries;
-  std::vector<std::size_t> asked;
+  std::vector<std::size_t> tested;
   std::int64_t of_object = 0;
   for (std::size_t i = 0; i < rim.object.count(); ++i)
     if (rim.object.opacity[i] > kSolid) append_point(around, rim.object.position[i]), ++of_object;
@@ -44,14 +39,15 @@ std::vector<std::uint8_t> find_debris(const Exec& exec, const GaussianCloud& clo
   const double margin = 0.05 * rim.diagonal;
   for (std::size_t i = 0; i < points.count(); ++i) {
     const Vec p = points.position[i];
-    if (!in_box(rim, p, margin) || points.size[i] > kMaxSize * rim.diagonal || is_on_surface(surfaces, p)) continue;
-    asked.push_back(i), append_point(queries, p);
+    if (!rim.box.contains(p, margin) || points.size[i] > kMaxSize * rim.diagonal || is_on_surface(surfaces, p))
+      continue;
+    tested.push_back(i), append_point(queries, p);
   }
-  if (asked.empty() || around.size() < 3 * std::size_t(kNeighbours + 1)) return debris;
+  if (tested.empty() || around.size() < 3 * std::size_t(kNeighbours + 1)) return debris;
   const KnnGraph graph = nearest_points(exec, {around.data(), std::int64_t(around.size() / 3)},
-                                        {queries.data(), std::int64_t(asked.size())}, kNeighbours + 1);
-  for (std::size_t q = 0; q < asked.size(); ++q) {
-    const std::size_t i = asked[q];
+                                        {queries.data(), std::int64_t(tested.size())}, kNeighbours + 1);
+  for (std::size_t q = 0; q < tested.size(); ++q) {
+    const std::size_t i = tested[q];
     const std::array<double, 3> size = sorted_sizes(cloud, points.row[i]);
     const bool is_thin = points.opacity[i] <= kSolid || size[2] > kLong * size[1];
     double object = 0;

@@ -63,7 +63,7 @@ std::optional<FlatPlane> through(const std::vector<RimPoint>& points, double spa
     p[k] = points[std::min(points.size() - 1, std::size_t(at))].position;
   }
   const Vec across = cross(p[1] - p[0], p[2] - p[0]);
-  const double twice_area = orbit::length(across);
+  const double twice_area = length(across);
   if (!(twice_area > spacing * spacing)) return std::nullopt;  // too near each other for a direction
   const Vec normal = (1 / twice_area) * across;
   return FlatPlane{normal, dot(normal, p[0])};
@@ -87,7 +87,7 @@ std::optional<FlatPlane> least_squares(const std::vector<RimPoint>& points, cons
   }
   const double det = aa * bb - ab * ab;
   if (!(det > 1e-4 * (aa + bb) * (aa + bb))) return std::nullopt;
-  const Vec normal = orbit::unit(plane.normal - ((bb * ah - ab * bh) / det) * a - ((aa * bh - ab * ah) / det) * b);
+  const Vec normal = unit(plane.normal - ((bb * ah - ab * bh) / det) * a - ((aa * bh - ab * ah) / det) * b);
   return FlatPlane{normal, dot(normal, mean)};
 }
 

@@ -8,6 +8,7 @@
 #include "ngs/core/rng.h"
 #include "ngs/math/stable.h"
 #include "ngs/ops/image/image_metrics.h"
+#include "ngs/problem/view_list.h"
 #include "ngs/stages/fit/fit_density.h"
 
 namespace ngs {
@@ -66,11 +67,7 @@ std::size_t Fitter::view_of_step() {
   const auto n = std::int64_t(training_.size());
   const std::int64_t epoch = state_.step / n;
   if (epoch != order_epoch_) {  // every view once per epoch, in an order that depends on seed and epoch alone
-    order_ = training_;
-    const auto rank = [&](std::size_t view) {
-      return rng_bits(seed_, RngStream::kViewOrder, (std::uint64_t(epoch) << 32) + view);
-    };
-    std::sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
+    order_ = shuffled(training_, seed_, std::uint64_t(epoch));
     order_epoch_ = epoch;
   }
   return order_[std::size_t(state_.step % n)];

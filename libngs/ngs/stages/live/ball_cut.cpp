@@ -7,13 +7,14 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/error.h"
+#include "ngs/math/sh.h"
 #include "ngs/math/stable.h"
 #include "ngs/ops/image/image_bytes.h"
 #include "ngs/problem/cloud_rows.h"
 #include "ngs/stages/boundary/variance_stage.h"
 #include "ngs/stages/extract/extract_stage.h"
 #include "ngs/stages/live/live_mask.h"
-#include "ngs/stages/masks/hand_prompt.h"
+#include "ngs/stages/masks/rasterise_prompt.h"
 #include "ngs/stages/orbit/vectors.h"
 #include "ngs/stages/select/canonical_points.h"
 #include "ngs/stages/select/support_plane.h"
@@ -27,7 +28,7 @@ constexpr double kBand = 0.02;             // half-width of the free band around
 constexpr double kMinAbove = 0.9;          // least fraction above the plane of the weight under object strokes
 constexpr double kMaxAbove = 0.1;          // largest fraction above the plane of the weight under background strokes
 constexpr double kSkin = 0.04;             // unevenness of the plane, as a fraction of the object's height
-constexpr double kColourRoom = 0.5;        // distance below which colours count as similar, of the cube's edge
+constexpr double kColourRadius = 0.5;      // distance below which colours count as similar, of the cube's edge
 
 std::vector<std::int64_t> rows_in(const GaussianCloud& cloud, const orbit::Ball& ball) {
   std::vector<std::int64_t> rows;
@@ -45,11 +46,11 @@ Vec3<float> foreign_colour(const GaussianCloud& cloud) {
     for (std::size_t corner = 0; corner < 8; ++corner) {
       double distance2 = 0;
       for (std::size_t c = 0; c < 3; ++c) {
-        const double value = std::clamp(0.5 + 0.28209479 * double(cloud.sh_dc[3 * i + c]), 0.0, 1.0);
+        const double value = std::clamp(colour_of_dc(double(cloud.sh_dc[3 * i + c])), 0.0, 1.0);
         const double step = value - double(corner >> c & 1);
         distance2 += step * step;
       }
-      if (distance2 < kColourRoom * kColourRoom) like[corner] += sigmoid(double(cloud.logit_opacity[i]));
+      if (distance2 < kColourRadius * kColourRadius) like[corner] += sigmoid(double(cloud.logit_opacity[i]));
     }
   const auto best = std::size_t(std::min_element(like.begin(), like.end()) - like.begin());
   return {float(best & 1), float(best >> 1 & 1), float(best >> 2 & 1)};
@@ -257,7 +258,7 @@ class BallModel {
 orbit::Vec up_of(const std::vector<Camera>& cameras) {
   orbit::Vec sum{0, 0, 0};
   for (const Camera& c : cameras) sum = sum - orbit::Vec{c.rotation(1, 0), c.rotation(1, 1), c.rotation(1, 2)};
-  return orbit::length(sum) > 0 ? orbit::unit(sum) : orbit::Vec{0, -1, 0};
+  return length(sum) > 0 ? unit(sum) : orbit::Vec{0, -1, 0};
 }
 
 struct Told {
@@ -284,7 +285,7 @@ void segment_all(const Exec& exec, Monitor& monitor, const BallModel& model, con
   }
 }
 
-bool has_say(const SpreadView& view) {
+bool has_evidence(const SpreadView& view) {
   return view.source == MaskSource::kReference || view.source == MaskSource::kSegmented;
 }
 
@@ -294,7 +295,7 @@ bool has_say(const SpreadView& view) {
 LabelColumns labels_in_ball(const Exec& exec, const BallModel& model, const BallCutInput& in, const BallCut& cut) {
   Evidence evidence(model.cloud().size(), 1);
   for (std::size_t v = 0; v < cut.views.size(); ++v)
-    if (has_say(cut.views[v]) && (in.scene.views[v].split == Split::kTrain || in.marks.contains(v)))
+    if (has_evidence(cut.views[v]) && (in.scene.views[v].split == Split::kTrain || in.marks.contains(v)))
       add_view_evidence(exec, model.cloud(), {cut.cameras[v], known_view(cut.cameras[v], cut.views[v].mask)},
                         model.splat(), evidence);
   LabelColumns labels = std::move(label_gaussians({}, evidence)[0]);

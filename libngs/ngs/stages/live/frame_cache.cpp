@@ -5,7 +5,7 @@
 #include "ngs/backend/for_each.h"
 #include "ngs/ops/image/image_bytes.h"
 #include "ngs/scene/mask_threshold.h"
-#include "ngs/stages/masks/hand_prompt.h"
+#include "ngs/stages/masks/rasterise_prompt.h"
 #include "ngs/stages/select/touched_pieces.h"
 
 namespace ngs::live {

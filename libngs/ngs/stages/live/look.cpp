@@ -74,11 +74,10 @@ bool operator==(const Look& a, const Look& b) {
 
 Camera camera_of(const Look& look) {
   const Vec line = look.look_at - look.position;
-  if (!(orbit::length(line) > 0))
-    throw Error(ErrorCode::kUsage, "camera: position and look_at are one point, expected two");
-  const Vec forward = orbit::unit(line);
-  Vec right = cross(forward, orbit::unit(look.up));
-  right = orbit::length(right) > 1e-6 ? orbit::unit(right) : orbit::perpendicular(forward);
+  if (!(length(line) > 0)) throw Error(ErrorCode::kUsage, "camera: position and look_at are one point, expected two");
+  const Vec forward = unit(line);
+  Vec right = cross(forward, unit(look.up));
+  right = length(right) > 1e-6 ? unit(right) : orbit::perpendicular(forward);
   const Vec down = cross(forward, right);
   Camera camera;
   camera.width_px = look.width_px, camera.height_px = look.height_px;

@@ -11,8 +11,8 @@
 #include "ngs/ops/image/image_bytes.h"
 #include "ngs/stages/live/correction.h"
 #include "ngs/stages/live/live_mask.h"
-#include "ngs/stages/masks/hand_prompt.h"
 #include "ngs/stages/masks/mask_consensus.h"
+#include "ngs/stages/masks/rasterise_prompt.h"
 #include "ngs/stages/select/touched_pieces.h"
 
 namespace ngs::live {

@@ -200,11 +200,11 @@ void JointTrainer::Impl::cont_term(LossTerms& loss) {
   std::vector<float> colour(boundary.row.size() * 3), grad;
   for (std::size_t b = 0; b < boundary.row.size(); ++b)
     for (std::size_t c = 0; c < 3; ++c)
-      colour[b * 3 + c] = float(0.5 + kShC0 * double(cloud.sh_dc[std::size_t(boundary.row[b]) * 3 + c]));
+      colour[b * 3 + c] = float(colour_of_dc(double(cloud.sh_dc[std::size_t(boundary.row[b]) * 3 + c])));
   loss.cont = loss_cont(exec, {cont_graph, {colour.data(), boundary.size()}}, options.lambda_cont, &grad);
   for (std::size_t b = 0; b < boundary.row.size(); ++b) {
     const std::size_t row = boundary.row[b];
-    const std::optional<std::size_t> to = trained.place(row);
+    const std::optional<std::size_t> to = trained.gradient_row(row);
     if (!to) continue;
     for (std::size_t c = 0; c < 3; ++c) gradients.sh_dc[*to * 3 + c] += float(kShC0 * double(grad[b * 3 + c]));
   }
@@ -229,9 +229,10 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
   if (effects.align) grad.alpha = ImageF(camera.width_px, camera.height_px, 1);
   if (effects.photometric && !view.photo.empty()) {
     const auto timed = monitor.scope("photometric");
-    const PixelRegion& r = view.region;
-    const double share = shown * (r.empty() ? 1 : double(r.x1 - r.x0) * (r.y1 - r.y0) / double(view.photo.pixels()));
-    const PhotometricOptions anchor{.region = r, .gradient_scale = share * options.photometric_weight};
+    const PixelRect& box = view.anchor;
+    const double share =
+        shown * (box.empty() ? 1 : double(box.x1 - box.x0) * (box.y1 - box.y0) / double(view.photo.pixels()));
+    const PhotometricOptions anchor{.box = box, .gradient_scale = share * options.photometric_weight};
     loss.photometric = share * photometric.evaluate(exec, anchor, {rendered.colour, view.photo}, &grad.colour).total;
   } else if (colour) {
     grad.colour = ImageF(camera.width_px, camera.height_px, 3);

@@ -4,6 +4,7 @@
 
 #include "ngs/math/median.h"
 #include "ngs/ops/field/knn.h"
+#include "ngs/problem/cloud_rows.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/scene/mask_threshold.h"
 #include "ngs/stages/render/render_options.h"
@@ -33,7 +34,8 @@ class LabelRenderer {
       if (cloud.usable[i]) (objects[0].views[i] > 0 ? seen : unseen).push_back(std::uint32_t(i));
     }
     if (seen.empty() || unseen.empty()) return;
-    const std::vector<float> points = positions_of(seen), queries = positions_of(unseen);
+    const std::vector<float> points = gather_column(exec, cloud.position, 3, seen),
+                             queries = gather_column(exec, cloud.position, 3, unseen);
     const KnnGraph nearest = nearest_points(exec, {points.data(), std::int64_t(seen.size())},
                                             {queries.data(), std::int64_t(unseen.size())}, 1);
     for (std::size_t q = 0; q < unseen.size(); ++q) label_[unseen[q]] = label_[seen[nearest.index[q]]];
@@ -56,13 +58,6 @@ class LabelRenderer {
   }
 
  private:
-  std::vector<float> positions_of(const std::vector<std::uint32_t>& rows) const {
-    std::vector<float> positions;
-    for (const std::size_t i : rows)
-      positions.insert(positions.end(), &cloud_.position[3 * i], &cloud_.position[3 * i] + 3);
-    return positions;
-  }
-
   const GaussianCloud& cloud_;
   SplatOptions splat_;
   std::vector<float> label_;  // [N] 1: of some object

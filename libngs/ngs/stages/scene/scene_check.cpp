@@ -6,6 +6,7 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/error.h"
+#include "ngs/core/listed.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/scene/resize/shrink.h"
 #include "ngs/stages/render/render_options.h"
@@ -73,11 +74,9 @@ std::string decibels(double value) {
 
 /// The first of these views by name, and how many more there are.
 std::string some_names(const Scene& scene, const std::vector<std::size_t>& views) {
-  constexpr std::size_t kMaxNames = 4;
-  std::string names;
-  for (std::size_t i = 0; i < std::min(kMaxNames, views.size()); ++i)
-    names += (i == 0 ? "" : ", ") + scene.views[views[i]].camera.name;
-  return views.size() <= kMaxNames ? names : names + " and " + std::to_string(views.size() - kMaxNames) + " more";
+  std::vector<std::string> names;
+  for (const std::size_t view : views) names.push_back(scene.views[view].camera.name);
+  return listed(names, 4);
 }
 
 std::string percent(double share) {

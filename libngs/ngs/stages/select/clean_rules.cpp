@@ -8,6 +8,7 @@
 #include "ngs/math/stable.h"
 #include "ngs/math/union_find.h"
 #include "ngs/ops/field/knn.h"
+#include "ngs/problem/cloud_rows.h"
 #include "ngs/stages/select/canonical_points.h"
 
 namespace ngs {
@@ -66,7 +67,7 @@ class Cleaner {
   /// The distance from the middle of the bulk, at least the radius of the bulk.
   double scale_at(std::size_t i, const orbit::Ball& bulk) const {
     const float* p = &cloud_.position[3 * i];
-    return std::max(bulk.radius, orbit::length(orbit::Vec{p[0], p[1], p[2]} - bulk.centre));
+    return std::max(bulk.radius, length(orbit::Vec{p[0], p[1], p[2]} - bulk.centre));
   }
 
   /// Finds the neighbours of the remaining Gaussians; false if there are fewer than kMinRows.
@@ -123,7 +124,8 @@ class Cleaner {
     }
     if (large.empty() || small.empty()) return;
     const KnnGraph nearest = [&] {
-      const std::vector<float> points = positions_of(large), queries = positions_of(small);
+      const std::vector<float> points = gather_column(exec_, position_, 3, large),
+                               queries = gather_column(exec_, position_, 3, small);
       return nearest_points(exec_, {points.data(), std::int64_t(large.size())},
                             {queries.data(), std::int64_t(small.size())}, 1);
     }();
@@ -135,13 +137,6 @@ class Cleaner {
     }
     for (const std::uint32_t q : small)
       if (!attached[sets.root(q)]) finding_.debris[rows_[q]] = Debris::kFloater;
-  }
-
-  std::vector<float> positions_of(const std::vector<std::uint32_t>& queries) const {
-    std::vector<float> out;
-    for (const std::uint32_t q : queries)
-      out.insert(out.end(), &position_[3 * std::size_t(q)], &position_[3 * std::size_t(q)] + 3);
-    return out;
   }
 
   const Exec& exec_;

@@ -44,7 +44,7 @@ std::vector<Sample> samples_of(const GaussianCloud& cloud, const orbit::SurfaceP
   std::vector<Sample> samples;
   for (const std::size_t i : orbit::thinned(points.count(), kMaxPlaneSamples)) {
     const Vec p = (1 / bulk.radius) * (points.position[i] - bulk.centre);
-    if (orbit::length(p) > 1.5) continue;
+    if (length(p) > 1.5) continue;
     std::array<float, 3> s;
     std::copy_n(&cloud.log_scale[3 * std::size_t(points.row[i])], 3, s.begin());
     std::sort(s.begin(), s.end());
@@ -122,7 +122,7 @@ Slab fitted(const std::vector<Sample>& samples, const Slab& slab, double toleran
   Slab out = slab;
   const double det = aa * bb - ab * ab;
   if (det > 1e-9 * (aa + bb) * (aa + bb))
-    out.normal = orbit::unit(slab.normal - ((bb * ah - ab * bh) / det) * a - ((aa * bh - ab * ah) / det) * b);
+    out.normal = unit(slab.normal - ((bb * ah - ab * bh) / det) * a - ((aa * bh - ab * ah) / det) * b);
   out.height = dot(out.normal, mean);
   return out;
 }

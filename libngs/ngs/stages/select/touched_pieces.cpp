@@ -35,7 +35,7 @@ double side_by_sample(const Exec& exec, const GaussianCloud& cloud, const std::v
   std::vector<float> dist2;
   for (std::size_t q = 0; q < sample.size() / 3; ++q)
     dist2.push_back(graph.dist2[2 * q + 1]);  // the first is the Gaussian itself
-  return side_of_spacings(std::move(dist2));
+  return side_of_spacings(dist2);
 }
 
 /// Marks the pieces that the stroke touches.

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ngs/core/error.h"
+#include "ngs/core/listed.h"
 #include "ngs/io/files/shell_word.h"
 #include "ngs/io/formats/compression/gzip.h"
 #include "ngs/io/formats/compression/zip_archive.h"
@@ -23,13 +24,9 @@ bool has_entry(const std::vector<std::string>& entries, std::string_view file) {
       entries, [&](const std::string& entry) { return entry == file || entry.ends_with("/" + std::string(file)); });
 }
 
-/// The first few names, for messages.
-std::string listed(const std::vector<std::string>& names) {
-  constexpr std::size_t kMaxListed = 4;
-  std::string text;
-  for (std::size_t k = 0; k < std::min(names.size(), kMaxListed); ++k)
-    text += (k > 0 ? ", " : "") + printable(names[k]);
-  return names.size() > kMaxListed ? text + " and " + std::to_string(names.size() - kMaxListed) + " more" : text;
+std::string names_of(std::vector<std::string> entries) {
+  for (std::string& entry : entries) entry = printable(entry);
+  return listed(entries, 4);
 }
 
 bool is_ply_name(std::string name) {
@@ -61,7 +58,7 @@ std::optional<PackedPly> unzip_ply(const std::string& name, Bytes bytes) {
   std::ranges::copy_if(entries, std::back_inserter(plys), is_ply_name);
   if (plys.size() != 1)
     throw Error(ErrorCode::kBadInput,
-                name + ": a zip archive of " + (entries.empty() ? "nothing" : listed(plys.empty() ? entries : plys)) +
+                name + ": a zip archive of " + (entries.empty() ? "nothing" : names_of(plys.empty() ? entries : plys)) +
                     ", expected a .sog (meta.json and pictures) or one PLY in it",
                 "unzip it, and name the model in it");
   return PackedPly{archive.read(plys[0], bytes.size() * kMaxPlyExpansion),

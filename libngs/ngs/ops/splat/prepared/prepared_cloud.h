@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "ngs/core/raw_column.h"
-#include "ngs/ops/splat/prepared/pass_memory.h"
+#include "ngs/ops/splat/prepared/view_scratch.h"
 #include "ngs/ops/splat/splat_gaussian.h"
 
 namespace ngs {
@@ -50,7 +50,7 @@ class PreparedCloud {
   RawColumn<float> scale_bound;                     // at least the largest scale                   world
   std::vector<BlockBounds> bounds;                  // [blocks]
   std::vector<BlockBounds> group_bounds;            // [groups] of kGroupBlocks consecutive blocks
-  mutable PassMemoryPool memory;                    // scratch that is reused from view to view
+  mutable ViewScratchPool memory;                   // scratch that is reused from view to view
 
  private:
   /// Fills a place from row[place] of the cloud.

@@ -319,7 +319,7 @@ void BlockProjector::project(std::int64_t block, const std::uint8_t* reaches, st
 }  // namespace
 
 void project_blocks(const Exec& exec, const PreparedCloud& cloud, const CloudView<float>& columns,
-                    const ViewProjector<float>& projector, PassMemory<float>& memory) {
+                    const ViewProjector<float>& projector, ViewScratch<float>& memory) {
   const BlockProjector blocks(cloud, columns, projector);
   const auto in_blocks_of = [&](std::int64_t group, const auto& f) {
     for (std::int64_t b = group * kGroupBlocks; b < std::min(cloud.blocks(), (group + 1) * kGroupBlocks); ++b)
