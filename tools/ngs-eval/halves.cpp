@@ -202,8 +202,9 @@ void score_halves(Run& run, const HalvesInput& input) {
   const std::optional<std::string> object = file_in(input.cut, "object.ply"),
                                    background = file_in(input.cut, "background.ply");
   if (!object && !background)
-    throw Error(ErrorCode::kBadInput, input.cut + ": neither object.ply nor background.ply, expected one of them",
-                "cut the model: ngs-extract labelled.ply --object DIR/object.ply --background DIR/background.ply");
+    throw Error(
+        ErrorCode::kBadInput, input.cut + ": neither object.ply nor background.ply, expected one of them",
+        "cut the model: ngs-extract labelled.ply --object-ply DIR/object.ply --background-ply DIR/background.ply");
   const Scene room = io::read_scene_json(input.truth + "/background/scene.json"),
               alone = io::read_scene_json(input.truth + "/object/scene.json");
   if (run.dry_run()) return;

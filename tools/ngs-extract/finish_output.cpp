@@ -42,7 +42,7 @@ std::vector<finish::GivenMask> given_mask(const Scene& scene, std::size_t view,
 void check_finish_options(const finish::FinishOptions& options, const Output& object, const Input& scene) {
   if (!options.finish) return;
   if (!scene) throw Error(ErrorCode::kUsage, "--finish needs the cameras", "give --scene scene.json");
-  if (!object) throw Error(ErrorCode::kUsage, "--finish changes only the object", "give --object FILE");
+  if (!object) throw Error(ErrorCode::kUsage, "--finish changes only the object", "give --object-ply FILE");
 }
 
 void write_finished(Run& run, const Extractor& extractor, const Scene& scene, const std::string& path) {

@@ -160,7 +160,7 @@ ViewerPage viewer_page(const RunFolder& run, const ViewerOptions& options) {
   const fs::path path = fs::path(run.path) / "object.ply";
   if (!fs::is_regular_file(path))
     throw Error(ErrorCode::kBadInput, path.string() + ": no such file, expected the object for --viewer",
-                "write it with ngs-extract --object");
+                "write it with ngs-extract --object-ply");
   const io::GaussianPly ply = io::read_gaussian_ply(path.string());
   io::SplatSelection selection = io::select_rows(ply.cloud, {});
   if (selection.rows.empty()) throw Error(ErrorCode::kNothingFound, path.string() + ": no Gaussian to draw");

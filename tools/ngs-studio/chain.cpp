@@ -13,9 +13,9 @@ std::vector<std::vector<std::string>> export_words(const StateFolder& folder, in
   std::vector<std::vector<std::string>> words{
       {"ngs-variance", at("scene.json"), "-o", at("boundary.ply"), "-w"},
       {"ngs-joint", at("scene.json"), at("boundary.ply"), "--method", "flash", "-o", at("labelled.ply"), "-w"},
-      {"ngs-extract", at("labelled.ply"), "--unseen", "background", "--object",
-       folder.of(object, "object." + choice.format), "--background", folder.of(object, "background." + choice.format),
-       "-w"}};
+      {"ngs-extract", at("labelled.ply"), "--unseen", "background", "--object-ply",
+       folder.of(object, "object." + choice.format), "--background-ply",
+       folder.of(object, "background." + choice.format), "-w"}};
   if (!choice.all_pieces)
     words.back().insert(words.back().end(), {"--scene", at("scene.json"), "--strokes", at("strokes.json")});
   return words;
@@ -26,7 +26,7 @@ std::vector<std::vector<std::string>> convert_words(const StateFolder& folder, i
   if (format == "ply") return words;
   for (const std::string side : {"cut/object.", "cut/background."})  // a ball around everything: the whole model
     words.push_back({"ngs-extract", folder.of(object, side + "ply"), "--keep-sphere", "0,0,0,1e18", "--allow-empty",
-                     "--object", folder.of(object, side + format), "-w"});
+                     "--object-ply", folder.of(object, side + format), "-w"});
   return words;
 }
 

@@ -10,7 +10,7 @@ namespace {
 using namespace ngs;
 
 synth::Recipe resolved(synth::Recipe recipe, const cli::SynthOptions& o) {
-  if (o.views > 0) recipe.views = o.views;
+  if (o.view_count > 0) recipe.views = o.view_count;
   const auto side_of = [](int px, int recipe_px) {
     if (px > 0 && px < 8)
       throw Error(ErrorCode::kUsage, "image side of " + std::to_string(px) + " px, expected 0 or at least 8");

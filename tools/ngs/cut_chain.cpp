@@ -107,9 +107,9 @@ bool CutChain::orbit() {
   append(words, "--around", options_.around);
   append(words, "--up", options_.up == "auto" ? "" : options_.up);
   append(words, "--size", options_.size);
-  append(words, "--views", options_.views > 0 ? std::to_string(options_.views) : "");
+  append(words, "--view-count", options_.view_count > 0 ? std::to_string(options_.view_count) : "");
   append(words, "--hold-out", options_.hold_out);
-  append(words, "--max-views", most_views(options_));
+  append(words, "--max-views", max_views(options_));
   Json key{{"version", kVersion}, {"options", Words(words.begin() + 5, words.end())}};
   const std::string key_file = at("orbit/made_from.json");
   if (!run_.dry_run()) {
@@ -323,7 +323,7 @@ bool CutChain::cut() {
 /// With strokes only the components that they touch are written, and labels are rounded, so that masks and page show
 /// the written object.
 bool CutChain::extract(const std::string& trained) {
-  Words words{"ngs-extract", trained, "--object", at("object.ply"), "--background", at("background.ply")};
+  Words words{"ngs-extract", trained, "--object-ply", at("object.ply"), "--background-ply", at("background.ply")};
   if (!inputs_.strokes.empty()) append(words, "--labelled", at("labelled.ply"));
   const bool by_strokes = !inputs_.strokes.empty() && !options_.all_pieces;
   if (by_strokes || options_.finish) append(words, "--scene", at("scene.json"));
@@ -340,7 +340,7 @@ bool CutChain::extract(const std::string& trained) {
 /// stopped by a signal.
 bool CutChain::fill_untrained() {
   if (fill_word(options_).empty()) return true;
-  return stage("ngs-extract", {"ngs-extract", at("labelled.ply"), "--background", at("background.ply"), "--fill",
+  return stage("ngs-extract", {"ngs-extract", at("labelled.ply"), "--background-ply", at("background.ply"), "--fill",
                                fill_word(options_)});
 }
 

@@ -73,8 +73,8 @@ std::vector<PixelMask> read_flash_masks(const std::string& folder, const FlashCu
   return masks;
 }
 
-std::string most_views(const CutOptions& options) {
-  if (options.views > 0) return std::to_string(options.views);
+std::string max_views(const CutOptions& options) {
+  if (options.view_count > 0) return std::to_string(options.view_count);
   return options.method == CutMethod::kFlash ? std::to_string(kMaxViews) : "";
 }
 

@@ -75,8 +75,8 @@ TEST_CASE("a capture of any unit is imported without a flag, and gets the labels
 TEST_CASE("a splat alone of any unit gets cameras, and images of the same size") {
   const auto renders = [](const Capture& capture, double factor) {
     if (factor != 1) capture.scale(factor);
-    const test::ProcessResult result =
-        capture.run({"ngs-scene", "orbit", "c/point_cloud.ply", "--views", "8", "--size", "64x48", "-o", "scene.json"});
+    const test::ProcessResult result = capture.run(
+        {"ngs-scene", "orbit", "c/point_cloud.ply", "--view-count", "8", "--size", "64x48", "-o", "scene.json"});
     CAPTURE(factor);
     CAPTURE(result.err);
     REQUIRE(result.exit_code == 0);

@@ -28,8 +28,8 @@ const std::map<std::string, std::string>& next_commands() {
       {"ngs-scene import", "ngs-variance {-o} -o boundary.ply"},
       {"ngs-variance", "ngs-joint {scene} {-o} -o labelled.ply"},
       {"ngs-sample", "ngs-rbf {boundary} {-o} -o field.ply"},
-      {"ngs-joint", "ngs-extract {-o} --object object.ply --background background.ply"},
-      {"ngs-extract", "open {--object} in a splat viewer"},
+      {"ngs-joint", "ngs-extract {-o} --object-ply object.ply --background-ply background.ply"},
+      {"ngs-extract", "open {--object-ply} in a splat viewer"},
       {"ngs-report", "open {-o} in a browser"}};
   return next;
 }

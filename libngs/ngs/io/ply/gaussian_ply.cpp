@@ -85,7 +85,7 @@ class Reader {
       ply_.notes.push_back(describe(activated) + ": converted");
     } else if (activated) {
       bad(describe(activated) + ", expected values as they are before activation",
-          "to convert them: ngs-extract " + shell_word(name_) + " --activated --object converted.ply");
+          "to convert them: ngs-extract " + shell_word(name_) + " --activated --object-ply converted.ply");
     }
   }
 

@@ -213,7 +213,7 @@ class Chooser {
     found_.coverage = coverage.share(), found_.surface = coverage.gaussians();
   }
 
-  int first_views() const { return std::min(options_.views, options_.max_views); }
+  int first_views() const { return std::min(options_.view_count, options_.max_views); }
   Vec origin() const { return {cloud_.origin[0], cloud_.origin[1], cloud_.origin[2]}; }
 
   const Exec& exec_;
