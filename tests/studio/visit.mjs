@@ -183,12 +183,13 @@ async function refine(page) {
   check((await pressed(page, 'before')) === 'false', 'refine: releasing the button shows the refined labels');
 }
 
-const kExported = ['object-1/cut/object.ply', 'object-1/cut/background.ply', 'object-1/cut/labelled.ply',
-  'object-2/object.ply', 'object-2/background.ply', 'object-2/labelled.ply', 'object-2/strokes.json'];
+const kExported = ['object-1/cut/object.ply', 'object-1/cut/background.ply', 'object-1/cut/background-filled.ply', 'object-1/cut/labelled.ply',
+  'object-2/object.ply', 'object-2/background.ply', 'object-2/background-filled.ply', 'object-2/labelled.ply', 'object-2/strokes.json'];
 const hasClock = (name) => name.includes('/report');
 const isMadeByCommands = (name) => name.endsWith('.ply') || name.includes('/cut/');
 
 async function exportAndRepeat(page) {
+  await page.locator('#fill').check();
   await page.locator('#export').click();
   await page.locator('#exported').waitFor();
   const { files } = (await stateOf(page)).export;

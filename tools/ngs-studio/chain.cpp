@@ -7,26 +7,42 @@
 #include "ngs/math/median.h"
 
 namespace ngs::studio {
+namespace {
 
-std::vector<std::vector<std::string>> export_words(const StateFolder& folder, int object, const ExportChoice& choice) {
-  const auto at = [&](const char* name) { return folder.of(object, name); };
-  std::vector<std::vector<std::string>> words{
-      {"ngs-variance", at("scene.json"), "-o", at("boundary.ply"), "-w"},
-      {"ngs-joint", at("scene.json"), at("boundary.ply"), "--method", "flash", "-o", at("labelled.ply"), "-w"},
-      {"ngs-extract", at("labelled.ply"), "--unseen", "background", "--object-ply",
-       folder.of(object, "object." + choice.format), "--background-ply",
-       folder.of(object, "background." + choice.format), "-w"}};
-  if (!choice.all_pieces)
-    words.back().insert(words.back().end(), {"--scene", at("scene.json"), "--strokes", at("strokes.json")});
+std::vector<std::string> joined(std::vector<std::string> words, const std::vector<std::string>& more) {
+  words.insert(words.end(), more.begin(), more.end());
   return words;
 }
 
-std::vector<std::vector<std::string>> convert_words(const StateFolder& folder, int object, const std::string& format) {
+std::vector<std::string> fill_words(const std::string& file) {
+  return {"--background-ply", file, "--fill", "auto", "-w"};
+}
+
+}  // namespace
+
+std::vector<std::vector<std::string>> export_words(const StateFolder& folder, int object, const ExportChoice& choice) {
+  const auto at = [&](const std::string& name) { return folder.of(object, name); };
+  std::vector<std::string> extract{"ngs-extract", at("labelled.ply"), "--unseen", "background"};
+  if (!choice.all_pieces) extract.insert(extract.end(), {"--scene", at("scene.json"), "--strokes", at("strokes.json")});
+  std::vector<std::vector<std::string>> words{
+      {"ngs-variance", at("scene.json"), "-o", at("boundary.ply"), "-w"},
+      {"ngs-joint", at("scene.json"), at("boundary.ply"), "--method", "flash", "-o", at("labelled.ply"), "-w"},
+      joined(extract, {"--object-ply", at("object." + choice.format), "--background-ply",
+                       at("background." + choice.format), "-w"})};
+  if (choice.fill) words.push_back(joined(extract, fill_words(at("background-filled." + choice.format))));
+  return words;
+}
+
+std::vector<std::vector<std::string>> convert_words(const StateFolder& folder, int object, const ExportChoice& choice) {
+  const auto at = [&](const std::string& name) { return folder.of(object, "cut/" + name); };
   std::vector<std::vector<std::string>> words;
-  if (format == "ply") return words;
-  for (const std::string side : {"cut/object.", "cut/background."})  // a ball around everything: the whole model
-    words.push_back({"ngs-extract", folder.of(object, side + "ply"), "--keep-sphere", "0,0,0,1e18", "--allow-empty",
-                     "--object-ply", folder.of(object, side + format), "-w"});
+  if (choice.format != "ply")
+    for (const std::string side : {"object.", "background."})  // a ball around everything: the whole model
+      words.push_back({"ngs-extract", at(side + "ply"), "--keep-sphere", "0,0,0,1e18", "--allow-empty", "--object-ply",
+                       at(side + choice.format), "-w"});
+  if (choice.fill)
+    words.push_back(joined({"ngs-extract", at("labelled.ply"), "--unseen", "background"},
+                           fill_words(at("background-filled." + choice.format))));
   return words;
 }
 

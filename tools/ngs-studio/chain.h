@@ -11,11 +11,12 @@ inline constexpr const char* kFormats[] = {"ply", "compressed.ply", "spz", "sog"
 struct ExportChoice {
   bool all_pieces = false;
   std::string format = "ply";
+  bool fill = false;  // also writes background-filled.FORMAT: without the hole behind the object
 };
 /// Export: writes exactly the Gaussians shown, with ngs-variance, ngs-joint --method flash and ngs-extract.
 std::vector<std::vector<std::string>> export_words(const StateFolder& folder, int object, const ExportChoice& choice);
-/// Export after Refine: converts its object.ply and background.ply; none for ply.
-std::vector<std::vector<std::string>> convert_words(const StateFolder& folder, int object, const std::string& format);
+/// Export after Refine: converts its object.ply and background.ply, unless the format is ply, and fills the hole.
+std::vector<std::vector<std::string>> convert_words(const StateFolder& folder, int object, const ExportChoice& choice);
 
 /// The quality of Refine that takes seconds: --method flash for a splat without photos, else --quality draft.
 inline constexpr const char* kQuickRefine = "quick";

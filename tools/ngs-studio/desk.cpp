@@ -260,10 +260,10 @@ Json Desk::commands_json(const live::Marks& marks) const {
       if (const auto found = quality_.find(object.id); found != quality_.end()) quality = found->second;
     }
     for (const auto& words : refined ? refine_words(folder_, object.id, choice_for(object.id, quality))
-                                     : export_words(folder_, object.id, {marks.all_pieces, format()}))
+                                     : export_words(folder_, object.id, export_choice(marks)))
       add(words);
     if (!refined) continue;
-    for (const auto& words : convert_words(folder_, object.id, format())) add(words);
+    for (const auto& words : convert_words(folder_, object.id, export_choice(marks))) add(words);
   }
   return lines;
 }

@@ -55,7 +55,7 @@ class Desk {
   RefineChoice choice_for(int object, const std::string& quality) const;
   void start(std::string kind, std::vector<JobStep> steps, std::function<void()> finished);
   void refuse_while_busy() const;
-  std::string format() const;
+  ExportChoice export_choice(const live::Marks& marks) const;
   live::FrameRequest frame_request(Fields& request, bool& moving) const;
 
   const Exec exec_;
@@ -70,7 +70,7 @@ class Desk {
   mutable std::mutex mutex_;        // guards the members below
   std::map<int, Refined> refined_;  // by object id
   std::map<int, std::string> quality_;
-  std::string format_ = "ply";  // of the last export
+  ExportChoice exported_as_;  // format and filling of the last export
   Json exported_;
   Latencies stroke_ms_, first_ms_, correction_ms_, moving_ms_, still_ms_;
   std::shared_ptr<Job> job_;  // the last job; declared last, so that it is destroyed first

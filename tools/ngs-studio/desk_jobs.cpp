@@ -11,9 +11,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Progress shares of the three programs of Export.
-constexpr double kExportShares[] = {1, 1, 1};
-
 /// What a program does, for people.
 std::string stage_of(const std::vector<std::string>& words) {
   if (words[0] == "ngs") return "Refining";
@@ -23,16 +20,16 @@ std::string stage_of(const std::vector<std::string>& words) {
 /// Removes files of earlier exports, which may hold another selection.
 void remove_exports(const std::string& folder, bool keep_ply) {
   std::error_code ignored;
-  for (const std::string side : {"/object.", "/background."})
+  for (const std::string side : {"/object.", "/background.", "/background-filled."})
     for (const std::string format : kFormats)
-      if (!keep_ply || format != "ply") fs::remove(folder + side + format, ignored);
+      if (!keep_ply || format != "ply" || side == "/background-filled.") fs::remove(folder + side + format, ignored);
 }
 
 Json files_in(const std::string& folder, const std::string& shown, const std::string& format) {
   Json files = Json::array();
   std::error_code absent;
-  for (const std::string& name : {"object." + format, "background." + format, std::string("labelled.ply"),
-                                  std::string("strokes.json"), std::string("masks")}) {
+  for (const std::string& name : {"object." + format, "background." + format, "background-filled." + format,
+                                  std::string("labelled.ply"), std::string("strokes.json"), std::string("masks")}) {
     const fs::path path = fs::path(folder) / name;
     if (!fs::is_directory(path, absent)) {
       if (fs::exists(path, absent)) files.push_back(shown + "/" + name);
@@ -143,17 +140,20 @@ Json Desk::refine(Fields request) {
   return state();
 }
 
-std::string Desk::format() const {
+ExportChoice Desk::export_choice(const live::Marks& marks) const {
   const std::lock_guard lock(mutex_);
-  return format_;
+  ExportChoice choice = exported_as_;
+  choice.all_pieces = marks.all_pieces;
+  return choice;
 }
 
 Json Desk::export_files(Fields request) {
-  const std::string format = request.has("format") ? request.text("format", 20) : "ply";
-  if (std::ranges::find(kFormats, format) == std::end(kFormats))
+  const std::shared_ptr<const live::Marks> marks = session_.marks();
+  ExportChoice choice{marks->all_pieces, request.has("format") ? request.text("format", 20) : "ply",
+                      request.has("fill") && request.boolean("fill")};
+  if (std::ranges::find(kFormats, choice.format) == std::end(kFormats))
     request.refuse("format", "ply, compressed.ply, spz or sog");
   request.end();
-  const std::shared_ptr<const live::Marks> marks = session_.marks();
   std::vector<JobStep> steps;
   std::vector<std::pair<std::string, std::string>> folders;
   for (const live::ObjectMarks& object : marks->objects) {
@@ -164,23 +164,22 @@ Json Desk::export_files(Fields request) {
     folders.emplace_back(folder, shown + (refined ? "/cut" : ""));
     steps.push_back({"Writing", 0, {}, [folder, refined] { remove_exports(folder, refined); }});
     if (refined) {
-      for (const auto& words : convert_words(folder_, object.id, format)) steps.push_back({"Writing", 1, words});
+      for (const auto& words : convert_words(folder_, object.id, choice)) steps.push_back({"Writing", 1, words});
       continue;
     }
     steps.push_back({"Writing", 0, {}, [this, object] { folder_.write_scene(session_, object, loaded_.scene); }});
-    const auto words = export_words(folder_, object.id, {marks->all_pieces, format});
-    for (std::size_t w = 0; w < words.size(); ++w) steps.push_back({"Writing", kExportShares[w], words[w]});
+    for (const auto& words : export_words(folder_, object.id, choice)) steps.push_back({"Writing", 1, words});
   }
   if (folders.empty())
     throw Refusal(409, "export", "no object has strokes", "strokes in at least one view", "draw on the object");
-  start("export", std::move(steps), [this, folders, format] {
+  start("export", std::move(steps), [this, folders, choice] {
     Json files = Json::array();
     for (const auto& [folder, shown] : folders)
-      for (const Json& file : files_in(folder, shown, format)) files.push_back(file);
+      for (const Json& file : files_in(folder, shown, choice.format)) files.push_back(file);
     const std::lock_guard lock(mutex_);
-    format_ = format;
+    exported_as_ = choice;
     exported_ = {{"files", std::move(files)},
-                 {"format", format},
+                 {"format", choice.format},
                  {"folder", fs::path(place_.folder).filename().string()},
                  {"path", fs::absolute(place_.folder).lexically_normal().string()}};
     ++version_;

@@ -216,7 +216,6 @@ int cut_command(int argc, char** argv) {
     const bool has_renders = kind == SourceKind::kSplat || renders;
     if (options.method == CutMethod::kFlash) check_flash(has_renders, masks || truth);
     warn_unused_options(run, tool, kind, has_renders);
-    if (options.method == CutMethod::kFlash) run.warn_unused({"--finish"}, "with --method flash");
     if (fs::is_regular_file(source.value)) run.add_input("source", source.value);
     return cut(run, options,
                {.source = operand(source.value),

@@ -195,7 +195,7 @@ bool CutChain::cut_flash() {
   write_scene_with("");
   flash_ = found->figures;
   flash_->wall_s = wall_seconds() - start_s;
-  return fill_untrained();
+  return finish_untrained();
 }
 
 /// The folder may hold an earlier run of another quality; its page would show these as results of this run.
@@ -314,7 +314,7 @@ bool CutChain::cut() {
     return false;
   if (run_.dry_run()) return true;
   if (marked) keep_better_result();
-  if (kept_untrained_ && !fill_untrained()) return false;
+  if (kept_untrained_ && !finish_untrained()) return false;
   if (options_.keep) return true;
   for (const char* intermediate : {"boundary.ply", "joint.ply", "trace.jsonl"}) fs::remove(at(intermediate));
   return true;
@@ -336,12 +336,20 @@ bool CutChain::extract(const std::string& trained) {
   return stage("ngs-extract", words);
 }
 
-/// Replaces the background of an untrained result, which is written without ngs-extract, by a filled one. False:
-/// stopped by a signal.
-bool CutChain::fill_untrained() {
-  if (fill_word(options_).empty()) return true;
-  return stage("ngs-extract", {"ngs-extract", at("labelled.ply"), "--background-ply", at("background.ply"), "--fill",
-                               fill_word(options_)});
+/// Applies --finish and --fill to an untrained result, which is written without ngs-extract. False: stopped by a
+/// signal.
+bool CutChain::finish_untrained() {
+  const std::string fill = fill_word(options_);
+  if (fill.empty() && !options_.finish) return true;
+  Words words{"ngs-extract", at("labelled.ply")};
+  if (options_.finish) {
+    append(words, "--object-ply", at("object.ply"));
+    append(words, "--scene", at("scene.json"));
+    words.emplace_back("--finish");
+  }
+  if (!fill.empty()) append(words, "--background-ply", at("background.ply"));
+  append(words, "--fill", fill);
+  return stage("ngs-extract", words);
 }
 
 /// Writes the untrained result if the trained one agrees less with the strokes, or less with the masks of its views

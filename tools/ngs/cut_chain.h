@@ -70,7 +70,7 @@ class CutChain {
   bool cut();
   bool extract(const std::string& trained);
   void keep_better_result();
-  bool fill_untrained();
+  bool finish_untrained();
   bool score();
 
   cli::Run& run_;
