@@ -30,25 +30,9 @@ void require_visible(const GaussianCloud& cloud, std::span<const FitView> views)
         kTooNearRemedy);
 }
 
-/// The point nearest to all optical axes, regularised towards the point one extent ahead for parallel axes.
-Vec3<double> looked_at(std::span<const FitView> views, double extent) {
-  constexpr double kPull = 1e-3;
-  Vec3<double> row[3] = {}, right{0, 0, 0};  // the normal equations (Σ (1 - aaᵀ) + pull) x = right
-  const Vec3<double> unit[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  for (const FitView& view : views) {
-    const Mat3<double>& r = view.camera.rotation;
-    const Vec3<double> axis{r(2, 0), r(2, 1), r(2, 2)}, centre = view.camera.centre();
-    for (int k = 0; k < 3; ++k) row[k] = row[k] + (1 + kPull) * unit[k] - dot(axis, unit[k]) * axis;
-    right = right + centre - dot(axis, centre) * axis + kPull * (centre + extent * axis);
-  }
-  const Vec3<double> c0 = cross(row[1], row[2]), c1 = cross(row[2], row[0]), c2 = cross(row[0], row[1]);
-  const double det = dot(row[0], c0);
-  return (1 / det) * (right.x * c0 + right.y * c1 + right.z * c2);
-}
-
 std::vector<FitPoint> random_cube(const FitOptions& options, std::span<const FitView> views, std::uint64_t seed) {
   const double extent = scene_extent(views);
-  const Vec3<double> middle = looked_at(views, extent);
+  const Vec3<double> middle = looked_at(views);
   std::vector<FitPoint> points(std::size_t(options.random_points));
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto draw = [&](std::uint64_t k) { return rng_uniform(seed, RngStream::kFitInit, 8 * i + k); };
@@ -89,8 +73,24 @@ double scene_extent(std::span<const FitView> views) {
   return scene_extent(training);
 }
 
+Vec3<double> looked_at(std::span<const FitView> views) {
+  const double extent = scene_extent(views);
+  constexpr double kPull = 1e-3;
+  Vec3<double> row[3] = {}, right{0, 0, 0};  // the normal equations (Σ (1 - aaᵀ) + pull) x = right
+  const Vec3<double> unit[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (const FitView& view : views) {
+    const Mat3<double>& r = view.camera.rotation;
+    const Vec3<double> axis{r(2, 0), r(2, 1), r(2, 2)}, centre = view.camera.centre();
+    for (int k = 0; k < 3; ++k) row[k] = row[k] + (1 + kPull) * unit[k] - dot(axis, unit[k]) * axis;
+    right = right + centre - dot(axis, centre) * axis + kPull * (centre + extent * axis);
+  }
+  const Vec3<double> c0 = cross(row[1], row[2]), c1 = cross(row[2], row[0]), c2 = cross(row[0], row[1]);
+  const double det = dot(row[0], c0);
+  return (1 / det) * (right.x * c0 + right.y * c1 + right.z * c2);
+}
+
 double fit_world_unit(std::span<const FitView> views) {
-  const Vec3<double> middle = looked_at(views, scene_extent(views));
+  const Vec3<double> middle = looked_at(views);
   std::vector<double> distances;
   for (const FitView& view : views) {
     const Vec3<double> d = middle - view.camera.centre();
