@@ -34,18 +34,9 @@ void require_visible(const GaussianCloud& cloud, std::span<const FitView> views)
         kTooNearRemedy);
 }
 
-/// The point nearest to all optical axes. With parallel axes the regulariser decides: it pulls towards the point one
-/// extent in front of each camera.
-Vec3<double> nearest_to_axes(std::span<const FitView> views, double extent) {
-  constexpr double kRegularisation = 1e-3;
-  std::vector<Camera> cameras;
-  for (const FitView& view : views) cameras.push_back(view.camera);
-  return point_nearest_to_axes(cameras, {kRegularisation, extent}).value_or(Vec3<double>{0, 0, 0});
-}
-
 std::vector<FitPoint> random_cube(const FitOptions& options, std::span<const FitView> views, std::uint64_t seed) {
   const double extent = scene_extent(views);
-  const Vec3<double> middle = nearest_to_axes(views, extent);
+  const Vec3<double> middle = nearest_to_axes(views);
   std::vector<FitPoint> points(std::size_t(options.random_points));
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto draw = [&](std::uint64_t k) { return rng_uniform(seed, RngStream::kFitInit, 8 * i + k); };
@@ -78,8 +69,15 @@ double scene_extent(std::span<const Camera> cameras) {
 
 double scene_extent(std::span<const FitView> views) { return scene_extent(training_cameras(views)); }
 
+Vec3<double> nearest_to_axes(std::span<const FitView> views) {
+  constexpr double kRegularisation = 1e-3;
+  std::vector<Camera> cameras;
+  for (const FitView& view : views) cameras.push_back(view.camera);
+  return point_nearest_to_axes(cameras, {kRegularisation, scene_extent(views)}).value_or(Vec3<double>{0, 0, 0});
+}
+
 double fit_world_unit(std::span<const FitView> views) {
-  const Vec3<double> middle = nearest_to_axes(views, scene_extent(views));
+  const Vec3<double> middle = nearest_to_axes(views);
   std::vector<double> distances;
   for (const FitView& view : views) distances.push_back(length(middle - view.camera.centre()));
   if (distances.empty()) return 1;
