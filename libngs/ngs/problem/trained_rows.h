@@ -1,6 +1,6 @@
 #pragma once
-// The Gaussians that a trainer changes. With a region, only its rows have gradients and moments. Without a region, and
-// always on a device, all rows are trained in place.                                                   paper.md §5.16
+// The Gaussians that a trainer changes. With a region, only its rows have gradients and moments. Without a region, all
+// rows are trained in place.                                                                           paper.md §5.16
 #include <memory>
 #include <optional>
 #include <vector>
@@ -18,7 +18,7 @@ class TrainedRows {
               GaussianCloud& all)
       : exec_(exec), all_(all) {
     wanted_.label_alone = frozen;
-    if (region.empty() || exec.device_ops) return;
+    if (region.empty()) return;
     wanted_.place.assign(region.size(), -1);
     for (std::size_t i = 0; i < region.size(); ++i)
       if (region[i]) wanted_.place[i] = std::int32_t(rows_.size()), rows_.push_back(std::int64_t(i));
@@ -41,7 +41,7 @@ class TrainedRows {
   void write_back() {
     if (!is_part()) return;
     scatter_rows(exec_, part_, rows_, all_);
-    update_prepared(exec_, rows_, *prepared_);
+    if (prepared_) update_prepared(exec_, rows_, *prepared_);
   }
   /// `options` with the prepared data of the whole cloud.
   SplatOptions prepared(SplatOptions options) const {

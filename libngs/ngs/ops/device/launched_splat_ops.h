@@ -57,12 +57,14 @@ class LaunchedSplatView final : public DeviceSplat {
   struct Columns {
     DeviceBuffer<Launcher, float> position, rotation, log_scale, logit_opacity, sh_dc, sh_rest, label, mean_px;
     DeviceBuffer<Launcher, std::uint8_t> visible, label_alone;
+    DeviceBuffer<Launcher, std::int32_t> place;
     CloudGradientView<float> view;
 
     Columns(Launcher& launcher, const CloudView<float>& cloud, int labels, const CloudGradientView<float>& wanted) {
+      const std::int64_t rows = wanted.place ? wanted.rows : cloud.size;
       const auto make = [&](auto& buffer, auto* host, auto*& pointer, int width) {
         if (host == nullptr || width == 0) return;
-        buffer = {launcher, cloud.size * width};
+        buffer = {launcher, rows * width};
         pointer = buffer.data();
       };
       make(position, wanted.position, view.position, 3), make(rotation, wanted.rotation, view.rotation, 4);
@@ -73,6 +75,7 @@ class LaunchedSplatView final : public DeviceSplat {
       make(visible, wanted.visible, view.visible, 1);
       if (wanted.label_alone)
         label_alone = {launcher, wanted.label_alone, cloud.size}, view.label_alone = label_alone.data();
+      if (wanted.place) place = {launcher, wanted.place, cloud.size}, view.place = place.data(), view.rows = rows;
     }
     void download(const CloudGradientView<float>& to) const {
       position.to(to.position), rotation.to(to.rotation), log_scale.to(to.log_scale),

@@ -140,8 +140,9 @@ class SplatOnDevice {
     return g;
   }
   void clear(const CloudGradientView<float>& out) {
+    const std::int64_t rows = out.place ? out.rows : cloud_.size;
     const auto zero = [&](auto* column, int width) {
-      if (column) launcher_.fill_zero(column, std::size_t(cloud_.size) * std::size_t(width) * sizeof *column);
+      if (column && rows > 0) launcher_.fill_zero(column, std::size_t(rows) * std::size_t(width) * sizeof *column);
     };
     zero(out.position, 3), zero(out.rotation, 4), zero(out.log_scale, 3), zero(out.logit_opacity, 1);
     zero(out.sh_dc, 3), zero(out.sh_rest, cloud_.rest_stride * 3), zero(out.label, plan_.labels()),

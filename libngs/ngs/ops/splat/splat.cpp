@@ -56,7 +56,7 @@ void SplatPass::backward(const Exec& exec, const ViewGradients& gradients, Cloud
   const auto all = std::size_t(s.gaussians);
   const bool some = !wanted.place.empty();
   NGS_CHECK(wanted.label_alone.empty() || wanted.label_alone.size() == all, "one flag per Gaussian");
-  NGS_CHECK(!some || (wanted.place.size() == all && !s.on_device), "one place per Gaussian, on the CPU");
+  NGS_CHECK(!some || wanted.place.size() == all, "one place per Gaussian");
   const std::size_t n = some ? std::size_t(wanted.rows) : all;
   out.position.resize(n * 3), out.rotation.resize(n * 4), out.log_scale.resize(n * 3), out.logit_opacity.resize(n);
   out.sh_dc.resize(n * 3), out.sh_rest.resize(s.rest_values * n), out.mean_px.resize(n * 2), out.visible.resize(n);

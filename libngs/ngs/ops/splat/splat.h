@@ -46,7 +46,7 @@ RenderedView render(const Exec& exec, const GaussianCloud& cloud, const Camera& 
 /// Which Gaussians need gradients, and in which rows of CloudGradients they are stored.
 struct GradientRows {
   std::vector<std::uint8_t> label_alone = {};  // [N] 1: only label gradients, the rest is 0; empty: none
-  std::vector<std::int32_t> place = {};        // [N] row of CloudGradients, -1: none; empty: row i. CPU only
+  std::vector<std::int32_t> place = {};        // [N] row of CloudGradients, -1: none; empty: row i
   std::int64_t rows = 0;                       // rows of CloudGradients if `place` is not empty
 };
 
