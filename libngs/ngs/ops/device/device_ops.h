@@ -1,7 +1,7 @@
 #pragma once
 // The ops that have a device path. Each means the same as the op of the same name. Arguments and results are in host
-// memory; results are already sized. Only the ops themselves use Exec::device_ops, not their callers. This header
-// therefore includes the types and kernels of the ops, but not the headers that declare the ops.
+// memory, except resident clouds; results are already sized. Only the ops themselves use Exec::device_ops, not their
+// callers. This header therefore includes the types and kernels of the ops, but not the headers that declare the ops.
 //
 // Abstract, because there is one implementation per Launcher (backend/launcher.h): CUDA, and an emulation
 // for the tests.
@@ -22,6 +22,7 @@
 #include "ngs/ops/splat/splat_gaussian.h"
 #include "ngs/scene/knn_graph.h"
 #include "ngs/scene/scene.h"
+#include "ngs/scene/view_sums.h"
 
 namespace ngs {
 
@@ -35,15 +36,28 @@ class DeviceSplat {
                         const CloudGradientView<float>& out) = 0;
 };
 
+/// A cloud's columns in device memory, for many views. Colours are copied when they are first needed, so the host's
+/// columns must outlive it.
+class DeviceCloud {
+ public:
+  virtual ~DeviceCloud() = default;
+};
+
+/// A cloud, and its columns in device memory if they are there; else they are copied for the call.
+struct CloudOnHost {
+  CloudView<float> view;
+  DeviceCloud* resident = nullptr;
+};
+
 class DeviceSplatOps {
  public:
   virtual ~DeviceSplatOps() = default;
-  virtual std::unique_ptr<DeviceSplat> view(const ViewProjector<float>& view, const CloudView<float>& cloud,
+  virtual std::unique_ptr<DeviceCloud> resident(const CloudView<float>& cloud) const = 0;
+  virtual std::unique_ptr<DeviceSplat> view(const ViewProjector<float>& view, const CloudOnHost& cloud,
                                             const ChannelPlan<float>& plan) const = 0;
-  /// [N, 2 + 2 K] sums of one view over all (Gaussian, tile) pairs of a Gaussian: W, n, then W1, n1
-  /// per object (ops/splat/evidence.h).
-  virtual std::vector<double> evidence(const ViewProjector<float>& view, const CloudView<float>& cloud,
-                                       const ViewMasks& masks) const = 0;
+  /// view_sums() of one view (ops/splat/evidence.h), ascending by row.
+  virtual ViewSums evidence(const ViewProjector<float>& view, const CloudOnHost& cloud,
+                            const ViewMasks& masks) const = 0;
 };
 
 /// The table of a hash grid and the query points, on the host.

@@ -3,6 +3,7 @@
 #include "ngs/core/check.h"
 #include "ngs/ops/device/device_ops.h"
 #include "ngs/ops/splat/cloud_view.h"
+#include "ngs/ops/splat/prepared/prepared_cloud.h"
 #include "ngs/ops/splat/tile_isa.h"
 #include "ngs/ops/splat/view_planes.h"
 
@@ -11,7 +12,7 @@ namespace {
 
 std::unique_ptr<DeviceSplat> device_view(const Exec& exec, const CloudView<float>& cloud, const Camera& relative,
                                          const SplatOptions& options, const ChannelPlan<float>& plan) {
-  return exec.device_ops->splat.view(view_projector<float>(relative, options), cloud, plan);
+  return exec.device_ops->splat.view(view_projector<float>(relative, options), on_host(cloud, options), plan);
 }
 
 }  // namespace

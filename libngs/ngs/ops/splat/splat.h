@@ -15,7 +15,8 @@ namespace ngs {
 
 /// Preprocesses `cloud` for passes over many views; put the result into SplatOptions. Same results, faster. Takes 56
 /// bytes per Gaussian, and for each concurrent pass about 150 bytes per visible Gaussian. The cloud must outlive the
-/// last pass; after a change of rows call update_prepared(). Null if `exec` has a device, which does not need it.
+/// last pass; after a change of rows call update_prepared(). With a device: copies the cloud into its memory, once for
+/// all passes.
 std::shared_ptr<PreparedCloud> prepare_cloud(const Exec& exec, const GaussianCloud& cloud);
 
 /// Updates `prepared` after these rows (ascending) of its cloud have changed.
