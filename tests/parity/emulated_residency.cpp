@@ -6,8 +6,10 @@
 #include <csignal>
 
 #include "ngs/ops/splat/evidence.h"
+#include "ngs/stages/optimise/joint_trainer.h"
 #include "parity/emulated.h"
 #include "support/joint_case.h"
+#include "support/switches.h"
 
 namespace ngs::test {
 namespace {
@@ -83,6 +85,38 @@ TEST_CASE("residency: evidence of many views copies the model once, then the mas
   CHECK(four.up_bytes == first.up_bytes + windows);
   const std::size_t row_bytes = sizeof(std::uint32_t) + 4 * sizeof(double);
   CHECK(four.down_bytes < 4 * std::size_t(c->model.size()) * row_bytes);
+}
+
+namespace {
+
+/// The second step of the joint optimisation of a ball of `ball` Gaussians.
+Traffic step_traffic(int ball, bool with_region) {
+  const auto c = joint_case(ball, ball);
+  Problem input = c->input();
+  for (int i = 0; with_region && i < 2 * ball; ++i) input.region.push_back(i < ball);
+  JointOptions options;
+  options.on = joint_switched({"nerf=off"}), options.steps = 8;
+  const SampleOptions sample;
+  const RbfOptions rbf;
+  Monitor monitor;
+  Emulated device(ThreadOrder::kAscending, DeviceSums::kInOrder, true);
+  JointTrainer trainer(device.exec(), monitor, {.options = options, .sample = sample, .rbf = rbf, .input = input},
+                       true);
+  trainer.step();
+  return traffic_of(device, [&] { trainer.step(); });
+}
+
+}  // namespace
+
+TEST_CASE("residency: what a step copies does not depend on the number of Gaussians; at most 39 launches") {
+  for (const bool with_region : {false, true}) {
+    const Traffic small = step_traffic(200, with_region), large = step_traffic(800, with_region);
+    print(with_region ? "joint step with a region" : "joint step", large);
+    CHECK(small.up_bytes == large.up_bytes);
+    CHECK(small.down_bytes == large.down_bytes);
+    CHECK(small.copies == large.copies);
+    CHECK(large.launches <= 39);
+  }
 }
 
 }  // namespace ngs::test

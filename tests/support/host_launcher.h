@@ -21,7 +21,7 @@
 
 namespace ngs::test {
 
-/// What a device had to do. A sort or a scan counts as one launch, and so does a fill.
+/// What a device had to do. A sort, a scan, a fill and a copy within the device count as one launch each.
 struct Traffic {
   std::int64_t launches = 0, copies = 0, allocations = 0;
   std::size_t up_bytes = 0, down_bytes = 0, largest_copy_bytes = 0;
@@ -60,6 +60,9 @@ class HostBlock {
 
 class HostLauncher {
  public:
+  static constexpr bool kSpoilsHost = true;  // the host's values of resident arrays: all bits set
+  ResidentTable resident;
+
   explicit HostLauncher(ThreadOrder order = ThreadOrder::kAscending, bool guarded = false)
       : order_(order), memory_(guarded) {}
   static void atomic_add(float* to, float x) { *to += x; }
@@ -117,6 +120,10 @@ class HostLauncher {
     count_copy(bytes, traffic_.down_bytes);
     const GuardedMemory::Access access(memory_);
     std::memcpy(host, device, bytes);
+  }
+  void copy(void* to, const void* from, std::size_t bytes) {
+    const Launch launch(*this, 1);
+    std::memcpy(to, from, bytes);
   }
   void fill_zero(void* device, std::size_t bytes) {
     const Launch launch(*this, 1);

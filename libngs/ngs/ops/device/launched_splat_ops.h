@@ -89,7 +89,7 @@ class LaunchedSplatView final : public DeviceSplat {
       const std::int64_t rows = wanted.place ? wanted.rows : cloud.size;
       const auto make = [&](auto& buffer, auto* host, auto*& pointer, int width) {
         if (host == nullptr || width == 0) return;
-        buffer = {launcher, rows * width};
+        buffer = buffer.result(launcher, host, rows * width);
         pointer = buffer.data();
       };
       make(position, wanted.position, view.position, 3), make(rotation, wanted.rotation, view.rotation, 4);

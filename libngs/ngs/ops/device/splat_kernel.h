@@ -62,9 +62,19 @@ struct GaussiansBackward {
   DeviceSums sums;
   const float* channel;  // [N, count]
   NGS_HD void operator()(std::int64_t i) const {
+    if (const std::int64_t to = kernel.out.place ? kernel.out.place[i] : i; to >= 0) clear(to);
     const std::int64_t begin = slot_begin[i], end = slot_begin[i + 1];
     const bool summed = sums == DeviceSums::kAtomic;
     if (begin < end) kernel.gather(i, channel + i * kernel.plan.count(), summed ? i : begin, summed ? i + 1 : end);
+  }
+  NGS_HD void clear(std::int64_t to) const {
+    const auto zero = [to](auto* column, int width) {
+      for (int k = 0; column && k < width; ++k) column[to * width + k] = 0;
+    };
+    const CloudGradientView<float>& out = kernel.out;
+    zero(out.position, 3), zero(out.rotation, 4), zero(out.log_scale, 3), zero(out.logit_opacity, 1);
+    zero(out.sh_dc, 3), zero(out.sh_rest, kernel.cloud.rest_stride * 3), zero(out.label, kernel.plan.labels());
+    zero(out.mean_px, 2), zero(out.visible, 1);
   }
 };
 
@@ -119,7 +129,6 @@ class SplatOnDevice {
         if (first == 0) kernel.grad[size] = grad[std::size_t(plan_.count())];
         launcher_.launch_blocks(bins_.tiles(), kernel);
       });
-    clear(out);
     const Matrix<const float> summands{rows.data(), rows.size() / columns, columns};
     launcher_.parallel_for(
         cloud_.size,
@@ -149,17 +158,6 @@ class SplatOnDevice {
       for (int c = 0; c < min2(C, 3); ++c) g.background[c] = b[c];
     return g;
   }
-  void clear(const CloudGradientView<float>& out) {
-    const std::int64_t rows = out.place ? out.rows : cloud_.size;
-    const auto zero = [&](auto* column, int width) {
-      if (column && rows > 0) launcher_.fill_zero(column, std::size_t(rows) * std::size_t(width) * sizeof *column);
-    };
-    zero(out.position, 3), zero(out.rotation, 4), zero(out.log_scale, 3), zero(out.logit_opacity, 1);
-    zero(out.sh_dc, 3), zero(out.sh_rest, cloud_.rest_stride * 3), zero(out.label, plan_.labels()),
-        zero(out.mean_px, 2);
-    zero(out.visible, 1);
-  }
-
   Launcher& launcher_;
   ViewProjector<float> projector_;
   CloudView<float> cloud_;

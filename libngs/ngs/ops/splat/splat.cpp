@@ -59,9 +59,7 @@ void SplatPass::backward(const Exec& exec, const ViewGradients& gradients, Cloud
   NGS_CHECK(wanted.label_alone.empty() || wanted.label_alone.size() == all, "one flag per Gaussian");
   NGS_CHECK(!some || wanted.place.size() == all, "one place per Gaussian");
   const std::size_t n = some ? std::size_t(wanted.rows) : all;
-  out.position.resize(n * 3), out.rotation.resize(n * 4), out.log_scale.resize(n * 3), out.logit_opacity.resize(n);
-  out.sh_dc.resize(n * 3), out.sh_rest.resize(s.rest_values * n), out.mean_px.resize(n * 2), out.visible.resize(n);
-  out.label.resize(n * std::size_t(s.plan.labels()));
+  out.resize(n, s.rest_values, std::size_t(s.plan.labels()));
   std::vector<std::uint8_t> moves;
   if (s.plan.colour) moves.insert(moves.end(), 3, gradients.colour_moves_geometry);
   if (s.plan.label.n > 0) moves.insert(moves.end(), std::size_t(s.plan.label.c), gradients.label_moves_geometry);
