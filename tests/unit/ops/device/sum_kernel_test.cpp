@@ -60,10 +60,12 @@ TEST_CASE("adam_on_device finds the first gradient above the limit in any block,
         const DeviceBuffer<test::HostLauncher, float> g(launcher, grad), value(launcher, zero), m(launcher, zero),
             v(launcher, zero);
         AdamBlocks blocks;  // two blocks, cut in the middle
-        for (const std::int64_t begin : {std::int64_t(0), n / 2})
-          blocks.add({value.data() + begin, g.data() + begin, m.data() + begin, v.data() + begin,
-                      begin == 0 ? n / 2 : n - n / 2, 1.f, 1.f, 1.f, 1.f, 0.f},
+        const auto add = [&](std::int64_t begin, std::int64_t size) {
+          blocks.add({value.data() + begin, g.data() + begin, m.data() + begin, v.data() + begin, size, 1.f, 1.f, 1.f,
+                      1.f, 0.f},
                      0);
+        };
+        add(0, n / 2), add(n / 2, n - n / 2);
         const std::int64_t found = adam_on_device(launcher, blocks, 100.f);
         std::vector<float> after;
         value.to(after);
