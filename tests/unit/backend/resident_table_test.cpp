@@ -9,7 +9,7 @@
 
 namespace ngs {
 
-TEST_CASE("resident table: finds an array and its parts, and nothing beside it; a straddling range is an error") {
+TEST_CASE("resident table: finds an array and its parts, and no other memory; a straddling range is an error") {
   std::vector<float> host(12);
   char device[4 * sizeof(float)];
   ResidentTable table;

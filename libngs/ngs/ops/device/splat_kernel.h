@@ -6,7 +6,7 @@
 
 namespace ngs {
 
-/// A device copy of the columns of a cloud. Colours are copied when they are first asked for.
+/// A device copy of the columns of a cloud. Colours are copied when they are first needed.
 template <class Launcher>
 class CloudOnDevice {
   template <class T>
@@ -22,7 +22,7 @@ class CloudOnDevice {
         logit_opacity_(launcher, cloud.logit_opacity, cloud.size),
         usable_(launcher, cloud.usable, cloud.usable ? cloud.size : 0) {}
 
-  /// Device pointers; null: colours that are not asked for, and `include`.
+  /// Device pointers; null: colours without `colours`, and `include`.
   CloudView<float> view(bool colours) {
     if (colours && sh_dc_.data() == nullptr) {
       sh_dc_ = Column<float>(launcher_, host_.sh_dc, host_.size * 3);
