@@ -198,9 +198,9 @@ mutant $f $t $f "what is left as 1 - rest" 's/\? object \/ \(object \+ rest\)/? 
 mutant $f $t $f "gap of one bound only" 's/gap \+= std::max\(g \* m\[i\], .*;/gap += g * m[i];/'
 
 t=grad/joint_grad_test.cpp f=stages/optimise/joint_trainer.cpp
-mutant $f $t $f "colour continuity without its gradient" 's/(gradients\.sh_dc\[\*to \* 3 \+ c\] \+= float\()kShC0 \* /\10 * /'
+mutant ops/optim/row_kernels.h $t $f "colour continuity without its gradient" 's/\+= float\(kShC0 \* /+= float(0 * /'
 mutant $f $t $f "mask loss without its weight" 's/(loss_mask\(.*)/\1/; s/options\.lambda_mask, \&grad\.label\)/1.0, \&grad.label)/'
-mutant stages/optimise/trained_labels.cpp $t stages/optimise/trained_labels.cpp "label gradient without the sigmoid" 's/grad\[place\] \* sigmoid_slope\(logit_\[cell\]\)/grad[place]/'
+mutant ops/optim/row_kernels.h $t stages/optimise/trained_labels.cpp "label gradient without the sigmoid" 's/ \* sigmoid_slope\(cells\.logit\[c\]\)//'
 mutant $f $t $f "smoothness gradient doubled" 's/field->smoothness\(exec, rays, boundary\.positions\(\), options\.lambda_smooth/field->smoothness(exec, rays, boundary.positions(), 2 * options.lambda_smooth/'
 
 f=stages/contours/contour_stage.cpp t=unit/stages/contours/contour_stage_test.cpp

@@ -79,6 +79,9 @@ struct AddWide {
 
 class CudaLauncher {
  public:
+  static constexpr bool kSpoilsHost = false;  // the host's values of resident arrays
+  ResidentTable resident;
+
   static NGS_HD void atomic_add(float* to, float x) {
 #ifdef __CUDA_ARCH__
     atomicAdd(to, x);
@@ -158,20 +161,30 @@ class CudaLauncher {
     // A fault of a kernel surfaces here: in the last kernel or in an earlier one.
     check_cuda(cudaStreamSynchronize(stream()), (std::string("kernels up to ") + last_kernel_).c_str());
   }
+  void copy(void* to, const void* from, std::size_t bytes) {
+    check_cuda(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice, stream()), "copy");
+  }
   void fill_zero(void* device, std::size_t bytes) { check_cuda(cudaMemsetAsync(device, 0, bytes, stream()), "fill"); }
 
  private:
   const char* last_kernel_ = "none";
+  /// The pool keeps freed memory, so that later allocations do not reach the operating system.
+  static void keep_freed_memory() {
+    int device = 0;
+    cudaMemPool_t pool = nullptr;
+    std::uint64_t threshold = ~std::uint64_t(0);
+    check_cuda(cudaGetDevice(&device), "device");
+    check_cuda(cudaDeviceGetDefaultMemPool(&pool, device), "memory pool");
+    check_cuda(cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &threshold), "memory pool");
+  }
   static cudaStream_t stream() {
     static const cudaStream_t only = [] {
       cudaStream_t created = nullptr;
       check_cuda(cudaStreamCreateWithFlags(&created, cudaStreamNonBlocking), "stream");
+      keep_freed_memory();
       return created;
     }();
     return only;
-  }
-  void copy(void* to, const void* from, std::size_t bytes) {
-    check_cuda(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice, stream()), "copy");
   }
 };
 

@@ -38,6 +38,12 @@ struct CloudGradients {
   std::vector<float> label;           // [N, K] ∂L/∂(label channel values)
   std::vector<float> mean_px;         // [N, 2] ∂L/∂(projected mean), px^-1, for densification
   std::vector<std::uint8_t> visible;  // [N] 1: listed for a tile of this view; may be occluded
+
+  void resize(std::size_t n, std::size_t rest_values, std::size_t labels) {
+    position.resize(n * 3), rotation.resize(n * 4), log_scale.resize(n * 3), logit_opacity.resize(n);
+    sh_dc.resize(n * 3), sh_rest.resize(rest_values * n), mean_px.resize(n * 2), visible.resize(n);
+    label.resize(n * labels);
+  }
 };
 
 /// Counts of the Gaussians that `usable` excludes, by the first reason found.

@@ -141,9 +141,10 @@ struct TileRange {
 /// {u: quadratic form <= max_mahalanobis2} about the mean, with precomputed inverses. T is float or double.
 template <class T>
 struct EllipseShape {
-  T a, b, max_mahalanobis2;   // of the quadratic form a u² + 2 b u v + c v²
-  T inv_det, inv_c;           // 1 / (a c - b²), 1 / c
-  T half_width, half_height;  // of its bounding box, px
+  T a, b, max_mahalanobis2;                                     // of the quadratic form a u² + 2 b u v + c v²
+  T inv_det, inv_c;                                             // 1 / (a c - b²), 1 / c
+  T half_width, half_height;                                    // of its bounding box, px
+  static constexpr T kEps = std::numeric_limits<T>::epsilon();  // a member: CUDA device code cannot call it
 };
 
 /// Intersects the ellipse about (mean_x, mean_y) with row `ty` of tiles: the tiles in `within` that have a pixel centre
@@ -155,7 +156,7 @@ struct EllipseShape {
 /// Branch-free, so that the compiler can vectorise a loop over Gaussians.
 template <class T>
 NGS_HD inline TileRange tiles_of_row(const EllipseShape<T>& g, double mean_x, double mean_y, TileRange within, int ty) {
-  constexpr T kEps = std::numeric_limits<T>::epsilon(), kSlack = T(kSpanSlackPx);
+  constexpr T kEps = EllipseShape<T>::kEps, kSlack = T(kSpanSlackPx);
   const double y_lo = ty * kTilePx + 0.5, y_hi = y_lo + (kTilePx - 1);
   const T height = g.half_height + kSlack;
   const T v_lo = max2(T(y_lo - mean_y), -height), v_hi = min2(T(y_hi - mean_y), height);
