@@ -310,6 +310,17 @@ LabelColumns labels_in_ball(const Exec& exec, const BallModel& model, const Ball
   return labels;
 }
 
+/// The Gaussians inside each mask that was segmented.
+std::vector<ViewSums> mask_weights(const Exec& exec, const BallModel& model, const BallCut& cut) {
+  std::vector<ViewSums> inside;
+  for (std::size_t v = 0; v < cut.views.size(); ++v)
+    if (has_say(cut.views[v]))
+      inside.push_back(
+          view_sums(exec, model.cloud(), {cut.cameras[v], known_view(cut.cameras[v], cut.views[v].mask)}, model.splat())
+              .weights_inside(0));
+  return inside;
+}
+
 /// The columns of the full model.
 LabelColumns spread_out(const LabelColumns& part, const std::vector<std::int64_t>& rows, std::int64_t gaussians) {
   LabelColumns whole;
@@ -351,18 +362,23 @@ BallCut cut_in_ball(const Exec& exec, Monitor& monitor, const BallCutInput& in) 
         exec, monitor, {.passes = 1},
         {model.cloud(), in.scene, cut.cameras, std::vector<bool>(cut.cameras.size(), true), model.splat(), marked,
          [&](std::size_t view, const ViewPrompt& prompt) { return model.segment(cut.cameras[view], prompt); },
-         [&](std::size_t view, const SpreadView& result) { cut.views[view] = result; }, false});
+         [&](std::size_t view, const SpreadView& result) { cut.views[view] = result; }});
   }
   if (monitor.stop_requested()) return cut;
   LabelColumns labels = [&] {
     const auto timed = monitor.scope("labels");
     return labels_in_ball(exec, model, in, cut);
   }();
+  if (!cut.is_expected) {
+    std::vector<std::uint8_t> object(labels.label.begin(), labels.label.end());
+    leave_out_support(model.cloud(), up_of(cut.cameras), object);
+    labels.label = std::vector<float>(object.begin(), object.end());
+  }
   for (std::size_t i = 0; i < told.expected.size(); ++i)  // the object occludes part of its plane
     if (labels.views[i] == 0 && (!by_lines || told.expected[i] == 0)) labels.label[i] = told.expected[i];
   if (!in.all_pieces) {
     const std::vector<std::uint8_t> member(labels.label.begin(), labels.label.end());
-    const PieceSelection pieces = touched_pieces(exec, model.cloud(), member, strokes);
+    const PieceSelection pieces = touched_pieces(exec, model.cloud(), member, strokes, mask_weights(exec, model, cut));
     labels.label = std::vector<float>(pieces.object.begin(), pieces.object.end());
     cut.left_out = pieces.left_out, cut.needles = pieces.needles;
   }
