@@ -10,18 +10,19 @@
 namespace ngs {
 namespace {
 
-/// A floor of flat Gaussians at z = 0, of standard deviation `rough`, and a rug on it from -0.5 to 0.5, 0.02 above and
-/// 0.02 below, with a post on it.
+/// A floor of flat Gaussians at z = 0, of standard deviation `rough`, and a denser rug from -`half` to `half`, at
+/// `height` above and below it, with a post.
 struct Floor {
   GaussianCloud cloud;
+  double reach;
   std::vector<std::uint8_t> is_floor, object;  // object: everything within the rug, the floor there included
 
-  explicit Floor(double rough) {
+  explicit Floor(double rough, double half = 0.5, double height = 0.02) : reach(half + 0.01) {
     std::uint64_t index = 0;
     for (double x = -2; x <= 2.01; x += 0.05)
       for (double y = -2; y <= 2.01; y += 0.05) add({x, y, rough * rng_normal(0, RngStream::kTest, index++)}, true);
-    for (double x = -0.5; x <= 0.51; x += 0.025)
-      for (double y = -0.5; y <= 0.51; y += 0.025) add({x, y, 0.02}, false), add({x, y, -0.02}, false);
+    for (double x = -half; x <= reach; x += 0.025)
+      for (double y = -half; y <= reach; y += 0.025) add({x, y, height}, false), add({x, y, -height}, false);
     for (double z = 0.105; z < 1; z += 0.01) add({0, 0, z}, false);
     classify(cloud);
   }
@@ -34,7 +35,7 @@ struct Floor {
     for (std::size_t a = 0; a < 3; ++a)
       cloud.position[3 * i + a] = float(position[a]), cloud.log_scale[3 * i + a] = float(std::log(scale[a]));
     cloud.rotation[4 * i] = 1, cloud.logit_opacity[i] = 4;
-    is_floor.push_back(floor), object.push_back(std::max(std::abs(at.x), std::abs(at.y)) <= 0.51);
+    is_floor.push_back(floor), object.push_back(std::max(std::abs(at.x), std::abs(at.y)) <= reach);
   }
 
   std::int64_t count(bool floor) const {
@@ -56,6 +57,14 @@ TEST_CASE("the floor between both sides of a rug is left out, and neither side i
   leave_out_support(exact.cloud, kUp, exact.object);
   CHECK(exact.count(true) == 0);
   CHECK(exact.count(false) == kRug + kPost);
+}
+
+TEST_CASE("a rug that is flatter and larger than the rest of the floor is not taken for the floor") {
+  Floor wide(0, 1.7, 0.2);
+  const std::int64_t rug = wide.count(false);
+  leave_out_support(wide.cloud, kUp, wide.object);
+  CHECK(wide.count(true) == 0);
+  CHECK(wide.count(false) == rug);
 }
 
 TEST_CASE("a floor that is rougher than the rug is thick takes the rug with it") {
