@@ -210,7 +210,7 @@ void CutChain::remove_results_of_training() const {
 
 bool CutChain::write_page() { return stage("ngs-report", {"ngs-report", inputs_.out, "-o", at("report.html")}); }
 
-/// Without photos: the result of --method flash, with masks of the images' size. False: stopped by a
+/// Without photos: the labels of --method flash, and masks of the images' size. False: stopped by a
 /// signal.
 bool CutChain::cut_untrained() {
   stages_.begin("first look");
@@ -223,6 +223,12 @@ bool CutChain::cut_untrained() {
     return true;
   }
   if (!untrained_) return false;
+  if (untrained_
+          ->is_expected) {  // on large pictures fewer Gaussians are hidden, which the expected object labels better
+    std::optional<FlashCut> small = flash(ply, 0);
+    if (!small) return false;
+    untrained_->labels = std::move(small->labels), untrained_->figures = small->figures;
+  }
   untrained_quality_ = quality_of(ply.cloud, untrained_->labels.label.values(), untrained_->segmented);
   if (untrained_->is_expected) render_masks_from_labels(run_, ply.cloud, *untrained_);
   return true;
@@ -327,8 +333,7 @@ void CutChain::keep_first_labels(const std::string& trained) const {
   const io::GaussianPly ply = io::read_gaussian_ply(trained);
   std::vector<io::NamedLabels> objects{{ply.object, ply.labels}};
   if (ply.labels.label.size() != untrained_->labels.label.size()) return;
-  const std::vector<float> fixed = fix_boundary(untrained_->labels, objects[0].columns);
-  io::write_labelled_ply(trained, ply, objects, {.fixed = fixed, .weight = ply.weight});
+  io::write_labelled_ply(trained, ply, objects, {.fixed = fix_boundary(untrained_->labels, objects[0].columns)});
 }
 
 /// With strokes only the components that they touch are written, and labels are rounded, so that masks and page show

@@ -57,7 +57,7 @@ void label_by_neighbours(const Exec& exec, const GaussianCloud& cloud, const std
 
 /// [N, 2]: share of the object, and 1 if the Gaussian is known.
 std::vector<float> shares(const Exec& exec, const LiftedModel& model) {
-  const auto& [cloud, lifted, place] = model;
+  const auto& [cloud, lifted, place, use_neighbours] = model;
   const auto n = std::size_t(cloud.size());
   std::vector<float> channels(2 * n);
   std::vector<std::size_t> unseen;
@@ -72,7 +72,7 @@ std::vector<float> shares(const Exec& exec, const LiftedModel& model) {
         unseen.push_back(i);
     }
   }
-  label_by_neighbours(exec, cloud, unseen, channels);
+  if (use_neighbours) label_by_neighbours(exec, cloud, unseen, channels);
   return channels;
 }
 

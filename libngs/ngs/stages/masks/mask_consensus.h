@@ -56,6 +56,7 @@ struct LiftedModel {
   const GaussianCloud& cloud;
   const WeightSums<>& lifted;  // of one object
   const ObjectPlace& place;
+  bool use_neighbours = true;  // for Gaussians visible in no mask; otherwise they are unknown
 };
 
 Consensus render_consensus(const Exec& exec, const LiftedModel& model, const Camera& camera, const SplatOptions& splat);

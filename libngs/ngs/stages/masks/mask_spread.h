@@ -61,6 +61,7 @@ struct SpreadInput {
   std::map<std::size_t, ViewPrompt> marked;  // by view, at least one
   Segmenter segment;
   std::function<void(std::size_t view, const SpreadView&)> done;  // once per view, in the last pass
+  bool use_neighbours = true;                                     // as LiftedModel
 };
 
 /// Calls `done` for every view of the scene. Throws kNothingFound if no object is marked, or if the mask of a view with
