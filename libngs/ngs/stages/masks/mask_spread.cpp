@@ -112,7 +112,8 @@ class Spreader {
   SpreadView segment(std::size_t view, int pass) {
     if (!lifted_mask_[view].empty()) all_.remove(lift(view));
     const PixelMask before = std::exchange(lifted_mask_[view], {});
-    const Consensus consensus = render_consensus(exec_, {in_.cloud, all_, place_, in_.use_neighbours}, in_.camera[view], in_.splat);
+    const Consensus consensus =
+        render_consensus(exec_, {in_.cloud, all_, place_, in_.use_neighbours}, in_.camera[view], in_.splat);
     ViewPrompt prompt = prompt_from(consensus, band_px(in_.camera[view], pass), before);
     if (is_marked(view)) keep_strokes(in_.marked.at(view), prompt);
     empty_is_background(consensus.alpha, prompt);
