@@ -291,7 +291,7 @@ mutant ops/device/film_forward_kernel.h "$t" "" "device: activations written whi
 t="parity/emulated_main.cpp parity/backends.cpp parity/loss_parity.cpp"
 mutant ops/device/sum_kernel.h "$t" "" "device: a chunk one short" 's/row < rows\.end; row \+= rows\.step\)$/row + rows.step < rows.end; row += rows.step)/'
 mutant ops/device/photometric_kernel.h "$t" "" "device: padding not cleared" 's/products\.zero\(\);//'
-mutant ops/device/adam_kernel.h "$t" "" "device: negative overflow passes" 's/if \(!\(value\[i\] <= limit \&\& -value\[i\] <= limit\)\)/if (!(value[i] <= limit))/'
+mutant ops/device/adam_kernel.h "$t" "" "device: negative overflow passes" 's/if \(!\(value <= limit \&\& -value <= limit\)\)/if (!(value <= limit))/'
 mutant ops/device/adam_kernel.h "$t" "" "device: the last unusable gradient found" 's/found = i < found \? i : found;/found = i;/'
 
 t=unit/passes/exposure/exposure_test.cpp f=passes/exposure/exposure.cpp

@@ -168,7 +168,11 @@ void Extractor::restrict_to(std::vector<std::uint8_t> keep) {
 void Extractor::keep_touched(const std::vector<ViewSums>& strokes) {
   const auto timed = run_.monitor().scope("pieces");
   PieceSelection found = touched_pieces(run_.exec(), ply_.cloud, keep_, strokes);
+  for (std::size_t i = 0; i < ply_.fixed.size(); ++i)  // final labels
+    if (ply_.fixed[i] == 1 && keep_[i]) found.object[i] = 1;
   const std::int64_t kept = std::count(found.object.begin(), found.object.end(), std::uint8_t(1));
+  found.needles = std::min(found.needles, std::count(keep_.begin(), keep_.end(), std::uint8_t(1)) - kept);
+  found.left_out = std::count(keep_.begin(), keep_.end(), std::uint8_t(1)) - kept - found.needles;
   run_.result()["pieces"] = {{"found", found.pieces},
                              {"touched", found.kept_pieces},
                              {"left_out", found.left_out},

@@ -210,7 +210,7 @@ void CutChain::remove_results_of_training() const {
 
 bool CutChain::write_page() { return stage("ngs-report", {"ngs-report", inputs_.out, "-o", at("report.html")}); }
 
-/// Without photos: the result of --method flash, with masks of the images' size. False: stopped by a
+/// Without photos: the labels of --method flash, and masks of the images' size. False: stopped by a
 /// signal.
 bool CutChain::cut_untrained() {
   stages_.begin("first look");
@@ -223,6 +223,12 @@ bool CutChain::cut_untrained() {
     return true;
   }
   if (!untrained_) return false;
+  if (untrained_
+          ->is_expected) {  // on large pictures fewer Gaussians are hidden, which the expected object labels better
+    std::optional<FlashCut> small = flash(ply, 0);
+    if (!small) return false;
+    untrained_->labels = std::move(small->labels), untrained_->figures = small->figures;
+  }
   untrained_quality_ = quality_of(ply.cloud, untrained_->labels.label.values(), untrained_->segmented);
   if (untrained_->is_expected) render_masks_from_labels(run_, ply.cloud, *untrained_);
   return true;
@@ -309,15 +315,25 @@ bool CutChain::cut() {
   if (marked && !run_.dry_run() && !check_strokes()) return false;
   if (!stage("ngs-joint",
              {"ngs-joint", scene, at("boundary.ply"), "--quality",
-              std::string(name_of(kQualityNames, options_.quality)), "--trace", at("trace.jsonl"), "-o", trained}) ||
-      !extract(trained))
+              std::string(name_of(kQualityNames, options_.quality)), "--trace", at("trace.jsonl"), "-o", trained}))
     return false;
+  if (untrained_ && untrained_->is_expected) keep_first_labels(trained);
+  if (!extract(trained)) return false;
   if (run_.dry_run()) return true;
   if (marked) keep_better_result();
   if (kept_untrained_ && !finish_untrained()) return false;
   if (options_.keep) return true;
   for (const char* intermediate : {"boundary.ply", "joint.ply", "trace.jsonl"}) fs::remove(at(intermediate));
   return true;
+}
+
+/// The masks of training were segmented from the expected object: Gaussians whose masks disagree keep its labels. A
+/// model in which training has split Gaussians stays as it is.
+void CutChain::keep_first_labels(const std::string& trained) const {
+  const io::GaussianPly ply = io::read_gaussian_ply(trained);
+  std::vector<io::NamedLabels> objects{{ply.object, ply.labels}};
+  if (ply.labels.label.size() != untrained_->labels.label.size()) return;
+  io::write_labelled_ply(trained, ply, objects, {.fixed = fix_boundary(untrained_->labels, objects[0].columns)});
 }
 
 /// With strokes only the components that they touch are written, and labels are rounded, so that masks and page show

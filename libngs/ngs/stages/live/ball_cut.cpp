@@ -311,6 +311,23 @@ LabelColumns labels_in_ball(const Exec& exec, const BallModel& model, const Ball
   return labels;
 }
 
+/// The Gaussians inside each mask that was segmented.
+std::vector<ViewSums> mask_weights(const Exec& exec, const BallModel& model, const BallCut& cut) {
+  std::vector<ViewSums> inside;
+  for (std::size_t v = 0; v < cut.views.size(); ++v)
+    if (has_say(cut.views[v]))
+      inside.push_back(
+          view_sums(exec, model.cloud(), {cut.cameras[v], known_view(cut.cameras[v], cut.views[v].mask)}, model.splat())
+              .weights_inside(0));
+  return inside;
+}
+
+void leave_out_floor(const BallModel& model, const BallCut& cut, LabelColumns& labels) {
+  std::vector<std::uint8_t> object(labels.label.begin(), labels.label.end());
+  leave_out_support(model.cloud(), up_of(cut.cameras), object);
+  labels.label = std::vector<float>(object.begin(), object.end());
+}
+
 /// The columns of the full model.
 LabelColumns spread_out(const LabelColumns& part, const std::vector<std::int64_t>& rows, std::int64_t gaussians) {
   LabelColumns whole;
@@ -345,25 +362,33 @@ BallCut cut_in_ball(const Exec& exec, Monitor& monitor, const BallCutInput& in) 
   else
     told.expected = model.above_plane(model.marked_weights(cut.cameras, marked), strokes, up_of(cut.cameras));
   cut.is_expected = !told.expected.empty();
+  bool is_dense = false;  // most Gaussians are hidden by their neighbours in every view
   if (cut.is_expected) {
     segment_all(exec, monitor, model, told, cut);
   } else {
-    spread_masks(
-        exec, monitor, {.passes = 1},
-        {model.cloud(), in.scene, cut.cameras, std::vector<bool>(cut.cameras.size(), true), model.splat(), marked,
-         [&](std::size_t view, const ViewPrompt& prompt) { return model.segment(cut.cameras[view], prompt); },
-         [&](std::size_t view, const SpreadView& result) { cut.views[view] = result; }, false});
+    const auto spread = [&](bool use_neighbours) {
+      spread_masks(
+          exec, monitor, {.passes = 1},
+          {model.cloud(), in.scene, cut.cameras, std::vector<bool>(cut.cameras.size(), true), model.splat(), marked,
+           [&](std::size_t view, const ViewPrompt& prompt) { return model.segment(cut.cameras[view], prompt); },
+           [&](std::size_t view, const SpreadView& result) { cut.views[view] = result; }, use_neighbours});
+    };
+    spread(false);
+    is_dense = 2 * std::ranges::count_if(cut.views, has_say) < std::ssize(cut.views);
+    if (is_dense && !monitor.stop_requested()) spread(true);
   }
   if (monitor.stop_requested()) return cut;
   LabelColumns labels = [&] {
     const auto timed = monitor.scope("labels");
     return labels_in_ball(exec, model, in, cut);
   }();
+  if (is_dense) leave_out_floor(model, cut, labels);
   for (std::size_t i = 0; i < told.expected.size(); ++i)  // the object occludes part of its plane
     if (labels.views[i] == 0 && (!by_lines || told.expected[i] == 0)) labels.label[i] = told.expected[i];
   if (!in.all_pieces) {
     const std::vector<std::uint8_t> member(labels.label.begin(), labels.label.end());
-    const PieceSelection pieces = touched_pieces(exec, model.cloud(), member, strokes);
+    const PieceSelection pieces = touched_pieces(exec, model.cloud(), member, strokes,
+                                                 is_dense ? mask_weights(exec, model, cut) : std::vector<ViewSums>());
     labels.label = std::vector<float>(pieces.object.begin(), pieces.object.end());
     cut.left_out = pieces.left_out, cut.needles = pieces.needles;
   }

@@ -6,7 +6,9 @@
 #include <set>
 #include <utility>
 
+#include "ngs/math/median.h"
 #include "ngs/math/quat.h"
+#include "ngs/stages/select/canonical_points.h"
 
 namespace ngs {
 namespace {
@@ -21,7 +23,8 @@ constexpr double kMinAbove = 0.01;   // least fraction of all area above the pla
 constexpr double kMinShare = 0.05;   // least fraction of the flat area in the plane
 constexpr int kFits = 12;
 constexpr double kTolerance = 2 * 3.0 / kBins;  // of the first fit, radii of the bulk
-constexpr double kDeviations = 3 * 1.4826;      // three standard deviations per median absolute deviation
+constexpr double kThinnest = 0.1;           // least thickness of a plane that is left out, of SupportPlane::thickness
+constexpr double kDeviations = 3 * 1.4826;  // three standard deviations per median absolute deviation
 
 /// A Gaussian in units of the bulk's radius, relative to its centre.
 struct Sample {
@@ -29,6 +32,7 @@ struct Sample {
   Vec normal;       // of its disc
   double area = 0;  // at most that of a disc of a tenth of the radius
   double flat = 0;  // 1 for a disc, 0 for a ball
+  bool can_support = true;
 };
 
 /// The axis of the smallest standard deviation.
@@ -39,8 +43,8 @@ Vec normal_of(const GaussianCloud& cloud, std::size_t row) {
   return {axes(0, least), axes(1, least), axes(2, least)};
 }
 
-std::vector<Sample> samples_of(const GaussianCloud& cloud, const orbit::SurfacePoints& points,
-                               const orbit::Ball& bulk) {
+std::vector<Sample> samples_of(const GaussianCloud& cloud, const orbit::SurfacePoints& points, const orbit::Ball& bulk,
+                               const std::vector<std::uint8_t>& object = {}) {
   std::vector<Sample> samples;
   for (const std::size_t i : orbit::thinned(points.count(), kMaxPlaneSamples)) {
     const Vec p = (1 / bulk.radius) * (points.position[i] - bulk.centre);
@@ -50,7 +54,7 @@ std::vector<Sample> samples_of(const GaussianCloud& cloud, const orbit::SurfaceP
     std::sort(s.begin(), s.end());
     samples.push_back({p, normal_of(cloud, points.row[i]),
                        std::min(points.area[i] / (bulk.radius * bulk.radius), 0.01 * points.opacity[i]),
-                       1 - std::exp(double(s[0]) - double(s[1]))});
+                       1 - std::exp(double(s[0]) - double(s[1])), object.empty() || !object[points.row[i]]});
   }
   return samples;
 }
@@ -58,6 +62,7 @@ std::vector<Sample> samples_of(const GaussianCloud& cloud, const orbit::SurfaceP
 /// The weight of a sample for a plane of this normal. A ball has a small weight for every normal, so that planes are
 /// found in models of isotropic Gaussians too.
 double weight_for(const Sample& sample, Vec normal) {
+  if (!sample.can_support) return 0;
   const double facing = dot(normal, sample.normal);
   const double aligned = facing * facing;
   return sample.area * (sample.flat * aligned * aligned + (1 - sample.flat) * 0.2);
@@ -154,11 +159,12 @@ SupportPlane refitted(const std::vector<Sample>& samples, const orbit::Ball& bul
 
 }  // namespace
 
-SupportPlane find_support_plane(const GaussianCloud& cloud, const orbit::SurfacePoints& points, Vec up) {
+SupportPlane find_support_plane(const GaussianCloud& cloud, const orbit::SurfacePoints& points, Vec up,
+                                const std::vector<std::uint8_t>& object) {
   SupportPlane plane{.normal = up};
   if (points.count() == 0) return plane;
   const orbit::Ball bulk = orbit::bulk_of(points);
-  const std::vector<Sample> samples = samples_of(cloud, points, bulk);
+  const std::vector<Sample> samples = samples_of(cloud, points, bulk, object);
   const Slab slab = best_slab_around(samples, up);
   if (slab.share < kMinShare) return plane;
   plane = refitted(samples, bulk, slab);
@@ -199,6 +205,23 @@ SupportPlane refined_by(const GaussianCloud& cloud, const orbit::SurfacePoints& 
   SupportPlane refined = refitted(samples_of(cloud, points, bulk), bulk,
                                   {.normal = plane.normal, .height = height, .share = plane.support});
   return dot(refined.normal, plane.normal) >= kMaxTilt ? refined : plane;
+}
+
+void leave_out_support(const GaussianCloud& cloud, Vec up, std::vector<std::uint8_t>& object) {
+  const SupportPlane plane = find_support_plane(cloud, canonical_points(cloud), up, object);
+  if (!plane.found) return;
+  const auto distance = [&](std::size_t i) {
+    const float* p = &cloud.position[3 * i];
+    return std::abs(dot(plane.normal, {double(p[0]), double(p[1]), double(p[2])}) - plane.offset);
+  };
+  std::vector<double> outside;
+  for (std::size_t i = 0; i < object.size(); ++i)
+    if (!object[i] && distance(i) <= plane.thickness) outside.push_back(distance(i));
+  if (outside.empty()) return;
+  const double half =
+      std::clamp(kDeviations * upper_median(std::move(outside)), kThinnest * plane.thickness, plane.thickness);
+  for (std::size_t i = 0; i < object.size(); ++i)
+    if (distance(i) <= half) object[i] = 0;
 }
 
 }  // namespace ngs

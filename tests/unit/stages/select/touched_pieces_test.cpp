@@ -65,6 +65,22 @@ TEST_CASE("strokes on several pieces, and one across several, keep all of them")
   CHECK(in_block(pieces, 3) == 0);
 }
 
+TEST_CASE("a piece that no stroke touches is kept if enough masks show it, and if a stroke touches another") {
+  const GaussianCloud cloud = blocks_at({0, 3, 6});
+  const std::vector<std::uint8_t> all(648, 1);
+  ViewSums mask = on_rows(0, 200);
+  add_rows(216, 3, 1, mask);  // more than a hundredth of the mask
+  add_rows(432, 1, 1, mask);  // less
+  const std::vector<ViewSums> strokes{on_rows(0, 20)};
+  const PieceSelection shown = touched_pieces({}, cloud, all, strokes, std::vector(kLeastMasks, mask));
+  CHECK(in_block(shown, 0) == 216);
+  CHECK(in_block(shown, 1) == 216);
+  CHECK(in_block(shown, 2) == 0);
+  const PieceSelection rarely = touched_pieces({}, cloud, all, strokes, std::vector(kLeastMasks - 1, mask));
+  CHECK(in_block(rarely, 1) == 0);
+  CHECK(touched_pieces({}, cloud, all, {}, std::vector(kLeastMasks, mask)).left_out == 0);
+}
+
 TEST_CASE("Gaussians visible through the object under a stroke are not touched") {
   const GaussianCloud cloud = blocks_at({0, 3});
   ViewSums stroke = on_rows(0, 20);
