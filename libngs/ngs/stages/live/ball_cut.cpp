@@ -315,7 +315,7 @@ LabelColumns labels_in_ball(const Exec& exec, const BallModel& model, const Ball
 std::vector<ViewSums> mask_weights(const Exec& exec, const BallModel& model, const BallCut& cut) {
   std::vector<ViewSums> inside;
   for (std::size_t v = 0; v < cut.views.size(); ++v)
-    if (has_say(cut.views[v]))
+    if (has_evidence(cut.views[v]))
       inside.push_back(
           view_sums(exec, model.cloud(), {cut.cameras[v], known_view(cut.cameras[v], cut.views[v].mask)}, model.splat())
               .weights_inside(0));
@@ -374,7 +374,7 @@ BallCut cut_in_ball(const Exec& exec, Monitor& monitor, const BallCutInput& in) 
            [&](std::size_t view, const SpreadView& result) { cut.views[view] = result; }, use_neighbours});
     };
     spread(false);
-    is_dense = 2 * std::ranges::count_if(cut.views, has_say) < std::ssize(cut.views);
+    is_dense = 2 * std::ranges::count_if(cut.views, has_evidence) < std::ssize(cut.views);
     if (is_dense && !monitor.stop_requested()) spread(true);
   }
   if (monitor.stop_requested()) return cut;

@@ -52,7 +52,7 @@ std::vector<std::uint8_t> pieces_in(const ViewSums& sums, const Clusters& pieces
   return shown;
 }
 
-/// Per piece: 1 if a stroke touches it, or at least kLeastMasks masks show it and a stroke touches any.
+/// Per piece: 1 if a stroke touches it, or at least kMinMasks masks show it and a stroke touches any.
 std::vector<std::uint8_t> touched_by(std::span<const ViewSums> strokes, std::span<const ViewSums> masks,
                                      const Clusters& pieces) {
   std::vector<std::uint8_t> touched(pieces.size.size());
@@ -66,7 +66,7 @@ std::vector<std::uint8_t> touched_by(std::span<const ViewSums> strokes, std::spa
     const std::vector<std::uint8_t> shown = pieces_in(mask, pieces, kShown);
     for (std::size_t p = 0; p < shown.size(); ++p) count[p] += shown[p];
   }
-  for (std::size_t p = 0; p < touched.size(); ++p) touched[p] |= std::uint8_t(count[p] >= kLeastMasks);
+  for (std::size_t p = 0; p < touched.size(); ++p) touched[p] |= std::uint8_t(count[p] >= kMinMasks);
   return touched;
 }
 

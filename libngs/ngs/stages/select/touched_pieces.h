@@ -34,8 +34,8 @@ struct PieceSelection {
 
 /// Selects among the usable Gaussians with member[i] != 0, without needles. If no stroke touches any of them, all are
 /// kept. `masks`: the Gaussians inside the masks of views that were segmented one by one. A piece with at least a tenth
-/// of the weight in each of kLeastMasks masks counts as touched.
-inline constexpr int kLeastMasks = 3;
+/// of the weight in each of kMinMasks masks counts as touched.
+inline constexpr int kMinMasks = 3;
 PieceSelection touched_pieces(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::uint8_t>& member,
                               std::span<const ViewSums> strokes, std::span<const ViewSums> masks = {});
 

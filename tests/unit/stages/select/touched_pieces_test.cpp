@@ -72,13 +72,13 @@ TEST_CASE("a piece that no stroke touches is kept if enough masks show it, and i
   add_rows(216, 3, 1, mask);  // more than a hundredth of the mask
   add_rows(432, 1, 1, mask);  // less
   const std::vector<ViewSums> strokes{on_rows(0, 20)};
-  const PieceSelection shown = touched_pieces({}, cloud, all, strokes, std::vector(kLeastMasks, mask));
+  const PieceSelection shown = touched_pieces({}, cloud, all, strokes, std::vector(kMinMasks, mask));
   CHECK(in_block(shown, 0) == 216);
   CHECK(in_block(shown, 1) == 216);
   CHECK(in_block(shown, 2) == 0);
-  const PieceSelection rarely = touched_pieces({}, cloud, all, strokes, std::vector(kLeastMasks - 1, mask));
+  const PieceSelection rarely = touched_pieces({}, cloud, all, strokes, std::vector(kMinMasks - 1, mask));
   CHECK(in_block(rarely, 1) == 0);
-  CHECK(touched_pieces({}, cloud, all, {}, std::vector(kLeastMasks, mask)).left_out == 0);
+  CHECK(touched_pieces({}, cloud, all, {}, std::vector(kMinMasks, mask)).left_out == 0);
 }
 
 TEST_CASE("Gaussians visible through the object under a stroke are not touched") {
