@@ -61,7 +61,7 @@ run() {
       case $code in
         0) ;;
         1) failed=1 ;;
-        7) say "$1 stopped at its budget; continuing with its partial result" ;;
+        7) say "$1: time budget used up; continuing with the partial result" ;;
         *) exit "$code" ;;
       esac ;;
     run:*) "$@" || exit 8 ;;
@@ -130,22 +130,26 @@ score_masks() {
     tool ngs-eval "$4.masks" "$3" -o "$4" -w -q > /dev/null && rm -r "$4.masks"
 }
 
-# key_of FOLDER WORD...: prints what the result of a command that fills FOLDER depends on: its words, the *_FLAGS, the tools,
-# and the files that the words name.
+# key_of TOOL SKIPPED WORD...: prints what the result of a command depends on: the binary of TOOL, the words, and the files that
+# they name, also as --option=FILE, but for SKIPPED, the folder of the result.
 key_of() {
-  local folder=$1 word bin
-  shift
+  local tool=$1 skipped=$2 word bin
+  shift 2
   bin=$(find_bin) || return
-  printf '%s\n' "$@" && { env | grep '^[A-Z]*_FLAGS=' | sort || true; } &&
-    stat -L -c '%n %s %Y' "$(PATH=${bin:+$bin:}$PATH command -v ngs-joint)" &&
-    for word in "$@"; do if [ "$word" != "$folder" ] && [ -e "$word" ]; then fingerprint "$word"; fi; done
+  stat -L -c '%n %s %Y' "$(PATH=${bin:+$bin:}$PATH command -v "$tool")" || true
+  printf '%s\n' "$@"
+  for word in "$@"; do
+    word=${word#--*=}
+    if [ "$word" != "$skipped" ] && [ -e "$word" ]; then fingerprint "$word"; fi
+  done
 }
+exported_flags() { env | grep '^[A-Z]*_FLAGS=' | sort || true; }
 
-# once FOLDER COMMAND...: runs the command, which fills FOLDER, unless it has already succeeded there with the same key_of.
+# once FOLDER COMMAND...: runs the command, which fills FOLDER, unless it has already succeeded there with the same key.
 once() {
   local folder=$1 key code=0
   shift
-  key=$(key_of "$folder" "$@") || return
+  key=$(key_of ngs-joint "$folder" "$@" "$(exported_flags)") || return
   if [ "$(cat "$folder/.state/done" 2> /dev/null)" = "$key" ]; then return; fi
   "$@" || code=$?
   if [ "$code" -eq 0 ]; then mkdir -p "$folder/.state" && printf '%s\n' "$key" > "$folder/.state/done"; fi
@@ -187,18 +191,16 @@ fingerprint() {  # names, sizes and times of the files under the given paths, bu
   done
 }
 
-# inputs_of TOOL NAME...: prints what the result of a tool depends on: its binary, the variables NAME, the variables of its flags,
-# and the files named in them.
+# inputs_of TOOL NAME...: key_of the variables NAME and the variables of the tool's flags.
 inputs_of() {
-  local tool=$1 name flag_words=() word
+  local tool=$1 name words=() flag_words=()
   shift
-  stat -L -c '%n %s %Y' "$(command -v "$tool")" || true
-  tool=${tool#ngs-}
-  for name in "$@" COMMON_FLAGS "${tool^^}_FLAGS"; do
-    printf '%s=%s\n' "$name" "${!name:-}"
+  name=${tool#ngs-}
+  for name in "$@" COMMON_FLAGS "${name^^}_FLAGS"; do
     case $name in *_FLAGS) eval "flag_words=(${!name:-})" ;; *) flag_words=("${!name:-}") ;; esac
-    for word in "${flag_words[@]}"; do if [ -e "${word#--*=}" ]; then fingerprint "${word#--*=}"; fi; done
+    words+=("$name=${!name:-}" "${flag_words[@]}")
   done
+  key_of "$tool" '' "${words[@]}"
 }
 
 # degraded_masks MASKS TO FLAGS...: `ngs-scene degrade FLAGS` of MASKS to folder TO; repeated only if the input changed.

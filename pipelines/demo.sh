@@ -25,7 +25,7 @@ out=$(cd "$out" && pwd)
 # masks/ has contours off by 1.5 px, as from a typical segmenter.
 if [ ! -f "$out/scene/point_cloud.ply" ]; then
   say "== making the scene"
-  "${bin:+$bin/}ngs-synth" torus-box -o "$out/scene" -w --views 16 --width-px 320 --height-px 240 --fit-steps 800 \
+  "${bin:+$bin/}ngs-synth" torus-box -o "$out/scene" -w --view-count 16 --width-px 320 --height-px 240 --fit-steps 800 \
     --mask-noise jitter:1.5 --report "$out/ngs-synth.json"
 fi
 say "== cutting out the object"

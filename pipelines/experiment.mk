@@ -63,7 +63,7 @@ $(OUT)/labelled.ply: $(OUT)/boundary.ply $(FIELD) $(S)/joint.flags
 	ngs-joint $(OUT)/scene.json $< $(FIELD:%=--field %) -o $@ $(if $(OURS),$(ON) --trace $(OUT)/trace.jsonl) \
 	  $(if $(METHOD),--method $(METHOD)) $(if $(QUALITY),--quality $(QUALITY)) $(JOINT_FLAGS) $(ALL)/ngs-joint.json $(BUDGET)
 $(OUT)/object.ply $(OUT)/background.ply &: $(OUT)/labelled.ply $(S)/extract.flags
-	ngs-extract $< --object $(OUT)/object.ply --background $(OUT)/background.ply $(EXTRACT_FLAGS) $(ALL)/ngs-extract.json
+	ngs-extract $< --object-ply $(OUT)/object.ply --background-ply $(OUT)/background.ply $(EXTRACT_FLAGS) $(ALL)/ngs-extract.json
 $(S)/rendered: $(OUT)/labelled.ply $(S)/render.flags $(if $(wildcard $(OUT)/masks),,FORCE)
 	rm -rf $(OUT)/masks $(S)/masks
 	ngs-render $(OUT)/scene.json $< --views $(if $(HOLD_OUT),held-out,all) --layers mask --scale 0 --format png -o $(S)/masks \

@@ -68,7 +68,7 @@ chain() {
     field=(--field "$out/field.ply")
   fi
   step ngs-joint "$out/scene.json" "$out/boundary.ply" "${field[@]}" "${trace[@]}" "${joint[@]}" -o "$out/labelled.ply"
-  step ngs-extract "$out/labelled.ply" --object "$out/object.ply" --background "$out/background.ply"
+  step ngs-extract "$out/labelled.ply" --object-ply "$out/object.ply" --background-ply "$out/background.ply"
   run rm -rf "$out/masks" "$out/.state/masks"
   step ngs-render "$out/scene.json" "$out/labelled.ply" --views $views --layers mask --scale 0 --format png -o "$out/.state/masks"
   run cp -r "$out/.state/masks" "$out/masks"
@@ -80,7 +80,7 @@ chain() {
 
 for pass in $passes; do
   if [ "$pass" = run ]; then
-    key=$(key_of "$out" "${words[@]}")
+    key=$(key_of ngs-joint "$out" "${words[@]}" "$(exported_flags)")
     if is_finished "$out" "$key"; then say "$out: nothing has changed since the last call"; exit 0; fi
     lock_out "$out"
   fi

@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # ScanNet scenes: converts exported poses to transforms.json, uses label maps as masks, scores per instance.
 #
-#   pipelines/scannet.sh SCANS_DIR OUT_DIR --objects ID,ID,... [--masks DIR] [--scenes "A B"] [options of ngs-gs.sh]
+#   pipelines/scannet.sh SCANS_DIR OUT_DIR --object-id ID,ID,... [--masks DIR] [--scenes "A B"] [options of ngs-gs.sh]
 #
 #   SCANS_DIR  SCENE/ with color/N.jpg, pose/N.txt (camera -> world, OpenCV axes), intrinsic/intrinsic_color.txt,
 #              instance-filt/N.png, and a trained splat point_cloud.ply
 #   --masks    SCENE/ with label maps N.png that use the ids of instance-filt (default: instance-filt itself,
 #              that is, perfect input masks; only the held-out views are scored)
-#   --objects  the ids of instance-filt to cut out; use one call per scene
+#   --object-id  the ids of instance-filt to cut out; use one call per scene
 #
 # The paper states no protocol for ScanNet. Here: every 8th frame is held out, score per instance, mean over the
 # instances of a scene, then over scenes. Frames whose pose is not finite are left out.
@@ -23,7 +23,7 @@ masks='' objects='' scenes='' rest=()
 while [ $# -gt 0 ]; do
   case $1 in
     --masks) masks=$2; shift 2 ;;
-    --objects) objects=$2; shift 2 ;;
+    --object-id) objects=$2; shift 2 ;;
     --scenes) scenes=$2; shift 2 ;;
     *) rest+=("$1"); shift ;;
   esac
@@ -51,7 +51,7 @@ transforms() {
   } > "$2"
 }
 
-[ -n "$objects" ] || fail 2 "no --objects given, expected ids of instance-filt" "e.g. --objects 3,7"
+[ -n "$objects" ] || fail 2 "no --object-id given, expected ids of instance-filt" "e.g. --object-id 3,7"
 SCENE_FLAGS="${SCENE_FLAGS:-} --mask-mode label" EVAL_FLAGS="${EVAL_FLAGS:-} --label-map"
 for id in ${objects//,/ }; do
   SCENE_FLAGS+=" --object-id $id=$id" EVAL_FLAGS+=" --object-id $id"

@@ -29,7 +29,7 @@ $(OUT): $(PARTS) $(OUT).join.flags
 
 $(OUT).parts/%-of-$(SHARDS).evidence: $(SCENE_JSON) $(OUT).part.flags
 	@mkdir -p $(@D)
-	$(TOOL) $(SCENE_JSON) --views $*/$(SHARDS) $(RASTER_FLAGS) -w -q --partial $@ --report $@.json
+	$(TOOL) $(SCENE_JSON) --shard $*/$(SHARDS) $(RASTER_FLAGS) -w -q --partial $@ --report $@.json
 
 .PHONY: submit FORCE
 # Settings of parts and merge, rewritten only on change, so that parts with different settings are never merged.

@@ -51,13 +51,13 @@ check_runs() {
 }
 
 lines_of_runs() { grep -nEv '^[[:space:]]*(#|$)' "$runs" | cut -d: -f1; }
-key_of() { sed -n "${1}p" "$runs" | cksum; }
+checksum_of() { sed -n "${1}p" "$runs" | cksum; }
 
 # Final exit code of the run of line $1; empty if it must (still) run.
 code_of() {
   local code key
   read_run "$1"
-  if [ -f "$state/$run_name.code" ] && read -r code key < "$state/$run_name.code" && [ "$key" = "$(key_of "$1")" ]; then
+  if [ -f "$state/$run_name.code" ] && read -r code key < "$state/$run_name.code" && [ "$key" = "$(checksum_of "$1")" ]; then
     printf '%s' "$code"
   fi
 }
@@ -76,7 +76,7 @@ task() {
   env "${run_flags[@]}" "$pipelines/ngs-gs.sh" "$run_scene" "$out/$run_name" -q "${run_options[@]}" || code=$?
   printf '%s %s %s %s\n' "$run_name" "$code" "${SLURMD_NODENAME:-$HOSTNAME}" "${SLURM_RESTART_COUNT:-0}" >> "$state/tries"
   if [ "$code" -ne 8 ] && [ "$code" -lt 128 ]; then
-    printf '%s %s\n' "$code" "$(key_of "$1")" > "$state/$run_name.new-$$-$HOSTNAME"
+    printf '%s %s\n' "$code" "$(checksum_of "$1")" > "$state/$run_name.new-$$-$HOSTNAME"
     mv "$state/$run_name.new-$$-$HOSTNAME" "$state/$run_name.code"
   fi
   return "$code"

@@ -65,7 +65,7 @@ else
   counted+=("aarch64 neon")
 fi
 [ ${#counted[@]} -gt 0 ] || exit 77
-"${bin:+$bin/}ngs-synth" torus-box -o scene --views 4 --width-px 96 --height-px 72 --fit-steps 60 -w -q > /dev/null
+"${bin:+$bin/}ngs-synth" torus-box -o scene --view-count 4 --width-px 96 --height-px 72 --fit-steps 60 -w -q > /dev/null
 "${bin:+$bin/}ngs-scene" import scene --masks scene/masks_gt --check-views 0 -o scene.json -w -q > /dev/null
 code=0 first=''
 printf '%-10s %-10s %-5s %14s %14s %6s\n' processor kernel by instructions portable ratio

@@ -75,7 +75,7 @@ folder_of() {
   local made=$out/$1/capture
   if [ ! -f "$made/done" ]; then
     say "$1: making the recipe"
-    tool ngs-synth "$1" -o "$made" --views 16 --fit-steps "$fit_steps" -w -q > /dev/null
+    tool ngs-synth "$1" -o "$made" --view-count 16 --fit-steps "$fit_steps" -w -q > /dev/null
     degraded_masks "$made/masks_gt" "$made/masks_sam" --mask-noise jitter:2 --seed 1
     touch "$made/done"
   fi

@@ -172,8 +172,8 @@ measure draft ngs-joint import/scene.json variance/boundary.ply --quality draft 
 measure standard ngs-joint import/scene.json variance/boundary.ply -o '{}/labelled.ply'
 measure render ngs-render import/scene.json flash/labelled.ply --views all --layers mask --scale 0 -o '{}/masks'
 measure eval ngs-eval render/masks render/masks -o '{}/metrics.json'
-measure extract ngs-extract flash/labelled.ply --object '{}/o.ply' --background '{}/b.ply' --min-component 50
-measure extract-sog ngs-extract flash/labelled.ply --object '{}/o.sog' --background '{}/b.sog'
+measure extract ngs-extract flash/labelled.ply --object-ply '{}/o.ply' --background-ply '{}/b.ply' --min-component 50
+measure extract-sog ngs-extract flash/labelled.ply --object-ply '{}/o.sog' --background-ply '{}/b.sog'
 measure clean ngs-clean "$model" -o '{}/cleaned'
 measure chain "$pipelines/ngs-gs.sh" "$scene" '{}/out' --model "$model" --masks "$masks" --hold-out every:4:2 --quality draft
 measure report ngs-report chain/out -o '{}/report.html'

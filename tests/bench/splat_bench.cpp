@@ -10,6 +10,7 @@
 #include "ngs/ops/splat/splat_engine.h"
 #include "ngs/ops/splat/tile_isa.h"
 #include "ngs/ops/splat/tile_kernels_of.h"
+#include "support/projected_view.h"
 
 namespace ngs::bench {
 namespace {

@@ -92,7 +92,7 @@ test_wheel() {
   alone() { (cd "$work" && unshare -n env -i PATH="$venv/bin:/usr/bin:/bin" NGS_THREADS=2 "$@"); }
   check "wheel: pip installs it without network" \
     alone pip install --no-index --no-compile --disable-pip-version-check "$wheel"
-  check "wheel: ngs-synth" alone ngs-synth two-spheres -o scene --views 4 --width-px 96 --height-px 72 --fit-steps 60
+  check "wheel: ngs-synth" alone ngs-synth two-spheres -o scene --view-count 4 --width-px 96 --height-px 72 --fit-steps 60
   check "wheel: ngs cut" alone ngs cut scene --quality draft -o cut
   check "wheel: import ngs" alone python3 -B -c 'if True:
     import ngs

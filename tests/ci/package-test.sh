@@ -50,7 +50,7 @@ check "apt-get update" inside apt-get update
 check "apt install ./$(basename "$package") with its dependencies" inside apt-get install -y --no-install-recommends ./ngs.deb make
 check "ngs-joint --version" inside ngs-joint --version
 check "all libraries are found" inside sh -c '! ldd /usr/bin/ngs-joint /usr/bin/ngs-scene $(find /usr/lib -name libngs_codecs.so) | grep "not found"'
-check "ngs-synth makes a capture" inside ngs-synth torus-box -o /tmp/scene -w --views 8 --width-px 96 --height-px 72 --fit-steps 60 -q
+check "ngs-synth makes a capture" inside ngs-synth torus-box -o /tmp/scene -w --view-count 8 --width-px 96 --height-px 72 --fit-steps 60 -q
 check "ngs-gs runs the whole chain" inside ngs-gs /tmp/scene /tmp/out --gt /tmp/scene/masks_gt --hold-out every:4:2 --quality draft -q
 for made in object.ply background.ply metrics.json report.html masks/0002.png; do
   check "$made was made" test -s "$root/tmp/out/$made"

@@ -43,8 +43,8 @@ out=$(cd "$out" && pwd)
 
 # --- the scenes -------------------------------------------------------------------------------------------------------
 
-small=(--views 8 --width-px 128 --height-px 96 --fit-steps 200 --mask-noise jitter:1.5)
-demo=(--views 16 --width-px 320 --height-px 240 --fit-steps 800 --mask-noise jitter:1.5)
+small=(--view-count 8 --width-px 128 --height-px 96 --fit-steps 200 --mask-noise jitter:1.5)
+demo=(--view-count 16 --width-px 320 --height-px 240 --fit-steps 800 --mask-noise jitter:1.5)
 recipes=(torus-box two-spheres leaves bones table)
 every_method=(default draft ng-gs flash sa3d cob bce saga released)
 
@@ -93,8 +93,8 @@ run_joint() {  # RUN: one method with its outputs
   mkdir -p "$1"
   run ngs-joint --report-name "$1/ngs-joint" scene.json boundary.ply --field field.ply "${words[@]}" \
     -o "$1/labelled.ply" || return 0
-  run ngs-extract --report-name "$1/ngs-extract" "$1/labelled.ply" --object "$1/object.ply" \
-    --background "$1/background.ply" || true
+  run ngs-extract --report-name "$1/ngs-extract" "$1/labelled.ply" --object-ply "$1/object.ply" \
+    --background-ply "$1/background.ply" || true
   run ngs-render --report-name "$1/ngs-render" scene.json "$1/labelled.ply" --views held-out --layers mask --scale 0 \
     -o "$1/masks" || return 0
   score "$1/masks" "$1/metrics.json" "$1/ngs-eval" || true
@@ -115,7 +115,7 @@ run_others() {
   run ngs-extract --report-name ngs-extract-inpaint default/labelled.ply --scene scene.json --inpaint others/inpaint \
     --supersplat others/supersplat.ply --labelled others/decided.ply || true
   run ngs-fit scene.json --points "$source/sparse/0/points3D.txt" --steps 40 --sh-degree 1 -o others/fit.ply || true
-  run ngs-variance --report-name ngs-variance-shard scene.json --views 1/2 --partial others/shard.evidence || true
+  run ngs-variance --report-name ngs-variance-shard scene.json --shard 1/2 --partial others/shard.evidence || true
 }
 
 # run_chain SIDE SCENE SOURCE MASKS TRUTH RUNS...: all runs of one build on one scene, in OUT/SIDE/SCENE. Both builds read the

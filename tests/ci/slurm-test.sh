@@ -85,7 +85,7 @@ sweep() {
 
 say "== two scenes, 48 runs"
 for recipe in two-spheres torus-box; do
-  "$bin/ngs-synth" "$recipe" -o "$shared/$recipe" --views 8 --width-px 96 --height-px 72 --fit-steps 150 --fit-max-gaussians 1500 \
+  "$bin/ngs-synth" "$recipe" -o "$shared/$recipe" --view-count 8 --width-px 96 --height-px 72 --fit-steps 150 --fit-max-gaussians 1500 \
     --mask-noise jitter:1 -q > /dev/null
 done
 for scene in spheres=two-spheres cut=torus-box; do

@@ -50,7 +50,7 @@ npm_install() {
 # A synthetic capture with exact ground truth, segmented once; input of all checks below.
 make_run() {
   if [ -f "$out/run/report.html" ]; then return; fi
-  tool ngs-synth two-spheres -o "$out/scene" --views 8 --width-px 96 --height-px 72 --fit-steps 120 --fit-max-gaussians 1500 \
+  tool ngs-synth two-spheres -o "$out/scene" --view-count 8 --width-px 96 --height-px 72 --fit-steps 120 --fit-max-gaussians 1500 \
     --mask-noise jitter:1 &&
     SAMPLE_FLAGS='--rows 16 --cols 16' "$root/pipelines/ngs-gs.sh" "$out/scene" "$out/run" --hold-out every:4:2 --quality draft -q &&
     tool ngs-extract "$out/run/labelled.ply" --labelled "$out/decided.ply" --supersplat "$out/edit_me.ply"
@@ -78,7 +78,7 @@ check_supersplat() {
   middle=$(ply median "$out/run/object.ply" f_dc_0)
   "$transform" -q -w "$out/run/object.ply" -V "f_dc_0,gte,$middle" -m "$out/edited.ply" 2> /dev/null
   left=$(ply count "$out/edited.ply")
-  tool ngs-extract "$out/run/labelled.ply" --import "$out/edited.ply" --labelled "$out/corrected.ply" --object "$out/kept.ply"
+  tool ngs-extract "$out/run/labelled.ply" --import "$out/edited.ply" --labelled "$out/corrected.ply" --object-ply "$out/kept.ply"
   expect "--import of $left of $(ply count "$out/run/object.ply") rows, reordered, without our columns: object" "$(ply count "$out/kept.ply")" "$left"
   for method in flash bce ng-gs; do  # without contours these methods keep the number of rows
     tool ngs-joint "$out/run/scene.json" "$out/corrected.ply" --method $method --quality draft --effect contours=off -o "$out/next.ply"
@@ -102,7 +102,7 @@ check_formats() {
   mkdir -p "$folder"
   for format in spz sog splat compressed.ply glb; do
     local model=$folder/ours.$format
-    tool ngs-extract "$out/run/labelled.ply" --object "$model"
+    tool ngs-extract "$out/run/labelled.ply" --object-ply "$model"
     if [ $format = glb ]; then
       "$transform" -q -w "$out/run/object.ply" "$folder/theirs.glb" 2> /dev/null
       within 'our .glb and that of splat-transform' "$folder/theirs.glb" "$model" 0 1e-6 1e-6 0 0 1e-5
@@ -115,7 +115,7 @@ check_formats() {
       $(limits_of $format)
     "$transform" -q -w -g cpu "$out/run/object.ply" "${turn[@]}" "$folder/theirs.$format" 2> /dev/null
     "$transform" -q -w "$folder/theirs.$format" "${turn[@]}" "$folder/theirs-$format.ply" 2> /dev/null
-    tool ngs-extract "$folder/theirs.$format" --keep-sphere 0,0,0,1e9 --object "$folder/theirs-$format-ours.ply"
+    tool ngs-extract "$folder/theirs.$format" --keep-sphere 0,0,0,1e9 --object-ply "$folder/theirs-$format-ours.ply"
     within "the .$format of splat-transform, read by ngs and by splat-transform" "$folder/theirs-$format.ply" \
       "$folder/theirs-$format-ours.ply" 1e-6 1e-5 2e-6 1e-5 1e-6 "$([ $format = splat ] && echo 0.02 || echo 1e-5)"
   done
@@ -129,7 +129,7 @@ check_ksplat() {
     local model=$1/level-$level.ksplat
     node "$here/ksplat.mjs" "$out/run/object.ply" "$model" "$level" "$modules" > /dev/null 2>&1
     "$transform" -q -w "$model" "$1/level-$level-theirs.ply" 2> /dev/null
-    tool ngs-extract "$model" --keep-sphere 0,0,0,1e9 --object "$1/level-$level-ours.ply"
+    tool ngs-extract "$model" --keep-sphere 0,0,0,1e9 --object-ply "$1/level-$level-ours.ply"
     within "mkkellogg's .ksplat of compression $level, read by ngs and by splat-transform" \
       "$1/level-$level-theirs.ply" "$1/level-$level-ours.ply" 1e-6 1e-5 2e-6 1e-5 1e-6 1e-5
     within "mkkellogg's .ksplat of compression $level, read by ngs, and the PLY" "$out/run/object.ply" "$1/level-$level-ours.ply" 1e-4 1e-3 0.00394 4 0.0157 0.001
@@ -160,11 +160,11 @@ check_render() {
     local folder=$out/render/$recipe
     if [ ! -f "$folder/object.ply" ]; then
       mkdir -p "$folder"
-      tool ngs-synth "$recipe" -o "$folder/scene" --views 6 --width-px 320 --height-px 240 --fit-steps 300 --fit-max-gaussians 4000
+      tool ngs-synth "$recipe" -o "$folder/scene" --view-count 6 --width-px 320 --height-px 240 --fit-steps 300 --fit-max-gaussians 4000
       tool ngs-scene import "$folder/scene" --ply "$folder/scene/point_cloud.ply" --images "$folder/scene/images" \
         --masks "$folder/scene/masks" --no-align-views -o "$folder/scene.json"
       tool ngs-variance "$folder/scene.json" -o "$folder/boundary.ply"
-      tool ngs-extract "$folder/boundary.ply" --object "$folder/object.ply"
+      tool ngs-extract "$folder/boundary.ply" --object-ply "$folder/object.ply"
     fi
     node "$here/cameras.mjs" "$folder/scene.json" 6 "$folder/own"
     tool ngs-render "$folder/own.scene.json" "$folder/scene/point_cloud.ply" --layers color -o "$folder/ngs"

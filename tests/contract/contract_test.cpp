@@ -42,8 +42,8 @@ std::string error_line(const std::string& err) {
 }
 
 Words outputs_of(const Words& argv) {
-  static const std::set<std::string> flags = {"-o",         "--output", "--object", "--background",
-                                              "--labelled", "--report", "--layers"};
+  static const std::set<std::string> flags = {"-o",         "--output", "--object-ply", "--background-ply",
+                                              "--labelled", "--report", "--exr"};
   Words paths;
   for (std::size_t i = 1; i + 1 < argv.size(); ++i)
     if (flags.count(argv[i]) != 0 && argv[i + 1][0] == '/' && argv[i + 1].rfind("/dev/", 0) != 0)

@@ -145,7 +145,7 @@ TEST_CASE("scannet.sh turns poses into a capture and scores instances of label m
   write_scannet_poses(data);
   data.copy("model.ply", "scans/scene0/point_cloud/iteration_30000/point_cloud.ply");  // layout of the Inria trainer
   const test::ProcessResult result =
-      data.run("scannet.sh", {"scans", "out", "--objects", "7", "--method", "flash", "-q"});
+      data.run("scannet.sh", {"scans", "out", "--object-id", "7", "--method", "flash", "-q"});
   INFO(result.err);
   CHECK(result.exit_code == 0);
   CHECK(result.err.find("frame 99 has no finite pose") != std::string::npos);

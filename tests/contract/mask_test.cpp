@@ -52,8 +52,8 @@ const char* const kStrokes = R"({"ngs_prompts":1,"view":"0002.png","width":112,"
 const test::TempDir& stroke_scene() {
   static const test::TempDir dir;
   static const bool made = [] {
-    run_tool(dir, {"ngs-synth", "two-spheres", "-o", "scene", "--views", "8", "--width-px", "112", "--height-px", "84",
-                   "--fit-steps", "300", "-q"});
+    run_tool(dir, {"ngs-synth", "two-spheres", "-o", "scene", "--view-count", "8", "--width-px", "112", "--height-px",
+                   "84", "--fit-steps", "300", "-q"});
     run_tool(dir, {"ngs-scene", "import", "scene", "--ply", "scene/point_cloud.ply", "--images", "scene/images", "-o",
                    "scene.json", "-q"});
     dir.write("strokes.json", kStrokes);

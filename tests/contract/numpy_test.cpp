@@ -17,13 +17,13 @@
 namespace ngs {
 namespace {
 
-constexpr std::size_t kMostBytes = 1 << 20;
+constexpr std::size_t kMaxBytes = 1 << 20;
 
 /// The data after the header of an .npy file; the header must contain `descr` and `count`.
 template <class T>
 std::vector<T> values_of(const io::ZipReader& archive, const std::string& name, const std::string& descr,
                          std::size_t count) {
-  const std::vector<std::uint8_t> file = archive.read(name, kMostBytes);
+  const std::vector<std::uint8_t> file = archive.read(name, kMaxBytes);
   REQUIRE(file.size() > 10);
   const std::size_t header = 10u + file[8] + 256u * file[9];
   CHECK(header % 64 == 0);
@@ -55,11 +55,11 @@ std::string documented_python() {
 
 }  // namespace
 
-TEST_CASE("ngs-extract --npz contains the labels before rounding, and the rows that --object writes") {
+TEST_CASE("ngs-extract --npz contains the labels before rounding, and the rows that --object-ply writes") {
   const test::TempDir tmp;
   const std::string& fixture = test::fixture_folder();
   const std::string npz = tmp.path() + "/labels.npz", object = tmp.path() + "/object.ply";
-  extract({"ngs-extract", fixture + "/labelled.ply", "--npz", npz, "--object", object});
+  extract({"ngs-extract", fixture + "/labelled.ply", "--npz", npz, "--object-ply", object});
 
   const io::GaussianPly model = io::read_gaussian_ply(fixture + "/labelled.ply");
   const io::GaussianPly kept = io::read_gaussian_ply(object);
@@ -83,7 +83,7 @@ TEST_CASE("numpy reads the output of ngs-extract --npz with the code of the FAQ"
   if (program.empty()) return test::skip("python3 with numpy is absent");
   const test::TempDir tmp;
   const std::string labelled = test::fixture_folder() + "/labelled.ply";
-  extract({"ngs-extract", labelled, "--npz", tmp.path() + "/labels.npz", "--object", tmp.path() + "/object.ply"});
+  extract({"ngs-extract", labelled, "--npz", tmp.path() + "/labels.npz", "--object-ply", tmp.path() + "/object.ply"});
   std::filesystem::copy_file(labelled, tmp.path() + "/labelled.ply");
 
   const std::string asserts =

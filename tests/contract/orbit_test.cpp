@@ -47,7 +47,7 @@ TEST_CASE(
   const test::TempDir dir;
   dir.write("model.ply", test::strict_ply_bytes(ball_on_box()));
   fs::create_directory(dir.path() + "/alone");
-  run_tool(dir, {"ngs-scene", "orbit", "model.ply", "--up", "z", "--place", "outside", "--views", "10", "--size",
+  run_tool(dir, {"ngs-scene", "orbit", "model.ply", "--up", "z", "--place", "outside", "--view-count", "10", "--size",
                  "96x96", "-o", "alone/scene.json", "-q", "--report", "orbit.json"});
   const Json scene = json_of(dir, "alone/scene.json"), orbit = json_of(dir, "orbit.json")["result"];
   CHECK(scene["renders"]["note"] == "renders of the model, no photos");
@@ -80,8 +80,8 @@ TEST_CASE(
   }
 
   // Fewer views replace more: no render of an earlier run remains.
-  run_tool(dir, {"ngs-scene", "orbit", "model.ply", "--up", "z", "--place", "outside", "--views", "4", "--max-views",
-                 "4", "--size", "96x96", "-w", "-o", "alone/scene.json", "-q"});
+  run_tool(dir, {"ngs-scene", "orbit", "model.ply", "--up", "z", "--place", "outside", "--view-count", "4",
+                 "--max-views", "4", "--size", "96x96", "-w", "-o", "alone/scene.json", "-q"});
   CHECK(fs::exists(dir.path() + "/alone/images/0003.png"));
   CHECK_FALSE(fs::exists(dir.path() + "/alone/images/0004.png"));
 }

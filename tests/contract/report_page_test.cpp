@@ -81,7 +81,7 @@ TEST_CASE("the page of a run holds every section, lists warnings and loads nothi
   for (const char* id : {"overview", "warnings", "views"}) CHECK(section_at(id) < fold);
   for (const char* id : {"accuracy", "decisions", "times", "inputs", "tools", "given"}) CHECK(section_at(id) > fold);
   CHECK(page.find("a &quot;strange&quot; &lt;mask&gt;") != page.npos);
-  CHECK(page.find("stopped at its budget") != page.npos);
+  CHECK(page.find("time budget used up") != page.npos);
   CHECK(page.find("<th scope=row>cont</th><td>off</td><td>no gain &lt;measured&gt;; saves time</td>") != page.npos);
   CHECK(page.find("<th scope=row>nerf</th><td>on</td><td>on: always</td>") != page.npos);
   CHECK(page.find("<title>a &lt;run&gt; &amp; more") != page.npos);

@@ -64,7 +64,7 @@ TEST_CASE("every tool that writes a file per view writes one for each view of a 
   std::set<std::string> views;
   for (int v = 0; v < 6; ++v) views.insert(Rig::view(v));
   done({"ngs-scene", "import", ".", "-o", "scene.json"});
-  done({"ngs-variance", "scene.json", "-o", "boundary.ply", "--layers", "layers"});
+  done({"ngs-variance", "scene.json", "-o", "boundary.ply", "--exr", "layers"});
   CHECK(rig.files("layers") == views);
   done({"ngs-render", "scene.json", "boundary.ply", "--views", "all", "--layers", "mask", "-o", "rendered"});
   CHECK(rig.files("rendered") == views);

@@ -37,7 +37,7 @@ std::string made_run(const test::TempDir& dir, const std::string& name) {
   test::write_tiny_scene(out);
   make(out, {"ngs-variance", "scene.json", "-o", "boundary.ply", "-q"});
   make(out, {"ngs-joint", "scene.json", "boundary.ply", "--method", "flash", "-o", "labelled.ply", "-q"});
-  make(out, {"ngs-extract", "labelled.ply", "--object", "object.ply", "--background", "background.ply", "-q"});
+  make(out, {"ngs-extract", "labelled.ply", "--object-ply", "object.ply", "--background-ply", "background.ply", "-q"});
   return out;
 }
 

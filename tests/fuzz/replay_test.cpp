@@ -14,7 +14,7 @@
 namespace ngs {
 namespace {
 
-constexpr int kMutationsPerReader = 2400, kLeastPerFile = 40;
+constexpr int kMutationsPerReader = 2400, kMinPerFile = 40;
 
 std::vector<std::string> corpus_of(const std::string& reader) {
   std::vector<std::string> paths;
@@ -49,7 +49,7 @@ TEST_CASE("every reader handles its corpus and mutations of it without crash or 
     const std::vector<std::string> paths = corpus_of(target.name);
     CAPTURE(target.name);
     REQUIRE_FALSE(paths.empty());
-    const int mutations = std::max(kLeastPerFile, kMutationsPerReader / int(paths.size()));
+    const int mutations = std::max(kMinPerFile, kMutationsPerReader / int(paths.size()));
     for (const std::string& path : paths) {
       CAPTURE(path);
       const std::string bytes = test::read_bytes(path);

@@ -12,12 +12,12 @@ mkdir -p "$2"
 cd "$2"
 
 run() { tool=$1; shift; "$bin/$tool" "$@" -q > /dev/null; }
-run ngs-synth two-spheres -o scene --views 8 --width-px 96 --height-px 72 --fit-steps 120 --fit-max-gaussians 1500 \
+run ngs-synth two-spheres -o scene --view-count 8 --width-px 96 --height-px 72 --fit-steps 120 --fit-max-gaussians 1500 \
   --mask-noise jitter:1
 run ngs cut scene --hold-out every:4:2 --quality draft --keep -o draft
 run ngs-joint draft/scene.json draft/boundary.ply --method flash -o flash.ply
-run ngs-extract draft/labelled.ply --object object.spz
-run ngs-extract draft/labelled.ply --object object.sog
+run ngs-extract draft/labelled.ply --object-ply object.spz
+run ngs-extract draft/labelled.ply --object-ply object.sog
 run ngs-fit draft/scene.json --points scene/sparse/0/points3D.txt --steps 40 -o fit.ply
 
 files="scene/point_cloud.ply scene/images/0000.png scene/masks/0000.png scene/layers/0000.exr fit.ply draft/boundary.ply

@@ -34,7 +34,7 @@ double score(const std::string& dir, const std::string& labelled) {
 TEST_CASE("the default scores above the closed form on 30 masks that follow wrong edges of the photos") {
   const test::TempDir temp;
   const std::string& dir = temp.path();
-  run({"ngs-synth", "torus-box", "-o", dir + "/capture", "--views", "40", "--fit-steps", "1500"});
+  run({"ngs-synth", "torus-box", "-o", dir + "/capture", "--view-count", "40", "--fit-steps", "1500"});
   run({"ngs-scene", "degrade", dir + "/capture/masks_gt", "--photos", dir + "/capture/images", "--mask-noise", "snap:4",
        "--seed", "1", "-o", dir + "/masks"});
   run({"ngs-scene", "import", dir + "/capture", "--masks", dir + "/masks", "--hold-out", "every:4:2", "-o",

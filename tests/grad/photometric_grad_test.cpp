@@ -20,7 +20,7 @@ Image<double> random_image(int w, int h, int c, std::uint64_t seed) {
 
 struct Case {
   int w, h, c;
-  PixelRegion region;
+  PixelRect box;
   bool weighted;
 };
 const Case kCases[] = {{1, 1, 1, {}, false},
@@ -38,7 +38,7 @@ TEST_CASE("photometric: the gradient equals the adjoint of the dual-number forwa
     ImageF weight(k.w, k.h, 1);
     for (std::size_t i = 0; i < weight.data.size(); ++i) weight.data[i] = float(rng_uniform(3, RngStream::kTest, i));
     const ImageF* w = k.weighted ? &weight : nullptr;
-    const PhotometricOptions options{.dssim_weight = 0.35, .region = k.region};
+    const PhotometricOptions options{.dssim_weight = 0.35, .box = k.box};
 
     Image<double> gradient;
     const auto value = PhotometricPass<double>().evaluate({}, options, {x, y, w}, &gradient);

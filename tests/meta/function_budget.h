@@ -8,7 +8,7 @@
 namespace ngs::test {
 
 inline constexpr int kFunctionLines = 60, kFunctionParameters = 5, kFunctionNesting = 4;
-inline constexpr std::size_t kMostExceptions = 10;
+inline constexpr std::size_t kMaxExceptions = 10;
 
 /// "path:function" -> reason for its size.
 inline const std::map<std::string, std::string>& function_exceptions() {

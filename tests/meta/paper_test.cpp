@@ -1,5 +1,5 @@
-// Checks references: files named in paper.md and the decision notes, links between documents, and sections of paper.md
-// cited in comments.
+// Checks references: files named in paper.md, contributing.md and the decision notes, links between documents, and
+// sections of paper.md cited in comments.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -67,7 +67,7 @@ bool names_a_file(const std::string& path) {
 std::vector<std::string> broken_paths(const SourceFile& document) {
   std::vector<std::string> offenders;
   for (const std::string& path : named_paths(document.text))
-    if (!names_a_file(path)) offenders.push_back(document.path + ": " + path);
+    if (!names_a_file(path) && path.find("NAME") == std::string::npos) offenders.push_back(document.path + ": " + path);
   return offenders;
 }
 
@@ -105,7 +105,9 @@ std::vector<SourceFile> documents() {
   return files;
 }
 
-bool is_design(const SourceFile& document) { return document.path == "docs/paper.md" || document.in("docs/decisions"); }
+bool names_paths(const SourceFile& document) {
+  return document.path == "docs/paper.md" || document.path == "docs/contributing.md" || document.in("docs/decisions");
+}
 
 void append(std::vector<std::string>& to, const std::vector<std::string>& from) {
   to.insert(to.end(), from.begin(), from.end());
@@ -113,14 +115,26 @@ void append(std::vector<std::string>& to, const std::vector<std::string>& from) 
 
 }  // namespace
 
-TEST_CASE("every path named in paper.md or a decision note exists") {
+TEST_CASE("every path named in paper.md, contributing.md or a decision note exists") {
   std::vector<std::string> offenders;
   for (const SourceFile& document : documents())
-    if (is_design(document)) append(offenders, broken_paths(document));
+    if (names_paths(document)) append(offenders, broken_paths(document));
   CHECK(test::listed(offenders) == "");
 
   const SourceFile broken{"a.md", "`ops/none_kernels.h`, `core/error.h`, `tests/meta/paper_test`, `--a x/y`, `W1 / W`"};
   CHECK(broken_paths(broken) == std::vector<std::string>{"a.md: ops/none_kernels.h"});
+}
+
+TEST_CASE("a recipe of contributing.md has at most ten lines") {
+  const std::string text = test::source_file("docs/contributing.md").text;
+  static const std::regex line("\n[^\n]+");
+  std::size_t recipes = 0;
+  for (std::size_t at = text.find("\n## A"); at != text.npos; at = text.find("\n## A", at + 1), ++recipes) {
+    const std::string recipe = text.substr(at + 1, text.find("\n## ", at + 1) - at - 1);
+    INFO(recipe);
+    CHECK(std::distance(std::sregex_iterator(recipe.begin(), recipe.end(), line), {}) <= 10);
+  }
+  CHECK(recipes >= 8);
 }
 
 TEST_CASE("every relative link points to an existing file and heading") {

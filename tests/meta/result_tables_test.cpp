@@ -70,8 +70,7 @@ TEST_CASE("a table shows commit, machine and command, and whether defaults have 
 TEST_CASE("a single value aggregates the rows that match all conditions") {
   const results::Result result = collected(kLines);
   CHECK(results::value_of(result, "iou", results::Show::kMean, {{"method", "x"}}) == doctest::Approx(0.5));
-  CHECK(results::value_of(result, "iou", results::Show::kMost, {{"method", "x"}, {"run", "a"}}) ==
-        doctest::Approx(0.5));
+  CHECK(results::value_of(result, "iou", results::Show::kMax, {{"method", "x"}, {"run", "a"}}) == doctest::Approx(0.5));
   CHECK_THROWS_AS(results::value_of(result, "iou", results::Show::kMean, {{"method", "z"}}), Error);
   CHECK_THROWS_AS(results::value_of(result, "iou", results::Show::kEach, {}), Error);
 }

@@ -100,18 +100,18 @@ TEST_CASE("data-schema/README.md lists every schema, and only existing ones") {
 }
 
 TEST_CASE("all tools together have at most 200 different options, each tool at most 60") {
-  constexpr std::size_t kMost = 200, kMostOfOne = 60;
+  constexpr std::size_t kMaxOptions = 200, kMaxOptionsOfTool = 60;
   std::set<std::string> all;
   for (const test::SourceFile& file : test::source_files({"data-schema/options"}, {".json"})) {
     const nlohmann::json options = nlohmann::json::parse(file.text).at("properties");
     const std::size_t count = options.size();
-    INFO(file.path << ": " << count << " options, at most " << kMostOfOne);
-    CHECK(count <= kMostOfOne);
+    INFO(file.path << ": " << count << " options, at most " << kMaxOptionsOfTool);
+    CHECK(count <= kMaxOptionsOfTool);
     for (const auto& option : options.items())
       all.insert(option.key() + ": " + option.value().value("description", ""));
   }
   MESSAGE("options of all tools: ", all.size());
-  CHECK(all.size() <= kMost);
+  CHECK(all.size() <= kMaxOptions);
 }
 
 TEST_CASE("a baseline has at most three options") {

@@ -15,7 +15,7 @@ namespace {
 
 using test::SourceFile;
 
-constexpr std::size_t kLongestPhrase = 4;  // words
+constexpr std::size_t kMaxPhraseWords = 4;  // words
 
 const char* const kThings[] = {"mask",  "masks",  "photo", "photos",   "picture",   "pictures",  "view",      "views",
                                "pixel", "pixels", "label", "labels",   "contour",   "contours",  "file",      "files",
@@ -75,7 +75,7 @@ std::vector<std::string> offences(const Banned& banned, const std::string& line)
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (banned.identifiers.count(words[i].text) > 0) found.push_back(words[i].text);
     std::string phrase;
-    for (std::size_t n = 0; n < kLongestPhrase && i + n < words.size(); ++n) {
+    for (std::size_t n = 0; n < kMaxPhraseWords && i + n < words.size(); ++n) {
       phrase += (n > 0 ? " " : "") + lower(words[i + n].text);
       if (banned.phrases.count(phrase) > 0) found.push_back(phrase);
       if (words[i + n].ends_clause) break;

@@ -1,23 +1,11 @@
 #define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <memory>
 
-#include "ngs/ops/device/launched_field_ops.h"
-#include "ngs/ops/device/launched_loss_ops.h"
-#include "ngs/ops/device/launched_splat_ops.h"
 #include "parity/backends.h"
-#include "support/host_launcher.h"
+#include "parity/emulated.h"
 
 namespace ngs::test {
 namespace {
-
-struct Emulated {
-  HostLauncher launcher;
-  LaunchedSplatOps<HostLauncher> splat;
-  LaunchedFieldOps<HostLauncher> field;
-  LaunchedLossOps<HostLauncher> loss{launcher};
-  DeviceOps ops{splat, field, loss};
-  Emulated(ThreadOrder order, DeviceSums sums) : launcher(order), splat(launcher, sums), field(launcher, sums) {}
-};
 
 /// The emulation in three thread orders. Its objects live as long as the process.
 std::vector<Backend> emulated(DeviceSums sums, const std::string& what) {
@@ -25,8 +13,7 @@ std::vector<Backend> emulated(DeviceSums sums, const std::string& what) {
   std::vector<Backend> backends;
   const auto add = [&](const char* name, ThreadOrder order) {
     Emulated& e = *all.emplace_back(std::make_unique<Emulated>(order, sums));
-    backends.push_back(
-        {"emulated, " + std::string(name) + what, Exec{.device = Device::kCuda, .device_ops = &e.ops}, true});
+    backends.push_back({"emulated, " + std::string(name) + what, e.exec(), true});
   };
   add("ascending", ThreadOrder::kAscending), add("descending", ThreadOrder::kDescending);
   add("shuffled", ThreadOrder::kShuffled);

@@ -1,8 +1,11 @@
 // Steps of the joint optimisation with all ops on a device, against the CPU.
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
 #include "ngs/core/error.h"
+#include "ngs/stages/fit/gaussian_adam.h"
 #include "ngs/stages/optimise/joint_trainer.h"
 #include "parity/backends.h"
 #include "support/joint_case.h"
@@ -15,7 +18,7 @@ struct Setup {
   JointOptions options;
   SampleOptions sample;
   RbfOptions rbf;
-  std::vector<std::uint8_t> frozen;
+  std::vector<std::uint8_t> frozen, region;
   std::string without;  // the effect that is off
   void off(const std::string& effect) { without = effect, options.on = joint_switched({effect + "=off"}); }
   Setup() {
@@ -29,10 +32,12 @@ struct Run {
   std::vector<LossTerms> losses;
   std::vector<std::string> name;
   std::vector<std::vector<float>> start, state;
+  std::shared_ptr<const GaussianCloud> cloud;
 };
 
 Run run(const Exec& exec, const JointCase& c, const Setup& s) {
-  const Problem input = c.input();
+  Problem input = c.input();
+  input.region = s.region;
   Monitor monitor;
   JointTrainer trainer(exec, monitor, {s.options, s.sample, s.rbf, input, nullptr, {}, s.frozen}, true);
   Run result;
@@ -40,6 +45,7 @@ Run run(const Exec& exec, const JointCase& c, const Setup& s) {
   while (!trainer.finished()) result.losses.push_back(trainer.step().loss);
   for (const StateBlock& block : trainer.state())
     result.name.push_back(block.name), result.state.push_back(*block.values);
+  result.cloud = trainer.result().cloud;
   return result;
 }
 
@@ -128,7 +134,7 @@ TEST_CASE("joint: with any single effect off, a device equals the CPU within bou
   const Backend& b = backends()[0];
   std::vector<Setup> setups;
   for (const char* effect : {"nerf", "box", "rbf", "hash", "film", "align", "variance", "density", "mask", "cont",
-                             "smooth", "photometric", "region", "sh", "geometry", "mask-geometry"})
+                             "smooth", "photometric", "whole-photo", "sh", "geometry", "mask-geometry"})
     setups.emplace_back().off(effect);
   setups.emplace_back().frozen.assign(std::size_t(c->model.size()), 1);
   for (Setup& s : setups) {
@@ -139,6 +145,38 @@ TEST_CASE("joint: with any single effect off, a device equals the CPU within bou
     check_losses(b, "joint, a part left out, ", got.losses, want.losses);
     check_parameters(b, "joint, a part left out, ", got, want);
     if (!s.frozen.empty()) CHECK(got.state[0] == got.start[0]);
+  }
+}
+
+/// [N] 1: some value of the row has other bytes than before.
+std::vector<std::uint8_t> changed_rows(const GaussianCloud& now, const GaussianCloud& before) {
+  std::vector<std::uint8_t> changed(std::size_t(before.size()), 0);
+  for (const GroupColumns& column : kGroupColumns) {
+    const std::vector<float>&a = now.*column.value, &b = before.*column.value;
+    REQUIRE(a.size() == b.size());
+    for (std::size_t i = 0; i < a.size(); ++i)
+      if (std::bit_cast<std::uint32_t>(a[i]) != std::bit_cast<std::uint32_t>(b[i]))
+        changed[i / (a.size() / changed.size())] = 1;
+  }
+  return changed;
+}
+
+TEST_CASE("joint: with a region, a device changes the rows that the CPU changes; the others keep their bytes") {
+  const auto c = joint_case(60, 40);
+  Setup s;
+  s.region.assign(100, 0);
+  for (std::size_t i = 0; i < 60; i += i % 3 + 1) s.region[i] = 1;  // part of the ball, nothing of the wall
+  const Run want = run({}, *c, s);
+  const std::vector<std::uint8_t> changed = changed_rows(*want.cloud, c->model);
+  const auto rows = std::count(changed.begin(), changed.end(), std::uint8_t(1));
+  REQUIRE(rows > 20);
+  for (std::size_t i = 0; i < changed.size(); ++i) CHECK(changed[i] <= s.region[i]);
+  for (const Backend& b : backends()) {
+    CAPTURE(b.name);
+    const Run got = run(b.exec, *c, s);
+    CHECK(changed_rows(*got.cloud, c->model) == changed);
+    check_losses(b, "joint, region, ", got.losses, want.losses);
+    check_parameters(b, "joint, region, 10 steps, ", got, want);
   }
 }
 

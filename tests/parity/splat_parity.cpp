@@ -21,7 +21,7 @@ struct Channels {
 };
 
 View run_view(const Exec& exec, const SplatCase& c, const SplatOptions& options, const Channels& channels,
-              const ViewGradients& upstream, const std::vector<std::uint8_t>& label_alone = {}) {
+              const ViewGradients& upstream, const GradientRows& wanted = {}) {
   const GaussianCloud cloud = float_cloud(c);
   Random random(7);
   const auto label = random.uniform_vector<float>(std::size_t(c.gaussians * channels.labels), 0, 1);
@@ -31,7 +31,7 @@ View run_view(const Exec& exec, const SplatCase& c, const SplatOptions& options,
   SplatPass pass(options);
   View view;
   view.image = pass.forward(exec, cloud, c.camera, request);
-  pass.backward(exec, upstream, view.gradient, {.label_alone = label_alone});
+  pass.backward(exec, upstream, view.gradient, wanted);
   return view;
 }
 
@@ -199,17 +199,41 @@ TEST_CASE("splat: without upstream gradients, the gradients of a device are zero
   }
 }
 
-TEST_CASE("splat: with label_alone, a device computes the label gradient only") {
+TEST_CASE("splat: with label_only, a device computes the label gradient only") {
   const SplatCase c = splat_case(2, 100, 53, 41);
   const Channels channels{true, false, 2};
   const ViewGradients upstream = random_gradients(c, channels);
   for (const Backend& b : backends()) {
     const View all = run_view(b.exec, c, {}, channels, upstream);
-    const View none = run_view(b.exec, c, {}, channels, upstream, std::vector<std::uint8_t>(100, 1));
+    const View none = run_view(b.exec, c, {}, channels, upstream, {.label_only = std::vector<std::uint8_t>(100, 1)});
     CHECK(none.gradient.label == all.gradient.label);
     CHECK(largest(none.gradient.label) > 0);
     CHECK(largest(none.gradient.position) == 0);
     CHECK(largest(none.gradient.sh_dc) == 0);
+  }
+}
+
+TEST_CASE("splat: with places, a device stores the gradients of these Gaussians alone, with the same bits") {
+  const SplatCase c = splat_case(2, 100, 53, 41);
+  const Channels channels{true, false, 2};
+  const ViewGradients upstream = random_gradients(c, channels);
+  GradientRows wanted;
+  wanted.gradient_row.assign(100, -1);
+  for (std::size_t i = 1; i < 100; i += 7) wanted.gradient_row[i] = std::int32_t(wanted.rows++);
+  for (const Backend& b : backends()) {
+    const CloudGradients all = run_view(b.exec, c, {}, channels, upstream).gradient,
+                         some = run_view(b.exec, c, {}, channels, upstream, wanted).gradient;
+    const auto check = [&](const std::vector<float>& of_all, const std::vector<float>& of_some) {
+      const std::size_t width = of_all.size() / 100;
+      REQUIRE(of_some.size() == width * std::size_t(wanted.rows));
+      for (std::size_t i = 0; i < 100; ++i)
+        for (std::size_t k = 0; k < width && wanted.gradient_row[i] >= 0; ++k)
+          CHECK(of_some[std::size_t(wanted.gradient_row[i]) * width + k] == of_all[i * width + k]);
+    };
+    check(all.position, some.position), check(all.rotation, some.rotation), check(all.log_scale, some.log_scale);
+    check(all.logit_opacity, some.logit_opacity), check(all.sh_dc, some.sh_dc), check(all.sh_rest, some.sh_rest);
+    check(all.label, some.label), check(all.mean_px, some.mean_px);
+    CHECK(largest(some.position) > 0);
   }
 }
 

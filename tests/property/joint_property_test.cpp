@@ -91,7 +91,7 @@ TEST_CASE("joint: switching off any single effect changes the state, already aft
   const std::set<std::string_view> elsewhere{
       "windows",  "exposure", "floaters",           "components",      "mask-outliers", "joint",
       "contours", "split",    "contour-iterations", "full-resolution", "bleed-through", "antialias"};
-  const std::set<std::string_view> no_change{"region",
+  const std::set<std::string_view> no_change{"whole-photo",
                                              "fine-hash"};  // no effect on small images and few levels: unit/stages
   for (const Effect& effect : Pipeline(all_passes()).effects()) {
     if (elsewhere.contains(effect.name) || no_change.contains(effect.name)) continue;

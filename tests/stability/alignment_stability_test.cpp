@@ -59,7 +59,7 @@ bool contour_is_at(const std::vector<float>& soft, int edge) {
   return true;
 }
 
-double length(const std::vector<double>& v) {
+double norm(const std::vector<double>& v) {
   double square = 0;
   for (const double x : v) square += x * x;
   return std::sqrt(square);
@@ -157,7 +157,7 @@ TEST_CASE("pose step: a photo without texture, or with a NaN, moves no camera") 
           worst.naive_is(std::abs(naive_px - 0.3) < 0.15);
           return;
         }
-        worst.ours_is(!step.determined && step.flow_px == 0 && length({step.motion.turn.x, step.motion.move.x}) == 0);
+        worst.ours_is(!step.determined && step.flow_px == 0 && norm({step.motion.turn.x, step.motion.move.x}) == 0);
         worst.naive_is(naive_px < 1e-3);
       });
 }
@@ -321,7 +321,7 @@ TEST_CASE("anderson: after parallel steps, a step in a new direction is not extr
         }
         std::vector<double> move(kUnknowns);
         for (std::size_t i = 0; i < kUnknowns; ++i) move[i] = x[i] - points[kPast][i];
-        if (h < 1) worst.ours_ratio(length(move) / length(f));
+        if (h < 1) worst.ours_ratio(norm(move) / norm(f));
 
         double gram[kPast][kPast + 1] = {};
         const auto change = [](const auto& of, std::size_t k, std::size_t i) { return of[k + 1][i] - of[k][i]; };
@@ -342,7 +342,7 @@ TEST_CASE("anderson: after parallel steps, a step in a new direction is not extr
         std::vector<double> difference(kUnknowns);
         for (std::size_t i = 0; i < kUnknowns; ++i) difference[i] = naive[i] - move[i];
         // steps in all directions determine the solution: both forms agree
-        worst.naive_ratio(h < 1 ? length(naive) / length(f) : length(difference) / length(move));
+        worst.naive_ratio(h < 1 ? norm(naive) / norm(f) : norm(difference) / norm(move));
       });
 }
 

@@ -8,6 +8,7 @@
 #include "ngs/ops/splat/tile_isa.h"
 #include "ngs/ops/splat/tile_kernels_of.h"
 #include "ngs/ops/splat/tile_scratch.h"
+#include "support/projected_view.h"
 #include "support/splat_record.h"
 #include "support/stability.h"
 

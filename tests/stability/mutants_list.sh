@@ -38,8 +38,8 @@ mutant $f $t "ops/splat/tile_isa.cpp" "pixels never stop" 's/and_at_least\(live\
 mutant $f $t "ops/splat/tile_isa.cpp" "a stopped pixel continues" 's/and_at_least\(live\[pack\], after, stop\)/after >= stop/'
 mutant ops/splat/splat_rows.h unit/ops/splat/splat_rows_test.cpp "" "rows: no rounding slack of the border" 's/G\(T\(4 \* kEps\)\)/G(T(0))/'
 mutant ops/splat/splat_rows.h unit/ops/splat/splat_rows_test.cpp "" "rows: no rounding slack of the square" 's/T\(1 \+ 8 \* kEps\)/T(1)/'
-mutant ops/splat/splat_gaussian.h unit/ops/splat/splat_rows_test.cpp "" "tiles: no rounding slack of the square" 's/cut = T\(1 \+ 8 \* kEps\) \* /cut = /'
-mutant ops/splat/splat_gaussian.h unit/ops/splat/splat_rows_test.cpp "" "tiles: no rounding slack of square and columns" 's/cut = T\(1 \+ 8 \* kEps\) \* /cut = /; s/kSlack \+ \(std::fabs\((right|left)\) \+ \1_root\) \* inv_a \* \(4 \* kEps\)/kSlack/'
+mutant ops/splat/splat_gaussian.h unit/ops/splat/splat_rows_test.cpp "" "tiles: no rounding slack of the square" 's/bound = T\(1 \+ 8 \* kEps\) \* /bound = /'
+mutant ops/splat/splat_gaussian.h unit/ops/splat/splat_rows_test.cpp "" "tiles: no rounding slack of square and columns" 's/bound = T\(1 \+ 8 \* kEps\) \* /bound = /; s/kSlack \+ \(std::fabs\((right|left)\) \+ \1_root\) \* inv_a \* \(4 \* kEps\)/kSlack/'
 mutant ops/splat/tile_lists.h unit/ops/splat/prepared_cloud_test.cpp "" "radix sort: quarters interleaved" 's/f\(i \+ q \* quarter, q\);/f(kQuarters * i + q, q);/'
 mutant ops/splat/tile_lists.h unit/ops/splat/prepared_cloud_test.cpp "" "radix sort: remainder after the quarters dropped" 's/for \(std::uint32_t i = kQuarters \* quarter; i < count; \+\+i\) f\(i, kQuarters - 1\);//'
 mutant ops/splat/splat_rows.h unit/ops/splat/splat_rows_test.cpp "" "rows: first band for all bands" 's/T\(band \* kBandPx - /T(-/'
@@ -198,9 +198,9 @@ mutant $f $t $f "what is left as 1 - rest" 's/\? object \/ \(object \+ rest\)/? 
 mutant $f $t $f "gap of one bound only" 's/gap \+= std::max\(g \* m\[i\], .*;/gap += g * m[i];/'
 
 t=grad/joint_grad_test.cpp f=stages/optimise/joint_trainer.cpp
-mutant $f $t $f "colour continuity without its gradient" 's/(gradients\.sh_dc\[\*to \* 3 \+ c\] \+= float\()kShC0 \* /\10 * /'
+mutant ops/optim/row_kernels.h $t $f "colour continuity without its gradient" 's/\+= float\(kShC0 \* /+= float(0 * /'
 mutant $f $t $f "mask loss without its weight" 's/(loss_mask\(.*)/\1/; s/options\.lambda_mask, \&grad\.label\)/1.0, \&grad.label)/'
-mutant stages/optimise/trained_labels.cpp $t stages/optimise/trained_labels.cpp "label gradient without the sigmoid" 's/grad\[place\] \* sigmoid_slope\(logit_\[cell\]\)/grad[place]/'
+mutant ops/optim/row_kernels.h $t stages/optimise/trained_labels.cpp "label gradient without the sigmoid" 's/ \* sigmoid_slope\(cells\.logit\[c\]\)//'
 mutant $f $t $f "smoothness gradient doubled" 's/field->smoothness\(exec, rays, boundary\.positions\(\), options\.lambda_smooth/field->smoothness(exec, rays, boundary.positions(), 2 * options.lambda_smooth/'
 
 f=stages/contours/contour_stage.cpp t=unit/stages/contours/contour_stage_test.cpp
@@ -246,7 +246,7 @@ mutant $f $t "$g" "label sums: unknown pixels count as background" 's/select\(p\
 mutant $f $t "$g" "label sums: predictions of exactly 0" 's/return fma_lanes\(L\(float\(1 - 2 \* kMaskEps\)\), sum, .*;/return sum;/'
 f=ops/labels/label_collect.cpp
 mutant $f $t $f "label sums: folded Gaussians ignored" 's/foreground\[k\] = fma_lanes\(weight, m, foreground\[k\]\)/foreground[k] = foreground[k]/'
-mutant $f $t $f "label sums: long steps cut off" 's/for \(; place - last_ > kLongestStep; .*$//'
+mutant $f $t $f "label sums: long steps cut off" 's/for \(; place - last_ > kMaxByteStep; .*$//'
 t=unit/ops/image/metrics_test.cpp f=ops/image/metrics.cpp
 mutant $f $t $f "band without its last pixel" 's/<= band_px/< band_px/g'
 mutant $f $t $f "score of two empty masks is 0" 's/whole == 0 \? if_nothing/whole == 0 ? 0/'
@@ -291,7 +291,7 @@ mutant ops/device/film_forward_kernel.h "$t" "" "device: activations written whi
 t="parity/emulated_main.cpp parity/backends.cpp parity/loss_parity.cpp"
 mutant ops/device/sum_kernel.h "$t" "" "device: a chunk one short" 's/row < rows\.end; row \+= rows\.step\)$/row + rows.step < rows.end; row += rows.step)/'
 mutant ops/device/photometric_kernel.h "$t" "" "device: padding not cleared" 's/products\.zero\(\);//'
-mutant ops/device/adam_kernel.h "$t" "" "device: negative overflow passes" 's/if \(!\(value\[i\] <= limit \&\& -value\[i\] <= limit\)\)/if (!(value[i] <= limit))/'
+mutant ops/device/adam_kernel.h "$t" "" "device: negative overflow passes" 's/if \(!\(value <= limit \&\& -value <= limit\)\)/if (!(value <= limit))/'
 mutant ops/device/adam_kernel.h "$t" "" "device: the last unusable gradient found" 's/found = i < found \? i : found;/found = i;/'
 
 t=unit/passes/exposure/exposure_test.cpp f=passes/exposure/exposure.cpp
@@ -306,11 +306,11 @@ mutant $f $t $f "decisions: a fixed decision overrides a switch" 's/mode != Swit
 t=unit/stages/render/background_test.cpp f=stages/render/background.cpp
 mutant $f $t $f "background: always black" 's/found\.gain_db >= kBackgroundMarginDb/false/'
 mutant $f $t $f "background: estimated without a margin over black" 's/ && found\.gain_db >= kBackgroundMarginDb//'
-mutant $f $t $f "background: the views need not agree" 's/<= kMostBackgroundError/<= 1e9/'
+mutant $f $t $f "background: the views need not agree" 's/<= kMaxBackgroundError/<= 1e9/'
 mutant $f $t $f "background: mean instead of median" 's/if \(\(below \+= s\.weight\) >= half\) return s\.value;/below += s.weight * s.value;/; s/return samples\.back\(\)\.value;/return below \/ (2 * half);/'
-mutant $f $t $f "background: opaque pixels count" 's/t >= kLeastOpen/t > 0/'
+mutant $f $t $f "background: opaque pixels count" 's/t >= kMinOpen/t > 0/'
 mutant $f $t $f "background: black under transparent photos" 's/  request\.background = background_of\(scene\);//'
-mutant $f $t $f "background: estimated although almost no pixel shows it" 's/found\.shown >= kLeastShown && //'
+mutant $f $t $f "background: estimated although almost no pixel shows it" 's/found\.shown >= kMinShown && //'
 
 t=unit/problem/window_input_test.cpp
 mutant problem/pixel_window.cpp $t problem/pixel_window.cpp "windows not aligned to the tiles" 's/ \/ kGrain_px \* kGrain_px; \};/ + 1; };/'
@@ -321,8 +321,8 @@ mutant problem/window_input.cpp $t problem/window_input.cpp "windows in views wh
 mutant problem/window_input.cpp $t problem/window_input.cpp "no window in masked views where the object is occluded" 's/out\.masks\[v\]\.available\(\) && window\.w == 0;/out.masks[v].available();/'
 mutant stages/boundary/method_labels.cpp $t stages/boundary/method_labels.cpp "leave-one-out: the view stays in the evidence" 's/    rest\.remove\(v\);//'
 mutant stages/boundary/method_labels.cpp $t stages/boundary/method_labels.cpp "leave-one-out: rounding error taken for evidence" 's/const bool unseen = .*;/const bool unseen = false;/'
-mutant problem/trained_rows.h $t stages/optimise/joint_trainer.cpp "gradients in the rows of other Gaussians" 's/wanted_\.place\[i\] = std::int32_t\(rows_\.size\(\)\)/wanted_.place[i] = 0/'
-mutant problem/region.cpp $t problem/region.cpp "region: all Gaussians" 's/object\.prob\[row\] >= kLeastRegionShare/true/'
+mutant problem/trained_rows.h $t stages/optimise/joint_trainer.cpp "gradients in the rows of other Gaussians" 's/wanted_\.gradient_row\[i\] = std::int32_t\(rows_\.size\(\)\)/wanted_.gradient_row[i] = 0/'
+mutant problem/region.cpp $t problem/region.cpp "region: all Gaussians" 's/object\.prob\[row\] >= kMinRegionShare/true/'
 mutant problem/region.cpp $t problem/region.cpp "region: changed rows are not counted" 's/changed \+= !same;//'
 t=unit/stages/contours/refined_masks_test.cpp
 f=stages/contours/refined_masks.cpp
@@ -340,7 +340,7 @@ mutant $f $t "$f" "correction: colour model from strokes only" 's/if \(std::rang
 mutant $f $t "$f" "correction: unlimited reach" 's/from_stroke\[p\] <= reach_px/true/'
 
 t=unit/stages/select/region_test.cpp f=stages/select/support_plane.cpp
-mutant $f $t "$f" "plane: keeps the tilted fit" 's/>= kMostTilt \? refined : plane/>= kMostTilt ? plane : plane/'
+mutant $f $t "$f" "plane: keeps the tilted fit" 's/>= kMaxTilt \? refined : plane/>= kMaxTilt ? plane : plane/'
 
 t=unit/core/parse_number_test.cpp f=core/parse_number.cpp
 mutant $f $t "$f" "numbers: hexadecimal ones" 's/prefix == "0x" \|\| prefix == "0X"/false/'

@@ -12,8 +12,10 @@
 #include "ngs/ops/splat/splat_engine.h"
 #include "ngs/ops/splat/tile_kernels_of.h"
 #include "ngs/ops/splat/tile_scratch.h"
+#include "ngs/problem/view_list.h"
 #include "ngs/stages/boundary/variance_stage.h"
 #include "ngs/stages/render/render_options.h"
+#include "support/projected_view.h"
 #include "support/skip.h"
 
 namespace ngs {

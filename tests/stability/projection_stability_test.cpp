@@ -5,6 +5,7 @@
 
 #include "ngs/ops/splat/cloud_view.h"
 #include "ngs/ops/splat/splat_view.h"
+#include "support/projected_view.h"
 #include "support/projection_reference.h"
 #include "support/stability.h"
 

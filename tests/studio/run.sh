@@ -37,7 +37,7 @@ fi
 capture=$out/capture
 if [ ! -f "$out/scene.json" ]; then
   rm -rf "$capture"
-  "$bin/ngs-synth" torus-box -o "$capture" --views 12 --width-px 320 --height-px 240 --fit-steps 800 -q > /dev/null &&
+  "$bin/ngs-synth" torus-box -o "$capture" --view-count 12 --width-px 320 --height-px 240 --fit-steps 800 -q > /dev/null &&
     "$bin/ngs-scene" import "$capture" -o "$out/scene.json" -q > /dev/null ||
     { echo "FAIL the test scene was not made"; exit 1; }
 fi

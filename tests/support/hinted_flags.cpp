@@ -184,8 +184,9 @@ std::vector<Words> hinted_commands(const std::string& err) {
 }
 
 bool has_its_inputs(const Words& command, const std::string& folder) {
-  static const std::set<std::string> outputs{"-o",       "--output", "--object", "--background", "--labelled",
-                                             "--report", "--sheet",  "--npz",    "--partial",    "--checkpoint"};
+  static const std::set<std::string> outputs{"-o",         "--output",    "--object-ply", "--background-ply",
+                                             "--labelled", "--report",    "--sheet",      "--npz",
+                                             "--partial",  "--checkpoint"};
   for (std::size_t i = 1; i < command.size(); ++i)
     if (is_file(command[i]) && !outputs.contains(command[i - 1]) &&
         !std::filesystem::exists(std::filesystem::path(folder) / command[i]))

@@ -4,8 +4,10 @@
 // clang-format off
 //   reads of uninitialised memory    allocations, Shared and Thread start as NaN / all bits set
 //   races in a phase or launch       results must not depend on `order` (ascending, descending, shuffled)
-//   accesses out of bounds           allocations have the exact size, for the address sanitizer
+//   accesses out of bounds           the address sanitizer knows the exact size of allocations
+//   accesses by host code            guarded device memory faults outside of launches and copies
 // clang-format on
+// Counts launches and copies.
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
@@ -15,8 +17,15 @@
 #include "ngs/backend/launcher.h"
 #include "ngs/core/check.h"
 #include "ngs/core/rng.h"
+#include "support/guarded_memory.h"
 
 namespace ngs::test {
+
+/// What a device had to do. A sort, a scan, a fill and a copy within the device count as one launch each.
+struct Traffic {
+  std::int64_t launches = 0, copies = 0, allocations = 0;
+  std::size_t up_bytes = 0, down_bytes = 0, largest_copy_bytes = 0;
+};
 
 enum class ThreadOrder { kAscending, kDescending, kShuffled };
 
@@ -51,18 +60,24 @@ class HostBlock {
 
 class HostLauncher {
  public:
-  explicit HostLauncher(ThreadOrder order = ThreadOrder::kAscending) : order_(order) {}
+  static constexpr bool kSpoilsHost = true;  // the host's values of resident arrays: all bits set
+  ResidentTable resident;
+
+  explicit HostLauncher(ThreadOrder order = ThreadOrder::kAscending, bool guarded = false)
+      : order_(order), memory_(guarded) {}
   static void atomic_add(float* to, float x) { *to += x; }
   HostLauncher(const HostLauncher&) = delete;
   HostLauncher& operator=(const HostLauncher&) = delete;
   ~HostLauncher() {
-    if (allocated_ != 0) std::abort();  // a leak
+    if (!memory_.empty()) std::abort();  // a leak
   }
+  Traffic& traffic() { return traffic_; }
 
   template <class Kernel>
   void parallel_for(std::int64_t n, const Kernel& kernel) {
     static_assert(sizeof(Kernel) <= 4096 && std::is_trivially_copyable_v<Kernel>, "a kernel is passed by value");
     NGS_CHECK(Kernel::kName != nullptr, "a kernel has a name");
+    const Launch launch(*this, n);
     for (const int i : sequence(n)) kernel(i);
   }
   template <class Kernel>
@@ -70,6 +85,7 @@ class HostLauncher {
     static_assert(sizeof(Kernel) <= 4096 && std::is_trivially_copyable_v<Kernel>, "a kernel is passed by value");
     static_assert(sizeof(typename Kernel::Shared) <= 48 * 1024);
     NGS_CHECK(Kernel::kName != nullptr, "a kernel has a name");
+    const Launch launch(*this, n);
     const std::vector<int> threads = sequence(Kernel::kThreads);
     for (const int index : sequence(n)) {
       HostBlock<Kernel> block(index, threads);
@@ -77,6 +93,7 @@ class HostLauncher {
     }
   }
   void sort(std::uint64_t* keys, std::uint32_t* values, std::int64_t n, int bits) {
+    const Launch launch(*this, n);
     const std::uint64_t mask = bits >= 64 ? ~std::uint64_t(0) : (std::uint64_t(1) << bits) - 1;
     std::vector<std::pair<std::uint64_t, std::uint32_t>> pairs;
     for (std::int64_t i = 0; i < n; ++i) pairs.emplace_back(keys[i], values[i]);
@@ -85,22 +102,44 @@ class HostLauncher {
       keys[i] = pairs[std::size_t(i)].first, values[i] = pairs[std::size_t(i)].second;
   }
   void exclusive_scan(const std::uint32_t* in, std::int64_t* out, std::int64_t n) {
+    const Launch launch(*this, n + 1);
     out[0] = 0;
     for (std::int64_t i = 0; i < n; ++i) out[i + 1] = out[i] + in[i];
   }
   void* allocate(std::size_t bytes) {
-    ++allocated_;
-    return std::memset(std::malloc(bytes), 0xff, bytes);
+    ++traffic_.allocations;
+    return memory_.allocate(bytes);
   }
-  void release(void* memory) noexcept {
-    --allocated_;
-    std::free(memory);
+  void release(void* memory) noexcept { memory_.release(memory); }
+  void upload(void* device, const void* host, std::size_t bytes) {
+    count_copy(bytes, traffic_.up_bytes);
+    const GuardedMemory::Access access(memory_);
+    std::memcpy(device, host, bytes);
   }
-  void upload(void* device, const void* host, std::size_t bytes) { std::memcpy(device, host, bytes); }
-  void download(void* host, const void* device, std::size_t bytes) { std::memcpy(host, device, bytes); }
-  void fill_zero(void* device, std::size_t bytes) { std::memset(device, 0, bytes); }
+  void download(void* host, const void* device, std::size_t bytes) {
+    count_copy(bytes, traffic_.down_bytes);
+    const GuardedMemory::Access access(memory_);
+    std::memcpy(host, device, bytes);
+  }
+  void copy(void* to, const void* from, std::size_t bytes) {
+    const Launch launch(*this, 1);
+    std::memcpy(to, from, bytes);
+  }
+  void fill_zero(void* device, std::size_t bytes) {
+    const Launch launch(*this, 1);
+    std::memset(device, 0, bytes);
+  }
 
  private:
+  /// Kernels run while it exists.
+  struct Launch {
+    GuardedMemory::Access access;
+    Launch(HostLauncher& launcher, std::int64_t n) : access(launcher.memory_) { launcher.traffic_.launches += n > 0; }
+  };
+  void count_copy(std::size_t bytes, std::size_t& total) {
+    ++traffic_.copies, total += bytes;
+    traffic_.largest_copy_bytes = std::max(traffic_.largest_copy_bytes, bytes);
+  }
   std::vector<int> sequence(std::int64_t n) const {
     std::vector<int> order(std::size_t(std::max<std::int64_t>(n, 0)));
     std::iota(order.begin(), order.end(), 0);
@@ -111,7 +150,8 @@ class HostLauncher {
     return order;
   }
   ThreadOrder order_;
-  int allocated_ = 0;
+  GuardedMemory memory_;
+  Traffic traffic_;
 };
 
 }  // namespace ngs::test

@@ -99,12 +99,12 @@ TEST_CASE("a child stops on request, one that does not listen after the grace pe
     bool is_ready = false;
     const cli::ChildResult result =
         cli::run_child(child(what), {.stop = [&] { return is_ready; },
-                                     .patience_on_stop_s = 8,
+                                     .grace_on_stop_s = 8,
                                      .on_line = [&](const std::string& line) { is_ready |= line == "ready"; }});
     CHECK(result.end == End::kStopped);
     CHECK(result.code == 143);
   }
-  CHECK(cli::run_child(child("deaf"), {.time_s = 0.1, .patience_s = 0}).end == End::kTimedOut);
+  CHECK(cli::run_child(child("deaf"), {.time_s = 0.1, .grace_s = 0}).end == End::kTimedOut);
 }
 
 TEST_CASE("a crash of a child is told from an exit, and a program that does not exist is an error") {

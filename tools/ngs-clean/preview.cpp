@@ -20,23 +20,25 @@ constexpr double kElevation = 0.35;                   // sine of the angle above
 constexpr Vec3<float> kBackground{0.5f, 0.5f, 0.5f};  // removed Gaussians are dark or bright
 
 /// Two poses around the bulk; for a room, two directions from inside.
-std::array<orbit::Pose, 2> poses_for(const orbit::RoomFinding& room, double radius, const orbit::Lens& lens) {
+std::array<orbit::Pose, 2> poses_for(const orbit::RoomFinding& room, double radius,
+                                     const orbit::Intrinsics& intrinsics) {
   if (room.is_room()) {
-    const orbit::Vec stand = room.viewpoints.front(), level{-stand.x, -stand.y, 0};
-    const orbit::Vec ahead = orbit::length(level) > 0.1 * radius ? orbit::unit(level) : orbit::Vec{1, 0, 0};
-    return {{{stand, stand + radius * ahead}, {stand, stand - radius * ahead}}};
+    const orbit::Vec viewpoint = room.viewpoints.front(), level_direction{-viewpoint.x, -viewpoint.y, 0};
+    const orbit::Vec ahead = length(level_direction) > 0.1 * radius ? unit(level_direction) : orbit::Vec{1, 0, 0};
+    return {{{viewpoint, viewpoint + radius * ahead}, {viewpoint, viewpoint - radius * ahead}}};
   }
-  const double distance = radius / lens.least_half_sine(), level = std::sqrt(1 - kElevation * kElevation);
-  return {{{distance * orbit::Vec{0, level, kElevation}, {0, 0, 0}},
-           {distance * orbit::Vec{0, -level, kElevation}, {0, 0, 0}}}};
+  const double distance = radius / intrinsics.least_half_sine();
+  const double cos_elevation = std::sqrt(1 - kElevation * kElevation);
+  return {{{distance * orbit::Vec{0, cos_elevation, kElevation}, {0, 0, 0}},
+           {distance * orbit::Vec{0, -cos_elevation, kElevation}, {0, 0, 0}}}};
 }
 
-struct Look {
+struct PreviewCameras {
   std::array<Camera, 2> cameras;
   double world_unit = 1;  // math/world_unit.h
 };
 
-Look look_at(const Exec& exec, const GaussianCloud& cloud) {
+PreviewCameras preview_cameras(const Exec& exec, const GaussianCloud& cloud) {
   const orbit::SurfacePoints points = canonical_points(cloud);
   if (points.count() == 0)
     throw Error(ErrorCode::kNothingFound, "--preview: no Gaussian is visible, expected some", "leave --preview out");
@@ -44,17 +46,17 @@ Look look_at(const Exec& exec, const GaussianCloud& cloud) {
   const orbit::Frame frame = orbit::frame_about(points, bulk, orbit::guess_up(points, bulk).up);
   const orbit::FreeSpace space(cloud, points, frame, {1.1 * bulk.radius, 64});
   const orbit::RoomFinding room = orbit::find_room(exec, space, bulk.radius);
-  const orbit::Lens lens{kSide_px, kSide_px, room.is_room() ? 80.0 : 40.0};
-  const auto poses = poses_for(room, bulk.radius, lens);
-  return {
-      {orbit::camera_at(poses[0], lens, frame, cloud.origin), orbit::camera_at(poses[1], lens, frame, cloud.origin)},
-      world_unit_for(0.1 * bulk.radius, near_plane(Compat::kGsplat))};
+  const orbit::Intrinsics intrinsics{kSide_px, kSide_px, room.is_room() ? 80.0 : 40.0};
+  const auto poses = poses_for(room, bulk.radius, intrinsics);
+  return {{orbit::camera_at(poses[0], intrinsics, frame, cloud.origin),
+           orbit::camera_at(poses[1], intrinsics, frame, cloud.origin)},
+          world_unit_for(0.1 * bulk.radius, near_plane(Compat::kGsplat))};
 }
 
-/// The model with only the rows where `keep` equals `kept`.
-GaussianCloud shown(GaussianCloud cloud, const std::vector<std::uint8_t>& keep, bool kept) {
+/// The model with only the rows where `keep` equals `value`.
+GaussianCloud only_rows(GaussianCloud cloud, const std::vector<std::uint8_t>& keep, bool value) {
   for (std::size_t i = 0; i < keep.size(); ++i)
-    if ((keep[i] != 0) != kept) cloud.usable[i] = 0;
+    if ((keep[i] != 0) != value) cloud.usable[i] = 0;
   return cloud;
 }
 
@@ -73,16 +75,16 @@ void paste(const ImageU8& colour, ImageU8& sheet, int left, int top) {
 
 void write_preview(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::uint8_t>& keep,
                    const std::string& path) {
-  const Look look = look_at(exec, cloud);
+  const PreviewCameras views = preview_cameras(exec, cloud);
   ImageU8 sheet(3 * kSide_px + 2 * kGap_px, 2 * kSide_px + kGap_px, 3);
   std::ranges::fill(sheet.data, std::uint8_t(255));
   RenderRequest request;
   request.background = kBackground;
-  const SplatOptions splat{.compat = Compat::kGsplat, .antialiased = cloud.antialiased, .world_unit = look.world_unit};
+  const SplatOptions splat{.compat = Compat::kGsplat, .antialiased = cloud.antialiased, .world_unit = views.world_unit};
   for (int column = 0; column < 3; ++column) {
-    const GaussianCloud part = column == 0 ? cloud : shown(cloud, keep, column == 1);
+    const GaussianCloud part = column == 0 ? cloud : only_rows(cloud, keep, column == 1);
     for (int row = 0; row < 2; ++row)
-      paste(to_bytes(render(exec, part, look.cameras[std::size_t(row)], splat, request).colour), sheet,
+      paste(to_bytes(render(exec, part, views.cameras[std::size_t(row)], splat, request).colour), sheet,
             column * (kSide_px + kGap_px), row * (kSide_px + kGap_px));
   }
   io::write_png(path, sheet);

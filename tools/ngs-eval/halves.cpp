@@ -82,14 +82,17 @@ Json group_json(const std::vector<AloneScore>& scores) {
 Json object_json(Run& run, const std::string& path, const Scene& scene, const Scene& photographed) {
   const Renderer model(run, "object", path, scene);
   const std::vector<Camera> cameras = cameras_of(scene), photos = cameras_of(photographed, Split::kTrain);
-  const Vec3<double> centre = common_focus(cameras);
+  const std::optional<Vec3<double>> centre = point_nearest_to_axes(cameras);
+  if (!centre)
+    throw Error(ErrorCode::kBadInput,
+                "cameras of the object alone: all look into one direction, expected all directions");
   std::vector<AloneScore> seen, unseen, all;
   Json views = Json::array();
   for (std::size_t v = 0; v < cameras.size(); ++v) {
     ImageF alpha(cameras[v].width_px, cameras[v].height_px, 1);
     alpha.data = mask_of(scene, v);
     const AloneScore score = score_alone(run.exec(), model.view(cameras[v]), io::load_photo(scene, v), alpha);
-    const double angle_deg = angle_to_nearest(centre, cameras[v], photos);
+    const double angle_deg = angle_to_nearest(*centre, cameras[v], photos);
     all.push_back(score);
     (angle_deg <= kSeenAngle_deg ? seen : unseen).push_back(score);
     views.push_back({{"view", cameras[v].name}, {"angle_deg", angle_deg}});
@@ -199,8 +202,9 @@ void score_halves(Run& run, const HalvesInput& input) {
   const std::optional<std::string> object = file_in(input.cut, "object.ply"),
                                    background = file_in(input.cut, "background.ply");
   if (!object && !background)
-    throw Error(ErrorCode::kBadInput, input.cut + ": neither object.ply nor background.ply, expected one of them",
-                "cut the model: ngs-extract labelled.ply --object DIR/object.ply --background DIR/background.ply");
+    throw Error(
+        ErrorCode::kBadInput, input.cut + ": neither object.ply nor background.ply, expected one of them",
+        "cut the model: ngs-extract labelled.ply --object-ply DIR/object.ply --background-ply DIR/background.ply");
   const Scene room = io::read_scene_json(input.truth + "/background/scene.json"),
               alone = io::read_scene_json(input.truth + "/object/scene.json");
   if (run.dry_run()) return;

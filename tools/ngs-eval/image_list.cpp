@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostFolders = 3;  // object, camera of a rig, and one more; also stops cyclic links
+constexpr int kMaxFolders = 3;  // object, camera of a rig, and one more; also stops cyclic links
 
 bool is_hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
 
@@ -28,7 +28,7 @@ void add_images_below(const fs::path& folder, const std::string& prefix, int dep
     if (is_hidden(entry.path()) || !entry.is_directory()) continue;
     const std::string below = prefix + entry.path().filename().string() + "/";
     add_images(entry.path(), below, names);
-    if (depth < kMostFolders) add_images_below(entry.path(), below, depth + 1, names);
+    if (depth < kMaxFolders) add_images_below(entry.path(), below, depth + 1, names);
   }
 }
 

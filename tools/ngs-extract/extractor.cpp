@@ -35,18 +35,18 @@ std::vector<io::NamedLabels> labels_of(const io::GaussianPly& ply, bool may_be_a
 }
 
 /// Indices of the selected objects, in the order of the model.
-std::vector<std::size_t> selected(const std::vector<io::NamedLabels>& objects, const std::vector<std::string>& select) {
+std::vector<std::size_t> selected(const std::vector<io::NamedLabels>& objects, const std::vector<std::string>& wanted) {
   std::vector<std::string> names;
   for (const io::NamedLabels& object : objects) names.push_back(object.object);
-  for (const std::string& name : select)
+  for (const std::string& name : wanted)
     if (std::ranges::find(names, name) == names.end()) {
       std::string known;
       for (const std::string& n : names) known += (known.empty() ? "" : ", ") + n;
-      throw Error(ErrorCode::kUsage, "select = " + name + ", expected one of: " + known);
+      throw Error(ErrorCode::kUsage, "object = " + name + ", expected one of: " + known);
     }
   std::vector<std::size_t> chosen;
   for (std::size_t k = 0; k < names.size(); ++k)
-    if (select.empty() || std::ranges::find(select, names[k]) != select.end()) chosen.push_back(k);
+    if (wanted.empty() || std::ranges::find(wanted, names[k]) != wanted.end()) chosen.push_back(k);
   return chosen;
 }
 
@@ -72,14 +72,14 @@ Extractor::Extractor(Run& run, io::GaussianPly ply, const ExtractOptions& option
       whole_model_(select.activated && !region.any()),
       ply_(std::move(ply)),
       objects_(labels_of(ply_, region.any() || whole_model_)),
-      chosen_(selected(objects_, select.select)) {
+      chosen_(selected(objects_, select.object)) {
   for (const std::string& note : ply_.notes) run_.info(note);
 }
 
 void Extractor::import(const std::string& path) {
   if (chosen_.size() != 1)
     throw Error(ErrorCode::kUsage, "import with " + std::to_string(chosen_.size()) + " objects, expected one",
-                "choose the edited object: --select NAME");
+                "choose the edited object: --object NAME");
   const io::GaussianPly edit = io::read_gaussian_ply(path);
   LabelColumns& columns = objects_[chosen_[0]].columns;
   const Extraction before = extract_object(run_.exec(), options_, {ply_.cloud, columns, ply_.fixed});
@@ -168,7 +168,11 @@ void Extractor::restrict_to(std::vector<std::uint8_t> keep) {
 void Extractor::keep_touched(const std::vector<ViewSums>& strokes) {
   const auto timed = run_.monitor().scope("pieces");
   PieceSelection found = touched_pieces(run_.exec(), ply_.cloud, keep_, strokes);
+  for (std::size_t i = 0; i < ply_.fixed.size(); ++i)  // final labels
+    if (ply_.fixed[i] == 1 && keep_[i]) found.object[i] = 1;
   const std::int64_t kept = std::count(found.object.begin(), found.object.end(), std::uint8_t(1));
+  found.needles = std::min(found.needles, std::count(keep_.begin(), keep_.end(), std::uint8_t(1)) - kept);
+  found.left_out = std::count(keep_.begin(), keep_.end(), std::uint8_t(1)) - kept - found.needles;
   run_.result()["pieces"] = {{"found", found.pieces},
                              {"touched", found.kept_pieces},
                              {"left_out", found.left_out},

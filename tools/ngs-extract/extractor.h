@@ -12,13 +12,13 @@
 namespace ngs::cli {
 
 struct SelectOptions {
-  std::vector<std::string> select;
+  std::vector<std::string> object;
   bool activated = false;
   std::string view;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.select, Text{"select", "NAME", "Extract this object of several; default: all of them"});
+    visit(self.object, Text{"object", "NAME", "Use only this object of several; default: all of them"});
     visit(self.activated, Flag{"activated",
                                "Input has activated values (scale_* as lengths, opacity in [0, 1]): convert them to "
                                "logarithms and logits; without labels and region the whole model is the object"});
@@ -32,8 +32,8 @@ struct SelectOptions {
 
 class Extractor {
  public:
-  /// Throws kBadInput if the model has no labels and `region` is empty, kUsage if a name in `select` is no object. An
-  /// empty `select` means all objects.
+  /// Throws kBadInput if the model has no labels and `region` is empty, kUsage if a name in `select.object` is no
+  /// object. Without names all objects are meant.
   Extractor(Run& run, io::GaussianPly ply, const ExtractOptions& options, const RegionOptions& region,
             const SelectOptions& select);
 

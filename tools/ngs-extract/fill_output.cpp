@@ -43,7 +43,7 @@ void check_fill_options(Run& run, const FillOptions& options, const Outputs& out
   if (options.fill == FillKind::kOff) {
     if (out.filled) throw Error(ErrorCode::kUsage, "--filled needs a fill", "add --fill auto");
   } else if (!out.background && !out.filled) {
-    run.warn_unused({"--fill"}, "without --background or --filled");
+    run.warn_unused({"--fill"}, "without --background-ply or --filled");
   }
 }
 

@@ -18,7 +18,7 @@ class FillOutput {
   /// one line.
   FillOutput(Run& run, const Extractor& extractor, const FillOptions& options);
 
-  /// Writes the requested ones of --background and --filled.
+  /// Writes the requested ones of --background-ply and --filled.
   void write(const Outputs& out) const;
 
  private:

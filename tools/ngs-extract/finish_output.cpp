@@ -9,7 +9,7 @@
 namespace ngs::cli {
 namespace {
 
-constexpr std::size_t kMostViews = 64;  // evenly spread over the scene's: more change little
+constexpr std::size_t kMaxViews = 64;  // evenly spread over the scene's: more change little
 
 /// Indices in the scene of the extracted objects; empty if the scene lacks one of them.
 std::vector<std::size_t> objects_in(const Scene& scene, const Extractor& extractor) {
@@ -42,7 +42,7 @@ std::vector<finish::GivenMask> given_mask(const Scene& scene, std::size_t view,
 void check_finish_options(const finish::FinishOptions& options, const Output& object, const Input& scene) {
   if (!options.finish) return;
   if (!scene) throw Error(ErrorCode::kUsage, "--finish needs the cameras", "give --scene scene.json");
-  if (!object) throw Error(ErrorCode::kUsage, "--finish changes only the object", "give --object FILE");
+  if (!object) throw Error(ErrorCode::kUsage, "--finish changes only the object", "give --object-ply FILE");
 }
 
 void write_finished(Run& run, const Extractor& extractor, const Scene& scene, const std::string& path) {
@@ -51,7 +51,7 @@ void write_finished(Run& run, const Extractor& extractor, const Scene& scene, co
   const std::vector<std::size_t> objects = objects_in(scene, extractor);
   const SplatOptions splat = prepared_for(run.exec(), splat_options({}, model.cloud, scene), model.cloud);
   std::vector<finish::SupportView> views;
-  const std::size_t count = std::min(scene.views.size(), kMostViews);
+  const std::size_t count = std::min(scene.views.size(), kMaxViews);
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t v = k * scene.views.size() / count;
     const std::vector<finish::GivenMask> given = given_mask(scene, v, objects);

@@ -6,7 +6,7 @@
 
 namespace ngs::cli {
 
-/// Throws kUsage for --finish without --scene or without --object.
+/// Throws kUsage for --finish without --scene or without --object-ply.
 void check_finish_options(const finish::FinishOptions& options, const Output& object, const Input& scene);
 
 /// Call it after Extractor::decide(). Uses the masks of the scene's training views that have one.

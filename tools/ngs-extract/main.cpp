@@ -50,11 +50,11 @@ struct Options {
 int main(int argc, char** argv) {
   using namespace ngs;
   cli::Tool tool("ngs-extract", "Write the object and the background of a labelled model as plain splats.",
-                 {"ngs-extract labelled.ply --object object.ply --background background.ply",
-                  "ngs-extract statue.spz --drop-below-plane auto --largest 1 --object object.ply",
+                 {"ngs-extract labelled.ply --object-ply object.ply --background-ply background.ply",
+                  "ngs-extract statue.spz --drop-below-plane auto --largest 1 --object-ply object.ply",
                   "ngs-extract labelled.ply --supersplat edit_me.ply",
                   "ngs-extract labelled.ply --scene scene.json --inpaint inpaint/",
-                  "ngs-extract labelled.ply --import edited.ply --labelled corrected.ply --object object.ply"});
+                  "ngs-extract labelled.ply --import edited.ply --labelled corrected.ply --object-ply object.ply"});
   Options options;
   options.declare(tool);
   const cli::Input& labelled =

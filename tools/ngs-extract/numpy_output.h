@@ -4,7 +4,7 @@
 // clang-format off
 //   labels    float32 [N]  label of each Gaussian in [0, 1], before rounding
 //   seen      bool [N]     some view has evidence of the Gaussian; if false, its label carries no information
-//   object    int64 [M]    rows of the object, as written by --object, ascending
+//   object    int64 [M]    rows of the object, as written by --object-ply, ascending
 //   labels_NAME, seen_NAME, object_NAME   with several objects: the same per object; the above are for their union
 // clang-format on
 #include <string>

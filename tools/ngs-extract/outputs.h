@@ -15,8 +15,8 @@ struct Outputs {
 
 inline Outputs declare_outputs(Tool& tool) {
   return {
-      tool.optional_output("--object", "the object, as .ply, .compressed.ply, .spz, .sog, .splat or .glb"),
-      tool.optional_output("--background", "everything else, in the same formats"),
+      tool.optional_output("--object-ply", "the object, as .ply, .compressed.ply, .spz, .sog, .splat or .glb"),
+      tool.optional_output("--background-ply", "everything else, in the same formats"),
       tool.optional_output("--filled", "with --fill: the added Gaussians alone, in the same formats"),
       tool.optional_output("--labelled", "the labelled model with ngs_label decided to 0 or 1"),
       tool.optional_output("--supersplat", "the same with the object selected in SuperSplat"),

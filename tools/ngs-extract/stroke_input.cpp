@@ -1,7 +1,7 @@
 #include "stroke_input.h"
 
 #include "ngs/core/error.h"
-#include "ngs/stages/masks/hand_prompt.h"
+#include "ngs/stages/masks/rasterise_prompt.h"
 #include "ngs/stages/render/render_options.h"
 
 namespace ngs::cli {

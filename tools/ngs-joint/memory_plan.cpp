@@ -13,20 +13,21 @@ namespace {
 
 /// Photos cached at the working size and at the size of decisions, and renders at the latter.
 double photo_cache_bytes(const Scene& scene) {
-  constexpr double kMost = 256 * cli::kMib;  // bytes per cache
+  constexpr double kMaxCacheBytes = 256 * cli::kMib;  // bytes per cache
   double px = 0;
   for (const std::size_t v : photo_views(scene)) px += cli::view_px(scene.views[v]);
   const double fewer = decision_shrink(scene) * decision_shrink(scene);
-  return std::min(kMost, 12 * px) + std::min(kMost, 12 * px / fewer) + std::min(kMost, 16 * px / fewer);
+  return std::min(kMaxCacheBytes, 12 * px) + std::min(kMaxCacheBytes, 12 * px / fewer) +
+         std::min(kMaxCacheBytes, 16 * px / fewer);
 }
 
 /// Photos and masks of the training views during the steps, and the images of one step.
 double step_picture_bytes(const Problem& problem) {
-  constexpr double kMost = 512 * cli::kMib;
+  constexpr double kMaxCacheBytes = 512 * cli::kMib;
   constexpr double kBytesPerPx = 900;  // of the losses, and of contour refinement at twice the size
   double px = 0;
   for (const std::size_t v : problem.views) px += cli::view_px(problem.scene.views[v]);
-  return std::min(kMost, (12 + 4.0 * double(problem.labels.size())) * px) +
+  return std::min(kMaxCacheBytes, (12 + 4.0 * double(problem.labels.size())) * px) +
          kBytesPerPx * cli::largest_view_px(problem.scene);
 }
 

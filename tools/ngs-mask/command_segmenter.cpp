@@ -27,7 +27,7 @@ struct ScratchFolder {
     if (!os::make_temporary_folder(path))
       throw Error(ErrorCode::kEnvironment, path + ": cannot be created: " + std::strerror(errno),
                   "set TMPDIR to a writable folder");
-    cleanup.note(path.c_str());
+    cleanup.track(path.c_str());
   }
   ~ScratchFolder() {
     std::error_code ignored;
@@ -94,7 +94,7 @@ struct CommandSegmenter {
                           prompt.by_hand ? "" : base + "-mask.png"};
     const auto& [image, prompts, out, mask] = files;
     io::UnfinishedFile cleanup[4];
-    for (int i = 0; const std::string& file : {image, prompts, out, mask}) cleanup[i++].note(file.c_str());
+    for (int i = 0; const std::string& file : {image, prompts, out, mask}) cleanup[i++].track(file.c_str());
     io::write_png(image, load(view));
     if (!mask.empty()) io::write_png(mask, likely_object(prompt));
     io::write_file(prompts, prompts_json(name, prompt, mask).dump(1) + "\n");
@@ -121,15 +121,15 @@ struct CommandSegmenter {
   std::optional<ChildResult> request_mask(const std::string& view, const CallFiles& files, const std::string& who) {
     if (!program) program.emplace(words);
     const Json request{{"view", view}, {"image", files.image}, {"prompts", files.prompts}, {"out", files.out}};
-    const LineProgram::Answer answer =
-        program->ask(request.dump(-1, ' ', false, Json::error_handler_t::replace), limits());
-    if (answer.ended) return answer.ended;
-    const Json response = Json::parse(answer.line, nullptr, false);
+    const LineProgram::Response line =
+        program->request(request.dump(-1, ' ', false, Json::error_handler_t::replace), limits());
+    if (line.ended) return line.ended;
+    const Json response = Json::parse(line.line, nullptr, false);
     if (response.is_object() && response.contains("ok") && response["ok"] == true) return std::nullopt;
     const bool explained = response.is_object() && response.contains("error") && response["error"].is_string();
     throw Error(explained ? ErrorCode::kEnvironment : ErrorCode::kBadInput,
                 who + ": it responded " +
-                    (explained ? response["error"].get<std::string>() : answer.line.substr(0, 200)) +
+                    (explained ? response["error"].get<std::string>() : line.line.substr(0, 200)) +
                     ", expected {\"ok\":true}",
                 "run the program by hand on one photo");
   }

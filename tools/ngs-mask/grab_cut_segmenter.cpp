@@ -10,10 +10,10 @@ namespace ngs::cli {
 
 namespace {
 
-constexpr int kLeastWindow = 48;            // px
-constexpr int kCutsByHand = 5;              // iterations for prompts by hand
-constexpr double kSpeck = 0.01;             // fraction of the mask: smaller holes are filled
-constexpr std::int64_t kLeastCertain = 64;  // certain pixels per label to fit a window's colour models
+constexpr int kMinWindow = 48;            // px
+constexpr int kCutsByHand = 5;            // iterations for prompts by hand
+constexpr double kSpeck = 0.01;           // fraction of the mask: smaller holes are filled
+constexpr std::int64_t kMinCertain = 64;  // certain pixels per label to fit a window's colour models
 
 struct Window {
   int left, top, width, height;
@@ -39,7 +39,7 @@ ViewPrompt cropped(const ViewPrompt& prompt, const Window& w) {
 bool can_be_cut(const ViewPrompt& prompt) {
   std::int64_t count[4] = {};
   for (const PixelHint hint : prompt.hint) ++count[std::size_t(hint)];
-  return std::min(count[0], count[1]) >= kLeastCertain && count[2] + count[3] > 0;
+  return std::min(count[0], count[1]) >= kMinCertain && count[2] + count[3] > 0;
 }
 
 /// A window, its part inside the photo, and the mask of that part.
@@ -112,7 +112,7 @@ Segmenter grab_cut_segmenter(const Exec& exec, const SegmenterOptions& options, 
     if (options.window > 0) {
       const std::array<int, 4> box = object_box(prompt);
       const double size = std::sqrt(double(box[2] - box[0]) * double(box[3] - box[1]));
-      window_px = std::max(kLeastWindow, int(std::lround(options.window * size)));
+      window_px = std::max(kMinWindow, int(std::lround(options.window * size)));
     }
     PixelMask mask = cut_windows(exec, photo, prompt, window_px, cut);
     return keep_seeded_pieces(prompt, std::move(mask), kSpeck);

@@ -14,7 +14,7 @@
 #include "ngs/ops/image/image_bytes.h"
 #include "ngs/options/name_of.h"
 #include "ngs/scene/view_names.h"
-#include "ngs/stages/masks/hand_prompt.h"
+#include "ngs/stages/masks/rasterise_prompt.h"
 #include "segmenters.h"
 #include "shared/text/text_columns.h"
 

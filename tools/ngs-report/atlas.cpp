@@ -16,7 +16,7 @@ namespace ngs::cli {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::size_t kMostViews = 32;
+constexpr std::size_t kMaxViews = 32;
 constexpr int kPictureWidthPx = 720;
 
 const LabelColumns* labels_of(const io::GaussianPly& ply, const std::string& object) {
@@ -129,7 +129,7 @@ std::string figure_of(const std::string& name, const Found& found) {
          " with its wrong pixels by cause\" width=" + std::to_string(small.width_px) +
          " height=" + std::to_string(small.height_px) + " src=\"data:image/jpeg;base64," +
          base64(io::encode_jpeg(small, 90)) + "\"></div><figcaption><b>" + escaped(name) + "</b> " +
-         whole(found.atlas.wrong()) + " wrong pixels</figcaption></figure>\n";
+         with_separators(found.atlas.wrong()) + " wrong pixels</figcaption></figure>\n";
 }
 
 }  // namespace
@@ -146,8 +146,8 @@ std::string errors_section(const Exec& exec, RunFolder& run, Pictures& pictures,
   const auto add_row = [&](const std::string& name, const std::array<std::int64_t, kErrorCauses>& pixels) {
     std::int64_t wrong = 0;
     for (std::size_t c = 1; c < kErrorCauses; ++c) wrong += pixels[c];
-    std::vector<std::string> row{escaped(name), whole(wrong)};
-    for (std::size_t c = 1; c < kErrorCauses; ++c) row.push_back(whole(pixels[c]));
+    std::vector<std::string> row{escaped(name), with_separators(wrong)};
+    for (std::size_t c = 1; c < kErrorCauses; ++c) row.push_back(with_separators(pixels[c]));
     table.rows.push_back(std::move(row));
   };
   int shown = 0;
@@ -155,7 +155,7 @@ std::string errors_section(const Exec& exec, RunFolder& run, Pictures& pictures,
     const io::GaussianPly ply = io::read_gaussian_ply(model);
     const AtlasMaker maker(exec, *run.scene, ply);
     for (const ShownView& view : run.views) {
-      if (folder.empty() && table.rows.size() == kMostViews) {  // each view costs renderings
+      if (folder.empty() && table.rows.size() == kMaxViews) {  // each view costs renderings
         all_views = false;
         break;
       }
@@ -175,7 +175,7 @@ std::string errors_section(const Exec& exec, RunFolder& run, Pictures& pictures,
   if (table.rows.empty()) return {};
   if (!all_views)
     table.caption =
-        "Wrong pixels of the " + std::to_string(kMostViews) + " worst views by cause; --atlas lists every view";
+        "Wrong pixels of the " + std::to_string(kMaxViews) + " worst views by cause; --atlas lists every view";
   add_row(all_views ? "all" : "all of these", sum);
   return section("errors", "Where the errors come from",
                  legend_html() + "<div class=sheet>" + figures + "</div>" + table.html());

@@ -253,8 +253,8 @@ std::string boundary_section(RunFolder& run, Pictures& pictures) {
   }
   if (html.empty()) return html;
   return section("boundary", "The boundary set from three sides",
-                 "<p class=note>Orange: the " + whole(boundary) +
-                     " Gaussians whose masks disagree (Eq. 3). Grey: the other of the " + whole(object) +
+                 "<p class=note>Orange: the " + with_separators(boundary) +
+                     " Gaussians whose masks disagree (Eq. 3). Grey: the other of the " + with_separators(object) +
                      " Gaussians of the object" + (several ? "s" : "") + ". World axes.</p><div class=sheet>" + html +
                      "</div>");
 }

@@ -56,7 +56,7 @@ std::string run_html(const Exec& exec, RunFolder& run, Pictures& pictures, const
 std::string what_was_made(const RunFolder& run) {
   const std::size_t objects = run.scene ? run.scene->objects.size() : 1;
   const std::string method = method_title(run);
-  return (objects > 1 ? whole(std::int64_t(objects)) + " objects" : std::string("Object")) +
+  return (objects > 1 ? with_separators(std::int64_t(objects)) + " objects" : std::string("Object")) +
          " cut out of a 3D Gaussian splat" + (method == "–" ? "" : " by " + escaped(method)) + ".";
 }
 

@@ -173,7 +173,7 @@ std::string Pictures::sheet(RunFolder& run) {
     ++shown;
   }
   if (shown < run.views.size())
-    html += "<p class=note>" + whole(std::int64_t(run.views.size() - shown)) +
+    html += "<p class=note>" + with_separators(std::int64_t(run.views.size() - shown)) +
             " better views are left out to keep the page small.</p>";
   return html;
 }

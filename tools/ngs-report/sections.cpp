@@ -72,7 +72,7 @@ std::string share_of(std::int64_t part, std::int64_t all) {
 double seconds_of(const Json& stage) { return number_at(stage, {"wall_s"}); }
 
 std::string rate(double per_second) {
-  return per_second >= 100 && per_second < 1e15 ? whole(std::llround(per_second)) : decimal(per_second, 1);
+  return per_second >= 100 && per_second < 1e15 ? with_separators(std::llround(per_second)) : decimal(per_second, 1);
 }
 
 std::string bar_row(const char* row_class, const std::string& name, const Json& stage, double largest) {
@@ -80,7 +80,7 @@ std::string bar_row(const char* row_class, const std::string& name, const Json& 
   std::string row = std::string("<tr class=") + row_class + "><th scope=row>" + escaped(name) + "</th><td>" +
                     bar_svg(seconds_of(stage), largest) + "</td><td>" + duration(seconds_of(stage)) + "</td><td>";
   if (items.is_number_integer() && items.get<std::int64_t>() > 0)
-    row += whole(items.get<std::int64_t>()) + " items, " + rate(number_at(stage, {"items_per_s"})) + "/s";
+    row += with_separators(items.get<std::int64_t>()) + " items, " + rate(number_at(stage, {"items_per_s"})) + "/s";
   return row + "</td><td>" + decimal(number_at(stage, {"max_rss_mib"}), 0) + " MiB</td></tr>";
 }
 
@@ -103,8 +103,8 @@ std::string training_note(const RunFolder& run, const std::string& noun) {
     if (view.scene_view && is_training_view(run.scene->views[*view.scene_view])) training.insert(view.view);
   }
   if (training.empty()) return {};
-  return whole(std::int64_t(training.size())) + " of " + whole(std::int64_t(scored.size())) + " " + noun +
-         " were used in training";
+  return with_separators(std::int64_t(training.size())) + " of " + with_separators(std::int64_t(scored.size())) + " " +
+         noun + " were used in training";
 }
 
 }  // namespace
@@ -124,15 +124,15 @@ std::string tiles(const RunFolder& run) {
   }
   if (const std::int64_t object = gaussians_in(run, "object.ply"), rest = gaussians_in(run, "background.ply");
       object >= 0)
-    add_tile(html, "Gaussians of the object", whole(object),
-             rest < 0 ? "" : whole(rest) + " of the background" + share_of(object, object + rest));
+    add_tile(html, "Gaussians of the object", with_separators(object),
+             rest < 0 ? "" : with_separators(rest) + " of the background" + share_of(object, object + rest));
   if (run_seconds(run) > 0) add_tile(html, "time", duration(run_seconds(run)), "whole chain without scoring");
   if (run.scene) {
     const auto held_out = std::count_if(run.scene->views.begin(), run.scene->views.end(),
                                         [](const SceneView& view) { return view.split == Split::kHeldOut; });
     const std::string training = training_note(run, "scored");
-    add_tile(html, "views", whole(std::int64_t(run.scene->views.size())),
-             whole(held_out) + " held out" + (training.empty() ? "" : ", " + training));
+    add_tile(html, "views", with_separators(std::int64_t(run.scene->views.size())),
+             with_separators(held_out) + " held out" + (training.empty() ? "" : ", " + training));
   }
   return html + "</dl>\n";
 }
@@ -147,7 +147,7 @@ std::string warnings_section(const RunFolder& run) {
       list += "<li><b>" + escaped(tool.name) + "</b> " + escaped(json_text(warning)) + "</li>";
     const double code = number_at(tool.report, {"exit_code"});
     if (code == 1) list += "<li><b>" + escaped(tool.name) + "</b> a requested check failed</li>";
-    if (code == 7) list += "<li><b>" + escaped(tool.name) + "</b> stopped at its budget with a partial result</li>";
+    if (code == 7) list += "<li><b>" + escaped(tool.name) + "</b> time budget used up; the result is partial</li>";
   }
   return list.empty() ? list : section("warnings", "Warnings", "<ul class=odd>" + list + "</ul>");
 }
@@ -213,7 +213,7 @@ std::string objects_section(const RunFolder& run) {
     std::vector<std::string> row{name.empty() ? "object" : escaped(name), decimal(number_at(object, {"pairs"}), 0)};
     for (const char* key : {"fp", "far_fp", "fn", "far_fn", "tp"}) {
       const Json& count = value_at(object, {"counts", key});
-      row.push_back(count.is_number_integer() ? whole(count.get<std::int64_t>()) : "–");
+      row.push_back(count.is_number_integer() ? with_separators(count.get<std::int64_t>()) : "–");
     }
     errors.rows.push_back(std::move(row));
   }
@@ -299,7 +299,7 @@ std::string inputs_section(const RunFolder& run) {
   if (run.scene) {
     const Scene& scene = *run.scene;
     Table table;
-    table.rows.push_back({"views", whole(std::int64_t(scene.views.size()))});
+    table.rows.push_back({"views", with_separators(std::int64_t(scene.views.size()))});
     if (!scene.views.empty()) {
       const Camera& camera = scene.views.front().camera;
       table.rows.push_back({"working size of the first view",

@@ -79,8 +79,7 @@ Json triple(const Vec3<double>& v) { return Json::array({v.x, v.y, v.z}); }
 Vec3<double> up_of(const Scene& scene) {
   Vec3<double> up{0, 0, 0};
   for (const SceneView& view : scene.views) up = up - transpose(view.camera.rotation) * Vec3<double>{0, 1, 0};
-  const double length = std::sqrt(dot(up, up));
-  return length > 1e-6 ? (1 / length) * up : Vec3<double>{0, -1, 0};
+  return length(up) > 1e-6 ? unit(up) : Vec3<double>{0, -1, 0};
 }
 
 /// A camera of the run, for the intrinsics and the side from which the object is seen.
@@ -94,7 +93,6 @@ Camera camera_of_run(const RunFolder& run, const Middle& middle) {
   return camera;
 }
 
-Vec3<double> unit(const Vec3<double>& v) { return (1 / std::sqrt(dot(v, v))) * v; }
 bool is_direction(const Vec3<double>& v) { return dot(v, v) > 1e-6; }
 
 /// Looks at the middle of the object from the side of `camera`, upright if that is defined.
@@ -162,7 +160,7 @@ ViewerPage viewer_page(const RunFolder& run, const ViewerOptions& options) {
   const fs::path path = fs::path(run.path) / "object.ply";
   if (!fs::is_regular_file(path))
     throw Error(ErrorCode::kBadInput, path.generic_string() + ": no such file, expected the object for --viewer",
-                "write it with ngs-extract --object");
+                "write it with ngs-extract --object-ply");
   const io::GaussianPly ply = io::read_gaussian_ply(path.generic_string());
   io::SplatSelection selection = io::select_rows(ply.cloud, {});
   if (selection.rows.empty()) throw Error(ErrorCode::kNothingFound, path.generic_string() + ": no Gaussian to draw");
@@ -177,8 +175,8 @@ ViewerPage viewer_page(const RunFolder& run, const ViewerOptions& options) {
       "content=\"width=device-width,initial-scale=1\"><meta http-equiv=Content-Security-Policy "
       "content=\"default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'\"><title>" +
       escaped(title) + " – object</title><style>\n" + file_of_page("/viewer.css") +
-      "</style></head>\n<body><header><h1>" + escaped(title) + "</h1><p>" + whole(page.shown) + " Gaussians" +
-      (page.left_out > 0 ? ", " + whole(page.left_out) + " of least visible area left out" : std::string()) +
+      "</style></head>\n<body><header><h1>" + escaped(title) + "</h1><p>" + with_separators(page.shown) + " Gaussians" +
+      (page.left_out > 0 ? ", " + with_separators(page.left_out) + " of least visible area left out" : std::string()) +
       ". Simplified colours (no view-dependent shading).</p></header>\n" + file_of_page("/viewer.html") +
       "<script type=\"application/json\" id=parameters>" + for_script(viewer_parameters(run, selection)) +
       "</script>\n<script type=\"application/octet-stream\" id=splats>" + base64(io::encode_dot_splat(selection)) +

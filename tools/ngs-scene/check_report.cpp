@@ -81,8 +81,8 @@ Json health_json(const CloudHealth& health) {
 }
 
 std::string check_table(const Scene& scene, const SceneCheck& check) {
-  constexpr std::size_t kMostRows = 12;
-  const bool shortened = scene.views.size() > kMostRows;
+  constexpr std::size_t kMaxRows = 12;
+  const bool shortened = scene.views.size() > kMaxRows;
   std::string text = "view                  split      in front  inside    PSNR dB  fit dB   coverage\n";
   for (std::size_t i = 0; i < scene.views.size(); ++i)
     if (!shortened || check.views[i].match)

@@ -15,6 +15,7 @@
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/scene/import_scene.h"
 #include "ngs/io/scene/scene_json.h"
+#include "ngs/math/sh.h"
 #include "ngs/math/stable.h"
 #include "ngs/ops/image/image_bytes.h"
 #include "ngs/stages/orbit/coverage.h"
@@ -49,9 +50,9 @@ orbit::PictureSize parse_size(const std::string& text) {
   const auto [cross, bad_width] = std::from_chars(text.data(), end, size.width_px);
   const bool has_cross = bad_width == std::errc() && cross != end && *cross == 'x';
   const auto [rest, bad_height] = std::from_chars(has_cross ? cross + 1 : end, end, size.height_px);
-  constexpr int kLeast_px = 16, kMost_px = 16384;
-  if (!has_cross || bad_height != std::errc() || rest != end || std::min(size.width_px, size.height_px) < kLeast_px ||
-      std::max(size.width_px, size.height_px) > kMost_px)
+  constexpr int kMin_px = 16, kMax_px = 16384;
+  if (!has_cross || bad_height != std::errc() || rest != end || std::min(size.width_px, size.height_px) < kMin_px ||
+      std::max(size.width_px, size.height_px) > kMax_px)
     throw Error(ErrorCode::kUsage, "--size " + text + ": invalid size, expected WxH with sides of 16 to 16384 px",
                 "such as --size 1280x960");
   return size;
@@ -64,7 +65,7 @@ Vec3<double> contrasting_background(const GaussianCloud& cloud) {
     if (!cloud.usable[i]) continue;
     const double opacity = sigmoid(double(cloud.logit_opacity[i]));
     const float* dc = &cloud.sh_dc[3 * i];
-    const double grey = 0.5 + 0.28209479 * (double(dc[0]) + double(dc[1]) + double(dc[2])) / 3;
+    const double grey = colour_of_dc((double(dc[0]) + double(dc[1]) + double(dc[2])) / 3);
     sum += opacity * std::clamp(grey, 0.0, 1.0), total += opacity;
   }
   return sum < 0.5 * total ? Vec3<double>{1, 1, 1} : Vec3<double>{0, 0, 0};

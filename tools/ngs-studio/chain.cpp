@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "ngs/math/median.h"
+
 namespace ngs::studio {
 namespace {
 
@@ -12,7 +14,9 @@ std::vector<std::string> joined(std::vector<std::string> words, const std::vecto
   return words;
 }
 
-std::vector<std::string> fill_words(const std::string& file) { return {"--background", file, "--fill", "auto", "-w"}; }
+std::vector<std::string> fill_words(const std::string& file) {
+  return {"--background-ply", file, "--fill", "auto", "-w"};
+}
 
 }  // namespace
 
@@ -23,8 +27,8 @@ std::vector<std::vector<std::string>> export_words(const StateFolder& folder, in
   std::vector<std::vector<std::string>> words{
       {"ngs-variance", at("scene.json"), "-o", at("boundary.ply"), "-w"},
       {"ngs-joint", at("scene.json"), at("boundary.ply"), "--method", "flash", "-o", at("labelled.ply"), "-w"},
-      joined(extract,
-             {"--object", at("object." + choice.format), "--background", at("background." + choice.format), "-w"})};
+      joined(extract, {"--object-ply", at("object." + choice.format), "--background-ply",
+                       at("background." + choice.format), "-w"})};
   if (choice.fill) words.push_back(joined(extract, fill_words(at("background-filled." + choice.format))));
   return words;
 }
@@ -34,7 +38,7 @@ std::vector<std::vector<std::string>> convert_words(const StateFolder& folder, i
   std::vector<std::vector<std::string>> words;
   if (choice.format != "ply")
     for (const std::string side : {"object.", "background."})  // a ball around everything: the whole model
-      words.push_back({"ngs-extract", at(side + "ply"), "--keep-sphere", "0,0,0,1e18", "--allow-empty", "--object",
+      words.push_back({"ngs-extract", at(side + "ply"), "--keep-sphere", "0,0,0,1e18", "--allow-empty", "--object-ply",
                        at(side + choice.format), "-w"});
   if (choice.fill)
     words.push_back(joined({"ngs-extract", at("labelled.ply"), "--unseen", "background"},
@@ -73,17 +77,11 @@ std::vector<Vec3<double>> selected(const GaussianCloud& cloud, const live::Objec
   return members;
 }
 
-double quantile(std::vector<double> values, double share) {
-  const auto at = std::ptrdiff_t(share * double(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[std::size_t(at)];
-}
-
 /// Radius around `centre` that contains the fraction `share` of the members.
 double radius_of_share(const std::vector<Vec3<double>>& members, Vec3<double> centre, double share) {
   std::vector<double> distance;
   distance.reserve(members.size());
-  for (const Vec3<double>& m : members) distance.push_back(std::sqrt(dot(m - centre, m - centre)));
+  for (const Vec3<double>& m : members) distance.push_back(length(m - centre));
   return quantile(std::move(distance), share);
 }
 

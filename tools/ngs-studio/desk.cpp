@@ -19,7 +19,7 @@ constexpr NamedValue<live::Layer> kLayers[] = {{live::Layer::kBoth, "both"},
                                                {live::Layer::kBackground, "background"},
                                                {live::Layer::kBoundary, "boundary"}};
 constexpr int kJpegQuality = 85, kMovingQuality = 70;
-constexpr std::size_t kMostViews = 400;  // views of a scene to list
+constexpr std::size_t kMaxViews = 400;  // views of a scene to list
 
 Json list(Vec3<double> v) { return Json{v.x, v.y, v.z}; }
 double ms(double seconds) { return std::round(1e4 * seconds) / 10; }
@@ -238,10 +238,10 @@ Json Desk::objects_json(const live::Marks& marks) const {
 Json Desk::views_json() const {
   Json out = Json::array();
   for (const SceneView& view : loaded_.scene.views) {
-    if (out.size() == kMostViews) break;
+    if (out.size() == kMaxViews) break;
     const Vec3<double> line = loaded_.first.centre - view.camera.centre();
-    out.push_back({{"name", view.camera.name},
-                   {"camera", json_of(look_of_view(view.camera, std::max(1e-6, std::sqrt(dot(line, line)))))}});
+    out.push_back(
+        {{"name", view.camera.name}, {"camera", json_of(look_of_view(view.camera, std::max(1e-6, length(line))))}});
   }
   return out;
 }

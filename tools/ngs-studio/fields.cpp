@@ -8,8 +8,8 @@ namespace ngs::studio {
 namespace {
 
 constexpr double kMaxCoordinate = 1e9;  // world units
-constexpr int kLeastSide_px = 16, kMostSide_px = 4096;
-constexpr double kMostPixels = 4096.0 * 2304.0;
+constexpr int kMinSide_px = 16, kMaxSide_px = 4096;
+constexpr double kMaxPixels = 4096.0 * 2304.0;
 
 std::string shown(const nlohmann::json& value) {
   std::string text = value.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
@@ -92,9 +92,9 @@ live::Look look_of(Fields camera) {
   live::Look look;
   look.position = camera.vector("position"), look.look_at = camera.vector("look_at"), look.up = camera.vector("up");
   look.fov_y_deg = camera.number("fov_y_deg", 1, 150);
-  look.width_px = camera.integer("width", kLeastSide_px, kMostSide_px);
-  look.height_px = camera.integer("height", kLeastSide_px, kMostSide_px);
-  if (double(look.width_px) * look.height_px > kMostPixels) camera.refuse("height", "at most 4096x2304 px in all");
+  look.width_px = camera.integer("width", kMinSide_px, kMaxSide_px);
+  look.height_px = camera.integer("height", kMinSide_px, kMaxSide_px);
+  if (double(look.width_px) * look.height_px > kMaxPixels) camera.refuse("height", "at most 4096x2304 px in all");
   camera.end();
   const Vec3<double> line = look.look_at - look.position;
   if (!(dot(line, line) > 0)) camera.refuse("look_at", "another point than position");

@@ -95,11 +95,11 @@ void Job::run_program(const JobStep& step) {
       progress(step.words[0] == "ngs" ? record.value("stage", step.stage) : step.stage,
                record.value("done", 0.0) / total);
   };
-  constexpr double kPatienceS = 2;
+  constexpr double kGrace_s = 2;
   const cli::SignalGrace waits;  // waits until the program has removed its unfinished files
   const cli::ChildResult child = cli::run_child(argv, {.time_s = std::numeric_limits<double>::infinity(),
                                                        .stop = [this] { return stop_.load(); },
-                                                       .patience_on_stop_s = kPatienceS,
+                                                       .grace_on_stop_s = kGrace_s,
                                                        .on_line = listen});
   if (child.end == cli::ChildResult::End::kStopped) throw Cancelled{};
   if (child.end == cli::ChildResult::End::kSignalled)

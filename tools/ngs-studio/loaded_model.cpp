@@ -39,7 +39,7 @@ LoadedModel::LoadedModel(const Exec& exec, const std::string& source) {
   if (is_scene && !scene.views.empty()) {
     const Camera& camera = scene.views.front().camera;
     const Vec3<double> line = first.centre - camera.centre();
-    first.look = look_of_view(camera, std::max(0.1 * first.radius, orbit::length(line)));
+    first.look = look_of_view(camera, std::max(0.1 * first.radius, length(line)));
     first.up = first.look.up;
   }
 }

@@ -22,7 +22,7 @@ class TimedStream : public httplib::Stream {
   explicit TimedStream(socket_t socket) : socket_(socket) {}
 
   /// Waits for the first byte of the next request, which starts the deadline; false: no byte came.
-  bool wait_for_request(milliseconds patience, milliseconds request_time);
+  bool wait_for_request(milliseconds timeout, milliseconds request_time);
 
   bool is_readable() const override;
   bool is_writable() const override;
@@ -33,7 +33,7 @@ class TimedStream : public httplib::Stream {
   socket_t socket() const override { return socket_; }
 
  private:
-  bool ready(os::SocketEvent event, milliseconds patience) const;
+  bool ready(os::SocketEvent event, milliseconds timeout) const;
   milliseconds left() const;
 
   socket_t socket_;
@@ -42,8 +42,8 @@ class TimedStream : public httplib::Stream {
   std::size_t begin_ = 0, end_ = 0;
 };
 
-bool TimedStream::wait_for_request(milliseconds patience, milliseconds request_time) {
-  if (begin_ == end_ && !ready(os::SocketEvent::kReadable, patience)) return false;
+bool TimedStream::wait_for_request(milliseconds timeout, milliseconds request_time) {
+  if (begin_ == end_ && !ready(os::SocketEvent::kReadable, timeout)) return false;
   deadline_ = std::chrono::steady_clock::now() + request_time;
   return true;
 }
@@ -53,8 +53,8 @@ milliseconds TimedStream::left() const {
       std::max(std::chrono::steady_clock::duration::zero(), deadline_ - std::chrono::steady_clock::now()));
 }
 
-bool TimedStream::ready(os::SocketEvent event, milliseconds patience) const {
-  return os::socket_is_ready(os::Socket(socket_), event, patience.count());
+bool TimedStream::ready(os::SocketEvent event, milliseconds timeout) const {
+  return os::socket_is_ready(os::Socket(socket_), event, timeout.count());
 }
 
 bool TimedStream::is_readable() const { return begin_ < end_ || ready(os::SocketEvent::kReadable, left()); }
@@ -75,14 +75,14 @@ ssize_t TimedStream::read(char* to, std::size_t size) {
 
 /// The response has its own time limit: computing it may have used up that of the request.
 ssize_t TimedStream::write(const char* from, std::size_t size) {
-  constexpr milliseconds kPatience(5000);
-  return ready(os::SocketEvent::kWritable, kPatience) ? ssize_t(os::send_now(os::Socket(socket_), from, size)) : -1;
+  constexpr milliseconds kTimeout(5000);
+  return ready(os::SocketEvent::kWritable, kTimeout) ? ssize_t(os::send_now(os::Socket(socket_), from, size)) : -1;
 }
 
-constexpr std::size_t kMostBody = 1 << 20;
+constexpr std::size_t kMaxBody = 1 << 20;
 constexpr std::size_t kThreads = 24;  // a browser opens six connections
 constexpr std::chrono::milliseconds kIdle(3000), kRequest(8000);
-constexpr std::size_t kMostRequests = 100'000;  // per connection
+constexpr std::size_t kMaxRequests = 100'000;  // per connection
 
 const char* type_of(std::string_view path) {
   return path.ends_with(".js")    ? "text/javascript; charset=utf-8"
@@ -108,7 +108,7 @@ class TimedServer : public httplib::Server {
     for (std::size_t n = 1; keep_alive && svr_sock_ != INVALID_SOCKET && stream.wait_for_request(kIdle, kRequest);
          ++n) {
       bool closed = false;
-      keep_alive = process_request(stream, n == kMostRequests, closed, nullptr) && !closed && !close_connection;
+      keep_alive = process_request(stream, n == kMaxRequests, closed, nullptr) && !closed && !close_connection;
     }
     os::close_socket(os::Socket(socket));
     return keep_alive;
@@ -126,9 +126,9 @@ struct Server::Impl {
 
   void set_up() {
     http.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
-    http.set_payload_max_length(kMostBody);
+    http.set_payload_max_length(kMaxBody);
     http.set_tcp_nodelay(true);
-    http.set_keep_alive_max_count(kMostRequests), http.set_keep_alive_timeout(kIdle.count() / 1000);
+    http.set_keep_alive_max_count(kMaxRequests), http.set_keep_alive_timeout(kIdle.count() / 1000);
     http.set_default_headers({{"Cache-Control", "no-store"},
                               {"X-Content-Type-Options", "nosniff"},
                               {"Referrer-Policy", "no-referrer"},
@@ -181,7 +181,7 @@ struct Server::Impl {
     if (request.has_header("Transfer-Encoding") || !request.has_header("Content-Length"))
       return refuse(response, {411, "request", "a body without Content-Length", "a Content-Length header"});
     const std::string length = request.get_header_value("Content-Length");
-    if (length.size() > 7 || std::strtoull(length.c_str(), nullptr, 10) > kMostBody)
+    if (length.size() > 7 || std::strtoull(length.c_str(), nullptr, 10) > kMaxBody)
       return refuse(response, {413, "request", "a body of " + length.substr(0, 20) + " bytes", "at most 1 MiB"});
     if (request.has_header("Content-Encoding"))
       return refuse(response, {415, "request", "a compressed body", "plain JSON"});

@@ -9,8 +9,8 @@
 namespace ngs::studio {
 namespace {
 
-constexpr double kMostRadius_px = 500;
-constexpr std::size_t kMostPoints = 20'000, kMostStrokes = 20'000;
+constexpr double kMaxRadius_px = 500;
+constexpr std::size_t kMaxPoints = 20'000, kMaxStrokes = 20'000;
 constexpr int kFreeBand_px = 3;  // on both sides of a mask's contour
 
 PromptStroke stroke_of(Fields stroke) {
@@ -18,10 +18,10 @@ PromptStroke stroke_of(Fields stroke) {
   const std::string label = stroke.text("label", 20);
   if (label != "object" && label != "background") stroke.refuse("label", "object or background");
   out.object = label == "object";
-  out.radius_px = stroke.number("radius_px", 0.5, kMostRadius_px);
+  out.radius_px = stroke.number("radius_px", 0.5, kMaxRadius_px);
   const nlohmann::json& points = stroke.member("points");
-  if (!points.is_array() || points.empty() || points.size() > kMostPoints)
-    stroke.refuse("points", "1 to " + std::to_string(kMostPoints) + " points");
+  if (!points.is_array() || points.empty() || points.size() > kMaxPoints)
+    stroke.refuse("points", "1 to " + std::to_string(kMaxPoints) + " points");
   for (const nlohmann::json& point : points) {
     const bool pair = point.is_array() && point.size() == 2 && point[0].is_number() && point[1].is_number();
     const std::array<double, 2> at =
@@ -94,7 +94,7 @@ std::string colour_of(Fields& fields, const std::string& name) {
 
 std::vector<PromptStroke> strokes_of(Fields& request) {
   const nlohmann::json& list = request.member("strokes");
-  if (!list.is_array() || list.empty() || list.size() > kMostStrokes)
+  if (!list.is_array() || list.empty() || list.size() > kMaxStrokes)
     request.refuse("strokes", "a list of at least one stroke");
   std::vector<PromptStroke> strokes;
   for (std::size_t i = 0; i < list.size(); ++i)

@@ -11,7 +11,7 @@
 namespace ngs::studio {
 namespace {
 
-constexpr std::uintmax_t kMostBytes = 256u << 20;
+constexpr std::uintmax_t kMaxBytes = 256u << 20;
 
 std::vector<std::string> lines_of(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
@@ -19,7 +19,7 @@ std::vector<std::string> lines_of(const std::string& path) {
   std::uintmax_t bytes = 0;
   for (std::string line; std::getline(file, line);) {
     bytes += line.size() + 1;
-    if (bytes > kMostBytes)
+    if (bytes > kMaxBytes)
       throw Error(ErrorCode::kBadInput, path + ": larger than 256 MiB, expected the requests of a session");
     if (!line.empty()) lines.push_back(std::move(line));
   }

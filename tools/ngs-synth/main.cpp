@@ -10,7 +10,7 @@ namespace {
 using namespace ngs;
 
 synth::Recipe resolved(synth::Recipe recipe, const cli::SynthOptions& o) {
-  if (o.views > 0) recipe.views = o.views;
+  if (o.view_count > 0) recipe.views = o.view_count;
   const auto side_of = [](int px, int recipe_px) {
     if (px > 0 && px < 8)
       throw Error(ErrorCode::kUsage, "image side of " + std::to_string(px) + " px, expected 0 or at least 8");
@@ -26,6 +26,7 @@ synth::Recipe resolved(synth::Recipe recipe, const cli::SynthOptions& o) {
 FitOptions small_fit() {
   FitOptions options;
   options.steps = 1500, options.sh_degree = 1, options.max_gaussians = 8000;
+  options.near_loss = 0;  // initial points are on the surfaces, and measured tables refer to these splats
   return options;
 }
 
@@ -74,8 +75,9 @@ int main(int argc, char** argv) {
                              .prefix = "fit_",
                              .applies = [&options] { return options.fit; },
                              .needs = "--fit"});
-  const cli::Argument& name = tool.argument(
-      "recipe", "two-spheres, torus-box, leaves, bones, table, corner, ground, tiny, or a JSON file of recipe options");
+  const cli::Argument& name = tool.argument("recipe",
+                                            "two-spheres, torus-box, leaves, bones, table, corner, ground, turntable, "
+                                            "tiny, or a JSON file of recipe options");
   const cli::Output& out = tool.output_dir("-o,--output", "folder of the scene");
   tool.stops_on_request();
 

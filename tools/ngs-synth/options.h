@@ -12,7 +12,7 @@ namespace ngs::cli {
 enum class Truth : std::uint8_t { kMasks, kHalves };
 
 struct SynthOptions {
-  int views = 0, width_px = 0, height_px = 0;
+  int view_count = 0, width_px = 0, height_px = 0;
   std::int64_t scene_seed = -1;
   std::string target;
   std::vector<std::string> mask_noise;
@@ -23,7 +23,7 @@ struct SynthOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.views, Field<int>{"views", "", "Number of cameras; 0: from the recipe", 0, 10000});
+    visit(self.view_count, Field<int>{"view_count", "", "Number of cameras; 0: from the recipe", 0, 10000});
     visit(self.width_px, Field<int>{"width_px", "px", "Image width; 0: from the recipe", 0, 16384});
     visit(self.height_px, Field<int>{"height_px", "px", "Image height; 0: from the recipe", 0, 16384});
     visit(self.scene_seed,

@@ -1,8 +1,9 @@
 // ngs-variance: reads scene.json, writes a labelled PLY with evidence, variance and the boundary set. Algorithm 1, step
-// 1. Sharded: `--views i/N --partial part.evidence` for each i, then `ngs-variance merge *.evidence -o out.ply`.
+// 1. Sharded: `--shard i/N --partial part.evidence` for each i, then `ngs-variance merge *.evidence -o out.ply`.
 #include "ngs/io/files/content_hash.h"
 #include "ngs/io/formats/splat_format.h"
 #include "ngs/io/image/masks.h"
+#include "ngs/problem/view_list.h"
 #include "ngs/stages/render/render_options.h"
 #include "shared/cli/dispatch.h"
 #include "shared/scene/scene_model.h"
@@ -13,11 +14,11 @@ namespace {
 
 using namespace ngs;
 struct ShardOptions {
-  std::string views = "0/1";
+  std::string shard = "0/1";
   std::vector<std::string> object;
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.views, Text{"views", "i/N", "Use only shard i of N (from 0) of the training views; for --partial"});
+    visit(self.shard, Text{"shard", "i/N", "Use only part i of N (from 0) of the training views; for --partial"});
     visit(self.object, Text{"object", "NAME", "Use only this object of the scene"});
   }
 };
@@ -25,7 +26,7 @@ struct ShardOptions {
 int label_scene(int argc, char** argv) {
   cli::Tool tool(
       "ngs-variance", "Find the boundary Gaussians by the normalised variance of all masks (Eq. 3).",
-      {"ngs-variance scene.json -o boundary.ply", "ngs-variance scene.json --views 0/8 --partial part0.evidence"});
+      {"ngs-variance scene.json -o boundary.ply", "ngs-variance scene.json --shard 0/8 --partial part0.evidence"});
   VarianceOptions options;
   RasterOptions raster;
   ShardOptions shard;
@@ -34,8 +35,8 @@ int label_scene(int argc, char** argv) {
   const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene");
   const cli::Output& out = tool.optional_output("-o,--output", "labelled PLY");
   const cli::Output& partial = tool.optional_output("--partial", "evidence of these views, for `ngs-variance merge`");
-  const cli::Output& layers =
-      tool.optional_output_dir("--layers", "folder for one EXR per view: mask, prob, variance, boundary");
+  const cli::Output& exr =
+      tool.optional_output_dir("--exr", "folder for one EXR per view: mask, prob, variance, boundary");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
     check_tau(options);
@@ -44,12 +45,12 @@ int label_scene(int argc, char** argv) {
     if (!out && !partial)
       throw Error(ErrorCode::kUsage, "no output is given", "give -o boundary.ply or --partial part.evidence");
     io::require_ply_output(out.path);
-    const std::vector<std::size_t> views = variance::shard_of(training_views(scene), shard.views);
+    const std::vector<std::size_t> views = variance::shard_of(training_views(scene), shard.shard);
     if (out && views.size() != training_views(scene).size())
       throw Error(ErrorCode::kUsage,
-                  "-o requires the evidence of all views, --views " + shard.views + " is only a part",
+                  "-o requires the evidence of all views, --shard " + shard.shard + " is only a part",
                   "write parts with --partial and merge them");
-    const auto bands = layers ? io::HigherBands::kRead : io::HigherBands::kCheckOnly;
+    const auto bands = exr ? io::HigherBands::kRead : io::HigherBands::kCheckOnly;
     const io::GaussianPly ply = io::read_gaussian_ply(scene.model_path, {bands});
     run.result()["views"] = views.size();
     if (run.dry_run()) {
@@ -72,7 +73,7 @@ int label_scene(int argc, char** argv) {
     if (!out) return 0;
     const auto labelled = variance::label(options, scene, ply, std::move(part.evidence));
     variance::write_labels(run, labelled, out.path);
-    if (layers) variance::write_layers(run, labelled, splat_options(raster, ply.cloud, scene), layers.path);
+    if (exr) variance::write_exr(run, labelled, splat_options(raster, ply.cloud, scene), exr.path);
     return 0;
   });
 }

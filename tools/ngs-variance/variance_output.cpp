@@ -1,6 +1,7 @@
 #include "variance_output.h"
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <set>
 
@@ -9,10 +10,10 @@
 #include "ngs/io/image/exr.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/options/name_of.h"
+#include "ngs/problem/view_list.h"
 #include "ngs/scene/view_names.h"
 #include "ngs/stages/render/render_options.h"
 #include "shared/scene/memory_model.h"
-#include "shared/scene/shard.h"
 
 namespace ngs::variance {
 namespace {
@@ -60,8 +61,15 @@ std::int64_t report_counts(cli::Run& run, const LabelledScene& labelled) {
 }  // namespace
 
 std::vector<std::size_t> shard_of(const std::vector<std::size_t>& views, const std::string& shard) {
-  const auto [i, n] = cli::parse_shard("--views", shard);
-  const auto bound = [&, n = n](std::size_t k) { return views.begin() + std::ptrdiff_t(views.size() * k / n); };
+  std::size_t i = 0, n = 0;
+  const char *begin = shard.data(), *end = begin + shard.size();
+  const auto first = std::from_chars(begin, end, i);
+  const bool slash = first.ec == std::errc() && first.ptr != end && *first.ptr == '/';
+  const auto second = slash ? std::from_chars(first.ptr + 1, end, n) : first;
+  constexpr std::size_t kMaxShards = std::size_t(1) << 20;
+  if (!slash || second.ec != std::errc() || second.ptr != end || i >= n || n > kMaxShards)
+    throw Error(ErrorCode::kUsage, "--shard: '" + shard + "', expected i/N with 0 <= i < N", "for example --shard 0/8");
+  const auto bound = [&](std::size_t k) { return views.begin() + std::ptrdiff_t(views.size() * k / n); };
   return {bound(i), bound(i + 1)};
 }
 
@@ -148,8 +156,8 @@ void write_labels(cli::Run& run, const LabelledScene& labelled, const std::strin
   io::write_labelled_ply(path, ply, named, columns);
 }
 
-void write_layers(cli::Run& run, const LabelledScene& labelled, const SplatOptions& splat, const std::string& folder) {
-  const auto timed = run.monitor().scope("layers");
+void write_exr(cli::Run& run, const LabelledScene& labelled, const SplatOptions& splat, const std::string& folder) {
+  const auto timed = run.monitor().scope("exr");
   const Scene& scene = labelled.scene;
   const GaussianCloud& cloud = labelled.ply.cloud;
   const LabelColumns& first = labelled.labels.front();

@@ -44,6 +44,6 @@ void write_labels(cli::Run& run, const LabelledScene& labelled, const std::strin
 
 /// One EXR per training view with the first object's ngs.mask, ngs.prob, ngs.variance and ngs.boundary,
 /// alpha-composited.
-void write_layers(cli::Run& run, const LabelledScene& labelled, const SplatOptions& splat, const std::string& folder);
+void write_exr(cli::Run& run, const LabelledScene& labelled, const SplatOptions& splat, const std::string& folder);
 
 }  // namespace ngs::variance

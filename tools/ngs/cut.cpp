@@ -88,7 +88,7 @@ std::vector<std::string> capture_flags(const OptionSet& options) {
 /// The given options, or those of one group, as command line arguments.
 Words given_words(const OptionSet& options, const std::string& group = {}) {
   Words words;
-  for (const OptionEntry* entry : options.given()) {
+  for (const OptionEntry* entry : options.changed()) {
     if (!group.empty() && entry->group->name != group) continue;
     const std::string flag = option_flag(entry->name);
     const Json value = entry->get();
@@ -132,7 +132,8 @@ std::optional<Scene> scene_of_renders(SourceKind kind, const std::string& path) 
 
 /// Warns about options that have no effect on this kind of source.
 void warn_unused_options(cli::Run& run, cli::Tool& tool, SourceKind kind, bool has_renders) {
-  if (kind != SourceKind::kSplat) run.warn_unused({"--up", "--size", "--views"}, "except for a splat without photos");
+  if (kind != SourceKind::kSplat)
+    run.warn_unused({"--up", "--size", "--view-count"}, "except for a splat without photos");
   if (!has_renders) run.warn_unused({"--around"}, "except for a splat without photos");
   if (kind != SourceKind::kCapture) {
     run.warn_unused({"--image-scale"}, "except for a capture");

@@ -107,9 +107,9 @@ bool CutChain::orbit() {
   append(words, "--around", options_.around);
   append(words, "--up", options_.up == "auto" ? "" : options_.up);
   append(words, "--size", options_.size);
-  append(words, "--views", options_.views > 0 ? std::to_string(options_.views) : "");
+  append(words, "--view-count", options_.view_count > 0 ? std::to_string(options_.view_count) : "");
   append(words, "--hold-out", options_.hold_out);
-  append(words, "--max-views", most_views(options_));
+  append(words, "--max-views", max_views(options_));
   Json key{{"version", kVersion}, {"options", Words(words.begin() + 5, words.end())}};
   const std::string key_file = at("orbit/made_from.json");
   if (!run_.dry_run()) {
@@ -210,7 +210,7 @@ void CutChain::remove_results_of_training() const {
 
 bool CutChain::write_page() { return stage("ngs-report", {"ngs-report", inputs_.out, "-o", at("report.html")}); }
 
-/// Without photos: the result of --method flash, with masks of the images' size. False: stopped by a
+/// Without photos: the labels of --method flash, and masks of the images' size. False: stopped by a
 /// signal.
 bool CutChain::cut_untrained() {
   stages_.begin("first look");
@@ -223,6 +223,12 @@ bool CutChain::cut_untrained() {
     return true;
   }
   if (!untrained_) return false;
+  if (untrained_
+          ->is_expected) {  // on large pictures fewer Gaussians are hidden, which the expected object labels better
+    std::optional<FlashCut> small = flash(ply, 0);
+    if (!small) return false;
+    untrained_->labels = std::move(small->labels), untrained_->figures = small->figures;
+  }
   untrained_quality_ = quality_of(ply.cloud, untrained_->labels.label.values(), untrained_->segmented);
   if (untrained_->is_expected) render_masks_from_labels(run_, ply.cloud, *untrained_);
   return true;
@@ -309,9 +315,10 @@ bool CutChain::cut() {
   if (marked && !run_.dry_run() && !check_strokes()) return false;
   if (!stage("ngs-joint",
              {"ngs-joint", scene, at("boundary.ply"), "--quality",
-              std::string(name_of(kQualityNames, options_.quality)), "--trace", at("trace.jsonl"), "-o", trained}) ||
-      !extract(trained))
+              std::string(name_of(kQualityNames, options_.quality)), "--trace", at("trace.jsonl"), "-o", trained}))
     return false;
+  if (untrained_ && untrained_->is_expected) keep_first_labels(trained);
+  if (!extract(trained)) return false;
   if (run_.dry_run()) return true;
   if (marked) keep_better_result();
   if (kept_untrained_ && !finish_untrained()) return false;
@@ -320,10 +327,19 @@ bool CutChain::cut() {
   return true;
 }
 
+/// The masks of training were segmented from the expected object: Gaussians whose masks disagree keep its labels. A
+/// model in which training has split Gaussians stays as it is.
+void CutChain::keep_first_labels(const std::string& trained) const {
+  const io::GaussianPly ply = io::read_gaussian_ply(trained);
+  std::vector<io::NamedLabels> objects{{ply.object, ply.labels}};
+  if (ply.labels.label.size() != untrained_->labels.label.size()) return;
+  io::write_labelled_ply(trained, ply, objects, {.fixed = fix_boundary(untrained_->labels, objects[0].columns)});
+}
+
 /// With strokes only the components that they touch are written, and labels are rounded, so that masks and page show
 /// the written object.
 bool CutChain::extract(const std::string& trained) {
-  Words words{"ngs-extract", trained, "--object", at("object.ply"), "--background", at("background.ply")};
+  Words words{"ngs-extract", trained, "--object-ply", at("object.ply"), "--background-ply", at("background.ply")};
   if (!inputs_.strokes.empty()) append(words, "--labelled", at("labelled.ply"));
   const bool by_strokes = !inputs_.strokes.empty() && !options_.all_pieces;
   if (by_strokes || options_.finish) append(words, "--scene", at("scene.json"));
@@ -336,17 +352,18 @@ bool CutChain::extract(const std::string& trained) {
   return stage("ngs-extract", words);
 }
 
-/// Applies --finish and --fill to an untrained result, which is written without ngs-extract. False: stopped by a signal.
+/// Applies --finish and --fill to an untrained result, which is written without ngs-extract. False: stopped by a
+/// signal.
 bool CutChain::finish_untrained() {
   const std::string fill = fill_word(options_);
   if (fill.empty() && !options_.finish) return true;
   Words words{"ngs-extract", at("labelled.ply")};
   if (options_.finish) {
-    append(words, "--object", at("object.ply"));
+    append(words, "--object-ply", at("object.ply"));
     append(words, "--scene", at("scene.json"));
     words.emplace_back("--finish");
   }
-  if (!fill.empty()) append(words, "--background", at("background.ply"));
+  if (!fill.empty()) append(words, "--background-ply", at("background.ply"));
   append(words, "--fill", fill);
   return stage("ngs-extract", words);
 }

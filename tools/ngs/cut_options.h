@@ -21,7 +21,7 @@ struct CutOptions {
   std::string hold_out;
   std::string view;
   std::string around, up = "auto", size;
-  int views = 0;
+  int view_count = 0;
   double image_scale = 0;
   FillOptions fill;
 
@@ -40,7 +40,8 @@ struct CutOptions {
           Text{"around", "X,Y,Z,R", "Splat: where the object is (centre, radius); default: the bulk of the splat"});
     visit(self.up, Text{"up", "AXIS", "Splat: axis that points upwards, as in ngs-scene orbit"});
     visit(self.size, Text{"size", "WxH", "Splat: size of the renders in pixels; default: as ngs-scene orbit"});
-    visit(self.views, Field<int>{"views", "", "Splat: number of pictures to make; 0: as many as needed", 0, 1000});
+    visit(self.view_count,
+          Field<int>{"view_count", "", "Splat: number of pictures to make; 0: as many as needed", 0, 1000});
     visit(self.image_scale, Field<double>{"image_scale", "",
                                           "Capture: working size relative to the photos; 0: 800 px at most", 0.0, 1.0});
     FillOptions::describe(self.fill, visit);

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostViews = 32;
+constexpr int kMaxViews = 32;
 
 }  // namespace
 
@@ -73,9 +73,9 @@ std::vector<PixelMask> read_flash_masks(const std::string& folder, const FlashCu
   return masks;
 }
 
-std::string most_views(const CutOptions& options) {
-  if (options.views > 0) return std::to_string(options.views);
-  return options.method == CutMethod::kFlash ? std::to_string(kMostViews) : "";
+std::string max_views(const CutOptions& options) {
+  if (options.view_count > 0) return std::to_string(options.view_count);
+  return options.method == CutMethod::kFlash ? std::to_string(kMaxViews) : "";
 }
 
 std::optional<FlashCut> flash_cut(cli::Run& run, const io::GaussianPly& ply, const FlashInputs& in) {

@@ -55,7 +55,7 @@ std::vector<PixelMask> read_flash_masks(const std::string& folder, const FlashCu
 void write_flash_models(cli::Run& run, const std::string& folder, const io::GaussianPly& ply,
                         const LabelColumns& labels);
 
-/// Value of ngs-scene orbit --max-views: --views, else a limit for --method flash; empty: the default.
-std::string most_views(const CutOptions& options);
+/// Value of ngs-scene orbit --max-views: --view-count, else a limit for --method flash; empty: the default.
+std::string max_views(const CutOptions& options);
 
 }  // namespace ngs::front

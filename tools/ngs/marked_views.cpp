@@ -7,7 +7,7 @@
 #include "ngs/ops/image/connected_components.h"
 #include "ngs/ops/image/image_bytes.h"
 #include "ngs/scene/view_names.h"
-#include "ngs/stages/masks/hand_prompt.h"
+#include "ngs/stages/masks/rasterise_prompt.h"
 #include "shared/scene/prompt_input.h"
 
 namespace ngs::front {

@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A tool that does not end within this time after a signal is killed; ngs cut must end within one second.
-constexpr double kPatienceS = 0.7;
+constexpr double kGrace_s = 0.7;
 
 /// Removes unfinished files of a tool that had to be killed.
 void remove_unfinished(const std::string& folder) {
@@ -123,7 +123,7 @@ bool StageRunner::run(const std::string& name, const Words& words) {
   const cli::ChildResult child =
       cli::run_child(argv, {.time_s = std::numeric_limits<double>::infinity(),
                             .stop = [this] { return run_.monitor().stop_requested(); },
-                            .patience_on_stop_s = kPatienceS,
+                            .grace_on_stop_s = kGrace_s,
                             .on_line = [this](const std::string& line) { on_output_line(line); }});
   if (child.end == cli::ChildResult::End::kStopped) return remove_unfinished(folder_), false;
   if (child.end == cli::ChildResult::End::kSignalled) {

@@ -5,14 +5,14 @@
 
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/scene/mask_threshold.h"
-#include "ngs/stages/masks/hand_prompt.h"
+#include "ngs/stages/masks/rasterise_prompt.h"
 #include "ngs/stages/render/render_options.h"
 #include "shared/scene/prompt_input.h"
 
 namespace ngs::front {
 namespace {
 
-constexpr std::size_t kMostTold = 3;
+constexpr std::size_t kMaxListed = 3;
 
 }  // namespace
 
@@ -45,14 +45,14 @@ StrokeAgreement StrokeCheck::of(const GaussianCloud& cloud, std::vector<float> l
 
 std::string broken_text(const StrokeAgreement& agreement) {
   std::string text;
-  for (std::size_t i = 0; i < std::min(kMostTold, agreement.broken.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kMaxListed, agreement.broken.size()); ++i) {
     const BrokenStroke& stroke = agreement.broken[i];
     text += (i > 0 ? "; " : "") + stroke.view + ": " + std::to_string(std::lround(100 * stroke.wrong)) + " % of the " +
             (stroke.object ? "object" : "background") + " stroke at " + std::to_string(stroke.x) + "," +
             std::to_string(stroke.y) + " is " + (stroke.object ? "background" : "object");
   }
-  if (agreement.broken.size() > kMostTold)
-    text += "; and " + std::to_string(agreement.broken.size() - kMostTold) + " more strokes";
+  if (agreement.broken.size() > kMaxListed)
+    text += "; and " + std::to_string(agreement.broken.size() - kMaxListed) + " more strokes";
   return text;
 }
 

@@ -79,6 +79,9 @@ struct AddWide {
 
 class CudaLauncher {
  public:
+  static constexpr bool kSpoilsHost = false;  // the host's values of resident arrays
+  ResidentTable resident;
+
   static NGS_HD void atomic_add(float* to, float x) {
 #ifdef __CUDA_ARCH__
     atomicAdd(to, x);
@@ -91,10 +94,10 @@ class CudaLauncher {
   void parallel_for(std::int64_t n, const Kernel& kernel) {
     if (n <= 0) return;
     constexpr int kBlock = 256;
-    constexpr std::int64_t kMostBlocks = std::int64_t(1) << 20;
+    constexpr std::int64_t kMaxBlocks = std::int64_t(1) << 20;
     const std::int64_t blocks = ceil_div<std::int64_t>(n, kBlock);
     detail::KernelClock clock(Kernel::kName, stream());
-    detail::index_kernel<<<unsigned(blocks < kMostBlocks ? blocks : kMostBlocks), kBlock, 0, stream()>>>(n, kernel);
+    detail::index_kernel<<<unsigned(blocks < kMaxBlocks ? blocks : kMaxBlocks), kBlock, 0, stream()>>>(n, kernel);
     check_cuda(cudaGetLastError(), Kernel::kName);
     clock.stop();
     last_kernel_ = Kernel::kName;
@@ -103,9 +106,9 @@ class CudaLauncher {
   template <class Kernel>
   void launch_blocks(std::int64_t n, const Kernel& kernel) {
     static_assert(sizeof(typename Kernel::Shared) <= 48 * 1024, "more shared memory needs an opt-in attribute");
-    constexpr std::int64_t kMost = 0x7fffffff;
-    for (std::int64_t first = 0; first < n; first += kMost) {
-      const std::int64_t count = n - first < kMost ? n - first : kMost;
+    constexpr std::int64_t kMaxLaunched = 0x7fffffff;
+    for (std::int64_t first = 0; first < n; first += kMaxLaunched) {
+      const std::int64_t count = n - first < kMaxLaunched ? n - first : kMaxLaunched;
       detail::KernelClock clock(Kernel::kName, stream());
       detail::block_kernel<<<unsigned(count), Kernel::kThreads, 0, stream()>>>(first, kernel);
       check_cuda(cudaGetLastError(), Kernel::kName);
@@ -158,20 +161,30 @@ class CudaLauncher {
     // A fault of a kernel surfaces here: in the last kernel or in an earlier one.
     check_cuda(cudaStreamSynchronize(stream()), (std::string("kernels up to ") + last_kernel_).c_str());
   }
+  void copy(void* to, const void* from, std::size_t bytes) {
+    check_cuda(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice, stream()), "copy");
+  }
   void fill_zero(void* device, std::size_t bytes) { check_cuda(cudaMemsetAsync(device, 0, bytes, stream()), "fill"); }
 
  private:
   const char* last_kernel_ = "none";
+  /// The pool keeps freed memory, so that later allocations do not reach the operating system.
+  static void keep_freed_memory() {
+    int device = 0;
+    cudaMemPool_t pool = nullptr;
+    std::uint64_t threshold = ~std::uint64_t(0);
+    check_cuda(cudaGetDevice(&device), "device");
+    check_cuda(cudaDeviceGetDefaultMemPool(&pool, device), "memory pool");
+    check_cuda(cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &threshold), "memory pool");
+  }
   static cudaStream_t stream() {
     static const cudaStream_t only = [] {
       cudaStream_t created = nullptr;
       check_cuda(cudaStreamCreateWithFlags(&created, cudaStreamNonBlocking), "stream");
+      keep_freed_memory();
       return created;
     }();
     return only;
-  }
-  void copy(void* to, const void* from, std::size_t bytes) {
-    check_cuda(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice, stream()), "copy");
   }
 };
 

@@ -9,7 +9,8 @@
 //   launcher.sort(keys, values, n, bits)   stable, ascending by the lowest `bits` of the 64-bit keys; in place
 //   launcher.exclusive_scan(in, out, n)    out[i] = in[0] + ... + in[i - 1] for i <= n: n + 1 results
 //   Launcher::atomic_add(float*, x)        in a kernel: adds where other threads may add too, in any order
-//   launcher.upload / download / fill_zero, launcher.allocate / release
+//   launcher.upload / download / copy / fill_zero, launcher.allocate / release
+//   launcher.resident                      host arrays whose values are in device memory (backend/resident_table.h)
 //
 // All pointers in kernels are device pointers. Launches run in order; download waits for them. A kernel has a kName.
 //
@@ -27,11 +28,12 @@
 #include <utility>
 #include <vector>
 
+#include "ngs/backend/resident_table.h"
 #include "ngs/core/hd.h"
 
 namespace ngs {
 
-/// Owns device memory, uninitialised until written. It is freed in order with the launches.
+/// Device memory, uninitialised until written: its own, freed in order with the launches, or a resident array's.
 template <class Launcher, class T>
 class DeviceBuffer {
  public:
@@ -39,14 +41,22 @@ class DeviceBuffer {
   DeviceBuffer(Launcher& launcher, std::int64_t size) : launcher_(&launcher), size_(size) {
     if (size > 0) data_ = static_cast<T*>(launcher.allocate(std::size_t(size) * sizeof(T)));
   }
-  /// A copy of `host`.
-  DeviceBuffer(Launcher& launcher, const T* host, std::int64_t size) : DeviceBuffer(launcher, size) {
-    if (size > 0) launcher.upload(data_, host, std::size_t(size) * sizeof(T));
+  /// `host` if it is resident, else a copy of it.
+  DeviceBuffer(Launcher& launcher, const T* host, std::int64_t size) : DeviceBuffer(result(launcher, host, size)) {
+    if (is_own_ && size > 0) launcher.upload(data_, host, bytes());
+  }
+  /// Memory for values that to(host) will store: `host` if it is resident, else memory of its own.
+  static DeviceBuffer result(Launcher& launcher, const T* host, std::int64_t size) {
+    void* const resident = launcher.resident.find(host, std::size_t(size) * sizeof(T));
+    if (resident == nullptr) return DeviceBuffer(launcher, size);
+    DeviceBuffer found;
+    found.launcher_ = &launcher, found.data_ = static_cast<T*>(resident), found.size_ = size, found.is_own_ = false;
+    return found;
   }
   DeviceBuffer(Launcher& launcher, const std::vector<T>& host)
       : DeviceBuffer(launcher, host.data(), std::int64_t(host.size())) {}
   ~DeviceBuffer() {
-    if (data_ != nullptr) launcher_->release(data_);
+    if (is_own_ && data_ != nullptr) launcher_->release(data_);
   }
   DeviceBuffer(DeviceBuffer&& other) noexcept { swap(other); }
   DeviceBuffer& operator=(DeviceBuffer&& other) noexcept {
@@ -57,11 +67,16 @@ class DeviceBuffer {
   T* data() const { return data_; }
   std::int64_t size() const { return size_; }
   void zero() {
-    if (size_ > 0) launcher_->fill_zero(data_, std::size_t(size_) * sizeof(T));
+    if (size_ > 0) launcher_->fill_zero(data_, bytes());
   }
-  /// Copies to host memory of `size()` values.
+  /// Copies to host memory of `size()` values, or to the device's copy of it.
   void to(T* host) const {
-    if (size_ > 0) launcher_->download(host, data_, std::size_t(size_) * sizeof(T));
+    if (size_ == 0) return;
+    void* const resident = launcher_->resident.find(host, bytes());
+    if (resident == nullptr)
+      launcher_->download(host, data_, bytes());
+    else if (resident != data_)
+      launcher_->copy(resident, data_, bytes());
   }
   void to(std::vector<T>& host) const {
     host.resize(std::size_t(size_));
@@ -69,12 +84,15 @@ class DeviceBuffer {
   }
 
  private:
+  std::size_t bytes() const { return std::size_t(size_) * sizeof(T); }
   void swap(DeviceBuffer& other) noexcept {
     std::swap(launcher_, other.launcher_), std::swap(data_, other.data_), std::swap(size_, other.size_);
+    std::swap(is_own_, other.is_own_);
   }
   Launcher* launcher_ = nullptr;
   T* data_ = nullptr;
   std::int64_t size_ = 0;
+  bool is_own_ = true;
 };
 
 template <class T>

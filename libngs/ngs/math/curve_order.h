@@ -43,13 +43,13 @@ class MortonGrid {
   }
   /// The cell of an included point, below kCells; kCells if a coordinate is not finite.
   std::uint64_t cell_of(const float* point) const {
-    constexpr double kMost = (1 << 21) - 1;
+    constexpr double kMaxCell = (1 << 21) - 1;
     if (!is_finite(point)) return kCells;
     std::uint64_t cell = 0;
     for (std::size_t a = 0; a < 3; ++a) {
       const double span = double(high_[a]) - double(low_[a]);
       const double share = span > 0 ? (double(point[a]) - double(low_[a])) / span : 0;
-      cell |= spread_by_three(std::uint64_t(share * kMost)) << a;
+      cell |= spread_by_three(std::uint64_t(share * kMaxCell)) << a;
     }
     return cell;
   }

@@ -11,9 +11,10 @@ inline DoublePair::Two add_to_odd(DoublePair::Two product, DoublePair::Two added
   typedef std::int64_t Bits __attribute__((vector_size(16)));
   const DoublePair::Two zero = {0, 0}, sum = product + added;
   const DoublePair::Two part = sum - product, error = (product - (sum - part)) + (added - part);
-  const Bits below = error < zero, inexact = below | (error > zero);  // neither for NaN, which is infinity's error
-  const Bits even = (Bits(sum) & 1) - 1;                              // all bits, or none
-  const Bits towards_error = (below ^ (sum < zero)) | 1;              // 1 away from zero, -1 towards it
+  const Bits below = error < zero,
+             inexact = below | (error > zero);            // both are 0 if `error` is NaN, as for an infinite sum
+  const Bits even = (Bits(sum) & 1) - 1;                  // all bits, or none
+  const Bits towards_error = (below ^ (sum < zero)) | 1;  // 1 away from zero, -1 towards it
   return DoublePair::Two(Bits(sum) + (inexact & even & towards_error));
 }
 /// a b + c, rounded once. The product of two floats is exact in double. The sum is rounded to odd with 29 bits to
@@ -23,8 +24,8 @@ inline QuadF fma_by_double(QuadF a, QuadF b, QuadF c) {
   return DoublePair(add_to_odd(x.low * y.low, z.low), add_to_odd(x.high * y.high, z.high)).narrow();
 }
 
-/// Half precision by integer arithmetic. A value below 2^-14 has a fixed step of 2^-24: the step of the
-/// floats above 1/2.
+/// Half precision by integer arithmetic. A half below 2^-14 is a multiple of 2^-24, the step of floats in [1/2, 1):
+/// adding 1/2 rounds to it.
 inline std::uint16_t half_bits(float x) {
   const std::uint32_t bits = __builtin_bit_cast(std::uint32_t, x), size = bits & 0x7fffffffu;
   const std::uint32_t fixed = __builtin_bit_cast(std::uint32_t, __builtin_bit_cast(float, size) + 0.5f) - 0x3f000000u;
@@ -56,7 +57,8 @@ struct PortableQuad {
     for (int i = 0; i < 4; ++i) out[i] = std::sqrt(x[i]);
     return out;
   }
-  /// Truncates, then subtracts 1 where that is above x. Values without fractional bits stay; a zero keeps its sign.
+  /// Truncates, and subtracts 1 where the truncated value exceeds x. Values without fractional bits stay; a zero keeps
+  /// its sign.
   static QuadF floor(QuadF x) {
     const QuadF most = {0x1p23f, 0x1p23f, 0x1p23f, 0x1p23f}, zero = {0, 0, 0, 0}, one = {1, 1, 1, 1};
     const QuadI small = (x < most) & (x > -most), sign = QuadI(x) & QuadI(-zero);

@@ -1,5 +1,5 @@
 #pragma once
-// The median as a robust scale: always a value of the sample, never a mean of two.
+// Quantiles of a sample: always a value of the sample, never a mean of two.
 #include <algorithm>
 #include <vector>
 
@@ -10,6 +10,13 @@ inline double upper_median(std::vector<double> values) {
   const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
+}
+
+/// The value of rank share · (n - 1), rounded down. `values` must not be empty.
+inline double quantile(std::vector<double> values, double share) {
+  const auto at = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
 }
 
 }  // namespace ngs

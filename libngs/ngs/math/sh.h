@@ -6,6 +6,15 @@ namespace ngs {
 
 inline constexpr double kShC0 = 0.28209479177387814;
 inline constexpr double kShC1 = 0.4886025119029199;
+/// The colour of a Gaussian without view dependence, from its coefficient of the constant band; and the inverse.
+template <class T>
+NGS_HD constexpr T colour_of_dc(T dc) {
+  return T(0.5) + T(kShC0) * dc;
+}
+template <class T>
+NGS_HD constexpr T dc_of_colour(T colour) {
+  return (colour - T(0.5)) / T(kShC0);
+}
 /// Factors of the second and third band. Functions, because device code cannot read a host array.
 NGS_HD constexpr double sh_c2(int k) {
   constexpr double kFactor[5] = {1.0925484305920792, -1.0925484305920792, 0.31539156525252005, -1.0925484305920792,

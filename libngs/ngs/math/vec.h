@@ -1,5 +1,7 @@
 #pragma once
 // Small fixed-size algebra, templated on the scalar (float, double, long double, Dual, SIMD pack).
+#include <cmath>
+
 #include "ngs/core/hd.h"
 
 namespace ngs {
@@ -36,6 +38,12 @@ NGS_HD T dot(Vec3<T> a, Vec3<T> b) {
 template <class T>
 NGS_HD Vec3<T> cross(Vec3<T> a, Vec3<T> b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline double length(Vec3<double> v) { return std::sqrt(dot(v, v)); }
+/// v / |v|; +z for the zero vector.
+inline Vec3<double> unit(Vec3<double> v) {
+  const double n = length(v);
+  return n > 0 ? (1 / n) * v : Vec3<double>{0, 0, 1};
 }
 template <class T>
 NGS_HD Vec3<T> vec3(const T* p) {

@@ -9,7 +9,7 @@ namespace ngs {
 namespace {
 
 /// The object with the largest share, if it exceeds the background's share plus gamma; otherwise -1.
-int heaviest_object(const FlashOptions& options, const std::vector<LabelColumns>& labels, std::size_t row) {
+int largest_share_object(const FlashOptions& options, const std::vector<LabelColumns>& labels, std::size_t row) {
   double object_sum = 0, square_sum = 0, best_share = 0;
   int best = -1;
   for (std::size_t k = 0; k < labels.size(); ++k) {
@@ -18,9 +18,9 @@ int heaviest_object(const FlashOptions& options, const std::vector<LabelColumns>
     if (share > best_share) best = int(k), best_share = share;
   }
   const double background = std::max(0.0, 1 - object_sum);  // shares of overlapping objects may sum to more than 1
-  const double length =
+  const double norm =
       options.norm == FlashNorm::kL1 ? background + object_sum : std::sqrt(background * background + square_sum);
-  return best_share / length > background / length + options.gamma ? best : -1;
+  return best_share / norm > background / norm + options.gamma ? best : -1;
 }
 
 }  // namespace
@@ -37,12 +37,12 @@ Solution run_flash(const Exec& exec, Monitor& monitor, const FlashOptions& optio
   result.labels = closed_form_labels(exec, monitor, input);
   const auto timed = monitor.scope("flash");
   const double threshold = flash_threshold(options);
-  const bool one_of_several = result.labels.size() > 1;
+  const bool exclusive = result.labels.size() > 1;
   for (std::size_t i = 0; i < std::size_t(input.cloud.size()); ++i) {
-    const int owner = one_of_several ? heaviest_object(options, result.labels, i) : -1;
+    const int owner = exclusive ? largest_share_object(options, result.labels, i) : -1;
     for (std::size_t k = 0; k < result.labels.size(); ++k) {
       LabelColumns& c = result.labels[k];
-      const bool object = one_of_several ? owner == int(k) : double(c.prob[i]) > threshold;
+      const bool object = exclusive ? owner == int(k) : double(c.prob[i]) > threshold;
       c.label[i] = float(c.views[i] > 0 && object);
     }
   }

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ngs/math/sh.h"
 #include "ngs/methods/cob_trainer.h"
 #include "ngs/methods/released_field.h"
 
 namespace ngs {
 namespace {
 
-constexpr double kShDc = 0.28209479177387814;  // rgb = 0.5 + kShDc · sh_dc
 // Published weights of the colour differences to neighbours, the change under jitter, and the mean density.
 constexpr double kContinuity = 0.1, kSmooth = 0.05, kDensity = 1e-3;
 constexpr double kRate = 1e-3;  // Adam rate of the network and the hash tables
@@ -52,11 +52,11 @@ Solution run_released(const Exec& exec, Monitor& monitor, const ReleasedOptions&
     for (const std::size_t i : rows)
       for (std::size_t c = 0; c < 3; ++c) {
         position.push_back(cloud.position[i * 3 + c]);
-        base.push_back(std::clamp(0.5 + kShDc * double(cloud.sh_dc[i * 3 + c]), 0.0, 1.0));
+        base.push_back(std::clamp(colour_of_dc(double(cloud.sh_dc[i * 3 + c])), 0.0, 1.0));
       }
     last = field.evaluate(e, weights, {position, base}, draw++, grad_base);
     for (std::size_t k = 0; k < base.size(); ++k)
-      if (base[k] > 0 && base[k] < 1) grad_sh_dc[rows[k / 3] * 3 + k % 3] += float(kShDc * grad_base[k]);
+      if (base[k] > 0 && base[k] < 1) grad_sh_dc[rows[k / 3] * 3 + k % 3] += float(kShC0 * grad_base[k]);
     field.step(e, kRate);
   };
   Solution result = run_cob_schedule(exec, monitor, cob, input, regulariser);

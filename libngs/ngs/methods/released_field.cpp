@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kLevels = 8, kFeatures = 2, kInputs = kLevels * kFeatures + 3, kHidden = 64, kHeads = 4, kNeighbours = 8;
 constexpr std::size_t kTable = 1u << 15;
-constexpr double kTint = 0.1, kBaseShare = 0.25, kJitter = 0.01, kLeastWeight = 1e-6;
+constexpr double kTint = 0.1, kBaseShare = 0.25, kJitter = 0.01, kMinWeight = 1e-6;
 constexpr std::int64_t kChunk = 256;  // rows per task of the backward pass
 
 // Parameters: tables, then weight and bias of each layer.
@@ -189,7 +189,7 @@ std::vector<double> rbf_weights(const KnnGraph& graph) {
     double sum = 0;
     for (std::size_t s = i * k; s < (i + 1) * k; ++s)
       sum += weight[s] = std::exp(-double(graph.dist2[s]) / (2 * sigma * sigma));
-    for (std::size_t s = i * k; s < (i + 1) * k; ++s) weight[s] /= std::max(sum, kLeastWeight);
+    for (std::size_t s = i * k; s < (i + 1) * k; ++s) weight[s] /= std::max(sum, kMinWeight);
   }
   return weight;
 }

@@ -135,7 +135,7 @@ std::vector<std::string> OptionSet::names() const {
   return names;
 }
 
-std::vector<const OptionEntry*> OptionSet::given() const {
+std::vector<const OptionEntry*> OptionSet::changed() const {
   std::vector<const OptionEntry*> given;
   for (const OptionEntry& entry : entries_)
     if (entry.get() != entry.default_value) given.push_back(&entry);

@@ -15,6 +15,7 @@
 
 #include "ngs/core/check.h"
 #include "ngs/options/field.h"
+#include "ngs/options/name_of.h"
 
 namespace ngs {
 
@@ -72,8 +73,9 @@ class OptionSet {
 
   const std::vector<OptionEntry>& entries() const { return entries_; }
   std::vector<std::string> names() const;
-  /// Options whose value differs from the default. Being set is no criterion: an options file sets all options.
-  std::vector<const OptionEntry*> given() const;
+  /// Options whose value differs from the default. Whether an option was set does not count, because an options file
+  /// sets all.
+  std::vector<const OptionEntry*> changed() const;
   /// The entry of this name, or Error(kUsage) that suggests the nearest names.
   const OptionEntry& at(std::string_view name, std::string_view source = {}) const;
 
@@ -167,11 +169,7 @@ struct Binder {
   void operator()(E& value, const Choice<E>& field) const {
     OptionEntry e = entry(field, "", OptionKind::kChoice);
     for (const NamedValue<E>& choice : field.values) e.choices.emplace_back(choice.name);
-    e.get = [&value, values = field.values] {
-      for (const NamedValue<E>& choice : values)
-        if (choice.value == value) return Json(std::string(choice.name));
-      throw std::logic_error("an option has a value outside its choices");
-    };
+    e.get = [&value, values = field.values] { return Json(name_of(values, value)); };
     e.set = [&value, values = field.values, name = e.name, names = e.choices](const Json& json) {
       value = values[checked_choice(name, json, names)].value;
     };

@@ -56,7 +56,7 @@ std::string why_not_used(std::string_view effects, const IsOn& is_on) {
 
 std::vector<std::string> unused_group_warnings(const OptionSet& options) {
   FlagsByReason unused;
-  for (const OptionEntry* entry : options.given())
+  for (const OptionEntry* entry : options.changed())
     if (const std::string& needs = entry->group->needs; !is_used(*entry))
       unused.add(needs.empty() ? "" : " without " + needs, option_flag(entry->name));
   return unused.texts();
@@ -64,7 +64,7 @@ std::vector<std::string> unused_group_warnings(const OptionSet& options) {
 
 std::vector<std::string> unused_effect_warnings(const OptionSet& options, const IsOn& is_on) {
   FlagsByReason unused;
-  for (const OptionEntry* entry : options.given()) {
+  for (const OptionEntry* entry : options.changed()) {
     const std::string reason = is_used(*entry) ? why_not_used(entry->effect, is_on) : "";
     if (!reason.empty()) unused.add(reason, option_flag(entry->name));
   }

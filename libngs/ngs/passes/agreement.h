@@ -18,7 +18,7 @@ std::vector<Agreement> training_agreement(const Exec& exec, const Problem& probl
 Agreement mean_agreement(const std::vector<Agreement>& views);
 
 struct AgreementTarget {
-  bool boundary;  // biou, else iou
+  bool boundary;  // the value is a boundary IoU, else an IoU
   double value;   // in [0, 1]
 };
 /// "biou=0.9" or "iou=0.95"; empty: none. kUsage otherwise.

@@ -16,24 +16,11 @@ bool was_aborted(const Json& before, std::string_view name) {
 
 /// Records that a pass was aborted.
 void abort_pass(PassRun& run, std::string_view name) {
-  run.budget.mark_cut();
+  run.budget.mark_partial();
   run.decisions.abort(name, "--time-budget: aborted, it would have exceeded its share");
   run.state[kAborted].push_back(std::string(name));
   run.report["effects"] = run.decisions.json();
 }
-
-}  // namespace
-
-void skip_for_time(PassRun& run, std::string_view effect, bool decided_again_on_resume) {
-  if (run.decisions.is_fixed(effect)) return;
-  if (run.decisions.may_be_on(effect, *run.problem)) {
-    run.budget.mark_cut();
-    if (!decided_again_on_resume) run.skipped.emplace(effect);
-  }
-  run.decisions.fix({effect, false, kSkippedForTime});
-}
-
-namespace {
 
 template <class Wanted>
 std::vector<Effect> effects_of(const std::vector<std::unique_ptr<Pass>>& passes, const Wanted& wanted) {
@@ -45,6 +32,15 @@ std::vector<Effect> effects_of(const std::vector<std::unique_ptr<Pass>>& passes,
 }
 
 }  // namespace
+
+void skip_for_time(PassRun& run, std::string_view effect, bool decided_again_on_resume) {
+  if (run.decisions.is_fixed(effect)) return;
+  if (run.decisions.may_be_on(effect, *run.problem)) {
+    run.budget.mark_partial();
+    if (!decided_again_on_resume) run.skipped.emplace(effect);
+  }
+  run.decisions.fix({effect, false, kSkippedForTime});
+}
 
 std::vector<Effect> Pipeline::effects() const {
   return effects_of(passes_, [](const Pass&) { return true; });
@@ -100,17 +96,18 @@ void Pipeline::decide_pass(const Pass& pass, PassRun& run, HeuristicContext& con
 void Pipeline::decide(PassStage stage, PassRun& run, const Problem& problem) const {
   prepare(run);
   const auto timed = run.monitor.scope("heuristics");
-  const std::size_t known = run.decisions.all().size();
+  const std::size_t decided_before = run.decisions.all().size();
   HeuristicContext context{problem, run.budget.deadline_s(kPassShare)};
   for (const auto& pass : passes_)
     if (pass->stage() == stage && !run.monitor.stop_requested()) decide_pass(*pass, run, context);
-  for (const Decision& d : std::span(run.decisions.all()).subspan(known))
+  for (const Decision& d : std::span(run.decisions.all()).subspan(decided_before))
     if (d.measured) run.log(decision_line(d));
   run.report["effects"] = run.decisions.json();
 }
 
-/// Runs a pass, and aborts it without a trace if it exceeds its share of the time. Checkpointed steps must start from
-/// the same state when they are resumed, so with a checkpoint no pass is aborted.
+/// Runs a pass. If the pass exceeds its share of the time, it is aborted, leaves the problem unchanged, and the report
+/// records it. Checkpointed steps must start from the same state when they are resumed, so with a checkpoint no pass is
+/// aborted.
 void Pipeline::run_in_time(Pass& pass, PassRun& run) const {
   const std::string_view name = pass.effects().front().name;
   const bool is_fixed_by_user = run.decisions.switch_of(name) != Switch::kAuto;
@@ -123,23 +120,24 @@ void Pipeline::run_in_time(Pass& pass, PassRun& run) const {
 
 bool Pipeline::run(PassStage stage, PassRun& run) const {
   prepare(run);
-  const auto each_of = [&](const auto& is_wanted, const auto& what) {
+  std::vector<Pass*> of_stage;
+  for (const auto& pass : passes_)
+    if (pass->stage() == stage) of_stage.push_back(pass.get());
+  for (Pass* pass : of_stage) {
+    if (run.monitor.stop_requested()) return false;
+    pass->begin(run);
+    if (run.on(pass->effects().front().name)) run_in_time(*pass, run);
+  }
+  for (Pass* pass : of_stage) {
+    if (run.monitor.stop_requested()) return false;
+    pass->finish(run);
+  }
+  if (stage == PassStage::kOptimise)
     for (const auto& pass : passes_) {
-      if (!is_wanted(*pass)) continue;
       if (run.monitor.stop_requested()) return false;
-      what(*pass);
+      pass->edit_solution(run);
     }
-    return !run.monitor.stop_requested();
-  };
-  const auto in_stage = [&](const Pass& pass) { return pass.stage() == stage; };
-  const auto in_last_stage = [&](const Pass&) { return stage == PassStage::kOptimise; };
-  return each_of(in_stage,
-                 [&](Pass& pass) {
-                   pass.begin(run);
-                   if (run.on(pass.effects().front().name)) run_in_time(pass, run);
-                 }) &&
-         each_of(in_stage, [&](Pass& pass) { pass.finish(run); }) &&
-         each_of(in_last_stage, [&](Pass& pass) { pass.edit_solution(run); });
+  return !run.monitor.stop_requested();
 }
 
 }  // namespace ngs

@@ -27,7 +27,7 @@ std::size_t add_view(const Exec& exec, const ImageF& rendered, const ViewMasks& 
     views.biou += pair.biou(exec);
   }
   views.disagreement.push_back(sum), views.shown.push_back(shown);
-  const PixelWindow w = window_of(masks.target, masks.width_px, masks.height_px, kRegionMargin_px);
+  const PixelWindow w = window_of(masks.target, masks.width_px, masks.height_px, kAnchorMargin_px);
   if (w.w > 0) views.outside = std::max(views.outside, weight_outside(rendered, w.x0, w.y0, w.x0 + w.w, w.y0 + w.h));
   return masks.target.size();
 }

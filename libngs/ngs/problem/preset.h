@@ -1,5 +1,6 @@
 #pragma once
-// The settings of --quality, one row per quality. No other code depends on the quality.
+// The settings of --quality, one row per quality. In libngs only this table depends on the quality; `ngs cut` also
+// shortens mask tracking in drafts (tools/ngs/cut_chain.cpp).
 #include <cstdint>
 
 #include "ngs/options/field.h"
@@ -18,16 +19,17 @@ struct Preset {
   bool contours;      // refine contours also without --contour-epochs
   int more_iterations;  // contour iterations in addition to the two or three that depend on the masks
   bool half_floaters;   // search floaters in fewer views, at half the size
+  bool bleed_through;   // look for Gaussians that are only visible through the object
 };
 
 constexpr Preset preset_of(Quality quality) {
   // clang-format off
-  //                                       epochs  samples  contours  more  floaters
+  //                                       epochs  samples  contours  more  floaters  bleed-through
   switch (quality) {
-    case Quality::kDraft:     return {          1,    true,    false,    0,     true};
-    case Quality::kStandard:  return {         10,   false,     true,    0,    false};
-    case Quality::kHigh:      return {         40,   false,     true,    2,    false};
-    case Quality::kReference: return {        160,   false,     true,    5,    false};
+    case Quality::kDraft:     return {          1,    true,    false,    0,     true,    false};
+    case Quality::kStandard:  return {         10,   false,     true,    0,    false,     true};
+    case Quality::kHigh:      return {         40,   false,     true,    2,    false,     true};
+    case Quality::kReference: return {        160,   false,     true,    5,    false,     true};
   }
   // clang-format on
   return {};

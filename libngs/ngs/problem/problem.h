@@ -19,7 +19,7 @@
 namespace ngs {
 
 /// Minimum share of object evidence of a Gaussian that is partly an object's.
-inline constexpr double kLeastForegroundShare = 0.05;
+inline constexpr double kMinForegroundShare = 0.05;
 
 /// Immutable label columns, one per object, shared by the problems of a run. With many objects they need more memory
 /// than the model.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <cstring>
 
 #include "ngs/core/check.h"
 #include "ngs/scene/mask_threshold.h"
@@ -15,18 +16,12 @@ void mark(const std::vector<LabelColumns>& labels, std::vector<std::uint8_t>& re
     for (std::size_t i = 0; i < region.size(); ++i) region[i] |= in_region(object, i);
 }
 
-std::uint32_t different_bits(float a, float b) {
-  return std::bit_cast<std::uint32_t>(a) ^ std::bit_cast<std::uint32_t>(b);
-}
-
-bool same_value(float a, float b) { return different_bits(a, b) == 0; }
+bool same_value(float a, float b) { return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b); }
 
 /// True: the rows of one column have the same bits.
 bool same_row(const std::vector<float>& a, std::size_t i, const std::vector<float>& b, std::size_t j,
               std::size_t width) {
-  std::uint32_t different = 0;
-  for (std::size_t k = 0; k < width; ++k) different |= different_bits(a[i * width + k], b[j * width + k]);
-  return different == 0;
+  return width == 0 || std::memcmp(&a[i * width], &b[j * width], width * sizeof(float)) == 0;
 }
 
 bool same_row(const GaussianCloud& a, std::size_t i, const GaussianCloud& b, std::size_t j) {
@@ -38,8 +33,7 @@ bool same_row(const GaussianCloud& a, std::size_t i, const GaussianCloud& b, std
 }  // namespace
 
 bool in_region(const LabelColumns& object, std::size_t row) {
-  return object.prob[row] >= kLeastRegionShare || label_is_foreground(object.label[row]) ||
-         is_set(object.boundary[row]);
+  return object.prob[row] >= kMinRegionShare || label_is_foreground(object.label[row]) || is_set(object.boundary[row]);
 }
 
 std::vector<std::uint8_t> region_of(const std::vector<LabelColumns>& labels) {
@@ -48,14 +42,14 @@ std::vector<std::uint8_t> region_of(const std::vector<LabelColumns>& labels) {
   return region;
 }
 
-std::vector<std::uint8_t> rows_with_evidence(const std::vector<LabelColumns>& labels) {
+std::vector<std::uint8_t> rows_with_foreground_evidence(const std::vector<LabelColumns>& labels) {
   std::vector<std::uint8_t> has_evidence(labels.empty() ? 0 : labels.front().prob.size(), 0);
   for (const LabelColumns& object : labels)
     for (std::size_t i = 0; i < has_evidence.size(); ++i) has_evidence[i] |= object.prob[i] > 0;
   return has_evidence;
 }
 
-void keep_outside(const std::vector<LabelColumns>& given, std::vector<LabelColumns>& labels) {
+void restore_outside_regions(const std::vector<LabelColumns>& given, std::vector<LabelColumns>& labels) {
   NGS_CHECK(given.size() == labels.size(), "labels of the same objects");
   std::vector<std::uint8_t> region = region_of(given);
   mark(labels, region);

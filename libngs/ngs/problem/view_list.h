@@ -1,8 +1,10 @@
 #pragma once
-// Helpers for lists of views.
+// Lists of views: of a scene, of a split, in an order.
 #include <algorithm>
+#include <string>
 #include <vector>
 
+#include "ngs/core/error.h"
 #include "ngs/core/monitor.h"
 #include "ngs/core/rng.h"
 #include "ngs/scene/scene.h"
@@ -27,6 +29,27 @@ inline std::vector<Camera> cameras_of(const Scene& scene, const std::vector<std:
   std::vector<Camera> cameras;
   for (const std::size_t view : views) cameras.push_back(scene.views[view].camera);
   return cameras;
+}
+
+/// Indices of the scene's training views.
+inline std::vector<std::size_t> training_views(const Scene& scene) {
+  std::vector<std::size_t> views;
+  for (std::size_t v = 0; v < scene.views.size(); ++v)
+    if (scene.views[v].split == Split::kTrain) views.push_back(v);
+  return views;
+}
+
+/// The scene with only the named objects, in the order of the scene; without names all. Throws kUsage for an unknown
+/// name.
+inline Scene with_objects(Scene scene, const std::vector<std::string>& names) {
+  if (names.empty()) return scene;
+  for (const std::string& name : names)
+    if (std::ranges::find(scene.objects, name, &SceneObject::name) == scene.objects.end())
+      throw Error(ErrorCode::kUsage, "the scene has no object '" + name + "'",
+                  "it has " + std::to_string(scene.objects.size()) + " objects, the first is '" +
+                      scene.objects.front().name + "'");
+  std::erase_if(scene.objects, [&](const SceneObject& o) { return std::ranges::find(names, o.name) == names.end(); });
+  return scene;
 }
 
 /// Indices of all views of the scene that have a photo, including held-out views.

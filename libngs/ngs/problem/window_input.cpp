@@ -24,13 +24,13 @@ PixelWindow merged(const PixelWindow& a, const PixelWindow& b) {
   return {x0, y0, std::max(a.x0 + a.w, b.x0 + b.w) - x0, std::max(a.y0 + a.h, b.y0 + b.h) - y0};
 }
 
-/// The half-open range of indices that contains all of `count` except kStrayShare of the sum at each side.
+/// The half-open range of indices that contains all of `count` except kOutlierShare of the sum at each side.
 std::pair<int, int> core_range(const std::vector<double>& count) {
   double all = 0;
   for (const double c : count) all += c;
   int begin = 0, end = int(count.size());
-  for (double left = kStrayShare * all; begin < end && (left -= count[std::size_t(begin)]) >= 0;) ++begin;
-  for (double left = kStrayShare * all; begin < end && (left -= count[std::size_t(end - 1)]) >= 0;) --end;
+  for (double left = kOutlierShare * all; begin < end && (left -= count[std::size_t(begin)]) >= 0;) ++begin;
+  for (double left = kOutlierShare * all; begin < end && (left -= count[std::size_t(end - 1)]) >= 0;) --end;
   return {begin, end};
 }
 
@@ -70,10 +70,6 @@ std::vector<double> shares(const Scene& uncropped, const std::vector<PixelWindow
   }
   return share;
 }
-
-}  // namespace
-
-namespace {
 
 /// The boxes of the masks, without margins.
 ObjectWindows mask_windows(const Exec& exec, const Problem& problem) {
@@ -183,22 +179,22 @@ WindowInput::WindowInput(const Problem& uncropped, std::shared_ptr<const ObjectW
     : uncropped_(uncropped),
       windows_(std::move(windows)),
       scene_(with_windows(uncropped.scene, windows_->window)),
-      in_windows_(uncropped.cropped(
+      cropped_(uncropped.cropped(
           scene_, [this](std::size_t view) { return masks(view); },
           [this](std::size_t view) { return cropped_photo(uncropped_.load_photo(view), view); },
           shares(uncropped.scene, windows_->window))) {
-  in_windows_.views.clear();
+  cropped_.views.clear();
   for (const std::size_t v : uncropped.views)
-    if (windows_->window[v].w > 0) in_windows_.views.push_back(v);
+    if (windows_->window[v].w > 0) cropped_.views.push_back(v);
   if (uncropped.load_fine_photo)
-    in_windows_.load_fine_photo = [this](std::size_t view) {
+    cropped_.load_fine_photo = [this](std::size_t view) {
       return cropped_photo(uncropped_.load_fine_photo(view), view);
     };
 }
 
 ViewMasks WindowInput::masks(std::size_t view) const {
   ViewMasks masks = windows_->masks[view].unpacked();
-  return masks.available ? cropped(std::move(masks), windows_->window[view]) : masks;
+  return masks.available ? ngs::cropped(std::move(masks), windows_->window[view]) : masks;
 }
 
 /// Crops a photo of any size. The window's edges are rounded to the nearest pixel.
@@ -212,7 +208,7 @@ ImageF WindowInput::cropped_photo(const ImageF& photo, std::size_t view) const {
                          at(window.y0 + window.h, camera.height_px, photo.height_px) - y0};
   ImageF part;
   part.width_px = fine.w, part.height_px = fine.h, part.channels = photo.channels;
-  part.data = cropped(photo.data, photo.width_px, photo.channels, fine);
+  part.data = ngs::cropped(photo.data, photo.width_px, photo.channels, fine);
   return part;
 }
 

@@ -3,6 +3,8 @@
 // (i + 0.5, j + 0.5); cx, cy follow the same convention.
 #include <array>
 #include <cmath>
+#include <optional>
+#include <span>
 #include <string>
 
 #include "ngs/math/vec.h"
@@ -32,6 +34,28 @@ inline Camera resized(Camera camera, int width_px, int height_px) {
 inline Camera relative_to(Camera camera, const std::array<double, 3>& origin) {
   camera.translation = camera.translation + camera.rotation * Vec3<double>{origin[0], origin[1], origin[2]};
   return camera;
+}
+
+/// Pulls towards the point `ahead` in front of each camera, world, for axes that are nearly parallel.
+struct AxisRegulariser {
+  double weight = 0, ahead = 0;
+};
+
+/// The point nearest to the optical axes of all cameras; nullopt if all axes are parallel and nothing pulls.
+inline std::optional<Vec3<double>> point_nearest_to_axes(std::span<const Camera> cameras, AxisRegulariser pull = {}) {
+  // Σ (1 + w - aaᵀ) x = rhs, solved by Cramer's rule
+  Vec3<double> row[3] = {}, rhs{0, 0, 0};
+  const Vec3<double> basis[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (const Camera& camera : cameras) {
+    const Mat3<double>& r = camera.rotation;
+    const Vec3<double> axis{r(2, 0), r(2, 1), r(2, 2)}, centre = camera.centre();
+    for (int k = 0; k < 3; ++k) row[k] = row[k] + (1 + pull.weight) * basis[k] - dot(axis, basis[k]) * axis;
+    rhs = rhs + centre - dot(axis, centre) * axis + pull.weight * (centre + pull.ahead * axis);
+  }
+  const Vec3<double> c0 = cross(row[1], row[2]), c1 = cross(row[2], row[0]), c2 = cross(row[0], row[1]);
+  const double determinant = dot(row[0], c0), n = double(cameras.size());
+  if (!(determinant > 1e-9 * n * n * n)) return std::nullopt;
+  return (1 / determinant) * (rhs.x * c0 + rhs.y * c1 + rhs.z * c2);
 }
 
 /// The size of one side after `--image-scale`: rounded to nearest, at least 1 px.

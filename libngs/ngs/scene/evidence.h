@@ -82,10 +82,10 @@ struct WeightSums {
   /// The same without one view, whose weights in the Gaussian are `view` [1 + K]. Visible: more than 1/1000 of the
   /// Gaussian's weight remains.
   bool probs_without(const double* view, std::size_t gaussian, float* probs) const {
-    constexpr double kLeastRest = 1e-3;
+    constexpr double kMinRest = 1e-3;
     const double all = weight.value(gaussian), others = all - view[0];
     std::fill_n(probs, objects, 0.f);
-    if (!(others > kLeastRest * all)) return false;
+    if (!(others > kMinRest * all)) return false;
     share.for_each_in(gaussian, [&](std::size_t k, const Share& of) {
       probs[k] = float(std::max(0.0, of.weight.value() - view[1 + k]) / others);
     });

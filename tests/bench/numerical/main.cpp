@@ -23,6 +23,7 @@
 #include "ngs/ops/splat/splat_engine.h"
 #include "ngs/ops/splat/tile_kernels_of.h"
 #include "ngs/ops/splat/tile_scratch.h"
+#include "ngs/problem/view_list.h"
 #include "ngs/scene/boundary_set.h"
 #include "ngs/stages/boundary/rbf_stage.h"
 #include "ngs/stages/boundary/variance_stage.h"
@@ -111,7 +112,7 @@ void splat_points(const GaussianCloud& cloud, const std::vector<float>& labels, 
     fast.assign(view.label.data.begin(), view.label.data.end());
   });
   const double reference_s = seconds([&] { reference = wide.image(camera); });
-  const ProjectedView<double> seen = project_view({}, wide.view, camera, {});
+  const ProjectedView<double> seen = project_view({}, wide.view, view_projector<double>(camera, {}));
   std::vector<std::size_t> order(seen.id.size());
   std::iota(order.begin(), order.end(), std::size_t(0));
   std::stable_sort(order.begin(), order.end(),

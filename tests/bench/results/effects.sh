@@ -14,7 +14,7 @@ question_effects() {
   prepare bird "$bird" --masks "$bird/masks_sam" --hold-out every:4:2
   auto_and_all bird "$bird/masks_gt"
   if [ ! -f "$torus/done" ]; then
-    tool ngs-synth torus-box -o "$torus" --views 16 --fit-steps 1500 -w -q > /dev/null
+    tool ngs-synth torus-box -o "$torus" --view-count 16 --fit-steps 1500 -w -q > /dev/null
     touch "$torus/done"
   fi
   degraded_masks "$torus/masks_gt" "$torus/masks_2px" --mask-noise jitter:2 --seed 1

@@ -40,7 +40,7 @@ halves_scene() {
   local scene=$work/$1-scene
   if [ ! -f "$scene/done" ]; then
     say "$question: $1"
-    tool ngs-synth "$1" -o "$scene" --truth halves --views 16 --fit-steps 1500 -w -q > /dev/null
+    tool ngs-synth "$1" -o "$scene" --truth halves --view-count 16 --fit-steps 1500 -w -q > /dev/null
     touch "$scene/done"
   fi
   prepare "$1" "$scene" --masks "$scene/masks_gt"
@@ -65,7 +65,7 @@ halves_row() {
     mkdir -p "$cut"
     # shellcheck disable=SC2086
     tool ngs-extract "$labelled" ${3:+--scene "$work/$1/scene.json"} ${*:3} \
-      --object "$cut/object.ply" --background "$cut/background.ply" -w -q > /dev/null
+      --object-ply "$cut/object.ply" --background-ply "$cut/background.ply" -w -q > /dev/null
     tool ngs-eval "$cut" "$work/$1-scene/halves" --halves --model "$work/$1-scene/point_cloud.ply" \
       -o "$cut/halves.json" -w -q > /dev/null
   fi

@@ -50,7 +50,7 @@ no_harm_recipes() {
     for views in 12 40; do
       scene=$work/$recipe-$views-scene
       if [ ! -f "$scene/done" ]; then
-        tool ngs-synth "$recipe" -o "$scene" --views "$views" --fit-steps 1500 -w -q > /dev/null
+        tool ngs-synth "$recipe" -o "$scene" --view-count "$views" --fit-steps 1500 -w -q > /dev/null
         touch "$scene/done"
       fi
       for kind in ${mask_kinds#given}; do

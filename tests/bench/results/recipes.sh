@@ -11,7 +11,7 @@ question_recipes() {
   for recipe in $recipes; do
     scene=$work/$recipe-scene
     if [ ! -f "$scene/done" ]; then
-      tool ngs-synth "$recipe" -o "$scene" --views 16 --fit-steps 1500 -w -q > /dev/null
+      tool ngs-synth "$recipe" -o "$scene" --view-count 16 --fit-steps 1500 -w -q > /dev/null
       touch "$scene/done"
     fi
     degraded_masks "$scene/masks_gt" "$scene/masks_2px" --mask-noise jitter:2 --seed 1

@@ -17,7 +17,7 @@ question_times() {
   timed 'ngs-joint --method bce' ngs-joint "$dir/scene.json" "$dir/boundary.ply" --method bce -o "$dir/bce.ply"
   timed 'ngs-joint --quality draft' ngs-joint "$dir/scene.json" "$dir/boundary.ply" --quality draft -o "$dir/draft.ply"
   timed ngs-joint ngs-joint "$dir/scene.json" "$dir/boundary.ply" -o "$dir/labelled.ply"
-  timed ngs-extract ngs-extract "$dir/labelled.ply" --object "$dir/object.ply" --background "$dir/background.ply"
+  timed ngs-extract ngs-extract "$dir/labelled.ply" --object-ply "$dir/object.ply" --background-ply "$dir/background.ply"
   timed 'ngs-render, 5 masks' ngs-render "$dir/scene.json" "$dir/labelled.ply" --views held-out --scale 0 -o "$dir/masks"
   timed 'ngs-eval, 5 masks' ngs-eval "$dir/masks" "$bird/masks_gt" -o "$dir/metrics.json"
 }

@@ -16,8 +16,8 @@ enum class Show {
   kLabel,  // text; rows with the same labels share a line
   kMean,
   kMedian,
-  kLeast,
-  kMost,
+  kMin,
+  kMax,
   kEach,    // the values of all rows, in order
   kChange,  // mean minus that of the reference line
   kRatio,   // median divided by that of the reference line

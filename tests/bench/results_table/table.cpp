@@ -59,8 +59,8 @@ std::string number_text(double value, const Column& column, bool sign = false) {
 
 double aggregate(const std::vector<double>& numbers, Show show) {
   switch (show) {
-    case Show::kLeast: return *std::min_element(numbers.begin(), numbers.end());
-    case Show::kMost: return *std::max_element(numbers.begin(), numbers.end());
+    case Show::kMin: return *std::min_element(numbers.begin(), numbers.end());
+    case Show::kMax: return *std::max_element(numbers.begin(), numbers.end());
     case Show::kMedian:
     case Show::kRatio: return median_of(numbers);
     default: return mean_of(numbers);

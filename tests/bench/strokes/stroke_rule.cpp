@@ -10,10 +10,10 @@
 namespace ngs::bench {
 namespace {
 
-constexpr double kDepth = 0.25;               // of the largest distance to the contour
-constexpr double kAway = 0.02;                // distance of the loop, fraction of the diagonal
-constexpr std::size_t kMostCandidates = 300;  // candidate ends of the object stroke
-constexpr std::size_t kLeastCorners = 12;     // smallest outline for a stroke
+constexpr double kDepth = 0.25;              // of the largest distance to the contour
+constexpr double kAway = 0.02;               // distance of the loop, fraction of the diagonal
+constexpr std::size_t kMaxCandidates = 300;  // candidate ends of the object stroke
+constexpr std::size_t kMinCorners = 12;      // smallest outline for a stroke
 
 struct Raster {
   const PixelMask& set;
@@ -38,7 +38,7 @@ std::vector<GridPoint> rim_of(const Raster& raster) {
       if (raster.at(x, y) &&
           !(raster.at(x - 1, y) && raster.at(x + 1, y) && raster.at(x, y - 1) && raster.at(x, y + 1)))
         rim.push_back({x, y});
-  const std::size_t step = std::max<std::size_t>(1, (rim.size() + kMostCandidates - 1) / kMostCandidates);
+  const std::size_t step = std::max<std::size_t>(1, (rim.size() + kMaxCandidates - 1) / kMaxCandidates);
   for (std::size_t i = 0; i < rim.size(); i += step) some.push_back(rim[i]);
   return some;
 }
@@ -97,7 +97,7 @@ HandPrompt strokes_of_truth(const PixelMask& truth, int width_px, int height_px,
   PixelMask wide(truth.size());
   for (std::size_t p = 0; p < wide.size(); ++p) wide[p] = double(away[p]) <= distance;
   for (const Loop& loop : outlines({wide.data(), width_px, height_px}))
-    if (loop.size() >= kLeastCorners) add_parts(loop, distance, {0, 0, width_px, height_px}, prompt.strokes);
+    if (loop.size() >= kMinCorners) add_parts(loop, distance, {0, 0, width_px, height_px}, prompt.strokes);
   return prompt;
 }
 

@@ -131,9 +131,9 @@ TEST_CASE("a splat with activated values is converted by the command of the page
     cloud.logit_opacity[i] = float(0.05 + 0.9 * double(i) / double(cloud.logit_opacity.size()));
   capture.dir.write("IN.ply", test::strict_ply_bytes(cloud));
   const std::string page = test::read_bytes(NGS_SOURCE_DIR "/docs/faq.md");
-  CHECK(contains(page, "`ngs-extract IN.ply --activated --object OUT.ply`"));
+  CHECK(contains(page, "`ngs-extract IN.ply --activated --object-ply OUT.ply`"));
   CHECK(capture.run({"ngs-clean", "IN.ply", "-o", "x.ply"}).exit_code == 3);
-  CHECK(capture.run({"ngs-extract", "IN.ply", "--activated", "--object", "OUT.ply"}).exit_code == 0);
+  CHECK(capture.run({"ngs-extract", "IN.ply", "--activated", "--object-ply", "OUT.ply"}).exit_code == 0);
   CHECK(capture.run({"ngs-clean", "OUT.ply", "-o", "x.ply"}).exit_code == 0);
 }
 

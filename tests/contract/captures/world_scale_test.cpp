@@ -14,7 +14,7 @@ using test::Capture;
 
 constexpr double kExact[] = {0x1p-10, 0x1p10};  // positions keep their digits
 constexpr double kRounded[] = {1e-3, 1e3};
-constexpr int kMostPixels = 2;  // of all masks, whose rendered value is next to the threshold
+constexpr int kMaxPixels = 2;  // of all masks, whose rendered value is next to the threshold
 
 /// Number of differing bytes of all PNGs with these names in two folders.
 int differing_pixels(const std::string& a, const std::string& b) {
@@ -68,15 +68,15 @@ TEST_CASE("a capture of any unit is imported without a flag, and gets the labels
       int different = 0;
       for (std::size_t i = 0; i < found.size(); ++i) different += (found[i] >= 0.5f) != (expected[i] >= 0.5f);
       CHECK(different == 0);
-      CHECK(differing_pixels(plain.dir.path() + "/m", scaled.dir.path() + "/m") <= (exact ? 0 : kMostPixels));
+      CHECK(differing_pixels(plain.dir.path() + "/m", scaled.dir.path() + "/m") <= (exact ? 0 : kMaxPixels));
     }
 }
 
 TEST_CASE("a splat alone of any unit gets cameras, and images of the same size") {
   const auto renders = [](const Capture& capture, double factor) {
     if (factor != 1) capture.scale(factor);
-    const test::ProcessResult result =
-        capture.run({"ngs-scene", "orbit", "c/point_cloud.ply", "--views", "8", "--size", "64x48", "-o", "scene.json"});
+    const test::ProcessResult result = capture.run(
+        {"ngs-scene", "orbit", "c/point_cloud.ply", "--view-count", "8", "--size", "64x48", "-o", "scene.json"});
     CAPTURE(factor);
     CAPTURE(result.err);
     REQUIRE(result.exit_code == 0);

@@ -36,9 +36,10 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 TEST_CASE("a splat with activated values is rejected before any rendering, and the printed command converts it") {
   const test::TempDir dir;
   const std::string model = activated_model(dir), out = dir.path() + "/cut";
-  for (const std::vector<std::string>& argv : {std::vector<std::string>{kTools + "/ngs", "cut", model, "-o", out},
-                                               {kTools + "/ngs-clean", model, "-o", out},
-                                               {kTools + "/ngs-extract", model, "--largest", "1", "--object", out}}) {
+  for (const std::vector<std::string>& argv :
+       {std::vector<std::string>{kTools + "/ngs", "cut", model, "-o", out},
+        {kTools + "/ngs-clean", model, "-o", out},
+        {kTools + "/ngs-extract", model, "--largest", "1", "--object-ply", out}}) {
     const test::ProcessResult result = test::run_command(argv);
     CAPTURE(result.err);
     CHECK(result.exit_code == 3);

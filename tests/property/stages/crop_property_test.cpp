@@ -60,7 +60,7 @@ ImageF crop(const ImageF& image, const PixelWindow& w) {
 
 /// Colour and mask losses of a full image, or of a crop scaled to its share of the full image.
 struct Step {
-  PixelRegion region;  // of the colour loss; empty: all
+  PixelRect box;  // of the colour loss; empty: all
   double photo_share = 1, mask_share = 1;
 
   void gradients(const Model& model, const View& view, CloudGradients& out) const {
@@ -70,8 +70,8 @@ struct Step {
     const RenderedView& rendered = pass.forward({}, model.cloud, view.camera, request);
     ViewGradients grad;
     grad.label_moves_geometry = true;
-    PhotometricPass<float>().evaluate({}, {.region = region, .gradient_scale = photo_share},
-                                      {rendered.colour, view.photo}, &grad.colour);
+    PhotometricPass<float>().evaluate({}, {.box = box, .gradient_scale = photo_share}, {rendered.colour, view.photo},
+                                      &grad.colour);
     loss_mask({}, {}, {&rendered.label, &view.masks, nullptr, 1.0}, 0.5 * mask_share, &grad.label);
     pass.backward({}, grad, out);
   }
@@ -111,8 +111,7 @@ Cropped cropped_to(const Model& model, const View& whole) {
     return m.known.empty() ? double(m.target[0].size())
                            : double(std::count(m.known.begin(), m.known.end(), std::uint8_t(1)));
   };
-  c.step.region = {loss.x0 - window.x0, loss.y0 - window.y0, loss.x0 - window.x0 + loss.w,
-                   loss.y0 - window.y0 + loss.h};
+  c.step.box = {loss.x0 - window.x0, loss.y0 - window.y0, loss.x0 - window.x0 + loss.w, loss.y0 - window.y0 + loss.h};
   c.step.photo_share = double(loss.w) * loss.h / double(whole.photo.pixels());
   c.step.mask_share = known(c.view.masks) / known(whole.masks);
   return c;

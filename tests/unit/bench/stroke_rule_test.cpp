@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "ngs/stages/masks/hand_prompt.h"
+#include "ngs/stages/masks/rasterise_prompt.h"
 
 namespace ngs {
 namespace {

@@ -226,19 +226,19 @@ TEST_CASE("describing two options with one name throws std::logic_error") {
   CHECK_THROWS_AS(set.add(twice), std::logic_error);
 }
 
-TEST_CASE("given() lists the options whose value differs from the default") {
+TEST_CASE("changed() lists the options whose value differs from the default") {
   FieldOptions options;
   options.layers = 5;  // chosen by the tool, not by the user
   OptionSet set;
   set.add(options);
-  CHECK(set.given().empty());
+  CHECK(set.changed().empty());
   set.set_text("hash_levels", {"16"});  // the default again
-  CHECK(set.given().empty());
+  CHECK(set.changed().empty());
   set.set_text("hash_levels", {"8"});
   set.set_text("mlp_layers", {"2"});
-  REQUIRE(set.given().size() == 2);
-  CHECK(set.given()[0]->name == "hash_levels");
-  CHECK(set.given()[1]->name == "mlp_layers");
+  REQUIRE(set.changed().size() == 2);
+  CHECK(set.changed()[0]->name == "hash_levels");
+  CHECK(set.changed()[1]->name == "mlp_layers");
 }
 
 TEST_CASE("given options are warned about per effect that is off; other options are not") {

@@ -103,7 +103,7 @@ TEST_CASE("a pass that would take too long is aborted early, undone and reported
   const PassRun& run = c.passes->run();
   CHECK(c.steps == kSteps / 10);  // the limit is less than the second of work
   CHECK_FALSE(c.took_label());
-  CHECK(run.budget.was_cut());
+  CHECK(run.budget.is_partial());
   CHECK(run.state == Json({{"aborted", {"slow"}}}));
   CHECK(c.decision().at("on") == false);
   CHECK(c.decision().at("reason").get<std::string>().starts_with("--time-budget: aborted"));
@@ -164,7 +164,7 @@ TEST_CASE("a resumed run repeats the decisions of the stopped run and measures n
     CHECK(c.steps == 0);
     CHECK_FALSE(c.took_label());
     CHECK(c.decision().at("reason") == (skipped ? "--time-budget: skipped, no time left" : "--resume"));
-    CHECK(resumed.budget.was_cut() == skipped);
+    CHECK(resumed.budget.is_partial() == skipped);
     CHECK(c.passes->kept() == effects);
     CHECK(resumed.skipped.size() == std::size_t(skipped));
   }
@@ -177,7 +177,7 @@ TEST_CASE("a resumed run repeats the decisions of the stopped run and measures n
   }
   SlowCase insists(SlowPass::Part::kLooks, "slow=on", 1e6);
   insists.passes->resume_from(run.state, effects, Json(run.skipped));
-  CHECK_FALSE(insists.passes->run().budget.was_cut());
+  CHECK_FALSE(insists.passes->run().budget.is_partial());
   CHECK(insists.took_label());
 }
 

@@ -150,7 +150,7 @@ std::vector<Pair> pairs() {
       {"cont", as_it_is, one_colour},
       {"smooth", as_it_is, one_colour},
       {"photometric", as_it_is, without_photos},
-      {"region", wide_pictures, as_it_is},
+      {"whole-photo", wide_pictures, as_it_is},
       {"sh", view_dependent, as_it_is},
       {"antialias",
        [](EffectCase& c) {

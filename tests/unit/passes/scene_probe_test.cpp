@@ -206,13 +206,13 @@ TEST_CASE("photos: only photos of training views count, and one is enough") {
   CHECK(c.measure("contours") > threshold_of("contours"));
 }
 
-TEST_CASE("region: a view that does not show the object does not switch training on whole photos on") {
+TEST_CASE("whole-photo: a view that does not show the object does not switch training on whole photos on") {
   ProbeCase c;
   const std::size_t last = c.base->is_ball.size() - 1;
   hang(c.base->model, last, 0, 0, -4);  // behind the cameras of the ball
   c.base->labels[0].label[last] = 1;
   c.views.push_back(c.base->add_empty_view());  // naive: all its pixels lie outside the window of its empty mask
-  CHECK(c.measure("region") <= threshold_of("region"));
+  CHECK(c.measure("whole-photo") <= threshold_of("whole-photo"));
 }
 
 namespace {

@@ -66,7 +66,7 @@ struct WindowCase {
     }
     windows = std::make_shared<const ObjectWindows>(std::move(found));
     const auto input = std::make_shared<const WindowInput>(whole, windows);
-    problem.emplace(input->get());
+    problem.emplace(input->cropped());
     problem->uncropped = std::shared_ptr<const Problem>(input, &input->uncropped());
   }
 };

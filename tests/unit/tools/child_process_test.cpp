@@ -57,14 +57,14 @@ TEST_CASE("a child is heard line by line while it runs") {
   CHECK(heard == Words{"one", "two"});
 }
 
-TEST_CASE("a child that ignores the request to end is ended when patience is over") {
+TEST_CASE("a child that ignores the request to end is killed after the grace period") {
   const double start_s = wall_seconds();
   bool stop = false;
   const cli::ChildResult child = cli::run_child(
       {"sh", "-c", "trap '' TERM; echo ready; while true; do sleep 0.05; done"},
-      {.stop = [&] { return stop; }, .patience_on_stop_s = 0.2, .on_line = [&](const std::string&) { stop = true; }});
+      {.stop = [&] { return stop; }, .grace_on_stop_s = 0.2, .on_line = [&](const std::string&) { stop = true; }});
   CHECK(child.end == End::kStopped);
-  CHECK(wall_seconds() - start_s < 10);  // a loaded machine; the default patience alone is two seconds
+  CHECK(wall_seconds() - start_s < 10);  // a loaded machine; the default grace period alone is two seconds
 }
 
 TEST_CASE("a child's end and last words come back") {

@@ -16,7 +16,7 @@ export function rotate(a, axis, angle) {
 
 const kSteepest = 0.02;   // radians, least angle between line of sight and vertical
 const kUprighting = 0.25; // share of the roll removed per orbit step, to avoid a jump
-const kLeastDistance = 1e-4; // of the scene's radius
+const kMinDistance = 1e-4; // of the scene's radius
 
 export class Camera {
   constructor(start, bounds) {
@@ -73,7 +73,7 @@ export class Camera {
 
   // Moves nearer (factor < 1) or farther. At the least distance the target moves ahead, so that zooming in continues.
   zoom(factor) {
-    const distance = this.distance, least = kLeastDistance * this.bounds.radius;
+    const distance = this.distance, least = kMinDistance * this.bounds.radius;
     const wanted = Math.min(distance * factor, 20 * this.bounds.radius);
     const forward = this.forward;
     this.position = subtract(this.target, scale(forward, wanted));

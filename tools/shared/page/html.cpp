@@ -1,5 +1,6 @@
 #include "shared/page/html.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -10,7 +11,7 @@
 namespace ngs::cli {
 namespace {
 
-constexpr std::size_t kLongestList = 200;  // maximum entries of a list on a page
+constexpr std::size_t kMaxListEntries = 200;  // maximum entries of a list on a page
 
 bool all_objects(const Json& list) {
   for (const Json& entry : list)
@@ -29,7 +30,7 @@ std::string list_table(const Json& list) {
       if (std::find(table.head.begin(), table.head.end(), escaped(key)) == table.head.end())
         table.head.push_back(escaped(key));
   for (const Json& entry : list) {
-    if (table.rows.size() == kLongestList) break;
+    if (table.rows.size() == kMaxListEntries) break;
     std::vector<std::string> row(table.head.size());
     for (const auto& [key, value] : entry.items())
       row[std::size_t(std::find(table.head.begin(), table.head.end(), escaped(key)) - table.head.begin())] =
@@ -37,8 +38,9 @@ std::string list_table(const Json& list) {
     table.rows.push_back(std::move(row));
   }
   std::string html = table.html();
-  if (list.size() > kLongestList)
-    html += "<p class=note>" + whole(std::int64_t(list.size() - kLongestList)) + " more rows are not shown.</p>";
+  if (list.size() > kMaxListEntries)
+    html += "<p class=note>" + with_separators(std::int64_t(list.size() - kMaxListEntries)) +
+            " more rows are not shown.</p>";
   return html;
 }
 
@@ -77,7 +79,7 @@ std::string decimal(double value, int decimals) {
   return text;
 }
 
-std::string whole(std::int64_t value) {
+std::string with_separators(std::int64_t value) {
   std::string digits = std::to_string(value), out;
   const std::size_t first = value < 0;
   for (std::size_t i = 0; i < digits.size(); ++i) {
@@ -138,8 +140,9 @@ std::string json_html(const Json& json) {
   if (json.is_array() && all_objects(json)) return list_table(json);
   if (json.is_array()) {
     std::string text;
-    for (std::size_t i = 0; i < std::min(json.size(), kLongestList); ++i) text += (i ? ", " : "") + json_text(json[i]);
-    return escaped(text) + (json.size() > kLongestList ? ", …" : "");
+    for (std::size_t i = 0; i < std::min(json.size(), kMaxListEntries); ++i)
+      text += (i ? ", " : "") + json_text(json[i]);
+    return escaped(text) + (json.size() > kMaxListEntries ? ", …" : "");
   }
   return escaped(json_text(json));
 }

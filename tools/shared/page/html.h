@@ -15,8 +15,8 @@ std::string base64(std::span<const std::uint8_t> bytes);
 
 /// A number with fixed decimals; an en dash if it is not finite.
 std::string decimal(double value, int decimals);
-std::string whole(std::int64_t value);  // 12 345 678
-std::string duration(double seconds);   // 350 ms, 12.3 s, 4 min 05 s
+std::string with_separators(std::int64_t value);  // 12 345 678
+std::string duration(double seconds);             // 350 ms, 12.3 s, 4 min 05 s
 
 /// The first cell of each row is the row heading. Cells are HTML.
 struct Table {

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "ngs/core/error.h"
+#include "ngs/core/listed.h"
 #include "ngs/core/version.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/image/masks.h"
@@ -106,12 +107,7 @@ std::string legend(const Scene& scene) {
   return html + "</div>";
 }
 
-std::string list_of(const std::vector<std::string>& names) {
-  constexpr std::size_t kMost = 12;
-  std::string text;
-  for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i) text += (i ? ", " : "") + names[i];
-  return escaped(text) + (names.size() > kMost ? " and " + std::to_string(names.size() - kMost) + " more" : "");
-}
+std::string list_of(const std::vector<std::string>& names) { return escaped(listed(names, 12)); }
 
 }  // namespace
 
@@ -145,11 +141,11 @@ MaskSheet mask_sheet(const Scene& scene, const MaskSheetOptions& options) {
   if (figures.empty() && sheet.left_out == 0) return sheet;
   sheet.html = legend(scene) + "<div class=\"sheet small\">" + figures + "</div>";
   if (sheet.left_out > 0)
-    sheet.html +=
-        "<p class=note>" + whole(sheet.left_out) + " more views with masks are not shown, to keep the page small.</p>";
+    sheet.html += "<p class=note>" + with_separators(sheet.left_out) +
+                  " more views with masks are not shown, to keep the page small.</p>";
   if (!sheet.without.empty())
-    sheet.html += "<p class=note>" + whole(std::ssize(sheet.without)) + " of " + whole(std::ssize(scene.views)) +
-                  " views have no mask: " + list_of(sheet.without) + "</p>";
+    sheet.html += "<p class=note>" + with_separators(std::ssize(sheet.without)) + " of " +
+                  with_separators(std::ssize(scene.views)) + " views have no mask: " + list_of(sheet.without) + "</p>";
   return sheet;
 }
 

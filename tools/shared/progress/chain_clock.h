@@ -46,7 +46,7 @@ class ChainClock {
   /// Remaining seconds; negative: unknown, since no step has shown its pace yet.
   double left_s(double now_s) {
     const double pace_s = pace(now_s);
-    if (!(pace_s > 0) || done(now_s) < kLeastSpent) return left_s_;
+    if (!(pace_s > 0) || done(now_s) < kMinSpent) return left_s_;
     double rest = share() * (1 - within(now_s));
     for (std::size_t k = next_; k < steps_.size(); ++k) rest += steps_[k].share;
     const double found_s = rest * pace_s;
@@ -54,9 +54,9 @@ class ChainClock {
   }
 
  private:
-  static constexpr double kLinear = 0.8;       // share of a step's expected time after which its progress slows down
-  static constexpr double kLeastSpent = 0.03;  // least share of the run that shows the pace of the rest
-  static constexpr double kLeastSeen = 0.05;   // least progress of a step that shows its pace
+  static constexpr double kLinear = 0.8;     // share of a step's expected time after which its progress slows down
+  static constexpr double kMinSpent = 0.03;  // least share of the run that shows the pace of the rest
+  static constexpr double kMinSeen = 0.05;   // least progress of a step that shows its pace
   static constexpr std::size_t kNone = ~std::size_t(0);
 
   double share() const { return current_ < steps_.size() ? steps_[current_].share : 0; }
@@ -68,7 +68,7 @@ class ChainClock {
   /// Seconds per unit of the shares; 0: unknown.
   double pace(double now_s) const {
     double spent_s = spent_s_, spent = spent_share_;
-    if (!has_passes_ && fraction_ >= kLeastSeen) spent_s += now_s - began_s_, spent += share() * fraction_;
+    if (!has_passes_ && fraction_ >= kMinSeen) spent_s += now_s - began_s_, spent += share() * fraction_;
     return spent > 0 ? spent_s / spent : 0;
   }
 

@@ -143,8 +143,7 @@ ChildResult run_child(const std::vector<std::string>& argv, const ChildLimits& l
       asked = Clock::now();
       why = stopped ? ChildResult::End::kStopped : ChildResult::End::kTimedOut;
       child.request_end();
-    } else if (why != ChildResult::End::kExited &&
-               since(asked) > (stopped ? limits.patience_on_stop_s : limits.patience_s)) {
+    } else if (why != ChildResult::End::kExited && since(asked) > (stopped ? limits.grace_on_stop_s : limits.grace_s)) {
       child.kill();
     }
     if (limits.on_line) transcript.read_on(limits.on_line);

@@ -28,8 +28,8 @@ struct ChildResult {
 struct ChildLimits {
   double time_s = 600;
   std::function<bool()> stop = {};  // polled; true: the child is terminated
-  double patience_s = 2;            // from SIGTERM to SIGKILL
-  double patience_on_stop_s = 0.2;  // the same on `stop`: shorter than the grace period after a signal
+  double grace_s = 2;               // from SIGTERM to SIGKILL
+  double grace_on_stop_s = 0.2;     // the same on `stop`: shorter than the grace period after a signal
   std::function<void(const std::string& line)> on_line = {};  // called with each line of output while the child runs
 };
 

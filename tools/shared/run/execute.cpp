@@ -19,7 +19,7 @@
 namespace ngs::cli {
 namespace {
 
-void choose_where_to_compute(RunState& state) {
+void choose_device_and_threads(RunState& state) {
   state.exec.threads = choose_threads(state.flags.threads);
   state.exec.isa = choose_isa();
   state.device_exec = state.exec;
@@ -45,8 +45,8 @@ void hash_inputs(RunState& state) {
   for (ReadInput& input : state.inputs) input.path = state.streams.given(input.path);
 }
 
-/// Creates the output folders and those of output files, removes those that a failed body leaves empty, and finds files
-/// of earlier runs in them.
+/// Creates the output folders and the parent folders of output files; if the body fails, removes those that are empty.
+/// Also finds files of earlier runs in output folders.
 class OutputFolders {
  public:
   explicit OutputFolders(const RunState& state) {
@@ -62,25 +62,26 @@ class OutputFolders {
   }
   void remove_empty() const {
     std::error_code not_empty;
-    for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder) std::filesystem::remove(*folder, not_empty);
+    for (auto folder = created_.rbegin(); folder != created_.rend(); ++folder)
+      std::filesystem::remove(*folder, not_empty);
   }
   void warn_of_leftovers(Monitor& monitor) const {
     for (const Leftovers& folder : folders_)
       if (const std::vector<std::string> names = folder.untouched(); !names.empty())
         monitor.warn(folder.folder() + ": contains " + std::to_string(names.size()) +
-                     " files of an earlier run, the first is " + names.front() +
-                     "; remove the folder first to avoid this");
+                     (names.size() == 1 ? " file" : " files") + " of an earlier run (first: " + names.front() +
+                     "). To avoid mixing runs, remove the folder and repeat.");
   }
 
  private:
   void create(const std::string& folder) {
     if (folder.empty()) return;
     const std::vector<std::string> created = create_folders(folder);
-    made_.insert(made_.end(), created.begin(), created.end());
+    created_.insert(created_.end(), created.begin(), created.end());
   }
 
   std::vector<Leftovers> folders_;
-  std::vector<std::string> made_;
+  std::vector<std::string> created_;
 };
 
 int run_body(RunState& state, const std::function<int(Run&)>& body) {
@@ -126,7 +127,7 @@ int execute(Spec& spec, const CommonFlags& flags, Console& console, const std::f
                  .flags = flags,
                  .console = console,
                  .device = choose_device(flags.device, spec)};
-  choose_where_to_compute(state);
+  choose_device_and_threads(state);
   connect(state.monitor, console);
   for (const std::string& warning : flags.warnings) state.monitor.warn(warning);
   for (const std::string& warning : unused_group_warnings(spec.options)) state.monitor.warn(warning);
@@ -138,8 +139,8 @@ int execute(Spec& spec, const CommonFlags& flags, Console& console, const std::f
   const Json report = report_of(state, wall_seconds() - start_s, exit_code);
   streams.copy_output();
   if (!flags.report_path.empty()) io::write_file(flags.report_path, json_document(report));
-  const bool unasked = !spec.reports_on_request && flags.report_path.empty() && !streams.to_stdout();
-  if (flags.json || (unasked && !os::is_terminal(os::kStdout))) print_json(report);
+  const bool by_default = !spec.reports_on_request && flags.report_path.empty() && !streams.to_stdout();
+  if (flags.json || (by_default && !os::is_terminal(os::kStdout))) print_json(report);
   if (exit_code < kInterrupted) console.summary(summary_text(spec, report));
   return exit_code;
 }

@@ -12,8 +12,8 @@
 namespace ngs::cli {
 namespace {
 
-constexpr std::size_t kLongestLine = 1 << 20;
-constexpr double kPatienceAtEndS = 0.5;
+constexpr std::size_t kMaxLineBytes = 1 << 20;
+constexpr double kGraceAtEnd_s = 0.5;
 constexpr int kPollMs = 20;
 
 void close_descriptor(int& descriptor) {
@@ -27,14 +27,14 @@ LineProgram::LineProgram(const std::vector<std::string>& argv) : name_(argv[0]) 
   os::Channels ends;
   const bool is_open = os::open_channels(ends);
   const int reason = errno;
-  to_ = ends.to, from_ = ends.from;
+  stdin_fd_ = ends.to, stdout_fd_ = ends.from;
   try {
     if (!is_open)
       throw Error(ErrorCode::kEnvironment, name_ + ": no connection to the program: " + std::strerror(reason));
-    err_file_ = unnamed_file();
-    start_program(process_, argv, {.in = ends.of_child_in, .out = ends.of_child_out, .err = err_file_});
+    stderr_fd_ = unnamed_file();
+    start_program(process_, argv, {.in = ends.of_child_in, .out = ends.of_child_out, .err = stderr_fd_});
   } catch (...) {
-    for (int* descriptor : {&ends.of_child_in, &ends.of_child_out, &to_, &from_, &err_file_})
+    for (int* descriptor : {&ends.of_child_in, &ends.of_child_out, &stdin_fd_, &stdout_fd_, &stderr_fd_})
       close_descriptor(*descriptor);
     throw;
   }
@@ -42,14 +42,14 @@ LineProgram::LineProgram(const std::vector<std::string>& argv) : name_(argv[0]) 
 }
 
 LineProgram::~LineProgram() {
-  close_descriptor(to_);
-  if (process_.is_started()) end(ChildResult::End::kExited, kPatienceAtEndS);
-  close_descriptor(from_), close_descriptor(err_file_);
+  close_descriptor(stdin_fd_);
+  if (process_.is_started()) end(ChildResult::End::kExited, kGraceAtEnd_s);
+  close_descriptor(stdout_fd_), close_descriptor(stderr_fd_);
 }
 
 bool LineProgram::send(const std::string& text) const {
   for (std::size_t done = 0; done < text.size();) {
-    const std::int64_t count = os::send_some(to_, text.data() + done, text.size() - done);
+    const std::int64_t count = os::send_some(stdin_fd_, text.data() + done, text.size() - done);
     if (count < 0) return false;
     done += std::size_t(count);
   }
@@ -60,8 +60,8 @@ bool LineProgram::send(const std::string& text) const {
 std::optional<std::string> LineProgram::next_line() {
   const std::size_t feed = received_.find('\n');
   if (feed == std::string::npos) {
-    if (received_.size() > kLongestLine)
-      throw Error(ErrorCode::kBadInput, name_ + ": a line of more than 1 MiB, expected an answer of one line");
+    if (received_.size() > kMaxLineBytes)
+      throw Error(ErrorCode::kBadInput, name_ + ": a line of more than 1 MiB, expected a response of one line");
     return std::nullopt;
   }
   std::string line = received_.substr(0, feed);
@@ -69,8 +69,8 @@ std::optional<std::string> LineProgram::next_line() {
   return line;
 }
 
-/// Requests it to end, or with kExited first waits `patience_s`, then requests it; after another `patience_s` kills it.
-ChildResult LineProgram::end(ChildResult::End why, double patience_s) {
+/// Requests it to end, or with kExited first waits `grace_s`, then requests it; after another `grace_s` kills it.
+ChildResult LineProgram::end(ChildResult::End why, double grace_s) {
   ChildResult result;
   result.end = why;
   double since_s = wall_seconds();
@@ -78,7 +78,7 @@ ChildResult LineProgram::end(ChildResult::End why, double patience_s) {
   if (is_requested) process_.request_end();
   os::Process::Status status{};
   while ((status = process_.poll()).state == os::Process::State::kRunning) {
-    if (wall_seconds() - since_s > patience_s) {
+    if (wall_seconds() - since_s > grace_s) {
       is_requested ? process_.kill() : process_.request_end();
       is_requested = true, since_s = wall_seconds();
     }
@@ -89,24 +89,24 @@ ChildResult LineProgram::end(ChildResult::End why, double patience_s) {
   if (why == ChildResult::End::kExited && status.state == os::Process::State::kSignalled)
     result.end = ChildResult::End::kSignalled;
   result.code = status.code;
-  result.output_tail = output_tail_of(err_file_);
+  result.output_tail = output_tail_of(stderr_fd_);
   return ended_ = result;
 }
 
-LineProgram::Answer LineProgram::ask(const std::string& line, const ChildLimits& limits) {
+LineProgram::Response LineProgram::request(const std::string& line, const ChildLimits& limits) {
   using End = ChildResult::End;
   const double start_s = wall_seconds();
   if (!process_.is_started()) return {.line = {}, .ended = ended_};
-  if (!send(line + "\n")) return {.line = {}, .ended = end(End::kExited, limits.patience_s)};
+  if (!send(line + "\n")) return {.line = {}, .ended = end(End::kExited, limits.grace_s)};
   while (true) {
     while (std::optional<std::string> found = next_line())
       if (found->starts_with("{")) return {.line = std::move(*found), .ended = std::nullopt};
-    if (limits.stop && limits.stop()) return {.line = {}, .ended = end(End::kStopped, limits.patience_on_stop_s)};
-    if (wall_seconds() - start_s > limits.time_s) return {.line = {}, .ended = end(End::kTimedOut, limits.patience_s)};
-    if (!os::is_readable_within(from_, kPollMs)) continue;
+    if (limits.stop && limits.stop()) return {.line = {}, .ended = end(End::kStopped, limits.grace_on_stop_s)};
+    if (wall_seconds() - start_s > limits.time_s) return {.line = {}, .ended = end(End::kTimedOut, limits.grace_s)};
+    if (!os::is_readable_within(stdout_fd_, kPollMs)) continue;
     char block[4096];
-    const std::int64_t count = os::read_some(from_, block, sizeof block);
-    if (count == 0) return {.line = {}, .ended = end(End::kExited, limits.patience_s)};
+    const std::int64_t count = os::read_some(stdout_fd_, block, sizeof block);
+    if (count == 0) return {.line = {}, .ended = end(End::kExited, limits.grace_s)};
     if (count > 0) received_.append(block, std::size_t(count));
   }
 }

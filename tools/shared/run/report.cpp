@@ -19,6 +19,9 @@ Json stage_json(const StageNode& node) {
   return stage;
 }
 
+/// "output" of "-o,--output".
+std::string long_name(const std::string& flags) { return flags.substr(flags.rfind("--") + 2); }
+
 Json whole_numbers(const Json& result) {
   Json counts = Json::object();
   for (const auto& [name, value] : result.items())
@@ -58,8 +61,7 @@ Json make_report(const ReportData& data) {
   }
   for (const Output& output : data.spec.outputs)
     if (output && !data.spec.writes_nothing())
-      outputs.push_back(
-          {{"name", output.flags.substr(output.flags.rfind('-') + 1)}, {"path", data.streams.given(output.path)}});
+      outputs.push_back({{"name", long_name(output.flags)}, {"path", data.streams.given(output.path)}});
   StageNode root = data.monitor.root();
   root.name = data.spec.name;
   root.wall_s = data.wall_s;

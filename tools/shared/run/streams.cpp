@@ -49,7 +49,7 @@ void Streams::redirect_output(Output& output) {
   if (!os::make_temporary_file(name))
     throw Error(ErrorCode::kEnvironment, name + ": cannot be created: " + std::strerror(errno), "set TMPDIR");
   output_ = name;
-  unfinished_.note(output_.c_str());
+  unfinished_.track(output_.c_str());
   redirections_.push_back({"-", output_});
   output.path = output_;
 }

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "ngs/io/files/shell_word.h"
 #include "shared/cli/exit_code.h"
 #include "shared/os/terminal.h"
 #include "shared/text/layout.h"
@@ -17,7 +18,7 @@ namespace ngs::cli {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::size_t kMostOutputs = 4, kMostFigures = 5;
+constexpr std::size_t kMaxOutputs = 4, kMaxFigures = 5;
 
 /// The usual next command. {-o} is the output of that flag, {scene} the input of that name.
 const std::map<std::string, std::string>& next_commands() {
@@ -26,17 +27,10 @@ const std::map<std::string, std::string>& next_commands() {
       {"ngs-scene import", "ngs-variance {-o} -o boundary.ply"},
       {"ngs-variance", "ngs-joint {scene} {-o} -o labelled.ply"},
       {"ngs-sample", "ngs-rbf {boundary} {-o} -o field.ply"},
-      {"ngs-joint", "ngs-extract {-o} --object object.ply --background background.ply"},
-      {"ngs-extract", "open {--object} in a splat viewer"},
+      {"ngs-joint", "ngs-extract {-o} --object-ply object.ply --background-ply background.ply"},
+      {"ngs-extract", "open {--object-ply} in a splat viewer"},
       {"ngs-report", "open {-o} in a browser"}};
   return next;
-}
-
-std::string quoted(const std::string& path) {
-  if (path.find_first_of(" '\"\\$&();<>|*?`") == path.npos) return path;
-  std::string out = "'";
-  for (const char c : path) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
 }
 
 /// Empty if it was not given.
@@ -57,7 +51,7 @@ std::string next_command(const Spec& spec) {
     const std::size_t close = command.find('}', open);
     const std::string path = path_of(spec, command.substr(open + 1, close - open - 1));
     if (path.empty()) return {};
-    command.replace(open, close - open + 1, quoted(path));
+    command.replace(open, close - open + 1, io::shell_word(path));
   }
   return command;
 }
@@ -98,7 +92,7 @@ std::string figures(const Json& object) {
   std::string text;
   std::size_t count = 0;
   for (const auto& [name, value] : object.items())
-    if (value.is_number() && count < kMostFigures) {
+    if (value.is_number() && count < kMaxFigures) {
       std::string words = name;
       std::ranges::replace(words, '_', ' ');
       text += (count++ > 0 ? ", " : "") + words + " " + number_text(value);
@@ -112,10 +106,10 @@ Json key_figures(const std::string& tool, const Json& result) {
       {"ngs-joint", {{"boundary", "boundary Gaussians"}, {"rows_changed", "changed Gaussians"}, {"steps", "steps"}}}};
   const auto found = key_names.find(tool);
   if (found == key_names.end()) return result;
-  Json figures = Json::object();
+  Json named = Json::object();
   for (const auto& [key, name] : found->second)
-    if (result.contains(key)) figures[name] = result[key];
-  return figures;
+    if (result.contains(key)) named[name] = result[key];
+  return named;
 }
 
 /// The estimates of a dry run, else the scores if the run has any, else its other figures.
@@ -130,16 +124,16 @@ std::string outcome_text(const std::string& tool, const Json& report) {
   return figures(key_figures(tool, report["result"]));
 }
 
-std::string ending(const Json& report) {
+std::string outcome_line(const Json& report) {
   const std::string duration = duration_text(report["stages"]["wall_s"].get<double>());
   if (report["dry_run"] == true) return "dry run, nothing was done";
   if (report["exit_code"] == kCheckFailed) return "done in " + duration + ", a requested check failed";
-  if (report["exit_code"] == kBudgetHit) return "stopped at its budget with a partial result, in " + duration;
+  if (report["exit_code"] == kBudgetHit) return "time budget used up after " + duration + "; the result is partial";
   return "done in " + duration;
 }
 
-std::string line_of_chain(const Spec& spec, const Json& report) {
-  std::string line = "[" + stage_of_chain() + "] " + spec.name + ": " + ending(report);
+std::string chain_line(const Spec& spec, const Json& report) {
+  std::string line = "[" + stage_of_chain() + "] " + spec.name + ": " + outcome_line(report);
   for (const Json& output : report["outputs"]) {
     line += ", " + fs::path(output["path"].get<std::string>()).filename().string();
     if (report["outputs"].size() > 2) return line + " and others\n";
@@ -167,18 +161,18 @@ std::string duration_text(double seconds) {
 }
 
 std::string summary_text(const Spec& spec, const Json& report) {
-  if (!stage_of_chain().empty()) return line_of_chain(spec, report);
-  std::string text = spec.name + ": " + ending(report) + "\n";
+  if (!stage_of_chain().empty()) return chain_line(spec, report);
+  std::string text = spec.name + ": " + outcome_line(report) + "\n";
   const Json& outputs = report["outputs"];
-  const bool made = report["dry_run"] == false;
-  for (std::size_t i = 0; made && i < std::min(kMostOutputs, outputs.size()); ++i)
+  const bool wrote_files = report["dry_run"] == false;
+  for (std::size_t i = 0; wrote_files && i < std::min(kMaxOutputs, outputs.size()); ++i)
     text += "  " + output_text(outputs[i]["path"]) + "\n";
-  if (made && outputs.size() > kMostOutputs)
-    text += "  and " + std::to_string(outputs.size() - kMostOutputs) + " more\n";
+  if (wrote_files && outputs.size() > kMaxOutputs)
+    text += "  and " + std::to_string(outputs.size() - kMaxOutputs) + " more\n";
   if (const std::string outcome = outcome_text(spec.name, report); !outcome.empty()) text += "  " + outcome + "\n";
   if (const std::size_t warnings = report["warnings"].size(); warnings > 0)
     text += "  " + std::to_string(warnings) + (warnings == 1 ? " warning, see above\n" : " warnings, see above\n");
-  if (const std::string next = next_command(spec); made && report["exit_code"] == kDone && !next.empty())
+  if (const std::string next = next_command(spec); wrote_files && report["exit_code"] == kDone && !next.empty())
     text += wrapped("  next: ", next, {8, terminal_columns(os::kStderr), next.starts_with("ngs") ? " \\" : ""}) + "\n";
   return text;
 }

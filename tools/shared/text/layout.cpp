@@ -11,7 +11,7 @@
 namespace ngs::cli {
 namespace {
 
-constexpr int kFewestColumns = 40, kMostColumns = 120, kColumnsOfNoTerminal = 100;
+constexpr int kFewestColumns = 40, kMaxColumns = 120, kColumnsOfNoTerminal = 100;
 
 /// Where to break a word wider than `columns`, in bytes.
 std::size_t cut_of(std::string_view word, int columns) {
@@ -74,7 +74,7 @@ int terminal_columns(int descriptor) {
   int columns = 0;
   if (const char* text = std::getenv("COLUMNS")) std::from_chars(text, text + std::strlen(text), columns);
   if (columns <= 0) columns = os::terminal_width(descriptor);
-  return columns <= 0 ? kColumnsOfNoTerminal : std::clamp(columns, kFewestColumns, kMostColumns);
+  return columns <= 0 ? kColumnsOfNoTerminal : std::clamp(columns, kFewestColumns, kMaxColumns);
 }
 
 std::string wrapped(std::string start, std::string_view text, const Margins& margins) {

@@ -11,7 +11,7 @@ Capture parse_cameras_json(const nlohmann::json& root, const std::string& object
     throw Error(ErrorCode::kBadInput, object + ": " + root.type_name() + ", expected a list of cameras");
   Capture capture;
   capture.format = "cameras.json";
-  bool is_assumed = false;  // the principal point, which trainers do not write
+  bool assumes_centre = false;  // some entry has no principal point
   for (const nlohmann::json& entry : root) {
     const JsonReader reader(entry, object + ": [" + std::to_string(capture.views.size()) + "]");
     Camera& camera = capture.views.emplace_back().camera;
@@ -19,15 +19,16 @@ Capture parse_cameras_json(const nlohmann::json& root, const std::string& object
     camera.width_px = int(reader.integer("width", 1, kMaxSide));
     camera.height_px = int(reader.integer("height", 1, kMaxSide));
     camera.fx = reader.number("fx"), camera.fy = reader.number("fy");
-    is_assumed |= !reader.has("cx") || !reader.has("cy");
-    camera.cx = reader.number_or("cx", camera.width_px / 2.0),
+    assumes_centre |= !reader.has("cx") || !reader.has("cy");
+    camera.cx = reader.number_or("cx", camera.width_px / 2.0);
     camera.cy = reader.number_or("cy", camera.height_px / 2.0);
     const std::vector<double> rows = reader.matrix("rotation", 3, 3), centre = reader.matrix("position", 3, 0);
     Mat3<double> axes;
     std::copy(rows.begin(), rows.end(), axes.m);
     set_pose(camera, checked_rotation(axes, reader.where() + ".rotation"), vec3(centre.data()));
   }
-  if (is_assumed) capture.notes.push_back(object + ": the format has no principal point, the image centre is assumed");
+  if (assumes_centre)
+    capture.notes.push_back(object + ": the format has no principal point, the image centre is assumed");
   finish_capture(capture, object);
   return capture;
 }

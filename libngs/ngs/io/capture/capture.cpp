@@ -19,7 +19,7 @@ void finish_capture(Capture& capture, const std::string& object) {
       std::adjacent_find(capture.views.begin(), capture.views.end(),
                          [](const SceneView& a, const SceneView& b) { return a.camera.name == b.camera.name; });
   if (same != capture.views.end())
-    throw Error(ErrorCode::kBadInput, object + ": image " + same->camera.name + " twice, expected once");
+    throw Error(ErrorCode::kBadInput, object + ": image " + same->camera.name + " is listed twice, expected once");
 }
 
 }  // namespace ngs::io

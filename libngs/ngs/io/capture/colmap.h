@@ -1,11 +1,11 @@
 #pragma once
-// COLMAP sparse models, binary or text: cameras.* and images.* of one folder. points3D.*, rigs.* and frames.* are not
-// read. Poses are world -> camera, Hamilton quaternion w x y z; the first pixel's centre is (0.5, 0.5), as in
-// scene/camera.h.
+// COLMAP sparse models, binary or text: cameras.* and images.* of one folder. rigs.* and frames.* are not read;
+// points3D.* is read by sparse_points.h. Poses are world -> camera, Hamilton quaternion w x y z; the first pixel's
+// centre is (0.5, 0.5), as in scene/camera.h.
 //
 // Camera models: SIMPLE_PINHOLE and PINHOLE with their principal point. Models with distortion are read where every
-// distortion parameter is < 1e-9 in size, or with Distortion::kKept; else kBadInput with the command that undistorts.
-// Panoramas are kBadInput.
+// distortion parameter has a magnitude below kNegligibleDistortion, or with Distortion::kKept; else kBadInput with the
+// command that undistorts. Panoramas are kBadInput.
 #include <string>
 #include <string_view>
 

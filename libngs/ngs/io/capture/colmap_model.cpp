@@ -48,8 +48,7 @@ bool is_pinhole_without_distortion(const ColmapModel& model) {
 /// `model` null: a model that is not in the list.
 std::string way_out(const ColmapModel* model, const std::string& folder) {
   if (model != nullptr && is_panorama(*model)) return kPanoramaRemedy;
-  std::string command = "colmap image_undistorter --image_path IMAGES --input_path " + folder +
-                        " --output_path undistorted --output_type COLMAP";
+  std::string command = undistort_command("IMAGES", folder);
   if (model != nullptr && has_lens(*model))
     command += ", or ngs-scene undistort " + folder + " --images IMAGES -o undistorted";
   return command + "; then import the folder undistorted";
@@ -122,6 +121,11 @@ const ColmapModel* find_colmap_model_by_name(const std::string& name) {
   for (const ColmapModel& model : kModels)
     if (model.name == name) return &model;
   return nullptr;
+}
+
+std::string undistort_command(const std::string& images, const std::string& folder) {
+  return "colmap image_undistorter --image_path " + images + " --input_path " + folder +
+         " --output_path undistorted --output_type COLMAP";
 }
 
 void refuse_colmap_model(const std::string& model, const std::string& where, const std::string& folder) {

@@ -50,8 +50,10 @@ void set_intrinsics(const ColmapIntrinsics& from, const std::string& name, Captu
 /// Hint for panoramas, which neither a pinhole nor any Lens can represent.
 inline constexpr const char* kPanoramaRemedy =
     "cut each panorama into pinhole views and find their poses again, e.g. with COLMAP's example panorama_sfm.py or "
-    "with "
-    "ns-process-data of nerfstudio";
+    "with ns-process-data of nerfstudio";
+
+/// The command that removes lens distortion. `folder`: the model.
+std::string undistort_command(const std::string& images, const std::string& folder);
 
 /// kBadInput for a model that is not in the list.
 [[noreturn]] void refuse_colmap_model(const std::string& model, const std::string& where, const std::string& folder);

@@ -1,6 +1,7 @@
 #pragma once
-// Matches photos with views, in this order: the file of the view's name; the only file with the same stem (0000.HEIC
-// matches 0000.jpg); both again without the folders of the name, if only one view fits (files_of_views).
+// Matches photos with views. A view's photo is the file of its name, else the only file with its stem (0000.HEIC for
+// 0000.jpg). If neither exists, both rules are tried without the folders of the name, if only one view fits
+// (files_of_views).
 #include <string>
 #include <vector>
 

@@ -35,18 +35,18 @@ class Lookup {
   const JsonReader &frame_, &file_;
 };
 
-const std::string kUndistort =
-    "undistort the photos, e.g. with colmap image_undistorter --image_path images --input_path colmap/sparse/0 "
-    "--output_path undistorted --output_type COLMAP, or ngs-scene undistort FILE -o undistorted; then import the "
-    "folder "
-    "undistorted";
+std::string undistort_remedy() {
+  return "undistort the photos, e.g. with " + undistort_command("images", "colmap/sparse/0") +
+         ", or ngs-scene undistort FILE -o undistorted; then import the folder undistorted";
+}
 
 void refuse_distortion(const Lookup& lookup, const std::string& where) {
   for (const char* key : {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"}) {
     const double value = lookup.number(key).value_or(0);
     if (std::abs(value) >= kNegligibleDistortion)
       throw Error(ErrorCode::kBadInput,
-                  where + ": lens distortion " + key + " = " + json(value).dump() + ", expected none", kUndistort);
+                  where + ": lens distortion " + key + " = " + json(value).dump() + ", expected none",
+                  undistort_remedy());
   }
 }
 
@@ -55,9 +55,10 @@ std::string camera_model(const Lookup& lookup) {
   return reader == nullptr ? "OPENCV" : reader->text("camera_model");
 }
 
-bool is_fisheye(const Lookup& lookup) {
-  const JsonReader* flag = lookup.holder("is_fisheye");  // instant-ngp's; distorts even if k1..k4 are zero
-  return camera_model(lookup) == "OPENCV_FISHEYE" || (flag != nullptr && flag->boolean("is_fisheye"));
+/// instant-ngp's flag; the lens distorts even if k1..k4 are zero.
+bool has_fisheye_flag(const Lookup& lookup) {
+  const JsonReader* flag = lookup.holder("is_fisheye");
+  return flag != nullptr && flag->boolean("is_fisheye");
 }
 
 /// nerfstudio's names of 360-degree images, mono or stereo.
@@ -68,24 +69,24 @@ bool is_panorama(const std::string& model) {
 
 /// kBadInput for models that are neither a pinhole nor a supported lens.
 void require_known_model(const Lookup& lookup, const std::string& where, Distortion distortion) {
-  const bool may_bend = distortion == Distortion::kKept;
-  const JsonReader* flag = lookup.holder("is_fisheye");
-  if (!may_bend && flag != nullptr && flag->boolean("is_fisheye"))
-    throw Error(ErrorCode::kBadInput, where + ": is_fisheye, expected a pinhole", kUndistort);
+  const bool keeps_distortion = distortion == Distortion::kKept;
+  if (!keeps_distortion && has_fisheye_flag(lookup))
+    throw Error(ErrorCode::kBadInput, where + ": is_fisheye, expected a pinhole", undistort_remedy());
   const std::string model = camera_model(lookup);
-  constexpr std::array kStraight{"PINHOLE", "SIMPLE_PINHOLE", "OPENCV", "SIMPLE_RADIAL", "RADIAL", "FULL_OPENCV"};
-  if (may_bend && model == "OPENCV_FISHEYE") return;
-  if (std::find(kStraight.begin(), kStraight.end(), model) != kStraight.end()) return;
+  constexpr std::array kPerspectiveModels{"PINHOLE",       "SIMPLE_PINHOLE", "OPENCV",
+                                          "SIMPLE_RADIAL", "RADIAL",         "FULL_OPENCV"};
+  if (keeps_distortion && model == "OPENCV_FISHEYE") return;
+  if (std::ranges::find(kPerspectiveModels, model) != kPerspectiveModels.end()) return;
   throw Error(ErrorCode::kBadInput, where + ": camera model " + model + ", expected a pinhole",
               is_panorama(model)          ? kPanoramaRemedy
-              : model == "OPENCV_FISHEYE" ? kUndistort
+              : model == "OPENCV_FISHEYE" ? undistort_remedy()
                                           : "export pinhole photos with the program that made the file");
 }
 
 Lens lens_of(const Lookup& lookup, const std::string& where) {
   const auto of = [&](const char* key) { return lookup.number(key).value_or(0); };
   Lens lens;
-  if (is_fisheye(lookup)) lens.kind = Lens::Kind::kFisheye;
+  if (camera_model(lookup) == "OPENCV_FISHEYE" || has_fisheye_flag(lookup)) lens.kind = Lens::Kind::kFisheye;
   lens.radial = {of("k1"), of("k2"), of("k3"), of("k4")}, lens.tangential = {of("p1"), of("p2")};
   if (camera_model(lookup) == "FULL_OPENCV")
     lens.radial[3] = 0, lens.divisor = {of("k4"), of("k5"), of("k6")};
@@ -95,7 +96,8 @@ Lens lens_of(const Lookup& lookup, const std::string& where) {
   return lens;
 }
 
-/// Resolves a path of the file. Paths written on Windows contain backslashes; a file with that exact name is preferred.
+/// Resolves a path of the file. Backslashes become slashes (paths written on Windows), unless a file with that exact
+/// name exists.
 std::string path_in(const TransformsSource& source, std::string text) {
   const std::string folder = source.folder.empty() ? "." : source.folder;
   if (text.find('\\') != std::string::npos && !source.images.exists(path_from_folder(folder, text)))
@@ -156,12 +158,17 @@ RigidRows read_rigid(const JsonReader& reader, const std::string& key) {
   return rigid_from(m, reader.where() + "." + key);
 }
 
+double positive_scale(const JsonReader& reader, const std::string& key) {
+  const double scale = reader.number_or(key, 1);
+  if (!(scale > 0)) reader.fail(key, "a number > 0");
+  return scale;
+}
+
 /// The file has x' = scale · (A x + b) with x in the original world; returns the inverse similarity.
 std::optional<WorldTransform> undo_applied(const JsonReader& file) {
   if (!file.has("applied_transform")) return std::nullopt;
   const RigidRows applied = read_rigid(file, "applied_transform");
-  const double scale = file.number_or("applied_scale", 1);
-  if (!(scale > 0)) file.fail("applied_scale", "a number > 0");
+  const double scale = positive_scale(file, "applied_scale");
   // x = Aᵀ (x' / scale - b) = 1/scale · (Aᵀ x' - scale Aᵀ b)
   const Mat3<double> inverse = transpose(applied.rotation);
   return WorldTransform{inverse, (-scale) * (inverse * applied.translation), 1 / scale};
@@ -226,9 +233,7 @@ WorldTransform read_world_transform(const std::string& path) {
   const json root = read_json_file(path);
   const JsonReader reader(root, path);
   const RigidRows rigid = read_rigid(reader, "transform");
-  const double scale = reader.number_or("scale", 1);
-  if (!(scale > 0)) reader.fail("scale", "a number > 0");
-  return {rigid.rotation, rigid.translation, scale};
+  return {rigid.rotation, rigid.translation, positive_scale(reader, "scale")};
 }
 
 void apply(const WorldTransform& world, Camera& camera) {

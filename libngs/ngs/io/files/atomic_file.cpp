@@ -44,7 +44,7 @@ AtomicFile::AtomicFile(std::string path) : path_(std::move(path)), target_(path_
     descriptor_ = os::open_to_write(path_);
   } else {
     descriptor_ = open_new(target_, temporary_);
-    if (descriptor_ >= 0) unfinished_.note(temporary_.c_str());
+    if (descriptor_ >= 0) unfinished_.track(temporary_.c_str());
   }
   if (descriptor_ < 0) {
     temporary_.clear();

@@ -32,8 +32,8 @@ JsonReader::JsonReader(const json& value, std::string where) : value_(value), wh
 void JsonReader::fail(const std::string& key, const std::string& expected) const {
   const bool present = value_.contains(key);
   std::string found = present ? value_.at(key).dump(-1, ' ', true, json::error_handler_t::replace) : "missing";
-  constexpr std::size_t kLongest = 40;
-  if (found.size() > kLongest) found = found.substr(0, kLongest) + "...";
+  constexpr std::size_t kMaxShownBytes = 40;
+  if (found.size() > kMaxShownBytes) found = found.substr(0, kMaxShownBytes) + "...";
   throw Error(ErrorCode::kBadInput, where_ + "." + key + ": " + found + ", expected " + expected);
 }
 

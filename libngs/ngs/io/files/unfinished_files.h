@@ -12,7 +12,7 @@ class UnfinishedFile {
   ~UnfinishedFile() { release(); }
   UnfinishedFile(const UnfinishedFile&) = delete;
   UnfinishedFile& operator=(const UnfinishedFile&) = delete;
-  void note(const char* path);
+  void track(const char* path);
   void release();
 
  private:

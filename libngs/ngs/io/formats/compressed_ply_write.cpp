@@ -23,7 +23,7 @@ Ranged ranged_of(const SplatRow& row) {
   for (std::size_t a = 0; a < 3; ++a) {
     values[a] = row.position[a];
     values[3 + a] = row.log_scale[a];
-    values[6 + a] = float(0.5 + kShC0 * row.sh_dc[a]);
+    values[6 + a] = float(colour_of_dc(double(row.sh_dc[a])));
   }
   return values;
 }

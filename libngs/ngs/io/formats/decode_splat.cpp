@@ -17,7 +17,7 @@ DecodedSplat decode_splat(SplatFormat format, const std::string& name, Bytes byt
     case SplatFormat::kKsplat: return decode_ksplat(name, bytes);
     case SplatFormat::kGlb:
       throw Error(ErrorCode::kBadInput,
-                  name + ": a .glb, which is written but not read, expected .ply, .spz, .sog, .splat or .ksplat",
+                  name + ": .glb can be written but not read, expected .ply, .spz, .sog, .splat or .ksplat",
                   "export the model in one of these formats");
     case SplatFormat::kPly:
     case SplatFormat::kCompressedPly: break;

@@ -28,7 +28,7 @@ SplatRow row_of(const Record& record) {
   for (std::size_t a = 0; a < 3; ++a) {
     row.position[a] = record.position[a];
     row.log_scale[a] = std::log(record.scale[a]);
-    row.sh_dc[a] = float((record.rgba[a] / 255.0 - 0.5) / kShC0);
+    row.sh_dc[a] = float(dc_of_colour(record.rgba[a] / 255.0));
   }
   row.logit_opacity = logit_of_alpha_byte(record.rgba[3]);
   return row;
@@ -39,7 +39,7 @@ Record record_of(const SplatRow& row) {
   for (std::size_t a = 0; a < 3; ++a) {
     record.position[a] = row.position[a];
     record.scale[a] = std::exp(row.log_scale[a]);
-    record.rgba[a] = to_byte(255 * (0.5 + kShC0 * row.sh_dc[a]));
+    record.rgba[a] = to_byte(255 * colour_of_dc(double(row.sh_dc[a])));
   }
   record.rgba[3] = alpha_byte(row.logit_opacity);
   const double sign = row.rotation[largest_component(row.rotation)] > 0 ? -1 : 1;

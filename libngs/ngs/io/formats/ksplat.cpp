@@ -147,7 +147,7 @@ class KsplatReader {
     for (std::size_t a = 0; a < 3; ++a) {
       row.position[a] = compression_ == 0 ? number(from, a) : position(s, from, bucket, a);
       row.log_scale[a] = std::log(number(from + layout_.scale_at(), a));
-      row.sh_dc[a] = float((at<std::uint8_t>(from + layout_.colour_at() + a) / 255.0 - 0.5) / kShC0);
+      row.sh_dc[a] = float(dc_of_colour(at<std::uint8_t>(from + layout_.colour_at() + a) / 255.0));
     }
     for (std::size_t k = 0; k < 4; ++k) row.rotation[k] = number(from + layout_.rotation_at(), k);
     row.logit_opacity = logit_of_alpha_byte(at<std::uint8_t>(from + layout_.colour_at() + 3));

@@ -30,14 +30,14 @@ inline double left_out_component(double a, double b, double c) {
   return std::sqrt(clamp3(1 - (a * a + b * b + c * c), 0.0, 1.0));
 }
 
-/// Rejects a file whose header declares more than kMostExpansion times the file size: the limit of deflate, and far
+/// Rejects a file whose header declares more than kMaxExpansion times the file size: the limit of deflate, and far
 /// beyond the compression of any real model. A small file thus cannot allocate much memory.
-inline constexpr std::uint64_t kMostExpansion = 1032;
+inline constexpr std::uint64_t kMaxExpansion = 1032;
 inline void check_expansion(const std::string& name, std::uint64_t decoded_bytes, std::uint64_t file_bytes) {
-  if (decoded_bytes / kMostExpansion <= file_bytes) return;
+  if (decoded_bytes / kMaxExpansion <= file_bytes) return;
   throw Error(ErrorCode::kBadInput,
               name + ": " + std::to_string(file_bytes) + " bytes whose header declares " +
-                  std::to_string(decoded_bytes) + " bytes of data, expected at most " + std::to_string(kMostExpansion) +
+                  std::to_string(decoded_bytes) + " bytes of data, expected at most " + std::to_string(kMaxExpansion) +
                   " times as many",
               "the file is damaged or hostile: copy or export it again");
 }

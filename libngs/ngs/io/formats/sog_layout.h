@@ -9,8 +9,8 @@
 
 namespace ngs::io::sog {
 
-inline constexpr std::size_t kPaletteColumns = 64, kMostPalette = 65536;
-inline constexpr double kMostWord = 65535, kMostByte = 255;
+inline constexpr std::size_t kPaletteColumns = 64, kMaxPalette = 65536;
+inline constexpr double kMaxWord = 65535, kMaxByte = 255;
 inline constexpr int kFirstMode = 252;  // of quaternions
 
 /// Components of (w, x, y, z) other than the largest, in file order.

@@ -70,7 +70,7 @@ using Values = std::array<double, 256>;
 
 Values spread_between(double low, double high) {
   Values values;
-  for (std::size_t v = 0; v < values.size(); ++v) values[v] = between(low, high, double(v), kMostByte);
+  for (std::size_t v = 0; v < values.size(); ++v) values[v] = between(low, high, double(v), kMaxByte);
   return values;
 }
 
@@ -80,12 +80,12 @@ class SogReader {
       : name_(name), bytes_(bytes), zip_(name, bytes), meta_(name + ": meta.json", read_meta()) {
     version_ = meta_.has("version") ? meta_.whole_number(meta_.root()["version"], "version", 1000) : 1;
     if (version_ != 1 && version_ != 2) meta_.bad("version " + std::to_string(version_) + " of .sog, expected 1 or 2");
-    constexpr std::uint64_t kMostCount = std::uint64_t(kMostWebpPx) * kMostWebpPx;
+    constexpr std::uint64_t kMaxCount = std::uint64_t(kMaxWebpSide_px) * kMaxWebpSide_px;
     if (version_ == 2 && !meta_.has("count")) meta_.bad("'count' is missing, expected the number of Gaussians");
     const json& shape = version_ == 1 ? meta_.at("means", "shape") : meta_.root()["count"];
     if (version_ == 1 && (!shape.is_array() || shape.empty()))
       meta_.bad("'means.shape' is not a list, expected [N, 3]");
-    count_ = meta_.whole_number(version_ == 1 ? shape[0] : shape, "count", kMostCount);
+    count_ = meta_.whole_number(version_ == 1 ? shape[0] : shape, "count", kMaxCount);
     constexpr std::uint64_t kTextures = 5;
     check_expansion(name, count_ * kTextures * 4, bytes.size());
   }
@@ -104,19 +104,19 @@ class SogReader {
 
  private:
   json read_meta() const {
-    constexpr std::size_t kMostMetaBytes = std::size_t(1) << 20;
-    const std::vector<std::uint8_t> text = zip_.read("meta.json", kMostMetaBytes);
+    constexpr std::size_t kMaxMetaBytes = std::size_t(1) << 20;
+    const std::vector<std::uint8_t> text = zip_.read("meta.json", kMaxMetaBytes);
     return parse_json({reinterpret_cast<const char*>(text.data()), text.size()}, name_ + ": meta.json");
   }
 
-  RgbaTable picture(const char* part, std::size_t which, std::size_t most_texels) const {
+  RgbaImage picture(const char* part, std::size_t which, std::size_t max_texels) const {
     const std::string file = meta_.file(part, which);
-    return decode_webp(name_ + ": " + file, zip_.read(file, bytes_.size()), most_texels);
+    return decode_webp(name_ + ": " + file, zip_.read(file, bytes_.size()), max_texels);
   }
 
   /// An image with at least one texel per Gaussian, and not many more.
-  RgbaTable texture(const char* part, std::size_t which) const {
-    RgbaTable table = picture(part, which, 2 * count_ + kMostPalette);
+  RgbaImage texture(const char* part, std::size_t which) const {
+    RgbaImage table = picture(part, which, 2 * count_ + kMaxPalette);
     if (table.texels() < count_)
       meta_.bad("'" + meta_.file(part, which) + "' has " + std::to_string(table.texels()) +
                 " pixels, expected at least " + std::to_string(count_));
@@ -149,7 +149,7 @@ class SogReader {
   }
 
   void read_palette() {
-    centroids_ = picture("shN", 0, kMostPalette * sh_rest_count(3));
+    centroids_ = picture("shN", 0, kMaxPalette * sh_rest_count(3));
     labels_ = texture("shN", 1);
     for (int degree = 1; degree <= 3; ++degree)
       if (std::size_t(centroids_.width) == kPaletteColumns * std::size_t(sh_rest_count(degree))) degree_ = degree;
@@ -168,7 +168,7 @@ class SogReader {
     SplatRow row;
     for (std::size_t a = 0; a < 3; ++a) {
       const double word = double(means_low_.texel(i)[a]) + 256.0 * means_high_.texel(i)[a];
-      row.position[a] = float(expanded(between(mins_[a], maxs_[a], word, kMostWord)));
+      row.position[a] = float(expanded(between(mins_[a], maxs_[a], word, kMaxWord)));
       row.log_scale[a] = float(scale_values_[a][scales_.texel(i)[a]]);
       row.sh_dc[a] = float(colour_values_[a][sh0_.texel(i)[a]]);
     }
@@ -186,7 +186,7 @@ class SogReader {
                 std::to_string(i) + ", expected 252 to 255");
     const std::size_t largest = std::size_t(texel[3] - kFirstMode);
     double v[3];
-    for (std::size_t k = 0; k < 3; ++k) v[k] = between(-1, 1, texel[k], kMostByte) * std::sqrt(0.5);
+    for (std::size_t k = 0; k < 3; ++k) v[k] = between(-1, 1, texel[k], kMaxByte) * std::sqrt(0.5);
     std::array<float, 4> q{};
     for (std::size_t k = 0; k < 3; ++k) q[kOthers[largest][k]] = float(v[k]);
     q[largest] = float(left_out_component(v[0], v[1], v[2]));
@@ -211,7 +211,7 @@ class SogReader {
   Meta meta_;
   std::uint64_t version_ = 0, count_ = 0;
   int degree_ = 0;
-  RgbaTable means_low_, means_high_, quats_, scales_, sh0_, centroids_, labels_;
+  RgbaImage means_low_, means_high_, quats_, scales_, sh0_, centroids_, labels_;
   std::vector<double> mins_, maxs_;
   std::array<Values, 3> scale_values_{}, colour_values_{};
   Values rest_values_{};

@@ -23,7 +23,7 @@ class SogWriter {
     // A nearly square image of 4 x 4 texel blocks.
     width_ = std::max(4, int(std::ceil(std::sqrt(double(count_)) / 4)) * 4);
     height_ = std::max(4, int(std::ceil(double(count_) / double(width_) / 4)) * 4);
-    if (width_ > kMostWebpPx || height_ > kMostWebpPx)
+    if (width_ > kMaxWebpSide_px || height_ > kMaxWebpSide_px)
       throw Error(ErrorCode::kUsage, std::to_string(count_) + " Gaussians, a .sog holds up to 268 million",
                   "write the model as PLY");
     meta_ = {{"version", 2}, {"asset", {{"generator", std::string("ngs ") + kVersion}}}, {"count", count_}};
@@ -44,13 +44,13 @@ class SogWriter {
  private:
   SplatRow row(std::size_t i) const { return load_row(model_, model_.rows[i]); }
 
-  RgbaTable texture() const {
-    RgbaTable table{width_, height_, std::vector<std::uint8_t>(std::size_t(width_) * std::size_t(height_) * 4)};
+  RgbaImage texture() const {
+    RgbaImage table{width_, height_, std::vector<std::uint8_t>(std::size_t(width_) * std::size_t(height_) * 4)};
     for (std::size_t i = 0; i < table.texels(); ++i) table.texel(i)[3] = 255;
     return table;
   }
 
-  void add_picture(const std::string& name, const RgbaTable& table) { entries_.push_back({name, encode_webp(table)}); }
+  void add_picture(const std::string& name, const RgbaImage& table) { entries_.push_back({name, encode_webp(table)}); }
 
   void add_means() {
     std::array<double, 3> low, high;
@@ -61,11 +61,11 @@ class SogWriter {
         low[a] = std::min(low[a], c), high[a] = std::max(high[a], c);
       }
     if (count_ == 0) low.fill(0), high.fill(0);
-    RgbaTable lower = texture(), upper = texture();
+    RgbaImage lower = texture(), upper = texture();
     for (std::size_t i = 0; i < count_; ++i)
       for (std::size_t a = 0; a < 3; ++a) {
         const double span = high[a] - low[a], c = compressed(row(i).position[a]);
-        const auto word = std::uint32_t(std::lround(span > 0 ? clamp3((c - low[a]) / span, 0.0, 1.0) * kMostWord : 0));
+        const auto word = std::uint32_t(std::lround(span > 0 ? clamp3((c - low[a]) / span, 0.0, 1.0) * kMaxWord : 0));
         lower.texel(i)[a] = std::uint8_t(word & 255), upper.texel(i)[a] = std::uint8_t(word >> 8);
       }
     meta_["means"] = {{"mins", low}, {"maxs", high}, {"files", {"means_l.webp", "means_u.webp"}}};
@@ -74,7 +74,7 @@ class SogWriter {
   }
 
   /// Fits the codebook of an attribute with three values, and appends each value's index to `table`.
-  Codebook add_by_codebook(std::array<float, 3> SplatRow::*attribute, RgbaTable& table) const {
+  Codebook add_by_codebook(std::array<float, 3> SplatRow::*attribute, RgbaImage& table) const {
     std::vector<float> values;
     for (std::size_t i = 0; i < count_; ++i) {
       const std::array<float, 3> three = row(i).*attribute;
@@ -86,19 +86,19 @@ class SogWriter {
   }
 
   void add_scales() {
-    RgbaTable table = texture();
+    RgbaImage table = texture();
     meta_["scales"] = {{"codebook", add_by_codebook(&SplatRow::log_scale, table)}, {"files", {"scales.webp"}}};
     add_picture("scales.webp", table);
   }
 
   void add_quats() {
-    RgbaTable table = texture();
+    RgbaImage table = texture();
     for (std::size_t i = 0; i < count_; ++i) {
       const std::array<float, 4> q = row(i).rotation;
       const std::size_t largest = largest_component(q);
       const double scale = (q[largest] < 0 ? -1 : 1) * std::sqrt(2.0);
       for (std::size_t k = 0; k < 3; ++k)
-        table.texel(i)[k] = to_byte((q[kOthers[largest][k]] * scale * 0.5 + 0.5) * kMostByte);
+        table.texel(i)[k] = to_byte((q[kOthers[largest][k]] * scale * 0.5 + 0.5) * kMaxByte);
       table.texel(i)[3] = std::uint8_t(kFirstMode + int(largest));
     }
     meta_["quats"] = {{"files", {"quats.webp"}}};
@@ -106,7 +106,7 @@ class SogWriter {
   }
 
   void add_colours() {
-    RgbaTable table = texture();
+    RgbaImage table = texture();
     meta_["sh0"] = {{"codebook", add_by_codebook(&SplatRow::sh_dc, table)}, {"files", {"sh0.webp"}}};
     for (std::size_t i = 0; i < count_; ++i) table.texel(i)[3] = alpha_byte(row(i).logit_opacity);
     add_picture("sh0.webp", table);
@@ -119,10 +119,10 @@ class SogWriter {
       const SplatRow values = row(i);
       table.insert(table.end(), values.sh_rest.begin(), values.sh_rest.begin() + std::ptrdiff_t(columns));
     }
-    const Palette palette = fit_palette(table, columns, kMostPalette);
+    const Palette palette = fit_palette(table, columns, kMaxPalette);
     const Codebook codebook = fit_codebook(palette.rows);
     const std::size_t size = palette.rows.size() / columns;
-    RgbaTable labels = texture(),
+    RgbaImage labels = texture(),
               centroids{int(kPaletteColumns * coefficients),
                         int(std::max<std::size_t>(1, (size + kPaletteColumns - 1) / kPaletteColumns)),
                         {}};

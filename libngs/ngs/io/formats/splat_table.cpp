@@ -9,6 +9,12 @@
 
 namespace ngs::io {
 
+namespace {
+
+constexpr std::size_t kColumnsWithoutRest = 14, kMaxColumns = kColumnsWithoutRest + 45;
+
+}  // namespace
+
 PlyTable splat_table(std::int64_t count, int sh_degree) {
   std::vector<PlyProperty> properties;
   const auto add = [&](std::string name) { properties.push_back({.name = std::move(name)}); };
@@ -23,8 +29,8 @@ PlyTable splat_table(std::int64_t count, int sh_degree) {
 }
 
 void store_row(PlyTable& table, std::int64_t i, const SplatRow& row) {
-  const std::size_t coefficients = (table.properties.size() - 14) / 3;
-  float values[59];
+  const std::size_t coefficients = (table.properties.size() - kColumnsWithoutRest) / 3;
+  float values[kMaxColumns];
   float* at = std::copy(row.position.begin(), row.position.end(), values);
   at = std::copy(row.sh_dc.begin(), row.sh_dc.end(), at);
   for (std::size_t channel = 0; channel < 3; ++channel)

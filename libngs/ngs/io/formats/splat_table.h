@@ -14,7 +14,7 @@ namespace ngs::io {
 
 struct SplatRow {
   std::array<float, 3> position{};  // world
-  std::array<float, 3> sh_dc{};     // rgb = 0.5 + 0.28209479 · sh_dc
+  std::array<float, 3> sh_dc{};     // rgb = colour_of_dc(sh_dc), math/sh.h
   std::array<float, 45> sh_rest{};  // [coefficient · 3 + channel]; the first 3 · sh_rest_count(degree) are used
   float logit_opacity = 0;
   std::array<float, 3> log_scale{};

@@ -21,7 +21,7 @@ namespace ngs::io::spz {
 inline constexpr std::uint32_t kMagic = 0x5053474e;
 inline constexpr std::size_t kHeaderBytes = 16, kHeaderBytesV4 = 32, kTableEntryBytes = 16;
 inline constexpr std::uint8_t kAntialiased = 1, kHasExtensions = 2;
-inline constexpr std::uint32_t kLastVersion = 4, kMostDegree = 4;
+inline constexpr std::uint32_t kLastVersion = 4, kMaxDegree = 4;
 
 inline constexpr std::size_t kAttributes = 6;
 enum Attribute : std::size_t { kPosition, kAlpha, kColour, kScale, kRotation, kSh };
@@ -38,7 +38,7 @@ inline constexpr double kScaleOffset = 160, kScaleSteps = 16;  // ln scale from 
 inline constexpr double kShOffset = 128, kShSteps = 128;
 inline constexpr double kQuaternionOffset = 127.5, kQuaternionSteps = 127.5;  // versions 1 and 2
 
-inline constexpr std::uint32_t kMagnitudeBits = 9, kMostMagnitude = (1u << kMagnitudeBits) - 1;  // encodes √½
+inline constexpr std::uint32_t kMagnitudeBits = 9, kMaxMagnitude = (1u << kMagnitudeBits) - 1;  // encodes √½
 inline constexpr double kLargestOfSmallest = 0.70710678118654752;
 
 }  // namespace ngs::io::spz

@@ -37,7 +37,7 @@ void check_header(const std::string& name, const Header& header, std::size_t fil
                 "if it is another file, compressed, unpack it (gunzip); else copy it again");
   if (header.version < 1 || header.version > kLastVersion)
     bad(name, "version " + std::to_string(header.version) + " of .spz, expected 1 to 4");
-  if (header.degree > kMostDegree) bad(name, "SH degree " + std::to_string(header.degree) + ", expected 0 to 4");
+  if (header.degree > kMaxDegree) bad(name, "SH degree " + std::to_string(header.degree) + ", expected 0 to 4");
   if (header.fractional_bits > 24)
     bad(name, std::to_string(header.fractional_bits) + " fractional bits of positions, expected at most 24");
   std::uint64_t row_bytes = 0;
@@ -170,7 +170,7 @@ class Decoder {
     double v[4] = {0, 0, 0, 0};
     for (std::size_t k = 4; k-- > 0;) {
       if (k == largest) continue;
-      v[k] = kLargestOfSmallest * double(bits & kMostMagnitude) / double(kMostMagnitude);
+      v[k] = kLargestOfSmallest * double(bits & kMaxMagnitude) / double(kMaxMagnitude);
       if ((bits >> kMagnitudeBits & 1) != 0) v[k] = -v[k];
       bits >>= kMagnitudeBits + 1;
     }

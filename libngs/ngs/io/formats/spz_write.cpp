@@ -16,7 +16,7 @@ namespace {
 using namespace spz;
 
 constexpr std::uint32_t kWrittenVersion = 3;  // supported by every reader
-constexpr int kUsualFractionalBits = 16, kMostFractionalBits = 24;
+constexpr int kUsualFractionalBits = 16, kMaxFractionalBits = 24;
 
 struct Farthest {
   double coordinate = 0;
@@ -34,10 +34,10 @@ Farthest farthest_of(const SplatSelection& model) {
 /// At most 16, as in other writers; more if a step of 2^-16 is coarse for the model's Gaussians, as in millimetre
 /// worlds.
 int fractional_bits(double farthest, double usual) {
-  constexpr double kMostFixed = 0x7fffff, kFinest = 1.0 / 16;  // of the usual size: invisible in images
-  const auto fits = [&](int bits) { return std::nearbyint(std::ldexp(farthest, bits)) <= kMostFixed; };
+  constexpr double kMaxFixed = 0x7fffff, kFinest = 1.0 / 16;  // of the usual size: invisible in images
+  const auto fits = [&](int bits) { return std::nearbyint(std::ldexp(farthest, bits)) <= kMaxFixed; };
   int bits = kUsualFractionalBits;
-  while (bits < kMostFractionalBits && fits(bits + 1) && std::ldexp(1, -bits) > kFinest * usual) ++bits;
+  while (bits < kMaxFractionalBits && fits(bits + 1) && std::ldexp(1, -bits) > kFinest * usual) ++bits;
   for (; bits >= 0; --bits)
     if (fits(bits)) return bits;
   throw Error(ErrorCode::kUsage, "a coordinate of " + std::to_string(farthest) + ", .spz holds up to 8388607",
@@ -51,9 +51,9 @@ std::uint32_t smallest_three(const std::array<float, 4>& rotation) {
   for (std::size_t k = 0; k < 4; ++k) {
     if (k == largest) continue;
     const bool negative = (q[k] < 0) != (q[largest] < 0);
-    const double magnitude = std::abs(double(q[k])) / kLargestOfSmallest * double(kMostMagnitude);
+    const double magnitude = std::abs(double(q[k])) / kLargestOfSmallest * double(kMaxMagnitude);
     bits = bits << (kMagnitudeBits + 1) | std::uint32_t(negative) << kMagnitudeBits |
-           std::min(std::uint32_t(std::lround(magnitude)), kMostMagnitude);
+           std::min(std::uint32_t(std::lround(magnitude)), kMaxMagnitude);
   }
   return bits;
 }

@@ -27,7 +27,7 @@ namespace ngs::io {
 namespace {
 
 constexpr std::int64_t kMaxExrPixels = 100'000'000;
-constexpr std::int64_t kMostRowsPerChunk = 256;
+constexpr std::int64_t kMaxRowsPerChunk = 256;
 
 class MemoryOut : public Imf::OStream {
  public:
@@ -101,7 +101,7 @@ Packing packing(Imf::Compression compression) {
     case Imf::B44_COMPRESSION:                         // 5
     case Imf::B44A_COMPRESSION: return {32, 256};      // 21
     case Imf::DWAA_COMPRESSION: return {32, 1 << 14};  // 5516
-    default: return {kMostRowsPerChunk, 1 << 16};      // DWAB: 21418
+    default: return {kMaxRowsPerChunk, 1 << 16};       // DWAB: 21418
   }
 }
 
@@ -198,7 +198,7 @@ void check_header(Bytes bytes, const std::string& object) {
   check(width, height), check(width, packed.rows);
   if (header.hasTileDescription()) check(header.tileDescription().xSize, header.tileDescription().ySize);
   constexpr std::int64_t kOffsetBytes = 8;
-  if (height / kMostRowsPerChunk * kOffsetBytes > std::int64_t(bytes.size()))
+  if (height / kMaxRowsPerChunk * kOffsetBytes > std::int64_t(bytes.size()))
     throw std::runtime_error("file is truncated");
 }
 

@@ -15,7 +15,7 @@
 // `mask_invert` swaps object and background, never unknown.
 //
 // A file of another size is resampled if size_rule.h allows it, else kInconsistent. Reduction: soft by area average;
-// binary, label and bands by majority of the covered area (object wins ties). Enlargement: nearest neighbour.
+// binary, label and bands by majority of the covered area (a tie is object). Enlargement: nearest neighbour.
 //
 // A mask_path with "{object}" means one file per object (binary, soft or bands). A view has masks only if the files of
 // all objects exist; with missing_mask kEmpty an absent file is an empty mask.

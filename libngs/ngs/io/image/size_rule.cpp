@@ -13,13 +13,13 @@ constexpr int kMaxFactor = 16;
 /// Whether scaling one side of the larger size to the smaller one's, by at most kMaxFactor, leaves the other side less
 /// than a pixel off. Sizes that differ by a pixel or two do not qualify: one image was cropped, not scaled.
 bool is_scaled(ImageSize a, ImageSize b) {
-  constexpr int kLeastSidePx = 32;  // below, one pixel changes the aspect ratio noticeably
+  constexpr int kMinSide_px = 32;  // below, one pixel changes the aspect ratio noticeably
   constexpr int kCroppedPx = 2;
   if (std::abs(a.width_px - b.width_px) <= kCroppedPx && std::abs(a.height_px - b.height_px) <= kCroppedPx)
     return false;
   const bool a_is_small = std::int64_t(a.width_px) * a.height_px < std::int64_t(b.width_px) * b.height_px;
   const ImageSize small = a_is_small ? a : b, large = a_is_small ? b : a;
-  if (std::min(small.width_px, small.height_px) < kLeastSidePx || large.width_px > kMaxFactor * small.width_px)
+  if (std::min(small.width_px, small.height_px) < kMinSide_px || large.width_px > kMaxFactor * small.width_px)
     return false;
   const double by_width = double(small.width_px) / large.width_px,
                by_height = double(small.height_px) / large.height_px;
@@ -54,8 +54,8 @@ SizeRelation relate_mask_size(ImageSize file, ImageSize camera, double image_sca
     return std::abs(file.width_px * scale - camera.width_px) <= slack_px &&
            std::abs(file.height_px * scale - camera.height_px) <= slack_px;
   };
-  constexpr int kLeastSidePx = 100;  // below, one pixel changes the aspect ratio noticeably
-  if (std::min(camera.width_px, camera.height_px) < kLeastSidePx) return relation;
+  constexpr int kMinSide_px = 100;  // below, one pixel changes the aspect ratio noticeably
+  if (std::min(camera.width_px, camera.height_px) < kMinSide_px) return relation;
   // the camera's size is the photo's, scaled and rounded to nearest
   relation.allowed |= within(1, 1) || within(image_scale, image_scale + 0.5);
   return relation;

@@ -114,7 +114,7 @@ class Decoder {
     const std::uint32_t packed_colour = word(3, i);
     for (std::size_t c = 0; c < 3; ++c) {
       const double t = unorm(packed_colour, 24 - 8 * int(c), 8);
-      row.push_back(float(((has_colour_range_ ? colour_.at(chunk, c, t) : t) - 0.5) / kShC0));
+      row.push_back(float(dc_of_colour(has_colour_range_ ? colour_.at(chunk, c, t) : t)));
     }
     for (const PlyColumn& column : rest_) {
       const double v = column.value(i);  // the ends are exact, other values decode to the centre of a step

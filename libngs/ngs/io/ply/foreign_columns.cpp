@@ -11,7 +11,7 @@ namespace ngs::io {
 namespace {
 
 constexpr std::string_view kScalar = "scalar_", kRest = "f_rest_";
-constexpr int kMostCutDegree = 10;
+constexpr int kMaxCutDegree = 10;
 
 std::string log_scale_name(int axis) { return "scale_" + std::to_string(axis); }
 
@@ -82,7 +82,7 @@ void drop_scalar_prefix(PlyTable& rows) {
 }
 
 int excess_sh_degree(std::size_t rest_columns) {
-  for (int degree = 4; degree <= kMostCutDegree; ++degree)
+  for (int degree = 4; degree <= kMaxCutDegree; ++degree)
     if (rest_columns == 3 * std::size_t((degree + 1) * (degree + 1) - 1)) return degree;
   return 0;
 }
@@ -107,8 +107,8 @@ PlyTable cut_sh(const PlyTable& rows, int degree) {
 
 Activated find_activated(const PlyTable& rows) {
   constexpr std::int64_t kFewestRows = 16;  // fewer may lie within any range by chance
-  constexpr double kLeastRatio = 8;         // of a large length to a small one; logarithms span a smaller ratio
-  constexpr double kLeastSpan = 0.25;       // of opacities; a constant opacity is no evidence
+  constexpr double kMinRatio = 8;           // of a large length to a small one; logarithms span a smaller ratio
+  constexpr double kMinSpan = 0.25;         // of opacities; a constant opacity is no evidence
   Activated found;
   std::vector<PlyColumn> scales, opacity{rows.column("opacity")};
   for (int axis = 0; axis < 3; ++axis)
@@ -116,12 +116,12 @@ Activated find_activated(const PlyTable& rows) {
   if (rows.rows < kFewestRows || scales.empty() || !opacity[0]) return found;
   const std::vector<float> opacities = sorted_unless_negative(opacity, rows.rows);
   found.opacity = std::int64_t(opacities.size()) == rows.rows && opacities.back() <= 1 &&
-                  opacities.back() - opacities.front() >= kLeastSpan;
+                  opacities.back() - opacities.front() >= kMinSpan;
   const std::vector<float> lengths = sorted_unless_negative(scales, rows.rows);
   if (std::int64_t(lengths.size()) < kFewestRows) return found;
   found.median_scale = at_share(lengths, 0.5);
   const double high = at_share(lengths, 0.99);
-  const bool spread = kLeastRatio * at_share(lengths, 0.01) <= high;
+  const bool spread = kMinRatio * at_share(lengths, 0.01) <= high;
   const bool small = high < 1 || std::exp(found.median_scale) > bulk_side(rows);  // too small for logarithms
   found.scale = high > 0 && int(found.opacity) + int(spread) + int(small) >= 2;
   return found;

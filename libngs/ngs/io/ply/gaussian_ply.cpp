@@ -85,7 +85,7 @@ class Reader {
       ply_.notes.push_back(describe(activated) + ": converted");
     } else if (activated) {
       bad(describe(activated) + ", expected values as they are before activation",
-          "to convert them: ngs-extract " + shell_word(name_) + " --activated --object converted.ply");
+          "to convert them: ngs-extract " + shell_word(name_) + " --activated --object-ply converted.ply");
     }
   }
 
@@ -247,8 +247,8 @@ class Reader {
   }
 
   void check_weight() const {
-    constexpr float kMost = 0x1p60f;  // more pixels than any set of views has; exact sums can hold it
-    const auto wrong = std::ranges::find_if(ply_.weight, [](float w) { return !(w >= 0 && w <= kMost); });
+    constexpr float kMaxWeight = 0x1p60f;  // more pixels than any set of views has; exact sums can hold it
+    const auto wrong = std::ranges::find_if(ply_.weight, [](float w) { return !(w >= 0 && w <= kMaxWeight); });
     if (wrong == ply_.weight.end()) return;
     bad(std::string(kWeightColumn) + " of row " + std::to_string(wrong - ply_.weight.begin()) + ": " +
             std::to_string(*wrong) + ", expected a number of pixels",

@@ -9,7 +9,7 @@ namespace ngs::io {
 
 std::string rule_comment(const BoundaryRule& rule) {
   const nlohmann::ordered_json json{
-      {"tau", rule.tau}, {"criterion", kCriterionName[std::size_t(rule.criterion)]}, {"exclusive", rule.exclusive}};
+      {"tau", rule.tau}, {"criterion", kCriterionNames[std::size_t(rule.criterion)]}, {"exclusive", rule.exclusive}};
   return std::string(kRuleComment) + json.dump();
 }
 
@@ -22,10 +22,10 @@ std::optional<BoundaryRule> rule_in(const std::vector<std::string>& comments, co
   const auto has = [&](const char* key, auto is_type) { return json.contains(key) && (json[key].*is_type)(); };
   if (json.is_object() && has("tau", &nlohmann::json::is_number) && has("criterion", &nlohmann::json::is_string) &&
       has("exclusive", &nlohmann::json::is_boolean)) {
-    const auto criterion = std::ranges::find(kCriterionName, json["criterion"].get<std::string>());
+    const auto criterion = std::ranges::find(kCriterionNames, json["criterion"].get<std::string>());
     rule.tau = json["tau"].get<double>(), rule.exclusive = json["exclusive"].get<bool>();
-    rule.criterion = Criterion(criterion - kCriterionName.begin());
-    if (rule.tau >= 0 && rule.tau < 1 && criterion != kCriterionName.end()) return rule;
+    rule.criterion = Criterion(criterion - kCriterionNames.begin());
+    if (rule.tau >= 0 && rule.tau < 1 && criterion != kCriterionNames.end()) return rule;
   }
   throw Error(ErrorCode::kBadInput,
               file + ": comment \"" + printable(*found) +

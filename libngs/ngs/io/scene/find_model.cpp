@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "ngs/core/error.h"
+#include "ngs/core/listed.h"
 #include "ngs/core/parse_number.h"
 #include "ngs/io/files/folder_index.h"
 #include "ngs/io/files/regular_file.h"
@@ -106,11 +107,9 @@ std::vector<Candidate> of_kind(const std::vector<Candidate>& all, FileKind kind)
 }
 
 std::string listed(const std::vector<Candidate>& files) {
-  constexpr std::size_t kMost = 6;
-  std::string text;
-  for (std::size_t k = 0; k < std::min(files.size(), kMost); ++k)
-    text += (k > 0 ? ", " : "") + files[k].path + " (" + files[k].what + ")";
-  return files.size() > kMost ? text + " and " + std::to_string(files.size() - kMost) + " more" : text;
+  std::vector<std::string> names;
+  for (const Candidate& file : files) names.push_back(file.path + " (" + file.what + ")");
+  return ngs::listed(names, 6);
 }
 
 /// The only file of the most preferred kind that occurs.

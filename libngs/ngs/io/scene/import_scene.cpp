@@ -101,8 +101,8 @@ std::vector<SceneObject> objects_in_label_maps(const std::vector<SceneView>& vie
   for (const SceneView& view : views) {
     if (view.mask_path.empty() || view.split == Split::kHeldOut) continue;
     ids.merge(ids_in_label_map(view.mask_path));
-    constexpr std::size_t kMostObjects = 1024;
-    if (ids.size() > kMostObjects)
+    constexpr std::size_t kMaxObjects = 1024;
+    if (ids.size() > kMaxObjects)
       throw Error(ErrorCode::kBadInput, view.mask_path + ": more than 1024 different values, expected a label map",
                   "choose the objects with --object-id, or use --mask-mode soft");
   }
@@ -254,14 +254,14 @@ ImportedScene import_scene(const ImportRequest& request) {
     view.camera = resized(view.camera, scaled_size_px(view.camera.width_px, scene.image_scale),
                           scaled_size_px(view.camera.height_px, scene.image_scale));
   }
-  constexpr int kLeastSide_px = 8;  // smaller images cannot tell models apart
+  constexpr int kMinSide_px = 8;  // smaller images cannot tell models apart
   for (const SceneView& view : scene.views)
-    if (const Camera& c = view.camera; scene.image_scale < 1 && std::min(c.width_px, c.height_px) < kLeastSide_px)
+    if (const Camera& c = view.camera; scene.image_scale < 1 && std::min(c.width_px, c.height_px) < kMinSide_px)
       throw Error(ErrorCode::kUsage,
                   "--image-scale " + std::to_string(scene.image_scale) + ": view " + c.name + " becomes " +
                       std::to_string(c.width_px) + "x" + std::to_string(c.height_px) + " px, expected at least " +
-                      std::to_string(kLeastSide_px) + " a side",
-                  "--image-scale " + least_scale(kLeastSide_px, shortest_px) + " or more keeps that of every view");
+                      std::to_string(kMinSide_px) + " a side",
+                  "--image-scale " + least_scale(kMinSide_px, shortest_px) + " or more keeps that of every view");
   validate_scene(scene, request.capture.source);
   return out;
 }

@@ -27,9 +27,9 @@ constexpr int kFringePx = 2;
 /// Limit of unclear pixels: kUnclearShare of the picture plus kUnclearOfMarks of the marked pixels.
 constexpr double kUnclearShare = 0.005, kUnclearOfMarks = 0.25;
 /// Least share of the photo's pixels that must be unpainted.
-constexpr double kLeastKept = 0.5;
+constexpr double kMinKept = 0.5;
 /// The same for a scaled picture: a higher share, because no other pixels count as evidence against it.
-constexpr double kLeastKeptScaled = 0.8;
+constexpr double kMinKeptScaled = 0.8;
 
 /// The mark that a colour means if it is paint.
 PixelHint mark_of(const Colour8& colour) {
@@ -243,14 +243,14 @@ HandPrompt read_painted_picture(const std::string& path, const std::string& phot
   const bool is_scaled = of_photo != size;
   if (is_scaled && relate_sizes(size, of_photo, 1).allowed) {
     PhotoReading over = read_scaled(picture, scaled(read_mask_raw(photo, Palette::kColours), size));
-    if (over.kept >= kLeastKeptScaled && over.marks.marked() > 0) {
+    if (over.kept >= kMinKeptScaled && over.marks.marked() > 0) {
       prompt.painted = std::move(over.marks.mark);
       return prompt;
     }
   }
   if (!photo.empty() && !is_scaled) {
     PhotoReading over = read_difference(picture, read_mask_raw(photo, Palette::kColours));
-    if (over.kept >= kLeastKept && over.marks.is_clear()) {
+    if (over.kept >= kMinKept && over.marks.is_clear()) {
       prompt.painted = std::move(over.marks.mark);
       return prompt;
     }

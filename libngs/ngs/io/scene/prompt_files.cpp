@@ -11,8 +11,8 @@
 namespace ngs::io {
 namespace {
 
-constexpr std::int64_t kMostSide = 1 << 16;
-constexpr std::size_t kMostPoints = 1 << 20, kMostCorners = 1 << 16;
+constexpr std::int64_t kMaxPictureSide_px = 1 << 16;
+constexpr std::size_t kMaxPoints = 1 << 20, kMaxCorners = 1 << 16;
 constexpr double kRadiusPx = 3;
 /// A stroke may extend beyond the picture by this share of the larger side.
 constexpr double kSlip = 0.1;
@@ -54,10 +54,10 @@ PromptStroke stroke_of(const nlohmann::json& value, const std::string& where, co
   PromptStroke stroke;
   stroke.object = reader.boolean("object");
   stroke.radius_px = reader.number_or("radius", kRadiusPx);
-  if (!(stroke.radius_px > 0 && stroke.radius_px <= double(kMostSide)))
+  if (!(stroke.radius_px > 0 && stroke.radius_px <= double(kMaxPictureSide_px)))
     reader.fail("radius", "a positive number of pixels");
   const std::size_t count = reader.array("points").size();
-  if (count == 0 || count > kMostPoints) reader.fail("points", "1 to 1048576 points");
+  if (count == 0 || count > kMaxPoints) reader.fail("points", "1 to 1048576 points");
   stroke.points = points_of(reader, prompt, stroke.radius_px);
   reader.refuse_unknown_keys();
   return stroke;
@@ -66,7 +66,7 @@ PromptStroke stroke_of(const nlohmann::json& value, const std::string& where, co
 PromptPolygon polygon_of(const nlohmann::json& value, const std::string& where, const HandPrompt& prompt) {
   const JsonReader reader(value, where);
   const std::size_t count = reader.array("points").size();
-  if (count < 3 || count > kMostCorners) reader.fail("points", "3 to 65536 points");
+  if (count < 3 || count > kMaxCorners) reader.fail("points", "3 to 65536 points");
   const PromptPolygon polygon{reader.boolean("object"), points_of(reader, prompt, 0)};
   reader.refuse_unknown_keys();
   return polygon;
@@ -99,8 +99,8 @@ enum class Form : std::uint8_t { kOneView, kViews };
 HandPrompt marks_of(const JsonReader& reader, const std::string& object, Form form) {
   HandPrompt prompt;
   prompt.view = reader.text_or("view", "");
-  prompt.width_px = int(reader.integer("width", 1, kMostSide));
-  prompt.height_px = int(reader.integer("height", 1, kMostSide));
+  prompt.width_px = int(reader.integer("width", 1, kMaxPictureSide_px));
+  prompt.height_px = int(reader.integer("height", 1, kMaxPictureSide_px));
   const auto each = [&](const char* key, const auto& read) {
     std::size_t count = 0;
     if (reader.has(key))

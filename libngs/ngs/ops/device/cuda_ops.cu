@@ -1,5 +1,6 @@
 #include "ngs/ops/device/cuda_op_groups.cuh"
 #include "ngs/ops/device/cuda_ops.h"
+#include "ngs/ops/device/launched_arrays.h"
 
 namespace ngs {
 
@@ -14,7 +15,8 @@ struct CudaOps {
   std::unique_ptr<DeviceSplatOps> splat;
   std::unique_ptr<DeviceFieldOps> field;
   std::unique_ptr<DeviceLossOps> loss = cuda_loss_ops();
-  DeviceOps all{*splat, *field, *loss};
+  LaunchedArrays<CudaLauncher> arrays{cuda_launcher()};
+  DeviceOps all{*splat, *field, *loss, arrays};
   explicit CudaOps(DeviceSums sums) : splat(cuda_splat_ops(sums)), field(cuda_field_ops(sums)) {}
 };
 

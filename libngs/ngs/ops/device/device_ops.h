@@ -1,7 +1,7 @@
 #pragma once
 // The ops that have a device path. Each means the same as the op of the same name. Arguments and results are in host
-// memory; results are already sized. Only the ops themselves use Exec::device_ops, not their callers. This header
-// therefore includes the types and kernels of the ops, but not the headers that declare the ops.
+// memory, or resident; results are already sized. Only the ops themselves use Exec::device_ops, not their
+// callers. This header therefore includes the types and kernels of the ops, but not the headers that declare the ops.
 //
 // Abstract, because there is one implementation per Launcher (backend/launcher.h): CUDA, and an emulation
 // for the tests.
@@ -19,9 +19,11 @@
 #include "ngs/ops/losses/loss_smooth_kernels.h"
 #include "ngs/ops/losses/photometric_kernels.h"
 #include "ngs/ops/optim/adam_kernels.h"
+#include "ngs/ops/optim/row_kernels.h"
 #include "ngs/ops/splat/splat_gaussian.h"
 #include "ngs/scene/knn_graph.h"
 #include "ngs/scene/scene.h"
+#include "ngs/scene/view_sums.h"
 
 namespace ngs {
 
@@ -35,15 +37,28 @@ class DeviceSplat {
                         const CloudGradientView<float>& out) = 0;
 };
 
+/// A cloud's columns in device memory, for many views. Colours are copied when they are first needed, so the host's
+/// columns must outlive it.
+class DeviceCloud {
+ public:
+  virtual ~DeviceCloud() = default;
+};
+
+/// A cloud, and its columns in device memory if they are there; else they are copied for the call.
+struct CloudOnHost {
+  CloudView<float> view;
+  DeviceCloud* resident = nullptr;
+};
+
 class DeviceSplatOps {
  public:
   virtual ~DeviceSplatOps() = default;
-  virtual std::unique_ptr<DeviceSplat> view(const ViewProjector<float>& view, const CloudView<float>& cloud,
+  virtual std::unique_ptr<DeviceCloud> resident(const CloudView<float>& cloud) const = 0;
+  virtual std::unique_ptr<DeviceSplat> view(const ViewProjector<float>& view, const CloudOnHost& cloud,
                                             const ChannelPlan<float>& plan) const = 0;
-  /// [N, 2 + 2 K] sums of one view over all (Gaussian, tile) pairs of a Gaussian: W, n, then W1, n1
-  /// per object (ops/splat/evidence.h).
-  virtual std::vector<double> evidence(const ViewProjector<float>& view, const CloudView<float>& cloud,
-                                       const ViewMasks& masks) const = 0;
+  /// view_sums() of one view (ops/splat/evidence.h), ascending by row.
+  virtual ViewSums evidence(const ViewProjector<float>& view, const CloudOnHost& cloud,
+                            const ViewMasks& masks) const = 0;
 };
 
 /// The table of a hash grid and the query points, on the host.
@@ -89,21 +104,46 @@ class DeviceLossOps {
   virtual void density_weight(const DensityWeight& kernel, std::int64_t pixels) const = 0;
   /// Returns the sum over pixels.
   virtual double mask(const MaskLossRow<float, double>& kernel, int height) const = 0;
-  virtual void continuity(const ContinuityForward<float>& forward, const ContinuityBackward<float>* backward) const = 0;
+  /// Returns the sum over points.
+  virtual double continuity(const ContinuityForward<float>& forward,
+                            const ContinuityBackward<float>* backward) const = 0;
   virtual void smoothness(const SmoothnessForwardBackward<float>& kernel) const = 0;
   /// Sums of w |x - y| and w S over the crop.
   struct PhotometricSums {
     double l1, ssim;
   };
   virtual PhotometricSums photometric(const ssim::Comparison<float>& host) const = 0;
-  /// Index of the first gradient that is not finite or above `limit` in magnitude: then no value is changed. Else -1.
-  virtual std::int64_t adam(const AdamKernel<float>& kernel, std::int64_t sparse_columns, float limit) const = 0;
+  /// The first gradient that is not finite or above `limit` in magnitude; then no value of any block is changed.
+  struct UnusableGradient {
+    std::size_t block;
+    std::int64_t index;  // -1: none
+    float value;
+  };
+  virtual UnusableGradient adam(const AdamBlocks& blocks, float limit) const = 0;
+};
+
+/// Keeps host arrays in device memory (ops/optim/resident.h): ops that get such an array, or a part of it, then use the
+/// copy there. Runs the kernels of ops/optim/row_kernels.h on such arrays.
+class DeviceArrays {
+ public:
+  virtual ~DeviceArrays() = default;
+  virtual void keep(void* host, std::size_t bytes) const = 0;
+  /// Copies the array back, and forgets it.
+  virtual void give_back(void* host) const = 0;
+  virtual void drop(void* host) const noexcept = 0;
+  virtual void run(const ScatterRows& kernel, std::int64_t rows) const = 0;
+  virtual void run(const GatherRows& kernel, std::int64_t rows) const = 0;
+  virtual void run(const RowColours& kernel, std::int64_t rows) const = 0;
+  virtual void run(const AddRowColourGradients& kernel, std::int64_t rows) const = 0;
+  virtual void run(const LabelCellGradients& kernel, std::int64_t rows) const = 0;
+  virtual void run(const LabelCellValues& kernel, std::int64_t rows) const = 0;
 };
 
 struct DeviceOps {
   const DeviceSplatOps& splat;
   const DeviceFieldOps& field;
   const DeviceLossOps& loss;
+  const DeviceArrays& arrays;
 };
 
 }  // namespace ngs

@@ -2,10 +2,34 @@
 // Mask evidence on a device (before Eq. (3)): the sums of ops/splat/evidence_tile.h per (Gaussian, tile) pair, then per
 // Gaussian. A thread first traverses one pixel, then sums eight pixels of one Gaussian, as in
 // ops/device/splat_backward_kernel.h.
+#include <algorithm>
+#include <vector>
+
 #include "ngs/ops/device/tiles_kernel.h"
 #include "ngs/scene/mask_threshold.h"
+#include "ngs/scene/scene.h"
 
 namespace ngs {
+
+/// The part of a view in which some target is not zero.
+struct MaskWindow {
+  int x0 = 0, y0 = 0, w = 0, h = 0;  // px
+  NGS_HD std::int64_t pixels() const { return std::int64_t(w) * h; }
+};
+
+/// The masks of a view on a device.
+struct MasksOnDevice {
+  const std::uint8_t* known;  // [H·W] or null: all
+  const float* target;        // [objects, window]; zero outside
+  MaskWindow window;
+  int objects;
+
+  NGS_HD float target_at(int object, int x, int y) const {
+    const int column = x - window.x0, row = y - window.y0;
+    if (column < 0 || column >= window.w || row < 0 || row >= window.h) return 0.f;
+    return target[object * window.pixels() + std::int64_t(row) * window.w + column];
+  }
+};
 
 /// The evidence of up to K objects in one launch, from object `first` on; `used` of the K exist.
 template <int K>
@@ -16,9 +40,7 @@ struct EvidenceTileOnDevice {
   static constexpr int kSums = 2 + 2 * K;
 
   TilesOnDevice tiles;
-  const std::uint8_t* known;  // [H·W] or null: all
-  const float* target;        // [objects, H·W]
-  std::int64_t pixels;        // H·W
+  MasksOnDevice masks;
   int first, used;
   float* pair;  // [pairs, columns]: W, n, then W1, n1 per object; zero where nothing is written
   int columns;
@@ -53,11 +75,12 @@ struct EvidenceTileOnDevice {
  private:
   NGS_HD void load_masks(int t, const TileFrame& frame, Shared& shared, Thread& own) const {
     const TilePixel pixel(t, frame);
-    const bool counts = pixel.inside && (known == nullptr || known[pixel.index] != 0);
+    const bool counts = pixel.inside && (masks.known == nullptr || masks.known[pixel.index] != 0);
     own.traversal = {1.f, pixel.inside};
     shared.mask[0][t] = counts ? 1.f : 0.f;
     for (int k = 0; k < K; ++k)
-      shared.mask[1 + k][t] = counts && k < used ? target[(first + k) * pixels + pixel.index] : 0.f;
+      shared.mask[1 + k][t] =
+          counts && k < used ? masks.target_at(first + k, frame.x_px + pixel.column, frame.y_px + pixel.row) : 0.f;
   }
 
   template <class Block>
@@ -102,53 +125,104 @@ struct EvidenceTileOnDevice {
   }
 };
 
-/// Sums the pairs of Gaussian i in double; zeros if it has none.
+/// Sums the pairs of Gaussian i in double, W1 at most W; zeros if it has none.
 struct SumPairs {
   static constexpr const char* kName = "sum_pairs";
   const std::int64_t* slot_begin;  // [N + 1]
   const float* pair;               // [pairs, columns]
   int columns;
-  double* sum;  // [N, columns] out
+  double* sum;          // [N, columns] out
+  std::uint32_t* seen;  // [N] out: 1 if W > 0
 
   NGS_HD void operator()(std::int64_t i) const {
+    double* const to = sum + i * columns;
     for (int c = 0; c < columns; ++c) {
       double total = 0;
       for (std::int64_t slot = slot_begin[i]; slot < slot_begin[i + 1]; ++slot)
         total += double(pair[slot * columns + c]);
-      sum[i * columns + c] = total;
+      to[c] = c >= 2 && c % 2 == 0 ? min2(total, to[0]) : total;
     }
+    seen[i] = to[0] > 0;
   }
 };
 
-/// The masks of a view on a device.
-struct MasksOnDevice {
-  const std::uint8_t* known;  // [H·W] or null: all
-  const float* target;        // [objects, H·W]
-  std::int64_t pixels;        // H·W
-  int objects;
+/// Gathers the rows with W > 0.
+struct GatherSeen {
+  static constexpr const char* kName = "gather_seen";
+  const std::int64_t* place;  // [N + 1]
+  const double* sum;          // [N, columns]
+  int columns;
+  std::uint32_t* row;  // [seen] out
+  double* to;          // [seen, columns] out
+
+  NGS_HD void operator()(std::int64_t i) const {
+    const std::int64_t at = place[i];
+    if (at == place[i + 1]) return;
+    row[at] = std::uint32_t(i);
+    for (int c = 0; c < columns; ++c) to[at * columns + c] = sum[i * columns + c];
+  }
 };
 
-/// [N, 2 + 2 · objects] sums of the pairs of every Gaussian.
+/// The Gaussians with W > 0, ascending, and their [2 + 2 · objects] sums: W, n, then W1 <= W, n1 per object.
 template <class Launcher>
-DeviceBuffer<Launcher, double> evidence_sums(Launcher& launcher, const TileBins<Launcher>& bins,
-                                             const MasksOnDevice& masks) {
-  const auto& [known, target, pixels, objects] = masks;
-  const int columns = 2 + 2 * objects;
-  DeviceBuffer<Launcher, float> pair(launcher, bins.pairs() * columns);
-  pair.zero();
-  if (objects == 1) {
-    launcher.launch_blocks(bins.tiles(),
-                           EvidenceTileOnDevice<1>{bins.view(), known, target, pixels, 0, 1, pair.data(), columns});
-  } else {
-    constexpr int kGroup = 4;
-    for (int first = 0; first < max2(objects, 1); first += kGroup)
-      launcher.launch_blocks(bins.tiles(),
-                             EvidenceTileOnDevice<kGroup>{bins.view(), known, target, pixels, first,
-                                                          min2(kGroup, objects - first), pair.data(), columns});
+struct SeenRows {
+  DeviceBuffer<Launcher, std::uint32_t> row;
+  DeviceBuffer<Launcher, double> sum;
+
+  /// Waits for the number of rows, to allocate their memory.
+  SeenRows(Launcher& launcher, const TileBins<Launcher>& bins, const MasksOnDevice& masks) {
+    const int columns = 2 + 2 * masks.objects;
+    const std::int64_t n = bins.gaussians();
+    DeviceBuffer<Launcher, float> pair(launcher, bins.pairs() * columns);
+    pair.zero();
+    if (masks.objects == 1) {
+      launcher.launch_blocks(bins.tiles(), EvidenceTileOnDevice<1>{bins.view(), masks, 0, 1, pair.data(), columns});
+    } else {
+      constexpr int kGroup = 4;
+      for (int first = 0; first < max2(masks.objects, 1); first += kGroup)
+        launcher.launch_blocks(
+            bins.tiles(), EvidenceTileOnDevice<kGroup>{bins.view(), masks, first, min2(kGroup, masks.objects - first),
+                                                       pair.data(), columns});
+    }
+    const DeviceBuffer<Launcher, double> all(launcher, n * columns);
+    const DeviceBuffer<Launcher, std::uint32_t> seen(launcher, n);
+    const DeviceBuffer<Launcher, std::int64_t> place(launcher, n + 1);
+    launcher.parallel_for(n, SumPairs{bins.slot_begin(), pair.data(), columns, all.data(), seen.data()});
+    launcher.exclusive_scan(seen.data(), place.data(), n);
+    std::int64_t rows = 0;
+    launcher.download(&rows, place.data() + n, sizeof rows);
+    row = DeviceBuffer<Launcher, std::uint32_t>(launcher, rows);
+    sum = DeviceBuffer<Launcher, double>(launcher, rows * columns);
+    launcher.parallel_for(n, GatherSeen{place.data(), all.data(), columns, row.data(), sum.data()});
   }
-  DeviceBuffer<Launcher, double> sum(launcher, bins.gaussians() * columns);
-  launcher.parallel_for(bins.gaussians(), SumPairs{bins.slot_begin(), pair.data(), columns, sum.data()});
-  return sum;
+};
+
+/// The smallest window that contains every pixel with a non-zero target.
+inline MaskWindow mask_window(const ViewMasks& masks) {
+  int x0 = masks.width_px, y0 = masks.height_px, x1 = 0, y1 = 0;
+  for (const std::vector<float>& target : masks.target)
+    for (int y = 0; y < masks.height_px; ++y) {
+      const float *row = target.data() + std::int64_t(y) * masks.width_px, *end = row + masks.width_px;
+      const float* const first = std::find_if(row, end, [](float m) { return m != 0; });
+      if (first == end) continue;
+      int last = masks.width_px;
+      while (row[last - 1] == 0) --last;
+      x0 = std::min(x0, int(first - row)), x1 = std::max(x1, last);
+      y0 = std::min(y0, y), y1 = std::max(y1, y + 1);
+    }
+  return x0 < x1 ? MaskWindow{x0, y0, x1 - x0, y1 - y0} : MaskWindow();
+}
+
+/// [objects, window] the targets in the window.
+inline std::vector<float> window_values(const ViewMasks& masks, const MaskWindow& window) {
+  std::vector<float> values;
+  values.reserve(masks.target.size() * std::size_t(window.pixels()));
+  for (const std::vector<float>& target : masks.target)
+    for (int y = window.y0; y < window.y0 + window.h; ++y) {
+      const float* const row = target.data() + std::int64_t(y) * masks.width_px + window.x0;
+      values.insert(values.end(), row, row + window.w);
+    }
+  return values;
 }
 
 }  // namespace ngs

@@ -23,7 +23,7 @@ struct FilmBackwardTiles {
     typename Tile::Plane g;  // ∂L/∂x, then ∂L/∂β, then ∂L/∂h
     typename Tile::Conditions condition, grad_condition;
     float raw[4][Tile::kStride];  // ∂L/∂ of the raw outputs
-    float basis[kMostDirections][Tile::kStride];
+    float basis[kMaxDirections][Tile::kStride];
   };
   struct Thread {
     typename Tile::Cells cells;
@@ -96,10 +96,10 @@ struct FilmBackwardTiles {
     shared.raw[0][q] = real ? grad_density[query] * net.density_scale * sigmoid(raw[q]) : 0.f;
     for (int c = 0; c < 3; ++c)
       shared.raw[1 + c][q] = real ? grad_rgb[query * 3 + c] * sigmoid_slope(raw[(1 + c) * kQueries + q]) : 0.f;
-    float basis[kMostDirections];
+    float basis[kMaxDirections];
     Tile::basis(net, query, basis);
-    for (int k = 0; k < kMostDirections; ++k) shared.basis[k][q] = basis[k];
-    for (int k = 0; k < kMostConditions; ++k) shared.grad_condition[k][q] = 0.f;
+    for (int k = 0; k < kMaxDirections; ++k) shared.basis[k][q] = basis[k];
+    for (int k = 0; k < kMaxConditions; ++k) shared.grad_condition[k][q] = 0.f;
   }
 
   /// From ∂L/∂x_{l+1} in g, with x_{l+1} in x, to ∂L/∂h_l in g. Layer 0 includes the inner ReLU.

@@ -60,10 +60,10 @@ struct FilmForwardTile {
     float sum = net.params[net.at.head_bias + std::size_t(which)];
     for (int k = 0; k < net.config.hidden; ++k) sum = fma_lanes(weight[k], x[k * Tile::kStride + q], sum);
     if (which > 0 && net.direction_inputs > 0) {
-      float basis[kMostDirections], turned = 0.f;
+      float basis[kMaxDirections], turned = 0.f;
       Tile::basis(net, first + q, basis);
       const float* w = net.params + net.at.direction_weight + (which - 1) * net.direction_inputs;
-      for (int k = 0; k < kMostDirections; ++k)
+      for (int k = 0; k < kMaxDirections; ++k)
         if (k < net.direction_inputs) turned = fma_lanes(w[k], basis[k], turned);
       sum += turned;
     }

@@ -12,7 +12,7 @@
 
 namespace ngs {
 
-inline constexpr int kMostConditions = 4, kMostDirections = 15;
+inline constexpr int kMaxConditions = 4, kMaxDirections = 15;
 
 /// The affine map from the condition to γ or β of a layer.
 struct FilmModulation {
@@ -51,7 +51,7 @@ struct FilmTile {
   static constexpr int kRowsPerThread = kWidth / 16, kColumnsPerThread = kQueries / 16;
   using Cells = float[kRowsPerThread][kColumnsPerThread];
   using Plane = float[kWidth * kStride];
-  using Conditions = float[kMostConditions][kStride];
+  using Conditions = float[kMaxConditions][kStride];
 
   /// cells = start[r] + Σ_k w[r][k] x[k][q] (transposed: w[k][r]) for r < rows; null start: 0.
   struct Product {
@@ -120,7 +120,7 @@ struct FilmTile {
   }
   /// Basis functions of the query's direction; zeros beyond the last query.
   NGS_HD static void basis(const FilmOnDevice& net, std::int64_t query, float* out) {
-    for (int i = 0; i < kMostDirections; ++i) out[i] = 0.f;
+    for (int i = 0; i < kMaxDirections; ++i) out[i] = 0.f;
     if (net.direction_inputs > 0 && query < net.input.n)
       sh_rest_basis(net.config.direction_degree, vec3(net.direction.row(query / net.queries_per_direction)), out);
   }
@@ -150,7 +150,7 @@ struct FilmTile {
 /// Calls body(width, queries) with the tile size that fits the network and 48 KiB of shared memory.
 template <class Body>
 void with_film_tile(const FilmMlpConfig& c, const Body& body) {
-  NGS_CHECK(c.condition <= kMostConditions, "the device path takes up to 4 conditions");
+  NGS_CHECK(c.condition <= kMaxConditions, "the device path takes up to 4 conditions");
   const int width = max2(c.hidden, c.inputs);
   if (width <= 64) return body(std::integral_constant<int, 64>{}, std::integral_constant<int, 64>{});
   NGS_CHECK(width <= 128, "the device path takes up to 128 features");

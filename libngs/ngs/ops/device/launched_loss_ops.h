@@ -71,7 +71,7 @@ class LaunchedLossOps final : public DeviceLossOps {
     return ordered_sums(launcher_, term.data(), pixels, 1)[0];
   }
 
-  void continuity(const ContinuityForward<float>& forward, const ContinuityBackward<float>* backward) const override {
+  double continuity(const ContinuityForward<float>& forward, const ContinuityBackward<float>* backward) const override {
     const ContinuityGraph<float>& g = forward.graph;
     const std::int64_t n = g.colour.n, edges = g.index.n * g.index.c;
     const DeviceBuffer<Launcher, std::uint32_t> index(launcher_, g.index.data, edges);
@@ -81,11 +81,12 @@ class LaunchedLossOps final : public DeviceLossOps {
     const ContinuityGraph<float> graph{
         {index.data(), g.index.n, g.index.c}, row_begin.data(), edge.data(), weight.data(), {colour.data(), n}};
     launcher_.parallel_for(n, ContinuityForward<float>{graph, term.data()});
-    term.to(forward.term);
-    if (backward == nullptr) return;
-    const Floats grad(launcher_, n * 3);
-    launcher_.parallel_for(n, ContinuityBackward<float>{graph, backward->scale, {grad.data(), n}});
-    grad.to(backward->grad_colour.data);
+    if (backward != nullptr) {
+      const Floats grad = Floats::result(launcher_, backward->grad_colour.data, n * 3);
+      launcher_.parallel_for(n, ContinuityBackward<float>{graph, backward->scale, {grad.data(), n}});
+      grad.to(backward->grad_colour.data);
+    }
+    return ordered_sums(launcher_, static_cast<const float*>(term.data()), n, 1)[0];
   }
 
   void smoothness(const SmoothnessForwardBackward<float>& host) const override {
@@ -120,16 +121,27 @@ class LaunchedLossOps final : public DeviceLossOps {
     return {sums[0], sums[1]};
   }
 
-  std::int64_t adam(const AdamKernel<float>& host, std::int64_t sparse_columns, float limit) const override {
-    const Floats grad(launcher_, host.grad, host.n);
-    const std::int64_t bad = first_unusable_on_device(launcher_, grad.data(), host.n, limit);
-    if (bad >= 0) return bad;
-    const Floats value(launcher_, host.value, host.n), m(launcher_, host.m, host.n), v(launcher_, host.v, host.n);
-    AdamKernel<float> kernel = host;
-    kernel.value = value.data(), kernel.grad = grad.data(), kernel.m = m.data(), kernel.v = v.data();
-    adam_on_device(launcher_, kernel, sparse_columns);
-    value.to(host.value), m.to(host.m), v.to(host.v);
-    return -1;
+  UnusableGradient adam(const AdamBlocks& host, float limit) const override {
+    AdamBlocks blocks = host;
+    std::vector<Floats> of_host;  // value, gradient and moments of every block
+    for (std::size_t b = 0; b < host.count; ++b) {
+      AdamKernel<float>& block = blocks.block[b];
+      for (float** array : {&block.value, &block.m, &block.v})
+        *array = of_host.emplace_back(launcher_, *array, block.n).data();
+      block.grad = of_host.emplace_back(launcher_, block.grad, block.n).data();
+    }
+    const std::int64_t bad = adam_on_device(launcher_, blocks, limit);
+    if (bad != kNoIndex) {
+      const std::size_t b = host.of(bad);
+      UnusableGradient first{b, bad - host.begin[b], 0.f};
+      launcher_.download(&first.value, blocks.block[b].grad + first.index, sizeof first.value);
+      return first;
+    }
+    for (std::size_t b = 0; b < host.count; ++b) {
+      const AdamKernel<float>& block = host.block[b];
+      of_host[4 * b].to(block.value), of_host[4 * b + 1].to(block.m), of_host[4 * b + 2].to(block.v);
+    }
+    return {0, -1, 0.f};
   }
 
  private:

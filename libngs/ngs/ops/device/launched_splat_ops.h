@@ -7,15 +7,40 @@
 namespace ngs {
 
 template <class Launcher>
+class ResidentCloud final : public DeviceCloud {
+ public:
+  ResidentCloud(Launcher& launcher, const CloudView<float>& cloud) : columns(launcher, cloud) {}
+  CloudOnDevice<Launcher> columns;
+};
+
+/// A cloud as the argument of a view: the resident columns, or a copy.
+template <class Launcher>
+class CloudArgument {
+ public:
+  CloudArgument(Launcher& launcher, const CloudOnHost& cloud, bool colours)
+      : include_(launcher, cloud.view.include, cloud.view.include ? cloud.view.size : 0) {
+    if (cloud.resident == nullptr) own_ = std::make_unique<CloudOnDevice<Launcher>>(launcher, cloud.view);
+    view_ = (own_ ? *own_ : static_cast<ResidentCloud<Launcher>*>(cloud.resident)->columns).view(colours);
+    view_.sh_degree = cloud.view.sh_degree, view_.include = include_.data();
+  }
+  const CloudView<float>& view() const { return view_; }
+
+ private:
+  std::unique_ptr<CloudOnDevice<Launcher>> own_;
+  DeviceBuffer<Launcher, std::uint8_t> include_;
+  CloudView<float> view_;
+};
+
+template <class Launcher>
 class LaunchedSplatView final : public DeviceSplat {
  public:
-  LaunchedSplatView(Launcher& launcher, DeviceSums sums, const ViewProjector<float>& view,
-                    const CloudView<float>& cloud, const ChannelPlan<float>& plan)
+  LaunchedSplatView(Launcher& launcher, DeviceSums sums, const ViewProjector<float>& view, const CloudOnHost& cloud,
+                    const ChannelPlan<float>& plan)
       : launcher_(launcher),
         sums_(sums),
         plan_(plan),
         pixels_(std::int64_t(view.width_px) * view.height_px),
-        cloud_(launcher, cloud),
+        cloud_(launcher, cloud, plan.colour),
         label_(launcher, plan.label.data, plan.label.n * plan.label.c),
         splat_(launcher, view, cloud_.view(),
                {plan.colour, plan.depth, {label_.data(), plan.label.n, plan.label.c}, plan.background}) {}
@@ -56,13 +81,15 @@ class LaunchedSplatView final : public DeviceSplat {
   /// The requested columns of the gradient.
   struct Columns {
     DeviceBuffer<Launcher, float> position, rotation, log_scale, logit_opacity, sh_dc, sh_rest, label, mean_px;
-    DeviceBuffer<Launcher, std::uint8_t> visible, label_alone;
+    DeviceBuffer<Launcher, std::uint8_t> visible, label_only;
+    DeviceBuffer<Launcher, std::int32_t> gradient_row;
     CloudGradientView<float> view;
 
     Columns(Launcher& launcher, const CloudView<float>& cloud, int labels, const CloudGradientView<float>& wanted) {
+      const std::int64_t rows = wanted.gradient_row ? wanted.rows : cloud.size;
       const auto make = [&](auto& buffer, auto* host, auto*& pointer, int width) {
         if (host == nullptr || width == 0) return;
-        buffer = {launcher, cloud.size * width};
+        buffer = buffer.result(launcher, host, rows * width);
         pointer = buffer.data();
       };
       make(position, wanted.position, view.position, 3), make(rotation, wanted.rotation, view.rotation, 4);
@@ -71,8 +98,11 @@ class LaunchedSplatView final : public DeviceSplat {
       make(sh_dc, wanted.sh_dc, view.sh_dc, 3), make(sh_rest, wanted.sh_rest, view.sh_rest, cloud.rest_stride * 3);
       make(label, wanted.label, view.label, labels), make(mean_px, wanted.mean_px, view.mean_px, 2);
       make(visible, wanted.visible, view.visible, 1);
-      if (wanted.label_alone)
-        label_alone = {launcher, wanted.label_alone, cloud.size}, view.label_alone = label_alone.data();
+      if (wanted.label_only)
+        label_only = {launcher, wanted.label_only, cloud.size}, view.label_only = label_only.data();
+      if (wanted.gradient_row)
+        gradient_row = {launcher, wanted.gradient_row, cloud.size}, view.gradient_row = gradient_row.data(),
+        view.rows = rows;
     }
     void download(const CloudGradientView<float>& to) const {
       position.to(to.position), rotation.to(to.rotation), log_scale.to(to.log_scale),
@@ -85,7 +115,7 @@ class LaunchedSplatView final : public DeviceSplat {
   DeviceSums sums_;
   ChannelPlan<float> plan_;
   std::int64_t pixels_;
-  CloudOnDevice<Launcher> cloud_;
+  CloudArgument<Launcher> cloud_;
   DeviceBuffer<Launcher, float> label_;
   SplatOnDevice<Launcher> splat_;
 };
@@ -95,24 +125,25 @@ class LaunchedSplatOps final : public DeviceSplatOps {
  public:
   LaunchedSplatOps(Launcher& launcher, DeviceSums sums) : launcher_(launcher), sums_(sums) {}
 
-  std::unique_ptr<DeviceSplat> view(const ViewProjector<float>& view, const CloudView<float>& cloud,
+  std::unique_ptr<DeviceCloud> resident(const CloudView<float>& cloud) const override {
+    return std::make_unique<ResidentCloud<Launcher>>(launcher_, cloud);
+  }
+
+  std::unique_ptr<DeviceSplat> view(const ViewProjector<float>& view, const CloudOnHost& cloud,
                                     const ChannelPlan<float>& plan) const override {
     return std::make_unique<LaunchedSplatView<Launcher>>(launcher_, sums_, view, cloud, plan);
   }
 
-  std::vector<double> evidence(const ViewProjector<float>& view, const CloudView<float>& cloud,
-                               const ViewMasks& masks) const override {
-    const CloudOnDevice<Launcher> on_device(launcher_, cloud);
-    const TileBins<Launcher> bins(launcher_, view, on_device.view());
-    const std::int64_t pixels = std::int64_t(view.width_px) * view.height_px;
-    const auto objects = std::int64_t(masks.target.size());
+  ViewSums evidence(const ViewProjector<float>& view, const CloudOnHost& cloud, const ViewMasks& masks) const override {
+    const CloudArgument<Launcher> columns(launcher_, cloud, false);
+    const TileBins<Launcher> bins(launcher_, view, columns.view());
+    const int objects = int(masks.target.size());
     const DeviceBuffer<Launcher, std::uint8_t> known(launcher_, masks.known);
-    const DeviceBuffer<Launcher, float> target(launcher_, objects * pixels);
-    for (std::int64_t k = 0; k < objects; ++k)
-      launcher_.upload(target.data() + k * pixels, masks.target[std::size_t(k)].data(),
-                       std::size_t(pixels) * sizeof(float));
-    std::vector<double> sums;
-    evidence_sums(launcher_, bins, {known.data(), target.data(), pixels, int(objects)}).to(sums);
+    const MaskWindow window = mask_window(masks);
+    const DeviceBuffer<Launcher, float> target(launcher_, window_values(masks, window));
+    const SeenRows<Launcher> seen(launcher_, bins, {known.data(), target.data(), window, objects});
+    ViewSums sums{objects, true, {}, {}};
+    seen.row.to(sums.row), seen.sum.to(sums.sum);
     return sums;
   }
 

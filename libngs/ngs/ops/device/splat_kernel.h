@@ -6,30 +6,40 @@
 
 namespace ngs {
 
-/// A device copy of the columns of a cloud. Columns that are null in `cloud` stay null.
+/// A device copy of the columns of a cloud. Colours are copied when they are first needed.
 template <class Launcher>
 class CloudOnDevice {
+  template <class T>
+  using Column = DeviceBuffer<Launcher, T>;
+
  public:
   CloudOnDevice(Launcher& launcher, const CloudView<float>& cloud)
-      : view_(cloud),
+      : launcher_(launcher),
+        host_(cloud),
         position_(launcher, cloud.position, cloud.size * 3),
         rotation_(launcher, cloud.rotation, cloud.size * 4),
         log_scale_(launcher, cloud.log_scale, cloud.size * 3),
         logit_opacity_(launcher, cloud.logit_opacity, cloud.size),
-        sh_dc_(launcher, cloud.sh_dc, cloud.sh_dc ? cloud.size * 3 : 0),
-        sh_rest_(launcher, cloud.sh_rest, cloud.sh_rest ? cloud.size * cloud.rest_stride * 3 : 0),
-        usable_(launcher, cloud.usable, cloud.usable ? cloud.size : 0),
-        include_(launcher, cloud.include, cloud.include ? cloud.size : 0) {
-    view_.position = position_.data(), view_.rotation = rotation_.data(), view_.log_scale = log_scale_.data();
-    view_.logit_opacity = logit_opacity_.data(), view_.sh_dc = sh_dc_.data(), view_.sh_rest = sh_rest_.data();
-    view_.usable = usable_.data(), view_.include = include_.data();
+        usable_(launcher, cloud.usable, cloud.usable ? cloud.size : 0) {}
+
+  /// Device pointers; null: colours without `colours`, and `include`.
+  CloudView<float> view(bool colours) {
+    if (colours && sh_dc_.data() == nullptr) {
+      sh_dc_ = Column<float>(launcher_, host_.sh_dc, host_.size * 3);
+      sh_rest_ = Column<float>(launcher_, host_.sh_rest, host_.size * host_.rest_stride * 3);
+    }
+    CloudView<float> view = host_;
+    view.position = position_.data(), view.rotation = rotation_.data(), view.log_scale = log_scale_.data();
+    view.logit_opacity = logit_opacity_.data(), view.usable = usable_.data(), view.include = nullptr;
+    view.sh_dc = colours ? sh_dc_.data() : nullptr, view.sh_rest = colours ? sh_rest_.data() : nullptr;
+    return view;
   }
-  const CloudView<float>& view() const { return view_; }
 
  private:
-  CloudView<float> view_;
-  DeviceBuffer<Launcher, float> position_, rotation_, log_scale_, logit_opacity_, sh_dc_, sh_rest_;
-  DeviceBuffer<Launcher, std::uint8_t> usable_, include_;
+  Launcher& launcher_;
+  CloudView<float> host_;
+  Column<float> position_, rotation_, log_scale_, logit_opacity_, sh_dc_, sh_rest_;
+  Column<std::uint8_t> usable_;
 };
 
 struct ChannelRows {
@@ -52,13 +62,23 @@ struct GaussiansBackward {
   DeviceSums sums;
   const float* channel;  // [N, count]
   NGS_HD void operator()(std::int64_t i) const {
+    if (const std::int64_t to = kernel.out.gradient_row ? kernel.out.gradient_row[i] : i; to >= 0) clear(to);
     const std::int64_t begin = slot_begin[i], end = slot_begin[i + 1];
     const bool summed = sums == DeviceSums::kAtomic;
     if (begin < end) kernel.gather(i, channel + i * kernel.plan.count(), summed ? i : begin, summed ? i + 1 : end);
   }
+  NGS_HD void clear(std::int64_t to) const {
+    const auto zero = [to](auto* column, int width) {
+      for (int k = 0; column && k < width; ++k) column[to * width + k] = 0;
+    };
+    const CloudGradientView<float>& out = kernel.out;
+    zero(out.position, 3), zero(out.rotation, 4), zero(out.log_scale, 3), zero(out.logit_opacity, 1);
+    zero(out.sh_dc, 3), zero(out.sh_rest, kernel.cloud.rest_stride * 3), zero(out.label, kernel.plan.labels());
+    zero(out.mean_px, 2), zero(out.visible, 1);
+  }
 };
 
-inline constexpr int kMostChannels = 8;  // in one launch
+inline constexpr int kMaxChannels = 8;  // in one launch
 
 /// One view. All pointers are device pointers; `cloud` and `plan.label` must outlive it.
 template <class Launcher>
@@ -79,7 +99,7 @@ class SplatOnDevice {
 
   /// out[c]: channel c; out[count]: 1 - T_final.
   void forward(const std::vector<Plane<float>>& out) {
-    for (int first = 0; first == 0 || first < plan_.count(); first += kMostChannels)
+    for (int first = 0; first == 0 || first < plan_.count(); first += kMaxChannels)
       with_group(first, [&](auto size) {
         SplatForwardTile<size> kernel{bins_.view(), group<size>(first), {}, {}};
         for (int c = 0; c < kernel.channels.used; ++c) kernel.out[c] = out[std::size_t(first + c)];
@@ -98,7 +118,7 @@ class SplatOnDevice {
     const DeviceBuffer<Launcher, float> checkpoints(
         launcher_,
         SplatBackwardTile<1, Launcher>::checkpoint_rows(bins_.pairs(), bins_.tiles()) * std::int64_t(kTilePixels));
-    for (int first = 0; first == 0 || first < plan_.count(); first += kMostChannels)
+    for (int first = 0; first == 0 || first < plan_.count(); first += kMaxChannels)
       with_group(first, [&](auto size) {
         SplatBackwardTile<size, Launcher> kernel{bins_.view(),       group<size>(first), {},      0,
                                                  checkpoints.data(), rows.data(),        columns, sums};
@@ -109,7 +129,6 @@ class SplatOnDevice {
         if (first == 0) kernel.grad[size] = grad[std::size_t(plan_.count())];
         launcher_.launch_blocks(bins_.tiles(), kernel);
       });
-    clear(out);
     const Matrix<const float> summands{rows.data(), rows.size() / columns, columns};
     launcher_.parallel_for(
         cloud_.size,
@@ -128,7 +147,7 @@ class SplatOnDevice {
       case 3: return body(std::integral_constant<int, 3>{});
       case 4: return body(std::integral_constant<int, 4>{});
       case 5: return body(std::integral_constant<int, 5>{});
-      default: return body(std::integral_constant<int, kMostChannels>{});
+      default: return body(std::integral_constant<int, kMaxChannels>{});
     }
   }
   template <int C>
@@ -139,16 +158,6 @@ class SplatOnDevice {
       for (int c = 0; c < min2(C, 3); ++c) g.background[c] = b[c];
     return g;
   }
-  void clear(const CloudGradientView<float>& out) {
-    const auto zero = [&](auto* column, int width) {
-      if (column) launcher_.fill_zero(column, std::size_t(cloud_.size) * std::size_t(width) * sizeof *column);
-    };
-    zero(out.position, 3), zero(out.rotation, 4), zero(out.log_scale, 3), zero(out.logit_opacity, 1);
-    zero(out.sh_dc, 3), zero(out.sh_rest, cloud_.rest_stride * 3), zero(out.label, plan_.labels()),
-        zero(out.mean_px, 2);
-    zero(out.visible, 1);
-  }
-
   Launcher& launcher_;
   ViewProjector<float> projector_;
   CloudView<float> cloud_;

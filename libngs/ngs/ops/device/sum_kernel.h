@@ -35,32 +35,33 @@ void sums_on_device(Launcher& launcher, const T* value, std::int64_t n, int colu
   sums_on_device(launcher, static_cast<const double*>(part.data()), chunks, columns, total);
 }
 
-struct LeastOfChunk {
-  static constexpr const char* kName = "least_of_chunk";
-  static constexpr std::int64_t kRows = 256;
-  const std::int64_t* value;  // [n], n > 0
+/// The least of n > 0 values, by one block.
+struct LeastOfAll {
+  static constexpr const char* kName = "least_of_all";
+  static constexpr int kThreads = 256;
+  const std::int64_t* value;  // [n]
   std::int64_t n;
-  std::int64_t* least;  // [chunks] out
-  NGS_HD void operator()(std::int64_t chunk) const {
-    const InterleavedChunk rows(chunk, n, kRows);
-    std::int64_t found = value[rows.first];
-    for (std::int64_t row = rows.first; row < rows.end; row += rows.step)
-      found = value[row] < found ? value[row] : found;
-    least[chunk] = found;
+  std::int64_t* least;  // [1] out
+  struct Shared {
+    std::int64_t found[kThreads];
+  };
+  struct Thread {};
+
+  template <class Block>
+  NGS_HD void operator()(Block& block) const {
+    block.phase([&](int t, Shared& shared, Thread&) {
+      std::int64_t found = value[t < n ? t : 0];
+      for (std::int64_t i = t; i < n; i += kThreads) found = value[i] < found ? value[i] : found;
+      shared.found[t] = found;
+    });
+    block.phase([&](int t, Shared& shared, Thread&) {
+      if (t > 0) return;
+      std::int64_t found = shared.found[0];
+      for (const std::int64_t other : shared.found) found = other < found ? other : found;
+      *least = found;
+    });
   }
 };
-
-/// The least of n > 0 values in device memory.
-template <class Launcher>
-std::int64_t least_on_device(Launcher& launcher, const std::int64_t* value, std::int64_t n) {
-  const std::int64_t chunks = ceil_div(n, LeastOfChunk::kRows);
-  const DeviceBuffer<Launcher, std::int64_t> part(launcher, chunks);
-  launcher.parallel_for(chunks, LeastOfChunk{value, n, part.data()});
-  if (chunks > 1) return least_on_device(launcher, static_cast<const std::int64_t*>(part.data()), chunks);
-  std::int64_t least = 0;
-  part.to(&least);
-  return least;
-}
 
 /// The sums of all columns, copied to the host.
 template <class T, class Launcher>

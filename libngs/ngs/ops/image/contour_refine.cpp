@@ -13,13 +13,13 @@
 namespace ngs {
 namespace {
 
-constexpr double kLeastWeight = 1e-5;   // keeps the graph connected across any edge
-constexpr double kShapeWidth_px = 2;    // of the sigmoid s
-constexpr double kColourNoise = 3e-4;   // least variance of a colour, (share of full scale)²
-constexpr double kColourGap_px = 2;     // nearer pixels are mixed: no colours are learned from them
-constexpr double kOutliers = 0.1;       // share of colours that neither density explains
-constexpr double kLeastSupport = 1e-4;  // share of a neighbourhood below which its colours are unknown
-constexpr int kCellsOfRadius = 10;      // a blur runs on cells of pixels, this many per radius: too fine to be visible
+constexpr double kMinWeight = 1e-5;    // keeps the graph connected across any edge
+constexpr double kShapeWidth_px = 2;   // of the sigmoid s
+constexpr double kColourNoise = 3e-4;  // least variance of a colour, (share of full scale)²
+constexpr double kColourGap_px = 2;    // nearer pixels are mixed: no colours are learned from them
+constexpr double kOutliers = 0.1;      // share of colours that neither density explains
+constexpr double kMinSupport = 1e-4;   // share of a neighbourhood below which its colours are unknown
+constexpr int kCellsOfRadius = 10;     // a blur runs on cells of pixels, this many per radius: too fine to be visible
 
 /// The part of the image that the random walks need: the band around the contour and the colours within reach.
 struct Window {
@@ -133,7 +133,7 @@ class LocalColours {
   bool density(int x, int y, const std::array<float, 3>& colour, double& value) const {
     const float* moment = moments_.at(x, y);
     const double n = double(moment[0]);
-    if (n < kLeastSupport) return false;
+    if (n < kMinSupport) return false;
     double z[3], mean[3], c[3][3];
     for (std::size_t i = 0; i < 3; ++i) mean[i] = double(moment[1 + i]) / n, z[i] = double(colour[i]) - mean[i];
     for (std::size_t i = 0, m = 4; i < 3; ++i)
@@ -266,7 +266,7 @@ ColourEvidence weigh_colours(const Window& win, const ColourModels& models, cons
     for (int x = 0; x < win.w; ++x) {
       const std::size_t p = win.at(x, y);
       const float* near = agreement.at(x, y);
-      if (learned[p] && sides.free[p] && near[1] > float(kLeastSupport))
+      if (learned[p] && sides.free[p] && near[1] > float(kMinSupport))
         out.trust[p] = std::clamp(near[0] / near[1], 0.f, 1.f);
     }
   return out;
@@ -288,7 +288,7 @@ struct EdgeWeights {
   double mean_square;  // mean of the squared difference of neighbours
   double operator()(std::size_t p, std::size_t q, bool diagonal) const {
     const double distance_px = diagonal ? std::numbers::sqrt2 : 1;
-    return (std::exp(-squared_difference(colour[p], colour[q]) / mean_square) + kLeastWeight) / distance_px;
+    return (std::exp(-squared_difference(colour[p], colour[q]) / mean_square) + kMinWeight) / distance_px;
   }
 };
 

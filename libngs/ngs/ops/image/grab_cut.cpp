@@ -10,7 +10,7 @@ namespace ngs {
 namespace {
 
 constexpr std::size_t kComponents = 5;  // of the mixture of each side, fixed in OpenCV
-constexpr int kMostSamples = 1 << 15;   // per side; more do not change a mixture of five
+constexpr int kMaxSamples = 1 << 15;    // per side; more do not change a mixture of five
 
 using Colours = std::vector<std::array<std::uint8_t, 3>>;
 
@@ -120,7 +120,7 @@ PixelMask cut_in(const Source& from, const GrabCutOptions& options, const SideCo
 PixelMask grab_cut(const ImageU8& photo, const ViewPrompt& prompt, const GrabCutOptions& options) {
   check(photo, prompt);
   const Source from{photo, prompt, region_of_interest(prompt, options.margin_px)};
-  return cut_in(from, options, colours_in(from, kMostSamples));
+  return cut_in(from, options, colours_in(from, kMaxSamples));
 }
 
 SideColours side_colours(const ImageU8& photo, const ViewPrompt& prompt, int most) {

@@ -7,7 +7,7 @@ namespace {
 
 using namespace label;
 
-constexpr std::uint32_t kLongestStep = 255;  // of places, in one byte
+constexpr std::uint32_t kMaxByteStep = 255;  // of places, in one byte
 
 /// Appends contributions to the last pack of a block.
 class PackWriter {
@@ -17,7 +17,7 @@ class PackWriter {
     half ? block.half.reserve(contributions) : block.weight.reserve(contributions);
   }
   void add(std::uint32_t place, L weight) {
-    for (; place - last_ > kLongestStep; last_ += kLongestStep) push(kLongestStep, L(0.f));
+    for (; place - last_ > kMaxByteStep; last_ += kMaxByteStep) push(kMaxByteStep, L(0.f));
     push(place - last_, weight), last_ = place;
   }
   void end_pack(const PixelPack& pixel) {

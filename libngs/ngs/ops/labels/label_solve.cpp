@@ -22,7 +22,7 @@ constexpr int kMaxRounds = 50;
 constexpr std::size_t kHistory = 5;  // points that a step combines
 // In log-odds. Extrapolation along a curved path overshoots. Labels that are wrongly thrown to a bound cost more steps
 // than they save.
-constexpr double kLongestStep = 2;
+constexpr double kMaxLogitStep = 2;
 
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -158,7 +158,7 @@ class Solver {
     const std::vector<double> to = history.next(x, f, weight);
     std::vector<double> step = plain;
     for (std::size_t c = 0; c < m.size(); ++c) {
-      const double moved = 1 / (1 + std::exp(-std::clamp(to[c], x[c] - kLongestStep, x[c] + kLongestStep)));
+      const double moved = 1 / (1 + std::exp(-std::clamp(to[c], x[c] - kMaxLogitStep, x[c] + kMaxLogitStep)));
       if (inner(m[c]) && inner(plain[c]) && inner(moved)) step[c] = moved;
     }
     return step;

@@ -16,16 +16,14 @@ double loss_cont(const Exec& exec, const ContinuityInputs& in, double scale, std
   NGS_CHECK(in.weight.empty() || in.weight.size() == graph.index.size(), "one weight per edge, or none");
   const ContinuityGraph<float> view{graph.indices(), graph.row_begin.data(), graph.edge.data(),
                                     in.weight.empty() ? nullptr : in.weight.data(), colour};
-  std::vector<float> term(std::size_t(colour.n));
+  std::vector<float> term(exec.device_ops ? 0 : std::size_t(colour.n));
   const ContinuityForward<float> forward{view, term.data()};
   const ContinuityBackward<float> backward{
       view, float(scale / double(colour.n)), {gradient ? gradient->data() : nullptr, colour.n}};
-  if (exec.device_ops) {
-    exec.device_ops->loss.continuity(forward, gradient ? &backward : nullptr);
-  } else {
-    for_each_index(exec, colour.n, forward);
-    if (gradient) for_each_index(exec, colour.n, backward);
-  }
+  if (exec.device_ops)
+    return exec.device_ops->loss.continuity(forward, gradient ? &backward : nullptr) / double(colour.n);
+  for_each_index(exec, colour.n, forward);
+  if (gradient) for_each_index(exec, colour.n, backward);
   double sum = 0;
   for (const float t : term) sum += double(t);
   return sum / double(colour.n);

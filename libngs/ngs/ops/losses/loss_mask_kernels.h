@@ -83,7 +83,8 @@ struct DensityWeight {
   float* weight;               // [H, W] out
 
   NGS_HD void operator()(std::int64_t i) const {
-    const double x = double(i % width) + 0.5, y = double(i / width) + 0.5;
+    const std::int64_t column = i % width, line = i / width;
+    const double x = double(column) + 0.5, y = double(line) + 0.5;
     if (grid.cols == 0 || x < min_x || x > max_x || y < min_y || y > max_y) {
       weight[i] = 0.5f;
       return;

@@ -4,7 +4,7 @@
 //   L = (1 - λ) · mean |x - y| + λ · (1 - mean SSIM(x, y)),   λ = 0.2
 //
 // Means run over pixels and channels. SSIM uses an 11x11 Gaussian window (σ 1.5 px) per channel with zero padding,
-// C1 = 1e-4, C2 = 9e-4, values in [0, 1]. With pixel weights w both means become Σ w · / Σ w; With a region, only its
+// C1 = 1e-4, C2 = 9e-4, values in [0, 1]. With pixel weights w both means become Σ w · / Σ w. With a box, only its
 // pixels count, but their windows include the pixels around it. If all weights are zero, loss and gradient are zero.
 // Defined in photometric_impl.h, which tests instantiate for dual numbers.
 #include <cstdint>
@@ -14,14 +14,14 @@
 
 namespace ngs {
 
-struct PixelRegion {
+struct PixelRect {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  // px, half open; empty: the whole image
   bool empty() const { return x1 <= x0 || y1 <= y0; }
 };
 
 struct PhotometricOptions {
   double dssim_weight = 0.2;  // λ
-  PixelRegion region = {};
+  PixelRect box = {};
   double gradient_scale = 1;  // factor of the gradient
 };
 

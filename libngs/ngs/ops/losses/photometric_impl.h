@@ -12,8 +12,8 @@ namespace ngs {
 
 namespace detail {
 
-/// Σ of the weights of the pixels in the region; their number without weights.
-inline double total_weight(const ImageF* weight, const PixelRegion& of) {
+/// Σ of the weights of the pixels in the box; their number without weights.
+inline double total_weight(const ImageF* weight, const PixelRect& of) {
   if (!weight) return double(of.x1 - of.x0) * (of.y1 - of.y0);
   double sum = 0;
   for (int y = of.y0; y < of.y1; ++y)
@@ -27,34 +27,36 @@ template <class T, class Acc>
 auto PhotometricPass<T, Acc>::evaluate(const Exec& exec, const PhotometricOptions& options, const Images& in,
                                        Image<T>* gradient) -> Value {
   const auto& [rendered, target, weight] = in;
-  const int W = rendered.width_px, H = rendered.height_px, C = rendered.channels;
-  NGS_CHECK(W == target.width_px && H == target.height_px && C == target.channels,
+  const int w = rendered.width_px, h = rendered.height_px, channels = rendered.channels;
+  NGS_CHECK(w == target.width_px && h == target.height_px && channels == target.channels,
             "photometric: rendered and target differ in size");
-  NGS_CHECK(!weight || (weight->width_px == W && weight->height_px == H && weight->channels == 1),
+  NGS_CHECK(!weight || (weight->width_px == w && weight->height_px == h && weight->channels == 1),
             "photometric: the weight image has another size");
-  const bool resized = gradient && (gradient->width_px != W || gradient->height_px != H || gradient->channels != C);
-  if (resized) *gradient = Image<T>(W, H, C);
+  const bool resized =
+      gradient && (gradient->width_px != w || gradient->height_px != h || gradient->channels != channels);
+  if (resized) *gradient = Image<T>(w, h, channels);
   const auto clear = [&] {
     if (gradient && !resized) std::fill(gradient->data.begin(), gradient->data.end(), T(0));
   };
 
-  const PixelRegion full{0, 0, W, H};
-  const PixelRegion inner = options.region.empty() ? full : options.region;
-  NGS_CHECK(inner.x0 >= 0 && inner.y0 >= 0 && inner.x1 <= W && inner.y1 <= H, "photometric: region outside the image");
+  const PixelRect full{0, 0, w, h};
+  const PixelRect inner = options.box.empty() ? full : options.box;
+  NGS_CHECK(inner.x0 >= 0 && inner.y0 >= 0 && inner.x1 <= w && inner.y1 <= h, "photometric: box outside the image");
   // Windows of pixels inside extend kRadius further; pixels beyond have no influence.
   const int x0 = std::max(0, inner.x0 - ssim::kRadius), y0 = std::max(0, inner.y0 - ssim::kRadius);
-  const ssim::Layout layout{std::min(W, inner.x1 + ssim::kRadius) - x0, std::min(H, inner.y1 + ssim::kRadius) - y0, C};
+  const ssim::Layout layout{std::min(w, inner.x1 + ssim::kRadius) - x0, std::min(h, inner.y1 + ssim::kRadius) - y0,
+                            channels};
 
   const double weight_sum = detail::total_weight(weight, inner);
   if (!(weight_sum > 0)) return clear(), Value{Acc(0), Acc(0), Acc(1)};
-  if (!options.region.empty()) clear();
-  const double norm = 1.0 / (weight_sum * C);
-  const std::int64_t stride = std::int64_t(W) * C;
+  if (!options.box.empty()) clear();
+  const double norm = 1.0 / (weight_sum * channels);
+  const std::int64_t stride = std::int64_t(w) * channels;
   return compare(exec,
                  {layout,
                   {rendered.data.data() + rendered.index(x0, y0), stride},
                   {target.data.data() + target.index(x0, y0), stride},
-                  {{weight ? weight->data.data() + weight->index(x0, y0) : nullptr, W},
+                  {{weight ? weight->data.data() + weight->index(x0, y0) : nullptr, w},
                    inner.x0 - x0,
                    inner.x1 - x0,
                    inner.y0 - y0,

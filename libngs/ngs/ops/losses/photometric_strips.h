@@ -74,31 +74,35 @@ struct PlaneRows {
   std::int64_t plane;
 };
 
+/// Blurs `count` values of a row of each plane along the row, into the planes' rows of kStrip values at `to`.
+/// Neighbouring pixels are `step` values apart.
+template <class T, int kPlanes>
+void blur_rows(const Window<T>& window, const PlaneRows<T>& from, std::int64_t step, int count, T* to) {
+  using L = typename StripLane<T>::Type;
+  for (int p = 0; p < kPlanes; ++p)
+    for (int i = 0; i < count; i += LaneTraits<L>::kLanes) {
+      const T* middle = from.first + p * from.plane + i;
+      store_lanes(to + p * kStrip + i, blurred<L>(window, [&](int k) {
+                    L value;
+                    load_lanes(middle + k * step, value);
+                    return value;
+                  }));
+    }
+}
+
 /// Calls use(y, column) for every row of the band, where column(plane, i) is the pack of values from i of the plane
 /// blurred both ways. load(y) gives the PlaneRows of row y of the image.
 template <class T, int kPlanes, class Load, class Use>
 void blur_band(const Layout& layout, const Window<T>& window, const StripBand& band, const Load& load, const Use& use) {
   using L = typename StripLane<T>::Type;
-  constexpr int kLanes = LaneTraits<L>::kLanes;
   alignas(64) T ring[kRing][kPlanes][kStrip];
   const auto slot = [&](int y) { return &ring[(y + kRing) % kRing][0][0]; };
-  const std::int64_t step = layout.c;
   for (int y = band.y0 - kRadius; y < band.y1 + kRadius; ++y) {
     T* to = slot(y);
-    if (y < 0 || y >= layout.h) {
+    if (y < 0 || y >= layout.h)
       std::fill_n(to, kPlanes * kStrip, T(0));
-    } else {
-      const PlaneRows<T> from = load(y);
-      for (int p = 0; p < kPlanes; ++p)
-        for (int i = 0; i < band.count; i += kLanes) {
-          const T* middle = from.first + p * from.plane + i;
-          store_lanes(to + p * kStrip + i, blurred<L>(window, [&](int k) {
-                        L value;
-                        load_lanes(middle + k * step, value);
-                        return value;
-                      }));
-        }
-    }
+    else
+      blur_rows<T, kPlanes>(window, load(y), layout.c, band.count, to);
     const int out = y - kRadius;
     if (out < band.y0) continue;
     const T* row[kRing];

@@ -43,30 +43,31 @@ std::int64_t find_unusable(const Exec& exec, std::span<const T> values, T limit)
 }
 
 template <class T>
-void step_block(const Exec& exec, const AdamOptions& o, std::int64_t step, const AdamBlock<T>& block,
-                const AdamMomentSpans<T>& moments) {
+AdamKernel<T> adam_kernel(const AdamOptions& o, std::int64_t step, const AdamBlock<T>& block,
+                          const AdamMomentSpans<T>& moments) {
   const auto& [name, value, grad] = block;
   const auto& [m, v] = moments;
   NGS_CHECK(value.size() == grad.size() && value.size() == m.size() && value.size() == v.size(),
             "adam_step: value, grad, m and v must have one length");
   NGS_CHECK(step >= 1, "adam_step: the first step is 1");
-  const T limit = adam_limit<T>();
-  const auto require_usable = [&](std::int64_t bad) {
-    if (bad >= 0) throw_unusable(block.name, bad, double(block.grad[std::size_t(bad)]), double(limit));
-  };
   const double bias1 = adam_bias(o.beta1, step), bias2 = adam_bias(o.beta2, step);
   const std::int64_t n = std::int64_t(value.size());
-  const AdamKernel<T> kernel{
-      value.data(),     grad.data(),      m.data(), v.data(), n, T(o.lr / bias1), T(1.0 / std::sqrt(bias2)),
-      T(1.0 - o.beta1), T(1.0 - o.beta2), T(o.eps)};
   NGS_CHECK(o.sparse_columns <= 0 || n % o.sparse_columns == 0, "adam_step: the block is not a whole number of rows");
-  if constexpr (std::is_same_v<T, float>)
-    if (exec.device_ops) return require_usable(exec.device_ops->loss.adam(kernel, o.sparse_columns, limit));
-  require_usable(find_unusable<T>(exec, grad, limit));
+  return {value.data(),     grad.data(),      m.data(), v.data(), n, T(o.lr / bias1), T(1.0 / std::sqrt(bias2)),
+          T(1.0 - o.beta1), T(1.0 - o.beta2), T(o.eps)};
+}
+
+template <class T>
+void step_block(const Exec& exec, const AdamOptions& o, std::int64_t step, const AdamBlock<T>& block,
+                const AdamMomentSpans<T>& moments) {
+  const AdamKernel<T> kernel = adam_kernel(o, step, block, moments);
+  const T limit = adam_limit<T>();
+  const std::int64_t bad = find_unusable<T>(exec, block.grad, limit);
+  if (bad >= 0) throw_unusable(block.name, bad, double(block.grad[std::size_t(bad)]), double(limit));
   if (o.sparse_columns > 0) {
-    for_each_index(exec, n / o.sparse_columns, SparseAdamKernel<T>{kernel, o.sparse_columns});
+    for_each_index(exec, kernel.n / o.sparse_columns, SparseAdamKernel<T>{kernel, o.sparse_columns});
   } else {
-    for_each_index(exec, (n + kernel.kChunk - 1) / kernel.kChunk, kernel);
+    for_each_index(exec, (kernel.n + kernel.kChunk - 1) / kernel.kChunk, kernel);
   }
 }
 
@@ -74,9 +75,26 @@ void step_block(const Exec& exec, const AdamOptions& o, std::int64_t step, const
 
 void adam_step(const Exec& exec, const AdamOptions& options, std::int64_t step, const AdamBlock<float>& block,
                AdamMoments& moments) {
-  if (moments.m.empty()) moments.m.assign(block.value.size(), 0.f);
-  if (moments.v.empty()) moments.v.assign(block.value.size(), 0.f);
-  step_block<float>(exec, options, step, block, {moments.m, moments.v});
+  const AdamGroup group{options, block, moments};
+  adam_step(exec, step, {&group, 1});
+}
+
+void adam_step(const Exec& exec, std::int64_t step, std::span<const AdamGroup> groups) {
+  NGS_CHECK(groups.size() <= AdamBlocks::kMax, "adam_step: at most 8 groups");
+  AdamBlocks blocks;
+  for (const auto& [options, block, moments] : groups) {
+    if (moments.m.empty()) moments.m.assign(block.value.size(), 0.f);
+    if (moments.v.empty()) moments.v.assign(block.value.size(), 0.f);
+    const AdamMomentSpans<float> spans{moments.m, moments.v};
+    if (exec.device_ops)
+      blocks.add(adam_kernel(options, step, block, spans), options.sparse_columns);
+    else
+      step_block<float>(exec, options, step, block, spans);
+  }
+  if (!exec.device_ops) return;
+  const auto bad = exec.device_ops->loss.adam(blocks, adam_limit<float>());
+  if (bad.index >= 0)
+    throw_unusable(groups[bad.block].block.name, bad.index, double(bad.value), double(adam_limit<float>()));
 }
 
 void adam_step(const Exec& exec, const AdamOptions& options, std::int64_t step, const AdamBlock<double>& block,

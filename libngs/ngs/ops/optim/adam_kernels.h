@@ -46,6 +46,26 @@ struct AdamKernel {
   }
 };
 
+/// Up to kMax blocks with the same step, as one range of elements.
+struct AdamBlocks {
+  static constexpr std::size_t kMax = 8;
+  std::size_t count = 0;
+  AdamKernel<float> block[kMax];
+  std::int64_t sparse_columns[kMax];  // 0: dense
+  std::int64_t begin[kMax + 1] = {0};
+
+  void add(const AdamKernel<float>& kernel, std::int64_t columns) {
+    block[count] = kernel, sparse_columns[count] = columns, begin[count + 1] = begin[count] + kernel.n;
+    ++count;
+  }
+  NGS_HD std::int64_t size() const { return begin[count]; }
+  NGS_HD std::size_t of(std::int64_t element) const {
+    std::size_t b = 0;
+    while (begin[b + 1] <= element) ++b;
+    return b;
+  }
+};
+
 /// 1 - βᵗ by expm1 of the logarithm: for β near 1 and small t, 1 minus the power would cancel.
 NGS_HD inline double adam_bias(double beta, std::int64_t step) { return -std::expm1(double(step) * std::log(beta)); }
 

@@ -15,8 +15,8 @@ constexpr int kBorder_px = 4, kParameters = 6, kExposurePasses = 5;
 // to the parallax within the model have (depth extent / distance)² of that information: 1/200 for an object that fills
 // a tenth of its distance. Motions with less than a fifth of that would follow the errors of the model.
 constexpr double kPrior = 1e-3;
-constexpr float kSolid = 0.5f;          // least alpha; below it, the depth is that of the silhouette's rim
-constexpr double kLeastTexture = 1e-7;  // mean squared gradient, per px²: below 3e-4 it is noise
+constexpr float kSolid = 0.5f;        // least alpha; below it, the depth is that of the silhouette's rim
+constexpr double kMinTexture = 1e-7;  // mean squared gradient, per px²: below 3e-4 it is noise
 
 using Row = Eigen::Matrix<double, kParameters, 1>;
 using Normal = Eigen::Matrix<double, kParameters, kParameters>;
@@ -162,7 +162,7 @@ PoseStep pose_step(const RenderedView& view, const ImageF& photo, const Camera& 
   const Sums sums = linearise(from, photo, view, camera, depth);
   if (!(sums.weight > 0)) return step;
   step.error = sums.error / sums.weight;
-  if (!(sums.texture > kLeastTexture * sums.weight)) return step;
+  if (!(sums.texture > kMinTexture * sums.weight)) return step;
   const double turn_px = f_px, move_px = f_px / depth;  // per unit of each parameter
   const auto& [turn, move] = so_far;
   Row total;

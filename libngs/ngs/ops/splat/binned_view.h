@@ -83,14 +83,14 @@ class BinnedView {
       if (prepared_) return project_blocks(exec, *prepared_, cloud, projector, *memory_);
     memory_->view = project_view(exec, cloud, projector);
   }
-  std::unique_ptr<PassMemory<S>> acquire_memory() const {
+  std::unique_ptr<ViewScratch<S>> acquire_memory() const {
     if constexpr (std::is_same_v<S, float>)
       if (prepared_) return prepared_->memory.acquire();
-    return std::make_unique<PassMemory<S>>();
+    return std::make_unique<ViewScratch<S>>();
   }
 
   std::shared_ptr<const PreparedCloud> prepared_;  // null: the cloud is not prepared
-  std::unique_ptr<PassMemory<S>> memory_;
+  std::unique_ptr<ViewScratch<S>> memory_;
 };
 
 }  // namespace ngs

@@ -9,9 +9,12 @@
 namespace ngs {
 
 struct CullRequest {
-  const std::uint8_t* tiles_touching = nullptr;  // [N] 1: skip tiles that none of these touches; null: no tile
-  const std::uint8_t* stop_after = nullptr;      // [N] 1: skip Gaussians behind a tile's last one of these; null: none
-  const ImageF* max_depth = nullptr;  // [H, W, 1] skip Gaussians at this depth or farther; 0: all; null: none
+  const std::uint8_t* tiles_touching =
+      nullptr;  // [N] render only tiles that a flagged Gaussian touches; null: all tiles
+  const std::uint8_t* stop_after =
+      nullptr;  // [N] per tile, skip everything behind the last flagged Gaussian; null: nothing
+  const ImageF* max_depth =
+      nullptr;  // [H, W, 1] skip Gaussians at this depth or farther, all where it is 0; null: none
 };
 
 }  // namespace ngs

@@ -8,6 +8,7 @@
 #include "ngs/ops/device/device_ops.h"
 #include "ngs/ops/splat/binned_view.h"
 #include "ngs/ops/splat/cloud_view.h"
+#include "ngs/ops/splat/prepared/prepared_cloud.h"
 #include "ngs/ops/splat/splat_view.h"
 #include "ngs/ops/splat/tile_isa.h"
 #include "ngs/ops/splat/tile_scratch.h"
@@ -200,15 +201,11 @@ ViewSums merged(const Exec& exec, std::int64_t rows, int objects, const std::vec
   return all;
 }
 
-/// [N, 2 + 2K] the same sums from the device.
-std::vector<double> sums_on_device(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,
-                                   const SplatOptions& options) {
-  const ViewProjector<float> projector = view_projector<float>(relative_camera(view.camera, cloud), options);
-  std::vector<double> sums = exec.device_ops->splat.evidence(projector, cloud_view(cloud, 0, nullptr), view.masks);
-  const std::size_t columns = 2 + 2 * view.masks.target.size();
-  for (std::size_t row = 0; row < sums.size(); row += columns)
-    for (std::size_t c = 2; c < columns; c += 2) sums[row + c] = std::min(sums[row + c], sums[row]);
-  return sums;
+/// The same sums from the device.
+ViewSums sums_on_device(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,
+                        const SplatOptions& options) {
+  return exec.device_ops->splat.evidence(view_projector<float>(relative_camera(view.camera, cloud), options),
+                                         on_host(cloud_view(cloud, 0, nullptr), options), view.masks);
 }
 
 /// A view, and the Gaussians whose sums are wanted; `of` null: all.
@@ -227,13 +224,20 @@ void for_each_chunk(const Exec& exec, const Query& q, const Start& start, const 
   NGS_CHECK(masks.width_px == q.view.camera.width_px && masks.height_px == q.view.camera.height_px, "mask size");
   NGS_CHECK(q.of == nullptr || std::int64_t(q.of->number.size()) == q.cloud.size(), "one number per Gaussian");
   if (exec.device_ops != nullptr && q.view.weight == PixelWeight::kRendered) {
-    const std::vector<double> sums = sums_on_device(exec, q.cloud, q.view, q.options);
-    start(std::size_t(1));
-    body(std::size_t(0), [&](const auto& f) {
-      for (std::size_t i = 0; i < std::size_t(q.cloud.size()); ++i) {
-        const double* sum = &sums[i * (2 + 2 * masks.target.size())];
-        if (sum[0] > 0 && (q.of == nullptr || q.of->has(i))) f(q.of ? q.of->number[i] : std::uint32_t(i), sum, true);
-      }
+    constexpr std::size_t kChunk = 1 << 12;
+    const ViewSums sums = sums_on_device(exec, q.cloud, q.view, q.options);
+    const std::size_t chunks = (sums.size() + kChunk - 1) / kChunk;
+    start(chunks);
+    for_each_task(exec, std::int64_t(chunks), [&](std::int64_t chunk) {
+      const std::size_t begin = std::size_t(chunk) * kChunk, end = std::min(sums.size(), begin + kChunk);
+      body(std::size_t(chunk), [&](const auto& f) {
+        for (std::size_t v = begin; v < end; ++v) {
+          const std::uint32_t row = sums.row[v];
+          const double *sum = sums.at(v), *last = sum + sums.columns();
+          const bool has_object = std::any_of(sum + 2, last, [](double s) { return s != 0; });
+          if (q.of == nullptr || q.of->has(row)) f(q.of ? q.of->number[row] : row, sum, has_object);
+        }
+      });
     });
     return;
   }

@@ -212,7 +212,7 @@ NGS_HD Vec3<T> sh_colour(int degree, Vec3<T> offset, const T* dc, const T* rest)
   sh_rest_basis(degree, inv * offset, basis);
   T rgb[3];
   for (int c = 0; c < 3; ++c) {
-    rgb[c] = T(0.5) + T(kShC0) * dc[c];
+    rgb[c] = colour_of_dc(dc[c]);
     for (int k = 0; k < (degree + 1) * (degree + 1) - 1; ++k) rgb[c] += basis[k] * rest[k * 3 + c];
     rgb[c] = max2(rgb[c], T(0));
   }

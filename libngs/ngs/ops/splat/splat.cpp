@@ -3,6 +3,7 @@
 #include "ngs/core/check.h"
 #include "ngs/ops/device/device_ops.h"
 #include "ngs/ops/splat/cloud_view.h"
+#include "ngs/ops/splat/prepared/prepared_cloud.h"
 #include "ngs/ops/splat/tile_isa.h"
 #include "ngs/ops/splat/view_planes.h"
 
@@ -11,7 +12,7 @@ namespace {
 
 std::unique_ptr<DeviceSplat> device_view(const Exec& exec, const CloudView<float>& cloud, const Camera& relative,
                                          const SplatOptions& options, const ChannelPlan<float>& plan) {
-  return exec.device_ops->splat.view(view_projector<float>(relative, options), cloud, plan);
+  return exec.device_ops->splat.view(view_projector<float>(relative, options), on_host(cloud, options), plan);
 }
 
 }  // namespace
@@ -54,13 +55,11 @@ void SplatPass::backward(const Exec& exec, const ViewGradients& gradients, Cloud
                          const GradientRows& wanted) {
   const State& s = *state_;
   const auto all = std::size_t(s.gaussians);
-  const bool some = !wanted.place.empty();
-  NGS_CHECK(wanted.label_alone.empty() || wanted.label_alone.size() == all, "one flag per Gaussian");
-  NGS_CHECK(!some || (wanted.place.size() == all && !s.on_device), "one place per Gaussian, on the CPU");
+  const bool some = !wanted.gradient_row.empty();
+  NGS_CHECK(wanted.label_only.empty() || wanted.label_only.size() == all, "one flag per Gaussian");
+  NGS_CHECK(!some || wanted.gradient_row.size() == all, "one row per Gaussian");
   const std::size_t n = some ? std::size_t(wanted.rows) : all;
-  out.position.resize(n * 3), out.rotation.resize(n * 4), out.log_scale.resize(n * 3), out.logit_opacity.resize(n);
-  out.sh_dc.resize(n * 3), out.sh_rest.resize(s.rest_values * n), out.mean_px.resize(n * 2), out.visible.resize(n);
-  out.label.resize(n * std::size_t(s.plan.labels()));
+  out.resize(n, s.rest_values, std::size_t(s.plan.labels()));
   std::vector<std::uint8_t> moves;
   if (s.plan.colour) moves.insert(moves.end(), 3, gradients.colour_moves_geometry);
   if (s.plan.label.n > 0) moves.insert(moves.end(), std::size_t(s.plan.label.c), gradients.label_moves_geometry);
@@ -74,8 +73,8 @@ void SplatPass::backward(const Exec& exec, const ViewGradients& gradients, Cloud
                                       out.label.data(),
                                       out.mean_px.data(),
                                       out.visible.data(),
-                                      wanted.label_alone.empty() ? nullptr : wanted.label_alone.data(),
-                                      some ? wanted.place.data() : nullptr,
+                                      wanted.label_only.empty() ? nullptr : wanted.label_only.data(),
+                                      some ? wanted.gradient_row.data() : nullptr,
                                       wanted.rows};
   const std::vector<Plane<const float>> image = planes<const float>(s.plan, gradients);
   if (s.on_device)

@@ -15,7 +15,8 @@ namespace ngs {
 
 /// Preprocesses `cloud` for passes over many views; put the result into SplatOptions. Same results, faster. Takes 56
 /// bytes per Gaussian, and for each concurrent pass about 150 bytes per visible Gaussian. The cloud must outlive the
-/// last pass; after a change of rows call update_prepared(). Null if `exec` has a device, which does not need it.
+/// last pass; after a change of rows call update_prepared(). With a device: copies the cloud into its memory, once for
+/// all passes.
 std::shared_ptr<PreparedCloud> prepare_cloud(const Exec& exec, const GaussianCloud& cloud);
 
 /// Updates `prepared` after these rows (ascending) of its cloud have changed.
@@ -45,9 +46,9 @@ RenderedView render(const Exec& exec, const GaussianCloud& cloud, const Camera& 
 
 /// Which Gaussians need gradients, and in which rows of CloudGradients they are stored.
 struct GradientRows {
-  std::vector<std::uint8_t> label_alone = {};  // [N] 1: only label gradients, the rest is 0; empty: none
-  std::vector<std::int32_t> place = {};        // [N] row of CloudGradients, -1: none; empty: row i. CPU only
-  std::int64_t rows = 0;                       // rows of CloudGradients if `place` is not empty
+  std::vector<std::uint8_t> label_only = {};    // [N] 1: only label gradients, the rest is 0; empty: none
+  std::vector<std::int32_t> gradient_row = {};  // [N] row of CloudGradients, -1: none; empty: row i
+  std::int64_t rows = 0;                        // rows of CloudGradients if `gradient_row` is not empty
 };
 
 /// A differentiable forward pass. Stores the projection and tile lists of the last forward for backward.

@@ -99,7 +99,7 @@ class SplatEngine {
 
   void clear(const Exec& exec, const CloudGradientView<S>& out) const {
     const int labels = plan_.labels();
-    for_each_index(exec, out.place ? out.rows : cloud_.size, [&](std::int64_t i) {
+    for_each_index(exec, out.gradient_row ? out.rows : cloud_.size, [&](std::int64_t i) {
       const auto zero = [i](S* column, int width) {
         if (column) std::fill_n(column + i * width, width, S(0));
       };

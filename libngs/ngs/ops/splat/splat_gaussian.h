@@ -1,6 +1,8 @@
 #pragma once
 // Work per Gaussian of a view, on any device: projection, tile intersection, channel values, and the adjoint from the
 // sums over pixels to the cloud's columns. Internal to ops; templated on the storage scalar S.  paper.md §5.1
+#include <limits>
+
 #include "ngs/math/elementary.h"
 #include "ngs/ops/splat/project_kernels.h"
 #include "ngs/ops/splat/splat_options.h"
@@ -32,9 +34,9 @@ struct CloudGradientView {
   S *position = nullptr, *rotation = nullptr, *log_scale = nullptr, *logit_opacity = nullptr;
   S *sh_dc = nullptr, *sh_rest = nullptr, *label = nullptr, *mean_px = nullptr;
   std::uint8_t* visible = nullptr;
-  const std::uint8_t* label_alone = nullptr;  // [N] 1: only `label` is wanted, the other columns are 0; null: none
-  const std::int32_t* place = nullptr;        // [N] output row of each Gaussian, -1: none; null: row i
-  std::int64_t rows = 0;                      // output rows if `place` is not null
+  const std::uint8_t* label_only = nullptr;    // [N] 1: only `label` is wanted, the other columns are 0; null: none
+  const std::int32_t* gradient_row = nullptr;  // [N] row of this Gaussian's gradient, -1: none; null: row i
+  std::int64_t rows = 0;                       // output rows if `gradient_row` is not null
 };
 
 struct TileRect {
@@ -78,11 +80,23 @@ NGS_HD int clamped_int(S x, int lo, int hi) {
   return v > lo ? (v < hi ? int(v) : hi) : lo;
 }
 
-/// Radius of gsplat's tile rectangle in standard deviations.
-NGS_HD inline double tile_extent(double opacity) { return min2(3.33, std::sqrt(2.0 * std::log(255.0 * opacity))); }
+/// The members of SplatRecord that depend on the opacity alone.
+template <class S>
+NGS_HD S max_mahalanobis2_of(S opacity) {
+  using std::log;
+  return S(2) * log(S(255) * opacity);
+}
+template <class S>
+NGS_HD S log2_opacity_of(S opacity) {
+  using std::log2;
+  return S(log2(WideOf<S>(opacity)));
+}
 
-/// The tile rectangle by `compat`: 3DGS takes 3 sigma of the longer axis, gsplat an opacity-aware extent per axis. Both
-/// visit whole tiles, so their results differ at tile borders.
+/// Radius of gsplat's tile rectangle in standard deviations.
+NGS_HD inline double tile_extent(double opacity) { return min2(3.33, std::sqrt(max_mahalanobis2_of(opacity))); }
+
+/// The rectangle of tiles that a Gaussian may touch, by the rule of `compat`: 3DGS takes 3 sigma of the longer axis,
+/// gsplat an opacity-aware extent per axis. Both visit whole tiles, so their results differ at tile borders.
 template <class S>
 NGS_HD TileRect tile_rect(const ProjectedGaussian<S>& p, Compat compat, int tiles_x, int tiles_y) {
   double radius_x, radius_y;
@@ -101,18 +115,6 @@ NGS_HD TileRect tile_rect(const ProjectedGaussian<S>& p, Compat compat, int tile
   const double round_up = kTilePx - 1;
   return {tile(x - radius_x, tiles_x), tile(x + radius_x + round_up, tiles_x), tile(y - radius_y, tiles_y),
           tile(y + radius_y + round_up, tiles_y)};
-}
-
-/// The members of SplatRecord that depend on the opacity alone.
-template <class S>
-NGS_HD S max_mahalanobis2_of(S opacity) {
-  using std::log;
-  return S(2) * log(S(255) * opacity);
-}
-template <class S>
-NGS_HD S log2_opacity_of(S opacity) {
-  using std::log2;
-  return S(log2(WideOf<S>(opacity)));
 }
 
 template <class S>
@@ -136,20 +138,21 @@ struct TileRange {
   int first, end;
 };
 
-/// The ellipse {quadratic form <= max_mahalanobis2} in the form that tile intersection needs; T is float or double.
+/// {u: quadratic form <= max_mahalanobis2} about the mean, with precomputed inverses. T is float or double.
 template <class T>
 struct EllipseShape {
-  static constexpr T kEps = std::numeric_limits<T>::epsilon();
-  T a, b, max_mahalanobis2;   // of the quadratic form a u² + 2 b u v + c v²
-  T inv_det, inv_c;           // 1 / (a c - b²), 1 / c
-  T half_width, half_height;  // of its bounding box, px
+  T a, b, max_mahalanobis2;                                     // of the quadratic form a u² + 2 b u v + c v²
+  T inv_det, inv_c;                                             // 1 / (a c - b²), 1 / c
+  T half_width, half_height;                                    // of its bounding box, px
+  static constexpr T kEps = std::numeric_limits<T>::epsilon();  // a member: CUDA device code cannot call it
 };
 
 /// Intersects the ellipse about (mean_x, mean_y) with row `ty` of tiles: the tiles in `within` that have a pixel centre
 /// in the ellipse; {0, 0}: none.
 ///
 /// Within the row the ellipse is widest at its own leftmost and rightmost points, or at the row's edge nearest to them.
-/// Rounding may add tiles, never remove any: the square and the column are widened by their cancellation error.
+/// Rounding may add tiles, never remove any: the squares under the roots and both ends of the span are widened by their
+/// cancellation error.
 /// Branch-free, so that the compiler can vectorise a loop over Gaussians.
 template <class T>
 NGS_HD inline TileRange tiles_of_row(const EllipseShape<T>& g, double mean_x, double mean_y, TileRange within, int ty) {
@@ -157,11 +160,11 @@ NGS_HD inline TileRange tiles_of_row(const EllipseShape<T>& g, double mean_x, do
   const double y_lo = ty * kTilePx + 0.5, y_hi = y_lo + (kTilePx - 1);
   const T height = g.half_height + kSlack;
   const T v_lo = max2(T(y_lo - mean_y), -height), v_hi = min2(T(y_hi - mean_y), height);
-  const T v_right = -g.b * g.inv_c * g.half_width, v_most = clamp3(v_right, v_lo, v_hi),
-          v_least = clamp3(-v_right, v_lo, v_hi);
-  const T inv_a = T(1) / g.a, cut = T(1 + 8 * kEps) * g.max_mahalanobis2 * g.a;
-  const T right = -g.b * v_most, right_root = std::sqrt(max2(T(0), cut - v_most * v_most * g.inv_det));
-  const T left = -g.b * v_least, left_root = std::sqrt(max2(T(0), cut - v_least * v_least * g.inv_det));
+  const T v_right = -g.b * g.inv_c * g.half_width, v_at_right = clamp3(v_right, v_lo, v_hi),
+          v_at_left = clamp3(-v_right, v_lo, v_hi);
+  const T inv_a = T(1) / g.a, bound = T(1 + 8 * kEps) * g.max_mahalanobis2 * g.a;
+  const T right = -g.b * v_at_right, right_root = std::sqrt(max2(T(0), bound - v_at_right * v_at_right * g.inv_det));
+  const T left = -g.b * v_at_left, left_root = std::sqrt(max2(T(0), bound - v_at_left * v_at_left * g.inv_det));
   const T right_slack = kSlack + (std::fabs(right) + right_root) * inv_a * (4 * kEps),
           left_slack = kSlack + (std::fabs(left) + left_root) * inv_a * (4 * kEps);
   // Pixel centres are at +0.5: column x intersects if x + 0.5 lies in [x_lo, x_hi].
@@ -212,7 +215,8 @@ struct ViewProjector {
   ProjectionCamera<S> camera;
   ProjectionCamera<Wide> wide;
   Vec3<double> centre;
-  double spread, blur_px;  // for outside_frustum(): px · world per unit of scale; px
+  double spread;   // px; largest scale · spread / z bounds the projected standard deviation without the filter
+  double blur_px;  // px; bound of the low-pass filter's part of the radius
   int width_px, height_px, tiles_x, tiles_y;
   Compat compat;
   TileRect drawn;  // bounding rectangle of the tiles to rasterise
@@ -267,7 +271,7 @@ template <class S>
 ViewProjector<S> view_projector(const Camera& camera, const SplatOptions& options) {
   const ProjectionCamera<double> c = projection_camera<double>(camera, options);
   const auto row_length = [](double f, double lo, double hi) { return f * portable_hypot(1.0, std::max(-lo, hi)); };
-  const int tiles_x = (camera.width_px + kTilePx - 1) / kTilePx, tiles_y = (camera.height_px + kTilePx - 1) / kTilePx;
+  const int tiles_x = tiles_across(camera.width_px), tiles_y = tiles_across(camera.height_px);
   return {projection_camera<S>(camera, options),
           projection_camera<WideOf<S>>(camera, options),
           camera.centre(),
@@ -303,8 +307,8 @@ struct ChannelPlan {
   }
 };
 
-/// Adjoint of projection: from the gradients of a Gaussian's pairs [begin, end) and its channel values to the columns
-/// of the cloud.
+/// Adjoint of projection: sums the gradients of a Gaussian's (Gaussian, tile) pairs [begin, end) and maps them to the
+/// cloud's columns.
 template <class S>
 struct GaussianBackward {
   using Wide = WideOf<S>;
@@ -330,13 +334,13 @@ struct GaussianBackward {
   }
 
   NGS_HD void gather(std::int64_t i, const S* value, std::int64_t begin, std::int64_t end) const {
-    const std::int64_t to = out.place ? out.place[i] : i;
+    const std::int64_t to = out.gradient_row ? out.gradient_row[i] : i;
     if (to < 0) return;
     int channel = kPairGeometry + (plan.colour ? 3 : 0);
     for (int k = 0; k < plan.labels(); ++k, ++channel)
       if (out.label) out.label[to * plan.labels() + k] = sums<1>(channel, begin, end).of[0];
     if (out.visible) out.visible[to] = 1;
-    if (!out.label_alone || !out.label_alone[i]) gather_shape_and_colour({i, to}, value, begin, end);
+    if (!out.label_only || !out.label_only[i]) gather_shape_and_colour({i, to}, value, begin, end);
   }
 
  private:

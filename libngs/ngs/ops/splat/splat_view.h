@@ -21,6 +21,7 @@ ProjectedView<S> project_view(const Exec& exec, const CloudView<S>& cloud, const
     ProjectedView<S>& out = part[std::size_t(chunk)];
     const std::int64_t begin = chunk * kChunk, count = std::min(cloud.size - begin, kChunk);
     std::uint8_t outside[kChunk];
+    // A loop of its own, so that the compiler vectorises it.
     for (std::int64_t k = 0; k < count; ++k) outside[k] = projector.outside_frustum(cloud, begin + k);
     for (std::int64_t i = begin; i < begin + count; ++i) {
       VisibleGaussian<S> g;
@@ -33,33 +34,12 @@ ProjectedView<S> project_view(const Exec& exec, const CloudView<S>& cloud, const
   ProjectedView<S> all;
   std::size_t visible = 0;
   for (const ProjectedView<S>& p : part) visible += p.id.size();
-  all.id.reserve(visible), all.record.reserve(visible), all.depth.reserve(visible), all.rect.reserve(visible);
-  all.first.reserve(visible);
+  all.reserve(visible);
   for (ProjectedView<S>& p : part) {
-    all.id.insert(all.id.end(), p.id.begin(), p.id.end());
-    all.record.insert(all.record.end(), p.record.begin(), p.record.end());
-    all.depth.insert(all.depth.end(), p.depth.begin(), p.depth.end());
-    all.rect.insert(all.rect.end(), p.rect.begin(), p.rect.end());
-    all.first.insert(all.first.end(), p.first.begin(), p.first.end());
-    p = {};  // frees each part at once: memory never holds the view twice
+    all.append(p);
+    p = {};  // free each part once copied, so that the view is not in memory twice
   }
   return all;
-}
-
-template <class S>
-ProjectedView<S> project_view(const Exec& exec, const CloudView<S>& cloud, const Camera& camera,
-                              const SplatOptions& options) {
-  return project_view(exec, cloud, view_projector<S>(camera, options));
-}
-
-/// Tile lists in depth order: (depth, index).
-template <class S>
-TileLists bin_tiles(const Exec& exec, const ProjectedView<S>& view, int width_px, int height_px) {
-  TileLists lists;
-  BinScratch scratch;
-  lists.tiles_x = (width_px + kTilePx - 1) / kTilePx, lists.tiles_y = (height_px + kTilePx - 1) / kTilePx;
-  bin_tiles(exec, view, lists, scratch);
-  return lists;
 }
 
 /// The input of the kernels of one tile.

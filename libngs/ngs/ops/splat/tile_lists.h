@@ -32,6 +32,15 @@ struct ProjectedView {
   std::vector<S> depth;                // [V] camera z
   std::vector<TileRect> rect;          // [V] tiles within the compat mode's radius; may be empty
   std::vector<FirstSpans> first;       // [V]
+
+  void reserve(std::size_t n) { id.reserve(n), record.reserve(n), depth.reserve(n), rect.reserve(n), first.reserve(n); }
+  void append(const ProjectedView& part) {
+    id.insert(id.end(), part.id.begin(), part.id.end());
+    record.insert(record.end(), part.record.begin(), part.record.end());
+    depth.insert(depth.end(), part.depth.begin(), part.depth.end());
+    rect.insert(rect.end(), part.rect.begin(), part.rect.end());
+    first.insert(first.end(), part.first.begin(), part.first.end());
+  }
 };
 
 /// Per tile: the visible Gaussians that reach alpha >= 1/255 in it, nearest first. Slots number the (Gaussian, tile)

@@ -12,6 +12,7 @@ namespace ngs {
 
 inline constexpr int kTilePx = 16;
 inline constexpr int kTilePixels = kTilePx * kTilePx;
+NGS_HD constexpr int tiles_across(int size_px) { return (size_px + kTilePx - 1) / kTilePx; }
 
 /// The scalar for differences of positions and for per-Gaussian sums.
 template <class S>

@@ -18,8 +18,8 @@ std::vector<Effect> BleedThroughPass::effects() const {
 }
 
 std::vector<FixedDecision> BleedThroughPass::fixed_decisions(const TrainingOptions& training) const {
-  if (training.joint.quality == Quality::kDraft) return {{"bleed-through", false, "--quality draft"}};
-  return {};
+  if (preset_of(training.joint.quality).bleed_through) return {};
+  return {{"bleed-through", false, "--quality draft"}};
 }
 
 void BleedThroughPass::run(PassRun& run) {

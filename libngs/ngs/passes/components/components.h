@@ -12,8 +12,8 @@ namespace ngs {
 
 struct ComponentOptions {
   CoreOptions core{.seen = 0.5, .margin = 0.5};
-  double labelled = 0.5;                     // share from which a Gaussian links others to the core
-  double candidate = kLeastForegroundShare;  // share from which a Gaussian is tested
+  double labelled = 0.5;                   // share from which a Gaussian links others to the core
+  double candidate = kMinForegroundShare;  // share from which a Gaussian is tested
 };
 
 struct ComponentFinding {

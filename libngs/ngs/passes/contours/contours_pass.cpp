@@ -127,7 +127,7 @@ void ContoursPass::run(PassRun& run) {
   if (budget.is_set()) before = training_agreement(run.exec, *run.problem, *run.solution);
   const double check_s = wall_seconds() - began_s;
   if (run.monitor.stop_requested()) return;
-  if (!budget.allows((1 + kRefineChecks) * check_s)) return budget.mark_cut();
+  if (!budget.allows((1 + kRefineChecks) * check_s)) return budget.mark_partial();
   run.tracker->begin_iterations(budget.is_set() ? check_s : 0);
   run.log("contours begin");
   const Solution start = budget.is_set() ? *run.solution : Solution{};

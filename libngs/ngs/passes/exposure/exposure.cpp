@@ -12,8 +12,8 @@ namespace {
 
 constexpr float kSolid = 0.9f;                    // minimum opacity of a compared pixel
 constexpr float kDark = 0.08f, kClipped = 0.97f;  // range of photo and rendering in which a ratio is meaningful
-constexpr std::size_t kLeastPixels = 256;
-constexpr double kMostLog = 1.4;  // two stops: beyond it photo and rendering differ in content
+constexpr std::size_t kMinPixels = 256;
+constexpr double kMaxLogGain = 1.4;  // two stops: beyond it photo and rendering differ in content
 
 /// Median over the pixels of ln(photo / rendering); NaN: too few pixels.
 double log_gain(const RenderedView& rendered, const ImageF& photo, std::size_t channel) {
@@ -23,7 +23,7 @@ double log_gain(const RenderedView& rendered, const ImageF& photo, std::size_t c
     const bool comparable = rendered.alpha.data[p] > kSolid && std::min(a, b) > kDark && std::max(a, b) < kClipped;
     if (comparable) ratio.push_back(double(a) / double(b));
   }
-  return ratio.size() < kLeastPixels ? NAN : std::log(upper_median(std::move(ratio)));
+  return ratio.size() < kMinPixels ? NAN : std::log(upper_median(std::move(ratio)));
 }
 
 }  // namespace
@@ -50,7 +50,7 @@ std::vector<ViewExposure> view_exposures(const Exec& exec, const Problem& input,
     const double median = upper_median(known);
     for (std::size_t i = 0; i < logs.size(); ++i)
       if (!std::isnan(logs[i][c]))
-        exposures[i].gain[c] = float(std::exp(std::clamp(logs[i][c] - median, -kMostLog, kMostLog)));
+        exposures[i].gain[c] = float(std::exp(std::clamp(logs[i][c] - median, -kMaxLogGain, kMaxLogGain)));
   }
   return exposures;
 }

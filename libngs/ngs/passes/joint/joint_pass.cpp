@@ -122,7 +122,7 @@ void JointPass::finish(PassRun& run) {
     run.solution = std::move(longer);
   }
   if (is_unoptimised(run)) run.solution->labels = run.problem->labels.release();  // last use of the problem's labels
-  run.solution->converged = run.tracker->target_met() || (!run.tracker->was_cut() && !run.budget.was_cut());
+  run.solution->converged = run.tracker->target_met() || (!run.tracker->was_cut() && !run.budget.is_partial());
   const LossTerms& l = run.tracker->last_loss();
   run.report["last_loss"] = {{"total", l.total}, {"photometric", l.photometric},
                              {"align", l.align}, {"mask", l.mask},

@@ -22,7 +22,7 @@ void Budget::reserve_for_writing(double reading_s) {
   writing_s_ = kMin_s + kOfReading * reading_s;
 }
 
-Json Budget::json() const { return {{"seconds", seconds_.value_or(0)}, {"cut", cut_}}; }
+Json Budget::json() const { return {{"seconds", seconds_.value_or(0)}, {"cut", partial_}}; }
 
 std::optional<double> parse_seconds(const std::string& text) {
   if (text.empty()) return std::nullopt;

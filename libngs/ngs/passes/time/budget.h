@@ -29,8 +29,8 @@ class Budget {
   void reserve_for_writing(double reading_s);
 
   /// Records that work was skipped or shortened for lack of time.
-  void mark_cut() { cut_ = true; }
-  bool was_cut() const { return cut_; }
+  void mark_partial() { partial_ = true; }
+  bool is_partial() const { return partial_; }
   /// "budget" of the report's result.
   Json json() const;
 
@@ -38,7 +38,7 @@ class Budget {
   double start_s_;
   std::optional<double> seconds_;
   double writing_s_ = 0;
-  bool cut_ = false;
+  bool partial_ = false;
 };
 
 /// Parses "60s", "5m", "1h" or "90" as seconds; kUsage otherwise. Empty text: nullopt.

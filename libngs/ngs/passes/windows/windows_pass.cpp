@@ -34,8 +34,8 @@ void WindowsPass::run(PassRun& run) {
   if (run.monitor.stop_requested()) return;
   const auto input = std::make_shared<const WindowInput>(*run.problem, windows_);
   run.report["windows"] = {{"pixels_outside", found.outside},
-                           {"empty_views", run.problem->views.size() - input->get().views.size()}};
-  Problem cropped = input->get();
+                           {"empty_views", run.problem->views.size() - input->cropped().views.size()}};
+  Problem cropped = input->cropped();
   cropped.uncropped = std::shared_ptr<const Problem>(input, &input->uncropped());
   run.problem.emplace(std::move(cropped));
 }

@@ -9,7 +9,7 @@ namespace ngs {
 
 enum class Criterion : std::uint8_t { kPooled, kBetweenViews, kRelativeDiff };
 /// Names in the order of the enum.
-inline constexpr std::array<std::string_view, 3> kCriterionName{"pooled", "between-views", "relative-diff"};
+inline constexpr std::array<std::string_view, 3> kCriterionNames{"pooled", "between-views", "relative-diff"};
 
 struct BoundaryRule {
   double tau = 0.6;                          // [0, 1): boundary where the normalised variance exceeds it

@@ -54,7 +54,7 @@ std::vector<LabelColumns> recompute_labels(const Exec& exec, Monitor& monitor, c
       accumulate_evidence(exec, monitor, {cloud, uncropped.scene, uncropped.views, input.splat, masks});
   if (monitor.stop_requested()) return input.labels;
   std::vector<LabelColumns> labels = label_gaussians(input.rule, evidence);
-  keep_outside(input.labels, labels);
+  restore_outside_regions(input.labels, labels);
   restore_fixed(input, {}, labels);
   return labels;
 }
@@ -65,7 +65,7 @@ std::vector<LabelColumns> labels_without_views(const Exec& exec, Monitor& monito
     return recompute_labels(exec, monitor, input, input.cloud);
   const auto timed = monitor.scope("evidence");
   const Problem& uncropped = *input.uncropped;
-  const RowNumbers with_evidence(rows_with_evidence(input.labels));
+  const RowNumbers with_evidence(rows_with_foreground_evidence(input.labels));
   std::vector<LabelColumns> gathered = gather_labels(exec, input.labels, with_evidence.row);
   std::vector<float> seen_less(gathered[0].prob.size(), 0.f);
   LeaveOneOut rest(exec, with_evidence.size(), int(input.labels.size()), [&](std::size_t v) {
@@ -93,7 +93,7 @@ std::vector<LabelColumns> labels_without_views(const Exec& exec, Monitor& monito
   }
   std::vector<LabelColumns> labels = input.labels;
   scatter_labels(exec, gathered, with_evidence.row, labels);
-  keep_outside(input.labels, labels);
+  restore_outside_regions(input.labels, labels);
   restore_fixed(input, {}, labels);
   return labels;
 }

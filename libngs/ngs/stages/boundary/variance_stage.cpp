@@ -26,31 +26,12 @@ double normalised_variance(Criterion criterion, const Evidence& e, std::size_t g
 
 /// Number of views whose masks are decoded in parallel: one image per thread, bounded for memory.
 std::size_t views_ahead(const Exec& exec, std::size_t objects) {
-  constexpr std::size_t kMostPlanes = 36;
-  return std::clamp<std::size_t>(kMostPlanes / std::max<std::size_t>(objects, 1), 1,
+  constexpr std::size_t kMaxPlanes = 36;
+  return std::clamp<std::size_t>(kMaxPlanes / std::max<std::size_t>(objects, 1), 1,
                                  std::size_t(std::clamp(exec.threads, 1, 8)));
 }
 
 }  // namespace
-
-Scene with_objects(Scene scene, const std::vector<std::string>& names) {
-  if (names.empty()) return scene;
-  for (const std::string& name : names)
-    if (std::none_of(scene.objects.begin(), scene.objects.end(), [&](const SceneObject& o) { return o.name == name; }))
-      throw Error(ErrorCode::kUsage, "the scene has no object '" + name + "'",
-                  "it has " + std::to_string(scene.objects.size()) + " objects, the first is '" +
-                      scene.objects.front().name + "'");
-  std::erase_if(scene.objects,
-                [&](const SceneObject& o) { return std::find(names.begin(), names.end(), o.name) == names.end(); });
-  return scene;
-}
-
-std::vector<std::size_t> training_views(const Scene& scene) {
-  std::vector<std::size_t> views;
-  for (std::size_t i = 0; i < scene.views.size(); ++i)
-    if (scene.views[i].split == Split::kTrain) views.push_back(i);
-  return views;
-}
 
 Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const EvidenceInputs& in) {
   Evidence evidence(in.cloud.size(), int(in.scene.objects.size()));

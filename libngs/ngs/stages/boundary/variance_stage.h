@@ -1,6 +1,5 @@
 #pragma once
-// Evidence of all views, closed-form labels and the boundary set.             Eq. (3), Algorithm 1 step 1;
-// C1, C2
+// Evidence of all views, closed-form labels and the boundary set.             Eq. (3), Algorithm 1 step 1; C1, C2
 #include <functional>
 #include <string>
 #include <vector>
@@ -13,16 +12,16 @@
 
 namespace ngs {
 
-inline constexpr NamedValue<Criterion> kCriterionNames[] = {{Criterion::kPooled, kCriterionName[0]},
-                                                            {Criterion::kBetweenViews, kCriterionName[1]},
-                                                            {Criterion::kRelativeDiff, kCriterionName[2]}};
+inline constexpr NamedValue<Criterion> kCriterionChoices[] = {{Criterion::kPooled, kCriterionNames[0]},
+                                                              {Criterion::kBetweenViews, kCriterionNames[1]},
+                                                              {Criterion::kRelativeDiff, kCriterionNames[2]}};
 
 struct VarianceOptions : BoundaryRule {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.tau, Field<double>{"tau", "", "Normalised mask variance above which a Gaussian is boundary (Eq. 3, C1)",
                                   0.0, 0.999999});
-    visit(self.criterion, Choice<Criterion>{"criterion", "How the mask variance is measured (C2)", kCriterionNames});
+    visit(self.criterion, Choice<Criterion>{"criterion", "How the mask variance is measured (C2)", kCriterionChoices});
     visit(self.exclusive, Flag{"exclusive", "Assign each Gaussian to at most one object, that of most weight"});
   }
 };
@@ -40,13 +39,6 @@ struct EvidenceInputs {
 
 /// Sums the evidence of the given views. After a stop request to `monitor` the remaining views are skipped.
 Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const EvidenceInputs& in);
-
-/// The scene with only the named objects, in the order of the scene; without names all. Throws kUsage for an unknown
-/// name.
-Scene with_objects(Scene scene, const std::vector<std::string>& names);
-
-/// Indices of the scene's training views.
-std::vector<std::size_t> training_views(const Scene& scene);
 
 /// Throws kUsage unless tau lies in the attainable range [0, 1) of the normalised variance.
 void check_tau(const BoundaryRule& rule);

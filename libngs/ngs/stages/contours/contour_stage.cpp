@@ -37,7 +37,7 @@ constexpr double kEarlyRate = 0.75;
 
 // Trained Gaussians have at least this share of their weight in the windows. Background is trained only if it has more
 // than this weight on the wrong side of contours.
-constexpr double kLeastInside = 0.99, kLeastStraddling_px = 0.5;
+constexpr double kMinInside = 0.99, kMinStraddling_px = 0.5;
 
 /// The model between iterations.
 struct ContourModel {
@@ -72,7 +72,7 @@ std::vector<float> untrained_rows(const Exec& exec, const ContourSetup& setup, c
   std::vector<float> out(std::size_t(model.cloud.size()), 0.f);
   if (model.shows_outside.empty()) {
     const ExactSums all = weight_in_all(exec, setup, views, model.cloud);
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] = inside.value(i) < kLeastInside * all.value(i);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = inside.value(i) < kMinInside * all.value(i);
     if (setup.problem.uncropped) {
       model.shows_outside.resize(std::size_t(setup.problem.cloud.size()), 0);
       for (std::size_t i = 0; i < out.size(); ++i) model.shows_outside[std::size_t(model.source_row[i])] |= out[i] > 0;
@@ -135,8 +135,8 @@ IterationRows split_model(const Exec& exec, const ContourSetup& setup, const Pro
   }
   IterationRows part;
   for (std::size_t i = 0; i < untrained.size(); ++i) {
-    bool may_change = across.px[i] > kLeastStraddling_px;
-    for (const LabelColumns& object : model.labels) may_change |= object.prob[i] > kLeastForegroundShare;
+    bool may_change = across.px[i] > kMinStraddling_px;
+    for (const LabelColumns& object : model.labels) may_change |= object.prob[i] > kMinForegroundShare;
     const bool trained = may_change && untrained[i] == 0;
     if (!trained && !(across.weight.value(i) > 0)) continue;
     part.rows.push_back(std::int64_t(i)), part.frozen.push_back(!trained);
@@ -241,7 +241,7 @@ class ContourRun {
     const GaussianCloud part = gather_rows(exec_, model_.cloud, rows.rows);
     Problem input = window_input(scene, iteration, part);
     input.labels = gather_labels(exec_, model_.labels, rows.rows);
-    input.region = rows_with_evidence(input.labels);
+    input.region = rows_with_foreground_evidence(input.labels);
     for (std::size_t r = 0; r < rows.frozen.size(); ++r) input.region[r] |= !rows.frozen[r];
     if (!model_.fixed.empty()) input.fixed = gather_column(exec_, model_.fixed, 1, rows.rows);
     const bool early = iteration + 1 < iterations && !setup_.contour.on.full_resolution;

@@ -145,27 +145,10 @@ AloneScore mean_of(std::span<const AloneScore> scores) {
   return mean;
 }
 
-Vec3<double> common_focus(std::span<const Camera> cameras) {
-  // Σ (I - d dᵀ) x = Σ (I - d dᵀ) o, solved by Cramer's rule.
-  V row[3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, right{0, 0, 0};
-  for (const Camera& camera : cameras) {
-    const V d{camera.rotation(2, 0), camera.rotation(2, 1), camera.rotation(2, 2)}, o = camera.centre();
-    row[0] = row[0] + V{1, 0, 0} - d.x * d, row[1] = row[1] + V{0, 1, 0} - d.y * d,
-    row[2] = row[2] + V{0, 0, 1} - d.z * d;
-    right = right + o - dot(d, o) * d;
-  }
-  const double determinant = dot(row[0], cross(row[1], row[2])), n = double(cameras.size());
-  if (!(determinant > 1e-9 * n * n * n))
-    throw Error(ErrorCode::kBadInput,
-                "cameras of the object alone: all look into one direction, expected all directions");
-  return (1 / determinant) *
-         (right.x * cross(row[1], row[2]) + right.y * cross(row[2], row[0]) + right.z * cross(row[0], row[1]));
-}
-
 double angle_to_nearest(Vec3<double> centre, const Camera& camera, std::span<const Camera> others) {
   double cosine = -1;
-  const V own = orbit::unit(camera.centre() - centre);
-  for (const Camera& other : others) cosine = std::max(cosine, dot(own, orbit::unit(other.centre() - centre)));
+  const V own = unit(camera.centre() - centre);
+  for (const Camera& other : others) cosine = std::max(cosine, dot(own, unit(other.centre() - centre)));
   return kRadiansToDegrees * std::acos(std::min(cosine, 1.0));
 }
 

@@ -34,9 +34,6 @@ AloneScore score_alone(const Exec& exec, const RenderedView& rendered, const Ima
 /// Means of all members. Empty: all 0.
 AloneScore mean_of(std::span<const AloneScore> scores);
 
-/// The point nearest to the optical axes of all cameras. Throws kBadInput if all axes are parallel.
-Vec3<double> common_focus(std::span<const Camera> cameras);
-
 /// Angle, degrees, between the direction of `camera` and that of the nearest one of `others`, seen from `centre`.
 /// 180 if there are no others.
 double angle_to_nearest(Vec3<double> centre, const Camera& camera, std::span<const Camera> others);

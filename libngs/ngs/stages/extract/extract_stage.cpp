@@ -10,6 +10,7 @@
 #include "ngs/math/median.h"
 #include "ngs/math/union_find.h"
 #include "ngs/ops/field/knn.h"
+#include "ngs/problem/cloud_rows.h"
 #include "ngs/scene/mask_threshold.h"
 
 namespace ngs {
@@ -34,14 +35,6 @@ std::vector<std::uint32_t> rows_where(std::size_t n, const auto& chosen) {
   for (std::size_t i = 0; i < n; ++i)
     if (chosen(i)) rows.push_back(std::uint32_t(i));
   return rows;
-}
-
-std::vector<float> positions_of(const GaussianCloud& cloud, const std::vector<std::uint32_t>& rows) {
-  std::vector<float> positions;
-  positions.reserve(rows.size() * 3);
-  for (const std::uint32_t i : rows)
-    positions.insert(positions.end(), &cloud.position[i * 3ull], &cloud.position[i * 3ull] + 3);
-  return positions;
 }
 
 Rows<const float, 3> as_rows(const std::vector<float>& positions) {
@@ -70,8 +63,8 @@ float reach_of(const GaussianCloud& cloud, std::uint32_t i, float spacing) {
   return std::max(float(kVoteReach) * spacing, float(kOwnVoteReach) * largest_scale(cloud, i));
 }
 
-/// The members of `rows` within their reach of the bounding box of the object's seen Gaussians. Every other row is
-/// out of reach of all of them.
+/// The members of `rows` within `margin` of the bounding box of the object's seen Gaussians. Every other row is farther
+/// than `margin` from all of them.
 std::vector<std::uint32_t> rows_near(const GaussianCloud& cloud, const std::vector<float>& object, float spacing,
                                      const std::vector<std::uint32_t>& rows) {
   std::array<float, 3> low, high;
@@ -90,17 +83,18 @@ std::vector<std::uint32_t> rows_near(const GaussianCloud& cloud, const std::vect
 }
 
 /// An unseen Gaussian becomes object if more than half of its nearest seen Gaussians are object and within reach.
-void vote(const Exec& exec, const ExtractOptions& options, const GaussianCloud& cloud, const RowsByVisibility& rows,
-          Extraction& out) {
+void label_unseen_by_neighbours(const Exec& exec, const ExtractOptions& options, const GaussianCloud& cloud,
+                                const RowsByVisibility& rows, Extraction& out) {
   std::vector<std::uint32_t> objects;
   for (const std::uint32_t i : rows.seen)
     if (out.object[i]) objects.push_back(i);
   if (rows.unseen.empty() || objects.empty()) return;
-  const std::vector<float> object = positions_of(cloud, objects);
+  const std::vector<float> object = gather_column(exec, cloud.position, 3, objects);
   const KnnGraph among = nearest_others(exec, as_rows(object), options.unseen_neighbours);
   const float spacing = median_spacing(among, std::size_t(std::max(1, among.neighbours) - 1));
   const std::vector<std::uint32_t> candidates = rows_near(cloud, object, spacing, rows.unseen);
-  const std::vector<float> points = positions_of(cloud, rows.seen), queries = positions_of(cloud, candidates);
+  const std::vector<float> points = gather_column(exec, cloud.position, 3, rows.seen),
+                           queries = gather_column(exec, cloud.position, 3, candidates);
   const KnnGraph graph = nearest_points(exec, as_rows(points), as_rows(queries), options.unseen_neighbours);
   const auto voters = std::size_t(graph.neighbours);
   for (std::size_t q = 0; q < candidates.size(); ++q) {
@@ -112,13 +106,15 @@ void vote(const Exec& exec, const ExtractOptions& options, const GaussianCloud& 
   }
 }
 
-void remove_small_pieces(const Exec& exec, const ExtractOptions& options, const ExtractInput& input, Extraction& out) {
-  const std::vector<std::int32_t> piece = connected_pieces(exec, input.cloud, out.object, options.component_neighbours);
+void remove_small_components(const Exec& exec, const ExtractOptions& options, const ExtractInput& input,
+                             Extraction& out) {
+  const std::vector<std::int32_t> component =
+      connected_components(exec, input.cloud, out.object, options.component_neighbours);
   std::vector<std::int64_t> size;
   std::vector<std::uint8_t> is_fixed;
-  for (std::size_t i = 0; i < piece.size(); ++i) {
-    if (piece[i] < 0) continue;
-    const std::size_t p = std::size_t(piece[i]);
+  for (std::size_t i = 0; i < component.size(); ++i) {
+    if (component[i] < 0) continue;
+    const std::size_t p = std::size_t(component[i]);
     if (p >= size.size()) size.resize(p + 1), is_fixed.resize(p + 1);
     ++size[p];
     is_fixed[p] |= !input.fixed.empty() && input.fixed[i] == 1;
@@ -126,8 +122,8 @@ void remove_small_pieces(const Exec& exec, const ExtractOptions& options, const 
   out.components = std::int64_t(size.size());
   const auto is_small = [&](std::size_t p) { return size[p] < options.min_component && !is_fixed[p]; };
   for (std::size_t p = 0; p < size.size(); ++p) out.removed_components += is_small(p);
-  for (std::size_t i = 0; i < piece.size(); ++i)
-    if (piece[i] >= 0 && is_small(std::size_t(piece[i]))) out.object[i] = 0, ++out.removed;
+  for (std::size_t i = 0; i < component.size(); ++i)
+    if (component[i] >= 0 && is_small(std::size_t(component[i]))) out.object[i] = 0, ++out.removed;
 }
 
 }  // namespace
@@ -147,30 +143,30 @@ ExtractRule parse_extract_rule(const std::string& rule) {
   return {.cut = t / (1 + t), .inclusive = false, .on_prob = true};
 }
 
-std::vector<std::int32_t> connected_pieces(const Exec& exec, const GaussianCloud& cloud,
-                                           const std::vector<std::uint8_t>& member, int neighbours) {
+std::vector<std::int32_t> connected_components(const Exec& exec, const GaussianCloud& cloud,
+                                               const std::vector<std::uint8_t>& member, int neighbours) {
   const std::size_t n = std::size_t(cloud.size());
   NGS_CHECK(member.size() == n, "one entry per Gaussian");
   const std::vector<std::uint32_t> rows = rows_where(n, [&](std::size_t i) { return member[i] && cloud.usable[i]; });
-  const std::vector<float> points = positions_of(cloud, rows);
+  const std::vector<float> points = gather_column(exec, cloud.position, 3, rows);
   const KnnGraph graph = nearest_others(exec, as_rows(points), neighbours);
-  const std::size_t k_count = std::size_t(graph.neighbours);
+  const std::size_t neighbours_each = std::size_t(graph.neighbours);
 
   const float spacing = median_spacing(graph, 0);
   UnionFind sets(rows.size());
   for (std::size_t q = 0; q < rows.size(); ++q)
-    for (std::size_t k = 0; k < k_count; ++k) {
-      const std::uint32_t other = graph.index[q * k_count + k];
+    for (std::size_t k = 0; k < neighbours_each; ++k) {
+      const std::uint32_t other = graph.index[q * neighbours_each + k];
       const float reach = 3 * std::max(spacing, largest_scale(cloud, rows[q]) + largest_scale(cloud, rows[other]));
-      if (std::sqrt(graph.dist2[q * k_count + k]) <= reach) sets.join(std::uint32_t(q), other);
+      if (std::sqrt(graph.dist2[q * neighbours_each + k]) <= reach) sets.join(std::uint32_t(q), other);
     }
-  std::vector<std::int32_t> piece(n, -1);
+  std::vector<std::int32_t> component(n, -1);
   std::int32_t next = 0;
   for (std::size_t q = 0; q < rows.size(); ++q) {
     const std::uint32_t root = sets.root(std::uint32_t(q));
-    piece[rows[q]] = root == q ? next++ : piece[rows[root]];
+    component[rows[q]] = root == q ? next++ : component[rows[root]];
   }
-  return piece;
+  return component;
 }
 
 Extraction extract_object(const Exec& exec, const ExtractOptions& options, const ExtractInput& input) {
@@ -201,10 +197,10 @@ Extraction extract_object(const Exec& exec, const ExtractOptions& options, const
   }
   const RowsByVisibility rows{rows_where(n, [&](std::size_t i) { return input.cloud.usable[i] && !is_unseen(i); }),
                               rows_where(n, [&](std::size_t i) { return input.cloud.usable[i] && is_unseen(i); })};
-  if (options.unseen == UnseenRule::kKnn) vote(exec, options, input.cloud, rows, out);
+  if (options.unseen == UnseenRule::kKnn) label_unseen_by_neighbours(exec, options, input.cloud, rows, out);
   out.unseen = std::int64_t(rows.unseen.size());
   for (const std::uint32_t i : rows.unseen) out.unseen_to_object += out.object[i];
-  if (options.min_component > 0) remove_small_pieces(exec, options, input, out);
+  if (options.min_component > 0) remove_small_components(exec, options, input, out);
   out.objects = std::count(out.object.begin(), out.object.end(), std::uint8_t(1));
   return out;
 }

@@ -82,7 +82,7 @@ Extraction extract_object(const Exec& exec, const ExtractOptions& options, const
 /// Connected components of the Gaussians with member[i] != 0: component numbers in order of their first row, -1
 /// elsewhere. Two nearest neighbours are connected if their distance is at most 3 (σ_i + σ_j), σ the largest scale,
 /// or at most three times the median distance to the nearest neighbour.
-std::vector<std::int32_t> connected_pieces(const Exec& exec, const GaussianCloud& cloud,
-                                           const std::vector<std::uint8_t>& member, int neighbours);
+std::vector<std::int32_t> connected_components(const Exec& exec, const GaussianCloud& cloud,
+                                               const std::vector<std::uint8_t>& member, int neighbours);
 
 }  // namespace ngs

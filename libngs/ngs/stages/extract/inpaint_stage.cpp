@@ -37,7 +37,7 @@ ViewHole find_hole(const Exec& exec, const InpaintOptions& options, const Inpain
   ViewHole out;
   out.hole.resize(before.label.data.size());
   for (std::size_t p = 0; p < out.hole.size(); ++p)
-    out.hole[p] = before.label.data[p] >= kLeastObjectShare && after.label.data[p] < kHoleOpacity;
+    out.hole[p] = before.label.data[p] >= kMinObjectShare && after.label.data[p] < kHoleOpacity;
   out.dilated = dilated(out.hole, camera.width_px, camera.height_px, options.inpaint_dilate_px);
   out.colour = std::move(after.colour);
   return out;

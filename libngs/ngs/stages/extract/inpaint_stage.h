@@ -8,9 +8,9 @@
 
 namespace ngs {
 
-/// A pixel is a hole if the object's weight was at least kLeastObjectShare and the remaining seen Gaussians have less
+/// A pixel is a hole if the object's weight was at least kMinObjectShare and the remaining seen Gaussians have less
 /// opacity than kHoleOpacity.
-inline constexpr double kLeastObjectShare = 0.05, kHoleOpacity = 0.5;
+inline constexpr double kMinObjectShare = 0.05, kHoleOpacity = 0.5;
 
 struct InpaintOptions {
   int inpaint_dilate_px = 8;

@@ -102,12 +102,12 @@ bool is_visible(const Camera& relative, const ImageF& depth, orbit::Vec at, doub
 }
 
 std::vector<Camera> cameras_around(const orbit::Ball& ball, const std::array<double, 3>& origin) {
-  const orbit::Lens lens{kSide_px, kSide_px, kFov_deg};
+  const orbit::Intrinsics intrinsics{kSide_px, kSide_px, kFov_deg};
   const orbit::Frame frame{.centre = ball.centre};
   std::vector<Camera> cameras;
   for (const orbit::Vec direction : orbit::even_directions(kDirections))
-    cameras.push_back(
-        orbit::camera_at({ball.radius / lens.least_half_sine() * direction, {0, 0, 0}}, lens, frame, origin));
+    cameras.push_back(orbit::camera_at({ball.radius / intrinsics.least_half_sine() * direction, {0, 0, 0}}, intrinsics,
+                                       frame, origin));
   return cameras;
 }
 

@@ -43,7 +43,7 @@ std::array<float, 4> quaternion_of(Vec x, Vec y, Vec z) {
 std::array<Vec, 3> axes_at(const FillSurface& surface, Vec2<double> at, double side) {
   const Vec along_u = surface.point(at.x + side, at.y, 0) - surface.point(at.x - side, at.y, 0);
   const Vec along_v = surface.point(at.x, at.y + side, 0) - surface.point(at.x, at.y - side, 0);
-  const Vec x = orbit::unit(along_u), z = orbit::unit(cross(along_u, along_v));
+  const Vec x = unit(along_u), z = unit(cross(along_u, along_v));
   return {x, cross(z, x), z};
 }
 

@@ -14,15 +14,15 @@ namespace {
 
 using orbit::Vec;
 
-constexpr std::size_t kLeastPoints = 12, kMostPlanes = 4, kMostScored = 3000;
+constexpr std::size_t kMinPoints = 12, kMaxPlanes = 4, kMaxScored = 3000;
 constexpr int kHypotheses = 1500, kRefits = 6;
-constexpr double kLeastShare = 0.08;        // of the rim's solid Gaussians in a plane
+constexpr double kMinShare = 0.08;          // of the rim's solid Gaussians in a plane
 constexpr double kFacing = 0.6;             // least cosine between a flat Gaussian's normal and the plane's
 constexpr double kFlat = 0.5;               // largest ratio of the two smallest sizes of a flat Gaussian
 constexpr double kOneSided = 0.9;           // least fraction of the object in front of a surface
 constexpr double kDeviations = 3 * 1.4826;  // three standard deviations per median absolute deviation
 constexpr double kRelief = 0.12;            // diagonals: heights of curved ground over its plane, to either side
-constexpr std::size_t kMostCentres = 180;
+constexpr std::size_t kMaxCentres = 180;
 constexpr double kSmoothing = 1e-3;  // of the relief: heights of single Gaussians have noise
 
 struct RimPoint {
@@ -63,7 +63,7 @@ std::optional<FlatPlane> through(const std::vector<RimPoint>& points, double spa
     p[k] = points[std::min(points.size() - 1, std::size_t(at))].position;
   }
   const Vec across = cross(p[1] - p[0], p[2] - p[0]);
-  const double twice_area = orbit::length(across);
+  const double twice_area = length(across);
   if (!(twice_area > spacing * spacing)) return std::nullopt;  // too near each other for a direction
   const Vec normal = (1 / twice_area) * across;
   return FlatPlane{normal, dot(normal, p[0])};
@@ -87,7 +87,7 @@ std::optional<FlatPlane> least_squares(const std::vector<RimPoint>& points, cons
   }
   const double det = aa * bb - ab * ab;
   if (!(det > 1e-4 * (aa + bb) * (aa + bb))) return std::nullopt;
-  const Vec normal = orbit::unit(plane.normal - ((bb * ah - ab * bh) / det) * a - ((aa * bh - ab * ah) / det) * b);
+  const Vec normal = unit(plane.normal - ((bb * ah - ab * bh) / det) * a - ((aa * bh - ab * ah) / det) * b);
   return FlatPlane{normal, dot(normal, mean)};
 }
 
@@ -95,7 +95,7 @@ std::optional<FlatPlane> least_squares(const std::vector<RimPoint>& points, cons
 std::optional<FlatPlane> best_plane(const Exec& exec, const std::vector<RimPoint>& points, double spacing,
                                     double tolerance, std::uint64_t seed) {
   std::vector<RimPoint> scored;
-  for (const std::size_t i : orbit::thinned(points.size(), kMostScored)) scored.push_back(points[i]);
+  for (const std::size_t i : orbit::thinned(points.size(), kMaxScored)) scored.push_back(points[i]);
   std::vector<std::int64_t> score(kHypotheses);
   for_each_index(exec, kHypotheses, [&](std::int64_t k) {
     const std::optional<FlatPlane> plane = through(points, spacing, seed, std::uint64_t(k));
@@ -152,12 +152,12 @@ std::vector<FillSurface> find_planes(const Exec& exec, const Rim& rim, std::vect
   std::vector<FillSurface> surfaces;
   const std::size_t all = points.size();
   const double tolerance = 0.5 * rim.spacing;
-  for (std::uint64_t round = 0; round < 2 * kMostPlanes && surfaces.size() < kMostPlanes; ++round) {
-    if (points.size() < kLeastPoints) break;
+  for (std::uint64_t round = 0; round < 2 * kMaxPlanes && surfaces.size() < kMaxPlanes; ++round) {
+    if (points.size() < kMinPoints) break;
     const std::optional<FlatPlane> plane = best_plane(exec, points, rim.spacing, tolerance, seed + round);
     if (!plane) break;
     const std::vector<RimPoint> in = contained(points, *plane, tolerance);
-    if (in.size() < std::max(kLeastPoints, std::size_t(kLeastShare * double(all)))) break;
+    if (in.size() < std::max(kMinPoints, std::size_t(kMinShare * double(all)))) break;
     FillSurface surface;
     surface.origin = plane->offset * plane->normal;
     set_axes(surface, plane->normal);
@@ -180,7 +180,7 @@ Heights cell_means(const FillSurface& plane, const std::vector<RimPoint>& points
     const Vec2<double> at = plane.coordinates(p.position);
     low = {std::min(low.x, at.x), std::min(low.y, at.y)}, high = {std::max(high.x, at.x), std::max(high.y, at.y)};
   }
-  const double side = std::sqrt(std::max((high.x - low.x) * (high.y - low.y), 1e-300) / double(kMostCentres)) * 1.0001;
+  const double side = std::sqrt(std::max((high.x - low.x) * (high.y - low.y), 1e-300) / double(kMaxCentres)) * 1.0001;
   struct Sum {
     double u = 0, v = 0, h = 0, count = 0;
   };
@@ -210,9 +210,9 @@ std::vector<RimPoint> within(const std::vector<RimPoint>& points, const FillSurf
 std::optional<FillSurface> find_ground(const Exec& exec, const Rim& rim, const std::vector<RimPoint>& points,
                                        std::uint64_t seed) {
   constexpr int kFits = 4;
-  if (points.size() < kLeastPoints) return std::nullopt;
+  if (points.size() < kMinPoints) return std::nullopt;
   double tolerance = std::max(kRelief * rim.diagonal, rim.spacing);
-  const std::optional<FlatPlane> plane = best_plane(exec, points, rim.spacing, tolerance, seed + 2 * kMostPlanes);
+  const std::optional<FlatPlane> plane = best_plane(exec, points, rim.spacing, tolerance, seed + 2 * kMaxPlanes);
   if (!plane) return std::nullopt;
   FillSurface surface;
   surface.origin = plane->offset * plane->normal;
@@ -220,10 +220,10 @@ std::optional<FillSurface> find_ground(const Exec& exec, const Rim& rim, const s
   surface.tolerance = tolerance;
   if (!stands_on(rim, surface)) return std::nullopt;
   std::vector<RimPoint> sample;
-  for (const std::size_t i : orbit::thinned(points.size(), kMostScored)) sample.push_back(points[i]);
+  for (const std::size_t i : orbit::thinned(points.size(), kMaxScored)) sample.push_back(points[i]);
   for (int fit = 0; fit < kFits; ++fit) {
     const std::vector<RimPoint> in = within(sample, surface, tolerance);
-    if (in.size() < kLeastPoints) return std::nullopt;
+    if (in.size() < kMinPoints) return std::nullopt;
     const Heights means = cell_means(surface, in);
     surface.relief = ThinPlate(means.at, means.height, kSmoothing);
     if (surface.relief.empty()) return std::nullopt;
@@ -256,7 +256,7 @@ bool is_better(const FillSurface& ground, const std::vector<FillSurface>& planes
 
 std::vector<FillSurface> find_fill_surfaces(const Exec& exec, const GaussianCloud& cloud, const Rim& rim, FillKind kind,
                                             std::uint64_t seed) {
-  if (rim.solid.size() < kLeastPoints || !(rim.spacing > 0)) return {};
+  if (rim.solid.size() < kMinPoints || !(rim.spacing > 0)) return {};
   const std::vector<RimPoint> points = rim_points(cloud, rim);
   std::vector<FillSurface> planes;
   if (kind != FillKind::kSurface) planes = find_planes(exec, rim, points, seed);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::int64_t kReaches[] = {4, 2};  // patches of 9 x 9 texels; 5 x 5 where no larger one is known
 constexpr std::int64_t kCoarse = 6;          // texels
-constexpr double kMostWork = 5e8;            // comparisons of texels over all patches; above, sources are thinned
+constexpr double kMaxWork = 5e8;             // comparisons of texels over all patches; above, sources are thinned
 constexpr double kGradientFloor = 1e-3;
 
 using Size = std::size_t;
@@ -96,7 +96,7 @@ class PatchFill {
   void thin_sources() {
     const auto unknown = double(std::ranges::count(grid_.state, Texel::kUnknown));
     const double work = unknown / 12 * 60 * double(sources_.size());
-    const auto step = Size(std::max(1.0, std::ceil(work / kMostWork)));
+    const auto step = Size(std::max(1.0, std::ceil(work / kMaxWork)));
     if (step == 1) return;
     std::vector<std::int64_t> thinned;
     for (Size k = 0; k < sources_.size(); k += step) thinned.push_back(sources_[k]);
@@ -221,7 +221,7 @@ class PatchFill {
 }  // namespace
 
 void fill_smoothly(TextureGrid& grid) {
-  constexpr int kMostSweeps = 2000;
+  constexpr int kMaxSweeps = 2000;
   constexpr double kRelaxation = 1.9, kSettled = 1e-5;
   std::vector<Size> unknown;
   std::array<double, 3> mean{};
@@ -236,7 +236,7 @@ void fill_smoothly(TextureGrid& grid) {
   for (const Size i : unknown)
     for (Size c = 0; c < 3; ++c) grid.colour[3 * i + c] = float(mean[c] / count);
   double change = 1;
-  for (int sweep = 0; sweep < kMostSweeps && change > kSettled; ++sweep) {
+  for (int sweep = 0; sweep < kMaxSweeps && change > kSettled; ++sweep) {
     change = 0;
     for (const Size i : unknown) {
       std::array<Size, 4> side{};

@@ -13,15 +13,15 @@ namespace {
 
 using orbit::Vec;
 
-constexpr double kMostAcross = 320;             // cells along a side of the grid
+constexpr double kMaxAcross = 320;              // cells along a side of the grid
 constexpr double kCellOfSpacing = 0.7;          // side of a cell, in spacings of the surface's Gaussians
 constexpr double kMargin = 0.55;                // of the footprint's longer side: where the texture is taken from
 constexpr double kCovered = 0.3, kEmpty = 0.5;  // transmittance: at most, at least
-constexpr double kMostOpen = 0.25;              // fraction of the outline of a hole where the surface ends
+constexpr double kMaxOpen = 0.25;               // fraction of the outline of a hole where the surface ends
 constexpr double kCut = 3;                      // standard deviations of a Gaussian that are drawn
 constexpr int kDirections = 160;                // over the sphere
-constexpr double kLeastElevation = 0.2;         // sine: no camera looks along a surface
-constexpr double kMostSeen = 0.65;              // fraction of the directions from which a cell of the hole is visible
+constexpr double kMinElevation = 0.2;           // sine: no camera looks along a surface
+constexpr double kMaxSeen = 0.65;               // fraction of the directions from which a cell of the hole is visible
 constexpr double kContact = 0.3;                // diagonals: height of the object's part that stands on a surface
 constexpr double kGrown = 0.03;                 // diagonals: margin of the object's projection
 constexpr double kStanding = 0.5;
@@ -79,7 +79,7 @@ HoleCells grid_around(const Rim& rim, const FillSurface& surface) {
   HoleCells cells;
   cells.low = {low.x - margin, low.y - margin};
   const double width = high.x - low.x + 2 * margin, height = high.y - low.y + 2 * margin;
-  cells.side = std::max(kCellOfSpacing * surface.spacing, std::max(width, height) / kMostAcross);
+  cells.side = std::max(kCellOfSpacing * surface.spacing, std::max(width, height) / kMaxAcross);
   cells.columns = std::int64_t(std::ceil(width / cells.side)),
   cells.rows = std::int64_t(std::ceil(height / cells.side));
   cells.state.assign(std::size_t(cells.columns * cells.rows), HoleCell::kOpen);
@@ -173,7 +173,7 @@ double openness(const HoleScene& scene, const FillSurface& surface, Vec p, const
   for (const Vec& direction : directions) {
     const bool behind =
         std::ranges::any_of(scene.surfaces, [&](const FillSurface& other) { return dot(direction, other.normal) < 0; });
-    if (behind || dot(direction, surface.normal) < kLeastElevation) continue;
+    if (behind || dot(direction, surface.normal) < kMinElevation) continue;
     ++all, open += !scene.occluder.hides(p, direction);
   }
   return all > 0 ? open / all : 1;
@@ -193,7 +193,7 @@ void mark_hole(const Exec& exec, const HoleScene& scene, std::size_t index, Hole
     if (!below[std::size_t(i)] || state == HoleCell::kClipped) return;
     const Vec2<double> at = cells.centre(i);
     if (state == HoleCell::kOpen ||
-        (contact[std::size_t(i)] && openness(scene, surface, surface.point(at.x, at.y, 0), directions) <= kMostSeen))
+        (contact[std::size_t(i)] && openness(scene, surface, surface.point(at.x, at.y, 0), directions) <= kMaxSeen))
       state = HoleCell::kHole;
   });
 }
@@ -242,7 +242,7 @@ void keep_holes(const HoleScene& scene, const FillSurface& surface, const std::v
     for (const std::int64_t cell : part)
       covered += before[std::size_t(cell)] == HoleCell::kCovered, count += solid[std::size_t(cell)];
     const auto size = double(part.size());
-    const bool is_enclosed = open <= kMostOpen * outline;
+    const bool is_enclosed = open <= kMaxOpen * outline;
     const bool continues = covered >= kWhole * size && count >= kContinues * usual * size;
     if (is_enclosed && !continues) {
       cells.hole += std::int64_t(part.size());

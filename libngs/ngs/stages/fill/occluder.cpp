@@ -16,8 +16,8 @@ constexpr double kBlocking = 0.25;
 Occluder::Occluder(const Rim& rim) {
   if (rim.object.count() == 0 || !(rim.diagonal > 0)) return;
   side_ = rim.diagonal / kCellsAcross;
-  low_ = rim.low - Vec{2 * side_, 2 * side_, 2 * side_};
-  const Vec size = rim.high - low_;
+  low_ = rim.box.low - Vec{2 * side_, 2 * side_, 2 * side_};
+  const Vec size = rim.box.high - low_;
   x_ = std::int64_t(size.x / side_) + 3, y_ = std::int64_t(size.y / side_) + 3, z_ = std::int64_t(size.z / side_) + 3;
   reach_ = 1.1 * rim.diagonal;
   occupied_.assign(std::size_t(x_ * y_ * z_), 0);

@@ -18,19 +18,10 @@ constexpr double kSurroundings = 0.6;  // diagonals: where textures are taken fr
 constexpr double kRimReach = 0.25;     // diagonals: where surfaces are searched
 constexpr double kSolidOpacity = 0.5;
 constexpr double kNeedle = 4;  // longest to second standard deviation
-constexpr std::size_t kMostSpacings = 4000;
+constexpr std::size_t kMaxSpacings = 4000;
 
-struct Box {
-  Vec low, high;
-
-  bool contains(const float* p, double margin) const {
-    return p[0] >= low.x - margin && p[0] <= high.x + margin && p[1] >= low.y - margin && p[1] <= high.y + margin &&
-           p[2] >= low.z - margin && p[2] <= high.z + margin;
-  }
-  double diagonal() const { return orbit::length(high - low); }
-};
-
-std::pair<double, double> middle_of(std::vector<double> values) {
+/// The range of the values without the strays at both ends.
+std::pair<double, double> bulk_range(std::vector<double> values) {
   const auto at = [&](double share) {
     const auto k = std::ptrdiff_t(std::llround(share * double(values.size() - 1)));
     std::nth_element(values.begin(), values.begin() + k, values.end());
@@ -45,9 +36,13 @@ Box bulk_box(const GaussianCloud& cloud, const std::vector<std::uint32_t>& rows)
   for (std::size_t a = 0; a < 3; ++a) {
     std::vector<double> values;
     for (const std::uint32_t row : rows) values.push_back(cloud.position[3 * row + a]);
-    side[a] = middle_of(std::move(values));
+    side[a] = bulk_range(std::move(values));
   }
   return {{side[0].first, side[1].first, side[2].first}, {side[0].second, side[1].second, side[2].second}};
+}
+
+Vec position_of(const GaussianCloud& cloud, std::size_t row) {
+  return {cloud.position[3 * row], cloud.position[3 * row + 1], cloud.position[3 * row + 2]};
 }
 
 bool is_rendered(const GaussianCloud& cloud, std::size_t row) {
@@ -58,7 +53,7 @@ void add_point(const GaussianCloud& cloud, std::uint32_t row, orbit::SurfacePoin
   const std::array<double, 3> size = sorted_sizes(cloud, row);
   const double opacity = sigmoid(double(cloud.logit_opacity[row]));
   points.row.push_back(row);
-  points.position.push_back({cloud.position[3 * row], cloud.position[3 * row + 1], cloud.position[3 * row + 2]});
+  points.position.push_back(position_of(cloud, row));
   points.opacity.push_back(opacity), points.size.push_back(size[2]);
   points.area.push_back(opacity * 3.14159265358979 * size[1] * size[2]);
 }
@@ -84,7 +79,7 @@ double surface_spacing(const Exec& exec, const std::vector<Vec>& points) {
   std::vector<float> all, some;
   for (const Vec& p : points)
     for (const double x : {p.x - points[0].x, p.y - points[0].y, p.z - points[0].z}) all.push_back(float(x));
-  for (const std::size_t i : orbit::thinned(points.size(), kMostSpacings))
+  for (const std::size_t i : orbit::thinned(points.size(), kMaxSpacings))
     some.insert(some.end(), all.begin() + std::ptrdiff_t(3 * i), all.begin() + std::ptrdiff_t(3 * i + 3));
   const KnnGraph graph =
       nearest_points(exec, {all.data(), std::int64_t(points.size())}, {some.data(), std::int64_t(some.size() / 3)},
@@ -105,17 +100,16 @@ Rim find_rim(const Exec& exec, const GaussianCloud& cloud, const std::vector<std
   const double stray = kStrayMargin * box.diagonal();
   Box all{box.high, box.low};
   for (const std::uint32_t row : rows) {
-    const float* p = &cloud.position[3 * row];
+    const Vec p = position_of(cloud, row);
     if (!box.contains(p, stray)) continue;
     add_point(cloud, row, rim.object);
-    all.low = {std::min(all.low.x, double(p[0])), std::min(all.low.y, double(p[1])), std::min(all.low.z, double(p[2]))};
-    all.high = {std::max(all.high.x, double(p[0])), std::max(all.high.y, double(p[1])),
-                std::max(all.high.z, double(p[2]))};
+    all.low = {std::min(all.low.x, p.x), std::min(all.low.y, p.y), std::min(all.low.z, p.z)};
+    all.high = {std::max(all.high.x, p.x), std::max(all.high.y, p.y), std::max(all.high.z, p.z)};
   }
-  rim.low = all.low, rim.high = all.high, rim.diagonal = all.diagonal();
+  rim.box = all, rim.diagonal = all.diagonal();
   std::vector<Vec> solid;
   for (std::size_t i = 0; i < object.size(); ++i) {
-    const float* p = &cloud.position[3 * i];
+    const Vec p = position_of(cloud, i);
     if (object[i] || !all.contains(p, kSurroundings * rim.diagonal) || !is_rendered(cloud, i)) continue;
     add_point(cloud, std::uint32_t(i), rim.background);
     const std::size_t k = rim.background.count() - 1;

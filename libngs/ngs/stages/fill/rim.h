@@ -9,14 +9,25 @@
 
 namespace ngs {
 
+/// An axis-aligned box.
+struct Box {
+  orbit::Vec low{0, 0, 0}, high{0, 0, 0};
+
+  bool contains(orbit::Vec p, double margin) const {
+    return p.x >= low.x - margin && p.x <= high.x + margin && p.y >= low.y - margin && p.y <= high.y + margin &&
+           p.z >= low.z - margin && p.z <= high.z + margin;
+  }
+  double diagonal() const { return length(high - low); }
+};
+
 /// Rows are ascending. Without a rendered Gaussian of the object, all lists are empty.
 struct Rim {
   orbit::SurfacePoints object;       // rendered Gaussians of the object, without stray ones far from its bulk
-  orbit::SurfacePoints background;   // rendered Gaussians of the background within 0.6 diagonals of `low`, `high`
+  orbit::SurfacePoints background;   // rendered Gaussians of the background within 0.6 diagonals of `box`
   std::vector<std::uint32_t> solid;  // indices into `background`: opacity above 1/2, no needle, within 1/4 diagonal
-  orbit::Vec low{0, 0, 0}, high{0, 0, 0};  // bounding box of `object`, world, relative to the model's origin
-  double diagonal = 0;                     // of the box, world
-  double spacing = 0;                      // usual distance of neighbours in `solid`, world; 0: fewer than two
+  Box box;                           // bounding box of `object`, world, relative to the model's origin
+  double diagonal = 0;               // of the box, world
+  double spacing = 0;                // usual distance of neighbours in `solid`, world; 0: fewer than two
 };
 
 /// `object` [N] 1: the Gaussian was removed. Unusable Gaussians are in no list.

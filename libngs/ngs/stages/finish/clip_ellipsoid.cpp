@@ -8,9 +8,9 @@
 namespace ngs::finish {
 namespace {
 
-constexpr int kLeastSteps = 16, kMostSteps = 64;  // of the scan along an axis
-constexpr int kBisections = 5;                    // of a step
-constexpr double kLeastShare = 1.0 / 64;          // of a standard deviation that a clip leaves
+constexpr int kMinScanSteps = 16, kMaxScanSteps = 64;  // of the scan along an axis
+constexpr int kBisections = 5;                         // of a step
+constexpr double kMinShare = 1.0 / 64;                 // of a standard deviation that a clip leaves
 constexpr double kDiagonal = 0.70710678118654752;
 
 using Vec = Vec3<double>;
@@ -64,8 +64,8 @@ class Clipper {
   /// Clips along axis `a`. False: no point on it is supported.
   bool clip_axis(int a) {
     const double length = 2 * kOutline * shape_.sigma[a];
-    const double wanted = least_ > 0 ? std::ceil(2 * length / least_) : kLeastSteps;
-    const int steps = int(std::clamp(wanted, double(kLeastSteps), double(kMostSteps)));
+    const double wanted = least_ > 0 ? std::ceil(2 * length / least_) : kMinScanSteps;
+    const int steps = int(std::clamp(wanted, double(kMinScanSteps), double(kMaxScanSteps)));
     const auto place = [&](int k) { return kOutline * (2.0 * k / steps - 1); };
     std::vector<std::uint8_t> is_in;
     for (int k = 0; k <= steps; ++k) is_in.push_back(supported_(at(a, place(k))));
@@ -84,7 +84,7 @@ class Clipper {
   }
 
   void fit_axis(int a, double lo, double hi) {
-    const double shrink = std::max((hi - lo) / (2 * kOutline), kLeastShare);
+    const double shrink = std::max((hi - lo) / (2 * kOutline), kMinShare);
     if (!(shrink < 1)) return;
     shape_.centre = at(a, 0.5 * (lo + hi));
     shape_.sigma[a] *= shrink;

@@ -16,10 +16,10 @@ namespace {
 // Shares of the views that show a point outside of the mask, from which on the point is no part of the object. Rendered
 // masks agree with one another, given ones have errors of single views.
 constexpr double kRenderedShare = 0.25, kGivenShare = 0.35;
-constexpr int kLeastViews = 2;        // and at least so many, or all views of the scene
-constexpr double kBehind = 0.05;      // of the object's radius: tolerance of the depth of visible surfaces
-constexpr double kLeast_px = 2;       // shorter axes are not tested
-constexpr double kLeastAlpha = 0.01;  // of a Gaussian; the outline of what is fainter may not be rendered
+constexpr int kMinViews = 2;        // and at least so many, or all views of the scene
+constexpr double kBehind = 0.05;    // of the object's radius: tolerance of the depth of visible surfaces
+constexpr double kMin_px = 2;       // shorter axes are not tested
+constexpr double kMinAlpha = 0.01;  // of a Gaussian; the outline of what is fainter may not be rendered
 
 /// In how many views a point lies on each side.
 struct Counts {
@@ -43,7 +43,7 @@ bool HullSupport::supported(Vec3<double> point) const {
     const SupportView::Sides sides = view.sides(point, behind_);
     rendered.add(sides.rendered), given.add(sides.given);
   }
-  const int least = std::min(kLeastViews, int(views_.size()));
+  const int least = std::min(kMinViews, int(views_.size()));
   return !rendered.contradict(kRenderedShare, least) && !given.contradict(kGivenShare, least) && !rendered.is_buried();
 }
 
@@ -69,13 +69,13 @@ Ellipsoid shape_of(const GaussianCloud& cloud, std::size_t i) {
 /// Clips row i of `cloud`. kUnsupported: the row is unchanged and leaves the object.
 Clip clip_row(const HullSupport& support, std::size_t i, GaussianCloud& cloud) {
   const double opacity = sigmoid(double(cloud.logit_opacity[i]));
-  if (!cloud.usable[i] || !(opacity > kLeastAlpha)) return Clip::kWithin;
+  if (!cloud.usable[i] || !(opacity > kMinAlpha)) return Clip::kWithin;
   const Ellipsoid before = shape_of(cloud, i);
   const double pixel = support.pixel_size(before.centre);
   if (!(pixel > 0)) return Clip::kWithin;
   Ellipsoid shape = before;
   const Clip found = clip_ellipsoid(
-      kLeast_px * pixel, [&](Vec3<double> at) { return support.supported(at); }, shape);
+      kMin_px * pixel, [&](Vec3<double> at) { return support.supported(at); }, shape);
   if (found != Clip::kClipped) return found;
   const double centre[3] = {shape.centre.x, shape.centre.y, shape.centre.z};
   for (std::size_t a = 0; a < 3; ++a) {

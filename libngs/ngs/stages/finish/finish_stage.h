@@ -17,7 +17,7 @@ struct FinishOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.finish,
-          Flag{"finish", "Clip Gaussians of --object that reach out of its masks in the views of --scene"});
+          Flag{"finish", "Clip Gaussians of --object-ply that reach out of its masks in the views of --scene"});
   }
 };
 

@@ -4,6 +4,7 @@
 #include "ngs/core/error.h"
 #include "ngs/core/rng.h"
 #include "ngs/math/median.h"
+#include "ngs/math/sh.h"
 #include "ngs/math/stable.h"
 #include "ngs/math/world_unit.h"
 #include "ngs/ops/field/knn.h"
@@ -14,14 +15,17 @@
 namespace ngs {
 namespace {
 
-constexpr float kSh0 = 0.28209479177387814f;
-
-/// Throws if most points are nearer than the near plane: renders would stay empty and no gradient would change that.
-void require_visible(const GaussianCloud& cloud, std::span<const FitView> views) {
+std::vector<Camera> training_cameras(std::span<const FitView> views) {
   std::vector<Camera> training;
   for (const FitView& view : views)
     if (view.split == Split::kTrain) training.push_back(view.camera);
-  const double near = share_too_near(cloud, training, near_plane(Compat::kInria) * fit_world_unit(views));
+  return training;
+}
+
+/// Throws if most points are nearer than the near plane: renders would stay empty and no gradient would change that.
+void require_visible(const GaussianCloud& cloud, std::span<const FitView> views) {
+  const double near =
+      share_too_near(cloud, training_cameras(views), near_plane(Compat::kInria) * fit_world_unit(views));
   if (near > kTooNear)
     throw Error(
         ErrorCode::kInconsistent,
@@ -30,25 +34,9 @@ void require_visible(const GaussianCloud& cloud, std::span<const FitView> views)
         kTooNearRemedy);
 }
 
-/// The point nearest to all optical axes, regularised towards the point one extent ahead for parallel axes.
-Vec3<double> looked_at(std::span<const FitView> views, double extent) {
-  constexpr double kPull = 1e-3;
-  Vec3<double> row[3] = {}, right{0, 0, 0};  // the normal equations (Σ (1 - aaᵀ) + pull) x = right
-  const Vec3<double> unit[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  for (const FitView& view : views) {
-    const Mat3<double>& r = view.camera.rotation;
-    const Vec3<double> axis{r(2, 0), r(2, 1), r(2, 2)}, centre = view.camera.centre();
-    for (int k = 0; k < 3; ++k) row[k] = row[k] + (1 + kPull) * unit[k] - dot(axis, unit[k]) * axis;
-    right = right + centre - dot(axis, centre) * axis + kPull * (centre + extent * axis);
-  }
-  const Vec3<double> c0 = cross(row[1], row[2]), c1 = cross(row[2], row[0]), c2 = cross(row[0], row[1]);
-  const double det = dot(row[0], c0);
-  return (1 / det) * (right.x * c0 + right.y * c1 + right.z * c2);
-}
-
 std::vector<FitPoint> random_cube(const FitOptions& options, std::span<const FitView> views, std::uint64_t seed) {
   const double extent = scene_extent(views);
-  const Vec3<double> middle = looked_at(views, extent);
+  const Vec3<double> middle = nearest_to_axes(views);
   std::vector<FitPoint> points(std::size_t(options.random_points));
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto draw = [&](std::uint64_t k) { return rng_uniform(seed, RngStream::kFitInit, 8 * i + k); };
@@ -59,9 +47,9 @@ std::vector<FitPoint> random_cube(const FitOptions& options, std::span<const Fit
   return points;
 }
 
-/// At most `most` points, evenly spaced in the list: the first points of COLMAP are those of the first photos, which
-/// show one side of the scene.
-std::vector<FitPoint> thinned(std::vector<FitPoint> points, std::size_t most) {
+/// At most `most` points, evenly spaced in the list. The first points of COLMAP come from the first photos, which show
+/// one side of the scene, so taking a prefix would not cover the scene.
+std::vector<FitPoint> subsampled(std::vector<FitPoint> points, std::size_t most) {
   if (points.size() <= most) return points;
   for (std::size_t i = 0; i < most; ++i) points[i] = points[i * points.size() / most];
   points.resize(most);
@@ -75,27 +63,23 @@ double scene_extent(std::span<const Camera> cameras) {
   double farthest = 0;
   for (const Camera& camera : cameras) mean = mean + camera.centre();
   mean = (1 / std::max(1.0, double(cameras.size()))) * mean;
-  for (const Camera& camera : cameras) {
-    const Vec3<double> d = camera.centre() - mean;
-    farthest = std::max(farthest, std::sqrt(dot(d, d)));
-  }
+  for (const Camera& camera : cameras) farthest = std::max(farthest, length(camera.centre() - mean));
   return farthest > 0 ? 1.1 * farthest : 1.0;
 }
 
-double scene_extent(std::span<const FitView> views) {
-  std::vector<Camera> training;
-  for (const FitView& view : views)
-    if (view.split == Split::kTrain) training.push_back(view.camera);
-  return scene_extent(training);
+double scene_extent(std::span<const FitView> views) { return scene_extent(training_cameras(views)); }
+
+Vec3<double> nearest_to_axes(std::span<const FitView> views) {
+  constexpr double kRegularisation = 1e-3;
+  std::vector<Camera> cameras;
+  for (const FitView& view : views) cameras.push_back(view.camera);
+  return point_nearest_to_axes(cameras, {kRegularisation, scene_extent(views)}).value_or(Vec3<double>{0, 0, 0});
 }
 
 double fit_world_unit(std::span<const FitView> views) {
-  const Vec3<double> middle = looked_at(views, scene_extent(views));
+  const Vec3<double> middle = nearest_to_axes(views);
   std::vector<double> distances;
-  for (const FitView& view : views) {
-    const Vec3<double> d = middle - view.camera.centre();
-    distances.push_back(std::sqrt(dot(d, d)));
-  }
+  for (const FitView& view : views) distances.push_back(length(middle - view.camera.centre()));
   if (distances.empty()) return 1;
   return world_unit_for(0.5 * upper_median(std::move(distances)), near_plane(Compat::kInria));
 }
@@ -104,7 +88,7 @@ FitState initial_fit(const Exec& exec, const FitOptions& options, std::span<cons
                      std::span<const FitView> views, std::uint64_t seed) {
   std::vector<FitPoint> start(points.begin(), points.end());
   if (start.empty()) start = random_cube(options, views, seed);
-  start = thinned(std::move(start), std::size_t(options.max_gaussians));
+  start = subsampled(std::move(start), std::size_t(options.max_gaussians));
   FitState state;
   GaussianCloud& cloud = state.cloud;
   cloud.resize(std::int64_t(start.size()), options.sh_degree);
@@ -115,16 +99,17 @@ FitState initial_fit(const Exec& exec, const FitOptions& options, std::span<cons
         throw Error(ErrorCode::kBadInput,
                     "point " + std::to_string(i) + " is not finite, expected a position and a colour");
       cloud.position[3 * i + k] = start[i].position[k];
-      cloud.sh_dc[3 * i + k] = (start[i].rgb[k] - 0.5f) / kSh0;
+      cloud.sh_dc[3 * i + k] = dc_of_colour(start[i].rgb[k]);
     }
   const KnnGraph near = nearest_others(exec, {cloud.position.data(), cloud.size()}, 3);
-  const float alone = float(0.01 * scene_extent(views));                   // a single point has no neighbours
-  const double unit = fit_world_unit(views), least2 = 1e-7 * unit * unit;  // of 3DGS
+  const float single_scale = float(0.01 * scene_extent(views));  // a single point has no neighbours
+  const double world_unit = fit_world_unit(views), min_dist2 = 1e-7 * world_unit * world_unit;  // 3DGS's lower bound
   for (std::size_t i = 0; i < start.size(); ++i) {
     double mean = 0;
     for (int k = 0; k < near.neighbours; ++k)
       mean += double(near.dist2[i * std::size_t(near.neighbours) + std::size_t(k)]) / near.neighbours;
-    const float log_scale = near.neighbours > 0 ? float(0.5 * std::log(std::max(mean, least2))) : std::log(alone);
+    const float log_scale =
+        near.neighbours > 0 ? float(0.5 * std::log(std::max(mean, min_dist2))) : std::log(single_scale);
     std::fill_n(cloud.log_scale.begin() + std::ptrdiff_t(3 * i), 3, log_scale);
     cloud.rotation[4 * i] = 1;
     cloud.logit_opacity[i] = logit(0.1f);

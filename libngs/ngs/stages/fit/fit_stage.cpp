@@ -8,6 +8,7 @@
 #include "ngs/core/rng.h"
 #include "ngs/math/stable.h"
 #include "ngs/ops/image/image_metrics.h"
+#include "ngs/problem/view_list.h"
 #include "ngs/stages/fit/fit_density.h"
 
 namespace ngs {
@@ -54,6 +55,7 @@ Fitter::Fitter(const FitOptions& options, std::span<const FitView> views, FitSta
       seed_(seed),
       extent_(scene_extent(views)),
       world_unit_(fit_world_unit(views)),
+      focus_(nearest_to_axes(views)),
       pass_(SplatOptions{}) {
   for (std::size_t i = 0; i < views.size(); ++i)
     if (views[i].split == Split::kTrain) training_.push_back(i);
@@ -66,11 +68,7 @@ std::size_t Fitter::view_of_step() {
   const auto n = std::int64_t(training_.size());
   const std::int64_t epoch = state_.step / n;
   if (epoch != order_epoch_) {  // every view once per epoch, in an order that depends on seed and epoch alone
-    order_ = training_;
-    const auto rank = [&](std::size_t view) {
-      return rng_bits(seed_, RngStream::kViewOrder, (std::uint64_t(epoch) << 32) + view);
-    };
-    std::sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
+    order_ = shuffled(training_, seed_, std::uint64_t(epoch));
     order_epoch_ = epoch;
   }
   return order_[std::size_t(state_.step % n)];
@@ -95,6 +93,7 @@ void Fitter::step(const Exec& exec) {
 
   ++state_.step;
   update_parameters(exec);
+  fade_near(exec, view.camera);
   if (state_.step > schedule_.densify_until) return;
   accumulate_gradients(exec, view.camera);
   if (state_.step > schedule_.densify_from && state_.step % schedule_.densify_every == 0) {
@@ -122,6 +121,21 @@ void Fitter::accumulate_gradients(const Exec& exec, const Camera& camera) {
     const float gx = per_ndc_x * gradients_.mean_px[2 * i], gy = per_ndc_y * gradients_.mean_px[2 * i + 1];
     state_.gradient_sum[i] += std::sqrt(gx * gx + gy * gy);
     state_.gradient_views[i] += 1;
+  });
+}
+
+void Fitter::fade_near(const Exec& exec, const Camera& camera) {
+  if (options_.near_loss == 0) return;
+  const Vec3<double> centre = camera.centre(), to = focus_ - centre;
+  const double reach = options_.near_reach * length(to);
+  if (!(reach > 0)) return;
+  for_each_index(exec, state_.cloud.size(), [&](std::int64_t row) {
+    const auto i = std::size_t(row);
+    if (!gradients_.visible[i]) return;
+    const float* p = &state_.cloud.position[3 * i];
+    const Vec3<double> d = Vec3<double>{double(p[0]), double(p[1]), double(p[2])} - centre;
+    const double closeness = std::max(0.0, 1 - length(d) / reach);
+    state_.cloud.logit_opacity[i] -= float(options_.near_loss * closeness);
   });
 }
 

@@ -9,11 +9,13 @@ int group_width(const GaussianCloud& cloud, std::size_t group) {
 
 void step_gaussians(const Exec& exec, const GaussianStep& step, const CloudGradients& gradients, GaussianCloud& cloud,
                     GaussianMoments& moments) {
+  std::vector<AdamGroup> groups;
   for (std::size_t g = 0; g < kGaussianGroups; ++g) {
     const auto& [name, value, gradient] = kGroupColumns[g];
     if (step.rates[g] > 0 && !(cloud.*value).empty())
-      adam_step(exec, {.lr = step.rates[g]}, step.number, {name, cloud.*value, gradients.*gradient}, moments[g]);
+      groups.push_back({{.lr = step.rates[g]}, {name, cloud.*value, gradients.*gradient}, moments[g]});
   }
+  adam_step(exec, step.number, groups);
 }
 
 }  // namespace ngs

@@ -84,7 +84,7 @@ void train(const Exec& exec, Monitor& monitor, const RefitOptions& options, cons
                        options.opacity_lr,           options.dc_lr,       options.rest_lr};
       for (double& rate : rates) rate *= decay;
       step_gaussians(exec, {step, rates}, gradients, trained.cloud(), moments);
-      trained.write_back();
+      trained.write_back(exec);
       monitor.progress(step, steps);
     }
 }

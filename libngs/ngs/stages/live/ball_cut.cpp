@@ -7,13 +7,14 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/error.h"
+#include "ngs/math/sh.h"
 #include "ngs/math/stable.h"
 #include "ngs/ops/image/image_bytes.h"
 #include "ngs/problem/cloud_rows.h"
 #include "ngs/stages/boundary/variance_stage.h"
 #include "ngs/stages/extract/extract_stage.h"
 #include "ngs/stages/live/live_mask.h"
-#include "ngs/stages/masks/hand_prompt.h"
+#include "ngs/stages/masks/rasterise_prompt.h"
 #include "ngs/stages/orbit/vectors.h"
 #include "ngs/stages/select/canonical_points.h"
 #include "ngs/stages/select/support_plane.h"
@@ -22,12 +23,12 @@
 namespace ngs::live {
 namespace {
 
-constexpr std::size_t kLeastSurrounded = 2;  // least number of views with a background stroke around the object
-constexpr double kBand = 0.02;               // half-width of the free band around the expected contour, of the diagonal
-constexpr double kLeastAbove = 0.9;          // least fraction above the plane of the weight under object strokes
-constexpr double kMostAbove = 0.1;           // largest fraction above the plane of the weight under background strokes
-constexpr double kSkin = 0.04;               // unevenness of the plane, as a fraction of the object's height
-constexpr double kColourRoom = 0.5;          // distance below which colours count as similar, of the cube's edge
+constexpr std::size_t kMinSurrounded = 2;  // least number of views with a background stroke around the object
+constexpr double kBand = 0.02;             // half-width of the free band around the expected contour, of the diagonal
+constexpr double kMinAbove = 0.9;          // least fraction above the plane of the weight under object strokes
+constexpr double kMaxAbove = 0.1;          // largest fraction above the plane of the weight under background strokes
+constexpr double kSkin = 0.04;             // unevenness of the plane, as a fraction of the object's height
+constexpr double kColourRadius = 0.5;      // distance below which colours count as similar, of the cube's edge
 
 std::vector<std::int64_t> rows_in(const GaussianCloud& cloud, const orbit::Ball& ball) {
   std::vector<std::int64_t> rows;
@@ -45,11 +46,11 @@ Vec3<float> foreign_colour(const GaussianCloud& cloud) {
     for (std::size_t corner = 0; corner < 8; ++corner) {
       double distance2 = 0;
       for (std::size_t c = 0; c < 3; ++c) {
-        const double value = std::clamp(0.5 + 0.28209479 * double(cloud.sh_dc[3 * i + c]), 0.0, 1.0);
+        const double value = std::clamp(colour_of_dc(double(cloud.sh_dc[3 * i + c])), 0.0, 1.0);
         const double step = value - double(corner >> c & 1);
         distance2 += step * step;
       }
-      if (distance2 < kColourRoom * kColourRoom) like[corner] += sigmoid(double(cloud.logit_opacity[i]));
+      if (distance2 < kColourRadius * kColourRadius) like[corner] += sigmoid(double(cloud.logit_opacity[i]));
     }
   const auto best = std::size_t(std::min_element(like.begin(), like.end()) - like.begin());
   return {float(best & 1), float(best >> 1 & 1), float(best >> 2 & 1)};
@@ -172,8 +173,8 @@ class BallModel {
       if (const double along = dot(a, way); std::abs(along) > std::abs(most)) most = along, axis = a;
     for (const orbit::Vec& upwards : {up, std::copysign(1.0, most) * axis}) {
       const std::vector<std::uint8_t> found = touched_pieces(exec_, cloud_, above(told, at, upwards), strokes).object;
-      if (MarkedWeights::share(told.object, found) >= kLeastAbove &&
-          MarkedWeights::share(told.background, found) <= kMostAbove)
+      if (MarkedWeights::share(told.object, found) >= kMinAbove &&
+          MarkedWeights::share(told.background, found) <= kMaxAbove)
         return {found.begin(), found.end()};
     }
     return {};
@@ -257,7 +258,7 @@ class BallModel {
 orbit::Vec up_of(const std::vector<Camera>& cameras) {
   orbit::Vec sum{0, 0, 0};
   for (const Camera& c : cameras) sum = sum - orbit::Vec{c.rotation(1, 0), c.rotation(1, 1), c.rotation(1, 2)};
-  return orbit::length(sum) > 0 ? orbit::unit(sum) : orbit::Vec{0, -1, 0};
+  return length(sum) > 0 ? unit(sum) : orbit::Vec{0, -1, 0};
 }
 
 struct Told {
@@ -284,7 +285,7 @@ void segment_all(const Exec& exec, Monitor& monitor, const BallModel& model, con
   }
 }
 
-bool has_say(const SpreadView& view) {
+bool has_evidence(const SpreadView& view) {
   return view.source == MaskSource::kReference || view.source == MaskSource::kSegmented;
 }
 
@@ -294,13 +295,13 @@ bool has_say(const SpreadView& view) {
 LabelColumns labels_in_ball(const Exec& exec, const BallModel& model, const BallCutInput& in, const BallCut& cut) {
   Evidence evidence(model.cloud().size(), 1);
   for (std::size_t v = 0; v < cut.views.size(); ++v)
-    if (has_say(cut.views[v]) && (in.scene.views[v].split == Split::kTrain || in.marks.contains(v)))
+    if (has_evidence(cut.views[v]) && (in.scene.views[v].split == Split::kTrain || in.marks.contains(v)))
       add_view_evidence(exec, model.cloud(), {cut.cameras[v], known_view(cut.cameras[v], cut.views[v].mask)},
                         model.splat(), evidence);
   LabelColumns labels = std::move(label_gaussians({}, evidence)[0]);
   const std::vector<float> own = labels.label.values();
   for (std::size_t i = 0; i < labels.views.size(); ++i)  // Gaussians visible only through a surface are not part of it
-    if (evidence.weight.value(i) < kLeastMeanWeight * double(evidence.pixels[i]))
+    if (evidence.weight.value(i) < kMinMeanWeight * double(evidence.pixels[i]))
       for (const auto column : kLabelColumns) (labels.*column)[i] = 0;
   const Extraction decided = extract_object(exec, {}, {model.cloud(), labels});
   std::vector<float> label(decided.object.begin(), decided.object.end());
@@ -308,6 +309,23 @@ LabelColumns labels_in_ball(const Exec& exec, const BallModel& model, const Ball
     if (labels.views[i] == 0 && evidence.weight.value(i) > 0 && label[i] == 0) label[i] = own[i];
   labels.label = label;
   return labels;
+}
+
+/// The Gaussians inside each mask that was segmented.
+std::vector<ViewSums> mask_weights(const Exec& exec, const BallModel& model, const BallCut& cut) {
+  std::vector<ViewSums> inside;
+  for (std::size_t v = 0; v < cut.views.size(); ++v)
+    if (has_evidence(cut.views[v]))
+      inside.push_back(
+          view_sums(exec, model.cloud(), {cut.cameras[v], known_view(cut.cameras[v], cut.views[v].mask)}, model.splat())
+              .weights_inside(0));
+  return inside;
+}
+
+void leave_out_floor(const BallModel& model, const BallCut& cut, LabelColumns& labels) {
+  std::vector<std::uint8_t> object(labels.label.begin(), labels.label.end());
+  leave_out_support(model.cloud(), up_of(cut.cameras), object);
+  labels.label = std::vector<float>(object.begin(), object.end());
 }
 
 /// The columns of the full model.
@@ -337,32 +355,40 @@ BallCut cut_in_ball(const Exec& exec, Monitor& monitor, const BallCutInput& in) 
   for (const auto& [view, prompt] : marked)
     std::ranges::move(stroke_weights(exec, model.cloud(), cut.cameras[view], prompt, model.splat()),
                       std::back_inserter(strokes));
-  const bool by_lines = surrounded.size() >= kLeastSurrounded;
+  const bool by_lines = surrounded.size() >= kMinSurrounded;
   Told told{marked, {}};
   if (by_lines)
     told.expected = model.expected(cut.cameras, surrounded, up_of(cut.cameras));
   else
     told.expected = model.above_plane(model.marked_weights(cut.cameras, marked), strokes, up_of(cut.cameras));
   cut.is_expected = !told.expected.empty();
+  bool is_dense = false;  // most Gaussians are hidden by their neighbours in every view
   if (cut.is_expected) {
     segment_all(exec, monitor, model, told, cut);
   } else {
-    spread_masks(
-        exec, monitor, {.passes = 1},
-        {model.cloud(), in.scene, cut.cameras, std::vector<bool>(cut.cameras.size(), true), model.splat(), marked,
-         [&](std::size_t view, const ViewPrompt& prompt) { return model.segment(cut.cameras[view], prompt); },
-         [&](std::size_t view, const SpreadView& result) { cut.views[view] = result; }, false});
+    const auto spread = [&](bool use_neighbours) {
+      spread_masks(
+          exec, monitor, {.passes = 1},
+          {model.cloud(), in.scene, cut.cameras, std::vector<bool>(cut.cameras.size(), true), model.splat(), marked,
+           [&](std::size_t view, const ViewPrompt& prompt) { return model.segment(cut.cameras[view], prompt); },
+           [&](std::size_t view, const SpreadView& result) { cut.views[view] = result; }, use_neighbours});
+    };
+    spread(false);
+    is_dense = 2 * std::ranges::count_if(cut.views, has_evidence) < std::ssize(cut.views);
+    if (is_dense && !monitor.stop_requested()) spread(true);
   }
   if (monitor.stop_requested()) return cut;
   LabelColumns labels = [&] {
     const auto timed = monitor.scope("labels");
     return labels_in_ball(exec, model, in, cut);
   }();
+  if (is_dense) leave_out_floor(model, cut, labels);
   for (std::size_t i = 0; i < told.expected.size(); ++i)  // the object occludes part of its plane
     if (labels.views[i] == 0 && (!by_lines || told.expected[i] == 0)) labels.label[i] = told.expected[i];
   if (!in.all_pieces) {
     const std::vector<std::uint8_t> member(labels.label.begin(), labels.label.end());
-    const PieceSelection pieces = touched_pieces(exec, model.cloud(), member, strokes);
+    const PieceSelection pieces = touched_pieces(exec, model.cloud(), member, strokes,
+                                                 is_dense ? mask_weights(exec, model, cut) : std::vector<ViewSums>());
     labels.label = std::vector<float>(pieces.object.begin(), pieces.object.end());
     cut.left_out = pieces.left_out, cut.needles = pieces.needles;
   }

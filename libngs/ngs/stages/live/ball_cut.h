@@ -13,6 +13,10 @@
 // Each view is then segmented independently, with a free band around the expected contour. In all other cases
 // spread_masks() carries the masks of the marked views to the others in one pass. All masks come from live_mask().
 //
+// If fewer than half of the views get a mask in this way, the object is so dense that views see few of its Gaussians.
+// The masks are then carried again with Gaussians that follow their neighbours, what lies in the plane that supports
+// the object is left out, and pieces that three masks show are kept like touched ones.
+//
 // The masks of all views give the labels (paper.md §5.2). A Gaussian of the ball that is hidden in all views is object
 // if the majority of its neighbours is, or if most of the little weight it has lies inside the masks. Everything
 // outside the ball is background, as are pieces that no stroke on the object touches.

@@ -5,7 +5,7 @@
 #include "ngs/backend/for_each.h"
 #include "ngs/ops/image/image_bytes.h"
 #include "ngs/scene/mask_threshold.h"
-#include "ngs/stages/masks/hand_prompt.h"
+#include "ngs/stages/masks/rasterise_prompt.h"
 #include "ngs/stages/select/touched_pieces.h"
 
 namespace ngs::live {
@@ -74,7 +74,7 @@ CachedFrame& FrameCache::of(const Look& look, const Camera& camera) {
   if (found != views_.end()) {
     std::rotate(views_.begin(), found, found + 1);
   } else {
-    if (views_.size() == kMost) views_.pop_back();  // frees its memory for the next one
+    if (views_.size() == kMaxFrames) views_.pop_back();  // frees its memory for the next one
     views_.insert(views_.begin(), std::make_unique<CachedFrame>(exec_, model_, look, camera));
   }
   return *views_.front();

@@ -41,10 +41,10 @@ class CachedFrame {
   PixelMask selection_;
 };
 
-/// The kMost latest frames of a model that must outlive this object.
+/// The kMaxFrames latest frames of a model that must outlive this object.
 class FrameCache {
  public:
-  static constexpr std::size_t kMost = 2;
+  static constexpr std::size_t kMaxFrames = 2;
 
   FrameCache(const Exec& exec, const Model& model) : exec_(exec), model_(model) {}
   CachedFrame& of(const Look& look, const Camera& camera);

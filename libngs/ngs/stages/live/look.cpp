@@ -15,14 +15,14 @@ namespace {
 using orbit::Vec;
 
 constexpr double kFov_deg = 50;
-constexpr double kRaised_deg = 15;            // above the horizontal, from outside
-constexpr std::size_t kMostPoints = 200'000;  // for the estimate of the bulk
+constexpr double kRaised_deg = 15;           // above the horizontal, from outside
+constexpr std::size_t kMaxPoints = 200'000;  // for the estimate of the bulk
 constexpr int kCells = 64;
 
 /// Every k-th point, enough for the bulk of a large model.
 orbit::SurfacePoints fewer(const orbit::SurfacePoints& all) {
   orbit::SurfacePoints some;
-  for (const std::size_t i : orbit::thinned(all.count(), kMostPoints)) some.add(all, i);
+  for (const std::size_t i : orbit::thinned(all.count(), kMaxPoints)) some.add(all, i);
   return some;
 }
 
@@ -74,11 +74,10 @@ bool operator==(const Look& a, const Look& b) {
 
 Camera camera_of(const Look& look) {
   const Vec line = look.look_at - look.position;
-  if (!(orbit::length(line) > 0))
-    throw Error(ErrorCode::kUsage, "camera: position and look_at are one point, expected two");
-  const Vec forward = orbit::unit(line);
-  Vec right = cross(forward, orbit::unit(look.up));
-  right = orbit::length(right) > 1e-6 ? orbit::unit(right) : orbit::perpendicular(forward);
+  if (!(length(line) > 0)) throw Error(ErrorCode::kUsage, "camera: position and look_at are one point, expected two");
+  const Vec forward = unit(line);
+  Vec right = cross(forward, unit(look.up));
+  right = length(right) > 1e-6 ? unit(right) : orbit::perpendicular(forward);
   const Vec down = cross(forward, right);
   Camera camera;
   camera.width_px = look.width_px, camera.height_px = look.height_px;

@@ -11,8 +11,8 @@
 #include "ngs/ops/image/image_bytes.h"
 #include "ngs/stages/live/correction.h"
 #include "ngs/stages/live/live_mask.h"
-#include "ngs/stages/masks/hand_prompt.h"
 #include "ngs/stages/masks/mask_consensus.h"
+#include "ngs/stages/masks/rasterise_prompt.h"
 #include "ngs/stages/select/touched_pieces.h"
 
 namespace ngs::live {
@@ -185,8 +185,8 @@ StrokeAnswer Session::mark(int id, const Look& look, const std::vector<PromptStr
 
 int Session::add_object(const std::string& name) {
   Marks marks = *marks_;
-  if (marks.objects.size() >= kMostObjects)
-    throw Error(ErrorCode::kUsage, "objects: " + std::to_string(kMostObjects) + " already, expected no more",
+  if (marks.objects.size() >= kMaxObjects)
+    throw Error(ErrorCode::kUsage, "objects: " + std::to_string(kMaxObjects) + " already, expected no more",
                 "remove one, or export and start another session");
   const int id = marks.next_id++;
   const char* colour = kColours[std::size_t(id - 1) % std::size(kColours)];
@@ -228,7 +228,7 @@ void Session::show_all_pieces(bool all) {
 
 void Session::step(Marks marks) {
   before_.push_back(marks_);
-  if (before_.size() > kMostStepsBack) before_.erase(before_.begin());
+  if (before_.size() > kMaxStepsBack) before_.erase(before_.begin());
   after_.clear();
   publish(std::move(marks));
 }

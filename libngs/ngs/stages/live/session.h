@@ -14,9 +14,9 @@
 
 namespace ngs::live {
 
-inline constexpr int kSegmentedSide_px = 512;    // longer side of a segmented view; smaller views keep their size
-inline constexpr std::size_t kMostObjects = 16;  // each takes 70 bytes per Gaussian
-inline constexpr std::size_t kMostStepsBack = 200;
+inline constexpr int kSegmentedSide_px = 512;   // longer side of a segmented view; smaller views keep their size
+inline constexpr std::size_t kMaxObjects = 16;  // each takes 70 bytes per Gaussian
+inline constexpr std::size_t kMaxStepsBack = 200;
 
 /// The camera that strokes on a view are segmented and lifted at.
 Camera at_segmented_size(const Camera& camera, int longer_side_px = kSegmentedSide_px);
@@ -39,7 +39,7 @@ class Session {
   /// Throws kUsage for an unknown object, and if no pixel under the object strokes shows the model. Strokes belong to
   /// the same view if their looks are exactly equal.
   StrokeAnswer mark(int object, const Look& look, const std::vector<PromptStroke>& strokes);
-  int add_object(const std::string& name);  // throws kUsage beyond kMostObjects
+  int add_object(const std::string& name);  // throws kUsage beyond kMaxObjects
   void remove_object(int id);
   void edit_object(int id, const std::string& name, const std::string& colour);  // empty: unchanged
   void activate(int id);

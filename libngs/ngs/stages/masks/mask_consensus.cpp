@@ -151,7 +151,7 @@ ViewSums lift_mask(const Exec& exec, const GaussianCloud& cloud, const Camera& c
   const ViewSums all = view_sums(exec, cloud, {camera, known_view(camera, mask)}, splat);
   ViewSums lifted{1, true, {}, {}};
   for (std::size_t v = 0; v < all.size(); ++v)
-    if (all.weight(v) >= kLeastMeanWeight * all.at(v)[1]) lifted.add(all.row[v], all.at(v));
+    if (all.weight(v) >= kMinMeanWeight * all.at(v)[1]) lifted.add(all.row[v], all.at(v));
   return lifted;
 }
 

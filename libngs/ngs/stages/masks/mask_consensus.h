@@ -12,7 +12,7 @@ namespace ngs {
 
 /// A Gaussian is visible in a view if its mean weight over the pixels that it covers is at least this. Gaussians that
 /// only show through a surface that is not fully opaque must not count as part of it.
-inline constexpr double kLeastMeanWeight = 0.03;
+inline constexpr double kMinMeanWeight = 0.03;
 
 inline Vec3<double> world_position(const GaussianCloud& cloud, std::size_t i) {
   const float* p = &cloud.position[3 * i];
@@ -27,7 +27,7 @@ struct ObjectPlace {
 };
 ObjectPlace object_place(const GaussianCloud& cloud, const WeightSums<>& lifted);
 
-/// Lifts one mask [H·W] of the camera's size: the sums of the Gaussians that are visible by kLeastMeanWeight.
+/// Lifts one mask [H·W] of the camera's size: the sums of the Gaussians that are visible by kMinMeanWeight.
 ViewSums lift_mask(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& splat,
                    const PixelMask& mask);
 

@@ -16,8 +16,7 @@ constexpr int kFeatures = 3;      // length of f_j and f_inter; f_j starts as th
 
 HashGridConfig hash_config(const Exec& exec, const JointField::Setup& s, double width) {
   const JointOptions& o = s.options;
-  HashGridConfig config{o.hash_levels, kHashFeatures, o.hash_log2_table, o.hash_base,
-                        std::max(o.hash_base, o.hash_finest)};
+  HashGridConfig config{o.hash_levels, kHashFeatures, o.hash_log2_table, kHashBase, std::max(kHashBase, o.hash_finest)};
   if (!s.effects.hash) config.levels = 1, config.max_resolution = config.base_resolution;
   if (s.effects.fine_hash) return config;
   const std::vector<HashLevel> levels = hash_levels(config);

@@ -1,8 +1,6 @@
 #pragma once
 // Options of the joint optimisation. Defaults are the paper's values, or our reading if it gives none (paper.md §4).
 #include <cmath>
-#include <string>
-#include <vector>
 
 #include "ngs/ops/field/film_mlp.h"
 #include "ngs/ops/field/hash_grid.h"
@@ -21,20 +19,21 @@ struct GaussianRates {
          sh_rest = 1.25e-4;
 };
 
-/// Margin about the object in which the photometric anchor applies with --effect region=off.
-inline constexpr int kRegionMargin_px = 64;
+/// Margin of the photometric anchor about the object with --effect whole-photo=off.
+inline constexpr int kAnchorMargin_px = 64;
 
-/// Share of the epochs of the joint steps if contour iterations at half the size follow, which replace the rest.
+/// Share of the epochs that the joint steps get if contour iterations at half the size follow and replace the rest.
 inline constexpr double kEpochsBeforeContours = 0.3;
 
 /// Adam rates of the NeRF.
 inline constexpr double kHashRate = 1e-2, kMlpRate = 1e-3, kFeatureRate = 2.5e-3;
-/// Features per level of the NeRF's encoding, and SH degree of the view direction for its colour (C14).
-inline constexpr int kHashFeatures = 2, kDirectionDegree = 2;
+/// Coarsest resolution and features per level of the NeRF's encoding, and SH degree of the view direction for its
+/// colour (C14).
+inline constexpr int kHashBase = 16, kHashFeatures = 2, kDirectionDegree = 2;
 
 /// Encoding and network of the NeRF.
 struct FieldOptions {
-  int hash_levels = 8, hash_log2_table = 15, hash_base = 16, hash_finest = 512;
+  int hash_levels = 8, hash_log2_table = 15, hash_finest = 512;
   int mlp_hidden = 64, mlp_layers = 2;
 
   template <class Self, class Visitor>
@@ -49,15 +48,11 @@ struct FieldOptions {
   }
 };
 
-/// Query points per step for L_smth, and its finite-difference step in kernel widths (D14).
-inline constexpr int kSmoothPoints = 2048;
-inline constexpr double kSmoothStep = 0.01;
-/// Adam rate of the label logits, and the factor by which all rates decay exponentially over a run.
-inline constexpr double kLabelRate = 0.1, kRateDecay = 0.1;
-/// EM steps from labels of 1/2 to the start labels of the joint steps (paper.md §5.4, decision 011).
-inline constexpr int kStartSteps = 3;
+/// Factor by which all rates decay exponentially over a run.
+inline constexpr double kRateDecay = 0.1;
 
-/// Options of the steps of Eq. 20. describe() does not visit the members of FieldOptions.
+/// Options of the steps of Eq. 20. FieldOptions has its own section in the help, so describe() does not visit its
+/// members.
 struct JointOptions : FieldOptions {
   Quality quality = Quality::kStandard;
   std::int64_t steps = 0;
@@ -66,10 +61,11 @@ struct JointOptions : FieldOptions {
   double lambda_mask = 0.5, lambda_cont = 0.1, lambda_smooth = 0.05;
   double weight_opacity = 0.5, weight_variance = 0.01;
   double photometric_weight = 1.0;
-  int start_steps = kStartSteps;
-  double rate_label = kLabelRate, rate_scale = 0.1;
-  int smooth_points = kSmoothPoints;
-  double smooth_step = kSmoothStep;
+  int start_steps = 3;      // EM steps from labels of 1/2 to the start labels (paper.md §5.4, decision 011)
+  double rate_label = 0.1;  // Adam rate of the label logits
+  double rate_scale = 0.1;
+  int smooth_points = 2048;   // query points per step for L_smth
+  double smooth_step = 0.01;  // finite-difference step of L_smth, kernel widths (D14)
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {

@@ -22,11 +22,6 @@
 namespace ngs {
 namespace {
 
-void refresh_positions(const GaussianCloud& cloud, BoundarySet& boundary) {
-  for (std::size_t b = 0; b < boundary.row.size(); ++b)
-    std::copy_n(&cloud.position[std::size_t(boundary.row[b]) * 3], 3, &boundary.position[b * 3]);
-}
-
 GroupRates group_rates(const JointSetup& s, const JointSwitches& effects) {
   const GaussianRates& r = s.rates;
   const double extent = scene_extent(cameras_of(s.input.scene, s.input.views));
@@ -76,7 +71,10 @@ struct JointTrainer::Impl {
   CloudGradients gradients;
   GaussianMoments moments;
   KnnGraph cont_graph;
+  std::vector<std::int32_t> cont_place;       // [B] rows of the gradients; -1: not trained
+  std::vector<float> cont_colour, cont_grad;  // [B, 3]
   ViewCache cache;
+  Resident resident;  // all arrays of a step, while steps run on a device
 
   Impl(const Exec& e, Monitor& m, const JointSetup& s)
       : exec(e),
@@ -93,7 +91,8 @@ struct JointTrainer::Impl {
         labels(trained),
         splat_options(trained.prepared(splat_of(s.input.splat, effects))),
         splat(splat_options),
-        cache(input, effects) {}
+        cache(input, effects),
+        resident(e) {}
 
   void start(bool allow_empty) {
     boundary = boundary_to_train(input, effects.boundary, allow_empty);
@@ -104,6 +103,11 @@ struct JointTrainer::Impl {
     if (boundary.size() > 1) {
       cont_graph = nearest_others(exec, boundary.positions(), rbf.neighbours);
       build_transpose(cont_graph);
+      cont_colour.resize(boundary.row.size() * 3), cont_grad.resize(boundary.row.size() * 3);
+      for (const std::uint32_t row : boundary.row) {
+        const std::optional<std::size_t> place = trained.gradient_row(row);
+        cont_place.push_back(place ? std::int32_t(*place) : -1);
+      }
     }
     if (effects.nerf) {
       const double reach = field_reach(sample, cloud, cameras_of(input.scene, input.views), boundary);
@@ -113,10 +117,28 @@ struct JointTrainer::Impl {
   }
 
   /// Copies the trained values to the rendered cloud, labels and boundary.
-  void write_back() {
-    labels.write_back(exec);
-    trained.write_back();
-    refresh_positions(cloud, boundary);
+  void write_back(const Exec& where) {
+    labels.write_back(where);
+    trained.write_back(where);
+    if (field)
+      for_each_row(where, boundary.size(),
+                   GatherRows{boundary.row.data(), 3, cloud.position.data(), boundary.position.data()});
+  }
+
+  /// Moves all arrays of a step to the device, if there is one.
+  void to_device() {
+    if (!resident.waits()) return;
+    gradients.resize(trained.size(), std::size_t(cloud.rest_count()) * 3, input.labels.size());
+    for (const GroupColumns& group : kGroupColumns) resident.add(gradients.*group.gradient);
+    resident.add(gradients.label), resident.add(gradients.mean_px), resident.add(gradients.visible);
+    for (std::size_t g = 0; g < kGaussianGroups && effects.geometry; ++g) {
+      if (rates[g] == 0) continue;
+      moments[g].m.resize((gradients.*kGroupColumns[g].gradient).size()), moments[g].v.resize(moments[g].m.size());
+      resident.add(moments[g].m), resident.add(moments[g].v);
+    }
+    trained.add_to(resident), labels.add_to(resident);
+    resident.add(cont_graph.index), resident.add(cont_graph.row_begin), resident.add(cont_graph.edge);
+    resident.add(boundary.row), resident.add(cont_place), resident.add(cont_colour), resident.add(cont_grad);
   }
 
   std::string step_name(std::int64_t s) const {
@@ -197,17 +219,10 @@ ImageF JointTrainer::Impl::field_terms(const FieldRays& rays, const StepImages& 
 
 void JointTrainer::Impl::cont_term(LossTerms& loss) {
   if (!effects.cont || cont_graph.queries() == 0) return;
-  std::vector<float> colour(boundary.row.size() * 3), grad;
-  for (std::size_t b = 0; b < boundary.row.size(); ++b)
-    for (std::size_t c = 0; c < 3; ++c)
-      colour[b * 3 + c] = float(0.5 + kShC0 * double(cloud.sh_dc[std::size_t(boundary.row[b]) * 3 + c]));
-  loss.cont = loss_cont(exec, {cont_graph, {colour.data(), boundary.size()}}, options.lambda_cont, &grad);
-  for (std::size_t b = 0; b < boundary.row.size(); ++b) {
-    const std::size_t row = boundary.row[b];
-    const std::optional<std::size_t> to = trained.place(row);
-    if (!to) continue;
-    for (std::size_t c = 0; c < 3; ++c) gradients.sh_dc[*to * 3 + c] += float(kShC0 * double(grad[b * 3 + c]));
-  }
+  for_each_row(exec, boundary.size(), RowColours{boundary.row.data(), cloud.sh_dc.data(), cont_colour.data()});
+  loss.cont = loss_cont(exec, {cont_graph, {cont_colour.data(), boundary.size()}}, options.lambda_cont, &cont_grad);
+  for_each_row(exec, boundary.size(),
+               AddRowColourGradients{cont_place.data(), cont_grad.data(), gradients.sh_dc.data()});
 }
 
 LossTerms JointTrainer::Impl::step_view(std::size_t n) {
@@ -229,9 +244,10 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
   if (effects.align) grad.alpha = ImageF(camera.width_px, camera.height_px, 1);
   if (effects.photometric && !view.photo.empty()) {
     const auto timed = monitor.scope("photometric");
-    const PixelRegion& r = view.region;
-    const double share = shown * (r.empty() ? 1 : double(r.x1 - r.x0) * (r.y1 - r.y0) / double(view.photo.pixels()));
-    const PhotometricOptions anchor{.region = r, .gradient_scale = share * options.photometric_weight};
+    const PixelRect& box = view.anchor;
+    const double share =
+        shown * (box.empty() ? 1 : double(box.x1 - box.x0) * (box.y1 - box.y0) / double(view.photo.pixels()));
+    const PhotometricOptions anchor{.box = box, .gradient_scale = share * options.photometric_weight};
     loss.photometric = share * photometric.evaluate(exec, anchor, {rendered.colour, view.photo}, &grad.colour).total;
   } else if (colour) {
     grad.colour = ImageF(camera.width_px, camera.height_px, 3);
@@ -271,7 +287,7 @@ void JointTrainer::Impl::update(double decay) {
     for (double& rate : fallen) rate *= decay;
     step_gaussians(exec, {t, fallen}, gradients, trained.cloud(), moments);
   }
-  write_back();
+  write_back(exec);
   if (field) field->step(exec, t, decay);
 }
 
@@ -288,6 +304,7 @@ std::int64_t JointTrainer::steps_planned() const { return impl_->steps; }
 
 JointProgress JointTrainer::step() {
   Impl& s = *impl_;
+  s.to_device();
   const std::size_t n = s.view_of(s.done);
   JointProgress progress;
   with_context(s.step_name(s.done), [&] {
@@ -300,6 +317,7 @@ JointProgress JointTrainer::step() {
 }
 
 Solution JointTrainer::result() const {
+  impl_->resident.release();
   const Impl& s = *impl_;
   Solution result;
   result.cloud = std::make_shared<const GaussianCloud>(s.cloud);
@@ -316,6 +334,7 @@ std::map<std::string, double> JointTrainer::figures() const {
 
 std::vector<StateBlock> JointTrainer::state() {
   Impl& s = *impl_;
+  s.resident.release();
   std::vector<StateBlock> blocks;
   const auto moments = [&](const std::string& name, AdamMoments& m, std::size_t size) {
     blocks.push_back({name + ".m", &m.m, size, true});
@@ -339,7 +358,8 @@ std::vector<StateBlock> JointTrainer::state() {
 
 void JointTrainer::resume_at(std::int64_t step) {
   impl_->done = step;
-  impl_->write_back();
+  impl_->resident.release();
+  impl_->write_back({.threads = impl_->exec.threads});
 }
 
 }  // namespace ngs

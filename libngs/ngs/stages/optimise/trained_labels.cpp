@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "ngs/backend/for_each.h"
 #include "ngs/problem/region.h"
 #include "ngs/stages/boundary/method_labels.h"
 #include "ngs/stages/optimise/label_start.h"
@@ -48,21 +47,18 @@ void TrainedLabels::start(const Problem& input, int steps) {
 }
 
 void TrainedLabels::step(const Exec& exec, double rate, std::int64_t t, const std::vector<float>& grad) {
-  for_each_index(exec, std::int64_t(rows_.size()), [&](std::int64_t r) {
-    for_each_cell(std::size_t(r), [&](std::size_t cell, std::size_t place, std::size_t) {
-      grad_[cell] = grad[place] * sigmoid_slope(logit_[cell]);
-    });
-  });
+  for_each_row(exec, std::int64_t(rows_.size()), LabelCellGradients{cells(), grad.data(), grad_.data()});
   adam_step(exec, {.lr = rate}, t, {"label", logit_, grad_}, moments_);
 }
 
 void TrainedLabels::write_back(const Exec& exec) {
-  for_each_index(exec, std::int64_t(rows_.size()), [&](std::int64_t r) {
-    const std::size_t row = rows_.row(std::size_t(r));
-    for_each_cell(std::size_t(r), [&](std::size_t cell, std::size_t, std::size_t k) {
-      label_[row * objects_ + k] = sigmoid(logit_[cell]);
-    });
-  });
+  for_each_row(exec, std::int64_t(rows_.size()), LabelCellValues{cells(), rows_.rows(), label_.data()});
+}
+
+void TrainedLabels::add_to(Resident& resident) {
+  moments_.m.resize(logit_.size()), moments_.v.resize(logit_.size());
+  for (std::vector<float>* values : {&label_, &logit_, &grad_, &moments_.m, &moments_.v}) resident.add(*values);
+  resident.add(begin_), resident.add(object_);
 }
 
 /// The first trained row after the page of label columns that contains trained row `row`.

@@ -31,8 +31,11 @@ class TrainedLabels {
 
   std::vector<float>& logit() { return logit_; }  // [cells]
   AdamMoments& moments() { return moments_; }
+  /// Adds all arrays of a step.
+  void add_to(Resident& resident);
 
  private:
+  LabelCells cells() const { return {begin_.data(), object_.data(), logit_.data(), objects_, logit_.size()}; }
   std::size_t end_of_page(std::size_t row) const;
   /// Calls f(cell, index in [rows, K], object) for the cells of trained row r.
   template <class F>

@@ -16,7 +16,7 @@ class ViewCache {
   struct View {
     ImageF photo;
     ViewMasks masks;
-    PixelRegion region;  // region of the photometric anchor; empty: the whole photo
+    PixelRect anchor;  // where the photometric loss applies; empty: the whole photo
   };
   ViewCache(const Problem& input, const JointSwitches& effects)
       : input_(input), effects_(effects), view_(input.views.size()) {}
@@ -27,7 +27,7 @@ class ViewCache {
     const auto timed = monitor.scope("load view");
     scratch.masks = input_.load_masks(input_.views[n]);
     if (effects_.photometric || effects_.align) scratch.photo = input_.load_photo(input_.views[n]);
-    if (!effects_.region) scratch.region = region_of(scratch.masks);
+    if (!effects_.whole_photo) scratch.anchor = anchor_box(scratch.masks);
     std::size_t bytes = scratch.photo.data.size() * sizeof(float) + scratch.masks.known.size();
     for (const auto& target : scratch.masks.target) bytes += target.size() * sizeof(float);
     if (bytes_ + bytes > kBytes) return scratch;
@@ -39,10 +39,10 @@ class ViewCache {
  private:
   static constexpr std::size_t kBytes = 512u << 20;
 
-  /// Region about the object, for --effect region=off; empty if the mask is empty.
-  static PixelRegion region_of(const ViewMasks& masks) {
+  /// Box about the object, for --effect whole-photo=off; empty if the mask is empty.
+  static PixelRect anchor_box(const ViewMasks& masks) {
     if (!masks.available) return {};
-    const PixelWindow w = window_of(masks.target, masks.width_px, masks.height_px, kRegionMargin_px);
+    const PixelWindow w = window_of(masks.target, masks.width_px, masks.height_px, kAnchorMargin_px);
     return {w.x0, w.y0, w.x0 + w.w, w.y0 + w.h};
   }
 

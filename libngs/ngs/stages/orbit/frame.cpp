@@ -6,9 +6,9 @@
 namespace ngs::orbit {
 namespace {
 
-constexpr std::size_t kMostFlatSamples = 20000;
-constexpr int kBins = 60;               // histogram bins of heights, over three radii of the bulk
-constexpr double kLeastSupport = 0.25;  // least Slab::support of a plane
+constexpr std::size_t kMaxFlatSamples = 20000;
+constexpr int kBins = 60;             // histogram bins of heights, over three radii of the bulk
+constexpr double kMinSupport = 0.25;  // least Slab::support of a plane
 
 /// Sampled points relative to the bulk, in radii, weighted by area. The area of a Gaussian is limited to that of a disc
 /// of a tenth of the radius.
@@ -20,7 +20,7 @@ struct Samples {
 Samples samples_of(const SurfacePoints& points, const Ball& bulk) {
   Samples samples;
   double total = 0;
-  for (const std::size_t i : thinned(points.count(), kMostFlatSamples)) {
+  for (const std::size_t i : thinned(points.count(), kMaxFlatSamples)) {
     const Vec p = (1 / bulk.radius) * (points.position[i] - bulk.centre);
     if (length(p) > 1.5) continue;
     const double area = std::min(points.area[i] / (bulk.radius * bulk.radius), 0.01 * points.opacity[i]);
@@ -87,7 +87,7 @@ UpGuess guess_up(const SurfacePoints& points, const Ball& bulk) {
     if (const double support = best_slab(samples, direction).support; support > best)
       best = support, guess.up = direction;
   for (int k = 0; k < 4; ++k) guess.up = normal_of_slab(samples, guess.up);
-  guess.found = best_slab(samples, guess.up).support >= kLeastSupport;
+  guess.found = best_slab(samples, guess.up).support >= kMinSupport;
   return guess.found ? guess : UpGuess{};
 }
 
@@ -95,7 +95,7 @@ Frame frame_about(const SurfacePoints& points, const Ball& ball, Vec up) {
   const Vec a = perpendicular(up), b = cross(up, a);
   std::vector<std::array<double, 3>> samples;  // along a and b, weight
   double xx = 0, xy = 0, yy = 0;
-  for (const std::size_t i : thinned(points.count(), 2 * kMostFlatSamples)) {
+  for (const std::size_t i : thinned(points.count(), 2 * kMaxFlatSamples)) {
     const Vec p = points.position[i] - ball.centre;
     if (length(p) > ball.radius) continue;
     const double x = dot(a, p) / ball.radius, y = dot(b, p) / ball.radius, w = points.opacity[i];

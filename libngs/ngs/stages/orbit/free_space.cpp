@@ -7,7 +7,7 @@
 namespace ngs::orbit {
 namespace {
 
-constexpr int kMostParts = 32;  // along an axis
+constexpr int kMaxParts = 32;  // along an axis
 
 /// A fraction of a Gaussian's extinction, at an offset from its centre in its own axes.
 struct Part {
@@ -18,7 +18,7 @@ struct Part {
 /// Splits a Gaussian within 1.5 standard deviations into parts no wider than a cell. The shares sum to 1.
 std::vector<Part> parts_of(const double (&deviation)[3], double cell) {
   int count[3];
-  for (int k = 0; k < 3; ++k) count[k] = int(std::clamp(std::ceil(3 * deviation[k] / cell), 1.0, double(kMostParts)));
+  for (int k = 0; k < 3; ++k) count[k] = int(std::clamp(std::ceil(3 * deviation[k] / cell), 1.0, double(kMaxParts)));
   const auto at = [&](int axis, int k) { return count[axis] == 1 ? 0 : 3.0 * (k + 0.5) / count[axis] - 1.5; };
   std::vector<Part> parts;
   double total = 0;

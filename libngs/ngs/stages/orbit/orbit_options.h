@@ -20,7 +20,7 @@ struct OrbitOptions {
   UpAxis up = UpAxis::kAuto;
   Place place = Place::kAuto;
   std::string around;
-  int views = 24;
+  int view_count = 24;
   int max_views = 96;
   double coverage = 0.95;
   double fov_deg = 0;
@@ -35,7 +35,7 @@ struct OrbitOptions {
         self.place,
         Choice<Place>{"place", "Where cameras are placed; auto: inside if that shows more of the surface, as in a room",
                       kPlaceNames});
-    visit(self.views, Field<int>{"views", "", "Number of cameras to start with", 3, 1000});
+    visit(self.view_count, Field<int>{"view_count", "", "Number of cameras to start with", 3, 1000});
     visit(self.max_views, Field<int>{"max_views", "", "Most cameras that --coverage may lead to", 3, 1000});
     visit(self.coverage,
           Field<double>{"coverage", "", "Add cameras until three of them see this fraction of the visible surface", 0.0,

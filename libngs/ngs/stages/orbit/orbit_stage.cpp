@@ -16,7 +16,7 @@ namespace ngs::orbit {
 namespace {
 
 constexpr int kVisibilitySide_px = 200;              // shorter side of the visibility renders
-constexpr double kMostBlocked = 0.15;                // largest Visibility::blocked of a candidate
+constexpr double kMaxBlocked = 0.15;                 // largest Visibility::blocked of a candidate
 constexpr double kOutsideFov = 40, kInsideFov = 80;  // deg
 constexpr double kRoomCoverage = 0.7;                // least coverage of cameras inside a room
 constexpr double kRoomReach = 1.5;                   // extent of a room's surface, in radii of the bulk
@@ -99,9 +99,9 @@ class Chooser {
 
   Rig rings() {
     const auto timed = monitor_.scope("free space");
-    const double reach = 1.1 * ball_.radius / lens_.least_half_sine() + ball_.radius;
+    const double reach = 1.1 * ball_.radius / intrinsics_.least_half_sine() + ball_.radius;
     const FreeSpace space(cloud_, points_, frame_, {reach, 128});
-    Rig rig = rings_about(ball_.radius, lens_, space, first_views());
+    Rig rig = rings_about(ball_.radius, intrinsics_, space, first_views());
     if (rig.poses.empty()) fail_blocked();
     return rig;
   }
@@ -129,7 +129,7 @@ class Chooser {
     found_.inside = room != nullptr;
     found_.cameras.clear(), visibility_.clear();
     const double fov = options_.fov_deg > 0 ? options_.fov_deg : found_.inside ? kInsideFov : kOutsideFov;
-    lens_ = {size.width_px, size.height_px, fov};
+    intrinsics_ = {size.width_px, size.height_px, fov};
     rig_ = found_.inside ? cameras_within(room->viewpoints, ball_.radius) : rings();
     choose_world_unit();
     render_candidates();
@@ -173,9 +173,9 @@ class Chooser {
     for (std::size_t p = 0; p < rig_.poses.size(); ++p) {
       const Pose& pose = rig_.poses[p];
       const double before = found_.inside ? 0 : length(pose.centre) - ball_.radius;
-      Visibility visibility = renderer.of(exec_, small(camera_at(pose, lens_, frame_, cloud_.origin)), before);
+      Visibility visibility = renderer.of(exec_, small(camera_at(pose, intrinsics_, frame_, cloud_.origin)), before);
       monitor_.progress(std::int64_t(p) + 1, std::int64_t(rig_.poses.size()));
-      if (visibility.blocked > kMostBlocked) continue;
+      if (visibility.blocked > kMaxBlocked) continue;
       unblocked.first += p < rig_.first;
       unblocked.poses.push_back(pose), visibility_.push_back(std::move(visibility));
     }
@@ -194,7 +194,7 @@ class Chooser {
     std::vector<std::uint8_t> chosen(rig_.poses.size(), 0);
     const auto choose = [&](std::size_t p) {
       chosen[p] = 1, coverage.add(visibility_[p]);
-      Camera camera = camera_at(rig_.poses[p], lens_, frame_, cloud_.origin);
+      Camera camera = camera_at(rig_.poses[p], intrinsics_, frame_, cloud_.origin);
       char name[24];
       std::snprintf(name, sizeof name, "%04d.png", int(found_.cameras.size()));
       camera.name = name;
@@ -213,7 +213,7 @@ class Chooser {
     found_.coverage = coverage.share(), found_.surface = coverage.gaussians();
   }
 
-  int first_views() const { return std::min(options_.views, options_.max_views); }
+  int first_views() const { return std::min(options_.view_count, options_.max_views); }
   Vec origin() const { return {cloud_.origin[0], cloud_.origin[1], cloud_.origin[2]}; }
 
   const Exec& exec_;
@@ -223,7 +223,7 @@ class Chooser {
   SurfacePoints points_;
   Ball ball_;
   Frame frame_;
-  Lens lens_;
+  Intrinsics intrinsics_;
   Rig rig_;
   std::vector<double> weight_;          // [points of interest]
   std::vector<Visibility> visibility_;  // [poses]

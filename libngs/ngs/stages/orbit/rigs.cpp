@@ -38,27 +38,30 @@ struct Ring {
 
 }  // namespace
 
-double Lens::focal_px() const { return 0.5 * std::max(width_px, height_px) / std::tan(0.5 * fov_deg * kRadian); }
+double Intrinsics::focal_px() const { return 0.5 * std::max(width_px, height_px) / std::tan(0.5 * fov_deg * kRadian); }
 
-double Lens::least_half_sine() const { return std::sin(std::atan(0.5 * std::min(width_px, height_px) / focal_px())); }
+double Intrinsics::least_half_sine() const {
+  return std::sin(std::atan(0.5 * std::min(width_px, height_px) / focal_px()));
+}
 
-Camera camera_at(const Pose& pose, const Lens& lens, const Frame& frame, const std::array<double, 3>& origin) {
+Camera camera_at(const Pose& pose, const Intrinsics& intrinsics, const Frame& frame,
+                 const std::array<double, 3>& origin) {
   const Vec forward = unit(pose.target - pose.centre);
   const bool along_z = std::abs(forward.z) > 0.999;
   const Vec right = unit(cross(forward, along_z ? Vec{1, 0, 0} : Vec{0, 0, 1})), down = cross(forward, right);
   const Mat3<double> in_frame{{right.x, right.y, right.z, down.x, down.y, down.z, forward.x, forward.y, forward.z}};
   Camera camera;
-  camera.width_px = lens.width_px, camera.height_px = lens.height_px;
-  camera.fx = camera.fy = lens.focal_px();
-  camera.cx = 0.5 * lens.width_px, camera.cy = 0.5 * lens.height_px;
+  camera.width_px = intrinsics.width_px, camera.height_px = intrinsics.height_px;
+  camera.fx = camera.fy = intrinsics.focal_px();
+  camera.cx = 0.5 * intrinsics.width_px, camera.cy = 0.5 * intrinsics.height_px;
   camera.rotation = in_frame * frame.axes;
   const Vec world = frame.to_world(pose.centre) + Vec{origin[0], origin[1], origin[2]};
   camera.translation = -1.0 * (camera.rotation * world);
   return camera;
 }
 
-Rig rings_about(double radius, const Lens& lens, const FreeSpace& space, int views) {
-  const double wanted = kMargin * radius / lens.least_half_sine();
+Rig rings_about(double radius, const Intrinsics& intrinsics, const FreeSpace& space, int views) {
+  const double wanted = kMargin * radius / intrinsics.least_half_sine();
   Rig rig;
   const auto add = [&](const Ring& ring) {
     for (int k = 0; k < ring.count; ++k) {

@@ -10,7 +10,7 @@
 namespace ngs::orbit {
 
 /// The intrinsics of all cameras of a rig.
-struct Lens {
+struct Intrinsics {
   int width_px = 0, height_px = 0;
   double fov_deg = 40;  // over the longer side
 
@@ -26,7 +26,8 @@ struct Pose {
 
 /// The camera at `pose` with the frame's z upwards in its image, or the frame's x if it looks along z. The camera is in
 /// world coordinates, `origin` included.
-Camera camera_at(const Pose& pose, const Lens& lens, const Frame& frame, const std::array<double, 3>& origin);
+Camera camera_at(const Pose& pose, const Intrinsics& intrinsics, const Frame& frame,
+                 const std::array<double, 3>& origin);
 
 /// Cameras around the ball of `radius` at the frame's centre. At the full distance the ball fills the shorter side of
 /// the image. A camera with an obstacle in front is moved nearer, and left out below 0.6 of the full distance. The
@@ -36,7 +37,7 @@ struct Rig {
   std::vector<Pose> poses;
   std::size_t first = 0;
 };
-Rig rings_about(double radius, const Lens& lens, const FreeSpace& space, int views);
+Rig rings_about(double radius, const Intrinsics& intrinsics, const FreeSpace& space, int views);
 
 /// Surface visible from inside the model compared with the surface visible from outside. Views from above are not used:
 /// an open ceiling does not make a room an object.

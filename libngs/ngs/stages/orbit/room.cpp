@@ -11,7 +11,7 @@ constexpr double kOpaque = 1;        // optical depth that ends a ray
 constexpr double kSurrounded = 0.6;  // fraction of all directions in which mass must lie
 constexpr double kClearance = 0.18;  // free distance around a viewpoint, in radii
 constexpr double kFarthest = 2.5;    // length of rays, in radii
-constexpr std::size_t kMostViewpoints = 16;
+constexpr std::size_t kMaxViewpoints = 16;
 
 struct Viewpoint {
   Vec at;
@@ -36,7 +36,7 @@ std::vector<Vec> farthest_points(const std::vector<Viewpoint>& viewpoints, doubl
   std::vector<Vec> chosen;
   std::vector<double> distance(viewpoints.size(), 0);
   for (std::size_t i = 0; i < viewpoints.size(); ++i) distance[i] = kFarthest * radius + viewpoints[i].clearance;
-  while (chosen.size() < kMostViewpoints && !viewpoints.empty()) {
+  while (chosen.size() < kMaxViewpoints && !viewpoints.empty()) {
     const auto next = std::size_t(std::max_element(distance.begin(), distance.end()) - distance.begin());
     if (distance[next] < kClearance * radius) break;
     chosen.push_back(viewpoints[next].at);

@@ -9,8 +9,8 @@
 namespace ngs::orbit {
 namespace {
 
-constexpr double kLeastOpacity = 1.0 / 255;      // Gaussians below are not rendered
-constexpr std::size_t kMostBulkSamples = 50000;  // for means and quantiles
+constexpr double kMinOpacity = 1.0 / 255;       // Gaussians below are not rendered
+constexpr std::size_t kMaxBulkSamples = 50000;  // for means and quantiles
 
 /// Weiszfeld's iteration from the weighted mean. Distances are at least 1/1000 of their mean.
 Vec geometric_median(const SurfacePoints& points, const std::vector<std::size_t>& samples) {
@@ -42,7 +42,7 @@ SurfacePoints surface_points(const GaussianCloud& cloud) {
   SurfacePoints points;
   for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
     const double opacity = sigmoid(double(cloud.logit_opacity[i]));
-    if (!cloud.usable[i] || !(opacity > kLeastOpacity)) continue;
+    if (!cloud.usable[i] || !(opacity > kMinOpacity)) continue;
     const float* log_scale = &cloud.log_scale[3 * i];
     const auto [low, high] = std::minmax({log_scale[0], log_scale[1], log_scale[2]});
     const float middle =
@@ -76,7 +76,7 @@ double weighted_quantile(const std::vector<double>& values, const std::vector<do
 }
 
 Ball bulk_of(const SurfacePoints& points) {
-  const std::vector<std::size_t> samples = thinned(points.count(), kMostBulkSamples);
+  const std::vector<std::size_t> samples = thinned(points.count(), kMaxBulkSamples);
   Ball bulk;
   bulk.centre = geometric_median(points, samples);
   std::vector<double> distance, weight;

@@ -9,14 +9,6 @@ namespace ngs::orbit {
 
 using Vec = Vec3<double>;
 
-inline double length(Vec v) { return std::sqrt(dot(v, v)); }
-
-/// v / |v|; +z for the zero vector.
-inline Vec unit(Vec v) {
-  const double n = length(v);
-  return n > 0 ? (1 / n) * v : Vec{0, 0, 1};
-}
-
 /// A unit vector perpendicular to the unit vector `v`.
 inline Vec perpendicular(Vec v) {
   const bool x_is_least = std::abs(v.x) <= std::abs(v.y) && std::abs(v.x) <= std::abs(v.z);

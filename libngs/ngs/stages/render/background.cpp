@@ -17,8 +17,8 @@ namespace ngs {
 namespace {
 
 using Rgb = std::array<double, 3>;
-constexpr double kLeastOpen = 1.0 / 255;                    // least T of a pixel that shows the background: one level
-constexpr std::size_t kMostSamples = std::size_t(1) << 16;  // per view; the median is accurate to 1 % of the spread
+constexpr double kMinOpen = 1.0 / 255;                     // least T of a pixel that shows the background: one level
+constexpr std::size_t kMaxSamples = std::size_t(1) << 16;  // per view; the median is accurate to 1 % of the spread
 constexpr double kWarnDifference = 0.1;
 
 Vec3<double> vec(const Rgb& c) { return {c[0], c[1], c[2]}; }
@@ -54,8 +54,8 @@ double gain_db(const BackgroundMeasurement& w, const Rgb& b) {
   double black = 0, over = 0;
   for (std::size_t c = 0; c < 3; ++c)
     black += w.residual2[c], over += w.residual2[c] - 2 * b[c] * w.residual[c] + b[c] * b[c] * w.open2;
-  constexpr double kLeastError = 1e-12;  // avoids division by 0 for an exact match
-  return 10 * std::log10(std::max(black, kLeastError) / std::max(over, kLeastError));
+  constexpr double kMinError = 1e-12;  // avoids division by 0 for an exact match
+  return 10 * std::log10(std::max(black, kMinError) / std::max(over, kMinError));
 }
 
 }  // namespace
@@ -106,7 +106,7 @@ BackgroundMeasurement measure_background(const RenderedView& view, const ImageF&
   std::vector<std::size_t> pixels;
   for (std::size_t p = 0; p < view.alpha.data.size(); ++p) {
     const double t = 1 - double(view.alpha.data[p]);
-    if (t >= kLeastOpen) pixels.push_back(p);
+    if (t >= kMinOpen) pixels.push_back(p);
     w.open2 += t * t;
     for (std::size_t c = 0; c < 3; ++c) {
       const double r = double(photo.data[3 * p + c]) - double(view.colour.data[3 * p + c]);
@@ -115,7 +115,7 @@ BackgroundMeasurement measure_background(const RenderedView& view, const ImageF&
   }
   w.open = !pixels.empty(), w.shown = w.open2 / double(view.alpha.data.size());
   if (!w.open) return w;
-  const std::size_t stride = (pixels.size() + kMostSamples - 1) / kMostSamples;
+  const std::size_t stride = (pixels.size() + kMaxSamples - 1) / kMaxSamples;
   std::vector<std::size_t> some;
   for (std::size_t i = 0; i < pixels.size(); i += stride) some.push_back(pixels[i]);
   for (int c = 0; c < 3; ++c) w.colour[std::size_t(c)] = least_deviations(some, view, photo, c);
@@ -142,8 +142,8 @@ BackgroundFinding find_background(std::span<const BackgroundMeasurement> measure
   for (const BackgroundMeasurement& w : measurements) gains.push_back(gain_db(w, fitted)), shown.push_back(w.shown);
   found.fitted = vec(fitted), found.error = vec(error);
   found.gain_db = upper_median(gains), found.shown = upper_median(shown);
-  const bool agreed = *std::max_element(error.begin(), error.end()) <= kMostBackgroundError;
-  if (found.shown >= kLeastShown && agreed && found.gain_db >= kBackgroundMarginDb) found.colour = found.fitted;
+  const bool agreed = *std::max_element(error.begin(), error.end()) <= kMaxBackgroundError;
+  if (found.shown >= kMinShown && agreed && found.gain_db >= kBackgroundMarginDb) found.colour = found.fitted;
   return found;
 }
 

@@ -4,6 +4,7 @@
 
 #include "ngs/math/median.h"
 #include "ngs/ops/field/knn.h"
+#include "ngs/problem/cloud_rows.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/scene/mask_threshold.h"
 #include "ngs/stages/render/render_options.h"
@@ -11,8 +12,8 @@
 namespace ngs {
 namespace {
 
-constexpr std::size_t kMostLabelling = 32, kMostCompared = 8;  // views
-constexpr double kLeastOfUsual = 0.25;
+constexpr std::size_t kMaxLabelling = 32, kMaxCompared = 8;  // views
+constexpr double kMinOfUsual = 0.25;
 
 /// Pixel counts of a view, over pixels with a known mask.
 struct PixelCounts {
@@ -33,7 +34,8 @@ class LabelRenderer {
       if (cloud.usable[i]) (objects[0].views[i] > 0 ? seen : unseen).push_back(std::uint32_t(i));
     }
     if (seen.empty() || unseen.empty()) return;
-    const std::vector<float> points = positions_of(seen), queries = positions_of(unseen);
+    const std::vector<float> points = gather_column(exec, cloud.position, 3, seen),
+                             queries = gather_column(exec, cloud.position, 3, unseen);
     const KnnGraph nearest = nearest_points(exec, {points.data(), std::int64_t(seen.size())},
                                             {queries.data(), std::int64_t(unseen.size())}, 1);
     for (std::size_t q = 0; q < unseen.size(); ++q) label_[unseen[q]] = label_[seen[nearest.index[q]]];
@@ -56,13 +58,6 @@ class LabelRenderer {
   }
 
  private:
-  std::vector<float> positions_of(const std::vector<std::uint32_t>& rows) const {
-    std::vector<float> positions;
-    for (const std::size_t i : rows)
-      positions.insert(positions.end(), &cloud_.position[3 * i], &cloud_.position[3 * i] + 3);
-    return positions;
-  }
-
   const GaussianCloud& cloud_;
   SplatOptions splat_;
   std::vector<float> label_;  // [N] 1: of some object
@@ -74,7 +69,7 @@ EmptyMasks check_empty_masks(const Exec& exec, Monitor& monitor, const EmptyMask
   EmptyMasks result{in.empty, {}, 1};
   if (in.empty.empty() || in.others.empty()) return result;
   const auto timed = monitor.scope("empty masks");
-  const std::vector<std::size_t> labelling = spread_views(in.others, kMostLabelling);
+  const std::vector<std::size_t> labelling = spread_views(in.others, kMaxLabelling);
   const SplatOptions splat = splat_options({}, in.cloud, in.scene);
   const Evidence evidence = accumulate_evidence(exec, monitor, {in.cloud, in.scene, labelling, splat, in.load_masks});
   const LabelRenderer renderer(exec, in.cloud, in.scene, label_gaussians({}, evidence));
@@ -83,14 +78,14 @@ EmptyMasks check_empty_masks(const Exec& exec, Monitor& monitor, const EmptyMask
   };
   double both = 0, either = 0;
   std::vector<double> usual;
-  for (const std::size_t view : spread_views(labelling, kMostCompared)) {
+  for (const std::size_t view : spread_views(labelling, kMaxCompared)) {
     const PixelCounts counts = count(view);
     both += counts.both, either += counts.mask + counts.shown - counts.both;
     usual.push_back(counts.share_of(counts.mask));
   }
   result.agreement = either > 0 ? both / either : 0;
-  if (result.agreement < kLeastMaskAgreement) return result;
-  const double least = kLeastOfUsual * upper_median(usual);
+  if (result.agreement < kMinMaskAgreement) return result;
+  const double least = kMinOfUsual * upper_median(usual);
   for_each_view(&monitor, in.empty, [&](std::size_t, std::size_t view) {
     const PixelCounts counts = count(view);
     if (counts.share_of(counts.shown) > least) result.contradicted.push_back(view);

@@ -13,7 +13,7 @@
 
 namespace ngs {
 
-inline constexpr double kLeastMaskAgreement = 0.5;  // IoU
+inline constexpr double kMinMaskAgreement = 0.5;  // IoU
 
 struct EmptyMaskInputs {
   const GaussianCloud& cloud;
@@ -22,7 +22,7 @@ struct EmptyMaskInputs {
   MaskLoader load_masks;
 };
 
-/// `contradicted` stays empty if the agreement is below kLeastMaskAgreement: the masks then do not locate the object.
+/// `contradicted` stays empty if the agreement is below kMinMaskAgreement: the masks then do not locate the object.
 EmptyMasks check_empty_masks(const Exec& exec, Monitor& monitor, const EmptyMaskInputs& in);
 
 }  // namespace ngs

@@ -7,7 +7,7 @@ namespace ngs {
 namespace {
 
 constexpr double kFilter_px2 = 0.3;  // at the size of the fit
-constexpr std::int64_t kUsualCandidates = 3, kMostCandidates = 4;
+constexpr std::int64_t kUsualCandidates = 3, kMaxCandidates = 4;
 
 /// Measures candidates one after the other.
 class Trials {
@@ -26,7 +26,7 @@ class Trials {
       const PhotoView view{model_.scene.views[v].camera, model_.load_photo(v)};
       c.psnr_db += match_photo(exec_, model_.cloud, view, splat).psnr_db / double(passes);
       ++done_;
-      monitor_.progress(done_, passes * (done_ > passes * kUsualCandidates ? kMostCandidates : kUsualCandidates));
+      monitor_.progress(done_, passes * (done_ > passes * kUsualCandidates ? kMaxCandidates : kUsualCandidates));
     }
     return c;
   }

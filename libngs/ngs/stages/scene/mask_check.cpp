@@ -83,9 +83,9 @@ void check_coverage(const std::string& name, const ObjectCheck& object, std::vec
 
 /// Masks of an object normally cover less than half of the images and of their borders.
 void check_polarity(const Scene& scene, std::size_t k, bool refuses, SceneCheck& result) {
-  constexpr double kMostBorder = 0.5, kMostCoverage = 0.5, kAllRound = 0.85;
+  constexpr double kMaxBorder = 0.5, kMaxCoverage = 0.5, kAllRound = 0.85;
   const ObjectCheck& object = result.objects[k];
-  if (!(object.border > kMostBorder && (object.mean_coverage > kMostCoverage || object.border > kAllRound))) return;
+  if (!(object.border > kMaxBorder && (object.mean_coverage > kMaxCoverage || object.border > kAllRound))) return;
   const std::string found =
       "object " + scene.objects[k].name + ": its masks cover most of the images and of their borders";
   if (scene.mask_mode == MaskMode::kLabel)

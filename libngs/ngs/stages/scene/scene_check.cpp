@@ -6,6 +6,7 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/error.h"
+#include "ngs/core/listed.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/scene/resize/shrink.h"
 #include "ngs/stages/render/render_options.h"
@@ -73,11 +74,9 @@ std::string decibels(double value) {
 
 /// The first of these views by name, and how many more there are.
 std::string some_names(const Scene& scene, const std::vector<std::size_t>& views) {
-  constexpr std::size_t kMostNames = 4;
-  std::string names;
-  for (std::size_t i = 0; i < std::min(kMostNames, views.size()); ++i)
-    names += (i == 0 ? "" : ", ") + scene.views[views[i]].camera.name;
-  return views.size() <= kMostNames ? names : names + " and " + std::to_string(views.size() - kMostNames) + " more";
+  std::vector<std::string> names;
+  for (const std::size_t view : views) names.push_back(scene.views[view].camera.name);
+  return listed(names, 4);
 }
 
 std::string percent(double share) {
@@ -345,7 +344,7 @@ void find_empty_masks(const Exec& exec, Monitor& monitor, const SceneCheckInputs
                               some_names(in.scene, wrong) +
                               "): probably the tool that made them lost it; import treats such views as views without "
                               "a mask, --missing-mask empty keeps the masks unchanged");
-  else if (result.empty_masks.agreement < kLeastMaskAgreement)
+  else if (result.empty_masks.agreement < kMinMaskAgreement)
     result.warnings.push_back(std::to_string(empty.size()) + of_all + " (" + some_names(in.scene, empty) +
                               "), and the others agree too little to decide whether the object is there; view them: "
                               "ngs-scene check SCENE --sheet masks.html");

@@ -13,7 +13,7 @@
 namespace ngs {
 namespace {
 
-constexpr int kMostSteps = 15, kPatience = 2;  // steps in total, and in a row without a lower error
+constexpr int kMaxAlignSteps = 15, kPatience = 2;  // steps in total, and in a row without a lower error
 
 Vec3<float> fitted_background(const RenderedView& view, const ImageF& photo) {
   const Vec3<double> b = match_rendered(view, photo).background;
@@ -34,7 +34,7 @@ ViewAlignment align(const PhotographedModel& model, const SplatOptions& splat, s
   CameraMotion total;
   double total_px = 0;
   int without_gain = 0;
-  for (int step = 0; step < kMostSteps && without_gain < kPatience; ++step) {
+  for (int step = 0; step < kMaxAlignSteps && without_gain < kPatience; ++step) {
     RenderedView view = render({}, model.cloud, camera, splat, request);
     if (step == 0) background = fitted_background(view, photo);
     const PoseStep found = pose_step(over_background(view, background), smooth, camera, total);
@@ -49,7 +49,7 @@ ViewAlignment align(const PhotographedModel& model, const SplatOptions& splat, s
     total.turn = total.turn + found.motion.turn, total.move = total.move + found.motion.move;
     total_px = found.total_px;
   }
-  best.applied = best.flow_px >= kLeastFlow_px && best.flow_px <= kMostFlow_px;
+  best.applied = best.flow_px >= kMinFlow_px && best.flow_px <= kMaxFlow_px;
   if (with_background) best.background = measure_background(best.applied ? at_best : at_start, photo);
   return best;
 }

@@ -23,12 +23,12 @@ struct ViewAlignment {
   std::optional<BackgroundMeasurement> background;  // of `background_views`, at the camera after alignment
 };
 
-inline constexpr double kLeastFlow_px = 0.15, kMostFlow_px = 8, kSettled_px = 0.03;
+inline constexpr double kMinFlow_px = 0.15, kMaxFlow_px = 8, kSettled_px = 0.03;
 inline constexpr std::size_t kAlignedFirst = 24;
 
 /// The alignment of views with a photo, by index. First kAlignedFirst evenly spread views and `background_views` are
 /// aligned. If all of these are at rest, the poses are those of the fit and the other views are left out. Motions of
-/// at least kLeastFlow_px that lower the error are applied; motions above kMostFlow_px are not, they indicate a wrong
+/// at least kMinFlow_px that lower the error are applied; motions above kMaxFlow_px are not, they indicate a wrong
 /// pose rather than an inaccurate one. For `background_views` the background is measured on the renders of the
 /// alignment.
 std::vector<ViewAlignment> measure_alignment(const Exec& exec, Monitor& monitor, const PhotographedModel& model,

@@ -3,8 +3,8 @@
 namespace ngs {
 
 std::vector<std::int64_t> sample_usable(const GaussianCloud& cloud) {
-  constexpr std::int64_t kMostSampled = 1 << 18;
-  const std::int64_t stride = (cloud.size() + kMostSampled - 1) / kMostSampled;
+  constexpr std::int64_t kMaxSampled = 1 << 18;
+  const std::int64_t stride = (cloud.size() + kMaxSampled - 1) / kMaxSampled;
   std::vector<std::int64_t> sample;
   for (std::int64_t i = 0; i < cloud.size(); i += stride)
     if (cloud.usable[std::size_t(i)] != 0) sample.push_back(i);

@@ -8,13 +8,14 @@
 #include "ngs/math/stable.h"
 #include "ngs/math/union_find.h"
 #include "ngs/ops/field/knn.h"
+#include "ngs/problem/cloud_rows.h"
 #include "ngs/stages/select/canonical_points.h"
 
 namespace ngs {
 namespace {
 
 constexpr int kNeighbours = 8;
-constexpr std::size_t kLeastRows = kNeighbours + 2;
+constexpr std::size_t kMinRows = kNeighbours + 2;
 constexpr double kReach = 3;  // standard deviations
 
 /// The standard deviations of a Gaussian, ln world, ascending.
@@ -66,16 +67,16 @@ class Cleaner {
   /// The distance from the middle of the bulk, at least the radius of the bulk.
   double scale_at(std::size_t i, const orbit::Ball& bulk) const {
     const float* p = &cloud_.position[3 * i];
-    return std::max(bulk.radius, orbit::length(orbit::Vec{p[0], p[1], p[2]} - bulk.centre));
+    return std::max(bulk.radius, length(orbit::Vec{p[0], p[1], p[2]} - bulk.centre));
   }
 
-  /// Finds the neighbours of the remaining Gaussians; false if there are fewer than kLeastRows.
+  /// Finds the neighbours of the remaining Gaussians; false if there are fewer than kMinRows.
   bool find_neighbours() {
     rows_ = canonical_rows(cloud_);
     std::erase_if(rows_, [&](std::uint32_t i) { return finding_.debris[i] != Debris::kNone; });
     for (const std::size_t i : rows_)
       position_.insert(position_.end(), &cloud_.position[3 * i], &cloud_.position[3 * i] + 3);
-    if (rows_.size() < kLeastRows) return false;
+    if (rows_.size() < kMinRows) return false;
     graph_ = nearest_others(exec_, {position_.data(), std::int64_t(rows_.size())}, kNeighbours);
     for (std::size_t q = 0; q < rows_.size(); ++q)
       spacing_.push_back(std::sqrt(double(graph_.dist2[(q + 1) * kNeighbours - 1])));
@@ -123,7 +124,8 @@ class Cleaner {
     }
     if (large.empty() || small.empty()) return;
     const KnnGraph nearest = [&] {
-      const std::vector<float> points = positions_of(large), queries = positions_of(small);
+      const std::vector<float> points = gather_column(exec_, position_, 3, large),
+                               queries = gather_column(exec_, position_, 3, small);
       return nearest_points(exec_, {points.data(), std::int64_t(large.size())},
                             {queries.data(), std::int64_t(small.size())}, 1);
     }();
@@ -135,13 +137,6 @@ class Cleaner {
     }
     for (const std::uint32_t q : small)
       if (!attached[sets.root(q)]) finding_.debris[rows_[q]] = Debris::kFloater;
-  }
-
-  std::vector<float> positions_of(const std::vector<std::uint32_t>& queries) const {
-    std::vector<float> out;
-    for (const std::uint32_t q : queries)
-      out.insert(out.end(), &position_[3 * std::size_t(q)], &position_[3 * std::size_t(q)] + 3);
-    return out;
   }
 
   const Exec& exec_;

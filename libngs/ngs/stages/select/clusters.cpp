@@ -99,14 +99,12 @@ double cluster_side(const Exec& exec, const GaussianCloud& cloud, const std::vec
   const std::vector<float> positions = solid_positions(cloud, member);
   KnnGraph graph = nearest_others(exec, {positions.data(), std::int64_t(positions.size() / 3)}, 1);
   if (graph.dist2.empty()) return 0;
-  return side_of_spacings(std::move(graph.dist2));
+  return side_of_spacings(graph.dist2);
 }
 
-double side_of_spacings(std::vector<float> dist2) {
+double side_of_spacings(const std::vector<float>& dist2) {
   constexpr double kSpacings = 4, kQuantile = 0.9;
-  const auto at = dist2.begin() + std::ptrdiff_t(kQuantile * double(dist2.size() - 1));
-  std::nth_element(dist2.begin(), at, dist2.end());
-  return kSpacings * std::sqrt(double(*at));
+  return kSpacings * std::sqrt(quantile({dist2.begin(), dist2.end()}, kQuantile));
 }
 
 Clusters cluster_on_grid(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::uint8_t>& member,

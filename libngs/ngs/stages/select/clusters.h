@@ -31,6 +31,6 @@ Clusters cluster_on_grid(const Exec& exec, const GaussianCloud& cloud, const std
 /// solid neighbour. 0 with fewer than two, or if this quantile is 0.
 double cluster_side(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::uint8_t>& member);
 /// The same from the squared distances, at least one.
-double side_of_spacings(std::vector<float> dist2);
+double side_of_spacings(const std::vector<float>& dist2);
 
 }  // namespace ngs

@@ -74,7 +74,7 @@ bool within(const Region& region, Vec p) {
   for (const auto& [low, high] : region.boxes)
     if (p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y && p.z >= low.z && p.z <= high.z) return true;
   for (const orbit::Ball& ball : region.balls)
-    if (orbit::length(p - ball.centre) <= ball.radius) return true;
+    if (length(p - ball.centre) <= ball.radius) return true;
   return false;
 }
 

@@ -19,8 +19,9 @@ struct SupportPlane {
 
 /// `points`: rows of `cloud` in canonical order (canonical_points.h). `up`: unit length, accurate to 25 degrees. found
 /// is false without points, if all are at one position, or if no slab contains 1/20 of the flat area with at least
-/// 1/100 of all area above it.
-SupportPlane find_support_plane(const GaussianCloud& cloud, const orbit::SurfacePoints& points, orbit::Vec up);
+/// 1/100 of all area above it. Gaussians with object[row] != 0 may lie above the plane, but not support.
+SupportPlane find_support_plane(const GaussianCloud& cloud, const orbit::SurfacePoints& points, orbit::Vec up,
+                                const std::vector<std::uint8_t>& object = {});
 
 /// Whether a found plane can support objects, that is, whether it is not a side of a body or a slice through it:
 ///   - At least a fifth of its surface has nothing close above. The back of a guitar has the front above it everywhere.
@@ -32,5 +33,11 @@ bool supports_object(const GaussianCloud& cloud, const orbit::SurfacePoints& poi
 /// leave the tilt undetermined. Returns `plane` unchanged if it was not found, or if the fit would tilt it by more than
 /// 25 degrees.
 SupportPlane refined_by(const GaussianCloud& cloud, const orbit::SurfacePoints& points, const SupportPlane& plane);
+
+/// Clears object[row] of the Gaussians that lie in the plane which supports the object, such as the floor under a rug:
+/// masks of the rug cover them too. The plane is found among the Gaussians with
+/// object[row] == 0 and is as thick as it is there: Gaussians just above it and below it stay. Without a plane nothing
+/// changes.
+void leave_out_support(const GaussianCloud& cloud, orbit::Vec up, std::vector<std::uint8_t>& object);
 
 }  // namespace ngs

@@ -16,6 +16,7 @@ namespace ngs {
 namespace {
 
 constexpr double kTouched = 0.1;       // least fraction of a stroke's weight on the selection
+constexpr double kShown = 0.01;        // the same of a mask: less is a speck
 constexpr double kReach = 2;           // standard deviations that a Gaussian reaches
 constexpr std::size_t kSample = 4096;  // Gaussians in the estimate of the spacing
 
@@ -35,19 +36,38 @@ double side_by_sample(const Exec& exec, const GaussianCloud& cloud, const std::v
   std::vector<float> dist2;
   for (std::size_t q = 0; q < sample.size() / 3; ++q)
     dist2.push_back(graph.dist2[2 * q + 1]);  // the first is the Gaussian itself
-  return side_of_spacings(std::move(dist2));
+  return side_of_spacings(dist2);
 }
 
-/// Marks the pieces that the stroke touches.
-void touch(const ViewSums& stroke, const Clusters& pieces, std::vector<std::uint8_t>& touched) {
+/// Per piece: 1 if it has at least `share` of the weight of `sums` on all pieces, or the largest.
+std::vector<std::uint8_t> pieces_in(const ViewSums& sums, const Clusters& pieces, double share) {
   std::vector<double> weight(pieces.size.size());
-  for (std::size_t v = 0; v < stroke.size(); ++v)
-    if (const std::int32_t piece = pieces.of_row[stroke.row[v]]; piece >= 0)
-      weight[std::size_t(piece)] += stroke.weight(v);
+  for (std::size_t v = 0; v < sums.size(); ++v)
+    if (const std::int32_t piece = pieces.of_row[sums.row[v]]; piece >= 0) weight[std::size_t(piece)] += sums.weight(v);
+  std::vector<std::uint8_t> shown(weight.size());
   const double whole = std::accumulate(weight.begin(), weight.end(), 0.0);
-  if (!(whole > 0)) return;
-  touched[std::size_t(std::max_element(weight.begin(), weight.end()) - weight.begin())] = 1;
-  for (std::size_t p = 0; p < weight.size(); ++p) touched[p] |= std::uint8_t(weight[p] >= kTouched * whole);
+  if (!(whole > 0)) return shown;
+  shown[std::size_t(std::max_element(weight.begin(), weight.end()) - weight.begin())] = 1;
+  for (std::size_t p = 0; p < weight.size(); ++p) shown[p] |= std::uint8_t(weight[p] >= share * whole);
+  return shown;
+}
+
+/// Per piece: 1 if a stroke touches it, or at least kMinMasks masks show it and a stroke touches any.
+std::vector<std::uint8_t> touched_by(std::span<const ViewSums> strokes, std::span<const ViewSums> masks,
+                                     const Clusters& pieces) {
+  std::vector<std::uint8_t> touched(pieces.size.size());
+  for (const ViewSums& stroke : strokes) {
+    const std::vector<std::uint8_t> shown = pieces_in(stroke, pieces, kTouched);
+    for (std::size_t p = 0; p < shown.size(); ++p) touched[p] |= shown[p];
+  }
+  if (std::ranges::count(touched, 1) == 0) return touched;
+  std::vector<int> count(touched.size());
+  for (const ViewSums& mask : masks) {
+    const std::vector<std::uint8_t> shown = pieces_in(mask, pieces, kShown);
+    for (std::size_t p = 0; p < shown.size(); ++p) count[p] += shown[p];
+  }
+  for (std::size_t p = 0; p < touched.size(); ++p) touched[p] |= std::uint8_t(count[p] >= kMinMasks);
+  return touched;
 }
 
 /// Keeps the Gaussians of other pieces that reach a kept one, out[i] = 1: an object may be sparse in places, with large
@@ -79,8 +99,8 @@ std::vector<PixelMask> object_strokes(const ViewPrompt& marks) {
   std::iota(order.begin(), order.end(), std::size_t(0));
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return found.size[a] > found.size[b]; });
-  for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = std::min(k, kMostStrokes - 1);
-  std::vector<PixelMask> strokes(std::min(order.size(), kMostStrokes), PixelMask(marked.size()));
+  for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = std::min(k, kMaxStrokes - 1);
+  std::vector<PixelMask> strokes(std::min(order.size(), kMaxStrokes), PixelMask(marked.size()));
   for (std::size_t p = 0; p < marked.size(); ++p)
     if (marked[p]) strokes[place[std::size_t(found.component[p])]][p] = 1;
   return strokes;
@@ -99,7 +119,7 @@ std::vector<ViewSums> stroke_weights(const Exec& exec, const GaussianCloud& clou
 }
 
 PieceSelection touched_pieces(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::uint8_t>& member,
-                              std::span<const ViewSums> strokes) {
+                              std::span<const ViewSums> strokes, std::span<const ViewSums> masks) {
   NGS_CHECK(std::int64_t(member.size()) == cloud.size(), "one entry per Gaussian");
   PieceSelection out;
   out.object = member;
@@ -107,8 +127,7 @@ PieceSelection touched_pieces(const Exec& exec, const GaussianCloud& cloud, cons
   const double side = side_by_sample(exec, cloud, out.object);
   const Clusters pieces = cluster_on_grid(exec, cloud, out.object, side);
   out.pieces = out.kept_pieces = std::int64_t(pieces.size.size());
-  std::vector<std::uint8_t> touched(pieces.size.size());
-  for (const ViewSums& stroke : strokes) touch(stroke, pieces, touched);
+  const std::vector<std::uint8_t> touched = touched_by(strokes, masks, pieces);
   const auto kept = std::count(touched.begin(), touched.end(), std::uint8_t(1));
   if (kept == 0) return out;
   out.kept_pieces = kept;

@@ -4,7 +4,8 @@
 //
 // Pieces are clusters on a grid (clusters.h). A stroke touches every piece with at least a tenth of the stroke's
 // rendering weight on the selection, and always the piece with the largest weight. Several strokes on several pieces,
-// or one stroke across several pieces, keep all of them.
+// or one stroke across several pieces, keep all of them. So do masks of several views that show a piece: parts of an
+// object may be connected through nothing that is visible.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -15,9 +16,9 @@
 
 namespace ngs {
 
-/// The connected strokes on the object in one view as masks, the largest first. With more than kMostStrokes the
+/// The connected strokes on the object in one view as masks, the largest first. With more than kMaxStrokes the
 /// smallest share the last mask. Boxes are not strokes.
-inline constexpr std::size_t kMostStrokes = 16;
+inline constexpr std::size_t kMaxStrokes = 16;
 std::vector<PixelMask> object_strokes(const ViewPrompt& marks);
 
 /// The Gaussians under each of these strokes, with their weight over its pixels; `marks` has the size of the camera.
@@ -32,8 +33,10 @@ struct PieceSelection {
 };
 
 /// Selects among the usable Gaussians with member[i] != 0, without needles. If no stroke touches any of them, all are
-/// kept.
+/// kept. `masks`: the Gaussians inside the masks of views that were segmented one by one. A piece with at least a tenth
+/// of the weight in each of kMinMasks masks counts as touched.
+inline constexpr int kMinMasks = 3;
 PieceSelection touched_pieces(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::uint8_t>& member,
-                              std::span<const ViewSums> strokes);
+                              std::span<const ViewSums> strokes, std::span<const ViewSums> masks = {});
 
 }  // namespace ngs

@@ -39,4 +39,13 @@ bool is_worse(const ResultQuality& result, const ResultQuality& other) {
          result.agreement < other.agreement - kAgreementMargin;
 }
 
+std::vector<float> fix_boundary(const LabelColumns& first, LabelColumns& trained) {
+  const std::size_t n = trained.label.size();
+  NGS_CHECK(first.label.size() == n && trained.boundary.size() == n, "labels of the same Gaussians");
+  std::vector<float> fixed(n);
+  for (std::size_t i = 0; i < n; ++i)
+    if (is_set(trained.boundary[i])) trained.label[i] = first.label[i], fixed[i] = 1;
+  return fixed;
+}
+
 }  // namespace ngs

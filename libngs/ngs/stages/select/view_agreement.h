@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "ngs/scene/labels/label_columns.h"
 #include "ngs/scene/views.h"
 #include "ngs/stages/select/stroke_agreement.h"
 
@@ -22,5 +23,10 @@ struct ResultQuality {
 
 /// True if `result` contradicts strokes, or the masks of its views, by more than `other` does, beyond a small margin.
 bool is_worse(const ResultQuality& result, const ResultQuality& other);
+
+/// Replaces the labels of the boundary Gaussians of `trained` by those of `first`, which has the same rows. The masks
+/// of a boundary Gaussian disagree: if all masks were segmented from one expected object, that object decides. Returns
+/// [N] the column ngs_fixed: 1 for these Gaussians.
+std::vector<float> fix_boundary(const LabelColumns& first, LabelColumns& trained);
 
 }  // namespace ngs

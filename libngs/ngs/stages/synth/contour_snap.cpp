@@ -9,7 +9,7 @@
 namespace ngs::synth {
 namespace {
 
-constexpr int kLeastMove_px = 2;  // nearer edges are the blurred contour itself
+constexpr int kMinMove_px = 2;  // nearer edges are the blurred contour itself
 
 struct Displacement {
   double x_px = 0, y_px = 0;
@@ -23,7 +23,7 @@ class ContourSnap {
     gradient_ = per_pixel<float>([&](int x, int y) { return gradient(x, y); });
     near_contour_ = per_pixel<std::uint8_t>([&](int x, int y) {
       bool near = false;
-      for_each_in_disc(kLeastMove_px - 0.5, x, y, [&](int dx, int dy) { near |= contour_[at(x + dx, y + dy)]; });
+      for_each_in_disc(kMinMove_px - 0.5, x, y, [&](int dx, int dy) { near |= contour_[at(x + dx, y + dy)]; });
       return std::uint8_t(near);
     });
     move_ = per_pixel<Displacement>(

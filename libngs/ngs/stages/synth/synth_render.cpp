@@ -86,25 +86,36 @@ double distance_to_objects(const AnalyticScene& scene, V p, double at_most) {
   return best;
 }
 
+/// About z, from a turntable's frame of rest to that of a camera's photo; its inverse is the transpose.
+Mat3<double> turn_of(const AnalyticScene& scene, V o) {
+  const V from{o.x - scene.focus.x, o.y - scene.focus.y, 0};
+  const double length = std::sqrt(dot(from, from));
+  if (!scene.turns || length == 0) return {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const double c = from.x / length, s = from.y / length;
+  return {c, -s, 0, s, c, 0, 0, 0, 1};
+}
+
 V shade(const AnalyticScene& scene, const Hit& hit, V o, V d) {
   if (hit.object < 0 && !scene.has_room) return {0, 0, 0};
   const V p = o + hit.distance * d;
+  const Mat3<double> turn = turn_of(scene, o);
+  const V towards = turn * scene.light;
   V n, base;
   double gloss = 0;
   if (hit.object < 0) {
     n = leave_room(scene.room, o, d).normal;
-    base = albedo(n.z > 0.5 ? scene.room.floor : scene.room.walls, p);
+    base = albedo(n.z > 0.5 ? scene.room.floor : scene.room.walls, transpose(turn) * p);
   } else {
     const Object& object = scene.objects[std::size_t(hit.object)];
     n = surface_normal(object.solids[std::size_t(hit.solid)], p);
     base = albedo(object.texture, p), gloss = scene.gloss;
   }
   // Wrapped diffuse lighting: no hard terminator.
-  const double lambert = std::max(0.0, 0.75 * dot(n, scene.light) + 0.25);
+  const double lambert = std::max(0.0, 0.75 * dot(n, towards) + 0.25);
   constexpr double kContact = 0.15;  // world: range of contact shadows
   const double open = std::clamp(distance_to_objects(scene, p + kContact * n, kContact) / kContact, 0.0, 1.0);
   const double light = (scene.ambient + (1 - scene.ambient) * lambert) * (0.45 + 0.55 * open);
-  const double mirror = dot(d - 2 * dot(d, n) * n, scene.light), m2 = mirror * mirror;
+  const double mirror = dot(d - 2 * dot(d, n) * n, towards), m2 = mirror * mirror;
   const double highlight = mirror > 0 ? gloss * m2 * m2 * m2 * m2 * m2 * m2 : 0;
   const auto channel = [&](double a) { return std::clamp(a * light + highlight, 0.0, 1.0); };
   return {channel(base.x), channel(base.y), channel(base.z)};

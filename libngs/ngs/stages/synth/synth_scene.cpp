@@ -161,6 +161,20 @@ void ground(AnalyticScene& scene) {
   scene.focus = {0, 0, 0.4}, scene.rig_radius = 2.6;
 }
 
+/// A bust on a turning plate in a dark room: the light moves over it from photo to photo.
+void turntable(AnalyticScene& scene) {
+  scene.objects = {
+      {"bust",
+       {box({0, 0, 0.13}, turned_about_z(0.4), {0.2, 0.16, 0.12}, 0.02), cylinder({0, 0, 0.4}, kUpright, 0.09, 0.16),
+        sphere({0, 0, 0.66}, 0.17), sphere({0.15, 0.03, 0.64}, 0.05)},
+       {Pattern::kMarble, {0.75, 0.7, 0.6}, {0.45, 0.4, 0.45}, 3, 0.1, 14}},
+      {"plate",
+       {cylinder({0, 0, -0.04}, kUpright, 0.5, 0.04)},
+       {Pattern::kStripes, {0.2, 0.2, 0.22}, {0.4, 0.4, 0.42}, 4, 0.08, 15}}};
+  scene.focus = {0, 0, 0.35}, scene.rig_radius = 2.2;
+  scene.light = {0.5, 0.6, 0.6}, scene.ambient = 0.15, scene.turns = true;
+}
+
 int find_target(const std::vector<Object>& objects, const std::string& name) {
   if (name.empty()) return 0;
   std::string known;
@@ -227,6 +241,7 @@ AnalyticScene build_scene(const Recipe& recipe) {
     case SceneKind::kTable: table(scene, dice), floor = -0.8; break;
     case SceneKind::kCorner: corner(scene); break;
     case SceneKind::kGround: ground(scene), floor = -1.2; break;
+    case SceneKind::kTurntable: turntable(scene), floor = -1.2; break;
   }
   const auto seed = std::uint32_t(recipe.scene_seed);
   for (Object& object : scene.objects) object.texture.seed += 101 * seed;
@@ -238,6 +253,10 @@ AnalyticScene build_scene(const Recipe& recipe) {
   if (recipe.scene == SceneKind::kCorner) {
     scene.room.low.x = kWallX, scene.room.low.y = kWallY;
     scene.room.walls = {Pattern::kStripes, {0.36, 0.42, 0.5}, {0.6, 0.58, 0.5}, 2, 0.1, 92 + seed};
+  }
+  if (scene.turns) {
+    scene.room.floor = {Pattern::kSpots, {0.03, 0.03, 0.04}, {0.1, 0.09, 0.08}, 1.6, 0.01, 91 + seed};
+    scene.room.walls = {Pattern::kSpots, {0.04, 0.03, 0.03}, {0.08, 0.1, 0.09}, 0.7, 0.01, 92 + seed};
   }
   scene.light = normalized(scene.light);
   scene.gloss = recipe.gloss, scene.grey = recipe.grey;

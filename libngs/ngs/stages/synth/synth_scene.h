@@ -13,7 +13,7 @@
 
 namespace ngs::synth {
 
-enum class SceneKind : std::uint8_t { kTwoSpheres, kTorusBox, kLeaves, kBones, kTable, kCorner, kGround };
+enum class SceneKind : std::uint8_t { kTwoSpheres, kTorusBox, kLeaves, kBones, kTable, kCorner, kGround, kTurntable };
 enum class Rig : std::uint8_t { kOrbit, kForward };
 inline constexpr NamedValue<SceneKind> kSceneNames[] = {{SceneKind::kTwoSpheres, "two-spheres"},
                                                         {SceneKind::kTorusBox, "torus-box"},
@@ -21,7 +21,8 @@ inline constexpr NamedValue<SceneKind> kSceneNames[] = {{SceneKind::kTwoSpheres,
                                                         {SceneKind::kBones, "bones"},
                                                         {SceneKind::kTable, "table"},
                                                         {SceneKind::kCorner, "corner"},
-                                                        {SceneKind::kGround, "ground"}};
+                                                        {SceneKind::kGround, "ground"},
+                                                        {SceneKind::kTurntable, "turntable"}};
 inline constexpr NamedValue<Rig> kRigNames[] = {{Rig::kOrbit, "orbit"}, {Rig::kForward, "forward"}};
 
 /// All parameters of a scene.
@@ -60,7 +61,7 @@ struct Recipe {
   }
 };
 
-/// A recipe by name: the seven scenes, and `tiny` (two spheres, 6 views of 64x48, for tests). Throws kUsage for an
+/// A recipe by name: the eight scenes, and `tiny` (two spheres, 6 views of 64x48, for tests). Throws kUsage for an
 /// unknown name.
 Recipe named_recipe(const std::string& name);
 std::vector<std::string> recipe_names();
@@ -83,6 +84,7 @@ struct AnalyticScene {
   Room room;
   bool has_room = true;                  // false: rays that miss every object are black and have no depth (infinity)
   Vec3<double> light{0.45, -0.3, 0.84};  // unit, towards the light
+  bool turns = false;  // the objects turn before a fixed camera: light and room follow the camera's azimuth
   double ambient = 0.4, gloss = 0;
   bool grey = false;      // images have luminance only
   Vec3<double> focus{};   // the point that the cameras look at

@@ -68,8 +68,6 @@ Solid bounded(Solid solid, double bound_radius) {
 
 }  // namespace
 
-double length(Vec3<double> v) { return std::sqrt(dot(v, v)); }
-
 Vec3<double> normalized(Vec3<double> v) {
   const double n = length(v);
   NGS_CHECK(n > 0, "a direction must not be zero");

@@ -51,7 +51,6 @@ Vec3<double> albedo(const Texture& texture, Vec3<double> p);
 /// Value noise in [-1, 1], C1, wavelength about 2 lattice units.
 double value_noise(Vec3<double> p, std::uint32_t seed);
 
-double length(Vec3<double> v);
 Vec3<double> normalized(Vec3<double> v);
 /// Rows: an orthonormal frame whose third axis is `axis`.
 Mat3<double> frame_with_z(Vec3<double> axis);

@@ -164,7 +164,7 @@ TEST_CASE("invalid COLMAP text is rejected with its line") {
   refused(camera, "1 1 0 0 0 0 0 0 1\n\n", "without a name");
   refused(camera, "1 1 0 0 0 0 0 0 1 ../a.png\n\n", "leads out of the image folder");
   refused(camera, "1 1 0 0 0 0 0 0 1 /a.png\n\n", "leads out of the image folder");
-  refused(camera, "1 1 0 0 0 0 0 0 1 a.png\n\n2 1 0 0 0 0 0 0 1 a.png\n\n", "image a.png twice");
+  refused(camera, "1 1 0 0 0 0 0 0 1 a.png\n\n2 1 0 0 0 0 0 0 1 a.png\n\n", "image a.png is listed twice");
   refused(camera, "# nothing\n", "no cameras");
   refused("1 PINHOLE 640 480 500 500 320\n", "", "expected a camera parameter");
   refused("1 PINHOLE 640 480 500 500 320 240 9\n", "", "more than the 4 parameters");
@@ -308,7 +308,7 @@ TEST_CASE("invalid cameras.json files are rejected with the location") {
     broken[nlohmann::json::json_pointer(pointer)] = value;
     CHECK_THROWS_WITH_AS(parse_cameras_json(broken, "c"), doctest::Contains(message), Error);
   };
-  refused("/1/img_name", "view 0.png", "view 0.png twice");
+  refused("/1/img_name", "view 0.png", "image view 0.png is listed twice");
   refused("/1/rotation/0", {1, 1}, "[1].rotation");
   refused("/1/rotation", {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, "differs from a rotation");
   refused("/1/position", {1, 2}, "[1].position");

@@ -43,16 +43,16 @@ TEST_CASE("registered temporary files are removed; released ones and those beyon
   const test::TempDir dir;
   const std::string kept = dir.write("kept", ""), lost = dir.write("lost", "");
   UnfinishedFile a, b;
-  a.note(kept.c_str()), b.note(lost.c_str());
+  a.track(kept.c_str()), b.track(lost.c_str());
   a.release();
   remove_unfinished_files();
   CHECK(std::filesystem::exists(kept));
   CHECK_FALSE(std::filesystem::exists(lost));
   std::vector<UnfinishedFile> many(100);
-  for (UnfinishedFile& file : many) file.note(kept.c_str());  // beyond the 64 slots: must have no effect
+  for (UnfinishedFile& file : many) file.track(kept.c_str());  // beyond the 64 slots: must have no effect
   const std::string too_long = dir.path() + "/" + std::string(5000, 'x');
   UnfinishedFile c;
-  c.note(too_long.c_str());
+  c.track(too_long.c_str());
 }
 
 }  // namespace ngs::io

@@ -21,7 +21,7 @@ using nlohmann::json;
 
 /// An image of one row with `texels`, four bytes each.
 std::vector<std::uint8_t> picture(const std::vector<std::array<int, 4>>& texels, int width = 0) {
-  io::RgbaTable table{width > 0 ? width : int(texels.size()), 1, {}};
+  io::RgbaImage table{width > 0 ? width : int(texels.size()), 1, {}};
   table.bytes.resize(table.texels() * 4, 0);
   for (std::size_t i = 0; i < texels.size(); ++i)
     for (std::size_t c = 0; c < 4; ++c) table.texel(i)[c] = std::uint8_t(texels[i][c]);
@@ -189,7 +189,7 @@ TEST_CASE("a .sog with invalid metadata is rejected before memory is allocated")
   check_refused(with([](Files& f) { f.picture_of("s.webp") = {'R', 'I', 'F', 'F'}; }), "not a WebP image");
   check_refused(with([](Files& f) { f.picture_of("s.webp").resize(30); }), "WebP image");
   // 16383 x 16383 constant pixels are a few hundred bytes of WebP
-  io::RgbaTable large{16383, 400, std::vector<std::uint8_t>(std::size_t(16383) * 400 * 4, 7)};
+  io::RgbaImage large{16383, 400, std::vector<std::uint8_t>(std::size_t(16383) * 400 * 4, 7)};
   check_refused(with([&](Files& f) { f.picture_of("c.webp") = io::encode_webp(large); }),
                 "16383 x 400 pixels, expected at most 65540 in all");
 }

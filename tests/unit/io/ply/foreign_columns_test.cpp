@@ -126,7 +126,7 @@ TEST_CASE("activated scales and opacities are rejected with the command that con
     const Refusal refusal = refusal_of(activated(table, scale, opacity));
     CHECK(contains(refusal.what, "scale_* all > 0") == scale);
     CHECK(contains(refusal.what, "opacity 0 to 1") == opacity);
-    CHECK(contains(refusal.remedy, "ngs-extract model.ply --activated --object"));
+    CHECK(contains(refusal.remedy, "ngs-extract model.ply --activated --object-ply"));
   }
   PlyColumns large = activated(table, true, true);  // a world in millimetres
   for (auto& row : large.rows)

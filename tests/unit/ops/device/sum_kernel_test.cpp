@@ -48,22 +48,35 @@ TEST_CASE("ordered_sums equals the sum of all rows for every number of chunks") 
     }
 }
 
-TEST_CASE("first_unusable_on_device finds the first value above the limit at every position") {
+TEST_CASE("adam_on_device finds the first gradient above the limit in any block, and then changes nothing") {
   test::HostLauncher launcher;
   for (const std::int64_t n : kSizes)
     for (const std::int64_t bad : {std::int64_t(0), n / 3, n / 2, n - 1}) {
       CAPTURE(n);
       CAPTURE(bad);
-      std::vector<float> value(std::size_t(n), 1.f);
-      const auto first = [&] {
-        const DeviceBuffer<test::HostLauncher, float> on_device(launcher, value);
-        return first_unusable_on_device(launcher, on_device.data(), n, 100.f);
+      std::vector<float> grad(std::size_t(n), 1.f);
+      const std::vector<float> zero(std::size_t(n), 0.f);
+      const auto first = [&](float want_value) {
+        const DeviceBuffer<test::HostLauncher, float> g(launcher, grad), value(launcher, zero), m(launcher, zero),
+            v(launcher, zero);
+        AdamBlocks blocks;  // two blocks, cut in the middle
+        const auto add = [&](std::int64_t begin, std::int64_t size) {
+          blocks.add({value.data() + begin, g.data() + begin, m.data() + begin, v.data() + begin, size, 1.f, 1.f, 1.f,
+                      1.f, 0.f},
+                     0);
+        };
+        add(0, n / 2), add(n / 2, n - n / 2);
+        const std::int64_t found = adam_on_device(launcher, blocks, 100.f);
+        std::vector<float> after;
+        value.to(after);
+        CHECK(after == std::vector<float>(std::size_t(n), want_value));
+        return found;
       };
-      CHECK(first() == -1);
-      std::fill(value.begin() + bad, value.end(), 101.f);
-      CHECK(first() == bad);
+      CHECK(first(-1.f) == kNoIndex);
+      std::fill(grad.begin() + bad, grad.end(), 101.f);
+      CHECK(first(0.f) == bad);
     }
-  CHECK(first_unusable_on_device(launcher, nullptr, 0, 1.f) == -1);
+  CHECK(adam_on_device(launcher, AdamBlocks(), 1.f) == kNoIndex);
 }
 
 }  // namespace ngs

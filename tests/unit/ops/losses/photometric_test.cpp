@@ -14,15 +14,15 @@ namespace {
 
 // The loss of 3DGS, written directly: a 2-D window, zero outside, not separable, in double.
 PhotometricLoss reference_loss(const ImageF& x, const ImageF& y, double lambda, const ImageF* weight = nullptr,
-                               PixelRegion region = {}) {
+                               PixelRect box = {}) {
   double window[11][11], total = 0;
   for (int j = 0; j < 11; ++j)
     for (int i = 0; i < 11; ++i)
       total += window[j][i] = std::exp(-((i - 5) * (i - 5) + (j - 5) * (j - 5)) / (2 * 1.5 * 1.5));
-  if (region.empty()) region = {0, 0, x.width_px, x.height_px};
+  if (box.empty()) box = {0, 0, x.width_px, x.height_px};
   double l1 = 0, ssim = 0, weights = 0;
-  for (int py = region.y0; py < region.y1; ++py)
-    for (int px = region.x0; px < region.x1; ++px) {
+  for (int py = box.y0; py < box.y1; ++py)
+    for (int px = box.x0; px < box.x1; ++px) {
       const double w = weight ? double(weight->at(px, py)) : 1;
       weights += w;
       for (int c = 0; c < x.channels; ++c) {
@@ -80,7 +80,7 @@ TEST_CASE("SSIM of a flat image far above 1 stays between 0 and 1") {
     const ImageF bright = random_image(40, 40, 1, 3, level, 0), target = random_image(40, 40, 1, 3, 0.8f, 0);
     ImageF gradient(40, 40, 1);
     PhotometricPass<float> pass;
-    const auto value = pass.evaluate({}, {.dssim_weight = 1, .region = {10, 10, 30, 30}}, {bright, target}, &gradient);
+    const auto value = pass.evaluate({}, {.dssim_weight = 1, .box = {10, 10, 30, 30}}, {bright, target}, &gradient);
     CHECK(value.ssim >= 0);
     CHECK(value.ssim <= 1);
     CHECK(std::all_of(gradient.data.begin(), gradient.data.end(), [](float g) { return std::isfinite(g); }));
@@ -98,19 +98,19 @@ TEST_CASE("the photometric loss of an image with itself is zero and its gradient
   CHECK(worst < 1e-6f);
 }
 
-TEST_CASE("a region and pixel weights restrict the loss to their pixels but not the windows") {
+TEST_CASE("a box and pixel weights restrict the loss to their pixels but not the windows") {
   const ImageF x = random_image(31, 27, 3, 7), y = random_image(31, 27, 3, 8), w = random_image(31, 27, 1, 9);
-  for (const PixelRegion region : {PixelRegion{}, PixelRegion{0, 0, 5, 4}, PixelRegion{12, 9, 13, 10},
-                                   PixelRegion{20, 20, 31, 27}, PixelRegion{3, 2, 30, 26}})
+  for (const PixelRect box : {PixelRect{}, PixelRect{0, 0, 5, 4}, PixelRect{12, 9, 13, 10}, PixelRect{20, 20, 31, 27},
+                              PixelRect{3, 2, 30, 26}})
     for (const ImageF* weight : {static_cast<const ImageF*>(nullptr), &w}) {
       ImageF gradient;
-      const PhotometricOptions options{.dssim_weight = 0.3, .region = region};
+      const PhotometricOptions options{.dssim_weight = 0.3, .box = box};
       const auto got = PhotometricPass<float>().evaluate({}, options, {x, y, weight}, &gradient);
-      CHECK(std::abs(got.total - reference_loss(x, y, 0.3, weight, region).total) < 2e-6);
-      if (region.empty()) continue;
+      CHECK(std::abs(got.total - reference_loss(x, y, 0.3, weight, box).total) < 2e-6);
+      if (box.empty()) continue;
       for (int py = 0; py < 27; ++py)
         for (int px = 0; px < 31; ++px)  // nothing outside any window is touched
-          if (px < region.x0 - 5 || px >= region.x1 + 5 || py < region.y0 - 5 || py >= region.y1 + 5)
+          if (px < box.x0 - 5 || px >= box.x1 + 5 || py < box.y0 - 5 || py >= box.y1 + 5)
             CHECK(gradient.at(px, py, 1) == 0.f);
     }
 }

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "ngs/ops/splat/splat.h"
+#include "support/projected_view.h"
 #include "support/random_splats.h"
 
 namespace ngs {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "ngs/problem/view_list.h"
 #include "ngs/stages/boundary/variance_stage.h"
 #include "support/same_evidence.h"
 #include "support/splat_reference.h"

@@ -10,6 +10,7 @@
 #include <random>
 
 #include "ngs/ops/splat/evidence.h"
+#include "support/projected_view.h"
 #include "support/random_splats.h"
 
 namespace ngs {

@@ -78,7 +78,7 @@ struct WholeView {
 
 /// Forward and backward through SplatPass with 3, 4, 5 or 8 channels.
 WholeView whole_view(const test::SplatCase& c, Isa isa, int threads, int labels, bool depth,
-                     const std::vector<std::uint8_t>& label_alone = {}) {
+                     const std::vector<std::uint8_t>& label_only = {}) {
   const GaussianCloud cloud = test::float_cloud(c);
   std::vector<float> label(std::size_t(c.gaussians * labels));
   for (std::size_t i = 0; i < label.size(); ++i) label[i] = float(c.label[i % c.label.size()]);
@@ -91,7 +91,7 @@ WholeView whole_view(const test::SplatCase& c, Isa isa, int threads, int labels,
   ViewGradients gradients;
   gradients.colour = out.image.colour, gradients.label = out.image.label, gradients.depth = out.image.depth;
   gradients.alpha = out.image.alpha;
-  pass.backward(exec, gradients, out.gradient, {.label_alone = label_alone});
+  pass.backward(exec, gradients, out.gradient, {.label_only = label_only});
   return out;
 }
 
@@ -127,7 +127,7 @@ TEST_CASE("splat: every instruction set gives the bytes of plain C++, forward an
     }
 }
 
-TEST_CASE("splat: label_alone zeroes all but label gradients and leaves other Gaussians' gradients unchanged") {
+TEST_CASE("splat: label_only zeroes all but label gradients and leaves other Gaussians' gradients unchanged") {
   const test::SplatCase c = test::splat_case(5, 200, 71, 50);
   std::vector<std::uint8_t> alone(200);
   for (std::size_t i = 0; i < alone.size(); ++i) alone[i] = i % 3 == 0;

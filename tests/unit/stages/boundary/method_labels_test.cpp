@@ -30,7 +30,7 @@ struct Recomputed {
 }  // namespace
 
 TEST_CASE("recomputed labels equal the given ones if nothing changed, for every criterion and tau") {
-  for (const NamedValue<Criterion>& criterion : kCriterionNames)
+  for (const NamedValue<Criterion>& criterion : kCriterionChoices)
     for (const double tau : {0.05, 0.3}) {
       CAPTURE(criterion.name);
       CAPTURE(tau);
@@ -45,7 +45,7 @@ TEST_CASE("recomputed labels equal the given ones if nothing changed, for every 
 }
 
 TEST_CASE("recomputed labels keep the criterion if a mask is removed") {
-  for (const NamedValue<Criterion>& criterion : kCriterionNames) {
+  for (const NamedValue<Criterion>& criterion : kCriterionChoices) {
     CAPTURE(criterion.name);
     Recomputed c({.tau = 0.1, .criterion = criterion.value});
     c.base->masks[3].available = false;

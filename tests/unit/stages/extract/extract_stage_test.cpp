@@ -163,11 +163,11 @@ TEST_CASE("components are numbered by their first row and small ones are removed
   CHECK(e.removed_components == 1);
   CHECK(e.removed == 1);
   CHECK(e.objects == 24);
-  const std::vector<std::int32_t> piece = connected_pieces({}, cloud, Flags(x.size(), 1), 2);
-  CHECK(piece[0] == 0);
-  CHECK(piece[20] == 1);
-  CHECK(piece[25] == 2);
-  CHECK(connected_pieces({}, cloud, Flags(x.size(), 0), 2) == std::vector<std::int32_t>(x.size(), -1));
+  const std::vector<std::int32_t> component = connected_components({}, cloud, Flags(x.size(), 1), 2);
+  CHECK(component[0] == 0);
+  CHECK(component[20] == 1);
+  CHECK(component[25] == 2);
+  CHECK(connected_components({}, cloud, Flags(x.size(), 0), 2) == std::vector<std::int32_t>(x.size(), -1));
 }
 
 GaussianCloud random_cloud(std::int64_t n) {

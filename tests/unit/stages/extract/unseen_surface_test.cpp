@@ -38,8 +38,8 @@ struct BallCase {
   }
   /// A distant camera in a direction, from which nearly half of a sphere is visible.
   void look_from(Vec3<double> direction) {
-    const orbit::Lens lens{200, 200, 8};
-    cameras.push_back(orbit::camera_at({20.0 * orbit::unit(direction), {0, 0, 0}}, lens, {}, cloud.origin));
+    const orbit::Intrinsics intrinsics{200, 200, 8};
+    cameras.push_back(orbit::camera_at({20.0 * unit(direction), {0, 0, 0}}, intrinsics, {}, cloud.origin));
   }
   UnseenSurface found() { return unseen_surface({}, monitor, {cloud, object, cameras}); }
 };

@@ -20,8 +20,8 @@ TEST_CASE("a rim has the object without stray Gaussians, and solid Gaussians nea
   model.add({0, 0, 30}, -1, 0, false);  // far away
   const Rim rim = find_rim({}, model.cloud, model.object);
   CHECK(rim.object.count() == all);
-  CHECK(rim.high.z == doctest::Approx(0.6));
-  CHECK(rim.low.x == doctest::Approx(-0.3));
+  CHECK(rim.box.high.z == doctest::Approx(0.6));
+  CHECK(rim.box.low.x == doctest::Approx(-0.3));
   CHECK(rim.spacing == doctest::Approx(0.05).epsilon(0.2));
   for (const std::uint32_t k : rim.solid) CHECK(rim.background.position[k].z == 0);
   for (const orbit::Vec& p : rim.background.position) CHECK(p.z < 1);

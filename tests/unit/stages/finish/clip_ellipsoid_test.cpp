@@ -24,22 +24,22 @@ bool same(const Ellipsoid& a, const Ellipsoid& b) {
 double top(const Ellipsoid& e) { return e.centre.y + kOutline * e.sigma[1]; }
 double bottom(const Ellipsoid& e) { return e.centre.y - kOutline * e.sigma[1]; }
 
-constexpr double kLeast = 0.1;
+constexpr double kMinLength = 0.1;
 
 TEST_CASE("a supported ellipsoid is unchanged, an unsupported one too") {
   Ellipsoid e = disc();
   CHECK(clip_ellipsoid(
-            kLeast, [](Vec) { return true; }, e) == Clip::kWithin);
+            kMinLength, [](Vec) { return true; }, e) == Clip::kWithin);
   CHECK(same(e, disc()));
   CHECK(clip_ellipsoid(
-            kLeast, [](Vec) { return false; }, e) == Clip::kUnsupported);
+            kMinLength, [](Vec) { return false; }, e) == Clip::kUnsupported);
   CHECK(same(e, disc()));
 }
 
 TEST_CASE("a needle half outside is clipped to the half inside") {
   Ellipsoid e = needle();
   REQUIRE(clip_ellipsoid(
-              kLeast, [](Vec p) { return p.y <= 0; }, e) == Clip::kClipped);
+              kMinLength, [](Vec p) { return p.y <= 0; }, e) == Clip::kClipped);
   CHECK(top(e) == doctest::Approx(0).epsilon(0.01));
   CHECK(bottom(e) == doctest::Approx(-1.2).epsilon(0.01));
   CHECK(e.sigma[1] == doctest::Approx(0.5).epsilon(0.01));
@@ -50,7 +50,7 @@ TEST_CASE("a needle half outside is clipped to the half inside") {
 TEST_CASE("a needle whose centre is outside keeps its supported end") {
   Ellipsoid e = needle();
   REQUIRE(clip_ellipsoid(
-              kLeast, [](Vec p) { return p.y >= 0.5; }, e) == Clip::kClipped);
+              kMinLength, [](Vec p) { return p.y >= 0.5; }, e) == Clip::kClipped);
   CHECK(bottom(e) == doctest::Approx(0.5).epsilon(0.01));
   CHECK(top(e) == doctest::Approx(1.2).epsilon(0.01));
 }
@@ -58,7 +58,7 @@ TEST_CASE("a needle whose centre is outside keeps its supported end") {
 TEST_CASE("of two supported intervals the one nearest to the centre remains") {
   Ellipsoid e = needle();
   REQUIRE(clip_ellipsoid(
-              kLeast, [](Vec p) { return std::abs(p.y) < 0.3 || p.y > 0.9; }, e) == Clip::kClipped);
+              kMinLength, [](Vec p) { return std::abs(p.y) < 0.3 || p.y > 0.9; }, e) == Clip::kClipped);
   CHECK(top(e) == doctest::Approx(0.3).epsilon(0.02));
   CHECK(bottom(e) == doctest::Approx(-0.3).epsilon(0.02));
 }
@@ -66,16 +66,16 @@ TEST_CASE("of two supported intervals the one nearest to the centre remains") {
 TEST_CASE("what fades out beyond the outline is neither tested nor clipped") {
   Ellipsoid e = needle();
   CHECK(clip_ellipsoid(
-            kLeast, [](Vec p) { return p.y <= 1.25; }, e) == Clip::kWithin);
+            kMinLength, [](Vec p) { return p.y <= 1.25; }, e) == Clip::kWithin);
   CHECK(same(e, needle()));
   CHECK(clip_ellipsoid(
-            kLeast, [](Vec p) { return p.y <= 1.15; }, e) == Clip::kClipped);
+            kMinLength, [](Vec p) { return p.y <= 1.15; }, e) == Clip::kClipped);
 }
 
 TEST_CASE("a disc that a plane crosses diagonally loses the part outside and no axis grows") {
   Ellipsoid e = disc();
   REQUIRE(clip_ellipsoid(
-              kLeast, [](Vec p) { return p.x + p.y <= 0; }, e) == Clip::kClipped);
+              kMinLength, [](Vec p) { return p.x + p.y <= 0; }, e) == Clip::kClipped);
   CHECK(e.sigma[0] <= 1);
   CHECK(e.sigma[1] <= 1);
   double most = 0;  // of x + y over the outline
@@ -90,9 +90,9 @@ TEST_CASE("a disc that a plane crosses diagonally loses the part outside and no 
 TEST_CASE("axes whose ends are near the centre are not tested") {
   Ellipsoid e{{0, 0, 0}, kUpright, {0.04, 0.04, 0.04}};
   CHECK(clip_ellipsoid(
-            kLeast, [](Vec p) { return std::abs(p.y) < 0.001; }, e) == Clip::kWithin);
+            kMinLength, [](Vec p) { return std::abs(p.y) < 0.001; }, e) == Clip::kWithin);
   CHECK(clip_ellipsoid(
-            kLeast, [](Vec p) { return p.y > 0.001; }, e) == Clip::kUnsupported);
+            kMinLength, [](Vec p) { return p.y > 0.001; }, e) == Clip::kUnsupported);
 }
 
 TEST_CASE("zero, infinite and undefined lengths end and never grow an axis") {

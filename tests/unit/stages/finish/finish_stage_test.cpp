@@ -44,8 +44,8 @@ struct FinishCase {
       for (int x = -25; x <= 25; ++x) add({x * 0.16, y * 0.16, z}, {0, 0, 1}, {0.1, 0.1, 0.01}, false);
   }
   void look_from(Vec direction) {
-    const orbit::Lens lens{kSide_px, kSide_px, 24};
-    cameras.push_back(orbit::camera_at({8.0 * orbit::unit(direction), {0, 0, 0}}, lens, {}, cloud.origin));
+    const orbit::Intrinsics intrinsics{kSide_px, kSide_px, 24};
+    cameras.push_back(orbit::camera_at({8.0 * unit(direction), {0, 0, 0}}, intrinsics, {}, cloud.origin));
   }
   void look_around(double height, int count = 12) {
     for (int k = 0; k < count; ++k) {
@@ -60,7 +60,7 @@ struct FinishCase {
     for (int y = 0; y < kSide_px; ++y)
       for (int x = 0; x < kSide_px; ++x) {
         const Vec ray{(x + 0.5 - camera.cx) / camera.fx, (y + 0.5 - camera.cy) / camera.fy, 1};
-        const Vec d = orbit::unit(transpose(camera.rotation) * ray);
+        const Vec d = unit(transpose(camera.rotation) * ray);
         const double along = dot(eye, d);
         const bool hit = dot(eye, eye) - along * along < 1;
         mask.push_back(hit ? GivenMask::kObject : GivenMask::kBackground);
@@ -104,7 +104,7 @@ double reach_of(const GaussianCloud& cloud, std::size_t i) {
     const double way = t * std::exp(double(s[axis]));
     const float* p = &cloud.position[3 * i];
     most = std::max(
-        most, orbit::length({p[0] + way * axes(0, axis), p[1] + way * axes(1, axis), p[2] + way * axes(2, axis)}));
+        most, length(orbit::Vec{p[0] + way * axes(0, axis), p[1] + way * axes(1, axis), p[2] + way * axes(2, axis)}));
   }
   return most;
 }

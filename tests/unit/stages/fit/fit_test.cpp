@@ -82,6 +82,47 @@ double quarter_size_psnr_db(const ImageF& photo) {
 
 }  // namespace
 
+TEST_CASE("Gaussians near the camera of a step lose opacity in it, and others keep their bytes") {
+  FitOptions fading;
+  fading.random_points = 2000;
+  FitOptions plain = fading;
+  plain.near_loss = 0;
+  const FitState first = initial_fit({}, fading, {}, tiny().views, 5);
+  const GaussianCloud a = run(fading, 1, 1, first).cloud, b = run(plain, 1, 1, first).cloud;
+  std::vector<Vec3<double>> centres;
+  for (const FitView& view : tiny().views)
+    if (view.split == Split::kTrain) centres.push_back(view.camera.centre());
+  const Vec3<double> middle = nearest_to_axes(tiny().views);
+  int faded = 0, kept = 0, wrong = 0;
+  for (std::size_t i = 0; i < std::size_t(a.size()); ++i) {
+    const float* p = &first.cloud.position[3 * i];
+    double most = 0;  // over the cameras: which one the step used is not known here
+    for (const Vec3<double>& c : centres) {
+      const Vec3<double> d = Vec3<double>{double(p[0]), double(p[1]), double(p[2])} - c, to = middle - c;
+      most = std::max(most, fading.near_loss * (1 - length(d) / length(to) / fading.near_reach));
+    }
+    const double lost = double(b.logit_opacity[i]) - double(a.logit_opacity[i]);
+    if (lost == 0) ++kept;
+    if (lost > 0) ++faded;
+    wrong += lost < 0 || lost > most + 0.02;  // the step moves positions by less than this
+  }
+  CHECK(wrong == 0);
+  CHECK(faded > 10);
+  CHECK(kept > 1000);
+  CHECK(a.position == b.position);
+}
+
+TEST_CASE("nothing fades before cameras that look outwards from one place") {
+  std::vector<FitView> views = tiny().views;
+  for (FitView& view : views) view.camera.translation = {0, 0, 0};
+  FitOptions fading, plain;
+  fading.random_points = plain.random_points = 300, plain.near_loss = 0;
+  const FitState first = initial_fit({}, fading, {}, views, 5);
+  Fitter a(fading, views, first, 5), b(plain, views, first, 5);
+  a.step({}), b.step({});
+  CHECK(same(a.state().cloud, b.state().cloud));
+}
+
 TEST_CASE("the schedule of 30000 steps is that of 3DGS, and given numbers override it") {
   const FitSchedule s = resolved_schedule({.steps = 30000});
   CHECK(s.sh_every == 1000);

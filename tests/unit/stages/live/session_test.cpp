@@ -136,7 +136,7 @@ TEST_CASE("objects are independent: each has its strokes, its labels and its nam
   CHECK_THROWS_AS(session.mark(1, look, {ball_stroke}), Error);
   CHECK(session.undo());
   CHECK(labels_of(session, 0).label == ball);
-  while (session.marks()->objects.size() < live::kMostObjects) session.add_object("");
+  while (session.marks()->objects.size() < live::kMaxObjects) session.add_object("");
   CHECK_THROWS_AS(session.add_object("one too many"), Error);
 }
 

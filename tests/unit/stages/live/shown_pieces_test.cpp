@@ -5,7 +5,7 @@
 #include "ngs/core/error.h"
 #include "ngs/stages/boundary/variance_stage.h"
 #include "ngs/stages/extract/extract_stage.h"
-#include "ngs/stages/masks/hand_prompt.h"
+#include "ngs/stages/masks/rasterise_prompt.h"
 #include "ngs/stages/select/touched_pieces.h"
 #include "visit.h"
 

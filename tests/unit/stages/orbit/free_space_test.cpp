@@ -61,9 +61,9 @@ TEST_CASE("a room shows more surface from inside, a hollow box the same, and a b
 }
 
 TEST_CASE("a camera looks from its centre at its target, with the image's down away from up") {
-  const Lens lens{80, 60, 50};
+  const Intrinsics intrinsics{80, 60, 50};
   const Frame frame{{1, 2, 3}, {{0, 1, 0, 0, 0, 1, 1, 0, 0}}};  // up is the world's x
-  const Camera camera = camera_at({{2, 0.5, 1}, {0, 0, 0}}, lens, frame, {10, 0, 0});
+  const Camera camera = camera_at({{2, 0.5, 1}, {0, 0, 0}}, intrinsics, frame, {10, 0, 0});
   const Vec world = frame.to_world({2, 0.5, 1}) + Vec{10, 0, 0};
   CHECK(length(camera.centre() - world) < 1e-12);
   const Vec seen = camera.rotation * (frame.centre + Vec{10, 0, 0}) + camera.translation;
@@ -72,7 +72,7 @@ TEST_CASE("a camera looks from its centre at its target, with the image's down a
   CHECK(camera.rotation(1, 0) < 0);                // down is not up
   CHECK(std::abs(camera.rotation(0, 0)) < 1e-12);  // the horizon is level
   CHECK(2 * std::atan(40 / camera.fx) == doctest::Approx(50 * 3.14159265358979 / 180));
-  const Camera above = camera_at({{0, 0, 2}, {0, 0, 0}}, lens, frame, {0, 0, 0});
+  const Camera above = camera_at({{0, 0, 2}, {0, 0, 0}}, intrinsics, frame, {0, 0, 0});
   CHECK(length(above.rotation * Vec{1, 0, 0} - Vec{0, 0, -1}) < 1e-12);  // straight down
 }
 

@@ -141,7 +141,7 @@ TEST_CASE("cameras are added until the surface is covered, up to the limit") {
   GaussianCloud cloud;
   add_box(cloud, {-1, -1, -1}, {1, 1, 1}, 0.12);
   OrbitOptions options;
-  options.views = 3;
+  options.view_count = 3;
   const OrbitCameras found = cameras_of(cloud, options);
   CHECK(found.cameras.size() > 3);
   CHECK(found.coverage >= 0.95);

@@ -85,7 +85,7 @@ TEST_CASE("black is used if the background is black, and if no pixel shows it") 
 TEST_CASE("a background seen only through a model that covers the image is reported, but not used") {
   const Capture pane(false, {{0.6f, 0, 0.4f}}, 0.06);  // mean T² of the image is 0.0036
   const BackgroundFinding found = pane.find();
-  CHECK(found.shown < kLeastShown);
+  CHECK(found.shown < kMinShown);
   CHECK(found.gain_db > kBackgroundMarginDb);
   CHECK(std::abs(found.fitted.x - 0.6) < 0.02);
   CHECK_FALSE(found.colour.has_value());
@@ -95,7 +95,7 @@ TEST_CASE("a background seen only through a model that covers the image is repor
 TEST_CASE("views with different backgrounds give no background") {
   const Capture capture(false, {{1, 1, 1}, {0.2f, 0.2f, 0.2f}, {0.6f, 0.6f, 0.6f}});
   const BackgroundFinding found = capture.find();
-  CHECK(found.error.x > kMostBackgroundError);
+  CHECK(found.error.x > kMaxBackgroundError);
   CHECK_FALSE(found.colour.has_value());
 }
 

@@ -77,7 +77,7 @@ TEST_CASE("a floor tilted against the up axis is found, and the object on it sta
 TEST_CASE("refined_by corrects the tilt of a plane that was found from part of its points") {
   std::size_t pedestal = 0;
   const GaussianCloud cloud = statue(pedestal);
-  const SupportPlane tilted{true, orbit::unit({0.06, -0.04, 1}), 0.02, 0.05, 0.5};
+  const SupportPlane tilted{true, unit(orbit::Vec{0.06, -0.04, 1}), 0.02, 0.05, 0.5};
   const SupportPlane righted = refined_by(cloud, canonical_points(cloud), tilted);
   REQUIRE(righted.found);
   CHECK(righted.normal.z > 0.9999);

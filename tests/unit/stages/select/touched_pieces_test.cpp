@@ -65,6 +65,22 @@ TEST_CASE("strokes on several pieces, and one across several, keep all of them")
   CHECK(in_block(pieces, 3) == 0);
 }
 
+TEST_CASE("a piece that no stroke touches is kept if enough masks show it, and if a stroke touches another") {
+  const GaussianCloud cloud = blocks_at({0, 3, 6});
+  const std::vector<std::uint8_t> all(648, 1);
+  ViewSums mask = on_rows(0, 200);
+  add_rows(216, 3, 1, mask);  // more than a hundredth of the mask
+  add_rows(432, 1, 1, mask);  // less
+  const std::vector<ViewSums> strokes{on_rows(0, 20)};
+  const PieceSelection shown = touched_pieces({}, cloud, all, strokes, std::vector(kMinMasks, mask));
+  CHECK(in_block(shown, 0) == 216);
+  CHECK(in_block(shown, 1) == 216);
+  CHECK(in_block(shown, 2) == 0);
+  const PieceSelection rarely = touched_pieces({}, cloud, all, strokes, std::vector(kMinMasks - 1, mask));
+  CHECK(in_block(rarely, 1) == 0);
+  CHECK(touched_pieces({}, cloud, all, {}, std::vector(kMinMasks, mask)).left_out == 0);
+}
+
 TEST_CASE("Gaussians visible through the object under a stroke are not touched") {
   const GaussianCloud cloud = blocks_at({0, 3});
   ViewSums stroke = on_rows(0, 20);
@@ -109,7 +125,7 @@ TEST_CASE("disconnected strokes are separate masks, the smallest share the last 
   for (int k = 0; k < 20; ++k)
     for (int x = 0; x < 20 - k; ++x) marks.hint[std::size_t(2 * k * 100 + x)] = PixelHint::kObject;
   const std::vector<PixelMask> strokes = object_strokes(marks);
-  REQUIRE(strokes.size() == kMostStrokes);
+  REQUIRE(strokes.size() == kMaxStrokes);
   CHECK(std::count(strokes[0].begin(), strokes[0].end(), 1) == 20);
   CHECK(std::count(strokes[15].begin(), strokes[15].end(), 1) == 5 + 4 + 3 + 2 + 1);
   CHECK(object_strokes({4, 4, std::vector<PixelHint>(16, PixelHint::kBackground), true}).empty());

@@ -144,6 +144,29 @@ TEST_CASE("every scene shows its target in every view and a background everywher
     }
 }
 
+TEST_CASE("the light of the turntable stays with the camera: the same side of the bust is bright in every photo") {
+  for (const std::string name : {"turntable", "ground"}) {
+    Recipe recipe = named_recipe(name);
+    recipe.width_px = 80, recipe.height_px = 60, recipe.views = 8, recipe.principal_shift = 0;
+    const AnalyticScene scene = build_scene(recipe);
+    int right = 0;
+    for (const Camera& camera : build_rig(recipe, scene)) {
+      const SynthView view = render_view({.threads = 2}, scene, camera, 2);
+      double balance = 0, across = 0, pixels = 0;
+      for (int pass = 0; pass < 2; ++pass)
+        for (int y = 0; y < 60; ++y)
+          for (int x = 0; x < 80; ++x) {
+            if (view.label.at(x, y) != scene.target + 1) continue;
+            if (pass == 0) across += x, pixels += 1;
+            if (pass == 1) balance += (x < across / pixels ? -1 : 1) * double(view.colour.at(x, y, 0));
+          }
+      right += balance > 0;
+    }
+    CAPTURE(name);
+    CHECK((right == 0 || right == 8) == scene.turns);
+  }
+}
+
 TEST_CASE("the table scene holds at least twenty objects with distinct names") {
   const AnalyticScene scene = build_scene(named_recipe("table"));
   std::set<std::string> names;

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ngs/core/error.h"
+#include "ngs/core/listed.h"
 #include "ngs/io/files/shell_word.h"
 #include "ngs/io/formats/compression/gzip.h"
 #include "ngs/io/formats/compression/zip_archive.h"
@@ -12,7 +13,7 @@
 namespace ngs::io {
 namespace {
 
-constexpr std::size_t kMostPlyExpansion = 64;  // columns of zeros compress a model up to 15 times
+constexpr std::size_t kMaxPlyExpansion = 64;  // columns of zeros compress a model up to 15 times
 
 std::string_view text_of(Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
@@ -23,12 +24,9 @@ bool has_entry(const std::vector<std::string>& entries, std::string_view file) {
       entries, [&](const std::string& entry) { return entry == file || entry.ends_with("/" + std::string(file)); });
 }
 
-/// The first few names, for messages.
-std::string listed(const std::vector<std::string>& names) {
-  constexpr std::size_t kMost = 4;
-  std::string text;
-  for (std::size_t k = 0; k < std::min(names.size(), kMost); ++k) text += (k > 0 ? ", " : "") + printable(names[k]);
-  return names.size() > kMost ? text + " and " + std::to_string(names.size() - kMost) + " more" : text;
+std::string names_of(std::vector<std::string> entries) {
+  for (std::string& entry : entries) entry = printable(entry);
+  return listed(entries, 4);
 }
 
 bool is_ply_name(std::string name) {
@@ -45,7 +43,7 @@ std::optional<PackedPly> gunzip_ply(const std::string& name, Bytes bytes) {
     if (!begins_like_ply(head)) return std::nullopt;
   }
   GunzipReader reader(name, bytes);
-  return PackedPly{reader.read_all(bytes.size() * kMostPlyExpansion), "the gzip stream holds a PLY, which is read"};
+  return PackedPly{reader.read_all(bytes.size() * kMaxPlyExpansion), "the gzip stream holds a PLY, which is read"};
 }
 
 std::optional<PackedPly> unzip_ply(const std::string& name, Bytes bytes) {
@@ -60,10 +58,10 @@ std::optional<PackedPly> unzip_ply(const std::string& name, Bytes bytes) {
   std::ranges::copy_if(entries, std::back_inserter(plys), is_ply_name);
   if (plys.size() != 1)
     throw Error(ErrorCode::kBadInput,
-                name + ": a zip archive of " + (entries.empty() ? "nothing" : listed(plys.empty() ? entries : plys)) +
+                name + ": a zip archive of " + (entries.empty() ? "nothing" : names_of(plys.empty() ? entries : plys)) +
                     ", expected a .sog (meta.json and pictures) or one PLY in it",
                 "unzip it, and name the model in it");
-  return PackedPly{archive.read(plys[0], bytes.size() * kMostPlyExpansion),
+  return PackedPly{archive.read(plys[0], bytes.size() * kMaxPlyExpansion),
                    "the zip archive holds " + printable(plys[0]) + ", which is read"};
 }
 
@@ -109,14 +107,14 @@ std::optional<PackedPly> unpack_ply(const std::string& name, Bytes bytes) {
 }
 
 void refuse_known_file(const std::string& name, Bytes bytes) {
-  constexpr std::size_t kMostJsonBytes = std::size_t(64) << 20;
+  constexpr std::size_t kMaxJsonBytes = std::size_t(64) << 20;
   const std::string_view text = text_of(bytes);
   for (const KnownFile& known : kKnownFiles)
     if (text.starts_with(known.signature))
       throw Error(ErrorCode::kBadInput, name + ": " + std::string(known.what) + ", expected a model",
                   std::string(known.remedy));
   const std::size_t first = text.find_first_not_of(" \t\r\n");
-  if (first == std::string_view::npos || text[first] != '{' || bytes.size() > kMostJsonBytes) return;
+  if (first == std::string_view::npos || text[first] != '{' || bytes.size() > kMaxJsonBytes) return;
   const nlohmann::json root = nlohmann::json::parse(text, nullptr, false);
   if (const std::string_view kind = sog_kind(root); !kind.empty()) refuse_unpacked_sog(name, kind);
 }

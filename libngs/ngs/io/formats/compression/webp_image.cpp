@@ -10,16 +10,16 @@
 
 namespace ngs::io {
 
-RgbaTable decode_webp(const std::string& object, Bytes bytes, std::size_t most_texels) {
+RgbaImage decode_webp(const std::string& object, Bytes bytes, std::size_t max_texels) {
   const auto bad = [&](const std::string& message) {
     throw Error(ErrorCode::kBadInput, object + ": " + message, "copy or export it again");
   };
-  RgbaTable table;
+  RgbaImage table;
   if (WebPGetInfo(bytes.data(), bytes.size(), &table.width, &table.height) == 0)
     bad("not a WebP image, or a truncated one, expected WebP");
-  if (table.texels() > most_texels)
+  if (table.texels() > max_texels)
     bad(std::to_string(table.width) + " x " + std::to_string(table.height) + " pixels, expected at most " +
-        std::to_string(most_texels) + " in all");
+        std::to_string(max_texels) + " in all");
   table.bytes.resize(table.texels() * 4);
   if (WebPDecodeRGBAInto(bytes.data(), bytes.size(), table.bytes.data(), table.bytes.size(), table.width * 4) ==
       nullptr)
@@ -27,7 +27,7 @@ RgbaTable decode_webp(const std::string& object, Bytes bytes, std::size_t most_t
   return table;
 }
 
-std::vector<std::uint8_t> encode_webp(const RgbaTable& table) {
+std::vector<std::uint8_t> encode_webp(const RgbaImage& table) {
   constexpr int kEffort = 6;  // of 0 to 9; each further level doubles the time for 1 % less size
   WebPConfig config;
   WebPPicture picture;

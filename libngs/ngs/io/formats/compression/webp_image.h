@@ -1,5 +1,5 @@
 #pragma once
-// WebP images as tables of bytes.
+// Lossless WebP images, used as tables of bytes.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -8,9 +8,9 @@
 
 namespace ngs::io {
 
-inline constexpr int kMostWebpPx = 16383;  // per side
+inline constexpr int kMaxWebpSide_px = 16383;
 
-struct RgbaTable {
+struct RgbaImage {
   int width = 0, height = 0;
   std::vector<std::uint8_t> bytes;  // [height, width, 4]
 
@@ -19,11 +19,11 @@ struct RgbaTable {
   std::uint8_t* texel(std::size_t i) { return bytes.data() + i * 4; }
 };
 
-/// kBadInput, with `object` in the message, unless the image is complete and has at most `most_texels`; the size is
+/// kBadInput, with `object` in the message, unless the image is complete and has at most `max_texels`; the size is
 /// checked before memory is allocated.
-RgbaTable decode_webp(const std::string& object, Bytes bytes, std::size_t most_texels);
+RgbaImage decode_webp(const std::string& object, Bytes bytes, std::size_t max_texels);
 
-/// Lossless, also where alpha is 0; equal tables give equal bytes.
-std::vector<std::uint8_t> encode_webp(const RgbaTable& table);
+/// Lossless, also where alpha is 0; equal images give equal bytes.
+std::vector<std::uint8_t> encode_webp(const RgbaImage& table);
 
 }  // namespace ngs::io

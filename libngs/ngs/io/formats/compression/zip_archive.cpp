@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <memory>
 
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
@@ -62,42 +61,41 @@ zlib_filefunc64_def functions_of(MemoryFile& file) {
 
 /// The path of the archive's current entry; empty if it cannot be read.
 std::string current_entry(unzFile archive, unz_file_info64& info) {
-  constexpr std::size_t kLongestName = 256;
-  char found[kLongestName] = {};
-  if (unzGetCurrentFileInfo64(archive, &info, found, kLongestName - 1, nullptr, 0, nullptr, 0) != UNZ_OK) return {};
+  constexpr std::size_t kMaxNameBytes = 256;
+  char found[kMaxNameBytes] = {};
+  if (unzGetCurrentFileInfo64(archive, &info, found, kMaxNameBytes - 1, nullptr, 0, nullptr, 0) != UNZ_OK) return {};
   return found;
 }
 
 }  // namespace
 
-struct ZipReader::Memory {
+struct ZipReader::Impl {
   MemoryFile file;
   unzFile archive = nullptr;
+
+  ~Impl() {
+    if (archive != nullptr) unzClose(archive);
+  }
 };
 
-ZipReader::ZipReader(const std::string& name, Bytes bytes) : name_(name), memory_(nullptr) {
-  auto memory = std::make_unique<Memory>();
-  memory->file.input = bytes;
-  zlib_filefunc64_def functions = functions_of(memory->file);
-  memory->archive = unzOpen2_64("", &functions);
-  if (memory->archive == nullptr) bad("not a zip archive, or a truncated one, expected a .sog");
-  memory_ = memory.release();
+ZipReader::ZipReader(const std::string& name, Bytes bytes) : name_(name), impl_(std::make_unique<Impl>()) {
+  impl_->file.input = bytes;
+  zlib_filefunc64_def functions = functions_of(impl_->file);
+  impl_->archive = unzOpen2_64("", &functions);
+  if (impl_->archive == nullptr) fail("not a zip archive, or a truncated one, expected a complete zip archive");
 }
 
-ZipReader::~ZipReader() {
-  unzClose(memory_->archive);
-  delete memory_;
-}
+ZipReader::~ZipReader() = default;
 
-void ZipReader::bad(const std::string& message) const {
+void ZipReader::fail(const std::string& message) const {
   throw Error(ErrorCode::kBadInput, name_ + ": " + message, "copy or export it again");
 }
 
 std::vector<std::string> ZipReader::names() const {
   std::vector<std::string> names;
   unz_file_info64 info;
-  for (int status = unzGoToFirstFile(memory_->archive); status == UNZ_OK; status = unzGoToNextFile(memory_->archive)) {
-    const std::string path = current_entry(memory_->archive, info);
+  for (int status = unzGoToFirstFile(impl_->archive); status == UNZ_OK; status = unzGoToNextFile(impl_->archive)) {
+    const std::string path = current_entry(impl_->archive, info);
     if (path.empty()) break;
     if (!path.ends_with('/')) names.push_back(path);
   }
@@ -105,15 +103,15 @@ std::vector<std::string> ZipReader::names() const {
 }
 
 std::vector<std::uint8_t> ZipReader::read(const std::string& entry, std::size_t most_bytes) const {
-  const unzFile archive = memory_->archive;
+  const unzFile archive = impl_->archive;
   for (int status = unzGoToFirstFile(archive); status == UNZ_OK; status = unzGoToNextFile(archive)) {
     unz_file_info64 info;
     const std::string path = current_entry(archive, info);
     if (path.empty()) break;
     if (path != entry && !path.ends_with("/" + entry)) continue;
     if (info.uncompressed_size > most_bytes)
-      bad("'" + entry + "' of " + std::to_string(info.uncompressed_size) + " bytes, expected at most " +
-          std::to_string(most_bytes));
+      fail("'" + entry + "' of " + std::to_string(info.uncompressed_size) + " bytes, expected at most " +
+           std::to_string(most_bytes));
     std::vector<std::uint8_t> bytes(info.uncompressed_size);
     bool whole = unzOpenCurrentFile(archive) == UNZ_OK;
     for (std::size_t done = 0; whole && done < bytes.size();) {
@@ -122,10 +120,10 @@ std::vector<std::uint8_t> ZipReader::read(const std::string& entry, std::size_t 
       whole = n > 0;
       done += whole ? std::size_t(n) : 0;
     }
-    if (!whole || unzCloseCurrentFile(archive) != UNZ_OK) bad("'" + entry + "' is damaged, expected an intact entry");
+    if (!whole || unzCloseCurrentFile(archive) != UNZ_OK) fail("'" + entry + "' is damaged, expected an intact entry");
     return bytes;
   }
-  bad("no entry '" + entry + "', expected a .sog");
+  fail("no entry '" + entry + "', expected it in the archive");
 }
 
 std::vector<std::uint8_t> zip(const std::vector<ZipEntry>& entries) {

@@ -1,6 +1,7 @@
 #pragma once
 // Zip archives in memory.
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -26,15 +27,16 @@ class ZipReader {
   std::vector<std::string> names() const;
 
   /// kBadInput if there is no such entry, if it is damaged, or if it is longer than `most_bytes` (checked before it is
-  /// read). Entries may lie in a folder, as in an archive of a folder: the folder's name then precedes theirs.
+  /// read). Matches `entry` at the end of the path, so
+  /// archives of a folder work too.
   std::vector<std::uint8_t> read(const std::string& entry, std::size_t most_bytes) const;
 
  private:
-  [[noreturn]] void bad(const std::string& message) const;
+  [[noreturn]] void fail(const std::string& message) const;
 
+  struct Impl;
   const std::string& name_;
-  struct Memory;
-  Memory* memory_;
+  std::unique_ptr<Impl> impl_;
 };
 
 /// Entries are stored uncompressed, in order, dated 1980: equal entries give equal bytes.

@@ -6,6 +6,7 @@
 #ifdef __AVX512F__
 namespace ngs {
 
+// Declared here: no header may be shared with other instruction sets (-Wmissing-declarations).
 TileKernels<float> float_tile_kernels_v4();
 TileKernels<float> float_tile_kernels_v4() { return tile_kernels_of<Pack16>(); }
 

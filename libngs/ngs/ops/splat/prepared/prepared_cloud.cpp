@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "ngs/backend/for_each.h"
+#include "ngs/ops/device/device_ops.h"
 #include "ngs/ops/splat/cloud_view.h"
 #include "ngs/ops/splat/prepared/curve_blocks.h"
 
@@ -26,8 +27,12 @@ void BlockBounds::cover(const BlockBounds& other) {
   scale = max2(scale, other.scale);
 }
 
-PreparedCloud::PreparedCloud(const Exec& exec, const CloudView<float>& cloud)
-    : row(parallel_curve_order(exec, {cloud.position, std::size_t(3 * cloud.size)})), source_(cloud) {
+PreparedCloud::PreparedCloud(const Exec& exec, const CloudView<float>& cloud) : source_(cloud) {
+  if (exec.device_ops) {
+    on_device_ = exec.device_ops->splat.resident(cloud);
+    return;
+  }
+  row = parallel_curve_order(exec, {cloud.position, std::size_t(3 * cloud.size)});
   bounds.resize((row.size() + kBlockRows - 1) / kBlockRows);
   const std::size_t places = bounds.size() * kBlockRows;
   for (auto& column : position) column.resize(places);
@@ -45,13 +50,27 @@ PreparedCloud::PreparedCloud(const Exec& exec, const CloudView<float>& cloud)
   bound_groups();
 }
 
-bool PreparedCloud::serves(const CloudView<float>& cloud) const {
+PreparedCloud::~PreparedCloud() = default;
+
+bool PreparedCloud::serves(const CloudView<float>& cloud) const { return !on_device_ && is_from(cloud); }
+
+DeviceCloud* PreparedCloud::on_device(const CloudView<float>& cloud) const {
+  const bool same_colours = cloud.sh_dc == source_.sh_dc && cloud.sh_rest == source_.sh_rest;
+  return is_from(cloud) && same_colours ? on_device_.get() : nullptr;
+}
+
+bool PreparedCloud::is_from(const CloudView<float>& cloud) const {
   return cloud.size == source_.size && cloud.position == source_.position && cloud.rotation == source_.rotation &&
          cloud.log_scale == source_.log_scale && cloud.logit_opacity == source_.logit_opacity &&
          cloud.usable == source_.usable;
 }
 
 void PreparedCloud::update(const Exec& exec, const std::vector<std::int64_t>& rows) {
+  if (on_device_) {
+    on_device_.reset();
+    on_device_ = exec.device_ops->splat.resident(source_);
+    return;
+  }
   if (place_of_.empty()) {
     place_of_.resize(row.size());
     for (std::size_t place = 0; place < row.size(); ++place) place_of_[row[place]] = std::uint32_t(place);
@@ -101,8 +120,11 @@ void PreparedCloud::bound_groups() {
   for (std::size_t block = 0; block < bounds.size(); ++block) group_bounds[block / kGroupBlocks].cover(bounds[block]);
 }
 
+CloudOnHost on_host(const CloudView<float>& cloud, const SplatOptions& options) {
+  return {cloud, options.prepared ? options.prepared->on_device(cloud) : nullptr};
+}
+
 std::shared_ptr<PreparedCloud> prepare_cloud(const Exec& exec, const GaussianCloud& cloud) {
-  if (exec.device_ops) return nullptr;  // the device has its own preparation
   return std::make_shared<PreparedCloud>(exec, cloud_view(cloud, 0, nullptr));
 }
 
@@ -111,8 +133,10 @@ void update_prepared(const Exec& exec, const std::vector<std::int64_t>& rows, Pr
 }
 
 SplatOptions prepared_for(const Exec& exec, SplatOptions options, const GaussianCloud& cloud) {
-  if (!options.prepared || !options.prepared->serves(cloud_view(cloud, 0, nullptr)))
-    options.prepared = prepare_cloud(exec, cloud);
+  const CloudView<float> view = cloud_view(cloud, 0, nullptr);
+  const bool ready = options.prepared &&
+                     (exec.device_ops ? options.prepared->on_device(view) != nullptr : options.prepared->serves(view));
+  if (!ready) options.prepared = prepare_cloud(exec, cloud);
   return options;
 }
 

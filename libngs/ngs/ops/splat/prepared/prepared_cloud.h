@@ -1,5 +1,6 @@
 #pragma once
-// The view-independent part of projection, computed once for all views of a fixed model.
+// The view-independent part of projection, computed once for all views of a fixed model; for a device, the model's
+// columns in its memory.
 // Internal to ops, except `prepare_cloud`.
 #include <array>
 #include <limits>
@@ -7,10 +8,13 @@
 #include <vector>
 
 #include "ngs/core/raw_column.h"
-#include "ngs/ops/splat/prepared/pass_memory.h"
+#include "ngs/ops/splat/prepared/view_scratch.h"
 #include "ngs/ops/splat/splat_gaussian.h"
 
 namespace ngs {
+
+class DeviceCloud;
+struct CloudOnHost;
 
 inline constexpr int kBlockRows = 256;
 inline constexpr int kGroupBlocks = 16;
@@ -29,14 +33,18 @@ struct BlockBounds {
 /// multiple of kBlockRows with rows that are never drawn.
 ///
 /// Keeps pointers into the source cloud: valid while the columns stay in place and update() is called for changed rows.
+/// With a device, only on_device() is filled.
 class PreparedCloud {
  public:
   PreparedCloud(const Exec& exec, const CloudView<float>& cloud);
+  ~PreparedCloud();
   PreparedCloud(const PreparedCloud&) = delete;
   PreparedCloud& operator=(const PreparedCloud&) = delete;
 
-  /// Whether it was made from these columns, by address.
+  /// Whether it was made from these columns, by address, and for the CPU.
   bool serves(const CloudView<float>& cloud) const;
+  /// The columns in device memory if it was made from these columns and for a device; else null.
+  DeviceCloud* on_device(const CloudView<float>& cloud) const;
   /// Call after these rows of the cloud have changed; each row once.
   void update(const Exec& exec, const std::vector<std::int64_t>& rows);
   std::int64_t blocks() const { return std::int64_t(bounds.size()); }
@@ -50,9 +58,10 @@ class PreparedCloud {
   RawColumn<float> scale_bound;                     // at least the largest scale                   world
   std::vector<BlockBounds> bounds;                  // [blocks]
   std::vector<BlockBounds> group_bounds;            // [groups] of kGroupBlocks consecutive blocks
-  mutable PassMemoryPool memory;                    // scratch that is reused from view to view
+  mutable ViewScratchPool memory;                   // scratch that is reused from view to view
 
  private:
+  bool is_from(const CloudView<float>& cloud) const;
   /// Fills a place from row[place] of the cloud.
   void prepare_place(std::size_t place);
   /// Makes a place a row that is never drawn.
@@ -62,7 +71,11 @@ class PreparedCloud {
   void bound_groups();
 
   CloudView<float> source_;
+  std::unique_ptr<DeviceCloud> on_device_;
   std::vector<std::uint32_t> place_of_;  // [N] place of each row; empty before the first update
 };
+
+/// A cloud as the argument of a device's op: with its resident columns if `options` has them.
+CloudOnHost on_host(const CloudView<float>& cloud, const SplatOptions& options);
 
 }  // namespace ngs

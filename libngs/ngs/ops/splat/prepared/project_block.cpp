@@ -234,15 +234,15 @@ void BlockProjector::rectangle(PassRows& rows) const {
 /// As record_of; also sets whether the row reaches a pixel.
 void BlockProjector::record(PassRows& rows) const {
   each_row([&rows](int i) {
-    constexpr float kMost = std::numeric_limits<float>::max();
+    constexpr float kMaxFinite = std::numeric_limits<float>::max();
     const auto form = PowerForm<float>::of(rows.conic_a[i], rows.conic_b[i], rows.variance_y[i]);
     const float reach2 = max2(rows.max_mahalanobis2[i], 0.f), half_height = std::sqrt(reach2 * rows.variance_y[i]);
     rows.along_u[i] = form.along_u, rows.along_v[i] = form.along_v, rows.across[i] = form.across;
     rows.inv_det[i] = 1.f / rows.det[i], rows.inv_c[i] = 1.f / rows.conic_c[i];
     rows.half_width[i] = std::sqrt(reach2 * rows.variance_x[i]), rows.half_height[i] = half_height;
     rows.bottom_x[i] = -rows.conic_b[i] / rows.conic_a[i] * half_height;
-    rows.reaches[i] = (rows.opacity[i] >= float(kAlphaMin)) & (rows.det[i] > 0.f) & (rows.det[i] <= kMost) &
-                      (std::fabs(rows.mean_x[i]) <= kMost) & (std::fabs(rows.mean_y[i]) <= kMost) &
+    rows.reaches[i] = (rows.opacity[i] >= float(kAlphaMin)) & (rows.det[i] > 0.f) & (rows.det[i] <= kMaxFinite) &
+                      (std::fabs(rows.mean_x[i]) <= kMaxFinite) & (std::fabs(rows.mean_y[i]) <= kMaxFinite) &
                       (rows.x_begin[i] < rows.x_end[i]) & (rows.y_begin[i] < rows.y_end[i]);
   });
 }
@@ -319,7 +319,7 @@ void BlockProjector::project(std::int64_t block, const std::uint8_t* reaches, st
 }  // namespace
 
 void project_blocks(const Exec& exec, const PreparedCloud& cloud, const CloudView<float>& columns,
-                    const ViewProjector<float>& projector, PassMemory<float>& memory) {
+                    const ViewProjector<float>& projector, ViewScratch<float>& memory) {
   const BlockProjector blocks(cloud, columns, projector);
   const auto in_blocks_of = [&](std::int64_t group, const auto& f) {
     for (std::int64_t b = group * kGroupBlocks; b < std::min(cloud.blocks(), (group + 1) * kGroupBlocks); ++b)

@@ -8,6 +8,6 @@ namespace ngs {
 /// Projects the Gaussians of `cloud` that may reach a pixel and are in columns.include (null: all) into memory.view, in
 /// the order of `cloud`. A row with an empty rectangle reaches no pixel; its other members are undefined.
 void project_blocks(const Exec& exec, const PreparedCloud& cloud, const CloudView<float>& columns,
-                    const ViewProjector<float>& projector, PassMemory<float>& memory);
+                    const ViewProjector<float>& projector, ViewScratch<float>& memory);
 
 }  // namespace ngs

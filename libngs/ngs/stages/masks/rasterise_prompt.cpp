@@ -1,4 +1,4 @@
-#include "ngs/stages/masks/hand_prompt.h"
+#include "ngs/stages/masks/rasterise_prompt.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,6 @@
 #pragma once
-// Scratch memory of a pass over one view, reused for the next view: fresh pages cost as much as writing the data.
+// Scratch memory for rendering one view, reused for the next: fresh pages cost as much to fault in as the data to
+// write.
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -10,7 +11,7 @@
 namespace ngs {
 
 template <class S>
-struct PassMemory {
+struct ViewScratch {
   ProjectedView<S> view;
   TileLists lists;
   BinScratch bins;
@@ -19,24 +20,24 @@ struct PassMemory {
   std::vector<S> sums;                // per-pair sums of the pass
 };
 
-/// A pool of PassMemory; holds as many as passes have run at the same time. Thread-safe.
-class PassMemoryPool {
+/// Pool of ViewScratch. Holds as many as were ever in use at once. Thread-safe.
+class ViewScratchPool {
  public:
-  std::unique_ptr<PassMemory<float>> acquire() {
+  std::unique_ptr<ViewScratch<float>> acquire() {
     const std::lock_guard lock(mutex_);
-    if (free_.empty()) return std::make_unique<PassMemory<float>>();
-    std::unique_ptr<PassMemory<float>> memory = std::move(free_.back());
+    if (free_.empty()) return std::make_unique<ViewScratch<float>>();
+    std::unique_ptr<ViewScratch<float>> memory = std::move(free_.back());
     free_.pop_back();
     return memory;
   }
-  void release(std::unique_ptr<PassMemory<float>> memory) {
+  void release(std::unique_ptr<ViewScratch<float>> memory) {
     const std::lock_guard lock(mutex_);
     free_.push_back(std::move(memory));
   }
 
  private:
   std::mutex mutex_;
-  std::vector<std::unique_ptr<PassMemory<float>>> free_;
+  std::vector<std::unique_ptr<ViewScratch<float>>> free_;
 };
 
 }  // namespace ngs

@@ -1,0 +1,76 @@
+#pragma once
+// DeviceArrays on a Launcher.
+#include <cstring>
+
+#include "ngs/backend/launcher.h"
+#include "ngs/core/check.h"
+#include "ngs/ops/device/device_ops.h"
+
+namespace ngs {
+
+template <class Launcher>
+class LaunchedArrays final : public DeviceArrays {
+ public:
+  explicit LaunchedArrays(Launcher& launcher) : launcher_(launcher) {}
+
+  void keep(void* host, std::size_t bytes) const override {
+    void* const device = launcher_.allocate(bytes);
+    launcher_.resident.insert(host, {bytes, static_cast<char*>(device)});
+    launcher_.upload(device, host, bytes);
+    if (Launcher::kSpoilsHost) std::memset(host, 0xff, bytes);
+  }
+  void give_back(void* host) const override {
+    const ResidentTable::Array array = launcher_.resident.erase(host);
+    launcher_.download(host, array.device, array.bytes);
+    launcher_.release(array.device);
+  }
+  void drop(void* host) const noexcept override { launcher_.release(launcher_.resident.erase(host).device); }
+
+  void run(const ScatterRows& host, std::int64_t rows) const override {
+    ScatterRows kernel = host;
+    for (int c = 0; c < ScatterRows::kColumns; ++c)
+      kernel.part[c] = at(host.part[c], host.width[c]), kernel.all[c] = at(host.all[c], host.width[c]);
+    kernel.row = at(host.row, rows);
+    launcher_.parallel_for(rows, kernel);
+  }
+  void run(const GatherRows& host, std::int64_t rows) const override {
+    const DeviceBuffer<Launcher, float> part =
+        DeviceBuffer<Launcher, float>::result(launcher_, host.part, rows * host.width);
+    launcher_.parallel_for(rows, GatherRows{at(host.row, rows), host.width, at(host.all, rows), part.data()});
+    part.to(host.part);
+  }
+  void run(const RowColours& host, std::int64_t rows) const override {
+    launcher_.parallel_for(rows, RowColours{at(host.row, rows), at(host.sh_dc, rows), at(host.colour, rows)});
+  }
+  void run(const AddRowColourGradients& host, std::int64_t rows) const override {
+    launcher_.parallel_for(
+        rows, AddRowColourGradients{at(host.place, rows), at(host.grad_colour, rows), at(host.sh_dc, rows)});
+  }
+  void run(const LabelCellGradients& host, std::int64_t rows) const override {
+    if (host.cells.count == 0) return;
+    launcher_.parallel_for(rows, LabelCellGradients{at(host.cells), at(host.grad_label, rows), at(host.grad, rows)});
+  }
+  void run(const LabelCellValues& host, std::int64_t rows) const override {
+    if (host.cells.count == 0) return;
+    launcher_.parallel_for(rows,
+                           LabelCellValues{at(host.cells), at(host.row, host.row ? rows : 0), at(host.label, rows)});
+  }
+
+ private:
+  /// The device address of a resident array; null if it has no values.
+  template <class T>
+  T* at(T* host, std::int64_t values) const {
+    if (values == 0) return nullptr;
+    void* const device = launcher_.resident.find(host, sizeof(T));
+    NGS_CHECK(device != nullptr, "the arrays of a row kernel are resident");
+    return static_cast<T*>(device);
+  }
+  LabelCells at(const LabelCells& host) const {
+    const auto count = std::int64_t(host.count);
+    return {at(host.begin, 1), at(host.object, count), at(host.logit, count), host.objects, host.count};
+  }
+
+  Launcher& launcher_;
+};
+
+}  // namespace ngs

@@ -1,0 +1,94 @@
+#pragma once
+// Copies between rows of arrays, and the labels of trained cells: what a training step does between its ops.
+#include <cstdint>
+
+#include "ngs/core/hd.h"
+#include "ngs/math/sh.h"
+#include "ngs/math/stable.h"
+
+namespace ngs {
+
+/// Row r of `part` becomes row row[r] of `all`, in up to kColumns columns.
+struct ScatterRows {
+  static constexpr const char* kName = "scatter_rows";
+  static constexpr int kColumns = 6;
+  const std::int64_t* row;  // [R] unique
+  int width[kColumns];      // 0: no such column
+  const float* part[kColumns];
+  float* all[kColumns];
+  NGS_HD void operator()(std::int64_t r) const {
+    for (int c = 0; c < kColumns; ++c)
+      for (int k = 0; k < width[c]; ++k) all[c][row[r] * width[c] + k] = part[c][r * width[c] + k];
+  }
+};
+
+/// Row r of `part` is row row[r] of `all`.
+struct GatherRows {
+  static constexpr const char* kName = "gather_rows";
+  const std::uint32_t* row;  // [R]
+  int width;
+  const float* all;
+  float* part;
+  NGS_HD void operator()(std::int64_t r) const {
+    for (int k = 0; k < width; ++k) part[r * width + k] = all[std::int64_t(row[r]) * width + k];
+  }
+};
+
+/// The colours of the constant SH band of some rows.
+struct RowColours {
+  static constexpr const char* kName = "row_colours";
+  const std::uint32_t* row;  // [R]
+  const float* sh_dc;        // [N, 3]
+  float* colour;             // [R, 3] out
+  NGS_HD void operator()(std::int64_t r) const {
+    for (int c = 0; c < 3; ++c) colour[r * 3 + c] = float(0.5 + kShC0 * double(sh_dc[std::int64_t(row[r]) * 3 + c]));
+  }
+};
+
+/// Its adjoint, added to rows of the gradient.
+struct AddRowColourGradients {
+  static constexpr const char* kName = "add_row_colour_gradients";
+  const std::int32_t* place;  // [R] unique row of `sh_dc`, -1: none
+  const float* grad_colour;   // [R, 3]
+  float* sh_dc;               // accumulated
+  NGS_HD void operator()(std::int64_t r) const {
+    if (place[r] < 0) return;
+    for (int c = 0; c < 3; ++c) sh_dc[std::int64_t(place[r]) * 3 + c] += float(kShC0 * double(grad_colour[r * 3 + c]));
+  }
+};
+
+/// The trained labels: cells (row, object), of row r those from begin[r] to begin[r + 1].
+struct LabelCells {
+  const std::size_t* begin;     // [R + 1]
+  const std::uint32_t* object;  // [cells]
+  const float* logit;           // [cells]
+  std::size_t objects;          // K
+  std::size_t count;            // cells
+};
+
+/// From ∂L/∂(label) of the rows to ∂L/∂(log-odds) of their cells.
+struct LabelCellGradients {
+  static constexpr const char* kName = "label_cell_gradients";
+  LabelCells cells;
+  const float* grad_label;  // [R, K]
+  float* grad;              // [cells] out
+  NGS_HD void operator()(std::int64_t r) const {
+    for (std::size_t c = cells.begin[r]; c < cells.begin[r + 1]; ++c)
+      grad[c] = grad_label[std::size_t(r) * cells.objects + cells.object[c]] * sigmoid_slope(cells.logit[c]);
+  }
+};
+
+/// The labels of the cells.
+struct LabelCellValues {
+  static constexpr const char* kName = "label_cell_values";
+  LabelCells cells;
+  const std::int64_t* row;  // [R] row of `label`; null: r
+  float* label;             // [N, K]
+  NGS_HD void operator()(std::int64_t r) const {
+    const std::size_t to = std::size_t(row ? row[r] : r);
+    for (std::size_t c = cells.begin[r]; c < cells.begin[r + 1]; ++c)
+      label[to * cells.objects + cells.object[c]] = sigmoid(cells.logit[c]);
+  }
+};
+
+}  // namespace ngs

@@ -1,0 +1,122 @@
+// What the device path copies and launches, counted by the emulated device.
+#include <doctest/doctest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+
+#include "ngs/ops/splat/evidence.h"
+#include "ngs/stages/optimise/joint_trainer.h"
+#include "parity/emulated.h"
+#include "support/joint_case.h"
+#include "support/switches.h"
+
+namespace ngs::test {
+namespace {
+
+std::size_t geometry_bytes(const GaussianCloud& cloud) {  // with the flag `usable`
+  return std::size_t(cloud.size()) * (11 * sizeof(float) + 1);
+}
+
+/// What `body` made the device do.
+template <class Body>
+Traffic traffic_of(Emulated& device, const Body& body) {
+  device.launcher.traffic() = {};
+  body();
+  return device.launcher.traffic();
+}
+
+void print(const char* what, const Traffic& t) {
+  MESSAGE(std::string(what) << ": " << t.launches << " launches, " << t.copies << " copies, " << t.up_bytes
+                            << " bytes up, " << t.down_bytes << " down, largest " << t.largest_copy_bytes << ", "
+                            << t.allocations << " allocations");
+}
+
+/// Copies `from` and reads it in a child process; the signal that ended it.
+int signal_of_read(const float* from) {
+  const pid_t child = fork();
+  if (child == 0) {
+    for (const int signal : {SIGSEGV, SIGBUS}) std::signal(signal, SIG_DFL);
+    const volatile float value = *from;
+    _exit(value == value ? 0 : 1);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+}
+
+}  // namespace
+
+TEST_CASE("residency: host code that reads guarded device memory faults") {
+  HostLauncher launcher(ThreadOrder::kAscending, true);
+  const std::vector<float> host{1.f, 2.f};
+  const DeviceBuffer<HostLauncher, float> memory(launcher, host);
+  CHECK(signal_of_read(host.data()) == 0);
+  CHECK(signal_of_read(memory.data()) != 0);
+  std::vector<float> back;
+  memory.to(back);
+  CHECK(back == host);
+}
+
+TEST_CASE("residency: evidence of many views copies the model once, then the masks' windows and the seen rows") {
+  const auto c = joint_case(600, 400);
+  Emulated device(ThreadOrder::kAscending, DeviceSums::kInOrder, true);
+  Monitor monitor;
+  const auto load = [&](std::size_t v) { return c->masks[v]; };
+  const auto evidence_of = [&](const Exec& exec, const std::vector<std::size_t>& views) {
+    return accumulate_evidence(exec, monitor, {c->model, c->scene, views, {}, load});
+  };
+  const std::vector<std::size_t> one{0}, all{0, 1, 2, 3};
+  const Traffic first = traffic_of(device, [&] { evidence_of(device.exec(), one); });
+  Evidence got(0, 1);
+  const Traffic four = traffic_of(device, [&] { got = evidence_of(device.exec(), all); });
+  const Evidence want = evidence_of({}, all);
+  CHECK(got.views == want.views);
+  const LabelColumns labels = label_gaussians(c->rule, got)[0], as_cpu = label_gaussians(c->rule, want)[0];
+  for (std::size_t i = 0; i < std::size_t(c->model.size()); ++i) CHECK(labels.label[i] == as_cpu.label[i]);
+  print("evidence of one view", first), print("evidence of four views", four);
+  std::size_t windows = 0;
+  for (std::size_t v = 1; v < 4; ++v) {
+    const MaskWindow w = mask_window(c->masks[v]);
+    CHECK(w.pixels() < 48 * 40 / 2);
+    windows += std::size_t(w.pixels()) * sizeof(float);
+  }
+  CHECK(first.up_bytes == geometry_bytes(c->model) + std::size_t(mask_window(c->masks[0]).pixels()) * sizeof(float));
+  CHECK(four.up_bytes == first.up_bytes + windows);
+  const std::size_t row_bytes = sizeof(std::uint32_t) + 4 * sizeof(double);
+  CHECK(four.down_bytes < 4 * std::size_t(c->model.size()) * row_bytes);
+}
+
+namespace {
+
+/// The second step of the joint optimisation of a ball of `ball` Gaussians.
+Traffic step_traffic(int ball, bool with_region) {
+  const auto c = joint_case(ball, ball);
+  Problem input = c->input();
+  for (int i = 0; with_region && i < 2 * ball; ++i) input.region.push_back(i < ball);
+  JointOptions options;
+  options.on = joint_switched({"nerf=off"}), options.steps = 8;
+  const SampleOptions sample;
+  const RbfOptions rbf;
+  Monitor monitor;
+  Emulated device(ThreadOrder::kAscending, DeviceSums::kInOrder, true);
+  JointTrainer trainer(device.exec(), monitor, {.options = options, .sample = sample, .rbf = rbf, .input = input},
+                       true);
+  trainer.step();
+  return traffic_of(device, [&] { trainer.step(); });
+}
+
+}  // namespace
+
+TEST_CASE("residency: what a step copies does not depend on the number of Gaussians; at most 39 launches") {
+  for (const bool with_region : {false, true}) {
+    const Traffic small = step_traffic(200, with_region), large = step_traffic(800, with_region);
+    print(with_region ? "joint step with a region" : "joint step", large);
+    CHECK(small.up_bytes == large.up_bytes);
+    CHECK(small.down_bytes == large.down_bytes);
+    CHECK(small.copies == large.copies);
+    CHECK(large.launches <= 39);
+  }
+}
+
+}  // namespace ngs::test
