@@ -317,7 +317,7 @@ bool CutChain::cut() {
              {"ngs-joint", scene, at("boundary.ply"), "--quality",
               std::string(name_of(kQualityNames, options_.quality)), "--trace", at("trace.jsonl"), "-o", trained}))
     return false;
-  if (untrained_ && untrained_->is_expected) keep_first_labels(trained);
+  if (untrained_ && untrained_->is_expected) keep_boundary_labels(trained, untrained_->labels);
   if (!extract(trained)) return false;
   if (run_.dry_run()) return true;
   if (marked) keep_better_result();
@@ -325,15 +325,6 @@ bool CutChain::cut() {
   if (options_.keep) return true;
   for (const char* intermediate : {"boundary.ply", "joint.ply", "trace.jsonl"}) fs::remove(at(intermediate));
   return true;
-}
-
-/// The masks of training were segmented from the expected object: Gaussians whose masks disagree keep its labels. A
-/// model in which training has split Gaussians stays as it is.
-void CutChain::keep_first_labels(const std::string& trained) const {
-  const io::GaussianPly ply = io::read_gaussian_ply(trained);
-  std::vector<io::NamedLabels> objects{{ply.object, ply.labels}};
-  if (ply.labels.label.size() != untrained_->labels.label.size()) return;
-  io::write_labelled_ply(trained, ply, objects, {.fixed = fix_boundary(untrained_->labels, objects[0].columns)});
 }
 
 /// With strokes only the components that they touch are written, and labels are rounded, so that masks and page show

@@ -69,7 +69,6 @@ class CutChain {
   bool check_strokes();
   bool cut();
   bool extract(const std::string& trained);
-  void keep_first_labels(const std::string& trained) const;
   void keep_better_result();
   bool finish_untrained();
   bool score();

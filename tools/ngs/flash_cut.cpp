@@ -12,6 +12,7 @@
 #include "ngs/stages/live/ball_cut.h"
 #include "ngs/stages/orbit/orbit_stage.h"
 #include "ngs/stages/render/render_options.h"
+#include "ngs/stages/select/view_agreement.h"
 #include "shared/scene/prompt_input.h"
 
 namespace ngs::front {
@@ -56,6 +57,13 @@ void write_flash_models(cli::Run& run, const std::string& folder, const io::Gaus
   const std::vector<io::NamedLabels> objects{{"object", labels}};
   const std::vector<float> fixed(keep.size(), 1);  // ngs-extract would vote again about Gaussians that no view sees
   io::write_labelled_ply(folder + "/labelled.ply", ply, objects, {.fixed = fixed});
+}
+
+void keep_boundary_labels(const std::string& path, const LabelColumns& first) {
+  const io::GaussianPly ply = io::read_gaussian_ply(path);
+  if (ply.labels.label.size() != first.label.size()) return;
+  std::vector<io::NamedLabels> objects{{ply.object, ply.labels}};
+  io::write_labelled_ply(path, ply, objects, {.fixed = fix_boundary(first, objects[0].columns)});
 }
 
 std::vector<PixelMask> read_flash_masks(const std::string& folder, const FlashCut& cut) {

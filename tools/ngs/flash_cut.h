@@ -55,6 +55,10 @@ std::vector<PixelMask> read_flash_masks(const std::string& folder, const FlashCu
 void write_flash_models(cli::Run& run, const std::string& folder, const io::GaussianPly& ply,
                         const LabelColumns& labels);
 
+/// The masks of training were segmented from the expected object: in the trained model of `path`, boundary Gaussians,
+/// whose masks disagree, get the labels of `first`. A model in which training has split Gaussians stays as it is.
+void keep_boundary_labels(const std::string& path, const LabelColumns& first);
+
 /// Value of ngs-scene orbit --max-views: --view-count, else a limit for --method flash; empty: the default.
 std::string max_views(const CutOptions& options);
 
