@@ -22,8 +22,7 @@ int main(int argc, char** argv) {
   const double start_s = process_start_s();
   joint::Options options;
   cli::Tool tool("ngs-joint", "Jointly optimise labels, Gaussians and a NeRF (Eqs. 1-2, 10-20), or run a baseline.",
-                 {"ngs-joint scene.json boundary.ply -o labelled.ply",
-                  "ngs-joint scene.json boundary.ply --method flash -o labelled.ply"});
+                 {"ngs-joint scene.json boundary.ply -o labelled.ply"});
   options.declare(tool);
   tool.help("quality",
             [&](bool in_full) -> std::string { return in_full || options.runs_passes() ? joint::kQualityTable : ""; });
