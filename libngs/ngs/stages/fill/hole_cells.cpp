@@ -19,7 +19,7 @@ constexpr double kMargin = 0.55;                // of the footprint's longer sid
 constexpr double kCovered = 0.3, kEmpty = 0.5;  // transmittance: at most, at least
 constexpr double kMaxOpen = 0.25;               // fraction of the outline of a hole where the surface ends
 constexpr double kCut = 3;                      // standard deviations of a Gaussian that are drawn
-constexpr int kDirections = 160;                // over the sphere
+constexpr int kHoleDirections = 160;            // over the sphere
 constexpr double kMinElevation = 0.2;           // sine: no camera looks along a surface
 constexpr double kMaxSeen = 0.65;               // fraction of the directions from which a cell of the hole is visible
 constexpr double kContact = 0.3;                // diagonals: height of the object's part that stands on a surface
@@ -187,7 +187,7 @@ void mark_hole(const Exec& exec, const HoleScene& scene, std::size_t index, Hole
       grown(cells, below_object(scene, surface, cells, std::numeric_limits<double>::infinity()), margin);
   const std::vector<std::uint8_t> contact =
       grown(cells, below_object(scene, surface, cells, kContact * scene.rim.diagonal), margin);
-  const std::vector<Vec> directions = orbit::even_directions(kDirections);
+  const std::vector<Vec> directions = orbit::even_directions(kHoleDirections);
   for_each_index(exec, std::int64_t(cells.state.size()), [&](std::int64_t i) {
     HoleCell& state = cells.state[std::size_t(i)];
     if (!below[std::size_t(i)] || state == HoleCell::kClipped) return;

@@ -15,7 +15,7 @@ struct Counted {
 
 }  // namespace
 
-void add_stroke_agreement(const Exec& exec, const LabelledModel& model, const Camera& camera, const ViewPrompt& marks,
+void add_stroke_agreement(const Exec& exec, const LabelledSplat& model, const Camera& camera, const ViewPrompt& marks,
                           StrokeAgreement& agreement) {
   const int w = marks.width_px, h = marks.height_px;
   NGS_CHECK(w == camera.width_px && h == camera.height_px, "marks of the camera's size");

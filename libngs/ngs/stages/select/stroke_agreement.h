@@ -26,14 +26,14 @@ struct StrokeAgreement {
   double wrong_share() const { return pixels > 0 ? double(wrong) / double(pixels) : 0; }
 };
 
-struct LabelledModel {
+struct LabelledSplat {
   const GaussianCloud& cloud;
   std::span<const float> label;  // [N] in [0, 1]
   const SplatOptions& splat;
 };
 
 /// Adds a view; `marks` has the size of the camera. Background strokes on empty pixels of the render are not counted.
-void add_stroke_agreement(const Exec& exec, const LabelledModel& model, const Camera& camera, const ViewPrompt& marks,
+void add_stroke_agreement(const Exec& exec, const LabelledSplat& model, const Camera& camera, const ViewPrompt& marks,
                           StrokeAgreement& agreement);
 
 }  // namespace ngs

@@ -11,7 +11,7 @@ constexpr double kAgreementMargin = 0.02;  // tolerated decrease of the mean IoU
 
 }  // namespace
 
-double view_agreement(const Exec& exec, const LabelledModel& model, std::span<const Camera> cameras,
+double view_agreement(const Exec& exec, const LabelledSplat& model, std::span<const Camera> cameras,
                       std::span<const PixelMask> masks) {
   NGS_CHECK(cameras.size() == masks.size(), "one mask per camera");
   RenderRequest request;

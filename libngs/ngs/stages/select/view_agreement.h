@@ -13,7 +13,7 @@ namespace ngs {
 
 /// Mean IoU over the views between the rendered labels and the masks. An empty vector is a view without a mask. Views
 /// in which both are empty do not count; 1 without a view that counts. A mask has the size of its camera.
-double view_agreement(const Exec& exec, const LabelledModel& model, std::span<const Camera> cameras,
+double view_agreement(const Exec& exec, const LabelledSplat& model, std::span<const Camera> cameras,
                       std::span<const PixelMask> masks);
 
 struct ResultQuality {
