@@ -38,7 +38,7 @@ class InFolder(unittest.TestCase):
 
 class Run(InFolder):
     def test_a_command_returns_its_report_and_its_splat_is_read(self):
-        report = ngs.run("synth", "two-spheres", output=self.path("scene"), views=2, width_px=48, height_px=36, fit_steps=2)
+        report = ngs.run("synth", "two-spheres", output=self.path("scene"), view_count=2, width_px=48, height_px=36, fit_steps=2)
         self.assertEqual(report["tool"], "ngs-synth")
         columns = ngs.read_ply(self.path("scene/point_cloud.ply"))
         self.assertIn("opacity", columns)
