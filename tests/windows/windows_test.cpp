@@ -114,8 +114,8 @@ TEST_CASE("a crash of a child is told from an exit, and a program that does not 
 
 TEST_CASE("a program of lines answers each line, and its end is reported") {
   cli::LineProgram program(child("lines"));
-  CHECK(program.ask(kOdd, {}).line == "{\"got\": \"" + kOdd + "\"}");
-  const cli::LineProgram::Answer last = program.ask("end", {});
+  CHECK(program.request(kOdd, {}).line == "{\"got\": \"" + kOdd + "\"}");
+  const cli::LineProgram::Response last = program.request("end", {});
   REQUIRE(last.ended);
   CHECK(last.ended->code == 3);
 }
