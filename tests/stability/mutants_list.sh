@@ -313,7 +313,7 @@ mutant $f $t $f "background: black under transparent photos" 's/  request\.backg
 mutant $f $t $f "background: estimated although almost no pixel shows it" 's/found\.shown >= kMinShown && //'
 
 t=unit/problem/window_input_test.cpp
-mutant problem/pixel_window.cpp $t problem/pixel_window.cpp "windows not aligned to the tiles" 's/ \/ kGrain_px \* kGrain_px; \};/ + 1; };/'
+mutant ops/image/pixel_window.cpp $t ops/image/pixel_window.cpp "windows not aligned to the tiles" 's/ \/ kGrain_px \* kGrain_px; \};/ + 1; };/'
 mutant problem/window_input.cpp $t problem/window_input.cpp "windows with masks of another view" 's/windows_->masks\[view\]\.unpacked/windows_->masks[(view + 1) % windows_->masks.size()].unpacked/'
 mutant problem/window_input.cpp $t problem/window_input.cpp "window losses not scaled to the share of the view" 's/share\[v\] = double\(windows\[v\]\.w\)/share[v] = 0.5 * double(windows[v].w)/'
 mutant problem/window_input.cpp $t problem/window_input.cpp "no window in views without a mask where the object is occluded" 's/out\.masks\[v\]\.available\(\) && window/window/'

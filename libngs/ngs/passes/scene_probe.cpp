@@ -5,8 +5,8 @@
 
 #include "ngs/ops/field/knn.h"
 #include "ngs/ops/image/mask_pair.h"
+#include "ngs/ops/image/pixel_window.h"
 #include "ngs/passes/effect.h"
-#include "ngs/problem/pixel_window.h"
 #include "ngs/problem/scene_measures.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/contours/unexplained_contrast.h"

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "ngs/problem/pixel_window.h"
+#include "ngs/ops/image/pixel_window.h"
 #include "ngs/problem/problem.h"
 #include "ngs/scene/rle_masks.h"
 

@@ -5,7 +5,7 @@
 
 #include "ngs/ops/image/metrics.h"
 #include "ngs/ops/image/outline.h"
-#include "ngs/problem/pixel_window.h"
+#include "ngs/ops/image/pixel_window.h"
 
 namespace ngs::bench {
 namespace {

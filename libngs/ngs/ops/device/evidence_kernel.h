@@ -2,32 +2,23 @@
 // Mask evidence on a device (before Eq. (3)): the sums of ops/splat/evidence_tile.h per (Gaussian, tile) pair, then per
 // Gaussian. A thread first traverses one pixel, then sums eight pixels of one Gaussian, as in
 // ops/device/splat_backward_kernel.h.
-#include <algorithm>
-#include <vector>
-
 #include "ngs/ops/device/tiles_kernel.h"
+#include "ngs/ops/image/pixel_window.h"
 #include "ngs/scene/mask_threshold.h"
-#include "ngs/scene/scene.h"
 
 namespace ngs {
-
-/// The part of a view in which some target is not zero.
-struct MaskWindow {
-  int x0 = 0, y0 = 0, w = 0, h = 0;  // px
-  NGS_HD std::int64_t pixels() const { return std::int64_t(w) * h; }
-};
 
 /// The masks of a view on a device.
 struct MasksOnDevice {
   const std::uint8_t* known;  // [H·W] or null: all
   const float* target;        // [objects, window]; zero outside
-  MaskWindow window;
+  PixelWindow window;
   int objects;
 
   NGS_HD float target_at(int object, int x, int y) const {
     const int column = x - window.x0, row = y - window.y0;
     if (column < 0 || column >= window.w || row < 0 || row >= window.h) return 0.f;
-    return target[object * window.pixels() + std::int64_t(row) * window.w + column];
+    return target[(std::int64_t(object) * window.h + row) * window.w + column];
   }
 };
 
@@ -196,33 +187,5 @@ struct SeenRows {
     launcher.parallel_for(n, GatherSeen{place.data(), all.data(), columns, row.data(), sum.data()});
   }
 };
-
-/// The smallest window that contains every pixel with a non-zero target.
-inline MaskWindow mask_window(const ViewMasks& masks) {
-  int x0 = masks.width_px, y0 = masks.height_px, x1 = 0, y1 = 0;
-  for (const std::vector<float>& target : masks.target)
-    for (int y = 0; y < masks.height_px; ++y) {
-      const float *row = target.data() + std::int64_t(y) * masks.width_px, *end = row + masks.width_px;
-      const float* const first = std::find_if(row, end, [](float m) { return m != 0; });
-      if (first == end) continue;
-      int last = masks.width_px;
-      while (row[last - 1] == 0) --last;
-      x0 = std::min(x0, int(first - row)), x1 = std::max(x1, last);
-      y0 = std::min(y0, y), y1 = std::max(y1, y + 1);
-    }
-  return x0 < x1 ? MaskWindow{x0, y0, x1 - x0, y1 - y0} : MaskWindow();
-}
-
-/// [objects, window] the targets in the window.
-inline std::vector<float> window_values(const ViewMasks& masks, const MaskWindow& window) {
-  std::vector<float> values;
-  values.reserve(masks.target.size() * std::size_t(window.pixels()));
-  for (const std::vector<float>& target : masks.target)
-    for (int y = window.y0; y < window.y0 + window.h; ++y) {
-      const float* const row = target.data() + std::int64_t(y) * masks.width_px + window.x0;
-      values.insert(values.end(), row, row + window.w);
-    }
-  return values;
-}
 
 }  // namespace ngs

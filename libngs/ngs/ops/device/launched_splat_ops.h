@@ -139,8 +139,13 @@ class LaunchedSplatOps final : public DeviceSplatOps {
     const TileBins<Launcher> bins(launcher_, view, columns.view());
     const int objects = int(masks.target.size());
     const DeviceBuffer<Launcher, std::uint8_t> known(launcher_, masks.known);
-    const MaskWindow window = mask_window(masks);
-    const DeviceBuffer<Launcher, float> target(launcher_, window_values(masks, window));
+    const PixelWindow window = window_of(masks.target, masks.width_px, masks.height_px, 0);
+    std::vector<float> inside;  // [objects, window]
+    for (const std::vector<float>& target : masks.target) {
+      const std::vector<float> part = cropped(target, masks.width_px, 1, window);
+      inside.insert(inside.end(), part.begin(), part.end());
+    }
+    const DeviceBuffer<Launcher, float> target(launcher_, inside);
     const SeenRows<Launcher> seen(launcher_, bins, {known.data(), target.data(), window, objects});
     ViewSums sums{objects, true, {}, {}};
     seen.row.to(sums.row), seen.sum.to(sums.sum);

@@ -41,7 +41,7 @@ struct RowColours {
   const float* sh_dc;        // [N, 3]
   float* colour;             // [R, 3] out
   NGS_HD void operator()(std::int64_t r) const {
-    for (int c = 0; c < 3; ++c) colour[r * 3 + c] = float(0.5 + kShC0 * double(sh_dc[std::int64_t(row[r]) * 3 + c]));
+    for (int c = 0; c < 3; ++c) colour[r * 3 + c] = float(colour_of_dc(double(sh_dc[std::int64_t(row[r]) * 3 + c])));
   }
 };
 

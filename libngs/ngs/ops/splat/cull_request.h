@@ -9,12 +9,12 @@
 namespace ngs {
 
 struct CullRequest {
-  const std::uint8_t* tiles_touching =
-      nullptr;  // [N] render only tiles that a flagged Gaussian touches; null: all tiles
-  const std::uint8_t* stop_after =
-      nullptr;  // [N] per tile, skip everything behind the last flagged Gaussian; null: nothing
-  const ImageF* max_depth =
-      nullptr;  // [H, W, 1] skip Gaussians at this depth or farther, all where it is 0; null: none
+  /// [N] Render only tiles that a flagged Gaussian touches; null: all tiles.
+  const std::uint8_t* tiles_touching = nullptr;
+  /// [N] Per tile, skip everything behind the last flagged Gaussian; null: nothing.
+  const std::uint8_t* stop_after = nullptr;
+  /// [H, W, 1] Skip Gaussians at this depth or farther, all where it is 0; null: none.
+  const ImageF* max_depth = nullptr;
 };
 
 }  // namespace ngs

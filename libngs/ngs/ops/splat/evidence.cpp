@@ -201,19 +201,37 @@ ViewSums merged(const Exec& exec, std::int64_t rows, int objects, const std::vec
   return all;
 }
 
-/// The same sums from the device.
-ViewSums sums_on_device(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,
-                        const SplatOptions& options) {
-  return exec.device_ops->splat.evidence(view_projector<float>(relative_camera(view.camera, cloud), options),
-                                         on_host(cloud_view(cloud, 0, nullptr), options), view.masks);
-}
-
 /// A view, and the Gaussians whose sums are wanted; `of` null: all.
 struct Query {
   const GaussianCloud& cloud;
   const MaskedView& view;
   const SplatOptions& options;
   const RowNumbers* of = nullptr;
+};
+
+/// The same sums from a device, with the interface of ViewPairs.
+class DeviceSumsOfView {
+ public:
+  DeviceSumsOfView(const Exec& exec, const Query& q)
+      : sums_(exec.device_ops->splat.evidence(view_projector<float>(relative_camera(q.view.camera, q.cloud), q.options),
+                                              on_host(cloud_view(q.cloud, 0, nullptr), q.options), q.view.masks)),
+        of_(q.of) {}
+  std::int64_t chunks() const { return std::int64_t((sums_.size() + kRows - 1) / kRows); }
+  template <class F>
+  void for_each_seen(std::int64_t chunk, const F& f) const {
+    const std::size_t begin = std::size_t(chunk) * kRows, end = std::min(sums_.size(), begin + kRows);
+    for (std::size_t v = begin; v < end; ++v) {
+      const std::uint32_t row = sums_.row[v];
+      if (of_ != nullptr && !of_->has(row)) continue;
+      const double *sum = sums_.at(v), *last = sum + sums_.columns();
+      f(of_ ? of_->number[row] : row, sum, std::any_of(sum + 2, last, [](double s) { return s != 0; }));
+    }
+  }
+
+ private:
+  static constexpr std::size_t kRows = 1 << 12;
+  ViewSums sums_;
+  const RowNumbers* of_;
 };
 
 /// Calls start(number of chunks), then body(chunk, rows) from several threads. rows(f) calls f(row, sums, has_object)
@@ -223,36 +241,23 @@ void for_each_chunk(const Exec& exec, const Query& q, const Start& start, const 
   const ViewMasks& masks = q.view.masks;
   NGS_CHECK(masks.width_px == q.view.camera.width_px && masks.height_px == q.view.camera.height_px, "mask size");
   NGS_CHECK(q.of == nullptr || std::int64_t(q.of->number.size()) == q.cloud.size(), "one number per Gaussian");
-  if (exec.device_ops != nullptr && q.view.weight == PixelWeight::kRendered) {
-    constexpr std::size_t kChunk = 1 << 12;
-    const ViewSums sums = sums_on_device(exec, q.cloud, q.view, q.options);
-    const std::size_t chunks = (sums.size() + kChunk - 1) / kChunk;
-    start(chunks);
-    for_each_task(exec, std::int64_t(chunks), [&](std::int64_t chunk) {
-      const std::size_t begin = std::size_t(chunk) * kChunk, end = std::min(sums.size(), begin + kChunk);
-      body(std::size_t(chunk), [&](const auto& f) {
-        for (std::size_t v = begin; v < end; ++v) {
-          const std::uint32_t row = sums.row[v];
-          const double *sum = sums.at(v), *last = sum + sums.columns();
-          const bool has_object = std::any_of(sum + 2, last, [](double s) { return s != 0; });
-          if (q.of == nullptr || q.of->has(row)) f(q.of ? q.of->number[row] : row, sum, has_object);
-        }
-      });
+  const auto visit = [&](const auto& sums) {
+    start(std::size_t(sums.chunks()));
+    for_each_task(exec, sums.chunks(), [&](std::int64_t chunk) {
+      body(std::size_t(chunk), [&](const auto& f) { sums.for_each_seen(chunk, f); });
     });
-    return;
-  }
-  const ViewPairs pairs(exec, q.cloud, q.view, q.options, q.of);
-  start(std::size_t(pairs.chunks()));
-  for_each_task(exec, pairs.chunks(), [&](std::int64_t chunk) {
-    body(std::size_t(chunk), [&](const auto& f) { pairs.for_each_seen(chunk, f); });
-  });
+  };
+  if (exec.device_ops != nullptr && q.view.weight == PixelWeight::kRendered)
+    visit(DeviceSumsOfView(exec, q));
+  else
+    visit(ViewPairs(exec, q.cloud, q.view, q.options, q.of));
 }
 
 }  // namespace
 
 ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view, const SplatOptions& options,
                    const RowNumbers* of) {
-  const ViewSums none{int(view.masks.target.size()), true, {}, {}};
+  ViewSums none{int(view.masks.target.size()), true, {}, {}};
   if (!view.masks.available) return none;
   std::vector<ViewSums> part;
   for_each_chunk(

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ngs/ops/image/pixel_window.h"
 #include "ngs/ops/splat/evidence.h"
 #include "ngs/problem/cloud_rows.h"
-#include "ngs/problem/pixel_window.h"
 #include "ngs/problem/scene_measures.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/scene/mask_threshold.h"

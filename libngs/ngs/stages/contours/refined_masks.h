@@ -1,7 +1,7 @@
 #pragma once
 // Refines the rendered masks of a labelled model to the edges of the photos.                     paper.md §5.10
 #include "ngs/ops/image/contour_refine.h"
-#include "ngs/problem/pixel_window.h"
+#include "ngs/ops/image/pixel_window.h"
 #include "ngs/problem/problem.h"
 #include "ngs/scene/rle_masks.h"
 

@@ -74,10 +74,11 @@ void TrainedLabels::write(std::vector<LabelColumns>& columns) const {
     end = end_of_page(begin);
     std::ranges::fill(written, std::uint8_t(0));
     for (std::size_t r = begin; r < end; ++r)
-      for_each_cell(r, [&, i = rows_.row(r)](std::size_t, std::size_t, std::size_t k) {
+      for (std::size_t c = begin_[r], i = rows_.row(r); c < begin_[r + 1]; ++c) {
+        const std::size_t k = object_[c];
         columns[k].label[i] = columns[k].prob[i] = label_[i * objects_ + k];
         written[k] = 1;
-      });
+      }
     // label and prob are equal in most pages, so they share them: with many objects pages are most of a result.
     for (std::size_t k = 0; k < objects_; ++k)
       if (written[k]) columns[k].label.share(columns[k].prob, rows_.row(begin));

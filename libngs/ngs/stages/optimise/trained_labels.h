@@ -37,11 +37,6 @@ class TrainedLabels {
  private:
   LabelCells cells() const { return {begin_.data(), object_.data(), logit_.data(), objects_, logit_.size()}; }
   std::size_t end_of_page(std::size_t row) const;
-  /// Calls f(cell, index in [rows, K], object) for the cells of trained row r.
-  template <class F>
-  void for_each_cell(std::size_t r, const F& f) const {
-    for (std::size_t c = begin_[r]; c < begin_[r + 1]; ++c) f(c, r * objects_ + object_[c], std::size_t(object_[c]));
-  }
 
   const TrainedRows& rows_;
   std::int64_t gaussians_ = 0;

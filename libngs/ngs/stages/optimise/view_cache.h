@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
+#include "ngs/ops/image/pixel_window.h"
 #include "ngs/ops/losses/photometric.h"
-#include "ngs/problem/pixel_window.h"
 #include "ngs/problem/problem.h"
 #include "ngs/stages/optimise/joint_options.h"
 

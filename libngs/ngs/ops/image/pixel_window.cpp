@@ -1,4 +1,4 @@
-#include "ngs/problem/pixel_window.h"
+#include "ngs/ops/image/pixel_window.h"
 
 #include <algorithm>
 
