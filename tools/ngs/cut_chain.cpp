@@ -346,8 +346,8 @@ bool CutChain::extract(const std::string& trained) {
 /// Applies --finish and --fill to an untrained result, which is written without ngs-extract. False: stopped by a
 /// signal.
 bool CutChain::finish_untrained() {
+  if (!options_.mends_halves()) return true;
   const std::string fill = fill_word(options_);
-  if (fill.empty() && !options_.finish) return true;
   Words words{"ngs-extract", at("labelled.ply")};
   if (options_.finish) {
     append(words, "--object-ply", at("object.ply"));

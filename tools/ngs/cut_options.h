@@ -25,6 +25,9 @@ struct CutOptions {
   double image_scale = 0;
   FillOptions fill;
 
+  /// Whether ngs-extract changes the halves beyond the choice of their Gaussians.
+  bool mends_halves() const { return finish || fill.fill != FillKind::kOff; }
+
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.method,

@@ -38,7 +38,7 @@ std::vector<PlannedStep> planned_steps(const CutOptions& options, const CutInput
   if (options.method == CutMethod::kFlash) {
     steps.push_back(
         {"flash", "finding the object", "ngs cut", "object.ply, background.ply, labelled.ply, masks/", 5, true});
-    if (options.finish || options.fill.fill != FillKind::kOff)
+    if (options.mends_halves())
       steps.push_back({"ngs-extract", "mending both halves", "ngs-extract", "object.ply, background.ply", 2});
     steps.push_back({"ngs-report", "writing the pages", "ngs-report", "report.html, object.html", 3});
     return steps;

@@ -8,7 +8,7 @@ export class Jobs {
   constructor(find, on) {
     Object.assign(this, { find, on, running: false });
     find('refine').addEventListener('click', () => this.start('/api/refine', { quality: this.quality }));
-    find('export').addEventListener('click', () => this.start('/api/export', 
+    find('export').addEventListener('click', () => this.start('/api/export',
       { format: find('format').value, fill: find('fill').checked }));
     find('download').addEventListener('click', () => this.download().catch(on.failed));
     find('job-cancel').addEventListener('click', () => post('/api/cancel').catch(on.failed));

@@ -32,10 +32,10 @@ struct PieceSelection {
   std::int64_t needles = 0;                  // further ones that stick out of the touched pieces (needles.h)
 };
 
-/// Selects among the usable Gaussians with member[i] != 0, without needles. If no stroke touches any of them, all are
-/// kept. `masks`: the Gaussians inside the masks of views that were segmented one by one. A piece with at least a tenth
-/// of the weight in each of kMinMasks masks counts as touched.
 inline constexpr int kMinMasks = 3;
+/// Selects among the usable Gaussians with member[i] != 0, without needles. If no stroke touches any of them, all are
+/// kept. `masks`: the Gaussians inside the masks of views that were segmented one by one. A piece with at least a
+/// hundredth of the weight in each of kMinMasks masks counts as touched.
 PieceSelection touched_pieces(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::uint8_t>& member,
                               std::span<const ViewSums> strokes, std::span<const ViewSums> masks = {});
 

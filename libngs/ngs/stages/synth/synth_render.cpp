@@ -86,36 +86,38 @@ double distance_to_objects(const AnalyticScene& scene, V p, double at_most) {
   return best;
 }
 
-/// About z, from a turntable's frame of rest to that of a camera's photo; its inverse is the transpose.
-Mat3<double> turn_of(const AnalyticScene& scene, V o) {
-  const V from{o.x - scene.focus.x, o.y - scene.focus.y, 0};
-  const double length = std::sqrt(dot(from, from));
-  if (!scene.turns || length == 0) return {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  const double c = from.x / length, s = from.y / length;
-  return {c, -s, 0, s, c, 0, 0, 0, 1};
-}
+/// Light and room in the photo of a camera at `o`: on a turntable they do not turn with the objects.
+struct Surroundings {
+  Surroundings(const AnalyticScene& scene, V o) : light(scene.light) {
+    const V from{o.x - scene.focus.x, o.y - scene.focus.y, 0};
+    if (!scene.turns || !(length(from) > 0)) return;
+    const double c = from.x / length(from), s = from.y / length(from);
+    to_rest = {c, s, 0, -s, c, 0, 0, 0, 1};
+    light = transpose(to_rest) * scene.light;
+  }
+  Mat3<double> to_rest{1, 0, 0, 0, 1, 0, 0, 0, 1};  // turns a point of the room back, about z
+  V light;                                          // unit, towards the light
+};
 
-V shade(const AnalyticScene& scene, const Hit& hit, V o, V d) {
+V shade(const AnalyticScene& scene, const Surroundings& around, const Hit& hit, V o, V d) {
   if (hit.object < 0 && !scene.has_room) return {0, 0, 0};
   const V p = o + hit.distance * d;
-  const Mat3<double> turn = turn_of(scene, o);
-  const V towards = turn * scene.light;
   V n, base;
   double gloss = 0;
   if (hit.object < 0) {
     n = leave_room(scene.room, o, d).normal;
-    base = albedo(n.z > 0.5 ? scene.room.floor : scene.room.walls, transpose(turn) * p);
+    base = albedo(n.z > 0.5 ? scene.room.floor : scene.room.walls, around.to_rest * p);
   } else {
     const Object& object = scene.objects[std::size_t(hit.object)];
     n = surface_normal(object.solids[std::size_t(hit.solid)], p);
     base = albedo(object.texture, p), gloss = scene.gloss;
   }
   // Wrapped diffuse lighting: no hard terminator.
-  const double lambert = std::max(0.0, 0.75 * dot(n, towards) + 0.25);
+  const double lambert = std::max(0.0, 0.75 * dot(n, around.light) + 0.25);
   constexpr double kContact = 0.15;  // world: range of contact shadows
   const double open = std::clamp(distance_to_objects(scene, p + kContact * n, kContact) / kContact, 0.0, 1.0);
   const double light = (scene.ambient + (1 - scene.ambient) * lambert) * (0.45 + 0.55 * open);
-  const double mirror = dot(d - 2 * dot(d, n) * n, towards), m2 = mirror * mirror;
+  const double mirror = dot(d - 2 * dot(d, n) * n, around.light), m2 = mirror * mirror;
   const double highlight = mirror > 0 ? gloss * m2 * m2 * m2 * m2 * m2 * m2 : 0;
   const auto channel = [&](double a) { return std::clamp(a * light + highlight, 0.0, 1.0); };
   return {channel(base.x), channel(base.y), channel(base.z)};
@@ -138,6 +140,7 @@ SynthView render_view(const Exec& exec, const AnalyticScene& scene, const Camera
   const int w = camera.width_px, h = camera.height_px;
   SynthView view{ImageF(w, h, 3), ImageU16(w, h, 1), ImageF(w, h, 1), ImageF(w, h, 1)};
   const V o = camera.centre(), forward{camera.rotation(2, 0), camera.rotation(2, 1), camera.rotation(2, 2)};
+  const Surroundings around(scene, o);
   const double spread = 0.75 / std::min(camera.fx, camera.fy);  // half a pixel's diagonal, rounded up
   for_each_task(exec, h, [&](std::int64_t row) {
     const int y = int(row);
@@ -156,7 +159,7 @@ SynthView render_view(const Exec& exec, const AnalyticScene& scene, const Camera
           const V d = ray_direction(camera, x + (i + 0.5) / samples_per_side, y + (j + 0.5) / samples_per_side);
           const Hit hit = trace_among(scene, candidates, o, d);
           covered += hit.object == scene.target;
-          sum = sum + shade(scene, hit, o, d);
+          sum = sum + shade(scene, around, hit, o, d);
         }
       const double share = 1.0 / (samples_per_side * samples_per_side);
       if (scene.grey) sum.x = sum.y = sum.z = 0.299 * sum.x + 0.587 * sum.y + 0.114 * sum.z;  // Rec. 601 luma

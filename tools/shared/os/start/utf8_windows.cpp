@@ -43,7 +43,7 @@ int code_point(const unsigned char* text, std::size_t bytes, unsigned& point) {
 
 }  // namespace
 
-// libstdc++ makes a path of a std::string by this function. That of Windows' C library knows no UTF-8. A code point
+// libstdc++ makes a path of a std::string by this function. That of Windows' C library cannot read UTF-8. A code point
 // beyond 16 bits is two units: the first call reads all but one of its bytes, and `state` holds the second unit until
 // the next.
 extern "C" std::size_t mbrtowc(wchar_t* unit, const char* text, std::size_t bytes, std::mbstate_t* state) {
