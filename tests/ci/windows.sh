@@ -22,7 +22,7 @@ out=${1:-build-windows}
 mkdir -p "$out/include"
 ln -sfn /usr/include/doctest "$out/include/doctest"
 flags=(-std=c++20 -O1 -march=x86-64-v3 -Wall -Wextra -Wconversion -Werror "-Wa,-muse-unaligned-vector-move"
-  -D_WIN32_WINNT=0x0A00 -D__USE_MINGW_ANSI_STDIO=1 -DNOMINMAX -Ilibngs -Itools -isystem "$out/include")
+  -D_WIN32_WINNT=0x0A00 -D__USE_MINGW_ANSI_STDIO=1 -DNOMINMAX -Ilibngs -Itools -Itests -isystem "$out/include")
 objects=() jobs=()
 for source in libngs/ngs/os/*_windows.cpp tools/shared/os/*_windows.cpp tools/shared/os/start/utf8_windows.cpp \
   libngs/ngs/core/monitor.cpp libngs/ngs/io/files/{atomic_file,mapped_file,unfinished_files}.cpp \

@@ -19,12 +19,14 @@
 #include "shared/run/child_process.h"
 #include "shared/run/line_program.h"
 #include "shared/run/signals.h"
+#include "support/error_code.h"
 
 namespace ngs {
 namespace {
 
 namespace fs = std::filesystem;
 using End = cli::ChildResult::End;
+using test::code_of;
 const std::string kOdd = "\xC3\xA4 \xE8\xAF\xAD\xF0\x9F\x98\x80";  // an umlaut, a Chinese character, one beyond 16 bits
 
 std::vector<std::string> child(const std::string& what, const std::vector<std::string>& arguments = {}) {
@@ -65,16 +67,6 @@ int run_as_child(const std::string& what, const std::vector<std::string>& argume
   if (what == "deaf") return wait_for_stop(false);
   if (what == "fault") *static_cast<volatile int*>(nullptr) = 1;
   return 9;
-}
-
-ErrorCode code_of(const auto& body) {
-  try {
-    body();
-  } catch (const Error& e) {
-    return e.code();
-  }
-  FAIL("nothing was thrown");
-  return ErrorCode::kNumeric;
 }
 
 struct Folder {

@@ -6,6 +6,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/core/monitor.h"
+#include "support/error_code.h"
 #include "support/process.h"
 #include "support/skip.h"
 
@@ -14,16 +15,7 @@ namespace {
 
 using Words = std::vector<std::string>;
 using End = cli::ChildResult::End;
-
-ErrorCode code_of(const auto& body) {
-  try {
-    body();
-  } catch (const Error& e) {
-    return e.code();
-  }
-  FAIL("nothing was thrown");
-  return ErrorCode::kNumeric;
-}
+using test::code_of;
 
 }  // namespace
 
