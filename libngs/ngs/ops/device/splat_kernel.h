@@ -42,19 +42,6 @@ class CloudOnDevice {
   Column<std::uint8_t> usable_;
 };
 
-struct ChannelRows {
-  static constexpr const char* kName = "channel_rows";
-  ChannelPlan<float> plan;
-  ViewProjector<float> view;
-  CloudView<float> cloud;
-  const float* depth;
-  const std::int64_t* slot_begin;
-  float* row;  // [N, count] out, of Gaussians with slots
-  NGS_HD void operator()(std::int64_t i) const {
-    if (slot_begin[i] < slot_begin[i + 1]) plan.fill(view, cloud, i, depth[i], row + i * plan.count());
-  }
-};
-
 struct GaussiansBackward {
   static constexpr const char* kName = "gaussians_backward";
   GaussianBackward<float> kernel;  // its rows are those of SplatBackwardTile
@@ -90,12 +77,8 @@ class SplatOnDevice {
         projector_(view),
         cloud_(cloud),
         plan_(plan),
-        bins_(launcher, view, cloud),
-        channel_(launcher, cloud.size * plan.count()) {
-    if (plan.count() > 0)
-      launcher.parallel_for(cloud.size,
-                            ChannelRows{plan, projector_, cloud, bins_.depth(), bins_.slot_begin(), channel_.data()});
-  }
+        channel_(launcher, cloud.size * plan.count()),
+        bins_(launcher, view, cloud, {plan, channel_.data()}) {}
 
   /// out[c]: channel c; out[count]: 1 - T_final.
   void forward(const std::vector<Plane<float>>& out) {
@@ -162,8 +145,8 @@ class SplatOnDevice {
   ViewProjector<float> projector_;
   CloudView<float> cloud_;
   ChannelPlan<float> plan_;
-  TileBins<Launcher> bins_;
   DeviceBuffer<Launcher, float> channel_;  // [N, count]
+  TileBins<Launcher> bins_;
 };
 
 }  // namespace ngs

@@ -13,6 +13,8 @@
 
 namespace ngs {
 
+class ResidentResults;
+
 /// Preprocesses `cloud` for passes over many views; put the result into SplatOptions. Same results, faster. Takes 56
 /// bytes per Gaussian, and for each concurrent pass about 150 bytes per visible Gaussian. The cloud must outlive the
 /// last pass; after a change of rows call update_prepared(). With a device: copies the cloud into its memory, once for
@@ -54,7 +56,9 @@ struct GradientRows {
 /// A differentiable forward pass. Stores the projection and tile lists of the last forward for backward.
 class SplatPass {
  public:
-  explicit SplatPass(SplatOptions options);
+  /// `images`: with a device, the rendered images stay in its memory, and the host's values are undefined; null: they
+  /// are copied to the host.
+  explicit SplatPass(SplatOptions options, ResidentResults* images = nullptr);
   ~SplatPass();
   SplatPass(SplatPass&&) noexcept;
   SplatPass& operator=(SplatPass&&) noexcept;
