@@ -7,6 +7,7 @@
 
 #include "ngs/ops/image/pixel_window.h"
 #include "ngs/ops/splat/evidence.h"
+#include "ngs/passes/exposure/exposure.h"
 #include "ngs/stages/optimise/joint_trainer.h"
 #include "parity/emulated.h"
 #include "support/joint_case.h"
@@ -91,6 +92,20 @@ TEST_CASE("residency: evidence of many views copies the model once, then the mas
   CHECK(four.up_bytes == first.up_bytes + windows);
   const std::size_t row_bytes = sizeof(std::uint32_t) + 4 * sizeof(double);
   CHECK(four.down_bytes < 4 * std::size_t(c->model.size()) * row_bytes);
+}
+
+TEST_CASE("residency: pictures and exposures of many views copy the model once") {
+  const auto c = joint_case(600, 400);
+  Emulated device(ThreadOrder::kAscending, DeviceSums::kInOrder, true);
+  const std::size_t colour_bytes = (c->model.sh_dc.size() + c->model.sh_rest.size()) * sizeof(float);
+  const Traffic pictures = traffic_of(device, [&] {
+    const SplatOptions splat = kept_on_device(device.exec(), {}, c->model);
+    for (const SceneView& view : c->scene.views) render(device.exec(), c->model, view.camera, splat, {});
+  });
+  CHECK(pictures.up_bytes == geometry_bytes(c->model) + colour_bytes);
+  const Problem input = c->input();
+  const Traffic exposures = traffic_of(device, [&] { view_exposures(device.exec(), input, input.views); });
+  CHECK(exposures.up_bytes == pictures.up_bytes);
 }
 
 namespace {

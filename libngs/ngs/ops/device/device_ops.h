@@ -33,8 +33,8 @@ namespace ngs {
 class DeviceSplat {
  public:
   virtual ~DeviceSplat() = default;
-  /// out[c]: channel c of an image, out[count]: alpha.
-  virtual void forward(const std::vector<Plane<float>>& out) = 0;
+  /// out[c]: channel c of an image, out[count]: alpha. `for_backward`: backward() will follow.
+  virtual void forward(const std::vector<Plane<float>>& out, bool for_backward) = 0;
   virtual void backward(const std::vector<Plane<const float>>& grad, const std::vector<std::uint8_t>& moves,
                         const CloudGradientView<float>& out) = 0;
 };

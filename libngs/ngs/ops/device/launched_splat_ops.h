@@ -45,11 +45,11 @@ class LaunchedSplatView final : public DeviceSplat {
         splat_(launcher, view, cloud_.view(),
                {plan.colour, plan.depth, {label_.data(), plan.label.n, plan.label.c}, plan.background}) {}
 
-  void forward(const std::vector<Plane<float>>& out) override {
+  void forward(const std::vector<Plane<float>>& out, bool for_backward) override {
     std::vector<DeviceBuffer<Launcher, float>> own(out.size());  // of planes that are not resident
     std::vector<Plane<float>> planes;
     for (std::size_t c = 0; c < out.size(); ++c) planes.push_back(on_device(out[c], own[c]));
-    splat_.forward(planes);
+    splat_.forward(planes, for_backward);
     std::vector<float> host;
     for (std::size_t c = 0; c < out.size(); ++c) {
       if (own[c].size() == 0) continue;

@@ -48,7 +48,7 @@ const RenderedView& SplatPass::forward(const Exec& exec, const GaussianCloud& cl
   s.on_device.reset();
   if (exec.device_ops) {
     s.on_device = device_view(exec, view, relative_camera(camera, cloud), s.options, s.plan);
-    s.on_device->forward(planes<float>(s.plan, s.rendered));
+    s.on_device->forward(planes<float>(s.plan, s.rendered), true);
     return s.rendered;
   }
   s.engine = std::make_unique<SplatEngine<float>>(float_tile_kernels(exec.isa), s.options, view,
@@ -97,7 +97,7 @@ RenderedView render(const Exec& exec, const GaussianCloud& cloud, const Camera& 
   const CloudView<float> on_view = cloud_view(cloud, options.max_sh_degree, request.include);
   if (exec.device_ops) {
     device_view(exec, on_view, relative_camera(camera, cloud), options, channels)
-        ->forward(planes<float>(channels, view));
+        ->forward(planes<float>(channels, view), false);
     return view;
   }
   SplatEngine<float> engine(float_tile_kernels(exec.isa), options, on_view, relative_camera(camera, cloud), channels);

@@ -63,6 +63,7 @@ struct JointTrainer::Impl {
   TrainedLabels labels;
   BoundarySet boundary;
   std::unique_ptr<JointField> field;
+  SplatOptions first_splat;  // of the initial model, in the first round over the views
   std::int64_t steps = 0, done = 0;
 
   ResidentResults images;  // of `splat`, and the following arrays
@@ -114,6 +115,7 @@ struct JointTrainer::Impl {
       }
     }
     if (effects.nerf) {
+      first_splat = given_field ? input.splat : kept_on_device(exec, input.splat, input.cloud);
       const double reach = field_reach(sample, cloud, cameras_of(input.scene, input.views), boundary);
       field = std::make_unique<JointField>(
           exec, JointField::Setup{options, effects, sample, rbf, cloud, boundary, reach, input.seed});
@@ -162,7 +164,9 @@ struct JointTrainer::Impl {
     return order[std::size_t(s) % n];
   }
 
-  FirstQueries first_queries() const { return {exec, sample, rbf, input, effects.boundary, given_field, *field}; }
+  FirstQueries first_queries() const {
+    return {exec, sample, rbf, input, first_splat, effects.boundary, given_field, *field};
+  }
 
   const FieldRays& rays_of(std::size_t n, const RenderedView& rendered) {
     const auto timed = monitor.scope("rays");
@@ -174,6 +178,7 @@ struct JointTrainer::Impl {
     if (done < std::int64_t(input.views.size())) {
       rays = first_queries().rays(v);
     } else {
+      first_splat.prepared.reset();
       rays.rays = sample_view(exec, sample, camera, boundary.positions(), map).rays;
     }
     if (rays.rays.rays() > 0) rays.on_surface = rays_on_surface(camera, rays.rays, map);
