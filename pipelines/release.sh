@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# Makes all files of a release: the archive, the wheel and the Debian package of bundle.sh, the list of what they contain
-# (SPDX) and SHA-256 sums of all.
+# Makes all files of a release: the archive, the wheel and the Debian package of bundle.sh, the archive for Windows of
+# bundle/windows.sh, the lists of what they contain (SPDX) and SHA-256 sums of all.
 #
 #   pipelines/release.sh [-o OUT] [--no-setup]       OUT: default release-VERSION in build-bundle/; must not exist
 #
-# From a clean checkout only. Check the files with tests/ci/bundle.sh OUT before publishing them.
+# From a clean checkout only. Check the files with tests/ci/bundle.sh OUT and tests/ci/windows-archive.sh OUT before publishing
+# them.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"
@@ -26,8 +27,12 @@ changed=$(git -C "$top" status --porcelain)
 
 rm -rf "$out.part"
 "$pipelines/bundle.sh" -o "$out.part" "${words[@]}"
-cp "$out.part/ngs-$version"-linux-*/sbom.spdx.json "$out.part/ngs-$version.spdx.json"
-rm -rf "$out.part/ngs-$version"-linux-*/
+"$pipelines/bundle/windows.sh" -o "$out.part" "${words[@]}"
+for folder in "$out.part"/*/; do
+  case $folder in *-windows-*) system=-windows ;; *) system='' ;; esac
+  cp "$folder/sbom.spdx.json" "$out.part/ngs-$version$system.spdx.json"
+  rm -rf "$folder"
+done
 (cd "$out.part" && LC_ALL=C sha256sum -- * > SHA256SUMS)
 mv "$out.part" "$out"
 cat "$out/SHA256SUMS"

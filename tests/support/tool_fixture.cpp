@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cstdlib>
 #include <fstream>
 
 #include "support/temp_dir.h"
@@ -20,10 +21,15 @@ std::string substituted(std::string text, const std::string& from, const std::st
 
 }  // namespace
 
+std::string tool_folder() {
+  const char* const other = std::getenv("NGS_WINDOWS_TOOLS");
+  return other != nullptr ? other : NGS_TOOL_DIR;
+}
+
 Json resolved(const Json& json, const std::string& tmp, const std::string& fixture) {
   if (json.is_string()) {
     std::string text = json;
-    for (const auto& [name, value] : {std::pair("{tmp}", tmp), {"{fixture}", fixture}, {"{tools}", NGS_TOOL_DIR}})
+    for (const auto& [name, value] : {std::pair("{tmp}", tmp), {"{fixture}", fixture}, {"{tools}", tool_folder()}})
       text = substituted(text, name, value);
     return text;
   }
@@ -42,8 +48,7 @@ std::vector<std::string> words(const Json& list) {
 ProcessSpec command(const Json& run) {
   ProcessSpec spec;
   spec.argv = words(run);
-  if (spec.argv[0] == "ngs" || spec.argv[0].rfind("ngs-", 0) == 0)
-    spec.argv[0] = std::string(NGS_TOOL_DIR "/") + spec.argv[0];
+  if (spec.argv[0] == "ngs" || spec.argv[0].rfind("ngs-", 0) == 0) spec.argv[0] = tool_folder() + "/" + spec.argv[0];
   spec.environment = {{"NGS_THREADS", "2"}};
   return spec;
 }

@@ -8,8 +8,12 @@
 
 namespace ngs::test {
 
-/// `json` with {tmp} and {fixture} replaced in every text.
+/// `json` with {tmp}, {fixture} and {tools} replaced in every text.
 nlohmann::json resolved(const nlohmann::json& json, const std::string& tmp, const std::string& fixture);
+
+/// The folder of the built tools, or NGS_WINDOWS_TOOLS: scripts with their names that run the Windows tools
+/// (ci/windows-archive.sh).
+std::string tool_folder();
 
 std::vector<std::string> words(const nlohmann::json& list);
 

@@ -16,18 +16,13 @@ namespace fs = std::filesystem;
 std::vector<std::string> sibling_command(std::vector<std::string> words) {
   const fs::path self = os::path_of_this_program();
   const int unknown = self.empty() ? errno : 0;
-#ifdef _WIN32  // one program; a link to it would need rights that users do not have
-  if (words[0] == "ngs") words.erase(words.begin());
-  words.insert(words.begin(), self.generic_string());
-#else
   const std::string program = words[0];
-  words[0] = (self.parent_path() / program).generic_string();
+  words[0] = (self.parent_path() / program).generic_string() + (self.extension() == ".exe" ? ".exe" : "");
   if (unknown != 0 || !os::is_executable(words[0]))
     throw Error(ErrorCode::kEnvironment,
                 words[0] + ": " + std::strerror(unknown != 0 ? unknown : errno) + ", expected the program " + program +
                     " next to " + self.filename().string(),
                 "install all tools into one folder");
-#endif
   return words;
 }
 

@@ -1,15 +1,21 @@
-// Windows: all text is UTF-8 and all files are binary, as elsewhere. The manifest makes UTF-8 the code page of
-// arguments, of the environment and of file names; this file does the rest before main.
+// Windows: all text is UTF-8 and all files are binary, as elsewhere; abort() ends with 134, as in a shell elsewhere,
+// not with 3, which is that of a file. The manifest makes UTF-8 the code page of arguments, of the environment and of
+// file names; this file does the rest before main.
 #include <fcntl.h>
 #include <io.h>
 #include <windows.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <cwchar>
 #include <initializer_list>
 
 namespace {
+
+[[gnu::constructor(101)]] void end_aborts_as_elsewhere() {
+  std::signal(SIGABRT, [](int) { TerminateProcess(GetCurrentProcess(), 134); });
+}
 
 [[gnu::constructor(101)]] void prepare_streams() {
   _fmode = _O_BINARY;
@@ -67,4 +73,10 @@ extern "C" std::size_t mbrtowc(wchar_t* unit, const char* text, std::size_t byte
   if (is_pair) *state = std::mbstate_t(0xDC00 + ((point - 0x10000) & 0x3FF));
   if (unit != nullptr) *unit = wchar_t(is_pair ? 0xD800 + ((point - 0x10000) >> 10) : point);
   return point == 0 ? 0 : std::size_t(is_pair ? length - 1 : length);
+}
+
+/// In the C library this is in one object with mbrtowc.
+extern "C" std::size_t mbrlen(const char* text, std::size_t bytes, std::mbstate_t* state) {
+  static std::mbstate_t own{};
+  return mbrtowc(nullptr, text, bytes, state != nullptr ? state : &own);
 }
