@@ -73,11 +73,12 @@ on_device() {
   tool 40 joint "$device" scene.json "$device/boundary.ply" "${short[@]}" -o "$device/labelled.ply" || true
   [ "$device" = cpu ] ||
     tool 40 joint-atomic "$device" scene.json "$device/boundary.ply" "${short[@]}" -o "$device/atomic.ply" --fast-atomics || true
+  tool 30 fit "$device" scene.json --random-points 20000 --steps 300 -o "$device/fit.ply" || true
   step "$(basename "$PWD")-$device-sample" 20 "$bin/ngs-sample" scene.json "$device/boundary.ply" -o "$device/queries.ply" -q || return 0
   tool 20 rbf "$device" "$device/boundary.ply" "$device/queries.ply" -o "$device/field.ply" || true
 }
 if [ ${#scenes[@]} -gt 0 ] && [ -z "${NGS_DEVICE_BUILD:-}" ]; then
-  step build-tools 200 bash -c 'compiled ngs-scene ngs-variance ngs-sample ngs-rbf ngs-joint ngs-render' || scenes=()
+  step build-tools 200 bash -c 'compiled ngs-scene ngs-variance ngs-sample ngs-rbf ngs-joint ngs-render ngs-fit' || scenes=()
 fi
 for n in "${!scenes[@]}"; do
   scene=${scenes[$n]}; masks=$scene/masks; [ -d "$masks" ] || masks=$scene/masks_sam

@@ -56,7 +56,7 @@ TEST_CASE("align: value and gradients of a device equal the CPU's within roundin
 TEST_CASE("mask loss and density weights of a device equal the CPU's within rounding") {
   for (const Backend& b : backends())
     for (const MaskLossForm form : {MaskLossForm::kBce, MaskLossForm::kLinear})
-      for (const int objects : {1, 3}) {
+      for (const int objects : {1, 3, 17}) {
         Random random(2);
         const ImageF rendered = random_image(random, 37, 29, objects, -0.01, 1.01);
         ViewMasks masks;

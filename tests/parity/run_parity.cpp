@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "ngs/passes/exposure/exposure.h"
+#include "ngs/stages/fit/fit_stage.h"
 #include "parity/backends.h"
 #include "support/joint_case.h"
 #include "support/pipeline_case.h"
@@ -24,7 +25,39 @@ std::int64_t differing(const Column& got, const Column& want, std::size_t n) {
   return count;
 }
 
+FitState fit_start(const JointCase& c) {
+  FitState state;
+  state.cloud = c.model;
+  state.gradient_sum.resize(std::size_t(c.model.size())), state.gradient_views = state.gradient_sum;
+  return state;
+}
+
 }  // namespace
+
+TEST_CASE("run: a fit with densification on a device equals the CPU's within rounding") {
+  const auto c = joint_case(120, 80);
+  std::vector<FitView> views;
+  for (std::size_t v = 0; v < 4; ++v) views.push_back({c->scene.views[v].camera, c->photos[v], Split::kTrain});
+  FitOptions options;
+  options.steps = 14, options.sh_degree = 1, options.sh_every = 5, options.near_loss = 0.01;
+  options.densify_from = 6, options.densify_every = 4, options.densify_until = 10, options.densify_gradient = 1e-6;
+  const auto fit = [&](const Exec& exec) {
+    auto fitter = std::make_unique<Fitter>(options, views, fit_start(*c), 3);
+    Monitor monitor;
+    run_fit(exec, monitor, *fitter, options, {});
+    return fitter;
+  };
+  const auto want = fit({});
+  REQUIRE(want->state().cloud.size() > c->model.size());  // it was densified
+  for (const Backend& b : backends()) {
+    const auto got = fit(b.exec);
+    const GaussianCloud &w = want->state().cloud, &g = got->state().cloud;
+    REQUIRE(g.size() == w.size());
+    check_ratio(b, "fit loss", std::abs(got->last_loss().total / want->last_loss().total - 1) / 1.2e-7, 500);
+    check_ratio(b, "fit positions", worst_ratio(g.position, w.position, largest(w.position)), 500);
+    check_ratio(b, "fit opacities", worst_ratio(g.logit_opacity, w.logit_opacity, largest(w.logit_opacity)), 5000);
+  }
+}
 
 TEST_CASE("run: exposures of a device equal the CPU's within rounding") {
   const auto c = joint_case();
@@ -43,6 +76,7 @@ TEST_CASE("run: exposures of a device equal the CPU's within rounding") {
 
 TEST_CASE("run: labels of evidence and of all passes with a device are on the CPU's side for every Gaussian") {
   const auto c = joint_case();
+  for (SceneView& view : c->scene.views) view.image_path = view.camera.name;  // so that photos are used
   const auto n = std::size_t(c->model.size());
   Monitor monitor;
   const auto load = [&](std::size_t v) { return c->masks[v]; };

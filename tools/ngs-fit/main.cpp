@@ -65,7 +65,7 @@ int fit(cli::Run& run, FitOptions& options, const cli::CheckpointOptions& keep, 
   std::optional<cli::SignalGrace> grace;
   if (keep.is_on()) grace.emplace();
   run_fit(run.exec(), run.monitor(), fitter, options, [&](const Fitter& f) {
-    if (keep.is_on() && f.state().step % keep.checkpoint_every == 0) checkpoints.write_during_run(f.state().step, save);
+    if (keep.is_on() && f.steps_done() % keep.checkpoint_every == 0) checkpoints.write_during_run(f.steps_done(), save);
   });
   const double taken_s = std::max(wall_seconds() - began_s, 1e-9);
   run.result()["step"] = fitter.state().step;
@@ -104,6 +104,7 @@ int main(int argc, char** argv) {
   const cli::Output& out =
       tool.output("-o,--output", "trained model, as plain 3DGS .ply, .compressed.ply, .spz, .sog, .splat or .glb");
   tool.stops_on_request();
+  tool.runs_on_device();
 
   return tool.run(argc, argv, [&](cli::Run& run) { return fit(run, options, keep, {scene_json, points, out}); });
 }

@@ -153,6 +153,8 @@ class DeviceArrays {
   virtual void run(const ScatterRows& kernel, std::int64_t rows) const = 0;
   virtual void run(const GatherRows& kernel, std::int64_t rows) const = 0;
   virtual void run(const RowColours& kernel, std::int64_t rows) const = 0;
+  virtual void run(const AddProjectedGradients& kernel, std::int64_t rows) const = 0;
+  virtual void run(const FadeNear& kernel, std::int64_t rows) const = 0;
   virtual void run(const AddValues& kernel, std::int64_t rows) const = 0;
   virtual void run(const LabelCellGradients& kernel, std::int64_t rows) const = 0;
   virtual void run(const LabelCellValues& kernel, std::int64_t rows) const = 0;

@@ -58,6 +58,18 @@ class LaunchedArrays final : public DeviceArrays {
   void run(const RowColours& host, std::int64_t rows) const override {
     launcher_.parallel_for(rows, RowColours{at(host.row, rows), at(host.sh_dc, rows), at(host.colour, rows)});
   }
+  void run(const AddProjectedGradients& host, std::int64_t rows) const override {
+    AddProjectedGradients kernel = host;
+    kernel.visible = at(host.visible, rows), kernel.mean_px = at(host.mean_px, rows);
+    kernel.sum = at(host.sum, rows), kernel.views = at(host.views, rows);
+    launcher_.parallel_for(rows, kernel);
+  }
+  void run(const FadeNear& host, std::int64_t rows) const override {
+    FadeNear kernel = host;
+    kernel.visible = at(host.visible, rows), kernel.position = at(host.position, rows);
+    kernel.logit_opacity = at(host.logit_opacity, rows);
+    launcher_.parallel_for(rows, kernel);
+  }
   void run(const AddValues& host, std::int64_t rows) const override {
     launcher_.parallel_for(rows, AddValues{at(host.from, rows), at(host.to, rows)});
   }

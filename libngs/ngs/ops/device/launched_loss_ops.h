@@ -64,12 +64,16 @@ class LaunchedLossOps final : public DeviceLossOps {
     std::vector<const float*> planes;
     for (int k = 0; k < host.objects; ++k)
       planes.push_back(target.emplace_back(launcher_, host.target[k], pixels).data());
-    const DeviceBuffer<Launcher, const float*> plane(launcher_, planes.data(), host.objects);
+    DeviceBuffer<Launcher, const float*> plane;  // of many objects; an upload waits for the stream
     const DeviceBuffer<Launcher, double> term(launcher_, pixels);
-    MaskLossRow<float, double> row = host;
-    row.rendered = rendered.data(), row.target = plane.data(), row.known = known.data();
-    row.pixel_weight = weight.data(), row.grad_rendered = grad.data();
-    launcher_.parallel_for(pixels, MaskLossPixel{row, term.data()});
+    MaskLossPixel kernel{host, {}, term.data()};
+    if (host.objects <= MaskLossPixel::kInlinePlanes)
+      std::copy(planes.begin(), planes.end(), kernel.target);
+    else
+      plane = {launcher_, planes.data(), host.objects};
+    kernel.row.rendered = rendered.data(), kernel.row.target = plane.data(), kernel.row.known = known.data();
+    kernel.row.pixel_weight = weight.data(), kernel.row.grad_rendered = grad.data();
+    launcher_.parallel_for(pixels, kernel);
     grad.to(host.grad_rendered);
     return ordered_sums(launcher_, term.data(), pixels, 1)[0];
   }

@@ -9,11 +9,15 @@ namespace ngs {
 /// Pixel i of the mask loss.
 struct MaskLossPixel {
   static constexpr const char* kName = "mask_loss_pixel";
+  static constexpr int kInlinePlanes = 16;
   MaskLossRow<float, double> row;
-  double* term;  // [pixels] out
+  const float* target[kInlinePlanes];  // instead of row.target if that is null
+  double* term;                        // [pixels] out
   NGS_HD void operator()(std::int64_t i) const {
+    MaskLossRow<float, double> own = row;
+    if (own.target == nullptr) own.target = target;
     double sum = 0;
-    row.pixel(i, sum);
+    own.pixel(i, sum);
     term[i] = sum;
   }
 };

@@ -1,10 +1,12 @@
 #pragma once
 // Copies between rows of arrays, and the labels of trained cells: what a training step does between its ops.
+#include <cmath>
 #include <cstdint>
 
 #include "ngs/core/hd.h"
 #include "ngs/math/sh.h"
 #include "ngs/math/stable.h"
+#include "ngs/math/vec.h"
 
 namespace ngs {
 
@@ -63,6 +65,39 @@ struct AddValues {
   const float* from;
   float* to;
   NGS_HD void operator()(std::int64_t i) const { to[i] += from[i]; }
+};
+
+/// Sums the projected gradients of the visible Gaussians over views.
+struct AddProjectedGradients {
+  static constexpr const char* kName = "add_projected_gradients";
+  const std::uint8_t* visible;  // [N]
+  const float* mean_px;         // [N, 2] px^-1
+  float per_ndc_x, per_ndc_y;   // px per unit of normalised device coordinates
+  float *sum, *views;           // [N] accumulated
+  NGS_HD void operator()(std::int64_t i) const {
+    using std::sqrt;
+    if (!visible[i]) return;
+    const float gx = per_ndc_x * mean_px[2 * i], gy = per_ndc_y * mean_px[2 * i + 1];
+    sum[i] += sqrt(gx * gx + gy * gy);
+    views[i] += 1;
+  }
+};
+
+/// Lowers the opacity of visible Gaussians near a camera.
+struct FadeNear {
+  static constexpr const char* kName = "fade_near";
+  const std::uint8_t* visible;  // [N]
+  const float* position;        // [N, 3]
+  Vec3<double> centre;          // of the camera
+  double reach, loss;           // world, of a Gaussian at the camera
+  float* logit_opacity;         // [N]
+  NGS_HD void operator()(std::int64_t i) const {
+    using std::sqrt;
+    if (!visible[i]) return;
+    const float* p = position + 3 * i;
+    const Vec3<double> d = Vec3<double>{double(p[0]), double(p[1]), double(p[2])} - centre;
+    logit_opacity[i] -= float(loss * max2(0.0, 1 - sqrt(dot(d, d)) / reach));
+  }
 };
 
 /// The trained labels: cells (row, object), of row r those from begin[r] to begin[r + 1].

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ngs/backend/for_each.h"
 #include "ngs/core/error.h"
 #include "ngs/core/rng.h"
 #include "ngs/math/stable.h"
 #include "ngs/ops/image/image_metrics.h"
+#include "ngs/ops/optim/rows.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/fit/fit_density.h"
 
@@ -74,17 +74,57 @@ std::size_t Fitter::view_of_step() {
   return order_[std::size_t(state_.step % n)];
 }
 
-void Fitter::step(const Exec& exec) {
-  const FitView& view = views_[view_of_step()];
-  const int degree = int(std::min<std::int64_t>(options_.sh_degree, state_.step / schedule_.sh_every));
-  if (degree != pass_degree_) {
-    pass_ = SplatPass(
-        SplatOptions{.antialiased = options_.antialiased, .max_sh_degree = degree, .world_unit = world_unit_});
-    pass_degree_ = degree;
+void Fitter::start_pass(const Exec& exec, int degree) {
+  pass_ = SplatPass(SplatOptions{}), colour_gradient_ = {};  // the images of images_
+  images_ = std::make_unique<ResidentResults>(exec);
+  pass_ =
+      SplatPass(SplatOptions{.antialiased = options_.antialiased, .max_sh_degree = degree, .world_unit = world_unit_},
+                images_.get());
+  pass_degree_ = degree;
+}
+
+void Fitter::to_device(const Exec& exec) {
+  if (!arrays_) arrays_ = std::make_unique<Resident>(exec), photo_arrays_ = std::make_unique<Resident>(exec);
+  if (!arrays_->waits()) return;
+  GaussianCloud& cloud = state_.cloud;
+  gradients_.resize(std::size_t(cloud.size()), std::size_t(cloud.rest_count()) * 3, 0);
+  for (std::size_t g = 0; g < kGaussianGroups; ++g) {
+    std::vector<float>& values = cloud.*kGroupColumns[g].value;
+    AdamMoments& moments = state_.moments[g];
+    moments.m.resize(values.size()), moments.v.resize(values.size());
+    for (std::vector<float>* array : {&values, &(gradients_.*kGroupColumns[g].gradient), &moments.m, &moments.v})
+      arrays_->add(*array);
   }
+  arrays_->add(cloud.usable), arrays_->add(gradients_.mean_px), arrays_->add(gradients_.visible);
+  arrays_->add(state_.gradient_sum), arrays_->add(state_.gradient_views);
+}
+
+/// With a device, photos are cached there as floats, up to 2 GiB; else they are unpacked into `scratch`.
+const ImageF& Fitter::photo_of(const Exec& exec, std::size_t view, ImageF& scratch) {
+  constexpr std::size_t kCacheBytes = std::size_t(2) << 30;
+  photos_.resize(views_.size());
+  if (!photos_[view].empty()) return photos_[view];
+  scratch = views_[view].photo.rgb();
+  const std::size_t bytes = scratch.data.size() * sizeof(float);
+  if (!exec.device_ops || photo_bytes_ + bytes > kCacheBytes) return scratch;
+  photo_bytes_ += bytes;
+  photos_[view] = std::move(scratch);
+  photo_arrays_->add_input(photos_[view].data);
+  return photos_[view];
+}
+
+void Fitter::step(const Exec& exec) {
+  const std::size_t at = view_of_step();
+  const FitView& view = views_[at];
+  const int degree = int(std::min<std::int64_t>(options_.sh_degree, state_.step / schedule_.sh_every));
+  if (degree != pass_degree_) start_pass(exec, degree);
+  to_device(exec);
+  ImageF scratch;
+  const ImageF& photo = photo_of(exec, at, scratch);
   const RenderedView& rendered = pass_.forward(exec, state_.cloud, view.camera, fit_request(options_));
-  const auto loss = photometric_.evaluate(exec, {.dssim_weight = options_.dssim_weight},
-                                          {rendered.colour, view.photo.rgb()}, &colour_gradient_);
+  images_->shape(colour_gradient_, rendered.width_px, rendered.height_px, 3);
+  const auto loss =
+      photometric_.evaluate(exec, {.dssim_weight = options_.dssim_weight}, {rendered.colour, photo}, &colour_gradient_);
   last_loss_ = {loss.total, loss.l1, loss.ssim};
   ViewGradients back;
   back.colour = std::move(colour_gradient_);
@@ -97,6 +137,7 @@ void Fitter::step(const Exec& exec) {
   if (state_.step > schedule_.densify_until) return;
   accumulate_gradients(exec, view.camera);
   if (state_.step > schedule_.densify_from && state_.step % schedule_.densify_every == 0) {
+    arrays_->release();
     const bool after_reset = state_.step > options_.opacity_reset_every;
     const DensityRule rule{options_.densify_gradient, options_.dense_fraction * extent_, options_.min_opacity,
                            after_reset ? options_.max_scale_fraction * extent_ : 0, options_.max_gaussians};
@@ -115,13 +156,9 @@ void Fitter::update_parameters(const Exec& exec) {
 void Fitter::accumulate_gradients(const Exec& exec, const Camera& camera) {
   // 3DGS's threshold refers to normalised device coordinates, which span 2 over the image.
   const float per_ndc_x = 0.5f * float(camera.width_px), per_ndc_y = 0.5f * float(camera.height_px);
-  for_each_index(exec, state_.cloud.size(), [&](std::int64_t row) {
-    const auto i = std::size_t(row);
-    if (!gradients_.visible[i]) return;
-    const float gx = per_ndc_x * gradients_.mean_px[2 * i], gy = per_ndc_y * gradients_.mean_px[2 * i + 1];
-    state_.gradient_sum[i] += std::sqrt(gx * gx + gy * gy);
-    state_.gradient_views[i] += 1;
-  });
+  for_each_row(exec, state_.cloud.size(),
+               AddProjectedGradients{gradients_.visible.data(), gradients_.mean_px.data(), per_ndc_x, per_ndc_y,
+                                     state_.gradient_sum.data(), state_.gradient_views.data()});
 }
 
 void Fitter::fade_near(const Exec& exec, const Camera& camera) {
@@ -129,17 +166,13 @@ void Fitter::fade_near(const Exec& exec, const Camera& camera) {
   const Vec3<double> centre = camera.centre(), to = focus_ - centre;
   const double reach = options_.near_reach * length(to);
   if (!(reach > 0)) return;
-  for_each_index(exec, state_.cloud.size(), [&](std::int64_t row) {
-    const auto i = std::size_t(row);
-    if (!gradients_.visible[i]) return;
-    const float* p = &state_.cloud.position[3 * i];
-    const Vec3<double> d = Vec3<double>{double(p[0]), double(p[1]), double(p[2])} - centre;
-    const double closeness = std::max(0.0, 1 - length(d) / reach);
-    state_.cloud.logit_opacity[i] -= float(options_.near_loss * closeness);
-  });
+  for_each_row(exec, state_.cloud.size(),
+               FadeNear{gradients_.visible.data(), state_.cloud.position.data(), centre, reach, options_.near_loss,
+                        state_.cloud.logit_opacity.data()});
 }
 
 void Fitter::reset_opacity() {
+  arrays_->release();
   const float most = logit(0.01f);
   for (float& o : state_.cloud.logit_opacity) o = std::min(o, most);
   state_.moments[kGroupOpacity] = {};
@@ -148,23 +181,24 @@ void Fitter::reset_opacity() {
 void run_fit(const Exec& exec, Monitor& monitor, Fitter& fitter, const FitOptions& options,
              const std::function<void(const Fitter&)>& every) {
   auto scope = monitor.scope("fit");
-  const std::int64_t first = fitter.state().step;
-  while (fitter.state().step < options.steps && !monitor.stop_requested()) {
+  const std::int64_t first = fitter.steps_done();
+  while (fitter.steps_done() < options.steps && !monitor.stop_requested()) {
     fitter.step(exec);
     if (every) every(fitter);
-    monitor.progress(fitter.state().step, options.steps);
+    monitor.progress(fitter.steps_done(), options.steps);
   }
-  scope.items(fitter.state().step - first);
+  scope.items(fitter.steps_done() - first);
 }
 
 FitScore score_fit(const Exec& exec, const FitOptions& options, const GaussianCloud& cloud,
                    std::span<const FitView> views, Split split) {
   FitScore score;
-  const double world_unit = fit_world_unit(views);
+  const SplatOptions splat = kept_on_device(
+      exec,
+      {.antialiased = options.antialiased, .max_sh_degree = options.sh_degree, .world_unit = fit_world_unit(views)},
+      cloud);
   for (const FitView& view : views) {
     if (view.split != split) continue;
-    const SplatOptions splat{
-        .antialiased = options.antialiased, .max_sh_degree = options.sh_degree, .world_unit = world_unit};
     ImageF colour = std::move(render(exec, cloud, view.camera, splat, fit_request(options)).colour);
     for (float& c : colour.data) c = std::clamp(c, 0.f, 1.f);
     const ImageF photo = view.photo.rgb();

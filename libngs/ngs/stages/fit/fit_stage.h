@@ -11,6 +11,7 @@
 
 #include "ngs/core/monitor.h"
 #include "ngs/ops/losses/photometric.h"
+#include "ngs/ops/optim/resident.h"
 #include "ngs/ops/splat/splat.h"
 #include "ngs/options/field.h"
 #include "ngs/scene/packed_photo.h"
@@ -96,14 +97,22 @@ class Fitter {
   /// Keeps a reference to `views`; at least one must be a training view.
   Fitter(const FitOptions& options, std::span<const FitView> views, FitState state, std::uint64_t seed);
 
-  /// One optimisation step. Throws Error(kNumeric) for a non-finite gradient.
+  /// One optimisation step, always on the same device. Throws Error(kNumeric) for a non-finite gradient.
   void step(const Exec& exec);
-  const FitState& state() const { return state_; }
+  /// Copies the state from the device.
+  const FitState& state() const {
+    if (arrays_) arrays_->release();
+    return state_;
+  }
+  std::int64_t steps_done() const { return state_.step; }
   PhotometricLoss last_loss() const { return last_loss_; }
-  FitState take() { return std::move(state_); }
+  FitState take() { return state(), std::move(state_); }
 
  private:
   std::size_t view_of_step();
+  void start_pass(const Exec& exec, int degree);
+  void to_device(const Exec& exec);
+  const ImageF& photo_of(const Exec& exec, std::size_t view, ImageF& scratch);
   void update_parameters(const Exec& exec);
   void accumulate_gradients(const Exec& exec, const Camera& camera);
   void reset_opacity();
@@ -120,6 +129,10 @@ class Fitter {
   std::vector<std::size_t> order_;     // of the current epoch
   std::int64_t order_epoch_ = -1;
   int pass_degree_ = -1;
+  std::unique_ptr<Resident> arrays_, photo_arrays_;  // of the state and gradients, of photos_
+  std::vector<ImageF> photos_;                       // cache of a device, by view
+  std::size_t photo_bytes_ = 0;
+  std::unique_ptr<ResidentResults> images_;  // of pass_ and colour_gradient_
   SplatPass pass_;
   PhotometricPass<float> photometric_;
   ImageF colour_gradient_;
