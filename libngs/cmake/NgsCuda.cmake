@@ -34,6 +34,7 @@ if(NOT NGS_WITH_CUDA STREQUAL "OFF")
       target_compile_options(ngs_flags INTERFACE
         $<$<COMPILE_LANGUAGE:CUDA>:--fmad=$<IF:$<BOOL:${NGS_CUDA_FMAD}>,true,false>
         -Xcompiler=-Wall,-Wextra,-ffp-contract=off,-fno-math-errno,${NGS_TARGET_FLAGS}>
+        $<$<COMPILE_LANGUAGE:CUDA>:-Xptxas=-warn-spills>
         $<$<AND:$<COMPILE_LANGUAGE:CUDA>,$<BOOL:${NGS_WERROR}>>:-Werror=all-warnings -Xcompiler=-Werror>
         $<$<AND:$<COMPILE_LANGUAGE:CUDA>,$<BOOL:${NGS_CUDA_REPORT}>>:-Xptxas=-v>)
       set(CMAKE_CUDA_FLAGS_RELEASE "-O3 -DNDEBUG")

@@ -55,7 +55,7 @@ fi
 step parity 60 env NGS_PARITY_TABLE=1 "$bin/test_parity" || { [ $? != 77 ] || { echo "skipped: no device for CUDA"; exit 77; }; }
 # memcheck: small cases of every kernel. racecheck: all kernels with shared memory, with both kinds of sums.
 memory='splat: a*,evidence*,knn*,hash*,film*,volume*,rbf*,align*,photometric*,adam*,joint: losses and parameters*'
-races='splat: a*,evidence*,knn*,film*,joint: losses and parameters*'
+races='splat: a*,evidence*,knn*,film*,photometric*,joint: losses and parameters*'
 step memcheck 75 compute-sanitizer --tool memcheck --error-exitcode 9 "$bin/test_parity" -tc="$memory" || true
 step racecheck 75 compute-sanitizer --tool racecheck --error-exitcode 9 --kernel-name kns=block_kernel "$bin/test_parity" \
   -tc="$races" || true

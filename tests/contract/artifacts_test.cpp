@@ -117,7 +117,7 @@ TEST_CASE("scene.json and metrics.json of the chain satisfy their schemas, and b
 
 TEST_CASE("scenes, depth and scores of both halves satisfy their schemas, and a damaged truth is an error") {
   const test::TempDir dir;
-  const auto run = [&](std::vector<std::string> argv, int exit_code) {
+  const auto run = [&](const std::vector<std::string>& argv, int exit_code) {
     test::ProcessSpec spec = test::command(Json(argv));
     const test::ProcessResult result = test::run_process(spec);
     INFO(result.err);

@@ -28,7 +28,8 @@ void run_tool(const std::string& folder, std::vector<std::string> argv) {
 
 /// A run as pipelines/ngs-gs.sh leaves it, as far as the page is concerned.
 std::string made_run(const test::TempDir& dir) {
-  const std::string scene = dir.path() + "/scene", out = dir.path() + "/a <run> & more";
+  const std::string scene = dir.path() + "/scene";
+  std::string out = dir.path() + "/a <run> & more";
   fs::create_directories(scene);
   test::write_tiny_scene(scene);
   fs::create_directories(out + "/reports");

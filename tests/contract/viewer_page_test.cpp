@@ -32,7 +32,7 @@ void make(const std::string& folder, std::vector<std::string> argv) {
 
 /// A capture called `name` with its labelled model split into object and background.
 std::string made_run(const test::TempDir& dir, const std::string& name) {
-  const std::string out = dir.path() + "/" + name;
+  std::string out = dir.path() + "/" + name;
   fs::create_directories(out);
   test::write_tiny_scene(out);
   make(out, {"ngs-variance", "scene.json", "-o", "boundary.ply", "-q"});

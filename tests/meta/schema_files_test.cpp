@@ -122,9 +122,9 @@ TEST_CASE("a baseline has at most three options") {
     for (const nlohmann::json& method : schema.at("properties").at("method").at("enum"))
       if (const std::string prefix = method.get<std::string>() + "_"; option.key().starts_with(prefix)) ++count[prefix];
   CHECK(count.size() >= 5);
-  for (const auto& [baseline, options] : count) {
-    CAPTURE(baseline);
-    CHECK(options <= 3);
+  for (const auto& baseline : count) {
+    CAPTURE(baseline.first);
+    CHECK(baseline.second <= 3);
   }
 }
 

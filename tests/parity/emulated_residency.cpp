@@ -7,6 +7,7 @@
 
 #include "ngs/ops/image/pixel_window.h"
 #include "ngs/ops/splat/evidence.h"
+#include "ngs/passes/exposure/exposure.h"
 #include "ngs/stages/optimise/joint_trainer.h"
 #include "parity/emulated.h"
 #include "support/joint_case.h"
@@ -93,36 +94,74 @@ TEST_CASE("residency: evidence of many views copies the model once, then the mas
   CHECK(four.down_bytes < 4 * std::size_t(c->model.size()) * row_bytes);
 }
 
+TEST_CASE("residency: pictures and exposures of many views copy the model once") {
+  const auto c = joint_case(600, 400);
+  Emulated device(ThreadOrder::kAscending, DeviceSums::kInOrder, true);
+  const std::size_t colour_bytes = (c->model.sh_dc.size() + c->model.sh_rest.size()) * sizeof(float);
+  const Traffic pictures = traffic_of(device, [&] {
+    const SplatOptions splat = kept_on_device(device.exec(), {}, c->model);
+    for (const SceneView& view : c->scene.views) render(device.exec(), c->model, view.camera, splat, {});
+  });
+  CHECK(pictures.up_bytes == geometry_bytes(c->model) + colour_bytes);
+  const Problem input = c->input();
+  const Traffic exposures = traffic_of(device, [&] { view_exposures(device.exec(), input, input.views); });
+  CHECK(exposures.up_bytes == pictures.up_bytes);
+}
+
 namespace {
 
-/// The second step of the joint optimisation of a ball of `ball` Gaussians.
-Traffic step_traffic(int ball, bool with_region) {
-  const auto c = joint_case(ball, ball);
+struct StepCase {
+  int ball, scale;  // Gaussians of the ball and of the wall, size of the pictures
+  bool region, field;
+};
+struct StepTraffic {
+  Traffic traffic;
+  std::size_t boundary;  // Gaussians
+};
+
+/// A step of the joint optimisation in the second round over the four views.
+StepTraffic step_traffic(const StepCase& of) {
+  const auto c = joint_case(of.ball, of.ball, of.scale);
   Problem input = c->input();
-  for (int i = 0; with_region && i < 2 * ball; ++i) input.region.push_back(i < ball);
+  for (int i = 0; of.region && i < 2 * of.ball; ++i) input.region.push_back(i < of.ball);
   JointOptions options;
-  options.on = joint_switched({"nerf=off"}), options.steps = 8;
-  const SampleOptions sample;
+  if (!of.field) options.on = joint_switched({"nerf=off"});
+  options.steps = 8, options.mlp_hidden = 16, options.hash_levels = 3, options.hash_log2_table = 12;
+  options.smooth_points = 32;
+  SampleOptions sample;
+  sample.rows = sample.cols = 8, sample.depth_samples = 4;
   const RbfOptions rbf;
   Monitor monitor;
   Emulated device(ThreadOrder::kAscending, DeviceSums::kInOrder, true);
   JointTrainer trainer(device.exec(), monitor, {.options = options, .sample = sample, .rbf = rbf, .input = input},
                        true);
-  trainer.step();
-  return traffic_of(device, [&] { trainer.step(); });
+  for (int step = 0; step < 5; ++step) trainer.step();
+  return {traffic_of(device, [&] { trainer.step(); }), std::size_t(trainer.figures()["boundary"])};
 }
 
 }  // namespace
 
-TEST_CASE("residency: what a step copies does not depend on the number of Gaussians; at most 39 launches") {
-  for (const bool with_region : {false, true}) {
-    const Traffic small = step_traffic(200, with_region), large = step_traffic(800, with_region);
-    print(with_region ? "joint step with a region" : "joint step", large);
+TEST_CASE("residency: a step copies a few scalars, at any size of model and pictures; at most 25 launches") {
+  for (const bool region : {false, true}) {
+    const Traffic small = step_traffic({200, 1, region, false}).traffic,
+                  large = step_traffic({800, 2, region, false}).traffic;
+    print(region ? "joint step with a region" : "joint step", large);
     CHECK(small.up_bytes == large.up_bytes);
     CHECK(small.down_bytes == large.down_bytes);
     CHECK(small.copies == large.copies);
-    CHECK(large.launches <= 39);
+    CHECK(large.up_bytes <= 8);
+    CHECK(large.down_bytes <= 64);
+    CHECK(large.launches <= 25);
   }
+}
+
+TEST_CASE("residency: a step with the field copies its rays and the boundary's positions, no parameter and no image") {
+  const StepTraffic small = step_traffic({200, 1, false, true}), large = step_traffic({800, 2, false, true});
+  print("joint step with the field", large.traffic);
+  REQUIRE(large.boundary > small.boundary);
+  CHECK(large.traffic.up_bytes == small.traffic.up_bytes);
+  CHECK(large.traffic.down_bytes - small.traffic.down_bytes == (large.boundary - small.boundary) * 3 * sizeof(float));
+  CHECK(large.traffic.copies == small.traffic.copies);
 }
 
 }  // namespace ngs::test

@@ -64,8 +64,9 @@ TEST_CASE("rbf: values and gradients of a device equal the CPU's within rounding
       const RbfProblem problem{rows3(q), rows3(x), {feature.data(), points, 3}, &graph, 0.35};
       RbfField want, got;
       rbf_forward({}, problem, want), rbf_forward(b.exec, problem, got);
-      const std::vector<float> want_grad = rbf_backward({}, problem, want, {upstream.data(), 900, 3}),
-                               got_grad = rbf_backward(b.exec, problem, want, {upstream.data(), 900, 3});
+      std::vector<float> want_grad, got_grad;
+      rbf_backward({}, problem, want, {upstream.data(), 900, 3}, want_grad);
+      rbf_backward(b.exec, problem, want, {upstream.data(), 900, 3}, got_grad);
       // exp at exponents up to some tens: 2 ulp and the exponent's own rounding
       check_ratio(b, "rbf weight", worst_ratio(got.weight, want.weight, 1), 64);
       check_ratio(b, "rbf feature", worst_ratio(got.feature, want.feature, 1), 64);
@@ -177,8 +178,9 @@ TEST_CASE("film mlp: values and gradients of a device equal the CPU's within rou
       mlp.forward({}, store, in, want), mlp.forward(b.exec, store, in, got);
       const auto grad_density = random.uniform_vector<float>(n, -1, 1),
                  grad_rgb = random.uniform_vector<float>(n * 3, -1, 1);
-      const FilmMlpGradients want_grad = mlp.backward({}, store, in, want, {grad_density, grad_rgb}),
-                             got_grad = mlp.backward(b.exec, other, in, got, {grad_density, grad_rgb});
+      FilmMlpGradients want_grad, got_grad;
+      mlp.backward({}, store, in, {want, grad_density, grad_rgb}, want_grad);
+      mlp.backward(b.exec, other, in, {got, grad_density, grad_rgb}, got_grad);
       CAPTURE(c.config.hidden);
       CAPTURE(c.queries);
       check_ratio(b, "film density", worst_ratio(got.density, want.density, std::max(1.0, largest(want.density))), 4);

@@ -66,8 +66,9 @@ TEST_CASE("mask loss and density weights of a device equal the CPU's within roun
           for (int i = 0; i < 37 * 29; ++i) masks.known.push_back(random.below(3) != 0);
         const PixelGrid grid{4.5, 3.2, 2.5, 3.1, 10, 6};
         const auto depth = random.uniform_vector<float>(60, 0, 5);
-        const ImageF want_weight = density_weights({}, 37, 29, {grid, {3, 1, 31, 22}, depth}),
-                     got_weight = density_weights(b.exec, 37, 29, {grid, {3, 1, 31, 22}, depth});
+        ImageF want_weight(37, 29, 1), got_weight(37, 29, 1);
+        density_weights({}, {grid, {3, 1, 31, 22}, depth}, want_weight);
+        density_weights(b.exec, {grid, {3, 1, 31, 22}, depth}, got_weight);
         check_ratio(b, "density weight", worst_ratio(got_weight.data, want_weight.data, 1), 4);
         ImageF want_grad, got_grad;
         const MaskLossInputs in{&rendered, &masks, objects == 3 ? &want_weight : nullptr, 0.9};

@@ -69,6 +69,22 @@ double image_ratio(const ImageF& got, const ImageF& want, const std::vector<std:
   return worst;
 }
 
+/// A wrong factor may hide within a bound that scales with the largest value.
+void check_unbiased(const std::vector<float>& got, const std::vector<float>& want) {
+  const double least = 1e-3 * largest(want);
+  double product = 0, square = 0, ratios = 0;
+  std::int64_t count = 0;
+  for (std::size_t i = 0; i < want.size(); ++i) {
+    const double g = double(got[i]), w = double(want[i]);
+    product += g * w, square += w * w;
+    if (std::abs(w) > least) ratios += g / w, ++count;
+  }
+  if (count == 0) return;
+  CHECK(product > 0);
+  CHECK(product / square == doctest::Approx(1).epsilon(0.01));
+  CHECK(ratios / double(count) == doctest::Approx(1).epsilon(0.01));
+}
+
 constexpr Channels kChannels[] = {{true, false, 0},  {true, true, 1},  {false, false, 1}, {false, true, 0},
                                   {false, false, 0}, {true, false, 1}, {true, true, 9}};
 constexpr int kSizes[] = {0, 1, 7, 150, 700};  // none, one, a partial chunk, several batches per tile
@@ -118,6 +134,7 @@ TEST_CASE("splat: gradients of a device equal the CPU's within the rounding of s
         const double bound = b.same_functions ? 200 : 2e4;
         const auto column = [&](const char* name, const std::vector<float>& g, const std::vector<float>& w) {
           check_ratio(b, std::string("splat gradient, ") + name, worst_ratio(g, w, std::max(largest(w), 1e-3)), bound);
+          check_unbiased(g, w);
         };
         column("position", got.position, want.position), column("rotation", got.rotation, want.rotation);
         column("log_scale", got.log_scale, want.log_scale), column("opacity", got.logit_opacity, want.logit_opacity);

@@ -21,10 +21,10 @@ mutant math/quat.h "$t grad/splat_grad_test.cpp" "" "normalisation gradient not 
 
 t=stability/elementary_stability_test.cpp f=math/stable.h
 mutant $f $t "" "sigmoid as e^x / (1 + e^x)" 's/if \(x >= T\(0\)\) return .*;//'
-mutant $f $t "" "softplus as log(1 + e^x)" 's/x > T\(0\) \? x \+ log1p_of\(exp\(-x\)\) : log1p_of\(exp\(x\)\)/log1p_of(exp(x))/'
-mutant $f $t "" "1 - e^-x as a difference" 's/return -expm1_of\(-x\);/return T(1) - std::exp(-x);/'
-mutant $f $t "" "logit as -log(1 / p - 1)" 's/log\(p\) - log1p_of\(-p\)/-log(T(1) \/ p - T(1))/'
-mutant $f $t "" "slope of the sigmoid one-sided" 's/exp\(x < T\(0\) \? x : -x\)/exp(-x)/'
+mutant $f $t "" "softplus as log(1 + e^x)" 's/x > T\(0\) \? x \+ log1p_of\(exp_of\(-x\)\) : log1p_of\(exp_of\(x\)\)/log1p_of(exp_of(x))/'
+mutant $f $t "" "1 - e^-x as a difference" 's/return -expm1_of\(-x\);/return T(1) - exp_of(-x);/'
+mutant $f $t "" "logit as -log(1 / p - 1)" 's/log_of\(p\) - log1p_of\(-p\)/-log_of(T(1) \/ p - T(1))/'
+mutant $f $t "" "slope of the sigmoid one-sided" 's/exp_of\(x < T\(0\) \? x : -x\)/exp_of(-x)/'
 mutant math/lane_scalar.h $t "" "exp2 polynomial one degree lower" 's/L p\(1\.5326471e-4f\)/L p(0.f)/'
 mutant math/lanes_avx2.h $t "" "masked-out lanes of 2^x not cleared" 's/_mm256_and_si256\(power, .*\)\)\);/power));/'
 mutant math/lane_scalar.h $t "" "exp2 polynomial with a wrong coefficient" 's/9\.618506e-3f/9.62e-3f/'
@@ -150,9 +150,9 @@ mutant $f $t "" "modulation without its offset" 's/fma_lanes\(load\(gamma \+ i\)
 mutant ops/field/film_gemm_kernels.h $t "" "bias dropped" 's/bias \? bias\[r\] : S\(0\)/S(0)/'
 
 t=stability/volume_stability_test.cpp f=ops/field/volume_kernels.h
-mutant $f $t "" "weights as T_k - T_k+1" 's/weight\[at\] = transmittance \* one_minus_exp\(tau\);/weight[at] = transmittance - exp(-(depth + tau));/'
-mutant $f $t "" "alpha as 1 - e^-D" 's/alpha\[r\] = one_minus_exp\(depth\);/alpha[r] = T(1) - exp(-depth);/'
-mutant $f $t "" "transmittance as a product of 1 - α" 's/transmittance = exp\(-depth\);/transmittance = transmittance * (T(1) - one_minus_exp(tau));/'
+mutant $f $t "" "weights as T_k - T_k+1" 's/weight\[at\] = transmittance \* one_minus_exp\(tau\);/weight[at] = transmittance - exp_of(-(depth + tau));/'
+mutant $f $t "" "alpha as 1 - e^-D" 's/alpha\[r\] = one_minus_exp\(depth\);/alpha[r] = T(1) - exp_of(-depth);/'
+mutant $f $t "" "transmittance as a product of 1 - α" 's/transmittance = exp_of\(-depth\);/transmittance = transmittance * (T(1) - one_minus_exp(tau));/'
 mutant $f $t "" "no background behind the ray" 's/T behind = end \* dot\(g, in\.background\);/T behind = T(0);/'
 mutant $f "$t grad/volume_grad_test.cpp" "" "suffix sum includes the sample" 's/(grad_density\[at\] = .*)behind \+ common/\1behind - weight[at] * along + common/'
 mutant ops/losses/loss_mask_kernels.h $t ops/losses/loss_mask.cpp "0 times an overflowed depth" 's/min2\(double\(depth\), 0x1\.fffffep127\)/double(depth)/'

@@ -230,11 +230,12 @@ TEST_CASE("volume: the density weight of the mask loss is defined for any optica
                     grid.first_x = 2, grid.first_y = 2, grid.step_x = 3, grid.step_y = 3, grid.cols = 3, grid.rows = 3;
                     std::vector<float> depth(9, float(h));
                     depth[std::size_t(random.below(9))] = 0;
-                    const ImageF weight = density_weights({}, 10, 10, {grid, {0.5, 0.5, 9.5, 9.5}, depth});
+                    ImageF weight(10, 10, 1);
+                    density_weights({}, {grid, {0.5, 0.5, 9.5, 9.5}, depth}, weight);
                     for (const float w : weight.data) worst.ours_is(w >= 0.5f && w <= 1.f);
                     const std::vector<float> even(9, float(h));
-                    worst.ours(density_weights({}, 10, 10, {grid, {0.5, 0.5, 9.5, 9.5}, even}).at(4, 4),
-                               1 / (1 + std::exp(-Real(h))));
+                    density_weights({}, {grid, {0.5, 0.5, 9.5, 9.5}, even}, weight);
+                    worst.ours(weight.at(4, 4), 1 / (1 + std::exp(-Real(h))));
                     worst.naive(std::exp(even[0]) / (1 + std::exp(even[0])), 1 / (1 + std::exp(-Real(h))));
                   });
 }

@@ -46,7 +46,8 @@ struct JointCase {
   }
 };
 
-inline std::unique_ptr<JointCase> joint_case(int ball = 160, int wall = 120) {
+/// `scale`: of the pictures of 48 x 40 pixels.
+inline std::unique_ptr<JointCase> joint_case(int ball = 160, int wall = 120, int scale = 1) {
   auto c = std::make_unique<JointCase>();
   std::uint64_t index = 0;
   const auto uniform = [&](double lo, double hi) {
@@ -79,8 +80,8 @@ inline std::unique_ptr<JointCase> joint_case(int ball = 160, int wall = 120) {
   for (int v = 0; v < 4; ++v) {
     Camera camera;
     camera.name = "view" + std::to_string(v) + ".png";
-    camera.width_px = 48, camera.height_px = 40;
-    camera.fx = camera.fy = 60, camera.cx = 24.5, camera.cy = 19;
+    camera.width_px = 48 * scale, camera.height_px = 40 * scale;
+    camera.fx = camera.fy = 60 * scale, camera.cx = 24.5 * scale, camera.cy = 19 * scale;
     const double angle = 0.12 * (v - 1.5);
     camera.rotation = {{std::cos(angle), 0, std::sin(angle), 0, 1, 0, -std::sin(angle), 0, std::cos(angle)}};
     camera.translation = {-4 * std::sin(angle), 0.05 * v, 4 - 4 * std::cos(angle)};
@@ -90,7 +91,7 @@ inline std::unique_ptr<JointCase> joint_case(int ball = 160, int wall = 120) {
     const RenderedView view = render({}, t, camera, {}, request);
     c->photos.push_back(view.colour);
     ViewMasks masks;
-    masks.width_px = 48, masks.height_px = 40, masks.available = true;
+    masks.width_px = camera.width_px, masks.height_px = camera.height_px, masks.available = true;
     masks.target.resize(1);
     for (const float m : view.label.data) masks.target[0].push_back(m > 0.5f ? 1.f : 0.f);
     c->masks.push_back(std::move(masks));

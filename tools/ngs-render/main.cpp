@@ -82,12 +82,13 @@ int main(int argc, char** argv) {
       run.plan({{"views", views.size()}, {"layers", layers}});
       return 0;
     }
+    const SplatOptions kept = kept_on_device(run.exec(), splat, ply.cloud);
     for (std::size_t n = 0; n < views.size(); ++n) {
       const Camera camera = camera_of(scene, views[n], options);
       RenderedView view = [&] {
         const auto timed = run.monitor().scope("render");
         return render_labelled(run.exec(), {ply.cloud, objects.columns}, camera,
-                               {splat, background_of(scene), options.amodal});
+                               {kept, background_of(scene), options.amodal});
       }();
       const auto timed = run.monitor().scope("write");
       picture::write_view({out.path, names[views[n]]}, view, {objects, layers, format.format, options.threshold});

@@ -50,9 +50,17 @@ __global__ void index_kernel(std::int64_t n, const __grid_constant__ Kernel kern
   for (std::int64_t i = std::int64_t(blockIdx.x) * blockDim.x + threadIdx.x; i < n; i += stride) kernel(i);
 }
 
+/// Blocks that must fit on a multiprocessor, which limits registers: Kernel::kMinBlocks, or 1.
 template <class Kernel>
-__global__ __launch_bounds__(Kernel::kThreads, 1) void block_kernel(std::int64_t first,
-                                                                    const __grid_constant__ Kernel kernel) {
+constexpr int min_blocks() {
+  if constexpr (requires { Kernel::kMinBlocks; }) return Kernel::kMinBlocks;
+  return 1;
+}
+
+template <class Kernel>
+__global__ __launch_bounds__(Kernel::kThreads,
+                             min_blocks<Kernel>()) void block_kernel(std::int64_t first,
+                                                                     const __grid_constant__ Kernel kernel) {
   __shared__ typename Kernel::Shared shared;
   typename Kernel::Thread own;
   CudaBlock<Kernel> block{first + blockIdx.x, shared, own};

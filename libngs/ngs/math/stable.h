@@ -24,9 +24,8 @@ NGS_HD T clamp3(T x, T lo, T hi) {
 /// 1 / (1 + e^-x), without overflow at either end.
 template <class T>
 NGS_HD T sigmoid(T x) {
-  using std::exp;
-  if (x >= T(0)) return T(1) / (T(1) + exp(-x));
-  const T e = exp(x);
+  if (x >= T(0)) return T(1) / (T(1) + exp_of(-x));
+  const T e = exp_of(x);
   return e / (T(1) + e);
 }
 
@@ -34,8 +33,7 @@ NGS_HD T sigmoid(T x) {
 /// saturated parameter could never recover.
 template <class T>
 NGS_HD T sigmoid_slope(T x) {
-  using std::exp;
-  const T e = exp(x < T(0) ? x : -x), sum = T(1) + e;
+  const T e = exp_of(x < T(0) ? x : -x), sum = T(1) + e;
   return e / (sum * sum);
 }
 
@@ -50,8 +48,7 @@ NGS_HD inline float exp_at_least(float x) {
 /// ln(1 + e^x). For large x the exponential would overflow, so x + ln(1 + e^-x) is used.
 template <class T>
 NGS_HD T softplus(T x) {
-  using std::exp;
-  return x > T(0) ? x + log1p_of(exp(-x)) : log1p_of(exp(x));
+  return x > T(0) ? x + log1p_of(exp_of(-x)) : log1p_of(exp_of(x));
 }
 
 /// 1 - e^-x, accurate for small x.
@@ -63,8 +60,7 @@ NGS_HD T one_minus_exp(T x) {
 /// ln(p / (1 - p)).
 template <class T>
 NGS_HD T logit(T p) {
-  using std::log;
-  return log(p) - log1p_of(-p);
+  return log_of(p) - log1p_of(-p);
 }
 
 }  // namespace ngs

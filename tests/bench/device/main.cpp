@@ -108,7 +108,8 @@ void field(Bench& bench) {
   bench.run("film forward and backward", [&](const Exec& exec) {
     FilmMlpOutput out;
     film.forward(exec, store, in, out);
-    film.backward(exec, store, in, out, {out.density, out.rgb});
+    FilmMlpGradients grads;
+    film.backward(exec, store, in, {out, out.density, out.rgb}, grads);
   });
 }
 

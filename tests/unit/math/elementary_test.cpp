@@ -49,6 +49,36 @@ TEST_CASE("log1p and expm1 of a float are accurate to one unit in the last place
   CHECK(worst_exp < 1);
 }
 
+TEST_CASE("exp and log of a float are accurate to 0.51 and 0.82 units in the last place") {
+  double worst_log = 0, worst_exp = 0;
+  const auto look = [&](float x) {
+    if (x > 0.f) worst_log = std::max(worst_log, ulps(portable_log(x), std::log(double(x))));
+    if (x < 88.f && x > -87.f) worst_exp = std::max(worst_exp, ulps(portable_exp(x), std::exp(double(x))));
+  };
+  for_floats(0x1p-149f, 0x1p127f, look), for_floats(-0x1p-126f, -100.f, look);
+  MESSAGE("worst in ulp: log ", worst_log, ", exp ", worst_exp);
+  CHECK(worst_log < 0.82);
+  CHECK(worst_exp < 0.51);
+}
+
+TEST_CASE("exp and log of a float have the right limits and special values") {
+  CHECK(portable_exp(0.f) == 1.f);
+  CHECK(portable_exp(-0.f) == 1.f);
+  CHECK(portable_exp(-INFINITY) == 0.f);
+  CHECK(portable_exp(-0x1.9fe368p6f) == 0x1p-149f);  // the smallest argument whose result is not 0
+  CHECK(portable_exp(std::nextafter(-0x1.9fe368p6f, -INFINITY)) == 0.f);
+  CHECK(portable_exp(0x1.62e42ep6f) == 0x1.ffff08p127f);
+  CHECK(portable_exp(std::nextafter(0x1.62e42ep6f, INFINITY)) == INFINITY);
+  CHECK(std::isnan(portable_exp(NAN)));
+  CHECK(portable_log(0.f) == -INFINITY);
+  CHECK(portable_log(-0.f) == -INFINITY);
+  CHECK(portable_log(1.f) == 0.f);
+  CHECK(portable_log(INFINITY) == INFINITY);
+  CHECK(std::isnan(portable_log(-1.f)));
+  CHECK(std::isnan(portable_log(-INFINITY)));
+  CHECK(std::isnan(portable_log(NAN)));
+}
+
 TEST_CASE("log1p and expm1 of a float have the right limits and special values") {
   CHECK(portable_log1p(-1.f) == -INFINITY);
   CHECK(std::isnan(portable_log1p(-1.5f)));
@@ -77,13 +107,15 @@ TEST_CASE("hypot neither overflows nor underflows, and is accurate to one unit i
   }
 }
 
-// Reference hashes from glibc 2.36 on x86-64, whose log1pf and expm1f give the same bits for every float. Another
-// processor, compiler or C library must not change them: models and masks would differ.
-TEST_CASE("log1p, expm1 and hypot have the same bits on every machine") {
-  BitSum log_bits, exp_bits, hypot_bits;
+// Reference hashes from glibc 2.36 on x86-64, whose expf, logf, log1pf and expm1f give the same bits for every float.
+// Another processor, compiler or C library must not change them: models and masks would differ.
+TEST_CASE("exp, log, log1p, expm1 and hypot have the same bits on every machine") {
+  BitSum log1p_bits, expm1_bits, log_bits, exp_bits, hypot_bits;
   const auto add = [&](float x) {
-    if (x > -1.f) log_bits.add(portable_log1p(x));
-    exp_bits.add(portable_expm1(x));
+    if (x > -1.f) log1p_bits.add(portable_log1p(x));
+    expm1_bits.add(portable_expm1(x));
+    exp_bits.add(portable_exp(x));
+    if (x > 0.f) log_bits.add(portable_log(x));
   };
   for_floats(0x1p-126f, 0x1p127f, add), for_floats(-0x1p-126f, -100.f, add);
   test::Random random(22);
@@ -91,8 +123,10 @@ TEST_CASE("log1p, expm1 and hypot have the same bits on every machine") {
     const double x = random.uniform(-1, 1), y = random.uniform(-4, 4);
     hypot_bits.add(portable_hypot(x, y));
   }
-  CHECK(log_bits.value() == 0x95ea3ee6af6add6u);
-  CHECK(exp_bits.value() == 0x6dcdfc784e889e18u);
+  CHECK(log1p_bits.value() == 0x95ea3ee6af6add6u);
+  CHECK(expm1_bits.value() == 0x6dcdfc784e889e18u);
+  CHECK(exp_bits.value() == 0x6b3fda4a2ff301ffu);
+  CHECK(log_bits.value() == 0x6cc61027a5a8a951u);
   CHECK(hypot_bits.value() == 0xea49bed185b56c6cu);
 }
 

@@ -17,9 +17,9 @@ namespace fs = std::filesystem;
 
 /// The photo of this name, else the only one with its stem and any extension. Empty: none.
 std::string find_photo(const FolderIndex& index, const std::string& name) {
-  const std::string same = index.find(name);
+  std::string same = index.find(name);
   if (!same.empty() && !has_unread_extension(same)) return same;
-  const std::string like = index.find_stem(name);
+  std::string like = index.find_stem(name);
   return like.empty() ? same : like;
 }
 

@@ -42,12 +42,12 @@ struct TensorFile {
   std::map<std::string, std::string> metadata;
 
   template <class T>
-  void add(std::string tensor, std::vector<std::int64_t> shape, std::span<const T> values) {
-    add_bytes(std::move(tensor), tensor_type_of<T>(), std::move(shape), values.data(), values.size_bytes());
+  void add(const std::string& tensor, const std::vector<std::int64_t>& shape, std::span<const T> values) {
+    add_bytes(tensor, tensor_type_of<T>(), shape, values.data(), values.size_bytes());
   }
   template <class T>
-  void add(std::string tensor, std::vector<std::int64_t> shape, const std::vector<T>& values) {
-    add(std::move(tensor), std::move(shape), std::span<const T>(values));
+  void add(const std::string& tensor, const std::vector<std::int64_t>& shape, const std::vector<T>& values) {
+    add(tensor, shape, std::span<const T>(values));
   }
   bool has(std::string_view tensor) const;
   /// A copy of the values. kBadInput if the tensor is absent, has another type or, if `shape` is given, another shape;

@@ -27,7 +27,7 @@ SplatRow row_of(const Record& record) {
   for (std::size_t k = 0; k < 4; ++k) row.rotation[k] = length > 0 ? float(q[k] / length) : 0.f;
   for (std::size_t a = 0; a < 3; ++a) {
     row.position[a] = record.position[a];
-    row.log_scale[a] = std::log(record.scale[a]);
+    row.log_scale[a] = log_of(record.scale[a]);
     row.sh_dc[a] = float(dc_of_colour(record.rgba[a] / 255.0));
   }
   row.logit_opacity = logit_of_alpha_byte(record.rgba[3]);
@@ -38,7 +38,7 @@ Record record_of(const SplatRow& row) {
   Record record;
   for (std::size_t a = 0; a < 3; ++a) {
     record.position[a] = row.position[a];
-    record.scale[a] = std::exp(row.log_scale[a]);
+    record.scale[a] = exp_of(row.log_scale[a]);
     record.rgba[a] = to_byte(255 * colour_of_dc(double(row.sh_dc[a])));
   }
   record.rgba[3] = alpha_byte(row.logit_opacity);

@@ -38,7 +38,7 @@ std::vector<Attribute> attributes_of(int sh_degree) {
        }},
       {prefix + "SCALE", 3,
        [](const SplatRow& row, float* to) {
-         for (std::size_t a = 0; a < 3; ++a) to[a] = std::exp(row.log_scale[a]);
+         for (std::size_t a = 0; a < 3; ++a) to[a] = exp_of(row.log_scale[a]);
        }},
       {prefix + "OPACITY", 1, [](const SplatRow& row, float* to) { *to = sigmoid(row.logit_opacity); }},
       {prefix + "SH_DEGREE_0_COEF_0", 3, [=](const SplatRow& row, float* to) { copy_of(row.sh_dc, to); }}};

@@ -6,6 +6,7 @@
 #include "ngs/core/error.h"
 #include "ngs/io/formats/half.h"
 #include "ngs/io/formats/quantise.h"
+#include "ngs/math/elementary.h"
 
 namespace ngs::io {
 namespace {
@@ -146,7 +147,7 @@ class KsplatReader {
     SplatRow row;
     for (std::size_t a = 0; a < 3; ++a) {
       row.position[a] = compression_ == 0 ? number(from, a) : position(s, from, bucket, a);
-      row.log_scale[a] = std::log(number(from + layout_.scale_at(), a));
+      row.log_scale[a] = log_of(number(from + layout_.scale_at(), a));
       row.sh_dc[a] = float(dc_of_colour(at<std::uint8_t>(from + layout_.colour_at() + a) / 255.0));
     }
     for (std::size_t k = 0; k < 4; ++k) row.rotation[k] = number(from + layout_.rotation_at(), k);

@@ -117,33 +117,33 @@ void check_size(std::int64_t width, std::int64_t height, std::int64_t channels, 
 /// Skips a value as the library does: by its type, not by the attribute's size, where the two can differ. Stops soon
 /// after `size` bytes.
 void skip_value(ByteReader& in, const std::string& type, std::size_t size) {
-  static const std::map<std::string_view, std::size_t> kFixed = {{"box2i", 16},
-                                                                 {"box2f", 16},
-                                                                 {"chromaticities", 32},
-                                                                 {"compression", 1},
-                                                                 {"deepImageState", 1},
-                                                                 {"double", 8},
-                                                                 {"envmap", 1},
-                                                                 {"float", 4},
-                                                                 {"int", 4},
-                                                                 {"keycode", 28},
-                                                                 {"lineOrder", 1},
-                                                                 {"m33f", 36},
-                                                                 {"m33d", 72},
-                                                                 {"m44f", 64},
-                                                                 {"m44d", 128},
-                                                                 {"rational", 8},
-                                                                 {"tiledesc", 9},
-                                                                 {"timecode", 8},
-                                                                 {"v2i", 8},
-                                                                 {"v2f", 8},
-                                                                 {"v2d", 16},
-                                                                 {"v3i", 12},
-                                                                 {"v3f", 12},
-                                                                 {"v3d", 24}};
+  static const std::map<std::string_view, std::size_t> size_of_type = {{"box2i", 16},
+                                                                       {"box2f", 16},
+                                                                       {"chromaticities", 32},
+                                                                       {"compression", 1},
+                                                                       {"deepImageState", 1},
+                                                                       {"double", 8},
+                                                                       {"envmap", 1},
+                                                                       {"float", 4},
+                                                                       {"int", 4},
+                                                                       {"keycode", 28},
+                                                                       {"lineOrder", 1},
+                                                                       {"m33f", 36},
+                                                                       {"m33d", 72},
+                                                                       {"m44f", 64},
+                                                                       {"m44d", 128},
+                                                                       {"rational", 8},
+                                                                       {"tiledesc", 9},
+                                                                       {"timecode", 8},
+                                                                       {"v2i", 8},
+                                                                       {"v2f", 8},
+                                                                       {"v2d", 16},
+                                                                       {"v3i", 12},
+                                                                       {"v3f", 12},
+                                                                       {"v3d", 24}};
   constexpr std::size_t kChannelBytes = 16;
   const std::size_t before = in.left();
-  if (const auto fixed = kFixed.find(type); fixed != kFixed.end()) {
+  if (const auto fixed = size_of_type.find(type); fixed != size_of_type.end()) {
     in.skip(fixed->second);
   } else if (type == "chlist") {  // ended by an empty name
     while (before - in.left() <= size && !in.read_name().empty()) in.skip(kChannelBytes);

@@ -40,7 +40,7 @@ std::string joined(const std::vector<std::string>& names) {
 std::string find_masks_dir(const ImportRequest& request, const std::string& base, ImportedScene& out) {
   std::vector<std::string>& notes = out.notes;
   std::error_code ignored;
-  const std::string usual = folder_called(base, "masks");
+  std::string usual = folder_called(base, "masks");
   if (!request.masks_dir.empty() && !fs::is_directory(request.masks_dir, ignored))
     throw Error(ErrorCode::kBadInput, request.masks_dir + ": no such folder, expected masks");
   if (!request.masks_dir.empty() && request.masks_dir != usual) return request.masks_dir;

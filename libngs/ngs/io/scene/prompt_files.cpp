@@ -67,7 +67,7 @@ PromptPolygon polygon_of(const nlohmann::json& value, const std::string& where, 
   const JsonReader reader(value, where);
   const std::size_t count = reader.array("points").size();
   if (count < 3 || count > kMaxCorners) reader.fail("points", "3 to 65536 points");
-  const PromptPolygon polygon{reader.boolean("object"), points_of(reader, prompt, 0)};
+  PromptPolygon polygon{reader.boolean("object"), points_of(reader, prompt, 0)};
   reader.refuse_unknown_keys();
   return polygon;
 }
@@ -76,7 +76,7 @@ PromptPolygon polygon_of(const nlohmann::json& value, const std::string& where, 
 PromptStroke click_of(const nlohmann::json& value, const std::string& where, const HandPrompt& prompt) {
   const JsonReader reader(value, where);
   const double x = reader.number("x"), y = reader.number("y");
-  const PromptStroke click{reader.boolean("object"), kRadiusPx, {{x, y}}};
+  PromptStroke click{reader.boolean("object"), kRadiusPx, {{x, y}}};
   if (!(x >= 0 && y >= 0 && x <= prompt.width_px && y <= prompt.height_px)) refuse_place(reader, "x", prompt);
   reader.refuse_unknown_keys();
   return click;

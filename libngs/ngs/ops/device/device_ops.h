@@ -5,12 +5,14 @@
 //
 // Abstract, because there is one implementation per Launcher (backend/launcher.h): CUDA, and an emulation
 // for the tests.
+#include <array>
 #include <memory>
 
 #include "ngs/backend/exec.h"
 #include "ngs/ops/field/film_mlp_layout.h"
 #include "ngs/ops/field/film_mlp_types.h"
 #include "ngs/ops/field/hash_grid_kernels.h"
+#include "ngs/ops/field/ray_query_kernels.h"
 #include "ngs/ops/field/rbf_types.h"
 #include "ngs/ops/field/volume_types.h"
 #include "ngs/ops/losses/loss_align_kernels.h"
@@ -31,8 +33,8 @@ namespace ngs {
 class DeviceSplat {
  public:
   virtual ~DeviceSplat() = default;
-  /// out[c]: channel c of an image, out[count]: alpha.
-  virtual void forward(const std::vector<Plane<float>>& out) = 0;
+  /// out[c]: channel c of an image, out[count]: alpha. `for_backward`: backward() will follow.
+  virtual void forward(const std::vector<Plane<float>>& out, bool for_backward) = 0;
   virtual void backward(const std::vector<Plane<const float>>& grad, const std::vector<std::uint8_t>& moves,
                         const CloudGradientView<float>& out) = 0;
 };
@@ -72,23 +74,29 @@ struct FilmCall {
   FilmMlpConfig config;
   const float* params;  // FilmMlpLayout
   float density_scale;
+  float* grad_params_accumulate = nullptr;
 };
 
 class DeviceFieldOps {
  public:
   virtual ~DeviceFieldOps() = default;
-  /// A graph without its transpose.
-  virtual KnnGraph nearest(Rows<const float, 3> points, Rows<const float, 3> queries, int neighbours,
-                           bool exclude_self) const = 0;
+  /// Fills a graph's arrays, the transpose too. `out.neighbours` is the number of neighbours, at most that of the
+  /// points.
+  virtual void nearest(Rows<const float, 3> points, Rows<const float, 3> queries, bool exclude_self,
+                       KnnGraph& out) const = 0;
+  /// Fills kernel.node on the host.
+  virtual void read_nodes(const ReadNodes& kernel) const = 0;
   virtual void rbf_forward(const RbfProblem& problem, float inv_2h2, RbfField& out) const = 0;
   virtual void rbf_backward(const RbfProblem& problem, const RbfField& field, Matrix<const float> grad_feature,
                             std::vector<float>& out) const = 0;
   virtual void hash_forward(const HashCall& call, std::vector<float>& out) const = 0;
   virtual void hash_backward(const HashCall& call, const std::vector<float>& grad_out,
                              float* grad_table_accumulate) const = 0;
+  /// The size of FilmMlpOutput::context.
+  virtual std::int64_t film_context_size(const FilmMlpConfig& config, std::int64_t queries) const = 0;
   virtual void film_forward(const FilmCall& call, const FilmMlpInputs& in, FilmMlpOutput& out) const = 0;
-  virtual FilmMlpGradients film_backward(const FilmCall& call, const FilmMlpInputs& in, const FilmMlpOutput& forward,
-                                         const FilmMlpOutputGradients& grad, float* grad_params_accumulate) const = 0;
+  virtual void film_backward(const FilmCall& call, const FilmMlpInputs& in, const FilmMlpOutputGradients& grad,
+                             FilmMlpGradients& out) const = 0;
   virtual void volume_forward(const VolumeInputs& in, VolumeOutput& out) const = 0;
   virtual void volume_backward(const VolumeInputs& in, const VolumeOutput& forward, const VolumeOutputGradients& grad,
                                VolumeGradients& out) const = 0;
@@ -98,16 +106,18 @@ class DeviceFieldOps {
 class DeviceLossOps {
  public:
   virtual ~DeviceLossOps() = default;
-  virtual void align_forward(const AlignForward<float>& kernel) const = 0;
+  /// Returns the sums over nodes.
+  virtual std::array<double, 3> align_forward(const AlignForward<float>& kernel) const = 0;
   virtual void align_backward(const AlignBackwardField<float>& field, const AlignBackwardImage<float>& image,
                               std::int64_t rect_pixels) const = 0;
   virtual void density_weight(const DensityWeight& kernel, std::int64_t pixels) const = 0;
   /// Returns the sum over pixels.
   virtual double mask(const MaskLossRow<float, double>& kernel, int height) const = 0;
   /// Returns the sum over points.
-  virtual double continuity(const ContinuityForward<float>& forward,
-                            const ContinuityBackward<float>* backward) const = 0;
-  virtual void smoothness(const SmoothnessForwardBackward<float>& kernel) const = 0;
+  virtual double continuity(const ContinuityForward<float>& forward, const ContinuityBackward<float>* backward,
+                            const AddRowColourGradients* add) const = 0;
+  /// Returns the sum over pairs.
+  virtual double smoothness(const SmoothnessForwardBackward<float>& kernel) const = 0;
   /// Sums of w |x - y| and w S over the crop.
   struct PhotometricSums {
     double l1, ssim;
@@ -128,13 +138,22 @@ class DeviceArrays {
  public:
   virtual ~DeviceArrays() = default;
   virtual void keep(void* host, std::size_t bytes) const = 0;
+  /// Like keep(), for an array that no op changes: the host's values stay valid.
+  virtual void keep_input(const void* host, std::size_t bytes) const = 0;
+  /// Like keep(), for an array whose values are undefined until an op writes them.
+  virtual void reserve(void* host, std::size_t bytes) const = 0;
+  /// Sets an array to zero if it is resident; else returns false.
+  virtual bool zero(void* host, std::size_t bytes) const = 0;
+  /// Copies a resident array's values to the host or back; it stays resident.
+  virtual void update_host(void* host, std::size_t bytes) const = 0;
+  virtual void update_device(const void* host, std::size_t bytes) const = 0;
   /// Copies the array back, and forgets it.
   virtual void give_back(void* host) const = 0;
-  virtual void drop(void* host) const noexcept = 0;
+  virtual void drop(const void* host) const noexcept = 0;
   virtual void run(const ScatterRows& kernel, std::int64_t rows) const = 0;
   virtual void run(const GatherRows& kernel, std::int64_t rows) const = 0;
   virtual void run(const RowColours& kernel, std::int64_t rows) const = 0;
-  virtual void run(const AddRowColourGradients& kernel, std::int64_t rows) const = 0;
+  virtual void run(const AddValues& kernel, std::int64_t rows) const = 0;
   virtual void run(const LabelCellGradients& kernel, std::int64_t rows) const = 0;
   virtual void run(const LabelCellValues& kernel, std::int64_t rows) const = 0;
 };

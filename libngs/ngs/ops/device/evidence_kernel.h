@@ -26,7 +26,7 @@ struct MasksOnDevice {
 template <int K>
 struct EvidenceTileOnDevice {
   static constexpr const char* kName = "evidence_tile";
-  static constexpr int kThreads = kTilePixels, kBatch = 64, kChunk = 8;
+  static constexpr int kThreads = kTilePixels, kMinBlocks = 3, kBatch = 64, kChunk = 8;
   static constexpr int kSegments = kThreads / kChunk, kSegmentPx = kTilePixels / kSegments;
   static constexpr int kSums = 2 + 2 * K;
 

@@ -77,17 +77,22 @@ struct FilmForwardTile {
   }
 };
 
-/// Computes density and colour of all queries of `net`. Returns the context for the backward pass.
-template <class Launcher>
-DeviceBuffer<Launcher, float> film_forward_on_device(Launcher& launcher, FilmOnDevice net, float* density, float* rgb) {
-  DeviceBuffer<Launcher, float> context;
-  with_film_tile(net.config, [&](auto width, auto queries) {
-    const std::int64_t tiles = ceil_div<std::int64_t>(net.input.n, queries);
-    context = {launcher, tiles * net.context_rows() * queries};
-    net.context = context.data();
-    launcher.launch_blocks(tiles, FilmForwardTile<width, queries>{net, density, rgb});
+/// Values of the context that the backward pass needs.
+inline std::int64_t device_film_context_size(const FilmMlpConfig& config, std::int64_t queries) {
+  std::int64_t size = 0;
+  with_film_tile(config, [&](auto, auto tile) {
+    size = ceil_div<std::int64_t>(queries, tile) * film_context_rows(config) * tile;
   });
-  return context;
+  return size;
+}
+
+/// Computes density, colour and context of all queries of `net`.
+template <class Launcher>
+void film_forward_on_device(Launcher& launcher, const FilmOnDevice& net, float* density, float* rgb) {
+  with_film_tile(net.config, [&](auto width, auto queries) {
+    launcher.launch_blocks(ceil_div<std::int64_t>(net.input.n, queries),
+                           FilmForwardTile<width, queries>{net, density, rgb});
+  });
 }
 
 }  // namespace ngs

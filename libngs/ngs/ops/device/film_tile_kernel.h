@@ -20,6 +20,8 @@ struct FilmModulation {
   int conditions;
 };
 
+NGS_HD inline std::int64_t film_context_rows(const FilmMlpConfig& c) { return std::int64_t(c.layers) * c.hidden + 4; }
+
 /// Inputs and outputs of all queries: FilmMlpData on a device.
 struct FilmOnDevice {
   FilmMlpConfig config;
@@ -32,7 +34,7 @@ struct FilmOnDevice {
   float density_scale;
   float* context;  // [tiles, layers · hidden + 4, tile of queries] h of every layer and the raw outputs
 
-  NGS_HD std::int64_t context_rows() const { return std::int64_t(config.layers) * config.hidden + 4; }
+  NGS_HD std::int64_t context_rows() const { return film_context_rows(config); }
   NGS_HD int inputs(int layer) const { return layer == 0 ? config.inputs : config.hidden; }
   NGS_HD FilmModulation gamma(int layer) const {
     return {params + at.layer[layer].gamma_weight, params + at.layer[layer].gamma_bias, config.condition};

@@ -17,8 +17,8 @@ struct HashContributions {
   float* weight;         // [L·Q·8] out
 
   NGS_HD void operator()(std::int64_t i) const {
-    const HashCell<float> cell =
-        hash_cell(grid.level[i / grid.point.n], grid.box, vec3(grid.point.row(i % grid.point.n)));
+    const std::uint32_t queries = std::uint32_t(grid.point.n), at = std::uint32_t(i);  // 8 L Q < 2^32
+    const HashCell<float> cell = hash_cell(grid.level[at / queries], grid.box, vec3(grid.point.row(at % queries)));
     corner_weights(cell.frac, weight + i * 8);
     for (int corner = 0; corner < 8; ++corner) {
       key[i * 8 + corner] = cell.entry[corner];
@@ -34,7 +34,8 @@ struct HashEntrySums {
   const std::uint64_t* key;    // [n] sorted
   const std::uint32_t* which;  // [n]
   const float* weight;         // by `which`
-  std::int64_t n, queries;
+  std::int64_t n;
+  std::uint32_t queries;
   int levels;
   const float* grad_out;         // [Q, L·F]
   float* grad_table_accumulate;  // [entries, F]
@@ -45,8 +46,8 @@ struct HashEntrySums {
     float sum[F];
     for (int f = 0; f < F; ++f) sum[f] = entry[f];
     for (std::int64_t k = i; k < n && key[k] == key[i]; ++k) {
-      const std::int64_t pair = which[k] / 8;
-      const float* g = grad_out + ((pair % queries) * levels + pair / queries) * F;
+      const std::uint32_t pair = which[k] / 8, query = pair % queries;
+      const float* g = grad_out + (std::int64_t(query) * levels + pair / queries) * F;
       for (int f = 0; f < F; ++f) sum[f] += weight[which[k]] * g[f];
     }
     for (int f = 0; f < F; ++f) entry[f] = sum[f];
@@ -79,8 +80,8 @@ void hash_backward_on_device(Launcher& launcher, const HashBackwardTable<float, 
   while ((std::uint64_t(1) << bits) < entries) ++bits;
   launcher.parallel_for(pairs, HashContributions{view, key.data(), which.data(), weight.data()});
   launcher.sort(key.data(), which.data(), n, bits);
-  launcher.parallel_for(n, HashEntrySums<F>{key.data(), which.data(), weight.data(), n, view.point.n, view.levels,
-                                            kernel.grad_out, kernel.grad_table_accumulate});
+  launcher.parallel_for(n, HashEntrySums<F>{key.data(), which.data(), weight.data(), n, std::uint32_t(view.point.n),
+                                            view.levels, kernel.grad_out, kernel.grad_table_accumulate});
 }
 
 }  // namespace ngs

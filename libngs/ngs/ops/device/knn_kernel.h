@@ -1,6 +1,8 @@
 #pragma once
 // Exact K nearest neighbours on a device: brute force, a tile of points at a time. Distances are compared in the order
 // of ops/field/knn.cpp, so graphs are equal. Used before Eq. (8).
+#include <type_traits>
+
 #include "ngs/backend/launcher.h"
 #include "ngs/core/check.h"
 #include "ngs/math/stable.h"
@@ -104,52 +106,47 @@ struct WideEdges {
   NGS_HD void operator()(std::int64_t e) const { to[e] = from[e]; }
 };
 
+/// The arrays of a graph, in the memory of `out` if it is resident.
 template <class Launcher>
 struct GraphOnDevice {
-  int neighbours = 0;
-  std::int64_t points = 0, queries = 0;
   DeviceBuffer<Launcher, std::uint32_t> index;
   DeviceBuffer<Launcher, float> dist2;
   DeviceBuffer<Launcher, std::int64_t> row_begin, edge;
-  Matrix<const std::uint32_t> indices() const { return {index.data(), queries, neighbours}; }
 
-  /// Fills row_begin and edge.
+  /// `points`, `queries`: device pointers. `out` has its numbers and sizes.
+  GraphOnDevice(Launcher& launcher, Rows<const float, 3> points, Rows<const float, 3> queries, bool exclude_self,
+                const KnnGraph& out)
+      : index(of(launcher, out.index)),
+        dist2(of(launcher, out.dist2)),
+        row_begin(of(launcher, out.row_begin)),
+        edge(of(launcher, out.edge)) {
+    const auto search = [&](auto capacity) {
+      using Kernel = NearestPoints<capacity>;
+      launcher.launch_blocks(ceil_div<std::int64_t>(queries.n, Kernel::kThreads),
+                             Kernel{points, queries, out.neighbours, exclude_self, index.data(), dist2.data()});
+    };
+    if (out.neighbours <= 8)
+      search(std::integral_constant<int, 8>{});
+    else
+      search(std::integral_constant<int, 32>{});
+    transpose(launcher);
+  }
+
+ private:
+  template <class T>
+  static DeviceBuffer<Launcher, T> of(Launcher& launcher, const std::vector<T>& host) {
+    return DeviceBuffer<Launcher, T>::result(launcher, host.data(), std::int64_t(host.size()));
+  }
   void transpose(Launcher& launcher) {
-    const std::int64_t edges = queries * neighbours;
+    const std::int64_t edges = edge.size();
     NGS_CHECK(edges <= 0xffffffff, "edges are counted in 32 bits");
     const DeviceBuffer<Launcher, std::uint64_t> key(launcher, edges);
     const DeviceBuffer<Launcher, std::uint32_t> sorted(launcher, edges);
-    row_begin = DeviceBuffer<Launcher, std::int64_t>(launcher, points + 1),
-    edge = DeviceBuffer<Launcher, std::int64_t>(launcher, edges);
     launcher.parallel_for(edges, EdgeKeys{index.data(), key.data(), sorted.data()});
     launcher.sort(key.data(), sorted.data(), edges, 32);
-    launcher.parallel_for(points + 1, TransposedRows{key.data(), edges, row_begin.data()});
+    launcher.parallel_for(row_begin.size(), TransposedRows{key.data(), edges, row_begin.data()});
     launcher.parallel_for(edges, WideEdges{sorted.data(), edge.data()});
   }
 };
-
-/// `points`, `queries`: device pointers.
-template <class Launcher>
-GraphOnDevice<Launcher> nearest_on_device(Launcher& launcher, Rows<const float, 3> points, Rows<const float, 3> queries,
-                                          int neighbours, bool exclude_self) {
-  GraphOnDevice<Launcher> graph;
-  graph.points = points.n;
-  const std::int64_t others = points.n - (exclude_self ? 1 : 0);
-  const int k = int(min2<std::int64_t>(neighbours, others));
-  if (k > 0 && queries.n > 0) {
-    graph.neighbours = k, graph.queries = queries.n;
-    graph.index = DeviceBuffer<Launcher, std::uint32_t>(launcher, queries.n * k);
-    graph.dist2 = DeviceBuffer<Launcher, float>(launcher, queries.n * k);
-    const std::int64_t blocks = ceil_div<std::int64_t>(queries.n, NearestPoints<8>::kThreads);
-    if (k <= 8)
-      launcher.launch_blocks(
-          blocks, NearestPoints<8>{points, queries, k, exclude_self, graph.index.data(), graph.dist2.data()});
-    else
-      launcher.launch_blocks(
-          blocks, NearestPoints<32>{points, queries, k, exclude_self, graph.index.data(), graph.dist2.data()});
-  }
-  graph.transpose(launcher);
-  return graph;
-}
 
 }  // namespace ngs

@@ -14,17 +14,33 @@ class LaunchedArrays final : public DeviceArrays {
   explicit LaunchedArrays(Launcher& launcher) : launcher_(launcher) {}
 
   void keep(void* host, std::size_t bytes) const override {
-    void* const device = launcher_.allocate(bytes);
-    launcher_.resident.insert(host, {bytes, static_cast<char*>(device)});
-    launcher_.upload(device, host, bytes);
+    keep_input(host, bytes);
     if (Launcher::kSpoilsHost) std::memset(host, 0xff, bytes);
+  }
+  void keep_input(const void* host, std::size_t bytes) const override {
+    launcher_.upload(insert(host, bytes), host, bytes);
+  }
+  void reserve(void* host, std::size_t bytes) const override {
+    insert(host, bytes);
+    if (Launcher::kSpoilsHost) std::memset(host, 0xff, bytes);
+  }
+  bool zero(void* host, std::size_t bytes) const override {
+    void* const device = launcher_.resident.find(host, bytes);
+    if (device != nullptr) launcher_.fill_zero(device, bytes);
+    return device != nullptr;
+  }
+  void update_host(void* host, std::size_t bytes) const override {
+    launcher_.download(host, launcher_.resident.find(host, bytes), bytes);
+  }
+  void update_device(const void* host, std::size_t bytes) const override {
+    launcher_.upload(launcher_.resident.find(host, bytes), host, bytes);
   }
   void give_back(void* host) const override {
     const ResidentTable::Array array = launcher_.resident.erase(host);
     launcher_.download(host, array.device, array.bytes);
     launcher_.release(array.device);
   }
-  void drop(void* host) const noexcept override { launcher_.release(launcher_.resident.erase(host).device); }
+  void drop(const void* host) const noexcept override { launcher_.release(launcher_.resident.erase(host).device); }
 
   void run(const ScatterRows& host, std::int64_t rows) const override {
     ScatterRows kernel = host;
@@ -42,9 +58,8 @@ class LaunchedArrays final : public DeviceArrays {
   void run(const RowColours& host, std::int64_t rows) const override {
     launcher_.parallel_for(rows, RowColours{at(host.row, rows), at(host.sh_dc, rows), at(host.colour, rows)});
   }
-  void run(const AddRowColourGradients& host, std::int64_t rows) const override {
-    launcher_.parallel_for(
-        rows, AddRowColourGradients{at(host.place, rows), at(host.grad_colour, rows), at(host.sh_dc, rows)});
+  void run(const AddValues& host, std::int64_t rows) const override {
+    launcher_.parallel_for(rows, AddValues{at(host.from, rows), at(host.to, rows)});
   }
   void run(const LabelCellGradients& host, std::int64_t rows) const override {
     if (host.cells.count == 0) return;
@@ -57,6 +72,11 @@ class LaunchedArrays final : public DeviceArrays {
   }
 
  private:
+  void* insert(const void* host, std::size_t bytes) const {
+    void* const device = launcher_.allocate(bytes);
+    launcher_.resident.insert(host, {bytes, static_cast<char*>(device)});
+    return device;
+  }
   /// The device address of a resident array; null if it has no values.
   template <class T>
   T* at(T* host, std::int64_t values) const {

@@ -17,23 +17,27 @@ class LaunchedFieldOps final : public DeviceFieldOps {
  public:
   LaunchedFieldOps(Launcher& launcher, DeviceSums sums) : launcher_(launcher), sums_(sums) {}
 
-  KnnGraph nearest(Rows<const float, 3> points, Rows<const float, 3> queries, int neighbours,
-                   bool exclude_self) const override {
+  void nearest(Rows<const float, 3> points, Rows<const float, 3> queries, bool exclude_self,
+               KnnGraph& out) const override {
     const Floats p(launcher_, points.data, points.n * 3), q(launcher_, queries.data, queries.n * 3);
-    const GraphOnDevice<Launcher> found =
-        nearest_on_device<Launcher>(launcher_, {p.data(), points.n}, {q.data(), queries.n}, neighbours, exclude_self);
-    KnnGraph graph;
-    graph.neighbours = found.neighbours, graph.points = found.points;
-    found.index.to(graph.index), found.dist2.to(graph.dist2);
-    found.row_begin.to(graph.row_begin), found.edge.to(graph.edge);
-    return graph;
+    const GraphOnDevice<Launcher> found(launcher_, {p.data(), points.n}, {q.data(), queries.n}, exclude_self, out);
+    found.index.to(out.index), found.dist2.to(out.dist2), found.row_begin.to(out.row_begin), found.edge.to(out.edge);
+  }
+
+  void read_nodes(const ReadNodes& host) const override {
+    const std::int64_t pixels = std::int64_t(host.map.width_px) * host.map.height_px, nodes = host.grid.nodes();
+    const Floats depth(launcher_, host.map.depth, pixels), alpha(launcher_, host.map.alpha, pixels);
+    const DeviceBuffer<Launcher, NodeDepth> node(launcher_, nodes);
+    ReadNodes kernel = host;
+    kernel.map.depth = depth.data(), kernel.map.alpha = alpha.data(), kernel.node = node.data();
+    launcher_.parallel_for(nodes, kernel);
+    node.to(host.node);
   }
 
   void rbf_forward(const RbfProblem& problem, float inv_2h2, RbfField& out) const override {
     const RbfArrays a(launcher_, problem);
     const KnnGraph& graph = *problem.graph;
-    const Floats weight(launcher_, std::int64_t(out.weight.size())),
-        feature(launcher_, std::int64_t(out.feature.size()));
+    const Floats weight = result(out.weight), feature = result(out.feature);
     launcher_.parallel_for(problem.query.n, RbfForward<float>{a.queries(),
                                                               a.points(),
                                                               a.indices(),
@@ -49,7 +53,7 @@ class LaunchedFieldOps final : public DeviceFieldOps {
     const KnnGraph& graph = *problem.graph;
     const std::int64_t queries = problem.query.n, points = problem.boundary.n;
     const Floats weight(launcher_, field.weight), grad(launcher_, grad_feature.data, grad_feature.n * grad_feature.c),
-        feature(launcher_, std::int64_t(out.size()));
+        feature = result(out);
     const DeviceBuffer<Launcher, std::int64_t> row_begin(launcher_, graph.row_begin), edge(launcher_, graph.edge);
     launcher_.parallel_for(points, RbfBackwardFeature<float>{row_begin.data(),
                                                              edge.data(),
@@ -61,7 +65,7 @@ class LaunchedFieldOps final : public DeviceFieldOps {
 
   void hash_forward(const HashCall& call, std::vector<float>& out) const override {
     const HashArrays a(launcher_, call);
-    const Floats encoding(launcher_, std::int64_t(out.size()));
+    const Floats encoding = result(out);
     with_hash_features(call.features, [&](auto f) {
       launcher_.parallel_for(call.grid.point.n * call.grid.levels, HashForward<float, f>{a.view, encoding.data()});
     });
@@ -80,31 +84,33 @@ class LaunchedFieldOps final : public DeviceFieldOps {
 
   void film_forward(const FilmCall& call, const FilmMlpInputs& in, FilmMlpOutput& out) const override {
     const FilmArrays a(launcher_, call, in);
-    const Floats density(launcher_, in.feature.n), rgb(launcher_, in.feature.n * 3);
-    film_forward_on_device(launcher_, a.net, density.data(), rgb.data()).to(out.context);
-    density.to(out.density.data()), rgb.to(out.rgb.data());
+    const Floats density = result(out.density), rgb = result(out.rgb), context = result(out.context);
+    FilmOnDevice net = a.net;
+    net.context = context.data();
+    film_forward_on_device(launcher_, net, density.data(), rgb.data());
+    density.to(out.density), rgb.to(out.rgb), context.to(out.context);
+  }
+  std::int64_t film_context_size(const FilmMlpConfig& config, std::int64_t queries) const override {
+    return device_film_context_size(config, queries);
   }
 
-  FilmMlpGradients film_backward(const FilmCall& call, const FilmMlpInputs& in, const FilmMlpOutput& forward,
-                                 const FilmMlpOutputGradients& grad, float* grad_params_accumulate) const override {
+  void film_backward(const FilmCall& call, const FilmMlpInputs& in, const FilmMlpOutputGradients& grad,
+                     FilmMlpGradients& out) const override {
     const FilmArrays a(launcher_, call, in);
-    const Floats context(launcher_, forward.context), density(launcher_, grad.density), rgb(launcher_, grad.rgb);
-    const Floats feature(launcher_, in.feature.n * in.feature.c), condition(launcher_, in.condition.n * in.condition.c);
-    const Floats total(launcher_, grad_params_accumulate, std::int64_t(a.net.at.size));
+    const Floats context(launcher_, grad.forward.context), density(launcher_, grad.density), rgb(launcher_, grad.rgb);
+    const Floats feature = result(out.feature), condition = result(out.condition);
+    const Floats total(launcher_, call.grad_params_accumulate, std::int64_t(a.net.at.size));
     FilmOnDevice net = a.net;
     net.context = context.data();
     film_backward_on_device(launcher_, net, {density.data(), rgb.data(), feature.data(), condition.data()},
                             total.data());
-    FilmMlpGradients out;
-    feature.to(out.feature), condition.to(out.condition), total.to(grad_params_accumulate);
-    return out;
+    feature.to(out.feature), condition.to(out.condition), total.to(call.grad_params_accumulate);
   }
 
   void volume_forward(const VolumeInputs& in, VolumeOutput& out) const override {
     const VolumeArrays a(launcher_, in);
-    const std::int64_t samples = in.rays * in.samples;
-    const Floats colour(launcher_, in.rays * 3), alpha(launcher_, in.rays), depth(launcher_, in.rays),
-        weight(launcher_, samples), after(launcher_, samples);
+    const Floats colour = result(out.colour), alpha = result(out.alpha), depth = result(out.optical_depth),
+                 weight = result(out.weight), after = result(out.transmittance_after);
     launcher_.parallel_for(
         in.rays, VolumeForward<float>{a.view, colour.data(), alpha.data(), depth.data(), weight.data(), after.data()});
     colour.to(out.colour.data()), alpha.to(out.alpha.data()), depth.to(out.optical_depth.data());
@@ -113,16 +119,18 @@ class LaunchedFieldOps final : public DeviceFieldOps {
   void volume_backward(const VolumeInputs& in, const VolumeOutput& forward, const VolumeOutputGradients& grad,
                        VolumeGradients& out) const override {
     const VolumeArrays a(launcher_, in);
-    const std::int64_t samples = in.rays * in.samples;
     const Floats weight(launcher_, forward.weight), after(launcher_, forward.transmittance_after),
         colour(launcher_, grad.colour), alpha(launcher_, grad.alpha), depth(launcher_, grad.optical_depth),
-        density(launcher_, samples), rgb(launcher_, samples * 3);
+        density = result(out.density), rgb = result(out.rgb);
     launcher_.parallel_for(in.rays, VolumeBackward<float>{a.view, weight.data(), after.data(), colour.data(),
                                                           alpha.data(), depth.data(), density.data(), rgb.data()});
     density.to(out.density.data()), rgb.to(out.rgb.data());
   }
 
  private:
+  Floats result(const std::vector<float>& host) const {
+    return Floats::result(launcher_, host.data(), std::int64_t(host.size()));
+  }
   struct RbfArrays {
     const RbfProblem& problem;
     Floats query, boundary, feature;

@@ -4,7 +4,7 @@
 
 #include "ngs/ops/device/adam_kernel.h"
 #include "ngs/ops/device/device_ops.h"
-#include "ngs/ops/device/mask_pixel_kernel.h"
+#include "ngs/ops/device/loss_kernel.h"
 #include "ngs/ops/device/photometric_kernel.h"
 
 namespace ngs {
@@ -16,14 +16,16 @@ class LaunchedLossOps final : public DeviceLossOps {
  public:
   explicit LaunchedLossOps(Launcher& launcher) : launcher_(launcher) {}
 
-  void align_forward(const AlignForward<float>& host) const override {
+  std::array<double, 3> align_forward(const AlignForward<float>& host) const override {
     const std::int64_t nodes = host.in.grid.nodes();
     const AlignArrays in(launcher_, host.in);
-    const NodeArrays node(launcher_, nodes);
+    const NodeArrays node = NodeArrays::results(launcher_, nodes, host.node);
     const Floats term(launcher_, nodes * 3);
     launcher_.parallel_for(nodes, AlignForward<float>{in.view, node.view(), term.data()});
     node.colour.to(host.node.colour_residual), node.alpha.to(host.node.alpha_residual);
-    node.mean.to(host.node.patch_mean), node.share.to(host.node.patch_share), term.to(host.term);
+    node.mean.to(host.node.patch_mean), node.share.to(host.node.patch_share);
+    const std::vector<double> sums = ordered_sums(launcher_, static_cast<const float*>(term.data()), nodes, 3);
+    return {sums[0], sums[1], sums[2]};
   }
 
   void align_backward(const AlignBackwardField<float>& field, const AlignBackwardImage<float>& image,
@@ -31,7 +33,8 @@ class LaunchedLossOps final : public DeviceLossOps {
     const std::int64_t nodes = image.in.grid.nodes(), pixels = pixels_of(image.in.colour);
     const AlignArrays in(launcher_, image.in);
     const NodeArrays node(launcher_, nodes, image.node);
-    const Floats field_colour(launcher_, nodes * 3), field_alpha(launcher_, nodes);
+    const Floats field_colour = Floats::result(launcher_, field.grad_colour, nodes * 3),
+                 field_alpha = Floats::result(launcher_, field.grad_alpha, nodes);
     launcher_.parallel_for(nodes, AlignBackwardField<float>{node.view(), field.weight_alpha, field.scale,
                                                             field_colour.data(), field_alpha.data()});
     field_colour.to(field.grad_colour), field_alpha.to(field.grad_alpha);
@@ -43,7 +46,8 @@ class LaunchedLossOps final : public DeviceLossOps {
   }
 
   void density_weight(const DensityWeight& host, std::int64_t pixels) const override {
-    const Floats depth(launcher_, host.optical_depth, host.grid.nodes()), weight(launcher_, pixels);
+    const Floats depth(launcher_, host.optical_depth, host.grid.nodes()),
+        weight = Floats::result(launcher_, host.weight, pixels);
     DensityWeight kernel = host;
     kernel.optical_depth = depth.data(), kernel.weight = weight.data();
     launcher_.parallel_for(pixels, kernel);
@@ -52,15 +56,14 @@ class LaunchedLossOps final : public DeviceLossOps {
 
   double mask(const MaskLossRow<float, double>& host, int height) const override {
     const std::int64_t pixels = std::int64_t(host.width) * height, values = pixels * host.objects;
-    const Floats rendered(launcher_, host.rendered, values), target(launcher_, values),
+    const Floats rendered(launcher_, host.rendered, values),
         weight(launcher_, host.pixel_weight, host.pixel_weight ? pixels : 0),
-        grad(launcher_, host.grad_rendered ? values : 0);
+        grad = Floats::result(launcher_, host.grad_rendered, host.grad_rendered ? values : 0);
     const DeviceBuffer<Launcher, std::uint8_t> known(launcher_, host.known, host.known ? pixels : 0);
+    std::vector<Floats> target;
     std::vector<const float*> planes;
-    for (int k = 0; k < host.objects; ++k) {
-      planes.push_back(target.data() + k * pixels);
-      launcher_.upload(target.data() + k * pixels, host.target[k], std::size_t(pixels) * sizeof(float));
-    }
+    for (int k = 0; k < host.objects; ++k)
+      planes.push_back(target.emplace_back(launcher_, host.target[k], pixels).data());
     const DeviceBuffer<Launcher, const float*> plane(launcher_, planes.data(), host.objects);
     const DeviceBuffer<Launcher, double> term(launcher_, pixels);
     MaskLossRow<float, double> row = host;
@@ -71,7 +74,8 @@ class LaunchedLossOps final : public DeviceLossOps {
     return ordered_sums(launcher_, term.data(), pixels, 1)[0];
   }
 
-  double continuity(const ContinuityForward<float>& forward, const ContinuityBackward<float>* backward) const override {
+  double continuity(const ContinuityForward<float>& forward, const ContinuityBackward<float>* backward,
+                    const AddRowColourGradients* add) const override {
     const ContinuityGraph<float>& g = forward.graph;
     const std::int64_t n = g.colour.n, edges = g.index.n * g.index.c;
     const DeviceBuffer<Launcher, std::uint32_t> index(launcher_, g.index.data, edges);
@@ -80,24 +84,30 @@ class LaunchedLossOps final : public DeviceLossOps {
         term(launcher_, n);
     const ContinuityGraph<float> graph{
         {index.data(), g.index.n, g.index.c}, row_begin.data(), edge.data(), weight.data(), {colour.data(), n}};
-    launcher_.parallel_for(n, ContinuityForward<float>{graph, term.data()});
-    if (backward != nullptr) {
+    if (backward == nullptr) {
+      launcher_.parallel_for(n, ContinuityForward<float>{graph, term.data()});
+    } else {
       const Floats grad = Floats::result(launcher_, backward->grad_colour.data, n * 3);
-      launcher_.parallel_for(n, ContinuityBackward<float>{graph, backward->scale, {grad.data(), n}});
+      ContinuityRow row{
+          {graph, term.data()}, {graph, backward->scale, {grad.data(), n}}, {nullptr, grad.data(), nullptr}};
+      if (add != nullptr) row.add.place = resident(add->place), row.add.sh_dc = resident(add->sh_dc);
+      launcher_.parallel_for(n, row);
       grad.to(backward->grad_colour.data);
     }
     return ordered_sums(launcher_, static_cast<const float*>(term.data()), n, 1)[0];
   }
 
-  void smoothness(const SmoothnessForwardBackward<float>& host) const override {
+  double smoothness(const SmoothnessForwardBackward<float>& host) const override {
     const std::int64_t n = host.colour.n;
     const Floats colour(launcher_, host.colour.data, n * 3), moved(launcher_, host.moved_colour.data, n * 3),
-        term(launcher_, n), grad(launcher_, n * 3), grad_moved(launcher_, n * 3);
+        term(launcher_, n), grad = Floats::result(launcher_, host.grad_colour.data, n * 3),
+                            grad_moved = Floats::result(launcher_, host.grad_moved.data, n * 3);
     launcher_.parallel_for(
         n,
         SmoothnessForwardBackward<float>{
             {colour.data(), n}, {moved.data(), n}, host.scale, term.data(), {grad.data(), n}, {grad_moved.data(), n}});
-    term.to(host.term), grad.to(host.grad_colour.data), grad_moved.to(host.grad_moved.data);
+    grad.to(host.grad_colour.data), grad_moved.to(host.grad_moved.data);
+    return ordered_sums(launcher_, static_cast<const float*>(term.data()), n, 1)[0];
   }
 
   PhotometricSums photometric(const ssim::Comparison<float>& host) const override {
@@ -112,9 +122,9 @@ class LaunchedLossOps final : public DeviceLossOps {
     ssim::photometric_on_device(launcher_, comparison, total.data());
     std::vector<double> sums;
     total.to(sums);
-    if (host.gradient.first != nullptr) {
+    if (gradient.own.size() > 0) {
       std::vector<float> values;
-      gradient.memory.to(values);
+      gradient.own.to(values);
       for (int row = 0; row < layout.h; ++row)
         std::copy_n(values.data() + row * layout.width(), layout.width(), host.gradient.row(row));
     }
@@ -145,6 +155,13 @@ class LaunchedLossOps final : public DeviceLossOps {
   }
 
  private:
+  /// The device address of a resident array.
+  template <class T>
+  T* resident(T* host) const {
+    void* const device = launcher_.resident.find(host, sizeof(T));
+    NGS_CHECK(device != nullptr, "the array is resident");
+    return static_cast<T*>(device);
+  }
   static std::int64_t pixels_of(const PixelView<float>& view) { return std::int64_t(view.width) * view.height; }
 
   struct AlignArrays {
@@ -164,8 +181,15 @@ class LaunchedLossOps final : public DeviceLossOps {
   };
   struct NodeArrays {
     Floats colour, alpha, mean, share;
-    NodeArrays(Launcher& launcher, std::int64_t n)
-        : colour(launcher, n * 3), alpha(launcher, n), mean(launcher, n * 3), share(launcher, n) {}
+    NodeArrays() = default;
+    static NodeArrays results(Launcher& launcher, std::int64_t n, const AlignNodes<float>& h) {
+      NodeArrays out;
+      out.colour = Floats::result(launcher, h.colour_residual, n * 3);
+      out.alpha = Floats::result(launcher, h.alpha_residual, n);
+      out.mean = Floats::result(launcher, h.patch_mean, n * 3);
+      out.share = Floats::result(launcher, h.patch_share, n);
+      return out;
+    }
     NodeArrays(Launcher& launcher, std::int64_t n, const AlignNodes<float>& h)
         : colour(launcher, h.colour_residual, n * 3),
           alpha(launcher, h.alpha_residual, n),
@@ -173,18 +197,23 @@ class LaunchedLossOps final : public DeviceLossOps {
           share(launcher, h.patch_share, n) {}
     AlignNodes<float> view() const { return {colour.data(), alpha.data(), mean.data(), share.data()}; }
   };
-  /// A dense device copy of a crop of a host image; null stays null.
+  /// A crop of a resident image, or a dense device copy of a crop of a host image; null stays null.
   template <class T>
   struct Crops {
-    Floats memory;
+    Floats own;
     ssim::Crop<T> crop;
     Crops(Launcher& launcher, const ssim::Crop<T>& host, std::int64_t width, int height) {
       if (host.first == nullptr) return;
-      memory = Floats(launcher, width * height);
-      crop = {memory.data(), width};
+      const std::int64_t values = (height - 1) * host.stride + width;
+      if (void* const resident = launcher.resident.find(host.first, std::size_t(values) * sizeof(float))) {
+        crop = {static_cast<float*>(resident), host.stride};
+        return;
+      }
+      own = Floats(launcher, width * height);
+      crop = {own.data(), width};
       if constexpr (std::is_const_v<T>)
         for (int row = 0; row < height; ++row)
-          launcher.upload(memory.data() + row * width, host.row(row), std::size_t(width) * sizeof(float));
+          launcher.upload(own.data() + row * width, host.row(row), std::size_t(width) * sizeof(float));
     }
   };
 

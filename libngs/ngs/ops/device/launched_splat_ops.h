@@ -45,31 +45,30 @@ class LaunchedSplatView final : public DeviceSplat {
         splat_(launcher, view, cloud_.view(),
                {plan.colour, plan.depth, {label_.data(), plan.label.n, plan.label.c}, plan.background}) {}
 
-  void forward(const std::vector<Plane<float>>& out) override {
-    const DeviceBuffer<Launcher, float> image(launcher_, std::int64_t(out.size()) * pixels_);
+  void forward(const std::vector<Plane<float>>& out, bool for_backward) override {
+    std::vector<DeviceBuffer<Launcher, float>> own(out.size());  // of planes that are not resident
     std::vector<Plane<float>> planes;
-    for (std::size_t c = 0; c < out.size(); ++c)
-      planes.push_back({out[c].data ? image.data() + std::int64_t(c) * pixels_ : nullptr, 1});
-    splat_.forward(planes);
-    std::vector<float> host(static_cast<std::size_t>(pixels_));
+    for (std::size_t c = 0; c < out.size(); ++c) planes.push_back(on_device(out[c], own[c]));
+    splat_.forward(planes, for_backward);
+    std::vector<float> host;
     for (std::size_t c = 0; c < out.size(); ++c) {
-      if (out[c].data == nullptr) continue;
-      launcher_.download(host.data(), planes[c].data, host.size() * sizeof(float));
+      if (own[c].size() == 0) continue;
+      own[c].to(host);
       for (std::size_t i = 0; i < host.size(); ++i) out[c].data[i * std::size_t(out[c].stride)] = host[i];
     }
   }
 
   void backward(const std::vector<Plane<const float>>& grad, const std::vector<std::uint8_t>& moves,
                 const CloudGradientView<float>& out) override {
-    const DeviceBuffer<Launcher, float> image(launcher_, std::int64_t(grad.size()) * pixels_);
+    std::vector<DeviceBuffer<Launcher, float>> own(grad.size());
     std::vector<Plane<const float>> planes;
     std::vector<float> host(static_cast<std::size_t>(pixels_));
     for (std::size_t c = 0; c < grad.size(); ++c) {
-      float* plane = image.data() + std::int64_t(c) * pixels_;
-      planes.push_back({grad[c].data ? plane : nullptr, 1});
-      if (grad[c].data == nullptr) continue;
+      const Plane<float> plane = on_device(grad[c], own[c]);
+      planes.push_back({plane.data, plane.stride});
+      if (own[c].size() == 0) continue;
       for (std::size_t i = 0; i < host.size(); ++i) host[i] = grad[c].data[i * std::size_t(grad[c].stride)];
-      launcher_.upload(plane, host.data(), host.size() * sizeof(float));
+      launcher_.upload(own[c].data(), host.data(), host.size() * sizeof(float));
     }
     const CloudView<float>& cloud = cloud_.view();
     Columns columns(launcher_, cloud, plan_.labels(), out);
@@ -78,6 +77,16 @@ class LaunchedSplatView final : public DeviceSplat {
   }
 
  private:
+  /// The plane in device memory: of a resident image, or in memory of its own.
+  template <class T>
+  Plane<float> on_device(const Plane<T>& host, DeviceBuffer<Launcher, float>& own) {
+    if (host.data == nullptr) return {nullptr, 1};
+    const std::size_t values = std::size_t(pixels_ - 1) * std::size_t(host.stride) + 1;
+    if (void* const resident = launcher_.resident.find(host.data, values * sizeof(float)))
+      return {static_cast<float*>(resident), host.stride};
+    own = {launcher_, pixels_};
+    return {own.data(), 1};
+  }
   /// The requested columns of the gradient.
   struct Columns {
     DeviceBuffer<Launcher, float> position, rotation, log_scale, logit_opacity, sh_dc, sh_rest, label, mean_px;

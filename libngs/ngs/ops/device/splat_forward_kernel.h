@@ -39,14 +39,29 @@ struct StagedGaussians {
   }
 };
 
+/// The transmittance of the pixels before every kEntries entries of a tile's list, for the backward pass.
+struct Checkpoints {
+  static constexpr int kEntries = 16;
+  float* transmittance = nullptr;  // [rows(), kTilePixels]; negative: the pixel has stopped. null: not wanted
+  std::int32_t* count = nullptr;   // [tiles] rows that the forward pass has written
+
+  static std::int64_t rows(std::int64_t pairs, std::int64_t tiles) { return pairs / kEntries + tiles; }
+  /// The rows of a tile whose entries begin at `begin`; there are ceil_div(entries, kEntries) of them.
+  NGS_HD float* of(std::int64_t begin, std::int64_t tile) const {
+    return transmittance + (begin / kEntries + tile) * kTilePixels;
+  }
+};
+
 template <int C>
 struct SplatForwardTile {
   static constexpr const char* kName = "splat_forward_tile";
-  static constexpr int kThreads = kTilePixels, kBatch = 64;
+  static constexpr int kThreads = kTilePixels, kMinBlocks = 4, kBatch = 64;
+  static_assert(kBatch % Checkpoints::kEntries == 0);
   TilesOnDevice tiles;
   ChannelGroup<C> channels;
   Plane<float> out[C];
   Plane<float> alpha;
+  Checkpoints checkpoints;
 
   using Shared = StagedGaussians<C, kBatch>;
   struct Thread {
@@ -62,7 +77,8 @@ struct SplatForwardTile {
       own.traversal = {1.f, TilePixel(t, frame).inside};
       for (int c = 0; c < C; ++c) own.sum[c] = 0.f;
     });
-    for (std::int64_t first = begin; first < end; first += kBatch) {
+    std::int64_t first = begin;
+    for (; first < end; first += kBatch) {
       const int count = int(min2<std::int64_t>(kBatch, end - first));
       const bool more = block.any([&](int t, Shared& shared, Thread& own) {
         shared.template load<kThreads>(t, tiles, frame, channels, {first, count});
@@ -70,17 +86,17 @@ struct SplatForwardTile {
       });
       if (!more) break;
       block.phase([&](int t, Shared& shared, Thread& own) {
-        const TilePixel pixel(t, frame);
-        for (int k = 0; k < count && own.traversal.live; ++k) {
-          float before;
-          const float opaque =
-              own.traversal.pass(shared.gaussian[k], float(pixel.column), float(pixel.row), tiles.stop, before);
-          const float weight = opaque * before;
-          for (int c = 0; c < C; ++c) own.sum[c] = fma_lanes(weight, shared.value[k][c], own.sum[c]);
+        if (checkpoints.transmittance == nullptr) return composite(t, frame, 0, count, shared, own);
+        float* row = checkpoints.of(begin, block.index) + (first - begin) / Checkpoints::kEntries * kTilePixels + t;
+        for (int k = 0; k < count; k += Checkpoints::kEntries, row += kTilePixels) {
+          *row = own.traversal.live ? own.traversal.transmittance : -1.f;
+          composite(t, frame, k, min2(count, k + Checkpoints::kEntries), shared, own);
         }
       });
     }
     block.phase([&](int t, Shared&, Thread& own) {
+      if (t == 0 && checkpoints.count != nullptr)
+        checkpoints.count[block.index] = int(ceil_div<std::int64_t>(min2(first, end) - begin, Checkpoints::kEntries));
       const TilePixel pixel(t, frame);
       if (!pixel.inside) return;
       for (int c = 0; c < C; ++c)
@@ -89,6 +105,19 @@ struct SplatForwardTile {
               fma_lanes(own.traversal.transmittance, channels.background[c], own.sum[c]);
       if (alpha.data != nullptr) alpha.data[pixel.index * alpha.stride] = 1.f - own.traversal.transmittance;
     });
+  }
+
+ private:
+  /// Composites the staged Gaussians [from, to) at the thread's pixel.
+  NGS_HD void composite(int t, const TileFrame& frame, int from, int to, const Shared& shared, Thread& own) const {
+    const TilePixel pixel(t, frame);
+    for (int k = from; k < to && own.traversal.live; ++k) {
+      float before;
+      const float opaque =
+          own.traversal.pass(shared.gaussian[k], float(pixel.column), float(pixel.row), tiles.stop, before);
+      const float weight = opaque * before;
+      for (int c = 0; c < C; ++c) own.sum[c] = fma_lanes(weight, shared.value[k][c], own.sum[c]);
+    }
   }
 };
 

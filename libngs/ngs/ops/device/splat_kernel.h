@@ -42,19 +42,6 @@ class CloudOnDevice {
   Column<std::uint8_t> usable_;
 };
 
-struct ChannelRows {
-  static constexpr const char* kName = "channel_rows";
-  ChannelPlan<float> plan;
-  ViewProjector<float> view;
-  CloudView<float> cloud;
-  const float* depth;
-  const std::int64_t* slot_begin;
-  float* row;  // [N, count] out, of Gaussians with slots
-  NGS_HD void operator()(std::int64_t i) const {
-    if (slot_begin[i] < slot_begin[i + 1]) plan.fill(view, cloud, i, depth[i], row + i * plan.count());
-  }
-};
-
 struct GaussiansBackward {
   static constexpr const char* kName = "gaussians_backward";
   GaussianBackward<float> kernel;  // its rows are those of SplatBackwardTile
@@ -90,20 +77,20 @@ class SplatOnDevice {
         projector_(view),
         cloud_(cloud),
         plan_(plan),
-        bins_(launcher, view, cloud),
-        channel_(launcher, cloud.size * plan.count()) {
-    if (plan.count() > 0)
-      launcher.parallel_for(cloud.size,
-                            ChannelRows{plan, projector_, cloud, bins_.depth(), bins_.slot_begin(), channel_.data()});
-  }
+        channel_(launcher, cloud.size * plan.count()),
+        bins_(launcher, view, cloud, {plan, channel_.data()}) {}
 
-  /// out[c]: channel c; out[count]: 1 - T_final.
-  void forward(const std::vector<Plane<float>>& out) {
+  /// out[c]: channel c; out[count]: 1 - T_final. `for_backward`: backward() will follow.
+  void forward(const std::vector<Plane<float>>& out, bool for_backward) {
+    if (for_backward) {
+      checkpoint_ = {launcher_, Checkpoints::rows(bins_.pairs(), bins_.tiles()) * std::int64_t(kTilePixels)};
+      checkpoint_count_ = {launcher_, bins_.tiles()};
+    }
     for (int first = 0; first == 0 || first < plan_.count(); first += kMaxChannels)
       with_group(first, [&](auto size) {
-        SplatForwardTile<size> kernel{bins_.view(), group<size>(first), {}, {}};
+        SplatForwardTile<size> kernel{bins_.view(), group<size>(first), {}, {}, {}};
         for (int c = 0; c < kernel.channels.used; ++c) kernel.out[c] = out[std::size_t(first + c)];
-        if (first == 0) kernel.alpha = out[std::size_t(plan_.count())];
+        if (first == 0) kernel.alpha = out[std::size_t(plan_.count())], kernel.checkpoints = checkpoints();
         launcher_.launch_blocks(bins_.tiles(), kernel);
       });
   }
@@ -115,13 +102,10 @@ class SplatOnDevice {
     DeviceBuffer<Launcher, float> rows(launcher_,
                                        (sums == DeviceSums::kAtomic ? cloud_.size : bins_.pairs()) * columns);
     rows.zero();
-    const DeviceBuffer<Launcher, float> checkpoints(
-        launcher_,
-        SplatBackwardTile<1, Launcher>::checkpoint_rows(bins_.pairs(), bins_.tiles()) * std::int64_t(kTilePixels));
     for (int first = 0; first == 0 || first < plan_.count(); first += kMaxChannels)
       with_group(first, [&](auto size) {
-        SplatBackwardTile<size, Launcher> kernel{bins_.view(),       group<size>(first), {},      0,
-                                                 checkpoints.data(), rows.data(),        columns, sums};
+        SplatBackwardTile<size, Launcher> kernel{bins_.view(),  group<size>(first), {},      0,
+                                                 checkpoints(), rows.data(),        columns, sums};
         for (int c = 0; c < kernel.channels.used; ++c) {
           kernel.grad[c] = grad[std::size_t(first + c)];
           if (moves[std::size_t(first + c)]) kernel.moves |= 1u << c;
@@ -138,6 +122,7 @@ class SplatOnDevice {
   const TileBins<Launcher>& bins() const { return bins_; }
 
  private:
+  Checkpoints checkpoints() const { return {checkpoint_.data(), checkpoint_count_.data()}; }
   /// body(std::integral_constant<int, C>) for the C that holds the channels from `first` on.
   template <class Body>
   void with_group(int first, const Body& body) const {
@@ -162,8 +147,10 @@ class SplatOnDevice {
   ViewProjector<float> projector_;
   CloudView<float> cloud_;
   ChannelPlan<float> plan_;
-  TileBins<Launcher> bins_;
   DeviceBuffer<Launcher, float> channel_;  // [N, count]
+  TileBins<Launcher> bins_;
+  DeviceBuffer<Launcher, float> checkpoint_;
+  DeviceBuffer<Launcher, std::int32_t> checkpoint_count_;
 };
 
 }  // namespace ngs

@@ -7,32 +7,55 @@
 
 namespace ngs {
 
+/// Two levels of the tree: a thread sums a chunk of kRows rows, then one thread the chunks of its block.
 template <class T>
-struct SumChunk {
-  static constexpr const char* kName = "sum_chunk";
+struct SumChunks {
+  static constexpr const char* kName = "sum_chunks";
   static constexpr std::int64_t kRows = 256;
+  static constexpr int kThreads = kRows;
   const T* value;  // [n, columns]
   std::int64_t n;
   int columns;
-  double* sum;  // [chunks, columns] out
+  double* sum;  // [blocks, columns] out
 
-  NGS_HD void operator()(std::int64_t i) const {
-    const InterleavedChunk rows(i / columns, n, kRows);
-    double total = 0;
-    for (std::int64_t row = rows.first; row < rows.end; row += rows.step)
-      total += double(value[row * columns + i % columns]);
-    sum[i] = total;
+  struct Shared {
+    double chunk[kThreads];
+  };
+  struct Thread {};
+
+  template <class Block>
+  NGS_HD void operator()(Block& block) const {
+    const std::int64_t all = ceil_div(n, kRows);
+    const InterleavedChunk chunks(block.index, all, kRows);
+    for (int c = 0; c < columns; ++c) {
+      block.phase([&](int t, Shared& shared, Thread&) {
+        const std::int64_t chunk = chunks.first + t * chunks.step;
+        double total = 0;
+        const InterleavedChunk rows(chunk < chunks.end ? chunk : 0, n, kRows);
+        for (std::int64_t row = rows.first; chunk < chunks.end && row < rows.end; row += rows.step)
+          total += double(value[row * columns + c]);
+        shared.chunk[t] = total;
+      });
+      block.phase([&](int t, Shared& shared, Thread&) {
+        if (t > 0) return;
+        double total = 0;
+        std::int64_t chunk = chunks.first;
+        for (int k = 0; chunk < chunks.end; ++k, chunk += chunks.step) total += shared.chunk[k];
+        sum[block.index * columns + c] = total;
+      });
+    }
   }
 };
 
 /// total[c] = the sum of column c of `value` [n, columns]. All pointers are device pointers.
 template <class T, class Launcher>
 void sums_on_device(Launcher& launcher, const T* value, std::int64_t n, int columns, double* total) {
-  const std::int64_t chunks = ceil_div(n, SumChunk<T>::kRows);
-  if (chunks <= 1) return launcher.parallel_for(columns, SumChunk<T>{value, n, columns, total});
-  const DeviceBuffer<Launcher, double> part(launcher, chunks * columns);
-  launcher.parallel_for(chunks * columns, SumChunk<T>{value, n, columns, part.data()});
-  sums_on_device(launcher, static_cast<const double*>(part.data()), chunks, columns, total);
+  constexpr std::int64_t kRows = SumChunks<T>::kRows;
+  const std::int64_t blocks = ceil_div(ceil_div(n, kRows), kRows);
+  if (blocks <= 1) return launcher.launch_blocks(1, SumChunks<T>{value, n, columns, total});
+  const DeviceBuffer<Launcher, double> part(launcher, blocks * columns);
+  launcher.launch_blocks(blocks, SumChunks<T>{value, n, columns, part.data()});
+  sums_on_device(launcher, static_cast<const double*>(part.data()), blocks, columns, total);
 }
 
 /// The least of n > 0 values, by one block.

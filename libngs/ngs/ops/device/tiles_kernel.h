@@ -36,10 +36,17 @@ struct TilePixel {
         index(std::int64_t(frame.y_px + row) * frame.width_px + frame.x_px + column) {}
 };
 
+/// The channel values of Gaussians.
+struct ChannelRows {
+  ChannelPlan<float> plan;
+  float* row = nullptr;  // [N, count] out, of Gaussians that reach a tile; null: not wanted
+};
+
 struct ProjectGaussians {
   static constexpr const char* kName = "project_gaussians";
   ViewProjector<float> view;
   CloudView<float> cloud;
+  ChannelRows channels;
   SplatRecord<float>* record;  // [N] out, of Gaussians with tiles > 0
   float* depth;                // [N] out
   TileRect* rect;              // [N] out
@@ -54,6 +61,8 @@ struct ProjectGaussians {
         reached += std::uint32_t(span.end - span.first);
       }
       record[i] = g.record, depth[i] = g.depth, rect[i] = g.rect;
+      if (reached > 0 && channels.row != nullptr)
+        channels.plan.fill(view, cloud, i, g.depth, channels.row + i * channels.plan.count());
     }
     tiles[i] = reached;
   }
@@ -84,21 +93,18 @@ struct MakePairs {
   }
 };
 
-struct FindTiles {
-  static constexpr const char* kName = "find_tiles";
-  const std::uint64_t* key;
-  std::int64_t pairs;
-  std::int64_t* begin;  // [tiles + 1] out
-  NGS_HD void operator()(std::int64_t tile) const {
-    begin[tile] = lower_bound_of(key, pairs, std::uint64_t(tile) << 32);
-  }
-};
-
-struct GaussianOfEntry {
-  static constexpr const char* kName = "gaussian_of_entry";
+/// The Gaussian of entry i, and the first entry of tile i.
+struct FindEntries {
+  static constexpr const char* kName = "find_entries";
+  const std::uint64_t* key;  // [pairs] sorted
   const std::uint32_t *slot, *of_slot;
-  std::uint32_t* gaussian;
-  NGS_HD void operator()(std::int64_t e) const { gaussian[e] = of_slot[slot[e]]; }
+  std::int64_t pairs, tiles;
+  std::uint32_t* gaussian;  // [pairs] out
+  std::int64_t* begin;      // [tiles + 1] out
+  NGS_HD void operator()(std::int64_t i) const {
+    if (i < pairs) gaussian[i] = of_slot[slot[i]];
+    if (i <= tiles) begin[i] = lower_bound_of(key, pairs, std::uint64_t(i) << 32);
+  }
 };
 
 /// The lists of one view and the memory they live in.
@@ -106,20 +112,21 @@ template <class Launcher>
 class TileBins {
  public:
   /// All arrays of `cloud` are device pointers. Waits for the number of pairs, to allocate their memory.
-  TileBins(Launcher& launcher, const ViewProjector<float>& view, const CloudView<float>& cloud)
+  TileBins(Launcher& launcher, const ViewProjector<float>& view, const CloudView<float>& cloud,
+           const ChannelRows& channels = {})
       : width_px_(view.width_px),
         height_px_(view.height_px),
         tiles_x_(view.tiles_x),
         tile_count_(std::int64_t(view.tiles_x) * view.tiles_y),
         stop_(float(transmittance_stop(view.compat))),
         record_(launcher, cloud.size),
-        depth_(launcher, cloud.size),
         slot_begin_(launcher, cloud.size + 1),
         begin_(launcher, tile_count_ + 1) {
     const DeviceBuffer<Launcher, TileRect> rect(launcher, cloud.size);
+    const DeviceBuffer<Launcher, float> depth(launcher, cloud.size);
     const DeviceBuffer<Launcher, std::uint32_t> tiles(launcher, cloud.size);
-    launcher.parallel_for(cloud.size,
-                          ProjectGaussians{view, cloud, record_.data(), depth_.data(), rect.data(), tiles.data()});
+    launcher.parallel_for(
+        cloud.size, ProjectGaussians{view, cloud, channels, record_.data(), depth.data(), rect.data(), tiles.data()});
     launcher.exclusive_scan(tiles.data(), slot_begin_.data(), cloud.size);
     launcher.download(&pairs_, slot_begin_.data() + cloud.size, sizeof pairs_);
     NGS_CHECK(pairs_ <= 0xffffffff, "slots are counted in 32 bits");
@@ -127,11 +134,11 @@ class TileBins {
     const DeviceBuffer<Launcher, std::uint32_t> of_slot(launcher, pairs_);
     slot_ = DeviceBuffer<Launcher, std::uint32_t>(launcher, pairs_),
     gaussian_ = DeviceBuffer<Launcher, std::uint32_t>(launcher, pairs_);
-    launcher.parallel_for(cloud.size, MakePairs{record_.data(), depth_.data(), rect.data(), slot_begin_.data(),
-                                                tiles_x_, key.data(), slot_.data(), of_slot.data()});
+    launcher.parallel_for(cloud.size, MakePairs{record_.data(), depth.data(), rect.data(), slot_begin_.data(), tiles_x_,
+                                                key.data(), slot_.data(), of_slot.data()});
     launcher.sort(key.data(), slot_.data(), pairs_, 32 + bits_of(tile_count_));
-    launcher.parallel_for(tile_count_ + 1, FindTiles{key.data(), pairs_, begin_.data()});
-    launcher.parallel_for(pairs_, GaussianOfEntry{slot_.data(), of_slot.data(), gaussian_.data()});
+    launcher.parallel_for(max2(tile_count_ + 1, pairs_), FindEntries{key.data(), slot_.data(), of_slot.data(), pairs_,
+                                                                     tile_count_, gaussian_.data(), begin_.data()});
   }
 
   TilesOnDevice view() const {
@@ -141,7 +148,6 @@ class TileBins {
   std::int64_t gaussians() const { return record_.size(); }
   std::int64_t pairs() const { return pairs_; }
   const std::int64_t* slot_begin() const { return slot_begin_.data(); }  // [N + 1]
-  const float* depth() const { return depth_.data(); }
 
  private:
   static int bits_of(std::int64_t n) {
@@ -154,7 +160,6 @@ class TileBins {
   float stop_;
   std::int64_t pairs_ = 0;
   DeviceBuffer<Launcher, SplatRecord<float>> record_;
-  DeviceBuffer<Launcher, float> depth_;
   DeviceBuffer<Launcher, std::int64_t> slot_begin_, begin_;
   DeviceBuffer<Launcher, std::uint32_t> slot_, gaussian_;
 };

@@ -90,33 +90,36 @@ void FilmMlp::forward(const Exec& exec, const ParamStore& store, const FilmMlpIn
   NGS_CHECK(in.feature.c == config_.inputs && in.condition.c == config_.condition && in.condition.n == queries,
             "shapes of the network's inputs");
   out.density.resize(std::size_t(queries)), out.rgb.resize(std::size_t(queries) * 3);
+  out.context.resize(context_size(exec, queries));
   if (exec.device_ops)
     return exec.device_ops->field.film_forward({config_, store.values.data() + offset_, density_scale_}, in, out);
   FilmMlpData<float> data = data_of(store.values.data() + offset_, in, density_scale_);
   data.density = out.density.data(), data.rgb = out.rgb.data();
-  const std::size_t context_size = film_context_size<PackF>(config_);
-  out.context.resize(std::size_t(blocks) * context_size);
+  const std::size_t block_size = film_context_size<PackF>(config_);
   for_each_task(exec, (blocks + kBlocksPerTask - 1) / kBlocksPerTask, [&](std::int64_t task) {
     Block block(config_);
     const std::int64_t end = std::min(blocks, (task + 1) * kBlocksPerTask);
     for (std::int64_t b = task * kBlocksPerTask; b < end; ++b)
-      block.forward(data, b, &out.context[std::size_t(b) * context_size]);
+      block.forward(data, b, &out.context[std::size_t(b) * block_size]);
   });
 }
 
-FilmMlpGradients FilmMlp::backward(const Exec& exec, ParamStore& store, const FilmMlpInputs& in,
-                                   const FilmMlpOutput& forward, const FilmMlpOutputGradients& grad) const {
+std::size_t FilmMlp::context_size(const Exec& exec, std::int64_t queries) const {
+  if (exec.device_ops) return std::size_t(exec.device_ops->field.film_context_size(config_, queries));
+  return std::size_t(block_count(queries)) * film_context_size<PackF>(config_);
+}
+
+void FilmMlp::backward(const Exec& exec, ParamStore& store, const FilmMlpInputs& in, const FilmMlpOutputGradients& grad,
+                       FilmMlpGradients& out) const {
   const std::int64_t queries = in.feature.n, blocks = block_count(queries);
   NGS_CHECK(std::int64_t(grad.density.size()) == queries && std::int64_t(grad.rgb.size()) == 3 * queries,
             "one gradient per output");
-  const FilmCall call{config_, store.values.data() + offset_, density_scale_};
-  if (exec.device_ops)
-    return exec.device_ops->field.film_backward(call, in, forward, grad, store.grads.data() + offset_);
-  FilmMlpGradients out;
+  const FilmCall call{config_, store.values.data() + offset_, density_scale_, store.grads.data() + offset_};
   out.feature.resize(std::size_t(queries * config_.inputs)),
       out.condition.resize(std::size_t(queries * config_.condition));
+  if (exec.device_ops) return exec.device_ops->field.film_backward(call, in, grad, out);
   const FilmMlpData<float> data = data_of(store.values.data() + offset_, in, density_scale_);
-  const std::size_t context_size = film_context_size<PackF>(config_);
+  const std::size_t block_size = film_context_size<PackF>(config_);
   const FilmMlpGrads<float> grads{grad.density.data(), grad.rgb.data(), out.feature.data(), out.condition.data()};
   const std::size_t params = film_mlp_layout(config_).size;
   std::vector<float> partial(std::size_t(kPartialSums) * params, 0.f);
@@ -125,7 +128,7 @@ FilmMlpGradients FilmMlp::backward(const Exec& exec, ParamStore& store, const Fi
     if (begin == end) return;
     Block block(config_);
     for (std::int64_t b = begin; b < end; ++b)
-      block.backward(data, grads, b, &forward.context[std::size_t(b) * context_size],
+      block.backward(data, grads, b, &grad.forward.context[std::size_t(b) * block_size],
                      &partial[std::size_t(sum) * params]);
   });
   for_each_index(exec, std::int64_t(params), [&](std::int64_t i) {
@@ -134,7 +137,6 @@ FilmMlpGradients FilmMlp::backward(const Exec& exec, ParamStore& store, const Fi
       total += double(partial[sum * params + std::size_t(i)]);
     store.grads[offset_ + std::size_t(i)] += float(total);
   });
-  return out;
 }
 
 }  // namespace ngs

@@ -30,9 +30,11 @@ class FilmMlp {
 
   const FilmMlpConfig& config() const { return config_; }
   void forward(const Exec& exec, const ParamStore& store, const FilmMlpInputs& in, FilmMlpOutput& out) const;
-  /// Adds the parameters' gradients to store.grads; returns the inputs'.
-  FilmMlpGradients backward(const Exec& exec, ParamStore& store, const FilmMlpInputs& in, const FilmMlpOutput& forward,
-                            const FilmMlpOutputGradients& grad) const;
+  /// The size of FilmMlpOutput::context.
+  std::size_t context_size(const Exec& exec, std::int64_t queries) const;
+  /// Adds the parameters' gradients to store.grads; overwrites `out` with the inputs'.
+  void backward(const Exec& exec, ParamStore& store, const FilmMlpInputs& in, const FilmMlpOutputGradients& grad,
+                FilmMlpGradients& out) const;
 
  private:
   FilmMlpConfig config_;

@@ -19,8 +19,9 @@ struct FilmMlpOutput {
   std::vector<float> context;  // for backward
 };
 
-/// ∂L/∂(FilmMlpOutput).
+/// ∂L/∂(FilmMlpOutput) of a forward pass.
 struct FilmMlpOutputGradients {
+  const FilmMlpOutput& forward;
   const std::vector<float>& density;  // [Q]
   const std::vector<float>& rgb;      // [Q, 3]
 };

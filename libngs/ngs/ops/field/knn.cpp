@@ -10,6 +10,7 @@
 #include "ngs/backend/for_each.h"
 #include "ngs/core/check.h"
 #include "ngs/ops/device/device_ops.h"
+#include "ngs/ops/optim/resident.h"
 
 namespace ngs {
 namespace {
@@ -128,25 +129,30 @@ class PointBox {
 
 flann::SearchParams exact_search() { return {flann::FLANN_CHECKS_UNLIMITED, -kPruningSlack}; }
 
-KnnGraph search(const Exec& exec, Rows<const float, 3> points, Rows<const float, 3> queries, int neighbours,
-                bool exclude_self) {
+struct Search {
+  Rows<const float, 3> points, queries;
+  int neighbours;
+  bool exclude_self;
+};
+
+/// Fills a graph and its transpose.
+void run(const Exec& exec, const Search& search, const GraphResult& out) {
+  const auto& [points, queries, neighbours, exclude_self] = search;
   NGS_CHECK(neighbours >= 1 && neighbours <= kMaxNeighbours, "neighbours must be in [1, kMaxNeighbours]");
   require_countable(points);
-  KnnGraph graph;
+  auto& [graph, memory] = out;
   graph.points = points.n;
-  graph.neighbours = int(std::min<std::int64_t>(neighbours, points.n - (exclude_self ? 1 : 0)));
-  if (graph.neighbours <= 0 || queries.n == 0) {
-    graph.neighbours = 0;
-    build_transpose(graph);
-    return graph;
-  }
+  graph.neighbours = std::max(0, int(std::min<std::int64_t>(neighbours, points.n - (exclude_self ? 1 : 0))));
+  if (queries.n == 0) graph.neighbours = 0;
+  const std::size_t edges = std::size_t(queries.n) * std::size_t(graph.neighbours);
+  memory.shape(graph.index, edges), memory.shape(graph.dist2, edges), memory.shape(graph.edge, edges);
+  memory.shape(graph.row_begin, std::size_t(points.n) + 1);
+  if (edges == 0) return fill_zero(exec, graph.row_begin);
   std::vector<double> point = to_double(points, "points");
   const std::vector<double> query = to_double(queries, "queries");
-  if (exec.device_ops) return exec.device_ops->field.nearest(points, queries, neighbours, exclude_self);
+  if (exec.device_ops) return exec.device_ops->field.nearest(points, queries, exclude_self, graph);
 
   const int k = graph.neighbours;
-  graph.index.resize(std::size_t(queries.n) * std::size_t(k));
-  graph.dist2.resize(graph.index.size());
   const auto chunk = [&](const Tree& tree, std::int64_t begin, std::int64_t end) {
     double last_dist2 = kInfinity;  // K-th distance of the previous query, which is often near
     for (std::int64_t i = begin; i < end; ++i) {
@@ -164,17 +170,28 @@ KnnGraph search(const Exec& exec, Rows<const float, 3> points, Rows<const float,
   };
   for_each_chunk(exec, point, queries.n, chunk);
   build_transpose(graph);
+}
+
+KnnGraph found(const Exec& exec, const Search& search) {
+  KnnGraph graph;
+  ResidentResults on_host({});
+  run(exec, search, {graph, on_host});
   return graph;
 }
 
 }  // namespace
 
 KnnGraph nearest_points(const Exec& exec, Rows<const float, 3> points, Rows<const float, 3> queries, int neighbours) {
-  return search(exec, points, queries, neighbours, false);
+  return found(exec, {points, queries, neighbours, false});
+}
+
+void nearest_points(const Exec& exec, Rows<const float, 3> points, Rows<const float, 3> queries, int neighbours,
+                    const GraphResult& out) {
+  run(exec, {points, queries, neighbours, false}, out);
 }
 
 KnnGraph nearest_others(const Exec& exec, Rows<const float, 3> points, int neighbours) {
-  return search(exec, points, points, neighbours, true);
+  return found(exec, {points, points, neighbours, true});
 }
 
 std::vector<std::uint8_t> any_within(const Exec& exec, Rows<const float, 3> points, Rows<const float, 3> queries,

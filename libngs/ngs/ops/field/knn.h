@@ -9,8 +9,17 @@
 
 namespace ngs {
 
+class ResidentResults;
+
 /// The `neighbours` nearest points of every query; 1 <= neighbours <= kMaxNeighbours.
 KnnGraph nearest_points(const Exec& exec, Rows<const float, 3> points, Rows<const float, 3> queries, int neighbours);
+/// The same, into arrays that stay on the device.
+struct GraphResult {
+  KnnGraph& graph;
+  ResidentResults& memory;
+};
+void nearest_points(const Exec& exec, Rows<const float, 3> points, Rows<const float, 3> queries, int neighbours,
+                    const GraphResult& out);
 
 /// The nearest other points of every point. A coincident point is another point.
 KnnGraph nearest_others(const Exec& exec, Rows<const float, 3> points, int neighbours);

@@ -17,6 +17,7 @@ namespace ngs {
 struct DepthMap {
   const ImageF* depth = nullptr;  // [H, W, 1] Σ α T z
   const ImageF* alpha = nullptr;  // [H, W, 1]
+  const Exec* device = nullptr;   // where the images are; null: on the host
 };
 
 struct RayQueries {

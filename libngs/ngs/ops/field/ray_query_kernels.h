@@ -65,24 +65,41 @@ NGS_HD inline RayNode ray_node(const RayCamera& camera, const PixelGrid& grid, s
   return node;
 }
 
-/// Planes of a rendered view, [H, W] each; null: none.
+/// Depth and alpha at a node.
+struct NodeDepth {
+  double depth, alpha;
+};
+
+/// Planes of a rendered view, [H, W] each, or their values at the nodes; null: none.
 struct DepthPlanes {
   const float *depth = nullptr, *alpha = nullptr;
   int width_px = 0, height_px = 0;
+  const NodeDepth* node = nullptr;  // [R] instead of planes
 
-  /// Expected distance along the ray; 0 if alpha <= `least_alpha` there.
-  NGS_HD double expected_distance(const RayNode& node, double least_alpha) const {
-    if (depth == nullptr || alpha == nullptr) return 0;
-    const double covered = at(alpha, node);
+  /// Expected distance along ray r; 0 if alpha <= `least_alpha` there.
+  NGS_HD double expected_distance(const RayNode& ray, std::int64_t r, double least_alpha) const {
+    if (node == nullptr && (depth == nullptr || alpha == nullptr)) return 0;
+    const double covered = node ? node[r].alpha : at(alpha, ray);
     if (!(covered > least_alpha)) return 0;
-    return at(depth, node) / covered / node.cosine;
+    return (node ? node[r].depth : at(depth, ray)) / covered / ray.cosine;
   }
+  NGS_HD NodeDepth read(const RayNode& ray) const { return {at(depth, ray), at(alpha, ray)}; }
 
  private:
   NGS_HD double at(const float* plane, const RayNode& node) const {
     return read_bilinear(node.u, node.v, width_px, height_px,
                          [&](int x, int y) { return plane[static_cast<std::int64_t>(y) * width_px + x]; });
   }
+};
+
+/// Index r reads the planes at node r.
+struct ReadNodes {
+  static constexpr const char* kName = "read_nodes";
+  RayCamera camera;
+  PixelGrid grid;
+  DepthPlanes map;
+  NodeDepth* node;  // [R] out
+  NGS_HD void operator()(std::int64_t r) const { node[r] = map.read(ray_node(camera, grid, r)); }
 };
 
 /// Arrays of RayQueries; null `pixel` and `depth`: not wanted.
@@ -103,7 +120,7 @@ struct SampleRay {
 
   NGS_HD void operator()(std::int64_t r) const {
     const RayNode node = ray_node(camera, grid, r);
-    double distance = map.expected_distance(node, kCovered);
+    double distance = map.expected_distance(node, r, kCovered);
     if (!(distance > options.near_z)) distance = options.mean_distance;
     const DepthWindow<double> window =
         depth_window(distance, options.depth_span, options.depth_epsilon, options.near_z / node.cosine);
@@ -135,7 +152,7 @@ struct RayOnSurface {
   std::uint8_t* on;         // [R] out
 
   NGS_HD void operator()(std::int64_t r) const {
-    const double distance = map.expected_distance(ray_node(camera, grid, r), kEmptyAlpha);
+    const double distance = map.expected_distance(ray_node(camera, grid, r), r, kEmptyAlpha);
     on[r] = distance == 0 || (distance >= double(near[r]) && distance <= double(far[r]));
   }
 };

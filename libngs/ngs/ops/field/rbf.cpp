@@ -8,6 +8,7 @@
 #include "ngs/ops/device/device_ops.h"
 #include "ngs/ops/field/knn.h"
 #include "ngs/ops/field/rbf_kernels.h"
+#include "ngs/ops/optim/resident.h"
 
 namespace ngs {
 float inv_2h2(double width) {
@@ -18,9 +19,9 @@ float inv_2h2(double width) {
 void rbf_forward(const Exec& exec, const RbfProblem& problem, RbfField& out) {
   const KnnGraph& graph = *problem.graph;
   const int features = problem.feature.c;
-  out.feature.assign(std::size_t(problem.query.n) * std::size_t(features), 0.f);
+  out.feature.resize(std::size_t(problem.query.n) * std::size_t(features));
   out.weight.resize(graph.index.size());
-  if (graph.neighbours == 0) return;
+  if (graph.neighbours == 0) return fill_zero(exec, out.feature);
   NGS_CHECK(graph.queries() == problem.query.n && graph.points == problem.boundary.n,
             "the neighbour graph belongs to other points");
   if (exec.device_ops) return exec.device_ops->field.rbf_forward(problem, inv_2h2(problem.width), out);
@@ -34,24 +35,20 @@ void rbf_forward(const Exec& exec, const RbfProblem& problem, RbfField& out) {
                                    {out.feature.data(), problem.query.n, features}});
 }
 
-std::vector<float> rbf_backward(const Exec& exec, const RbfProblem& problem, const RbfField& field,
-                                Matrix<const float> grad_feature) {
+void rbf_backward(const Exec& exec, const RbfProblem& problem, const RbfField& field, Matrix<const float> grad_feature,
+                  std::vector<float>& out) {
   const KnnGraph& graph = *problem.graph;
   const std::int64_t points = problem.boundary.n;
   const int features = problem.feature.c;
-  std::vector<float> out(std::size_t(points) * std::size_t(features), 0.f);
-  if (graph.neighbours == 0) return out;
-  if (exec.device_ops) {
-    exec.device_ops->field.rbf_backward(problem, field, grad_feature, out);
-    return out;
-  }
+  out.resize(std::size_t(points) * std::size_t(features));
+  if (graph.neighbours == 0) return fill_zero(exec, out);
+  if (exec.device_ops) return exec.device_ops->field.rbf_backward(problem, field, grad_feature, out);
   for_each_index(exec, points,
                  RbfBackwardFeature<float>{graph.row_begin.data(),
                                            graph.edge.data(),
                                            {field.weight.data(), graph.queries(), graph.neighbours},
                                            grad_feature,
                                            {out.data(), points, features}});
-  return out;
 }
 
 double auto_rbf_width(const Exec& exec, Rows<const float, 3> boundary, int neighbours, double factor) {

@@ -14,9 +14,10 @@ float inv_2h2(double width);
 
 void rbf_forward(const Exec& exec, const RbfProblem& problem, RbfField& out);
 
-/// ∂L/∂feature [B, F] of `grad_feature` = ∂L/∂(field.feature) [Q, F]. The weights are treated as constant (C25).
-std::vector<float> rbf_backward(const Exec& exec, const RbfProblem& problem, const RbfField& field,
-                                Matrix<const float> grad_feature);
+/// Overwrites `out` with ∂L/∂feature [B, F] of `grad_feature` = ∂L/∂(field.feature) [Q, F]. The weights are treated as
+/// constant (C25).
+void rbf_backward(const Exec& exec, const RbfProblem& problem, const RbfField& field, Matrix<const float> grad_feature,
+                  std::vector<float>& out);
 
 /// The kernel width: factor · mean spacing of the boundary Gaussians (C22). 1 if the spacing is 0 (one Gaussian, or all
 /// coincident): every width then gives the same weights.

@@ -33,12 +33,11 @@ struct NeighbourRows {
 // clang-format on
 template <class T>
 NGS_HD void rbf_weights(Vec3<T> q, Rows<const T, 3> x, NeighbourRows nearest, T inv_2h2, T* w) {
-  using std::exp;
   const Vec3<T> x0 = vec3(x.row(nearest.row[0]));
   T sum = T(0);
   for (int j = 0; j < nearest.count; ++j) {
     const Vec3<T> xj = vec3(x.row(nearest.row[j]));
-    w[j] = exp(-max2(dot(x0 - xj, (q - x0) + (q - xj)), T(0)) * inv_2h2);  // rounding may put x_j before x_0
+    w[j] = exp_of(-max2(dot(x0 - xj, (q - x0) + (q - xj)), T(0)) * inv_2h2);  // rounding may put x_j before x_0
     sum += w[j];
   }
   for (int j = 0; j < nearest.count; ++j) w[j] = w[j] / sum;  // sum >= w_0 = 1

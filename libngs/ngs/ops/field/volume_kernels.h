@@ -36,7 +36,6 @@ struct VolumeForward {
   T* transmittance_after;  // [R, K] out, T_{k+1}, for backward
 
   NGS_HD void operator()(std::int64_t r) const {
-    using std::exp;
     T depth = T(0), transmittance = T(1);
     Vec3<T> sum{T(0), T(0), T(0)};
     for (int k = 0; k < in.samples; ++k) {
@@ -45,7 +44,7 @@ struct VolumeForward {
       weight[at] = transmittance * one_minus_exp(tau);
       sum = sum + weight[at] * vec3(in.rgb + at * 3);
       depth += tau;
-      transmittance = exp(-depth);
+      transmittance = exp_of(-depth);
       transmittance_after[at] = transmittance;
     }
     sum = sum + transmittance * in.background;

@@ -7,6 +7,7 @@
 #include "ngs/core/check.h"
 #include "ngs/ops/device/device_ops.h"
 #include "ngs/ops/losses/loss_align_kernels.h"
+#include "ngs/ops/optim/resident.h"
 
 namespace ngs {
 namespace {
@@ -51,16 +52,17 @@ AlignLoss loss_align(const Exec& exec, const AlignOptions& options, const AlignI
   context.patch_mean.resize(nodes * 3), context.patch_share.resize(nodes);
   context.nodes = 0;
   if (nodes == 0) return loss;
-  std::vector<float> term(nodes * 3);
+  std::vector<float> term(exec.device_ops ? 0 : nodes * 3);
   const AlignForward<float> kernel{view_of(options, in), nodes_of(context), term.data()};
-  if (exec.device_ops)
-    exec.device_ops->loss.align_forward(kernel);
-  else
+  if (exec.device_ops) {
+    const auto sums = exec.device_ops->loss.align_forward(kernel);
+    loss.colour = sums[0], loss.alpha = sums[1], loss.variance = sums[2];
+  } else {
     for_each_index(exec, std::int64_t(nodes), kernel);
-  for (std::size_t r = 0; r < nodes; ++r) {
-    loss.colour += double(term[r * 3]), loss.alpha += double(term[r * 3 + 1]), loss.variance += double(term[r * 3 + 2]);
-    loss.nodes += in.active == nullptr || (*in.active)[r] != 0;
   }
+  for (std::size_t r = 0; r < term.size(); r += 3)
+    loss.colour += double(term[r]), loss.alpha += double(term[r + 1]), loss.variance += double(term[r + 2]);
+  for (std::size_t r = 0; r < nodes; ++r) loss.nodes += in.active == nullptr || (*in.active)[r] != 0;
   context.nodes = loss.nodes;
   if (loss.nodes == 0) return loss;
   for (double* part : {&loss.colour, &loss.alpha, &loss.variance}) *part /= double(loss.nodes);
@@ -71,8 +73,8 @@ AlignLoss loss_align(const Exec& exec, const AlignOptions& options, const AlignI
 void loss_align_backward(const Exec& exec, const AlignOptions& options, const AlignInputs& in, AlignContext& context,
                          const AlignGradients& out) {
   const std::int64_t nodes = in.grid.nodes();
-  out.field.colour.assign(std::size_t(nodes) * 3, 0.f), out.field.alpha.assign(std::size_t(nodes), 0.f);
-  if (context.nodes == 0) return;
+  out.field.colour.resize(std::size_t(nodes) * 3), out.field.alpha.resize(std::size_t(nodes));
+  if (context.nodes == 0) return fill_zero(exec, out.field.colour), fill_zero(exec, out.field.alpha);
   NGS_CHECK(out.colour_accumulate.data.size() == in.colour->data.size() &&
                 out.alpha_accumulate.data.size() == in.alpha->data.size(),
             "gradients have the shape of the images");

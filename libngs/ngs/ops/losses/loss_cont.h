@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ngs/backend/exec.h"
+#include "ngs/ops/optim/row_kernels.h"
 #include "ngs/scene/knn_graph.h"
 
 namespace ngs {
@@ -18,7 +19,9 @@ struct ContinuityInputs {
   std::vector<float> weight = {};  // [B, K] or empty
 };
 
-/// `gradient`: null, or scale · ∂L/∂colour [B, 3], overwritten.
-double loss_cont(const Exec& exec, const ContinuityInputs& in, double scale, std::vector<float>* gradient);
+/// `gradient`: null, or scale · ∂L/∂colour [B, 3], overwritten. `add`: null, or the rows to which the gradient is
+/// added; its `grad_colour` is set here, and on a device its arrays are resident.
+double loss_cont(const Exec& exec, const ContinuityInputs& in, double scale, std::vector<float>* gradient,
+                 const AddRowColourGradients* add = nullptr);
 
 }  // namespace ngs

@@ -6,29 +6,35 @@
 #include "ngs/core/check.h"
 #include "ngs/ops/device/device_ops.h"
 #include "ngs/ops/losses/loss_mask_kernels.h"
+#include "ngs/ops/optim/resident.h"
 
 namespace ngs {
 
-ImageF density_weights(const Exec& exec, int width_px, int height_px, const FieldDensity& field) {
+void density_weights(const Exec& exec, const FieldDensity& field, ImageF& weight) {
   const PixelBox& box = field.box;
   NGS_CHECK(std::int64_t(field.optical_depth.size()) == field.grid.nodes(), "one optical depth per node");
-  ImageF weight(width_px, height_px, 1);
   const DensityWeight kernel{
-      field.grid, box.min_x, box.min_y, box.max_x, box.max_y, width_px, field.optical_depth.data(), weight.data.data()};
+      field.grid,        box.min_x, box.min_y, box.max_x, box.max_y, weight.width_px, field.optical_depth.data(),
+      weight.data.data()};
   if (exec.device_ops)
     exec.device_ops->loss.density_weight(kernel, weight.pixels());
   else
     for_each_index(exec, weight.pixels(), kernel);
-  return weight;
 }
 
 MaskLoss loss_mask(const Exec& exec, const MaskLossOptions& options, const MaskLossInputs& in, double weight,
                    ImageF* gradient) {
   const ImageF& rendered = *in.rendered;
   const ViewMasks& masks = *in.masks;
-  if (gradient) *gradient = ImageF(rendered.width_px, rendered.height_px, rendered.channels);
+  const bool kept = gradient && gradient->width_px == rendered.width_px && gradient->height_px == rendered.height_px &&
+                    gradient->channels == rendered.channels;
+  if (gradient && !kept) *gradient = ImageF(rendered.width_px, rendered.height_px, rendered.channels);
+  const auto none = [&](const MaskLoss& loss) {
+    if (kept) fill_zero(exec, gradient->data);
+    return loss;
+  };
   MaskLoss loss;
-  if (!masks.available) return loss;
+  if (!masks.available) return none(loss);
   NGS_CHECK(masks.width_px == rendered.width_px && masks.height_px == rendered.height_px,
             "masks have the render's size");
   NGS_CHECK(int(masks.target.size()) == rendered.channels, "one target per label channel");
@@ -36,7 +42,7 @@ MaskLoss loss_mask(const Exec& exec, const MaskLossOptions& options, const MaskL
   loss.known = masks.known.empty()
                    ? rendered.pixels()
                    : rendered.pixels() - std::count(masks.known.begin(), masks.known.end(), std::uint8_t(0));
-  if (loss.known == 0) return loss;
+  if (loss.known == 0) return none(loss);
 
   std::vector<const float*> target;
   for (const std::vector<float>& plane : masks.target) target.push_back(plane.data());

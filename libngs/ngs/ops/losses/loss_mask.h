@@ -29,8 +29,8 @@ struct FieldDensity {
   const std::vector<float>& optical_depth;  // one value per node, VolumeOutput::optical_depth
 };
 
-/// The weight s_p of every pixel.
-ImageF density_weights(const Exec& exec, int width_px, int height_px, const FieldDensity& field);
+/// The weight s_p of every pixel of `weight` [H, W, 1], overwritten.
+void density_weights(const Exec& exec, const FieldDensity& field, ImageF& weight);
 
 struct MaskLossInputs {
   const ImageF* rendered = nullptr;      // [H, W, K] RenderedView::label

@@ -23,10 +23,9 @@ struct LossSlope {
 /// p would lose the low digits of p.
 template <class T>
 NGS_HD LossSlope<T> mask_bce(T p, T m) {
-  using std::log;
   const T low = T(kMaskEps), at = clamp3(p, low, T(1) - low), rest = T(1) - at;
   const T slope = (T(1) - m) / rest - m / at;
-  const T hit = m > T(0) ? -m * log(at) : T(0),
+  const T hit = m > T(0) ? -m * log_of(at) : T(0),
           miss = m < T(1) ? (T(1) - m) * log1p_of(-at) : T(0);  // most masks are 0 or 1
   return {hit - miss + slope * (p - at), slope};
 }

@@ -36,14 +36,12 @@ double loss_smooth_backward(const Exec& exec, const SmoothnessScale& scale, cons
   NGS_CHECK(scale.pair_length > 0 && scale.unit_length > 0, "lengths must be positive");
   const double ratio = scale.unit_length / scale.pair_length;
   const double factor = 3 * ratio * ratio / double(n);
-  std::vector<float> term(colour.size() / 3);
+  std::vector<float> term(exec.device_ops ? 0 : colour.size() / 3);
   const SmoothnessForwardBackward<float> kernel{{colour.data(), n},     {moved_colour.data(), n},
                                                 float(weight * factor), term.data(),
                                                 {out.colour.data(), n}, {out.moved_colour.data(), n}};
-  if (exec.device_ops)
-    exec.device_ops->loss.smoothness(kernel);
-  else
-    for_each_index(exec, n, kernel);
+  if (exec.device_ops) return factor * exec.device_ops->loss.smoothness(kernel);
+  for_each_index(exec, n, kernel);
   double sum = 0;
   for (const float t : term) sum += double(t);
   return factor * sum;

@@ -7,6 +7,7 @@
 #include "ngs/ops/device/device_ops.h"
 #include "ngs/ops/losses/photometric.h"
 #include "ngs/ops/losses/photometric_strips.h"
+#include "ngs/ops/optim/resident.h"
 
 namespace ngs {
 
@@ -36,7 +37,7 @@ auto PhotometricPass<T, Acc>::evaluate(const Exec& exec, const PhotometricOption
       gradient && (gradient->width_px != w || gradient->height_px != h || gradient->channels != channels);
   if (resized) *gradient = Image<T>(w, h, channels);
   const auto clear = [&] {
-    if (gradient && !resized) std::fill(gradient->data.begin(), gradient->data.end(), T(0));
+    if (gradient && !resized) fill_zero(exec, gradient->data);
   };
 
   const PixelRect full{0, 0, w, h};

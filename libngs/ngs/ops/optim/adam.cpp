@@ -80,7 +80,7 @@ void adam_step(const Exec& exec, const AdamOptions& options, std::int64_t step, 
 }
 
 void adam_step(const Exec& exec, std::int64_t step, std::span<const AdamGroup> groups) {
-  NGS_CHECK(groups.size() <= AdamBlocks::kMax, "adam_step: at most 8 groups");
+  NGS_CHECK(groups.size() <= AdamBlocks::kMax, "adam_step: at most 24 groups");
   AdamBlocks blocks;
   for (const auto& [options, block, moments] : groups) {
     if (moments.m.empty()) moments.m.assign(block.value.size(), 0.f);

@@ -47,7 +47,7 @@ struct AdamGroup {
   AdamBlock<float> block;
   AdamMoments& moments;
 };
-/// A step of at most 8 groups. A device takes them at once, and changes none if a gradient of one is unusable.
+/// A step of at most 24 groups. A device takes them at once, and changes none if a gradient of one is unusable.
 void adam_step(const Exec& exec, std::int64_t step, std::span<const AdamGroup> groups);
 /// The same in double, for tests and small problems.
 void adam_step(const Exec& exec, const AdamOptions& options, std::int64_t step, const AdamBlock<double>& block,

@@ -48,7 +48,7 @@ struct AdamKernel {
 
 /// Up to kMax blocks with the same step, as one range of elements.
 struct AdamBlocks {
-  static constexpr std::size_t kMax = 8;
+  static constexpr std::size_t kMax = 24;
   std::size_t count = 0;
   AdamKernel<float> block[kMax];
   std::int64_t sparse_columns[kMax];  // 0: dense

@@ -57,6 +57,14 @@ struct AddRowColourGradients {
   }
 };
 
+/// Adds one array to another.
+struct AddValues {
+  static constexpr const char* kName = "add_values";
+  const float* from;
+  float* to;
+  NGS_HD void operator()(std::int64_t i) const { to[i] += from[i]; }
+};
+
 /// The trained labels: cells (row, object), of row r those from begin[r] to begin[r + 1].
 struct LabelCells {
   const std::size_t* begin;     // [R + 1]

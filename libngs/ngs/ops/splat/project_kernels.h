@@ -70,10 +70,9 @@ struct ProjectionContext {
 /// The view-independent part of the context: rotation, scale and their product.
 template <class T>
 NGS_HD void gaussian_shape(const T* rotation, const T* log_scale, ProjectionContext<T>& ctx) {
-  using std::exp;
   ctx.unit_rotation = normalised(Vec4<T>{rotation[0], rotation[1], rotation[2], rotation[3]}, ctx.inv_rotation_norm);
   ctx.r = rotation_matrix(ctx.unit_rotation);
-  ctx.scale = {exp(log_scale[0]), exp(log_scale[1]), exp(log_scale[2])};
+  ctx.scale = {exp_of(log_scale[0]), exp_of(log_scale[1]), exp_of(log_scale[2])};
   const T scale[3] = {ctx.scale.x, ctx.scale.y, ctx.scale.z};
   for (int i = 0; i < 9; ++i) ctx.m.m[i] = ctx.r.m[i] * scale[i % 3];
 }

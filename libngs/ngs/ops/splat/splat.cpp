@@ -19,6 +19,7 @@ std::unique_ptr<DeviceSplat> device_view(const Exec& exec, const CloudView<float
 
 struct SplatPass::State {
   SplatOptions options;
+  ResidentResults* images;  // null: on the host
   ChannelPlan<float> plan;
   std::unique_ptr<SplatEngine<float>> engine;
   std::unique_ptr<DeviceSplat> on_device;  // instead of the engine
@@ -27,7 +28,9 @@ struct SplatPass::State {
   std::size_t rest_values = 0;  // of a Gaussian
 };
 
-SplatPass::SplatPass(SplatOptions options) : state_(std::make_unique<State>()) { state_->options = std::move(options); }
+SplatPass::SplatPass(SplatOptions options, ResidentResults* images) : state_(std::make_unique<State>()) {
+  state_->options = std::move(options), state_->images = images;
+}
 SplatPass::~SplatPass() = default;
 SplatPass::SplatPass(SplatPass&&) noexcept = default;
 SplatPass& SplatPass::operator=(SplatPass&&) noexcept = default;
@@ -36,13 +39,16 @@ const RenderedView& SplatPass::forward(const Exec& exec, const GaussianCloud& cl
                                        const RenderRequest& request) {
   State& s = *state_;
   s.plan = channel_plan(request);
-  allocate(camera, s.plan, s.rendered);
+  if (s.images)
+    allocate(camera, s.plan, *s.images, s.rendered);
+  else
+    allocate(camera, s.plan, s.rendered);
   s.gaussians = cloud.size(), s.rest_values = std::size_t(cloud.rest_count()) * 3;
   const CloudView<float> view = cloud_view(cloud, s.options.max_sh_degree, request.include);
   s.on_device.reset();
   if (exec.device_ops) {
     s.on_device = device_view(exec, view, relative_camera(camera, cloud), s.options, s.plan);
-    s.on_device->forward(planes<float>(s.plan, s.rendered));
+    s.on_device->forward(planes<float>(s.plan, s.rendered), true);
     return s.rendered;
   }
   s.engine = std::make_unique<SplatEngine<float>>(float_tile_kernels(exec.isa), s.options, view,
@@ -91,7 +97,7 @@ RenderedView render(const Exec& exec, const GaussianCloud& cloud, const Camera& 
   const CloudView<float> on_view = cloud_view(cloud, options.max_sh_degree, request.include);
   if (exec.device_ops) {
     device_view(exec, on_view, relative_camera(camera, cloud), options, channels)
-        ->forward(planes<float>(channels, view));
+        ->forward(planes<float>(channels, view), false);
     return view;
   }
   SplatEngine<float> engine(float_tile_kernels(exec.isa), options, on_view, relative_camera(camera, cloud), channels);

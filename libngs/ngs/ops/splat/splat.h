@@ -13,6 +13,8 @@
 
 namespace ngs {
 
+class ResidentResults;
+
 /// Preprocesses `cloud` for passes over many views; put the result into SplatOptions. Same results, faster. Takes 56
 /// bytes per Gaussian, and for each concurrent pass about 150 bytes per visible Gaussian. The cloud must outlive the
 /// last pass; after a change of rows call update_prepared(). With a device: copies the cloud into its memory, once for
@@ -24,6 +26,9 @@ void update_prepared(const Exec& exec, const std::vector<std::int64_t>& rows, Pr
 
 /// The options with a prepared `cloud`: the one in `options` if it was made from `cloud`, else a new one.
 SplatOptions prepared_for(const Exec& exec, SplatOptions options, const GaussianCloud& cloud);
+
+/// The same with a device; without one `options` as they are: for loops over few views.
+SplatOptions kept_on_device(const Exec& exec, SplatOptions options, const GaussianCloud& cloud);
 
 /// Which images to produce, and from which Gaussians.
 struct RenderRequest {
@@ -54,7 +59,9 @@ struct GradientRows {
 /// A differentiable forward pass. Stores the projection and tile lists of the last forward for backward.
 class SplatPass {
  public:
-  explicit SplatPass(SplatOptions options);
+  /// `images`: with a device, the rendered images stay in its memory, and the host's values are undefined; null: they
+  /// are copied to the host.
+  explicit SplatPass(SplatOptions options, ResidentResults* images = nullptr);
   ~SplatPass();
   SplatPass(SplatPass&&) noexcept;
   SplatPass& operator=(SplatPass&&) noexcept;

@@ -83,8 +83,7 @@ NGS_HD int clamped_int(S x, int lo, int hi) {
 /// The members of SplatRecord that depend on the opacity alone.
 template <class S>
 NGS_HD S max_mahalanobis2_of(S opacity) {
-  using std::log;
-  return S(2) * log(S(255) * opacity);
+  return S(2) * log_of(S(255) * opacity);
 }
 template <class S>
 NGS_HD S log2_opacity_of(S opacity) {

@@ -2,6 +2,7 @@
 // The images of a view as planes for the compositing kernels. Internal to ops.
 #include <vector>
 
+#include "ngs/ops/optim/resident.h"
 #include "ngs/ops/splat/splat_engine.h"
 #include "ngs/scene/rendered_view.h"
 
@@ -28,19 +29,18 @@ std::vector<Plane<T>> planes(const ChannelPlan<float>& plan, View& view) {
 }
 
 /// Gives the images their shapes. Reuses memory of the right shape without clearing it: every pixel is written later.
-inline void allocate(const Camera& camera, const ChannelPlan<float>& plan, RenderedView& view) {
+inline void allocate(const Camera& camera, const ChannelPlan<float>& plan, ResidentResults& images,
+                     RenderedView& view) {
   const int w = camera.width_px, h = camera.height_px;
   view.width_px = w, view.height_px = h;
-  const auto shape = [&](ImageF& image, int channels) {
-    if (channels == 0)
-      image = {};
-    else if (image.width_px != w || image.height_px != h || image.channels != channels)
-      image = ImageF(w, h, channels);
-  };
-  shape(view.colour, plan.colour ? 3 : 0);
-  shape(view.label, plan.labels());
-  shape(view.depth, plan.depth ? 1 : 0);
-  shape(view.alpha, 1);
+  images.shape(view.colour, w, h, plan.colour ? 3 : 0);
+  images.shape(view.label, w, h, plan.labels());
+  images.shape(view.depth, w, h, plan.depth ? 1 : 0);
+  images.shape(view.alpha, w, h, 1);
+}
+inline void allocate(const Camera& camera, const ChannelPlan<float>& plan, RenderedView& view) {
+  ResidentResults on_host({});
+  allocate(camera, plan, on_host, view);
 }
 
 }  // namespace ngs

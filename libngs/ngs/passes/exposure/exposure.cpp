@@ -32,12 +32,13 @@ std::vector<ViewExposure> view_exposures(const Exec& exec, const Problem& input,
                                          const std::vector<std::size_t>& views) {
   std::vector<ViewExposure> exposures;
   std::vector<std::array<double, 3>> logs;
+  const SplatOptions splat = kept_on_device(exec, input.splat, input.cloud);
   for_each_view(input.monitor, views, [&](std::size_t, std::size_t v) {
     const ImageF photo = input.load_photo(v);
     if (photo.empty()) return;
     RenderRequest request;
     request.background = input.background;
-    const RenderedView rendered = render(exec, input.cloud, input.scene.views[v].camera, input.splat, request);
+    const RenderedView rendered = render(exec, input.cloud, input.scene.views[v].camera, splat, request);
     exposures.push_back({v});
     logs.emplace_back();
     for (std::size_t c = 0; c < 3; ++c) logs.back()[c] = log_gain(rendered, photo, c);

@@ -16,7 +16,7 @@ struct Taps {
 };
 
 double keys(double distance) {
-  constexpr double a = -0.5;
+  const double a = -0.5;
   const double x = std::abs(distance);
   if (x < 1) return ((a + 2) * x - (a + 3)) * x * x + 1;
   return x < 2 ? a * (((x - 5) * x + 8) * x - 4) : 0;

@@ -7,6 +7,7 @@
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
 #include "ngs/core/parse_number.h"
+#include "ngs/math/elementary.h"
 #include "ngs/math/median.h"
 #include "ngs/math/union_find.h"
 #include "ngs/ops/field/knn.h"
@@ -48,7 +49,7 @@ struct RowsByVisibility {
 
 float largest_scale(const GaussianCloud& cloud, std::uint32_t i) {
   const float* s = &cloud.log_scale[i * 3ull];
-  return std::exp(std::max({s[0], s[1], s[2]}));
+  return exp_of(std::max({s[0], s[1], s[2]}));
 }
 
 /// Median of the distances to neighbour k (k = 0: the nearest); 0 without neighbours.

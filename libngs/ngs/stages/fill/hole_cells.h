@@ -33,7 +33,8 @@ struct HoleCells {
   std::int64_t continued = 0;   // cells left out because the surface continues below the object
 
   Vec2<double> centre(std::int64_t cell) const {
-    return {low.x + (double(cell % columns) + 0.5) * side, low.y + (double(cell / columns) + 0.5) * side};
+    const std::int64_t column = cell % columns, row = cell / columns;
+    return {low.x + (double(column) + 0.5) * side, low.y + (double(row) + 0.5) * side};
   }
   /// The cell of a point; -1: outside of the grid.
   std::int64_t cell_of(Vec2<double> at) const;

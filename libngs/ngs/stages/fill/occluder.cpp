@@ -25,7 +25,8 @@ Occluder::Occluder(const Rim& rim) {
     if (rim.object.opacity[i] < kBlocking) continue;
     const int margin = rim.object.size[i] >= 0.5 * side_;
     for (int k = 0; k < 27; ++k) {
-      const Vec step{double(k % 3 - 1), double(k / 3 % 3 - 1), double(k / 9 - 1)};
+      const int across = k % 3, along = k / 3 % 3, up = k / 9;
+      const Vec step{double(across - 1), double(along - 1), double(up - 1)};
       const std::int64_t cell = cell_of(rim.object.position[i] + double(margin) * side_ * step);
       if (cell >= 0) occupied_[std::size_t(cell)] = 1;
     }

@@ -109,7 +109,7 @@ FitState initial_fit(const Exec& exec, const FitOptions& options, std::span<cons
     for (int k = 0; k < near.neighbours; ++k)
       mean += double(near.dist2[i * std::size_t(near.neighbours) + std::size_t(k)]) / near.neighbours;
     const float log_scale =
-        near.neighbours > 0 ? float(0.5 * std::log(std::max(mean, min_dist2))) : std::log(single_scale);
+        near.neighbours > 0 ? float(0.5 * std::log(std::max(mean, min_dist2))) : log_of(single_scale);
     std::fill_n(cloud.log_scale.begin() + std::ptrdiff_t(3 * i), 3, log_scale);
     cloud.rotation[4 * i] = 1;
     cloud.logit_opacity[i] = logit(0.1f);

@@ -42,6 +42,10 @@ struct GaussianStep {
   GroupRates rates;
 };
 
+/// The groups whose rate is not 0, for adam_step(). The arguments must outlive them.
+std::vector<AdamGroup> gaussian_groups(const GroupRates& rates, const CloudGradients& gradients, GaussianCloud& cloud,
+                                       GaussianMoments& moments);
+
 /// A group whose rate is 0 keeps its values and moments.
 void step_gaussians(const Exec& exec, const GaussianStep& step, const CloudGradients& gradients, GaussianCloud& cloud,
                     GaussianMoments& moments);

@@ -31,14 +31,20 @@ double field_reach(const SampleOptions& sample, const GaussianCloud& cloud, cons
   return reach;
 }
 
-FieldRays JointField::rays(const Exec& exec, const Camera& camera, Rows<const float, 3> boundary,
-                           const DepthMap& map) const {
-  FieldRays out;
-  out.rays = sample_view(exec, sample_, camera, boundary, map).rays;
-  if (out.rays.rays() == 0) return out;
-  out.graph = nearest_points(exec, boundary, out.rays.positions(), shape_.neighbours);
-  build_transpose(out.graph);
-  return out;
+const FieldRays& JointField::hold(const Exec& exec, FieldRays&& from, Rows<const float, 3> boundary) {
+  RayQueries &to = rays_.rays, &rays = from.rays;
+  to.grid = rays.grid, to.samples = rays.samples;
+  const auto keep = [&](auto& values, auto& given) { results_.assign(values, std::move(given)); };
+  keep(to.direction, rays.direction), keep(to.spacing, rays.spacing), keep(to.position, rays.position);
+  keep(rays_.on_surface, from.on_surface);
+  if (from.graph.neighbours == 0 && to.rays() > 0) {
+    nearest_points(exec, boundary, to.positions(), shape_.neighbours, {rays_.graph, results_});
+    return rays_;
+  }
+  rays_.graph.neighbours = from.graph.neighbours, rays_.graph.points = from.graph.points;
+  keep(rays_.graph.index, from.graph.index), keep(rays_.graph.dist2, from.graph.dist2);
+  keep(rays_.graph.row_begin, from.graph.row_begin), keep(rays_.graph.edge, from.graph.edge);
+  return rays_;
 }
 
 FieldRays JointField::rays(const Exec& exec, const Camera& camera, const QueryField& field, std::size_t view,
@@ -91,8 +97,8 @@ FieldRays JointField::rays(const Exec& exec, const Camera& camera, const QueryFi
                     "interpolate again: ngs-rbf boundary.ply queries.ply -o field.ply");
       out.graph.index.push_back(std::uint32_t(row - boundary.row.begin()));
     }
+    build_transpose(out.graph);
   }
-  build_transpose(out.graph);
   return out;
 }
 

@@ -47,7 +47,7 @@ FieldRays FirstQueries::rays(std::size_t v) const {
   const BoundarySet initial = boundary_set(input.cloud, boundary_flags(input, boundary_effect));
   if (given == nullptr) {
     Monitor quiet;
-    QueryField sampled = sample_queries(exec, quiet, sample, {input.cloud, initial, input.scene, {v}, input.splat});
+    QueryField sampled = sample_queries(exec, quiet, sample, {input.cloud, initial, input.scene, {v}, splat});
     interpolate_features(exec, quiet, rbf, initial, sampled);
     return field.rays(exec, camera, sampled, 0, initial);
   }

@@ -17,6 +17,7 @@ struct FirstQueries {
   const SampleOptions& sample;
   const RbfOptions& rbf;
   const Problem& input;
+  const SplatOptions& splat;  // of input.cloud
   bool boundary_effect;
   const QueryField* given;  // query points read from a file; null: sampled here
   const JointField& field;

@@ -5,7 +5,7 @@
 
 #include "ngs/core/check.h"
 #include "ngs/ops/field/knn.h"
-#include "ngs/ops/losses/loss_smooth.h"
+#include "ngs/ops/optim/rows.h"
 #include "ngs/problem/scene_measures.h"
 
 namespace ngs {
@@ -53,18 +53,18 @@ double encoding_cells(const Exec& exec, double reach, double width, Rows<const f
   return inverse > 0 ? cells_per_spacing(nearest, 1 / inverse, finest) : 0;
 }
 
-JointField::JointField(const FieldShape& shape, std::uint64_t seed)
+JointField::JointField(const FieldShape& shape, std::uint64_t seed, const Exec& exec)
     : shape_(shape),
       seed_(seed),
       hash_(shape.hash, shape.box, add_hash_grid(store_, "hash", shape.hash, seed)),
-      mlp_(mlp_config(shape), add_film_mlp(store_, "film", mlp_config(shape), {.seed = seed}), shape.width) {
+      mlp_(mlp_config(shape), add_film_mlp(store_, "film", mlp_config(shape), {.seed = seed}), shape.width),
+      results_(exec) {
   feature_offset_ = store_.add("feature", {shape.boundary, kFeatures});
   moments_.resize(store_.blocks.size());
 }
 
-JointField::JointField(const Exec& exec, const Setup& s) : JointField(shape_of(exec, s), s.seed) {
+JointField::JointField(const Exec& exec, const Setup& s) : JointField(shape_of(exec, s), s.seed, exec) {
   smooth_points_ = s.options.smooth_points, smooth_step_ = s.options.smooth_step;
-  sample_ = s.sample;
   recompute_neighbours_ = !s.effects.rbf;
   for (std::size_t i = 0; i < std::size_t(shape_.boundary) * kFeatures; ++i)
     store_.values[feature_offset_ + i] = std::clamp(s.boundary.colour[i], 0.f, 1.f);
@@ -92,23 +92,30 @@ JointField::Points JointField::points_of(const FieldRays& rays, Rows<const float
       rays.rays.positions(), &rays.graph, {rays.rays.direction.data(), rays.rays.rays()}, rays.rays.samples, boundary};
 }
 
-void JointField::evaluate(const Exec& exec, const Points& points, Sampled& out) const {
+void JointField::evaluate(const Exec& exec, const Points& points, Sampled& out) {
+  const auto queries = std::size_t(points.position.n);
+  results_.shape(out.rbf.weight, points.graph->index.size()), results_.shape(out.rbf.feature, queries * kFeatures);
+  results_.shape(out.encoding, queries * std::size_t(mlp_.config().inputs));
+  results_.shape(out.network.density, queries), results_.shape(out.network.rgb, queries * 3);
+  results_.shape(out.network.context, mlp_.context_size(exec, points.position.n));
   rbf_forward(exec, rbf_problem(points), out.rbf);
-  if (!shape_.film) std::fill(out.rbf.feature.begin(), out.rbf.feature.end(), 0.f);
+  if (!shape_.film) fill_zero(exec, out.rbf.feature);
   hash_.forward(exec, store_, points.position, out.encoding);
   mlp_.forward(exec, store_, out.inputs(points.direction, points.per_direction, mlp_.config()), out.network);
 }
 
 /// Adds the gradients of the network, the hash tables and the features.
 void JointField::differentiate(const Exec& exec, const Points& points, const Sampled& at, const OutputGradients& grad) {
-  const FilmMlpGradients inputs =
-      mlp_.backward(exec, store_, at.inputs(points.direction, points.per_direction, mlp_.config()), at.network,
-                    {grad.density, grad.rgb});
+  auto& [inputs, to_feature] = input_grad_;
+  results_.shape(inputs.feature, at.encoding.size()), results_.shape(inputs.condition, at.rbf.feature.size());
+  mlp_.backward(exec, store_, at.inputs(points.direction, points.per_direction, mlp_.config()),
+                {at.network, grad.density, grad.rgb}, inputs);
   hash_.backward(exec, store_, points.position, inputs.feature);
   if (!shape_.film) return;
-  const std::vector<float> to_feature =
-      rbf_backward(exec, rbf_problem(points), at.rbf, {inputs.condition.data(), points.position.n, kFeatures});
-  for (std::size_t i = 0; i < to_feature.size(); ++i) store_.grads[feature_offset_ + i] += to_feature[i];
+  results_.shape(to_feature, std::size_t(points.boundary.n) * kFeatures);
+  rbf_backward(exec, rbf_problem(points), at.rbf, {inputs.condition.data(), points.position.n, kFeatures}, to_feature);
+  for_each_row(exec, std::int64_t(to_feature.size()),
+               AddValues{to_feature.data(), store_.grads.data() + feature_offset_});
 }
 
 VolumeInputs JointField::volume_inputs(const FieldRays& rays, Vec3<float> background) const {
@@ -123,13 +130,18 @@ VolumeInputs JointField::volume_inputs(const FieldRays& rays, Vec3<float> backgr
 const VolumeOutput& JointField::forward(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary,
                                         Vec3<float> background) {
   evaluate(exec, points_of(rays, boundary), sampled_);
+  const auto count = std::size_t(rays.rays.rays()), samples = count * std::size_t(rays.rays.samples);
+  results_.shape(volume_.colour, count * 3), results_.shape(volume_.alpha, count);
+  results_.shape(volume_.optical_depth, count), results_.shape(volume_.weight, samples);
+  results_.shape(volume_.transmittance_after, samples);
   volume_forward(exec, volume_inputs(rays, background), volume_);
   return volume_;
 }
 
 void JointField::backward(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary,
                           Vec3<float> background, const AlignFieldGradients& gradients) {
-  VolumeGradients sum;
+  VolumeGradients& sum = volume_grad_;
+  results_.shape(sum.density, sampled_.network.density.size()), results_.shape(sum.rgb, sampled_.network.rgb.size());
   volume_backward(exec, volume_inputs(rays, background), volume_, {gradients.colour, gradients.alpha, {}}, sum);
   differentiate(exec, points_of(rays, boundary), sampled_, {sum.density, sum.rgb});
 }
@@ -138,31 +150,31 @@ double JointField::smoothness(const Exec& exec, const FieldRays& rays, Rows<cons
                               std::int64_t step) {
   const std::int64_t queries = rays.rays.positions().n, count = std::min<std::int64_t>(smooth_points_, queries);
   if (count == 0) return 0;
+  SmoothPairs& s = smooth_;
   std::vector<float> position, direction;
   for (std::int64_t i = 0; i < count; ++i) {
     const std::int64_t q = i * queries / count, ray = q / rays.rays.samples;
     position.insert(position.end(), rays.rays.position.begin() + q * 3, rays.rays.position.begin() + q * 3 + 3);
     direction.insert(direction.end(), rays.rays.direction.begin() + ray * 3, rays.rays.direction.begin() + ray * 3 + 3);
   }
-  const SmoothnessPairs ends = smoothness_pairs(exec, {position.data(), count}, smooth_step_ * shape_.width,
-                                                {seed_, std::uint64_t(step) * std::uint64_t(count)});
-  const std::vector<float>* sets[2] = {&ends.from, &ends.to};
-  KnnGraph graph[2];
-  Sampled at[2];
+  SmoothnessPairs ends = smoothness_pairs(exec, {position.data(), count}, smooth_step_ * shape_.width,
+                                          {seed_, std::uint64_t(step) * std::uint64_t(count)});
+  results_.assign(s.direction, std::move(direction));
+  results_.assign(s.position[0], std::move(ends.from)), results_.assign(s.position[1], std::move(ends.to));
   const auto points = [&](int k) {
-    return Points{{sets[k]->data(), count}, &graph[k], {direction.data(), count}, 1, boundary};
+    return Points{{s.position[k].data(), count}, &s.graph[k], {s.direction.data(), count}, 1, boundary};
   };
   for (int k = 0; k < 2; ++k) {
-    graph[k] = nearest_points(exec, boundary, {sets[k]->data(), count}, shape_.neighbours);
-    build_transpose(graph[k]);
-    evaluate(exec, points(k), at[k]);
+    nearest_points(exec, boundary, points(k).position, shape_.neighbours, {s.graph[k], results_});
+    evaluate(exec, points(k), s.at[k]);
   }
-  SmoothnessGradients gradients;
-  const double loss = loss_smooth_backward(exec, {ends.length, shape_.width}, {at[0].network.rgb, at[1].network.rgb},
-                                           weight, gradients);
-  const std::vector<float> no_density(std::size_t(count), 0.f);
-  const std::vector<float>* grad[2] = {&gradients.colour, &gradients.moved_colour};
-  for (int k = 0; k < 2; ++k) differentiate(exec, points(k), at[k], {no_density, *grad[k]});
+  for (std::vector<float>* grad : {&s.grad.colour, &s.grad.moved_colour}) results_.shape(*grad, std::size_t(count) * 3);
+  const double loss = loss_smooth_backward(exec, {ends.length, shape_.width},
+                                           {s.at[0].network.rgb, s.at[1].network.rgb}, weight, s.grad);
+  results_.shape(s.no_density, std::size_t(count));
+  fill_zero(exec, s.no_density);
+  for (int k = 0; k < 2; ++k)
+    differentiate(exec, points(k), s.at[k], {s.no_density, k == 0 ? s.grad.colour : s.grad.moved_colour});
   return loss;
 }
 
@@ -174,15 +186,26 @@ AdamOptions JointField::adam_of(const ParamBlock& block) const {
   return adam;
 }
 
+void JointField::add_to(Resident& resident) {
+  resident.add(store_.values), resident.add(store_.grads);
+  for (std::size_t b = 0; b < store_.blocks.size(); ++b)
+    for (std::vector<float>* values : {&moments_[b].m, &moments_[b].v})
+      values->resize(store_.blocks[b].size), resident.add(*values);
+}
+
 void JointField::step(const Exec& exec, std::int64_t step, double decay) {
+  std::vector<AdamGroup> groups;
+  const auto step_groups = [&] { adam_step(exec, step, groups), groups.clear(); };
   for (std::size_t b = 0; b < store_.blocks.size(); ++b) {
     const ParamBlock& block = store_.blocks[b];
     AdamOptions adam = adam_of(block);
     adam.lr *= decay;
     const std::span<float> grad = store_.grad_of(block);
-    if (!grad.empty()) adam_step(exec, adam, step, {block.name, store_.value_of(block), grad}, moments_[b]);
+    if (!grad.empty()) groups.push_back({adam, {block.name, store_.value_of(block), grad}, moments_[b]});
+    if (groups.size() == AdamBlocks::kMax) step_groups();
   }
-  store_.zero_grads();
+  step_groups();
+  fill_zero(exec, store_.grads);
 }
 
 }  // namespace ngs

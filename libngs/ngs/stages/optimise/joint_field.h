@@ -9,7 +9,9 @@
 #include "ngs/ops/field/ray_query.h"
 #include "ngs/ops/field/volume.h"
 #include "ngs/ops/losses/loss_align.h"
+#include "ngs/ops/losses/loss_smooth.h"
 #include "ngs/ops/optim/adam.h"
+#include "ngs/ops/optim/resident.h"
 #include "ngs/scene/boundary_set.h"
 #include "ngs/scene/param_store.h"
 #include "ngs/stages/optimise/joint_options.h"
@@ -57,14 +59,14 @@ class JointField {
     std::uint64_t seed = 0;
   };
   JointField(const Exec& exec, const Setup& setup);
-  /// A field with initial parameters; the features are zero.
-  JointField(const FieldShape& shape, std::uint64_t seed);
+  /// A field with initial parameters; the features are zero. `exec`: where it will run.
+  JointField(const FieldShape& shape, std::uint64_t seed, const Exec& exec = {});
 
-  /// Rays of `camera` (relative to the model's origin) about the current boundary. `map`: see sample_view().
-  FieldRays rays(const Exec& exec, const Camera& camera, Rows<const float, 3> boundary, const DepthMap& map) const;
   /// Rays from one view of a file of ngs-sample and ngs-rbf.
   FieldRays rays(const Exec& exec, const Camera& camera, const QueryField& field, std::size_t view,
                  const BoundarySet& boundary) const;
+  /// Keeps the rays of a step where ops run; finds their neighbours if they have no graph.
+  const FieldRays& hold(const Exec& exec, FieldRays&& rays, Rows<const float, 3> boundary);
 
   /// Renders the field along the rays. `boundary`: current positions.
   const VolumeOutput& forward(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary,
@@ -77,6 +79,8 @@ class JointField {
   double smoothness(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary, double weight,
                     std::int64_t step);
 
+  /// Adds all arrays that a step changes.
+  void add_to(Resident& resident);
   /// One Adam step on all parameters, then clears the gradients. `decay` multiplies the rates.
   void step(const Exec& exec, std::int64_t step, double decay);
 
@@ -92,6 +96,17 @@ class JointField {
     FilmMlpOutput network;
     FilmMlpInputs inputs(Rows<const float, 3> direction, std::int64_t per_direction, const FilmMlpConfig& config) const;
   };
+  struct InputGradients {
+    FilmMlpGradients network;
+    std::vector<float> feature;  // [B, F]
+  };
+  struct SmoothPairs {  // both ends of the pairs of L_smth
+    std::vector<float> position[2], direction;
+    KnnGraph graph[2];
+    Sampled at[2];
+    SmoothnessGradients grad;
+    std::vector<float> no_density;  // [pairs] 0
+  };
   struct OutputGradients {
     const std::vector<float>&density, &rgb;  // [Q], [Q, 3]
   };
@@ -103,7 +118,7 @@ class JointField {
     Rows<const float, 3> boundary;
   };
   AdamOptions adam_of(const ParamBlock& block) const;
-  void evaluate(const Exec& exec, const Points& points, Sampled& out) const;
+  void evaluate(const Exec& exec, const Points& points, Sampled& out);
   void differentiate(const Exec& exec, const Points& points, const Sampled& at, const OutputGradients& grad);
   VolumeInputs volume_inputs(const FieldRays& rays, Vec3<float> background) const;
   RbfProblem rbf_problem(const Points& points) const;
@@ -112,7 +127,6 @@ class JointField {
   bool recompute_neighbours_ = false;  // true: ignore neighbours stored in a file
   int smooth_points_ = 0;
   double smooth_step_ = 0;
-  SampleOptions sample_;
   FieldShape shape_;
   ParamStore store_;
   std::size_t feature_offset_ = 0;
@@ -120,8 +134,13 @@ class JointField {
   std::vector<AdamMoments> moments_;
   HashGrid hash_;
   FilmMlp mlp_;
+  ResidentResults results_;  // the following arrays
+  FieldRays rays_;
   Sampled sampled_;
   VolumeOutput volume_;
+  VolumeGradients volume_grad_;
+  InputGradients input_grad_;
+  SmoothPairs smooth_;
 };
 
 }  // namespace ngs

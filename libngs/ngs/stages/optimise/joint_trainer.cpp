@@ -63,10 +63,15 @@ struct JointTrainer::Impl {
   TrainedLabels labels;
   BoundarySet boundary;
   std::unique_ptr<JointField> field;
+  SplatOptions first_splat;  // of the initial model, in the first round over the views
   std::int64_t steps = 0, done = 0;
 
-  SplatOptions splat_options;
+  ResidentResults images;  // of `splat`, and the following arrays
   SplatPass splat;
+  ViewGradients image_grad;
+  ImageF pixel_weights;  // of the mask loss
+  AlignContext align_context;
+  AlignFieldGradients to_field;
   PhotometricPass<float> photometric;
   CloudGradients gradients;
   GaussianMoments moments;
@@ -89,9 +94,9 @@ struct JointTrainer::Impl {
         cloud(s.input.cloud),
         trained(e, s.input.region, s.frozen.empty() ? s.input.frozen : s.frozen, cloud),
         labels(trained),
-        splat_options(trained.prepared(splat_of(s.input.splat, effects))),
-        splat(splat_options),
-        cache(input, effects),
+        images(e),
+        splat(trained.prepared(splat_of(s.input.splat, effects)), &images),
+        cache(e, input, effects),
         resident(e) {}
 
   void start(bool allow_empty) {
@@ -110,6 +115,7 @@ struct JointTrainer::Impl {
       }
     }
     if (effects.nerf) {
+      first_splat = given_field ? input.splat : kept_on_device(exec, input.splat, input.cloud);
       const double reach = field_reach(sample, cloud, cameras_of(input.scene, input.views), boundary);
       field = std::make_unique<JointField>(
           exec, JointField::Setup{options, effects, sample, rbf, cloud, boundary, reach, input.seed});
@@ -120,9 +126,10 @@ struct JointTrainer::Impl {
   void write_back(const Exec& where) {
     labels.write_back(where);
     trained.write_back(where);
-    if (field)
-      for_each_row(where, boundary.size(),
-                   GatherRows{boundary.row.data(), 3, cloud.position.data(), boundary.position.data()});
+    if (!field) return;
+    for_each_row(where, boundary.size(),
+                 GatherRows{boundary.row.data(), 3, cloud.position.data(), boundary.position.data()});
+    if (where.device_ops) resident.update_host(boundary.position);  // rays are sampled on the host
   }
 
   /// Moves all arrays of a step to the device, if there is one.
@@ -138,6 +145,7 @@ struct JointTrainer::Impl {
     }
     trained.add_to(resident), labels.add_to(resident);
     resident.add(cont_graph.index), resident.add(cont_graph.row_begin), resident.add(cont_graph.edge);
+    if (field) field->add_to(resident), resident.add(boundary.position), resident.update_host(boundary.position);
     resident.add(boundary.row), resident.add(cont_place), resident.add(cont_colour), resident.add(cont_grad);
   }
 
@@ -156,49 +164,46 @@ struct JointTrainer::Impl {
     return order[std::size_t(s) % n];
   }
 
-  FirstQueries first_queries() const { return {exec, sample, rbf, input, effects.boundary, given_field, *field}; }
+  FirstQueries first_queries() const {
+    return {exec, sample, rbf, input, first_splat, effects.boundary, given_field, *field};
+  }
 
-  FieldRays rays_of(std::size_t n, const RenderedView& rendered) {
+  const FieldRays& rays_of(std::size_t n, const RenderedView& rendered) {
     const auto timed = monitor.scope("rays");
     const std::size_t v = input.views[n];
     const Camera& world = input.scene.views[v].camera;
     const Camera camera = relative_to(world, cloud.origin);
-    const DepthMap map{&rendered.depth, &rendered.alpha};
+    const DepthMap map{&rendered.depth, &rendered.alpha, &exec};
     FieldRays rays;
     if (done < std::int64_t(input.views.size())) {
       rays = first_queries().rays(v);
     } else {
-      rays = field->rays(exec, camera, boundary.positions(), map);
+      first_splat.prepared.reset();
+      rays.rays = sample_view(exec, sample, camera, boundary.positions(), map).rays;
     }
     if (rays.rays.rays() > 0) rays.on_surface = rays_on_surface(camera, rays.rays, map);
-    return rays;
+    return field->hold(exec, std::move(rays), boundary.positions());
   }
 
-  /// Rendering, photo and masks of the view of a step.
-  struct StepImages {
-    const RenderedView& rendered;
-    const ViewCache::View& view;
-  };
   LossTerms step_view(std::size_t n);
-  ImageF field_terms(const FieldRays& rays, const StepImages& images, LossTerms& loss, ViewGradients& grad);
+  const ImageF* field_terms(const FieldRays& rays, const RenderedView& rendered, LossTerms& loss, ViewGradients& grad);
+  ViewGradients& shaped_gradients(const RenderedView& rendered, bool with_masks, bool with_photo);
   void cont_term(LossTerms& loss);
   void update(double decay);
   void set_total(LossTerms& loss) const;
 };
 
-/// Adds the terms of the field. Returns the density weights of the mask loss; empty: all 1.
-ImageF JointTrainer::Impl::field_terms(const FieldRays& rays, const StepImages& images, LossTerms& loss,
-                                       ViewGradients& grad) {
-  ImageF weights;
-  if (rays.rays.rays() == 0) return weights;
-  const auto& [rendered, view] = images;
+/// Adds the terms of the field. Returns the density weights of the mask loss; null: all 1.
+const ImageF* JointTrainer::Impl::field_terms(const FieldRays& rays, const RenderedView& rendered, LossTerms& loss,
+                                              ViewGradients& grad) {
+  if (rays.rays.rays() == 0) return nullptr;
   const auto timed = monitor.scope("field");
   const VolumeOutput& volume = field->forward(exec, rays, boundary.positions(), input.background);
   if (effects.density) {
     const PixelGrid& g = rays.rays.grid;
-    weights = density_weights(exec, rendered.width_px, rendered.height_px, {g, box_of(g), volume.optical_depth});
+    images.shape(pixel_weights, rendered.width_px, rendered.height_px, 1);
+    density_weights(exec, {g, box_of(g), volume.optical_depth}, pixel_weights);
   }
-  AlignFieldGradients to_field{std::vector<float>(volume.colour.size()), std::vector<float>(volume.alpha.size())};
   if (effects.align) {
     const AlignOptions align{options.weight_opacity, effects.variance ? options.weight_variance : 0.0};
     const AlignInputs in{.grid = rays.rays.grid,
@@ -207,31 +212,48 @@ ImageF JointTrainer::Impl::field_terms(const FieldRays& rays, const StepImages& 
                          .field_colour = &volume.colour,
                          .field_alpha = &volume.alpha,
                          .active = &rays.on_surface};
-    AlignContext context;
+    AlignContext& context = align_context;
+    const std::size_t nodes = volume.alpha.size();
+    images.shape(context.colour_residual, nodes * 3), images.shape(context.alpha_residual, nodes);
+    images.shape(context.patch_mean, nodes * 3), images.shape(context.patch_share, nodes);
+    images.shape(to_field.colour, nodes * 3), images.shape(to_field.alpha, nodes);
     const AlignLoss value = loss_align(exec, align, in, context);
     loss_align_backward(exec, align, in, context, {1.0, to_field, grad.colour, grad.alpha});
     loss.align = value.total;
   }
   if (effects.align) field->backward(exec, rays, boundary.positions(), input.background, to_field);
   if (effects.smooth) loss.smooth = field->smoothness(exec, rays, boundary.positions(), options.lambda_smooth, done);
-  return weights;
+  return effects.density ? &pixel_weights : nullptr;
+}
+
+/// The gradients of the images; zero where no loss overwrites them, empty where none adds to them.
+ViewGradients& JointTrainer::Impl::shaped_gradients(const RenderedView& rendered, bool with_masks, bool with_photo) {
+  const int w = rendered.width_px, h = rendered.height_px;
+  ViewGradients& grad = image_grad;
+  grad.label_moves_geometry = effects.mask_geometry;
+  images.shape(grad.label, w, h, effects.mask && with_masks ? rendered.label.channels : 0);
+  images.shape(grad.alpha, w, h, effects.align ? 1 : 0);
+  images.shape(grad.colour, w, h, rendered.colour.channels);
+  fill_zero(exec, grad.alpha.data);
+  if (!with_photo) fill_zero(exec, grad.colour.data);
+  return grad;
 }
 
 void JointTrainer::Impl::cont_term(LossTerms& loss) {
   if (!effects.cont || cont_graph.queries() == 0) return;
   for_each_row(exec, boundary.size(), RowColours{boundary.row.data(), cloud.sh_dc.data(), cont_colour.data()});
-  loss.cont = loss_cont(exec, {cont_graph, {cont_colour.data(), boundary.size()}}, options.lambda_cont, &cont_grad);
-  for_each_row(exec, boundary.size(),
-               AddRowColourGradients{cont_place.data(), cont_grad.data(), gradients.sh_dc.data()});
+  const AddRowColourGradients add{cont_place.data(), nullptr, gradients.sh_dc.data()};
+  loss.cont =
+      loss_cont(exec, {cont_graph, {cont_colour.data(), boundary.size()}}, options.lambda_cont, &cont_grad, &add);
 }
 
 LossTerms JointTrainer::Impl::step_view(std::size_t n) {
   ViewCache::View scratch;
   const ViewCache::View& view = cache.load(monitor, n, scratch);
   const Camera& camera = input.scene.views[input.views[n]].camera;
-  const bool colour = effects.photometric || effects.align;
   RenderRequest request;
-  request.colour = colour, request.depth = effects.nerf, request.background = input.background;
+  request.colour = effects.photometric || effects.align, request.depth = effects.nerf,
+  request.background = input.background;
   request.label = labels.rendered();
   const RenderedView& rendered = [&]() -> const RenderedView& {
     const auto timed = monitor.scope("splat forward");
@@ -239,28 +261,21 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
   }();
   const double shown = window_share(input, input.views[n]);  // scales losses to means over uncropped views
   LossTerms loss;
-  ViewGradients grad;
-  grad.label_moves_geometry = effects.mask_geometry;
-  if (effects.align) grad.alpha = ImageF(camera.width_px, camera.height_px, 1);
-  if (effects.photometric && !view.photo.empty()) {
+  const bool with_photo = effects.photometric && !view.photo.empty();
+  ViewGradients& grad = shaped_gradients(rendered, view.masks.available, with_photo);
+  if (with_photo) {
     const auto timed = monitor.scope("photometric");
     const PixelRect& box = view.anchor;
     const double share =
         shown * (box.empty() ? 1 : double(box.x1 - box.x0) * (box.y1 - box.y0) / double(view.photo.pixels()));
     const PhotometricOptions anchor{.box = box, .gradient_scale = share * options.photometric_weight};
     loss.photometric = share * photometric.evaluate(exec, anchor, {rendered.colour, view.photo}, &grad.colour).total;
-  } else if (colour) {
-    grad.colour = ImageF(camera.width_px, camera.height_px, 3);
   }
-  ImageF weights;
-  if (effects.nerf) {
-    const FieldRays rays = rays_of(n, rendered);
-    weights = field_terms(rays, {rendered, view}, loss, grad);
-  }
+  const ImageF* weights = nullptr;
+  if (effects.nerf) weights = field_terms(rays_of(n, rendered), rendered, loss, grad);
   if (effects.mask && view.masks.available) {
     const auto timed = monitor.scope("mask loss");
-    loss.mask = loss_mask(exec, {MaskLossForm::kBce, 1.0},
-                          {&rendered.label, &view.masks, weights.empty() ? nullptr : &weights, shown},
+    loss.mask = loss_mask(exec, {MaskLossForm::kBce, 1.0}, {&rendered.label, &view.masks, weights, shown},
                           options.lambda_mask, &grad.label)
                     .total;
   }
@@ -281,12 +296,14 @@ void JointTrainer::Impl::set_total(LossTerms& loss) const {
 void JointTrainer::Impl::update(double decay) {
   const auto timed = monitor.scope("adam");
   const std::int64_t t = done + 1;
-  labels.step(exec, options.rate_label * decay, t, gradients.label);
+  std::vector<AdamGroup> groups;
+  groups.push_back(labels.group(exec, options.rate_label * decay, gradients.label));
   if (effects.geometry) {
     GroupRates fallen = rates;
     for (double& rate : fallen) rate *= decay;
-    step_gaussians(exec, {t, fallen}, gradients, trained.cloud(), moments);
+    for (const AdamGroup& group : gaussian_groups(fallen, gradients, trained.cloud(), moments)) groups.push_back(group);
   }
+  adam_step(exec, t, groups);
   write_back(exec);
   if (field) field->step(exec, t, decay);
 }

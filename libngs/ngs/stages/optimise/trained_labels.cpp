@@ -46,9 +46,9 @@ void TrainedLabels::start(const Problem& input, int steps) {
   grad_.resize(logit_.size());
 }
 
-void TrainedLabels::step(const Exec& exec, double rate, std::int64_t t, const std::vector<float>& grad) {
+AdamGroup TrainedLabels::group(const Exec& exec, double rate, const std::vector<float>& grad) {
   for_each_row(exec, std::int64_t(rows_.size()), LabelCellGradients{cells(), grad.data(), grad_.data()});
-  adam_step(exec, {.lr = rate}, t, {"label", logit_, grad_}, moments_);
+  return {{.lr = rate}, {"label", logit_, grad_}, moments_};
 }
 
 void TrainedLabels::write_back(const Exec& exec) {

@@ -22,8 +22,8 @@ class TrainedLabels {
   void start(const Problem& input, int steps);
   /// [N, K] the rendered labels.
   Matrix<const float> rendered() const { return {label_.data(), gaussians_, int(objects_)}; }
-  /// Adam step `t` from 1. `grad` [rows, K]: ∂L/∂(rendered).
-  void step(const Exec& exec, double rate, std::int64_t t, const std::vector<float>& grad);
+  /// Takes the gradients of the trained labels from `grad` [rows, K], ∂L/∂(rendered); for adam_step().
+  AdamGroup group(const Exec& exec, double rate, const std::vector<float>& grad);
   /// Copies the trained labels to the rendered ones.
   void write_back(const Exec& exec);
   /// Writes label and prob of the result, one LabelColumns per object.

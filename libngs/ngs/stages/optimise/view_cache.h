@@ -1,11 +1,13 @@
 #pragma once
-// Cache of the decoded photos and masks of the training views, with a limited size.
+// Cache of the decoded photos and masks of the training views, with a limited size. With a device, they are copied to
+// it once.
 #include <algorithm>
 #include <memory>
 #include <vector>
 
 #include "ngs/ops/image/pixel_window.h"
 #include "ngs/ops/losses/photometric.h"
+#include "ngs/ops/optim/resident.h"
 #include "ngs/problem/problem.h"
 #include "ngs/stages/optimise/joint_options.h"
 
@@ -18,8 +20,8 @@ class ViewCache {
     ViewMasks masks;
     PixelRect anchor;  // where the photometric loss applies; empty: the whole photo
   };
-  ViewCache(const Problem& input, const JointSwitches& effects)
-      : input_(input), effects_(effects), view_(input.views.size()) {}
+  ViewCache(const Exec& exec, const Problem& input, const JointSwitches& effects)
+      : input_(input), effects_(effects), view_(input.views.size()), resident_(exec) {}
 
   /// View `n` of input.views. Views that do not fit into the cache are returned in `scratch`.
   const View& load(Monitor& monitor, std::size_t n, View& scratch) {
@@ -33,7 +35,10 @@ class ViewCache {
     if (bytes_ + bytes > kBytes) return scratch;
     bytes_ += bytes;
     view_[n] = std::make_unique<View>(std::move(scratch));
-    return *view_[n];
+    const View& view = *view_[n];
+    resident_.add_input(view.photo.data), resident_.add_input(view.masks.known);
+    for (const std::vector<float>& target : view.masks.target) resident_.add_input(target);
+    return view;
   }
 
  private:
@@ -50,6 +55,7 @@ class ViewCache {
   const JointSwitches& effects_;
   std::vector<std::unique_ptr<View>> view_;
   std::size_t bytes_ = 0;
+  Resident resident_;  // the cached views; others are copied in each step
 };
 
 }  // namespace ngs

@@ -123,8 +123,9 @@ Object table_item(int k, double x, double y, Dice& dice) {
 void table(AnalyticScene& scene, Dice& dice) {
   scene.objects.clear();
   for (int k = 0; k < 24; ++k) {  // a jittered 6 x 4 grid: neighbours come close, none overlap
-    const double x = -0.8 + 0.32 * (k % 6) + dice.uniform(-0.025, 0.025);
-    const double y = -0.5 + 0.333 * (k / 6) + dice.uniform(-0.03, 0.03);
+    const int column = k % 6, row = k / 6;
+    const double x = -0.8 + 0.32 * column + dice.uniform(-0.025, 0.025);
+    const double y = -0.5 + 0.333 * row + dice.uniform(-0.03, 0.03);
     scene.objects.push_back(table_item(k + 1, x, y, dice));
   }
   Object top{"table", {}, {Pattern::kMarble, {0.5, 0.33, 0.2}, {0.68, 0.48, 0.3}, 2.5, 0.08, 9}};
@@ -198,8 +199,9 @@ V rig_position(const Recipe& recipe, const AnalyticScene& scene, int i, Dice& di
   }
   const int columns = std::max(1, int(std::ceil(std::sqrt(1.5 * recipe.views))));
   const int rows = (recipe.views + columns - 1) / columns;
-  const double u = columns > 1 ? double(i % columns) / (columns - 1) - 0.5 : 0;
-  const double v = rows > 1 ? double(i / columns) / (rows - 1) - 0.5 : 0;
+  const int column = i % columns, row = i / columns;
+  const double u = columns > 1 ? double(column) / (columns - 1) - 0.5 : 0;
+  const double v = rows > 1 ? double(row) / (rows - 1) - 0.5 : 0;
   const V place{radius * 0.7 * u, -radius, radius * (0.35 + 0.4 * v)};
   return scene.focus + transpose(turned_about_z(scene.open_side + 0.5 * kPi)) * place;
 }

@@ -73,7 +73,8 @@ TEST_CASE("film mlp: packed float results agree with the same kernels in double"
     test::Random random(4);
     const auto gd = random.uniform_vector<float>(std::size_t(n), -1, 1),
                gc = random.uniform_vector<float>(std::size_t(n) * 3, -1, 1);
-    const FilmMlpGradients grads = mlp.backward({}, net.store, net.inputs(), out, {gd, gc});
+    FilmMlpGradients grads;
+    mlp.backward({}, net.store, net.inputs(), {out, gd, gc}, grads);
 
     const auto wide = [](const std::vector<float>& v) { return std::vector<double>(v.begin(), v.end()); };
     const auto params = wide({net.store.values.begin() + std::ptrdiff_t(net.offset), net.store.values.end()});
@@ -116,8 +117,9 @@ TEST_CASE("film mlp gives the same bytes for 1 and 7 threads, gradients included
   Exec one, seven;
   seven.threads = 7;
   mlp.forward(one, a.store, a.inputs(), out_a), mlp.forward(seven, b.store, b.inputs(), out_b);
-  const FilmMlpGradients grads_a = mlp.backward(one, a.store, a.inputs(), out_a, {gd, gc}),
-                         grads_b = mlp.backward(seven, b.store, b.inputs(), out_b, {gd, gc});
+  FilmMlpGradients grads_a, grads_b;
+  mlp.backward(one, a.store, a.inputs(), {out_a, gd, gc}, grads_a);
+  mlp.backward(seven, b.store, b.inputs(), {out_b, gd, gc}, grads_b);
   CHECK(out_a.density == out_b.density);
   CHECK(out_a.rgb == out_b.rgb);
   CHECK(grads_a.feature == grads_b.feature);
@@ -130,7 +132,8 @@ TEST_CASE("film mlp of no queries is empty") {
   FilmMlpOutput out;
   const FilmMlp mlp(net.config, net.offset, 1);
   mlp.forward({}, net.store, net.inputs(), out);
-  mlp.backward({}, net.store, net.inputs(), out, {{}, {}});
+  FilmMlpGradients grads;
+  mlp.backward({}, net.store, net.inputs(), {out, {}, {}}, grads);
   CHECK(out.density.empty());
   CHECK(net.store.grads == std::vector<float>(net.store.grads.size(), 0.f));
 }

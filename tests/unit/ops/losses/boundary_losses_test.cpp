@@ -128,13 +128,15 @@ TEST_CASE("loss_align: the gradient is the derivative of the loss and does not d
 TEST_CASE("density weights are sigmoids of the interpolated optical depth inside the box and 0.5 outside") {
   const PixelBox box{2, 1, 6, 5};
   const PixelGrid grid = pixel_grid(box, 2, 2);  // nodes at x 3, 5 and y 2, 4
-  const ImageF w = density_weights({}, 8, 6, {grid, box, {0, 4, 0, 4}});
+  ImageF w(8, 6, 1), even(3, 2, 1);
+  density_weights({}, {grid, box, {0, 4, 0, 4}}, w);
   CHECK(w.at(0, 0) == 0.5f);
   CHECK(w.at(7, 3) == 0.5f);
   CHECK(w.at(2, 2) == 0.5f);                                               // x 2.5: left of the first node, D = 0
   CHECK(double(w.at(3, 2)) == doctest::Approx(1 / (1 + std::exp(-1.0))));  // x 3.5: a quarter of the way
   CHECK(double(w.at(5, 3)) == doctest::Approx(1 / (1 + std::exp(-4.0))));
-  CHECK(density_weights({}, 3, 2, {{}, {}, {}}).data == std::vector<float>(6, 0.5f));
+  density_weights({}, {{}, {}, {}}, even);
+  CHECK(even.data == std::vector<float>(6, 0.5f));
 }
 
 TEST_CASE("loss_mask: cross-entropy has its closed values and stays finite at the ends") {

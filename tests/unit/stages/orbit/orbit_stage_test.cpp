@@ -78,11 +78,11 @@ TEST_CASE("up points away from a floor, for any rotation of the scene") {
   add_floor(cloud, 3, 0, 0.1);
   add_sphere(cloud, {0, 0, 0.7}, 0.6, 500);
   add_box(cloud, {0.8, 0.4, 0}, {1.4, 1, 0.9}, 0.08);
-  for (const auto& [x, y, z] : {std::array{0.3, 0.2, 0.9}, std::array{-1.0, 0.4, 0.1}, std::array{0.0, -1.0, 0.0}}) {
-    const Vec up = unit({x, y, z}), a = perpendicular(up), b = cross(up, a);
+  for (const auto& at : {std::array{0.3, 0.2, 0.9}, std::array{-1.0, 0.4, 0.1}, std::array{0.0, -1.0, 0.0}}) {
+    const Vec up = unit({at[0], at[1], at[2]}), a = perpendicular(up), b = cross(up, a);
     const Mat3<double> turn{{a.x, b.x, up.x, a.y, b.y, up.y, a.z, b.z, up.z}};
     const OrbitCameras found = cameras_of(transformed(cloud, turn, 2, {1, 2, 3}));
-    CAPTURE(x);
+    CAPTURE(at[0]);
     CHECK(found.up_is_guessed);
     CHECK(dot(found.up, up) > 0.998);                                                               // 3.6 degrees
     for (const Camera& camera : found.cameras) CHECK(dot(camera.centre() - Vec{1, 2, 3}, up) > 0);  // above the floor
