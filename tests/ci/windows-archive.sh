@@ -33,9 +33,10 @@ unzip -q "$archive" -d "$work/programs ä 语"
 programs=$(echo "$work/programs ä 语"/*/bin)
 export WINEPREFIX=$top/build-bundle/wine WINEARCH=win64 WINEDEBUG=-all WINEDLLOVERRIDES='mscoree,mshtml=' LC_ALL=C.UTF-8
 mkdir -p "$WINEPREFIX"
+cmake --build "$top/build-windows-program" --target ngs-probe > "$work/probe.log"
 $wine wineboot -i > "$work/wineboot.log" 2>&1
 trap '$wine wineboot --end-session --kill > "$work/wineboot.log" 2>&1 || true' EXIT
-for program in "$programs"/*.exe "$top"/build-windows-program/bin/ngs-probe.exe; do
+for program in "$programs"/*.exe "$top"/build-windows-program/tests/ngs-probe.exe; do
   [ -f "$program" ] || continue
   name=$(basename "$program" .exe)
   # shellcheck disable=SC2016  # $@ is the script's
@@ -65,7 +66,7 @@ check "every program prints its help" helps
 small=(--view-count 6 --width-px 96 --height-px 72 --fit-steps 60)
 check "ngs-synth" ngs-synth two-spheres -o scene "${small[@]}"
 check "ngs cut" ngs cut scene --quality draft -o cut
-check "ngs finds its other tools" ngs render cut/scene.json cut/object.ply -o rendered
+check "ngs finds its other tools" ngs extract cut/labelled.ply --object-ply again.ply
 
 # --- paths -------------------------------------------------------------------------------------------------------------------
 
@@ -103,10 +104,9 @@ fi
 # SIGINT to Wine is Ctrl-C in its console.
 interrupted() {
   local code=0 pid
-  (trap - INT; exec ngs-fit scene --steps 100000 -o fit.ply) 2> fit.txt &
+  (trap - INT; exec ngs-fit cut/scene.json --points scene/sparse/0/points3D.txt --steps 30000 -o fit.ply) > fit.txt 2>&1 &
   pid=$!
-  until grep -q . fit.txt; do sleep 0.1; done
-  sleep 2
+  sleep 4
   kill -INT "$pid"
   wait "$pid" || code=$?
   [ "$code" -eq 130 ] && ! ls fit.ply ./*.tmp* 2> /dev/null || { echo "exit code $code"; cat fit.txt; return 1; }
@@ -121,7 +121,7 @@ answers() {
     url=$(grep -oE 'http://[0-9.:]+[^ ]*' studio.txt | head -n 1) && break
     sleep 0.1
   done
-  curl -sSf "$url" -o page.html && grep -q '<html' page.html || code=$?
+  curl -sSfL -c cookies.txt -b cookies.txt "$url" -o page.html && grep -q '<title>ngs-studio' page.html || code=$?
   kill -INT "$pid"
   wait "$pid" || true
   return "$code"

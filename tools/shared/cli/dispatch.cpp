@@ -52,7 +52,8 @@ int refuse(const std::string& tool, const std::string& word, const std::vector<C
 }  // namespace
 
 int dispatch(int argc, char** argv, const std::vector<Command>& commands) {
-  const std::string tool = std::filesystem::path(argv[0]).filename().string();
+  const std::filesystem::path program = argv[0];
+  const std::string tool = (program.extension() == ".exe" ? program.stem() : program.filename()).string();
   const Words words(argv + std::min(argc, 1), argv + argc);
   const std::string word = words.empty() ? "" : words.front();
   if (word == "--print-commands") {  // for scripts that list all tools; "" is the tool without a command

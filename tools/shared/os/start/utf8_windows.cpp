@@ -7,6 +7,7 @@
 
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <cwchar>
 #include <initializer_list>
@@ -20,6 +21,7 @@ namespace {
 [[gnu::constructor(101)]] void prepare_streams() {
   _fmode = _O_BINARY;
   for (const int descriptor : {0, 1, 2}) _setmode(descriptor, _O_BINARY);
+  std::setvbuf(stderr, nullptr, _IONBF, 0);  // a pipe would get its lines at the end
   SetConsoleOutputCP(CP_UTF8);
   for (const DWORD stream : {STD_OUTPUT_HANDLE, STD_ERROR_HANDLE}) {
     DWORD mode = 0;
