@@ -46,9 +46,10 @@ struct Checkpoints {
   std::int32_t* count = nullptr;   // [tiles] rows that the forward pass has written
 
   static std::int64_t rows(std::int64_t pairs, std::int64_t tiles) { return pairs / kEntries + tiles; }
-  /// The rows of a tile whose entries begin at `begin`; there are ceil_div(entries, kEntries) of them.
+  /// The first row of a tile whose entries begin at `begin`; it has ceil_div(entries, kEntries) of them.
+  NGS_HD static std::int64_t first_row(std::int64_t begin, std::int64_t tile) { return begin / kEntries + tile; }
   NGS_HD float* of(std::int64_t begin, std::int64_t tile) const {
-    return transmittance + (begin / kEntries + tile) * kTilePixels;
+    return transmittance + first_row(begin, tile) * kTilePixels;
   }
 };
 

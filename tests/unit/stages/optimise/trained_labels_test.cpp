@@ -46,7 +46,8 @@ std::string changed_by_step(const Cells& cells, const std::vector<std::uint8_t>&
   trained.start(in, 1);
   const Matrix<const float> drawn = trained.rendered();
   const std::vector<float> before(drawn.data, drawn.data + 12);
-  trained.step({}, 0.1, 1, std::vector<float>(rows.size() * 2, 1.f));
+  const AdamGroup group = trained.group({}, 0.1, std::vector<float>(rows.size() * 2, 1.f));
+  adam_step({}, 1, {&group, 1});
   trained.write_back({});
   std::vector<LabelColumns> written = cells.labels;
   trained.write(written);
@@ -88,7 +89,9 @@ TEST_CASE("trained labels: a step is an Adam step on the log-odds, for any numbe
     TrainedLabels trained(rows);
     trained.start(in, 1);
     const std::vector<float> start = trained.logit();
-    trained.step({.threads = threads}, 0.1, 1, grad);
+    const Exec exec{.threads = threads};
+    const AdamGroup group = trained.group(exec, 0.1, grad);
+    adam_step(exec, 1, {&group, 1});
     CHECK(trained.moments().m[1] == doctest::Approx(0.1 * grad[3] * sigmoid_slope(start[1])));  // of (1, 1)
     return trained.logit();
   };
