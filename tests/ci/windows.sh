@@ -3,7 +3,7 @@
 #
 #   tests/ci/windows.sh [OUT]     OUT: folder for the program and Wine's files (default: build-windows)
 #
-# Exit code 77: skipped, as the compiler or Wine is absent. The tools themselves are not built (docs/decisions/087-windows.md).
+# Exit code 77: skipped, as the compiler or Wine is absent. windows-archive.sh tests the tools.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/../../pipelines/common.sh"

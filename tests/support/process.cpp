@@ -118,7 +118,11 @@ bool emulated() {
   return is;
 }
 
-ProcessResult run_process(const ProcessSpec& spec) { return run_within(emulated() ? kEmulatedLimitS : kLimitS, spec); }
+bool under_wine() { return std::getenv("NGS_WINDOWS_TOOLS") != nullptr; }
+
+ProcessResult run_process(const ProcessSpec& spec) {
+  return run_within(emulated() || under_wine() ? kEmulatedLimitS : kLimitS, spec);
+}
 
 ProcessResult run_command(std::vector<std::string> argv) {
   ProcessSpec spec;

@@ -21,12 +21,15 @@ struct ProcessSpec {
 struct ProcessResult {
   int exit_code = -1;  // 128 + signal number if a signal ended the process, as in a shell
   std::string out, err;
-  bool timed_out = false;  // killed after 60 s (in an emulator: 1 h)
+  bool timed_out = false;  // killed after 60 s (in an emulator, under Wine: 1 h)
 };
 
 /// Whether this program runs in an emulator of another processor (tests/ci/aarch64.sh). The tools then run in it too,
 /// 10 to 30 times slower, but compilers, shells and interpreters started by a case do not.
 bool emulated();
+
+/// Whether the tools are those of Windows, run by Wine (ci/windows-archive.sh).
+bool under_wine();
 
 ProcessResult run_process(const ProcessSpec& spec);
 /// The same for a command line only.
