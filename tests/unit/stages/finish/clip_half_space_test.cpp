@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -73,6 +74,17 @@ TEST_CASE("a turned Gaussian ends at the plane, its front end stays, and directi
     const auto column = [&](int c) { return Vec{e.axes(0, c), e.axes(1, c), e.axes(2, c)}; };
     CHECK(dot(cross(column(0), column(1)), column(2)) == doctest::Approx(1));  // a rotation
   }
+}
+
+TEST_CASE("a needle a million times as long as wide keeps its width") {
+  Ellipsoid e = turned();
+  e.sigma[0] = 1, e.sigma[1] = e.sigma[2] = 1e-6;
+  const HalfSpace side{unit(Vec{0.3, -0.5, 0.8}), dot(unit(Vec{0.3, -0.5, 0.8}), e.centre), 2};
+  REQUIRE(clip_half_space(side, e) == Clip::kClipped);
+  std::sort(e.sigma, e.sigma + 3);
+  CHECK(e.sigma[0] == doctest::Approx(1e-6).epsilon(0.01));
+  CHECK(e.sigma[1] == doctest::Approx(1e-6).epsilon(0.01));
+  CHECK(e.sigma[2] == doctest::Approx(0.5).epsilon(0.01));
 }
 
 TEST_CASE("a sliver in front of the plane is unsupported") {
