@@ -1,10 +1,12 @@
 #include "fill_output.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "ngs/io/formats/write_splat.h"
 #include "ngs/io/ply/gaussian_columns.h"
 #include "ngs/options/name_of.h"
+#include "ngs/problem/cloud_rows.h"
 
 namespace ngs::cli {
 namespace {
@@ -26,44 +28,69 @@ Json surface_report(const FilledSurface& s) {
           {"rows", s.rows}};
 }
 
-/// Appends row i of `from`, which has the same degree.
-void append_row(const GaussianCloud& from, std::size_t i, GaussianCloud& to) {
-  const auto append = [i](const std::vector<float>& values, std::size_t width, std::vector<float>& out) {
-    out.insert(out.end(), values.begin() + std::ptrdiff_t(i * width), values.begin() + std::ptrdiff_t((i + 1) * width));
-  };
-  append(from.position, 3, to.position), append(from.rotation, 4, to.rotation);
-  append(from.log_scale, 3, to.log_scale), append(from.logit_opacity, 1, to.logit_opacity);
-  append(from.sh_dc, 3, to.sh_dc), append(from.sh_rest, 3 * std::size_t(from.rest_count()), to.sh_rest);
-  to.usable.push_back(from.usable[i]);
+/// The background without the removed rows, and with the added ones at its end.
+GaussianCloud filled_background(const Exec& exec, const Extractor& extractor, const HoleFill& fill) {
+  std::vector<std::int64_t> rows;
+  for (std::size_t i = 0; i < fill.removed.size(); ++i)
+    if (!extractor.object()[i] && !fill.removed[i]) rows.push_back(std::int64_t(i));
+  GaussianCloud cloud = gather_rows(exec, extractor.cloud(), rows);
+  const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  const GaussianCloud& added = fill.filled;
+  append(cloud.position, added.position), append(cloud.rotation, added.rotation);
+  append(cloud.log_scale, added.log_scale), append(cloud.logit_opacity, added.logit_opacity);
+  append(cloud.sh_dc, added.sh_dc), append(cloud.sh_rest, added.sh_rest), append(cloud.usable, added.usable);
+  return cloud;
 }
 
 }  // namespace
 
-void check_fill_options(Run& run, const FillOptions& options, const Outputs& out) {
+void check_fill_options(Run& run, const FillOptions& options, const Input& inpainted, const Input& scene,
+                        const Outputs& out) {
+  if (inpainted) return check_inpainted_options(inpainted, scene, out);
   if (options.fill == FillKind::kOff) {
-    if (out.filled) throw Error(ErrorCode::kUsage, "--filled needs a fill", "add --fill auto");
+    if (out.filled) throw Error(ErrorCode::kUsage, "--filled needs a fill", "add --fill auto, or --inpainted FOLDER");
   } else if (!out.background && !out.filled) {
     run.warn_unused({"--fill"}, "without --background-ply or --filled");
   }
 }
 
-FillOutput::FillOutput(Run& run, const Extractor& extractor, const FillOptions& options)
+FillOutput::FillOutput(Run& run, const Extractor& extractor, FillOptions options, InpaintedPictures* inpainted)
     : run_(run), extractor_(extractor) {
+  if (inpainted != nullptr && options.fill == FillKind::kOff) options.fill = FillKind::kAuto;
   if (options.fill == FillKind::kOff) return;
   fill_ = fill_hole(run.exec(), run.monitor(), options, {extractor.cloud(), extractor.object()}, run.seed());
+  background_ = filled_background(run.exec(), extractor, *fill_);
+  kept_ = std::size_t(background_.size() - fill_->filled.size());
+  report(options);
+  if (inpainted != nullptr) refit(*inpainted);
+  const auto added = std::size_t(background_.size()) - kept_;
+  run.result()["fill"] = report_;
+  if (added == 0) run.result()["fill"]["nothing"] = fill_->nothing;
+  run.text(added > 0 ? "filled the hole: " + std::to_string(added) + " Gaussians added (" +
+                           (inpainted != nullptr ? "from inpainted pictures" : "invented, not measured") + "), " +
+                           std::to_string(fill_->removed_rows) + " removed\n"
+                     : "filled nothing: " + fill_->nothing + "\n");
+}
+
+void FillOutput::report(const FillOptions& options) {
   Json surfaces = Json::array();
   for (const FilledSurface& s : fill_->surfaces) surfaces.push_back(surface_report(s));
   report_ = {{"kind", name_of(kFillNames, options.fill)},
-             {"seed", run.seed()},
-             {"rows_added", fill_->filled.size()},
+             {"seed", run_.seed()},
+             {"rows_added", background_.size() - std::int64_t(kept_)},
              {"rows_removed", fill_->removed_rows},
              {"surfaces", surfaces}};
-  run.result()["fill"] = report_;
-  if (!fill_->nothing.empty()) run.result()["fill"]["nothing"] = fill_->nothing;
-  run.text(fill_->nothing.empty()
-               ? "filled the hole: " + std::to_string(fill_->filled.size()) +
-                     " Gaussians added (invented, not measured), " + std::to_string(fill_->removed_rows) + " removed\n"
-               : "filled nothing: " + fill_->nothing + "\n");
+}
+
+void FillOutput::refit(InpaintedPictures& inpainted) {
+  inpainted.find_holes(run_, extractor_);
+  const InpaintedViews views = inpainted.views(run_, background_);
+  const HoleRefit found = refit_hole(run_.exec(), run_.monitor(), views, kept_, background_);
+  report_["rows_added"] = background_.size() - std::int64_t(kept_);
+  report_["inpainted"] = {{"views", views.views.size()},
+                          {"rows_by_depth", found.seeds},
+                          {"psnr_before_db", found.psnr_before_db},
+                          {"psnr_after_db", found.psnr_after_db}};
 }
 
 std::vector<std::string> FillOutput::comments() const {
@@ -82,21 +109,16 @@ void FillOutput::write_rows(const std::string& path, const GaussianCloud& cloud,
   for (const std::string& note : io::write_splat(path, cloud, {}, comments(), column)) run_.monitor().warn(note);
 }
 
-void FillOutput::write_background(const std::string& path) const {
-  if (!fill_) return extractor_.write_background(path);
-  const GaussianCloud& model = extractor_.cloud();
-  GaussianCloud cloud;
-  cloud.origin = model.origin, cloud.sh_degree = model.sh_degree, cloud.antialiased = model.antialiased;
-  for (std::size_t i = 0; i < extractor_.object().size(); ++i)
-    if (!extractor_.object()[i] && !fill_->removed[i]) append_row(model, i, cloud);
-  const auto kept = std::size_t(cloud.size());
-  for (std::size_t i = 0; i < std::size_t(fill_->filled.size()); ++i) append_row(fill_->filled, i, cloud);
-  write_rows(path, cloud, kept);
-}
-
 void FillOutput::write(const Outputs& out) const {
-  if (out.background) write_background(out.background.path);
-  if (out.filled) write_rows(out.filled.path, fill_->filled, 0);
+  if (!fill_) {
+    if (out.background) extractor_.write_background(out.background.path);
+    return;
+  }
+  if (out.background) write_rows(out.background.path, background_, kept_);
+  if (!out.filled) return;
+  std::vector<std::int64_t> added(std::size_t(background_.size()) - kept_);
+  std::iota(added.begin(), added.end(), std::int64_t(kept_));
+  write_rows(out.filled.path, gather_rows(run_.exec(), background_, added), 0);
 }
 
 }  // namespace ngs::cli

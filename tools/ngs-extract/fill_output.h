@@ -1,37 +1,42 @@
 #pragma once
-// The background with its hole filled (--fill), and the added Gaussians alone.
+// The background with its hole filled (--fill, --inpainted), and the added Gaussians alone.
 #include <optional>
 #include <string>
 
 #include "extractor.h"
+#include "inpainted_input.h"
 #include "ngs/stages/fill/fill_stage.h"
 #include "outputs.h"
 
 namespace ngs::cli {
 
-/// Throws kUsage for --filled without --fill; warns about --fill without an output that it changes.
-void check_fill_options(Run& run, const FillOptions& options, const Outputs& out);
+/// Throws kUsage for --filled without a fill, and for --inpainted without a scene or an output that it changes; warns
+/// about --fill without such an output.
+void check_fill_options(Run& run, const FillOptions& options, const Input& inpainted, const Input& scene,
+                        const Outputs& out);
 
 class FillOutput {
  public:
   /// Call it after Extractor::decide(). Fills the hole unless the option is off, adds "fill" to the result, and prints
-  /// one line.
-  FillOutput(Run& run, const Extractor& extractor, const FillOptions& options);
+  /// one line. With `inpainted` the option off means auto, and the added Gaussians are refitted to the pictures.
+  FillOutput(Run& run, const Extractor& extractor, FillOptions options, InpaintedPictures* inpainted);
 
   /// Writes the requested ones of --background-ply and --filled.
   void write(const Outputs& out) const;
 
  private:
-  /// The background; with --fill without the removed rows, and with the added ones at its end. PLY: with the column
-  /// ngs_filled and the comment ngs-fill.
-  void write_background(const std::string& path) const;
+  void refit(InpaintedPictures& inpainted);
+  void report(const FillOptions& options);
   std::vector<std::string> comments() const;
+  /// PLY: with the column ngs_filled and the comment ngs-fill.
   void write_rows(const std::string& path, const GaussianCloud& cloud, std::size_t kept) const;
 
   Run& run_;
   const Extractor& extractor_;
   std::optional<HoleFill> fill_;
-  Json report_;  // of the comment
+  GaussianCloud background_;  // with a fill: without the removed rows, and with the added ones at its end
+  std::size_t kept_ = 0;      // its rows that are not added
+  Json report_;               // of the comment
 };
 
 }  // namespace ngs::cli

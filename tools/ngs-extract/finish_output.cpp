@@ -58,7 +58,7 @@ void write_finished(Run& run, const Extractor& extractor, const Scene& scene, co
     views.emplace_back(run.exec(), model, splat, finish::SupportView::Input{scene.views[v].camera, given});
     run.monitor().progress(std::int64_t(k + 1), std::int64_t(count));
   }
-  const finish::Finished found = finish::finish_object(run.exec(), model, views);
+  const finish::Finished found = finish::finish_object(run.exec(), model, views, run.seed());
   run.result()["finish"] = {{"clipped", found.clipped}, {"dropped", found.dropped}};
   for (const std::string& note : io::write_splat(path, found.cloud, found.keep, io::render_comments(extractor.model())))
     run.monitor().warn(note);

@@ -46,9 +46,9 @@ void refuse_over_inputs(const std::vector<std::string>& inputs, const std::vecto
 
 }  // namespace
 
-void check_inpaint_options(Run& run, const Output& inpaint, const Input& scene) {
+void check_inpaint_options(Run& run, const Output& inpaint, const Input& inpainted, const Input& scene) {
   if (inpaint && !scene) throw Error(ErrorCode::kUsage, "--inpaint needs the cameras", "give --scene scene.json");
-  if (!inpaint) run.warn_unused({"--inpaint-dilate-px"}, "without --inpaint");
+  if (!inpaint && !inpainted) run.warn_unused({"--inpaint-dilate-px"}, "without --inpaint or --inpainted");
 }
 
 void check_inpaint_folder(const Scene& scene, const std::string& scene_path, const std::string& folder,

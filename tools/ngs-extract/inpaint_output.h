@@ -15,7 +15,7 @@
 namespace ngs::cli {
 
 /// Throws kUsage for --inpaint without --scene.
-void check_inpaint_options(Run& run, const Output& inpaint, const Input& scene);
+void check_inpaint_options(Run& run, const Output& inpaint, const Input& inpainted, const Input& scene);
 
 /// Throws kUsage if the folder is that of the scene, or if a file to be written there is a photo, a mask or the model
 /// of the scene, or one of `inputs`.

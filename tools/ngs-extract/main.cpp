@@ -8,6 +8,7 @@
 #include "fill_output.h"
 #include "finish_output.h"
 #include "inpaint_output.h"
+#include "inpainted_input.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/stages/select/region.h"
 #include "numpy_output.h"
@@ -62,7 +63,9 @@ int main(int argc, char** argv) {
   const cli::Input& edited =
       tool.optional_input("--import", "hand-edited splat whose rows (or selected rows) are the object");
   const cli::Input& scene_json =
-      tool.optional_input("--scene", "scene.json, for --inpaint, --finish, --strokes, unseen surface");
+      tool.optional_input("--scene", "scene.json, for --inpaint, --inpainted, --finish, --strokes, unseen surface");
+  const cli::Input& inpainted =
+      tool.optional_input("--inpainted", "folder of images/ of --inpaint, inpainted: fill the hole from them");
   const cli::Inputs& strokes = tool.inputs("--strokes",
                                            "strokes on views of the scene, as for ngs-mask --prompts: keep only "
                                            "components that they touch (repeatable, or PATH,PATH)");
@@ -71,8 +74,8 @@ int main(int argc, char** argv) {
   return tool.run(argc, argv, [&](cli::Run& run) {
     check_options(run, options.extract, options.region);
     cli::require_one_of(out);
-    cli::check_inpaint_options(run, out.inpaint, scene_json);
-    cli::check_fill_options(run, options.fill, out);
+    cli::check_inpaint_options(run, out.inpaint, inpainted, scene_json);
+    cli::check_fill_options(run, options.fill, inpainted, scene_json, out);
     cli::check_finish_options(options.finish, out.object, scene_json);
     cli::check_strokes(run, strokes, scene_json);
     cli::check_formats(out);
@@ -83,6 +86,8 @@ int main(int argc, char** argv) {
                              options.region, options.select);
     cli::Marks marks;
     if (strokes) marks = cli::read_prompts(run, *scene, options.select.view, strokes.paths);
+    std::optional<cli::InpaintedPictures> pictures;
+    if (inpainted) pictures.emplace(*scene, inpainted.path, options.inpaint);
     if (run.dry_run()) return cli::kDone;
     if (edited) extractor.import(edited.path);
     std::optional<cli::NumpyLabels> labels;
@@ -90,7 +95,8 @@ int main(int argc, char** argv) {
     extractor.decide();
     if (strokes) extractor.keep_touched(cli::stroke_weights_of(run, *scene, marks, extractor.cloud()));
     if (scene && !scene->renders) cli::report_unseen_surface(run, extractor, *scene);
-    const cli::FillOutput fill(run, extractor, out.background || out.filled ? options.fill : FillOptions{});
+    const cli::FillOutput fill(run, extractor, out.background || out.filled ? options.fill : FillOptions{},
+                               pictures ? &*pictures : nullptr);
     const auto timed = run.monitor().scope("write");
     if (out.object && options.finish.finish) cli::write_finished(run, extractor, *scene, out.object.path);
     if (out.object && !options.finish.finish) extractor.write_object(out.object.path);

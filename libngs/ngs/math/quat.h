@@ -1,6 +1,9 @@
 #pragma once
 // Rotation matrices of quaternions (w, x, y, z), with their adjoints.
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <initializer_list>
 
 #include "ngs/math/vec.h"
@@ -48,6 +51,25 @@ NGS_HD Mat3<T> rotation_matrix(Vec4<T> q) {
 inline Mat3<double> axes_of_quaternion(const float* q) {
   double inv_norm = 0;
   return rotation_matrix(normalised(Vec4<double>{double(q[0]), double(q[1]), double(q[2]), double(q[3])}, inv_norm));
+}
+
+/// w x y z of the rotation whose matrix has these columns (Shepperd's method).
+inline std::array<float, 4> quaternion_of_axes(Vec3<double> x, Vec3<double> y, Vec3<double> z) {
+  const std::array<double, 4> squared{1 + x.x + y.y + z.z, 1 + x.x - y.y - z.z, 1 - x.x + y.y - z.z,
+                                      1 - x.x - y.y + z.z};
+  const auto largest = std::size_t(std::max_element(squared.begin(), squared.end()) - squared.begin());
+  std::array<double, 4> q{};
+  switch (largest) {
+    case 0: q = {squared[0], y.z - z.y, z.x - x.z, x.y - y.x}; break;
+    case 1: q = {y.z - z.y, squared[1], x.y + y.x, z.x + x.z}; break;
+    case 2: q = {z.x - x.z, x.y + y.x, squared[2], y.z + z.y}; break;
+    default: q = {x.y - y.x, z.x + x.z, y.z + z.y, squared[3]}; break;
+  }
+  double norm = 0;
+  for (const double c : q) norm += c * c;
+  std::array<float, 4> out;
+  for (std::size_t k = 0; k < 4; ++k) out[k] = float(q[k] / std::sqrt(norm));
+  return out;
 }
 
 /// ∂L/∂(unit quaternion) from ∂L/∂(rotation matrix).

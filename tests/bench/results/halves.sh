@@ -2,7 +2,8 @@
 # shellcheck shell=bash disable=SC2154
 #
 # Masks are exact and every photo is used: what differs from the truth is what no photo shows, or what the cut left. The
-# splat is fitted to the photos with the object alone. About 80 CPU seconds a recipe.
+# splat is fitted to the photos with the object alone. About 80 CPU seconds a recipe, 200 with METHODS that contain BEA-GS:
+# flash's labels trained by the losses of BEA-GS (tests/bench/occupancy), for comparison.
 halves_recipes=${RECIPES:-torus-box leaves bones table two-spheres corner ground}
 
 question_halves() {
@@ -30,8 +31,9 @@ question_halves() {
       wanted "$method" || continue
       halves_labels "$recipe" "$method"
       halves_row "$recipe" "$method"
-      if [ "$method" = ngs ]; then halves_variants "$recipe" "$method"; fi
+      halves_variants "$recipe" "$method"
     done
+    case " ${METHODS:-} " in *' BEA-GS '*) halves_published "$recipe" ;; esac
   done
 }
 
@@ -72,15 +74,29 @@ halves_row() {
   row scene="$1" method="$2" variant="${*:3}" halves="$cut/halves.json"
 }
 
-# halves_variants RECIPE METHOD: a row for each list of options in VARIANTS, separated by |. Default: --finish, --fill and
-# both, as far as this ngs-extract has them.
+# halves_published RECIPE: the row of flash's labels trained by the losses of BEA-GS, with k as published.
+halves_published() {
+  local cut=$work/$1-flash/published
+  halves_labels "$1" flash
+  if [ ! -f "$cut/halves.json" ]; then
+    say "$question: $1, BEA-GS"
+    mkdir -p "$cut"
+    tool ngs_occupancy "$work/$1/scene.json" "$work/$1-flash/labelled.ply" 2000 "$cut/object.ply" "$cut/background.ply"
+    tool ngs-eval "$cut" "$work/$1-scene/halves" --halves --model "$work/$1-scene/point_cloud.ply" \
+      -o "$cut/halves.json" -w -q > /dev/null
+  fi
+  row scene="$1" method=BEA-GS halves="$cut/halves.json"
+}
+
+# halves_variants RECIPE METHOD: a row for each list of options in VARIANTS, separated by |. Default, as far as this
+# ngs-extract has them: --finish; of our method also --fill and both.
 halves_variants() {
   local help lists=${VARIANTS:-} options
   if [ -z "$lists" ]; then
     help=$(tool ngs-extract --help)
     case $help in *--*finish*) lists='--finish' ;; esac
-    case $help in *--*fill*) lists="${lists:+$lists|}--fill" ;; esac
-    case $lists in *finish*fill*) lists="$lists|--finish --fill" ;; esac
+    case $2:$help in ngs:*--*fill*) lists="${lists:+$lists|}--fill auto" ;; esac
+    case $lists in *finish*fill*) lists="$lists|--finish --fill auto" ;; esac
   fi
   while IFS= read -r options; do
     # shellcheck disable=SC2086

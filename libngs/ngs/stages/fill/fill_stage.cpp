@@ -6,6 +6,7 @@
 
 #include "ngs/core/check.h"
 #include "ngs/math/median.h"
+#include "ngs/math/quat.h"
 #include "ngs/stages/fill/debris.h"
 #include "ngs/stages/fill/hole_cells.h"
 
@@ -19,25 +20,6 @@ constexpr double kWidth = 0.7;         // standard deviation of a filled Gaussia
 constexpr double kThickness = 0.1;     // along the normal, cells
 constexpr float kLogitOpacity = 3.9f;  // 0.98: neighbours overlap, so that a cell is covered by 0.97 and more
 constexpr double kBelow = 0.05;        // cells: filled Gaussians are composited behind those of the rim
-
-/// w x y z of the rotation whose matrix has these columns (Shepperd's method).
-std::array<float, 4> quaternion_of(Vec x, Vec y, Vec z) {
-  const std::array<double, 4> squared{1 + x.x + y.y + z.z, 1 + x.x - y.y - z.z, 1 - x.x + y.y - z.z,
-                                      1 - x.x - y.y + z.z};
-  const auto largest = std::size_t(std::ranges::max_element(squared) - squared.begin());
-  std::array<double, 4> q{};
-  switch (largest) {
-    case 0: q = {squared[0], y.z - z.y, z.x - x.z, x.y - y.x}; break;
-    case 1: q = {y.z - z.y, squared[1], x.y + y.x, z.x + x.z}; break;
-    case 2: q = {z.x - x.z, x.y + y.x, squared[2], y.z + z.y}; break;
-    default: q = {x.y - y.x, z.x + x.z, y.z + z.y, squared[3]}; break;
-  }
-  double norm = 0;
-  for (const double c : q) norm += c * c;
-  std::array<float, 4> out;
-  for (std::size_t k = 0; k < 4; ++k) out[k] = float(q[k] / std::sqrt(norm));
-  return out;
-}
 
 /// Axes of the surface at a point: two along it, and its normal.
 std::array<Vec, 3> axes_at(const FillSurface& surface, Vec2<double> at, double side) {
@@ -84,7 +66,7 @@ std::int64_t lay(const FillSurface& surface, const HoleCells& cells, const Textu
     const Vec p = surface.point(at.x, at.y, -kBelow * cells.side);
     const std::array<Vec, 3> axes = axes_at(surface, at, cells.side);
     for (const double x : {p.x, p.y, p.z}) filled.position.push_back(float(x));
-    for (const float q : quaternion_of(axes[0], axes[1], axes[2])) filled.rotation.push_back(q);
+    for (const float q : quaternion_of_axes(axes[0], axes[1], axes[2])) filled.rotation.push_back(q);
     for (const double size : {kWidth, kWidth, kThickness})
       filled.log_scale.push_back(float(std::log(size * cells.side)));
     filled.logit_opacity.push_back(kLogitOpacity), filled.usable.push_back(1);

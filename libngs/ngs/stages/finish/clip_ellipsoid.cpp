@@ -17,10 +17,10 @@ using Vec = Vec3<double>;
 
 class Clipper {
  public:
-  Clipper(double least, const Supported& supported, Ellipsoid& shape)
-      : least_(least), supported_(supported), shape_(shape) {
+  Clipper(double least, const Supported& supported, Ellipsoid& shape, double outline)
+      : least_(least), outline_(outline), supported_(supported), shape_(shape) {
     for (int a = 0; a < 3; ++a)
-      if (kOutline * shape_.sigma[a] > least_) long_.push_back(a);
+      if (outline_ * shape_.sigma[a] > least_) long_.push_back(a);
     std::ranges::stable_sort(long_, [&](int a, int b) { return shape_.sigma[a] > shape_.sigma[b]; });
   }
 
@@ -47,7 +47,7 @@ class Clipper {
   bool is_within() const {
     if (!supported_(shape_.centre)) return false;
     for (const int a : long_)
-      for (const double t : {-kOutline, kOutline, -0.5 * kOutline, 0.5 * kOutline})
+      for (const double t : {-outline_, outline_, -0.5 * outline_, 0.5 * outline_})
         if (!supported_(at(a, t))) return false;
     return has_diagonals(1);
   }
@@ -63,10 +63,10 @@ class Clipper {
 
   /// Clips along axis `a`. False: no point on it is supported.
   bool clip_axis(int a) {
-    const double length = 2 * kOutline * shape_.sigma[a];
+    const double length = 2 * outline_ * shape_.sigma[a];
     const double wanted = least_ > 0 ? std::ceil(2 * length / least_) : kMinScanSteps;
     const int steps = int(std::clamp(wanted, double(kMinScanSteps), double(kMaxScanSteps)));
-    const auto place = [&](int k) { return kOutline * (2.0 * k / steps - 1); };
+    const auto place = [&](int k) { return outline_ * (2.0 * k / steps - 1); };
     std::vector<std::uint8_t> is_in;
     for (int k = 0; k <= steps; ++k) is_in.push_back(supported_(at(a, place(k))));
     const auto distance = [&](int k) { return std::abs(2 * k - steps); };
@@ -77,14 +77,14 @@ class Clipper {
     int first = nearest, last = nearest;
     while (first > 0 && is_in[std::size_t(first - 1)]) --first;
     while (last < steps && is_in[std::size_t(last + 1)]) ++last;
-    const double lo = first > 0 ? edge(a, place(first), place(first - 1)) : -kOutline;
-    const double hi = last < steps ? edge(a, place(last), place(last + 1)) : kOutline;
+    const double lo = first > 0 ? edge(a, place(first), place(first - 1)) : -outline_;
+    const double hi = last < steps ? edge(a, place(last), place(last + 1)) : outline_;
     fit_axis(a, lo, hi);
     return true;
   }
 
   void fit_axis(int a, double lo, double hi) {
-    const double shrink = std::max((hi - lo) / (2 * kOutline), kMinShare);
+    const double shrink = std::max((hi - lo) / (2 * outline_), kMinShare);
     if (!(shrink < 1)) return;
     shape_.centre = at(a, 0.5 * (lo + hi));
     shape_.sigma[a] *= shrink;
@@ -93,7 +93,7 @@ class Clipper {
   /// Whether the four diagonals between the two longest axes are supported at `share` of the outline.
   bool has_diagonals(double share) const {
     if (long_.size() < 2) return true;
-    const double r = kDiagonal * kOutline * share;
+    const double r = kDiagonal * outline_ * share;
     for (const double t : {-r, r})
       for (const double u : {-r, r})
         if (!supported_(at(long_[0], t, long_[1], u))) return false;
@@ -108,7 +108,7 @@ class Clipper {
     for (const int a : {long_[0], long_[1]}) shape_.sigma[a] *= share;
   }
 
-  double least_;
+  double least_, outline_;
   const Supported& supported_;
   Ellipsoid& shape_;
   std::vector<int> long_;  // tested axes, from the longest
@@ -116,8 +116,8 @@ class Clipper {
 
 }  // namespace
 
-Clip clip_ellipsoid(double least, const Supported& supported, Ellipsoid& shape) {
-  return Clipper(least, supported, shape).run();
+Clip clip_ellipsoid(double least, const Supported& supported, Ellipsoid& shape, double outline) {
+  return Clipper(least, supported, shape, outline).run();
 }
 
 }  // namespace ngs::finish

@@ -26,7 +26,8 @@ enum class Clip { kWithin, kClipped, kUnsupported };
 /// from the longest to the shortest is clipped to the supported interval nearest to the centre: the centre moves to its
 /// middle, and the standard deviation shrinks so that the outline ends with the interval. No axis grows.
 ///
-/// kWithin: `shape` is unchanged. kUnsupported: no tested point is supported, `shape` is unchanged.
-Clip clip_ellipsoid(double least, const Supported& supported, Ellipsoid& shape);
+/// kWithin: `shape` is unchanged. kUnsupported: no tested point is supported, `shape` is unchanged. `outline`: in
+/// standard deviations.
+Clip clip_ellipsoid(double least, const Supported& supported, Ellipsoid& shape, double outline = kOutline);
 
 }  // namespace ngs::finish

@@ -8,6 +8,9 @@
 #include "ngs/math/quat.h"
 #include "ngs/math/stable.h"
 #include "ngs/problem/cloud_rows.h"
+#include "ngs/stages/fill/fill_surface.h"
+#include "ngs/stages/finish/clip_half_space.h"
+#include "ngs/stages/finish/seen_hull.h"
 #include "ngs/stages/orbit/surface_points.h"
 
 namespace ngs::finish {
@@ -16,10 +19,12 @@ namespace {
 // Shares of the views that show a point outside of the mask, from which on the point is no part of the object. Rendered
 // masks agree with one another, given ones have errors of single views.
 constexpr double kRenderedShare = 0.25, kGivenShare = 0.35;
-constexpr int kMinViews = 2;        // and at least so many, or all views of the scene
-constexpr double kBehind = 0.05;    // of the object's radius: tolerance of the depth of visible surfaces
-constexpr double kMin_px = 2;       // shorter axes are not tested
-constexpr double kMinAlpha = 0.01;  // of a Gaussian; the outline of what is fainter may not be rendered
+constexpr double kSeenShare = 0.25;  // of the views: a point behind a plane that so many see is part of the object
+constexpr double kInFront = 0.98;    // of the object, in front of a plane that it stands on
+constexpr int kMinViews = 2;         // and at least so many, or all views of the scene
+constexpr double kBehind = 0.05;     // of the object's radius: tolerance of the depth of visible surfaces
+constexpr double kMin_px = 2;        // shorter axes are not tested
+constexpr double kMinAlpha = 0.01;   // of a Gaussian; the outline of what is fainter may not be rendered
 
 /// In how many views a point lies on each side.
 struct Counts {
@@ -47,6 +52,16 @@ bool HullSupport::supported(Vec3<double> point) const {
   return !rendered.contradict(kRenderedShare, least) && !given.contradict(kGivenShare, least) && !rendered.is_buried();
 }
 
+double HullSupport::seen_share(Vec3<double> point) const {
+  int seen = 0, all = 0;
+  for (const SupportView& view : views_) {
+    const SupportView::Sides sides = view.sides(point, behind_);
+    all += sides.rendered != Side::kUnknown;
+    seen += sides.rendered == Side::kSeen && (sides.given == Side::kSeen || sides.given == Side::kUnknown);
+  }
+  return all > 0 ? double(seen) / double(all) : 0;
+}
+
 double HullSupport::pixel_size(Vec3<double> point) const {
   double least = 0;
   for (const SupportView& view : views_) {
@@ -66,43 +81,109 @@ Ellipsoid shape_of(const GaussianCloud& cloud, std::size_t i) {
           {std::exp(double(s[0])), std::exp(double(s[1])), std::exp(double(s[2]))}};
 }
 
-/// Clips row i of `cloud`. kUnsupported: the row is unchanged and leaves the object.
-Clip clip_row(const HullSupport& support, std::size_t i, GaussianCloud& cloud) {
+/// The planes that the object stands on or against: nearly all of it is in front of them.
+std::vector<FillSurface> supporting_planes(const Exec& exec, const FinishModel& model, std::uint64_t seed) {
+  const Rim rim = find_rim(exec, model.cloud, model.object);
+  std::vector<FillSurface> planes = find_fill_surfaces(exec, model.cloud, rim, FillKind::kPlane, seed);
+  std::erase_if(planes, [&](const FillSurface& plane) {
+    const auto in_front = std::ranges::count_if(rim.object.position,
+                                                [&](Vec3<double> p) { return plane.height(p) > -2 * plane.tolerance; });
+    return double(in_front) < kInFront * double(rim.object.count());
+  });
+  return planes;
+}
+
+/// What is known about the object.
+struct Evidence {
+  HullSupport support;
+  std::vector<FillSurface> planes;
+  SeenHull hull;
+};
+
+/// Clips a Gaussian to the front of the planes, where no views see the part behind.
+Clip clip_to_fronts(const Evidence& known, std::size_t of_object, Ellipsoid& shape) {
+  const double outline = known.hull.is_hidden(of_object) ? kHiddenOutline : kOutline;
+  Clip found = Clip::kWithin;
+  for (const FillSurface& plane : known.planes) {
+    const HalfSpace front{plane.normal, dot(plane.normal, plane.origin), outline};
+    Ellipsoid clipped = shape;
+    const Clip now = clip_half_space(front, clipped);
+    if (now == Clip::kWithin || known.support.seen_share(lowest_point(front, shape)) >= kSeenShare) continue;
+    if (now == Clip::kUnsupported) return now;
+    shape = clipped, found = now;
+  }
+  return found;
+}
+
+Clip clip_shape(const Evidence& known, double pixel, std::size_t of_object, Ellipsoid& shape) {
+  const Clip at_front = clip_to_fronts(known, of_object, shape);
+  if (at_front == Clip::kUnsupported) return at_front;
+  const auto by_views = [&](Vec3<double> at) { return known.support.supported(at); };
+  const Clip in_views = clip_ellipsoid(kMin_px * pixel, by_views, shape);
+  if (in_views == Clip::kUnsupported) return in_views;
+  const auto by_hull = [&](Vec3<double> at) { return known.hull.contains(at); };
+  const Clip in_hull =
+      known.hull.is_surplus(of_object) ? clip_ellipsoid(pixel, by_hull, shape, kHiddenOutline) : Clip::kWithin;
+  if (in_hull == Clip::kUnsupported) return in_hull;
+  const bool same = at_front == Clip::kWithin && in_views == Clip::kWithin && in_hull == Clip::kWithin;
+  return same ? Clip::kWithin : Clip::kClipped;
+}
+
+/// Clips row i of `cloud`, the Gaussian `of_object` of the object. kUnsupported: it is unchanged and leaves the object.
+Clip clip_row(const Evidence& known, std::size_t of_object, std::size_t i, GaussianCloud& cloud) {
   const double opacity = sigmoid(double(cloud.logit_opacity[i]));
   if (!cloud.usable[i] || !(opacity > kMinAlpha)) return Clip::kWithin;
   const Ellipsoid before = shape_of(cloud, i);
-  const double pixel = support.pixel_size(before.centre);
+  const double pixel = known.support.pixel_size(before.centre);
   if (!(pixel > 0)) return Clip::kWithin;
   Ellipsoid shape = before;
-  const Clip found = clip_ellipsoid(
-      kMin_px * pixel, [&](Vec3<double> at) { return support.supported(at); }, shape);
+  const Clip found = clip_shape(known, pixel, of_object, shape);
   if (found != Clip::kClipped) return found;
   const double centre[3] = {shape.centre.x, shape.centre.y, shape.centre.z};
   for (std::size_t a = 0; a < 3; ++a) {
     cloud.position[3 * i + a] = float(centre[a]);
     if (shape.sigma[a] != before.sigma[a]) cloud.log_scale[3 * i + a] = float(std::log(shape.sigma[a]));
   }
+  if (std::ranges::equal(shape.axes.m, before.axes.m)) return found;
+  const auto axis = [&](int a) { return Vec3<double>{shape.axes(0, a), shape.axes(1, a), shape.axes(2, a)}; };
+  std::ranges::copy(quaternion_of_axes(axis(0), axis(1), axis(2)), &cloud.rotation[4 * i]);
   return found;
+}
+
+/// [object] 1: a view sees the Gaussian's centre.
+std::vector<std::uint8_t> seen_rows(const Exec& exec, const HullSupport& support, const GaussianCloud& object) {
+  std::vector<std::uint8_t> seen(std::size_t(object.size()));
+  for_each_index(exec, object.size(), [&](std::int64_t row) {
+    const auto i = std::size_t(row);
+    const float* p = &object.position[3 * i];
+    seen[i] = object.usable[i] && support.seen_share({double(p[0]), double(p[1]), double(p[2])}) > 0;
+  });
+  return seen;
 }
 
 }  // namespace
 
-Finished finish_object(const Exec& exec, const FinishModel& model, const std::vector<SupportView>& views) {
+Finished finish_object(const Exec& exec, const FinishModel& model, const std::vector<SupportView>& views,
+                       std::uint64_t seed) {
   NGS_CHECK(std::int64_t(model.object.size()) == model.cloud.size(), "one entry per Gaussian");
   Finished out{model.cloud, model.object};
   std::vector<std::int64_t> rows;
   for (std::size_t i = 0; i < model.object.size(); ++i)
     if (model.object[i]) rows.push_back(std::int64_t(i));
-  const orbit::SurfacePoints points = orbit::surface_points(gather_rows(exec, model.cloud, rows));
+  const GaussianCloud object = gather_rows(exec, model.cloud, rows);
+  const orbit::SurfacePoints points = orbit::surface_points(object);
   if (points.count() == 0 || views.empty()) return out;
-  const HullSupport support(views, kBehind * orbit::bulk_of(points).radius);
+  const orbit::Ball ball = orbit::bulk_of(points);
+  const HullSupport support(views, kBehind * ball.radius);
+  const Evidence known{support, supporting_planes(exec, model, seed),
+                       SeenHull(exec, object, seen_rows(exec, support, object), ball)};
   constexpr std::int64_t kRowsAtOnce = 256;
   const auto n = std::int64_t(rows.size());
   std::vector<Clip> found(rows.size());
   for_each_task(exec, (n + kRowsAtOnce - 1) / kRowsAtOnce, [&](std::int64_t task) {
     const auto end = std::size_t(std::min(n, (task + 1) * kRowsAtOnce));
     for (auto r = std::size_t(task * kRowsAtOnce); r < end; ++r)
-      found[r] = clip_row(support, std::size_t(rows[r]), out.cloud);
+      found[r] = clip_row(known, r, std::size_t(rows[r]), out.cloud);
   });
   for (std::size_t r = 0; r < rows.size(); ++r) {
     out.clipped += found[r] == Clip::kClipped;

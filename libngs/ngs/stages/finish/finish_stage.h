@@ -31,6 +31,9 @@ class HullSupport {
   /// other things hide it in most views and no view sees it within the mask, as inside the floor. True for a point that
   /// no view contains.
   bool supported(Vec3<double> point) const;
+  /// The fraction of the views that contain the point which show it within both masks, at the visible surface or in
+  /// front of it. 0: none contains it.
+  double seen_share(Vec3<double> point) const;
   /// The smallest size of a pixel at a point in any view, world; 0: no view contains it.
   double pixel_size(Vec3<double> point) const;
 
@@ -45,8 +48,12 @@ struct Finished {
   std::int64_t clipped = 0, dropped = 0;
 };
 
-/// Rows that are not clipped keep their bits. Left unchanged are Gaussians that are not usable, that no view contains,
-/// or that are too faint to be rendered; and all of them without views.
-Finished finish_object(const Exec& exec, const FinishModel& model, const std::vector<SupportView>& views);
+/// Clips the object to the views' evidence, to the front of the planes that it stands on or against
+/// (fill/fill_surface.h) unless views see the part behind, and hidden Gaussians among seen ones to the visual hull of
+/// these (seen_hull.h). `seed`: of the search for planes. Rows that are not clipped keep their bits. Left unchanged are
+/// Gaussians that are not usable, that no view contains, or that are too faint to be rendered; and all of them without
+/// views.
+Finished finish_object(const Exec& exec, const FinishModel& model, const std::vector<SupportView>& views,
+                       std::uint64_t seed);
 
 }  // namespace ngs::finish

@@ -75,7 +75,8 @@ void train(const Exec& exec, Monitor& monitor, const RefitOptions& options, cons
       RenderRequest request;
       request.background = input.background;
       const RenderedView& rendered = pass.forward(exec, cloud, input.scene.views[v].camera, request);
-      photometric.evaluate(exec, {}, {rendered.colour, input.load_photo(v)}, &image.colour);
+      const ImageF photo = input.load_photo(v), weight = in.weight ? in.weight(v) : ImageF();
+      photometric.evaluate(exec, {}, {rendered.colour, photo, in.weight ? &weight : nullptr}, &image.colour);
       pass.backward(exec, image, gradients, trained.wanted());
       clear_shapes(fixed_shape, gradients), clear_colours(fixed_colour, gradients);
       const double decay = std::pow(options.decay, double(step) / double(steps));
@@ -97,7 +98,7 @@ void refit_to_photos(const Exec& exec, Monitor& monitor, const RefitOptions& opt
   const std::vector<std::uint8_t> moves = gather_column(exec, in.moves, 1, visible.rows),
                                   trained = gather_column(exec, in.trained, 1, visible.rows);
   GaussianCloud part = gather_rows(exec, cloud, visible.rows);
-  train(exec, monitor, options, {in.problem, visible.views, moves, trained}, part);
+  train(exec, monitor, options, {in.problem, visible.views, moves, trained, in.weight}, part);
   scatter_rows(exec, part, visible.rows, cloud);
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 // A brief photometric refit of an existing model, for the colours of surfaces that an edit of its rows uncovered.
+#include <functional>
+
 #include "ngs/problem/problem.h"
 
 namespace ngs {
@@ -18,9 +20,10 @@ double mean_psnr_db(const Exec& exec, const Problem& input, const GaussianCloud&
 
 struct RefitInputs {
   const Problem& problem;
-  const std::vector<std::size_t>& views;     // indices of its scene's views, each with a photo
-  const std::vector<std::uint8_t>& moves;    // [N] 1: geometry and opacity are trained as well
-  const std::vector<std::uint8_t>& trained;  // [N] 0: the row stays unchanged
+  const std::vector<std::size_t>& views;                // indices of its scene's views, each with a photo
+  const std::vector<std::uint8_t>& moves;               // [N] 1: geometry and opacity are trained as well
+  const std::vector<std::uint8_t>& trained;             // [N] 0: the row stays unchanged
+  std::function<ImageF(std::size_t view)> weight = {};  // [H, W, 1] of the loss, >= 0; empty function: 1 everywhere
 };
 
 /// Shuffles the views by the problem's seed, one step per view. Rows without weight in any view stay unchanged and are

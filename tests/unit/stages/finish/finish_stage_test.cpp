@@ -77,7 +77,7 @@ struct FinishCase {
     return out;
   }
   Finished finished(bool with_masks, int threads = 1) const {
-    return finish_object({.threads = threads}, {cloud, object}, views(with_masks, threads));
+    return finish_object({.threads = threads}, {cloud, object}, views(with_masks, threads), 0);
   }
 };
 
@@ -133,6 +133,28 @@ TEST_CASE("a spike into the floor is clipped although no view sees it") {
   REQUIRE(f.keep[spike]);
   CHECK(reach_of(c.cloud, spike) > 2.7);
   CHECK(reach_of(f.cloud, spike) < 1.8);
+}
+
+TEST_CASE("a Gaussian below the floor that no view sees ends at the floor with its faint part too") {
+  FinishCase c;
+  c.add_ball();
+  c.add_floor(-1.02);
+  const std::size_t blob = c.add({0.05, 0, -1.03}, {0, 0, 1}, {0.1, 0.1, 0.1}, true);
+  c.look_around(0.4);
+  const Finished f = c.finished(false);
+  REQUIRE(f.keep[blob]);
+  const float bottom = f.cloud.position[3 * blob + 2] - 2.5f * std::exp(f.cloud.log_scale[3 * blob + 2]);
+  CHECK(std::abs(bottom + 1.02f) < 0.01f);  // -1.28 before
+}
+
+TEST_CASE("a part that hangs over the floor's edge keeps its bits, as views see it behind the floor's plane") {
+  FinishCase c;
+  c.add_ball();
+  for (int y = -25; y <= 25; ++y)
+    for (int x = -25; x <= 0; ++x) c.add({x * 0.16, y * 0.16, -1.02}, {0, 0, 1}, {0.1, 0.1, 0.01}, false);
+  const std::size_t hanging = c.add({0.6, 0, -1.3}, {0, 0, 1}, {0.05, 0.05, 0.1}, true);
+  c.look_around(0.2);
+  CHECK(same_row(c.cloud, c.finished(false).cloud, hanging));
 }
 
 TEST_CASE("a part that other things hide in few views keeps its bits") {
@@ -228,7 +250,7 @@ TEST_CASE("empty masks in all views leave no Gaussian that they contain; unknown
     std::vector<SupportView> views;
     for (const Camera& camera : c.cameras)
       views.emplace_back(Exec{}, FinishModel{c.cloud, c.object}, SplatOptions{}, SupportView::Input{camera, given});
-    return finish_object({}, {c.cloud, c.object}, views);
+    return finish_object({}, {c.cloud, c.object}, views, 0);
   };
   CHECK(all(GivenMask::kBackground).dropped > 1400);
   CHECK(all(GivenMask::kUnknown).dropped == 0);

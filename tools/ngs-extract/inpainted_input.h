@@ -1,0 +1,41 @@
+#pragma once
+// Pictures in which another program has inpainted the holes that --inpaint wrote.
+#include <string>
+#include <vector>
+
+#include "extractor.h"
+#include "ngs/scene/scene.h"
+#include "ngs/scene/view_prompt.h"
+#include "ngs/stages/extract/inpaint_stage.h"
+#include "ngs/stages/fill/fill_refit.h"
+#include "outputs.h"
+
+namespace ngs::cli {
+
+/// Throws kUsage for --inpainted without --scene or without an output that it changes.
+void check_inpainted_options(const Input& inpainted, const Input& scene, const Outputs& out);
+
+class InpaintedPictures {
+ public:
+  /// Finds the picture of each view of `scene` in `folder`: the name that --inpaint gave, with any extension. Throws
+  /// kInconsistent for a picture of no view, and for one that is not of its camera's size. `scene` and `options`
+  /// must outlive this object.
+  InpaintedPictures(const Scene& scene, const std::string& folder, const InpaintOptions& options);
+
+  /// Finds the holes as --inpaint does. Throws kBadInput if a view with a hole has no picture. Call it after
+  /// Extractor::decide().
+  void find_holes(Run& run, const Extractor& extractor);
+
+  /// For refit_hole(). Refers to this object.
+  InpaintedViews views(const Run& run, const GaussianCloud& cloud) const;
+
+ private:
+  const Scene& scene_;
+  std::string folder_;
+  const InpaintOptions& options_;
+  std::vector<std::string> names_, paths_;  // [views]; a path may be empty
+  std::vector<PixelMask> holes_;            // [views] with the margin of --inpaint-dilate-px
+  std::vector<std::size_t> with_hole_;
+};
+
+}  // namespace ngs::cli
