@@ -35,6 +35,10 @@ export WINEPREFIX=$top/build-bundle/wine WINEARCH=win64 WINEDEBUG=-all WINEDLLOV
 mkdir -p "$WINEPREFIX"
 cmake --build "$top/build-windows-program" --target ngs-probe > "$work/probe.log"
 $wine wineboot -i > "$work/wineboot.log" 2>&1
+# Wine's services inherit the streams of the program that starts them, and end with the last program: this one outlives all.
+mkfifo "$work/empty"
+exec 9<> "$work/empty"
+$wine cmd /c 'set /p x=' < "$work/empty" > /dev/null 2>&1 9>&- &
 trap '$wine wineboot --end-session --kill > "$work/wineboot.log" 2>&1 || true' EXIT
 for program in "$programs"/*.exe "$top"/build-windows-program/tests/ngs-probe.exe; do
   [ -f "$program" ] || continue

@@ -51,15 +51,16 @@ std::vector<std::string> strokes_on_copies(const std::vector<std::string>& strok
                                            const std::string& copies, const PaintedPictures& painted) {
   std::vector<std::string> out;
   std::error_code absent;
-  const auto is_folder = [&](const fs::path& path) { return fs::equivalent(path, fs::path(folder) / "", absent); };
+  // Not "FOLDER/": equivalent() is false for it on Windows.
+  const auto is_folder = [&](const fs::path& path) { return fs::equivalent(path, fs::path(folder) / ".", absent); };
   bool all_copies = false;
   for (const std::string& path : strokes) {
     const fs::path copy = fs::path(copies) / fs::path(path).filename();
-    if (is_folder(fs::path(path) / "") && fs::exists(copies, absent))
+    if (is_folder(fs::path(path) / ".") && fs::exists(copies, absent))
       out.push_back(copies), all_copies = true;
     else
-      out.push_back(is_folder(fs::path(path).parent_path() / "") && fs::exists(copy, absent) ? copy.generic_string()
-                                                                                             : path);
+      out.push_back(is_folder(fs::path(path).parent_path() / ".") && fs::exists(copy, absent) ? copy.generic_string()
+                                                                                              : path);
   }
   for (const std::string& name : painted.all())
     if (const std::string copy = (fs::path(copies) / name).generic_string();
@@ -72,7 +73,7 @@ std::vector<std::string> not_in_folder(const std::vector<std::string>& strokes, 
   std::vector<std::string> out;
   std::error_code absent;
   for (const std::string& path : strokes)
-    if (!fs::equivalent(fs::path(path).parent_path() / "", fs::path(folder) / "", absent)) out.push_back(path);
+    if (!fs::equivalent(fs::path(path).parent_path() / ".", fs::path(folder) / ".", absent)) out.push_back(path);
   return out;
 }
 
