@@ -9,9 +9,9 @@ namespace ngs {
 namespace {
 
 constexpr int kCell_px = 4;
-constexpr float kCovered = 0.5f;                        // alpha
-constexpr double kWidth = 0.6;                          // standard deviation of a seed, cells
-constexpr float kLogitOpacity = 2.2f;                   // 0.9
+constexpr float kSeedCovered = 0.5f;                    // alpha
+constexpr double kSeedWidth_cells = 0.6;                // standard deviation of a seed, cells
+constexpr float kSeedLogitOpacity = 2.2f;               // 0.9
 constexpr int kSweeps = 400;                            // of successive over-relaxation, at most
 constexpr double kRelaxation = 1.8, kConverged = 1e-7;  // of the largest inverse depth
 
@@ -59,11 +59,11 @@ class HoleGrid {
     for (int y = row * kCell_px; y < std::min(h, (row + 1) * kCell_px); ++y)
       for (int x = column * kCell_px; x < std::min(w, (column + 1) * kCell_px); ++x) {
         const float alpha = view.around.alpha.at(x, y), depth = view.around.depth.at(x, y);
-        if (alpha >= kCovered && depth > 0) sum += double(alpha) / double(depth), ++count;
+        if (alpha >= kSeedCovered && depth > 0) sum += double(alpha) / double(depth), ++count;
       }
     const int x = std::min(w - 1, column * kCell_px + kCell_px / 2), y = std::min(h - 1, row * kCell_px + kCell_px / 2);
     const bool is_hole = view.hole[std::size_t(y) * std::size_t(w) + std::size_t(x)] != 0;
-    if (is_hole && !(view.around.alpha.at(x, y) >= kCovered)) return empty_.push_back(cell);
+    if (is_hole && !(view.around.alpha.at(x, y) >= kSeedCovered)) return empty_.push_back(cell);
     if (count > 0) inverse_[std::size_t(cell)] = sum / count;
   }
 
@@ -127,10 +127,10 @@ std::int64_t add_hole_seeds(const HolePicture& view, GaussianCloud& to) {
     const float dc[3] = {colour.x, colour.y, colour.z};
     for (std::size_t a = 0; a < 3; ++a) {
       to.position[3 * i + a] = float(at[a]), to.sh_dc[3 * i + a] = dc[a];
-      to.log_scale[3 * i + a] = float(std::log(kWidth * kCell_px * z / std::max(c.fx, c.fy)));
+      to.log_scale[3 * i + a] = float(std::log(kSeedWidth_cells * kCell_px * z / std::max(c.fx, c.fy)));
     }
     to.rotation[4 * i] = 1;
-    to.logit_opacity[i] = kLogitOpacity, to.usable[i] = 1;
+    to.logit_opacity[i] = kSeedLogitOpacity, to.usable[i] = 1;
   }
   return std::int64_t(grid.empty().size());
 }
