@@ -90,7 +90,7 @@ void train(const Exec& exec, Case& c, const Voxels (&voxels)[2]) {
     const double bound = boundary_gradient(rendered, c.mask[v], kBoundaryWeight, image);
     CloudGradients gradients;
     pass.backward(exec, image, gradients);
-    const double occupancy = add_occupancy_gradient(c.model.cloud, c.object, voxels, {.step = std::uint64_t(step)},
+    const double occupancy = add_occupancy_gradient({c.model.cloud, c.object, voxels}, {.step = std::uint64_t(step)},
                                                     kOccupancyWeight, gradients);
     step_gaussians(exec, {step + 1, group}, gradients, c.model.cloud, moments);
     if (step % 500 == 0) std::cerr << step << ": L_bound " << bound << ", L_occ " << occupancy << '\n';

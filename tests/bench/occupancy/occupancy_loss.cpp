@@ -30,11 +30,12 @@ double distance_of_kth(const std::vector<float>& points, std::size_t from, std::
 
 /// One Gaussian with its two longest axes.
 struct Surfel {
+  std::size_t row;
   Vec3<double> centre, axis[2];
   double sigma[2];
   std::size_t column[2];  // of the axes in the rotation
 
-  Surfel(const GaussianCloud& cloud, std::size_t i) {
+  Surfel(const GaussianCloud& cloud, std::size_t i) : row(i) {
     const float *p = &cloud.position[3 * i], *s = &cloud.log_scale[3 * i];
     const Mat3<double> axes = axes_of_quaternion(&cloud.rotation[4 * i]);
     const auto least = std::size_t(std::min_element(s, s + 3) - s);
@@ -68,8 +69,8 @@ void add_sample(const Surfel& g, double u, double v, Sums& sums) {
   }
 }
 
-void add_row(const GaussianCloud& cloud, std::size_t i, const Surfel& g, const Sums& sums, double weight,
-             CloudGradients& out) {
+void add_row(const GaussianCloud& cloud, const Surfel& g, const Sums& sums, double weight, CloudGradients& out) {
+  const std::size_t i = g.row;
   const double alpha = sigmoid(double(cloud.logit_opacity[i]));
   out.logit_opacity[i] += float(weight * alpha * (1 - alpha) * sums.alpha);
   const double position[3] = {sums.position.x, sums.position.y, sums.position.z};
@@ -103,9 +104,10 @@ Voxels::Voxels(const std::vector<float>& points, int k, std::uint64_t seed) {
     CellGrid::for_neighbours(cell, [&](std::uint64_t near) { near_.insert(near); });
 }
 
-double add_occupancy_gradient(const GaussianCloud& cloud, const std::vector<std::uint8_t>& object,
-                              const Voxels (&voxels)[2], const OccupancySamples& samples, double weight,
+double add_occupancy_gradient(const ClassedModel& model, const OccupancySamples& samples, double weight,
                               CloudGradients& gradients) {
+  const GaussianCloud& cloud = model.cloud;
+  const std::vector<std::uint8_t>& object = model.object;
   const double share = 1.0 / (double(cloud.size()) * samples.per_gaussian);
   double loss = 0;
   for (std::size_t i = 0; i < object.size(); ++i) {
@@ -119,10 +121,10 @@ double add_occupancy_gradient(const GaussianCloud& cloud, const std::vector<std:
       const double v = kReach * (2 * rng_uniform(samples.seed, RngStream::kSplit, draw + 1) - 1);
       const Vec3<double> p = g.centre + (u * g.sigma[0]) * g.axis[0] + (v * g.sigma[1]) * g.axis[1];
       const float at[3] = {float(p.x), float(p.y), float(p.z)};
-      if (!voxels[object[i]].supports(at)) add_sample(g, u, v, sums);
+      if (!model.voxels[object[i]].supports(at)) add_sample(g, u, v, sums);
     }
     if (sums.alpha == 0) continue;
-    add_row(cloud, i, g, sums, weight * share, gradients);
+    add_row(cloud, g, sums, weight * share, gradients);
     loss += share * sigmoid(double(cloud.logit_opacity[i])) * sums.alpha;
   }
   return loss;

@@ -41,9 +41,14 @@ struct OccupancySamples {
   std::uint64_t seed = 0, step = 0;
 };
 
-/// Adds `weight` · ∂L_occ to the gradients and returns L_occ. `object` [N] the classes; voxels[class].
-double add_occupancy_gradient(const GaussianCloud& cloud, const std::vector<std::uint8_t>& object,
-                              const Voxels (&voxels)[2], const OccupancySamples& samples, double weight,
+struct ClassedModel {
+  const GaussianCloud& cloud;
+  const std::vector<std::uint8_t>& object;  // [N] the classes
+  const Voxels (&voxels)[2];                // of each class
+};
+
+/// Adds `weight` · ∂L_occ to the gradients and returns L_occ.
+double add_occupancy_gradient(const ClassedModel& model, const OccupancySamples& samples, double weight,
                               CloudGradients& gradients);
 
 /// `mask` [H·W] 1: object. Sets the gradients of label and alpha to `weight` · ∂L_bound and returns L_bound.

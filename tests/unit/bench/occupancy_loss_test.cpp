@@ -46,9 +46,11 @@ TEST_CASE("a voxel has the side that holds k points at the density of the k-th n
 TEST_CASE("L_occ of a supported Gaussian is 0; of an unsupported one its gradient makes it smaller and fainter") {
   const Voxels voxels[2] = {Voxels({}, 20, 0), Voxels(sheet(), 20, 0)};
   CloudGradients gradients = no_gradient();
-  CHECK(add_occupancy_gradient(one_disc(0), {1}, voxels, {}, 1, gradients) == 0);
+  const std::vector<std::uint8_t> object = {1};
+  const GaussianCloud on = one_disc(0), off = one_disc(0.5f);
+  CHECK(add_occupancy_gradient({on, object, voxels}, {}, 1, gradients) == 0);
   CHECK(gradients.logit_opacity[0] == 0);
-  const double loss = add_occupancy_gradient(one_disc(0.5f), {1}, voxels, {.per_gaussian = 2000}, 1, gradients);
+  const double loss = add_occupancy_gradient({off, object, voxels}, {.per_gaussian = 2000}, 1, gradients);
   CHECK(loss == doctest::Approx(0.5 * 2 * 3.14159 / 36).epsilon(0.05));  // α times the mean of G over ±3
   CHECK(gradients.logit_opacity[0] == doctest::Approx(loss / 2).epsilon(1e-5));
   CHECK(gradients.log_scale[0] > 0);
