@@ -163,7 +163,7 @@ mutant $f $t ops/losses/loss_mask.cpp "clamp instead of the tangent" 's/ \+ slop
 mutant $f $t ops/losses/loss_mask.cpp "prediction not clamped" 's/at = clamp3\(p, low, T\(1\) - low\)/at = p/'
 mutant $f $t ops/losses/loss_mask.cpp "unknown pixels have a loss" 's/if \(counts\) loss =/loss =/'
 mutant ops/losses/loss_mask.cpp $t ops/losses/loss_mask.cpp "float accumulator" 's/loss\.total \+= sum;/loss.total = float(loss.total) + float(sum);/'
-mutant ops/losses/loss_mask.cpp $t ops/losses/loss_mask.cpp "mean over no pixels" 's/if \(loss\.known == 0\) return loss;//'
+mutant ops/losses/loss_mask.cpp $t ops/losses/loss_mask.cpp "mean over no pixels" 's/if \(loss\.known == 0\) return none\(loss\);//'
 f=ops/losses/loss_align_kernels.h
 mutant $f $t ops/losses/loss_align.cpp "E[x²] - E[x]²" 's/const Vec3<T> d = vec3\(image\.at\(x, y, 3\)\) - mean;/const Vec3<T> d = vec3(image.at(x, y, 3));/; s/return share \* variance;/return share * variance - dot(mean, mean);/'
 mutant $f $t ops/losses/loss_align.cpp "mean of the sum, not of the patch" 's/mean = share \* mean;//'
@@ -173,7 +173,7 @@ f=ops/losses/loss_cont_kernels.h
 mutant $f $t ops/losses/loss_cont.cpp "|a|² - 2 a·b + |b|²" 's/dot\(d, d\)/(dot(here, here) - T(2) * dot(here, here - d) + dot(here - d, here - d))/'
 mutant $f "$t grad/loss_cont_grad_test.cpp" ops/losses/loss_cont.cpp "edges that point here forgotten" 's/at < graph\.row_begin\[i \+ 1\]/at < graph.row_begin[i]/'
 mutant $f $t ops/losses/loss_cont.cpp "weights of edges not normalised" 's/T\(1\) \/ T\(index\.c\)/T(2)/'
-mutant ops/losses/loss_cont.cpp $t ops/losses/loss_cont.cpp "mean over no neighbours" 's/if \(graph\.neighbours == 0\) return 0;/if (graph.neighbours == 0) return 0.0 \/ graph.neighbours;/'
+mutant ops/losses/loss_cont.cpp $t ops/losses/loss_cont.cpp "mean over no neighbours" 's/^    return 0;$/    return 0.0 \/ graph.neighbours;/'
 f=ops/losses/loss_smooth_kernels.h
 mutant $f $t ops/losses/loss_smooth.cpp "|a|² - 2 a·b + |b|²" 's/term\[i\] = dot\(d, d\);/const Vec3<T> a = vec3(colour.row(i)), b = a + d; term[i] = dot(a, a) - T(2) * dot(a, b) + dot(b, b);/'
 mutant $f "$t grad/loss_smooth_grad_test.cpp" ops/losses/loss_smooth.cpp "sign of one gradient" 's/back\[0\] = -g\.x/back[0] = g.x/'
@@ -266,17 +266,18 @@ mutant $f $t $f "squares, not the square of the difference" 's/sum \+= w \* d \*
 
 t="parity/emulated_main.cpp parity/backends.cpp parity/splat_parity.cpp" f=ops/device/tiles_kernel.h
 mutant $f "$t" "" "device: pairs of a Gaussian in one row of tiles only" 's/ty < rect\[i\]\.y_end/ty < rect[i].y_begin + 1/'
-mutant $f "$t" "" "device: last tile without an end" 's/launcher\.parallel_for\(tile_count_ \+ 1, FindTiles/launcher.parallel_for(tile_count_, FindTiles/'
+mutant $f "$t" "" "device: last tile without an end" 's/if \(i <= tiles\)/if (i < tiles)/'
 mutant $f "$t" "" "device: keys sorted by tile only" 's/\| near_first;/| 0;/'
 f=ops/device/splat_forward_kernel.h
 mutant $f "$t" "" "device: a batch of the whole tile" 's/min2<std::int64_t>\(kBatch, end - first\)/kBatch/'
 mutant $f "$t" "" "device: background behind an opaque tile" 's/fma_lanes\(own\.traversal\.transmittance, channels\.background\[c\], own\.sum\[c\]\)/own.sum[c]/'
+mutant $f unit/ops/device/splat_forward_kernel_test.cpp "" "device: checkpoints stored by the wrong tile" 's/return begin \/ kEntries \+ tile;/return begin \/ kEntries;/'
+mutant $f "$t" "" "device: checkpoints of pixels that have stopped" 's/own\.traversal\.live \? own\.traversal\.transmittance : -1\.f/own.traversal.transmittance/'
 f=ops/device/splat_backward_kernel.h
-mutant $f unit/ops/device/splat_backward_kernel_test.cpp "" "device: checkpoints stored by the wrong tile" 's/return begin \/ kBatch \+ tile;/return begin \/ kBatch;/'
-mutant $f "$t" "" "device: no barrier before memory is used again" 's/if \(j < used\) sum_segment\(shared, (.*), own\.part\);/if (j < used) { sum_segment(shared, \1, own.part); for (int k = 0; k < kSums; ++k) shared.segment[s][j * kSums + k] = own.part[k]; }/'
-mutant $f "$t" "" "device: chunks from the near end" 's/for \(int chunk = ceil_div\(count, kChunk\); chunk-- > 0;\)/for (int chunk = 0; chunk < ceil_div(count, kChunk); ++chunk)/'
+mutant $f "$t" "" "device: no barrier before memory is used again" 's/if \(j < used\) sum_row\(shared, (.*), own\.part\);/if (j < used) { sum_row(shared, \1, own.part); for (int k = 0; k < kSums; ++k) shared.segment[row][j * kSums + k] = own.part[k]; }/'
+mutant $f "$t" "" "device: chunks from the near end" 's/for \(int chunk = checkpoints\.count\[block\.index\]; chunk-- > 0;\)/for (int chunk = 0; chunk < checkpoints.count[block.index]; ++chunk)/'
 mutant $f "$t" "" "device: geometry of channel groups not added" 's/channels\.first > 0 \? \*to \+ value : value/false ? value : value/'
-mutant $f "$t" "" "device: segments that overlap" 's/at = s \/ 2 \* kTilePx \+ x/at = s \/ 2 * kTilePx + i/'
+mutant $f "$t" "" "device: pixels of another column" 's/at = row \* kTilePx \+ x/at = row * kTilePx + i/'
 mutant $f "$t" "" "device: an atomic sum without its last column" 's/if \(sums == DeviceSums::kAtomic\)$/if (sums == DeviceSums::kAtomic \&\& k + 1 < kPairGeometry + channels.used)/'
 mutant ops/device/splat_kernel.h "$t" "" "device: atomic sums read as those of pairs" 's/summed \? i \+ 1 : end/end/; s/summed \? i : begin/begin/'
 mutant ops/device/evidence_kernel.h "$t" "" "device: second group of objects over the first" 's/k \+ 2 \* first\)\]/k)]/'
@@ -290,7 +291,7 @@ mutant ops/device/film_backward_kernel.h "$t" "" "device: conditions not loaded 
 mutant ops/device/film_forward_kernel.h "$t" "" "device: activations written while they are read" 's/(Tile::product\(t, .*, shared\.x, own\.cells\);)/\1 shared.x[t] = own.cells[0][0];/'
 t="parity/emulated_main.cpp parity/backends.cpp parity/loss_parity.cpp"
 mutant ops/device/sum_kernel.h "$t" "" "device: a chunk one short" 's/row < rows\.end; row \+= rows\.step\)$/row + rows.step < rows.end; row += rows.step)/'
-mutant ops/device/photometric_kernel.h "$t" "" "device: padding not cleared" 's/products\.zero\(\);//'
+mutant ops/device/photometric_kernel.h "$t" "" "device: pixels outside the image in the window" 's/px >= 0 \&\& px < layout\.w \&\& line/px >= 0 \&\& line/'
 mutant ops/device/adam_kernel.h "$t" "" "device: negative overflow passes" 's/if \(!\(value <= limit \&\& -value <= limit\)\)/if (!(value <= limit))/'
 mutant ops/device/adam_kernel.h "$t" "" "device: the last unusable gradient found" 's/found = i < found \? i : found;/found = i;/'
 

@@ -14,9 +14,8 @@
 //
 // All pointers in kernels are device pointers. Launches run in order; download waits for them. A kernel has a kName.
 //
-// A cooperative kernel has kThreads, may have kMinBlocks (blocks that must fit on a multiprocessor: a bound of its
-// registers, and a kernel that spills does not compile), a trivially copyable struct Shared (uninitialised), a struct Thread (variables of
-// one thread) and
+// A cooperative kernel has kThreads, a trivially copyable struct Shared (uninitialised), a struct Thread (variables of
+// one thread), optionally kMinBlocks (blocks that must fit on a multiprocessor, a bound of registers) and
 //   template <class Block> NGS_HD void operator()(Block& block) const
 // which is a sequence of phases with a barrier after each:
 //   block.phase([&](int thread, Shared&, Thread&) { ... })

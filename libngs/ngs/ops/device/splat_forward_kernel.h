@@ -87,11 +87,12 @@ struct SplatForwardTile {
       });
       if (!more) break;
       block.phase([&](int t, Shared& shared, Thread& own) {
-        if (checkpoints.transmittance == nullptr) return composite(t, frame, 0, count, shared, own);
+        const TilePixel pixel(t, frame);
+        if (checkpoints.transmittance == nullptr) return composite(pixel, 0, count, shared, own);
         float* row = checkpoints.of(begin, block.index) + (first - begin) / Checkpoints::kEntries * kTilePixels + t;
         for (int k = 0; k < count; k += Checkpoints::kEntries, row += kTilePixels) {
           *row = own.traversal.live ? own.traversal.transmittance : -1.f;
-          composite(t, frame, k, min2(count, k + Checkpoints::kEntries), shared, own);
+          composite(pixel, k, min2(count, k + Checkpoints::kEntries), shared, own);
         }
       });
     }
@@ -110,8 +111,7 @@ struct SplatForwardTile {
 
  private:
   /// Composites the staged Gaussians [from, to) at the thread's pixel.
-  NGS_HD void composite(int t, const TileFrame& frame, int from, int to, const Shared& shared, Thread& own) const {
-    const TilePixel pixel(t, frame);
+  NGS_HD void composite(const TilePixel& pixel, int from, int to, const Shared& shared, Thread& own) const {
     for (int k = from; k < to && own.traversal.live; ++k) {
       float before;
       const float opaque =
