@@ -17,7 +17,11 @@ inline constexpr int kFirstMode = 252;  // of quaternions
 inline constexpr std::array<std::array<std::size_t, 3>, 4> kOthers = {{{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}}};
 
 /// Positions are stored as sign(p) ln(1 + |p|): the step grows with |p|.
-inline double compressed(double p) { return std::copysign(std::log1p(std::abs(p)), p); }
+inline double compressed(double p) {
+  // ln(1 + x) by Kahan's correction of the logarithm: unlike log1p of a double it hardly differs between C libraries.
+  const double x = std::abs(p), sum = 1 + x;
+  return std::copysign(sum > 1 ? std::log(sum) * (x / (sum - 1)) : x, p);
+}
 inline double expanded(double c) { return std::copysign(std::expm1(std::abs(c)), c); }
 
 /// Decodes a stored number `v` in 0..`most` to the range `low`..`high`.
