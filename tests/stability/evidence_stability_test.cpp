@@ -53,7 +53,7 @@ LabelColumns labels(const Evidence& e, Criterion criterion = Criterion::kPooled)
 Evidence of_signals(const std::vector<double>& signals) {
   Evidence e(1, 1);
   for (const double m : signals) {
-    ObjectShare& of = e.share.touch(0, 0);
+    ObjectSums& of = e.object_weights.touch(0, 0);
     of.add_signal(m), of.weight.add(m);
     e.weight.add(0, 1), ++e.views[0];
   }
@@ -139,7 +139,7 @@ TEST_CASE("evidence: a Gaussian without known pixels is unseen, neither object n
         Capture c(random, 1);
         c.masks.known.assign(kSize * kSize, h > 0 ? 1 : 0);
         Evidence e = c.evidence();
-        e.share.touch(0, 0);  // an empty share, as a file may contain
+        e.object_weights.touch(0, 0);  // an empty share, as a file may contain
         for (const Criterion criterion : {Criterion::kPooled, Criterion::kBetweenViews, Criterion::kRelativeDiff}) {
           const LabelColumns l = labels(e, criterion);
           worst.ours_is((l.views[0] == 0) == (h == 0) && l.prob[0] == 0 && l.label[0] == 0 && l.variance[0] == 0);
@@ -189,7 +189,7 @@ TEST_CASE("evidence: weights over thirty decades give one probability, in any or
       naive += float(w), naive_object += terms.back().inside ? float(w) : 0.f;
     }
     const auto add = [](Evidence& to, const Term& t) {
-      to.weight.add(0, t.weight), to.share.touch(0, 0).weight.add(t.inside ? t.weight : 0.0);
+      to.weight.add(0, t.weight), to.object_weights.touch(0, 0).weight.add(t.inside ? t.weight : 0.0);
     };
     for (const Term& t : terms) add(e, t);
     std::reverse(terms.begin(), terms.end());
@@ -220,7 +220,7 @@ TEST_CASE("evidence: pixel counts pass 2^32") {
                   [](double h, Random& random, Worst& worst) {
                     Evidence part(1, 1), sum(1, 1);
                     part.pixels[0] = std::uint64_t(h) + std::uint64_t(random.below(1000));
-                    part.share.touch(0, 0).pixels = part.pixels[0] / 2;
+                    part.object_weights.touch(0, 0).pixels = part.pixels[0] / 2;
                     for (int k = 0; k < 7; ++k) sum.add(part);
                     worst.ours_is(sum.pixels[0] == 7 * part.pixels[0] &&
                                   test::object_pixels(sum, 0, 0) == 7 * test::object_pixels(part, 0, 0));
@@ -233,7 +233,7 @@ TEST_CASE("evidence: equal signals have variance exactly 0") {
                   [](double h, Random& random, Worst& worst) {
                     const double m = random.uniform(0, 1);
                     const Evidence e = of_signals(std::vector<double>(std::size_t(h), m));
-                    worst.ours_is(between_views_variance(*e.share.find(0, 0), e.views[0]) == 0 &&
+                    worst.ours_is(between_views_variance(*e.object_weights.find(0, 0), e.views[0]) == 0 &&
                                   labels(e, Criterion::kBetweenViews).variance[0] == 0);
                     float sum = 0, squares = 0;
                     for (int v = 0; v < int(h); ++v) sum += float(m), squares += float(m) * float(m);
@@ -252,7 +252,7 @@ TEST_CASE("evidence: nearly equal signals keep their variance") {
                     Real mean = 0, want = 0;
                     for (const double m : signals) mean += m / 100.0L;
                     for (const double m : signals) want += 4 * (m - mean) * (m - mean) / 100;
-                    worst.ours(float(between_views_variance(*e.share.find(0, 0), 100)), want);
+                    worst.ours(float(between_views_variance(*e.object_weights.find(0, 0), 100)), want);
                     float sum = 0, squares = 0;
                     for (const double m : signals) sum += float(m), squares += float(m) * float(m);
                     worst.naive(4 * (squares / 100 - sum / 100 * (sum / 100)), want);
@@ -264,7 +264,7 @@ TEST_CASE("evidence: the pooled variance of an almost certain Gaussian keeps its
                   [](double h, Random& random, Worst& worst) {
                     Evidence e(1, 1);
                     const double total = random.uniform(10, 1000), outside = total * h * random.uniform(0.5, 1);
-                    e.weight.add(0, total), e.share.touch(0, 0).weight.add(total - outside), e.views[0] = 1;
+                    e.weight.add(0, total), e.object_weights.touch(0, 0).weight.add(total - outside), e.views[0] = 1;
                     const Real p = Real(e.object_weight(0, 0)) / e.weight.value(0), want = 4 * p * (1 - p);
                     worst.ours(float(labels(e).variance[0]), want);
                     const float q = float(e.object_weight(0, 0)) / float(e.weight.value(0));

@@ -205,7 +205,7 @@ TEST_CASE("masks: an object with a mask in one view only is labelled from that v
                     MethodCase c = scene(random);
                     for (std::size_t v = std::size_t(h); v < kViews; ++v) c.masks[v].available = false;
                     Monitor monitor;
-                    const Solution result = run_bce({}, monitor, {}, c.input());
+                    const Solution result = solve_bce({}, monitor, {}, c.input()).method;
                     for (std::size_t i = 0; i < kGaussians; ++i)
                       worst.ours_is(result.labels[0].label[i] >= 0 && result.labels[0].label[i] <= 1 &&
                                     result.labels[0].views[i] <= float(h));
@@ -216,7 +216,7 @@ TEST_CASE("masks: an object with a mask in one view only is labelled from that v
                     for (const float v : columns.variance) worst.ours_is(v >= 0 && v <= 1);
                     for (std::size_t i = 0; i < kGaussians; ++i) {
                       if (e.views[i] != std::uint32_t(h)) continue;
-                      const ObjectShare* const of = e.share.find(i, 0);
+                      const ObjectSums* const of = e.object_weights.find(i, 0);
                       const double views = e.views[i], sum = of ? double(of->signal_sum) * 0x1p-32 : 0,
                                    squares = of ? of->signal_square_sum.value() : 0;
                       const double unbiased = 4 * (squares - sum * sum / views) / (views - 1);

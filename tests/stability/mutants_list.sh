@@ -64,10 +64,10 @@ mutant stages/boundary/variance_stage.cpp $t stages/boundary/variance_stage.cpp 
 mutant ops/splat/evidence.cpp $t ops/splat/evidence.cpp "unknown pixels counted" 's/of\.masks\.known\.empty\(\) \? nullptr : of\.masks\.known\.data\(\)/nullptr/'
 
 t=unit/passes/components/components_test.cpp f=passes/components/components.cpp
-mutant $f $t $f "components: no limit on the number of agreeing views" 's/double\(object\.views\[i\]\) < cells->least_views\(\) && //'
+mutant $f $t $f "components: no limit on the number of agreeing views" 's/double\(object\.views\[i\]\) < cells->min_views\(\) && //'
 mutant $f $t $f "components: trained labels next to the object are removed" 's/if \(!cells \|\| cells->has_near.*$//'
 mutant $f $t $f "components: a split half takes the label of another row" 's/object\.prob\[i\] = given\.prob\[source\]/object.prob[i] = given.prob[i]/'
-mutant passes/components/components.h $t $f "components: a quarter of the views makes a core" 's/\.seen = 0\.5, //'
+mutant $f $t $f "components: a quarter of the views makes a core" 's/\.seen = 0\.5, //'
 mutant $f $t $f "components: only the core's own cells are linked" 's/if \(labelled\.contains\(next\) .*$//'
 mutant $f $t $f "components: rows with fixed labels change" 's/ \|\| is_fixed\(input, i\)//'
 mutant $f $t $f "components: Gaussians of another object stay listed" 's/finding\.disconnected\[i\] = 0;/(void)0;/'

@@ -75,7 +75,7 @@ class PipelineCase {
       pipeline_.decide(stage, run_, *run_.problem), pipeline_.run(stage, run_);
     return run_;
   }
-  Json kept() const { return kept_decisions(pipeline_, decisions_); }
+  Json kept() const { return stored_decisions(pipeline_, decisions_); }
   const Problem& problem() const { return *run_.problem; }
   const Solution& solution() const { return *run_.solution; }
   const Json& report() const { return report_; }

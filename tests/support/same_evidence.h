@@ -4,13 +4,13 @@
 
 namespace ngs::test {
 
-inline ObjectShare share_of(const Evidence& e, std::size_t gaussian, std::size_t k) {
-  const ObjectShare* const found = e.share.find(gaussian, k);
-  return found == nullptr ? ObjectShare() : *found;
+inline ObjectSums sums_of(const Evidence& e, std::size_t gaussian, std::size_t k) {
+  const ObjectSums* const found = e.object_weights.find(gaussian, k);
+  return found == nullptr ? ObjectSums() : *found;
 }
 
 inline std::uint64_t object_pixels(const Evidence& e, std::size_t gaussian, std::size_t k) {
-  return share_of(e, gaussian, k).pixels;
+  return sums_of(e, gaussian, k).pixels;
 }
 
 inline bool same_evidence(const Evidence& a, const Evidence& b) {
@@ -19,7 +19,7 @@ inline bool same_evidence(const Evidence& a, const Evidence& b) {
     return false;
   for (std::size_t i = 0; i < std::size_t(a.gaussians); ++i)
     for (std::size_t k = 0; k < std::size_t(a.objects); ++k)
-      if (share_of(a, i, k) != share_of(b, i, k)) return false;
+      if (sums_of(a, i, k) != sums_of(b, i, k)) return false;
   return true;
 }
 

@@ -43,7 +43,7 @@ std::vector<std::string> select_truth(const ImageList& truth, const EvalFileOpti
   const bool of_scene = !options.scene_views.empty();
   std::vector<std::string> selected;
   if (!of_scene && (rule == "all" || rule.starts_with("every:"))) {
-    for (std::size_t i : io::select_every(rule, truth.names.size())) selected.push_back(truth.names[i]);
+    for (std::size_t i : select_every(rule, truth.names.size())) selected.push_back(truth.names[i]);
     return selected;
   }
   const std::vector<std::string> listed =

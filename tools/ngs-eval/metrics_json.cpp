@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <span>
 
+#include "ngs/core/formatted.h"
 #include "shared/text/text_columns.h"
 
 namespace ngs::cli {
@@ -57,12 +58,8 @@ std::size_t shown_scores(int columns) {
 }
 
 std::string table_row(const std::string& name, const ScoreValues& values, std::size_t scores) {
-  char cell[64];
   std::string row = in_columns(name, kNameColumns);
-  for (std::size_t k = 0; k < scores; ++k) {
-    std::snprintf(cell, sizeof cell, "  %9.4f", values[k]);
-    row += cell;
-  }
+  for (std::size_t k = 0; k < scores; ++k) row += formatted("  %9.4f", values[k]);
   return row + "\n";
 }
 

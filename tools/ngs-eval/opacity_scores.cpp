@@ -5,8 +5,10 @@
 
 #include "metrics_json.h"
 #include "ngs/backend/for_each.h"
+#include "ngs/core/formatted.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/image/masks.h"
+#include "shared/text/text_columns.h"
 
 namespace ngs::cli {
 namespace {
@@ -109,13 +111,9 @@ std::string opacity_table(const std::vector<OpacityScore>& scores) {
       "px of full opacity per px of contour, farther from it than      1 px      2 px      3 px      5 px\n";
   const std::map<std::string, double> mean = mean_scores(scores);
   for (const char* kind : {"halo", "holes"}) {
-    char cell[64];
-    std::snprintf(cell, sizeof cell, "%-58s", kind);
-    table += cell;
-    for (const int band_px : kHaloBands_px) {
-      std::snprintf(cell, sizeof cell, "%10.3f", mean.at(std::string(kind) + "_" + std::to_string(band_px) + "px"));
-      table += cell;
-    }
+    table += in_columns(kind, 58);
+    for (const int band_px : kHaloBands_px)
+      table += formatted("%10.3f", mean.at(std::string(kind) + "_" + std::to_string(band_px) + "px"));
     table += "\n";
   }
   return table;

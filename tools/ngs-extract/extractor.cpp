@@ -172,14 +172,12 @@ void Extractor::keep_touched(const std::vector<ViewSums>& strokes) {
     if (ply_.fixed[i] == 1 && keep_[i]) found.object[i] = 1;
   const std::int64_t kept = std::count(found.object.begin(), found.object.end(), std::uint8_t(1));
   found.needles = std::min(found.needles, std::count(keep_.begin(), keep_.end(), std::uint8_t(1)) - kept);
-  found.left_out = std::count(keep_.begin(), keep_.end(), std::uint8_t(1)) - kept - found.needles;
-  run_.result()["pieces"] = {{"found", found.pieces},
-                             {"touched", found.kept_pieces},
-                             {"left_out", found.left_out},
-                             {"needles", found.needles}};
+  found.removed = std::count(keep_.begin(), keep_.end(), std::uint8_t(1)) - kept - found.needles;
+  run_.result()["pieces"] = {
+      {"found", found.pieces}, {"touched", found.kept_pieces}, {"left_out", found.removed}, {"needles", found.needles}};
   run_.result()["object"] = kept, run_.result()["background"] = ply_.cloud.size() - kept;
-  if (found.left_out > 0)
-    run_.text("left out: " + std::to_string(found.left_out) + " Gaussians of " +
+  if (found.removed > 0)
+    run_.text("left out: " + std::to_string(found.removed) + " Gaussians of " +
               std::to_string(found.pieces - found.kept_pieces) +
               " components that no stroke on the object touches; leave --strokes out to keep them\n");
   if (found.needles > 0)

@@ -51,14 +51,14 @@ std::vector<FixedDecision> fixed_decisions_of(const Options& options, const std:
     for (const PassStage stage : {PassStage::kCrop, PassStage::kRepair})
       for (const Effect& effect : options.pipeline.effects(stage)) fix_off(effect.name);
   if (options.choice.method == Method::kNgGs) {
-    fix_off("contours");
-    decisions.push_back({"nerf", true, "--method ng-gs"});
+    fix_off(kContoursEffect);
+    decisions.push_back({kNerfEffect, true, "--method ng-gs"});
   }
   for (FixedDecision& decision : options.pipeline.fixed_decisions(options.training))
     decisions.push_back(std::move(decision));
   if (!effects_from.empty())
     for (FixedDecision& decision : replayed(effects_from, options)) decisions.push_back(std::move(decision));
-  if (options.choice.method == Method::kNgGs) decisions.push_back({"joint", true, "--method ng-gs"});
+  if (options.choice.method == Method::kNgGs) decisions.push_back({kJointEffect, true, "--method ng-gs"});
   return decisions;
 }
 

@@ -1,25 +1,13 @@
 // ngs-joint: reads scene.json and a labelled PLY, writes a labelled PLY with optimised labels and attributes. Algorithm
 // 1, step 6.
-#include <ctime>
-
 #include "effects_help.h"
+#include "ngs/os/process_usage.h"
 #include "quality_table.h"
 #include "run.h"
 
-namespace {
-
-/// Start of the process on the clock of wall_seconds(), from the CPU time used before main().
-double process_start_s() {
-  timespec used{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
-  return ngs::wall_seconds() - double(used.tv_sec) - 1e-9 * double(used.tv_nsec);
-}
-
-}  // namespace
-
 int main(int argc, char** argv) {
   using namespace ngs;
-  const double start_s = process_start_s();
+  const double start_s = wall_seconds() - os::cpu_seconds();  // of the process, with the work before main()
   joint::Options options;
   cli::Tool tool("ngs-joint", "Jointly optimise labels, Gaussians and a NeRF (Eqs. 1-2, 10-20), or run a baseline.",
                  {"ngs-joint scene.json boundary.ply -o labelled.ply"});

@@ -1,5 +1,6 @@
 #pragma once
 // The options of ngs-joint besides those of its passes, and their groups.
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,11 @@ struct StepOptions {
   std::int64_t checkpoint_every = 0;
   int trace_every = 0;
   bool resume = false, fast_atomics = false;
+
+  /// Of "60s", "5m", "1h" or "90" in seconds; nullopt: no budget. kUsage otherwise.
+  std::optional<double> budget_s() const;
+  /// Of "biou=0.9" or "iou=0.95"; nullopt: none. kUsage otherwise.
+  std::optional<AgreementTarget> agreement_target() const;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {

@@ -132,7 +132,7 @@ class MethodRun {
       : run_(run),
         options_(options),
         paths_(paths),
-        budget_(start_s, parse_seconds(options.steps.time_budget)),
+        budget_(start_s, options.steps.budget_s()),
         switches_(options.pipeline.effects(), options.choice.effect),
         decisions_(options.pipeline.effects(), switches_, fixed_decisions_of(options, paths.effects_from)),
         input_(run, options, paths),
@@ -164,7 +164,7 @@ class MethodRun {
     if (const int stopped = run_.stop_code()) return stopped;  // no state worth a checkpoint yet
     if (options_.choice.explain) return explain(passes, from_files);
     if (writes_checkpoints()) {
-      identity["effects"] = kept_decisions(options_.pipeline, decisions_);
+      identity["effects"] = stored_decisions(options_.pipeline, decisions_);
       store_.resumed(identity);  // again: the decisions may differ from those of the checkpoint
     }
     if (!options_.pipeline.run(PassStage::kRepair, passes)) return run_.stop_code();
@@ -205,7 +205,7 @@ class MethodRun {
                    .decisions = decisions_,
                    .budget = budget_,
                    .report = run_.result(),
-                   .tracking = {parse_target(options_.steps.target), !paths_.trace.empty(), options_.steps.trace_every},
+                   .tracking = {options_.steps.agreement_target(), !paths_.trace.empty(), options_.steps.trace_every},
                    .allow_empty = run_.allow_empty(),
                    .info = [this](const std::string& line) { run_.info(line); }};
     passes.problem.emplace(problem);
@@ -234,7 +234,7 @@ class MethodRun {
   /// The query field of --field, if the NeRF is on and the field still belongs to the model.
   std::optional<QueryField> read_field(const PassRun& passes) {
     if (paths_.field.empty()) return std::nullopt;
-    const std::string_view unread = !passes.on("nerf")            ? "nerf=off"
+    const std::string_view unread = !passes.on(kNerfEffect)       ? "nerf=off"
                                     : !passes.field_matches_model ? "it has query points of removed Gaussians"
                                                                   : "";
     if (!unread.empty()) {
@@ -253,7 +253,7 @@ class MethodRun {
     const std::optional<QueryField> field = read_field(passes);
     passes.field = field ? &*field : nullptr;
     if (writes_checkpoints()) {
-      identity["effects"] = kept_decisions(options_.pipeline, decisions_), identity["passes"] = passes.state;
+      identity["effects"] = stored_decisions(options_.pipeline, decisions_), identity["passes"] = passes.state;
       identity["field"] = field ? io::content_hash(paths_.field).xxh3 : "";
       if (!passes.skipped.empty()) identity["left_out"] = passes.skipped;
       store_.identify(identity);

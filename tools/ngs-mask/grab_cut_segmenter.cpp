@@ -4,6 +4,7 @@
 #include "ngs/backend/for_each.h"
 #include "ngs/ops/image/grab_cut.h"
 #include "ngs/ops/image/image_bytes.h"
+#include "ngs/ops/image/pixel_window.h"
 #include "segmenters.h"
 
 namespace ngs::cli {
@@ -15,24 +16,14 @@ constexpr int kCutsByHand = 5;            // iterations for prompts by hand
 constexpr double kSpeck = 0.01;           // fraction of the mask: smaller holes are filled
 constexpr std::int64_t kMinCertain = 64;  // certain pixels per label to fit a window's colour models
 
-struct Window {
-  int left, top, width, height;
-};
-
-ImageU8 cropped(const ImageU8& image, const Window& w) {
-  ImageU8 out(w.width, w.height, image.channels);
-  for (int y = 0; y < w.height; ++y)
-    std::copy_n(&image.data[image.index(w.left, w.top + y)], w.width * image.channels, &out.data[out.index(0, y)]);
+ImageU8 cropped(const ImageU8& image, const PixelWindow& win) {
+  ImageU8 out(win.w, win.h, image.channels);
+  out.data = ngs::cropped(image.data, image.width_px, image.channels, win);
   return out;
 }
 
-ViewPrompt cropped(const ViewPrompt& prompt, const Window& w) {
-  ViewPrompt out{w.width, w.height, {}, prompt.by_hand};
-  for (int y = 0; y < w.height; ++y) {
-    const auto row = prompt.hint.begin() + std::int64_t(w.top + y) * prompt.width_px + w.left;
-    out.hint.insert(out.hint.end(), row, row + w.width);
-  }
-  return out;
+ViewPrompt cropped(const ViewPrompt& prompt, const PixelWindow& win) {
+  return {win.w, win.h, ngs::cropped(prompt.hint, prompt.width_px, 1, win), prompt.by_hand};
 }
 
 /// True if the window has enough certain pixels of both labels, and uncertain pixels.
@@ -45,7 +36,7 @@ bool can_be_cut(const ViewPrompt& prompt) {
 /// A window, its part inside the photo, and the mask of that part.
 struct WindowCut {
   int left, top;
-  Window part;
+  PixelWindow part;
   PixelMask mask = {};  // empty: not segmented
 };
 
@@ -67,12 +58,12 @@ PixelMask mean_of(const std::vector<WindowCut>& cuts, int window_px, int width_p
   std::vector<float> votes(whole.size()), weights(whole.size());
   const auto tent = [&](int i) { return 1 - std::abs(2 * (float(i) + 0.5f) / float(window_px) - 1); };
   for (const WindowCut& cut : cuts) {
-    const Window& w = cut.part;
-    for (int y = 0; y < w.height && !cut.mask.empty(); ++y)
-      for (int x = 0; x < w.width; ++x) {
-        const float weight = tent(w.left + x - cut.left) * tent(w.top + y - cut.top);
-        const std::size_t p = std::size_t(w.top + y) * std::size_t(width_px) + std::size_t(w.left + x);
-        votes[p] += weight * float(cut.mask[std::size_t(y) * std::size_t(w.width) + std::size_t(x)]);
+    const PixelWindow& win = cut.part;
+    for (int y = 0; y < win.h && !cut.mask.empty(); ++y)
+      for (int x = 0; x < win.w; ++x) {
+        const float weight = tent(win.x0 + x - cut.left) * tent(win.y0 + y - cut.top);
+        const std::size_t p = std::size_t(win.y0 + y) * std::size_t(width_px) + std::size_t(win.x0 + x);
+        votes[p] += weight * float(cut.mask[win.at(x, y)]);
         weights[p] += weight;
       }
   }

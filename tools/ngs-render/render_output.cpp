@@ -123,7 +123,7 @@ std::set<std::string> parse_layers(const std::vector<std::string>& layers, const
     throw Error(ErrorCode::kNothingFound, "the model has no Gaussians, expected some for masks", "use --layers color");
   if (needs_labels && objects.names.empty())
     throw Error(ErrorCode::kBadInput, "the model has no property ngs_label, expected a labelled PLY for masks",
-                "label the model first: ngs-variance scene.json -o boundary.ply, or use --exr color");
+                "label the model first: ngs-variance scene.json -o boundary.ply, or use --layers color");
   return chosen;
 }
 

@@ -16,11 +16,12 @@ namespace {
 
 constexpr int kGivenWidthPx = 180;  // of input masks: small, since there are many
 
-Plane cropped(const Plane& plane, Window w) {
-  Plane out{w.width_px, w.height_px, {}, {}};
+/// 0 outside the plane.
+Plane cropped(const Plane& plane, const PixelWindow& win) {
+  Plane out{win.w, win.h, {}, {}};
   if (plane.empty()) return out;
-  for (int y = w.y; y < w.y + w.height_px; ++y)
-    for (int x = w.x; x < w.x + w.width_px; ++x) {
+  for (int y = win.y0; y < win.y0 + win.h; ++y)
+    for (int x = win.x0; x < win.x0 + win.w; ++x) {
       const bool inside = x >= 0 && y >= 0 && x < plane.width_px && y < plane.height_px;
       out.data.push_back(inside ? plane.data[std::size_t(y) * std::size_t(plane.width_px) + std::size_t(x)] : 0);
     }
@@ -31,7 +32,8 @@ struct Layers {
   Plane input, truth, predicted;
 };
 
-std::string picture_html(const ImageF& picture, const Layers& layers, Window view_box, const std::string& alt) {
+std::string picture_html(const ImageF& picture, const Layers& layers, const PixelWindow& view_box,
+                         const std::string& alt) {
   const auto outline = [](const char* kind, const Plane& plane) {
     return Outline{kind, plane.empty() ? MaskPlane{} : plane.view()};
   };
@@ -82,7 +84,7 @@ const Plane& reference_of(const Layers& layers) {
 
 /// The window of the given side with the most wrong pixels; among equal ones the middle one, which centres a small
 /// error.
-Window worst_window(const Plane& predicted, const Plane& truth, int side_px) {
+PixelWindow worst_window(const Plane& predicted, const Plane& truth, int side_px) {
   const int w = truth.width_px, h = truth.height_px;
   const int side_x = std::min(side_px, w), side_y = std::min(side_px, h);
   std::vector<std::int64_t> sum(std::size_t(w + 1) * std::size_t(h + 1), 0);  // summed-area table of wrong pixels
@@ -97,24 +99,22 @@ Window worst_window(const Plane& predicted, const Plane& truth, int side_px) {
   const auto wrong_in = [&](int x, int y) {
     return at(x + side_x, y + side_y) - at(x, y + side_y) - at(x + side_x, y) + at(x, y);
   };
-  Window best{0, 0, side_x, side_y};
+  PixelWindow best{0, 0, side_x, side_y};
   int left = 0, right = 0, bottom = 0;  // extent of equal windows; best is the topmost
   std::int64_t most = -1;
   for (int y = 0; y + side_y <= h; ++y)
     for (int x = 0; x + side_x <= w; ++x) {
       const std::int64_t wrong = wrong_in(x, y);
-      if (wrong > most) most = wrong, best.x = left = right = x, best.y = y;
+      if (wrong > most) most = wrong, best.x0 = left = right = x, best.y0 = y;
       if (wrong == most) left = std::min(left, x), right = std::max(right, x), bottom = y;
     }
-  const Window middle{(left + right) / 2, (best.y + bottom) / 2, side_x, side_y};
-  return wrong_in(middle.x, middle.y) == most ? middle : best;
+  const PixelWindow middle{(left + right) / 2, (best.y0 + bottom) / 2, side_x, side_y};
+  return wrong_in(middle.x0, middle.y0) == most ? middle : best;
 }
 
-ImageF crop_of(const ImageF& image, Window w) {
-  ImageF out(w.width_px, w.height_px, image.channels);
-  for (int y = 0; y < w.height_px; ++y)
-    for (int x = 0; x < w.width_px; ++x)
-      for (int c = 0; c < image.channels; ++c) out.at(x, y, c) = image.at(w.x + x, w.y + y, c);
+ImageF cropped(const ImageF& image, const PixelWindow& win) {
+  ImageF out(win.w, win.h, image.channels);
+  out.data = ngs::cropped(image.data, image.width_px, image.channels, win);
   return out;
 }
 
@@ -136,18 +136,17 @@ std::string crop_figure(const ShownView& view, int side_px) {
   if (layers.truth.empty() || layers.predicted.empty()) return {};
   const int w = layers.truth.width_px, h = layers.truth.height_px;
   layers = fitted(layers, w, h);
-  const Window window = worst_window(layers.predicted, closest_truth(layers.truth, layers.predicted), side_px);
+  const PixelWindow window = worst_window(layers.predicted, closest_truth(layers.truth, layers.predicted), side_px);
   // One more pixel on each side, so that no outline follows the border of the crop.
-  const Window wider{window.x - 1, window.y - 1, window.width_px + 2, window.height_px + 2};
+  const PixelWindow wider{window.x0 - 1, window.y0 - 1, window.w + 2, window.h + 2};
   const Layers parts{cropped(layers.input, wider), cropped(layers.truth, wider), cropped(layers.predicted, wider)};
   const ImageF photo = resized(photo_of(view, layers.truth), w, h);
-  const std::string place = std::to_string(window.x) + ", " + std::to_string(window.y);
+  const std::string place = std::to_string(window.x0) + ", " + std::to_string(window.y0);
   const std::string alt = "Crop of view " + name_of(view) + " at pixel " + place + " where prediction and " +
                           (view.truth_is_input ? "input mask" : "truth") + " differ most";
-  return "<figure class=crop>" +
-         picture_html(crop_of(photo, window), parts, {1, 1, window.width_px, window.height_px}, alt) +
-         "<figcaption><b>" + escaped(name_of(view)) + "</b> " + std::to_string(window.width_px) + "×" +
-         std::to_string(window.height_px) + " px at (" + place + ")</figcaption></figure>\n";
+  return "<figure class=crop>" + picture_html(cropped(photo, window), parts, {1, 1, window.w, window.h}, alt) +
+         "<figcaption><b>" + escaped(name_of(view)) + "</b> " + std::to_string(window.w) + "×" +
+         std::to_string(window.h) + " px at (" + place + ")</figcaption></figure>\n";
 }
 
 }  // namespace

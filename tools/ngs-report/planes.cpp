@@ -11,7 +11,7 @@ Plane read_plane(const std::string& path, std::uint32_t id) {
   const MaskSamples samples = raw.samples();
   Plane plane{raw.width_px, raw.height_px, {}, {}};
   if (id == 0 || (id != 255 && is_black_and_white(samples))) {
-    plane.data = binarised(samples, 128);
+    plane.data = binarised(samples, kMaskThreshold);
     return plane;
   }
   plane.data.reserve(raw.data.size());

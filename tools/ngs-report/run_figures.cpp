@@ -24,9 +24,8 @@ std::string method_of(const RunFolder& run) {
 }
 
 std::string method_title(const RunFolder& run) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kTitles = {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kTitles = {
       {{"ngs", "NGS"},
-       {"paper", "NGS"},
        {"ng-gs", "NG-GS"},
        {"flash", "FlashSplat"},
        {"cob", "COB-GS"},

@@ -234,14 +234,12 @@ std::string decisions_table(const Json& decisions) {
 }
 
 std::string decisions_section(const RunFolder& run) {
-  const Json& result = value_at(run.report("ngs-joint"), {"result"});
-  for (const char* key : {"effects", "decisions"})
-    if (const Json& decisions = value_at(result, {key}); decisions.is_structured() && !decisions.empty())
-      return section("decisions", "Decisions",
-                     "<p>Parts of the method, and whether they were on.</p>" +
-                         (decisions.is_array() && decisions[0].contains("on") ? decisions_table(decisions)
-                                                                              : json_html(decisions)));
-  return {};
+  const Json& decisions = value_at(run.report("ngs-joint"), {"result", "effects"});
+  if (!decisions.is_structured() || decisions.empty()) return {};
+  const bool is_list = decisions.is_array() && decisions[0].contains("on");
+  return section("decisions", "Decisions",
+                 "<p>Parts of the method, and whether they were on.</p>" +
+                     (is_list ? decisions_table(decisions) : json_html(decisions)));
 }
 
 std::string times_section(const RunFolder& run) {

@@ -2,10 +2,20 @@
 // A page that shows the object of a run in 3D: splat and WebGL renderer in one file, without network access.
 #include <string>
 
+#include "ngs/options/field.h"
 #include "run_folder.h"
-#include "viewer_options.h"
 
 namespace ngs::cli {
+
+struct ViewerOptions {
+  int gaussians = 300000;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.gaussians, Field<int>{"viewer_gaussians", "",
+                                     "Most Gaussians on the 3D page, 44 bytes each; 0: no 3D page", 0, 20000000});
+  }
+};
 
 /// Near the end of every 3D page, followed by the version.
 inline constexpr const char* kViewerMark = "<!-- ngs ";

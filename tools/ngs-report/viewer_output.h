@@ -5,7 +5,7 @@
 
 #include "run_folder.h"
 #include "shared/run/run.h"
-#include "viewer_options.h"
+#include "viewer.h"
 
 namespace ngs::cli {
 

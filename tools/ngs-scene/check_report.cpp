@@ -1,15 +1,10 @@
 #include "check_report.h"
 
-#include <cstdio>
+#include "ngs/core/formatted.h"
+#include "shared/text/text_columns.h"
 
-namespace ngs::capture {
+namespace ngs::scene_tool {
 namespace {
-
-std::string format(const char* pattern, double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, pattern, value);
-  return text;
-}
 
 Json view_json(const SceneView& view, const ViewCheck& check, bool has_model) {
   Json out{{"name", view.camera.name}, {"split", view.split == Split::kTrain ? "train" : "held-out"}};
@@ -23,14 +18,14 @@ Json view_json(const SceneView& view, const ViewCheck& check, bool has_model) {
 }
 
 std::string table_row(const SceneView& view, const ViewCheck& check, bool has_model) {
-  const std::string& name = view.camera.name;
-  std::string text = name + std::string(name.size() < 22 ? 22 - name.size() : 1, ' ');
+  std::string text = cli::padded(view.camera.name, 22);
   text += view.split == Split::kTrain ? "train      " : "held-out   ";
-  text += has_model ? format("%-10.3f", check.in_front) + format("%-10.3f", check.inside) : "-         -         ";
-  text += check.match ? format("%-9.2f", check.match->psnr_db) + format("%-9.2f", check.match->gain_db())
+  text +=
+      has_model ? formatted("%-10.3f", check.in_front) + formatted("%-10.3f", check.inside) : "-         -         ";
+  text += check.match ? formatted("%-9.2f", check.match->psnr_db) + formatted("%-9.2f", check.match->gain_db())
                       : "-        -        ";
   if (!check.masks) return text + "-\n";
-  for (const double share : check.masks->coverage) text += format("%.4f ", share);
+  for (const double share : check.masks->coverage) text += formatted("%.4f ", share);
   text.back() = '\n';
   return text;
 }
@@ -93,4 +88,4 @@ std::string check_table(const Scene& scene, const SceneCheck& check) {
   return text;
 }
 
-}  // namespace ngs::capture
+}  // namespace ngs::scene_tool

@@ -5,7 +5,7 @@
 #include "ngs/scene/gaussian_cloud.h"
 #include "ngs/stages/scene/scene_check.h"
 
-namespace ngs::capture {
+namespace ngs::scene_tool {
 
 /// Sources that import found: files, folders and format.
 Json import_json(const io::ImportedScene& imported);
@@ -14,4 +14,4 @@ Json check_json(const Scene& scene, const SceneCheck& check);
 Json health_json(const CloudHealth& health);
 std::string check_table(const Scene& scene, const SceneCheck& check);
 
-}  // namespace ngs::capture
+}  // namespace ngs::scene_tool

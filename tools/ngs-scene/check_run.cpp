@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "check_report.h"
+#include "commands.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/regular_file.h"
 #include "ngs/io/image/masks.h"
@@ -14,7 +15,7 @@
 #include "shared/scene/scene_model.h"
 #include "shared/tool.h"
 
-namespace ngs::capture {
+namespace ngs::scene_tool {
 namespace {
 
 constexpr int kBackgroundViews = 24;  // many: a view gives little evidence if the model covers most of it
@@ -157,6 +158,15 @@ void SceneChecks::find_background() {
   if (found.colour) run_.info("the photos show a background of " + background_text(background_of(scene_)));
 }
 
+void check_renders(cli::Run& run, const SceneCheckOptions& checks, io::ImportedScene& imported) {
+  run.warn_unused({"--align-views", "--background", "--compat", "--antialias", "--filter-px2"},
+                  "with renders of the model, whose settings are kept");
+  run.result()["photos"] = kRenderedPhotosNote;
+  SceneChecks scene(run, checks, imported.scene, std::move(imported.notes));
+  scene.check();
+  scene.leave_out_lost_masks();
+}
+
 int check_command(int argc, char** argv) {
   cli::Tool tool("ngs-scene check", "Check that cameras, model, photos and masks of a scene belong together.",
                  {"ngs-scene check scene.json --sheet masks.html",
@@ -180,4 +190,4 @@ int check_command(int argc, char** argv) {
   });
 }
 
-}  // namespace ngs::capture
+}  // namespace ngs::scene_tool

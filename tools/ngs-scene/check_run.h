@@ -7,12 +7,13 @@
 
 #include "ngs/io/image/photo_cache.h"
 #include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/io/scene/import_scene.h"
 #include "ngs/scene/scene.h"
 #include "ngs/stages/render/background.h"
 #include "ngs/stages/scene/scene_check.h"
 #include "shared/run/run.h"
 
-namespace ngs::capture {
+namespace ngs::scene_tool {
 
 /// nullopt: the scene names no model.
 using Model = std::optional<io::GaussianPly>;
@@ -55,6 +56,8 @@ class SceneChecks {
   std::vector<std::size_t> lost_masks_;  // views with contradicted empty masks
 };
 
-int check_command(int argc, char** argv);
+/// The checks of ngs-scene import for a scene of ngs-scene orbit. Keeps the model settings of the renders: estimates no
+/// filter, background or alignment, and warns if their options are given.
+void check_renders(cli::Run& run, const SceneCheckOptions& checks, io::ImportedScene& imported);
 
-}  // namespace ngs::capture
+}  // namespace ngs::scene_tool

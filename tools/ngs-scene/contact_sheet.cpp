@@ -8,7 +8,7 @@
 #include "ngs/io/image/image_file.h"
 #include "ngs/ops/image/image_bytes.h"
 
-namespace ngs::capture {
+namespace ngs::scene_tool {
 namespace {
 
 constexpr int kSide_px = 200;                     // longer side of a picture on the sheet
@@ -57,4 +57,4 @@ void ContactSheet::draw_label(int x, int y, const std::string& label) {
   }
 }
 
-}  // namespace ngs::capture
+}  // namespace ngs::scene_tool

@@ -5,7 +5,7 @@
 
 #include "ngs/scene/views.h"
 
-namespace ngs::capture {
+namespace ngs::scene_tool {
 
 class ContactSheet {
  public:
@@ -23,4 +23,4 @@ class ContactSheet {
   ImageU8 sheet_;
 };
 
-}  // namespace ngs::capture
+}  // namespace ngs::scene_tool

@@ -1,8 +1,7 @@
-#include "degrade.h"
-
 #include <algorithm>
 #include <map>
 
+#include "commands.h"
 #include "ngs/io/files/folder_index.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/options/field.h"
@@ -10,7 +9,7 @@
 #include "ngs/stages/synth/mask_noise.h"
 #include "shared/tool.h"
 
-namespace ngs::capture {
+namespace ngs::scene_tool {
 namespace {
 
 struct DegradeOptions {
@@ -115,4 +114,4 @@ int degrade_command(int argc, char** argv) {
   });
 }
 
-}  // namespace ngs::capture
+}  // namespace ngs::scene_tool

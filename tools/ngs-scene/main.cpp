@@ -1,16 +1,13 @@
 // ngs-scene: cameras, photos, masks and a model of any format -> a checked scene.json.
 #include "check_report.h"
 #include "check_run.h"
-#include "degrade.h"
-#include "import_renders.h"
+#include "commands.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/stages/render/background.h"
-#include "orbit.h"
 #include "shared/cli/dispatch.h"
 #include "shared/scene/import_options.h"
 #include "shared/scene/scene_model.h"
 #include "shared/tool.h"
-#include "undistort.h"
 
 namespace {
 
@@ -29,7 +26,7 @@ int import_command(int argc, char** argv) {
                  {"ngs-scene import captures/garden --ply garden.ply --masks garden/masks -o scene.json",
                   "ngs-scene import transforms.json --ply splat.ply --hold-out every:8:0 --image-scale 0.5 -o "
                   "scene.json"});
-  capture::ImportOptions options;
+  cli::ImportOptions options;
   SceneCheckOptions checks;
   tool.options(options);
   tool.options(checks);
@@ -53,21 +50,21 @@ int import_command(int argc, char** argv) {
     io::ImportedScene imported = [&] {
       const auto timed = run.monitor().scope("import");
       return io::import_scene(
-          capture::request_from(options, source.value, {ply.path, images.path, masks.path, truth.path, world.path}));
+          cli::request_from(options, source.value, {ply.path, images.path, masks.path, truth.path, world.path}));
     }();
     if (imported.format != "transforms.json") run.warn_unused({"--original-world"}, "without transforms.json");
     run.add_input("cameras", imported.cameras_file);
     if (!masks && !imported.masks_dir.empty()) run.add_input("masks", imported.masks_dir);
-    run.result() = capture::import_json(imported);
+    run.result() = scene_tool::import_json(imported);
     if (run.dry_run()) {
       run.plan({{"views", imported.scene.views.size()}, {"compared_views", checks.check_views}});
       return cli::kDone;
     }
     if (imported.scene.renders) {
-      capture::check_renders(run, checks, imported);
+      scene_tool::check_renders(run, checks, imported);
       return write_scene(run, out, imported);
     }
-    capture::SceneChecks scene(run, checks, imported.scene, std::move(imported.notes));
+    scene_tool::SceneChecks scene(run, checks, imported.scene, std::move(imported.notes));
     if (options.compat == CompatChoice::kGsplat) imported.scene.compat = Compat::kGsplat;
     if (options.antialias != Antialias::kAuto) imported.scene.antialiased = options.antialias == Antialias::kOn;
     choose_background(options.background, run.monitor(), imported.scene);
@@ -90,8 +87,8 @@ int main(int argc, char** argv) {
   return ngs::cli::dispatch(
       argc, argv,
       {{"import", import_command, "cameras, photos, masks, model -> scene.json"},
-       {"orbit", ngs::capture::orbit_command, "a model without photos -> cameras, renders, scene.json"},
-       {"check", ngs::capture::check_command, "repeat the checks of a scene.json"},
-       {"undistort", ngs::capture::undistort_command, "photos and masks with lens distortion -> pinhole"},
-       {"degrade", ngs::capture::degrade_command, "masks -> masks with errors of known size"}});
+       {"orbit", ngs::scene_tool::orbit_command, "a model without photos -> cameras, renders, scene.json"},
+       {"check", ngs::scene_tool::check_command, "repeat the checks of a scene.json"},
+       {"undistort", ngs::scene_tool::undistort_command, "photos and masks with lens distortion -> pinhole"},
+       {"degrade", ngs::scene_tool::degrade_command, "masks -> masks with errors of known size"}});
 }

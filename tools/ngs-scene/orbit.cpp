@@ -1,5 +1,3 @@
-#include "orbit.h"
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -7,8 +5,10 @@
 #include <filesystem>
 
 #include "check_report.h"
+#include "commands.h"
 #include "contact_sheet.h"
 #include "ngs/backend/for_each.h"
+#include "ngs/core/formatted.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/folder_index.h"
 #include "ngs/io/image/image_file.h"
@@ -24,7 +24,7 @@
 #include "ngs/stages/render/render_options.h"
 #include "shared/tool.h"
 
-namespace ngs::capture {
+namespace ngs::scene_tool {
 namespace {
 
 namespace fs = std::filesystem;
@@ -166,14 +166,8 @@ ContactSheet write_renders(cli::Run& run, const GaussianCloud& cloud, const Scen
   return sheet;
 }
 
-std::string with_digits(const char* pattern, double value) {
-  char text[48];
-  std::snprintf(text, sizeof text, pattern, value);
-  return text;
-}
-
 std::string numbers(Vec3<double> v) {
-  return with_digits("%.4g,", v.x) + with_digits("%.4g,", v.y) + with_digits("%.4g", v.z);
+  return formatted("%.4g,", v.x) + formatted("%.4g,", v.y) + formatted("%.4g", v.z);
 }
 
 Json chosen_json(const orbit::OrbitCameras& chosen) {
@@ -192,9 +186,9 @@ Json chosen_json(const orbit::OrbitCameras& chosen) {
 
 /// Prints the chosen cameras and warns of low coverage.
 void print_cameras(cli::Run& run, const OrbitOptions& options, const orbit::OrbitCameras& chosen) {
-  const std::string share = with_digits("%.1f %%", 100 * chosen.coverage);
+  const std::string share = formatted("%.1f %%", 100 * chosen.coverage);
   run.text(std::to_string(chosen.cameras.size()) + " cameras " + (chosen.inside ? "inside" : "around") + " the ball " +
-           numbers(chosen.centre) + with_digits(",%.4g", chosen.radius) + ", up " + numbers(chosen.up) +
+           numbers(chosen.centre) + formatted(",%.4g", chosen.radius) + ", up " + numbers(chosen.up) +
            (options.up != UpAxis::kAuto ? ""
             : chosen.up_is_guessed      ? " (from a floor)"
                                         : " (no floor found)") +
@@ -203,7 +197,7 @@ void print_cameras(cli::Run& run, const OrbitOptions& options, const orbit::Orbi
   if (chosen.coverage >= options.coverage) return;
   const bool at_limit = std::ssize(chosen.cameras) >= options.max_views;
   run.monitor().warn("coverage " + share + " of the visible surface, expected " +
-                     with_digits("%.1f %%", 100 * options.coverage) +
+                     formatted("%.1f %%", 100 * options.coverage) +
                      (at_limit ? ": --max-views " + std::to_string(options.max_views) + " is reached"
                                : ": no other camera position shows more of it"));
 }
@@ -259,4 +253,4 @@ int orbit_command(int argc, char** argv) {
   });
 }
 
-}  // namespace ngs::capture
+}  // namespace ngs::scene_tool

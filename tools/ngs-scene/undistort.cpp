@@ -1,11 +1,13 @@
-#include "undistort.h"
+#include "ngs/stages/scene/undistort.h"
 
 #include <algorithm>
 #include <filesystem>
 #include <mutex>
 #include <set>
 
+#include "commands.h"
 #include "ngs/backend/for_each.h"
+#include "ngs/core/folded_name.h"
 #include "ngs/io/capture/capture_source.h"
 #include "ngs/io/capture/sparse_points.h"
 #include "ngs/io/files/atomic_file.h"
@@ -16,10 +18,9 @@
 #include "ngs/io/image/masks.h"
 #include "ngs/options/field.h"
 #include "ngs/scene/view_names.h"
-#include "ngs/stages/scene/straighten.h"
 #include "shared/tool.h"
 
-namespace ngs::capture {
+namespace ngs::scene_tool {
 namespace {
 
 namespace fs = std::filesystem;
@@ -37,14 +38,13 @@ struct UndistortOptions {
 };
 
 /// Cameras of a view before and after.
-struct Straightening {
-  Camera distorted, straight;
+struct UndistortedView {
+  Camera distorted, pinhole;
   const Lens* lens;  // null: pinhole, files are copied
 };
 
 bool is_jpeg(const std::string& name) {
-  std::string ending = fs::path(name).extension().string();
-  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  const std::string ending = lower_case(fs::path(name).extension().string());
   return ending == ".jpg" || ending == ".jpeg";
 }
 
@@ -70,10 +70,10 @@ void write_samples(const std::string& path, const io::RawMask& picture, int jpeg
   io::write_file(path, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
 }
 
-io::RawMask straight_picture(const io::RawMask& picture, const Straightening& view, Resampling resampling) {
+io::RawMask undistorted_picture(const io::RawMask& picture, const UndistortedView& view, Resampling resampling) {
   io::RawMask out = picture;
-  out.width_px = view.straight.width_px, out.height_px = view.straight.height_px;
-  out.data = straightened({}, picture.samples(), {view.distorted, *view.lens}, view.straight, resampling);
+  out.width_px = view.pinhole.width_px, out.height_px = view.pinhole.height_px;
+  out.data = undistorted({}, picture.samples(), {view.distorted, *view.lens}, view.pinhole, resampling);
   return out;
 }
 
@@ -86,13 +86,13 @@ bool is_two_valued(const io::RawMask& mask) {
 }
 
 /// The mask at the photo's size; contours of binary masks are interpolated to subpixel precision.
-io::RawMask straight_mask(const std::string& path, const Straightening& view) {
+io::RawMask undistorted_mask(const std::string& path, const UndistortedView& view) {
   if (io::is_exr(path))
     throw Error(ErrorCode::kBadInput, path + ": an EXR mask, expected PNG or JPEG for a camera with distortion",
                 "save it as a PNG");
   const io::RawMask mask = io::read_mask_raw(path, io::Palette::kIndices);
   const bool binary = is_two_valued(mask);
-  io::RawMask out = straight_picture(mask, view, binary ? Resampling::kBilinear : Resampling::kNearest);
+  io::RawMask out = undistorted_picture(mask, view, binary ? Resampling::kBilinear : Resampling::kNearest);
   if (!binary) return out;
   const std::uint16_t high = *std::ranges::max_element(mask.data);
   for (std::uint16_t& value : out.data) value = 2 * value >= high ? high : 0;
@@ -119,33 +119,33 @@ class Undistortion {
     for (const SceneView& view : source_.capture.views) {
       const auto lens = source_.capture.lenses.find(view.camera.name);
       const bool distorted = lens != source_.capture.lenses.end();
-      Straightening& s =
-          views_.emplace_back(Straightening{view.camera, view.camera, distorted ? &lens->second : nullptr});
+      UndistortedView& s =
+          views_.emplace_back(UndistortedView{view.camera, view.camera, distorted ? &lens->second : nullptr});
       if (!distorted) continue;
-      s.straight = straight_camera({view.camera, lens->second});
-      if (!is_jpeg(view.camera.name)) s.straight.name = as_png(view.camera.name);
+      s.pinhole = undistorted_camera({view.camera, lens->second});
+      if (!is_jpeg(view.camera.name)) s.pinhole.name = as_png(view.camera.name);
     }
   }
 
   std::size_t distorted() const { return source_.capture.lenses.size(); }
   Json sizes() const {
     std::map<std::string, std::size_t> count;
-    for (const Straightening& v : views_)
+    for (const UndistortedView& v : views_)
       if (v.lens)
         ++count[io::to_string({v.distorted.width_px, v.distorted.height_px}) + " -> " +
-                io::to_string({v.straight.width_px, v.straight.height_px})];
+                io::to_string({v.pinhole.width_px, v.pinhole.height_px})];
     return count;
   }
   std::size_t write_photos() const {
     const auto timed = run_.monitor().scope("photos");
     return write_each([this](std::size_t v) { return std::vector<std::string>{source_.capture.views[v].image_path}; },
                       [this](std::size_t v, const std::string& path) {
-                        const Straightening& view = views_[v];
-                        const std::string to = folder_ + "/images/" + view.straight.name;
+                        const UndistortedView& view = views_[v];
+                        const std::string to = folder_ + "/images/" + view.pinhole.name;
                         make_folder_of(to);
                         if (!view.lens) return copy_bytes(path, to);
                         const io::RawMask photo = io::read_mask_raw(path, io::Palette::kColours);
-                        write_samples(to, straight_picture(photo, view, Resampling::kBilinear),
+                        write_samples(to, undistorted_picture(photo, view, Resampling::kBilinear),
                                       is_jpeg(to) ? options_.jpeg_quality : 0);
                       });
   }
@@ -168,12 +168,12 @@ class Undistortion {
                         const std::string to = folder_ + "/" + name + "/" + below;
                         make_folder_of(to);
                         if (!views_[v].lens) return copy_bytes(path, to);
-                        write_samples(as_png(to), straight_mask(path, views_[v]), 0);
+                        write_samples(as_png(to), undistorted_mask(path, views_[v]), 0);
                       });
   }
   void write_cameras() const {
     std::vector<Camera> cameras;
-    for (const Straightening& view : views_) cameras.push_back(view.straight);
+    for (const UndistortedView& view : views_) cameras.push_back(view.pinhole);
     std::vector<SparsePoint> points;
     for (const char* name : {"points3D.bin", "points3D.txt"})
       if (const std::string path = (fs::path(source_.file) / name).generic_string();
@@ -207,7 +207,7 @@ class Undistortion {
   const UndistortOptions& options_;
   io::CaptureSource source_;
   std::string folder_;
-  std::vector<Straightening> views_;
+  std::vector<UndistortedView> views_;
 };
 
 /// Input folders with equal names would share one output folder.
@@ -263,4 +263,4 @@ int undistort_command(int argc, char** argv) {
   });
 }
 
-}  // namespace ngs::capture
+}  // namespace ngs::scene_tool

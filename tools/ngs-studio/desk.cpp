@@ -71,11 +71,11 @@ Json Desk::strokes(Fields request) {
   refuse_while_busy();
   const Stopwatch watch;
   const int object = request.integer("object", 1, 1 << 20);
-  const live::Look look = look_of(request.object("camera"));
+  const live::Viewpoint viewpoint = viewpoint_of(request.object("camera"));
   const std::vector<PromptStroke> drawn = strokes_of(request);
   request.end();
   const std::int64_t before = shown_count(object);
-  const live::StrokeAnswer answer = session_.mark(object, look, drawn);
+  const live::StrokeAnswer answer = session_.mark(object, viewpoint, drawn);
   Json out = changed();
   const double all_s = watch.wall_s();
   const std::int64_t count = shown_count(object);
@@ -146,7 +146,7 @@ Json Desk::objects(Fields request) {
 
 live::FrameRequest Desk::frame_request(Fields& request, bool& moving) const {
   live::FrameRequest frame;
-  live::Look look = look_of(request.object("camera"));
+  live::Viewpoint viewpoint = viewpoint_of(request.object("camera"));
   if (request.has("layer")) {
     const std::string layer = request.text("layer", 20);
     const auto* named = std::ranges::find(kLayers, layer, &NamedValue<live::Layer>::name);
@@ -158,8 +158,8 @@ live::FrameRequest Desk::frame_request(Fields& request, bool& moving) const {
   if (request.has("highlight")) frame.highlight = request.boolean("highlight");
   moving = request.has("moving") && request.boolean("moving");
   request.end();
-  if (moving) look.width_px = (look.width_px + 1) / 2, look.height_px = (look.height_px + 1) / 2;
-  frame.camera = live::camera_of(look);
+  if (moving) viewpoint.width_px = (viewpoint.width_px + 1) / 2, viewpoint.height_px = (viewpoint.height_px + 1) / 2;
+  frame.camera = live::camera_of(viewpoint);
   return frame;
 }
 
@@ -219,7 +219,7 @@ Json Desk::objects_json(const live::Marks& marks) const {
     Focus focus;
     for (const live::ShownObject& s : *shown)
       if (s.id == object.id && s.labels) {
-        left_out = refined ? 0 : s.labels->left_out;
+        left_out = refined ? 0 : s.labels->removed;
         if (s.id == marks.active) focus = focus_of(loaded_.ply.cloud, *s.touched);
       }
     out.push_back({{"id", object.id},
@@ -240,8 +240,8 @@ Json Desk::views_json() const {
   for (const SceneView& view : loaded_.scene.views) {
     if (out.size() == kMaxViews) break;
     const Vec3<double> line = loaded_.first.centre - view.camera.centre();
-    out.push_back(
-        {{"name", view.camera.name}, {"camera", json_of(look_of_view(view.camera, std::max(1e-6, length(line))))}});
+    out.push_back({{"name", view.camera.name},
+                   {"camera", json_of(viewpoint_of_view(view.camera, std::max(1e-6, length(line))))}});
   }
   return out;
 }
@@ -270,12 +270,12 @@ Json Desk::commands_json(const live::Marks& marks) const {
 
 Json Desk::state() const {
   const std::shared_ptr<const live::Marks> marks = session_.marks();
-  const live::FirstLook& first = loaded_.first;
+  const live::InitialViewpoint& first = loaded_.first;
   Json out{{"version", version_.load()},
            {"title", fs::path(place_.source).filename().string()},
            {"gaussians", loaded_.ply.cloud.size()},
            {"bounds", {{"centre", list(first.centre)}, {"radius", first.radius}, {"up", list(first.up)}}},
-           {"start", json_of(first.look)},
+           {"start", json_of(first.viewpoint)},
            {"views", views_json()},
            {"objects", objects_json(*marks)},
            {"active", marks->active},

@@ -66,7 +66,7 @@ class Desk {
   std::atomic<int> version_ = 1;
   std::atomic<bool> shows_before_ = false;
   std::mutex drawing_;              // one frame at a time: each uses all threads
-  live::LastFrame last_still_;      // guarded by drawing_
+  live::CachedStill last_still_;    // guarded by drawing_
   mutable std::mutex mutex_;        // guards the members below
   std::map<int, Refined> refined_;  // by object id
   std::map<int, std::string> quality_;

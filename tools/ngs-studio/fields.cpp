@@ -88,23 +88,26 @@ nlohmann::json parse_body(const std::string& body) {
   }
 }
 
-live::Look look_of(Fields camera) {
-  live::Look look;
-  look.position = camera.vector("position"), look.look_at = camera.vector("look_at"), look.up = camera.vector("up");
-  look.fov_y_deg = camera.number("fov_y_deg", 1, 150);
-  look.width_px = camera.integer("width", kMinSide_px, kMaxSide_px);
-  look.height_px = camera.integer("height", kMinSide_px, kMaxSide_px);
-  if (double(look.width_px) * look.height_px > kMaxPixels) camera.refuse("height", "at most 4096x2304 px in all");
+live::Viewpoint viewpoint_of(Fields camera) {
+  live::Viewpoint viewpoint;
+  viewpoint.position = camera.vector("position"), viewpoint.look_at = camera.vector("look_at"),
+  viewpoint.up = camera.vector("up");
+  viewpoint.fov_y_deg = camera.number("fov_y_deg", 1, 150);
+  viewpoint.width_px = camera.integer("width", kMinSide_px, kMaxSide_px);
+  viewpoint.height_px = camera.integer("height", kMinSide_px, kMaxSide_px);
+  if (double(viewpoint.width_px) * viewpoint.height_px > kMaxPixels)
+    camera.refuse("height", "at most 4096x2304 px in all");
   camera.end();
-  const Vec3<double> line = look.look_at - look.position;
+  const Vec3<double> line = viewpoint.look_at - viewpoint.position;
   if (!(dot(line, line) > 0)) camera.refuse("look_at", "another point than position");
-  return look;
+  return viewpoint;
 }
 
-Json json_of(const live::Look& look) {
+Json json_of(const live::Viewpoint& viewpoint) {
   const auto list = [](Vec3<double> v) { return Json{v.x, v.y, v.z}; };
-  return {{"position", list(look.position)}, {"look_at", list(look.look_at)}, {"up", list(look.up)},
-          {"fov_y_deg", look.fov_y_deg},     {"width", look.width_px},        {"height", look.height_px}};
+  return {
+      {"position", list(viewpoint.position)}, {"look_at", list(viewpoint.look_at)}, {"up", list(viewpoint.up)},
+      {"fov_y_deg", viewpoint.fov_y_deg},     {"width", viewpoint.width_px},        {"height", viewpoint.height_px}};
 }
 
 }  // namespace ngs::studio

@@ -4,7 +4,7 @@
 #include <set>
 #include <string>
 
-#include "ngs/stages/live/look.h"
+#include "ngs/stages/live/viewpoint.h"
 #include "reply.h"
 
 namespace ngs::studio {
@@ -39,7 +39,7 @@ class Fields {
 /// The body of a request; an empty one is {}.
 nlohmann::json parse_body(const std::string& body);
 
-live::Look look_of(Fields camera);
-Json json_of(const live::Look& look);
+live::Viewpoint viewpoint_of(Fields camera);
+Json json_of(const live::Viewpoint& viewpoint);
 
 }  // namespace ngs::studio

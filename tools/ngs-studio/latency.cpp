@@ -2,18 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 
 #include "ngs/core/monitor.h"
+#include "ngs/os/process_usage.h"
 
 namespace ngs::studio {
 namespace {
-
-double process_s() {
-  timespec time{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
-}
 
 nlohmann::ordered_json quantile(std::vector<double> ms, double share) {
   if (ms.empty()) return nullptr;
@@ -23,9 +17,9 @@ nlohmann::ordered_json quantile(std::vector<double> ms, double share) {
 
 }  // namespace
 
-Stopwatch::Stopwatch() : wall_start_s(wall_seconds()), cpu_start_s(process_s()) {}
+Stopwatch::Stopwatch() : wall_start_s(wall_seconds()), cpu_start_s(os::cpu_seconds()) {}
 double Stopwatch::wall_s() const { return wall_seconds() - wall_start_s; }
-double Stopwatch::cpu_s() const { return process_s() - cpu_start_s; }
+double Stopwatch::cpu_s() const { return os::cpu_seconds() - cpu_start_s; }
 
 nlohmann::ordered_json Latencies::json() const {
   return {{"n", wall_ms_.size()},

@@ -11,15 +11,15 @@
 
 namespace ngs::studio {
 
-live::Look look_of_view(const Camera& camera, double distance) {
+live::Viewpoint viewpoint_of_view(const Camera& camera, double distance) {
   const Mat3<double>& r = camera.rotation;
-  live::Look look;
-  look.position = camera.centre();
-  look.look_at = look.position + distance * Vec3<double>{r(2, 0), r(2, 1), r(2, 2)};
-  look.up = -1.0 * Vec3<double>{r(1, 0), r(1, 1), r(1, 2)};
-  look.fov_y_deg = 360 / std::numbers::pi * std::atan(0.5 * camera.height_px / camera.fy);
-  look.width_px = camera.width_px, look.height_px = camera.height_px;
-  return look;
+  live::Viewpoint viewpoint;
+  viewpoint.position = camera.centre();
+  viewpoint.look_at = viewpoint.position + distance * Vec3<double>{r(2, 0), r(2, 1), r(2, 2)};
+  viewpoint.up = -1.0 * Vec3<double>{r(1, 0), r(1, 1), r(1, 2)};
+  viewpoint.fov_y_deg = 360 / std::numbers::pi * std::atan(0.5 * camera.height_px / camera.fy);
+  viewpoint.width_px = camera.width_px, viewpoint.height_px = camera.height_px;
+  return viewpoint;
 }
 
 LoadedModel::LoadedModel(const Exec& exec, const std::string& source) {
@@ -33,14 +33,14 @@ LoadedModel::LoadedModel(const Exec& exec, const std::string& source) {
     scene.model_path = source, scene.objects = {SceneObject{}};
   }
   ply = io::read_gaussian_ply(scene.model_path);
-  first = with_context(scene.model_path, [&] { return live::first_look(exec, ply.cloud); });
+  first = with_context(scene.model_path, [&] { return live::initial_viewpoint(exec, ply.cloud); });
   if (!is_scene) scene.world_unit = first.world_unit;
   splat = prepared_for(exec, splat_options({}, ply.cloud, scene), ply.cloud);
   if (is_scene && !scene.views.empty()) {
     const Camera& camera = scene.views.front().camera;
     const Vec3<double> line = first.centre - camera.centre();
-    first.look = look_of_view(camera, std::max(0.1 * first.radius, length(line)));
-    first.up = first.look.up;
+    first.viewpoint = viewpoint_of_view(camera, std::max(0.1 * first.radius, length(line)));
+    first.up = first.viewpoint.up;
   }
 }
 

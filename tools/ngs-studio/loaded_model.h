@@ -18,13 +18,13 @@ struct LoadedModel {
   Scene scene;  // for a splat without a scene: world unit and model path only, no views
   io::GaussianPly ply;
   SplatOptions splat;
-  live::FirstLook first;
+  live::InitialViewpoint first;
 
   live::Model model() const { return {ply.cloud, splat, background_of(scene)}; }
 };
 
-/// Look of a scene's camera, with the principal point moved to the image centre.
-live::Look look_of_view(const Camera& camera, double distance);
+/// Viewpoint of a scene's camera, with the principal point moved to the image centre.
+live::Viewpoint viewpoint_of_view(const Camera& camera, double distance);
 
 /// A labelled result of Refine.
 struct RefinedModel {

@@ -67,7 +67,7 @@ std::optional<live::Marks> StateFolder::load(const std::string& source) const {
   for (live::ObjectMarks& object : marks.objects)
     for (std::shared_ptr<const live::MarkedView>& view : object.views) {
       live::MarkedView with_mask = *view;
-      const Camera camera = live::at_segmented_size(live::camera_of(with_mask.look));
+      const Camera camera = live::at_segmented_size(live::camera_of(with_mask.viewpoint));
       with_mask.mask = read_mask(of(object.id, "masks/" + with_mask.name), camera);
       view = std::make_shared<const live::MarkedView>(std::move(with_mask));
     }

@@ -66,8 +66,8 @@ live::MarkedView view_of(Fields view) {
   out.name = view.text("name", 40);
   if (out.name.size() != 8 || out.name.find_first_not_of("0123456789") != 4 || !out.name.ends_with(".png"))
     view.refuse("name", "a name such as 0001.png");
-  out.look = look_of(view.object("look"));
-  out.strokes = {out.name, out.look.width_px, out.look.height_px, strokes_of(view), {}, {}, {}};
+  out.viewpoint = viewpoint_of(view.object("look"));
+  out.strokes = {out.name, out.viewpoint.width_px, out.viewpoint.height_px, strokes_of(view), {}, {}, {}};
   view.end();
   return out;
 }
@@ -115,7 +115,7 @@ Json json_of(const live::Marks& marks, const std::string& source) {
     Json views = Json::array();
     for (const auto& view : object.views)
       views.push_back(
-          {{"name", view->name}, {"look", json_of(view->look)}, {"strokes", json_of(view->strokes.strokes)}});
+          {{"name", view->name}, {"look", json_of(view->viewpoint)}, {"strokes", json_of(view->strokes.strokes)}});
     objects.push_back({{"id", object.id},
                        {"name", object.name},
                        {"colour", object.colour},
@@ -152,8 +152,8 @@ Json strokes_json(const live::ObjectMarks& object) {
   Json views = Json::array();
   for (const auto& view : object.views)
     views.push_back({{"view", view->name},
-                     {"width", view->look.width_px},
-                     {"height", view->look.height_px},
+                     {"width", view->viewpoint.width_px},
+                     {"height", view->viewpoint.height_px},
                      {"strokes", prompt_strokes(view->strokes.strokes)}});
   return {{"ngs_prompts", 2}, {"views", std::move(views)}};
 }

@@ -105,9 +105,7 @@ Scene scene_of(cli::Run& run, const io::EvidencePart& sum, const std::string& gi
     run.add_input("scene", path);
   }
   Scene scene = with_columns(io::read_scene_json(path), sum.objects, path);
-  // Parts written before made_with existed do not identify their scene.
-  if (const std::string made_from = scene_identity(path);
-      !sum.made_with.empty() && !sum.made_with.starts_with(made_from + ","))
+  if (const std::string made_from = scene_identity(path); !sum.made_with.starts_with(made_from + ","))
     throw Error(ErrorCode::kInconsistent,
                 path + ": is " + made_from + ", but the parts were made with " + sum.made_with,
                 "give the scene.json of the parts, or make them again from this one");

@@ -12,7 +12,7 @@
 #include "ngs/io/scene/scene_json.h"
 #include "shared/tool.h"
 
-namespace ngs::front {
+namespace ngs::ngs_tool {
 namespace {
 
 namespace fs = std::filesystem;
@@ -236,4 +236,4 @@ int cut_command(int argc, char** argv) {
   });
 }
 
-}  // namespace ngs::front
+}  // namespace ngs::ngs_tool

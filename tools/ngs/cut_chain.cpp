@@ -14,7 +14,7 @@
 #include "ngs/stages/render/render_options.h"
 #include "painted_pictures.h"
 
-namespace ngs::front {
+namespace ngs::ngs_tool {
 namespace {
 
 namespace fs = std::filesystem;
@@ -396,4 +396,4 @@ bool CutChain::score() {
   return write_page();
 }
 
-}  // namespace ngs::front
+}  // namespace ngs::ngs_tool

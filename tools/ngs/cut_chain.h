@@ -21,7 +21,7 @@
 #include "stage_runner.h"
 #include "stroke_check.h"
 
-namespace ngs::front {
+namespace ngs::ngs_tool {
 
 enum class CutEnd { kDone, kNeedsStrokes, kStopped };
 
@@ -87,4 +87,4 @@ class CutChain {
   bool kept_untrained_ = false;
 };
 
-}  // namespace ngs::front
+}  // namespace ngs::ngs_tool

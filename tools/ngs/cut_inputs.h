@@ -4,9 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "cut_source.h"
+namespace ngs::ngs_tool {
 
-namespace ngs::front {
+/// A splat without photos, a capture, or a scene.json.
+enum class SourceKind { kSplat, kCapture, kScene };
 
 struct CutInputs {
   std::string source;  // as given on the command line
@@ -23,4 +24,15 @@ struct CutInputs {
   std::string splat() const { return kind == SourceKind::kSplat ? source : model; }  // with has_renders
 };
 
-}  // namespace ngs::front
+/// Detects the kind: a folder, transforms.json, cameras.json or poses_bounds.npy is a capture, a JSON file with
+/// "ngs_scene" a scene, everything else a splat, whose reader reports errors. Throws kBadInput if the path does not
+/// exist.
+SourceKind kind_of(const std::string& path);
+
+/// False for an empty path and for one that cannot be read.
+bool exists(const std::string& path);
+
+/// Throws kBadInput, with a list of the files found, if the capture has no splat.
+void require_model_in(const std::string& path);
+
+}  // namespace ngs::ngs_tool

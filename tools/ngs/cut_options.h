@@ -8,7 +8,7 @@
 #include "ngs/stages/scene/scene_check.h"
 #include "shared/scene/import_options.h"
 
-namespace ngs::front {
+namespace ngs::ngs_tool {
 
 enum class CutMethod { kNgs, kFlash };
 inline constexpr NamedValue<CutMethod> kCutMethods[] = {{CutMethod::kNgs, "ngs"}, {CutMethod::kFlash, "flash"}};
@@ -53,16 +53,16 @@ struct CutOptions {
 
 /// The options of ngs-scene import for a capture that CutOptions does not have.
 struct CaptureOptions {
-  capture::ImportOptions import;
+  cli::ImportOptions import;
   SceneCheckOptions checks;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    capture::ImportOptions::describe(self.import, [&](auto& value, const auto& field) {
+    cli::ImportOptions::describe(self.import, [&](auto& value, const auto& field) {
       if (field.name != "hold_out" && field.name != "image_scale") visit(value, field);
     });
     SceneCheckOptions::describe(self.checks, visit);
   }
 };
 
-}  // namespace ngs::front
+}  // namespace ngs::ngs_tool

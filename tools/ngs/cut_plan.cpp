@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
-namespace ngs::front {
+#include "shared/text/text_columns.h"
+
+namespace ngs::ngs_tool {
 namespace {
 
 /// Times of ngs-joint, as of the other steps measured on splats of some 80,000 Gaussians with 29 pictures.
@@ -20,10 +22,6 @@ void add_masks_of_strokes(const CutOptions& options, const CutInputs& inputs, st
   if (inputs.has_renders) steps.push_back({"first look", "finding the object", "ngs cut", "marked/", 5, true});
   const double share = options.quality == Quality::kDraft ? 12 : 30;
   steps.push_back({"ngs-mask", "outlining the object in the pictures", "ngs-mask", "strokes/", share, true});
-}
-
-std::string padded(const std::string& text, std::size_t width) {
-  return text + std::string(text.size() < width ? width - text.size() : 0, ' ');
 }
 
 }  // namespace
@@ -58,14 +56,14 @@ std::vector<PlannedStep> planned_steps(const CutOptions& options, const CutInput
 }
 
 std::string plan_text(const std::vector<PlannedStep>& steps, const std::string& out) {
-  std::size_t words = 0, tool = 0;
+  int words = 0, tool = 0;
   for (const PlannedStep& step : steps)
-    words = std::max(words, step.words.size()), tool = std::max(tool, step.tool.size());
+    words = std::max(words, cli::columns_of(step.words)), tool = std::max(tool, cli::columns_of(step.tool));
   std::string text = "steps, with their files in " + out + "/:\n";
   for (std::size_t k = 0; k < steps.size(); ++k)
-    text += padded(std::to_string(k + 1) + ".", 4) + padded(steps[k].words, words + 2) +
-            padded(steps[k].tool, tool + 2) + steps[k].files + "\n";
+    text += cli::padded(std::to_string(k + 1) + ".", 4) + cli::padded(steps[k].words, words + 2) +
+            cli::padded(steps[k].tool, tool + 2) + steps[k].files + "\n";
   return text;
 }
 
-}  // namespace ngs::front
+}  // namespace ngs::ngs_tool

@@ -6,7 +6,7 @@
 #include "cut_inputs.h"
 #include "cut_options.h"
 
-namespace ngs::front {
+namespace ngs::ngs_tool {
 
 struct PlannedStep {
   std::string name;         // of the stage, as for StageRunner
@@ -29,4 +29,4 @@ std::vector<PlannedStep> planned_steps(const CutOptions& options, const CutInput
 /// A table of the steps: number, words, tool, files.
 std::string plan_text(const std::vector<PlannedStep>& steps, const std::string& out);
 
-}  // namespace ngs::front
+}  // namespace ngs::ngs_tool

@@ -9,8 +9,9 @@
 #include "ngs/io/files/json_file.h"
 #include "ngs/io/scene/scene_json.h"
 #include "shared/run/sibling_program.h"
+#include "shared/text/text_columns.h"
 
-namespace ngs::front {
+namespace ngs::ngs_tool {
 namespace {
 
 namespace fs = std::filesystem;
@@ -89,7 +90,7 @@ std::string time_line(const CutChain& chain) {
 }
 
 void row(std::string& text, const std::string& name, const std::string& what) {
-  text += name + std::string(name.size() < 12 ? 12 - name.size() : 1, ' ') + what + "\n";
+  text += cli::padded(name, 12) + what + "\n";
 }
 
 std::string with_count(const std::string& path, std::int64_t count) {
@@ -220,4 +221,4 @@ Json summary_json(const CutChain& chain) {
   return json;
 }
 
-}  // namespace ngs::front
+}  // namespace ngs::ngs_tool

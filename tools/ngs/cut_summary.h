@@ -4,7 +4,7 @@
 
 #include "cut_chain.h"
 
-namespace ngs::front {
+namespace ngs::ngs_tool {
 
 /// About ten lines of text: files, scores, time, warnings and the next step.
 std::string summary_of(const CutChain& chain);
@@ -20,4 +20,4 @@ std::string stopped_text(const CutChain& chain);
 /// The summary as JSON.
 Json summary_json(const CutChain& chain);
 
-}  // namespace ngs::front
+}  // namespace ngs::ngs_tool

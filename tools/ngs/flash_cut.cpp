@@ -15,7 +15,7 @@
 #include "ngs/stages/select/view_agreement.h"
 #include "shared/scene/prompt_input.h"
 
-namespace ngs::front {
+namespace ngs::ngs_tool {
 namespace {
 
 namespace fs = std::filesystem;
@@ -26,10 +26,8 @@ constexpr int kMaxViews = 32;
 
 void render_masks_from_labels(const cli::Run& run, const GaussianCloud& cloud, FlashCut& cut) {
   const SplatOptions splat = prepared_for(run.exec(), splat_options({}, cloud, cut.scene), cloud);
-  RenderRequest request;
-  request.colour = false;
   const std::vector<float> label = cut.labels.label.values();
-  request.label = {label.data(), cloud.size(), 1};
+  const RenderRequest request{.colour = false, .label = {label.data(), cloud.size(), 1}};
   for (std::size_t v = 0; v < cut.masks.size(); ++v) {
     const RenderedView view = render(run.exec(), cloud, cut.cameras[v], splat, request);
     for (std::size_t p = 0; p < cut.masks[v].size(); ++p) cut.masks[v][p] = label_is_foreground(view.label.data[p]);
@@ -99,7 +97,7 @@ std::optional<FlashCut> flash_cut(cli::Run& run, const io::GaussianPly& ply, con
   live::BallCut cut = live::cut_in_ball(run.exec(), monitor, input);
   if (monitor.stop_requested()) return std::nullopt;
   out.labels = std::move(cut.labels), out.cameras = std::move(cut.cameras), out.is_expected = cut.is_expected;
-  out.figures = {cut.object, ply.cloud.size() - cut.object, cut.in_ball, cut.left_out, cut.needles, cut.views.size(), 0,
+  out.figures = {cut.object, ply.cloud.size() - cut.object, cut.in_ball, cut.removed, cut.needles, cut.views.size(), 0,
                  0};
   for (SpreadView& view : cut.views) {
     const bool segmented = view.source == MaskSource::kReference || view.source == MaskSource::kSegmented;
@@ -110,4 +108,4 @@ std::optional<FlashCut> flash_cut(cli::Run& run, const io::GaussianPly& ply, con
   return out;
 }
 
-}  // namespace ngs::front
+}  // namespace ngs::ngs_tool

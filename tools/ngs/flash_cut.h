@@ -13,7 +13,7 @@
 #include "ngs/scene/view_prompt.h"
 #include "shared/run/run.h"
 
-namespace ngs::front {
+namespace ngs::ngs_tool {
 
 struct FlashInputs {
   std::string scene;   // scene file with the cameras and the images of the strokes
@@ -62,4 +62,4 @@ void keep_boundary_labels(const std::string& path, const LabelColumns& first);
 /// Value of ngs-scene orbit --max-views: --view-count, else a limit for --method flash; empty: the default.
 std::string max_views(const CutOptions& options);
 
-}  // namespace ngs::front
+}  // namespace ngs::ngs_tool

@@ -15,7 +15,7 @@ using namespace ngs;
 
 int run_sibling(const std::string& program, const std::vector<std::string>& words) {
   try {
-    front::exec_program(program, words);
+    ngs_tool::exec_program(program, words);
   } catch (const Error& e) {
     std::fprintf(stderr, "ngs: error: %s\nngs: hint: %s\n", e.what(), e.remedy().c_str());
     return int(e.code());
@@ -24,9 +24,9 @@ int run_sibling(const std::string& program, const std::vector<std::string>& word
 
 std::vector<cli::Command> commands() {
   std::vector<cli::Command> all = {
-      {"cut", front::cut_command,
+      {"cut", ngs_tool::cut_command,
        "cut an object out of a splat, a capture or a scene: the whole chain in one command"}};
-  for (const front::Sibling& tool : front::siblings())
+  for (const ngs_tool::Sibling& tool : ngs_tool::siblings())
     all.push_back({tool.command,
                    [program = std::string(tool.program)](int argc, char** argv) {
                      return run_sibling(program, {argv + 1, argv + argc});

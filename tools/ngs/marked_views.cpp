@@ -10,7 +10,7 @@
 #include "ngs/stages/masks/rasterise_prompt.h"
 #include "shared/scene/prompt_input.h"
 
-namespace ngs::front {
+namespace ngs::ngs_tool {
 namespace {
 
 namespace fs = std::filesystem;
@@ -69,4 +69,4 @@ void write_marked_views(cli::Run& run, const StrokeFiles& files, const std::stri
   }
 }
 
-}  // namespace ngs::front
+}  // namespace ngs::ngs_tool

@@ -5,7 +5,7 @@
 
 #include "shared/run/run.h"
 
-namespace ngs::front {
+namespace ngs::ngs_tool {
 
 struct StrokeFiles {
   std::string scene;  // scene file with the views
@@ -22,4 +22,4 @@ std::string strokes_text(cli::Run& run, const std::string& scene, const std::str
 /// Writes the picture of every marked view with its strokes, STEM.png, to the folder, which it replaces.
 void write_marked_views(cli::Run& run, const StrokeFiles& files, const std::string& folder);
 
-}  // namespace ngs::front
+}  // namespace ngs::ngs_tool

@@ -11,7 +11,7 @@
 #include "ngs/io/files/json_file.h"
 #include "ngs/scene/view_names.h"
 
-namespace ngs::front {
+namespace ngs::ngs_tool {
 
 namespace fs = std::filesystem;
 
@@ -76,4 +76,4 @@ std::vector<std::string> not_in_folder(const std::vector<std::string>& strokes, 
   return out;
 }
 
-}  // namespace ngs::front
+}  // namespace ngs::ngs_tool

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-namespace ngs::front {
+namespace ngs::ngs_tool {
 
 /// Writes hashes of the images in `folder` to the file `record`.
 void record_pictures(const std::string& folder, const std::string& record);
@@ -29,4 +29,4 @@ std::vector<std::string> strokes_on_copies(const std::vector<std::string>& strok
 /// `strokes` without the files in `folder`, which were painted in place.
 std::vector<std::string> not_in_folder(const std::vector<std::string>& strokes, const std::string& folder);
 
-}  // namespace ngs::front
+}  // namespace ngs::ngs_tool

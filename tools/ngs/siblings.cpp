@@ -6,7 +6,7 @@
 #include "shared/os/process.h"
 #include "shared/run/sibling_program.h"
 
-namespace ngs::front {
+namespace ngs::ngs_tool {
 
 const std::vector<Sibling>& siblings() {
   static const std::vector<Sibling> all = {
@@ -35,4 +35,4 @@ void exec_program(const std::string& program, const std::vector<std::string>& wo
   throw Error(ErrorCode::kEnvironment, argv[0] + ": cannot be started: " + std::strerror(reason));
 }
 
-}  // namespace ngs::front
+}  // namespace ngs::ngs_tool

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-namespace ngs::front {
+namespace ngs::ngs_tool {
 
 struct Sibling {
   const char* command;  // "mask"
@@ -17,4 +17,4 @@ const std::vector<Sibling>& siblings();
 /// of the program. Returns only by throwing kEnvironment.
 [[noreturn]] void exec_program(const std::string& program, const std::vector<std::string>& words);
 
-}  // namespace ngs::front
+}  // namespace ngs::ngs_tool

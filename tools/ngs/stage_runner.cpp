@@ -15,7 +15,7 @@
 #include "shared/run/sibling_program.h"
 #include "shared/run/signals.h"
 
-namespace ngs::front {
+namespace ngs::ngs_tool {
 namespace {
 
 namespace fs = std::filesystem;
@@ -139,4 +139,4 @@ bool StageRunner::run(const std::string& name, const Words& words) {
   return true;
 }
 
-}  // namespace ngs::front
+}  // namespace ngs::ngs_tool

@@ -9,7 +9,7 @@
 #include "shared/progress/chain_clock.h"
 #include "shared/run/run.h"
 
-namespace ngs::front {
+namespace ngs::ngs_tool {
 
 using Words = std::vector<std::string>;
 
@@ -67,4 +67,4 @@ class StageRunner {
   std::string error_, hint_;  // of the running tool
 };
 
-}  // namespace ngs::front
+}  // namespace ngs::ngs_tool

@@ -9,7 +9,7 @@
 #include "ngs/stages/render/render_options.h"
 #include "shared/scene/prompt_input.h"
 
-namespace ngs::front {
+namespace ngs::ngs_tool {
 namespace {
 
 constexpr std::size_t kMaxListed = 3;
@@ -56,4 +56,4 @@ std::string broken_text(const StrokeAgreement& agreement) {
   return text;
 }
 
-}  // namespace ngs::front
+}  // namespace ngs::ngs_tool

@@ -8,7 +8,7 @@
 #include "ngs/stages/select/touched_pieces.h"
 #include "shared/run/run.h"
 
-namespace ngs::front {
+namespace ngs::ngs_tool {
 
 class StrokeCheck {
  public:
@@ -32,4 +32,4 @@ class StrokeCheck {
 /// "0003.png: 87 % of the background stroke at 412,530 is object; 0007.png: ...", three at most.
 std::string broken_text(const StrokeAgreement& agreement);
 
-}  // namespace ngs::front
+}  // namespace ngs::ngs_tool

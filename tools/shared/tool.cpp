@@ -14,73 +14,40 @@
 
 namespace ngs::cli {
 
-struct Tool::Impl {
-  Spec spec;
+Tool::Tool(std::string name, std::string summary, std::initializer_list<std::string> examples) {
+  spec_.name = std::move(name);
+  spec_.summary = std::move(summary);
+  spec_.examples = examples;
+}
 
-  Input& add_input(std::string name, std::string help, bool required, std::string also = {}) {
-    Input& input = spec.inputs.emplace_back(
-        Input{.name = std::move(name), .help = std::move(help), .required = required, .also = std::move(also)});
-    if (input.name[0] != '-') add_positional(input.name, input.path);
-    return input;
-  }
-  void add_positional(const std::string& name, std::string& target) {
-    spec.positionals.push_back(&target);
-    spec.positional_names.push_back(name);
-  }
-  Output& add_output(std::string flags, std::string help, bool required, bool directory) {
-    return spec.outputs.emplace_back(
-        Output{.flags = std::move(flags), .help = std::move(help), .required = required, .directory = directory});
-  }
-};
+Input& Tool::add_input(std::string name, std::string help, bool required, std::string also) {
+  Input& input = spec_.inputs.emplace_back(
+      Input{.name = std::move(name), .help = std::move(help), .required = required, .also = std::move(also)});
+  if (input.name[0] != '-') add_positional(input.name, input.path);
+  return input;
+}
 
-Tool::Tool(std::string name, std::string summary, std::initializer_list<std::string> examples)
-    : impl_(std::make_unique<Impl>()) {
-  impl_->spec.name = std::move(name);
-  impl_->spec.summary = std::move(summary);
-  impl_->spec.examples = examples;
+void Tool::add_positional(const std::string& name, std::string& target) {
+  spec_.positionals.push_back(&target);
+  spec_.positional_names.push_back(name);
 }
-Tool::~Tool() = default;
 
-OptionSet& Tool::option_set() { return impl_->spec.options; }
-const Input& Tool::input(std::string name, std::string help) {
-  return impl_->add_input(std::move(name), std::move(help), true);
+Output& Tool::add_output(std::string flags, std::string help, bool required, bool directory) {
+  return spec_.outputs.emplace_back(
+      Output{.flags = std::move(flags), .help = std::move(help), .required = required, .directory = directory});
 }
-const Input& Tool::optional_input(std::string name, std::string help, std::string also) {
-  return impl_->add_input(std::move(name), std::move(help), false, std::move(also));
-}
-const Inputs& Tool::inputs(std::string name, std::string help) {
-  return impl_->spec.input_lists.emplace_back(Inputs{std::move(name), std::move(help), {}});
-}
+
 const Argument& Tool::argument(std::string name, std::string help) {
-  Argument& argument = impl_->spec.arguments.emplace_back(Argument{std::move(name), std::move(help), {}});
-  impl_->add_positional(argument.name, argument.value);
+  Argument& argument = spec_.arguments.emplace_back(Argument{std::move(name), std::move(help), {}});
+  add_positional(argument.name, argument.value);
   return argument;
 }
-const Output& Tool::output(std::string flags, std::string help) {
-  return impl_->add_output(std::move(flags), std::move(help), true, false);
-}
-const Output& Tool::optional_output(std::string flags, std::string help) {
-  return impl_->add_output(std::move(flags), std::move(help), false, false);
-}
-const Output& Tool::output_dir(std::string flags, std::string help) {
-  return impl_->add_output(std::move(flags), std::move(help), true, true);
-}
-const Output& Tool::optional_output_dir(std::string flags, std::string help) {
-  return impl_->add_output(std::move(flags), std::move(help), false, true);
-}
+
 const Output& Tool::resumed_output_dir(std::string flags, std::string help) {
-  Output& output = impl_->add_output(std::move(flags), std::move(help), false, true);
+  Output& output = add_output(std::move(flags), std::move(help), false, true);
   output.resumes = true;
   return output;
 }
-void Tool::writes_nothing_if(const bool& option) { impl_->spec.writes_nothing_if.push_back(&option); }
-void Tool::help(std::string name, std::function<std::string(bool in_full)> text) {
-  impl_->spec.help_topics.push_back({std::move(name), std::move(text)});
-}
-void Tool::reports_on_request() { impl_->spec.reports_on_request = true; }
-void Tool::stops_on_request() { impl_->spec.stops_on_request = true; }
-void Tool::runs_on_device() { impl_->spec.runs_on_device = true; }
-void Tool::runs_partly_on_device() { impl_->spec.runs_on_device = impl_->spec.partly_on_device = true; }
 
 namespace {
 
@@ -129,19 +96,18 @@ int guarded(Console& console, const std::function<int()>& body) {
 int Tool::run(int argc, char** argv, const std::function<int(Run&)>& body) {
   std::locale::global(std::locale::classic());
   os::keep_freed_memory();
-  Spec& spec = impl_->spec;
-  Console early(spec.name, LogLevel::kWarning, LogFormat::kText);
+  Console early(spec_.name, LogLevel::kWarning, LogFormat::kText);
   CommonFlags flags;
   const int parsed = guarded(early, [&] {
-    flags = parse_command_line(argc, argv, spec);
+    flags = parse_command_line(argc, argv, spec_);
     return 0;
   });
   if (parsed != 0) return parsed;
-  Console console(spec.name, flags.shown_level(), flags.log_format);
+  Console console(spec_.name, flags.shown_level(), flags.log_format);
   return guarded(console, [&] {
     if (flags.print_options)
       for (const std::string& warning : flags.warnings) console.warning(warning);
-    return print_text(spec, flags) ? kDone : execute(spec, flags, console, body);
+    return print_text(spec_, flags) ? kDone : execute(spec_, flags, console, body);
   });
 }
 

@@ -16,13 +16,13 @@
 // (run/streams.h); the report then goes to --report only.
 #include <functional>
 #include <initializer_list>
-#include <memory>
 #include <string>
 #include <string_view>
 
 #include "ngs/options/option_set.h"
 #include "shared/cli/arguments.h"
 #include "shared/cli/exit_code.h"
+#include "shared/cli/spec.h"
 #include "shared/run/run.h"
 
 namespace ngs::cli {
@@ -31,7 +31,6 @@ class Tool {
  public:
   /// `examples`: at least one command line; the first two open the help text.
   Tool(std::string name, std::string summary, std::initializer_list<std::string> examples);
-  ~Tool();
   Tool(const Tool&) = delete;
   Tool& operator=(const Tool&) = delete;
 
@@ -47,42 +46,59 @@ class Tool {
     option_set().add(options, prefix);
   }
   /// For code that adds its own groups.
-  OptionSet& option_set();
-  const Input& input(std::string name, std::string help);
+  OptionSet& option_set() { return spec_.options; }
+  const Input& input(std::string name, std::string help) { return add_input(std::move(name), std::move(help), true); }
   /// `also`: a second flag for the same input.
-  const Input& optional_input(std::string name, std::string help, std::string also = {});
+  const Input& optional_input(std::string name, std::string help, std::string also = {}) {
+    return add_input(std::move(name), std::move(help), false, std::move(also));
+  }
   /// A positional name: one or more paths after the other positionals. A flag: any number of paths, repeated or
   /// separated by commas.
-  const Inputs& inputs(std::string name, std::string help);
+  const Inputs& inputs(std::string name, std::string help) {
+    return spec_.input_lists.emplace_back(Inputs{std::move(name), std::move(help), {}});
+  }
   const Argument& argument(std::string name, std::string help);
-  const Output& output(std::string flags, std::string help);
-  const Output& optional_output(std::string flags, std::string help);
-  const Output& output_dir(std::string flags, std::string help);
-  const Output& optional_output_dir(std::string flags, std::string help);
+  const Output& output(std::string flags, std::string help) {
+    return add_output(std::move(flags), std::move(help), true, false);
+  }
+  const Output& optional_output(std::string flags, std::string help) {
+    return add_output(std::move(flags), std::move(help), false, false);
+  }
+  const Output& output_dir(std::string flags, std::string help) {
+    return add_output(std::move(flags), std::move(help), true, true);
+  }
+  const Output& optional_output_dir(std::string flags, std::string help) {
+    return add_output(std::move(flags), std::move(help), false, true);
+  }
   /// Optional folder that may contain the files of an earlier run, with or without -w. The tool creates it and checks
   /// its contents.
   const Output& resumed_output_dir(std::string flags, std::string help);
   /// If this option is set the tool writes nothing and needs no output, as in a dry run.
-  void writes_nothing_if(const bool& option);
+  void writes_nothing_if(const bool& option) { spec_.writes_nothing_if.push_back(&option); }
   /// A section of --help after the options, also shown by --help NAME. Called once the command line is parsed; an empty
   /// text is not shown.
-  void help(std::string name, std::function<std::string(bool in_full)> text);
+  void help(std::string name, std::function<std::string(bool in_full)> text) {
+    spec_.help_topics.push_back({std::move(name), std::move(text)});
+  }
   /// For a tool that people run: the JSON report is written to --report, or with --json to stdout, never unrequested.
-  void reports_on_request();
+  void reports_on_request() { spec_.reports_on_request = true; }
   /// The body polls monitor().stop_requested(). It has 0.3 s to return after a signal, or unlimited time while a
   /// SignalGrace exists (run/signals.h). Without this call a signal ends the tool at once, without output.
-  void stops_on_request();
+  void stops_on_request() { spec_.stops_on_request = true; }
   /// Every stage of the body runs through ops that have a device path. Without this call --device cuda is an error.
-  void runs_on_device();
+  void runs_on_device() { spec_.runs_on_device = true; }
   /// Only parts of the body have a device path: they use Run::device_exec(); Run::exec() is the CPU.
-  void runs_partly_on_device();
+  void runs_partly_on_device() { spec_.runs_on_device = spec_.partly_on_device = true; }
 
   /// Returns the exit code. The body returns kDone, kCheckFailed, kBudgetHit or run.stop_code().
   int run(int argc, char** argv, const std::function<int(Run&)>& body);
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  Input& add_input(std::string name, std::string help, bool required, std::string also = {});
+  void add_positional(const std::string& name, std::string& target);
+  Output& add_output(std::string flags, std::string help, bool required, bool directory);
+
+  Spec spec_;
 };
 
 }  // namespace ngs::cli

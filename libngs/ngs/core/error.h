@@ -1,5 +1,5 @@
 #pragma once
-// The one exception type of the library. The numbers are the exit codes of the tools.
+// The one exception type of the library. The numbers are exit codes of the tools.
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -12,7 +12,6 @@ enum class ErrorCode : int {
   kInconsistent = 4,  // inputs contradict each other (poses, PLY, masks)
   kNothingFound = 5,  // empty boundary or object
   kNumeric = 6,       // a non-finite value crossed a stage boundary
-  kBudget = 7,        // budget hit; a usable partial result was written
   kEnvironment = 8,   // cannot write, no memory, no such device
 };
 

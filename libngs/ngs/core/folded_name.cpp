@@ -107,4 +107,11 @@ std::string folded_name(std::string_view name) {
   return out;
 }
 
+std::string lower_case(std::string_view name) {
+  std::string lower(name);
+  for (char& c : lower)
+    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+  return lower;
+}
+
 }  // namespace ngs

@@ -10,4 +10,7 @@ namespace ngs {
 /// and ASCII letters in lower case. Bytes that are not UTF-8 stay as they are.
 std::string folded_name(std::string_view name);
 
+/// ASCII letters in lower case.
+std::string lower_case(std::string_view name);
+
 }  // namespace ngs

@@ -105,8 +105,4 @@ BceResult solve_bce(const Exec& exec, Monitor& monitor, const BceOptions& option
   return result;
 }
 
-Solution run_bce(const Exec& exec, Monitor& monitor, const BceOptions& options, const Problem& input) {
-  return std::move(solve_bce(exec, monitor, options, input).method);
-}
-
 }  // namespace ngs

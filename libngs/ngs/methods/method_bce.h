@@ -29,6 +29,5 @@ struct BceResult {
 };
 
 BceResult solve_bce(const Exec& exec, Monitor& monitor, const BceOptions& options, const Problem& input);
-Solution run_bce(const Exec& exec, Monitor& monitor, const BceOptions& options, const Problem& input);
 
 }  // namespace ngs

@@ -24,9 +24,7 @@ struct ObjectState {
 double mask_agreement(const Exec& exec, const ObjectState& state, const Problem& input, const Camera& camera,
                       const ViewMasks& masks) {
   const std::vector<float> label = state.label();
-  RenderRequest request;
-  request.colour = false;
-  request.label = {label.data(), std::int64_t(label.size()), 1};
+  RenderRequest request{.colour = false, .label = {label.data(), std::int64_t(label.size()), 1}};
   const RenderedView view = render(exec, state.cloud, camera, input.splat, request);
   return iou(MaskPair(view.label, masks, 0, foreground_boxes(view.label)[0]).counts(exec));
 }

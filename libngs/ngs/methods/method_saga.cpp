@@ -132,9 +132,7 @@ class Saga {
   }
 
   const ImageF& rendered(const Exec& exec, std::size_t view, const std::vector<float>& u) {
-    RenderRequest request;
-    request.colour = false;
-    request.label = {u.data(), cloud_.size(), options_.dims};
+    RenderRequest request{.colour = false, .label = {u.data(), cloud_.size(), options_.dims}};
     return pass_.forward(exec, cloud_, feature_camera(view), request).label;
   }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "ngs/core/listed.h"
+
 namespace ngs {
 namespace {
 
@@ -27,16 +29,6 @@ class FlagsByReason {
 };
 
 using IsOn = std::function<bool(std::string_view effect)>;
-
-std::vector<std::string_view> split(std::string_view text, char separator) {
-  std::vector<std::string_view> parts;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(separator, begin), text.size());
-    parts.push_back(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return parts;
-}
 
 /// " with joint=off and contours=off" for "joint|contours" where neither is on; empty: the option is used.
 std::string why_not_used(std::string_view effects, const IsOn& is_on) {

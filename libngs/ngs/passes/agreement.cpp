@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "ngs/core/error.h"
-#include "ngs/core/parse_number.h"
 #include "ngs/ops/image/mask_pair.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/render/render_stage.h"
@@ -34,16 +32,6 @@ Agreement mean_agreement(const std::vector<Agreement>& views) {
   for (const Agreement& view : views) sum.iou += view.iou, sum.biou += view.biou;
   const double count = std::max<double>(1, double(views.size()));
   return {sum.iou / count, sum.biou / count};
-}
-
-std::optional<AgreementTarget> parse_target(const std::string& text) {
-  if (text.empty()) return std::nullopt;
-  const bool boundary = text.starts_with("biou=");
-  double value = -1;
-  const bool known = boundary || text.starts_with("iou=");
-  if (!known || !parse_number(std::string_view(text).substr(text.find('=') + 1), value) || !(value >= 0 && value <= 1))
-    throw Error(ErrorCode::kUsage, "--target: '" + text + "', expected biou=X or iou=X with X in [0, 1]");
-  return AgreementTarget{boundary, value};
 }
 
 }  // namespace ngs

@@ -1,7 +1,5 @@
 #pragma once
 // Agreement of a solution's rendered masks with the training views' masks.
-#include <optional>
-#include <string>
 #include <vector>
 
 #include "ngs/problem/problem.h"
@@ -21,7 +19,4 @@ struct AgreementTarget {
   bool boundary;  // the value is a boundary IoU, else an IoU
   double value;   // in [0, 1]
 };
-/// "biou=0.9" or "iou=0.95"; empty: none. kUsage otherwise.
-std::optional<AgreementTarget> parse_target(const std::string& text);
-
 }  // namespace ngs

@@ -37,8 +37,8 @@ std::optional<Decision> Decisions::decision_without_heuristic(const Effect& e) c
     const bool on = mode == Switch::kOn;
     return Decision{&e, on ? "on" : "off", on, "--effect"};
   }
-  for (const FixedDecision& v : fixed_)
-    if (v.name == e.name) return Decision{&e, v.mode, v.on, v.reason};
+  for (const FixedDecision& d : fixed_)
+    if (d.name == e.name) return Decision{&e, d.mode, d.on, d.reason};
   if (!e.always.empty()) return Decision{&e, "auto", true, "always: " + std::string(e.always)};
   return std::nullopt;
 }

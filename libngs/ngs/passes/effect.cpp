@@ -2,18 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "ngs/core/error.h"
+#include "ngs/core/formatted.h"
 
 namespace ngs {
 namespace {
 
 /// Three digits, and no exponent of large ones.
 std::string short_number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, std::abs(value) < 1000 || std::abs(value) >= 1e15 ? "%.3g" : "%.0f", value);
-  return text;
+  return formatted(std::abs(value) < 1000 || std::abs(value) >= 1e15 ? "%.3g" : "%.0f", value);
 }
 
 [[noreturn]] void throw_bad_entry(std::span<const Effect> effects, const std::string& entry) {

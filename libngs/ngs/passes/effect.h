@@ -26,6 +26,9 @@ struct Heuristic {
   std::string_view impossible = {};  // why the effect is off if possible() is false
 };
 
+/// Effects of one pass that other passes or ngs-joint depend on.
+inline constexpr std::string_view kJointEffect = "joint", kContoursEffect = "contours", kNerfEffect = "nerf";
+
 struct Effect {
   std::string_view name, help;
   std::string_view saves = {};   // work that is skipped if the effect is off
@@ -33,9 +36,6 @@ struct Effect {
   std::string_view always = {};  // why the effect is on for every scene; empty: the heuristic decides
   Heuristic heuristic = {};
 };
-
-/// Bound on the mean change of the rendered mask values, in [0, 1], by an effect that `auto` switches off.
-inline constexpr double kEffectBound = 0.005;
 
 /// Number of views on which a heuristic is measured if it does not need all views.
 inline constexpr std::size_t kDecisionViews = 8;

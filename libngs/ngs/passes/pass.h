@@ -1,7 +1,7 @@
 #pragma once
 // Interface of the passes of --method ngs. A pass makes one change to the problem or to its solution. It declares its
 // effects (effect.h), its options and its heuristic. The pipeline (pipeline.h) decides which passes run, limits their
-// time, and reports. To add a pass, write a class in a new folder and add one line to pass_list.cpp.
+// time, and reports. To add a pass, write a class in a new folder and add a line each to pass_list.h and .cpp.
 #include <memory>
 #include <optional>
 #include <set>

@@ -15,7 +15,7 @@ bool holds(const Json& list, const std::string& text) {
 
 }  // namespace
 
-Json kept_decisions(const Pipeline& pipeline, const Decisions& decisions) {
+Json stored_decisions(const Pipeline& pipeline, const Decisions& decisions) {
   const std::vector<Effect> redecided = pipeline.decided_again_on_resume();
   Json kept = Json::array();
   for (const Decision& d : decisions.all())

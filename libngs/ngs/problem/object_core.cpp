@@ -10,16 +10,15 @@ namespace ngs {
 ObjectCore core_of(const CoreOptions& options, const GaussianCloud& cloud, std::span<const LabelColumns> objects) {
   const auto n = std::size_t(cloud.size());
   ObjectCore core{.member = std::vector<std::uint8_t>(n, 0)};
-  float most_views = 0;
+  float max_views = 0;
   for (const LabelColumns& object : objects)
     for (std::size_t i = 0; i < n; ++i)
-      if (cloud.usable[i] && double(object.prob[i]) >= options.share)
-        most_views = std::max(most_views, object.views[i]);
-  core.least_views = std::ceil(options.seen * double(most_views));
+      if (cloud.usable[i] && double(object.prob[i]) >= options.share) max_views = std::max(max_views, object.views[i]);
+  core.min_views = std::ceil(options.seen * double(max_views));
   for (std::size_t i = 0; i < n; ++i) {
     if (!cloud.usable[i]) continue;
     for (const LabelColumns& object : objects)
-      if (object.views[i] > 0 && double(object.views[i]) >= core.least_views && double(object.prob[i]) >= options.share)
+      if (object.views[i] > 0 && double(object.views[i]) >= core.min_views && double(object.prob[i]) >= options.share)
         core.member[i] = 1;
     if (!core.member[i]) continue;
     ++core.count;

@@ -21,7 +21,7 @@ struct CoreOptions {
 
 struct ObjectCore {
   std::vector<std::uint8_t> member;  // [N]
-  double least_views = 0;            // minimum number of views of a member
+  double min_views = 0;              // minimum number of views of a member
   std::int64_t count = 0;
   double centre[3] = {}, radius = 0;  // mean position and RMS distance from it, world
 };

@@ -25,7 +25,7 @@ struct Visible {
 bool in_view(const Camera& camera, const GaussianCloud& cloud, std::size_t i, double near_z, Visible& visible) {
   const float* p = &cloud.position[3 * i];
   const Vec3<double> x{double(p[0]), double(p[1]), double(p[2])};
-  const Vec3<double> at = camera.rotation * x + camera.translation;
+  const Vec3<double> at = camera.to_camera(x);
   if (!(at.z > near_z)) return false;
   const double u = camera.fx * at.x / at.z + camera.cx, v = camera.fy * at.y / at.z + camera.cy;
   const double px_per_unit = std::max(camera.fx, camera.fy) / at.z;
@@ -119,7 +119,7 @@ double neighbour_rms_levels(const KnnGraph& graph, Rows<const float, 3> colour) 
   return graph.index.empty() ? 0 : kLevels * std::sqrt(sum / double(graph.index.size()) / 3);
 }
 
-double neighbour_most_levels(const KnnGraph& graph, Rows<const float, 3> colour) {
+double neighbour_max_levels(const KnnGraph& graph, Rows<const float, 3> colour) {
   double most = 0;
   for_each_edge(graph, [&](std::size_t i, std::size_t j) {
     for (int c = 0; c < 3; ++c)

@@ -34,7 +34,7 @@ double straddling_bound_px(const GaussianCloud& cloud, std::span<const Camera> c
 double neighbour_rms_levels(const KnnGraph& graph, Rows<const float, 3> colour);
 
 /// Largest such difference, levels. The mean would be wrong: it hides a single seam in a plain boundary.
-double neighbour_most_levels(const KnnGraph& graph, Rows<const float, 3> colour);
+double neighbour_max_levels(const KnnGraph& graph, Rows<const float, 3> colour);
 
 /// Largest range of a channel over the colours [B, 3], levels. The difference of neighbours would be wrong: it is
 /// nearly 0 on a ramp.

@@ -31,7 +31,7 @@ inline std::vector<Camera> cameras_of(const Scene& scene, const std::vector<std:
   return cameras;
 }
 
-/// Indices of the scene's training views.
+/// Indices of the scene's training views: excludes the held-out views.
 inline std::vector<std::size_t> training_views(const Scene& scene) {
   std::vector<std::size_t> views;
   for (std::size_t v = 0; v < scene.views.size(); ++v)
@@ -66,10 +66,10 @@ inline std::size_t photo_count(const Scene& scene, const std::vector<std::size_t
       std::count_if(views.begin(), views.end(), [&](std::size_t v) { return !scene.views[v].image_path.empty(); }));
 }
 
-/// At most `most` of the views, evenly spread.
-inline std::vector<std::size_t> spread_views(const std::vector<std::size_t>& views, std::size_t most) {
+/// At most `max_count` of the views, evenly spread.
+inline std::vector<std::size_t> spread_views(const std::vector<std::size_t>& views, std::size_t max_count) {
   std::vector<std::size_t> some;
-  const std::size_t count = std::min(most, views.size());
+  const std::size_t count = std::min(max_count, views.size());
   for (std::size_t i = 0; i < count; ++i) some.push_back(views[i * views.size() / count]);
   return some;
 }

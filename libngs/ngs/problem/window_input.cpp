@@ -103,15 +103,13 @@ class LowResVisibility {
   }
 
   PixelWindow of_objects_alone(std::size_t view) const {
-    RenderRequest request;
-    request.colour = false;
+    RenderRequest request{.colour = false, .label = {}};
     return shown_window(render(exec_, objects_, camera(view), alone_, request).alpha);
   }
   /// True: inside the window `alone`, other Gaussians occlude all objects.
   bool occluded(std::size_t view, const PixelWindow& alone) {
     if (!among_all_) among_all_ = prepared_for(exec_, filter_at_scale(problem_.splat, 1.0 / kShrink), problem_.cloud);
-    RenderRequest request;
-    request.colour = false, request.label = {label_.data(), problem_.cloud.size(), 1};
+    RenderRequest request{.colour = false, .label = {label_.data(), problem_.cloud.size(), 1}};
     const Camera there = window_camera(camera(view), alone);
     return shown_window(render(exec_, problem_.cloud, there, *among_all_, request).label).w == 0;
   }

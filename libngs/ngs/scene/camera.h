@@ -20,6 +20,16 @@ struct Camera {
 
   /// Camera centre in world coordinates: -Rᵀ t.
   Vec3<double> centre() const { return -1.0 * (transpose(rotation) * translation); }
+  /// From world to camera axes.
+  Vec3<double> to_camera(Vec3<double> world) const { return rotation * world + translation; }
+  /// The pixel (x, y) that shows a world point, and its depth z > 0; nullopt behind the camera and outside the image.
+  std::optional<Vec3<double>> project(Vec3<double> world) const {
+    const Vec3<double> at = to_camera(world);
+    if (!(at.z > 0)) return std::nullopt;
+    const double x = fx * at.x / at.z + cx, y = fy * at.y / at.z + cy;
+    if (!(x >= 0 && y >= 0 && x < width_px && y < height_px)) return std::nullopt;
+    return Vec3<double>{x, y, at.z};
+  }
 };
 
 /// The camera of the same pose for an image resized to width x height.

@@ -13,9 +13,9 @@ std::uint64_t quantised(double unit) { return std::uint64_t(std::llround(unit * 
 bool has_evidence(const double* sum, std::size_t k) { return sum[2 + 2 * k] != 0 || sum[3 + 2 * k] != 0; }
 
 /// The share of object k in one view.
-ObjectShare share_of(const double* sum, std::size_t k) {
+ObjectSums sums_of(const double* sum, std::size_t k) {
   const double w = sum[0], count = sum[1], object_w = sum[2 + 2 * k], object_count = sum[3 + 2 * k];
-  ObjectShare of;
+  ObjectSums of;
   of.weight = ExactSum::of(object_w);
   of.pixels = std::uint64_t(object_count);
   of.add_signal(object_w / w);
@@ -25,7 +25,7 @@ ObjectShare share_of(const double* sum, std::size_t k) {
 
 }  // namespace
 
-void ObjectShare::add(const ObjectShare& other) {
+void ObjectSums::add(const ObjectSums& other) {
   ObjectWeight::add(other);
   pixels += other.pixels;
   signal_sum += other.signal_sum;
@@ -33,7 +33,7 @@ void ObjectShare::add(const ObjectShare& other) {
   one_minus_contrast_sum += other.one_minus_contrast_sum;
 }
 
-void ObjectShare::add_signal(double m) {
+void ObjectSums::add_signal(double m) {
   const std::uint64_t units = quantised(m);
   __extension__ using Wide = unsigned __int128;
   const Wide square = Wide(units) * units;
@@ -47,20 +47,21 @@ void Evidence::add(const Evidence& other) {
     weight.add(i, other.weight.at(i));
     pixels[i] += other.pixels[i];
     views[i] += other.views[i];
-    other.share.for_each_in(i, [&](std::size_t k, const ObjectShare& of) { share.touch(i, k).add(of); });
+    other.object_weights.for_each_in(i,
+                                     [&](std::size_t k, const ObjectSums& of) { object_weights.touch(i, k).add(of); });
   }
 }
 
 void Evidence::add(std::size_t gaussian, const double* sum, DeferredInserts& deferred_inserts) {
   add_background(gaussian, sum[0], sum[1]);
   for (std::size_t k = 0; k < std::size_t(objects); ++k)
-    if (has_evidence(sum, k)) share.add(gaussian, k, share_of(sum, k), deferred_inserts);
+    if (has_evidence(sum, k)) object_weights.add(gaussian, k, sums_of(sum, k), deferred_inserts);
 }
 
 void Evidence::add(std::size_t gaussian, const double* sum) {
   DeferredInserts deferred_inserts;
   add(gaussian, sum, deferred_inserts);
-  share.add(deferred_inserts);
+  object_weights.add(deferred_inserts);
 }
 
 void Evidence::add(const ViewSums& view) {
@@ -74,7 +75,7 @@ std::vector<float> Evidence::weights() const {
   return all;
 }
 
-double between_views_variance(const ObjectShare& of, std::uint32_t views) {
+double between_views_variance(const ObjectSums& of, std::uint32_t views) {
   if (views < 2) return 0.0;
   __extension__ using Wide = unsigned __int128;  // V Σm² < 2^32 · 2^32 · 2^64 / V: fits for V < 2^32
   const Wide squares = (Wide(of.signal_square_sum.whole) << 64) | of.signal_square_sum.fraction;

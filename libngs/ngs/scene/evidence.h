@@ -25,18 +25,20 @@ struct ObjectWeight {
   bool operator==(const ObjectWeight&) const = default;
 };
 
-/// W and W1 of N Gaussians and K objects. Share: ObjectWeight, or a struct derived from it with further sums. Adding or
+/// W and W1 of N Gaussians and K objects. Sums: ObjectWeight, or a struct derived from it with further sums. Adding or
 /// removing a view touches only its rows.
-template <class Share = ObjectWeight>
+template <class Sums = ObjectWeight>
 struct WeightSums {
   std::int64_t gaussians = 0;
   int objects = 0;
-  ExactSums weight;          // [N] W = Σ_views Σ_pixels w over known pixels
-  SparseTable<Share> share;  // [N, K] W1; sparse: most objects have no share in most Gaussians
-  using DeferredInserts = std::vector<typename SparseTable<Share>::Insert>;
+  ExactSums weight;                  // [N] W = Σ_views Σ_pixels w over known pixels
+  SparseTable<Sums> object_weights;  // [N, K] W1; sparse: most objects have no weight in most Gaussians
+  using DeferredInserts = std::vector<typename SparseTable<Sums>::Insert>;
 
   WeightSums() = default;
-  WeightSums(std::int64_t n, int k) : gaussians(n), objects(k), share(std::size_t(n)) { weight.resize(std::size_t(n)); }
+  WeightSums(std::int64_t n, int k) : gaussians(n), objects(k), object_weights(std::size_t(n)) {
+    weight.resize(std::size_t(n));
+  }
 
   void add(const ViewSums& view) {
     for (std::size_t v = 0; v < view.size(); ++v) {
@@ -54,29 +56,30 @@ struct WeightSums {
     }
   }
   void add_object(std::size_t gaussian, std::size_t k, double w1) {
-    if (w1 != 0) share.touch(gaussian, k).weight.add(w1);
+    if (w1 != 0) object_weights.touch(gaussian, k).weight.add(w1);
   }
   void remove_object(std::size_t gaussian, std::size_t k, double w1) {
-    if (Share* const known = w1 != 0 ? share.find(gaussian, k) : nullptr) known->weight.subtract(ExactSum::of(w1));
+    if (Sums* const known = w1 != 0 ? object_weights.find(gaussian, k) : nullptr)
+      known->weight.subtract(ExactSum::of(w1));
   }
 
   double object_weight(std::size_t gaussian, std::size_t k) const {
-    const Share* known = share.find(gaussian, k);
+    const Sums* known = object_weights.find(gaussian, k);
     return known == nullptr ? 0.0 : known->weight.value();
   }
   /// The share f = W1 / W, in [0, 1]; 0 for a Gaussian that is visible in no view.
   double prob(std::size_t gaussian, std::size_t k) const {
-    const Share* known = share.find(gaussian, k);
+    const Sums* known = object_weights.find(gaussian, k);
     return known == nullptr ? 0.0 : prob(gaussian, *known);
   }
-  double prob(std::size_t gaussian, const Share& of) const {
+  double prob(std::size_t gaussian, const Sums& of) const {
     const double all = weight.value(gaussian);
     return all > 0 ? of.weight.value() / all : 0.0;
   }
   /// f of all objects. Writes [K] floats to `probs`; returns whether the Gaussian is visible.
   bool probs(std::size_t gaussian, float* probs) const {
     std::fill_n(probs, objects, 0.f);
-    share.for_each_in(gaussian, [&](std::size_t k, const Share& of) { probs[k] = float(prob(gaussian, of)); });
+    object_weights.for_each_in(gaussian, [&](std::size_t k, const Sums& of) { probs[k] = float(prob(gaussian, of)); });
     return weight.value(gaussian) > 0;
   }
   /// The same without one view, whose weights in the Gaussian are `view` [1 + K]. Visible: more than 1/1000 of the
@@ -86,7 +89,7 @@ struct WeightSums {
     const double all = weight.value(gaussian), others = all - view[0];
     std::fill_n(probs, objects, 0.f);
     if (!(others > kMinRest * all)) return false;
-    share.for_each_in(gaussian, [&](std::size_t k, const Share& of) {
+    object_weights.for_each_in(gaussian, [&](std::size_t k, const Sums& of) {
       probs[k] = float(std::max(0.0, of.weight.value() - view[1 + k]) / others);
     });
     return true;
@@ -95,7 +98,7 @@ struct WeightSums {
   int heaviest_object(std::size_t gaussian) const {
     double background = weight.value(gaussian), best_weight = 0;
     int best = -1;
-    share.for_each_in(gaussian, [&](std::size_t k, const Share& of) {
+    object_weights.for_each_in(gaussian, [&](std::size_t k, const Sums& of) {
       const double w = of.weight.value();
       background -= w;
       if (w > best_weight) best = int(k), best_weight = w;
@@ -105,7 +108,7 @@ struct WeightSums {
 };
 
 /// Further sums of an object, for the criteria of variance.
-struct ObjectShare : ObjectWeight {
+struct ObjectSums : ObjectWeight {
   std::uint64_t pixels = 0;  // pixels reached with M >= 0.5
   // Per-view signals m = W1 / W, quantised to 2^-32: their sum in these units, and the sum of their squares.
   std::uint64_t signal_sum = 0;
@@ -114,15 +117,15 @@ struct ObjectShare : ObjectWeight {
   // r) in these units, which is 0 for a Gaussian outside all masks of the object.
   std::uint64_t one_minus_contrast_sum = 0;
 
-  void add(const ObjectShare& other);
+  void add(const ObjectSums& other);
   /// Adds the signal m in [0, 1] of one view. m² is stored as the exact square of the quantised m: as a double it could
   /// be smaller, and the variance of equal signals negative.
   void add_signal(double m);
-  bool operator==(const ObjectShare&) const = default;
+  bool operator==(const ObjectSums&) const = default;
 };
 
 /// Everything that files of evidence contain: the weights with counts of pixels and views, and the signals per view.
-struct Evidence : WeightSums<ObjectShare> {
+struct Evidence : WeightSums<ObjectSums> {
   std::vector<std::uint64_t> pixels;  // [N] known pixels reached (unweighted)
   std::vector<std::uint32_t> views;   // [N] views with W > 0
 
@@ -133,9 +136,9 @@ struct Evidence : WeightSums<ObjectShare> {
   void add(const ViewSums& view);
   /// Adds one view for one Gaussian, a row of ViewSums. Not thread-safe.
   void add(std::size_t gaussian, const double* sum);
-  /// Thread-safe for different Gaussians. Afterwards pass `deferred_inserts` to share.add().
+  /// Thread-safe for different Gaussians. Afterwards pass `deferred_inserts` to object_weights.add().
   void add(std::size_t gaussian, const double* sum, DeferredInserts& deferred_inserts);
-  /// For a Gaussian without a share of any object.
+  /// For a Gaussian without a weight of any object.
   void add_background(std::size_t gaussian, double w, double count) {
     weight.add(gaussian, w);
     pixels[gaussian] += std::uint64_t(count);
@@ -144,10 +147,10 @@ struct Evidence : WeightSums<ObjectShare> {
   void remove(const ViewSums& view) = delete;  // signals cannot be removed
   /// Σ r over the views, in units of 2^-32.
   std::uint64_t contrast_sum(std::size_t gaussian, std::size_t object) const {
-    const ObjectShare* known = share.find(gaussian, object);
-    return contrast_sum(gaussian, known == nullptr ? ObjectShare() : *known);
+    const ObjectSums* known = object_weights.find(gaussian, object);
+    return contrast_sum(gaussian, known == nullptr ? ObjectSums() : *known);
   }
-  std::uint64_t contrast_sum(std::size_t gaussian, const ObjectShare& of) const {
+  std::uint64_t contrast_sum(std::size_t gaussian, const ObjectSums& of) const {
     return (std::uint64_t(views[gaussian]) << 32) - of.one_minus_contrast_sum;
   }
   /// [N] W in float, as stored with the labels.
@@ -156,6 +159,6 @@ struct Evidence : WeightSums<ObjectShare> {
 
 /// 4 · variance of the signal over `views`, in [0, 1]. V Σ m² - (Σ m)² is evaluated in integers, free of cancellation
 /// error.
-double between_views_variance(const ObjectShare& of, std::uint32_t views);
+double between_views_variance(const ObjectSums& of, std::uint32_t views);
 
 }  // namespace ngs

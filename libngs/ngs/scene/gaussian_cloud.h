@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "ngs/math/vec.h"
+
 namespace ngs {
 
 /// Number of SH coefficients beyond the constant one: 0, 3, 8, 15 for degree 0..3.
@@ -31,6 +33,11 @@ struct GaussianCloud {
     sh_rest.resize(count * std::size_t(sh_rest_count(degree)) * 3), usable.resize(count, 1);
   }
 };
+
+inline Vec3<double> world_position(const GaussianCloud& cloud, std::size_t i) {
+  const float* p = &cloud.position[3 * i];
+  return Vec3<double>{cloud.origin[0], cloud.origin[1], cloud.origin[2]} + Vec3<double>{p[0], p[1], p[2]};
+}
 
 /// ∂L/∂(each column of GaussianCloud), same shapes.
 struct CloudGradients {

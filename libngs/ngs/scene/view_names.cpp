@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <set>
 
+#include "ngs/core/error.h"
 #include "ngs/core/folded_name.h"
 #include "ngs/core/parse_number.h"
 
@@ -24,11 +24,7 @@ std::size_t extension_of(std::string_view name) {
   return dot == name.npos || dot <= base_of(name) ? name.size() : dot;
 }
 
-std::string lower_extension(std::string_view name) {
-  std::string extension(name.substr(extension_of(name)));
-  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
-}
+std::string lower_extension(std::string_view name) { return lower_case(name.substr(extension_of(name))); }
 
 template <class Rule>
 std::vector<std::string> names_by(const std::vector<SceneView>& views, const Rule& rule) {
@@ -112,6 +108,17 @@ std::optional<EveryRule> parse_every(std::string_view rule) {
       !parse_number(numbers.substr(colon + 1), every.k) || every.k >= every.n)
     return std::nullopt;
   return every;
+}
+
+std::vector<std::size_t> select_every(std::string_view rule, std::size_t count) {
+  const std::optional<EveryRule> every = rule == "all" ? EveryRule{} : parse_every(rule);
+  if (!every)
+    throw Error(ErrorCode::kUsage,
+                "views = '" + std::string(rule) + "', expected all, every:N:K with K < N, or a file of names");
+  std::vector<std::size_t> selected;
+  for (std::size_t i = 0; i < count; ++i)
+    if (every->selects(i)) selected.push_back(i);
+  return selected;
 }
 
 }  // namespace ngs

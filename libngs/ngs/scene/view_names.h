@@ -53,5 +53,7 @@ struct EveryRule {
 };
 /// Empty unless the text is "every:N:K" with K < N.
 std::optional<EveryRule> parse_every(std::string_view rule);
+/// Indices of sorted names that the rule "every:N:K" or "all" selects: index % N == K. Throws kUsage for other rules.
+std::vector<std::size_t> select_every(std::string_view rule, std::size_t count);
 
 }  // namespace ngs

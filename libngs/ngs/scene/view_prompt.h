@@ -23,4 +23,11 @@ struct ViewPrompt {
 /// The segmented mask of one view: [H·W] 1: object.
 using PixelMask = std::vector<std::uint8_t>;
 
+/// [H·W] 1: a pixel with this hint.
+inline PixelMask pixels_with(const ViewPrompt& prompt, PixelHint hint) {
+  PixelMask mask(prompt.hint.size());
+  for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = prompt.hint[p] == hint;
+  return mask;
+}
+
 }  // namespace ngs

@@ -20,7 +20,7 @@ struct NamedRun {
 
 const NamedRun kRuns[] = {
     {"flash", [](const Exec& e, Monitor& m, const Problem& in) { return run_flash(e, m, {}, in); }, false, false},
-    {"bce", [](const Exec& e, Monitor& m, const Problem& in) { return run_bce(e, m, {}, in); }, false, false},
+    {"bce", [](const Exec& e, Monitor& m, const Problem& in) { return solve_bce(e, m, {}, in).method; }, false, false},
     {"cob", [](const Exec& e, Monitor& m, const Problem& in) { return run_cob(e, m, {}, in); }, true, true},
     {"released",
      [](const Exec& e, Monitor& m, const Problem& in) {

@@ -19,6 +19,8 @@ TEST_CASE("names in composed and decomposed form, and in either case, fold to on
   CHECK(folded_name("a.png") != folded_name("\xc3\xa4.png"));
 }
 
+TEST_CASE("lower_case changes ASCII letters only") { CHECK(lower_case("Ä_B1.PNG") == "Ä_b1.png"); }
+
 TEST_CASE("other scripts, emoji and bytes that are not UTF-8 stay as they are") {
   for (const char* name :
        {"", "a b.png", "\xe7\x85\xa7\xe7\x89\x87", "\xf0\x9f\x90\xa6.png", "\xff\xfe", "\xc3", "x\xe3\x81", "\x80\x80"})

@@ -28,7 +28,7 @@ TEST_CASE("bce does not change Gaussians that were fixed by hand or are visible 
   input.fixed.assign(80, 0.f);
   for (std::size_t i = 0; i < 80; i += 2) input.fixed[i] = 1.f, labels[0].label[i] = float(i % 4 == 0);
   input.labels = std::move(labels);
-  const Solution r = run_bce({}, monitor, {}, input);
+  const Solution r = solve_bce({}, monitor, {}, input).method;
   int unseen = 0;
   for (std::size_t i = 0; i < 80; ++i) {
     if (i % 2 == 0) CHECK(r.labels[0].label[i] == float(i % 4 == 0));
@@ -44,7 +44,7 @@ TEST_CASE("bce assigns a Gaussian in the masks of two objects to the one with th
   test::MethodCase c = test::method_case(72, 150, 3, 2);
   for (ViewMasks& m : c.masks) m.target[1] = m.target[0];  // both objects have the same mask
   Monitor monitor;
-  const Solution r = run_bce({}, monitor, {}, c.input());
+  const Solution r = solve_bce({}, monitor, {}, c.input()).method;
   double shared = 0;
   for (std::size_t i = 0; i < 150; ++i) {
     CHECK(r.labels[0].label[i] + r.labels[1].label[i] <= 1.f);

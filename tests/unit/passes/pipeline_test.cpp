@@ -21,6 +21,9 @@ namespace {
 
 using test::EffectCase;
 
+/// Of the mean change of the rendered mask values, in [0, 1], by an effect that `auto` switches off.
+constexpr double kEffectBound = 0.005;
+
 void set_contours(const EffectCase& c, test::PipelineCase& passes) {
   passes.set("contour_epochs", std::to_string(c.contour_epochs));
   passes.set("contour_band", "3");

@@ -70,7 +70,7 @@ const Phase kPhases[] = {
     {"load views", [](const StopCase&, const Problem& in) { CoarseInput(in, 1).preload({}); }},
     {"exposures", [](const StopCase&, const Problem& in) { view_exposures({}, in, in.views); }},
     {"heuristics", [](const StopCase&, const Problem& in) { measure(in); }},
-    {"mask outliers", [](const StopCase& c, const Problem& in) { find_mask_outliers({}, c.monitor, {}, in); }},
+    {"mask outliers", [](const StopCase& c, const Problem& in) { find_mask_outliers({}, c.monitor, in); }},
     {"recomputed evidence",
      [](const StopCase& c, const Problem& in) { recompute_labels({}, c.monitor, in, in.cloud); }},
     {"floaters", [](const StopCase& c, const Problem& in) { find_floaters({}, c.monitor, {}, in); }},

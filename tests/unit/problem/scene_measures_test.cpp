@@ -102,7 +102,7 @@ TEST_CASE("neighbours: a seam between two plain halves hardly changes the RMS di
   const Rows<const float, 3> colour{halves.data(), n};
   CHECK(colour_range_levels(colour) > 5);            // the naive measure for L_cont: on
   CHECK(neighbour_rms_levels(graph, colour) < 0.5);  // the few edges across the seam vanish in the mean: off
-  CHECK(neighbour_most_levels(graph, colour) > 5);   // nearest and interpolated feature differ at the seam: on
+  CHECK(neighbour_max_levels(graph, colour) > 5);    // nearest and interpolated feature differ at the seam: on
 }
 
 TEST_CASE("range: a ramp has a large range although neighbours hardly differ") {

@@ -200,12 +200,12 @@ TEST_CASE("mask outliers are the same in windows as in uncropped views") {
     CAPTURE(tight);
     WindowCase c;
     Monitor monitor;
-    const MaskOutliers whole = find_mask_outliers({}, monitor, {}, c.whole);
+    const MaskOutliers whole = find_mask_outliers({}, monitor, c.whole);
     for (const bool known : {true, false}) {
       CAPTURE(known);
       if (!known) c.whole.weight = nullptr;
       c.enter(tight);
-      const MaskOutliers windows = find_mask_outliers({}, monitor, {}, *c.problem);
+      const MaskOutliers windows = find_mask_outliers({}, monitor, *c.problem);
       CHECK(windows.ignored == whole.ignored);
       REQUIRE(windows.disagreement.size() == whole.disagreement.size());
       for (std::size_t n = 0; n < whole.disagreement.size(); ++n)

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include "ngs/core/error.h"
+
 namespace ngs {
 namespace {
 
@@ -72,6 +74,16 @@ TEST_CASE("parse_every accepts every:N:K with K < N only, which selects indices 
                            "Every:4:2", "every::", "all", ""}) {
     CAPTURE(rule);
     CHECK_FALSE(parse_every(rule));
+  }
+}
+
+TEST_CASE("every:N:K selects by index; other rules are rejected") {
+  CHECK(select_every("every:4:2", 11) == std::vector<std::size_t>{2, 6, 10});
+  CHECK(select_every("all", 3) == std::vector<std::size_t>{0, 1, 2});
+  CHECK(select_every("every:4:2", 0).empty());
+  for (const char* rule : {"every:4:4", "every:0:0", "every:4", "every::", "every:a:1", "every:4:-1", "some", ""}) {
+    CAPTURE(rule);
+    CHECK_THROWS_AS(select_every(rule, 5), Error);
   }
 }
 

@@ -9,6 +9,7 @@
 #include "shared/cli/exit_code.h"
 #include "shared/cli/help.h"
 #include "shared/text/layout.h"
+#include "shared/text/text_columns.h"
 
 namespace ngs::cli {
 namespace {
@@ -23,9 +24,7 @@ const Command* find(const std::vector<Command>& commands, const std::string& nam
 std::string command_list(const std::string& tool, const std::vector<Command>& commands) {
   const int width = terminal_columns();
   std::string text = "usage: " + tool + " COMMAND ...\n\ncommands (each has --help):\n";
-  for (const Command& command : commands)
-    text += "  " + command.name + std::string(command.name.size() < 12 ? 12 - command.name.size() : 1, ' ') +
-            command.summary + "\n";
+  for (const Command& command : commands) text += "  " + padded(command.name, 12) + command.summary + "\n";
   return rewrapped(text, width) + "\n" + wrapped("exit codes:", kExitCodeHelp, {2, width}) + "\n";
 }
 

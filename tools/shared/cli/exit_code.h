@@ -1,5 +1,5 @@
 #pragma once
-// The exit codes of every tool. 2..8 are ErrorCode (core/error.h).
+// The exit codes of every tool. 2 to 6 and 8 are ErrorCode (core/error.h).
 namespace ngs::cli {
 
 inline constexpr int kDone = 0;

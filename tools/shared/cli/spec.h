@@ -1,5 +1,6 @@
 #pragma once
 // The declarations of a tool and their values from the command line. Internal to tools/shared.
+#include <algorithm>
 #include <deque>
 #include <functional>
 #include <string>
@@ -33,7 +34,9 @@ struct Spec {
   bool stops_on_request = false, runs_on_device = false, partly_on_device = false;
 
   /// True if one of `writes_nothing_if` is set.
-  bool writes_nothing() const;
+  bool writes_nothing() const {
+    return std::ranges::any_of(writes_nothing_if, [](const bool* option) { return *option; });
+  }
 };
 
 }  // namespace ngs::cli

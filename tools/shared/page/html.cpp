@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "ngs/core/formatted.h"
 #include "ngs/core/version.h"
 #include "shared/page/style.h"
 
@@ -123,11 +124,7 @@ std::string json_text(const Json& json) {
   if (json.is_null()) return "–";
   if (json.is_boolean()) return json.get<bool>() ? "yes" : "no";
   if (json.is_number_integer()) return json.dump();
-  if (json.is_number_float()) {
-    char text[64];
-    std::snprintf(text, sizeof text, "%.6g", json.get<double>());
-    return text;
-  }
+  if (json.is_number_float()) return formatted("%.6g", json.get<double>());
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -35,13 +35,13 @@ std::string jpeg_source(const ImageU8& picture, int quality) {
   return "data:image/jpeg;base64," + base64(io::encode_jpeg(picture, quality));
 }
 
-std::string outlined_picture(const ImageU8& picture, const std::vector<Outline>& outlines, Window view_box,
+std::string outlined_picture(const ImageU8& picture, const std::vector<Outline>& outlines, const PixelWindow& view_box,
                              const std::string& alt) {
   std::string html = "<div class=stack><img alt=\"" + escaped(alt) + "\" width=" + std::to_string(picture.width_px) +
                      " height=" + std::to_string(picture.height_px) + " src=\"" +
                      jpeg_source(picture, picture.width_px < 200 ? 92 : 82) + "\">";
-  html += "<svg aria-hidden=true viewBox=\"" + std::to_string(view_box.x) + " " + std::to_string(view_box.y) + " " +
-          std::to_string(view_box.width_px) + " " + std::to_string(view_box.height_px) + "\">";
+  html += "<svg aria-hidden=true viewBox=\"" + std::to_string(view_box.x0) + " " + std::to_string(view_box.y0) + " " +
+          std::to_string(view_box.w) + " " + std::to_string(view_box.h) + "\">";
   for (const Outline& outline : outlines) html += outline_html(outline);
   return html + "</svg></div>";
 }

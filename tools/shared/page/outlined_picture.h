@@ -3,15 +3,10 @@
 #include <string>
 #include <vector>
 
-#include "ngs/ops/image/metrics.h"
+#include "ngs/ops/image/pixel_window.h"
 #include "ngs/scene/views.h"
 
 namespace ngs::cli {
-
-/// A rectangle of pixels.
-struct Window {
-  int x = 0, y = 0, width_px = 0, height_px = 0;
-};
 
 struct Outline {
   std::string kind;         // CSS class of the lines
@@ -23,7 +18,7 @@ struct Outline {
 std::string jpeg_source(const ImageU8& picture, int quality);
 
 /// Outlines are in pixels of `view_box`, which the picture fills; `alt` is plain text.
-std::string outlined_picture(const ImageU8& picture, const std::vector<Outline>& outlines, Window view_box,
+std::string outlined_picture(const ImageU8& picture, const std::vector<Outline>& outlines, const PixelWindow& view_box,
                              const std::string& alt);
 
 }  // namespace ngs::cli

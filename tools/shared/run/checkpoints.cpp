@@ -40,7 +40,7 @@ void Checkpoints::write_during_run(std::int64_t step, const std::function<void()
   try {
     write();
     failed_ = false;
-    kept_step_ = step;
+    written_step_ = step;
   } catch (const Error& e) {
     if (e.code() != ErrorCode::kEnvironment) throw;
     if (!failed_)
@@ -50,9 +50,9 @@ void Checkpoints::write_during_run(std::int64_t step, const std::function<void()
 }
 
 void Checkpoints::write_on_stop(std::int64_t step, const std::function<void()>& write) {
-  if (step == kept_step_) return;
+  if (step == written_step_) return;
   write();
-  kept_step_ = step;
+  written_step_ = step;
 }
 
 }  // namespace ngs::cli

@@ -32,7 +32,7 @@ class Checkpoints {
  private:
   Monitor& monitor_;
   bool failed_ = false;
-  std::int64_t kept_step_ = -1;  // -1: none
+  std::int64_t written_step_ = -1;  // -1: none
 };
 
 }  // namespace ngs::cli

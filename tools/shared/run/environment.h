@@ -23,7 +23,7 @@ struct ChosenDevice {
   DeviceSums sums = DeviceSums::kInOrder;
 };
 /// Throws kEnvironment if CUDA is requested but the machine, the build or the tool does not support it. auto is the
-/// CPU: the CUDA path has not been run on a device yet.
+/// CPU.
 ChosenDevice choose_device(DeviceChoice choice, const Spec& tool);
 
 }  // namespace ngs::cli

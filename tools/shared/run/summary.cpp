@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "ngs/core/formatted.h"
 #include "ngs/io/files/shell_word.h"
 #include "shared/cli/exit_code.h"
 #include "shared/os/terminal.h"
@@ -57,15 +58,9 @@ std::string next_command(const Spec& spec) {
 }
 
 std::string size_text(double bytes) {
-  char text[32];
   const double mib = bytes / (1 << 20);
-  if (mib >= 1024)
-    std::snprintf(text, sizeof text, "%.1f GiB", mib / 1024);
-  else if (mib >= 1)
-    std::snprintf(text, sizeof text, "%.0f MiB", mib);
-  else
-    std::snprintf(text, sizeof text, "%.0f KiB", std::max(1.0, bytes / 1024));
-  return text;
+  if (mib >= 1024) return formatted("%.1f GiB", mib / 1024);
+  return mib >= 1 ? formatted("%.0f MiB", mib) : formatted("%.0f KiB", std::max(1.0, bytes / 1024));
 }
 
 /// "a.ply, 149 MiB" or "masks, 34 files".
@@ -82,9 +77,7 @@ std::string output_text(const std::string& path) {
 
 std::string number_text(const Json& value) {
   if (value.is_number_integer()) return value.dump();
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value.get<double>());
-  return text;
+  return formatted("%.4g", value.get<double>());
 }
 
 /// "views 30, gaussians 12000": the first numbers of an object.

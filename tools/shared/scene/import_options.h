@@ -5,7 +5,7 @@
 #include "ngs/options/field.h"
 #include "ngs/stages/render/render_options.h"
 
-namespace ngs::capture {
+namespace ngs::cli {
 
 inline constexpr NamedValue<MaskMode> kMaskModeNames[] = {
     {MaskMode::kBinary, "binary"}, {MaskMode::kLabel, "label"}, {MaskMode::kSoft, "soft"}, {MaskMode::kBands, "bands"}};
@@ -103,4 +103,4 @@ inline io::ImportRequest request_from(const ImportOptions& options, const std::s
   return request;
 }
 
-}  // namespace ngs::capture
+}  // namespace ngs::cli

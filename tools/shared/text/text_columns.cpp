@@ -1,5 +1,6 @@
 #include "shared/text/text_columns.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -73,6 +74,10 @@ std::string_view first_columns(std::string_view text, int columns) {
 std::string in_columns(std::string_view text, int columns) {
   const std::string_view fits = first_columns(text, columns);
   return std::string(fits).append(std::size_t(columns - columns_of(fits)), ' ');
+}
+
+std::string padded(std::string_view text, int columns) {
+  return std::string(text).append(std::size_t(std::max(1, columns - columns_of(text))), ' ');
 }
 
 }  // namespace ngs::cli

@@ -11,5 +11,7 @@ int columns_of(std::string_view text);
 std::string_view first_columns(std::string_view text, int columns);
 /// The same, padded with blanks.
 std::string in_columns(std::string_view text, int columns);
+/// The text padded with blanks, at least one; a longer text is not cut.
+std::string padded(std::string_view text, int columns);
 
 }  // namespace ngs::cli

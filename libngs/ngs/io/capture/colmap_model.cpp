@@ -11,38 +11,41 @@
 namespace ngs::io {
 namespace {
 
-constexpr std::array kModels{ColmapModel{0, "SIMPLE_PINHOLE", 3, 3},
-                             ColmapModel{1, "PINHOLE", 4, 4},
-                             ColmapModel{2, "SIMPLE_RADIAL", 4, 3},
-                             ColmapModel{3, "RADIAL", 5, 3},
-                             ColmapModel{4, "OPENCV", 8, 4},
-                             ColmapModel{5, "OPENCV_FISHEYE", 8, 4},
-                             ColmapModel{6, "FULL_OPENCV", 12, 4},
-                             ColmapModel{7, "FOV", 5, 4},
-                             ColmapModel{8, "SIMPLE_RADIAL_FISHEYE", 4, 3},
-                             ColmapModel{9, "RADIAL_FISHEYE", 5, 3},
-                             ColmapModel{10, "THIN_PRISM_FISHEYE", 12, 4},
-                             ColmapModel{11, "RAD_TAN_THIN_PRISM_FISHEYE", 16, 4},
-                             ColmapModel{12, "SIMPLE_DIVISION", 4, 3},
-                             ColmapModel{13, "DIVISION", 5, 4},
-                             ColmapModel{14, "SIMPLE_FISHEYE", 3, 3},
-                             ColmapModel{15, "FISHEYE", 4, 4},
-                             ColmapModel{16, "EUCM", 6, 4},
-                             ColmapModel{17, "EQUIRECTANGULAR", 2, 0}};
+using enum Lens::Kind;
+
+// clang-format off
+constexpr std::array kModels{
+    ColmapModel{0, "SIMPLE_PINHOLE", 3, 3, kPerspective, ""},
+    ColmapModel{1, "PINHOLE", 4, 4, kPerspective, ""},
+    ColmapModel{2, "SIMPLE_RADIAL", 4, 3, kPerspective, "r"},
+    ColmapModel{3, "RADIAL", 5, 3, kPerspective, "rr"},
+    ColmapModel{4, "OPENCV", 8, 4, kPerspective, "rrtt"},
+    ColmapModel{5, "OPENCV_FISHEYE", 8, 4, kFisheye, "rrrr"},
+    ColmapModel{6, "FULL_OPENCV", 12, 4, kPerspective, "rrttrddd"},
+    ColmapModel{7, "FOV", 5, 4, kFov, "f"},
+    ColmapModel{8, "SIMPLE_RADIAL_FISHEYE", 4, 3, kFisheye, "r"},
+    ColmapModel{9, "RADIAL_FISHEYE", 5, 3, kFisheye, "rr"},
+    ColmapModel{10, "THIN_PRISM_FISHEYE", 12, 4, kFisheye, "rrttrrss"},
+    ColmapModel{11, "RAD_TAN_THIN_PRISM_FISHEYE", 16, 4, kFisheye, ""},
+    ColmapModel{12, "SIMPLE_DIVISION", 4, 3, kPerspective, ""},
+    ColmapModel{13, "DIVISION", 5, 4, kPerspective, ""},
+    ColmapModel{14, "SIMPLE_FISHEYE", 3, 3, kFisheye, ""},
+    ColmapModel{15, "FISHEYE", 4, 4, kFisheye, ""},
+    ColmapModel{16, "EUCM", 6, 4, kPerspective, ""},
+    ColmapModel{17, "EQUIRECTANGULAR", 2, 0, kPerspective, ""},
+};
+// clang-format on
 
 bool is_panorama(const ColmapModel& model) { return model.intrinsics == 0; }
 
 /// Whether Lens can represent the distortion parameters of this model.
 bool has_lens(const ColmapModel& model) {
-  const std::string name = model.name;
-  return !is_panorama(model) && name != "RAD_TAN_THIN_PRISM_FISHEYE" && name != "SIMPLE_DIVISION" &&
-         name != "DIVISION" && name != "EUCM";
+  return !is_panorama(model) && int(model.distortion.size()) == model.parameters - model.intrinsics;
 }
 
-/// Fisheye projections distort even if all parameters are zero.
+/// Other projections distort even if all parameters are zero.
 bool is_pinhole_without_distortion(const ColmapModel& model) {
-  return std::string(model.name).find("FISHEYE") == std::string::npos && std::string(model.name) != "FOV" &&
-         !is_panorama(model);
+  return model.kind == kPerspective && !is_panorama(model);
 }
 
 /// `model` null: a model that is not in the list.
@@ -61,19 +64,15 @@ std::string way_out(const ColmapModel* model, const std::string& folder) {
 }
 
 /// Lens from the parameters after the intrinsics, in COLMAP's order.
-Lens lens_of(const ColmapModel& model, const double* p) {
-  const std::string name = model.name;
+Lens lens_of(const ColmapModel& model, const double* parameter) {
   Lens lens;
-  if (!is_pinhole_without_distortion(model)) lens.kind = name == "FOV" ? Lens::Kind::kFov : Lens::Kind::kFisheye;
-  auto& k = lens.radial;
-  if (name == "FOV") lens.fov_rad = p[0];
-  if (name == "SIMPLE_RADIAL" || name == "SIMPLE_RADIAL_FISHEYE") k[0] = p[0];
-  if (name == "RADIAL" || name == "RADIAL_FISHEYE") k[0] = p[0], k[1] = p[1];
-  if (name == "OPENCV_FISHEYE") k = {p[0], p[1], p[2], p[3]};
-  if (name == "OPENCV" || name == "FULL_OPENCV" || name == "THIN_PRISM_FISHEYE")
-    k[0] = p[0], k[1] = p[1], lens.tangential = {p[2], p[3]};
-  if (name == "FULL_OPENCV") k[2] = p[4], lens.divisor = {p[5], p[6], p[7]};
-  if (name == "THIN_PRISM_FISHEYE") k[2] = p[4], k[3] = p[5], lens.prism = {p[6], p[7]};
+  lens.kind = model.kind;
+  auto *radial = lens.radial.data(), *tangential = lens.tangential.data(), *divisor = lens.divisor.data(),
+       *prism = lens.prism.data();
+  for (const char part : model.distortion) {
+    double*& place = part == 'r' ? radial : part == 't' ? tangential : part == 'd' ? divisor : prism;
+    (part == 'f' ? lens.fov_rad : *place++) = *parameter++;
+  }
   return lens;
 }
 
@@ -104,8 +103,7 @@ void require_finite(const ColmapCamera& given, const std::string& where) {
   for (const double parameter : given.parameters)
     if (!std::isfinite(parameter))
       throw Error(ErrorCode::kBadInput, where + ": a parameter that is not finite, expected numbers");
-  const bool is_fov = std::string(given.model.name) == "FOV";
-  if (is_fov && !(given.parameters[4] > 0 && given.parameters[4] < std::numbers::pi))
+  if (given.model.kind == kFov && !(given.parameters[4] > 0 && given.parameters[4] < std::numbers::pi))
     throw Error(ErrorCode::kBadInput, where + ": FOV with an angle that is not between 0 and pi");
 }
 

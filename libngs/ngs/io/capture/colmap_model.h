@@ -1,9 +1,10 @@
 #pragma once
 // COLMAP's camera models, shared by the binary and the text reader. To add a model: its line in kModels
-// (colmap_model.cpp) and, if it distorts, its parameters in lens_of().
+// (colmap_model.cpp).
 #include <cstdint>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "ngs/io/capture/capture.h"
@@ -15,6 +16,10 @@ struct ColmapModel {
   const char* name;
   int parameters;  // in all
   int intrinsics;  // leading parameters: 3 = f cx cy, 4 = fx fy cx cy, 0 = a panorama; then distortion
+  Lens::Kind kind;
+  // The member of Lens that each distortion parameter sets: radial, tangential, divisor, s (prism) or f (fov_rad).
+  // Empty although there are such parameters: Lens cannot represent them.
+  std::string_view distortion;
 };
 
 /// Null: a model that is not in the list.

@@ -38,13 +38,6 @@ std::vector<std::string> list_folders(const std::string& folder) {
   });
 }
 
-std::string lower_case(std::string_view name) {
-  std::string lower(name);
-  for (char& c : lower)
-    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
-  return lower;
-}
-
 std::string folder_called(const std::string& folder, const std::string& name) {
   std::vector<std::string> alike;
   for (const std::string& found : list_folders(folder)) {

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "ngs/core/folded_name.h"
+
 namespace ngs::io {
 
 /// Sorted names of the regular image files in `folder`, not recursive; empty if there is no such folder.
@@ -13,8 +15,6 @@ std::vector<std::string> list_images(const std::string& folder);
 /// Sorted names of the folders in `folder`.
 std::vector<std::string> list_folders(const std::string& folder);
 
-/// ASCII letters in lower case.
-std::string lower_case(std::string_view name);
 /// Path of the sub-folder with this name, else of the only one that differs in case; empty: none.
 std::string folder_called(const std::string& folder, const std::string& name);
 

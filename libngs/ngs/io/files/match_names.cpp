@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <map>
 
 #include "ngs/core/error.h"
+#include "ngs/core/folded_name.h"
 #include "ngs/scene/view_names.h"
 
 namespace ngs::io {
@@ -20,15 +20,9 @@ std::string folder_of(std::string_view name) {
   return slash == std::string_view::npos ? std::string() : std::string(name.substr(0, slash + 1));
 }
 
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return out;
-}
-
 std::string affix_key(std::string_view name) {
-  const std::string folder = lower(folder_of(name));
-  std::string base = lower(name.substr(folder.size()));
+  const std::string folder = lower_case(folder_of(name));
+  std::string base = lower_case(name.substr(folder.size()));
   while (image_stem(base) != base) base = image_stem(base);
   constexpr std::array kPrefixes = {"mask"sv, "gt"sv, "pred"sv, "frame"sv};
   constexpr std::array kSuffixes = {"mask"sv, "gt"sv, "pred"sv, "label"sv, "seg"sv, "object"sv, "rgb"sv};
@@ -110,17 +104,6 @@ NameMatch match_names(std::span<const std::string> predicted, std::span<const st
   std::sort(match.pairs.begin(), match.pairs.end(),
             [&](const NamePair& a, const NamePair& b) { return truth[a.truth] < truth[b.truth]; });
   return match;
-}
-
-std::vector<std::size_t> select_every(std::string_view rule, std::size_t count) {
-  const std::optional<EveryRule> every = rule == "all" ? EveryRule{} : parse_every(rule);
-  if (!every)
-    throw Error(ErrorCode::kUsage,
-                "views = '" + std::string(rule) + "', expected all, every:N:K with K < N, or a file of names");
-  std::vector<std::size_t> selected;
-  for (std::size_t i = 0; i < count; ++i)
-    if (every->selects(i)) selected.push_back(i);
-  return selected;
 }
 
 }  // namespace ngs::io

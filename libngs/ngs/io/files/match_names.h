@@ -30,7 +30,4 @@ struct NameMatch {
 /// Throws kInconsistent if two files of one folder have the same stem (a.png and a.jpg).
 NameMatch match_names(std::span<const std::string> predicted, std::span<const std::string> truth);
 
-/// Indices of sorted names that the rule "every:N:K" or "all" selects: index % N == K. Throws kUsage for other rules.
-std::vector<std::size_t> select_every(std::string_view rule, std::size_t count);
-
 }  // namespace ngs::io

@@ -10,7 +10,6 @@ namespace ngs::io {
 /// Per axis: -1 if the other frame's axis points the other way, else 1. Applying it twice is the identity.
 using AxisSigns = std::array<float, 3>;
 
-inline constexpr AxisSigns kRightDownForward = {1, 1, 1};
 inline constexpr AxisSigns kRightUpBack = {1, -1, -1};    // OpenGL, three.js, SPZ
 inline constexpr AxisSigns kLeftUpForward = {-1, -1, 1};  // glTF
 

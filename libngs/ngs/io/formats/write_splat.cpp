@@ -4,6 +4,7 @@
 
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
+#include "ngs/core/formatted.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/formats/compressed_ply_write.h"
 #include "ngs/io/formats/dot_splat.h"
@@ -30,11 +31,7 @@ std::vector<std::uint8_t> encode(SplatFormat format, const SplatSelection& model
   return {};
 }
 
-std::string short_number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.10g", value);
-  return text;
-}
+std::string short_number(double value) { return formatted("%.10g", value); }
 
 void note_origin(const std::string& path, const GaussianCloud& cloud, std::vector<std::string>& notes) {
   if (!needs_local_origin(cloud)) return;

@@ -7,6 +7,7 @@
 
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
+#include "ngs/core/folded_name.h"
 #include "ngs/io/image/exr.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/image/size_rule.h"
@@ -262,11 +263,7 @@ bool is_absent(const Scene& scene, const SceneView& view, const std::vector<std:
 
 }  // namespace
 
-bool is_exr(const std::string& path) {
-  std::string found = std::filesystem::path(path).extension().string();
-  std::transform(found.begin(), found.end(), found.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-  return found == ".exr";
-}
+bool is_exr(const std::string& path) { return lower_case(std::filesystem::path(path).extension().string()) == ".exr"; }
 
 ImageF read_id_exr(const std::string& path) {
   ImageF ids = read_exr_channel(path, {"ngs.id", "Y", "R"});

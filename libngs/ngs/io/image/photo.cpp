@@ -47,11 +47,11 @@ double packed_photo_bytes(const Scene& scene, std::size_t view) {
   return 3 * pixels * (!as_in_file ? double(sizeof(float)) : header->bits > 8 ? 2 : 1);
 }
 
-ImageF load_fine_photo(const Scene& scene, std::size_t view, int most) {
+ImageF load_fine_photo(const Scene& scene, std::size_t view, int max_factor) {
   ImageF photo = checked_photo(scene, view).rgb();
   const Camera& camera = scene.views[view].camera;
-  if (photo.empty() || photo.width_px <= most * camera.width_px + most) return photo;
-  return resize_area(photo, most * camera.width_px, most * camera.height_px);
+  if (photo.empty() || photo.width_px <= max_factor * camera.width_px + max_factor) return photo;
+  return resize_area(photo, max_factor * camera.width_px, max_factor * camera.height_px);
 }
 
 ImageSize full_size(const Scene& scene, std::size_t view) {

@@ -17,8 +17,8 @@ PackedPhoto read_packed_photo(const Scene& scene, std::size_t view);
 /// Memory [bytes] that read_packed_photo() will need, from the file's header alone; 0 if the view has no photo.
 double packed_photo_bytes(const Scene& scene, std::size_t view);
 
-/// The same with up to `most` times the camera's pixels per side, if the file has that many.
-ImageF load_fine_photo(const Scene& scene, std::size_t view, int most = 2);
+/// The same with up to `max_factor` times the camera's pixels per side, if the file has that many.
+ImageF load_fine_photo(const Scene& scene, std::size_t view, int max_factor = 2);
 /// The size of the view's photo, which is the camera's size / image_scale up to rounding. That quotient is returned if
 /// there is no photo or it is not the one with which the scene was imported.
 ImageSize full_size(const Scene& scene, std::size_t view);

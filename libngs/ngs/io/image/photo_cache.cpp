@@ -3,7 +3,7 @@
 namespace ngs::io {
 
 ImageF PhotoCache::load(std::size_t view) {
-  if (to_keep_.count(view) == 0) return load_photo(scene_, view);
+  if (cached_views_.count(view) == 0) return load_photo(scene_, view);
   {
     const std::lock_guard lock(mutex_);
     if (const auto found = cache_.find(view); found != cache_.end()) return found->second.rgb();
@@ -12,7 +12,7 @@ ImageF PhotoCache::load(std::size_t view) {
   ImageF rgb = photo.rgb();
   const std::lock_guard lock(mutex_);
   const std::size_t bytes = photo.bytes();
-  if (bytes_ + bytes <= most_bytes_ && cache_.emplace(view, std::move(photo)).second) bytes_ += bytes;
+  if (bytes_ + bytes <= max_bytes_ && cache_.emplace(view, std::move(photo)).second) bytes_ += bytes;
   return rgb;
 }
 

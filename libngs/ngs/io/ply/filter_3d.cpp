@@ -17,22 +17,12 @@ double filtered_log_scale(double log_scale, double log_filter) {
 /// The logit of c σ(x), with ln c = -loss <= 0, without rounding σ(x) or c to 0 or 1 in between.
 double fainter_logit(double x, double loss) { return -loss - std::log(std::exp(-x) + one_minus_exp(loss)); }
 
-PlyTable without(const PlyTable& from, std::string_view name) {
-  const SelectedColumns kept(from, [&](const std::string& column) { return column != name; });
-  PlyTable to;
-  to.set_properties(kept.properties());
-  to.rows = from.rows;
-  to.owned.resize(std::size_t(to.rows) * to.row_bytes);
-  for (std::int64_t i = 0; i < from.rows; ++i) kept.copy(from.row(i), to.owned.data() + std::size_t(i) * to.row_bytes);
-  return to;
-}
-
 }  // namespace
 
 bool has_3d_filter(const PlyTable& rows) { return rows.find(kFilter3dColumn) >= 0; }
 
 PlyTable fuse_3d_filter(const PlyTable& rows) {
-  PlyTable fused = without(rows, kFilter3dColumn);
+  PlyTable fused = copy_of(rows, {rows, [](const std::string& name) { return name != kFilter3dColumn; }});
   struct Field {
     PlyColumn column;
     std::size_t offset;

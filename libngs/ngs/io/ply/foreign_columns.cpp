@@ -26,15 +26,6 @@ int rest_index(std::string_view name) {
   return name.size() == kRest.size() ? -1 : k;
 }
 
-PlyTable copy_of(const PlyTable& from, const SelectedColumns& kept) {
-  PlyTable to;
-  to.set_properties(kept.properties());
-  to.rows = from.rows;
-  to.owned.resize(std::size_t(to.rows) * to.row_bytes);
-  for (std::int64_t i = 0; i < from.rows; ++i) kept.copy(from.row(i), to.owned.data() + std::size_t(i) * to.row_bytes);
-  return to;
-}
-
 /// The finite values of some columns, sorted; empty if one of them is negative.
 std::vector<float> sorted_unless_negative(const std::vector<PlyColumn>& columns, std::int64_t rows) {
   std::vector<float> values;

@@ -45,4 +45,15 @@ class SelectedColumns {
   std::size_t row_bytes_ = 0;
 };
 
+/// A table with these columns only.
+inline PlyTable copy_of(const PlyTable& from, const SelectedColumns& columns) {
+  PlyTable to;
+  to.set_properties(columns.properties());
+  to.rows = from.rows;
+  to.owned.resize(std::size_t(to.rows) * to.row_bytes);
+  for (std::int64_t i = 0; i < from.rows; ++i)
+    columns.copy(from.row(i), to.owned.data() + std::size_t(i) * to.row_bytes);
+  return to;
+}
+
 }  // namespace ngs::io

@@ -9,31 +9,31 @@
 namespace ngs::io {
 namespace {
 
-using ShareField = std::uint64_t& (*)(ObjectShare&);
+using SumField = std::uint64_t& (*)(ObjectSums&);
 
 /// Visits every array of the file except the contrasts: rows(name, array) for arrays per Gaussian [N], cells(name,
 /// field) for arrays per Gaussian and object [N, K]. E is Evidence or const Evidence.
 template <class E, class Rows, class Cells>
 void for_each_array(E& e, const Rows& rows, const Cells& cells) {
-  const auto field = [&](const char* name, ShareField of) { cells(name, of); };
+  const auto field = [&](const char* name, SumField of) { cells(name, of); };
   rows("weight.whole", e.weight.whole);
   rows("weight.fraction", e.weight.fraction);
-  field("object_weight.whole", [](ObjectShare& s) -> std::uint64_t& { return s.weight.whole; });
-  field("object_weight.fraction", [](ObjectShare& s) -> std::uint64_t& { return s.weight.fraction; });
+  field("object_weight.whole", [](ObjectSums& s) -> std::uint64_t& { return s.weight.whole; });
+  field("object_weight.fraction", [](ObjectSums& s) -> std::uint64_t& { return s.weight.fraction; });
   rows("pixels", e.pixels);
-  field("object_pixels", [](ObjectShare& s) -> std::uint64_t& { return s.pixels; });
+  field("object_pixels", [](ObjectSums& s) -> std::uint64_t& { return s.pixels; });
   rows("views", e.views);
-  field("signal_sum", [](ObjectShare& s) -> std::uint64_t& { return s.signal_sum; });
-  field("signal_square_sum.whole", [](ObjectShare& s) -> std::uint64_t& { return s.signal_square_sum.whole; });
-  field("signal_square_sum.fraction", [](ObjectShare& s) -> std::uint64_t& { return s.signal_square_sum.fraction; });
+  field("signal_sum", [](ObjectSums& s) -> std::uint64_t& { return s.signal_sum; });
+  field("signal_square_sum.whole", [](ObjectSums& s) -> std::uint64_t& { return s.signal_square_sum.whole; });
+  field("signal_square_sum.fraction", [](ObjectSums& s) -> std::uint64_t& { return s.signal_square_sum.fraction; });
 }
 constexpr const char* kContrast = "contrast_sum";  // Evidence stores one_minus_contrast_sum instead
 
-std::vector<std::uint64_t> dense(const Evidence& e, ShareField field) {
+std::vector<std::uint64_t> dense(const Evidence& e, SumField field) {
   const auto objects = std::size_t(e.objects);
   std::vector<std::uint64_t> cells(std::size_t(e.gaussians) * objects);
   for (std::size_t i = 0; i < std::size_t(e.gaussians); ++i)
-    e.share.for_each_in(i, [&](std::size_t k, ObjectShare of) { cells[i * objects + k] = field(of); });
+    e.object_weights.for_each_in(i, [&](std::size_t k, ObjectSums of) { cells[i * objects + k] = field(of); });
   return cells;
 }
 
@@ -45,11 +45,11 @@ std::vector<std::uint64_t> contrasts(const Evidence& e) {
   return cells;
 }
 
-void set_shares(const std::vector<std::uint64_t>& cells, ShareField field, Evidence& e) {
+void set_shares(const std::vector<std::uint64_t>& cells, SumField field, Evidence& e) {
   const auto objects = std::size_t(e.objects);
   for (std::size_t i = 0; i < std::size_t(e.gaussians); ++i)
     for (std::size_t k = 0; k < objects; ++k)
-      if (cells[i * objects + k] != 0) field(e.share.touch(i, k)) = cells[i * objects + k];
+      if (cells[i * objects + k] != 0) field(e.object_weights.touch(i, k)) = cells[i * objects + k];
 }
 
 /// The inverse of contrasts(): one_minus_contrast_sum = views - contrast_sum.
@@ -57,7 +57,7 @@ void set_contrasts(std::vector<std::uint64_t> sum, Evidence& e) {
   for (std::size_t cell = 0; cell < sum.size(); ++cell)
     sum[cell] = (std::uint64_t(e.views[cell / std::size_t(e.objects)]) << 32) - sum[cell];
   set_shares(
-      sum, [](ObjectShare& s) -> std::uint64_t& { return s.one_minus_contrast_sum; }, e);
+      sum, [](ObjectSums& s) -> std::uint64_t& { return s.one_minus_contrast_sum; }, e);
 }
 
 std::vector<std::string> names_in(const TensorFile& file, const std::string& key) {
@@ -79,7 +79,7 @@ void write_evidence(const std::string& path, const EvidencePart& part, StoredPat
   const Evidence& e = part.evidence;
   for_each_array(
       e, [&](const char* name, const auto& values) { file.add(name, {e.gaussians}, values); },
-      [&](const char* name, ShareField field) {
+      [&](const char* name, SumField field) {
         file.add(name, {e.gaussians, e.objects}, dense(e, field));
       });
   file.add(kContrast, {e.gaussians, e.objects}, contrasts(e));
@@ -108,7 +108,7 @@ EvidencePart parse_evidence(const std::string& path, Bytes bytes) {
   e = Evidence(gaussians, objects);
   for_each_array(
       e, [&]<class T>(const char* name, std::vector<T>& values) { values = file.get<T>(name, rows); },
-      [&](const char* name, ShareField field) { set_shares(file.get<std::uint64_t>(name, cells), field, e); });
+      [&](const char* name, SumField field) { set_shares(file.get<std::uint64_t>(name, cells), field, e); });
   set_contrasts(file.get<std::uint64_t>(kContrast, cells), e);
   return part;
 }

@@ -29,11 +29,6 @@ struct Candidate {
   FileKind kind;
 };
 
-std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
-  return text;
-}
-
 Candidate look_at_ply(const std::string& path) {
   try {
     const PlyFile file = PlyFile::header_of(path);
@@ -54,14 +49,14 @@ std::vector<Candidate> candidates_in(const fs::path& folder) {
   std::vector<std::string> paths;
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
-    const std::string name = lower(entry.path().filename().string());
+    const std::string name = lower_case(entry.path().filename().string());
     const bool is_model = name.ends_with(".ply") || name.ends_with(".ply.gz") || is_model_name(name);
     if (is_model && is_regular_file(entry.path().generic_string())) paths.push_back(entry.path().generic_string());
   }
   std::ranges::sort(paths);
   std::vector<Candidate> found;
   for (const std::string& path : paths)
-    if (lower(path).ends_with(".ply"))
+    if (lower_case(path).ends_with(".ply"))
       found.push_back(look_at_ply(path));
     else
       found.push_back({path, "a splat", FileKind::kOtherFormat});

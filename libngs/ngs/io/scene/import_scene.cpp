@@ -7,6 +7,7 @@
 #include <set>
 
 #include "ngs/core/error.h"
+#include "ngs/core/formatted.h"
 #include "ngs/core/parse_number.h"
 #include "ngs/io/capture/pose.h"
 #include "ngs/io/files/folder_index.h"
@@ -183,9 +184,7 @@ void hold_out_named(const std::string& path, std::vector<SceneView>& views) {
 
 /// The smallest image scale, rounded up, at which the photos' shortest side has that many pixels.
 std::string least_scale(int side_px, int shortest_px) {
-  char text[16];
-  std::snprintf(text, sizeof text, "%.3f", std::min(1.0, std::ceil(1000.0 * side_px / shortest_px) / 1000));
-  return text;
+  return formatted("%.3f", std::min(1.0, std::ceil(1000.0 * side_px / shortest_px) / 1000));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "ngs/core/check.h"
 #include "ngs/math/stable.h"
+#include "ngs/ops/image/pixel_window.h"
 
 namespace ngs {
 namespace {
@@ -21,25 +22,16 @@ constexpr double kOutliers = 0.1;      // share of colours that neither density 
 constexpr double kMinSupport = 1e-4;   // share of a neighbourhood below which its colours are unknown
 constexpr int kCellsOfRadius = 10;     // a blur runs on cells of pixels, this many per radius: too fine to be visible
 
-/// The part of the image that the random walks need: the band around the contour and the colours within reach.
-struct Window {
-  int x0, y0, w, h;
-  std::size_t pixels() const { return std::size_t(w) * std::size_t(h); }
-  std::size_t at(int x, int y) const { return std::size_t(y) * std::size_t(w) + std::size_t(x); }
-};
-
 /// Chessboard distance to the contour, positive inside, from pixel centres: ±0.5 at the contour itself.
-std::vector<float> signed_distance(MaskPlane mask) {
-  std::vector<std::uint8_t> outside(std::size_t(mask.pixels()));
-  for (std::size_t p = 0; p < outside.size(); ++p) outside[p] = !mask.data[p];
-  const auto in = chessboard_distance(mask, Outside::kUnknown);
-  const auto out = chessboard_distance({outside.data(), mask.width_px, mask.height_px}, Outside::kUnknown);
-  std::vector<float> d(outside.size());
-  for (std::size_t p = 0; p < d.size(); ++p) d[p] = mask.data[p] ? float(in[p]) - 0.5f : 0.5f - float(out[p]);
+std::vector<float> contour_distance(MaskPlane mask) {
+  const std::vector<std::int32_t> distance = signed_distance(mask);
+  std::vector<float> d(distance.size());
+  for (std::size_t p = 0; p < d.size(); ++p) d[p] = float(distance[p]) + (distance[p] > 0 ? -0.5f : 0.5f);
   return d;
 }
 
-Window window_of(const std::vector<float>& distance, MaskPlane mask, double reach_px) {
+/// The part of the image that the random walks need: the band around the contour and the colours within reach.
+PixelWindow window_of(const std::vector<float>& distance, MaskPlane mask, double reach_px) {
   int x0 = mask.width_px, x1 = -1, y0 = mask.height_px, y1 = -1;
   for (int y = 0; y < mask.height_px; ++y)
     for (int x = 0; x < mask.width_px; ++x)
@@ -88,7 +80,7 @@ class LocalMeans {
   static_assert(N <= kBlurLanes);
 
  public:
-  LocalMeans(const Window& win, int r)
+  LocalMeans(const PixelWindow& win, int r)
       : side_(std::max(1, r / kCellsOfRadius)), r_(r / side_), w_(cells(win.w)), h_(cells(win.h)) {
     values_.resize(std::size_t(w_) * std::size_t(h_) * N);
   }
@@ -117,7 +109,7 @@ class LocalMeans {
 /// Local normal density of the colours of the chosen pixels: blurred weights, means and second moments.
 class LocalColours {
  public:
-  LocalColours(const Window& win, const std::vector<std::array<float, 3>>& colour,
+  LocalColours(const PixelWindow& win, const std::vector<std::array<float, 3>>& colour,
                const std::vector<std::uint8_t>& chosen, int r)
       : moments_(win, r) {
     for (int y = 0; y < win.h; ++y)
@@ -169,7 +161,7 @@ class LocalColours {
 
 /// The photo in the window, relative to its mean colour so that second moments do not cancel. Non-finite values become
 /// the mean colour; otherwise they would spread through all local means.
-std::vector<std::array<float, 3>> colours_of(const Window& win, const ImageF& photo) {
+std::vector<std::array<float, 3>> colours_of(const PixelWindow& win, const ImageF& photo) {
   std::vector<std::array<float, 3>> colour(win.pixels());
   double sum[3] = {0, 0, 0}, count[3] = {0, 0, 0};
   for (int y = 0; y < win.h; ++y)
@@ -193,7 +185,7 @@ struct Sides {
 };
 
 /// 3x3 binomial mean.
-std::array<float, 3> smoothed(const Window& win, const std::vector<std::array<float, 3>>& in, int x, int y) {
+std::array<float, 3> smoothed(const PixelWindow& win, const std::vector<std::array<float, 3>>& in, int x, int y) {
   std::array<float, 3> out;
   for (std::size_t c = 0; c < 3; ++c) {
     float sum = 0;
@@ -207,7 +199,7 @@ std::array<float, 3> smoothed(const Window& win, const std::vector<std::array<fl
 }
 
 /// Smooths the colours of the pixels in `sides`: single pixels of a photo are noisy.
-std::vector<std::array<float, 3>> smoothed(const Window& win, const std::vector<std::array<float, 3>>& in,
+std::vector<std::array<float, 3>> smoothed(const PixelWindow& win, const std::vector<std::array<float, 3>>& in,
                                            const Sides& sides) {
   std::vector<std::array<float, 3>> out(in.size());
   for (int y = 0; y < win.h; ++y)
@@ -223,7 +215,7 @@ double squared_difference(const std::array<float, 3>& a, const std::array<float,
 }
 
 /// Mean squared colour difference of horizontal and vertical neighbours.
-double mean_squared_step(const Window& win, const std::vector<std::array<float, 3>>& colour) {
+double mean_squared_step(const PixelWindow& win, const std::vector<std::array<float, 3>>& colour) {
   double sum = 0, pairs = 0;
   for (int y = 0; y < win.h; ++y)
     for (int x = 0; x < win.w; ++x) {
@@ -240,13 +232,13 @@ struct ColourModels {
 
 /// Object probability by colour, and its reliability.
 struct ColourEvidence {
-  std::vector<float> object;  // probability of the object; 0.5 where no colour was learned, and outside `sides`
-  std::vector<float> trust;   // r, 0 to 1
+  std::vector<float> object;      // probability of the object; 0.5 where no colour was learned, and outside `sides`
+  std::vector<float> confidence;  // r, 0 to 1
 };
 
 /// Trust is how well the two densities classify the nearby pixels whose side is known: the local mean of ±(2 c - 1). A
 /// texture on both sides, or two colours on one side, make c useless or wrong, which the densities alone do not show.
-ColourEvidence weigh_colours(const Window& win, const ColourModels& models, const Sides& sides, int r) {
+ColourEvidence weigh_colours(const PixelWindow& win, const ColourModels& models, const Sides& sides, int r) {
   ColourEvidence out{std::vector<float>(win.pixels(), 0.5f), std::vector<float>(win.pixels())};
   LocalMeans<2> agreement(win, r);  // of the known pixels: ±(2 c - 1), and 1
   std::vector<std::uint8_t> learned(win.pixels());
@@ -267,14 +259,14 @@ ColourEvidence weigh_colours(const Window& win, const ColourModels& models, cons
       const std::size_t p = win.at(x, y);
       const float* near = agreement.at(x, y);
       if (learned[p] && sides.free[p] && near[1] > float(kMinSupport))
-        out.trust[p] = std::clamp(near[0] / near[1], 0.f, 1.f);
+        out.confidence[p] = std::clamp(near[0] / near[1], 0.f, 1.f);
     }
   return out;
 }
 
 /// The linear system of the random walks.
 struct WalkSystem {
-  Window win;
+  PixelWindow win;
   std::vector<float> given;         // the mask, 0 or 1
   std::vector<std::int32_t> index;  // row of the system; -1: fixed
   std::vector<double> diagonal, right;
@@ -294,7 +286,7 @@ struct EdgeWeights {
 
 /// Adds the row of pixel (x, y), in the storage order of the matrix: by column.
 void add_row(WalkSystem& system, const EdgeWeights& weight, int x, int y, WalkMatrix& matrix) {
-  const Window& win = system.win;
+  const PixelWindow& win = system.win;
   const std::size_t p = win.at(x, y);
   const int row = system.index[p];
   double& diagonal = system.diagonal[std::size_t(row)];
@@ -318,7 +310,7 @@ void add_row(WalkSystem& system, const EdgeWeights& weight, int x, int y, WalkMa
 }
 
 std::vector<double> solve(WalkSystem& system, const std::vector<std::array<float, 3>>& colour) {
-  const Window& win = system.win;
+  const PixelWindow& win = system.win;
   const EdgeWeights weight{colour, std::max(mean_squared_step(win, colour), 1e-12)};
   const int n = int(system.diagonal.size());
   WalkMatrix matrix(n, n);
@@ -341,10 +333,10 @@ std::vector<float> refine_contour(const ContourRefineOptions& options, MaskPlane
             "refine_contour: the photo must be RGB in the size of the mask");
   std::vector<float> out(std::size_t(mask.pixels()));
   for (std::size_t p = 0; p < out.size(); ++p) out[p] = mask.data[p] ? 1.f : 0.f;
-  const std::vector<float> distance = signed_distance(mask);
+  const std::vector<float> distance = contour_distance(mask);
   WalkSystem system;
   system.win = window_of(distance, mask, options.reach_px);
-  const Window& win = system.win;
+  const PixelWindow& win = system.win;
   if (win.pixels() == 0) return out;
   const auto colour = colours_of(win, photo);
   Sides sides(win.pixels());
@@ -367,8 +359,8 @@ std::vector<float> refine_contour(const ContourRefineOptions& options, MaskPlane
   for (std::size_t p = 0; p < win.pixels(); ++p) {
     if (!sides.free[p]) continue;
     system.index[p] = int(system.diagonal.size());
-    const double trust = double(evidence.trust[p]), ambiguity = 1 - trust;
-    const double colour_weight = options.colour_weight * trust,
+    const double confidence = double(evidence.confidence[p]), ambiguity = 1 - confidence;
+    const double colour_weight = options.colour_weight * confidence,
                  shape_weight = options.shape_weight + options.ambiguity_weight * ambiguity * ambiguity;
     system.diagonal.push_back(shape_weight + colour_weight);
     system.right.push_back(shape_weight * sigmoid(double(d[p]) / kShapeWidth_px) +

@@ -36,7 +36,7 @@ struct Source {
 };
 
 /// Sample colours of one side for its mixture: the certain pixels; if they are too few, the likely ones too.
-Colours samples_of(const Source& from, bool object, std::size_t most) {
+Colours samples_of(const Source& from, bool object, std::size_t max_samples) {
   Colours samples;
   for (const bool likely_too : {false, true}) {
     samples.clear();
@@ -48,9 +48,9 @@ Colours samples_of(const Source& from, bool object, std::size_t most) {
       }
     if (samples.size() >= kComponents) break;
   }
-  if (samples.size() <= most) return samples;
-  Colours fewer(most);
-  for (std::size_t i = 0; i < most; ++i) fewer[i] = samples[i * samples.size() / most];
+  if (samples.size() <= max_samples) return samples;
+  Colours fewer(max_samples);
+  for (std::size_t i = 0; i < max_samples; ++i) fewer[i] = samples[i * samples.size() / max_samples];
   return fewer;
 }
 
@@ -78,8 +78,8 @@ Mixtures learn(const Colours& background, const Colours& object) {
   return mixtures;
 }
 
-SideColours colours_in(const Source& from, int most) {
-  return {samples_of(from, true, std::size_t(most)), samples_of(from, false, std::size_t(most))};
+SideColours colours_in(const Source& from, int max_samples) {
+  return {samples_of(from, true, std::size_t(max_samples)), samples_of(from, false, std::size_t(max_samples))};
 }
 
 void check(const ImageU8& photo, const ViewPrompt& prompt) {
@@ -123,9 +123,9 @@ PixelMask grab_cut(const ImageU8& photo, const ViewPrompt& prompt, const GrabCut
   return cut_in(from, options, colours_in(from, kMaxSamples));
 }
 
-SideColours side_colours(const ImageU8& photo, const ViewPrompt& prompt, int most) {
+SideColours side_colours(const ImageU8& photo, const ViewPrompt& prompt, int max_samples) {
   check(photo, prompt);
-  return colours_in({photo, prompt, {0, 0, photo.width_px, photo.height_px}}, most);
+  return colours_in({photo, prompt, {0, 0, photo.width_px, photo.height_px}}, max_samples);
 }
 
 PixelMask grab_cut(const ImageU8& photo, const ViewPrompt& prompt, const GrabCutOptions& options,

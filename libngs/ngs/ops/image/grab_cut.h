@@ -23,9 +23,9 @@ struct SideColours {
   std::vector<std::array<std::uint8_t, 3>> object, background;  // RGB
 };
 
-/// Colours of the certain pixels; of all pixels of a side that has fewer than 5 certain ones. At most `most` per side,
-/// evenly sampled.
-SideColours side_colours(const ImageU8& photo, const ViewPrompt& prompt, int most);
+/// Colours of the certain pixels; of all pixels of a side that has fewer than 5 certain ones. At most `max_samples` per
+/// side, evenly sampled.
+SideColours side_colours(const ImageU8& photo, const ViewPrompt& prompt, int max_samples);
 
 /// The same cut, starting with these colours, for example those of the full-size image for a downscaled one.
 PixelMask grab_cut(const ImageU8& photo, const ViewPrompt& prompt, const GrabCutOptions& options,

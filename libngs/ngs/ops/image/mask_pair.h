@@ -54,6 +54,14 @@ inline ForegroundBox foreground_box(const std::vector<float>& plane, int w, int 
   return box;
 }
 
+/// Pixels in both of two masks, and in either.
+struct MaskOverlap {
+  std::int64_t both = 0, either = 0;
+  void add(bool a, bool b) { both += a && b, either += a || b; }
+  /// IoU; 1 if both masks are empty.
+  double iou() const { return either > 0 ? double(both) / double(either) : 1; }
+};
+
 /// 0/1 planes of one object, cropped to the box in which either mask contains it. Pixels of unknown mask are 0 in both.
 struct MaskPair {
   ForegroundBox at;

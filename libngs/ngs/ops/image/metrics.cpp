@@ -148,15 +148,11 @@ Confusion known_confusion(const Exec& exec, MaskPlane predicted, MaskPlane truth
 
 /// Wrong pixels farther than band_px from the truth's contour.
 void count_far_errors(MaskPlane predicted, MaskPlane truth, int band_px, MaskScores& scores) {
-  std::vector<std::uint8_t> complement(std::size_t(truth.pixels()));
-  for (std::size_t i = 0; i < complement.size(); ++i) complement[i] = truth.data[i] == 0;
-  const std::vector<std::int32_t> outside_truth =
-      chessboard_distance({complement.data(), truth.width_px, truth.height_px}, Outside::kUnknown);
-  const std::vector<std::int32_t> inside_truth = chessboard_distance(truth, Outside::kUnknown);
-  for (std::size_t i = 0; i < complement.size(); ++i) {
-    const bool p = predicted.data[i] != 0, t = truth.data[i] != 0;
-    scores.far_fp += p && !t && outside_truth[i] > band_px;
-    scores.far_fn += !p && t && inside_truth[i] > band_px;
+  const std::vector<std::int32_t> distance = signed_distance(truth);
+  for (std::size_t i = 0; i < distance.size(); ++i) {
+    const bool p = predicted.data[i] != 0;
+    scores.far_fp += p && -distance[i] > band_px;
+    scores.far_fn += !p && distance[i] > band_px;
   }
 }
 
@@ -204,6 +200,16 @@ std::vector<std::int32_t> chessboard_distance(MaskPlane mask, Outside outside) {
           step(std::min(std::min(at(x + 1, y + 1), at(x, y + 1)), std::min(at(x - 1, y + 1), at(x + 1, y))));
       distance[i] = std::min(distance[i], back);
     }
+  return distance;
+}
+
+std::vector<std::int32_t> signed_distance(MaskPlane mask) {
+  std::vector<std::uint8_t> outside(std::size_t(mask.pixels()));
+  for (std::size_t p = 0; p < outside.size(); ++p) outside[p] = mask.data[p] == 0;
+  std::vector<std::int32_t> distance = chessboard_distance(mask, Outside::kUnknown);
+  const auto to_object = chessboard_distance({outside.data(), mask.width_px, mask.height_px}, Outside::kUnknown);
+  for (std::size_t p = 0; p < distance.size(); ++p)
+    if (outside[p]) distance[p] = -to_object[p];
   return distance;
 }
 

@@ -61,6 +61,10 @@ enum class Outside : std::uint8_t { kComplement, kUnknown };
 inline constexpr std::int32_t kUnbounded = 1 << 30;
 std::vector<std::int32_t> chessboard_distance(MaskPlane mask, Outside outside = Outside::kComplement);
 
+/// Chessboard distance of every pixel to the nearest pixel of the other side: positive in the object, negative outside,
+/// never 0; kUnbounded in magnitude without a pixel of the other side.
+std::vector<std::int32_t> signed_distance(MaskPlane mask);
+
 /// Squared Euclidean distance, px², of every pixel to the nearest object pixel, 0 inside the object; kUnbounded for an
 /// empty mask. Sides of at most 23000 px.
 std::vector<std::int32_t> squared_distance(MaskPlane mask);

@@ -20,8 +20,8 @@ PixelWindow widened(const PixelWindow& win, int margin_px, int width_px, int hei
   constexpr int kGrain_px = 16;
   if (win.w == 0) return {};
   const auto down = [&](int v) { return std::max(0, v - margin_px) / kGrain_px * kGrain_px; };
-  const auto up = [&](int v, int most) {
-    return std::min(most, (v + margin_px + kGrain_px - 1) / kGrain_px * kGrain_px);
+  const auto up = [&](int v, int side_px) {
+    return std::min(side_px, (v + margin_px + kGrain_px - 1) / kGrain_px * kGrain_px);
   };
   const int x0 = down(win.x0), y0 = down(win.y0);
   return {x0, y0, up(win.x0 + win.w, width_px) - x0, up(win.y0 + win.h, height_px) - y0};

@@ -10,6 +10,10 @@ namespace ngs {
 
 struct PixelWindow {
   int x0 = 0, y0 = 0, w = 0, h = 0;  // px
+
+  std::size_t pixels() const { return std::size_t(w) * std::size_t(h); }
+  /// Index of the window's pixel (x, y) in a plane of the window.
+  std::size_t at(int x, int y) const { return std::size_t(y) * std::size_t(w) + std::size_t(x); }
 };
 
 /// The box grown by a margin and clipped to the image; empty if the box is empty.

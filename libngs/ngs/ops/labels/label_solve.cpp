@@ -77,8 +77,7 @@ class Solver {
   }
 
   bool out_of_budget() const {
-    return solution_.evaluations >= options_.max_evaluations || (options_.stop && options_.stop()) ||
-           (options_.time_budget_s > 0 && seconds_now() - begin_ > options_.time_budget_s);
+    return solution_.evaluations >= options_.max_evaluations || (options_.stop && options_.stop());
   }
   void record(const std::vector<double>& m, const LabelSums& sums, bool certified) {
     solution_.trace.push_back(
@@ -152,7 +151,7 @@ class Solver {
     std::vector<double> x(m.size(), 0.0), f(m.size(), 0.0), weight(m.size(), 0.0);
     for (std::size_t c = 0; c < m.size(); ++c) {
       if (!inner(m[c]) || !inner(plain[c])) continue;
-      x[c] = log_odds(m[c]), f[c] = options_.relaxation * (log_odds(plain[c]) - x[c]);
+      x[c] = log_odds(m[c]), f[c] = log_odds(plain[c]) - x[c];
       weight[c] = m[c] * (1 - m[c]) * (m[c] * sums.inside[c] + (1 - m[c]) * sums.outside[c]);
     }
     const std::vector<double> to = history.next(x, f, weight);

@@ -17,9 +17,7 @@ namespace ngs {
 
 struct LabelSolveOptions {
   double relative_gap = 1e-3;  // stop when gap <= relative_gap · loss
-  double relaxation = 1;       // ω in [1, 2)
   int max_evaluations = 2000;
-  double time_budget_s = 0;                          // 0: none
   std::int64_t cache_bytes = std::int64_t(2) << 30;  // for the weights of a working set, see label_system.h
   std::function<bool()> stop;                        // called once per evaluation; may be empty
 };

@@ -41,7 +41,7 @@ MaskLoss loss_mask(const Exec& exec, const MaskLossOptions& options, const MaskL
   std::vector<const float*> target;
   for (const std::vector<float>& plane : masks.target) target.push_back(plane.data());
   std::vector<double> row_sum(std::size_t(rendered.height_px));
-  const double scale = in.trust / double(loss.known);
+  const double scale = in.view_weight / double(loss.known);
   const MaskLossRow<float, double> kernel{rendered.width_px,
                                           rendered.channels,
                                           rendered.data.data(),

@@ -1,7 +1,7 @@
 #pragma once
 // L_mask: rendered masks against given masks, heavier where the field is dense.   Eq. (19); C18, C19
 //
-//   L = trust / N Σ_p s_p Σ_k ℓ(rendered_pk, target_pk),   s_p = sigmoid(D_p) in [0.5, 1),   N = known pixels
+//   L = view_weight / N Σ_p s_p Σ_k ℓ(rendered_pk, target_pk),   s_p = sigmoid(D_p) in [0.5, 1),   N = known pixels
 //
 // The paper's formula has prediction and truth exchanged; ℓ is the ordinary cross-entropy, or the linear loss to which
 // the literal formula reduces. Unknown pixels have no loss and no gradient. Without known pixels the loss is 0. The
@@ -36,7 +36,7 @@ struct MaskLossInputs {
   const ImageF* rendered = nullptr;      // [H, W, K] RenderedView::label
   const ViewMasks* masks = nullptr;      // K targets of the same size; not available: loss 0
   const ImageF* pixel_weight = nullptr;  // [H, W, 1] density_weights; null: 1
-  double trust = 1;                      // of this view's masks, >= 0
+  double view_weight = 1;                // of this view's masks, >= 0
 };
 
 struct MaskLoss {

@@ -55,8 +55,4 @@ class PhotometricPass {
 extern template class PhotometricPass<float, double>;
 extern template class PhotometricPass<double, double>;
 
-/// The value only, with temporary buffers.
-PhotometricLoss photometric_loss(const Exec& exec, const PhotometricOptions& options, const ImageF& rendered,
-                                 const ImageF& target);
-
 }  // namespace ngs

@@ -295,7 +295,7 @@ void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const Maske
                      : evidence.add_background(gaussian, sum[0], sum[1]);
         });
       });
-  for (const Evidence::DeferredInserts& of : deferred_inserts) evidence.share.add(of);
+  for (const Evidence::DeferredInserts& of : deferred_inserts) evidence.object_weights.add(of);
 }
 
 }  // namespace ngs

@@ -12,16 +12,13 @@ namespace {
 using L = PackF;
 constexpr int kPacks = kPacksPerTile<L>;
 
-/// Index of pixel (x, y) of a tile in its packs: columns of packs, rows within.
-int lane_of(int x, int y) { return (x / L::kLanes * kTilePx + y) * L::kLanes + x % L::kLanes; }
-
 /// Loads a plane of the image into the tile's packs; 0 outside the image.
 template <class T>
 void tile_plane(const TileFrame& frame, const std::vector<T>& image, L* packs) {
   float lane[kTilePixels] = {};
   for (int y = 0; y < frame.rows(); ++y)
     for (int x = 0; x < frame.columns(); ++x)
-      lane[lane_of(x, y)] =
+      lane[place_in_packs<L>(x, y)] =
           float(image[std::size_t(frame.y_px + y) * std::size_t(frame.width_px) + std::size_t(frame.x_px + x)]);
   for (int i = 0; i < kPacks; ++i) load_lanes(lane + i * L::kLanes, packs[i]);
 }
@@ -105,7 +102,8 @@ void store_tile(const TileFrame& frame, const std::vector<L>& sum, ImageF& out) 
   for (int c = 0; c < out.channels; ++c) {
     for (int i = 0; i < kPacks; ++i) store_lanes(lane + i * L::kLanes, sum[std::size_t(c * kPacks + i)]);
     for (int y = 0; y < frame.rows(); ++y)
-      for (int x = 0; x < frame.columns(); ++x) out.at(frame.x_px + x, frame.y_px + y, c) = lane[lane_of(x, y)];
+      for (int x = 0; x < frame.columns(); ++x)
+        out.at(frame.x_px + x, frame.y_px + y, c) = lane[place_in_packs<L>(x, y)];
   }
 }
 

@@ -44,8 +44,7 @@ class ViewsShowing {
 
  private:
   PixelWindow visible_window(const Camera& camera) const {
-    RenderRequest request;
-    request.colour = false;
+    RenderRequest request{.colour = false, .label = {}};
     ImageF alpha = render(exec_, part_, camera, splat_, request).alpha;
     const PixelWindow window = window_of({std::move(alpha.data)}, camera.width_px, camera.height_px, 0);
     return widened(window, 0, camera.width_px, camera.height_px);

@@ -1,11 +1,23 @@
-#include "ngs/passes/bleed_through/bleed_through_pass.h"
-
+// Removes labels of Gaussians that are only visible through the object.                          paper.md §5.17
 #include <cmath>
 
 #include "ngs/passes/bleed_through/bleed_through.h"
+#include "ngs/passes/pass.h"
+#include "ngs/passes/pass_list.h"
 #include "ngs/problem/scene_measures.h"
 
 namespace ngs {
+namespace {
+
+class BleedThroughPass : public Pass {
+ public:
+  PassStage stage() const override { return PassStage::kOptimise; }
+  std::vector<Effect> effects() const override;
+  std::vector<FixedDecision> fixed_decisions(const TrainingOptions&) const override;
+  void run(PassRun& run) override;
+};
+
+}  // namespace
 std::vector<Effect> BleedThroughPass::effects() const {
   return {{.name = "bleed-through",
            .help = "unlabel Gaussians that are only visible through the object",
@@ -41,5 +53,7 @@ void BleedThroughPass::run(PassRun& run) {
   run.report["bleed_through"] = {{"gaussians", count}, {"objects", std::move(objects)}};
   if (count > 0) run.log(std::to_string(count) + " Gaussians are only visible through the object: label removed");
 }
+
+std::unique_ptr<Pass> make_bleed_through_pass() { return std::make_unique<BleedThroughPass>(); }
 
 }  // namespace ngs

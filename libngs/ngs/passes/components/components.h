@@ -10,12 +10,6 @@
 
 namespace ngs {
 
-struct ComponentOptions {
-  CoreOptions core{.seen = 0.5, .margin = 0.5};
-  double labelled = 0.5;                   // share from which a Gaussian links others to the core
-  double candidate = kMinForegroundShare;  // share from which a Gaussian is tested
-};
-
 struct ComponentFinding {
   std::vector<LabelColumns> labels;        // those of the input; all columns of disconnected Gaussians are 0
   std::vector<std::uint8_t> disconnected;  // [N] 1: disconnected from some object, and left with no object
@@ -24,14 +18,12 @@ struct ComponentFinding {
 
 /// Finds nothing without a core, or with masks of so few views that one view is half of them. Rows fixed by hand keep
 /// their labels. `labels`: those of the input; returned with the changes.
-ComponentFinding find_disconnected(const Exec& exec, const ComponentOptions& options, const Problem& input,
-                                   std::vector<LabelColumns> labels);
+ComponentFinding find_disconnected(const Exec& exec, const Problem& input, std::vector<LabelColumns> labels);
 /// The count alone, without a copy of the labels.
-std::int64_t count_disconnected(const Exec& exec, const ComponentOptions& options, const Problem& input);
+std::int64_t count_disconnected(const Exec& exec, const Problem& input);
 
 /// Restores the input's label of Gaussians that training labelled as object although they are not connected to it.
 /// Training can follow the faint contribution of a Gaussian behind the object. Returns the number of restored labels.
-std::int64_t restore_disconnected_labels(const Exec& exec, const ComponentOptions& options, const Problem& input,
-                                         Solution& solution);
+std::int64_t restore_disconnected_labels(const Exec& exec, const Problem& input, Solution& solution);
 
 }  // namespace ngs

@@ -1,10 +1,22 @@
-#include "ngs/passes/components/components_pass.h"
-
+// Treats labelled Gaussians that are disconnected from the object as unseen.                    paper.md §5.13
 #include <algorithm>
 
 #include "ngs/passes/components/components.h"
+#include "ngs/passes/pass.h"
+#include "ngs/passes/pass_list.h"
 
 namespace ngs {
+namespace {
+
+class ComponentsPass : public Pass {
+ public:
+  PassStage stage() const override { return PassStage::kRepair; }
+  std::vector<Effect> effects() const override;
+  void run(PassRun& run) override;
+  void edit_solution(PassRun& run) override;
+};
+
+}  // namespace
 
 std::vector<Effect> ComponentsPass::effects() const {
   return {
@@ -12,7 +24,7 @@ std::vector<Effect> ComponentsPass::effects() const {
        .help = "unlabel pieces that are disconnected from the object",
        .saves = "linking of labelled Gaussians",
        .heuristic = {"labelled Gaussians that are disconnected from the object", 0, "one is enough: it may be large",
-                     [](SceneProbe& probe) { return double(count_disconnected(probe.exec(), {}, probe.problem())); }}}};
+                     [](SceneProbe& probe) { return double(count_disconnected(probe.exec(), probe.problem())); }}}};
 }
 
 void ComponentsPass::edit_solution(PassRun& run) {
@@ -21,12 +33,12 @@ void ComponentsPass::edit_solution(PassRun& run) {
     return decision.effect->name == "components" && (decision.on || decision.measured);
   });
   if (!labels_were_trained || is_switched_off) return;
-  run.report["components"]["withdrawn"] = restore_disconnected_labels(run.exec, {}, *run.problem, *run.solution);
+  run.report["components"]["withdrawn"] = restore_disconnected_labels(run.exec, *run.problem, *run.solution);
 }
 
 void ComponentsPass::run(PassRun& run) {
   Problem& problem = *run.problem;
-  ComponentFinding finding = find_disconnected(run.exec, {}, problem, problem.labels.release());
+  ComponentFinding finding = find_disconnected(run.exec, problem, problem.labels.release());
   problem.labels = std::move(finding.labels);
   run.report["components"] = {{"found", finding.count}};
   if (finding.count == 0) return;
@@ -35,5 +47,7 @@ void ComponentsPass::run(PassRun& run) {
   run.field_matches_model = false;
   run.log(std::to_string(finding.count) + " labelled Gaussians are disconnected from the object: treated as unseen");
 }
+
+std::unique_ptr<Pass> make_components_pass() { return std::make_unique<ComponentsPass>(); }
 
 }  // namespace ngs

@@ -1,15 +1,32 @@
-#include "ngs/passes/contours/contours_pass.h"
-
+// Contour refinement as a pass.                                                                  paper.md §5.10
 #include <algorithm>
 
 #include "ngs/ops/image/mask_pair.h"
+#include "ngs/passes/pass.h"
+#include "ngs/passes/pass_list.h"
 #include "ngs/problem/scene_measures.h"
 #include "ngs/problem/view_list.h"
+#include "ngs/stages/contours/contour_options.h"
 #include "ngs/stages/contours/contour_stage.h"
 #include "ngs/stages/contours/refined_masks.h"
 
 namespace ngs {
 namespace {
+
+class ContoursPass : public Pass {
+ public:
+  PassStage stage() const override { return PassStage::kOptimise; }
+  std::vector<Effect> effects() const override;
+  void declare(OptionSet& options, const OptionGroup& group) override;
+  std::vector<FixedDecision> fixed_decisions(const TrainingOptions& training) const override;
+  bool follows_clock() const override { return true; }
+  bool decided_again_on_resume() const override { return true; }
+  void prepare(PassRun& run) override;
+  void run(PassRun& run) override;
+
+ private:
+  ContourOptions options_;
+};
 
 /// A refinement takes about as long as this many evaluations of the training agreement.
 constexpr double kRefineChecks = 8;
@@ -61,7 +78,7 @@ bool has_lost_agreement(const Solution& outcome, const std::vector<Agreement>& b
 std::vector<Effect> ContoursPass::effects() const {
   const ContourViews trained = options_.views;
   return {
-      {.name = "contours",
+      {.name = kContoursEffect,
        .help = "move contours to the photos' edges",
        .saves = "refinement, halving, training on the windows",
        .heuristic = {"views that have a photo; 0: the photos add no edge and the masks reject refined contours", 0,
@@ -71,14 +88,14 @@ std::vector<Effect> ContoursPass::effects() const {
       {.name = "split",
        .help = "halve Gaussians that straddle contours",
        .saves = "the search for straddling Gaussians, and the added rows",
-       .needs = "contours",
+       .needs = kContoursEffect,
        .heuristic = {"largest weight that a Gaussian can have on the wrong side, px", kSplit_px,
                      "below it no Gaussian would be halved",
                      [trained](SceneProbe& probe) { return straddling(probe, trained); }}},
       {.name = "contour-iterations",
        .help = "refine contours more than once",
        .saves = "all iterations but the first",
-       .needs = "contours",
+       .needs = kContoursEffect,
        .always = "one iteration lost up to 2 points of boundary IoU on scenes with inaccurate masks"},
       {.name = "full-resolution",
        .help = "all iterations at full size, after all steps; off: coarse to fine",
@@ -93,14 +110,14 @@ std::vector<Effect> ContoursPass::effects() const {
 
 void ContoursPass::declare(OptionSet& options, const OptionGroup& given) {
   OptionGroup group = given;
-  group.name = group.effect = "contours", group.about = "move contours to the photos' edges";
+  group.name = group.effect = kContoursEffect, group.about = "move contours to the photos' edges";
   options.add(options_, std::move(group));
 }
 
 std::vector<FixedDecision> ContoursPass::fixed_decisions(const TrainingOptions& training) const {
   std::vector<FixedDecision> rules;
   if (contour_epochs(options_, training.joint.quality, 1) == 0)
-    rules.push_back({"contours", false, "no epochs: --quality draft without --contour-epochs"});
+    rules.push_back({kContoursEffect, false, "no epochs: --quality draft without --contour-epochs"});
   if (options_.iterations == 1) rules.push_back({"contour-iterations", false, "--contour-iterations 1"});
   return rules;
 }
@@ -109,7 +126,8 @@ void ContoursPass::prepare(PassRun& run) {
   const auto on = [&](std::string_view name) { return run.decisions.on_if_known(name).value_or(true); };
   options_.on = {
       .split = on("split"), .iterations = on("contour-iterations"), .full_resolution = on("full-resolution")};
-  run.training.joint.coarse_contours_follow = on("contours") && options_.on.iterations && !options_.on.full_resolution;
+  run.training.joint.coarse_contours_follow =
+      on(kContoursEffect) && options_.on.iterations && !options_.on.full_resolution;
 }
 
 void ContoursPass::run(PassRun& run) {
@@ -121,7 +139,7 @@ void ContoursPass::run(PassRun& run) {
         "them");
   if (run.tracker->target_met() || !has_epochs) return;
   // Contour iterations are not checkpointed: a run that is interrupted in them resumes at their start.
-  if (run.store != nullptr && run.on("joint")) run.store->try_save(*run.trainer);
+  if (run.store != nullptr && run.on(kJointEffect)) run.store->try_save(*run.trainer);
   std::vector<Agreement> before;
   const double began_s = wall_seconds();
   if (budget.is_set()) before = training_agreement(run.exec, *run.problem, *run.solution);
@@ -146,5 +164,7 @@ void ContoursPass::run(PassRun& run) {
   run.solution = start;
   run.solution->figures["contour_iterations_undone"] = undone;
 }
+
+std::unique_ptr<Pass> make_contours_pass() { return std::make_unique<ContoursPass>(); }
 
 }  // namespace ngs

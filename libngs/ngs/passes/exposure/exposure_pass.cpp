@@ -1,10 +1,18 @@
-#include "ngs/passes/exposure/exposure_pass.h"
-
+// Equalises the exposure and white balance of the photos.                                       paper.md §5.14
 #include "ngs/passes/exposure/exposure.h"
+#include "ngs/passes/pass.h"
+#include "ngs/passes/pass_list.h"
 #include "ngs/problem/view_list.h"
 
 namespace ngs {
 namespace {
+
+class ExposurePass : public Pass {
+ public:
+  PassStage stage() const override { return PassStage::kRepair; }
+  std::vector<Effect> effects() const override;
+  void run(PassRun& run) override;
+};
 
 double measured_spread(SceneProbe& probe) {
   const std::vector<std::size_t> some = spread_views(photo_views(probe.problem().scene), kDecisionViews);
@@ -40,5 +48,7 @@ void ExposurePass::run(PassRun& run) {
   run.problem->load_photo = equalised(run.problem->load_photo);
   if (run.problem->load_fine_photo) run.problem->load_fine_photo = equalised(run.problem->load_fine_photo);
 }
+
+std::unique_ptr<Pass> make_exposure_pass() { return std::make_unique<ExposurePass>(); }
 
 }  // namespace ngs

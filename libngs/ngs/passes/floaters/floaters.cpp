@@ -77,7 +77,7 @@ class FloaterSearch {
         input_(input),
         splat_(input.splat),
         core_(core_of(options.core, input.cloud, input.labels)),
-        views_(spread_views(photo_views(input.scene), options.most_views)),
+        views_(spread_views(photo_views(input.scene), options.max_views)),
         trained_(input.scene.views.size(), 0) {
     for (const std::size_t v : input.views) trained_[v] = 1;
     splat_ = prepared_for(exec, splat_, cloud());
@@ -98,7 +98,7 @@ class FloaterSearch {
       ++rounds;
       const std::vector<std::size_t> found = round();
       if (rounds == 1) finding.figures["hidden"] = hidden_;
-      if (found.empty() || (rounds == 1 && hidden_ < options_.least_hidden)) break;
+      if (found.empty() || (rounds == 1 && hidden_ < options_.min_hidden)) break;
       for (const std::size_t i : found) finding.floater[i] = 1, candidate_[i] = 0;
       remove(found);
       finding.count += std::int64_t(found.size());
@@ -254,7 +254,7 @@ class FloaterSearch {
     std::vector<std::size_t> found;
     double hidden_px = 0;
     for (std::size_t i = 0; i < n; ++i) {
-      if (!(front[i] > 0) || reach[i] < options_.least_reach || through[i] < options_.sees_past * front[i]) continue;
+      if (!(front[i] > 0) || reach[i] < options_.min_reach || through[i] < options_.sees_past * front[i]) continue;
       found.push_back(std::size_t(front_rows.row[i])), hidden_px += through[i];
     }
     hidden_ = surface_px > 0 ? hidden_px / surface_px : 0;
@@ -296,8 +296,7 @@ std::vector<std::uint8_t> uncovered_rows(const Exec& exec, const Problem& input,
   std::vector<std::uint8_t> uncovered(floater.size(), 0);
   for_each_view(input.monitor, views, [&](std::size_t, std::size_t v) {
     const Camera& camera = input.scene.views[v].camera;
-    RenderRequest request;
-    request.colour = false, request.label = {label.data(), std::int64_t(label.size()), 1};
+    RenderRequest request{.colour = false, .label = {label.data(), std::int64_t(label.size()), 1}};
     request.tiles_touching = request.stop_after = floater.data();
     ViewMasks covered = known_view(camera);
     covered.target.push_back(std::move(render(exec, input.cloud, camera, with, request).label.data));

@@ -21,11 +21,11 @@ struct FloaterOptions {
   CoreOptions core = {};       // its margin is also the minimum distance from the surface
   double surface_alpha = 0.9;  // minimum opacity of the core at a pixel with a surface
   double sees_past = 0.5;      // minimum share of a candidate's weight in front of the surface that photos see past
-  double least_reach = 0.1;    // minimum share of a candidate's weight in front of the surface, in its best view
+  double min_reach = 0.1;      // minimum share of a candidate's weight in front of the surface, in its best view
   double noise_factor = 2;     // minimum colour difference, in medians of the difference of core and photo
-  double least_hidden = 1e-3;  // minimum share of the surface's pixels hidden by floaters, over all views
-  std::size_t most_views = std::size_t(-1);  // maximum number of views with photos to search, evenly spread
-  int rounds = 4;                            // maximum number of searches; each uncovers Gaussians for the next
+  double min_hidden = 1e-3;    // minimum share of the surface's pixels hidden by floaters, over all views
+  std::size_t max_views = std::size_t(-1);  // maximum number of views with photos to search, evenly spread
+  int rounds = 4;                           // maximum number of searches; each uncovers Gaussians for the next
 };
 
 struct FloaterFinding {

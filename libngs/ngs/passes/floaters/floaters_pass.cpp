@@ -1,10 +1,18 @@
-#include "ngs/passes/floaters/floaters_pass.h"
-
+// Removes floaters in front of the object.                                                      paper.md §5.8
 #include "ngs/passes/floaters/floaters.h"
+#include "ngs/passes/pass.h"
+#include "ngs/passes/pass_list.h"
 #include "ngs/problem/coarse_input.h"
 
 namespace ngs {
 namespace {
+
+class FloatersPass : public Pass {
+ public:
+  PassStage stage() const override { return PassStage::kRepair; }
+  std::vector<Effect> effects() const override;
+  void run(PassRun& run) override;
+};
 
 constexpr int kDraftShrink = 2, kDraftRefitEpochs = 3;
 constexpr std::size_t kDraftViews = 48;
@@ -45,14 +53,14 @@ std::vector<Effect> FloatersPass::effects() const {
            .help = "remove floaters in front of the object",
            .saves = "search, removal and refit",
            .heuristic = {"mean opacity in front of the object's surface", 1e-3,
-                         "the search removes nothing that hides less (FloaterOptions::least_hidden)",
+                         "the search removes nothing that hides less (FloaterOptions::min_hidden)",
                          [](SceneProbe& probe) { return front_opacity(probe.exec(), {}, probe.problem()); }}}};
 }
 
 void FloatersPass::run(PassRun& run) {
   FloaterOptions options;
   const bool draft = is_draft(run);
-  if (draft) options.most_views = kDraftViews;
+  if (draft) options.max_views = kDraftViews;
   const int shrink = decision_shrink(run.problem->scene) * (draft ? kDraftShrink : 1);
   const CoarseInput coarse(*run.problem, shrink);
   coarse.preload(run.exec);
@@ -63,9 +71,11 @@ void FloatersPass::run(PassRun& run) {
   report["removed"] = finding.count;
   report["reason"] = finding.count > 0 ? "the photos show the object behind the floaters"
                                        : "Gaussians in front of the object hide too little of it";
-  report["sees_past"] = options.sees_past, report["least_hidden"] = options.least_hidden;
+  report["sees_past"] = options.sees_past, report["least_hidden"] = options.min_hidden;
   note(finding.figures, report);
   run.state["floaters"] = {{"draft", draft}};
 }
+
+std::unique_ptr<Pass> make_floaters_pass() { return std::make_unique<FloatersPass>(); }
 
 }  // namespace ngs

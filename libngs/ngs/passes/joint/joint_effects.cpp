@@ -20,7 +20,7 @@ double gap_without_photos(SceneProbe& probe) {
 bool has_no_photo(const Problem& problem) { return photo_count(problem.scene, problem.views) == 0; }
 
 double largest_neighbour_difference(SceneProbe& probe) {
-  return neighbour_most_levels(probe.boundary_neighbours(), probe.boundary_colours());
+  return neighbour_max_levels(probe.boundary_neighbours(), probe.boundary_colours());
 }
 
 double finest_cell(SceneProbe& probe) {
@@ -55,10 +55,10 @@ using On = JointSwitches;
 
 const JointPart kParts[] = {
     {&On::nerf,
-     {.name = "nerf",
+     {.name = kNerfEffect,
       .help = "train a NeRF and the terms that need it",
       .saves = "rays, field, network, L_align, L_smth",
-      .needs = "joint",
+      .needs = kJointEffect,
       .heuristic = {"without photos: 1 - boundary IoU of the closed-form labels with the masks", 0.02,
                     "two points: masks of one object differ as much between tools", gap_without_photos, has_no_photo,
                     "there are photos; in addition to them the NeRF gained nothing"}}},
@@ -74,32 +74,32 @@ const JointPart kParts[] = {
      {.name = "rbf",
       .help = "interpolate features by RBF; off: nearest feature",
       .saves = "all neighbours of a query point except the nearest",
-      .needs = "nerf",
+      .needs = kNerfEffect,
       .heuristic = {"largest colour difference between neighbours, levels", 0.5, kHalfLevel,
                     largest_neighbour_difference}}},
     {&On::hash,
      {.name = "hash",
       .help = "multi-level hash encoding; off: one coarse level",
       .saves = "all levels except one",
-      .needs = "nerf",
+      .needs = kNerfEffect,
       .always = "with one level the network costs as much"}},
     {&On::fine_hash,
      {.name = "fine-hash",
       .help = "use hash levels finer than the boundary's spacing",
       .saves = "levels with cells below half the boundary's spacing",
-      .needs = "nerf",
+      .needs = kNerfEffect,
       .heuristic = {"side of the finest cell, in spacings of the boundary", kFinestCell,
                     "two cells per spacing: finer detail has no support", finest_cell}}},
     {&On::film,
      {.name = "film",
       .help = "condition the network on f_inter",
-      .needs = "nerf",
+      .needs = kNerfEffect,
       .always = "off runs the same network"}},
     {&On::align,
      {.name = "align",
       .help = "use the colour and opacity terms of L_align",
       .saves = "L_align and its gradients",
-      .needs = "nerf",
+      .needs = kNerfEffect,
       .always = "the field is trained by it"}},
     {&On::variance,
      {.name = "variance",
@@ -109,13 +109,16 @@ const JointPart kParts[] = {
       .heuristic = {"standard deviation of 7x7 patches at the masks' contours, levels", 0.5, kHalfLevel,
                     patch_deviation}}},
     {&On::density,
-     {.name = "density", .help = "weight L_mask by density", .needs = "nerf", .always = "a by-product of the field"}},
+     {.name = "density",
+      .help = "weight L_mask by density",
+      .needs = kNerfEffect,
+      .always = "a by-product of the field"}},
     {&On::mask, {.name = "mask", .help = "use L_mask", .always = "the labels are trained by it"}},
     {&On::cont,
      {.name = "cont",
       .help = "use L_cont",
       .saves = "the pass over the neighbours",
-      .needs = "joint",
+      .needs = kJointEffect,
       .heuristic = {"RMS colour difference of neighbours on the boundary, levels", 0.5, kHalfLevel,
                     [](SceneProbe& probe) {
                       return neighbour_rms_levels(probe.boundary_neighbours(), probe.boundary_colours());
@@ -124,7 +127,7 @@ const JointPart kParts[] = {
      {.name = "smooth",
       .help = "use L_smth",
       .saves = "two more evaluations of the field",
-      .needs = "nerf",
+      .needs = kNerfEffect,
       .heuristic = {"range of the boundary's colours, levels", 0.5, kHalfLevel,
                     [](SceneProbe& probe) { return colour_range_levels(probe.boundary_colours()); }}}},
     {&On::photometric,
@@ -137,7 +140,7 @@ const JointPart kParts[] = {
      {.name = "whole-photo",
       .help = "anchor to the whole photo; off: near the object",
       .saves = "SSIM away from the object",
-      .needs = "joint",
+      .needs = kJointEffect,
       .heuristic = {"share of the labels' weight outside the windows", 1e-3, "a thousandth: masks move nothing there",
                     [](SceneProbe& probe) { return probe.label_sample().outside; }}}},
     {&On::sh,
@@ -169,7 +172,7 @@ const JointPart kParts[] = {
 
 std::vector<Effect> joint_effects() {
   std::vector<Effect> effects{
-      {.name = "joint",
+      {.name = kJointEffect,
        .help = "optimise by Eq. 20; off: closed-form labels",
        .saves = "all steps before contour refinement",
        .heuristic = {"gain of agreement with the masks by contour refinement, normal score (0: the photos show edges "

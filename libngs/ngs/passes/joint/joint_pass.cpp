@@ -1,14 +1,29 @@
-#include "ngs/passes/joint/joint_pass.h"
-
+// The joint NeRF-GS optimisation (Eq. 20) as a pass.
 #include <algorithm>
 #include <cmath>
 
 #include "ngs/passes/joint/joint_effects.h"
+#include "ngs/passes/pass.h"
+#include "ngs/passes/pass_list.h"
 #include "ngs/passes/pipeline.h"
 #include "ngs/problem/region.h"
 
 namespace ngs {
 namespace {
+
+class JointPass : public Pass {
+ public:
+  PassStage stage() const override { return PassStage::kOptimise; }
+  std::vector<Effect> effects() const override;
+  std::vector<FixedDecision> fixed_decisions(const TrainingOptions&) const override;
+  bool follows_clock() const override { return true; }
+  void prepare(PassRun& run) override;
+  /// Creates the trainer. If the steps are off, its closed-form labels are the solution.
+  void begin(PassRun& run) override;
+  void run(PassRun& run) override;
+  /// Runs the steps that were left to contour iterations, if no iteration ran.
+  void finish(PassRun& run) override;
+};
 
 /// Notifies the store of the start and the end of the steps.
 class StepsNotifier {
@@ -48,7 +63,7 @@ void take_steps(PassRun& run, double reserve_s, StepStore* store) {
 }
 
 /// True: neither joint steps nor contours run, so the closed-form labels are the solution.
-bool is_unoptimised(const PassRun& run) { return !run.on("joint") && !run.on("contours"); }
+bool is_unoptimised(const PassRun& run) { return !run.on(kJointEffect) && !run.on(kContoursEffect); }
 
 /// The problem's model as the solution, still without labels.
 Solution unoptimised_solution(const PassRun& run) {
@@ -65,12 +80,12 @@ Solution unoptimised_solution(const PassRun& run) {
 std::vector<Effect> JointPass::effects() const { return joint_effects(); }
 
 std::vector<FixedDecision> JointPass::fixed_decisions(const TrainingOptions& training) const {
-  if (training.joint.steps > 0) return {{"joint", true, "--steps"}};
+  if (training.joint.steps > 0) return {{kJointEffect, true, "--steps"}};
   return {};
 }
 
 void JointPass::prepare(PassRun& run) {
-  if (run.budget.is_set()) skip_for_time(run, "nerf");  // smallest gain per second
+  if (run.budget.is_set()) skip_for_time(run, kNerfEffect);  // smallest gain per second
   run.training.joint.on =
       joint_switches([&](std::string_view name) { return run.decisions.on_if_known(name).value_or(true); });
 }
@@ -79,7 +94,7 @@ void JointPass::begin(PassRun& run) {
   Problem& problem = *run.problem;
   problem.splat.antialiased = problem.splat.antialiased && run.on("antialias");
   // The NeRF is trained against the whole rendering, and moves all Gaussians in it.
-  if (!run.on("nerf") && run.on("boundary")) problem.region = region_of(problem.labels);
+  if (!run.on(kNerfEffect) && run.on("boundary")) problem.region = region_of(problem.labels);
   const TrainingOptions& o = run.training;
   run.tracker.emplace(run.exec, run.tracking, problem, run.budget);
   if (is_unoptimised(run)) {  // saves the memory of a trainer, which is as large as the model
@@ -102,7 +117,7 @@ void JointPass::run(PassRun& run) {
   if (run.store != nullptr && run.store->load(*run.trainer))
     run.log("resumed after step " + std::to_string(run.trainer->steps_done()));
   run.solution.reset();  // frees memory: with many objects it is as large as the trainer
-  const double share = run.on("contours") ? kStepsShare : 1;
+  const double share = run.on(kContoursEffect) ? kStepsShare : 1;
   take_steps(run, run.budget.is_set() ? (1 - share) * run.budget.remaining_s() : 0, run.store);
   run.solution = run.trainer->result();
   run.solution->converged = true;
@@ -112,9 +127,10 @@ void JointPass::finish(PassRun& run) {
   JointOptions all = run.training.joint;
   all.coarse_contours_follow = false;
   const std::int64_t all_steps = steps_of(all, run.problem->views.size());
-  const bool too_few = run.on("joint") && run.trainer->steps_done() < all_steps && run.solution->source_row.empty();
+  const bool too_few =
+      run.on(kJointEffect) && run.trainer->steps_done() < all_steps && run.solution->source_row.empty();
   const bool time_left = run.budget.allows(run.tracker->longest_step_s());
-  if (too_few && run.on("contours") && !run.tracker->target_met() && time_left) {
+  if (too_few && run.on(kContoursEffect) && !run.tracker->target_met() && time_left) {
     run.trainer->plan_steps(all_steps);
     take_steps(run, 0, nullptr);  // no checkpoints: a resumed run refines the contours again
     Solution longer = run.trainer->result();
@@ -128,5 +144,7 @@ void JointPass::finish(PassRun& run) {
                              {"align", l.align}, {"mask", l.mask},
                              {"cont", l.cont},   {"smooth", l.smooth}};
 }
+
+std::unique_ptr<Pass> make_joint_pass() { return std::make_unique<JointPass>(); }
 
 }  // namespace ngs

@@ -33,7 +33,13 @@ Planes planes_of(const Exec& exec, const ViewMasks& masks) {
 }
 
 constexpr double kNothingThere = -1, kNoMask = -2;
-constexpr double kRetestShare = 0.5;  // share of the threshold; views below it are not tested again
+constexpr int kMinViews = 4;              // number of masks, and of masks that show an object, for a consensus
+constexpr double kFactor = 3;             // an outlier has 1 - IoU above this many medians,
+constexpr double kSpreads = 6;            // above the median plus this many standard deviations (1.4826 MAD),
+constexpr double kMinDisagreement = 0.2;  // and above this value;
+constexpr double kMaxDisagreement = 0.9;  // or above this value, if the median is below a half
+constexpr int kMaxRounds = 3;             // each uses a consensus without the outliers so far
+constexpr double kRetestShare = 0.5;      // share of the threshold; views below it are not tested again
 
 /// 1 - IoU over all objects, at the pixels known in both; kNothingThere if neither shows any object.
 double disagreement(const Exec& exec, const Planes& mask, const Planes& consensus) {
@@ -122,10 +128,8 @@ class ConsensusViews {
 
 class OutlierSearch {
  public:
-  OutlierSearch(const Exec& exec, const MaskOutlierOptions& options, const Problem& input,
-                const std::vector<double>& pretest)
+  OutlierSearch(const Exec& exec, const Problem& input, const std::vector<double>& pretest)
       : exec_(exec),
-        options_(options),
         input_(input),
         uncropped_(input.uncropped ? *input.uncropped : input),
         inlier_(input.views.size(), 1),
@@ -152,7 +156,7 @@ class OutlierSearch {
                    all);
       gathered_.assign(all.size(), 1);
     }
-    while (rounds < options_.rounds && !monitor.stop_requested()) {
+    while (rounds < kMaxRounds && !monitor.stop_requested()) {
       {
         const auto gathering = monitor.scope("evidence");
         if (!gather(others)) break;
@@ -192,7 +196,7 @@ class OutlierSearch {
       gathered_[n] = inlier_[n];
       if (inlier_[n]) with_masks += input_.load_masks(view).available;
     });
-    return all && with_masks >= options_.least_views;
+    return all && with_masks >= kMinViews;
   }
 
   /// Tests the views. True: the set of outliers changed. Views in which mask and consensus show no object are inliers,
@@ -249,14 +253,13 @@ class OutlierSearch {
       result.disagreement[n] = found_[n] == kNoMask ? -1.0 : std::max(found_[n], 0.0);
       if (found_[n] >= 0) all.push_back(found_[n]);
     }
-    if (std::ssize(all) < options_.least_views) return false;
-    threshold_ = ignore_threshold(options_, all, result.figures["median_disagreement"]);
+    if (std::ssize(all) < kMinViews) return false;
+    threshold_ = ignore_threshold(all, result.figures["median_disagreement"]);
     result.figures["threshold"] = threshold_;
     return true;
   }
 
   const Exec& exec_;
-  const MaskOutlierOptions& options_;
   const Problem& input_;
   const Problem& uncropped_;                     // the uncropped problem, from which evidence is gathered
   RowNumbers seen_;                              // Gaussians with evidence
@@ -267,19 +270,19 @@ class OutlierSearch {
 
 }  // namespace
 
-double ignore_threshold(const MaskOutlierOptions& options, const std::vector<double>& disagreement, double& median) {
+double ignore_threshold(const std::vector<double>& disagreement, double& median) {
   constexpr double kMadToSigma = 1.4826;  // of a normal distribution
   median = upper_median(disagreement);
   std::vector<double> deviations;
   for (const double d : disagreement) deviations.push_back(std::abs(d - median));
   const double sigma = kMadToSigma * upper_median(std::move(deviations));
-  const double threshold = std::max({options.factor * median, median + options.spreads * sigma, options.least});
+  const double threshold = std::max({kFactor * median, median + kSpreads * sigma, kMinDisagreement});
   // With three empty masks of nine, the deviation is so large that no 1 - IoU could exceed the threshold.
-  const bool has_extreme = *std::max_element(disagreement.begin(), disagreement.end()) > options.most;
-  return has_extreme && median < 0.5 ? std::min(threshold, options.most) : threshold;
+  const bool has_extreme = *std::max_element(disagreement.begin(), disagreement.end()) > kMaxDisagreement;
+  return has_extreme && median < 0.5 ? std::min(threshold, kMaxDisagreement) : threshold;
 }
 
-std::vector<double> pretest_masks(const Exec& exec, const MaskOutlierOptions& options, const Problem& input) {
+std::vector<double> pretest_masks(const Exec& exec, const Problem& input) {
   const std::size_t objects = input.labels.size();
   if (input.views.size() < kPretestViews || objects == 0) return {};
   Consensus consensus(std::size_t(input.cloud.size()), objects, false);
@@ -296,21 +299,20 @@ std::vector<double> pretest_masks(const Exec& exec, const MaskOutlierOptions& op
     const ViewMasks masks = input.load_masks(view);
     if (masks.available)
       found[n] = views.disagreement_of(input.scene.views[view].camera, planes_of(exec, masks), nullptr,
-                                       kRetestShare * options.least);
+                                       kRetestShare * kMinDisagreement);
   });
   return every ? found : std::vector<double>();
 }
 
-MaskOutliers find_mask_outliers(const Exec& exec, Monitor& monitor, const MaskOutlierOptions& options,
-                                const Problem& input, const std::vector<double>& pretest) {
-  return OutlierSearch(exec, options, input, pretest).run(monitor);
+MaskOutliers find_mask_outliers(const Exec& exec, Monitor& monitor, const Problem& input,
+                                const std::vector<double>& pretest) {
+  return OutlierSearch(exec, input, pretest).run(monitor);
 }
 
 double outlier_score(const std::vector<double>& disagreement) {
   if (disagreement.size() < 2) return 0;
   double median = 0;
-  return *std::max_element(disagreement.begin(), disagreement.end()) /
-         (0.5 * ignore_threshold({}, disagreement, median));
+  return *std::max_element(disagreement.begin(), disagreement.end()) / (0.5 * ignore_threshold(disagreement, median));
 }
 
 ViewMasks consistent_masks(const MaskOutliers& outliers, std::size_t view, ViewMasks masks) {

@@ -12,17 +12,8 @@
 
 namespace ngs {
 
-struct MaskOutlierOptions {
-  int least_views = 4;  // minimum number of masks, and of masks that show an object, for a consensus
-  double factor = 3;    // an outlier has 1 - IoU above this many medians,
-  double spreads = 6;   // above the median plus this many standard deviations (1.4826 MAD),
-  double least = 0.2;   // and above this value;
-  double most = 0.9;    // or above this value, if the median is below a half
-  int rounds = 3;       // maximum number of tests; each uses a consensus without the outliers so far
-};
-
 /// The threshold above which a view is an outlier. `disagreement`: of all views, at least one. Sets `median` to theirs.
-double ignore_threshold(const MaskOutlierOptions& options, const std::vector<double>& disagreement, double& median);
+double ignore_threshold(const std::vector<double>& disagreement, double& median);
 
 /// The largest disagreement relative to half of the outlier threshold; 0 for fewer than two views. The largest
 /// disagreement alone would not do: with a thin object all views disagree alike.
@@ -38,14 +29,14 @@ struct MaskOutliers {
 inline constexpr std::size_t kPretestViews = 32;
 
 /// Compares each mask with the input's labels. Per entry of input.views: 1 - IoU with all objects rendered alone; if
-/// that exceeds half of MaskOutlierOptions::least, the smaller of it and 1 - IoU with the whole model. Negative: the
-/// view has no mask, or neither shows any object. Empty with fewer than kPretestViews views, without labels, or if a
-/// stop was requested.
-std::vector<double> pretest_masks(const Exec& exec, const MaskOutlierOptions& options, const Problem& input);
+/// that exceeds half of the least disagreement of an outlier, the smaller of it and 1 - IoU with the whole model.
+/// Negative: the view has no mask, or neither shows any object. Empty with fewer than kPretestViews views, without
+/// labels, or if a stop was requested.
+std::vector<double> pretest_masks(const Exec& exec, const Problem& input);
 
 /// `pretest`: result of pretest_masks(); empty: every view is tested.
-MaskOutliers find_mask_outliers(const Exec& exec, Monitor& monitor, const MaskOutlierOptions& options,
-                                const Problem& input, const std::vector<double>& pretest = {});
+MaskOutliers find_mask_outliers(const Exec& exec, Monitor& monitor, const Problem& input,
+                                const std::vector<double>& pretest = {});
 
 /// The masks of a view, marked as not available if the view is an outlier.
 ViewMasks consistent_masks(const MaskOutliers& outliers, std::size_t view, ViewMasks masks);

@@ -1,11 +1,14 @@
-#include "ngs/passes/mask_outliers/mask_outliers_pass.h"
-
+// Ignores masks that contradict the other views' masks.                                         paper.md §5.9
 #include <algorithm>
 #include <functional>
+#include <memory>
 #include <numeric>
+#include <vector>
 
 #include "ngs/ops/image/mask_pair.h"
 #include "ngs/passes/mask_outliers/mask_outliers.h"
+#include "ngs/passes/pass.h"
+#include "ngs/passes/pass_list.h"
 #include "ngs/problem/scene_measures.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/boundary/method_labels.h"
@@ -13,6 +16,17 @@
 
 namespace ngs {
 namespace {
+
+class MaskOutliersPass : public Pass {
+ public:
+  PassStage stage() const override { return PassStage::kRepair; }
+  std::vector<Effect> effects() const override;
+  void run(PassRun& run) override;
+
+ private:
+  /// Cached pretest_masks(), shared by the heuristic and the pass.
+  std::shared_ptr<std::vector<double>> pretest_ = std::make_shared<std::vector<double>>();
+};
 
 /// Disagreement of a view's masks with the objects rendered alone, because occluders may be floaters.
 class DisagreementAlone {
@@ -74,7 +88,7 @@ double worst_of_many(const std::vector<double>& pretest) {
 
 /// pretest_masks() of a problem, cached in `pretest`.
 const std::vector<double>& cached_pretest(std::vector<double>& pretest, const Exec& exec, const Problem& problem) {
-  if (pretest.size() != problem.views.size()) pretest = pretest_masks(exec, {}, problem);
+  if (pretest.size() != problem.views.size()) pretest = pretest_masks(exec, problem);
   return pretest;
 }
 
@@ -94,7 +108,7 @@ std::vector<Effect> MaskOutliersPass::effects() const {
 
 void MaskOutliersPass::run(PassRun& run) {
   const auto outliers = std::make_shared<const MaskOutliers>(
-      find_mask_outliers(run.exec, run.monitor, {}, *run.coarse, cached_pretest(*pretest_, run.exec, *run.coarse)));
+      find_mask_outliers(run.exec, run.monitor, *run.coarse, cached_pretest(*pretest_, run.exec, *run.coarse)));
   if (run.monitor.stop_requested()) return;
   std::optional<Problem> next;
   if (!outliers->ignored.empty()) {
@@ -117,5 +131,7 @@ void MaskOutliersPass::run(PassRun& run) {
   for (const auto& [name, value] : outliers->figures) report[name] = value;
   if (next) run.problem.emplace(std::move(*next));
 }
+
+std::unique_ptr<Pass> make_mask_outliers_pass() { return std::make_unique<MaskOutliersPass>(); }
 
 }  // namespace ngs

@@ -3,7 +3,6 @@
 // of the time left; a pass that exceeds its share is aborted and undone. Joint steps and contour iterations poll the
 // clock (step_tracker.h).
 #include <optional>
-#include <string>
 
 #include "ngs/options/option_set.h"
 
@@ -40,8 +39,5 @@ class Budget {
   double writing_s_ = 0;
   bool partial_ = false;
 };
-
-/// Parses "60s", "5m", "1h" or "90" as seconds; kUsage otherwise. Empty text: nullopt.
-std::optional<double> parse_seconds(const std::string& text);
 
 }  // namespace ngs

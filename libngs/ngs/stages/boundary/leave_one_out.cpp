@@ -13,12 +13,12 @@ void LeaveOneOut::start(const std::vector<LabelColumns>& labels, const std::vect
   for (std::size_t k = 0; k < labels.size(); ++k)
     for (std::size_t i = 0; i < weight.size(); ++i)
       if (const double prob = double(labels[k].prob[i]); prob > 0) sums_.add_object(i, k, prob * double(weight[i]));
-  not_kept_.insert(views.begin(), views.end());
+  uncached_.insert(views.begin(), views.end());
 }
 
 std::shared_ptr<const PackedSums> LeaveOneOut::weights_of(std::size_t n) {
   if (const auto kept = cache_.find(n); kept != cache_.end()) return kept->second;
-  if (!not_kept_.contains(n)) return nullptr;
+  if (!uncached_.contains(n)) return nullptr;
   auto own = std::make_shared<const PackedSums>(gather_(n));
   keep(n, own);
   return own;
@@ -26,11 +26,11 @@ std::shared_ptr<const PackedSums> LeaveOneOut::weights_of(std::size_t n) {
 
 void LeaveOneOut::keep(std::size_t n, const std::shared_ptr<const PackedSums>& own) {
   if (own->bytes() > left_bytes_) {
-    not_kept_.insert(n);
+    uncached_.insert(n);
     return;
   }
   left_bytes_ -= own->bytes();
-  cache_[n] = own, not_kept_.erase(n);
+  cache_[n] = own, uncached_.erase(n);
 }
 
 void LeaveOneOut::add(std::size_t n) {
@@ -41,10 +41,10 @@ void LeaveOneOut::add(std::size_t n) {
       sums_.weight.add(gaussian, mine[0]);
       for (std::size_t k = 0; k < std::size_t(sums_.objects); ++k)
         if (mine[1 + k] != 0)
-          sums_.share.add(gaussian, k, {ExactSum::of(mine[1 + k])}, deferred_inserts[std::size_t(part)]);
+          sums_.object_weights.add(gaussian, k, {ExactSum::of(mine[1 + k])}, deferred_inserts[std::size_t(part)]);
     });
   });
-  for (const auto& of : deferred_inserts) sums_.share.add(of);
+  for (const auto& of : deferred_inserts) sums_.object_weights.add(of);
   keep(n, own);
 }
 
@@ -55,7 +55,7 @@ void LeaveOneOut::remove(std::size_t n) {
     sums_.weight.subtract(i, mine[0]);
     for (std::size_t k = 0; k < std::size_t(sums_.objects); ++k) sums_.remove_object(i, k, mine[1 + k]);
   });
-  if (not_kept_.erase(n) == 0) left_bytes_ += own->bytes(), cache_.erase(n);
+  if (uncached_.erase(n) == 0) left_bytes_ += own->bytes(), cache_.erase(n);
 }
 
 }  // namespace ngs

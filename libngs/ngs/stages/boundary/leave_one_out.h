@@ -79,7 +79,7 @@ class LeaveOneOut {
   std::size_t left_bytes_;
   WeightSums<> sums_;
   std::map<std::size_t, std::shared_ptr<const PackedSums>> cache_;  // by view
-  std::set<std::size_t> not_kept_;                                  // added views whose weights are not cached
+  std::set<std::size_t> uncached_;                                  // added views whose weights are not cached
 };
 
 }  // namespace ngs

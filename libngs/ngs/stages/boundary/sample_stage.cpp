@@ -5,9 +5,7 @@ namespace {
 
 RenderedView render_depth(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
                           const SplatOptions& splat) {
-  RenderRequest request;
-  request.colour = false;
-  request.depth = true;
+  RenderRequest request{.colour = false, .depth = true, .label = {}};
   return render(exec, cloud, camera, splat, request);
 }
 

@@ -11,7 +11,7 @@ namespace ngs {
 namespace {
 
 /// Normalised mask variance in [0, 1] of a Gaussian. `of`: the object's weight in it, the fraction `prob` of all.
-double normalised_variance(Criterion criterion, const Evidence& e, std::size_t gaussian, const ObjectShare& of,
+double normalised_variance(Criterion criterion, const Evidence& e, std::size_t gaussian, const ObjectSums& of,
                            double prob) {
   switch (criterion) {
     case Criterion::kPooled: return mask_variance(prob);  // law of total variance over views and pixels
@@ -72,7 +72,7 @@ std::vector<LabelColumns> label_gaussians(const BoundaryRule& rule, const Eviden
     const bool one_of_several = rule.exclusive && e.objects > 1;
     const int owner = one_of_several ? e.heaviest_object(i) : -1;
     views[i] = float(e.views[i]);
-    e.share.for_each_in(i, [&](std::size_t k, const ObjectShare& of) {  // objects without weight keep zeros
+    e.object_weights.for_each_in(i, [&](std::size_t k, const ObjectSums& of) {  // objects without weight keep zeros
       LabelColumns& c = columns[k];
       const double prob = e.prob(i, of);
       const double variance = normalised_variance(rule.criterion, e, i, of, prob);

@@ -1,5 +1,7 @@
 #pragma once
 // Options of contour refinement.                                                                 paper.md §5.10
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "ngs/ops/image/contour_refine.h"
@@ -62,12 +64,22 @@ struct ContourOptions {
 inline constexpr int kViewsOfAllEpochs = 21;
 
 /// Epochs of the last iteration for this number of views; 0: contours are not refined.
-int contour_epochs(const ContourOptions& contour, Quality quality, std::size_t views);
+inline int contour_epochs(const ContourOptions& contour, Quality quality, std::size_t views) {
+  constexpr int kEpochs = 15;
+  if (contour.epochs > 0 || !preset_of(quality).contours) return contour.epochs;
+  const double share = std::min(1.0, std::sqrt(double(kViewsOfAllEpochs) / double(std::max<std::size_t>(views, 1))));
+  return int(std::ceil(kEpochs * share));
+}
 
 /// Number of iterations. `misaligned`: the masks' contours miss the photos' edges by more than one refinement moves.
-int contour_iterations(const ContourOptions& contour, Quality quality, bool misaligned);
+inline int contour_iterations(const ContourOptions& contour, Quality quality, bool misaligned) {
+  return contour.iterations > 0 ? contour.iterations : (misaligned ? 3 : 2) + preset_of(quality).more_iterations;
+}
 
 /// Epochs of an iteration at half the size, if the last iteration has `epochs`.
-int early_epochs(int epochs);
+inline int early_epochs(int epochs) {
+  constexpr double kShare = 0.5;
+  return int(std::ceil(kShare * epochs));
+}
 
 }  // namespace ngs

@@ -69,8 +69,8 @@ std::vector<std::uint8_t> enlarged_mask(const std::vector<float>& coarse, int w,
 
 void add_differences(const std::vector<float>& own, const std::vector<float>& refined, RefinedView& out) {
   for (std::size_t p = 0; p < own.size(); ++p) {
-    const bool mine = mask_is_foreground(own[p]), its = mask_is_foreground(refined[p]);
-    out.beyond_px2 += mine && !its, out.short_px2 += its && !mine;
+    const bool own_mask = mask_is_foreground(own[p]), other_mask = mask_is_foreground(refined[p]);
+    out.beyond_px2 += own_mask && !other_mask, out.short_px2 += other_mask && !own_mask;
   }
 }
 

@@ -45,9 +45,7 @@ Renders rendered(const Exec& exec, const AtlasInput& in) {
     value[i * kChannels + kBoundary] = in.labels.boundary[i];
     object[i] = label_is_foreground(in.labels.label[i]), other[i] = !object[i];
   }
-  RenderRequest request;
-  request.colour = false;
-  request.label = {value.data(), in.cloud.size(), int(kChannels)};
+  RenderRequest request{.colour = false, .label = {value.data(), in.cloud.size(), int(kChannels)}};
   Renders r;
   r.whole = render(exec, in.cloud, in.camera, in.splat, request);
   request.label = {}, request.depth = true, request.include = object.data();

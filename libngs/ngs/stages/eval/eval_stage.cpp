@@ -3,20 +3,11 @@
 #include <algorithm>
 #include <set>
 
+#include "ngs/core/listed.h"
 #include "ngs/core/parse_number.h"
 
 namespace ngs {
 namespace {
-
-std::vector<std::string_view> split(std::string_view text, char separator) {
-  std::vector<std::string_view> parts;
-  while (true) {
-    const std::size_t end = text.find(separator);
-    parts.push_back(text.substr(0, end));
-    if (end == std::string_view::npos) return parts;
-    text.remove_prefix(end + 1);
-  }
-}
 
 void require_pixels(const MaskSamples& samples, const std::string& view, const char* role) {
   if (samples.width_px > 0 && samples.height_px > 0 &&

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <optional>
 #include <string>
 
 #include "ngs/backend/for_each.h"
@@ -17,7 +19,7 @@ namespace {
 using V = Vec3<double>;
 constexpr int kPointStep_px = 4;
 constexpr double kDepthTolerance = 0.02;  // of the depth: surfaces are slanted, and depth is that of the pixel's centre
-constexpr double kRadiansToDegrees = 180 / 3.141592653589793;
+constexpr double kRadiansToDegrees = 180 / std::numbers::pi;
 
 double finite_psnr(double psnr_db) {
   if (std::isnan(psnr_db)) throw Error(ErrorCode::kNumeric, "rendered colours: NaN, expected numbers");
@@ -59,14 +61,11 @@ class Spread {
 
 /// The pixel of the view that shows the world point in the hole; -1: none.
 std::int64_t hole_pixel(const HoleView& view, V world) {
-  const Camera& c = view.camera;
-  const V q = c.rotation * world + c.translation;
-  if (q.z <= 0) return -1;
-  const double x = c.fx * q.x / q.z + c.cx, y = c.fy * q.y / q.z + c.cy;
-  if (!(x >= 0 && y >= 0 && x < c.width_px && y < c.height_px)) return -1;
-  const std::int64_t pixel = std::int64_t(y) * c.width_px + std::int64_t(x);
+  const std::optional<V> q = view.camera.project(world);
+  if (!q) return -1;
+  const std::int64_t pixel = std::int64_t(q->y) * view.camera.width_px + std::int64_t(q->x);
   const double shown = double(view.depth.data[std::size_t(pixel)]);
-  return view.hole[std::size_t(pixel)] && std::abs(q.z - shown) <= kDepthTolerance * shown ? pixel : -1;
+  return view.hole[std::size_t(pixel)] && std::abs(q->z - shown) <= kDepthTolerance * shown ? pixel : -1;
 }
 
 V surface_point(const HoleView& view, int x, int y) {

@@ -44,11 +44,9 @@ ViewHole find_hole(const Exec& exec, const InpaintOptions& options, const Inpain
 }
 
 PixelMask dilated(const PixelMask& mask, int width_px, int height_px, int margin_px) {
-  PixelMask rest(mask.size());
-  for (std::size_t p = 0; p < mask.size(); ++p) rest[p] = !mask[p];
-  const auto distance = chessboard_distance({rest.data(), width_px, height_px}, Outside::kUnknown);
+  const std::vector<std::int32_t> distance = signed_distance({mask.data(), width_px, height_px});
   PixelMask out(mask.size());
-  for (std::size_t p = 0; p < mask.size(); ++p) out[p] = distance[p] <= margin_px;
+  for (std::size_t p = 0; p < mask.size(); ++p) out[p] = -distance[p] <= margin_px;
   return out;
 }
 

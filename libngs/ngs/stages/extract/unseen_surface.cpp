@@ -1,6 +1,7 @@
 #include "ngs/stages/extract/unseen_surface.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/check.h"
@@ -93,12 +94,10 @@ std::vector<SurfacePixel> surface_pixels(const GaussianCloud& object, const Came
 
 /// Whether the point projects into the camera's image and is not occluded there.
 bool is_visible(const Camera& relative, const ImageF& depth, orbit::Vec at, double behind) {
-  const orbit::Vec p = relative.rotation * at + relative.translation;
-  if (!(p.z > 0)) return false;
-  const double x = relative.fx * p.x / p.z + relative.cx, y = relative.fy * p.y / p.z + relative.cy;
-  if (!(x >= 0 && y >= 0 && x < relative.width_px && y < relative.height_px)) return false;
-  const double surface = double(depth.at(int(x), int(y)));
-  return !(surface > 0) || p.z <= surface + behind;
+  const std::optional<orbit::Vec> p = relative.project(at);
+  if (!p) return false;
+  const double surface = double(depth.at(int(p->x), int(p->y)));
+  return !(surface > 0) || p->z <= surface + behind;
 }
 
 std::vector<Camera> cameras_around(const orbit::Ball& ball, const std::array<double, 3>& origin) {

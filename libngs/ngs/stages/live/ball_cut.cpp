@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <set>
 
 #include "ngs/backend/for_each.h"
@@ -23,11 +24,13 @@
 namespace ngs::live {
 namespace {
 
+using orbit::Vec;
+
 constexpr std::size_t kMinSurrounded = 2;  // least number of views with a background stroke around the object
 constexpr double kBand = 0.02;             // half-width of the free band around the expected contour, of the diagonal
 constexpr double kMinAbove = 0.9;          // least fraction above the plane of the weight under object strokes
 constexpr double kMaxAbove = 0.1;          // largest fraction above the plane of the weight under background strokes
-constexpr double kSkin = 0.04;             // unevenness of the plane, as a fraction of the object's height
+constexpr double kRimBand = 0.04;          // unevenness of the plane, as a fraction of the object's height
 constexpr double kColourRadius = 0.5;      // distance below which colours count as similar, of the cube's edge
 
 std::vector<std::int64_t> rows_in(const GaussianCloud& cloud, const orbit::Ball& ball) {
@@ -40,7 +43,7 @@ std::vector<std::int64_t> rows_in(const GaussianCloud& cloud, const orbit::Ball&
 }
 
 /// The corner of the colour cube with the least opacity of Gaussians of similar colour.
-Vec3<float> foreign_colour(const GaussianCloud& cloud) {
+Vec3<float> unused_colour(const GaussianCloud& cloud) {
   std::array<double, 8> like{};
   for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i)
     for (std::size_t corner = 0; corner < 8; ++corner) {
@@ -68,7 +71,6 @@ ViewPrompt prompt_of(const ImageF& expected) {
 /// Rendering weight of every Gaussian of the ball over the certain pixels of the marked views, [rows].
 struct MarkedWeights {
   std::vector<double> object, background;
-
   static double share(const std::vector<double>& weight, const std::vector<std::uint8_t>& of) {
     double inside = 0, whole = 0;
     for (std::size_t i = 0; i < weight.size(); ++i) whole += weight[i], inside += of[i] ? weight[i] : 0;
@@ -76,19 +78,19 @@ struct MarkedWeights {
   }
 };
 
-orbit::Vec mean_position(const std::vector<orbit::Vec>& position, const std::vector<double>& weight) {
-  orbit::Vec sum{0, 0, 0};
+Vec mean_position(const std::vector<Vec>& position, const std::vector<double>& weight) {
+  Vec sum{0, 0, 0};
   double whole = 0;
   for (std::size_t i = 0; i < weight.size(); ++i) sum = sum + weight[i] * position[i], whole += weight[i];
   return (1 / whole) * sum;
 }
 
 /// Gaussians just above the plane with nothing higher over them are the rim of the supporting surface, not the object.
-void leave_out_skin(orbit::Vec normal, const std::vector<orbit::Vec>& at, const std::vector<double>& height,
-                    std::vector<std::uint8_t>& above) {
-  const double band = kSkin * orbit::weighted_quantile(height, {above.begin(), above.end()}, 0.98);
+void remove_rim(Vec normal, const std::vector<Vec>& at, const std::vector<double>& height,
+                std::vector<std::uint8_t>& above) {
+  const double band = kRimBand * orbit::weighted_quantile(height, {above.begin(), above.end()}, 0.98);
   if (!(band > 0)) return;
-  const orbit::Vec a = orbit::perpendicular(normal), b = cross(normal, a);
+  const Vec a = orbit::perpendicular(normal), b = cross(normal, a);
   const auto cell = [&](std::size_t i) {
     return std::pair(std::int64_t(std::floor(dot(a, at[i]) / band)), std::int64_t(std::floor(dot(b, at[i]) / band)));
   };
@@ -102,7 +104,6 @@ void leave_out_skin(orbit::Vec normal, const std::vector<orbit::Vec>& at, const 
 struct PromptedView {
   ImageU8 picture;
   ViewPrompt prompt;
-
   PixelMask mask() const { return live_mask(picture, prompt, 0); }
 };
 
@@ -118,7 +119,7 @@ class BallModel {
     cloud_ = gather_rows(exec, in.cloud, rows_);
     splat_.prepared = nullptr;
     splat_ = prepared_for(exec, splat_, cloud_);
-    request_.background = foreign_colour(cloud_);
+    request_.background = unused_colour(cloud_);
   }
 
   const GaussianCloud& cloud() const { return cloud_; }
@@ -128,7 +129,7 @@ class BallModel {
   /// [rows] 1: within the strokes that surround the object in each of these views, and above the plane that continues
   /// outside of them.
   std::vector<float> expected(const std::vector<Camera>& cameras, const std::map<std::size_t, ViewPrompt>& surrounded,
-                              orbit::Vec up) const {
+                              Vec up) const {
     std::vector<std::uint8_t> within(rows_.size(), 1);
     for (const auto& [view, prompt] : surrounded)
       for_each_index(exec_, std::int64_t(rows_.size()),
@@ -148,33 +149,33 @@ class BallModel {
     for (const auto& [view, prompt] : marked) {
       ViewMasks masks = known_view(cameras[view]);
       for (const PixelHint side : {PixelHint::kObject, PixelHint::kBackground}) {
-        std::vector<float>& target = masks.target.emplace_back(prompt.hint.size());
-        for (std::size_t p = 0; p < target.size(); ++p) target[p] = float(prompt.hint[p] == side);
+        const PixelMask marked_pixels = pixels_with(prompt, side);
+        masks.target.emplace_back(marked_pixels.begin(), marked_pixels.end());
       }
       sums.add(view_sums(exec_, cloud_, {cameras[view], masks}, splat_));
     }
-    MarkedWeights told;
+    MarkedWeights weights;
     for (std::size_t i = 0; i < rows_.size(); ++i)
-      told.object.push_back(sums.object_weight(i, 0)), told.background.push_back(sums.object_weight(i, 1));
-    return told;
+      weights.object.push_back(sums.object_weight(i, 0)), weights.background.push_back(sums.object_weight(i, 1));
+    return weights;
   }
 
   /// [rows] 1: above a plane that separates the strokes on the object (above) from those on background (below), in a
   /// piece that the former touch. Empty if there is no such plane. Tries `up`, then the axis nearest to the direction
   /// from background to object strokes, for images that are rotated by 90 degrees.
-  std::vector<float> above_plane(const MarkedWeights& told, const std::vector<ViewSums>& strokes, orbit::Vec up) const {
-    if (std::ranges::max(told.object) <= 0 || std::ranges::max(told.background) <= 0) return {};
-    std::vector<orbit::Vec> at;
+  std::vector<float> above_plane(const MarkedWeights& marked, const std::vector<ViewSums>& strokes, Vec up) const {
+    if (std::ranges::max(marked.object) <= 0 || std::ranges::max(marked.background) <= 0) return {};
+    std::vector<Vec> at;
     for (std::size_t i = 0; i < rows_.size(); ++i) at.push_back(position(i));
-    const orbit::Vec way = mean_position(at, told.object) - mean_position(at, told.background);
-    orbit::Vec axis{0, 0, 0};
-    double most = 0;
-    for (const orbit::Vec& a : {orbit::Vec{1, 0, 0}, orbit::Vec{0, 1, 0}, orbit::Vec{0, 0, 1}})
-      if (const double along = dot(a, way); std::abs(along) > std::abs(most)) most = along, axis = a;
-    for (const orbit::Vec& upwards : {up, std::copysign(1.0, most) * axis}) {
-      const std::vector<std::uint8_t> found = touched_pieces(exec_, cloud_, above(told, at, upwards), strokes).object;
-      if (MarkedWeights::share(told.object, found) >= kMinAbove &&
-          MarkedWeights::share(told.background, found) <= kMaxAbove)
+    const Vec direction = mean_position(at, marked.object) - mean_position(at, marked.background);
+    Vec axis{0, 0, 0};
+    double farthest = 0;
+    for (const Vec& a : {Vec{1, 0, 0}, Vec{0, 1, 0}, Vec{0, 0, 1}})
+      if (const double along = dot(a, direction); std::abs(along) > std::abs(farthest)) farthest = along, axis = a;
+    for (const Vec& upwards : {up, std::copysign(1.0, farthest) * axis}) {
+      const std::vector<std::uint8_t> found = touched_pieces(exec_, cloud_, above(marked, at, upwards), strokes).object;
+      if (MarkedWeights::share(marked.object, found) >= kMinAbove &&
+          MarkedWeights::share(marked.background, found) <= kMaxAbove)
         return {found.begin(), found.end()};
     }
     return {};
@@ -182,17 +183,17 @@ class BallModel {
 
   /// A view with hints from expected() and marks. Empty pixels are background, except under strokes on the object.
   PromptedView prompted(const Camera& camera, const ViewPrompt* marks, const std::vector<float>& expected) const {
-    const RenderedView view = looked_at(camera, expected);
+    const RenderedView view = render_from(camera, expected);
     ViewPrompt prompt = prompt_of(view.label);
     if (marks != nullptr) keep_strokes(*marks, prompt);
     return with_empty(view, std::move(prompt));
   }
   PixelMask segment(const Camera& camera, ViewPrompt prompt) const {
-    return with_empty(looked_at(camera, {}), std::move(prompt)).mask();
+    return with_empty(render_from(camera, {}), std::move(prompt)).mask();
   }
 
  private:
-  RenderedView looked_at(const Camera& camera, const std::vector<float>& channel) const {
+  RenderedView render_from(const Camera& camera, const std::vector<float>& channel) const {
     RenderRequest request = request_;
     if (!channel.empty()) request.label = {channel.data(), cloud_.size(), 1};
     return render(exec_, cloud_, camera, splat_, request);
@@ -203,34 +204,33 @@ class BallModel {
     return {to_bytes(view.colour), std::move(prompt)};
   }
 
-  orbit::Vec position(std::size_t i) const {
+  Vec position(std::size_t i) const {
     const float* p = &cloud_.position[3 * i];
     return {double(p[0]), double(p[1]), double(p[2])};
   }
 
   bool is_within(const Camera& camera, const ViewPrompt& prompt, std::size_t i) const {
-    const Vec3<double> at = camera.rotation * world_position(cloud_, i) + camera.translation;
-    if (!(at.z > 0)) return false;
-    const double x = camera.fx * at.x / at.z + camera.cx, y = camera.fy * at.y / at.z + camera.cy;
-    if (!(x >= 0 && y >= 0 && x < camera.width_px && y < camera.height_px)) return false;
-    return prompt.hint[std::size_t(y) * std::size_t(prompt.width_px) + std::size_t(x)] != PixelHint::kBackground;
+    const std::optional<Vec3<double>> at = camera.project(world_position(cloud_, i));
+    if (!at) return false;
+    const std::size_t pixel = std::size_t(at->y) * std::size_t(prompt.width_px) + std::size_t(at->x);
+    return prompt.hint[pixel] != PixelHint::kBackground;
   }
 
   /// [rows] 1: above the support plane found between the background strokes and the lower object strokes. All 0 if
   /// there is no such plane.
-  std::vector<std::uint8_t> above(const MarkedWeights& told, const std::vector<orbit::Vec>& at, orbit::Vec up) const {
+  std::vector<std::uint8_t> above(const MarkedWeights& marked, const std::vector<Vec>& at, Vec up) const {
     std::vector<std::uint8_t> found(rows_.size());
     std::vector<double> height;
-    for (const orbit::Vec& p : at) height.push_back(dot(up, p));
-    const double low = orbit::weighted_quantile(height, told.background, 0.1),
-                 high = orbit::weighted_quantile(height, told.object, 0.25);
+    for (const Vec& p : at) height.push_back(dot(up, p));
+    const double low = orbit::weighted_quantile(height, marked.background, 0.1),
+                 high = orbit::weighted_quantile(height, marked.object, 0.25);
     const orbit::SurfacePoints between =
         points_where([&](std::uint32_t row) { return height[row] >= low && height[row] <= high; });
     const SupportPlane plane = refined_by(cloud_, between, find_support_plane(cloud_, between, up));
     if (!plane.found) return found;
     for (std::size_t i = 0; i < found.size(); ++i)
       height[i] = dot(plane.normal, at[i]) - plane.offset - plane.thickness, found[i] = height[i] > 0;
-    leave_out_skin(plane.normal, at, height, found);
+    remove_rim(plane.normal, at, height, found);
     return found;
   }
 
@@ -242,7 +242,7 @@ class BallModel {
     return some;
   }
 
-  SupportPlane plane_outside(const std::vector<std::uint8_t>& within, orbit::Vec up) const {
+  SupportPlane plane_outside(const std::vector<std::uint8_t>& within, Vec up) const {
     const orbit::SurfacePoints outside = points_where([&](std::uint32_t row) { return !within[row]; });
     return refined_by(cloud_, canonical_points(cloud_), find_support_plane(cloud_, outside, up));
   }
@@ -255,28 +255,28 @@ class BallModel {
 };
 
 /// Mean up axis of the cameras. Assumes that level cameras surround the object.
-orbit::Vec up_of(const std::vector<Camera>& cameras) {
-  orbit::Vec sum{0, 0, 0};
-  for (const Camera& c : cameras) sum = sum - orbit::Vec{c.rotation(1, 0), c.rotation(1, 1), c.rotation(1, 2)};
-  return length(sum) > 0 ? unit(sum) : orbit::Vec{0, -1, 0};
+Vec up_of(const std::vector<Camera>& cameras) {
+  Vec sum{0, 0, 0};
+  for (const Camera& c : cameras) sum = sum - Vec{c.rotation(1, 0), c.rotation(1, 1), c.rotation(1, 2)};
+  return length(sum) > 0 ? unit(sum) : Vec{0, -1, 0};
 }
 
-struct Told {
+struct PromptMasks {
   const std::map<std::size_t, ViewPrompt>& marked;  // by view
   std::vector<float> expected;                      // BallModel::expected()
 };
 
 /// Segments every view independently, from the object expected there: batches are rendered one by one, then segmented
 /// in parallel.
-void segment_all(const Exec& exec, Monitor& monitor, const BallModel& model, const Told& told, BallCut& cut) {
+void segment_all(const Exec& exec, Monitor& monitor, const BallModel& model, const PromptMasks& prompts, BallCut& cut) {
   const auto timed = monitor.scope("masks");
   const std::size_t batch = 4 * std::size_t(exec.threads);
   for (std::size_t begin = 0; begin < cut.cameras.size() && !monitor.stop_requested(); begin += batch) {
     std::vector<PromptedView> views;
     for (std::size_t v = begin; v < std::min(cut.cameras.size(), begin + batch); ++v) {
-      const auto marks = told.marked.find(v);
-      const bool is_marked = marks != told.marked.end();
-      views.push_back(model.prompted(cut.cameras[v], is_marked ? &marks->second : nullptr, told.expected));
+      const auto marks = prompts.marked.find(v);
+      const bool is_marked = marks != prompts.marked.end();
+      views.push_back(model.prompted(cut.cameras[v], is_marked ? &marks->second : nullptr, prompts.expected));
       cut.views[v].source = !is_marked ? MaskSource::kSegmented : MaskSource::kReference;
     }
     for_each_task(exec, std::int64_t(views.size()),
@@ -322,9 +322,9 @@ std::vector<ViewSums> mask_weights(const Exec& exec, const BallModel& model, con
   return inside;
 }
 
-void leave_out_floor(const BallModel& model, const BallCut& cut, LabelColumns& labels) {
+void remove_floor(const BallModel& model, const BallCut& cut, LabelColumns& labels) {
   std::vector<std::uint8_t> object(labels.label.begin(), labels.label.end());
-  leave_out_support(model.cloud(), up_of(cut.cameras), object);
+  remove_support(model.cloud(), up_of(cut.cameras), object);
   labels.label = std::vector<float>(object.begin(), object.end());
 }
 
@@ -356,15 +356,15 @@ BallCut cut_in_ball(const Exec& exec, Monitor& monitor, const BallCutInput& in) 
     std::ranges::move(stroke_weights(exec, model.cloud(), cut.cameras[view], prompt, model.splat()),
                       std::back_inserter(strokes));
   const bool by_lines = surrounded.size() >= kMinSurrounded;
-  Told told{marked, {}};
+  PromptMasks prompts{marked, {}};
   if (by_lines)
-    told.expected = model.expected(cut.cameras, surrounded, up_of(cut.cameras));
+    prompts.expected = model.expected(cut.cameras, surrounded, up_of(cut.cameras));
   else
-    told.expected = model.above_plane(model.marked_weights(cut.cameras, marked), strokes, up_of(cut.cameras));
-  cut.is_expected = !told.expected.empty();
+    prompts.expected = model.above_plane(model.marked_weights(cut.cameras, marked), strokes, up_of(cut.cameras));
+  cut.is_expected = !prompts.expected.empty();
   bool is_dense = false;  // most Gaussians are hidden by their neighbours in every view
   if (cut.is_expected) {
-    segment_all(exec, monitor, model, told, cut);
+    segment_all(exec, monitor, model, prompts, cut);
   } else {
     const auto spread = [&](bool use_neighbours) {
       spread_masks(
@@ -382,15 +382,15 @@ BallCut cut_in_ball(const Exec& exec, Monitor& monitor, const BallCutInput& in) 
     const auto timed = monitor.scope("labels");
     return labels_in_ball(exec, model, in, cut);
   }();
-  if (is_dense) leave_out_floor(model, cut, labels);
-  for (std::size_t i = 0; i < told.expected.size(); ++i)  // the object occludes part of its plane
-    if (labels.views[i] == 0 && (!by_lines || told.expected[i] == 0)) labels.label[i] = told.expected[i];
+  if (is_dense) remove_floor(model, cut, labels);
+  for (std::size_t i = 0; i < prompts.expected.size(); ++i)  // the object occludes part of its plane
+    if (labels.views[i] == 0 && (!by_lines || prompts.expected[i] == 0)) labels.label[i] = prompts.expected[i];
   if (!in.all_pieces) {
     const std::vector<std::uint8_t> member(labels.label.begin(), labels.label.end());
     const PieceSelection pieces = touched_pieces(exec, model.cloud(), member, strokes,
                                                  is_dense ? mask_weights(exec, model, cut) : std::vector<ViewSums>());
     labels.label = std::vector<float>(pieces.object.begin(), pieces.object.end());
-    cut.left_out = pieces.left_out, cut.needles = pieces.needles;
+    cut.removed = pieces.removed, cut.needles = pieces.needles;
   }
   cut.object = std::count(labels.label.begin(), labels.label.end(), 1.f);
   cut.labels = spread_out(labels, model.rows(), in.cloud.size());

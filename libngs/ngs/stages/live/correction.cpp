@@ -1,6 +1,7 @@
 #include "ngs/stages/live/correction.h"
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "ngs/ops/image/connected_components.h"
 #include "ngs/ops/image/metrics.h"
@@ -23,29 +24,28 @@ PixelMask reached(const PixelMask& changed, const ViewPrompt& strokes, PixelHint
 
 ViewPrompt Correction::prompt(int reach_px, int band_px) const {
   const int w = strokes.width_px, h = strokes.height_px;
-  PixelMask calm(before.size()), other(before.size());
-  for (std::size_t p = 0; p < calm.size(); ++p) calm[p] = !is_certain(added.hint[p]), other[p] = !before[p];
-  const auto from_stroke = chessboard_distance({calm.data(), w, h}, Outside::kUnknown),
-             inside = chessboard_distance({before.data(), w, h}, Outside::kUnknown),
-             outside = chessboard_distance({other.data(), w, h}, Outside::kUnknown);
+  PixelMask unstroked(before.size());
+  for (std::size_t p = 0; p < unstroked.size(); ++p) unstroked[p] = !is_certain(added.hint[p]);
+  const auto from_stroke = chessboard_distance({unstroked.data(), w, h}, Outside::kUnknown),
+             to_contour = signed_distance({before.data(), w, h});
   ViewPrompt prompt = strokes;
-  for (std::size_t p = 0; p < calm.size(); ++p) {
+  for (std::size_t p = 0; p < unstroked.size(); ++p) {
     if (is_certain(strokes.hint[p])) continue;
-    const bool free = from_stroke[p] <= reach_px || std::max(inside[p], outside[p]) <= band_px;
+    const bool free = from_stroke[p] <= reach_px || std::abs(to_contour[p]) <= band_px;
     prompt.hint[p] = before[p] ? (free ? PixelHint::kLikelyObject : PixelHint::kObject)
                                : (free ? PixelHint::kLikelyBackground : PixelHint::kBackground);
   }
   return prompt;
 }
 
-SideColours Correction::colours(const ImageU8& picture, int most) const {
+SideColours Correction::colours(const ImageU8& picture, int max_samples) const {
   ViewPrompt rest = strokes;
   for (std::size_t p = 0; p < before.size(); ++p)
     rest.hint[p] = is_certain(strokes.hint[p]) ? PixelHint::kLikelyObject
                    : before[p]                 ? PixelHint::kObject
                                                : PixelHint::kBackground;
-  SideColours colours = side_colours(picture, rest, most);
-  const SideColours drawn = side_colours(picture, strokes, most);
+  SideColours colours = side_colours(picture, rest, max_samples);
+  const SideColours drawn = side_colours(picture, strokes, max_samples);
   const auto balance = [&](PixelHint side, auto& all, const auto& marked) {
     if (std::ranges::count(strokes.hint, side) == 0) return;
     if (std::ranges::count(rest.hint, side) == 0) all.clear();

@@ -15,8 +15,8 @@ struct Correction {
   /// selection's contour keep their side; `band_px` 0: no band.
   ViewPrompt prompt(int reach_px, int band_px) const;
   /// Colour samples of each side: half from its strokes and half from all its pixels, because strokes do not cover
-  /// every colour of an image. At most `most` per half.
-  SideColours colours(const ImageU8& picture, int most) const;
+  /// every colour of an image. At most `max_samples` per half.
+  SideColours colours(const ImageU8& picture, int max_samples) const;
 };
 
 /// Applies to `before` only the changes in `found` that are connected to the new strokes, and towards their side.

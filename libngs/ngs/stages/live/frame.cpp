@@ -63,7 +63,7 @@ struct Canvas {
   const Exec& exec;
   const Model& model;
   const Camera& camera;
-  LastFrame* last;
+  CachedStill* last;
 };
 
 /// Renders all Gaussians, with these labels [N, K] (empty: none).
@@ -147,7 +147,7 @@ ImageF boundary_picture(const Canvas& on, const Shown& objects) {
 }  // namespace
 
 ImageU8 draw_frame(const Exec& exec, const Model& model, const std::vector<ShownObject>& objects,
-                   const FrameRequest& request, LastFrame* last) {
+                   const FrameRequest& request, CachedStill* last) {
   const Canvas canvas{exec, model, request.camera, last};
   const std::int64_t n = model.cloud.size();
   const Shown shown = chosen(objects, request.object);

@@ -33,7 +33,7 @@ struct FrameRequest {
 };
 
 /// Cache of the last frame of the full model, reused for the next frame from the same camera. For one model only.
-struct LastFrame {
+struct CachedStill {
   std::unique_ptr<CachedView> view;
   ImageF colour;  // without the selection
 };
@@ -41,6 +41,6 @@ struct LastFrame {
 /// RGB image. Objects without labels are not shown as selected. The cache `last` (null: none) does not change any
 /// pixel.
 ImageU8 draw_frame(const Exec& exec, const Model& model, const std::vector<ShownObject>& objects,
-                   const FrameRequest& request, LastFrame* last = nullptr);
+                   const FrameRequest& request, CachedStill* last = nullptr);
 
 }  // namespace ngs::live

@@ -34,15 +34,15 @@ PixelMask selection_of(const RenderedView& rendered) {
 
 }  // namespace
 
-CachedFrame::CachedFrame(const Exec& exec, const Model& model, const Look& look, const Camera& camera)
-    : exec_(exec), model_(model), look_(look), kept_(exec, model.cloud, camera, model.splat) {}
+CachedFrame::CachedFrame(const Exec& exec, const Model& model, const Viewpoint& viewpoint, const Camera& camera)
+    : exec_(exec), model_(model), viewpoint_(viewpoint), cached_view_(exec, model.cloud, camera, model.splat) {}
 
 /// Renders the picture unless it is cached, and the selection by `channel` unless that is empty.
 void CachedFrame::draw(const std::vector<float>& channel) {
   RenderRequest request;
   request.colour = picture_.empty(), request.background = model_.background;
   if (!channel.empty()) request.label = {channel.data(), model_.cloud.size(), 2};
-  const RenderedView rendered = kept_.render(exec_, request);
+  const RenderedView rendered = cached_view_.render(exec_, request);
   if (request.colour) picture_ = to_bytes(rendered.colour), alpha_ = rendered.alpha.data;
   if (!channel.empty()) selection_ = selection_of(rendered);
 }
@@ -55,7 +55,7 @@ const ImageU8& CachedFrame::picture() {
 const std::vector<float>& CachedFrame::alpha() { return picture(), alpha_; }
 
 const PixelMask& CachedFrame::selection(const WeightSums<>& sums, const MarkedViews& others) {
-  if (!has_selection(others)) draw(known_channels(exec_, sums, kept_.rows()));
+  if (!has_selection(others)) draw(known_channels(exec_, sums, cached_view_.rows()));
   others_ = others;
   return selection_;
 }
@@ -63,19 +63,20 @@ const PixelMask& CachedFrame::selection(const WeightSums<>& sums, const MarkedVi
 void CachedFrame::weigh(MarkedView& view) {
   view.touched.clear();
   for (const PixelMask& stroke : object_strokes(rasterise(view.strokes, view.camera.width_px, view.camera.height_px)))
-    view.touched.push_back(kept_.weigh(exec_, stroke).weights_inside(0));
-  const ViewSums& sums = kept_.weigh(exec_, view.mask);
+    view.touched.push_back(cached_view_.weigh(exec_, stroke).weights_inside(0));
+  const ViewSums& sums = cached_view_.weigh(exec_, view.mask);
   if (!view.seen) view.seen = std::make_shared<const ViewSums>(sums.weights());
   view.inside = sums.weights_inside(0);
 }
 
-CachedFrame& FrameCache::of(const Look& look, const Camera& camera) {
-  const auto found = std::find_if(views_.begin(), views_.end(), [&](const auto& view) { return view->look() == look; });
+CachedFrame& FrameCache::of(const Viewpoint& viewpoint, const Camera& camera) {
+  const auto found =
+      std::find_if(views_.begin(), views_.end(), [&](const auto& view) { return view->viewpoint() == viewpoint; });
   if (found != views_.end()) {
     std::rotate(views_.begin(), found, found + 1);
   } else {
     if (views_.size() == kMaxFrames) views_.pop_back();  // frees its memory for the next one
-    views_.insert(views_.begin(), std::make_unique<CachedFrame>(exec_, model_, look, camera));
+    views_.insert(views_.begin(), std::make_unique<CachedFrame>(exec_, model_, viewpoint, camera));
   }
   return *views_.front();
 }

@@ -13,10 +13,10 @@ using MarkedViews = std::vector<std::shared_ptr<const MarkedView>>;
 
 class CachedFrame {
  public:
-  /// `look`: the view; `camera`: the same at the segmented size. The model must outlive this object.
-  CachedFrame(const Exec& exec, const Model& model, const Look& look, const Camera& camera);
+  /// `viewpoint`: the view; `camera`: the same at the segmented size. The model must outlive this object.
+  CachedFrame(const Exec& exec, const Model& model, const Viewpoint& viewpoint, const Camera& camera);
 
-  const Look& look() const { return look_; }
+  const Viewpoint& viewpoint() const { return viewpoint_; }
   /// As Session::picture(); rendered once.
   const ImageU8& picture();
   /// [H·W] opacity of the model; rendered together with the picture.
@@ -33,8 +33,8 @@ class CachedFrame {
 
   const Exec& exec_;
   const Model& model_;
-  Look look_;
-  CachedView kept_;
+  Viewpoint viewpoint_;
+  CachedView cached_view_;
   ImageU8 picture_;
   std::vector<float> alpha_;
   MarkedViews others_;
@@ -47,7 +47,7 @@ class FrameCache {
   static constexpr std::size_t kMaxFrames = 2;
 
   FrameCache(const Exec& exec, const Model& model) : exec_(exec), model_(model) {}
-  CachedFrame& of(const Look& look, const Camera& camera);
+  CachedFrame& of(const Viewpoint& viewpoint, const Camera& camera);
 
  private:
   const Exec& exec_;

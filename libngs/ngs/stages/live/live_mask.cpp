@@ -1,6 +1,7 @@
 #include "ngs/stages/live/live_mask.h"
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "ngs/ops/image/connected_components.h"
 #include "ngs/ops/image/metrics.h"
@@ -81,13 +82,10 @@ void narrow(const PixelMask& found, int found_width_px, int found_height_px, Vie
       side[std::size_t(y) * std::size_t(w) + std::size_t(x)] =
           found[std::size_t(y * found_height_px / h) * std::size_t(found_width_px) +
                 std::size_t(x * found_width_px / w)];
-  PixelMask other(side.size());
-  for (std::size_t p = 0; p < side.size(); ++p) other[p] = !side[p];
-  const auto inside = chessboard_distance({side.data(), w, h}, Outside::kUnknown),
-             outside = chessboard_distance({other.data(), w, h}, Outside::kUnknown);
+  const std::vector<std::int32_t> distance = signed_distance({side.data(), w, h});
   for (std::size_t p = 0; p < side.size(); ++p) {
     if (is_certain(prompt.hint[p])) continue;
-    const bool in_band = std::max(inside[p], outside[p]) <= kBand_px;
+    const bool in_band = std::abs(distance[p]) <= kBand_px;
     prompt.hint[p] = side[p] ? (in_band ? PixelHint::kLikelyObject : PixelHint::kObject)
                              : (in_band ? PixelHint::kLikelyBackground : PixelHint::kBackground);
   }

@@ -10,15 +10,15 @@
 #include "ngs/scene/hand_prompt.h"
 #include "ngs/scene/view_prompt.h"
 #include "ngs/scene/view_sums.h"
-#include "ngs/stages/live/look.h"
+#include "ngs/stages/live/viewpoint.h"
 
 namespace ngs::live {
 
 struct MarkedView {
   std::string name;                      // of its image, "0001.png"; unique within an object
-  Look look;                             // the view that was marked
+  Viewpoint viewpoint;                   // the view that was marked
   Camera camera;                         // at the segmented size, named after the image
-  HandPrompt strokes;                    // in pixels of `look`
+  HandPrompt strokes;                    // in pixels of `viewpoint`
   PixelMask mask;                        // at the size of `camera`
   std::shared_ptr<const ViewSums> seen;  // weights of the visible Gaussians; they do not depend on the marks
   ViewSums inside;                       // weights inside the mask

@@ -18,7 +18,7 @@ struct ObjectLabels {
   std::vector<float> label;            // 1 object, 0 not
   std::vector<std::uint8_t> boundary;  // 1: views disagree (ngs-variance --tau at its default)
   std::int64_t count = 0;              // Gaussians with label 1
-  std::int64_t left_out = 0;           // Gaussians of pieces that no stroke touches, and needles: label and boundary 0
+  std::int64_t removed = 0;            // Gaussians of pieces that no stroke touches, and needles: label and boundary 0
 
   /// The labels of an object without views.
   static ObjectLabels none(std::size_t gaussians) {

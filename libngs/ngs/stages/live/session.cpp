@@ -107,17 +107,18 @@ const ObjectMarks& Session::object(int id) const {
   throw Error(ErrorCode::kUsage, "object " + std::to_string(id) + ": unknown number, expected one of the list");
 }
 
-Session::Kept& Session::kept(int id) {
-  for (Kept& k : kept_)
+Session::CachedObject& Session::cached(int id) {
+  for (CachedObject& k : cached_objects_)
     if (k.id == id) return k;
-  return kept_.emplace_back(Kept{id, WeightSums<>(model_.cloud.size(), 1), {}, nullptr, nullptr, nullptr});
+  return cached_objects_.emplace_back(
+      CachedObject{id, WeightSums<>(model_.cloud.size(), 1), {}, nullptr, nullptr, nullptr});
 }
 
 /// Finds the mask of a view without one from its strokes and, if there are other views, from their selection in it.
 /// `sums` contains the other views and `before`, the previous state of this view.
 void Session::segment(MarkedView& view, const MarkedView* before, const MarkedViews& others, WeightSums<>& sums) {
   const Camera& camera = view.camera;
-  CachedFrame& here = recent_.of(view.look, camera);
+  CachedFrame& here = recent_.of(view.viewpoint, camera);
   const ViewPrompt strokes = rasterise(view.strokes, camera.width_px, camera.height_px);
   if (others.empty()) {
     view.mask = live_mask(here.picture(), strokes, 0);
@@ -132,30 +133,31 @@ void Session::segment(MarkedView& view, const MarkedView* before, const MarkedVi
 void Session::correct(MarkedView& view, const MarkedView& before, const HandPrompt& added) {
   const int w = view.camera.width_px, h = view.camera.height_px;
   const ViewPrompt all = rasterise(view.strokes, w, h), drawn = rasterise(added, w, h);
-  const ImageU8& picture = recent_.of(view.look, view.camera).picture();
+  const ImageU8& picture = recent_.of(view.viewpoint, view.camera).picture();
   view.mask = corrected(before.mask, segmented(picture, {before.mask, all, drawn}, 0), drawn);
 }
 
-StrokeAnswer Session::mark(int id, const Look& look, const std::vector<PromptStroke>& strokes) {
+StrokeAnswer Session::mark(int id, const Viewpoint& viewpoint, const std::vector<PromptStroke>& strokes) {
   const double start_s = wall_seconds();
   Marks marks = *marks_;
   (void)object(id);
   ObjectMarks& marked = *marks.find(id);
-  const auto place =
-      std::find_if(marked.views.begin(), marked.views.end(), [&](const auto& view) { return view->look == look; });
+  const auto place = std::find_if(marked.views.begin(), marked.views.end(),
+                                  [&](const auto& view) { return view->viewpoint == viewpoint; });
   MarkedView view;
   if (place != marked.views.end()) {
     view = **place;
   } else {
-    view.name = picture_name(marked.next_view++), view.look = look;
-    view.camera = at_segmented_size(camera_of(look)), view.camera.name = view.name;
-    view.strokes.view = view.name, view.strokes.width_px = look.width_px, view.strokes.height_px = look.height_px;
+    view.name = picture_name(marked.next_view++), view.viewpoint = viewpoint;
+    view.camera = at_segmented_size(camera_of(viewpoint)), view.camera.name = view.name;
+    view.strokes.view = view.name, view.strokes.width_px = viewpoint.width_px,
+    view.strokes.height_px = viewpoint.height_px;
   }
   view.strokes.strokes.insert(view.strokes.strokes.end(), strokes.begin(), strokes.end());
 
   HandPrompt drawn = view.strokes;
   drawn.strokes = strokes;
-  require_something(recent_.of(look, view.camera).alpha(),
+  require_something(recent_.of(viewpoint, view.camera).alpha(),
                     rasterise(drawn, view.camera.width_px, view.camera.height_px));
 
   const bool is_new = place == marked.views.end();
@@ -164,11 +166,11 @@ StrokeAnswer Session::mark(int id, const Look& look, const std::vector<PromptStr
   } else {
     MarkedViews others = marked.views;
     if (!is_new) others.erase(others.begin() + (place - marked.views.begin()));
-    segment(view, is_new ? nullptr : place->get(), others, kept(id).sums);
+    segment(view, is_new ? nullptr : place->get(), others, cached(id).sums);
   }
-  empty_is_background(recent_.of(look, view.camera).alpha(), view.mask);
+  empty_is_background(recent_.of(viewpoint, view.camera).alpha(), view.mask);
   const double masked_s = wall_seconds();
-  recent_.of(look, view.camera).weigh(view);
+  recent_.of(viewpoint, view.camera).weigh(view);
   StrokeAnswer answer;
   answer.is_first = is_new;
   answer.coverage = double(std::count(view.mask.begin(), view.mask.end(), 1)) / double(view.mask.size());
@@ -257,8 +259,8 @@ void Session::restore(Marks marks) {
   for (ObjectMarks& object : marks.objects)
     for (std::shared_ptr<const MarkedView>& view : object.views) {
       MarkedView whole = *view;
-      whole.camera = at_segmented_size(camera_of(whole.look)), whole.camera.name = whole.name;
-      CachedFrame(exec_, model_, whole.look, whole.camera).weigh(whole);
+      whole.camera = at_segmented_size(camera_of(whole.viewpoint)), whole.camera.name = whole.name;
+      CachedFrame(exec_, model_, whole.viewpoint, whole.camera).weigh(whole);
       view = std::make_shared<const MarkedView>(std::move(whole));
     }
   forget_steps();
@@ -266,60 +268,60 @@ void Session::restore(Marks marks) {
 }
 
 /// Removes deleted and changed views from the sums, adds new ones, and relabels the Gaussians visible in them.
-void Session::bring_up_to_date(Kept& kept, const ObjectMarks& object) {
+void Session::update(CachedObject& cache, const ObjectMarks& object) {
   const auto in = [](const MarkedViews& views, const auto& view) {
     return std::find(views.begin(), views.end(), view) != views.end();
   };
-  MarkedViews gone, come;
-  for (const auto& view : kept.views)
-    if (!in(object.views, view)) gone.push_back(view);
+  MarkedViews removed, added;
+  for (const auto& view : cache.views)
+    if (!in(object.views, view)) removed.push_back(view);
   for (const auto& view : object.views)
-    if (!in(kept.views, view)) come.push_back(view);
-  kept.views = object.views;
-  if (kept.labels && gone.empty() && come.empty()) return;
+    if (!in(cache.views, view)) added.push_back(view);
+  cache.views = object.views;
+  if (cache.labels && removed.empty() && added.empty()) return;
   std::vector<std::vector<std::uint32_t>> changed;
-  for (const auto& view : gone) {
-    const auto now = std::ranges::find(come, view->seen, [](const auto& v) { return v->seen; });
-    if (now != come.end()) {
-      changed.push_back(replace_view(*view, **now, kept.sums));
-      come.erase(now);
+  for (const auto& view : removed) {
+    const auto now = std::ranges::find(added, view->seen, [](const auto& v) { return v->seen; });
+    if (now != added.end()) {
+      changed.push_back(replace_view(*view, **now, cache.sums));
+      added.erase(now);
     } else {
-      remove_view(*view, kept.sums), changed.push_back(view->seen->row);
+      remove_view(*view, cache.sums), changed.push_back(view->seen->row);
     }
   }
-  for (const auto& view : come) add_view(*view, kept.sums), changed.push_back(view->seen->row);
-  ObjectLabels labels = kept.labels ? *kept.labels : ObjectLabels::none(std::size_t(kept.sums.gaussians));
-  for (const std::vector<std::uint32_t>& rows : changed) label_rows(exec_, kept.sums, rows, labels);
-  kept.labels = std::make_shared<const ObjectLabels>(std::move(labels));
+  for (const auto& view : added) add_view(*view, cache.sums), changed.push_back(view->seen->row);
+  ObjectLabels labels = cache.labels ? *cache.labels : ObjectLabels::none(std::size_t(cache.sums.gaussians));
+  for (const std::vector<std::uint32_t>& rows : changed) label_rows(exec_, cache.sums, rows, labels);
+  cache.labels = std::make_shared<const ObjectLabels>(std::move(labels));
 }
 
-void Session::leave_out_untouched(Kept& kept) const {
-  if (kept.touched && kept.touched_of == kept.labels) return;
-  kept.touched_of = kept.labels;
+void Session::remove_untouched(CachedObject& cache) const {
+  if (cache.touched && cache.touched_of == cache.labels) return;
+  cache.touched_of = cache.labels;
   std::vector<ViewSums> strokes;
-  for (const auto& view : kept.views) strokes.insert(strokes.end(), view->touched.begin(), view->touched.end());
-  const std::vector<std::uint8_t> member(kept.labels->label.begin(), kept.labels->label.end());
+  for (const auto& view : cache.views) strokes.insert(strokes.end(), view->touched.begin(), view->touched.end());
+  const std::vector<std::uint8_t> member(cache.labels->label.begin(), cache.labels->label.end());
   const PieceSelection pieces = touched_pieces(exec_, model_.cloud, member, strokes);
-  ObjectLabels labels = *kept.labels;
+  ObjectLabels labels = *cache.labels;
   for (std::size_t i = 0; i < member.size(); ++i)
     if (member[i] && !pieces.object[i]) labels.label[i] = 0, labels.boundary[i] = 0;
-  labels.left_out = pieces.left_out + pieces.needles;
-  labels.count -= labels.left_out;
-  kept.touched = std::make_shared<const ObjectLabels>(std::move(labels));
+  labels.removed = pieces.removed + pieces.needles;
+  labels.count -= labels.removed;
+  cache.touched = std::make_shared<const ObjectLabels>(std::move(labels));
 }
 
 void Session::publish(Marks marks) {
-  std::erase_if(kept_, [&](const Kept& k) { return marks.find(k.id) == nullptr; });
+  std::erase_if(cached_objects_, [&](const CachedObject& k) { return marks.find(k.id) == nullptr; });
   std::vector<ShownObject> shown;
   for (const ObjectMarks& object : marks.objects) {
     ShownObject one{object.id, rgb(object.colour), nullptr, nullptr};
     if (!object.views.empty()) {
-      Kept& sums = kept(object.id);
-      bring_up_to_date(sums, object);
-      leave_out_untouched(sums);
+      CachedObject& sums = cached(object.id);
+      update(sums, object);
+      remove_untouched(sums);
       one.labels = marks.all_pieces ? sums.labels : sums.touched, one.touched = sums.touched;
     } else {
-      std::erase_if(kept_, [&](const Kept& k) { return k.id == object.id; });
+      std::erase_if(cached_objects_, [&](const CachedObject& k) { return k.id == object.id; });
     }
     shown.push_back(std::move(one));
   }

@@ -38,7 +38,7 @@ class Session {
 
   /// Throws kUsage for an unknown object, and if no pixel under the object strokes shows the model. Strokes belong to
   /// the same view if their looks are exactly equal.
-  StrokeAnswer mark(int object, const Look& look, const std::vector<PromptStroke>& strokes);
+  StrokeAnswer mark(int object, const Viewpoint& viewpoint, const std::vector<PromptStroke>& strokes);
   int add_object(const std::string& name);  // throws kUsage beyond kMaxObjects
   void remove_object(int id);
   void edit_object(int id, const std::string& name, const std::string& colour);  // empty: unchanged
@@ -51,7 +51,7 @@ class Session {
   std::size_t steps_back() const { return before_.size(); }
   std::size_t steps_again() const { return after_.size(); }
 
-  /// Restores saved marks: views with look, strokes, mask and name. Everything else is recomputed.
+  /// Restores saved marks: views with viewpoint, strokes, mask and name. Everything else is recomputed.
   void restore(Marks marks);
 
   std::shared_ptr<const Marks> marks() const;
@@ -62,7 +62,7 @@ class Session {
 
  private:
   /// Cached sums of an object, and the views in them.
-  struct Kept {
+  struct CachedObject {
     int id;
     WeightSums<> sums;
     MarkedViews views;
@@ -73,9 +73,9 @@ class Session {
 
   void segment(MarkedView& view, const MarkedView* before, const MarkedViews& others, WeightSums<>& sums);
   void correct(MarkedView& view, const MarkedView& before, const HandPrompt& added);
-  Kept& kept(int id);
-  void bring_up_to_date(Kept& kept, const ObjectMarks& object);
-  void leave_out_untouched(Kept& kept) const;
+  CachedObject& cached(int id);
+  void update(CachedObject& cache, const ObjectMarks& object);
+  void remove_untouched(CachedObject& cache) const;
   void publish(Marks marks);
   void step(Marks marks);
   const ObjectMarks& object(int id) const;
@@ -83,7 +83,7 @@ class Session {
   const Exec exec_;
   const Model model_;
   FrameCache recent_;
-  std::vector<Kept> kept_;
+  std::vector<CachedObject> cached_objects_;
   std::vector<std::shared_ptr<const Marks>> before_, after_;
   mutable std::mutex mutex_;  // guards marks_ and shown_
   std::shared_ptr<const Marks> marks_;

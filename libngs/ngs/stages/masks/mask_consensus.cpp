@@ -5,6 +5,7 @@
 
 #include "ngs/ops/field/knn.h"
 #include "ngs/ops/image/connected_components.h"
+#include "ngs/ops/image/mask_pair.h"
 #include "ngs/ops/image/metrics.h"
 #include "ngs/ops/splat/evidence.h"
 #include "ngs/scene/mask_threshold.h"
@@ -180,15 +181,11 @@ Consensus render_consensus(const Exec& exec, const LiftedModel& model, const Cam
   const GaussianCloud& cloud = model.cloud;
   const auto n = std::size_t(cloud.size());
   const std::vector<float> channels = shares(exec, model);
-  RenderRequest request;
-  request.colour = false;
-  request.label = {channels.data(), cloud.size(), 2};
+  RenderRequest request{.colour = false, .label = {channels.data(), cloud.size(), 2}};
   const RenderedView view = render(exec, cloud, camera, splat, request);
   std::vector<std::uint8_t> is_object(n);
   for (std::size_t i = 0; i < n; ++i) is_object[i] = label_is_foreground(channels[2 * i]);
-  RenderRequest alone;
-  alone.colour = false;
-  alone.include = is_object.data();
+  RenderRequest alone{.colour = false, .label = {}, .include = is_object.data()};
   Consensus out{camera.width_px, camera.height_px, {}, {}, render(exec, cloud, camera, splat, alone).alpha.data,
                 view.alpha.data};
   out.object.resize(view.alpha.data.size()), out.known.resize(view.alpha.data.size());
@@ -240,13 +237,11 @@ ViewPrompt prompt_from(const Consensus& c, int band_px, const PixelMask& before)
 }
 
 double agreement(const Consensus& consensus, const PixelMask& mask) {
-  std::int64_t both = 0, either = 0;
-  for (std::size_t p = 0; p < mask.size(); ++p) {
-    if (!is_set(consensus.known[p]) || occludes_object(consensus, p)) continue;
-    const bool expected = label_is_foreground(consensus.object[p]), found = mask[p] != 0;
-    both += expected && found, either += expected || found;
-  }
-  return either > 0 ? double(both) / double(either) : 1;
+  MaskOverlap overlap;
+  for (std::size_t p = 0; p < mask.size(); ++p)
+    if (is_set(consensus.known[p]) && !occludes_object(consensus, p))
+      overlap.add(label_is_foreground(consensus.object[p]), mask[p] != 0);
+  return overlap.iou();
 }
 
 PixelMask keep_seeded_pieces(const ViewPrompt& prompt, PixelMask mask, double speck_share) {
@@ -266,16 +261,16 @@ PixelMask keep_seeded_pieces(const ViewPrompt& prompt, PixelMask mask, double sp
   PixelMask rest(mask.size());
   for (std::size_t p = 0; p < mask.size(); ++p) rest[p] = !mask[p];
   if (std::find(rest.begin(), rest.end(), 1) == rest.end()) return mask;
-  const double most = speck_share * double(std::count(mask.begin(), mask.end(), 1));
+  const double max_px = speck_share * double(std::count(mask.begin(), mask.end(), 1));
   const auto [holes, hole_seeds, has_background] = seeded(rest, PixelHint::kBackground);
   for (std::size_t p = 0; p < mask.size(); ++p)
     if (rest[p] && !hole_seeds[std::size_t(holes.component[p])] &&
-        double(holes.size[std::size_t(holes.component[p])]) < most)
+        double(holes.size[std::size_t(holes.component[p])]) < max_px)
       mask[p] = 1;
   return mask;
 }
 
-std::vector<PromptPoint> prompt_points(const ViewPrompt& prompt, int most) {
+std::vector<PromptPoint> prompt_points(const ViewPrompt& prompt, int max_points) {
   const std::array<int, 4> box = object_box(prompt);
   const int reach = std::max({1, (box[2] - box[0]) / 4, (box[3] - box[1]) / 4});
   std::vector<PromptPoint> points;
@@ -286,7 +281,7 @@ std::vector<PromptPoint> prompt_points(const ViewPrompt& prompt, int most) {
                          prompt.width_px, prompt.height_px};
     const PixelRange near_object{box[0] - reach, box[1] - reach, box[2] + reach, box[3] + reach};
     const PixelRange everywhere{0, 0, prompt.width_px, prompt.height_px};
-    for (int found = 0; found < most; ++found) {
+    for (int found = 0; found < max_points; ++found) {
       PromptPoint best{0, 0, object};
       if (!side_depth.find_deepest(object ? everywhere : near_object, best)) break;
       points.push_back(best);

@@ -14,11 +14,6 @@ namespace ngs {
 /// only show through a surface that is not fully opaque must not count as part of it.
 inline constexpr double kMinMeanWeight = 0.03;
 
-inline Vec3<double> world_position(const GaussianCloud& cloud, std::size_t i) {
-  const float* p = &cloud.position[3 * i];
-  return Vec3<double>{cloud.origin[0], cloud.origin[1], cloud.origin[2]} + Vec3<double>{p[0], p[1], p[2]};
-}
-
 /// Position and extent of the object: the mean of its Gaussians, weighted by their weight inside the masks, and three
 /// times their RMS distance from it. Gaussians farther away are background even if no mask shows them.
 struct ObjectPlace {
@@ -82,10 +77,10 @@ struct PromptPoint {
   bool object = true;
 };
 
-/// Points for a promptable network, up to `most` per side. Each is the pixel deepest inside the certain region, outside
-/// a square around every earlier point (SA3D's self-prompting, with distance as confidence). Background points lie near
-/// the object's box.
-std::vector<PromptPoint> prompt_points(const ViewPrompt& prompt, int most);
+/// Points for a promptable network, up to `max_points` per side. Each is the pixel deepest inside the certain region,
+/// outside a square around every earlier point (SA3D's self-prompting, with distance as confidence). Background points
+/// lie near the object's box.
+std::vector<PromptPoint> prompt_points(const ViewPrompt& prompt, int max_points);
 
 /// {left, top, right, bottom} of the likely or certain object pixels, right and bottom exclusive. All zero without such
 /// a pixel.

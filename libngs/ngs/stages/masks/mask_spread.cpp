@@ -73,8 +73,7 @@ class Spreader {
   }
 
   std::vector<float> opacity(std::size_t view) const {
-    RenderRequest request;
-    request.colour = false;
+    RenderRequest request{.colour = false, .label = {}};
     return render(exec_, in_.cloud, in_.camera[view], in_.splat, request).alpha.data;
   }
 
@@ -106,7 +105,7 @@ class Spreader {
 
   int band_px(const Camera& camera, int pass) const {
     const double diagonal = portable_hypot(double(camera.width_px), double(camera.height_px));
-    return int(std::lround(std::max(options_.least_band_px, std::ldexp(options_.band * diagonal, -pass))));
+    return int(std::lround(std::max(options_.min_band_px, std::ldexp(options_.band * diagonal, -pass))));
   }
 
   SpreadView segment(std::size_t view, int pass) {

@@ -27,7 +27,7 @@ struct SpreadOptions {
   double gate_iou = 0.7;
   int passes = 3;
   double band = 0.02;
-  double least_band_px = 3;
+  double min_band_px = 3;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {

@@ -39,7 +39,7 @@ Visibility PointVisibility::of(const Exec& exec, const Camera& camera, double ne
     const std::int32_t point = point_of_row_[row];
     if (point < 0) {
       const float* p = &cloud_.position[3 * std::size_t(row)];
-      const double z = (relative.rotation * Vec{p[0], p[1], p[2]} + relative.translation).z;
+      const double z = relative.to_camera(Vec{p[0], p[1], p[2]}).z;
       before += z < nearer_than ? weight : 0;
       continue;
     }

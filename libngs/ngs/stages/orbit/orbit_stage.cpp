@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "ngs/core/error.h"
+#include "ngs/core/formatted.h"
 #include "ngs/math/world_unit.h"
 #include "ngs/ops/splat/splat_options.h"
 #include "ngs/stages/orbit/coverage.h"
@@ -21,11 +22,7 @@ constexpr double kOutsideFov = 40, kInsideFov = 80;  // deg
 constexpr double kRoomCoverage = 0.7;                // least coverage of cameras inside a room
 constexpr double kRoomReach = 1.5;                   // extent of a room's surface, in radii of the bulk
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
+std::string number(double value) { return formatted("%.4g", value); }
 
 /// The given rows of the model, without SH bands above 0.
 GaussianCloud rows_of(const GaussianCloud& cloud, const std::vector<std::uint32_t>& rows) {

@@ -17,14 +17,14 @@ Vec direction(double azimuth, double elevation) {
 }
 
 /// Distance from the ball's centre up to which lines of sight along `out` are free: the second shortest of seven.
-double free_distance(const FreeSpace& space, double radius, Vec out, double most) {
+double free_distance(const FreeSpace& space, double radius, Vec out, double max_length) {
   const Vec a = perpendicular(out), b = cross(out, a);
   std::array<double, 7> reach{};
   for (int k = 0; k < 7; ++k) {
     const double turn = std::numbers::pi / 3 * k, off = k == 6 ? 0 : 0.6 * radius;
     const double start = std::sqrt(radius * radius - off * off);
     const Vec from = start * out + (off * std::cos(turn)) * a + (off * std::sin(turn)) * b;
-    reach[std::size_t(k)] = start + space.free_length(from, out, {kStops, most - start});
+    reach[std::size_t(k)] = start + space.free_length(from, out, {kStops, max_length - start});
   }
   std::sort(reach.begin(), reach.end());
   return reach[1];

@@ -22,13 +22,13 @@ struct Viewpoint {
 bool viewpoint_at(const FreeSpace& space, double radius, Vec at, Viewpoint& viewpoint) {
   static const std::vector<Vec> directions = even_directions(160);
   if (space.depth_at(at) > 0.05) return false;
-  const double most = kFarthest * radius;
+  const double max_length = kFarthest * radius;
   std::vector<double> reach;
-  for (const Vec& d : directions) reach.push_back(space.free_length(at, d, {kOpaque, most}));
+  for (const Vec& d : directions) reach.push_back(space.free_length(at, d, {kOpaque, max_length}));
   std::sort(reach.begin(), reach.end());
   const auto surrounded = std::size_t(kSurrounded * double(reach.size()));
   viewpoint = {at, reach[reach.size() / 20]};
-  return reach[surrounded] < most && viewpoint.clearance >= kClearance * radius;
+  return reach[surrounded] < max_length && viewpoint.clearance >= kClearance * radius;
 }
 
 /// Farthest-point sampling, from the viewpoint with the largest clearance.
@@ -56,15 +56,16 @@ using Cells = std::vector<std::uint8_t>;  // [cells] 1: ends a ray
 /// The cells that stop at least one of the rays rays_of(0) ... rays_of(count - 1).
 template <class RaysOf>
 Cells stopping_cells(const Exec& exec, const FreeSpace& space, std::size_t count, const RaysOf& rays_of) {
-  const double most = 4 * space.half();
+  const double max_length = 4 * space.half();
   std::vector<Cells> stops(count);
   for_each_task(exec, std::int64_t(count), [&](std::int64_t i) {
     Cells& mine = stops[std::size_t(i)];
     mine.assign(space.cells(), 0);
     for (const Ray& ray : rays_of(std::size_t(i))) {
-      const double reach = space.free_length(ray.from, ray.direction, {kOpaque, most});
+      const double reach = space.free_length(ray.from, ray.direction, {kOpaque, max_length});
       const Vec end = ray.from + (reach + 0.25 * space.cell_size()) * ray.direction;
-      if (const std::int64_t cell = reach < most ? space.cell_at(end) : -1; cell >= 0) mine[std::size_t(cell)] = 1;
+      if (const std::int64_t cell = reach < max_length ? space.cell_at(end) : -1; cell >= 0)
+        mine[std::size_t(cell)] = 1;
     }
   });
   Cells any(space.cells(), 0);

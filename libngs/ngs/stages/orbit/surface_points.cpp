@@ -56,8 +56,8 @@ SurfacePoints surface_points(const GaussianCloud& cloud) {
   return points;
 }
 
-std::vector<std::size_t> thinned(std::size_t count, std::size_t most) {
-  const std::size_t step = std::max<std::size_t>(1, (count + most - 1) / most);
+std::vector<std::size_t> thinned(std::size_t count, std::size_t max_count) {
+  const std::size_t step = std::max<std::size_t>(1, (count + max_count - 1) / max_count);
   std::vector<std::size_t> indices;
   for (std::size_t i = 0; i < count; i += step) indices.push_back(i);
   return indices;

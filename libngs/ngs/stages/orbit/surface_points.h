@@ -38,7 +38,7 @@ Ball bulk_of(const SurfacePoints& points);
 /// The smallest value with at least the fraction `share` of the weight at or below it. `values` must not be empty.
 double weighted_quantile(const std::vector<double>& values, const std::vector<double>& weights, double share);
 
-/// Every k-th index below `count`, with the smallest k that gives at most `most` indices.
-std::vector<std::size_t> thinned(std::size_t count, std::size_t most);
+/// Every k-th index below `count`, with the smallest k that gives at most `max_count` indices.
+std::vector<std::size_t> thinned(std::size_t count, std::size_t max_count);
 
 }  // namespace ngs::orbit

@@ -86,9 +86,7 @@ ImageF LabelChannels::masks(const Exec& exec, const Camera& camera, const SplatO
 
 ImageF LabelChannels::view(const Exec& exec, const Camera& camera, const SplatOptions& splat,
                            const std::uint8_t* tiles_touching, const std::uint8_t* stop_after) const {
-  RenderRequest request;
-  request.colour = false;
-  request.label = {label_.data(), cloud_.size(), int(objects_)};
+  RenderRequest request{.colour = false, .label = {label_.data(), cloud_.size(), int(objects_)}};
   request.tiles_touching = tiles_touching, request.stop_after = stop_after;
   return std::move(render(exec, cloud_, camera, splat, request).label);
 }
@@ -114,9 +112,7 @@ ObjectsAlone::ObjectsAlone(const GaussianCloud& cloud, const std::vector<LabelCo
 }
 
 ImageF ObjectsAlone::view(const Exec& exec, std::size_t k, const Camera& camera, const SplatOptions& splat) const {
-  RenderRequest alone;
-  alone.colour = false;
-  alone.include = member_[k].data();
+  RenderRequest alone{.colour = false, .label = {}, .include = member_[k].data()};
   return std::move(render(exec, cloud_, camera, splat, alone).alpha);
 }
 

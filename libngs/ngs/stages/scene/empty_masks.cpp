@@ -42,9 +42,7 @@ class LabelRenderer {
   }
 
   PixelCounts count(const Exec& exec, const Camera& camera, const ViewMasks& masks) const {
-    RenderRequest request;
-    request.colour = false;
-    request.label = {label_.data(), cloud_.size(), 1};
+    RenderRequest request{.colour = false, .label = {label_.data(), cloud_.size(), 1}};
     const ImageF shown = render(exec, cloud_, camera, splat_, request).label;
     PixelCounts counts;
     for (std::size_t p = 0; p < shown.data.size(); ++p) {

@@ -80,10 +80,7 @@ namespace {
 template <class Use>
 void for_each_depth(const GaussianCloud& cloud, const Camera& camera, const Use& use) {
   for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
-    const float* p = &cloud.position[3 * i];
-    const Vec3<double> world{cloud.origin[0] + double(p[0]), cloud.origin[1] + double(p[1]),
-                             cloud.origin[2] + double(p[2])};
-    if (const double z = (camera.rotation * world + camera.translation).z; cloud.usable[i] && z > 0) use(z);
+    if (const double z = camera.to_camera(world_position(cloud, i)).z; cloud.usable[i] && z > 0) use(z);
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/error.h"
+#include "ngs/core/formatted.h"
 #include "ngs/core/listed.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/scene/resize/shrink.h"
@@ -67,9 +68,7 @@ constexpr double kFilters[] = {0.3, 0.075};
 constexpr double kEnoughAbove_db = 3;
 
 std::string decibels(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f dB", std::round(value * 10) / 10 + 0.0);  // no "-0.0"
-  return text;
+  return formatted("%.1f dB", std::round(value * 10) / 10 + 0.0);  // no "-0.0"
 }
 
 /// The first of these views by name, and how many more there are.
@@ -79,11 +78,7 @@ std::string some_names(const Scene& scene, const std::vector<std::size_t>& views
   return listed(names, 4);
 }
 
-std::string percent(double share) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g %%", 100 * share);
-  return text;
-}
+std::string percent(double share) { return formatted("%.3g %%", 100 * share); }
 
 constexpr const char* kGsplatRemedy = "with the rules of gsplat, whose near plane is nearer: --compat gsplat";
 constexpr const char* kSmallWorldRemedy = "with near planes scaled to this small world: import it with --compat auto";

@@ -18,13 +18,13 @@ constexpr int kSpacingNeighbours = 4;
 constexpr double kSpacings = 2;  // reach of the object beyond its Gaussians, where they are sparse
 
 /// The ends of a Gaussian along its longest axis, 6 numbers; empty if it is not long and thin.
-std::vector<float> ends_of(const GaussianCloud& cloud, std::size_t i, double skin) {
+std::vector<float> ends_of(const GaussianCloud& cloud, std::size_t i, double margin) {
   const float* s = &cloud.log_scale[3 * i];
   const auto longest = std::size_t(std::max_element(s, s + 3) - s);
   std::array<float, 3> sorted{s[0], s[1], s[2]};
   std::ranges::sort(sorted);
   const double sigma = std::exp(double(sorted[2]));
-  if (!(kNeedleReach * sigma > skin) || !(double(sorted[2]) - double(sorted[1]) >= std::log(kElongation))) return {};
+  if (!(kNeedleReach * sigma > margin) || !(double(sorted[2]) - double(sorted[1]) >= std::log(kElongation))) return {};
   const Mat3<double> axes = axes_of_quaternion(&cloud.rotation[4 * i]);
   std::vector<float> ends;
   for (const double way : {-kNeedleReach * sigma, kNeedleReach * sigma})
@@ -59,14 +59,14 @@ void keep_in_sparse_parts(const Exec& exec, const std::vector<float>& inside, co
 }  // namespace
 
 std::vector<std::uint32_t> needles_beyond(const Exec& exec, const GaussianCloud& cloud,
-                                          const std::vector<std::uint8_t>& object, double skin) {
+                                          const std::vector<std::uint8_t>& object, double margin) {
   NGS_CHECK(std::int64_t(object.size()) == cloud.size(), "one entry per Gaussian");
   std::vector<std::uint32_t> row;
-  if (!(skin > 0)) return row;
+  if (!(margin > 0)) return row;
   std::vector<float> ends, inside, outside;
   for (std::size_t i = 0; i < object.size(); ++i) {
     if (!cloud.usable[i]) continue;
-    const std::vector<float> of_row = object[i] ? ends_of(cloud, i, skin) : std::vector<float>();
+    const std::vector<float> of_row = object[i] ? ends_of(cloud, i, margin) : std::vector<float>();
     if (!of_row.empty()) {
       row.push_back(std::uint32_t(i)), ends.insert(ends.end(), of_row.begin(), of_row.end());
     } else if (cloud.logit_opacity[i] >= kSolidLogit) {
@@ -76,7 +76,7 @@ std::vector<std::uint32_t> needles_beyond(const Exec& exec, const GaussianCloud&
   }
   if (row.empty() || outside.empty()) return {};
   const auto near = [&](const std::vector<float>& points, const std::vector<std::uint8_t>& active) {
-    return any_within(exec, as_rows(points), as_rows(ends), skin, active);
+    return any_within(exec, as_rows(points), as_rows(ends), margin, active);
   };
   std::vector<std::uint8_t> leaves = near(inside, {});
   for (std::uint8_t& end : leaves) end = !end;

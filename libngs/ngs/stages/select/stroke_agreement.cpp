@@ -19,13 +19,10 @@ void add_stroke_agreement(const Exec& exec, const LabelledSplat& model, const Ca
                           StrokeAgreement& agreement) {
   const int w = marks.width_px, h = marks.height_px;
   NGS_CHECK(w == camera.width_px && h == camera.height_px, "marks of the camera's size");
-  RenderRequest request;
-  request.colour = false;
-  request.label = {model.label.data(), model.cloud.size(), 1};
+  RenderRequest request{.colour = false, .label = {model.label.data(), model.cloud.size(), 1}};
   const RenderedView view = render(exec, model.cloud, camera, model.splat, request);
   for (const PixelHint side : {PixelHint::kObject, PixelHint::kBackground}) {
-    PixelMask marked(marks.hint.size());
-    for (std::size_t p = 0; p < marked.size(); ++p) marked[p] = marks.hint[p] == side;
+    const PixelMask marked = pixels_with(marks, side);
     const ConnectedComponents strokes = connected_components({marked.data(), w, h});
     std::vector<Counted> counted(strokes.size.size());
     for (std::size_t p = 0; p < marked.size(); ++p) {

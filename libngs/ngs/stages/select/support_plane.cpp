@@ -207,7 +207,7 @@ SupportPlane refined_by(const GaussianCloud& cloud, const orbit::SurfacePoints& 
   return dot(refined.normal, plane.normal) >= kMaxTilt ? refined : plane;
 }
 
-void leave_out_support(const GaussianCloud& cloud, Vec up, std::vector<std::uint8_t>& object) {
+void remove_support(const GaussianCloud& cloud, Vec up, std::vector<std::uint8_t>& object) {
   const SupportPlane plane = find_support_plane(cloud, canonical_points(cloud), up, object);
   if (!plane.found) return;
   const auto distance = [&](std::size_t i) {

@@ -37,6 +37,6 @@ SupportPlane refined_by(const GaussianCloud& cloud, const orbit::SurfacePoints& 
 /// Clears object[row] of the Gaussians that lie in the plane which supports the object, such as the floor under a rug:
 /// masks of the rug cover them too. The plane is found among the Gaussians with object[row] == 0 and is as thick as it
 /// is there: Gaussians just above it and below it stay. Without a plane nothing changes.
-void leave_out_support(const GaussianCloud& cloud, orbit::Vec up, std::vector<std::uint8_t>& object);
+void remove_support(const GaussianCloud& cloud, orbit::Vec up, std::vector<std::uint8_t>& object);
 
 }  // namespace ngs

@@ -92,8 +92,7 @@ void keep_overlapping(const Exec& exec, const GaussianCloud& cloud, const std::v
 }  // namespace
 
 std::vector<PixelMask> object_strokes(const ViewPrompt& marks) {
-  PixelMask marked(marks.hint.size());
-  for (std::size_t p = 0; p < marked.size(); ++p) marked[p] = marks.hint[p] == PixelHint::kObject;
+  const PixelMask marked = pixels_with(marks, PixelHint::kObject);
   const ConnectedComponents found = connected_components({marked.data(), marks.width_px, marks.height_px});
   std::vector<std::size_t> order(found.size.size()), place(order.size());
   std::iota(order.begin(), order.end(), std::size_t(0));
@@ -135,7 +134,7 @@ PieceSelection touched_pieces(const Exec& exec, const GaussianCloud& cloud, cons
   for (std::size_t i = 0; i < all.size(); ++i)
     out.object[i] = all[i] && pieces.of_row[i] >= 0 && touched[std::size_t(pieces.of_row[i])];
   keep_overlapping(exec, cloud, all, side, out.object);
-  for (std::size_t i = 0; i < all.size(); ++i) out.left_out += all[i] && !out.object[i];
+  for (std::size_t i = 0; i < all.size(); ++i) out.removed += all[i] && !out.object[i];
   for (const std::uint32_t needle : needles_beyond(exec, cloud, out.object, side))
     out.object[needle] = 0, ++out.needles;
   return out;

@@ -28,7 +28,7 @@ std::vector<ViewSums> stroke_weights(const Exec& exec, const GaussianCloud& clou
 struct PieceSelection {
   std::vector<std::uint8_t> object;          // [N] 1: in a piece that a stroke touches
   std::int64_t pieces = 0, kept_pieces = 0;  // number of all pieces, and of touched pieces
-  std::int64_t left_out = 0;                 // Gaussians of the selection in no touched piece
+  std::int64_t removed = 0;                  // Gaussians of the selection in no touched piece
   std::int64_t needles = 0;                  // further ones that stick out of the touched pieces (needles.h)
 };
 

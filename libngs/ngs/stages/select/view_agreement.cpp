@@ -1,6 +1,7 @@
 #include "ngs/stages/select/view_agreement.h"
 
 #include "ngs/core/check.h"
+#include "ngs/ops/image/mask_pair.h"
 #include "ngs/scene/mask_threshold.h"
 
 namespace ngs {
@@ -14,22 +15,17 @@ constexpr double kAgreementMargin = 0.02;  // tolerated decrease of the mean IoU
 double view_agreement(const Exec& exec, const LabelledSplat& model, std::span<const Camera> cameras,
                       std::span<const PixelMask> masks) {
   NGS_CHECK(cameras.size() == masks.size(), "one mask per camera");
-  RenderRequest request;
-  request.colour = false;
-  request.label = {model.label.data(), model.cloud.size(), 1};
+  RenderRequest request{.colour = false, .label = {model.label.data(), model.cloud.size(), 1}};
   double sum = 0;
   std::int64_t views = 0;
   for (std::size_t v = 0; v < masks.size(); ++v) {
     if (masks[v].empty()) continue;
     const RenderedView view = render(exec, model.cloud, cameras[v], model.splat, request);
     NGS_CHECK(view.label.data.size() == masks[v].size(), "masks of the cameras' size");
-    std::int64_t both = 0, either = 0;
-    for (std::size_t p = 0; p < masks[v].size(); ++p) {
-      const bool found = label_is_foreground(view.label.data[p]), expected = masks[v][p] != 0;
-      both += found && expected, either += found || expected;
-    }
-    if (either == 0) continue;
-    sum += double(both) / double(either), ++views;
+    MaskOverlap overlap;
+    for (std::size_t p = 0; p < masks[v].size(); ++p)
+      overlap.add(label_is_foreground(view.label.data[p]), masks[v][p] != 0);
+    if (overlap.either > 0) sum += overlap.iou(), ++views;
   }
   return views > 0 ? sum / double(views) : 1;
 }

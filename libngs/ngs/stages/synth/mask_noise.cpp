@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <vector>
 
@@ -141,8 +142,8 @@ void add_blobs(ImageU16& labels, double probability, int view, std::uint64_t see
     const std::vector<Point> contour = contour_of(labels, id, area_px);
     if (contour.empty()) continue;
     const Point centre = contour[std::min(contour.size() - 1, std::size_t(draw(1) * double(contour.size())))];
-    const double size = std::max(2.0, std::sqrt(area_px / 3.141592653589793));  // radius of a disc of that area
-    const double a = size * (0.2 + 0.25 * draw(2)), b = a * (0.4 + 0.6 * draw(3)), angle = 3.141592653589793 * draw(4);
+    const double size = std::max(2.0, std::sqrt(area_px / std::numbers::pi));  // radius of a disc of that area
+    const double a = size * (0.2 + 0.25 * draw(2)), b = a * (0.4 + 0.6 * draw(3)), angle = std::numbers::pi * draw(4);
     const double c = std::cos(angle), s = std::sin(angle);
     const bool adds = draw(5) < 0.5;
     for (int y = 0; y < labels.height_px; ++y)

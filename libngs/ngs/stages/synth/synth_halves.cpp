@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "ngs/core/error.h"
@@ -11,7 +12,7 @@ namespace ngs::synth {
 namespace {
 
 using V = Vec3<double>;
-constexpr double kRadPerDeg = 3.141592653589793 / 180, kGoldenAngle = 2.399963229728653;
+constexpr double kRadPerDeg = std::numbers::pi / 180, kGoldenAngle = 2.399963229728653;
 constexpr double kClearance = 0.3;  // world: beyond the near plane of 0.2 of the Inria renderer
 
 std::string two_digits(int i) { return (i < 10 ? "0" : "") + std::to_string(i); }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/check.h"
@@ -193,15 +194,12 @@ std::vector<SparsePoint> sample_points(std::span<const Camera> cameras, std::spa
     const double nx = normal(), ny = normal(), nz = normal();
     point.position = exact + error * V{nx, ny, nz};
     for (std::size_t v = 0; v < cameras.size(); ++v) {
-      const Camera& other = cameras[v];
-      const V q = other.rotation * exact + other.translation;
-      if (q.z <= 0) continue;
-      const double x = other.fx * q.x / q.z + other.cx, y = other.fy * q.y / q.z + other.cy;
-      if (x < 0 || y < 0 || x >= other.width_px || y >= other.height_px) continue;
+      const std::optional<V> q = cameras[v].project(exact);
+      if (!q) continue;
       // Occlusion test against the depth of that pixel, with 2 % tolerance for slanted surfaces.
-      if (q.z > 1.02 * double(views[v].depth.at(int(x), int(y)))) continue;
+      if (q->z > 1.02 * double(views[v].depth.at(int(q->x), int(q->y)))) continue;
       const double ox = normal(), oy = normal();
-      point.track.push_back({int(v), x + kNoisePx * ox, y + kNoisePx * oy});
+      point.track.push_back({int(v), q->x + kNoisePx * ox, q->y + kNoisePx * oy});
     }
   }
   return points;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "ngs/core/error.h"
 #include "ngs/core/rng.h"
@@ -9,7 +10,7 @@
 namespace ngs::synth {
 namespace {
 
-constexpr double kPi = 3.141592653589793;
+constexpr double kPi = std::numbers::pi;
 using V = Vec3<double>;
 const Mat3<double> kUpright{{1, 0, 0, 0, 1, 0, 0, 0, 1}};
 

@@ -49,15 +49,5 @@ TEST_CASE("two files with the same stem are rejected") {
   CHECK_THROWS_AS(io::match_names(Names{"a.png", "a.jpg"}, Names{"a.png"}), Error);
 }
 
-TEST_CASE("every:N:K selects by index; other rules are rejected") {
-  CHECK(io::select_every("every:4:2", 11) == std::vector<std::size_t>{2, 6, 10});
-  CHECK(io::select_every("all", 3) == std::vector<std::size_t>{0, 1, 2});
-  CHECK(io::select_every("every:4:2", 0).empty());
-  for (const char* rule : {"every:4:4", "every:0:0", "every:4", "every::", "every:a:1", "every:4:-1", "some", ""}) {
-    CAPTURE(rule);
-    CHECK_THROWS_AS(io::select_every(rule, 5), Error);
-  }
-}
-
 }  // namespace
 }  // namespace ngs

@@ -122,6 +122,13 @@ TEST_CASE("chessboard distance counts the image frame as complement only with Ou
   CHECK(chessboard_distance(hole.plane(), Outside::kUnknown)[0] == 4);
 }
 
+TEST_CASE("signed distance is the distance to the other side, positive in the object, and never 0") {
+  const std::vector<std::uint8_t> one_row{0, 0, 1, 1, 1}, none(5, 0), all(5, 1);
+  CHECK(signed_distance({one_row.data(), 5, 1}) == std::vector<std::int32_t>{-2, -1, 1, 2, 3});
+  CHECK(signed_distance({none.data(), 5, 1}) == std::vector<std::int32_t>(5, -kUnbounded));
+  CHECK(signed_distance({all.data(), 5, 1}) == std::vector<std::int32_t>(5, kUnbounded));
+}
+
 TEST_CASE("contour F is 1 within the tolerance and falls beyond it") {
   const Mask truth = box(40, 40, 10, 10, 30, 30), moved = box(40, 40, 13, 10, 33, 30);
   CHECK(contour_f(truth.plane(), truth.plane(), 0) == 1);

@@ -156,7 +156,7 @@ TEST_CASE("loss_mask: cross-entropy has its closed values and stays finite at th
   CHECK(g.data[1] < -1e5f);
 }
 
-TEST_CASE("loss_mask: unknown pixels, missing masks and zero trust give no gradient") {
+TEST_CASE("loss_mask: unknown pixels, missing masks and zero view_weight give no gradient") {
   test::Random random(7);
   const ImageF p = random_image(random, 6, 5, 2);
   ViewMasks masks = masks_of(6, 5, {std::vector<float>(30, 1.f), std::vector<float>(30, 0.f)});

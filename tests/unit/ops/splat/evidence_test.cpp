@@ -204,7 +204,7 @@ TEST_CASE("evidence: contrast_sum from the stored sums of 1 - contrast is exact,
 }
 
 TEST_CASE("between-views variance is exact where the textbook difference of floats is not") {
-  ObjectShare e;  // 1000 views with signal 0.3, one with 0.3 + 2^-20
+  ObjectSums e;  // 1000 views with signal 0.3, one with 0.3 + 2^-20
   const std::uint64_t m = std::uint64_t(0.3 * 0x1p32), m2 = m + (1u << 12);
   for (int view = 0; view < 1001; ++view) {
     const std::uint64_t q = view < 1000 ? m : m2;
@@ -239,7 +239,7 @@ TEST_CASE("label_gaussians: exclusive labels assign a Gaussian to the object of 
   const double weight[3] = {10, 10, 10}, object[3][2] = {{4, 5}, {3, 3}, {6, 6}};  // backgrounds 1, 4, -2 (overlap)
   for (std::size_t i = 0; i < 3; ++i) {
     e.weight.add(i, weight[i]), e.views[i] = 1;
-    for (std::size_t k = 0; k < 2; ++k) e.share.touch(i, k).weight.add(object[i][k]);
+    for (std::size_t k = 0; k < 2; ++k) e.object_weights.touch(i, k).weight.add(object[i][k]);
   }
   const auto exclusive = label_gaussians({}, e);
   CHECK(exclusive[0].label == std::vector<float>{0, 0, 1});  // a tie goes to the first object

@@ -9,7 +9,8 @@
 
 #include "ngs/math/stable.h"
 #include "ngs/ops/splat/evidence.h"
-#include "ngs/passes/bleed_through/bleed_through_pass.h"
+#include "ngs/passes/pass.h"
+#include "ngs/passes/pass_list.h"
 #include "support/pipeline_case.h"
 
 namespace ngs {
@@ -143,14 +144,14 @@ TEST_CASE("bleed through: off without photos, and at draft quality") {
   const Problem in = pane.problem();
   TrainingOptions training;
   SceneProbe probe({}, training, in);
-  const BleedThroughPass pass;
-  const std::vector<Effect> effects = pass.effects();
+  const std::unique_ptr<Pass> pass = make_bleed_through_pass();
+  const std::vector<Effect> effects = pass->effects();
   REQUIRE(effects.size() == 1);
   CHECK_FALSE(effects[0].heuristic.measure(probe) > effects[0].heuristic.threshold);  // 24 masks, no photo
-  CHECK(pass.fixed_decisions(training).empty());
+  CHECK(pass->fixed_decisions(training).empty());
   training.joint.quality = Quality::kDraft;
-  REQUIRE(pass.fixed_decisions(training).size() == 1);
-  CHECK_FALSE(pass.fixed_decisions(training)[0].on);
+  REQUIRE(pass->fixed_decisions(training).size() == 1);
+  CHECK_FALSE(pass->fixed_decisions(training)[0].on);
 }
 
 TEST_CASE("bleed through: the pass changes the labels of a run, is aborted if too slow, but not with checkpoints") {

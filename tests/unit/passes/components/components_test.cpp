@@ -30,8 +30,8 @@ struct ComponentCase {
   ComponentFinding find() const {
     Problem in = base->input();
     in.fixed = fixed;
-    ComponentFinding found = find_disconnected({}, {}, in, in.labels);
-    CHECK(count_disconnected({}, {}, in) == found.count);
+    ComponentFinding found = find_disconnected({}, in, in.labels);
+    CHECK(count_disconnected({}, in) == found.count);
     return found;
   }
 };
@@ -46,7 +46,7 @@ TEST_CASE("the core and disconnected components are found although most views do
   c.claim(200, 0, 9, 1, 1);
   for (const double seen : {0.25, 0.5, 1.0}) {
     const ObjectCore core = core_of({.seen = seen}, c.base->model, c.base->labels);
-    CHECK(core.least_views == seen * kViews);
+    CHECK(core.min_views == seen * kViews);
     CHECK(core.count == std::count(c.base->is_ball.begin(), c.base->is_ball.end(), 1.f));
   }
   CHECK(c.find().disconnected[200] == 1);
@@ -137,7 +137,7 @@ TEST_CASE("a label trained on a disconnected Gaussian is restored, one next to t
                    .labels = std::vector<LabelColumns>(input.labels),
                    .figures = {}};
   for (const std::size_t row : {200, 201}) trained.labels[0].prob[row] = trained.labels[0].label[row] = 0.6f;
-  CHECK(restore_disconnected_labels({}, {}, input, trained) == 1);
+  CHECK(restore_disconnected_labels({}, input, trained) == 1);
   CHECK(trained.labels[0].prob[200] == 0.2f);
   CHECK(trained.labels[0].label[200] == 0.f);
   CHECK(trained.labels[0].prob[201] == 0.6f);
@@ -155,11 +155,11 @@ TEST_CASE("halves get their parent's label back, rows fixed by hand do not chang
   for (std::size_t i = 0; i < std::size_t(trained.cloud->size()); ++i) trained.source_row.push_back(std::int64_t(i));
   std::swap(trained.source_row[200], trained.source_row[203]);
   trained.labels[0].prob[200] = 0.6f;
-  CHECK(restore_disconnected_labels({}, {}, input, trained) == 1);
+  CHECK(restore_disconnected_labels({}, input, trained) == 1);
   CHECK(trained.labels[0].prob[200] == input.labels[0].prob[203]);
   trained.labels[0].prob[200] = 0.6f;
   input.fixed.assign(input.labels[0].prob.size(), 1.f);
-  CHECK(restore_disconnected_labels({}, {}, input, trained) == 0);
+  CHECK(restore_disconnected_labels({}, input, trained) == 0);
 }
 
 }  // namespace ngs

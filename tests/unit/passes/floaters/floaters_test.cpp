@@ -144,7 +144,7 @@ TEST_CASE("a pixel that the mask labels background never counts, whatever the ph
   CHECK(find_floaters({}, monitor, {}, in).count < kAdded / 2);
 }
 
-TEST_CASE("floaters that hide less than least_hidden stay, and the figures have the hidden share") {
+TEST_CASE("floaters that hide less than min_hidden stay, and the figures have the hidden share") {
   FloaterCase c(false);
   Monitor monitor;
   const FloaterFinding all = c.find();
@@ -152,8 +152,8 @@ TEST_CASE("floaters that hide less than least_hidden stay, and the figures have 
   const double hidden = all.figures.at("hidden");
   CHECK(hidden > 1e-3);
   CHECK(hidden < 1);
-  CHECK(find_floaters({}, monitor, {.least_hidden = 0.99 * hidden}, c.input()).count == all.count);
-  CHECK(find_floaters({}, monitor, {.least_hidden = 1.01 * hidden}, c.input()).count == 0);
+  CHECK(find_floaters({}, monitor, {.min_hidden = 0.99 * hidden}, c.input()).count == all.count);
+  CHECK(find_floaters({}, monitor, {.min_hidden = 1.01 * hidden}, c.input()).count == 0);
 }
 
 TEST_CASE("a hand-fixed Gaussian is never a floater") {

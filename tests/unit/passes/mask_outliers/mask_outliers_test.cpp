@@ -24,7 +24,7 @@ struct MaskOutlierCase {
   }
   MaskOutliers find(int threads = 1) const {
     Monitor monitor;
-    return find_mask_outliers({.threads = threads}, monitor, {}, input());
+    return find_mask_outliers({.threads = threads}, monitor, input());
   }
   void mirror(std::size_t view) {
     ViewMasks& m = base->masks[view];
@@ -67,11 +67,11 @@ TEST_CASE("an empty mask is an outlier if the others show the object") {
 TEST_CASE("wrong masks are found however much they raise the deviation") {
   double median = 0;
   const std::vector<double> third_wrong = {0.07, 0.11, 0.16, 0.2, 0.22, 0.38, 1, 1, 1};
-  CHECK(ignore_threshold({}, third_wrong, median) < 1);
+  CHECK(ignore_threshold(third_wrong, median) < 1);
   CHECK(median == 0.22);
-  CHECK(ignore_threshold({}, third_wrong, median) > 0.38);
+  CHECK(ignore_threshold(third_wrong, median) > 0.38);
   // If the median exceeds a half, no mask is an outlier.
-  CHECK(ignore_threshold({}, std::vector<double>{0.3, 0.5, 0.6, 0.8, 1}, median) > 1);
+  CHECK(ignore_threshold(std::vector<double>{0.3, 0.5, 0.6, 0.8, 1}, median) > 1);
 }
 
 TEST_CASE("views that do not see the object do not enter the median") {
@@ -87,13 +87,13 @@ TEST_CASE("views that do not see the object do not enter the median") {
   Problem in = c.input();
   for (int more = 0; more < 20; ++more) in.views.push_back(c.base->add_empty_view());
   Monitor monitor;
-  const MaskOutliers many = find_mask_outliers({}, monitor, {}, in);
+  const MaskOutliers many = find_mask_outliers({}, monitor, in);
   CHECK(many.ignored.empty());
   CHECK(many.figures.at("median_disagreement") == few.figures.at("median_disagreement"));
   for (std::size_t n = 0; n < in.views.size(); ++n) CHECK(many.disagreement[n] == (n < 6 ? few.disagreement[n] : 0));
 
   c.mirror(4);  // a wrong mask is still found
-  const MaskOutliers one = find_mask_outliers({}, monitor, {}, in);
+  const MaskOutliers one = find_mask_outliers({}, monitor, in);
   REQUIRE(one.ignored.size() == 1);
   CHECK(one.ignored[0] == 4);
 }
@@ -105,7 +105,7 @@ TEST_CASE("no mask is an outlier if fewer than four show the object, however man
   c.mirror(0);
   for (int more = 0; more < 5; ++more) in.views.push_back(c.base->add_empty_view());
   Monitor monitor;
-  CHECK(find_mask_outliers({}, monitor, {}, in).ignored.empty());
+  CHECK(find_mask_outliers({}, monitor, in).ignored.empty());
 }
 
 TEST_CASE("one wrong mask of four is an outlier, although three are too few for another round") {
@@ -114,7 +114,7 @@ TEST_CASE("one wrong mask of four is an outlier, although three are too few for 
   Problem in = c.input();
   in.views = {0, 1, 2, 3};
   Monitor monitor;
-  const MaskOutliers found = find_mask_outliers({}, monitor, {}, in);
+  const MaskOutliers found = find_mask_outliers({}, monitor, in);
   CHECK(found.ignored == std::vector<std::size_t>{2});
   CHECK(found.figures.at("rounds") == 1);
 }
@@ -129,20 +129,19 @@ TEST_CASE("with fewer than four masks none is an outlier") {
 TEST_CASE("with many masks only those that fail the pretest are tested, and the outliers are the same") {
   MaskOutlierCase c;
   Problem in = c.input();
-  CHECK(pretest_masks({}, {}, in).empty());  // six views are too few for a pretest
+  CHECK(pretest_masks({}, in).empty());  // six views are too few for a pretest
   in.views.clear();
   for (std::size_t n = 0; n < 36; ++n) in.views.push_back(n % 6);
   Monitor monitor;
-  const MaskOutliers agreed = find_mask_outliers({}, monitor, {}, in, pretest_masks({}, {}, in));
+  const MaskOutliers agreed = find_mask_outliers({}, monitor, in, pretest_masks({}, in));
   CHECK(agreed.ignored.empty());
   CHECK(agreed.figures.at("rounds") == 0);  // no view was tested
-  CHECK(agreed.figures.at("threshold") == find_mask_outliers({}, monitor, {}, in).figures.at("threshold"));
+  CHECK(agreed.figures.at("threshold") == find_mask_outliers({}, monitor, in).figures.at("threshold"));
 
   c.mirror(4);
-  const std::vector<double> first = pretest_masks({}, {}, in);
+  const std::vector<double> first = pretest_masks({}, in);
   REQUIRE(first.size() == 36);
-  const MaskOutliers all = find_mask_outliers({}, monitor, {}, in),
-                     some = find_mask_outliers({}, monitor, {}, in, first);
+  const MaskOutliers all = find_mask_outliers({}, monitor, in), some = find_mask_outliers({}, monitor, in, first);
   CHECK(all.ignored == std::vector<std::size_t>(6, 4));
   CHECK(some.ignored == all.ignored);
   int kept = 0;
@@ -153,7 +152,7 @@ TEST_CASE("with many masks only those that fail the pretest are tested, and the 
       kept += some.disagreement[n] == std::max(first[n], 0.0);
   }
   CHECK(kept == 30);
-  CHECK(pretest_masks({.threads = 3}, {}, in) == first);
+  CHECK(pretest_masks({.threads = 3}, in) == first);
 }
 
 TEST_CASE("a mask of an object that a floater occludes is no outlier") {

@@ -8,7 +8,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/scene/mask_threshold.h"
-#include "ngs/stages/live/look.h"
+#include "ngs/stages/live/viewpoint.h"
 #include "strokes/stroke_rule.h"
 
 namespace ngs {
@@ -37,8 +37,8 @@ struct Room {
     classify(cloud);
     for (int k = 0; k < 8; ++k) {
       const double turn = std::numbers::pi / 4 * k;
-      live::Look look{{3 * std::cos(turn), 3 * std::sin(turn), 1.1}, {0, 0, 0.3}, {0, 0, 1}, 40, 240, 180};
-      SceneView view{live::camera_of(look), {}, {}, Split::kTrain};
+      live::Viewpoint viewpoint{{3 * std::cos(turn), 3 * std::sin(turn), 1.1}, {0, 0, 0.3}, {0, 0, 1}, 40, 240, 180};
+      SceneView view{live::camera_of(viewpoint), {}, {}, Split::kTrain};
       view.camera.name = "v" + std::to_string(k) + ".png";
       scene.views.push_back(view);
     }

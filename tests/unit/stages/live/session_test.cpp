@@ -17,11 +17,11 @@ using test::labels_of, test::mark_two_views, test::plain_marks, test::Visit;
 TEST_CASE("strokes on two views select the ball and not the wall") {
   const Visit visit;
   live::Session session(visit.exec, visit.model());
-  const live::Look look = visit.look(0);
-  const live::StrokeAnswer answer = session.mark(1, look, {visit.on_ball(look), Visit::on_wall(look)});
+  const live::Viewpoint viewpoint = visit.viewpoint(0);
+  const live::StrokeAnswer answer = session.mark(1, viewpoint, {visit.on_ball(viewpoint), Visit::on_wall(viewpoint)});
   CHECK(answer.coverage > 0.01);
   CHECK(answer.coverage < 0.5);
-  const live::Look other = visit.look(3);
+  const live::Viewpoint other = visit.viewpoint(3);
   session.mark(1, other, {visit.on_ball(other), Visit::on_wall(other)});
   CHECK(visit.selected(labels_of(session), true) > 70);  // of 150: the far side is unseen
   CHECK(visit.selected(labels_of(session), false) < 8);
@@ -33,7 +33,7 @@ TEST_CASE("the labels are bit-identical to those of ngs-variance and flash over 
   const Visit visit;
   live::Session session(visit.exec, visit.model());
   mark_two_views(visit, session);
-  const live::Look again = visit.look(0);
+  const live::Viewpoint again = visit.viewpoint(0);
   session.mark(1, again, {{true, 3, {visit.ball(again)}}});  // a correction removes the view's first mask from the sums
   Scene scene;
   scene.objects = {SceneObject{}};
@@ -83,10 +83,10 @@ TEST_CASE("undo and redo restore marks and labels bit-identically") {
   const Visit visit;
   live::Session session(visit.exec, visit.model());
   CHECK_FALSE(session.undo());
-  const live::Look look = visit.look(0);
-  session.mark(1, look, {visit.on_ball(look), Visit::on_wall(look)});
+  const live::Viewpoint viewpoint = visit.viewpoint(0);
+  session.mark(1, viewpoint, {visit.on_ball(viewpoint), Visit::on_wall(viewpoint)});
   const std::vector<float> first = labels_of(session).label;
-  const live::Look other = visit.look(3);
+  const live::Viewpoint other = visit.viewpoint(3);
   session.mark(1, other, {visit.on_ball(other), Visit::on_wall(other)});
   const std::vector<float> second = labels_of(session).label;
   REQUIRE(first != second);
@@ -106,10 +106,10 @@ TEST_CASE("undo and redo restore marks and labels bit-identically") {
 TEST_CASE("background painted on a new view removes Gaussians that the other views selected") {
   const Visit visit;
   live::Session session(visit.exec, visit.model());
-  const live::Look look = visit.look(0);
-  session.mark(1, look, {visit.on_ball(look), Visit::on_wall(look)});
+  const live::Viewpoint viewpoint = visit.viewpoint(0);
+  session.mark(1, viewpoint, {visit.on_ball(viewpoint), Visit::on_wall(viewpoint)});
   const std::int64_t before = labels_of(session).count;
-  const live::Look other = visit.look(3);
+  const live::Viewpoint other = visit.viewpoint(3);
   const std::array<double, 2> middle = visit.ball(other);
   session.mark(1, other, {{false, 60, {middle}}});
   CHECK(labels_of(session).count < before / 2);
@@ -118,14 +118,14 @@ TEST_CASE("background painted on a new view removes Gaussians that the other vie
 TEST_CASE("objects are independent: each has its strokes, its labels and its name") {
   const Visit visit;
   live::Session session(visit.exec, visit.model());
-  const live::Look look = visit.look(0);
-  session.mark(1, look, {visit.on_ball(look), Visit::on_wall(look)});
+  const live::Viewpoint viewpoint = visit.viewpoint(0);
+  session.mark(1, viewpoint, {visit.on_ball(viewpoint), Visit::on_wall(viewpoint)});
   const std::vector<float> ball = labels_of(session).label;
   const int wall = session.add_object("wall");
   CHECK(session.marks()->active == wall);
-  PromptStroke wall_stroke = Visit::on_wall(look), ball_stroke = visit.on_ball(look);
+  PromptStroke wall_stroke = Visit::on_wall(viewpoint), ball_stroke = visit.on_ball(viewpoint);
   wall_stroke.object = true, ball_stroke.object = false;
-  session.mark(wall, look, {wall_stroke, ball_stroke});
+  session.mark(wall, viewpoint, {wall_stroke, ball_stroke});
   CHECK(labels_of(session, 0).label == ball);
   CHECK(labels_of(session, 1).label != ball);
   session.edit_object(wall, "the wall", "#00ff00");
@@ -133,7 +133,7 @@ TEST_CASE("objects are independent: each has its strokes, its labels and its nam
   CHECK((*session.shown())[1].colour == std::array<float, 3>{0, 1, 0});
   session.remove_object(1);
   CHECK(session.marks()->objects.size() == 1);
-  CHECK_THROWS_AS(session.mark(1, look, {ball_stroke}), Error);
+  CHECK_THROWS_AS(session.mark(1, viewpoint, {ball_stroke}), Error);
   CHECK(session.undo());
   CHECK(labels_of(session, 0).label == ball);
   while (session.marks()->objects.size() < live::kMaxObjects) session.add_object("");
@@ -147,8 +147,8 @@ TEST_CASE("a restored session continues as if it had not ended") {
   opened.restore(plain_marks(session));
   CHECK(labels_of(opened).label == labels_of(session).label);
   CHECK_FALSE(opened.undo());
-  const live::Look look = visit.look(1);
-  session.mark(1, look, {visit.on_ball(look)}), opened.mark(1, look, {visit.on_ball(look)});
+  const live::Viewpoint viewpoint = visit.viewpoint(1);
+  session.mark(1, viewpoint, {visit.on_ball(viewpoint)}), opened.mark(1, viewpoint, {visit.on_ball(viewpoint)});
   CHECK(opened.marks()->objects[0].views[2]->mask == session.marks()->objects[0].views[2]->mask);
   CHECK(labels_of(opened).label == labels_of(session).label);
 }
@@ -156,8 +156,8 @@ TEST_CASE("a restored session continues as if it had not ended") {
 TEST_CASE("cached views do not change results: each stroke has the same result in a new session") {
   const Visit visit;
   live::Session session(visit.exec, visit.model());
-  const auto point_right_of_ball = [&](const live::Look& look, double dx) {
-    const std::array<double, 2> middle = visit.ball(look);
+  const auto point_right_of_ball = [&](const live::Viewpoint& viewpoint, double dx) {
+    const std::array<double, 2> middle = visit.ball(viewpoint);
     return std::array<double, 2>{middle[0] + dx, middle[1]};
   };
   struct Step {
@@ -174,9 +174,9 @@ TEST_CASE("cached views do not change results: each stroke has the same result i
     CAPTURE(step.dx_px);
     live::Session fresh(visit.exec, visit.model());
     fresh.restore(plain_marks(session));
-    const live::Look look = visit.look(step.view);
-    const PromptStroke stroke{step.object, 3, {point_right_of_ball(look, step.dx_px)}};
-    session.mark(1, look, {stroke}), fresh.mark(1, look, {stroke});
+    const live::Viewpoint viewpoint = visit.viewpoint(step.view);
+    const PromptStroke stroke{step.object, 3, {point_right_of_ball(viewpoint, step.dx_px)}};
+    session.mark(1, viewpoint, {stroke}), fresh.mark(1, viewpoint, {stroke});
     const auto &views = session.marks()->objects[0].views, &wanted = fresh.marks()->objects[0].views;
     REQUIRE(views.size() == wanted.size());
     for (std::size_t v = 0; v < views.size(); ++v) CHECK(views[v]->mask == wanted[v]->mask);
@@ -192,12 +192,12 @@ TEST_CASE("cached views do not change results: each stroke has the same result i
 TEST_CASE("a frame drawn with the last-frame cache equals one drawn without, for other labels, layer or camera") {
   const Visit visit;
   live::Session session(visit.exec, visit.model());
-  live::LastFrame last;
+  live::CachedStill last;
   const auto check = [&](const live::FrameRequest& request) {
     CHECK(live::draw_frame(visit.exec, visit.model(), *session.shown(), request, &last).data ==
           live::draw_frame(visit.exec, visit.model(), *session.shown(), request).data);
   };
-  live::FrameRequest request{live::camera_of(visit.look(0)), live::Layer::kBoth, 0.5, 0, true};
+  live::FrameRequest request{live::camera_of(visit.viewpoint(0)), live::Layer::kBoth, 0.5, 0, true};
   check(request), check(request);
   mark_two_views(visit, session);
   check(request);
@@ -207,7 +207,7 @@ TEST_CASE("a frame drawn with the last-frame cache equals one drawn without, for
   }
   request.fade = 0.3;
   check(request);
-  request.camera = live::camera_of(visit.look(3));
+  request.camera = live::camera_of(visit.viewpoint(3));
   check(request);
   request.highlight = false;
   check(request);
@@ -217,13 +217,13 @@ TEST_CASE("a frame shows the selection, the object alone and the background alon
   const Visit visit;
   live::Session session(visit.exec, visit.model());
   mark_two_views(visit, session);
-  live::FrameRequest request{live::camera_of(visit.look(0)), live::Layer::kBoth, 0.5, 0, false};
+  live::FrameRequest request{live::camera_of(visit.viewpoint(0)), live::Layer::kBoth, 0.5, 0, false};
   const auto draw = [&] { return live::draw_frame(visit.exec, visit.model(), *session.shown(), request); };
   const ImageU8 plain = draw();
   CHECK(plain.data == session.picture(request.camera).data);
   request.highlight = true;
   const ImageU8 marked = draw();
-  const std::array<double, 2> middle = visit.ball(visit.look(0));
+  const std::array<double, 2> middle = visit.ball(visit.viewpoint(0));
   const int x = int(middle[0]), y = int(middle[1]);
   CHECK(std::abs(int(marked.at(x, y, 1)) - int(plain.at(x, y, 1))) > 10);
   CHECK(marked.at(4, 4, 0) == plain.at(4, 4, 0));
@@ -243,19 +243,19 @@ TEST_CASE("a frame shows the selection, the object alone and the background alon
 TEST_CASE("a correction changes only pixels connected to its strokes, towards their side") {
   const Visit visit;
   live::Session session(visit.exec, visit.model());
-  const live::Look look = visit.look(0);
+  const live::Viewpoint viewpoint = visit.viewpoint(0);
   const auto mask = [&] { return session.marks()->objects[0].views[0]->mask; };
-  session.mark(1, look, {visit.on_ball(look)});
+  session.mark(1, viewpoint, {visit.on_ball(viewpoint)});
   const PixelMask first = mask();
   // Colours alone would select otherwise: those under this stroke are the object's.
-  const std::array<double, 2> middle = visit.ball(look);
-  session.mark(1, look, {{false, 1.5, {{middle[0] + 9, middle[1]}}}});
+  const std::array<double, 2> middle = visit.ball(viewpoint);
+  session.mark(1, viewpoint, {{false, 1.5, {{middle[0] + 9, middle[1]}}}});
   const PixelMask less = mask();
   std::int64_t added = 0, removed = 0;
   for (std::size_t p = 0; p < first.size(); ++p) added += less[p] && !first[p], removed += first[p] && !less[p];
   CHECK(added == 0);
   CHECK(removed > 0);
-  session.mark(1, look, {{true, 4, {{150, 40}}}});
+  session.mark(1, viewpoint, {{true, 4, {{150, 40}}}});
   const PixelMask more = mask();
   removed = 0, added = 0;
   for (std::size_t p = 0; p < first.size(); ++p) added += more[p] && !less[p], removed += less[p] && !more[p];

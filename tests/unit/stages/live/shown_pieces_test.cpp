@@ -42,22 +42,22 @@ TEST_CASE("exported labels equal the shown ones if most Gaussians are unseen") {
   const live::ObjectLabels& shown = labels_of(session);
   CHECK(std::vector<float>(written.object.begin(), written.object.end()) == shown.label);
   CHECK(shown.count == std::count(written.object.begin(), written.object.end(), std::uint8_t(1)));
-  CHECK(shown.left_out == written.left_out);
+  CHECK(shown.removed == written.removed);
   CHECK(shown.count > 50);
 }
 
 TEST_CASE("a piece that no stroke touches is left out, and shown again with all_pieces") {
   Visit visit;
   live::Session session(visit.exec, visit.model());
-  const live::Look look = visit.look(0);
-  const std::array<double, 2> ball = visit.ball(look);
+  const live::Viewpoint viewpoint = visit.viewpoint(0);
+  const std::array<double, 2> ball = visit.ball(viewpoint);
   // No background stroke: colours alone decide which part of the wall is selected.
-  session.mark(1, look, {{true, 6, {ball}}});
+  session.mark(1, viewpoint, {{true, 6, {ball}}});
   const live::ObjectLabels touched = labels_of(session);
   session.show_all_pieces(true);
   const live::ObjectLabels all = labels_of(session);
-  CHECK(all.left_out == 0);
-  CHECK(all.count == touched.count + touched.left_out);
+  CHECK(all.removed == 0);
+  CHECK(all.count == touched.count + touched.removed);
   CHECK(session.marks()->all_pieces);
   CHECK(session.undo());
   CHECK(labels_of(session).label == touched.label);
@@ -66,7 +66,7 @@ TEST_CASE("a piece that no stroke touches is left out, and shown again with all_
 TEST_CASE("a stroke on empty pixels is an error and changes nothing") {
   Visit visit;
   live::Session session(visit.exec, visit.model());
-  live::Look away = visit.look(0);
+  live::Viewpoint away = visit.viewpoint(0);
   away.look_at = away.position - (away.look_at - away.position);
   CHECK_THROWS_AS(session.mark(1, away, {{true, 6, {{90, 70}}}}), Error);
   CHECK(session.marks()->objects[0].views.empty());

@@ -11,16 +11,16 @@
 
 namespace ngs::test {
 
-/// The look with the view of a camera of the tiny scene.
-inline live::Look look_of(const Camera& camera, int width_px) {
+/// The viewpoint with the view of a camera of the tiny scene.
+inline live::Viewpoint viewpoint_of(const Camera& camera, int width_px) {
   const Mat3<double>& r = camera.rotation;
-  live::Look look;
-  look.position = camera.centre();
-  look.look_at = look.position + Vec3<double>{r(2, 0), r(2, 1), r(2, 2)};
-  look.up = -1.0 * Vec3<double>{r(1, 0), r(1, 1), r(1, 2)};
-  look.fov_y_deg = 360 / std::numbers::pi * std::atan(0.5 * camera.height_px / camera.fy);
-  look.width_px = width_px, look.height_px = width_px * 3 / 4;
-  return look;
+  live::Viewpoint viewpoint;
+  viewpoint.position = camera.centre();
+  viewpoint.look_at = viewpoint.position + Vec3<double>{r(2, 0), r(2, 1), r(2, 2)};
+  viewpoint.up = -1.0 * Vec3<double>{r(1, 0), r(1, 1), r(1, 2)};
+  viewpoint.fov_y_deg = 360 / std::numbers::pi * std::atan(0.5 * camera.height_px / camera.fy);
+  viewpoint.width_px = width_px, viewpoint.height_px = width_px * 3 / 4;
+  return viewpoint;
 }
 
 /// The tiny scene, the ball's pixel in each view, and a session on it.
@@ -49,10 +49,10 @@ struct Visit {
     classify(cloud);
   }
   live::Model model() const { return {scene.cloud, splat, {0, 0, 0}}; }
-  live::Look look(std::size_t view) const { return look_of(scene.cameras[view], 192); }
+  live::Viewpoint viewpoint(std::size_t view) const { return viewpoint_of(scene.cameras[view], 192); }
 
   /// The pixel of the ball's centre.
-  std::array<double, 2> ball(const live::Look& look) const {
+  std::array<double, 2> ball(const live::Viewpoint& viewpoint) const {
     Vec3<double> sum{0, 0, 0};
     double count = 0;
     for (std::size_t i = 0; i < scene.is_object.size(); ++i)
@@ -60,12 +60,14 @@ struct Visit {
         const float* p = &scene.cloud.position[3 * i];
         sum = sum + Vec3<double>{double(p[0]), double(p[1]), double(p[2])}, ++count;
       }
-    const Camera camera = live::camera_of(look);
+    const Camera camera = live::camera_of(viewpoint);
     const Vec3<double> at = camera.rotation * ((1 / count) * sum) + camera.translation;
     return {camera.fx * at.x / at.z + camera.cx, camera.fy * at.y / at.z + camera.cy};
   }
-  PromptStroke on_ball(const live::Look& look) const { return {true, 6, {ball(look)}}; }
-  static PromptStroke on_wall(const live::Look& look) { return {false, 5, {{8, 8}, {double(look.width_px) - 8, 8}}}; }
+  PromptStroke on_ball(const live::Viewpoint& viewpoint) const { return {true, 6, {ball(viewpoint)}}; }
+  static PromptStroke on_wall(const live::Viewpoint& viewpoint) {
+    return {false, 5, {{8, 8}, {double(viewpoint.width_px) - 8, 8}}};
+  }
   /// Gaussians of the ball, or of the wall, that are selected.
   std::int64_t selected(const live::ObjectLabels& labels, bool of_ball) const {
     std::int64_t count = 0;
@@ -94,7 +96,8 @@ inline live::Marks plain_marks(const live::Session& session) {
     kept.objects.push_back({object.id, object.name, object.colour, object.next_view, {}});
     for (const auto& view : object.views) {
       live::MarkedView plain;
-      plain.name = view->name, plain.look = view->look, plain.strokes = view->strokes, plain.mask = view->mask;
+      plain.name = view->name, plain.viewpoint = view->viewpoint, plain.strokes = view->strokes,
+      plain.mask = view->mask;
       kept.objects.back().views.push_back(std::make_shared<const live::MarkedView>(plain));
     }
   }
@@ -103,8 +106,8 @@ inline live::Marks plain_marks(const live::Session& session) {
 
 inline void mark_two_views(const Visit& visit, live::Session& session) {
   for (const std::size_t view : {0u, 3u}) {
-    const live::Look look = visit.look(view);
-    session.mark(1, look, {visit.on_ball(look), Visit::on_wall(look)});
+    const live::Viewpoint viewpoint = visit.viewpoint(view);
+    session.mark(1, viewpoint, {visit.on_ball(viewpoint), Visit::on_wall(viewpoint)});
   }
 }
 

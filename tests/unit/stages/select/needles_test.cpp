@@ -90,7 +90,7 @@ TEST_CASE("needles are the same for any number of threads, and touched pieces do
   for (std::uint32_t i = 0; i < 20; ++i) stroke.add(i, &weight);
   const PieceSelection pieces = touched_pieces({}, statue.cloud, statue.object, std::vector{stroke});
   CHECK(pieces.needles == 1);
-  CHECK(pieces.left_out == 0);
+  CHECK(pieces.removed == 0);
   CHECK(pieces.object[statue.last()] == 0);
   CHECK(pieces.object[0] == 1);
 }

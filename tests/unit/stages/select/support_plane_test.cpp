@@ -54,7 +54,7 @@ TEST_CASE("the floor between both sides of a rug is left out, and neither side i
   Floor exact(0);
   REQUIRE(exact.count(true) > 400);
   REQUIRE(exact.count(false) == kRug + kPost);
-  leave_out_support(exact.cloud, kUp, exact.object);
+  remove_support(exact.cloud, kUp, exact.object);
   CHECK(exact.count(true) == 0);
   CHECK(exact.count(false) == kRug + kPost);
 }
@@ -62,7 +62,7 @@ TEST_CASE("the floor between both sides of a rug is left out, and neither side i
 TEST_CASE("a rug that is flatter and larger than the rest of the floor is not taken for the floor") {
   Floor wide(0, 1.7, 0.2);
   const std::int64_t rug = wide.count(false);
-  leave_out_support(wide.cloud, kUp, wide.object);
+  remove_support(wide.cloud, kUp, wide.object);
   CHECK(wide.count(true) == 0);
   CHECK(wide.count(false) == rug);
 }
@@ -70,7 +70,7 @@ TEST_CASE("a rug that is flatter and larger than the rest of the floor is not ta
 TEST_CASE("a floor that is rougher than the rug is thick takes the rug with it") {
   Floor rough(0.01);
   const std::int64_t under = rough.count(true);
-  leave_out_support(rough.cloud, kUp, rough.object);
+  remove_support(rough.cloud, kUp, rough.object);
   CHECK(double(rough.count(true)) < 0.02 * double(under));
   CHECK(rough.count(false) == kPost);
 }
@@ -78,11 +78,11 @@ TEST_CASE("a floor that is rougher than the rug is thick takes the rug with it")
 TEST_CASE("without a plane outside of the object nothing is left out") {
   Floor floor(0);
   std::fill(floor.object.begin(), floor.object.end(), std::uint8_t(1));
-  leave_out_support(floor.cloud, kUp, floor.object);
+  remove_support(floor.cloud, kUp, floor.object);
   CHECK(std::count(floor.object.begin(), floor.object.end(), 1) == floor.cloud.size());
   GaussianCloud none;
   std::vector<std::uint8_t> empty;
-  leave_out_support(none, kUp, empty);
+  remove_support(none, kUp, empty);
   CHECK(empty.empty());
 }
 

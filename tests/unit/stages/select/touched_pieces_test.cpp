@@ -49,7 +49,7 @@ TEST_CASE("a stroke keeps the piece that it touches and leaves the others out") 
   const PieceSelection pieces = touched_pieces({}, cloud, std::vector<std::uint8_t>(648, 1), strokes);
   CHECK(pieces.pieces == 3);
   CHECK(pieces.kept_pieces == 1);
-  CHECK(pieces.left_out == 432);
+  CHECK(pieces.removed == 432);
   CHECK(in_block(pieces, 0) == 0);
   CHECK(in_block(pieces, 1) == 216);
   CHECK(in_block(pieces, 2) == 0);
@@ -78,7 +78,7 @@ TEST_CASE("a piece that no stroke touches is kept if enough masks show it, and i
   CHECK(in_block(shown, 2) == 0);
   const PieceSelection rarely = touched_pieces({}, cloud, all, strokes, std::vector(kMinMasks - 1, mask));
   CHECK(in_block(rarely, 1) == 0);
-  CHECK(touched_pieces({}, cloud, all, {}, std::vector(kMinMasks, mask)).left_out == 0);
+  CHECK(touched_pieces({}, cloud, all, {}, std::vector(kMinMasks, mask)).removed == 0);
 }
 
 TEST_CASE("Gaussians visible through the object under a stroke are not touched") {
@@ -104,7 +104,7 @@ TEST_CASE("a large Gaussian that reaches a touched piece is kept, a small one at
     CHECK(pieces.object[i] == (scale > 0.1f));
     CHECK(in_block(pieces, 0) == 216);
     CHECK(in_block(pieces, 1) == 0);
-    CHECK(pieces.left_out == (scale > 0.1f ? 216 : 217));
+    CHECK(pieces.removed == (scale > 0.1f ? 216 : 217));
   }
 }
 
@@ -115,7 +115,7 @@ TEST_CASE("without a stroke on the selection all pieces are kept") {
   for (const std::vector<ViewSums>& strokes : {std::vector<ViewSums>{}, {on_rows(0, 20)}}) {
     const PieceSelection pieces = touched_pieces({}, cloud, member, strokes);
     CHECK(pieces.object == member);
-    CHECK(pieces.left_out == 0);
+    CHECK(pieces.removed == 0);
   }
   CHECK(touched_pieces({}, cloud, std::vector<std::uint8_t>(432), std::vector{on_rows(0, 2)}).pieces == 0);
 }

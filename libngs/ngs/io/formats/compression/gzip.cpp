@@ -71,16 +71,16 @@ void GunzipReader::read(std::span<std::uint8_t> bytes) {
   }
 }
 
-std::vector<std::uint8_t> GunzipReader::read_all(std::size_t most_bytes) {
+std::vector<std::uint8_t> GunzipReader::read_all(std::size_t max_bytes) {
   std::vector<std::uint8_t> bytes(std::size_t(1) << 20);
   for (std::size_t done = 0; !state_->ended;) {
     if (done == bytes.size()) bytes.resize(2 * done);
     const int status = inflate_some(bytes, done);
     state_->ended = status == Z_STREAM_END;
     if (!state_->ended && status != Z_OK) refuse(status, 1);
-    if (done > most_bytes)
+    if (done > max_bytes)
       throw Error(ErrorCode::kBadInput,
-                  name_ + ": unpacks to more than " + std::to_string(most_bytes) + " bytes, expected at most that many",
+                  name_ + ": unpacks to more than " + std::to_string(max_bytes) + " bytes, expected at most that many",
                   "the file is damaged or hostile: copy or export it again");
     if (state_->ended) bytes.resize(done);
   }

@@ -19,8 +19,8 @@ class GunzipReader {
 
   /// The next bytes.size() bytes. kBadInput if the stream ends earlier or is not gzip.
   void read(std::span<std::uint8_t> bytes);
-  /// All remaining bytes; verifies the checksum. kBadInput for more than `most_bytes`, and as read().
-  std::vector<std::uint8_t> read_all(std::size_t most_bytes);
+  /// All remaining bytes; verifies the checksum. kBadInput for more than `max_bytes`, and as read().
+  std::vector<std::uint8_t> read_all(std::size_t max_bytes);
   /// Skips at most 1 MiB of trailing data and verifies the checksum. kBadInput if it is wrong.
   void finish();
 

@@ -102,16 +102,16 @@ std::vector<std::string> ZipReader::names() const {
   return names;
 }
 
-std::vector<std::uint8_t> ZipReader::read(const std::string& entry, std::size_t most_bytes) const {
+std::vector<std::uint8_t> ZipReader::read(const std::string& entry, std::size_t max_bytes) const {
   const unzFile archive = impl_->archive;
   for (int status = unzGoToFirstFile(archive); status == UNZ_OK; status = unzGoToNextFile(archive)) {
     unz_file_info64 info;
     const std::string path = current_entry(archive, info);
     if (path.empty()) break;
     if (path != entry && !path.ends_with("/" + entry)) continue;
-    if (info.uncompressed_size > most_bytes)
+    if (info.uncompressed_size > max_bytes)
       fail("'" + entry + "' of " + std::to_string(info.uncompressed_size) + " bytes, expected at most " +
-           std::to_string(most_bytes));
+           std::to_string(max_bytes));
     std::vector<std::uint8_t> bytes(info.uncompressed_size);
     bool whole = unzOpenCurrentFile(archive) == UNZ_OK;
     for (std::size_t done = 0; whole && done < bytes.size();) {

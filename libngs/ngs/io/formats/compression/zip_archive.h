@@ -26,10 +26,10 @@ class ZipReader {
   /// Names of the entries that are not folders, in archive order.
   std::vector<std::string> names() const;
 
-  /// kBadInput if there is no such entry, if it is damaged, or if it is longer than `most_bytes` (checked before it is
+  /// kBadInput if there is no such entry, if it is damaged, or if it is longer than `max_bytes` (checked before it is
   /// read). Matches `entry` at the end of the path, so
   /// archives of a folder work too.
-  std::vector<std::uint8_t> read(const std::string& entry, std::size_t most_bytes) const;
+  std::vector<std::uint8_t> read(const std::string& entry, std::size_t max_bytes) const;
 
  private:
   [[noreturn]] void fail(const std::string& message) const;

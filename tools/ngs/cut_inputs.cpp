@@ -1,16 +1,16 @@
-#include "cut_source.h"
+#include "cut_inputs.h"
 
 #include <filesystem>
 
 #include "ngs/core/error.h"
+#include "ngs/core/folded_name.h"
 #include "ngs/io/capture/capture_source.h"
-#include "ngs/io/files/folder_index.h"
 #include "ngs/io/files/json_file.h"
 #include "ngs/io/files/shell_word.h"
 #include "ngs/io/formats/compression/packed_model.h"
 #include "ngs/io/scene/find_model.h"
 
-namespace ngs::front {
+namespace ngs::ngs_tool {
 
 namespace fs = std::filesystem;
 
@@ -23,7 +23,7 @@ SourceKind kind_of(const std::string& path) {
   std::error_code unreadable;
   if (!fs::exists(path, unreadable))
     throw Error(ErrorCode::kBadInput, path + ": no such file or folder, expected a splat, a capture or a scene.json");
-  const std::string extension = io::lower_case(fs::path(path).extension().string());
+  const std::string extension = lower_case(fs::path(path).extension().string());
   if (fs::is_directory(path, unreadable) || extension == ".npy") return SourceKind::kCapture;
   if (extension != ".json") return SourceKind::kSplat;
   const nlohmann::json root = io::read_json_file(path);
@@ -42,4 +42,4 @@ void require_model_in(const std::string& path) {
                   " -o scene.json, then ngs-fit scene.json -o model.ply");
 }
 
-}  // namespace ngs::front
+}  // namespace ngs::ngs_tool

@@ -1,4 +1,4 @@
-#include "ngs/stages/scene/straighten.h"
+#include "ngs/stages/scene/undistort.h"
 
 #include <doctest/doctest.h>
 
@@ -65,21 +65,21 @@ std::vector<std::uint16_t> photograph(const Camera& camera, const Lens& lens) {
 double largest_error(const Camera& camera, const Lens& lens, int shrink) {
   const Camera small = resized(camera, camera.width_px / shrink, camera.height_px / shrink);
   const std::vector<std::uint16_t> photo = photograph(small, lens);
-  const Camera straight = straight_camera({camera, lens});
-  const std::vector<std::uint16_t> got = straightened({.threads = 3}, {small.width_px, small.height_px, 1, 16, photo},
-                                                      {camera, lens}, straight, Resampling::kBilinear);
+  const Camera pinhole = undistorted_camera({camera, lens});
+  const std::vector<std::uint16_t> got = undistorted({.threads = 3}, {small.width_px, small.height_px, 1, 16, photo},
+                                                     {camera, lens}, pinhole, Resampling::kBilinear);
   double error = 0;
-  for (int y = 0; y < straight.height_px; ++y)
-    for (int x = 0; x < straight.width_px; ++x)
-      error = std::max(
-          error, std::abs(got[std::size_t(y) * std::size_t(straight.width_px) + std::size_t(x)] -
-                          pattern({(x + 0.5 - straight.cx) / straight.fx, (y + 0.5 - straight.cy) / straight.fy})));
+  for (int y = 0; y < pinhole.height_px; ++y)
+    for (int x = 0; x < pinhole.width_px; ++x)
+      error = std::max(error,
+                       std::abs(got[std::size_t(y) * std::size_t(pinhole.width_px) + std::size_t(x)] -
+                                pattern({(x + 0.5 - pinhole.cx) / pinhole.fx, (y + 0.5 - pinhole.cy) / pinhole.fy})));
   return error;
 }
 
 }  // namespace
 
-TEST_CASE("straightened: the pinhole image shows the lens photo's values in the same directions") {
+TEST_CASE("undistorted: the pinhole image shows the lens photo's values in the same directions") {
   // Error of linear interpolation: h²/8 of each second derivative, 10,000 · (9² + 11²) at 1 px = 1/100,
   // times the square of the largest magnification of the lens (1.7), and 1.5 for two roundings; at the border, where
   // half a pixel of the photo is missing, one first derivative of half a pixel: 10,000 · 11 / 200 more.
@@ -91,20 +91,20 @@ TEST_CASE("straightened: the pinhole image shows the lens photo's values in the 
   // Without undistortion the error would be most of the range.
   const Camera camera = photo_camera();
   CHECK(std::abs(pattern({0.7, 0.5}) - pattern(distort(barrel(), {0.7, 0.5}))) > 2000);
-  CHECK(camera.fx == straight_camera({camera, barrel()}).fx);
+  CHECK(camera.fx == undistorted_camera({camera, barrel()}).fx);
 }
 
-TEST_CASE("straight camera: the largest rectangle around the principal point that lies within the photo") {
+TEST_CASE("pinhole camera: the largest rectangle around the principal point that lies within the photo") {
   const Camera camera = photo_camera();
   for (const Lens& lens : {barrel(), pincushion(), fisheye()}) {
-    const Camera straight = straight_camera({camera, lens});
+    const Camera pinhole = undistorted_camera({camera, lens});
     double most = -1e9, out = -1e9;  // px beyond the photo: of this rectangle, and of one 3 % larger
     for (int i = 0; i <= 200; ++i)
       for (const double grown : {1.0, 1.03}) {
-        const double w = straight.width_px, h = straight.height_px, t = i / 200.0;
+        const double w = pinhole.width_px, h = pinhole.height_px, t = i / 200.0;
         for (const Vec2<double> px : {Vec2<double>{t * w, 0}, {t * w, h}, {0, t * h}, {w, t * h}}) {
           const Vec2<double> at =
-              distort(lens, {grown * (px.x - straight.cx) / straight.fx, grown * (px.y - straight.cy) / straight.fy});
+              distort(lens, {grown * (px.x - pinhole.cx) / pinhole.fx, grown * (px.y - pinhole.cy) / pinhole.fy});
           const double x = at.x * camera.fx + camera.cx, y = at.y * camera.fy + camera.cy;
           double& beyond = grown > 1 ? out : most;
           beyond = std::max({beyond, -x, -y, x - camera.width_px, y - camera.height_px});
@@ -112,37 +112,37 @@ TEST_CASE("straight camera: the largest rectangle around the principal point tha
       }
     CHECK(most < 0.01);
     CHECK(out > 0.1);
-    CHECK(straight.width_px / double(straight.height_px) == doctest::Approx(160 / 120.0).epsilon(0.02));
+    CHECK(pinhole.width_px / double(pinhole.height_px) == doctest::Approx(160 / 120.0).epsilon(0.02));
   }
-  const Camera same = straight_camera({camera, Lens{}});
+  const Camera same = undistorted_camera({camera, Lens{}});
   CHECK(same.width_px == 160);
   CHECK(same.cx == doctest::Approx(77.5));
 }
 
-TEST_CASE("straight camera: a lens that folds the image is used up to the fold, or is an error") {
+TEST_CASE("pinhole camera: a lens that folds the image is used up to the fold, or is an error") {
   Lens folds;
   folds.radial = {-1, 0, 0, 0};  // r (1 - r²) turns back at r = 0.577
-  const Camera straight = straight_camera({photo_camera(), folds});
-  const double corner = std::hypot(std::max(straight.cx, straight.width_px - straight.cx) / straight.fx,
-                                   std::max(straight.cy, straight.height_px - straight.cy) / straight.fy);
+  const Camera pinhole = undistorted_camera({photo_camera(), folds});
+  const double corner = std::hypot(std::max(pinhole.cx, pinhole.width_px - pinhole.cx) / pinhole.fx,
+                                   std::max(pinhole.cy, pinhole.height_px - pinhole.cy) / pinhole.fy);
   CHECK(corner < 0.578);
   CHECK(corner > 0.55);
   Lens wild;
   wild.radial = {-1e9, 0, 0, 0};
   const LensCamera is_wild{photo_camera(), wild};
-  CHECK_THROWS_AS(straight_camera(is_wild), Error);
+  CHECK_THROWS_AS(undistorted_camera(is_wild), Error);
   Camera off_centre = photo_camera();
   off_centre.cx = -20;
   const LensCamera looks_aside{off_centre, barrel()};
-  CHECK_THROWS_AS(straight_camera(looks_aside), Error);
+  CHECK_THROWS_AS(undistorted_camera(looks_aside), Error);
 }
 
-TEST_CASE("straightened: ids are not mixed") {
+TEST_CASE("undistorted: ids are not mixed") {
   const Camera camera = photo_camera();
   std::vector<std::uint16_t> ids(160 * 120);
   for (std::size_t i = 0; i < ids.size(); ++i) ids[i] = (i % 160 / 8 + i / 160 / 8) % 2 ? 7 : 300;
-  const std::vector<std::uint16_t> got = straightened({}, {160, 120, 1, 16, ids}, {camera, barrel()},
-                                                      straight_camera({camera, barrel()}), Resampling::kNearest);
+  const std::vector<std::uint16_t> got = undistorted({}, {160, 120, 1, 16, ids}, {camera, barrel()},
+                                                     undistorted_camera({camera, barrel()}), Resampling::kNearest);
   CHECK(std::ranges::count(got, 7) + std::ranges::count(got, 300) == std::ssize(got));
   CHECK(std::ranges::count(got, 7) > 1000);
 }

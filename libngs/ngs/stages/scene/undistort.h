@@ -19,12 +19,12 @@ struct LensCamera {
 /// The undistorted pinhole camera with the same pose and focal lengths whose image lies entirely within the photo: the
 /// largest rectangle of the photo's proportions around the principal point, at most twice as wide and high as the
 /// photo. Throws kBadInput if there is none, for example if the lens maps two directions near its axis to one pixel.
-Camera straight_camera(const LensCamera& distorted);
+Camera undistorted_camera(const LensCamera& distorted);
 
 enum class Resampling : std::uint8_t { kBilinear, kNearest };
 
 /// [H, W, C] samples of camera `to` from a photo of the lens, which may have another size than its camera.
-std::vector<std::uint16_t> straightened(const Exec& exec, const MaskSamples& photo, const LensCamera& distorted,
-                                        const Camera& to, Resampling resampling);
+std::vector<std::uint16_t> undistorted(const Exec& exec, const MaskSamples& photo, const LensCamera& distorted,
+                                       const Camera& to, Resampling resampling);
 
 }  // namespace ngs

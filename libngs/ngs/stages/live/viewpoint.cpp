@@ -1,4 +1,4 @@
-#include "ngs/stages/live/look.h"
+#include "ngs/stages/live/viewpoint.h"
 
 #include <algorithm>
 #include <cmath>
@@ -66,29 +66,29 @@ double detail_of(const ImageF& image) {
 
 }  // namespace
 
-bool operator==(const Look& a, const Look& b) {
+bool operator==(const Viewpoint& a, const Viewpoint& b) {
   const auto equal = [](Vec u, Vec v) { return u.x == v.x && u.y == v.y && u.z == v.z; };
   return equal(a.position, b.position) && equal(a.look_at, b.look_at) && equal(a.up, b.up) &&
          a.fov_y_deg == b.fov_y_deg && a.width_px == b.width_px && a.height_px == b.height_px;
 }
 
-Camera camera_of(const Look& look) {
-  const Vec line = look.look_at - look.position;
+Camera camera_of(const Viewpoint& viewpoint) {
+  const Vec line = viewpoint.look_at - viewpoint.position;
   if (!(length(line) > 0)) throw Error(ErrorCode::kUsage, "camera: position and look_at are one point, expected two");
   const Vec forward = unit(line);
-  Vec right = cross(forward, unit(look.up));
+  Vec right = cross(forward, unit(viewpoint.up));
   right = length(right) > 1e-6 ? unit(right) : orbit::perpendicular(forward);
   const Vec down = cross(forward, right);
   Camera camera;
-  camera.width_px = look.width_px, camera.height_px = look.height_px;
-  camera.fx = camera.fy = 0.5 * look.height_px / std::tan(0.5 * look.fov_y_deg * std::numbers::pi / 180);
-  camera.cx = 0.5 * look.width_px, camera.cy = 0.5 * look.height_px;
+  camera.width_px = viewpoint.width_px, camera.height_px = viewpoint.height_px;
+  camera.fx = camera.fy = 0.5 * viewpoint.height_px / std::tan(0.5 * viewpoint.fov_y_deg * std::numbers::pi / 180);
+  camera.cx = 0.5 * viewpoint.width_px, camera.cy = 0.5 * viewpoint.height_px;
   camera.rotation = {{right.x, right.y, right.z, down.x, down.y, down.z, forward.x, forward.y, forward.z}};
-  camera.translation = -1.0 * (camera.rotation * look.position);
+  camera.translation = -1.0 * (camera.rotation * viewpoint.position);
   return camera;
 }
 
-FirstLook first_look(const Exec& exec, const GaussianCloud& cloud) {
+InitialViewpoint initial_viewpoint(const Exec& exec, const GaussianCloud& cloud) {
   const orbit::SurfacePoints points = orbit::surface_points(cloud);
   if (points.count() == 0)
     throw Error(ErrorCode::kNothingFound,
@@ -101,16 +101,18 @@ FirstLook first_look(const Exec& exec, const GaussianCloud& cloud) {
   const orbit::FreeSpace space(cloud, points, frame, {1.1 * ball.radius, kCells});
   const orbit::RoomFinding room = orbit::find_room(exec, space, ball.radius);
   const double nearest = room.is_room() ? ball.radius : 1.2 * ball.radius;
-  FirstLook first{ball.centre + origin, ball.radius, up, {}, world_unit_for(nearest, near_plane(Compat::kInria))};
+  InitialViewpoint first{
+      ball.centre + origin, ball.radius, up, {}, world_unit_for(nearest, near_plane(Compat::kInria))};
   SplatOptions splat{.antialiased = cloud.antialiased, .max_sh_degree = 0, .world_unit = first.world_unit};
   splat = prepared_for(exec, splat, cloud);
-  double most = -1;
+  double max_detail = -1;
   for (const orbit::Pose& pose : room.is_room() ? within(room, ball.radius) : outside(ball.radius)) {
-    Look look{frame.to_world(pose.centre) + origin, frame.to_world(pose.target) + origin, up, kFov_deg, 160, 120};
-    const double detail = detail_of(render(exec, cloud, camera_of(look), splat, {}).colour);
-    if (detail > most) most = detail, first.look = look;
+    Viewpoint viewpoint{
+        frame.to_world(pose.centre) + origin, frame.to_world(pose.target) + origin, up, kFov_deg, 160, 120};
+    const double detail = detail_of(render(exec, cloud, camera_of(viewpoint), splat, {}).colour);
+    if (detail > max_detail) max_detail = detail, first.viewpoint = viewpoint;
   }
-  first.look.width_px = Look().width_px, first.look.height_px = Look().height_px;
+  first.viewpoint.width_px = Viewpoint().width_px, first.viewpoint.height_px = Viewpoint().height_px;
   return first;
 }
 

@@ -1,4 +1,4 @@
-#include "ngs/stages/scene/straighten.h"
+#include "ngs/stages/scene/undistort.h"
 
 #include <algorithm>
 #include <cmath>
@@ -61,7 +61,7 @@ double largest_scale(const Camera& camera, const Lens& lens) {
 
 }  // namespace
 
-Camera straight_camera(const LensCamera& distorted) {
+Camera undistorted_camera(const LensCamera& distorted) {
   const auto& [camera, lens] = distorted;
   const double scale = largest_scale(camera, lens), width = scale * camera.width_px, height = scale * camera.height_px;
   if (width < 1 || height < 1)
@@ -70,15 +70,15 @@ Camera straight_camera(const LensCamera& distorted) {
                     ": the lens allows no undistorted image, expected one that keeps the order of"
                     " directions and a principal point in the photo",
                 "check its distortion parameters");
-  Camera straight = camera;
-  straight.width_px = int(width), straight.height_px = int(height);
-  straight.cx = scale * camera.cx - (width - straight.width_px) / 2;
-  straight.cy = scale * camera.cy - (height - straight.height_px) / 2;
-  return straight;
+  Camera pinhole = camera;
+  pinhole.width_px = int(width), pinhole.height_px = int(height);
+  pinhole.cx = scale * camera.cx - (width - pinhole.width_px) / 2;
+  pinhole.cy = scale * camera.cy - (height - pinhole.height_px) / 2;
+  return pinhole;
 }
 
-std::vector<std::uint16_t> straightened(const Exec& exec, const MaskSamples& photo, const LensCamera& distorted,
-                                        const Camera& to, Resampling resampling) {
+std::vector<std::uint16_t> undistorted(const Exec& exec, const MaskSamples& photo, const LensCamera& distorted,
+                                       const Camera& to, Resampling resampling) {
   const Camera from = resized(distorted.camera, photo.width_px, photo.height_px);
   const auto channels = std::size_t(photo.channels), row = std::size_t(to.width_px) * channels;
   const auto sample = [&](Vec2<double> at, std::size_t channel) {

@@ -1,0 +1,15 @@
+#pragma once
+// Numbers in texts.
+#include <cstdio>
+#include <string>
+
+namespace ngs {
+
+/// `value` by a pattern of printf for one double, "%.4g"; at most 63 characters.
+inline std::string formatted(const char* pattern, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, pattern, value);
+  return text;
+}
+
+}  // namespace ngs
