@@ -54,7 +54,6 @@ int main(int argc, char** argv) {
                  {"ngs-extract labelled.ply --object-ply object.ply --background-ply background.ply",
                   "ngs-extract statue.spz --drop-below-plane auto --largest 1 --object-ply object.ply",
                   "ngs-extract labelled.ply --supersplat edit_me.ply",
-                  "ngs-extract labelled.ply --scene scene.json --inpaint inpaint/",
                   "ngs-extract labelled.ply --import edited.ply --labelled corrected.ply --object-ply object.ply"});
   Options options;
   options.declare(tool);
@@ -63,7 +62,7 @@ int main(int argc, char** argv) {
   const cli::Input& edited =
       tool.optional_input("--import", "hand-edited splat whose rows (or selected rows) are the object");
   const cli::Input& scene_json =
-      tool.optional_input("--scene", "scene.json, for --inpaint, --inpainted, --finish, --strokes, unseen surface");
+      tool.optional_input("--scene", "scene.json; --inpaint, --inpainted, --finish and --strokes need it");
   const cli::Input& inpainted =
       tool.optional_input("--inpainted", "folder of images/ of --inpaint, inpainted: fill the hole from them");
   const cli::Inputs& strokes = tool.inputs("--strokes",
