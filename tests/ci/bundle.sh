@@ -96,7 +96,7 @@ test_wheel() {
   check "wheel: ngs cut" alone ngs cut scene --quality draft -o cut
   check "wheel: import ngs" alone python3 -B -c 'if True:
     import ngs
-    report = ngs.run("extract", "cut/labelled.ply", object="again.ply")
+    report = ngs.run("extract", "cut/labelled.ply", object_ply="again.ply")
     assert report["tool"] == "ngs-extract", report
     assert ngs.read_ply("again.ply")["x"] == ngs.read_ply("cut/object.ply")["x"]'
   check "wheel: pip uninstalls it" alone pip uninstall -y --disable-pip-version-check ngs-tools
