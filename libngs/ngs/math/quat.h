@@ -53,23 +53,30 @@ inline Mat3<double> axes_of_quaternion(const float* q) {
   return rotation_matrix(normalised(Vec4<double>{double(q[0]), double(q[1]), double(q[2]), double(q[3])}, inv_norm));
 }
 
-/// w x y z of the rotation whose matrix has these columns (Shepperd's method).
-inline std::array<float, 4> quaternion_of_axes(Vec3<double> x, Vec3<double> y, Vec3<double> z) {
-  const std::array<double, 4> squared{1 + x.x + y.y + z.z, 1 + x.x - y.y - z.z, 1 - x.x + y.y - z.z,
-                                      1 - x.x - y.y + z.z};
+/// The unit quaternion of a rotation matrix, by its largest component (Shepperd's method).
+inline Vec4<double> quaternion_of(const Mat3<double>& r) {
+  const std::array<double, 4> squared{1 + r(0, 0) + r(1, 1) + r(2, 2), 1 + r(0, 0) - r(1, 1) - r(2, 2),
+                                      1 - r(0, 0) + r(1, 1) - r(2, 2), 1 - r(0, 0) - r(1, 1) + r(2, 2)};
   const auto largest = std::size_t(std::max_element(squared.begin(), squared.end()) - squared.begin());
+  const double x = r(2, 1) - r(1, 2), y = r(0, 2) - r(2, 0), z = r(1, 0) - r(0, 1);
+  const double xy = r(1, 0) + r(0, 1), xz = r(2, 0) + r(0, 2), yz = r(2, 1) + r(1, 2);
   std::array<double, 4> q{};
   switch (largest) {
-    case 0: q = {squared[0], y.z - z.y, z.x - x.z, x.y - y.x}; break;
-    case 1: q = {y.z - z.y, squared[1], x.y + y.x, z.x + x.z}; break;
-    case 2: q = {z.x - x.z, x.y + y.x, squared[2], y.z + z.y}; break;
-    default: q = {x.y - y.x, z.x + x.z, y.z + z.y, squared[3]}; break;
+    case 0: q = {squared[0], x, y, z}; break;
+    case 1: q = {x, squared[1], xy, xz}; break;
+    case 2: q = {y, xy, squared[2], yz}; break;
+    default: q = {z, xz, yz, squared[3]}; break;
   }
   double norm = 0;
   for (const double c : q) norm += c * c;
-  std::array<float, 4> out;
-  for (std::size_t k = 0; k < 4; ++k) out[k] = float(q[k] / std::sqrt(norm));
-  return out;
+  for (double& c : q) c /= std::sqrt(norm);
+  return {q[0], q[1], q[2], q[3]};
+}
+
+/// The same as stored in a model.
+inline std::array<float, 4> stored_quaternion(const Mat3<double>& rotation) {
+  const Vec4<double> q = quaternion_of(rotation);
+  return {float(q.x), float(q.y), float(q.z), float(q.w)};
 }
 
 /// ∂L/∂(unit quaternion) from ∂L/∂(rotation matrix).

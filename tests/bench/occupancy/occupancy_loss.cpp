@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "ngs/core/rng.h"
+#include "ngs/math/median.h"
 #include "ngs/math/quat.h"
 #include "ngs/math/stable.h"
 
@@ -94,8 +96,7 @@ Voxels::Voxels(const std::vector<float>& points, int k, std::uint64_t seed) {
     const auto at = std::min(count - 1, std::size_t(rng_uniform(seed, RngStream::kTest, n) * double(count)));
     distance.push_back(distance_of_kth(points, 3 * at, std::size_t(k)));
   }
-  std::ranges::nth_element(distance, distance.begin() + std::ptrdiff_t(distance.size() / 2));
-  side_ = std::cbrt(4.0 / 3 * 3.14159265358979) * distance[distance.size() / 2];
+  side_ = std::cbrt(4.0 / 3 * std::numbers::pi) * upper_median(std::move(distance));
   if (!(side_ > 0)) return;
   grid_ = CellGrid({0, 0, 0}, side_);
   std::unordered_set<std::uint64_t> occupied;

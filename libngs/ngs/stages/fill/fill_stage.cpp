@@ -66,7 +66,10 @@ std::int64_t lay(const FillSurface& surface, const HoleCells& cells, const Textu
     const Vec p = surface.point(at.x, at.y, -kBelow * cells.side);
     const std::array<Vec, 3> axes = axes_at(surface, at, cells.side);
     for (const double x : {p.x, p.y, p.z}) filled.position.push_back(float(x));
-    for (const float q : quaternion_of_axes(axes[0], axes[1], axes[2])) filled.rotation.push_back(q);
+    const auto& [x_axis, y_axis, z_axis] = axes;
+    for (const float q : stored_quaternion(
+             {{x_axis.x, y_axis.x, z_axis.x, x_axis.y, y_axis.y, z_axis.y, x_axis.z, y_axis.z, z_axis.z}}))
+      filled.rotation.push_back(q);
     for (const double size : {kWidth, kWidth, kThickness})
       filled.log_scale.push_back(float(std::log(size * cells.side)));
     filled.logit_opacity.push_back(kLogitOpacity), filled.usable.push_back(1);

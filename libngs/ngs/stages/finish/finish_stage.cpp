@@ -6,6 +6,7 @@
 #include "ngs/backend/for_each.h"
 #include "ngs/core/check.h"
 #include "ngs/math/quat.h"
+#include "ngs/math/row_numbers.h"
 #include "ngs/math/stable.h"
 #include "ngs/problem/cloud_rows.h"
 #include "ngs/stages/fill/fill_surface.h"
@@ -145,8 +146,7 @@ Clip clip_row(const Evidence& known, std::size_t of_object, std::size_t i, Gauss
     if (shape.sigma[a] != before.sigma[a]) cloud.log_scale[3 * i + a] = float(std::log(shape.sigma[a]));
   }
   if (std::ranges::equal(shape.axes.m, before.axes.m)) return found;
-  const auto axis = [&](int a) { return Vec3<double>{shape.axes(0, a), shape.axes(1, a), shape.axes(2, a)}; };
-  std::ranges::copy(quaternion_of_axes(axis(0), axis(1), axis(2)), &cloud.rotation[4 * i]);
+  std::ranges::copy(stored_quaternion(shape.axes), &cloud.rotation[4 * i]);
   return found;
 }
 
@@ -167,9 +167,7 @@ Finished finish_object(const Exec& exec, const FinishModel& model, const std::ve
                        std::uint64_t seed) {
   NGS_CHECK(std::int64_t(model.object.size()) == model.cloud.size(), "one entry per Gaussian");
   Finished out{model.cloud, model.object};
-  std::vector<std::int64_t> rows;
-  for (std::size_t i = 0; i < model.object.size(); ++i)
-    if (model.object[i]) rows.push_back(std::int64_t(i));
+  const std::vector<std::int64_t> rows = RowNumbers(model.object).row;
   const GaussianCloud object = gather_rows(exec, model.cloud, rows);
   const orbit::SurfacePoints points = orbit::surface_points(object);
   if (points.count() == 0 || views.empty()) return out;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "ngs/math/row_numbers.h"
 #include "ngs/math/world_unit.h"
 #include "ngs/ops/field/knn.h"
 #include "ngs/problem/cloud_rows.h"
@@ -47,9 +48,7 @@ SeenHull::SeenHull(const Exec& exec, const GaussianCloud& object, const std::vec
                    const orbit::Ball& ball)
     : seen_(seen), surplus_(surplus_rows(exec, object, seen)), ball_(ball) {
   if (std::ranges::find(surplus_, std::uint8_t(1)) == surplus_.end()) return;
-  std::vector<std::int64_t> rows;
-  for (std::size_t i = 0; i < seen.size(); ++i)
-    if (seen[i]) rows.push_back(std::int64_t(i));
+  const std::vector<std::int64_t> rows = RowNumbers(seen).row;
   const GaussianCloud core = gather_rows(exec, object, rows);
   const std::vector<std::uint8_t> all(rows.size(), 1);
   SplatOptions splat;

@@ -19,8 +19,8 @@ class SeenHull {
            const orbit::Ball& ball);
 
   bool is_hidden(std::size_t i) const { return !seen_[i]; }
-  /// Whether the Gaussian is hidden although views see at least half of the 16 nearest ones: the surface is known
-  /// there. Where they do not either, it may be the unseen side of the object.
+  /// Whether the Gaussian is hidden although views see at least four fifths of the 16 nearest ones: the surface is
+  /// known there. Where they do not either, it may be the unseen side of the object.
   bool is_surplus(std::size_t i) const { return surplus_[i] != 0; }
   /// False if at least two of the directions, and a twentieth, show the point outside of the seen Gaussians. True
   /// without surplus Gaussians, and farther from the ball's centre than twice its radius.

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "ngs/core/check.h"
 #include "ngs/math/median.h"
+#include "ngs/math/quat.h"
 #include "ngs/math/world_unit.h"
 #include "ngs/ops/splat/splat_options.h"
 
@@ -109,35 +111,9 @@ double model_world_unit(const GaussianCloud& cloud, std::span<const Camera> came
 
 namespace {
 
-struct Quaternion {
-  double w, x, y, z;
-};
-
-/// The quaternion of a rotation, by its largest component.
-Quaternion quaternion_of(const Mat3<double>& r) {
-  const double four[4] = {1 + r(0, 0) + r(1, 1) + r(2, 2), 1 + r(0, 0) - r(1, 1) - r(2, 2),
-                          1 - r(0, 0) + r(1, 1) - r(2, 2), 1 - r(0, 0) - r(1, 1) + r(2, 2)};
-  const auto largest = std::max_element(four, four + 4) - four;
-  const double s = 2 * std::sqrt(four[largest]);
-  const double a = (r(2, 1) - r(1, 2)) / s, b = (r(0, 2) - r(2, 0)) / s, c = (r(1, 0) - r(0, 1)) / s;
-  const double d = (r(0, 1) + r(1, 0)) / s, e = (r(0, 2) + r(2, 0)) / s, f = (r(1, 2) + r(2, 1)) / s, q = s / 4;
-  switch (largest) {
-    case 0: return {q, a, b, c};
-    case 1: return {a, q, d, e};
-    case 2: return {b, d, q, f};
-    default: return {c, e, f, q};
-  }
-}
-
-Mat3<double> rotation_of(const Quaternion& q) {
-  return {{1 - 2 * (q.y * q.y + q.z * q.z), 2 * (q.x * q.y - q.w * q.z), 2 * (q.x * q.z + q.w * q.y),
-           2 * (q.x * q.y + q.w * q.z), 1 - 2 * (q.x * q.x + q.z * q.z), 2 * (q.y * q.z - q.w * q.x),
-           2 * (q.x * q.z - q.w * q.y), 2 * (q.y * q.z + q.w * q.x), 1 - 2 * (q.x * q.x + q.y * q.y)}};
-}
-
 Camera reordered_quaternion(Camera c) {  // read as w x y z, stored x y z w
-  const Quaternion q = quaternion_of(c.rotation);
-  c.rotation = rotation_of({q.z, q.w, q.x, q.y});
+  const Vec4<double> q = quaternion_of(c.rotation);
+  c.rotation = rotation_matrix(Vec4<double>{q.w, q.x, q.y, q.z});
   return c;
 }
 
@@ -186,19 +162,19 @@ const std::vector<PoseRepair>& pose_repairs() {
       {"rotations are transposed", "transpose them, keep the translations", transposed_rotation},
       {"the model is rotated by 180 degrees about x", "rotate it back, or import with --world-transform",
        [](Camera c) {
-         return in_world(c, {{1, 0, 0, 0, -1, 0, 0, 0, -1}});
+         return in_world(std::move(c), {{1, 0, 0, 0, -1, 0, 0, 0, -1}});
        }},
       {"the model is rotated by 180 degrees about z", "rotate it back, or import with --world-transform",
        [](Camera c) {
-         return in_world(c, {{-1, 0, 0, 0, -1, 0, 0, 0, 1}});
+         return in_world(std::move(c), {{-1, 0, 0, 0, -1, 0, 0, 0, 1}});
        }},
       {"the model is in nerfstudio's world (x y z -> y x -z)", "import transforms.json, or use --world-transform",
        [](Camera c) {
-         return in_world(c, {{0, 1, 0, 1, 0, 0, 0, 0, -1}});
+         return in_world(std::move(c), {{0, 1, 0, 1, 0, 0, 0, 0, -1}});
        }},
       {"the model's z points up where the cameras' y points down", "rotate it back, or import with --world-transform",
        [](Camera c) {
-         return in_world(c, {{1, 0, 0, 0, 0, -1, 0, 1, 0}});
+         return in_world(std::move(c), {{1, 0, 0, 0, 0, -1, 0, 1, 0}});
        }}};
   return repairs;
 }
