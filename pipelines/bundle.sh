@@ -17,16 +17,8 @@ shopt -s inherit_errexit
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"
 
-work=$top/build-bundle out='' setup=1
-while [ $# -gt 0 ]; do
-  case $1 in
-    -h | --help) usage_of "$0"; exit 0 ;;
-    -o | --output) need "$@"; out=$2; shift 2 ;;
-    --no-setup) setup=''; shift ;;
-    *) fail 2 "unknown word '$1'" "see $0 --help" ;;
-  esac
-done
-out=${out:-$work}
+# shellcheck source=pipelines/bundle/arguments.sh
+. "$pipelines/bundle/arguments.sh"
 mkdir -p "$out" "$work/deps"
 out=$(cd "$out" && pwd) deps=$work/deps builds=$work
 if [ -n "$setup" ]; then

@@ -14,16 +14,8 @@ shopt -s inherit_errexit
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/../common.sh"
 
-work=$top/build-bundle out='' setup=1
-while [ $# -gt 0 ]; do
-  case $1 in
-    -h | --help) usage_of "$0"; exit 0 ;;
-    -o | --output) need "$@"; out=$2; shift 2 ;;
-    --no-setup) setup=''; shift ;;
-    *) fail 2 "unknown word '$1'" "see $0 --help" ;;
-  esac
-done
-out=${out:-$work}
+# shellcheck source=pipelines/bundle/arguments.sh
+. "$pipelines/bundle/arguments.sh"
 builds=$work/windows deps=$work/windows/deps
 mkdir -p "$out" "$deps/include" "$deps/lib"
 out=$(cd "$out" && pwd)
@@ -34,6 +26,7 @@ fi
 
 # --- libraries ------------------------------------------------------------------------------------------------------------
 
+# shellcheck source=pipelines/bundle/libraries.sh
 . "$pipelines/bundle/libraries.sh"
 export NGS_WINDOWS_DEPS=$deps
 toolchain=$top/libngs/cmake/mingw.cmake prefix=x86_64-w64-mingw32
