@@ -8,11 +8,11 @@
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/formats/compressed_ply_write.h"
 #include "ngs/io/formats/dot_splat.h"
-#include "ngs/io/formats/glb_write.h"
 #include "ngs/io/formats/sog.h"
 #include "ngs/io/formats/splat_format.h"
 #include "ngs/io/formats/spz.h"
-#include "ngs/io/formats/usda_write.h"
+#include "ngs/io/formats/write_only/glb_write.h"
+#include "ngs/io/formats/write_only/usda_write.h"
 #include "ngs/scene/precision/local_origin.h"
 
 namespace ngs::io {

@@ -1,4 +1,4 @@
-#include "ngs/io/formats/usda_write.h"
+#include "ngs/io/formats/write_only/usda_write.h"
 
 #include <doctest/doctest.h>
 
