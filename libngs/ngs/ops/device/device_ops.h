@@ -59,9 +59,9 @@ class DeviceSplatOps {
   virtual std::unique_ptr<DeviceCloud> resident(const CloudView<float>& cloud) const = 0;
   virtual std::unique_ptr<DeviceSplat> view(const ViewProjector<float>& view, const CloudOnHost& cloud,
                                             const ChannelPlan<float>& plan) const = 0;
-  /// view_sums() of one view (ops/splat/evidence.h), ascending by row.
-  virtual ViewSums evidence(const ViewProjector<float>& view, const CloudOnHost& cloud,
-                            const ViewMasks& masks) const = 0;
+  /// view_sums() of one view (ops/splat/evidence.h), ascending by row. `by_visibility`: PixelWeight::kByVisibility.
+  virtual ViewSums evidence(const ViewProjector<float>& view, const CloudOnHost& cloud, const ViewMasks& masks,
+                            bool by_visibility) const = 0;
 };
 
 /// The table of a hash grid and the query points, on the host.
