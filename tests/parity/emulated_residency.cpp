@@ -8,7 +8,10 @@
 #include "ngs/ops/image/pixel_window.h"
 #include "ngs/ops/splat/evidence.h"
 #include "ngs/passes/exposure/exposure.h"
+#include "ngs/stages/contours/contour_stage.h"
+#include "ngs/stages/contours/refined_masks.h"
 #include "ngs/stages/fit/fit_stage.h"
+#include "ngs/stages/fit/photo_refit.h"
 #include "ngs/stages/optimise/joint_trainer.h"
 #include "parity/emulated.h"
 #include "support/joint_case.h"
@@ -182,6 +185,78 @@ TEST_CASE("residency: a step with the field copies its rays and the boundary's p
   CHECK(large.traffic.up_bytes == small.traffic.up_bytes);
   CHECK(large.traffic.down_bytes - small.traffic.down_bytes == (large.boundary - small.boundary) * 3 * sizeof(float));
   CHECK(large.traffic.copies == small.traffic.copies);
+}
+
+TEST_CASE("residency: refined contours of further views copy neither the model nor its labels") {
+  const auto c = joint_case(300, 200);
+  Problem input = c->input();
+  input.load_fine_photo = input.load_photo;
+  const ContourOptions contour;
+  Emulated device(ThreadOrder::kAscending, DeviceSums::kInOrder, true);
+  const auto refine = [&](const std::vector<std::size_t>& views) {
+    return traffic_of(device, [&] {
+      refine_views(device.exec(), {contour.refine, 4, input}, {input.cloud, input.labels}, views, views);
+    });
+  };
+  const Traffic one = refine({0}), four = refine({0, 1, 2, 3});
+  print("refinement of four views", four);
+  CHECK(one.up_bytes == geometry_bytes(c->model) + std::size_t(c->model.size()) * sizeof(float));
+  CHECK(four.up_bytes == one.up_bytes);
+  CHECK(one.down_bytes == 48 * 40 * 2 * sizeof(float) + sizeof(std::int64_t));  // label, opacity, number of pairs
+  CHECK(four.down_bytes == 4 * one.down_bytes);
+}
+
+TEST_CASE("residency: a step of contour refinement copies a few scalars, with windows of any size") {
+  const auto c = joint_case(300, 200);
+  for (std::size_t i = 0; i < c->is_ball.size(); ++i)
+    for (std::size_t k = 0; k < 3 && c->is_ball[i] > 0; ++k) c->model.log_scale[3 * i + k] += 0.35f;
+  Problem input = c->input();
+  input.load_fine_photo = input.load_photo;
+  const std::size_t views = input.views.size();
+  ContourOptions contour;
+  contour.epochs = 3, contour.iterations = 2, contour.margin_px = 4;
+  TrainingOptions training;
+  Monitor monitor;
+  Emulated device(ThreadOrder::kAscending, DeviceSums::kInOrder, true);
+  std::vector<Traffic> steps;  // of the rounds after the first, which copies photos and masks
+  const auto measure = [&](const JointProgress& progress, JointTrainer&, const auto&) {
+    if (progress.step > std::int64_t(views)) steps.push_back(device.launcher.traffic());
+    device.launcher.traffic() = {};
+    return false;
+  };
+  const Solution start{.cloud = unchanged(c->model), .source_row = {}, .labels = c->labels, .figures = {}};
+  const Solution refined = refine_contours(device.exec(), monitor, {contour, training, input, measure}, start);
+  REQUIRE(refined.figures.at("contour_iterations") == 2);
+  REQUIRE(steps.size() == 2 * 2 * views);
+  print("step of contour refinement", steps.back());
+  for (const Traffic& step : steps) {
+    CHECK(step.up_bytes == 0);
+    CHECK(step.down_bytes <= 64);
+    CHECK(step.launches <= 25);
+  }
+}
+
+TEST_CASE("residency: a step of the refit after the removal of floaters copies a few scalars") {
+  const auto c = joint_case(200, 200);
+  const Problem input = c->input();
+  std::vector<std::uint8_t> moves(400, 0), trained(400, 0);
+  std::fill(trained.begin() + 100, trained.end(), std::uint8_t(1));
+  std::fill(moves.begin() + 200, moves.end(), std::uint8_t(1));
+  Emulated device(ThreadOrder::kAscending, DeviceSums::kInOrder, true);
+  Monitor monitor;
+  const auto refit = [&](int epochs) {
+    return traffic_of(device, [&] {
+      GaussianCloud cloud = c->model;
+      refit_to_photos(device.exec(), monitor, {.epochs = epochs}, {input, input.views, moves, trained}, cloud);
+    });
+  };
+  const Traffic two = refit(2), three = refit(3);
+  const auto steps = std::int64_t(input.views.size());
+  MESSAGE("step of a refit: " << (three.launches - two.launches) / steps << " launches, "
+                              << (three.down_bytes - two.down_bytes) / std::size_t(steps) << " bytes down");
+  CHECK(three.up_bytes == two.up_bytes);
+  CHECK(three.down_bytes - two.down_bytes <= std::size_t(steps) * 32);
+  CHECK(three.launches - two.launches <= steps * 20);
 }
 
 }  // namespace ngs::test

@@ -1,6 +1,5 @@
 // Steps of the joint optimisation with all ops on a device, against the CPU.
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -8,6 +7,7 @@
 #include "ngs/stages/fit/gaussian_adam.h"
 #include "ngs/stages/optimise/joint_trainer.h"
 #include "parity/backends.h"
+#include "support/changed_rows.h"
 #include "support/joint_case.h"
 #include "support/switches.h"
 
@@ -146,19 +146,6 @@ TEST_CASE("joint: with any single effect off, a device equals the CPU within bou
     check_parameters(b, "joint, a part left out, ", got, want);
     if (!s.frozen.empty()) CHECK(got.state[0] == got.start[0]);
   }
-}
-
-/// [N] 1: some value of the row has other bytes than before.
-std::vector<std::uint8_t> changed_rows(const GaussianCloud& now, const GaussianCloud& before) {
-  std::vector<std::uint8_t> changed(std::size_t(before.size()), 0);
-  for (const GroupColumns& column : kGroupColumns) {
-    const std::vector<float>&a = now.*column.value, &b = before.*column.value;
-    REQUIRE(a.size() == b.size());
-    for (std::size_t i = 0; i < a.size(); ++i)
-      if (std::bit_cast<std::uint32_t>(a[i]) != std::bit_cast<std::uint32_t>(b[i]))
-        changed[i / (a.size() / changed.size())] = 1;
-  }
-  return changed;
 }
 
 TEST_CASE("joint: with a region, a device changes the rows that the CPU changes; the others keep their bytes") {

@@ -270,8 +270,9 @@ TEST_CASE("evidence of a device equals the CPU's, bit by bit with its functions"
         if (objects != 2)
           for (int i = 0; i < 53 * 41; ++i) masks.known.push_back(random.below(4) != 0);
         Evidence want(cloud.size(), objects), got(cloud.size(), objects);
-        add_view_evidence({}, cloud, {c.camera, masks}, {}, want);
-        add_view_evidence(b.exec, cloud, {c.camera, masks}, {}, got);
+        const PixelWeight by = objects == 2 ? PixelWeight::kByVisibility : PixelWeight::kRendered;
+        add_view_evidence({}, cloud, {c.camera, masks, by}, {}, want);
+        add_view_evidence(b.exec, cloud, {c.camera, masks, by}, {}, got);
         std::vector<double> weight, weight_want, object, object_want;
         for (std::size_t i = 0; i < want.weight.size(); ++i)
           weight.push_back(got.weight.value(i)), weight_want.push_back(want.weight.value(i));

@@ -26,14 +26,13 @@ class NullStepStore final : public StepStore {
 class PipelineCase {
  public:
   PipelineCase(const Problem& problem, const TrainingOptions& training, const std::vector<std::string>& entries,
-               std::vector<std::unique_ptr<Pass>> passes = all_passes(), const Exec& device_exec = {})
-      : device_exec_(device_exec),
+               std::vector<std::unique_ptr<Pass>> passes = all_passes(), const Exec& exec = {})
+      : exec_(exec),
         pipeline_(std::move(passes)),
         training_(training),
         switches_(pipeline_.effects(), entries),
         decisions_(pipeline_.effects(), switches_, pipeline_.fixed_decisions(training)),
         run_{.exec = exec_,
-             .device_exec = device_exec_,
              .monitor = monitor_,
              .training = training,
              .decisions = decisions_,
@@ -83,7 +82,7 @@ class PipelineCase {
   Decisions& decisions() { return decisions_; }
 
  private:
-  const Exec exec_, device_exec_;
+  const Exec exec_;
   Monitor monitor_;
   Pipeline pipeline_;
   TrainingOptions training_;

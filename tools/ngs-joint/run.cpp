@@ -130,6 +130,7 @@ class MethodRun {
  public:
   MethodRun(cli::Run& run, Options& options, const Paths& paths, double start_s)
       : run_(run),
+        exec_(options.runs_passes() ? run.device_exec() : run.exec()),
         options_(options),
         paths_(paths),
         budget_(start_s, options.steps.budget_s()),
@@ -141,7 +142,7 @@ class MethodRun {
   int operator()() {
     Problem from_files = input_.problem(options_, run_.seed(), run_.monitor());
     if (run_.dry_run()) return plan(from_files);
-    if (renders_views(options_.choice.method)) from_files.splat.prepared = prepare_cloud(run_.exec(), from_files.cloud);
+    if (renders_views(options_.choice.method)) from_files.splat.prepared = prepare_cloud(exec_, from_files.cloud);
     if (writes_checkpoints())
       cli::require_checkpoint_folder(options_.steps.checkpoint, StepFile::path_in(options_.steps.checkpoint));
     if (from_files.views.empty())
@@ -198,8 +199,7 @@ class MethodRun {
   }
 
   PassRun pass_run(const Problem& problem) {
-    PassRun passes{.exec = run_.exec(),
-                   .device_exec = run_.device_exec(),
+    PassRun passes{.exec = exec_,
                    .monitor = run_.monitor(),
                    .training = options_.training,
                    .decisions = decisions_,
@@ -280,6 +280,7 @@ class MethodRun {
   }
 
   cli::Run& run_;
+  const Exec& exec_;  // of all passes
   Options& options_;
   const Paths& paths_;
   Budget budget_;

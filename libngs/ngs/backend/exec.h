@@ -21,6 +21,15 @@ struct Exec {
   int threads = 1;                        // OpenMP threads, >= 1; never changes a result
   Isa isa = best_isa();                   // of the compositing kernels; never changes a result
   const DeviceOps* device_ops = nullptr;  // runs the ops that have a device path; null: the CPU runs all
+
+  /// The same with one thread, for the tasks of a parallel loop.
+  Exec one_thread() const {
+    Exec same = *this;
+    same.threads = 1;
+    return same;
+  }
+  /// The same without the device.
+  Exec on_cpu() const { return {.device = Device::kCpu, .threads = threads, .isa = isa, .device_ops = nullptr}; }
 };
 
 }  // namespace ngs

@@ -11,11 +11,12 @@ namespace ngs {
 std::vector<Agreement> training_agreement(const Exec& exec, const Problem& problem, const Solution& solution) {
   const std::size_t objects = solution.labels.size();
   const LabelChannels channels(*solution.cloud, solution.labels);
+  const SplatOptions splat = kept_on_device(exec, problem.splat, *solution.cloud);
   std::vector<Agreement> views;
   for_each_view(problem.monitor, problem.views, [&](std::size_t, std::size_t view) {
     const ViewMasks masks = problem.load_masks(view);
     if (!masks.available) return;
-    const ImageF label = channels.masks(exec, problem.scene.views[view].camera, problem.splat);
+    const ImageF label = channels.masks(exec, problem.scene.views[view].camera, splat);
     const std::vector<ForegroundBox> boxes = foreground_boxes(label);
     Agreement sum;
     for (std::size_t k = 0; k < objects; ++k) {

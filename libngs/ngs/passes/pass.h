@@ -36,7 +36,6 @@ class StepStore {
 /// State of a run, shared by all passes. Passes communicate only through it.
 struct PassRun {
   const Exec& exec;
-  const Exec& device_exec;  // for joint steps and exposures
   Monitor& monitor;
   TrainingOptions training;
   Decisions& decisions;

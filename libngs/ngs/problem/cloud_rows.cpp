@@ -70,11 +70,6 @@ LabelColumn gather_label_column(const LabelColumn& column, const std::vector<Row
   return part;
 }
 
-void clear(const std::vector<std::uint8_t>& chosen, std::size_t width, std::vector<float>& values) {
-  for (std::size_t i = 0; i < chosen.size(); ++i)
-    if (chosen[i]) std::fill_n(values.begin() + std::ptrdiff_t(i * width), width, 0.f);
-}
-
 }  // namespace
 
 void edit_column(const Exec& exec, const std::vector<CloudRow>& rows, int width, std::vector<float>& values) {
@@ -119,16 +114,6 @@ void scatter_rows(const Exec& exec, const GaussianCloud& part, const std::vector
 
 void edit_moments(const std::vector<CloudRow>& rows, int width, AdamMoments& moments) {
   gather_moments(rows, width, moments.m), gather_moments(rows, width, moments.v);
-}
-
-void clear_shapes(const std::vector<std::uint8_t>& chosen, CloudGradients& gradients) {
-  clear(chosen, 3, gradients.position), clear(chosen, 4, gradients.rotation);
-  clear(chosen, 3, gradients.log_scale), clear(chosen, 1, gradients.logit_opacity);
-}
-
-void clear_colours(const std::vector<std::uint8_t>& chosen, CloudGradients& gradients) {
-  if (chosen.empty()) return;
-  clear(chosen, 3, gradients.sh_dc), clear(chosen, gradients.sh_rest.size() / chosen.size(), gradients.sh_rest);
 }
 
 double largest_scale(const GaussianCloud& cloud, std::int64_t row) {

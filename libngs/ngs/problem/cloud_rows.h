@@ -64,12 +64,6 @@ void edit_labels(const Exec& exec, const std::vector<CloudRow>& rows, std::vecto
 /// Reorders Adam moments with their Gaussians; new Gaussians get zeros.
 void edit_moments(const std::vector<CloudRow>& rows, int width, AdamMoments& moments);
 
-/// Zeroes the gradients of position, shape and opacity of the rows with chosen[row] != 0; empty: of no row.
-void clear_shapes(const std::vector<std::uint8_t>& chosen, CloudGradients& gradients);
-
-/// Zeroes the gradients of the colours of these rows.
-void clear_colours(const std::vector<std::uint8_t>& chosen, CloudGradients& gradients);
-
 /// The largest of the three scales, world.
 double largest_scale(const GaussianCloud& cloud, std::int64_t row);
 

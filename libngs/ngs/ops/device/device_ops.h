@@ -7,6 +7,7 @@
 // for the tests.
 #include <array>
 #include <memory>
+#include <mutex>
 
 #include "ngs/backend/exec.h"
 #include "ngs/ops/field/film_mlp_layout.h"
@@ -58,9 +59,9 @@ class DeviceSplatOps {
   virtual std::unique_ptr<DeviceCloud> resident(const CloudView<float>& cloud) const = 0;
   virtual std::unique_ptr<DeviceSplat> view(const ViewProjector<float>& view, const CloudOnHost& cloud,
                                             const ChannelPlan<float>& plan) const = 0;
-  /// view_sums() of one view (ops/splat/evidence.h), ascending by row.
-  virtual ViewSums evidence(const ViewProjector<float>& view, const CloudOnHost& cloud,
-                            const ViewMasks& masks) const = 0;
+  /// view_sums() of one view (ops/splat/evidence.h), ascending by row. `by_visibility`: PixelWeight::kByVisibility.
+  virtual ViewSums evidence(const ViewProjector<float>& view, const CloudOnHost& cloud, const ViewMasks& masks,
+                            bool by_visibility) const = 0;
 };
 
 /// The table of a hash grid and the query points, on the host.
@@ -153,6 +154,7 @@ class DeviceArrays {
   virtual void run(const ScatterRows& kernel, std::int64_t rows) const = 0;
   virtual void run(const GatherRows& kernel, std::int64_t rows) const = 0;
   virtual void run(const RowColours& kernel, std::int64_t rows) const = 0;
+  virtual void run(const ClearShapes& kernel, std::int64_t rows) const = 0;
   virtual void run(const AddProjectedGradients& kernel, std::int64_t rows) const = 0;
   virtual void run(const FadeNear& kernel, std::int64_t rows) const = 0;
   virtual void run(const AddValues& kernel, std::int64_t rows) const = 0;
@@ -160,11 +162,13 @@ class DeviceArrays {
   virtual void run(const LabelCellValues& kernel, std::int64_t rows) const = 0;
 };
 
+/// One thread at a time uses a device. Threads of a parallel loop that render hold `rendering` (ops/splat/splat.h).
 struct DeviceOps {
   const DeviceSplatOps& splat;
   const DeviceFieldOps& field;
   const DeviceLossOps& loss;
   const DeviceArrays& arrays;
+  mutable std::mutex rendering = {};
 };
 
 }  // namespace ngs

@@ -14,6 +14,7 @@ struct MasksOnDevice {
   const float* target;        // [objects, window]; zero outside
   PixelWindow window;
   int objects;
+  bool by_visibility;  // weights are α T², not α T
 
   NGS_HD float target_at(int object, int x, int y) const {
     const int column = x - window.x0, row = y - window.y0;
@@ -83,7 +84,8 @@ struct EvidenceTileOnDevice {
         float before;
         const float opaque =
             own.traversal.pass(shared.gaussian[from + j], float(pixel.column), float(pixel.row), tiles.stop, before);
-        shared.weight[j][chunk_place(j, t)] = opaque * before;
+        const float weight = opaque * before;
+        shared.weight[j][chunk_place(j, t)] = masks.by_visibility ? weight * before : weight;
       }
     });
     block.phase([&](int t, Shared& shared, Thread&) {

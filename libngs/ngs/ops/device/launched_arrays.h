@@ -58,6 +58,10 @@ class LaunchedArrays final : public DeviceArrays {
   void run(const RowColours& host, std::int64_t rows) const override {
     launcher_.parallel_for(rows, RowColours{at(host.row, rows), at(host.sh_dc, rows), at(host.colour, rows)});
   }
+  void run(const ClearShapes& host, std::int64_t rows) const override {
+    launcher_.parallel_for(rows, ClearShapes{at(host.chosen, rows), at(host.position, rows), at(host.rotation, rows),
+                                             at(host.log_scale, rows), at(host.logit_opacity, rows)});
+  }
   void run(const AddProjectedGradients& host, std::int64_t rows) const override {
     AddProjectedGradients kernel = host;
     kernel.visible = at(host.visible, rows), kernel.mean_px = at(host.mean_px, rows);

@@ -143,7 +143,8 @@ class LaunchedSplatOps final : public DeviceSplatOps {
     return std::make_unique<LaunchedSplatView<Launcher>>(launcher_, sums_, view, cloud, plan);
   }
 
-  ViewSums evidence(const ViewProjector<float>& view, const CloudOnHost& cloud, const ViewMasks& masks) const override {
+  ViewSums evidence(const ViewProjector<float>& view, const CloudOnHost& cloud, const ViewMasks& masks,
+                    bool by_visibility) const override {
     const CloudArgument<Launcher> columns(launcher_, cloud, false);
     const TileBins<Launcher> bins(launcher_, view, columns.view());
     const int objects = int(masks.target.size());
@@ -155,7 +156,7 @@ class LaunchedSplatOps final : public DeviceSplatOps {
       inside.insert(inside.end(), part.begin(), part.end());
     }
     const DeviceBuffer<Launcher, float> target(launcher_, inside);
-    const SeenRows<Launcher> seen(launcher_, bins, {known.data(), target.data(), window, objects});
+    const SeenRows<Launcher> seen(launcher_, bins, {known.data(), target.data(), window, objects, by_visibility});
     ViewSums sums{objects, true, {}, {}};
     seen.row.to(sums.row), seen.sum.to(sums.sum);
     return sums;

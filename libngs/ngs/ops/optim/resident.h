@@ -1,6 +1,7 @@
 #pragma once
 // Arrays that stay in device memory from op to op, for example a trainer's parameters, gradients and moments.
 #include <algorithm>
+#include <map>
 #include <vector>
 
 #include "ngs/backend/exec.h"
@@ -50,6 +51,32 @@ class Resident {
   const DeviceOps* ops_;
   std::vector<void*> arrays_;  // addresses on the host
   std::vector<const void*> inputs_;
+};
+
+/// Images that a loop reads many times. With a device they are cached in its memory, up to a number of bytes; without
+/// one none is cached.
+class ResidentImages {
+ public:
+  ResidentImages(const Exec& exec, std::size_t cache_bytes)
+      : left_bytes_(exec.device_ops ? cache_bytes : 0), resident_(exec) {}
+
+  /// The cached image; else load(), which is cached if it fits, and is otherwise returned in `scratch`.
+  template <class Load>
+  const ImageF& get(std::size_t key, ImageF& scratch, const Load& load) {
+    if (const auto cached = images_.find(key); cached != images_.end()) return cached->second;
+    scratch = load();
+    const std::size_t bytes = scratch.data.size() * sizeof(float);
+    if (bytes > left_bytes_) return scratch;
+    left_bytes_ -= bytes;
+    const ImageF& image = images_[key] = std::move(scratch);
+    resident_.add_input(image.data);
+    return image;
+  }
+
+ private:
+  std::map<std::size_t, ImageF> images_;
+  std::size_t left_bytes_;
+  Resident resident_;  // images_
 };
 
 /// Sets all values to zero, where they are.

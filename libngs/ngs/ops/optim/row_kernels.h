@@ -59,6 +59,19 @@ struct AddRowColourGradients {
   }
 };
 
+/// Zeroes the gradients of position, shape and opacity of the chosen rows.
+struct ClearShapes {
+  static constexpr const char* kName = "clear_shapes";
+  const std::uint8_t* chosen;                              // [R]
+  float *position, *rotation, *log_scale, *logit_opacity;  // [R, 3], [R, 4], [R, 3], [R]
+  NGS_HD void operator()(std::int64_t r) const {
+    if (!chosen[r]) return;
+    for (int k = 0; k < 3; ++k) position[r * 3 + k] = log_scale[r * 3 + k] = 0;
+    for (int k = 0; k < 4; ++k) rotation[r * 4 + k] = 0;
+    logit_opacity[r] = 0;
+  }
+};
+
 /// Adds one array to another.
 struct AddValues {
   static constexpr const char* kName = "add_values";

@@ -214,7 +214,8 @@ class DeviceSumsOfView {
  public:
   DeviceSumsOfView(const Exec& exec, const Query& q)
       : sums_(exec.device_ops->splat.evidence(view_projector<float>(relative_camera(q.view.camera, q.cloud), q.options),
-                                              on_host(cloud_view(q.cloud, 0, nullptr), q.options), q.view.masks)),
+                                              on_host(cloud_view(q.cloud, 0, nullptr), q.options), q.view.masks,
+                                              q.view.weight == PixelWeight::kByVisibility)),
         of_(q.of) {}
   std::int64_t chunks() const { return std::int64_t((sums_.size() + kRows - 1) / kRows); }
   template <class F>
@@ -247,7 +248,7 @@ void for_each_chunk(const Exec& exec, const Query& q, const Start& start, const 
       body(std::size_t(chunk), [&](const auto& f) { sums.for_each_seen(chunk, f); });
     });
   };
-  if (exec.device_ops != nullptr && q.view.weight == PixelWeight::kRendered)
+  if (exec.device_ops != nullptr)
     visit(DeviceSumsOfView(exec, q));
   else
     visit(ViewPairs(exec, q.cloud, q.view, q.options, q.of));

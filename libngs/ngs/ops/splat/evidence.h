@@ -10,7 +10,7 @@ namespace ngs {
 /// Weight of a pixel for a Gaussian with alpha α and transmittance T in front of it.
 enum class PixelWeight : std::uint8_t {
   kRendered,      // w = α T, as in rendering
-  kByVisibility,  // α T²: less where the Gaussian is seen through others; always on the CPU
+  kByVisibility,  // α T²: less where the Gaussian is seen through others
 };
 
 /// A view whose pixels are all known, without objects, or with one that covers `mask` [H·W] (0 or 1).

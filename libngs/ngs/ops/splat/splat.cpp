@@ -96,6 +96,7 @@ RenderedView render(const Exec& exec, const GaussianCloud& cloud, const Camera& 
   allocate(camera, channels, view);
   const CloudView<float> on_view = cloud_view(cloud, options.max_sh_degree, request.include);
   if (exec.device_ops) {
+    const std::lock_guard one_at_a_time(exec.device_ops->rendering);
     device_view(exec, on_view, relative_camera(camera, cloud), options, channels)
         ->forward(planes<float>(channels, view), false);
     return view;

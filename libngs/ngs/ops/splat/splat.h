@@ -45,7 +45,8 @@ struct RenderRequest {
   const std::uint8_t* stop_after = nullptr;
 };
 
-/// Forward only.
+/// Forward only. May be called by several threads at once, with a device too: it then renders for one after the other,
+/// and ignores `tiles_touching` and `stop_after`.
 RenderedView render(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options,
                     const RenderRequest& request);
 

@@ -34,8 +34,8 @@ std::vector<Effect> ExposurePass::effects() const {
 void ExposurePass::run(PassRun& run) {
   const auto timed = run.monitor.scope("exposure");
   const Scene& scene = run.problem->scene;
-  const auto exposures = std::make_shared<const std::vector<ViewExposure>>(
-      view_exposures(run.device_exec, *run.coarse, photo_views(scene)));
+  const auto exposures =
+      std::make_shared<const std::vector<ViewExposure>>(view_exposures(run.exec, *run.coarse, photo_views(scene)));
   if (run.monitor.stop_requested()) return;
   Json gains = Json::object();
   for (const ViewExposure& e : *exposures) gains[scene.views[e.view].camera.name] = e.gain;

@@ -80,7 +80,7 @@ class FloaterSearch {
         views_(spread_views(photo_views(input.scene), options.max_views)),
         trained_(input.scene.views.size(), 0) {
     for (const std::size_t v : input.views) trained_[v] = 1;
-    splat_ = prepared_for(exec, splat_, cloud());
+    prepare();
   }
 
   FloaterFinding run(Monitor& monitor) {
@@ -130,12 +130,17 @@ class FloaterSearch {
   void remove(const std::vector<std::size_t>& rows) {
     if (!remaining_) remaining_.emplace(input_.cloud);
     for (const std::size_t i : rows) remaining_->logit_opacity[i] = kRemovedLogit;
-    splat_.prepared = prepare_cloud(exec_, *remaining_);  // the opacities changed
+    splat_.prepared = nullptr;  // the opacities changed
+    prepare();
+  }
+  void prepare() {
+    splat_ = prepared_for(exec_, splat_, cloud());
+    front_splat_ = prepared_for(exec_.on_cpu(), splat_, cloud());
   }
 
   /// The Gaussians in front of the core's surface, in view `v`.
   FrontView front_view(std::size_t v, const Surface& surface) const {
-    return {exec_, cloud(), surface.limit, camera(v), splat_};
+    return {exec_.on_cpu(), cloud(), surface.limit, camera(v), front_splat_};
   }
 
   /// The core is the same in all rounds, so its surfaces are cached, up to 256 MiB.
@@ -266,6 +271,7 @@ class FloaterSearch {
   const Problem& input_;
   std::optional<GaussianCloud> remaining_;  // the cloud without earlier floaters; nullopt: none found yet
   SplatOptions splat_;                      // prepared for cloud()
+  SplatOptions front_splat_;                // the same for the CPU, which renders the layer in front
   ObjectCore core_;
   std::vector<std::size_t> views_;
   std::vector<std::uint8_t> trained_;  // [views of the scene]

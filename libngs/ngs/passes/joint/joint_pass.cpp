@@ -107,7 +107,7 @@ void JointPass::begin(PassRun& run) {
     return;
   }
   run.trainer = std::make_unique<JointTrainer>(
-      run.device_exec, run.monitor, JointSetup{o.joint, o.sample, o.rbf, problem, run.field}, run.allow_empty);
+      run.exec, run.monitor, JointSetup{o.joint, o.sample, o.rbf, problem, run.field}, run.allow_empty);
   run.tracker->begin([&] { return run.trainer->result(); });
   run.solution = run.trainer->result();
   run.solution->converged = true;

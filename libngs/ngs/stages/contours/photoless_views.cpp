@@ -26,13 +26,14 @@ class Renderings {
              std::size_t cache_bytes)
       : exec_(exec), scene_(input.scene), splat_(input.splat) {
     request_.background = input.background;
+    const SplatOptions splat = kept_on_device(exec, splat_, cloud);
     for_each_view(input.monitor, views, [&](std::size_t, std::size_t v) {
       const Camera& camera = scene_.views[v].camera;
       const std::size_t bytes = 3 * sizeof(float) * std::size_t(camera.width_px) * std::size_t(camera.height_px);
       std::optional<ImageF>& rendering = rendering_[v];
       if (bytes > cache_bytes) return;
       cache_bytes -= bytes;
-      rendering = rendered(cloud, v);
+      rendering = rendered(cloud, splat, v);
     });
     if (std::any_of(rendering_.begin(), rendering_.end(), [](const auto& of_view) { return !of_view.second; }))
       model_ = cloud;
@@ -41,12 +42,12 @@ class Renderings {
   bool has(std::size_t v) const { return rendering_.contains(v); }
   ImageF of(std::size_t v) const {
     const std::optional<ImageF>& rendering = rendering_.at(v);
-    return rendering ? *rendering : rendered(model_, v);
+    return rendering ? *rendering : rendered(model_, splat_, v);
   }
 
  private:
-  ImageF rendered(const GaussianCloud& cloud, std::size_t v) const {
-    return render(exec_, cloud, scene_.views[v].camera, splat_, request_).colour;
+  ImageF rendered(const GaussianCloud& cloud, const SplatOptions& splat, std::size_t v) const {
+    return render(exec_, cloud, scene_.views[v].camera, splat, request_).colour;
   }
 
   Exec exec_;

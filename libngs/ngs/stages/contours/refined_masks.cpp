@@ -174,10 +174,7 @@ class ObjectRefinement {
   RefinedView& out_;
 };
 
-/// `splat` must be prepared for the model.
-RefinedView refine_view(const RefineSetup& setup, const SplatOptions& splat, const LabelChannels& model, std::size_t v,
-                        bool compare) {
-  const Exec serial;
+RefinedView refine_view(const RefineSetup& setup, const PreparedModel& model, std::size_t v, bool compare) {
   const Problem& input = setup.problem;
   const Camera& camera = input.scene.views[v].camera;
   ImageF photo = input.load_fine_photo(v);
@@ -191,9 +188,10 @@ RefinedView refine_view(const RefineSetup& setup, const SplatOptions& splat, con
     refine.band_px *= setup.detail / out.detail, refine.reach_px *= setup.detail / out.detail;
   }
   const int fw = photo.width_px, fh = photo.height_px;
-  const ImageF label = model.masks(serial, resized(camera, fw, fh), filter_at_scale(splat, double(fw) / w));
+  const ImageF label =
+      model.labels.masks(model.exec, resized(camera, fw, fh), filter_at_scale(model.splat, double(fw) / w));
   ViewMasks own = compare ? input.load_masks(v) : ViewMasks{};
-  const std::size_t objects = model.objects();
+  const std::size_t objects = model.labels.objects();
   out.compared = own.available;
   ObjectRefinement refinement(refine, photo, camera, out);
   const std::vector<ForegroundBox> boxes = foreground_boxes(label);
@@ -236,12 +234,11 @@ std::vector<RefinedView> refine_views(const Exec& exec, const RefineSetup& setup
   std::vector<RefinedView> refined(count);
   std::vector<std::uint8_t> compare(count, 0);
   for (const std::size_t v : compared) compare[v] = 1;
-  const LabelChannels label(model.cloud, model.labels);
-  const SplatOptions splat = prepared_for(exec, setup.problem.splat, model.cloud);
+  const PreparedModel prepared(exec, setup.problem.splat, model);
   for_each_task(exec, std::int64_t(views.size()), [&](std::int64_t i) {
     if (stop_requested(setup.problem.monitor)) return;
     const std::size_t v = views[std::size_t(i)];
-    refined[v] = refine_view(setup, splat, label, v, compare[v] != 0);
+    refined[v] = refine_view(setup, prepared, v, compare[v] != 0);
   });
   return refined;
 }

@@ -19,14 +19,12 @@ struct ViewResidual {
 };
 
 /// Rendering of the window at `scale` times the camera's size, averaged to the camera's size like the photo.
-ImageF rendering_of(const Problem& problem, const SplatOptions& splat, const GaussianCloud& cloud, const Camera& window,
-                    int scale) {
-  const Exec serial;
+ImageF rendering_of(const PreparedModel& model, const Vec3<float>& background, const Camera& window, int scale) {
   RenderRequest request;
-  request.background = problem.background;
-  const ImageF fine = render(serial, cloud, resized(window, scale * window.width_px, scale * window.height_px),
-                             filter_at_scale(splat, scale), request)
-                          .colour;
+  request.background = background;
+  const Camera camera = resized(window, scale * window.width_px, scale * window.height_px);
+  const ImageF fine =
+      render(model.exec, model.labels.cloud(), camera, filter_at_scale(model.splat, scale), request).colour;
   ImageF mean(window.width_px, window.height_px, 3);
   for (int y = 0; y < fine.height_px; ++y)
     for (int x = 0; x < fine.width_px; ++x)
@@ -42,7 +40,7 @@ double difference_at(const ImageF& photo, const ImageF& rendering, std::size_t p
   return sum;
 }
 
-ViewResidual residual_of(const Problem& problem, const SplatOptions& splat, const LabelChannels& labels, std::size_t v,
+ViewResidual residual_of(const Problem& problem, const PreparedModel& model, std::size_t v,
                          const RefinedView& refined) {
   ViewResidual out;
   const PixelWindow& win = refined.window;
@@ -50,11 +48,11 @@ ViewResidual residual_of(const Problem& problem, const SplatOptions& splat, cons
   if (win.w == 0 || photo.empty()) return out;
   photo.data = cropped(photo.data, photo.width_px, photo.channels, win);
   photo.width_px = win.w, photo.height_px = win.h;
-  const Exec serial;
   const Camera camera = window_camera(problem.scene.views[v].camera, win);
   const int scale = refined.detail == 2 || refined.detail == 4 ? int(refined.detail) : 1;
-  const ImageF rendering = rendering_of(problem, splat, labels.cloud(), camera, scale);
-  const ImageF rendered = labels.masks(serial, camera, splat);
+  const LabelChannels& labels = model.labels;
+  const ImageF rendering = rendering_of(model, problem.background, camera, scale);
+  const ImageF rendered = labels.masks(model.exec, camera, model.splat);
   const ViewMasks moved_to = refined.masks.unpacked();
   for (std::size_t k = 0; k < labels.objects(); ++k) {
     std::vector<std::uint8_t> mask(std::size_t(win.w) * std::size_t(win.h));
@@ -73,13 +71,12 @@ ViewResidual residual_of(const Problem& problem, const SplatOptions& splat, cons
 
 double unexplained_contrast(const Exec& exec, const Problem& problem, const LabelledModel& model,
                             const std::vector<std::size_t>& views, const std::vector<RefinedView>& refined) {
-  const LabelChannels labels(model.cloud, model.labels);
-  const SplatOptions splat = prepared_for(exec, problem.splat, model.cloud);
+  const PreparedModel prepared(exec, problem.splat, model);
   std::vector<ViewResidual> of(views.size());
   for_each_task(exec, std::int64_t(views.size()), [&](std::int64_t i) {
     const std::size_t v = views[std::size_t(i)];
     if (!stop_requested(problem.monitor) && refined[v].masks.available())
-      of[std::size_t(i)] = residual_of(problem, splat, labels, v, refined[v]);
+      of[std::size_t(i)] = residual_of(problem, prepared, v, refined[v]);
   });
   ViewResidual all;
   double shown = 0;

@@ -84,7 +84,9 @@ void Fitter::start_pass(const Exec& exec, int degree) {
 }
 
 void Fitter::to_device(const Exec& exec) {
-  if (!arrays_) arrays_ = std::make_unique<Resident>(exec), photo_arrays_ = std::make_unique<Resident>(exec);
+  constexpr std::size_t kPhotoBytes = std::size_t(2) << 30;
+  if (!arrays_)
+    arrays_ = std::make_unique<Resident>(exec), photos_ = std::make_unique<ResidentImages>(exec, kPhotoBytes);
   if (!arrays_->waits()) return;
   GaussianCloud& cloud = state_.cloud;
   gradients_.resize(std::size_t(cloud.size()), std::size_t(cloud.rest_count()) * 3, 0);
@@ -99,20 +101,6 @@ void Fitter::to_device(const Exec& exec) {
   arrays_->add(state_.gradient_sum), arrays_->add(state_.gradient_views);
 }
 
-/// With a device, photos are cached there as floats, up to 2 GiB; else they are unpacked into `scratch`.
-const ImageF& Fitter::photo_of(const Exec& exec, std::size_t view, ImageF& scratch) {
-  constexpr std::size_t kCacheBytes = std::size_t(2) << 30;
-  photos_.resize(views_.size());
-  if (!photos_[view].empty()) return photos_[view];
-  scratch = views_[view].photo.rgb();
-  const std::size_t bytes = scratch.data.size() * sizeof(float);
-  if (!exec.device_ops || photo_bytes_ + bytes > kCacheBytes) return scratch;
-  photo_bytes_ += bytes;
-  photos_[view] = std::move(scratch);
-  photo_arrays_->add_input(photos_[view].data);
-  return photos_[view];
-}
-
 void Fitter::step(const Exec& exec) {
   const std::size_t at = view_of_step();
   const FitView& view = views_[at];
@@ -120,7 +108,7 @@ void Fitter::step(const Exec& exec) {
   if (degree != pass_degree_) start_pass(exec, degree);
   to_device(exec);
   ImageF scratch;
-  const ImageF& photo = photo_of(exec, at, scratch);
+  const ImageF& photo = photos_->get(at, scratch, [&] { return view.photo.rgb(); });
   const RenderedView& rendered = pass_.forward(exec, state_.cloud, view.camera, fit_request(options_));
   images_->shape(colour_gradient_, rendered.width_px, rendered.height_px, 3);
   const auto loss =

@@ -112,7 +112,6 @@ class Fitter {
   std::size_t view_of_step();
   void start_pass(const Exec& exec, int degree);
   void to_device(const Exec& exec);
-  const ImageF& photo_of(const Exec& exec, std::size_t view, ImageF& scratch);
   void update_parameters(const Exec& exec);
   void accumulate_gradients(const Exec& exec, const Camera& camera);
   void reset_opacity();
@@ -129,9 +128,8 @@ class Fitter {
   std::vector<std::size_t> order_;     // of the current epoch
   std::int64_t order_epoch_ = -1;
   int pass_degree_ = -1;
-  std::unique_ptr<Resident> arrays_, photo_arrays_;  // of the state and gradients, of photos_
-  std::vector<ImageF> photos_;                       // cache of a device, by view
-  std::size_t photo_bytes_ = 0;
+  std::unique_ptr<Resident> arrays_;         // of the state and gradients
+  std::unique_ptr<ResidentImages> photos_;   // by view
   std::unique_ptr<ResidentResults> images_;  // of pass_ and colour_gradient_
   SplatPass pass_;
   PhotometricPass<float> photometric_;

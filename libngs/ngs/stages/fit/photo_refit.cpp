@@ -51,43 +51,101 @@ Visible visible_in(const Exec& exec, const RefitInputs& in, const GaussianCloud&
   return visible;
 }
 
-/// The optimisation steps, on a cloud whose rows are all visible.
+/// The optimisation steps, on a cloud whose rows are all visible. Until finish(), a device has the cloud's values.
+class RefitSteps {
+ public:
+  RefitSteps(const Exec& exec, const RefitOptions& options, const RefitInputs& in, GaussianCloud& cloud)
+      : exec_(exec),
+        options_(options),
+        in_(in),
+        cloud_(cloud),
+        extent_(scene_extent(cameras_of(in.problem.scene, photo_views(in.problem.scene)))),
+        trained_(exec, in.trained, {}, cloud),
+        fixed_shape_(trained_.size()),
+        images_(exec),
+        pass_(trained_.prepared(in.problem.splat), &images_),
+        photos_(exec, kPhotoBytes),
+        arrays_(exec) {
+    for (std::size_t r = 0; r < fixed_shape_.size(); ++r) fixed_shape_[r] = !in.moves[trained_.row(r)];
+  }
+
+  std::int64_t planned() const { return std::int64_t(options_.epochs) * std::int64_t(in_.views.size()); }
+  std::int64_t done() const { return done_; }
+
+  void step(std::size_t v) {
+    to_device();
+    const Problem& input = in_.problem;
+    RenderRequest request;
+    request.background = input.background;
+    const RenderedView& rendered = pass_.forward(exec_, cloud_, input.scene.views[v].camera, request);
+    ImageF scratch;
+    const ImageF& photo = photos_.get(v, scratch, [&] { return input.load_photo(v); });
+    const ImageF weight = in_.weight ? in_.weight(v) : ImageF();
+    images_.shape(gradient_.colour, rendered.width_px, rendered.height_px, rendered.colour.channels);
+    photometric_.evaluate(exec_, {}, {rendered.colour, photo, in_.weight ? &weight : nullptr}, &gradient_.colour);
+    pass_.backward(exec_, gradient_, gradients_, trained_.wanted());
+    for_each_row(exec_, std::int64_t(trained_.size()),
+                 ClearShapes{fixed_shape_.data(), gradients_.position.data(), gradients_.rotation.data(),
+                             gradients_.log_scale.data(), gradients_.logit_opacity.data()});
+    const double decay = std::pow(options_.decay, double(done_) / double(planned()));
+    ++done_;
+    GroupRates rates{options_.position_lr * extent_,
+                     options_.rotation_lr,
+                     options_.scale_lr,
+                     options_.opacity_lr,
+                     options_.dc_lr,
+                     options_.rest_lr};
+    for (double& rate : rates) rate *= decay;
+    step_gaussians(exec_, {done_, rates}, gradients_, trained_.cloud(), moments_);
+    trained_.write_back(exec_);
+  }
+
+  void finish() { arrays_.release(); }
+
+ private:
+  static constexpr std::size_t kPhotoBytes = 512u << 20;
+
+  /// Moves all arrays of a step to the device, if there is one.
+  void to_device() {
+    if (!arrays_.waits()) return;
+    gradients_.resize(trained_.size(), std::size_t(cloud_.rest_count()) * 3, 0);
+    for (std::size_t g = 0; g < kGaussianGroups; ++g) {
+      std::vector<float>& gradient = gradients_.*kGroupColumns[g].gradient;
+      moments_[g].m.resize(gradient.size()), moments_[g].v.resize(gradient.size());
+      for (std::vector<float>* array : {&gradient, &moments_[g].m, &moments_[g].v}) arrays_.add(*array);
+    }
+    arrays_.add(gradients_.mean_px), arrays_.add(gradients_.visible), arrays_.add(fixed_shape_);
+    trained_.add_to(arrays_);
+  }
+
+  const Exec& exec_;
+  const RefitOptions& options_;
+  const RefitInputs& in_;
+  GaussianCloud& cloud_;
+  double extent_;
+  TrainedRows trained_;
+  std::vector<std::uint8_t> fixed_shape_;  // [trained rows] 1: only the colour is trained
+  ResidentResults images_;                 // of pass_, and gradient_
+  SplatPass pass_;
+  ViewGradients gradient_;
+  ResidentImages photos_;
+  PhotometricPass<float> photometric_;
+  CloudGradients gradients_;
+  GaussianMoments moments_;
+  std::int64_t done_ = 0;
+  Resident arrays_;  // of a step
+};
+
 void train(const Exec& exec, Monitor& monitor, const RefitOptions& options, const RefitInputs& in,
            GaussianCloud& cloud) {
-  const Problem& input = in.problem;
-  const double extent = scene_extent(cameras_of(input.scene, photo_views(input.scene)));
-  const std::int64_t steps = std::int64_t(options.epochs) * std::int64_t(in.views.size());
-  TrainedRows trained(exec, in.trained, {}, cloud);
-  std::vector<std::uint8_t> fixed_shape(trained.size()), fixed_colour(trained.size());
-  for (std::size_t r = 0; r < fixed_shape.size(); ++r) {
-    const std::size_t row = trained.row(r);
-    fixed_colour[r] = !in.trained[row], fixed_shape[r] = fixed_colour[r] || !in.moves[row];
-  }
-  SplatPass pass(trained.prepared(input.splat));
-  PhotometricPass<float> photometric;
-  CloudGradients gradients;
-  ViewGradients image;
-  GaussianMoments moments;
-  std::int64_t step = 0;
-  for (int iteration = 0; iteration < options.epochs; ++iteration)
-    for (const std::size_t v : shuffled(in.views, input.seed, std::uint64_t(iteration))) {
-      if (monitor.stop_requested()) return;
-      RenderRequest request;
-      request.background = input.background;
-      const RenderedView& rendered = pass.forward(exec, cloud, input.scene.views[v].camera, request);
-      const ImageF photo = input.load_photo(v), weight = in.weight ? in.weight(v) : ImageF();
-      photometric.evaluate(exec, {}, {rendered.colour, photo, in.weight ? &weight : nullptr}, &image.colour);
-      pass.backward(exec, image, gradients, trained.wanted());
-      clear_shapes(fixed_shape, gradients), clear_colours(fixed_colour, gradients);
-      const double decay = std::pow(options.decay, double(step) / double(steps));
-      ++step;
-      GroupRates rates{options.position_lr * extent, options.rotation_lr, options.scale_lr,
-                       options.opacity_lr,           options.dc_lr,       options.rest_lr};
-      for (double& rate : rates) rate *= decay;
-      step_gaussians(exec, {step, rates}, gradients, trained.cloud(), moments);
-      trained.write_back(exec);
-      monitor.progress(step, steps);
+  RefitSteps steps(exec, options, in, cloud);
+  for (int epoch = 0; epoch < options.epochs; ++epoch)
+    for (const std::size_t v : shuffled(in.views, in.problem.seed, std::uint64_t(epoch))) {
+      if (monitor.stop_requested()) return steps.finish();
+      steps.step(v);
+      monitor.progress(steps.done(), steps.planned());
     }
+  steps.finish();
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "ngs/core/monitor.h"
+#include "ngs/ops/optim/resident.h"
 #include "ngs/ops/splat/splat.h"
 #include "ngs/options/field.h"
 #include "ngs/problem/problem.h"
@@ -56,6 +57,8 @@ class LabelChannels {
               const std::uint8_t* tiles_touching = nullptr, const std::uint8_t* stop_after = nullptr) const;
   /// The same for callers that use only label_is_foreground() of the result: 0 in tiles without an object.
   ImageF masks(const Exec& exec, const Camera& camera, const SplatOptions& splat) const;
+  /// With a device: copies the labels to its memory, once for all views.
+  void add_to(Resident& resident) const { resident.add_input(label_); }
   std::size_t objects() const { return objects_; }
   const GaussianCloud& cloud() const { return cloud_; }
 
@@ -65,6 +68,21 @@ class LabelChannels {
   std::vector<float> label_;            // [N, K]
   std::vector<std::uint8_t> object_;    // [N] 1: some label is high enough for a foreground pixel
   std::vector<std::uint8_t> labelled_;  // [N] 1: some label is not 0
+};
+
+/// A labelled model, prepared for renderings by the threads of a loop over views. The cloud must outlive it.
+struct PreparedModel {
+  PreparedModel(const Exec& all_threads, const SplatOptions& options, const LabelledModel& model)
+      : exec(all_threads.one_thread()),
+        splat(prepared_for(all_threads, options, model.cloud)),
+        labels(model.cloud, model.labels),
+        resident(all_threads) {
+    labels.add_to(resident);
+  }
+  Exec exec;           // of a task
+  SplatOptions splat;  // prepared for the cloud
+  LabelChannels labels;
+  Resident resident;  // labels
 };
 
 /// Renders each object of a model alone. `cloud` must outlive this object.

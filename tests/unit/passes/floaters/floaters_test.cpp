@@ -13,26 +13,7 @@
 namespace ngs {
 namespace {
 
-constexpr std::int64_t kBall = 160, kWall = 120, kAdded = 12;
-
-/// Small dark Gaussians between camera 0 and the ball: they cover the ball in view 0, and the wall in the others.
-void add_before_ball(const Camera& camera, GaussianCloud& cloud) {
-  const Vec3<double> from = camera.centre(), ball{0, 0, 4};
-  const std::int64_t first = cloud.size();
-  GaussianCloud more = cloud;
-  more.resize(first + kAdded, cloud.sh_degree);
-  for (std::int64_t k = 0; k < kAdded; ++k) {
-    const auto i = std::size_t(first + k);
-    const std::int64_t column = k % 4, row = k / 4;
-    const double x = 0.07 * (double(column) - 1.5), y = 0.07 * (double(row) - 1);
-    const Vec3<double> p = from + 0.4 * (ball - from);
-    more.position[3 * i] = float(p.x + x), more.position[3 * i + 1] = float(p.y + y),
-                      more.position[3 * i + 2] = float(p.z);
-    more.rotation[4 * i] = 1, more.logit_opacity[i] = 3;
-    for (std::size_t a = 0; a < 3; ++a) more.log_scale[3 * i + a] = -3.f, more.sh_dc[3 * i + a] = -1.2f;
-  }
-  cloud = std::move(more);
-}
+constexpr std::int64_t kBall = 160, kWall = 120, kAdded = test::kBeforeBall;
 
 /// The joint case with view 0 held out and Gaussians added in front of its ball; `real`: the photos show them.
 struct FloaterCase {
@@ -41,7 +22,7 @@ struct FloaterCase {
 
   explicit FloaterCase(bool real, bool nothing_added = false) {
     base->model = base->truth;
-    if (!nothing_added) add_before_ball(base->scene.views[0].camera, base->model);
+    if (!nothing_added) test::add_before_ball(base->scene.views[0].camera, base->model);
     for (std::size_t v = 0; v < 4; ++v) {
       base->scene.views[v].image_path = "photo";
       if (real) base->photos[v] = render({}, base->model, base->scene.views[v].camera, {}, {}).colour;

@@ -1,0 +1,31 @@
+#pragma once
+// Which Gaussians a run has changed.
+#include <doctest/doctest.h>
+
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+#include "ngs/stages/fit/gaussian_adam.h"
+
+namespace ngs::test {
+
+/// [rows of `now`] 1: some trained value of the row has other bytes than its source row of `before`. `source_row`
+/// empty: the same rows.
+inline std::vector<std::uint8_t> changed_rows(const GaussianCloud& now, const GaussianCloud& before,
+                                              const std::vector<std::int64_t>& source_row = {}) {
+  std::vector<std::uint8_t> changed(std::size_t(now.size()), 0);
+  REQUIRE((source_row.empty() ? before.size() : std::int64_t(source_row.size())) == now.size());
+  for (std::size_t g = 0; g < kGaussianGroups; ++g) {
+    const auto width = std::size_t(group_width(before, g));
+    const std::vector<float>&a = now.*kGroupColumns[g].value, &b = before.*kGroupColumns[g].value;
+    for (std::size_t i = 0; i < changed.size() * width; ++i) {
+      const std::size_t row = i / width, source = source_row.empty() ? row : std::size_t(source_row[row]);
+      if (std::bit_cast<std::uint32_t>(a[i]) != std::bit_cast<std::uint32_t>(b[source * width + i % width]))
+        changed[row] = 1;
+    }
+  }
+  return changed;
+}
+
+}  // namespace ngs::test
