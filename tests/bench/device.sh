@@ -61,21 +61,31 @@ step racecheck 75 compute-sanitizer --tool racecheck --error-exitcode 9 --kernel
   -tc="$races" || true
 step bench 90 "$bin/ngs_device_bench" || true
 
-tool() {  # LIMIT_S TOOL DEVICE ARGUMENTS...: runs in the scene's folder
-  local limit=$1 name=$2 device=$3; shift 3
-  step "$(basename "$PWD")-$device-$name" "$limit" "$bin/ngs-${name%%-*}" "$@" --device "$device" -q --report "$device/$name.json"
+run() {  # LIMIT_S RUN DEVICE TOOL ARGUMENTS...: runs in the scene's folder
+  local limit=$1 name=$2 device=$3 tool=$4; shift 4
+  step "$(basename "$PWD")-$device-$name" "$limit" "$bin/$tool" "$@" --device "$device" -q --report "$device/$name.json"
 }
 on_device() {
-  local device=$1 short=(--steps 60 --effect nerf=on --effect mask-outliers=off --effect floaters=off --effect contours=off)
+  local device=$1 model=$1/boundary.ply
   mkdir "$device"
-  tool 30 variance "$device" scene.json -o "$device/boundary.ply" || return 0
-  tool 20 render "$device" scene.json "$device/boundary.ply" --views held-out --layers color,mask -o "$device/pictures" || true
-  tool 40 joint "$device" scene.json "$device/boundary.ply" "${short[@]}" -o "$device/labelled.ply" || true
+  run 30 variance "$device" ngs-variance scene.json -o "$model" || return 0
+  run 30 draft "$device" ngs-joint scene.json "$model" --quality draft -o "$device/draft.ply" || true
+  run 60 standard "$device" ngs-joint scene.json "$model" -o "$device/standard.ply" || true
+  run 30 fit "$device" ngs-fit scene.json --random-points 20000 --steps 300 -o "$device/fit.ply" || true
+  run 20 render "$device" ngs-render scene.json "$model" --views held-out --layers color,mask -o "$device/pictures" || true
+  run 40 ng-gs "$device" ngs-joint scene.json "$model" --method ng-gs -o "$device/ng-gs.ply" || true
   [ "$device" = cpu ] ||
-    tool 40 joint-atomic "$device" scene.json "$device/boundary.ply" "${short[@]}" -o "$device/atomic.ply" --fast-atomics || true
-  tool 30 fit "$device" scene.json --random-points 20000 --steps 300 -o "$device/fit.ply" || true
-  step "$(basename "$PWD")-$device-sample" 20 "$bin/ngs-sample" scene.json "$device/boundary.ply" -o "$device/queries.ply" -q || return 0
-  tool 20 rbf "$device" "$device/boundary.ply" "$device/queries.ply" -o "$device/field.ply" || true
+    run 40 ng-gs-atomic "$device" ngs-joint scene.json "$model" --method ng-gs --fast-atomics -o "$device/atomic.ply" || true
+  step "$(basename "$PWD")-$device-sample" 20 "$bin/ngs-sample" scene.json "$model" -o "$device/queries.ply" -q || return 0
+  run 20 rbf "$device" ngs-rbf "$model" "$device/queries.ply" -o "$device/field.ply" || true
+}
+same_bytes() {  # what has the same order of sums on both
+  local file
+  for file in boundary.ply draft.ply standard.ply fit.ply pictures; do
+    if [ -e "cuda/$file" ] && [ -e "cpu/$file" ]; then
+      step "$(basename "$PWD")-same-bytes-$file" 20 diff -rq "cpu/$file" "cuda/$file" || true
+    fi
+  done
 }
 if [ ${#scenes[@]} -gt 0 ] && [ -z "${NGS_DEVICE_BUILD:-}" ]; then
   step build-tools 200 bash -c 'compiled ngs-scene ngs-variance ngs-sample ngs-rbf ngs-joint ngs-render ngs-fit' || scenes=()
@@ -85,4 +95,5 @@ for n in "${!scenes[@]}"; do
   mkdir "$work/scenes/$n-$(basename "$scene")"; cd "$work/scenes/$n-$(basename "$scene")"
   step "$(basename "$PWD")-import" 30 "$bin/ngs-scene" import "$scene" --masks "$masks" --hold-out every:4:2 -o scene.json || continue
   for device in cuda cpu; do on_device "$device"; done
+  same_bytes
 done

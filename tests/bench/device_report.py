@@ -47,9 +47,10 @@ def tools():
         report = parsed(text(path))
         if not isinstance(report, dict) or "stages" not in report:
             continue
-        rows.append({"scene": path.parts[-3], "device": report["device"]["kind"], "tool": report["tool"],
-                     "fast_atomics": report["device"]["fast_atomics"], "wall_s": report["stages"]["wall_s"],
-                     "max_rss_mib": report["stages"]["max_rss_mib"]})
+        stages = report["stages"]
+        rows.append({"scene": path.parts[-3], "device": report["device"]["kind"], "run": path.stem,
+                     "wall_s": stages["wall_s"], "max_rss_mib": stages["max_rss_mib"],
+                     "stages": [{"name": stage["name"], "wall_s": stage["wall_s"]} for stage in stages["children"]]})
     return rows
 
 

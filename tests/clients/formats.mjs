@@ -1,10 +1,11 @@
-// Differences between two models, read independently of the tools (binary PLY of floats, and .glb converted to a PLY's axes):
+// Differences between two models, read independently of the tools (binary PLY of floats, and .glb and .usda converted to a PLY's axes):
 //
-//   formats.mjs A B POSITION SCALE OPACITY COLOUR SH AXES
+//   formats.mjs A B POSITION SCALE OPACITY COLOUR SH AXES [MODULES]
 //
 // Rows are matched by the nearest position. Prints the largest difference of each attribute: position, ln scale, opacity as
 // a probability, f_dc, f_rest (of the common degree), axes of the ellipsoids (columns of their rotation matrices up to the
 // sign). Exit code 1 if one exceeds its limit.
+// MODULES: the folder of three, whose parser reads .usda.
 import fs from 'node:fs';
 
 function readPly(path) {
@@ -49,6 +50,26 @@ function readGlb(path) {
   });
 }
 
+async function readUsda(path, modules) {
+  const { USDAParser } = await import(`${modules}/three/examples/jsm/loaders/usd/USDAParser.js`);
+  const tree = new USDAParser().parseText(fs.readFileSync(path, 'utf8'));
+  const prim = tree['def ParticleField3DGaussianSplat "Splat"'];
+  const read = (name) => JSON.parse(prim[name].replaceAll('(', '[').replaceAll(')', ']'));
+  const positions = read('point3f[] positions'), rotations = read('quatf[] orientations'), scales = read('float3[] scales');
+  const opacities = read('float[] opacities'), degree = Number(prim['uniform int radiance:sphericalHarmonicsDegree']);
+  const sh = read('float3[] radiance:sphericalHarmonicsCoefficients'), each = (degree + 1) ** 2;
+  // y up, z back: y and z change their sign, and with them the coefficients that are odd in one of them
+  const signs = [-1, -1, 1, -1, 1, 1, -1, 1, -1, 1, -1, -1, 1, -1, 1];
+  return positions.map(([x, y, z], i) => ({
+    position: [x, -y, -z],
+    scale: scales[i].map(Math.log),
+    opacity: opacities[i],
+    colour: sh[i * each],
+    sh: sh.slice(i * each + 1, (i + 1) * each).map((v, k) => v.map((c) => c * signs[k])),
+    rotation: [rotations[i][0], rotations[i][1], -rotations[i][2], -rotations[i][3]],
+  }));
+}
+
 function axes(rotation) {
   const length = Math.hypot(...rotation), [w, x, y, z] = rotation.map((v) => v / length);
   return [[1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)],
@@ -64,9 +85,11 @@ function differences(a, b) {
     Math.max(...first.map((v, k) => Math.min(most(v, second[k]), most(v, second[k].map((x) => -x)))))];
 }
 
-const read = (path) => (path.endsWith('.glb') ? readGlb(path) : readPly(path));
 const [pathA, pathB, ...limits] = process.argv.slice(2);
-const a = read(pathA), b = read(pathB);
+const modules = limits.splice(6)[0];
+const read = (path) =>
+  path.endsWith('.usda') ? readUsda(path, modules) : path.endsWith('.glb') ? readGlb(path) : readPly(path);
+const a = await read(pathA), b = await read(pathB);
 if (a.length !== b.length) { console.log(`${a.length} rows, expected ${b.length}`); process.exit(1); }
 const found = [0, 0, 0, 0, 0, 0];
 for (const row of a) {

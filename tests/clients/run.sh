@@ -119,6 +119,9 @@ check_formats() {
     within "the .$format of splat-transform, read by ngs and by splat-transform" "$folder/theirs-$format.ply" \
       "$folder/theirs-$format-ours.ply" 1e-6 1e-5 2e-6 1e-5 1e-6 "$([ $format = splat ] && echo 0.02 || echo 1e-5)"
   done
+  tool ngs-extract "$out/run/labelled.ply" --object-ply "$folder/ours.usda"
+  within 'our .usda read by the parser of three, and the PLY' "$out/run/object.ply" "$folder/ours.usda" 1e-6 1e-6 1e-6 1e-6 1e-6 1e-5 \
+    "$modules"
   check_ksplat "$folder"
 }
 

@@ -112,7 +112,7 @@ TEST_CASE("device.sh writes a valid report whatever fails") {
   machine.program("build/bin/ngs_device_bench", "echo '{\"device\": \"broken o'; exit 1");
   for (const char* name : {"scene", "variance", "render", "sample", "rbf"})
     fs::create_symlink(std::string(NGS_TOOL_DIR "/ngs-") + name, machine.dir.path() + "/build/bin/ngs-" + name);
-  machine.program("build/bin/ngs-joint", "echo '{\"tool\":' > cpu/joint.json; exit 8");
+  machine.program("build/bin/ngs-joint", "echo '{\"tool\":' > cpu/draft.json; exit 8");
   fs::create_directories(machine.dir.path() + "/my scene"), fs::create_directories(machine.dir.path() + "/empty");
   test::write_tiny_scene(machine.dir.path() + "/my scene");
   fs::remove(machine.dir.path() + "/my scene/scene.json");
@@ -121,7 +121,7 @@ TEST_CASE("device.sh writes a valid report whatever fails") {
   CHECK(result.exit_code == 1);
   const Json report = machine.written();
   CHECK(report.at("passed") == false);
-  for (const char* step : {"parity", "memcheck", "racecheck", "bench", "0-my scene-cpu-joint", "1-empty-import"}) {
+  for (const char* step : {"parity", "memcheck", "racecheck", "bench", "0-my scene-cpu-draft", "1-empty-import"}) {
     CAPTURE(step);
     CHECK(failed(report, step));
   }
@@ -130,7 +130,7 @@ TEST_CASE("device.sh writes a valid report whatever fails") {
   CHECK(report.at("benchmark").is_null());
   int on_cpu = 0;
   for (const Json& tool : report.at("tools")) on_cpu += tool.at("device") == "cpu";
-  CHECK(on_cpu == 3);  // variance, render and rbf; the report of joint is truncated
+  CHECK(on_cpu == 3);  // variance, render and rbf; the reports of ngs-joint are truncated or missing
 }
 
 TEST_CASE("device.sh starts no step that does not fit into the time limit") {

@@ -17,6 +17,7 @@ struct Backend {
   std::string name;
   Exec exec;
   bool same_functions = false;  // exp, log etc. are the CPU's: equal order of operations gives equal bits
+  bool ordered = true;          // false: atomic sums
 };
 const std::vector<Backend>& backends();
 /// The same devices with atomic sums, whose bits depend on the order of threads.

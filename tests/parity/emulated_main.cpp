@@ -13,7 +13,7 @@ std::vector<Backend> emulated(DeviceSums sums, const std::string& what) {
   std::vector<Backend> backends;
   const auto add = [&](const char* name, ThreadOrder order) {
     Emulated& e = *all.emplace_back(std::make_unique<Emulated>(order, sums));
-    backends.push_back({"emulated, " + std::string(name) + what, e.exec(), true});
+    backends.push_back({"emulated, " + std::string(name) + what, e.exec(), true, sums == DeviceSums::kInOrder});
   };
   add("ascending", ThreadOrder::kAscending), add("descending", ThreadOrder::kDescending);
   add("shuffled", ThreadOrder::kShuffled);

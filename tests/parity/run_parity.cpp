@@ -25,6 +25,15 @@ std::int64_t differing(const Column& got, const Column& want, std::size_t n) {
   return count;
 }
 
+void check_same_bits(const GaussianCloud& got, const GaussianCloud& want) {
+  CHECK(got.position == want.position);
+  CHECK(got.rotation == want.rotation);
+  CHECK(got.log_scale == want.log_scale);
+  CHECK(got.logit_opacity == want.logit_opacity);
+  CHECK(got.sh_dc == want.sh_dc);
+  CHECK(got.sh_rest == want.sh_rest);
+}
+
 FitState fit_start(const JointCase& c) {
   FitState state;
   state.cloud = c.model;
@@ -34,7 +43,7 @@ FitState fit_start(const JointCase& c) {
 
 }  // namespace
 
-TEST_CASE("run: a fit with densification on a device equals the CPU's within rounding") {
+TEST_CASE("run: a fit with densification on a device equals the CPU's, bit by bit with its functions") {
   const auto c = joint_case(120, 80);
   std::vector<FitView> views;
   for (std::size_t v = 0; v < 4; ++v) views.push_back({c->scene.views[v].camera, c->photos[v], Split::kTrain});
@@ -56,6 +65,7 @@ TEST_CASE("run: a fit with densification on a device equals the CPU's within rou
     check_ratio(b, "fit loss", std::abs(got->last_loss().total / want->last_loss().total - 1) / 1.2e-7, 500);
     check_ratio(b, "fit positions", worst_ratio(g.position, w.position, largest(w.position)), 500);
     check_ratio(b, "fit opacities", worst_ratio(g.logit_opacity, w.logit_opacity, largest(w.logit_opacity)), 5000);
+    if (b.same_functions) check_same_bits(g, w);
   }
 }
 
@@ -74,7 +84,7 @@ TEST_CASE("run: exposures of a device equal the CPU's within rounding") {
   }
 }
 
-TEST_CASE("run: labels of evidence and of all passes with a device are on the CPU's side for every Gaussian") {
+TEST_CASE("run: evidence and all passes with a device give the CPU's labels, bit by bit with its functions") {
   const auto c = joint_case();
   for (SceneView& view : c->scene.views) view.image_path = view.camera.name;  // so that photos are used
   const auto n = std::size_t(c->model.size());
@@ -94,11 +104,17 @@ TEST_CASE("run: labels of evidence and of all passes with a device are on the CP
     CAPTURE(b.name);
     const LabelColumns got_start = labels_of(b.exec);
     for (std::size_t i = 0; i < n; ++i) CHECK(got_start.label[i] == want_start.label[i]);
+    if (b.same_functions) CHECK(got_start.prob == want_start.prob);
     PipelineCase device(in, training, {}, all_passes(), b.exec);
     const Solution& got = *device.run().solution;
     for (std::size_t i = 0; i < n; ++i) {
       CHECK((got.labels[0].label[i] > 0.5f) == (want.labels[0].label[i] > 0.5f));
       CHECK(std::abs(got.labels[0].prob[i] - want.labels[0].prob[i]) < 1e-3f);
+    }
+    if (b.same_functions) {
+      CHECK(got.labels[0].label == want.labels[0].label);
+      CHECK(got.labels[0].prob == want.labels[0].prob);
+      check_same_bits(*got.cloud, *want.cloud);
     }
     MESSAGE(b.name << ": other bits than on the CPU: probabilities of evidence "
                    << differing(got_start.prob, want_start.prob, n) << " of " << n << ", of the run "

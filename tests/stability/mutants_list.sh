@@ -268,18 +268,20 @@ t="parity/emulated_main.cpp parity/backends.cpp parity/splat_parity.cpp" f=ops/d
 mutant $f "$t" "" "device: pairs of a Gaussian in one row of tiles only" 's/ty < rect\[i\]\.y_end/ty < rect[i].y_begin + 1/'
 mutant $f "$t" "" "device: last tile without an end" 's/if \(i <= tiles\)/if (i < tiles)/'
 mutant $f "$t" "" "device: keys sorted by tile only" 's/\| near_first;/| 0;/'
+mutant $f "$t" "" "device: columns of a tile added in another order" 's/sum\[x\] \+= sum\[x \+ half\];/sum[x] += sum[2 * half - 1 - x];/'
 f=ops/device/splat_forward_kernel.h
 mutant $f "$t" "" "device: a batch of the whole tile" 's/min2<std::int64_t>\(kBatch, end - first\)/kBatch/'
 mutant $f "$t" "" "device: background behind an opaque tile" 's/fma_lanes\(own\.traversal\.transmittance, channels\.background\[c\], own\.sum\[c\]\)/own.sum[c]/'
 mutant $f unit/ops/device/splat_forward_kernel_test.cpp "" "device: checkpoints stored by the wrong tile" 's/return begin \/ kEntries \+ tile;/return begin \/ kEntries;/'
 mutant $f "$t" "" "device: checkpoints of pixels that have stopped" 's/own\.traversal\.live \? own\.traversal\.transmittance : -1\.f/own.traversal.transmittance/'
 f=ops/device/splat_backward_kernel.h
-mutant $f "$t" "" "device: no barrier before memory is used again" 's/if \(j < used\) sum_row\(shared, (.*), own\.part\);/if (j < used) { sum_row(shared, \1, own.part); for (int k = 0; k < kSums; ++k) shared.segment[row][j * kSums + k] = own.part[k]; }/'
+mutant $f "$t" "" "device: no barrier before memory is used again" 's/if \(j < used\) sum_column\(shared, (.*), own\.part\);/if (j < used) { sum_column(shared, \1, own.part); for (int k = 0; k < kSums; ++k) shared.column[t % kTilePx][j * kSums + k] = own.part[k]; }/'
 mutant $f "$t" "" "device: chunks from the near end" 's/for \(int chunk = checkpoints\.count\[block\.index\]; chunk-- > 0;\)/for (int chunk = 0; chunk < checkpoints.count[block.index]; ++chunk)/'
 mutant $f "$t" "" "device: geometry of channel groups not added" 's/channels\.first > 0 \? \*to \+ value : value/false ? value : value/'
-mutant $f "$t" "" "device: pixels of another column" 's/at = row \* kTilePx \+ x/at = row * kTilePx + i/'
+mutant $f "$t" "" "device: pixels of another column" 's/at = row \* kTilePx \+ x, place/at = x * kTilePx + row, place/'
 mutant $f "$t" "" "device: an atomic sum without its last column" 's/if \(sums == DeviceSums::kAtomic\)$/if (sums == DeviceSums::kAtomic \&\& k + 1 < kPairGeometry + channels.used)/'
 mutant ops/device/splat_kernel.h "$t" "" "device: atomic sums read as those of pairs" 's/summed \? i \+ 1 : end/end/; s/summed \? i : begin/begin/'
+mutant ops/device/evidence_kernel.h "$t" "" "device: evidence of a column from below" 's/for \(int row = 0; row < kTilePx; \+\+row\) \{/for (int row = kTilePx; row-- > 0;) {/'
 mutant ops/device/evidence_kernel.h "$t" "" "device: second group of objects over the first" 's/k \+ 2 \* first\)\]/k)]/'
 t="parity/emulated_main.cpp parity/backends.cpp parity/field_parity.cpp"
 mutant ops/device/knn_kernel.h "$t" "" "device: equal distances lose their order" 's/if \(!placed \&\& !/if (!/'

@@ -16,8 +16,10 @@ DecodedSplat decode_splat(SplatFormat format, const std::string& name, Bytes byt
     case SplatFormat::kSplat: return decode_dot_splat(name, bytes);
     case SplatFormat::kKsplat: return decode_ksplat(name, bytes);
     case SplatFormat::kGlb:
+    case SplatFormat::kUsda:
       throw Error(ErrorCode::kBadInput,
-                  name + ": .glb can be written but not read, expected .ply, .spz, .sog, .splat or .ksplat",
+                  name + (format == SplatFormat::kGlb ? ": .glb" : ": .usda") +
+                      " can be written but not read, expected .ply, .spz, .sog, .splat or .ksplat",
                   "export the model in one of these formats");
     case SplatFormat::kPly:
     case SplatFormat::kCompressedPly: break;

@@ -26,6 +26,7 @@ SplatFormat input_format(std::string_view name, Bytes bytes) {
   if (begins_with(bytes, "NGSP")) return SplatFormat::kSpz;
   if (begins_with(bytes, "PK\x03\x04")) return SplatFormat::kSog;
   if (begins_with(bytes, "glTF")) return SplatFormat::kGlb;
+  if (begins_with(bytes, "#usda ")) return SplatFormat::kUsda;
   // .splat has no signature: its first record may even begin like a gzip stream, so its extension is checked first.
   if (ends_with(name, ".splat")) return SplatFormat::kSplat;
   if (ends_with(name, ".ksplat")) return SplatFormat::kKsplat;
@@ -35,14 +36,16 @@ SplatFormat input_format(std::string_view name, Bytes bytes) {
 }
 
 SplatFormat output_format(std::string_view path) {
-  if (ends_with(path, ".ksplat"))
-    throw Error(ErrorCode::kUsage,
-                std::string(path) +
-                    ": a .ksplat, which is read but not written, expected .ply, .compressed.ply, .spz, .sog, "
-                    ".splat or .glb",
-                "choose another name for the output");
+  for (const std::string_view name : {".ksplat", ".usd", ".usdc", ".usdz"})
+    if (ends_with(path, name))
+      throw Error(ErrorCode::kUsage,
+                  std::string(path) + ": a " + std::string(name) + ", which is " +
+                      (name == ".ksplat" ? "read but " : "") +
+                      "not written, expected .ply, .compressed.ply, .spz, .sog, .splat, .glb or .usda",
+                  "choose another name for the output");
   if (ends_with(path, ".compressed.ply")) return SplatFormat::kCompressedPly;
   if (ends_with(path, ".glb")) return SplatFormat::kGlb;
+  if (ends_with(path, ".usda")) return SplatFormat::kUsda;
   if (ends_with(path, ".spz")) return SplatFormat::kSpz;
   if (ends_with(path, ".sog")) return SplatFormat::kSog;
   if (ends_with(path, ".splat")) return SplatFormat::kSplat;

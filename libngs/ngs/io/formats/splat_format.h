@@ -8,14 +8,15 @@
 
 namespace ngs::io {
 
-enum class SplatFormat : std::uint8_t { kPly, kCompressedPly, kSpz, kSog, kSplat, kKsplat, kGlb };
+enum class SplatFormat : std::uint8_t { kPly, kCompressedPly, kSpz, kSog, kSplat, kKsplat, kGlb, kUsda };
 
 /// Format of an input: kPly (also for compressed.ply, which the PLY reader detects), kSpz, kSog, kSplat, kKsplat, or
-/// kGlb (write-only). Determined by the first bytes if the format has a signature, else by the extension of `name`.
-/// kPly if neither matches, so that the PLY reader reports what it expected.
+/// kGlb and kUsda (write-only). Determined by the first bytes if the format has a signature, else by the extension of
+/// `name`. kPly if neither matches, so that the PLY reader reports what it expected.
 SplatFormat input_format(std::string_view name, Bytes bytes);
 
-/// Format of an output, by its extension; kPly for every other name. kUsage for .ksplat, which is read-only.
+/// Format of an output, by its extension; kPly for every other name. kUsage for .ksplat, which is read-only, and
+/// for the binary forms of .usda.
 SplatFormat output_format(std::string_view path);
 
 /// Whether the extension of this name is that of a readable format other than PLY.

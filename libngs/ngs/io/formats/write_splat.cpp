@@ -8,10 +8,11 @@
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/formats/compressed_ply_write.h"
 #include "ngs/io/formats/dot_splat.h"
-#include "ngs/io/formats/glb_write.h"
 #include "ngs/io/formats/sog.h"
 #include "ngs/io/formats/splat_format.h"
 #include "ngs/io/formats/spz.h"
+#include "ngs/io/formats/write_only/glb_write.h"
+#include "ngs/io/formats/write_only/usda_write.h"
 #include "ngs/scene/precision/local_origin.h"
 
 namespace ngs::io {
@@ -24,6 +25,7 @@ std::vector<std::uint8_t> encode(SplatFormat format, const SplatSelection& model
     case SplatFormat::kSplat: return encode_dot_splat(model);
     case SplatFormat::kCompressedPly: return encode_compressed_ply(model);
     case SplatFormat::kGlb: return encode_glb(model);
+    case SplatFormat::kUsda: return encode_usda(model);
     case SplatFormat::kKsplat:
     case SplatFormat::kPly: break;
   }

@@ -1,6 +1,6 @@
 #pragma once
 // Writes a model without labels. The file name determines the format (output_format()): PLY by write_strict_ply, and
-// .compressed.ply, .spz, .sog, .splat, .glb.
+// .compressed.ply, .spz, .sog, .splat, .glb, .usda.
 #include <optional>
 #include <string>
 #include <vector>

@@ -1,7 +1,7 @@
 #pragma once
 // Mask evidence on a device (before Eq. (3)): the sums of ops/splat/evidence_tile.h per (Gaussian, tile) pair, then per
-// Gaussian. A thread first traverses one pixel, then sums eight pixels of one Gaussian, as in
-// ops/device/splat_backward_kernel.h.
+// Gaussian. A thread first traverses one pixel, then sums a column of pixels of one Gaussian, as in
+// ops/device/splat_backward_kernel.h. All sums have the order of the CPU, so equal records give equal bits.
 #include "ngs/ops/device/tiles_kernel.h"
 #include "ngs/ops/image/pixel_window.h"
 #include "ngs/scene/mask_threshold.h"
@@ -27,9 +27,10 @@ struct MasksOnDevice {
 template <int K>
 struct EvidenceTileOnDevice {
   static constexpr const char* kName = "evidence_tile";
-  static constexpr int kThreads = kTilePixels, kMinBlocks = 3, kBatch = 64, kChunk = 8;
-  static constexpr int kSegments = kThreads / kChunk, kSegmentPx = kTilePixels / kSegments;
+  static constexpr int kThreads = kTilePixels, kMinBlocks = 3, kBatch = 64, kChunk = 16;
   static constexpr int kSums = 2 + 2 * K;
+  static_assert(kChunk * kTilePx == kThreads, "a thread takes a column of pixels of a Gaussian");
+  static_assert(kChunk * kSums <= kThreads);
 
   TilesOnDevice tiles;
   MasksOnDevice masks;
@@ -39,9 +40,9 @@ struct EvidenceTileOnDevice {
 
   struct Shared {
     TileGaussian<float> gaussian[kBatch];
-    float mask[1 + K][kTilePixels];  // known, targets; 0 where unknown or outside
-    float weight[kChunk][kTilePixels];
-    float segment[kSegments][kChunk * kSums + 1];  // odd rows, as in the splat's backward pass
+    float mask[1 + K][kTilePixels];             // known, targets; 0 where unknown or outside
+    float weight[kChunk][kTilePixels];          // at chunk_place()
+    float column[kTilePx][kChunk * kSums + 1];  // odd rows, as in the splat's backward pass
   };
   struct Thread {
     PixelTraversal<float> traversal;
@@ -83,28 +84,28 @@ struct EvidenceTileOnDevice {
         float before;
         const float opaque =
             own.traversal.pass(shared.gaussian[from + j], float(pixel.column), float(pixel.row), tiles.stop, before);
-        shared.weight[j][t] = masks.by_visibility ? opaque * before * before : opaque * before;
+        const float weight = opaque * before;
+        shared.weight[j][chunk_place(j, t)] = masks.by_visibility ? weight * before : weight;
       }
     });
     block.phase([&](int t, Shared& shared, Thread&) {
-      const int j = t / kSegments;
-      if (j < count) sum_segment(shared, j, t % kSegments);
+      const int j = t / kTilePx;
+      if (j < count) sum_column(shared, j, t % kTilePx);
     });
     block.phase([&](int t, Shared& shared, Thread&) {
       const int j = t / kSums, k = t % kSums;
       if (j >= count || k >= 2 + 2 * used) return;
-      float sum = 0.f;
-      for (int s = 0; s < kSegments; ++s) sum += shared.segment[s][t];
-      pair[std::int64_t(tiles.slot[entry + j]) * columns + (k < 2 ? k : k + 2 * first)] = sum;
+      pair[std::int64_t(tiles.slot[entry + j]) * columns + (k < 2 ? k : k + 2 * first)] =
+          sum_of_columns([&](int x) { return shared.column[x][t]; });
     });
   }
 
-  NGS_HD static void sum_segment(Shared& shared, int j, int s) {
+  NGS_HD static void sum_column(Shared& shared, int j, int x) {
     float sum[kSums];
     for (int k = 0; k < kSums; ++k) sum[k] = 0.f;
-    for (int i = 0; i < kSegmentPx; ++i) {
-      const int at = s * kSegmentPx + (i + s / 4) % kSegmentPx;
-      const float weight = shared.weight[j][at], counts = shared.mask[0][at];
+    for (int row = 0; row < kTilePx; ++row) {
+      const int at = row * kTilePx + x;
+      const float weight = shared.weight[j][chunk_place(j, at)], counts = shared.mask[0][at];
       sum[0] = fma_lanes(weight, counts, sum[0]);
       sum[1] += weight > 0.f ? counts : 0.f;
       for (int k = 0; k < K; ++k) {
@@ -113,7 +114,7 @@ struct EvidenceTileOnDevice {
         sum[3 + 2 * k] += weight > 0.f && mask_is_foreground(m) ? 1.f : 0.f;
       }
     }
-    for (int k = 0; k < kSums; ++k) shared.segment[s][j * kSums + k] = sum[k];
+    for (int k = 0; k < kSums; ++k) shared.column[x][j * kSums + k] = sum[k];
   }
 };
 

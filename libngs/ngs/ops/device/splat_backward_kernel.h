@@ -6,7 +6,8 @@
 // As on the CPU (ops/splat/splat_backward.h), a pixel is traversed from its far end, and nothing is divided by 1 -
 // alpha. The forward pass has stored the transmittances before every chunk of entries (Checkpoints); replaying a chunk
 // from there gives the same bits. Per chunk, the threads then change roles: from one pixel with all Gaussians of the
-// chunk to one Gaussian with a row of pixels. Sums over pixels then need no exchange within warps.
+// chunk to one Gaussian with a column of pixels. Sums over pixels then need no exchange within warps, and have the
+// order of the CPU: equal records and image gradients give equal bits for up to kMaxChannels channels.
 #include "ngs/backend/exec.h"
 #include "ngs/ops/device/splat_forward_kernel.h"
 
@@ -15,9 +16,9 @@ namespace ngs {
 template <int C, class Launcher>
 struct SplatBackwardTile {
   static constexpr const char* kName = "splat_backward_tile";
-  static constexpr int kThreads = kTilePixels, kMinBlocks = C > 1 ? 3 : 2, kChunk = Checkpoints::kEntries;
+  static constexpr int kThreads = kTilePixels, kMinBlocks = 3, kChunk = Checkpoints::kEntries;
   static constexpr int kSums = kPairGeometry + C;
-  static_assert(kChunk * kTilePx == kThreads, "a thread takes a row of pixels of a Gaussian");
+  static_assert(kChunk * kTilePx == kThreads, "a thread takes a column of pixels of a Gaussian");
   static_assert(kChunk * kSums <= kThreads);
 
   TilesOnDevice tiles;
@@ -29,7 +30,7 @@ struct SplatBackwardTile {
   int row_columns;
   DeviceSums sums;
 
-  struct Pairs {
+  struct Pairs {                        // at chunk_place()
     float first[kChunk][kTilePixels];   // alpha, then ∂L/∂power
     float second[kChunk][kTilePixels];  // transmittance before, then weight
   };
@@ -38,7 +39,7 @@ struct SplatBackwardTile {
     float grad[C + 1][kTilePixels];
     union {
       Pairs pair;
-      float segment[kTilePx][kChunk * kSums + 1];  // odd rows: a warp writes columns and reads rows, each in 32 banks
+      float column[kTilePx][kChunk * kSums + 1];  // odd rows: a warp writes columns and reads rows, each in 32 banks
     };
     float total[kChunk * kSums];
   };
@@ -95,20 +96,21 @@ struct SplatBackwardTile {
       const TilePixel pixel(t, frame);
       for (int j = 0; j < used; ++j) {
         float before;
-        shared.pair.first[j][t] =
+        shared.pair.first[j][chunk_place(j, t)] =
             own.traversal.pass(shared.staged.gaussian[j], float(pixel.column), float(pixel.row), tiles.stop, before);
-        shared.pair.second[j][t] = before;
+        shared.pair.second[j][chunk_place(j, t)] = before;
       }
       float g[C + 1];
       for (int c = 0; c <= C; ++c) g[c] = shared.grad[c][t];
       for (int j = used; j-- > 0;) {
-        const float opaque = shared.pair.first[j][t], weight = opaque * shared.pair.second[j][t];
+        float &first = shared.pair.first[j][chunk_place(j, t)], &second = shared.pair.second[j][chunk_place(j, t)];
+        const float opaque = first, weight = opaque * second;
         float v = g[C];
         for (int c = 0; c < C; ++c) v = fma_lanes(g[c], moves >> c & 1 ? shared.staged.value[j][c] : 0.f, v);
         const float difference = v - own.behind;
         own.behind = fma_lanes(opaque, difference, own.behind);
-        shared.pair.first[j][t] = opaque < float(kAlphaCap) ? weight * difference : 0.f;
-        shared.pair.second[j][t] = weight;
+        first = opaque < float(kAlphaCap) ? weight * difference : 0.f;
+        second = weight;
       }
     });
   }
@@ -117,19 +119,16 @@ struct SplatBackwardTile {
   template <class Block>
   NGS_HD void sums_of_pairs(Block& block, std::int64_t entry, int used) const {
     block.phase([&](int t, Shared& shared, Thread& own) {
-      const int j = t / kTilePx, row = t % kTilePx;
-      if (j < used) sum_row(shared, shared.staged.gaussian[j], j, row, own.part);
+      const int j = t / kTilePx;
+      if (j < used) sum_column(shared, shared.staged.gaussian[j], j, t % kTilePx, own.part);
     });
     block.phase([&](int t, Shared& shared, Thread& own) {  // overwrites `pair`, which has been read
-      const int j = t / kTilePx, row = t % kTilePx;
+      const int j = t / kTilePx;
       if (j >= used) return;
-      for (int k = 0; k < kSums; ++k) shared.segment[row][j * kSums + k] = own.part[k];
+      for (int k = 0; k < kSums; ++k) shared.column[t % kTilePx][j * kSums + k] = own.part[k];
     });
     block.phase([&](int t, Shared& shared, Thread&) {
-      if (t >= used * kSums) return;
-      float sum = 0.f;
-      for (int row = 0; row < kTilePx; ++row) sum += shared.segment[row][t];
-      shared.total[t] = sum;
+      if (t < used * kSums) shared.total[t] = sum_of_columns([&](int x) { return shared.column[x][t]; });
     });
     block.phase([&](int t, Shared& shared, Thread&) {
       if (t >= used * kSums) return;
@@ -147,20 +146,20 @@ struct SplatBackwardTile {
     });
   }
 
-  /// Moments of ∂L/∂power in the distance from the mean, and weighted channel gradients, over a row of pixels. The
-  /// starting pixel shifts with row and Gaussian, so that the threads of a warp read from 32 banks.
-  NGS_HD static void sum_row(const Shared& shared, const TileGaussian<float>& g, int j, int row, float* part) {
-    float p = 0.f, pu = 0.f, puu = 0.f, channel[C];
+  /// Moments of ∂L/∂power in the distance from the mean, and weighted channel gradients, over a column of pixels, as
+  /// TileBackward::column() sums them.
+  NGS_HD static void sum_column(const Shared& shared, const TileGaussian<float>& g, int j, int x, float* part) {
+    float p = 0.f, pv = 0.f, pvv = 0.f, channel[C];
     for (int c = 0; c < C; ++c) channel[c] = 0.f;
-    for (int i = 0; i < kTilePx; ++i) {
-      const int x = (i + row / 2 + j % 2 * 8) % kTilePx, at = row * kTilePx + x;
-      const float u = g.x - float(x), power = shared.pair.first[j][at], weight = shared.pair.second[j][at];
-      const float first = power * u;
-      p += power, pu += first, puu = fma_lanes(first, u, puu);
+    for (int row = 0; row < kTilePx; ++row) {
+      const int at = row * kTilePx + x, place = chunk_place(j, at);
+      const float v = g.y - float(row), power = shared.pair.first[j][place], weight = shared.pair.second[j][place];
+      const float first = power * v;
+      p += power, pv += first, pvv = fma_lanes(first, v, pvv);
       for (int c = 0; c < C; ++c) channel[c] = fma_lanes(weight, shared.grad[c][at], channel[c]);
     }
-    const float v = g.y - float(row);
-    part[0] = p, part[1] = pu, part[2] = p * v, part[3] = puu, part[4] = pu * v, part[5] = p * v * v;
+    const float u = g.x - float(x), pu = p * u;
+    part[0] = p, part[1] = pu, part[2] = pv, part[3] = pu * u, part[4] = pv * u, part[5] = pvv;
     for (int c = 0; c < C; ++c) part[kPairGeometry + c] = channel[c];
   }
 

@@ -36,6 +36,20 @@ struct TilePixel {
         index(std::int64_t(frame.y_px + row) * frame.width_px + frame.x_px + column) {}
 };
 
+/// Where the values of Gaussian j of a chunk at pixel t lie in shared memory, so that half a warp that reads a row of
+/// Gaussian j and the other half, which reads the same row of j + 1, use all 32 banks.
+NGS_HD constexpr int chunk_place(int j, int t) { return t ^ (j % 2 * kTilePx); }
+
+/// column(0) + ... + column(15), in the order of the CPU's packs: folded to 8, then sum_lanes().
+template <class Column>
+NGS_HD float sum_of_columns(const Column& column) {
+  float sum[kTilePx / 2];
+  for (int x = 0; x < kTilePx / 2; ++x) sum[x] = 0.f + column(x) + column(x + kTilePx / 2);
+  for (int half = kTilePx / 4; half > 0; half /= 2)
+    for (int x = 0; x < half; ++x) sum[x] += sum[x + half];
+  return sum[0];
+}
+
 /// The channel values of Gaussians.
 struct ChannelRows {
   ChannelPlan<float> plan;

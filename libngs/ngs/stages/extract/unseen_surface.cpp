@@ -6,6 +6,7 @@
 #include "ngs/backend/for_each.h"
 #include "ngs/core/check.h"
 #include "ngs/math/world_unit.h"
+#include "ngs/ops/image/pixel_window.h"
 #include "ngs/problem/cloud_rows.h"
 #include "ngs/stages/orbit/rigs.h"
 
@@ -33,12 +34,12 @@ SplatOptions near_splat(double radius) {
   return splat;
 }
 
-/// Camera z of the surface in every pixel; 0: no surface.
-ImageF depth_of(const GaussianCloud& cloud, const Camera& camera, const SplatOptions& splat) {
+/// Camera z of the surface in every pixel; 0: no surface. `touching`: RenderRequest::tiles_touching.
+ImageF depth_of(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& splat,
+                const std::uint8_t* touching) {
   RenderRequest request;
-  request.colour = false, request.depth = true;
-  const Exec serial;
-  const RenderedView view = render(serial, cloud, camera, splat, request);
+  request.colour = false, request.depth = true, request.tiles_touching = touching;
+  const RenderedView view = render(exec, cloud, camera, splat, request);
   ImageF depth(camera.width_px, camera.height_px, 1);
   for (std::size_t p = 0; p < depth.data.size(); ++p)
     if (view.alpha.data[p] >= kOpaque) depth.data[p] = view.depth.data[p] / view.alpha.data[p];
@@ -75,7 +76,8 @@ class PointImage {
 };
 
 std::vector<SurfacePixel> surface_pixels(const GaussianCloud& object, const Camera& camera, const SplatOptions& splat) {
-  const ImageF depth = depth_of(object, camera, splat);
+  const Exec serial;
+  const ImageF depth = depth_of(serial, object, camera, splat, nullptr);
   const Camera relative = relative_to(camera, object.origin);
   const PointImage image(depth, relative);
   const orbit::Vec eye = relative.centre();
@@ -92,13 +94,48 @@ std::vector<SurfacePixel> surface_pixels(const GaussianCloud& object, const Came
   return points;
 }
 
-/// Whether the point projects into the camera's image and is not occluded there.
-bool is_visible(const Camera& relative, const ImageF& depth, orbit::Vec at, double behind) {
-  const std::optional<orbit::Vec> p = relative.project(at);
-  if (!p) return false;
-  const double surface = double(depth.at(int(p->x), int(p->y)));
-  return !(surface > 0) || p->z <= surface + behind;
-}
+/// Finds the points of the renders that a view of the capture sees. Only a window about points that no earlier view saw
+/// is rendered.
+class SeeingView {
+ public:
+  SeeingView(const GaussianCloud& cloud, const Camera& camera)
+      : camera_(camera), relative_(relative_to(camera, cloud.origin)), eye_(relative_.centre()) {}
+
+  /// The pixels of the unseen points that face the camera.
+  ForegroundBox box_of(const std::vector<SurfacePixel>& points) const {
+    ForegroundBox box;
+    for (const SurfacePixel& point : points)
+      if (const std::optional<orbit::Vec> p = pixel_of(point)) box.add(int(p->x), int(p->y));
+    return box;
+  }
+  /// render(camera) returns the depth of a window.
+  template <class Render>
+  void render_window(const ForegroundBox& box, const Render& render) {
+    window_ = widened({box.x0, box.y0, box.x1 - box.x0, box.y1 - box.y0}, 0, camera_.width_px, camera_.height_px);
+    depth_ = render(window_camera(camera_, window_));
+  }
+  /// Marks the points that are not occluded; `behind`: depth tolerance.
+  void mark_seen(double behind, std::vector<SurfacePixel>& points) const {
+    for (SurfacePixel& point : points)
+      if (const std::optional<orbit::Vec> p = pixel_of(point)) {
+        const double surface = double(depth_.at(int(p->x) - window_.x0, int(p->y) - window_.y0));
+        point.seen = !(surface > 0) || p->z <= surface + behind;
+      }
+  }
+
+ private:
+  /// x, y and depth; nullopt if the point is seen, faces away or lies outside the image.
+  std::optional<orbit::Vec> pixel_of(const SurfacePixel& point) const {
+    if (point.seen || !(dot(eye_ - point.at, point.normal) > 0)) return std::nullopt;
+    return relative_.project(point.at);
+  }
+
+  const Camera& camera_;
+  Camera relative_;
+  orbit::Vec eye_;
+  PixelWindow window_;
+  ImageF depth_;  // of the window
+};
 
 std::vector<Camera> cameras_around(const orbit::Ball& ball, const std::array<double, 3>& origin) {
   const orbit::Intrinsics intrinsics{kSide_px, kSide_px, kFov_deg};
@@ -145,14 +182,17 @@ UnseenSurface unseen_surface(const Exec& exec, Monitor& monitor, const UnseenInp
     renders[std::size_t(d)] = surface_pixels(object, around[std::size_t(d)], alone);
   });
   for (const Camera& camera : input.cameras) {
-    const ImageF depth = depth_of(input.cloud, camera, whole);
-    const Camera relative = relative_to(camera, input.cloud.origin);
-    const orbit::Vec eye = relative.centre();
-    for_each_task(exec, std::int64_t(renders.size()), [&](std::int64_t d) {
-      for (SurfacePixel& point : renders[std::size_t(d)])
-        point.seen |=
-            dot(eye - point.at, point.normal) > 0 && is_visible(relative, depth, point.at, kBehind * ball.radius);
-    });
+    SeeingView view(input.cloud, camera);
+    std::vector<ForegroundBox> boxes(renders.size());
+    for_each_task(exec, std::ssize(renders),
+                  [&](std::int64_t d) { boxes[std::size_t(d)] = view.box_of(renders[std::size_t(d)]); });
+    ForegroundBox box;
+    for (const ForegroundBox& of_render : boxes) box.add(of_render);
+    if (box.empty()) continue;
+    view.render_window(
+        box, [&](const Camera& window) { return depth_of(exec, input.cloud, window, whole, input.object.data()); });
+    for_each_task(exec, std::ssize(renders),
+                  [&](std::int64_t d) { view.mark_seen(kBehind * ball.radius, renders[std::size_t(d)]); });
   }
   return summed(renders);
 }

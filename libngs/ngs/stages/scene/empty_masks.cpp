@@ -8,6 +8,7 @@
 #include "ngs/problem/view_list.h"
 #include "ngs/scene/mask_threshold.h"
 #include "ngs/stages/render/render_options.h"
+#include "ngs/stages/render/render_stage.h"
 
 namespace ngs {
 namespace {
@@ -21,45 +22,36 @@ struct PixelCounts {
   double share_of(double pixels) const { return known > 0 ? pixels / known : 0; }
 };
 
-/// Renders the labels of all objects together. Gaussians visible in no mask's view have the label of the nearest seen
-/// one.
-class LabelRenderer {
- public:
-  LabelRenderer(const Exec& exec, const GaussianCloud& cloud, const Scene& scene,
-                const std::vector<LabelColumns>& objects)
-      : cloud_(cloud), splat_(splat_options({}, cloud, scene)), label_(std::size_t(cloud.size()), 0.f) {
-    std::vector<std::uint32_t> seen, unseen;
-    for (std::size_t i = 0; i < label_.size(); ++i) {
-      for (const LabelColumns& object : objects) label_[i] = std::max(label_[i], float(object.label[i]));
-      if (cloud.usable[i]) (objects[0].views[i] > 0 ? seen : unseen).push_back(std::uint32_t(i));
-    }
-    if (seen.empty() || unseen.empty()) return;
-    const std::vector<float> points = gather_column(exec, cloud.position, 3, seen),
-                             queries = gather_column(exec, cloud.position, 3, unseen);
-    const KnnGraph nearest = nearest_points(exec, {points.data(), std::int64_t(seen.size())},
-                                            {queries.data(), std::int64_t(unseen.size())}, 1);
-    for (std::size_t q = 0; q < unseen.size(); ++q) label_[unseen[q]] = label_[seen[nearest.index[q]]];
+/// One label for all objects. Gaussians visible in no mask's view have the label of the nearest seen one.
+LabelColumns label_of_any(const Exec& exec, const GaussianCloud& cloud, const std::vector<LabelColumns>& objects) {
+  std::vector<float> label(std::size_t(cloud.size()), 0.f);
+  std::vector<std::uint32_t> seen, unseen;
+  for (std::size_t i = 0; i < label.size(); ++i) {
+    for (const LabelColumns& object : objects) label[i] = std::max(label[i], float(object.label[i]));
+    if (cloud.usable[i]) (objects[0].views[i] > 0 ? seen : unseen).push_back(std::uint32_t(i));
   }
+  LabelColumns any;
+  any.label = std::move(label);
+  if (seen.empty() || unseen.empty()) return any;
+  const std::vector<float> points = gather_column(exec, cloud.position, 3, seen),
+                           queries = gather_column(exec, cloud.position, 3, unseen);
+  const KnnGraph nearest = nearest_points(exec, {points.data(), std::int64_t(seen.size())},
+                                          {queries.data(), std::int64_t(unseen.size())}, 1);
+  for (std::size_t q = 0; q < unseen.size(); ++q) any.label[unseen[q]] = any.label[seen[nearest.index[q]]];
+  return any;
+}
 
-  PixelCounts count(const Exec& exec, const Camera& camera, const ViewMasks& masks) const {
-    RenderRequest request{.colour = false, .label = {label_.data(), cloud_.size(), 1}};
-    const ImageF shown = render(exec, cloud_, camera, splat_, request).label;
-    PixelCounts counts;
-    for (std::size_t p = 0; p < shown.data.size(); ++p) {
-      if (!masks.known.empty() && masks.known[p] == 0) continue;
-      const bool in_mask =
-          std::ranges::any_of(masks.target, [&](const auto& target) { return mask_is_foreground(target[p]); });
-      const bool is_shown = label_is_foreground(shown.data[p]);
-      counts.known += 1, counts.mask += in_mask, counts.shown += is_shown, counts.both += in_mask && is_shown;
-    }
-    return counts;
+PixelCounts count_pixels(const ImageF& shown, const ViewMasks& masks) {
+  PixelCounts counts;
+  for (std::size_t p = 0; p < shown.data.size(); ++p) {
+    if (!masks.known.empty() && masks.known[p] == 0) continue;
+    const bool in_mask =
+        std::ranges::any_of(masks.target, [&](const auto& target) { return mask_is_foreground(target[p]); });
+    const bool is_shown = label_is_foreground(shown.data[p]);
+    counts.known += 1, counts.mask += in_mask, counts.shown += is_shown, counts.both += in_mask && is_shown;
   }
-
- private:
-  const GaussianCloud& cloud_;
-  SplatOptions splat_;
-  std::vector<float> label_;  // [N] 1: of some object
-};
+  return counts;
+}
 
 }  // namespace
 
@@ -68,11 +60,11 @@ EmptyMasks check_empty_masks(const Exec& exec, Monitor& monitor, const EmptyMask
   if (in.empty.empty() || in.others.empty()) return result;
   const auto timed = monitor.scope("empty masks");
   const std::vector<std::size_t> labelling = spread_views(in.others, kMaxLabelling);
-  const SplatOptions splat = splat_options({}, in.cloud, in.scene);
+  const SplatOptions splat = prepared_for(exec, splat_options({}, in.cloud, in.scene), in.cloud);
   const Evidence evidence = accumulate_evidence(exec, monitor, {in.cloud, in.scene, labelling, splat, in.load_masks});
-  const LabelRenderer renderer(exec, in.cloud, in.scene, label_gaussians({}, evidence));
+  const LabelChannels labels(in.cloud, {label_of_any(exec, in.cloud, label_gaussians({}, evidence))});
   const auto count = [&](std::size_t view) {
-    return renderer.count(exec, in.scene.views[view].camera, in.load_masks(view));
+    return count_pixels(labels.masks(exec, in.scene.views[view].camera, splat), in.load_masks(view));
   };
   double both = 0, either = 0;
   std::vector<double> usual;

@@ -28,6 +28,7 @@ TEST_CASE("the format is detected from the content, or from the name if there is
   CHECK(format("a.zip", "PK\x03\x04") == SplatFormat::kSog);
   CHECK(format("a.ksplat", "\x01\x02") == SplatFormat::kKsplat);
   CHECK(format("a.splat", "glTF\x02") == SplatFormat::kGlb);
+  CHECK(format("a.ply", "#usda 1.0") == SplatFormat::kUsda);
   CHECK(format("a.compressed.ply", "ply\r\n") == SplatFormat::kPly);
   CHECK(format("a.sog", "") == SplatFormat::kSog);
   CHECK(format("a.obj", "v 1 2 3") == SplatFormat::kPly);
@@ -40,7 +41,9 @@ TEST_CASE("the output format follows from the name, and labels are written to PL
   CHECK(io::output_format("object.glb") == SplatFormat::kGlb);
   CHECK(io::output_format("a/object.compressed.ply") == SplatFormat::kCompressedPly);
   CHECK(io::output_format("object.ply") == SplatFormat::kPly);
-  CHECK_THROWS_AS(io::output_format("object.ksplat"), Error);
+  CHECK(io::output_format("object.usda") == SplatFormat::kUsda);
+  for (const char* name : {"object.ksplat", "object.usd", "object.USDZ", "object.usdc"})
+    CHECK_THROWS_AS(io::output_format(name), Error);
   CHECK(io::output_format("spz") == SplatFormat::kPly);
   CHECK_NOTHROW(io::require_ply_output("labelled.ply"));
   try {

@@ -1,4 +1,4 @@
-#include "ngs/io/formats/glb_write.h"
+#include "ngs/io/formats/write_only/glb_write.h"
 
 #include <algorithm>
 #include <cmath>
@@ -50,9 +50,9 @@ std::vector<Attribute> attributes_of(int sh_degree) {
   return list;
 }
 
-class Encoder {
+class GlbEncoder {
  public:
-  explicit Encoder(const SplatSelection& model) : model_(model), attributes_(attributes_of(model.cloud.sh_degree)) {
+  explicit GlbEncoder(const SplatSelection& model) : model_(model), attributes_(attributes_of(model.cloud.sh_degree)) {
     std::size_t floats = 0;
     for (const Attribute& a : attributes_) floats += a.width;
     binary_bytes_ = floats * model.rows.size() * sizeof(float);
@@ -148,6 +148,6 @@ class Encoder {
 
 }  // namespace
 
-std::vector<std::uint8_t> encode_glb(const SplatSelection& model) { return Encoder(model).encode(); }
+std::vector<std::uint8_t> encode_glb(const SplatSelection& model) { return GlbEncoder(model).encode(); }
 
 }  // namespace ngs::io
