@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <set>
 
 #include "ngs/ops/image/pixel_window.h"
 #include "ngs/ops/splat/evidence.h"
@@ -215,6 +216,11 @@ TEST_CASE("residency: a step of contour refinement copies a few scalars, with wi
   const std::size_t views = input.views.size();
   ContourOptions contour;
   contour.epochs = 3, contour.iterations = 2, contour.margin_px = 4;
+  std::set<int> widths_px;
+  for (const RefinedView& view :
+       refine_views({}, {contour.refine, contour.margin_px, input}, {c->model, c->labels}, input.views, input.views))
+    widths_px.insert(view.window.w);
+  REQUIRE(widths_px.size() > 1);
   TrainingOptions training;
   Monitor monitor;
   Emulated device(ThreadOrder::kAscending, DeviceSums::kInOrder, true);
@@ -257,6 +263,58 @@ TEST_CASE("residency: a step of the refit after the removal of floaters copies a
   CHECK(three.up_bytes == two.up_bytes);
   CHECK(three.down_bytes - two.down_bytes <= std::size_t(steps) * 32);
   CHECK(three.launches - two.launches <= steps * 20);
+}
+
+TEST_CASE("residency: a render without enough device memory throws, releases its memory, and can be repeated") {
+  const auto c = joint_case(100, 80);
+  Emulated device(ThreadOrder::kAscending, DeviceSums::kInOrder, true);  // aborts if memory is not released
+  const Camera& camera = c->scene.views[0].camera;
+  RenderRequest request;
+  request.label = {c->is_ball.data(), c->model.size(), 1};
+  const RenderedView want = render({}, c->model, camera, {}, request);
+  std::int64_t failures = 0;
+  for (bool failed = true; failed; failures += failed) {
+    device.launcher.limit_allocations(failures);
+    failed = false;
+    try {
+      const RenderedView got = render(device.exec(), c->model, camera, {}, request);
+      CHECK(got.label.data == want.label.data);
+    } catch (const OutOfDeviceMemory& e) {
+      failed = true;
+      CHECK(e.code() == ErrorCode::kEnvironment);
+    }
+  }
+  CHECK(failures > 15);
+}
+
+TEST_CASE("residency: a trainer without enough device memory throws in any allocation and forgets its arrays") {
+  const auto c = joint_case(40, 30);
+  Problem input = c->input();
+  for (int i = 0; i < 70; ++i) input.region.push_back(i < 40);
+  JointOptions options;
+  options.on = joint_switched({"nerf=off"}), options.steps = 2;
+  Monitor monitor;
+  Emulated device(ThreadOrder::kAscending, DeviceSums::kInOrder);
+  const auto train = [&](std::int64_t allocations) {
+    device.launcher.limit_allocations(allocations);
+    JointTrainer trainer(device.exec(), monitor, {.options = options, .sample = {}, .rbf = {}, .input = input}, true);
+    while (!trainer.finished()) trainer.step();
+    return *trainer.result().cloud;
+  };
+  const GaussianCloud want = train(-1);
+  std::int64_t failures = 0;
+  for (bool failed = true; failed; failures += failed) {
+    failed = false;
+    try {
+      const GaussianCloud got = train(failures);
+      CHECK(got.sh_dc == want.sh_dc);
+    } catch (const OutOfDeviceMemory&) {
+      failed = true;
+      for (const std::vector<float>* array : {&c->photos[0].data, &c->masks[0].target[0], &c->model.position})
+        CHECK(device.launcher.resident.find(array->data(), sizeof(float)) == nullptr);
+    }
+  }
+  CHECK(failures > 50);
 }
 
 }  // namespace ngs::test

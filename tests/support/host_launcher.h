@@ -6,6 +6,7 @@
 //   races in a phase or launch       results must not depend on `order` (ascending, descending, shuffled)
 //   accesses out of bounds           the address sanitizer knows the exact size of allocations
 //   accesses by host code            guarded device memory faults outside of launches and copies
+//   too little memory                allocations fail after a given number of them
 // clang-format on
 // Counts launches and copies.
 #include <algorithm>
@@ -72,6 +73,8 @@ class HostLauncher {
     if (!memory_.empty()) std::abort();  // a leak
   }
   Traffic& traffic() { return traffic_; }
+  /// The device has memory for so many more allocations; negative: for any number.
+  void limit_allocations(std::int64_t more) { allocations_left_ = more; }
 
   template <class Kernel>
   void parallel_for(std::int64_t n, const Kernel& kernel) {
@@ -107,6 +110,8 @@ class HostLauncher {
     for (std::int64_t i = 0; i < n; ++i) out[i + 1] = out[i] + in[i];
   }
   void* allocate(std::size_t bytes) {
+    if (allocations_left_ == 0) throw_out_of_device_memory(bytes);
+    if (allocations_left_ > 0) --allocations_left_;
     ++traffic_.allocations;
     return memory_.allocate(bytes);
   }
@@ -152,6 +157,7 @@ class HostLauncher {
   ThreadOrder order_;
   GuardedMemory memory_;
   Traffic traffic_;
+  std::int64_t allocations_left_ = -1;
 };
 
 }  // namespace ngs::test

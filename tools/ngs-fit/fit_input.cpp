@@ -4,6 +4,7 @@
 #include "ngs/io/image/photo.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/scene/scene_json.h"
+#include "shared/scene/memory_model.h"
 
 namespace ngs::cli {
 
@@ -70,6 +71,7 @@ Scene read_fit_scene(Run& run, const std::string& path, FitOptions& options) {
   choose_background(options.background, run.monitor(), scene);
   options.background = background_text(background_of(scene));
   run.result()["views"] = scene.views.size();
+  run.needs_device_memory(device_bytes(options.max_gaussians, sh_rest_count(options.sh_degree)));
   return scene;
 }
 

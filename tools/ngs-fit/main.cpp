@@ -30,7 +30,7 @@ void check_options(cli::Run& run, const cli::CheckpointOptions& keep, const File
 /// True if there is a state to resume from. Without --resume an existing state is replaced only with -w.
 bool resumes(const cli::Run& run, const cli::CheckpointOptions& keep) {
   const bool kept = keep.is_on() && std::filesystem::exists(cli::checkpoint_path(keep.checkpoint));
-  if (kept && !keep.resume && !run.overwrite())
+  if (kept && !keep.resume && !run.overwrite() && !run.is_restart())
     throw Error(ErrorCode::kUsage, cli::checkpoint_path(keep.checkpoint) + ": exists already, expected none",
                 "continue with --resume, or start over with -w");
   return kept && keep.resume;

@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
       tool.optional_output("--trace", "one JSON line per step: time, loss terms; per epoch: mask scores");
   tool.writes_nothing_if(options.choice.explain);
   tool.stops_on_request();
-  tool.runs_partly_on_device();  // the passes, not the baselines
+  tool.runs_on_device();
 
   return tool.run(argc, argv, [&](cli::Run& run) {
     const joint::Paths paths{scene.path, boundary.path, field.path, effects_from.path, out.path, trace.path};

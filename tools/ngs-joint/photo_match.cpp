@@ -23,7 +23,7 @@ std::optional<double> gain_over_constant(cli::Run& run, const Problem& problem, 
   std::vector<double> gains_db;
   for_each_view(&run.monitor(), spread_views(with_photo, kViews), [&](std::size_t, std::size_t v) {
     const Camera& camera = problem.scene.views[v].camera;
-    gains_db.push_back(match_photo(run.device_exec(), cloud, {camera, problem.load_photo(v)}, problem.splat).gain_db());
+    gains_db.push_back(match_photo(run.exec(), cloud, {camera, problem.load_photo(v)}, problem.splat).gain_db());
   });
   if (gains_db.empty() || run.monitor().stop_requested()) return std::nullopt;
   return upper_median(std::move(gains_db));

@@ -19,6 +19,7 @@
 #include "photo_match.h"
 #include "shared/os/machine.h"
 #include "shared/run/checkpoints.h"
+#include "shared/scene/memory_model.h"
 #include "shared/scene/scene_model.h"
 #include "step_files.h"
 
@@ -37,9 +38,7 @@ void check_options(cli::Run& run, const Options& options, const Paths& paths) {
                  "--checkpoint-every without --checkpoint, expected the folder to write to", "--checkpoint DIR");
   usage_error_if(o.trace_every > 0 && paths.trace.empty() && o.target.empty(),
                  "--trace-every without --trace or --target, expected one of them", "--trace FILE");
-  if (!options.runs_passes() && run.device_exec().device_ops != nullptr)
-    throw Error(ErrorCode::kEnvironment, "--device cuda: only --method ngs and ng-gs have a CUDA path",
-                "use --device cpu");
+  if (!options.runs_passes()) run.needs_cpu("only --method ngs and ng-gs have a CUDA path");
   if (o.fast_atomics) run.sum_atomically();
 }
 
@@ -130,7 +129,6 @@ class MethodRun {
  public:
   MethodRun(cli::Run& run, Options& options, const Paths& paths, double start_s)
       : run_(run),
-        exec_(options.runs_passes() ? run.device_exec() : run.exec()),
         options_(options),
         paths_(paths),
         budget_(start_s, options.steps.budget_s()),
@@ -142,7 +140,8 @@ class MethodRun {
   int operator()() {
     Problem from_files = input_.problem(options_, run_.seed(), run_.monitor());
     if (run_.dry_run()) return plan(from_files);
-    if (renders_views(options_.choice.method)) from_files.splat.prepared = prepare_cloud(exec_, from_files.cloud);
+    run_.needs_device_memory(cli::device_bytes(double(from_files.cloud.size()), from_files.cloud.rest_count()));
+    if (renders_views(options_.choice.method)) from_files.splat.prepared = prepare_cloud(run_.exec(), from_files.cloud);
     if (writes_checkpoints())
       cli::require_checkpoint_folder(options_.steps.checkpoint, StepFile::path_in(options_.steps.checkpoint));
     if (from_files.views.empty())
@@ -199,7 +198,7 @@ class MethodRun {
   }
 
   PassRun pass_run(const Problem& problem) {
-    PassRun passes{.exec = exec_,
+    PassRun passes{.exec = run_.exec(),
                    .monitor = run_.monitor(),
                    .training = options_.training,
                    .decisions = decisions_,
@@ -280,7 +279,6 @@ class MethodRun {
   }
 
   cli::Run& run_;
-  const Exec& exec_;  // of all passes
   Options& options_;
   const Paths& paths_;
   Budget budget_;

@@ -9,6 +9,7 @@
 #include "ngs/stages/render/render_options.h"
 #include "ngs/stages/render/render_stage.h"
 #include "render_output.h"
+#include "shared/scene/memory_model.h"
 #include "shared/scene/scene_model.h"
 #include "shared/tool.h"
 
@@ -82,6 +83,7 @@ int main(int argc, char** argv) {
       run.plan({{"views", views.size()}, {"layers", layers}});
       return 0;
     }
+    run.needs_device_memory(cli::device_bytes(double(ply.cloud.size()), ply.cloud.rest_count()));
     const SplatOptions kept = kept_on_device(run.exec(), splat, ply.cloud);
     for (std::size_t n = 0; n < views.size(); ++n) {
       const Camera camera = camera_of(scene, views[n], options);

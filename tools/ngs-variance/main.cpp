@@ -6,6 +6,7 @@
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/render/render_options.h"
 #include "shared/cli/dispatch.h"
+#include "shared/scene/memory_model.h"
 #include "shared/scene/scene_model.h"
 #include "shared/tool.h"
 #include "variance_output.h"
@@ -53,10 +54,8 @@ int label_scene(int argc, char** argv) {
     const auto bands = exr ? io::HigherBands::kRead : io::HigherBands::kCheckOnly;
     const io::GaussianPly ply = io::read_gaussian_ply(scene.model_path, {bands});
     run.result()["views"] = views.size();
-    if (run.dry_run()) {
-      run.plan(variance::memory_plan(ply.cloud, scene, views.size()));
-      return 0;
-    }
+    if (run.dry_run()) return run.plan(variance::memory_plan(ply.cloud, scene, views.size())), 0;
+    run.needs_device_memory(cli::device_bytes(double(ply.cloud.size()), ply.cloud.rest_count()));
     io::EvidencePart part;
     part.evidence = accumulate_evidence(run.exec(), run.monitor(),
                                         {ply.cloud, scene, views, splat_options(raster, ply.cloud, scene),

@@ -85,10 +85,9 @@ class Tool {
   /// The body polls monitor().stop_requested(). It has 0.3 s to return after a signal, or unlimited time while a
   /// SignalGrace exists (run/signals.h). Without this call a signal ends the tool at once, without output.
   void stops_on_request() { spec_.stops_on_request = true; }
-  /// Every stage of the body runs through ops that have a device path. Without this call --device cuda is an error.
+  /// The body's ops have a device path. Without this call --device cuda is an error. With --device auto, the body may
+  /// run twice: again on the CPU if the device's memory did not suffice (Run::is_restart()).
   void runs_on_device() { spec_.runs_on_device = true; }
-  /// Only parts of the body have a device path: they use Run::device_exec(); Run::exec() is the CPU.
-  void runs_partly_on_device() { spec_.runs_on_device = spec_.partly_on_device = true; }
 
   /// Returns the exit code. The body returns kDone, kCheckFailed, kBudgetHit or run.stop_code().
   int run(int argc, char** argv, const std::function<int(Run&)>& body);

@@ -13,9 +13,9 @@ namespace ngs {
 
 inline void check_cuda(cudaError_t status, const char* what) {
   if (status == cudaSuccess) return;
-  throw Error(
-      ErrorCode::kEnvironment, std::string("CUDA, ") + what + ": " + cudaGetErrorString(status) + ", expected success",
-      status == cudaErrorMemoryAllocation ? "use a smaller image scale, or --device cpu" : "run with --device cpu");
+  throw Error(ErrorCode::kEnvironment,
+              std::string("CUDA, ") + what + ": " + cudaGetErrorString(status) + ", expected success",
+              "run with --device cpu");
 }
 
 /// A block, seen by one of its threads.
@@ -157,7 +157,12 @@ class CudaLauncher {
 
   void* allocate(std::size_t bytes) {
     void* memory = nullptr;
-    check_cuda(cudaMallocAsync(&memory, bytes, stream()), "memory");
+    const cudaError_t status = cudaMallocAsync(&memory, bytes, stream());
+    if (status == cudaErrorMemoryAllocation) {
+      cudaGetLastError();  // clears it
+      throw_out_of_device_memory(bytes);
+    }
+    check_cuda(status, "memory");
     return memory;
   }
   void release(void* memory) noexcept { cudaFreeAsync(memory, stream()); }

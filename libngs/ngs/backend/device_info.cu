@@ -36,7 +36,10 @@ DeviceInfo cuda_device() {
     return {false, {}, std::string("no device: ") + cudaGetErrorString(e)};
   const std::string why = obstacle();
   if (!why.empty()) return {false, properties.name, std::string(properties.name) + ": " + why};
-  return {true, properties.name, {}};
+  std::size_t free_bytes = 0, bytes = 0;
+  if (const cudaError_t e = cudaMemGetInfo(&free_bytes, &bytes); e != cudaSuccess)
+    return {false, properties.name, std::string(properties.name) + ": " + cudaGetErrorString(e)};
+  return {true, properties.name, {}, double(free_bytes)};
 }
 
 }  // namespace ngs

@@ -8,6 +8,7 @@ struct DeviceInfo {
   bool usable = false;
   std::string name;    // of the device, if there is one
   std::string reason;  // why it is unusable
+  double free_bytes = 0;
 };
 
 DeviceInfo cuda_device();

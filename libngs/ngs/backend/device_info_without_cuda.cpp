@@ -3,7 +3,10 @@
 namespace ngs {
 
 DeviceInfo cuda_device() {
-  return {.usable = false, .name = {}, .reason = "this build has no CUDA (configure it with -DNGS_WITH_CUDA=ON)"};
+  return {.usable = false,
+          .name = {},
+          .reason = "this build has no CUDA (configure it with -DNGS_WITH_CUDA=ON)",
+          .free_bytes = 0};
 }
 
 }  // namespace ngs

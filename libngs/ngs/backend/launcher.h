@@ -9,7 +9,8 @@
 //   launcher.sort(keys, values, n, bits)   stable, ascending by the lowest `bits` of the 64-bit keys; in place
 //   launcher.exclusive_scan(in, out, n)    out[i] = in[0] + ... + in[i - 1] for i <= n: n + 1 results
 //   Launcher::atomic_add(float*, x)        in a kernel: adds where other threads may add too, in any order
-//   launcher.upload / download / copy / fill_zero, launcher.allocate / release
+//   launcher.upload / download / copy / fill_zero, launcher.release
+//   launcher.allocate(bytes)               throws OutOfDeviceMemory
 //   launcher.resident                      host arrays whose values are in device memory (backend/resident_table.h)
 //
 // All pointers in kernels are device pointers. Launches run in order; download waits for them. A kernel has a kName.
@@ -25,13 +26,21 @@
 // thread reads a value that another thread may already be changing. Within a phase no thread reads what another writes.
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "ngs/backend/resident_table.h"
+#include "ngs/core/error.h"
 #include "ngs/core/hd.h"
 
 namespace ngs {
+
+/// The error of every Launcher if it cannot allocate so many bytes.
+[[noreturn]] inline void throw_out_of_device_memory(std::size_t bytes) {
+  throw OutOfDeviceMemory("device memory: " + std::to_string((bytes >> 20) + 1) +
+                          " MiB more are not available, expected enough for the model and its views");
+}
 
 /// Device memory, uninitialised until written: its own, freed in order with the launches, or a resident array's.
 template <class Launcher, class T>

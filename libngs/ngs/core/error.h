@@ -28,11 +28,20 @@ class Error : public std::runtime_error {
   std::string remedy_;
 };
 
+/// A device has too little memory. The arguments of the op that failed are unchanged, and its memory is released.
+class OutOfDeviceMemory : public Error {
+ public:
+  explicit OutOfDeviceMemory(const std::string& what)
+      : Error(ErrorCode::kEnvironment, what, "use --device cpu, or a smaller image scale") {}
+};
+
 /// Runs `body` and rethrows an Error from it with "`context`: " before the message. Use it once per layer.
 template <class Body>
 auto with_context(std::string_view context, Body&& body) -> decltype(body()) {
   try {
     return body();
+  } catch (const OutOfDeviceMemory& e) {
+    throw OutOfDeviceMemory(std::string(context) + ": " + e.what());
   } catch (const Error& e) {
     throw Error(e.code(), std::string(context) + ": " + e.what(), e.remedy());
   }

@@ -31,7 +31,7 @@ struct Spec {
   std::vector<HelpTopic> help_topics;
   std::vector<const bool*> writes_nothing_if;
   bool reports_on_request = false;  // without --json or --report there is no JSON on stdout
-  bool stops_on_request = false, runs_on_device = false, partly_on_device = false;
+  bool stops_on_request = false, runs_on_device = false;
 
   /// True if one of `writes_nothing_if` is set.
   bool writes_nothing() const {

@@ -55,15 +55,14 @@ ChosenDevice choose_device(DeviceChoice choice, const Spec& tool) {
   const std::string no_path = tool.name + " has no CUDA path";
   if (choice == DeviceChoice::kCuda && !tool.runs_on_device)
     throw Error(ErrorCode::kEnvironment,
-                "--device cuda: " + no_path + ", expected ngs-variance, ngs-rbf, ngs-joint or ngs-render",
+                "--device cuda: " + no_path + ", expected ngs-variance, ngs-rbf, ngs-joint, ngs-render or ngs-fit",
                 "use --device cpu or auto");
   if (!tool.runs_on_device) return {Device::kCpu, "cpu", "auto: " + no_path};
   const DeviceInfo cuda = cuda_device();
   if (choice == DeviceChoice::kCuda && !cuda.usable)
     throw Error(ErrorCode::kEnvironment, "--device cuda: " + cuda.reason, "use --device cpu or auto");
-  if (choice == DeviceChoice::kCuda) return {Device::kCuda, cuda.name, "--device cuda"};
-  if (cuda.usable) return {Device::kCpu, "cpu", "auto: " + cuda.name + " is used only with --device cuda"};
-  return {Device::kCpu, "cpu", "auto: " + cuda.reason};
+  if (!cuda.usable) return {Device::kCpu, "cpu", "auto: " + cuda.reason};
+  return {Device::kCuda, cuda.name, choice == DeviceChoice::kCuda ? "--device cuda" : "auto", cuda.free_bytes};
 }
 
 }  // namespace ngs::cli

@@ -20,10 +20,11 @@ struct ChosenDevice {
   Device device = Device::kCpu;
   std::string name;    // "cpu" or the GPU's name
   std::string reason;  // why it was chosen
+  double free_bytes = 0;
   DeviceSums sums = DeviceSums::kInOrder;
 };
-/// Throws kEnvironment if CUDA is requested but the machine, the build or the tool does not support it. auto is the
-/// CPU.
+/// Throws kEnvironment if CUDA is requested but the machine, the build or the tool does not support it. auto is the GPU
+/// if there is one.
 ChosenDevice choose_device(DeviceChoice choice, const Spec& tool);
 
 }  // namespace ngs::cli

@@ -22,10 +22,8 @@ namespace {
 void choose_device_and_threads(RunState& state) {
   state.exec.threads = choose_threads(state.flags.threads);
   state.exec.isa = choose_isa();
-  state.device_exec = state.exec;
-  state.device_exec.device = state.device.device;
-  if (state.device.device == Device::kCuda) state.device_exec.device_ops = cuda_ops();
-  if (!state.spec.partly_on_device) state.exec = state.device_exec;
+  state.exec.device = state.device.device;
+  if (state.device.device == Device::kCuda) state.exec.device_ops = cuda_ops();
   state.console.info("device: " + state.device.name + " (" + state.device.reason +
                      "), threads: " + std::to_string(state.exec.threads) + ", " + isa_name(state.exec.isa));
 }
@@ -86,9 +84,8 @@ class OutputFolders {
 
 int run_body(RunState& state, const std::function<int(Run&)>& body) {
   const OutputFolders folders(state);
-  Run run(state);
   try {
-    const int exit_code = body(run);
+    const int exit_code = run_on_device_or_cpu(state, body);
     folders.warn_of_leftovers(state.monitor);
     return exit_code;
   } catch (...) {
@@ -114,6 +111,20 @@ Json report_of(const RunState& state, double wall_s, int exit_code) {
 }
 
 }  // namespace
+
+int run_on_device_or_cpu(RunState& state, const std::function<int(Run&)>& body) {
+  Run run(state);
+  const std::vector<ReadInput> inputs = state.inputs;
+  try {
+    return body(run);
+  } catch (const OutOfDeviceMemory& e) {
+    if (state.flags.device != DeviceChoice::kAuto || state.device.sums == DeviceSums::kAtomic) throw;
+    state.monitor.warn(std::string(e.what()) + ": the run starts again on the CPU");
+  }
+  state.use_cpu(state.device.name + " has too little memory");
+  state.inputs = inputs, state.result = Json::object(), state.plan = Json::object(), state.is_restart = true;
+  return body(run);
+}
 
 int execute(Spec& spec, const CommonFlags& flags, Console& console, const std::function<int(Run&)>& body) {
   const double start_s = wall_seconds();

@@ -31,7 +31,7 @@ bool is_given(const Spec& spec, const std::string& flag) {
 }  // namespace
 
 const Exec& Run::exec() const { return state_.exec; }
-const Exec& Run::device_exec() const { return state_.device_exec; }
+bool Run::is_restart() const { return state_.is_restart; }
 void Run::sum_atomically() {
   ChosenDevice& device = state_.device;
   if (device.device == Device::kCpu)
@@ -39,7 +39,21 @@ void Run::sum_atomically() {
                 "--fast-atomics: the run is on the CPU (" + device.reason + "), expected a CUDA device",
                 "use --device cuda, or leave --fast-atomics out: it would not be faster on the CPU");
   device.sums = DeviceSums::kAtomic;
-  state_.device_exec.device_ops = cuda_ops(device.sums);
+  state_.exec.device_ops = cuda_ops(device.sums);
+}
+
+void Run::needs_cpu(const std::string& why) {
+  if (state_.device.device == Device::kCpu) return;
+  if (state_.flags.device == DeviceChoice::kCuda)
+    throw Error(ErrorCode::kEnvironment, "--device cuda: " + why, "use --device cpu");
+  state_.use_cpu(why);
+}
+
+void Run::needs_device_memory(double bytes) {
+  const ChosenDevice& device = state_.device;
+  if (device.device == Device::kCpu || state_.flags.device == DeviceChoice::kCuda || bytes <= device.free_bytes) return;
+  const auto mib = [](double of) { return std::to_string(std::int64_t(of / (1 << 20))); };
+  state_.use_cpu(device.name + " has " + mib(device.free_bytes) + " MiB of free memory, expected " + mib(bytes));
 }
 Monitor& Run::monitor() { return state_.monitor; }
 std::uint64_t Run::seed() const { return state_.flags.seed; }

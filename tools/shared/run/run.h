@@ -20,9 +20,15 @@ class Run {
   explicit Run(RunState& state) : state_(state) {}
 
   const Exec& exec() const;
-  const Exec& device_exec() const;  // set by --device, for the parts of a tool that runs_partly_on_device()
-  /// Makes device_exec() use atomic adds from now on (--fast-atomics) and reports it. Throws kUsage if it is the CPU.
+  /// Makes the device use atomic adds from now on (--fast-atomics) and reports it. Throws kUsage if it is the CPU.
   void sum_atomically();
+  /// The body has no device path for its options: throws kEnvironment with --device cuda; with auto exec() is the CPU.
+  void needs_cpu(const std::string& why);
+  /// Call it once the size of the model is known: with --device auto, exec() is the CPU if the device has less free
+  /// memory.
+  void needs_device_memory(double bytes);
+  /// True: the body runs again on the CPU, because the device's memory did not suffice.
+  bool is_restart() const;
   Monitor& monitor();
   std::uint64_t seed() const;
   bool dry_run() const;  // read headers, call plan(), return 0

@@ -17,11 +17,19 @@ struct RunState {
   const CommonFlags& flags;
   Console& console;
   ChosenDevice device;
-  Exec exec = {}, device_exec = {};
+  Exec exec = {};
+  bool is_restart = false;
   Monitor monitor = {};
   std::vector<ReadInput> inputs = {};
   Json result = Json::object();
   Json plan = Json::object();
+
+  /// From now on the run uses the CPU instead of the device that --device auto chose.
+  void use_cpu(const std::string& why) {
+    exec = exec.on_cpu();
+    device = {Device::kCpu, "cpu", "auto: " + why};
+    console.info("device: cpu (" + device.reason + ")");
+  }
 };
 
 }  // namespace ngs::cli

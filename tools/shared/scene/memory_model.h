@@ -20,6 +20,13 @@ inline constexpr double kVisibleBytes = 4 + 56 + 4 + 16 + 8 + 8 + 1 + 2 * kTiles
 /// Position, rotation, scale, opacity, SH bands and the usable flag.
 inline double model_bytes(const GaussianCloud& cloud) { return 57 + 12.0 * cloud.rest_count(); }
 
+/// Estimate of the device memory of a run (docs/gpu.md): values, gradients, two Adam moments, the trained rows and a
+/// prepared copy; records, (Gaussian, tile) pairs and their rows of a view; 1 GiB of images.
+inline double device_bytes(double gaussians, int rest_count) {
+  constexpr double kColumns = 6, kViewBytes = 1000, kImageBytes = 1024 * kMib;
+  return gaussians * (kColumns * (57 + 12.0 * rest_count) + kViewBytes) + kImageBytes;
+}
+
 /// Label columns of a Gaussian that belongs to `owners` objects.
 inline double label_bytes(double owners) { return 20 * (owners + 1); }
 
