@@ -2,10 +2,11 @@
 # Packs the tools as an archive that runs on Linux without installation, and as a Python wheel and a Debian package with the
 # same program; for x86-64 with glibc 2.35 or later:
 #
-#   pipelines/bundle.sh [-o OUT] [--no-setup]
+#   pipelines/bundle.sh [--cuda] [-o OUT] [--no-setup]
 #
-#   -o, --output OUT   where ngs-VERSION-linux-x86_64/, its .tar.xz, the .whl and the .deb are written (default:
-#                      build-bundle)
+#   --cuda             packs an archive of the tools with CUDA instead, without wheel and package; needs nvcc 12 or later
+#   -o, --output OUT   where ngs-VERSION-linux-x86_64/, its .tar.xz, the .whl and the .deb are written, or
+#                      ngs-VERSION-linux-x86_64-cuda/ and its .tar.xz (default: build-bundle)
 #   --no-setup         do not install missing Debian packages
 #
 # All tools are one program, linked with archives: bundle/components.txt lists what it contains. Debian's archives are used
@@ -42,15 +43,16 @@ header_only cpp-httplib httplib.h
 # --- the program ----------------------------------------------------------------------------------------------------------
 
 say "bundle: building the tools"
-build=$top/build-one-program  # next to build/, so that a compiler cache knows most of its objects
+build=$top/build-one-program$variant  # next to build/, so that a compiler cache knows most of its objects
 cmake -S "$top" -B "$build" -G Ninja -DNGS_ONE_PROGRAM=ON -DNGS_BUILD_TESTS=OFF -DNGS_WERROR="${NGS_WERROR:-OFF}" \
+  -DNGS_WITH_CUDA="$([ -n "$variant" ] && echo ON || echo OFF)" \
   -DCMAKE_PREFIX_PATH="$deps" -DCMAKE_INSTALL_LIBDIR=lib -DNGS_HTTPLIB_INCLUDE="$deps/include" -DNGS_HTTPLIB= \
   > "$work/tools.log"
 cmake --build "$build" --target tools
 version=$("$build/bin/ngs" --version --json | sed -n 's/.*"version": "\(.*\)".*/\1/p')
-name=ngs-${version%%+*}-linux-$(uname -m)
+name=ngs-${version%%+*}-linux-$(uname -m)$variant
 stage=$out/$name
-rm -rf "$stage" "$out"/ngs-*.tar.xz "$out"/ngs_*.whl "$out"/ngs_*.deb
+rm -rf "$stage" "$out"/ngs-*-"$(uname -m)$variant".tar.xz
 cmake --install "$build" --prefix "$stage" --strip > "$work/install.log"
 
 foreign=$(objdump -p "$stage/bin/ngs" | awk '/NEEDED/ && $2 !~ /^(libc|libm|ld-linux-x86-64)\.so\.[0-9]+$/ { print $2 }')
@@ -60,15 +62,28 @@ foreign=$(objdump -p "$stage/bin/ngs" | awk '/NEEDED/ && $2 !~ /^(libc|libm|ld-l
 
 # shellcheck source=pipelines/bundle/contents.sh
 . "$pipelines/bundle/contents.sh"
-add_contents "$stage" "$pipelines/bundle/components.txt" "$version"
+components=("$pipelines/bundle/components.txt") cuda=''
+if [ -n "$variant" ]; then
+  # shellcheck source=pipelines/bundle/toolkit.sh
+  . "$pipelines/bundle/toolkit.sh"
+  components+=("$pipelines/bundle/components-cuda.txt")
+fi
+add_contents "$stage" "$version" "${components[@]}"
 glibc=$(objdump -T "$stage/bin/ngs" | grep -o 'GLIBC_[0-9.]*' | sort -uV | tail -n 1)
 glibc=${glibc#GLIBC_}
-sed "s/@NAME@/$name/g; s/@GLIBC@/$glibc/g" "$pipelines/bundle/README.txt" > "$stage/README.txt"
+sed "s/@NAME@/$name/g; s/@GLIBC@/$glibc/g; ${cuda:+s/@CUDA@/$cuda/;}/@CUDA@/d" "$pipelines/bundle/README.txt" \
+  > "$stage/README.txt"
 chmod -R u=rwX,go=rX "$stage"
 
 tar -C "$out" --sort=name --owner=0 --group=0 --numeric-owner --mtime="@$SOURCE_DATE_EPOCH" -cf - "$name" | xz -9e -T1 > "$stage.tar.xz"
+say "$stage: $(du -sk "$stage" | cut -f 1) KiB"
+stat -c '%s bytes: %n' "$stage.tar.xz" >&2
+if [ -n "$variant" ]; then exit 0; fi
+
+# --- the wheel and the package ------------------------------------------------------------------------------------------------
+
+rm -f "$out"/ngs_*.whl "$out"/ngs_*.deb
 wheel=$(python3 "$pipelines/bundle/wheel.py" "$stage" "$pipelines/python" "${version%%+*}" \
   "manylinux_${glibc/./_}_$(uname -m)" "$out")
 (cd "$build" && cpack -B "$work/cpack" > "$work/cpack.log" && cp "$work"/cpack/ngs_*.deb "$out/")
-say "$stage: $(du -sk "$stage" | cut -f 1) KiB"
-stat -c '%s bytes: %n' "$stage.tar.xz" "$wheel" "$out"/ngs_*.deb >&2
+stat -c '%s bytes: %n' "$wheel" "$out"/ngs_*.deb >&2

@@ -1,8 +1,12 @@
 #!/usr/bin/env bash
-# Makes all files of a release: the archive, the wheel and the Debian package of bundle.sh, the archive for Windows of
+# Makes all files of a release: the archives, the wheel and the Debian package of bundle.sh, the archive for Windows of
 # bundle/windows.sh, the lists of what they contain (SPDX) and SHA-256 sums of all.
 #
-#   pipelines/release.sh [-o OUT] [--no-setup]       OUT: default release-VERSION in build-bundle/; must not exist
+#   pipelines/release.sh [-o OUT] [--no-cuda] [--no-setup]
+#
+#   -o, --output OUT   folder of the files (default: release-VERSION in build-bundle/); must not exist
+#   --no-cuda          leaves out the archive with CUDA, which needs nvcc 12 or later
+#   --no-setup         do not install missing Debian packages
 #
 # From a clean checkout only. Check the files with tests/ci/bundle.sh OUT and tests/ci/windows-archive.sh OUT before publishing
 # them.
@@ -10,11 +14,12 @@ set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"
 
-out='' words=()
+out='' words=() cuda=1
 while [ $# -gt 0 ]; do
   case $1 in
     -h | --help) usage_of "$0"; exit 0 ;;
     -o | --output) need "$@"; out=$2; shift 2 ;;
+    --no-cuda) cuda=''; shift ;;
     --no-setup) words+=("$1"); shift ;;
     *) fail 2 "unknown word '$1'" "see $0 --help" ;;
   esac
@@ -26,11 +31,11 @@ changed=$(git -C "$top" status --porcelain)
 [ -z "$changed" ] || fail 4 "the checkout has changes: ${changed%%$'\n'*}" "commit them"
 
 rm -rf "$out.part"
+if [ -n "$cuda" ]; then "$pipelines/bundle.sh" --cuda -o "$out.part" "${words[@]}"; fi
 "$pipelines/bundle.sh" -o "$out.part" "${words[@]}"
 "$pipelines/bundle/windows.sh" -o "$out.part" "${words[@]}"
 for folder in "$out.part"/*/; do
-  case $folder in *-windows-*) system=-windows ;; *) system='' ;; esac
-  cp "$folder/sbom.spdx.json" "$out.part/ngs-$version$system.spdx.json"
+  cp "$folder/sbom.spdx.json" "${folder%/}.spdx.json"
   rm -rf "$folder"
 done
 (cd "$out.part" && LC_ALL=C sha256sum -- * > SHA256SUMS)

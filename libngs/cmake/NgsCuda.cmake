@@ -10,9 +10,11 @@ if(NOT NGS_WITH_CUDA STREQUAL "OFF")
       execute_process(COMMAND ${NGS_NVCC} --list-gpu-arch OUTPUT_VARIABLE known)
       foreach(architecture 80 86 89 90 100 120)  # where the compiler knows them
         if(known MATCHES "compute_${architecture}[\r\n]")
-          list(APPEND CMAKE_CUDA_ARCHITECTURES ${architecture})
+          list(APPEND CMAKE_CUDA_ARCHITECTURES ${architecture}-real)
+          set(newest ${architecture})
         endif()
       endforeach()
+      list(APPEND CMAKE_CUDA_ARCHITECTURES ${newest}-virtual)  # PTX, from which drivers compile for later devices
     endif()
     set(ENV{CUDACXX} ${NGS_NVCC})
     include(CheckLanguage)
@@ -29,12 +31,17 @@ if(NOT NGS_WITH_CUDA STREQUAL "OFF")
       endif()
       set(CMAKE_CUDA_RUNTIME_LIBRARY Static)
       set(NGS_CUDA_ENABLED ON)
+      # Of one architecture only: among those of a release are some where the scan of CUB 3.0 spills 4 bytes.
+      set(warn_spills "")
+      if(CMAKE_CUDA_ARCHITECTURES MATCHES "^[0-9]+$")
+        set(warn_spills -Xptxas=-warn-spills)
+      endif()
       # What is fused is written fma(), on a device as on the CPU (NgsFlags.cmake): without contraction both compute the
       # same bits but for exp, log and their kin, and the emulation of the tests says what a device will compute.
       target_compile_options(ngs_flags INTERFACE
         $<$<COMPILE_LANGUAGE:CUDA>:--fmad=$<IF:$<BOOL:${NGS_CUDA_FMAD}>,true,false>
         -Xcompiler=-Wall,-Wextra,-ffp-contract=off,-fno-math-errno,${NGS_TARGET_FLAGS}>
-        $<$<COMPILE_LANGUAGE:CUDA>:-Xptxas=-warn-spills>
+        $<$<COMPILE_LANGUAGE:CUDA>:${warn_spills}>
         $<$<AND:$<COMPILE_LANGUAGE:CUDA>,$<BOOL:${NGS_WERROR}>>:-Werror=all-warnings -Xcompiler=-Werror>
         $<$<AND:$<COMPILE_LANGUAGE:CUDA>,$<BOOL:${NGS_CUDA_REPORT}>>:-Xptxas=-v>)
       set(CMAKE_CUDA_FLAGS_RELEASE "-O3 -DNDEBUG")

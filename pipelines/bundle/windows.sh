@@ -16,6 +16,7 @@ shopt -s inherit_errexit
 
 # shellcheck source=pipelines/bundle/arguments.sh
 . "$pipelines/bundle/arguments.sh"
+[ -z "$variant" ] || fail 2 "--cuda: is an option of bundle.sh only" "see $0 --help"
 builds=$work/windows deps=$work/windows/deps
 mkdir -p "$out" "$deps/include" "$deps/lib"
 out=$(cd "$out" && pwd)
@@ -109,7 +110,7 @@ foreign=$($prefix-objdump -p "$stage"/bin/ngs.{exe,dll} | awk '/DLL Name/ { prin
 
 # shellcheck source=pipelines/bundle/contents.sh
 . "$pipelines/bundle/contents.sh"
-add_contents "$stage" "$pipelines/bundle/components-windows.txt" "$version"
+add_contents "$stage" "$version" "$pipelines/bundle/components-windows.txt"
 sed "s/@NAME@/$name/g" "$pipelines/bundle/README-windows.txt" | sed 's/$/\r/' > "$stage/README.txt"
 chmod -R u=rwX,go=rX "$stage"
 find "$stage" -exec touch -h -d "@$SOURCE_DATE_EPOCH" {} +

@@ -4,8 +4,10 @@
 #   tests/ci/bundle.sh [DIR] [SUITE...]      DIR: folder of the files (default: build-bundle)
 #
 # SUITE is a Debian release (default: bookworm trixie), or the path of a root folder. debootstrap makes the roots of releases
-# in build-bundle/roots/ and keeps them. NGS_DEBIAN_MIRROR=http://... replaces deb.debian.org. In each root:
-#   the archive  runs from its folder, loads only the C library, and writes the results of tests/golden/golden.sha256
+# in build-bundle/roots/ and keeps them. NGS_DEBIAN_MIRROR=http://... replaces deb.debian.org; with that of Ubuntu
+# (http://archive.ubuntu.com/ubuntu) SUITE may be jammy. In each root:
+#   the archive  runs from its folder, loads only the C library, and writes the results of tests/golden/golden.sha256;
+#                that with CUDA, if it is in DIR, does the same without a driver
 #   the package  is installed by dpkg, runs, and leaves no file when purged
 # and here, in an empty environment of Python without network:
 #   the wheel    is installed by pip, cuts with the program and with the module, and leaves no file when uninstalled
@@ -19,8 +21,8 @@ skip() { say "SKIP $*"; exit 77; }
 files=$(cd "${1:-$top/build-bundle}" && pwd)
 suites=("${@:2}")
 [ ${#suites[@]} -gt 0 ] || suites=(bookworm trixie)
-archive=$(find "$files" -maxdepth 1 -name 'ngs-*.tar.xz') wheel=$(find "$files" -maxdepth 1 -name '*.whl')
-package=$(find "$files" -maxdepth 1 -name 'ngs_*.deb')
+archive=$(find "$files" -maxdepth 1 -name 'ngs-*-linux-x86_64.tar.xz') wheel=$(find "$files" -maxdepth 1 -name '*.whl')
+package=$(find "$files" -maxdepth 1 -name 'ngs_*.deb') cuda_archive=$(find "$files" -maxdepth 1 -name 'ngs-*-cuda.tar.xz')
 for file in "$archive" "$wheel" "$package"; do
   [ -f "$file" ] || fail 3 "$files: '$file', expected one archive, one wheel and one package" "make them with pipelines/bundle.sh"
 done
@@ -55,6 +57,25 @@ only_the_c_library() {  # BIN
   ! inside sh -c "ldd $1/ngs" | grep -vE '(linux-vdso|/lib(64)?/.*(libc|libm|ld-linux-x86-64))\.so'
 }
 
+# shellcheck disable=SC2317  # called by check
+refuses_cuda() {  # REASON
+  local code=0 text
+  text=$(inside /opt/ngs/bin/ngs-variance /tmp/golden/draft/scene.json -o /tmp/golden/cuda.ply --device cuda 2>&1) || code=$?
+  echo "exit code $code: $text"
+  [ "$code" -eq 8 ] && [[ $text == *"error: --device cuda: $1"* ]]
+}
+
+test_archive() {  # NAME ROOT ARCHIVE REASON: a root folder with /opt/golden; why there is no GPU
+  rm -rf "$2/opt/ngs"
+  mkdir "$2/opt/ngs"
+  tar -xJf "$3" -C "$2/opt/ngs" --strip-components=1
+  check "$1: ngs --version" inside /opt/ngs/bin/ngs --version
+  check "$1: loads only the C library" only_the_c_library /opt/ngs/bin
+  check "$1: writes the golden bytes" inside /opt/golden/bytes.sh /opt/ngs/bin /tmp/golden
+  check "$1: --device cuda ends with 8, $4" refuses_cuda "$4"
+  check "$1: ngs-gs" inside /opt/ngs/bin/ngs-gs /tmp/golden/scene /tmp/golden/gs --hold-out every:4:2 --method flash -q
+}
+
 test_root() {  # SUITE ROOT
   local root=$2 before
   inside() { unshare -n chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root NGS_THREADS=2 "$@"; }
@@ -63,15 +84,12 @@ test_root() {  # SUITE ROOT
   mount -t proc proc "$root/proc" || skip "no right to mount /proc"
   # shellcheck disable=SC2064  # the root of now
   trap "umount '$root/proc'" EXIT
-  rm -rf "$root/opt/ngs"
-  mkdir "$root/opt/ngs"
-  tar -xJf "$archive" -C "$root/opt/ngs" --strip-components=1
   cp "$top/tests/golden/bytes.sh" "$top/tests/golden/golden.sha256" "$root/opt/golden/"
   cp "$package" "$root/opt/ngs.deb"
-  check "$1: ngs --version" inside /opt/ngs/bin/ngs --version
-  check "$1: the archive loads only the C library" only_the_c_library /opt/ngs/bin
-  check "$1: the archive writes the golden bytes" inside /opt/golden/bytes.sh /opt/ngs/bin /tmp/golden
-  check "$1: ngs-gs" inside /opt/ngs/bin/ngs-gs /tmp/golden/scene /tmp/golden/gs --hold-out every:4:2 --method flash -q
+  if [ -n "$cuda_archive" ]; then
+    test_archive "$1, the archive with CUDA" "$root" "$cuda_archive" "no device: no NVIDIA driver is installed"
+  fi
+  test_archive "$1, the archive" "$root" "$archive" "this build has no CUDA"
   before=$(lists)
   check "$1: dpkg installs the package, which needs the C library only" inside dpkg -i /opt/ngs.deb
   check "$1: the package loads only the C library" only_the_c_library /usr/bin

@@ -5,7 +5,8 @@
 #   tests/ci/windows-archive.sh [DIR] [--contract REGEX]
 #
 #   DIR                where the archive is (default: build-bundle)
-#   --contract REGEX   also runs the contract cases whose "FILE: NAME" matches, as build/bin/test_contract does; '' for all
+#   --contract REGEX   also runs the contract cases whose "FILE: NAME" matches, as build/bin/test_contract does; '' for all.
+#                      Needs build/bin/test_contract, and build-windows-program/ that windows.sh leaves in this checkout
 #
 # A line per check: ok, FAIL or SKIP. Exit code 1 if a check failed, 77 without Wine. Files that differ from those of Linux are
 # listed: the mathematical functions of the two C libraries differ (docs/decisions/087-windows.md).
@@ -26,6 +27,11 @@ for name in wine64 wine; do if command -v $name > /dev/null; then wine=$name; fi
 if [ -z "$wine" ]; then say "skipped: no wine (Debian: wine64)"; exit 77; fi
 archive=$(find "$folder" -maxdepth 1 -name 'ngs-*-windows-x86_64.zip')
 [ -f "$archive" ] || fail 3 "$folder: '$archive', expected one archive" "make it with pipelines/bundle/windows.sh"
+suite=$top/build/bin/test_contract probe=$top/build-windows-program
+if [ -n "$has_contract" ]; then
+  [ -x "$suite" ] || fail 8 "$suite: is absent, but runs the contract cases" "make it with pipelines/build.sh --target test_contract"
+  [ -f "$probe/build.ninja" ] || fail 8 "$probe: is absent, but makes ngs-probe.exe" "make it with pipelines/bundle/windows.sh"
+fi
 work=$top/build-bundle/windows-test
 rm -rf "$work"
 mkdir -p "$work/programs ä 语" "$work/tools"
@@ -33,14 +39,14 @@ unzip -q "$archive" -d "$work/programs ä 语"
 programs=$(echo "$work/programs ä 语"/*/bin)
 export WINEPREFIX=$top/build-bundle/wine WINEARCH=win64 WINEDEBUG=-all WINEDLLOVERRIDES='mscoree,mshtml=' LC_ALL=C.UTF-8
 mkdir -p "$WINEPREFIX"
-cmake --build "$top/build-windows-program" --target ngs-probe > "$work/probe.log"
+if [ -n "$has_contract" ]; then cmake --build "$probe" --target ngs-probe > "$work/probe.log"; fi
 $wine wineboot -i > "$work/wineboot.log" 2>&1
 # Wine's services inherit the streams of the program that starts them, and end with the last program: this one outlives all.
 mkfifo "$work/empty"
 exec 9<> "$work/empty"
 $wine cmd /c 'set /p x=' < "$work/empty" > /dev/null 2>&1 9>&- &
 trap '$wine wineboot --end-session --kill > "$work/wineboot.log" 2>&1 || true' EXIT
-for program in "$programs"/*.exe "$top"/build-windows-program/tests/ngs-probe.exe; do
+for program in "$programs"/*.exe "$probe"/tests/ngs-probe.exe; do
   [ -f "$program" ] || continue
   name=$(basename "$program" .exe)
   # shellcheck disable=SC2016  # $@ is the script's
@@ -141,7 +147,7 @@ say "$differing"
 
 if [ -n "$has_contract" ]; then
   NGS_WINDOWS_TOOLS=$work/tools NGS_CONTRACT_ONLY=$contract NGS_CONTRACT_TABLE=$work/contract.txt \
-    "$top/build/bin/test_contract" -tc='every tool satisfies*' > contract.log 2>&1 || failed=1
+    "$suite" -tc='every tool satisfies*' > contract.log 2>&1 || failed=1
   tail -n 5 contract.log >&2
 fi
 exit "$failed"

@@ -24,12 +24,25 @@ std::string obstacle() {
   return {};
 }
 
+std::string version_text(int version) {
+  return std::to_string(version / 1000) + "." + std::to_string(version % 1000 / 10);
+}
+
+/// Why no device was counted.
+std::string absence(cudaError_t error) {
+  int driver = 0;  // the newest CUDA that the driver supports; 0: no driver
+  if (cudaDriverGetVersion(&driver) != cudaSuccess || driver == 0) return "no device: no NVIDIA driver is installed";
+  if (error == cudaErrorInsufficientDriver)
+    return "the driver supports CUDA " + version_text(driver) + ", expected " + version_text(CUDART_VERSION) +
+           " or newer";
+  return std::string("no device: ") + cudaGetErrorString(error);
+}
+
 }  // namespace
 
 DeviceInfo cuda_device() {
   int count = 0;
-  if (const cudaError_t e = cudaGetDeviceCount(&count); e != cudaSuccess)
-    return {false, {}, std::string("no device: ") + cudaGetErrorString(e)};
+  if (const cudaError_t e = cudaGetDeviceCount(&count); e != cudaSuccess) return {false, {}, absence(e)};
   if (count == 0) return {false, {}, "no device"};
   cudaDeviceProp properties;
   if (const cudaError_t e = cudaGetDeviceProperties(&properties, 0); e != cudaSuccess)

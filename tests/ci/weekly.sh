@@ -1,0 +1,34 @@
+#!/usr/bin/env bash
+# What CI has no time for: makes the archives of Linux, CUDA (if nvcc is found) and Windows, and the image, and tests them.
+#
+#   tests/ci/weekly.sh [OUT]      OUT: folder of the files (default: build-bundle)
+#
+# A line per step: ok, FAIL or SKIP, and its minutes. Exit code 1 if a step failed. Logs: build-bundle/weekly/
+set -euo pipefail
+# shellcheck source=pipelines/common.sh
+. "$(dirname "$0")/../../pipelines/common.sh"
+
+case ${1:-} in -h | --help) usage_of "$0"; exit 0 ;; esac
+out=${1:-$top/build-bundle} logs=$top/build-bundle/weekly
+mkdir -p "$out" "$logs"
+
+failed=0
+step() {  # NAME COMMAND...
+  local name=$1 word=ok begin=$SECONDS
+  shift
+  "$@" > "$logs/$name.log" 2>&1 || case $? in 77) word=SKIP ;; *) word=FAIL failed=1 ;; esac
+  printf '%-4s %s, %d min\n' $word "$name" $(((SECONDS - begin) / 60)) >&2
+}
+
+# Ten contract cases: bytes, exit codes, a signal, stdout, formats, a fit and cuts.
+cases='^(common: (gives the same bytes on|returns 2 for an unknown flag with|ends at SIGINT|writes its output to stdout, without)'
+cases+='|formats: (renders an|writes a .sog)|ngs-fit: starts from the points|ngs: (cuts a capture by its|reads strokes painted|returns 2 for an unknown c))'
+step linux "$top/pipelines/bundle.sh" -o "$out"
+if PATH=$PATH:${CUDA_HOME:-/usr/local/cuda}/bin command -v nvcc > /dev/null; then step cuda "$top/pipelines/bundle.sh" --cuda -o "$out"; fi
+step linux-test "$top/tests/ci/bundle.sh" "$out"
+step windows "$top/pipelines/bundle/windows.sh" -o "$out"
+step windows-system-test "$top/tests/ci/windows.sh"
+step contract-suite env NGS_PRESET=ci "$top/pipelines/build.sh" --target test_contract
+step windows-test "$top/tests/ci/windows-archive.sh" "$out" --contract "$cases"
+step container "$top/tests/ci/container.sh"
+exit "$failed"
