@@ -211,6 +211,14 @@ TEST_CASE("residency: a step of contour refinement copies a few scalars, with wi
   const auto c = joint_case(300, 200);
   for (std::size_t i = 0; i < c->is_ball.size(); ++i)
     for (std::size_t k = 0; k < 3 && c->is_ball[i] > 0; ++k) c->model.log_scale[3 * i + k] += 0.35f;
+  Camera& wide = c->scene.views[3].camera;  // shows a smaller ball, so its window is smaller
+  wide.fx = wide.fy = 42;
+  RenderRequest request;
+  request.label = {c->is_ball.data(), c->truth.size(), 1};
+  const RenderedView truth = render({}, c->truth, wide, {}, request);
+  c->photos[3] = truth.colour;
+  for (std::size_t p = 0; p < truth.label.data.size(); ++p)
+    c->masks[3].target[0][p] = truth.label.data[p] > 0.5f ? 1.f : 0.f;
   Problem input = c->input();
   input.load_fine_photo = input.load_photo;
   const std::size_t views = input.views.size();

@@ -36,12 +36,14 @@ void check_same_rows(const Backend& b, const Solution& got, const Solution& want
   REQUIRE(got.cloud->size() == want.cloud->size());
   CHECK(got.source_row == want.source_row);
   CHECK(changed_rows(*got.cloud, before, got.source_row) == changed_rows(*want.cloud, before, want.source_row));
+  if (b.same_functions) check_same_bits(*got.cloud, *want.cloud);
   std::int64_t others = 0;
   for (std::size_t i = 0; i < want.labels[0].label.size(); ++i) {
     CHECK((got.labels[0].label[i] > 0.5f) == (want.labels[0].label[i] > 0.5f));
     CHECK(std::abs(got.labels[0].prob[i] - want.labels[0].prob[i]) < 1e-2f);
     others += float(got.labels[0].prob[i]) != float(want.labels[0].prob[i]);
   }
+  if (b.same_functions) CHECK(others == 0);
   MESSAGE(b.name << ": " << others << " of " << want.labels[0].label.size() << " probabilities have other bits");
 }
 
@@ -113,6 +115,7 @@ TEST_CASE("passes: floaters found with a device are the CPU's, and the refit mod
       CHECK(fitted.figures.at(name) == doctest::Approx(value).epsilon(1e-5));
     }
     CHECK(changed_rows(fitted.cloud, c->model) == changed);
+    if (b.same_functions) check_same_bits(fitted.cloud, removed.cloud);
     for (const GroupColumns& column : kGroupColumns)
       check_ratio(
           b, std::string("refit, ") + column.name,

@@ -5,6 +5,7 @@
 #include "ngs/passes/exposure/exposure.h"
 #include "ngs/stages/fit/fit_stage.h"
 #include "parity/backends.h"
+#include "support/changed_rows.h"
 #include "support/joint_case.h"
 #include "support/pipeline_case.h"
 
@@ -23,15 +24,6 @@ std::int64_t differing(const Column& got, const Column& want, std::size_t n) {
   std::int64_t count = 0;
   for (std::size_t i = 0; i < n; ++i) count += float(got[i]) != float(want[i]);
   return count;
-}
-
-void check_same_bits(const GaussianCloud& got, const GaussianCloud& want) {
-  CHECK(got.position == want.position);
-  CHECK(got.rotation == want.rotation);
-  CHECK(got.log_scale == want.log_scale);
-  CHECK(got.logit_opacity == want.logit_opacity);
-  CHECK(got.sh_dc == want.sh_dc);
-  CHECK(got.sh_rest == want.sh_rest);
 }
 
 FitState fit_start(const JointCase& c) {

@@ -364,7 +364,7 @@ mutant $f $t $f "label column: no copy on write" 's/if \(page\.use_count\(\) > 1
 mutant $f $t $f "label column: counts of later words not updated" 's/\+\+before\[later\]/before[later]/'
 mutant $f $t $f "label column: pages with other values are shared" 's/return a\.has == b\.has && .*;/return a.has == b.has;/'
 mutant $f $t $f "label column: rows cut off by resize() reappear" 's/if \(rows < rows_ && rows % kPageRows != 0\)/if (false)/'
-mutant stages/fit/photo_refit.cpp unit/passes/floaters/floaters_test.cpp stages/fit/photo_refit.cpp "refit: frozen rows are trained" 's/trained\(exec, in\.trained, /trained(exec, {}, /; s/fixed_colour\[r\] = !in\.trained\[row\]/fixed_colour[r] = 0/'
+mutant stages/fit/photo_refit.cpp unit/passes/floaters/floaters_test.cpp stages/fit/photo_refit.cpp "refit: frozen rows are trained" 's/trained_\(exec, in\.trained, /trained_(exec, {}, /'
 t=unit/ops/splat/cull_request_test.cpp
 mutant ops/splat/binned_view.h $t "" "tiles_touching: untouched tiles are rasterised" 's/lists\.last_z = last_needed_z\(.*\);/lists.last_z.clear();/'
 mutant ops/splat/tile_lists.h $t "" "tiles_touching: spans of the first rows only" 's/row < kFirstRows \? view\.first\[v\]\[std::size_t\(row\)\] : tile_span\(.*\);/row < kFirstRows ? view.first[v][std::size_t(row)] : TileSpan{0, 0};/'

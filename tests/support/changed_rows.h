@@ -1,5 +1,5 @@
 #pragma once
-// Which Gaussians a run has changed.
+// Which Gaussians a run has changed, and whether two runs have changed them alike.
 #include <doctest/doctest.h>
 
 #include <bit>
@@ -26,6 +26,15 @@ inline std::vector<std::uint8_t> changed_rows(const GaussianCloud& now, const Ga
     }
   }
   return changed;
+}
+
+inline void check_same_bits(const GaussianCloud& got, const GaussianCloud& want) {
+  CHECK(got.position == want.position);
+  CHECK(got.rotation == want.rotation);
+  CHECK(got.log_scale == want.log_scale);
+  CHECK(got.logit_opacity == want.logit_opacity);
+  CHECK(got.sh_dc == want.sh_dc);
+  CHECK(got.sh_rest == want.sh_rest);
 }
 
 }  // namespace ngs::test
