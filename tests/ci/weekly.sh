@@ -21,7 +21,9 @@ step() {  # NAME COMMAND...
 }
 
 step linux "$top/pipelines/bundle.sh" -o "$out"
-if PATH=$PATH:${CUDA_HOME:-/usr/local/cuda}/bin command -v nvcc > /dev/null; then step cuda "$top/pipelines/bundle.sh" --cuda -o "$out"; fi
+if PATH=$PATH:${CUDA_HOME:-/usr/local/cuda}/bin command -v nvcc > /dev/null; then
+  step cuda "$top/pipelines/bundle.sh" --cuda -o "$out"
+fi
 step linux-test "$top/tests/ci/bundle.sh" "$out"
 step windows "$top/pipelines/bundle/windows.sh" -o "$out"
 step windows-system-test "$top/tests/ci/windows.sh"
