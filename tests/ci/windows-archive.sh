@@ -78,6 +78,13 @@ check "ngs-synth" ngs-synth two-spheres -o scene "${small[@]}"
 check "ngs cut" ngs cut scene --quality draft -o cut
 check "ngs finds its other tools" ngs extract cut/labelled.ply --object-ply again.ply
 
+x86_64-w64-mingw32-gcc-posix -static "$top/tests/windows/segmenter.c" -o segmenter.exe
+printf '{"ngs_prompts":1,"view":"0000.png","width":96,"height":72,"boxes":[[24,18,72,54]]}\n' > prompts.json
+masks=(ngs-mask cut/scene.json --prompts prompts.json --passes 1)
+check "ngs-mask starts a segmenter for each view" "${masks[@]}" -o masks --segmenter './segmenter.exe scene/masks {image} {out} {prompts}'
+check "ngs-mask sends all views to a running segmenter" "${masks[@]}" -o masks-kept --segmenter './segmenter.exe scene/masks'
+check "and reads the same masks from it" diff -r masks masks-kept
+
 # --- paths -------------------------------------------------------------------------------------------------------------------
 
 odd='Größe 语 😀 (2)'

@@ -1,5 +1,4 @@
-// pipelines/Containerfile copies existing files, and all files that the build reads. No test builds the image, which
-// needs a container engine and a registry.
+// pipelines/Containerfile copies existing files, and all files that the build reads. ci/container.sh builds the image.
 #include <doctest/doctest.h>
 
 #include <filesystem>
