@@ -37,7 +37,7 @@ if(NOT NGS_WITH_CUDA STREQUAL "OFF")
         set(warn_spills -Xptxas=-warn-spills)
       endif()
       # What is fused is written fma(), on a device as on the CPU (NgsFlags.cmake): without contraction both compute the
-      # same bits but for exp, log and their kin, and the emulation of the tests says what a device will compute.
+      # same bits (docs/gpu.md), and the emulation of the tests says what a device will compute.
       target_compile_options(ngs_flags INTERFACE
         $<$<COMPILE_LANGUAGE:CUDA>:--fmad=$<IF:$<BOOL:${NGS_CUDA_FMAD}>,true,false>
         -Xcompiler=-Wall,-Wextra,-ffp-contract=off,-fno-math-errno,${NGS_TARGET_FLAGS}>
