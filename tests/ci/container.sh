@@ -35,7 +35,7 @@ images() { buildah --root "$out/images" --runroot "$out/run" --storage-driver vf
 base=$(images from scratch 2> "$out/log") || skip "buildah failed: $(cat "$out/log")"
 images add --quiet "$base" "$out/root" / > /dev/null
 images commit --quiet --rm "$base" ngs-base > /dev/null
-check "the image is built" images build --layers --isolation chroot --build-arg BASE=localhost/ngs-base \
+check "the image is built" images build --isolation chroot --build-arg BASE=localhost/ngs-base \
   -f "$top/pipelines/Containerfile" -t ngs "$top"
 [ "$failed" -eq 0 ] || exit 1
 container=$(images from ngs)
