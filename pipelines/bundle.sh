@@ -12,7 +12,7 @@
 # All tools are one program, linked with archives: bundle/components.txt lists what it contains. Debian's archives are used
 # where they need no further libraries; the others are built from Debian's source packages, which apt-get downloads and
 # verifies. They are kept in build-bundle/ for the next call. NGS_DEBIAN_MIRROR=http://... replaces deb.debian.org.
-# The same commit and packages give the same bytes.
+# The same commit, packages and folder give the same bytes: OpenCV stores where it was built.
 set -euo pipefail
 shopt -s inherit_errexit
 # shellcheck source=pipelines/common.sh
@@ -44,7 +44,8 @@ header_only cpp-httplib httplib.h
 
 say "bundle: building the tools"
 build=$top/build-one-program$variant  # next to build/, so that a compiler cache knows most of its objects
-cmake -S "$top" -B "$build" -G Ninja -DNGS_ONE_PROGRAM=ON -DNGS_BUILD_TESTS=OFF -DNGS_WERROR="${NGS_WERROR:-OFF}" \
+CXXFLAGS=-fmacro-prefix-map=$top/= \
+  cmake -S "$top" -B "$build" -G Ninja -DNGS_ONE_PROGRAM=ON -DNGS_BUILD_TESTS=OFF -DNGS_WERROR="${NGS_WERROR:-OFF}" \
   -DNGS_WITH_CUDA="$([ -n "$variant" ] && echo ON || echo OFF)" \
   -DCMAKE_PREFIX_PATH="$deps" -DCMAKE_INSTALL_LIBDIR=lib -DNGS_HTTPLIB_INCLUDE="$deps/include" -DNGS_HTTPLIB= \
   > "$work/tools.log"

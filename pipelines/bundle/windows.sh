@@ -8,7 +8,7 @@
 #
 # The compiler is Debian's g++-mingw-w64-x86-64-posix. All libraries are built from Debian's source packages, or are headers
 # of Debian packages: components-windows.txt lists them. They are kept in build-bundle/ for the next call, as for
-# ../bundle.sh. The same commit and packages give the same bytes.
+# ../bundle.sh. The same commit, packages and folder give the same bytes.
 set -euo pipefail
 shopt -s inherit_errexit
 # shellcheck source=pipelines/common.sh
@@ -89,7 +89,8 @@ header_only cpp-httplib httplib.h
 
 say "windows: building the tools"
 build=$top/build-windows-program
-cmake -S "$top" -B "$build" -G Ninja -DCMAKE_TOOLCHAIN_FILE="$toolchain" -DNGS_ONE_PROGRAM=ON \
+CXXFLAGS=-fmacro-prefix-map=$top/= \
+  cmake -S "$top" -B "$build" -G Ninja -DCMAKE_TOOLCHAIN_FILE="$toolchain" -DNGS_ONE_PROGRAM=ON \
   -DNGS_WERROR="${NGS_WERROR:-OFF}" -DCMAKE_PREFIX_PATH="$deps" -DNGS_HTTPLIB_INCLUDE="$deps/include" -DNGS_HTTPLIB= \
   > "$builds/tools.log"
 cmake --build "$build" --target tools
