@@ -110,9 +110,9 @@ TEST_CASE("passes: floaters found with a device are the CPU's, and the refit mod
     CHECK(got.floater == want.floater);
     CHECK(got.far == want.far);
     const FloaterRemoval fitted = remove_floaters(b.exec, monitor, refit, in, want);
-    for (const auto& [name, value] : removed.figures) {
-      CAPTURE(name);
-      CHECK(fitted.figures.at(name) == doctest::Approx(value).epsilon(1e-5));
+    for (const auto& figure : removed.figures) {
+      CAPTURE(figure.first);
+      CHECK(fitted.figures.at(figure.first) == doctest::Approx(figure.second).epsilon(1e-5));
     }
     CHECK(changed_rows(fitted.cloud, c->model) == changed);
     if (b.same_functions) check_same_bits(fitted.cloud, removed.cloud);

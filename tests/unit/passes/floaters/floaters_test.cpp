@@ -92,7 +92,7 @@ TEST_CASE("the same floaters are found if the core is a small part of the model"
   for (const auto column : kLabelColumns) {
     std::vector<float> values = (c.base->labels[0].*column).values();
     values.resize(m, 0.f);
-    c.base->labels[0].*column = LabelColumn(std::move(values));
+    c.base->labels[0].*column = LabelColumn(values);
   }
   const FloaterFinding many = c.find(2);
   CHECK(many.count == few.count);
