@@ -15,9 +15,10 @@
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/../../pipelines/common.sh"
+# shellcheck source=tests/ci/shared/checks.sh
+. "$top/tests/ci/shared/checks.sh"
 
 case ${1:-} in -h | --help) usage_of "$0"; exit 0 ;; esac
-skip() { say "SKIP $*"; exit 77; }
 files=$(cd "${1:-$top/build-bundle}" && pwd)
 suites=("${@:2}")
 [ ${#suites[@]} -gt 0 ] || suites=(bookworm trixie)
@@ -27,28 +28,15 @@ for file in "$archive" "$wheel" "$package"; do
   [ -f "$file" ] || fail 3 "$files: '$file', expected one archive, one wheel and one package" "make them with pipelines/bundle.sh"
 done
 [ "$(id -u)" -eq 0 ] || skip "not root: debootstrap and chroot need it"
-work=$top/build-bundle/test
+work=$top/build-bundle/test log=$top/build-bundle/test/log
 rm -rf "$work"
 mkdir -p "$work" "$top/build-bundle/roots"
-
-failed=0
-check() {  # NAME COMMAND...: prints the command's output if it fails
-  local name=$1
-  shift
-  if "$@" > "$work/log" 2>&1; then say "ok   $name"; else failed=1; say "FAIL $name"; tail -n 20 "$work/log" >&2; fi
-}
 
 # root_of SUITE: prints the root folder of a release; makes it if it does not exist.
 root_of() {
   local root=$top/build-bundle/roots/$1
   if [ -d "$1" ]; then (cd "$1" && pwd); return; fi
-  if [ ! -f "$root/.ngs-whole" ]; then
-    command -v debootstrap > /dev/null || skip "no debootstrap (Debian: debootstrap)"
-    rm -rf "$root"
-    debootstrap --variant=minbase "$1" "$root" "${NGS_DEBIAN_MIRROR:-http://deb.debian.org/debian}" > "$root.log" 2>&1 ||
-      skip "debootstrap failed, see $root.log"
-    touch "$root/.ngs-whole"
-  fi
+  make_root "$1" "$root"
   echo "$root"
 }
 

@@ -8,9 +8,10 @@
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/../../pipelines/common.sh"
+# shellcheck source=tests/ci/shared/checks.sh
+. "$top/tests/ci/shared/checks.sh"
 
 case ${1:-} in -h | --help) usage_of "$0"; exit 0 ;; esac
-skip() { say "SKIP $*"; exit 77; }
 [ "$(id -u)" -eq 0 ] || skip "not root: debootstrap needs it"
 for program in debootstrap buildah; do
   command -v "$program" > /dev/null || skip "no $program (Debian: $program)"
@@ -18,21 +19,10 @@ done
 out=${1:-$top/build-container}
 mkdir -p "$out"
 out=$(cd "$out" && pwd)
-if [ ! -f "$out/root/.ngs-whole" ]; then
-  rm -rf "$out/root"
-  debootstrap --variant=minbase bookworm "$out/root" ${NGS_DEBIAN_MIRROR:+"$NGS_DEBIAN_MIRROR"} > "$out/base.log" 2>&1 ||
-    skip "debootstrap failed, see $out/base.log"
-  touch "$out/root/.ngs-whole"
-fi
-
-failed=0
-check() {  # NAME COMMAND...: prints the command's output if it fails
-  local name=$1
-  shift
-  if "$@" > "$out/log" 2>&1; then say "ok   $name"; else failed=1; say "FAIL $name"; tail -n 20 "$out/log" >&2; fi
-}
+log=$out/log
+make_root bookworm "$out/root"
 images() { buildah --root "$out/images" --runroot "$out/run" --storage-driver vfs "$@"; }
-base=$(images from scratch 2> "$out/log") || skip "buildah failed: $(cat "$out/log")"
+base=$(images from scratch 2> "$log") || skip "buildah failed: $(cat "$log")"
 images add --quiet "$base" "$out/root" / > /dev/null
 images commit --quiet --rm "$base" ngs-base > /dev/null
 check "the image is built" images build --isolation chroot --build-arg BASE=localhost/ngs-base \

@@ -7,12 +7,12 @@
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/../../pipelines/common.sh"
+# shellcheck source=tests/ci/shared/checks.sh
+. "$top/tests/ci/shared/checks.sh"
 
 case ${1:-} in -h | --help) usage_of "$0"; exit 0 ;; esac
-skip() { say "SKIP $*"; exit 77; }
 build=$(cd "${NGS_BUILD:-$top/build}" && pwd)
 root=${1:-$build/package-root}
-mirror=${NGS_DEBIAN_MIRROR:-http://deb.debian.org/debian}
 command -v cpack > /dev/null || skip "no cpack (Debian: cmake)"
 command -v dpkg-shlibdeps > /dev/null || skip "no dpkg-shlibdeps (Debian: dpkg-dev)"
 command -v debootstrap > /dev/null || skip "no debootstrap (Debian: debootstrap)"
@@ -20,23 +20,12 @@ command -v debootstrap > /dev/null || skip "no debootstrap (Debian: debootstrap)
 
 mkdir -p "$root"
 root=$(cd "$root" && pwd)
-if [ ! -f "$root/.ngs-whole" ]; then
-  rm -rf "${root:?}"/*
-  debootstrap --variant=minbase bookworm "$root" "$mirror" > "$build/debootstrap.log" 2>&1 ||
-    skip "debootstrap failed, see $build/debootstrap.log"
-  touch "$root/.ngs-whole"
-fi
+make_root bookworm "$root"
 
 rm -f "$build"/ngs_*.deb
 (cd "$build" && cpack -G DEB > cpack.log 2>&1) || fail 1 "cpack failed" "see $build/cpack.log"
 package=$(find "$build" -maxdepth 1 -name 'ngs_*.deb')
-failed=0
-# check NAME COMMAND...: prints the command's output if it fails
-check() {
-  local name=$1
-  shift
-  if "$@" > "$build/package-test.log" 2>&1; then say "ok   $name"; else failed=1; say "FAIL $name"; tail -n 20 "$build/package-test.log" >&2; fi
-}
+log=$build/package-test.log
 inside() { chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive HOME=/root "$@"; }
 lists() { inside sh -c 'find /usr /etc /var/lib/dpkg/info -name "*ngs-*" -o -path "*/ngs/*" | grep -v "/perl" | LC_ALL=C sort'; }
 

@@ -13,6 +13,8 @@
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/../../pipelines/common.sh"
+# shellcheck source=tests/ci/shared/checks.sh
+. "$top/tests/ci/shared/checks.sh"
 
 folder=$top/build-bundle contract='' has_contract=''
 while [ $# -gt 0 ]; do
@@ -54,14 +56,9 @@ for program in "$programs"/*.exe "$probe"/tests/ngs-probe.exe; do
   chmod +x "$work/tools/$name"
 done
 export PATH=$work/tools:$PATH NGS_THREADS=2
+log=$work/log
 cd "$work"
 
-failed=0
-check() {  # NAME COMMAND...: prints the command's output if it fails
-  local name=$1
-  shift
-  if "$@" > "$work/log" 2>&1; then say "ok   $name"; else failed=1; say "FAIL $name"; tail -n 20 "$work/log" >&2; fi
-}
 # ends CODE COMMAND...: whether the command ends with this exit code.
 ends() {
   local code=0
