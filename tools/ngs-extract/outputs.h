@@ -15,7 +15,7 @@ struct Outputs {
 
 inline Outputs declare_outputs(Tool& tool) {
   return {
-      tool.optional_output("--object-ply", "the object: .ply, .compressed.ply, .spz, .sog, .splat, .glb or .usda"),
+      tool.optional_output("--object-ply", std::string("the object: ") + io::kOutputFormats),
       tool.optional_output("--background-ply", "everything else, in the same formats"),
       tool.optional_output("--filled", "with --fill: the added Gaussians alone, in the same formats"),
       tool.optional_output("--labelled", "the labelled model with ngs_label decided to 0 or 1"),

@@ -101,8 +101,8 @@ int main(int argc, char** argv) {
   const cli::Input& scene_json = tool.input("scene", "scene.json with photos");
   const cli::Input& points =
       tool.optional_input("--points", "points3D.txt, points3D.bin or a PLY to start from; default: random");
-  const cli::Output& out = tool.output(
-      "-o,--output", "trained model, as plain 3DGS .ply, .compressed.ply, .spz, .sog, .splat, .glb or .usda");
+  const cli::Output& out =
+      tool.output("-o,--output", std::string("trained model, as plain 3DGS ") + io::kOutputFormats);
   tool.stops_on_request();
   tool.runs_on_device();
 

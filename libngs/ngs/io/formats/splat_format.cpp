@@ -40,8 +40,7 @@ SplatFormat output_format(std::string_view path) {
     if (ends_with(path, name))
       throw Error(ErrorCode::kUsage,
                   std::string(path) + ": a " + std::string(name) + ", which is " +
-                      (name == ".ksplat" ? "read but " : "") +
-                      "not written, expected .ply, .compressed.ply, .spz, .sog, .splat, .glb or .usda",
+                      (name == ".ksplat" ? "read but " : "") + "not written, expected " + kOutputFormats,
                   "choose another name for the output");
   if (ends_with(path, ".compressed.ply")) return SplatFormat::kCompressedPly;
   if (ends_with(path, ".glb")) return SplatFormat::kGlb;

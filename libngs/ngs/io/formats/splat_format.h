@@ -10,6 +10,9 @@ namespace ngs::io {
 
 enum class SplatFormat : std::uint8_t { kPly, kCompressedPly, kSpz, kSog, kSplat, kKsplat, kGlb, kUsda };
 
+/// The names of the formats that are written, for help and errors.
+inline constexpr const char* kOutputFormats = ".ply, .compressed.ply, .spz, .sog, .splat, .glb or .usda";
+
 /// Format of an input: kPly (also for compressed.ply, which the PLY reader detects), kSpz, kSog, kSplat, kKsplat, or
 /// kGlb and kUsda (write-only). Determined by the first bytes if the format has a signature, else by the extension of
 /// `name`. kPly if neither matches, so that the PLY reader reports what it expected.

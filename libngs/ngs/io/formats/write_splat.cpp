@@ -9,7 +9,6 @@
 #include "ngs/io/formats/compressed_ply_write.h"
 #include "ngs/io/formats/dot_splat.h"
 #include "ngs/io/formats/sog.h"
-#include "ngs/io/formats/splat_format.h"
 #include "ngs/io/formats/spz.h"
 #include "ngs/io/formats/write_only/glb_write.h"
 #include "ngs/io/formats/write_only/usda_write.h"

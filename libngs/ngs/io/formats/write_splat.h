@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "ngs/io/formats/splat_format.h"
 #include "ngs/io/ply/gaussian_ply.h"
 
 namespace ngs::io {

@@ -6,9 +6,12 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/formats/axes.h"
+#include "ngs/io/formats/write_splat.h"
 #include "ngs/math/sh.h"
 #include "support/ply_text.h"
 #include "support/random.h"
+#include "support/splat_files.h"
+#include "support/temp_dir.h"
 
 namespace ngs {
 namespace {
@@ -53,6 +56,22 @@ TEST_CASE("the output format follows from the name, and labels are written to PL
     CHECK(e.code() == ErrorCode::kUsage);
     CHECK(std::string(e.what()).find("labelled.spz: a format without labels") == 0);
   }
+}
+
+TEST_CASE("formats that are only written are errors as inputs") {
+  const test::TempDir dir;
+  for (const std::string format : {".glb", ".usda"})
+    for (const std::vector<std::uint8_t>& keep : {std::vector<std::uint8_t>{}, {0, 0, 0}}) {  // all rows, none
+      CAPTURE(format);
+      (void)io::write_splat(dir.file("m" + format), test::plain_cloud(3, 1, 1), keep);
+      try {
+        (void)io::read_gaussian_ply(dir.file("m" + format));
+        FAIL("was read");
+      } catch (const Error& e) {
+        CHECK(e.code() == ErrorCode::kBadInput);
+        CHECK(std::string(e.what()).find(format + " can be written but not read") != std::string::npos);
+      }
+    }
 }
 
 using Matrix = std::array<std::array<double, 3>, 3>;
