@@ -49,6 +49,17 @@ class HostBlock {
     for (const int t : order_) some = f(t, *shared_, own_[std::size_t(t)]) || some;
     return some;
   }
+  template <class F>
+  void each(const F& f) {
+    for (const int t : order_) f(t, std::as_const(*shared_), own_[std::size_t(t)]);
+  }
+  template <class Test, class Take>
+  void ballot(const Test& test, const Take& take) {
+    std::vector<std::uint32_t> bits(order_.size() / kWarpThreads);
+    for (const int t : order_)
+      bits[std::size_t(t / kWarpThreads)] |= std::uint32_t(test(t, std::as_const(*shared_))) << t % kWarpThreads;
+    for (const int t : order_) take(own_[std::size_t(t)], bits[std::size_t(t / kWarpThreads)]);
+  }
   std::int64_t index;
 
  private:

@@ -40,6 +40,19 @@ struct CudaBlock {
     return false;
 #endif
   }
+  template <class F>
+  NGS_HD void each(const F& f) {
+#ifdef __CUDA_ARCH__
+    f(int(threadIdx.x), static_cast<const typename Kernel::Shared&>(shared), own);
+#endif
+  }
+  template <class Test, class Take>
+  NGS_HD void ballot(const Test& test, const Take& take) {
+    static_assert(Kernel::kThreads % kWarpThreads == 0);
+#ifdef __CUDA_ARCH__
+    take(own, __ballot_sync(0xffffffffu, test(int(threadIdx.x), static_cast<const typename Kernel::Shared&>(shared))));
+#endif
+  }
 };
 
 namespace detail {

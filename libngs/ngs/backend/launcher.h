@@ -21,6 +21,9 @@
 // which is a sequence of phases with a barrier after each:
 //   block.phase([&](int thread, Shared&, Thread&) { ... })
 //   block.any([&](int thread, Shared&, Thread&) -> bool { ... })    true for all threads if it is true for one
+//   block.each([&](int thread, const Shared&, Thread&) { ... })       a phase without a barrier
+//   block.ballot([&](int thread, const Shared&) -> bool { ... }, take)   take(Thread&, bits): bit i is that of thread i of
+//                                                                   its warp of 32; no barrier
 // clang-format on
 // Only phases access Shared and Thread. Control flow between phases is therefore the same for all threads, and no
 // thread reads a value that another thread may already be changing. Within a phase no thread reads what another writes.
@@ -103,6 +106,24 @@ class DeviceBuffer {
   std::int64_t size_ = 0;
   bool is_own_ = true;
 };
+
+inline constexpr int kWarpThreads = 32;
+
+/// The number of the lowest or highest bit that is set; x is not 0.
+NGS_HD inline int lowest_bit(std::uint32_t x) {
+#ifdef __CUDA_ARCH__
+  return __ffs(int(x)) - 1;
+#else
+  return __builtin_ctz(x);
+#endif
+}
+NGS_HD inline int highest_bit(std::uint32_t x) {
+#ifdef __CUDA_ARCH__
+  return 31 - __clz(int(x));
+#else
+  return 31 - __builtin_clz(x);
+#endif
+}
 
 template <class T>
 NGS_HD constexpr T ceil_div(T a, T b) {

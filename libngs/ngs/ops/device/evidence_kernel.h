@@ -27,7 +27,7 @@ struct MasksOnDevice {
 template <int K>
 struct EvidenceTileOnDevice {
   static constexpr const char* kName = "evidence_tile";
-  static constexpr int kThreads = kTilePixels, kMinBlocks = 3, kBatch = 64, kChunk = 16;
+  static constexpr int kThreads = kTilePixels, kMinBlocks = 3, kChunk = 16, kStaged = kThreads;
   static constexpr int kSums = 2 + 2 * K;
   static_assert(kChunk * kTilePx == kThreads, "a thread takes a column of pixels of a Gaussian");
   static_assert(kChunk * kSums <= kThreads);
@@ -39,13 +39,14 @@ struct EvidenceTileOnDevice {
   int columns;
 
   struct Shared {
-    TileGaussian<float> gaussian[kBatch];
+    StagedGaussian gaussian[kStaged];
     float mask[1 + K][kTilePixels];             // known, targets; 0 where unknown or outside
     float weight[kChunk][kTilePixels];          // at chunk_place()
     float column[kTilePx][kChunk * kSums + 1];  // odd rows, as in the splat's backward pass
   };
   struct Thread {
     PixelTraversal<float> traversal;
+    std::uint32_t reached;
   };
 
   template <class Block>
@@ -53,15 +54,13 @@ struct EvidenceTileOnDevice {
     const TileFrame frame = tiles.frame(block.index);
     const std::int64_t begin = tiles.begin[block.index], end = tiles.begin[block.index + 1];
     block.phase([&](int t, Shared& shared, Thread& own) { load_masks(t, frame, shared, own); });
-    for (std::int64_t at = begin; at < end; at += kBatch) {
-      const int count = int(min2<std::int64_t>(kBatch, end - at));
-      const bool more = block.any([&](int t, Shared& shared, Thread& own) {
-        if (t < count) shared.gaussian[t] = tile_gaussian(tiles.record[tiles.gaussian[at + t]], frame);
-        return own.traversal.live;
+    for (std::int64_t at = begin; at < end; at += kStaged) {
+      const int count = int(min2<std::int64_t>(kStaged, end - at));
+      block.phase([&](int t, Shared& shared, Thread&) {
+        if (t < count) shared.gaussian[t] = StagedGaussian::of(tiles.record[tiles.gaussian[at + t]], frame);
       });
-      if (!more) return;
       for (int from = 0; from < count; from += kChunk)
-        sum_chunk(block, frame, at + from, from, min2(kChunk, count - from));
+        if (!sum_chunk(block, frame, at + from, from, min2(kChunk, count - from))) return;
     }
   }
 
@@ -70,27 +69,33 @@ struct EvidenceTileOnDevice {
     const TilePixel pixel(t, frame);
     const bool counts = pixel.inside && (masks.known == nullptr || masks.known[pixel.index] != 0);
     own.traversal = {1.f, pixel.inside};
-    shared.mask[0][t] = counts ? 1.f : 0.f;
+    shared.mask[0][pixel.place()] = counts ? 1.f : 0.f;
     for (int k = 0; k < K; ++k)
-      shared.mask[1 + k][t] =
+      shared.mask[1 + k][pixel.place()] =
           counts && k < used ? masks.target_at(first + k, frame.x_px + pixel.column, frame.y_px + pixel.row) : 0.f;
   }
 
+  /// Sums the pairs of the chunk that is staged from `from` on; false if all pixels have stopped before.
   template <class Block>
-  NGS_HD void sum_chunk(Block& block, const TileFrame& frame, std::int64_t entry, int from, int count) const {
-    block.phase([&](int t, Shared& shared, Thread& own) {
+  NGS_HD bool sum_chunk(Block& block, const TileFrame& frame, std::int64_t entry, int from, int count) const {
+    find_reached(block, from, count, [](const Shared& shared) { return shared.gaussian; });
+    const bool some_live = block.any([&](int t, Shared& shared, Thread& own) {
+      const bool was_live = own.traversal.live;
       const TilePixel pixel(t, frame);
-      for (int j = 0; j < count; ++j) {
+      for (std::uint32_t left = own.reached; left != 0; left &= left - 1) {
+        const int j = lowest_bit(left);
         float before;
-        const float opaque =
-            own.traversal.pass(shared.gaussian[from + j], float(pixel.column), float(pixel.row), tiles.stop, before);
+        const float opaque = own.traversal.pass(shared.gaussian[from + j].gaussian, float(pixel.column),
+                                                float(pixel.row), tiles.stop, before);
         const float weight = opaque * before;
-        shared.weight[j][chunk_place(j, t)] = masks.by_visibility ? weight * before : weight;
+        shared.weight[j][chunk_place(j, pixel.place())] = masks.by_visibility ? weight * before : weight;
       }
+      return was_live;
     });
+    if (!some_live) return false;
     block.phase([&](int t, Shared& shared, Thread&) {
       const int j = t / kTilePx;
-      if (j < count) sum_column(shared, j, t % kTilePx);
+      if (j < count) sum_column(shared, shared.gaussian[from + j].rows[t % kTilePx / kBandPx], j, t % kTilePx);
     });
     block.phase([&](int t, Shared& shared, Thread&) {
       const int j = t / kSums, k = t % kSums;
@@ -98,13 +103,14 @@ struct EvidenceTileOnDevice {
       pair[std::int64_t(tiles.slot[entry + j]) * columns + (k < 2 ? k : k + 2 * first)] =
           sum_of_columns([&](int x) { return shared.column[x][t]; });
     });
+    return true;
   }
 
-  NGS_HD static void sum_column(Shared& shared, int j, int x) {
+  NGS_HD static void sum_column(Shared& shared, StagedGaussian::Rows rows, int j, int x) {
     float sum[kSums];
     for (int k = 0; k < kSums; ++k) sum[k] = 0.f;
-    for (int row = 0; row < kTilePx; ++row) {
-      const int at = row * kTilePx + x;
+    for (int row = rows.begin; row < rows.end; ++row) {
+      const int at = pixel_place(x, row);
       const float weight = shared.weight[j][chunk_place(j, at)], counts = shared.mask[0][at];
       sum[0] = fma_lanes(weight, counts, sum[0]);
       sum[1] += weight > 0.f ? counts : 0.f;

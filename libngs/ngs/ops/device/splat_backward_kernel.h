@@ -17,7 +17,7 @@ template <int C, class Launcher>
 struct SplatBackwardTile {
   static constexpr const char* kName = "splat_backward_tile";
   static constexpr int kThreads = kTilePixels, kMinBlocks = 3, kChunk = Checkpoints::kEntries;
-  static constexpr int kSums = kPairGeometry + C;
+  static constexpr int kStaged = C > 5 ? 64 : 128, kSums = kPairGeometry + C;  // at most 48 KiB of shared memory
   static_assert(kChunk * kTilePx == kThreads, "a thread takes a column of pixels of a Gaussian");
   static_assert(kChunk * kSums <= kThreads);
 
@@ -35,7 +35,7 @@ struct SplatBackwardTile {
     float second[kChunk][kTilePixels];  // transmittance before, then weight
   };
   struct Shared {
-    StagedGaussians<C, kChunk> staged;
+    StagedGaussians<C, kStaged> staged;
     float grad[C + 1][kTilePixels];
     union {
       Pairs pair;
@@ -45,6 +45,7 @@ struct SplatBackwardTile {
   };
   struct Thread {
     PixelTraversal<float> traversal;
+    std::uint32_t reached;
     float behind;
     float part[kSums];
   };
@@ -57,19 +58,18 @@ struct SplatBackwardTile {
     const bool any_gradient =
         block.any([&](int t, Shared& shared, Thread& own) { return start(t, frame, shared, own); });
     if (!any_gradient) return;  // tiles without a gradient are skipped
-    const float* const rows = checkpoints.of(begin, block.index);
-    for (int chunk = checkpoints.count[block.index]; chunk-- > 0;) {
-      const std::int64_t first = begin + std::int64_t(chunk) * kChunk;
-      const int used = int(min2<std::int64_t>(kChunk, end - first));
-      const bool some_live = block.any([&](int t, Shared& shared, Thread& own) {
-        shared.staged.template load<kThreads>(t, tiles, frame, channels, {first, used});
-        const float checkpoint = rows[chunk * kTilePixels + t];
-        own.traversal = {checkpoint, checkpoint >= 0.f};
-        return own.traversal.live;
+    const int chunks = checkpoints.count[block.index];
+    for (int first = chunks == 0 ? -1 : (chunks - 1) * kChunk / kStaged * kStaged; first >= 0; first -= kStaged) {
+      const EntryRange entries{begin + first, int(min2<std::int64_t>(kStaged, end - begin - first))};
+      block.phase([&](int t, Shared& shared, Thread&) {
+        shared.staged.template load<kThreads>(t, tiles, frame, channels, entries);
       });
-      if (!some_live) continue;
-      gradients_of_pixels(block, frame, used);
-      sums_of_pairs(block, first, used);
+      for (int from = min2(kStaged, chunks * kChunk - first); (from -= kChunk) >= 0;) {
+        const int used = min2(kChunk, entries.count - from);
+        find_reached(block, from, used, [](const Shared& shared) { return shared.staged.gaussian; });
+        gradients_of_pixels(block, frame, (first + from) / kChunk, from);
+        sums_of_pairs(block, entries.first, from, used);
+      }
     }
   }
 
@@ -81,32 +81,37 @@ struct SplatBackwardTile {
     own.behind = 0.f;
     for (int c = 0; c <= C; ++c) {
       const float g = pixel.inside && grad[c].data ? grad[c].data[pixel.index * grad[c].stride] : 0.f;
-      shared.grad[c][t] = g;
+      shared.grad[c][pixel.place()] = g;
       some = some || !(g == 0.f);
       if (c < C && (moves >> c & 1)) own.behind = fma_lanes(g, channels.background[c], own.behind);
     }
     return some;
   }
 
-  /// ∂L/∂α = T (v - s), v = Σ_c g_c c_i + g_alpha, s <- α v + (1 - α) s, from the far end of the chunk: leaves
-  /// ∂L/∂power and the weight of every (Gaussian, pixel).
+  /// ∂L/∂α = T (v - s), v = Σ_c g_c c_i + g_alpha, s <- α v + (1 - α) s, from the far end of a chunk of the tile, which
+  /// is staged from `from` on: leaves ∂L/∂power and the weight of every (Gaussian, pixel) of the warps that it reaches.
   template <class Block>
-  NGS_HD void gradients_of_pixels(Block& block, const TileFrame& frame, int used) const {
+  NGS_HD void gradients_of_pixels(Block& block, const TileFrame& frame, int chunk, int from) const {
+    const float* const row = checkpoints.of(tiles.begin[block.index], block.index) + chunk * kTilePixels;
     block.phase([&](int t, Shared& shared, Thread& own) {
       const TilePixel pixel(t, frame);
-      for (int j = 0; j < used; ++j) {
+      own.traversal = {row[t], row[t] >= 0.f};
+      for (std::uint32_t left = own.reached; left != 0; left &= left - 1) {
+        const int j = lowest_bit(left), at = chunk_place(j, pixel.place());
         float before;
-        shared.pair.first[j][chunk_place(j, t)] =
-            own.traversal.pass(shared.staged.gaussian[j], float(pixel.column), float(pixel.row), tiles.stop, before);
-        shared.pair.second[j][chunk_place(j, t)] = before;
+        shared.pair.first[j][at] = own.traversal.pass(shared.staged.gaussian[from + j].gaussian, float(pixel.column),
+                                                      float(pixel.row), tiles.stop, before);
+        shared.pair.second[j][at] = before;
       }
       float g[C + 1];
-      for (int c = 0; c <= C; ++c) g[c] = shared.grad[c][t];
-      for (int j = used; j-- > 0;) {
-        float &first = shared.pair.first[j][chunk_place(j, t)], &second = shared.pair.second[j][chunk_place(j, t)];
+      for (int c = 0; c <= C; ++c) g[c] = shared.grad[c][pixel.place()];
+      for (std::uint32_t left = own.reached; left != 0;) {
+        const int j = highest_bit(left), at = chunk_place(j, pixel.place());
+        left ^= 1u << j;
+        float &first = shared.pair.first[j][at], &second = shared.pair.second[j][at];
         const float opaque = first, weight = opaque * second;
         float v = g[C];
-        for (int c = 0; c < C; ++c) v = fma_lanes(g[c], moves >> c & 1 ? shared.staged.value[j][c] : 0.f, v);
+        for (int c = 0; c < C; ++c) v = fma_lanes(g[c], moves >> c & 1 ? shared.staged.value[from + j][c] : 0.f, v);
         const float difference = v - own.behind;
         own.behind = fma_lanes(opaque, difference, own.behind);
         first = opaque < float(kAlphaCap) ? weight * difference : 0.f;
@@ -115,12 +120,12 @@ struct SplatBackwardTile {
     });
   }
 
-  /// Sums over pixels: the gradient rows of the chunk's pairs.
+  /// Sums over pixels: the gradient rows of the pairs of the chunk. `entry`: that of the first staged Gaussian.
   template <class Block>
-  NGS_HD void sums_of_pairs(Block& block, std::int64_t entry, int used) const {
+  NGS_HD void sums_of_pairs(Block& block, std::int64_t entry, int from, int used) const {
     block.phase([&](int t, Shared& shared, Thread& own) {
       const int j = t / kTilePx;
-      if (j < used) sum_column(shared, shared.staged.gaussian[j], j, t % kTilePx, own.part);
+      if (j < used) sum_column(shared, shared.staged.gaussian[from + j], j, t % kTilePx, own.part);
     });
     block.phase([&](int t, Shared& shared, Thread& own) {  // overwrites `pair`, which has been read
       const int j = t / kTilePx;
@@ -135,10 +140,11 @@ struct SplatBackwardTile {
       const int j = t / kSums, k = t % kSums;
       const bool of_geometry = k < kPairGeometry;  // to which all channel groups contribute
       if (k >= kPairGeometry + channels.used) return;
-      const float value =
-          of_geometry ? geometry(shared.staged.gaussian[j], shared.total + j * kSums, k) : shared.total[t];
+      const float value = of_geometry ? geometry(shared.staged.gaussian[from + j].gaussian, shared.total + j * kSums, k)
+                                      : shared.total[t];
       const std::uint32_t* row_of = sums == DeviceSums::kAtomic ? tiles.gaussian : tiles.slot;
-      float* to = row_grad + std::int64_t(row_of[entry + j]) * row_columns + (of_geometry ? k : k + channels.first);
+      float* to =
+          row_grad + std::int64_t(row_of[entry + from + j]) * row_columns + (of_geometry ? k : k + channels.first);
       if (sums == DeviceSums::kAtomic)
         Launcher::atomic_add(to, value);
       else
@@ -146,13 +152,15 @@ struct SplatBackwardTile {
     });
   }
 
-  /// Moments of ∂L/∂power in the distance from the mean, and weighted channel gradients, over a column of pixels, as
-  /// TileBackward::column() sums them.
-  NGS_HD static void sum_column(const Shared& shared, const TileGaussian<float>& g, int j, int x, float* part) {
+  /// Moments of ∂L/∂power in the distance from the mean, and weighted channel gradients, over the pixels of a column
+  /// that Gaussian j of the chunk can reach, as TileBackward::column() sums them.
+  NGS_HD static void sum_column(const Shared& shared, const StagedGaussian& of, int j, int x, float* part) {
+    const TileGaussian<float>& g = of.gaussian;
     float p = 0.f, pv = 0.f, pvv = 0.f, channel[C];
     for (int c = 0; c < C; ++c) channel[c] = 0.f;
-    for (int row = 0; row < kTilePx; ++row) {
-      const int at = row * kTilePx + x, place = chunk_place(j, at);
+    const StagedGaussian::Rows rows = of.rows[x / kBandPx];
+    for (int row = rows.begin; row < rows.end; ++row) {
+      const int at = pixel_place(x, row), place = chunk_place(j, at);
       const float v = g.y - float(row), power = shared.pair.first[j][place], weight = shared.pair.second[j][place];
       const float first = power * v;
       p += power, pv += first, pvv = fma_lanes(first, v, pvv);

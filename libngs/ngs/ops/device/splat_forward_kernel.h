@@ -24,17 +24,17 @@ struct EntryRange {
 };
 
 /// The Gaussians that a block works on next.
-template <int C, int kBatch>
+template <int C, int kCount>
 struct StagedGaussians {
-  TileGaussian<float> gaussian[kBatch];
-  float value[kBatch][C];
+  StagedGaussian gaussian[kCount];
+  float value[kCount][C];
 
   /// The thread's part of loading the entries.
   template <int kThreads>
   NGS_HD void load(int thread, const TilesOnDevice& tiles, const TileFrame& frame, const ChannelGroup<C>& channels,
                    const EntryRange& entries) {
     const std::uint32_t* id = tiles.gaussian + entries.first;
-    if (thread < entries.count) gaussian[thread] = tile_gaussian(tiles.record[id[thread]], frame);
+    if (thread < entries.count) gaussian[thread] = StagedGaussian::of(tiles.record[id[thread]], frame);
     for (int i = thread; i < entries.count * C; i += kThreads) value[i / C][i % C] = channels.at(id[i / C], i % C);
   }
 };
@@ -43,7 +43,7 @@ struct StagedGaussians {
 struct Checkpoints {
   static constexpr int kEntries = 16;
   float* transmittance = nullptr;  // [rows(), kTilePixels]; negative: the pixel has stopped. null: not wanted
-  std::int32_t* count = nullptr;   // [tiles] rows that the forward pass has written
+  std::int32_t* count = nullptr;   // [tiles] rows with a pixel that has not stopped
 
   static std::int64_t rows(std::int64_t pairs, std::int64_t tiles) { return pairs / kEntries + tiles; }
   /// The first row of a tile whose entries begin at `begin`; it has ceil_div(entries, kEntries) of them.
@@ -56,17 +56,19 @@ struct Checkpoints {
 template <int C>
 struct SplatForwardTile {
   static constexpr const char* kName = "splat_forward_tile";
-  static constexpr int kThreads = kTilePixels, kMinBlocks = 4, kBatch = 64;
-  static_assert(kBatch % Checkpoints::kEntries == 0);
+  static constexpr int kThreads = kTilePixels, kMinBlocks = C > 3 ? 3 : 4, kChunk = Checkpoints::kEntries;
+  static constexpr int kStaged = kThreads;  // many, because threads wait for three dependent reads of memory
   TilesOnDevice tiles;
   ChannelGroup<C> channels;
   Plane<float> out[C];
   Plane<float> alpha;
   Checkpoints checkpoints;
 
-  using Shared = StagedGaussians<C, kBatch>;
+  using Shared = StagedGaussians<C, kStaged>;
   struct Thread {
     PixelTraversal<float> traversal;
+    std::uint32_t reached;
+    int live_chunks;  // before which the pixel is live
     float sum[C];
   };
 
@@ -75,30 +77,30 @@ struct SplatForwardTile {
     const TileFrame frame = tiles.frame(block.index);
     const std::int64_t begin = tiles.begin[block.index], end = tiles.begin[block.index + 1];
     block.phase([&](int t, Shared&, Thread& own) {
-      own.traversal = {1.f, TilePixel(t, frame).inside};
+      own.traversal = {1.f, TilePixel(t, frame).inside}, own.live_chunks = 0;
       for (int c = 0; c < C; ++c) own.sum[c] = 0.f;
     });
-    std::int64_t first = begin;
-    for (; first < end; first += kBatch) {
-      const int count = int(min2<std::int64_t>(kBatch, end - first));
+    for (std::int64_t first = begin; first < end; first += kStaged) {
+      const int count = int(min2<std::int64_t>(kStaged, end - first));
       const bool more = block.any([&](int t, Shared& shared, Thread& own) {
         shared.template load<kThreads>(t, tiles, frame, channels, {first, count});
         return own.traversal.live;
       });
       if (!more) break;
-      block.phase([&](int t, Shared& shared, Thread& own) {
-        const TilePixel pixel(t, frame);
-        if (checkpoints.transmittance == nullptr) return composite(pixel, 0, count, shared, own);
-        float* row = checkpoints.of(begin, block.index) + (first - begin) / Checkpoints::kEntries * kTilePixels + t;
-        for (int k = 0; k < count; k += Checkpoints::kEntries, row += kTilePixels) {
-          *row = own.traversal.live ? own.traversal.transmittance : -1.f;
-          composite(pixel, k, min2(count, k + Checkpoints::kEntries), shared, own);
-        }
-      });
+      for (int from = 0; from < count; from += kChunk) {
+        find_reached(block, from, min2(kChunk, count - from), [](const Shared& shared) { return shared.gaussian; });
+        block.each([&](int t, const Shared& shared, Thread& own) {
+          own.live_chunks += own.traversal.live;
+          if (checkpoints.transmittance != nullptr)
+            checkpoints.of(begin, block.index)[(first - begin + from) / kChunk * kTilePixels + t] =
+                own.traversal.live ? own.traversal.transmittance : -1.f;
+          composite_chunk(TilePixel(t, frame), from, shared, own);
+        });
+      }
+      block.phase([](int, Shared&, Thread&) {});  // before the staged Gaussians are replaced
     }
+    if (checkpoints.count != nullptr) store_count(block, int(ceil_div<std::int64_t>(end - begin, kChunk)));
     block.phase([&](int t, Shared&, Thread& own) {
-      if (t == 0 && checkpoints.count != nullptr)
-        checkpoints.count[block.index] = int(ceil_div<std::int64_t>(min2(first, end) - begin, Checkpoints::kEntries));
       const TilePixel pixel(t, frame);
       if (!pixel.inside) return;
       for (int c = 0; c < C; ++c)
@@ -110,15 +112,32 @@ struct SplatForwardTile {
   }
 
  private:
-  /// Composites the staged Gaussians [from, to) at the thread's pixel.
-  NGS_HD void composite(const TilePixel& pixel, int from, int to, const Shared& shared, Thread& own) const {
-    for (int k = from; k < to && own.traversal.live; ++k) {
+  /// Composites those of the chunk of staged Gaussians from `first` on that reach the thread's warp.
+  NGS_HD void composite_chunk(const TilePixel& pixel, int first, const Shared& shared, Thread& own) const {
+    for (std::uint32_t left = own.reached; left != 0 && own.traversal.live; left &= left - 1) {
+      const int k = first + lowest_bit(left);
       float before;
       const float opaque =
-          own.traversal.pass(shared.gaussian[k], float(pixel.column), float(pixel.row), tiles.stop, before);
+          own.traversal.pass(shared.gaussian[k].gaussian, float(pixel.column), float(pixel.row), tiles.stop, before);
       const float weight = opaque * before;
       for (int c = 0; c < C; ++c) own.sum[c] = fma_lanes(weight, shared.value[k][c], own.sum[c]);
     }
+  }
+
+  /// Stores the number of chunks before which some pixel is live, at most `most`: found by bisection.
+  template <class Block>
+  NGS_HD void store_count(Block& block, int most) const {
+    int least = 0;
+    while (least < most) {
+      const int middle = (least + most + 1) / 2;
+      if (block.any([&](int, Shared&, Thread& own) { return own.live_chunks >= middle; }))
+        least = middle;
+      else
+        most = middle - 1;
+    }
+    block.phase([&](int t, Shared&, Thread&) {
+      if (t == 0) checkpoints.count[block.index] = least;
+    });
   }
 };
 

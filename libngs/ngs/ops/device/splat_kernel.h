@@ -44,15 +44,12 @@ class CloudOnDevice {
 
 struct GaussiansBackward {
   static constexpr const char* kName = "gaussians_backward";
-  GaussianBackward<float> kernel;  // its rows are those of SplatBackwardTile
+  GaussianBackward<float> kernel;  // its rows are sums over the tiles of a Gaussian
   const std::int64_t* slot_begin;
-  DeviceSums sums;
   const float* channel;  // [N, count]
   NGS_HD void operator()(std::int64_t i) const {
     if (const std::int64_t to = kernel.out.gradient_row ? kernel.out.gradient_row[i] : i; to >= 0) clear(to);
-    const std::int64_t begin = slot_begin[i], end = slot_begin[i + 1];
-    const bool summed = sums == DeviceSums::kAtomic;
-    if (begin < end) kernel.gather(i, channel + i * kernel.plan.count(), summed ? i : begin, summed ? i + 1 : end);
+    if (slot_begin[i] < slot_begin[i + 1]) kernel.gather(i, channel + i * kernel.plan.count(), i, i + 1);
   }
   NGS_HD void clear(std::int64_t to) const {
     const auto zero = [to](auto* column, int width) {
@@ -113,10 +110,15 @@ class SplatOnDevice {
         if (first == 0) kernel.grad[size] = grad[std::size_t(plan_.count())];
         launcher_.launch_blocks(bins_.tiles(), kernel);
       });
-    const Matrix<const float> summands{rows.data(), rows.size() / columns, columns};
-    launcher_.parallel_for(
-        cloud_.size,
-        GaussiansBackward{{projector_, cloud_, plan_, summands, out}, bins_.slot_begin(), sums, channel_.data()});
+    if (sums == DeviceSums::kInOrder) {
+      DeviceBuffer<Launcher, float> sum(launcher_, cloud_.size * columns);
+      launcher_.parallel_for(sum.size(), SumPairColumns{bins_.slot_begin(), rows.data(), columns, sum.data()});
+      rows = std::move(sum);
+    }
+    launcher_.parallel_for(cloud_.size,
+                           GaussiansBackward{{projector_, cloud_, plan_, {rows.data(), cloud_.size, columns}, out},
+                                             bins_.slot_begin(),
+                                             channel_.data()});
   }
 
   const TileBins<Launcher>& bins() const { return bins_; }

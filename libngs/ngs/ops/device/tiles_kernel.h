@@ -8,6 +8,7 @@
 #include "ngs/backend/launcher.h"
 #include "ngs/core/check.h"
 #include "ngs/ops/splat/splat_gaussian.h"
+#include "ngs/ops/splat/tile_rows.h"
 
 namespace ngs {
 
@@ -24,21 +25,68 @@ struct TilesOnDevice {
   }
 };
 
-/// The pixel of a thread in its tile: thread t is pixel t, row by row.
+/// A warp is a block of 8 x 4 pixels of a tile: small Gaussians reach few of them.
+inline constexpr int kBandPx = 8, kBands = kTilePx / kBandPx, kWarpRows = kWarpThreads / kBandPx;
+
+/// Where the value of a pixel of a tile lies in shared memory, so that neither a warp nor a row of the tile has two
+/// values in one bank.
+NGS_HD constexpr int pixel_place(int column, int row) {
+  return (row * kTilePx + column) ^ (row / (kWarpRows / 2) % 2 * kBandPx);
+}
+/// The same for Gaussian j of a chunk, so that half a warp with a row of Gaussian j and the other half with this row of
+/// j + 1 use all 32 banks.
+NGS_HD constexpr int chunk_place(int j, int place) { return place ^ (j % 2 * kTilePx); }
+
+/// The pixel of a thread in its tile.
 struct TilePixel {
   int column, row;
   bool inside;
   std::int64_t index;  // into the image
   NGS_HD TilePixel(int thread, const TileFrame& frame)
-      : column(thread % kTilePx),
-        row(thread / kTilePx),
+      : column(thread / kWarpThreads % kBands * kBandPx + thread % kBandPx),
+        row(thread / (kWarpThreads * kBands) * kWarpRows + thread % kWarpThreads / kBandPx),
         inside(column < frame.columns() && row < frame.rows()),
         index(std::int64_t(frame.y_px + row) * frame.width_px + frame.x_px + column) {}
+  NGS_HD int place() const { return pixel_place(column, row); }
 };
 
-/// Where the values of Gaussian j of a chunk at pixel t lie in shared memory, so that half a warp that reads a row of
-/// Gaussian j and the other half, which reads the same row of j + 1, use all 32 banks.
-NGS_HD constexpr int chunk_place(int j, int t) { return t ^ (j % 2 * kTilePx); }
+/// A Gaussian that the threads of a tile work on, in shared memory.
+struct alignas(16) StagedGaussian {
+  /// Rows in which it can reach the columns of a band, none if end <= begin.
+  struct Rows {
+    std::uint8_t begin, end;
+  };
+  TileGaussian<float> gaussian;
+  Rows rows[kBands];
+
+  NGS_HD static StagedGaussian of(const SplatRecord<float>& record, const TileFrame& frame) {
+    StagedGaussian staged{tile_gaussian(record, frame), {}};
+    const auto ellipse = RowEllipse<float>::of(record, staged.gaussian.x, staged.gaussian.y);
+    for (int band = 0; band < kBands; ++band) {
+      const auto border = [&](float downwards) {
+        return std::uint8_t(ellipse.border(downwards, band * kBandPx, kBandPx, frame.rows()));
+      };
+      staged.rows[band] = {border(-1), border(1)};
+    }
+    return staged;
+  }
+  NGS_HD bool reaches(int warp) const {
+    const Rows reached = rows[warp % kBands];
+    const int first = warp / kBands * kWarpRows;
+    return reached.begin < first + kWarpRows && reached.end > first;
+  }
+};
+
+/// own.reached: bit k is set if Gaussian `first` + k of staged(shared) reaches pixels of the thread's warp, k < count.
+template <class Block, class Staged>
+NGS_HD void find_reached(Block& block, int first, int count, const Staged& staged) {
+  block.ballot(
+      [&](int t, const auto& shared) {
+        const int k = t % kWarpThreads;
+        return k < count && staged(shared)[first + k].reaches(t / kWarpThreads);
+      },
+      [](auto& own, std::uint32_t bits) { own.reached = bits; });
+}
 
 /// column(0) + ... + column(15), in the order of the CPU's packs: folded to 8, then sum_lanes().
 template <class Column>
@@ -118,6 +166,24 @@ struct FindEntries {
   NGS_HD void operator()(std::int64_t i) const {
     if (i < pairs) gaussian[i] = of_slot[slot[i]];
     if (i <= tiles) begin[i] = lower_bound_of(key, pairs, std::uint64_t(i) << 32);
+  }
+};
+
+/// Sums the pairs of every Gaussian that has some, in double. A thread per column: neighbouring threads read
+/// neighbouring values, and a Gaussian in many tiles keeps a thread waiting for one column only.
+struct SumPairColumns {
+  static constexpr const char* kName = "sum_pair_columns";
+  const std::int64_t* slot_begin;  // [N + 1]
+  const float* pair;               // [pairs, columns]
+  int columns;
+  float* sum;  // [N, columns] out
+
+  NGS_HD void operator()(std::int64_t i) const {
+    const std::int64_t begin = slot_begin[i / columns], end = slot_begin[i / columns + 1];
+    if (begin == end) return;
+    double total = 0;
+    for (std::int64_t slot = begin; slot < end; ++slot) total += double(pair[slot * columns + i % columns]);
+    sum[i] = float(total);
   }
 };
 

@@ -2,12 +2,10 @@
 // The rows of a tile that a Gaussian can reach; the loop of splat_tiles.h visits only these.         paper.md §5.1
 //
 // Computed for kAhead Gaussians at once, one per lane, to hide the latency of the square roots.
-#include <limits>
 #include <type_traits>
 
 #include "ngs/math/lanes.h"
-#include "ngs/ops/splat/splat_step_kernels.h"
-#include "ngs/ops/splat/tile_types.h"
+#include "ngs/ops/splat/tile_rows.h"
 
 namespace ngs {
 
@@ -23,7 +21,6 @@ class RowsAhead {
   using G = std::conditional_t<std::is_arithmetic_v<S>, L, double>;
   using T = typename LaneTraits<G>::Scalar;
   static constexpr int kBandPx = LaneTraits<L>::kLanes < 8 ? LaneTraits<L>::kLanes : 8, kBands = kTilePx / kBandPx;
-  static constexpr double kEps = std::numeric_limits<T>::epsilon();
 
  public:
   /// Loads Gaussians [first, first + kAhead) of the tile's list, or as many as there are.
@@ -48,29 +45,15 @@ class RowsAhead {
   [[gnu::always_inline]] void load(std::uint32_t k, const SplatRecord<S>& g, const TileFrame& frame) {
     using W = WideOf<S>;
     x_[k] = S(g.mean_x - W(frame.x_px + 0.5)), y_[k] = S(g.mean_y - W(frame.y_px + 0.5));
-    mean_x_[k] = T(x_[k]), mean_y_[k] = T(y_[k]), b_[k] = T(g.form.b()), inv_c_[k] = T(g.inv_c),
-    inv_det_[k] = T(g.inv_det);
-    cut_c_[k] = T(1 + 8 * kEps) * T(g.max_mahalanobis2) * T(g.form.c()), bottom_x_[k] = T(g.bottom_x);
+    const RowEllipse<T> of = RowEllipse<T>::of(g, x_[k], y_[k]);
+    mean_x_[k] = of.mean_x, mean_y_[k] = of.mean_y, b_[k] = of.b, inv_c_[k] = of.inv_c, inv_det_[k] = of.inv_det;
+    cut_c_[k] = of.cut_c, bottom_x_[k] = of.bottom_x;
   }
 
-  /// Within the columns the ellipse {quadratic form <= max_mahalanobis2} has its extreme row at its own lowest
-  /// (highest) point, or on the column border nearest to it. Rounding may add rows, never remove any: the square and
-  /// the border are widened by their cancellation error. If the ellipse misses the columns, at most one row is visited
-  /// in vain.
   [[gnu::always_inline]] void find_rows(std::uint32_t k, int band, int rows) {
-    const G left = G(T(band * kBandPx - kSpanSlackPx)) - lanes(mean_x_, k),
-            right = left + G(T(kBandPx - 1 + 2 * kSpanSlackPx));
-    const G b = lanes(b_, k), inv_c = lanes(inv_c_, k), inv_det = lanes(inv_det_, k), cut_c = lanes(cut_c_, k);
-    const G bottom_x = lanes(bottom_x_, k), mean_y = lanes(mean_y_, k);
-    const auto border = [&](T downwards) {
-      const G u = max_lanes(min_lanes(G(downwards) * bottom_x, right), left), along = b * u;
-      const G root = sqrt_lanes(max_lanes(fma_lanes(-u * inv_det, u, cut_c), G(T(0))));
-      const G v = (G(downwards) * root - along) * inv_c;
-      const G slack = fma_lanes(max_lanes(along, -along) + root, inv_c * G(T(4 * kEps)), G(T(kSpanSlackPx)));
-      const G row =
-          G(downwards) * floor_lanes(fma_lanes(G(downwards), mean_y + v, slack)) + G(T(downwards > 0 ? 1 : 0));
-      return min_lanes(max_lanes(row, G(T(0))), G(T(rows)));
-    };
+    const RowEllipse<G> of{lanes(mean_x_, k),  lanes(mean_y_, k), lanes(b_, k),       lanes(inv_c_, k),
+                           lanes(inv_det_, k), lanes(cut_c_, k),  lanes(bottom_x_, k)};
+    const auto border = [&](T downwards) { return of.border(downwards, band * kBandPx, kBandPx, rows); };
     store_row_bits(rows_[band] + k, border(T(-1)), border(T(1)));
   }
   [[gnu::always_inline]] static G lanes(const T* values, std::uint32_t k) {

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <set>
 #include <string>
 
 #include "support/host_launcher.h"
@@ -33,6 +34,28 @@ TEST_CASE("TileBins throws for more than 2^32 tile entries before it allocates m
     message = e.what();
   }
   CHECK(message.find("slots are counted in 32 bits") != std::string::npos);
+}
+
+// Shared memory has 32 banks of a float each. Two values of one bank cost a warp two accesses.
+TEST_CASE("tiles kernel: the pixels of a warp, and a row of two Gaussians of a chunk, lie in 32 banks") {
+  const TileFrame frame{0, 0, kTilePx, kTilePx};
+  std::set<int> pixels;
+  for (int warp = 0; warp < kTilePixels / kWarpThreads; ++warp)
+    for (int j = 0; j < 2; ++j) {
+      std::set<int> banks;
+      for (int t = 0; t < kWarpThreads; ++t) {
+        const int place = TilePixel(warp * kWarpThreads + t, frame).place();
+        banks.insert(chunk_place(j, place) % kWarpThreads), pixels.insert(place);
+      }
+      CHECK(banks.size() == std::size_t(kWarpThreads));
+    }
+  CHECK(pixels.size() == std::size_t(kTilePixels));
+  for (int row = 0; row < kTilePx; ++row) {
+    std::set<int> banks;
+    for (int j = 0; j < 2; ++j)
+      for (int x = 0; x < kTilePx; ++x) banks.insert(chunk_place(j, pixel_place(x, row)) % kWarpThreads);
+    CHECK(banks.size() == std::size_t(kWarpThreads));
+  }
 }
 
 }  // namespace ngs
