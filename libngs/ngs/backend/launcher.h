@@ -22,8 +22,8 @@
 //   block.phase([&](int thread, Shared&, Thread&) { ... })
 //   block.any([&](int thread, Shared&, Thread&) -> bool { ... })    true for all threads if it is true for one
 //   block.each([&](int thread, const Shared&, Thread&) { ... })       a phase without a barrier
-//   block.ballot([&](int thread, const Shared&) -> bool { ... }, take)   take(Thread&, bits): bit i is that of thread i of
-//                                                                   its warp of 32; no barrier
+//   block.ballot([&](int thread, const Shared&) -> bool { ... }, take)
+//                                         take(Thread&, bits): bit i is that of thread i of its warp of 32; no barrier
 // clang-format on
 // Only phases access Shared and Thread. Control flow between phases is therefore the same for all threads, and no
 // thread reads a value that another thread may already be changing. Within a phase no thread reads what another writes.
