@@ -151,15 +151,8 @@ class DeviceArrays {
   /// Copies the array back, and forgets it.
   virtual void give_back(void* host) const = 0;
   virtual void drop(const void* host) const noexcept = 0;
-  virtual void run(const ScatterRows& kernel, std::int64_t rows) const = 0;
-  virtual void run(const GatherRows& kernel, std::int64_t rows) const = 0;
-  virtual void run(const RowColours& kernel, std::int64_t rows) const = 0;
-  virtual void run(const ClearShapes& kernel, std::int64_t rows) const = 0;
-  virtual void run(const AddProjectedGradients& kernel, std::int64_t rows) const = 0;
-  virtual void run(const FadeNear& kernel, std::int64_t rows) const = 0;
-  virtual void run(const AddValues& kernel, std::int64_t rows) const = 0;
-  virtual void run(const LabelCellGradients& kernel, std::int64_t rows) const = 0;
-  virtual void run(const LabelCellValues& kernel, std::int64_t rows) const = 0;
+  /// All arrays of the kernel are resident.
+  virtual void run(const RowKernel& kernel, std::int64_t rows) const = 0;
 };
 
 /// One thread at a time uses a device. Threads of a parallel loop that render hold `rendering` (ops/splat/splat.h).

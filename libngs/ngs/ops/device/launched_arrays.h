@@ -42,49 +42,14 @@ class LaunchedArrays final : public DeviceArrays {
   }
   void drop(const void* host) const noexcept override { launcher_.release(launcher_.resident.erase(host).device); }
 
-  void run(const ScatterRows& host, std::int64_t rows) const override {
-    ScatterRows kernel = host;
-    for (int c = 0; c < ScatterRows::kColumns; ++c)
-      kernel.part[c] = at(host.part[c], host.width[c]), kernel.all[c] = at(host.all[c], host.width[c]);
-    kernel.row = at(host.row, rows);
-    launcher_.parallel_for(rows, kernel);
-  }
-  void run(const GatherRows& host, std::int64_t rows) const override {
-    const DeviceBuffer<Launcher, float> part =
-        DeviceBuffer<Launcher, float>::result(launcher_, host.part, rows * host.width);
-    launcher_.parallel_for(rows, GatherRows{at(host.row, rows), host.width, at(host.all, rows), part.data()});
-    part.to(host.part);
-  }
-  void run(const RowColours& host, std::int64_t rows) const override {
-    launcher_.parallel_for(rows, RowColours{at(host.row, rows), at(host.sh_dc, rows), at(host.colour, rows)});
-  }
-  void run(const ClearShapes& host, std::int64_t rows) const override {
-    launcher_.parallel_for(rows, ClearShapes{at(host.chosen, rows), at(host.position, rows), at(host.rotation, rows),
-                                             at(host.log_scale, rows), at(host.logit_opacity, rows)});
-  }
-  void run(const AddProjectedGradients& host, std::int64_t rows) const override {
-    AddProjectedGradients kernel = host;
-    kernel.visible = at(host.visible, rows), kernel.mean_px = at(host.mean_px, rows);
-    kernel.sum = at(host.sum, rows), kernel.views = at(host.views, rows);
-    launcher_.parallel_for(rows, kernel);
-  }
-  void run(const FadeNear& host, std::int64_t rows) const override {
-    FadeNear kernel = host;
-    kernel.visible = at(host.visible, rows), kernel.position = at(host.position, rows);
-    kernel.logit_opacity = at(host.logit_opacity, rows);
-    launcher_.parallel_for(rows, kernel);
-  }
-  void run(const AddValues& host, std::int64_t rows) const override {
-    launcher_.parallel_for(rows, AddValues{at(host.from, rows), at(host.to, rows)});
-  }
-  void run(const LabelCellGradients& host, std::int64_t rows) const override {
-    if (host.cells.count == 0) return;
-    launcher_.parallel_for(rows, LabelCellGradients{at(host.cells), at(host.grad_label, rows), at(host.grad, rows)});
-  }
-  void run(const LabelCellValues& host, std::int64_t rows) const override {
-    if (host.cells.count == 0) return;
-    launcher_.parallel_for(rows,
-                           LabelCellValues{at(host.cells), at(host.row, host.row ? rows : 0), at(host.label, rows)});
+  void run(const RowKernel& on_host, std::int64_t rows) const override {
+    if (rows == 0) return;
+    std::visit(
+        [&](auto kernel) {
+          kernel.each_array([&](auto*& array) { array = on_device(array); });
+          launcher_.parallel_for(rows, kernel);
+        },
+        on_host);
   }
 
  private:
@@ -93,17 +58,11 @@ class LaunchedArrays final : public DeviceArrays {
     launcher_.resident.insert(host, {bytes, static_cast<char*>(device)});
     return device;
   }
-  /// The device address of a resident array; null if it has no values.
   template <class T>
-  T* at(T* host, std::int64_t values) const {
-    if (values == 0) return nullptr;
+  T* on_device(T* host) const {
     void* const device = launcher_.resident.find(host, sizeof(T));
     NGS_CHECK(device != nullptr, "the arrays of a row kernel are resident");
     return static_cast<T*>(device);
-  }
-  LabelCells at(const LabelCells& host) const {
-    const auto count = std::int64_t(host.count);
-    return {at(host.begin, 1), at(host.object, count), at(host.logit, count), host.objects, host.count};
   }
 
   Launcher& launcher_;

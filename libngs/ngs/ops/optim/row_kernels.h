@@ -1,7 +1,9 @@
 #pragma once
-// Copies between rows of arrays, and the labels of trained cells: what a training step does between its ops.
+// Copies between rows of arrays, and the labels of trained cells: what a training step does between its ops. Each
+// kernel gives its arrays to each_array(f).
 #include <cmath>
 #include <cstdint>
+#include <variant>
 
 #include "ngs/core/hd.h"
 #include "ngs/math/sh.h"
@@ -18,6 +20,12 @@ struct ScatterRows {
   int width[kColumns];      // 0: no such column
   const float* part[kColumns];
   float* all[kColumns];
+  template <class F>
+  void each_array(const F& f) {
+    f(row);
+    for (int c = 0; c < kColumns; ++c)
+      if (width[c] > 0) f(part[c]), f(all[c]);
+  }
   NGS_HD void operator()(std::int64_t r) const {
     for (int c = 0; c < kColumns; ++c)
       for (int k = 0; k < width[c]; ++k) all[c][row[r] * width[c] + k] = part[c][r * width[c] + k];
@@ -31,6 +39,10 @@ struct GatherRows {
   int width;
   const float* all;
   float* part;
+  template <class F>
+  void each_array(const F& f) {
+    f(row), f(all), f(part);
+  }
   NGS_HD void operator()(std::int64_t r) const {
     for (int k = 0; k < width; ++k) part[r * width + k] = all[std::int64_t(row[r]) * width + k];
   }
@@ -42,6 +54,10 @@ struct RowColours {
   const std::uint32_t* row;  // [R]
   const float* sh_dc;        // [N, 3]
   float* colour;             // [R, 3] out
+  template <class F>
+  void each_array(const F& f) {
+    f(row), f(sh_dc), f(colour);
+  }
   NGS_HD void operator()(std::int64_t r) const {
     for (int c = 0; c < 3; ++c) colour[r * 3 + c] = float(colour_of_dc(double(sh_dc[std::int64_t(row[r]) * 3 + c])));
   }
@@ -64,6 +80,10 @@ struct ClearShapes {
   static constexpr const char* kName = "clear_shapes";
   const std::uint8_t* chosen;                              // [R]
   float *position, *rotation, *log_scale, *logit_opacity;  // [R, 3], [R, 4], [R, 3], [R]
+  template <class F>
+  void each_array(const F& f) {
+    f(chosen), f(position), f(rotation), f(log_scale), f(logit_opacity);
+  }
   NGS_HD void operator()(std::int64_t r) const {
     if (!chosen[r]) return;
     for (int k = 0; k < 3; ++k) position[r * 3 + k] = log_scale[r * 3 + k] = 0;
@@ -77,6 +97,10 @@ struct AddValues {
   static constexpr const char* kName = "add_values";
   const float* from;
   float* to;
+  template <class F>
+  void each_array(const F& f) {
+    f(from), f(to);
+  }
   NGS_HD void operator()(std::int64_t i) const { to[i] += from[i]; }
 };
 
@@ -87,6 +111,10 @@ struct AddProjectedGradients {
   const float* mean_px;         // [N, 2] px^-1
   float per_ndc_x, per_ndc_y;   // px per unit of normalised device coordinates
   float *sum, *views;           // [N] accumulated
+  template <class F>
+  void each_array(const F& f) {
+    f(visible), f(mean_px), f(sum), f(views);
+  }
   NGS_HD void operator()(std::int64_t i) const {
     using std::sqrt;
     if (!visible[i]) return;
@@ -104,6 +132,10 @@ struct FadeNear {
   Vec3<double> centre;          // of the camera
   double reach, loss;           // world, of a Gaussian at the camera
   float* logit_opacity;         // [N]
+  template <class F>
+  void each_array(const F& f) {
+    f(visible), f(position), f(logit_opacity);
+  }
   NGS_HD void operator()(std::int64_t i) const {
     using std::sqrt;
     if (!visible[i]) return;
@@ -119,7 +151,12 @@ struct LabelCells {
   const std::uint32_t* object;  // [cells]
   const float* logit;           // [cells]
   std::size_t objects;          // K
-  std::size_t count;            // cells
+  std::size_t count;            // cells, more than 0
+
+  template <class F>
+  void each_array(const F& f) {
+    f(begin), f(object), f(logit);
+  }
 };
 
 /// From ∂L/∂(label) of the rows to ∂L/∂(log-odds) of their cells.
@@ -128,6 +165,10 @@ struct LabelCellGradients {
   LabelCells cells;
   const float* grad_label;  // [R, K]
   float* grad;              // [cells] out
+  template <class F>
+  void each_array(const F& f) {
+    cells.each_array(f), f(grad_label), f(grad);
+  }
   NGS_HD void operator()(std::int64_t r) const {
     for (std::size_t c = cells.begin[r]; c < cells.begin[r + 1]; ++c)
       grad[c] = grad_label[std::size_t(r) * cells.objects + cells.object[c]] * sigmoid_slope(cells.logit[c]);
@@ -140,11 +181,20 @@ struct LabelCellValues {
   LabelCells cells;
   const std::int64_t* row;  // [R] row of `label`; null: r
   float* label;             // [N, K]
+  template <class F>
+  void each_array(const F& f) {
+    cells.each_array(f), f(label);
+    if (row != nullptr) f(row);
+  }
   NGS_HD void operator()(std::int64_t r) const {
     const std::size_t to = std::size_t(row ? row[r] : r);
     for (std::size_t c = cells.begin[r]; c < cells.begin[r + 1]; ++c)
       label[to * cells.objects + cells.object[c]] = sigmoid(cells.logit[c]);
   }
 };
+
+/// A kernel with an array per argument and a row per call.
+using RowKernel = std::variant<ScatterRows, GatherRows, RowColours, ClearShapes, AddValues, AddProjectedGradients,
+                               FadeNear, LabelCellGradients, LabelCellValues>;
 
 }  // namespace ngs

@@ -47,12 +47,14 @@ void TrainedLabels::start(const Problem& input, int steps) {
 }
 
 AdamGroup TrainedLabels::group(const Exec& exec, double rate, const std::vector<float>& grad) {
-  for_each_row(exec, std::int64_t(rows_.size()), LabelCellGradients{cells(), grad.data(), grad_.data()});
+  if (!grad_.empty())
+    for_each_row(exec, std::int64_t(rows_.size()), LabelCellGradients{cells(), grad.data(), grad_.data()});
   return {{.lr = rate}, {"label", logit_, grad_}, moments_};
 }
 
 void TrainedLabels::write_back(const Exec& exec) {
-  for_each_row(exec, std::int64_t(rows_.size()), LabelCellValues{cells(), rows_.rows(), label_.data()});
+  if (!logit_.empty())
+    for_each_row(exec, std::int64_t(rows_.size()), LabelCellValues{cells(), rows_.rows(), label_.data()});
 }
 
 void TrainedLabels::add_to(Resident& resident) {
