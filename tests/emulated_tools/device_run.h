@@ -77,11 +77,14 @@ class DeviceCase {
   int runs_ = 0;
 };
 
-/// The paths of all files in a folder, relative to it.
+/// The paths of all files in a folder, relative to it. Not reports and pages: they show times.
 inline std::vector<std::string> files_in(const std::string& folder) {
   std::vector<std::string> files;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
-    if (entry.is_regular_file()) files.push_back(std::filesystem::relative(entry.path(), folder).generic_string());
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    const std::string path = std::filesystem::relative(entry.path(), folder).generic_string();
+    if (entry.is_regular_file() && path.find("reports/") == path.npos && !path.ends_with(".html"))
+      files.push_back(path);
+  }
   std::sort(files.begin(), files.end());
   return files;
 }

@@ -1,5 +1,7 @@
 // --device of the tools: the same bytes on the device and on the CPU, the choice between them, and too little memory.
 #include "emulated_tools/device_run.h"
+#include "support/skip.h"
+#include "support/studio_server.h"
 
 namespace ngs::test {
 namespace {
@@ -18,8 +20,16 @@ const std::string kFit =
     "ngs-fit {fixture}/scene.json -o {tmp}/fit.ply --steps 620 --random-points 60 --max-gaussians 90 --sh-degree 1 "
     "--checkpoint {tmp}/kept --checkpoint-every 300";
 
-bool warns_of_restart(const DeviceRun& run) {
-  return run.process.err.find("the run starts again on the CPU") != std::string::npos;
+const std::string kMasks = "ngs-mask {fixture}/scene.json -o {tmp}/masks --prompts ";
+const std::string kCut = "ngs cut {fixture}/model.ply --size 64x48 --around 0,0,0,0.7 -o {tmp}/cut --strokes ";
+
+constexpr const char* kBox = R"({"ngs_prompts":1,"view":"v0.png","width":48,"height":36,"boxes":[[12,6,36,30]]})";
+constexpr const char* kStrokes = R"({"ngs_prompts":1,"view":"0000.png","width":64,"height":48,"strokes":[)"
+                                 R"({"object":true,"radius":3,"points":[[25,20],[40,20],[32,30]]},)"
+                                 R"({"object":false,"radius":1,"points":[[2,2],[62,2],[62,46],[2,46],[2,2]]}]})";
+
+bool warns_of_restart(const DeviceRun& run, const std::string& part = "the run") {
+  return run.process.err.find(part + " starts again on the CPU") != std::string::npos;
 }
 
 /// A case on the CPU and on the device, which launched kernels. `last`: the file that a run writes last.
@@ -38,11 +48,11 @@ struct Compared {
     check_same_files(device, cpu);
   }
   /// Without memory for more than `allocations`, auto warns, and ends on the CPU with its bytes; cuda is an error.
-  void check_too_little(std::int64_t allocations) {
+  void check_too_little(std::int64_t allocations, const std::string& repeated = "the run") {
     CAPTURE(allocations);
     REQUIRE(allocations < device.allocations);
     const DeviceRun restarted = tool.done({.choice = "auto", .allocations = allocations});
-    CHECK(warns_of_restart(restarted));
+    CHECK(warns_of_restart(restarted, repeated));
     CHECK(restarted.device() == "cpu");
     CHECK(restarted.report.at("device").at("reason") == "auto: emulated has too little memory");
     check_same_files(restarted, cpu);
@@ -96,6 +106,59 @@ TEST_CASE("ngs-joint with the NeRF runs on the device, and starts again on the C
     CHECK(warns_of_restart(restarted));
     check_same_files(restarted, cpu);
   }
+}
+
+TEST_CASE("ngs-mask writes the bytes of the CPU, also if the device's memory ends on the way") {
+  const TempDir dir;
+  Compared run(kMasks + dir.write("box.json", kBox) + " --soft {tmp}/soft", "masks/v5.png");
+  for (const int part : {2, 1}) run.check_too_little(run.device.allocations / part - 1);
+}
+
+TEST_CASE("ngs cut of a splat runs on the device, and repeats only the step at which its memory ends") {
+  const TempDir dir;
+  const std::string cut = kCut + dir.write("strokes.json", kStrokes);
+  Compared flash(cut + " --method flash", "cut/object.ply");
+  for (const int part : {4, 1}) flash.check_too_little(flash.device.allocations / part - 1, "this step");
+}
+
+TEST_CASE("ngs cut gives --device to its stages, and writes the bytes of the CPU") {
+  const TempDir dir;
+  Compared run(kCut + dir.write("strokes.json", kStrokes) + " --quality draft", "cut/object.ply");
+  const auto device_of = [](const DeviceRun& of, const std::string& tool) {
+    return Json::parse(read_bytes(of.file("cut/reports/" + tool + ".json"))).at("device").at("name");
+  };
+  for (const std::string tool : {"ngs-mask", "ngs-variance", "ngs-joint", "ngs-render", "ngs-scene", "ngs-extract"}) {
+    CAPTURE(tool);
+    CHECK(device_of(run.cpu, tool) == "cpu");
+    CHECK(device_of(run.device, tool) == (tool == "ngs-scene" || tool == "ngs-extract" ? "cpu" : "emulated"));
+  }
+  const DeviceRun restarted = run.tool.done({.choice = "auto", .allocations = 40});
+  CHECK(warns_of_restart(restarted, "this step"));
+  check_same_files(restarted, run.cpu);
+}
+
+TEST_CASE("the programs that ngs-studio runs choose their device themselves, and the CPU with --device cpu") {
+  if (!has_studio()) return skip("no cpp-httplib: ngs-studio was not built");
+  const TempDir dir;
+  {
+    StudioServer server(dir.path(), {fixture_folder() + "/model.ply", "-o", "visit"});
+    Json camera = Json::parse(server.get("/api/state").body).at("start");
+    camera["width"] = 192, camera["height"] = 144;
+    const Json stroke = {{"label", "object"}, {"radius_px", 6}, {"points", {{96, 72}}}};
+    const Json strokes = {{"object", 1}, {"camera", camera}, {"strokes", {stroke}}};
+    REQUIRE(server.post("/api/strokes", strokes.dump()).status == 200);
+    REQUIRE(server.post("/api/export", "{}").status == 202);
+    while (Json::parse(server.get("/api/job").body).at("state") == "running") continue;
+    CHECK(server.quit() == 0);
+  }
+  DeviceCase again("ngs-studio {fixture}/model.ply -o {tmp}/again --replay " + dir.path() + "/visit/visit.jsonl");
+  const DeviceRun cpu = again.done({"cpu"}), chosen = again.done({"auto"}), refused = again.run({"cuda"});
+  REQUIRE(std::filesystem::exists(cpu.file("again/object-1/object.ply")));
+  check_same_files(chosen, cpu);
+  CHECK(chosen.device() == "cpu");
+  CHECK(chosen.launches > 0);
+  CHECK(cpu.launches == 0);
+  CHECK(refused.process.exit_code == kEnvironment);
 }
 
 TEST_CASE("auto takes the device if its free memory suffices, and says so") {
