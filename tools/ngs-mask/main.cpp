@@ -2,6 +2,7 @@
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/stages/render/render_options.h"
 #include "segmenters.h"
+#include "shared/scene/memory_model.h"
 #include "shared/scene/prompt_input.h"
 #include "shared/scene/scene_model.h"
 #include "shared/tool.h"
@@ -51,17 +52,20 @@ int make_masks(cli::Run& run, const Options& options, const Files& files) {
                                 ? cli::command_segmenter(options.segmenter, scene, load, run)
                                 : cli::grab_cut_segmenter(run.exec(), options.segmenter, load, run.seed());
   run.result()["views"] = scene.views.size();
+  auto marked = views.rasterised(run, marks);
+  if (run.dry_run()) return run.plan(views.plan(ply.cloud, options.spread.passes)), cli::kDone;
+  run.needs_device_memory(cli::device_bytes(double(ply.cloud.size()), ply.cloud.rest_count()));
+  const SplatOptions splat = filter_at_scale(splat_options(options.raster, ply.cloud, scene), views.scale());
   const SpreadInput input{ply.cloud,
                           scene,
                           views.cameras(),
                           views.has_photo(),
-                          filter_at_scale(splat_options(options.raster, ply.cloud, scene), views.scale()),
-                          views.rasterised(run, marks),
+                          kept_on_device(run.exec(), splat, ply.cloud),
+                          std::move(marked),
                           segment,
                           [&](std::size_t view, const SpreadView& result) {
                             views.store(run, view, result, files.out.path, files.soft.path);
                           }};
-  if (run.dry_run()) return run.plan(views.plan(ply.cloud, options.spread.passes)), cli::kDone;
   spread_masks(run.exec(), run.monitor(), options.spread, input);
   if (run.stop_code() == 0) views.finish(run);
   return run.stop_code();
@@ -96,6 +100,7 @@ int main(int argc, char** argv) {
                                                      "folder for soft masks, 0..255: agreement of the photo with "
                                                      "the other views");
   tool.stops_on_request();
+  tool.runs_on_device();
 
   return tool.run(argc, argv, [&](cli::Run& run) {
     return make_masks(run, options, {scene_json, model, marks, out, soft});

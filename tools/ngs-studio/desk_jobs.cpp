@@ -5,6 +5,7 @@
 #include "desk.h"
 #include "ngs/io/files/mapped_file.h"
 #include "ngs/io/scene/scene_json.h"
+#include "shared/run/environment.h"
 
 namespace ngs::studio {
 namespace {
@@ -47,6 +48,10 @@ Json files_in(const std::string& folder, const std::string& shown, const std::st
 }  // namespace
 
 void Desk::start(std::string kind, std::vector<JobStep> steps, std::function<void()> finished) {
+  for (JobStep& step : steps)
+    if (place_.device == cli::DeviceChoice::kCpu && !step.words.empty() &&
+        cli::has_device_path(step.words[0] == "ngs" ? "ngs cut" : step.words[0]))
+      step.words.insert(step.words.end(), {"--device", "cpu"});
   std::shared_ptr<Job> earlier;  // destroyed outside the lock: its thread may wait for mutex_
   {
     const std::lock_guard lock(mutex_);

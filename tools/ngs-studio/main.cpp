@@ -88,7 +88,7 @@ int main(int argc, char** argv) {
     if (visit) run.warn_unused({"--port", "--browser", "--record"}, "with --replay");
     if (run.dry_run()) return int(cli::kDone);
     os::set_variable("NGS_PROGRESS_S", "0.3", false);  // of the programs that Refine and Export run
-    const studio::StudioPlace place{source.path, out ? out.path : default_folder(source.path)};
+    const studio::StudioPlace place{source.path, out ? out.path : default_folder(source.path), run.device_choice()};
     studio::Studio studio(run.exec(), place);
     if (visit) {
       const std::size_t requests =

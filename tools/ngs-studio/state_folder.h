@@ -16,12 +16,14 @@
 
 #include "ngs/scene/scene.h"
 #include "ngs/stages/live/session.h"
+#include "shared/cli/common_flags.h"
 
 namespace ngs::studio {
 
 struct StudioPlace {
-  std::string source;  // a splat, or a scene.json that names one
-  std::string folder;  // the session's files
+  std::string source;                                   // a splat, or a scene.json that names one
+  std::string folder;                                   // the session's files
+  cli::DeviceChoice device = cli::DeviceChoice::kAuto;  // of the programs that Refine and Export run
 };
 
 class StateFolder {

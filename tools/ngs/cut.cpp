@@ -72,7 +72,7 @@ constexpr const char* kCaptureGroup = "capture";
 /// Flags that hints of stages may mention without the name of a tool.
 std::set<std::string> own_flags(const OptionSet& options) {
   std::set<std::string> flags{"--model",   "--ply",    "--masks",     "--images",      "--world-transform", "--gt",
-                              "--strokes", "--output", "--overwrite", "--allow-empty", "--dry-run"};
+                              "--strokes", "--output", "--overwrite", "--allow-empty", "--dry-run",         "--device"};
   for (const OptionEntry& entry : options.entries()) flags.insert(option_flag(entry.name));
   return flags;
 }
@@ -207,6 +207,7 @@ int cut_command(int argc, char** argv) {
   const cli::Input& truth = tool.optional_input("--gt", "folder of true masks, to score the result");
   const cli::Output& out = tool.resumed_output_dir("-o,--output", "folder for all outputs; default: SOURCE-cut");
   tool.stops_on_request();
+  tool.runs_on_device();
   tool.reports_on_request();
 
   return tool.run(argc, argv, [&](cli::Run& run) {

@@ -239,8 +239,7 @@ ResultQuality CutChain::quality_of(const GaussianCloud& cloud, const std::vector
                                    const std::vector<PixelMask>& masks) const {
   const StrokeAgreement strokes =
       StrokeCheck(run_, plain_scene_, options_.view, inputs_.strokes).of(cloud, label, true);
-  const SplatOptions splat = prepared_for(run_.exec(), splat_options({}, cloud, untrained_->scene), cloud);
-  return {strokes.wrong_share(), view_agreement(run_.exec(), {cloud, label, splat}, untrained_->cameras, masks)};
+  return {strokes.wrong_share(), agreement_in_views(run_, cloud, label, *untrained_, masks)};
 }
 
 /// The masks that the trained result stems from: the segmented ones of the untrained result, or those of ngs-mask.

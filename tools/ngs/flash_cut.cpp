@@ -13,6 +13,7 @@
 #include "ngs/stages/orbit/orbit_stage.h"
 #include "ngs/stages/render/render_options.h"
 #include "ngs/stages/select/view_agreement.h"
+#include "shared/scene/memory_model.h"
 #include "shared/scene/prompt_input.h"
 
 namespace ngs::ngs_tool {
@@ -24,14 +25,24 @@ constexpr int kMaxViews = 32;
 
 }  // namespace
 
-void render_masks_from_labels(const cli::Run& run, const GaussianCloud& cloud, FlashCut& cut) {
-  const SplatOptions splat = prepared_for(run.exec(), splat_options({}, cloud, cut.scene), cloud);
+void render_masks_from_labels(cli::Run& run, const GaussianCloud& cloud, FlashCut& cut) {
   const std::vector<float> label = cut.labels.label.values();
   const RenderRequest request{.colour = false, .label = {label.data(), cloud.size(), 1}};
-  for (std::size_t v = 0; v < cut.masks.size(); ++v) {
-    const RenderedView view = render(run.exec(), cloud, cut.cameras[v], splat, request);
-    for (std::size_t p = 0; p < cut.masks[v].size(); ++p) cut.masks[v][p] = label_is_foreground(view.label.data[p]);
-  }
+  run.on_device_or_cpu([&] {
+    const SplatOptions splat = prepared_for(run.exec(), splat_options({}, cloud, cut.scene), cloud);
+    for (std::size_t v = 0; v < cut.masks.size(); ++v) {
+      const RenderedView view = render(run.exec(), cloud, cut.cameras[v], splat, request);
+      for (std::size_t p = 0; p < cut.masks[v].size(); ++p) cut.masks[v][p] = label_is_foreground(view.label.data[p]);
+    }
+  });
+}
+
+double agreement_in_views(cli::Run& run, const GaussianCloud& cloud, const std::vector<float>& label,
+                          const FlashCut& cut, const std::vector<PixelMask>& masks) {
+  return run.on_device_or_cpu([&] {
+    const SplatOptions splat = prepared_for(run.exec(), splat_options({}, cloud, cut.scene), cloud);
+    return view_agreement(run.exec(), {cloud, label, splat}, cut.cameras, masks);
+  });
 }
 
 void write_flash_masks(const std::string& folder, const FlashCut& cut) {
@@ -94,7 +105,8 @@ std::optional<FlashCut> flash_cut(cli::Run& run, const io::GaussianPly& ply, con
                            cli::read_prompts(run, out.scene, in.view, in.strokes)};
   input.all_pieces = in.all_pieces;
   if (in.longer_side_px > 0) input.longer_side_px = in.longer_side_px;
-  live::BallCut cut = live::cut_in_ball(run.exec(), monitor, input);
+  run.needs_device_memory(cli::device_bytes(double(ply.cloud.size()), ply.cloud.rest_count()));
+  live::BallCut cut = run.on_device_or_cpu([&] { return live::cut_in_ball(run.exec(), monitor, input); });
   if (monitor.stop_requested()) return std::nullopt;
   out.labels = std::move(cut.labels), out.cameras = std::move(cut.cameras), out.is_expected = cut.is_expected;
   out.figures = {cut.object, ply.cloud.size() - cut.object, cut.in_ball, cut.removed, cut.needles, cut.views.size(), 0,

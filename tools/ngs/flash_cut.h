@@ -45,7 +45,11 @@ std::optional<FlashCut> flash_cut(cli::Run& run, const io::GaussianPly& ply, con
 
 /// Replaces the masks by renders of the labels. All views then agree at the plane that bounds the object, which colours
 /// of single images may not show.
-void render_masks_from_labels(const cli::Run& run, const GaussianCloud& cloud, FlashCut& cut);
+void render_masks_from_labels(cli::Run& run, const GaussianCloud& cloud, FlashCut& cut);
+
+/// view_agreement() of labels with masks of the views of `cut`.
+double agreement_in_views(cli::Run& run, const GaussianCloud& cloud, const std::vector<float>& label,
+                          const FlashCut& cut, const std::vector<PixelMask>& masks);
 
 /// STEM.png masks of all views.
 void write_flash_masks(const std::string& folder, const FlashCut& cut);

@@ -5,13 +5,16 @@
 #include <filesystem>
 #include <limits>
 
+#include "ngs/backend/device_info.h"
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/json_file.h"
+#include "ngs/options/name_of.h"
 #include "shared/cli/exit_code.h"
 #include "shared/os/machine.h"
 #include "shared/run/child_process.h"
 #include "shared/run/console.h"
+#include "shared/run/environment.h"
 #include "shared/run/sibling_program.h"
 #include "shared/run/signals.h"
 
@@ -106,6 +109,9 @@ bool StageRunner::run(const std::string& name, const Words& words) {
   for (const std::string& word : {std::string("-w"), std::string("-j"), std::to_string(threads_), std::string("--seed"),
                                   std::to_string(run_.seed()), std::string("--report"), report})
     argv.push_back(word);
+  if (const cli::DeviceChoice device = run_.device_choice();
+      device != cli::DeviceChoice::kAuto && cli::has_device_path(words[0]))
+    argv.insert(argv.end(), {"--device", std::string(name_of(cli::kDevices, device))});
   commands_.push_back(cli::quoted_line(argv));
   if (run_.dry_run()) return true;
   if (run_.monitor().stop_requested()) return false;
@@ -117,6 +123,7 @@ bool StageRunner::run(const std::string& name, const Words& words) {
   const auto timed = run_.monitor().scope(name);
   begin(name);
   os::set_variable("NGS_PROGRESS_S", "0.3", true);  // short enough to update the progress of ngs cut
+  if (run_.exec().device == Device::kCuda) release_freed_device_memory();  // the stage needs it
   const double start_s = wall_seconds();
   error_.clear(), hint_.clear();
   const cli::SignalGrace waits;  // until the tool has ended and removed its unfinished files

@@ -28,9 +28,9 @@ class StageRunner {
   StageRunner(const StageRunner&) = delete;
   StageRunner& operator=(const StageRunner&) = delete;
 
-  /// `words`: the tool and its arguments; -w, -j, --seed and --report are added. `name`: file name of the report.
-  /// Returns false if a signal stopped the run. Throws an Error with the tool's exit code and message if the tool
-  /// failed; a hit budget and a failed check are no failures.
+  /// `words`: the tool and its arguments; -w, -j, --seed, --report and --device are added. `name`: file name of the
+  /// report. Returns false if a signal stopped the run. Throws an Error with the tool's exit code and message if the
+  /// tool failed; a hit budget and a failed check are no failures.
   bool run(const std::string& name, const Words& words);
   /// Sets the steps of the whole run, for the progress. Call it before the first step begins.
   void plan(std::vector<PlannedStep> steps);

@@ -13,18 +13,20 @@ namespace ngs::ngs_tool {
 class StrokeCheck {
  public:
   /// `scene`: a file. Throws like cli::read_prompts() and rasterise().
-  StrokeCheck(const cli::Run& run, const std::string& scene, const std::string& view,
+  StrokeCheck(cli::Run& run, const std::string& scene, const std::string& view,
               const std::vector<std::string>& strokes);
 
   /// Agreement of these labels [N]; without `all_pieces`, components that no stroke touches are ignored.
-  StrokeAgreement of(const GaussianCloud& cloud, std::vector<float> label, bool all_pieces) const;
+  StrokeAgreement of(const GaussianCloud& cloud, const std::vector<float>& label, bool all_pieces) const;
 
  private:
   struct Marked {
     Camera camera;
     ViewPrompt prompt;
   };
-  Exec exec_;
+  StrokeAgreement agreement(const GaussianCloud& cloud, std::vector<float> label, bool all_pieces) const;
+
+  cli::Run& run_;
   Scene scene_;
   std::vector<Marked> marked_;
 };

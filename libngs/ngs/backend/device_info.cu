@@ -55,4 +55,10 @@ DeviceInfo cuda_device() {
   return {true, properties.name, {}, double(free_bytes)};
 }
 
+void release_freed_device_memory() {
+  cudaMemPool_t pool;
+  if (cudaDeviceSynchronize() == cudaSuccess && cudaDeviceGetDefaultMemPool(&pool, 0) == cudaSuccess)
+    cudaMemPoolTrimTo(pool, 0);
+}
+
 }  // namespace ngs

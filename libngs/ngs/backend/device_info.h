@@ -13,4 +13,7 @@ struct DeviceInfo {
 
 DeviceInfo cuda_device();
 
+/// Lets other processes have the device memory that this one has freed, and otherwise keeps for its later allocations.
+void release_freed_device_memory();
+
 }  // namespace ngs

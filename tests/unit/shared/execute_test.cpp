@@ -64,6 +64,25 @@ TEST_CASE("a body that runs out of the device's memory fails with code 8 if the 
   }
 }
 
+TEST_CASE("a part of a body that runs out of the device's memory runs again alone, and the rest stays on the CPU") {
+  DeviceRun run(DeviceChoice::kAuto), chosen(DeviceChoice::kCuda);
+  int whole = 0, part = 0;
+  const auto with_a_part = [&](Run& r) {
+    ++whole;
+    r.on_device_or_cpu([&] {
+      ++part;
+      if (r.exec().device == Device::kCuda) throw OutOfDeviceMemory("device memory: too little");
+    });
+    return r.exec().device == Device::kCpu ? r.on_device_or_cpu([&] { return int(r.is_restart()); }) : 1;
+  };
+  CHECK(run_on_device_or_cpu(run.state, with_a_part) == 0);
+  CHECK(whole == 1);
+  CHECK(part == 2);
+  CHECK(run.warnings == std::vector<std::string>{"device memory: too little: this step starts again on the CPU"});
+  CHECK_THROWS_AS(run_on_device_or_cpu(chosen.state, with_a_part), OutOfDeviceMemory);
+  CHECK(part == 3);
+}
+
 TEST_CASE("with auto, a model that is too large for the device's free memory stays on the CPU") {
   DeviceRun small(DeviceChoice::kAuto), large(DeviceChoice::kAuto), chosen(DeviceChoice::kCuda);
   Run(small.state).needs_device_memory(1 << 20);

@@ -1,14 +1,30 @@
 #include "shared/run/environment.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
 
 #include "ngs/backend/device_info.h"
+#include "ngs/core/check.h"
 #include "ngs/core/error.h"
 #include "shared/os/machine.h"
 
 namespace ngs::cli {
+namespace {
+
+constexpr std::string_view kDeviceTools[] = {"ngs cut",   "ngs-mask",   "ngs-variance", "ngs-rbf",
+                                             "ngs-joint", "ngs-render", "ngs-fit"};
+
+std::string device_tools() {
+  std::string names;
+  for (const std::string_view tool : kDeviceTools) names += (names.empty() ? "" : ", ") + std::string(tool);
+  return names;
+}
+
+}  // namespace
+
+bool has_device_path(std::string_view tool) { return std::ranges::count(kDeviceTools, tool) > 0; }
 
 int choose_threads(int flag) {
   if (flag > 0) return flag;
@@ -40,7 +56,7 @@ Isa choose_isa() {
   if (text == nullptr || *text == '\0') return best_isa();
   const std::string name = text;
   for (const Isa isa : {Isa::kPortable, Isa::kNeon, Isa::kV3, Isa::kV4}) {
-    const std::string full = isa_name(isa), brief = full.substr(full.find("v") == 7 ? 7 : 0);
+    const std::string full = isa_name(isa), brief = full.substr(full.find('v') == 7 ? 7 : 0);
     if (name != full && name != brief) continue;
     if (!can_run(isa))
       throw Error(ErrorCode::kEnvironment, "NGS_ISA = " + name + ": this processor or this build has no " + full,
@@ -51,11 +67,11 @@ Isa choose_isa() {
 }
 
 ChosenDevice choose_device(DeviceChoice choice, const Spec& tool) {
+  NGS_CHECK(tool.runs_on_device == has_device_path(tool.name), "the list of tools with a device path");
   if (choice == DeviceChoice::kCpu) return {Device::kCpu, "cpu", "--device cpu"};
   const std::string no_path = tool.name + " has no CUDA path";
   if (choice == DeviceChoice::kCuda && !tool.runs_on_device)
-    throw Error(ErrorCode::kEnvironment,
-                "--device cuda: " + no_path + ", expected ngs-variance, ngs-rbf, ngs-joint, ngs-render or ngs-fit",
+    throw Error(ErrorCode::kEnvironment, "--device cuda: " + no_path + ", expected one of " + device_tools(),
                 "use --device cpu or auto");
   if (!tool.runs_on_device) return {Device::kCpu, "cpu", "auto: " + no_path};
   const DeviceInfo cuda = cuda_device();

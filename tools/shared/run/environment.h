@@ -1,6 +1,7 @@
 #pragma once
 // Number of threads, instruction set and device, from flags, environment variables and the machine.
 #include <string>
+#include <string_view>
 
 #include "ngs/backend/exec.h"
 #include "shared/cli/common_flags.h"
@@ -15,6 +16,9 @@ int choose_threads(int flag);
 /// unsupported.
 Isa choose_isa();
 const char* isa_name(Isa isa);
+
+/// The tools whose ops have a device path, and which declare it by Tool::runs_on_device().
+bool has_device_path(std::string_view tool);
 
 struct ChosenDevice {
   Device device = Device::kCpu;

@@ -118,10 +118,8 @@ int run_on_device_or_cpu(RunState& state, const std::function<int(Run&)>& body) 
   try {
     return body(run);
   } catch (const OutOfDeviceMemory& e) {
-    if (state.flags.device != DeviceChoice::kAuto || state.device.sums == DeviceSums::kAtomic) throw;
-    state.monitor.warn(std::string(e.what()) + ": the run starts again on the CPU");
+    state.leave_device(e, "the run");
   }
-  state.use_cpu(state.device.name + " has too little memory");
   state.inputs = inputs, state.result = Json::object(), state.plan = Json::object(), state.is_restart = true;
   return body(run);
 }

@@ -55,6 +55,8 @@ void Run::needs_device_memory(double bytes) {
   const auto mib = [](double of) { return std::to_string(std::int64_t(of / (1 << 20))); };
   state_.use_cpu(device.name + " has " + mib(device.free_bytes) + " MiB of free memory, expected " + mib(bytes));
 }
+void Run::leave_device(const OutOfDeviceMemory& e) { state_.leave_device(e, "this step"); }
+DeviceChoice Run::device_choice() const { return state_.flags.device; }
 Monitor& Run::monitor() { return state_.monitor; }
 std::uint64_t Run::seed() const { return state_.flags.seed; }
 bool Run::dry_run() const { return state_.flags.dry_run; }

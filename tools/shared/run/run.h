@@ -9,6 +9,7 @@
 #include "ngs/core/monitor.h"
 #include "ngs/options/option_set.h"
 #include "shared/cli/arguments.h"
+#include "shared/cli/common_flags.h"
 
 namespace ngs::cli {
 
@@ -27,6 +28,19 @@ class Run {
   /// Call it once the size of the model is known: with --device auto, exec() is the CPU if the device has less free
   /// memory.
   void needs_device_memory(double bytes);
+  /// Returns part(). If the device's memory does not suffice for it, and --device auto chose the device, the part alone
+  /// runs again with exec() on the CPU, where the run stays. For a body that should not start again as a whole.
+  template <class Part>
+  auto on_device_or_cpu(const Part& part) {
+    try {
+      return part();
+    } catch (const OutOfDeviceMemory& e) {
+      leave_device(e);
+    }
+    return part();
+  }
+  /// --device as given.
+  DeviceChoice device_choice() const;
   /// True: the body runs again on the CPU, because the device's memory did not suffice.
   bool is_restart() const;
   Monitor& monitor();
@@ -69,6 +83,7 @@ class Run {
   int stop_code() const;
 
  private:
+  void leave_device(const OutOfDeviceMemory& e);
   RunState& state_;
 };
 

@@ -30,6 +30,13 @@ struct RunState {
     device = {Device::kCpu, "cpu", "auto: " + why};
     console.info("device: cpu (" + device.reason + ")");
   }
+  /// The device's memory did not suffice for `part`, which will start again on the CPU. Rethrows if --device cuda or
+  /// --fast-atomics demands the device. For a catch block.
+  void leave_device(const OutOfDeviceMemory& e, const std::string& part) {
+    if (flags.device != DeviceChoice::kAuto || device.sums == DeviceSums::kAtomic) throw;
+    monitor.warn(std::string(e.what()) + ": " + part + " starts again on the CPU");
+    use_cpu(device.name + " has too little memory");
+  }
 };
 
 }  // namespace ngs::cli
