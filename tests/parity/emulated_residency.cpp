@@ -1,4 +1,4 @@
-// What the device path copies and launches, counted by the emulated device.
+// What the device path copies and launches, counted by the emulated device; evidence: emulated_evidence.cpp.
 #include <doctest/doctest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -6,44 +6,21 @@
 #include <csignal>
 #include <set>
 
-#include "ngs/ops/image/pixel_window.h"
-#include "ngs/ops/splat/evidence.h"
+#include "ngs/passes/agreement.h"
 #include "ngs/passes/exposure/exposure.h"
+#include "ngs/passes/floaters/floaters.h"
+#include "ngs/passes/mask_outliers/mask_outliers.h"
 #include "ngs/stages/contours/contour_stage.h"
 #include "ngs/stages/contours/refined_masks.h"
 #include "ngs/stages/fit/fit_stage.h"
 #include "ngs/stages/fit/photo_refit.h"
 #include "ngs/stages/optimise/joint_trainer.h"
-#include "parity/emulated.h"
+#include "parity/traffic.h"
 #include "support/joint_case.h"
 #include "support/switches.h"
 
 namespace ngs::test {
 namespace {
-
-std::size_t geometry_bytes(const GaussianCloud& cloud) {  // with the flag `usable`
-  return std::size_t(cloud.size()) * (11 * sizeof(float) + 1);
-}
-
-/// Pixels of the window of a view's masks.
-std::size_t window_pixels(const ViewMasks& masks) {
-  const PixelWindow w = window_of(masks.target, masks.width_px, masks.height_px, 0);
-  return std::size_t(w.w) * std::size_t(w.h);
-}
-
-/// What `body` made the device do.
-template <class Body>
-Traffic traffic_of(Emulated& device, const Body& body) {
-  device.launcher.traffic() = {};
-  body();
-  return device.launcher.traffic();
-}
-
-void print(const char* what, const Traffic& t) {
-  MESSAGE(std::string(what) << ": " << t.launches << " launches, " << t.copies << " copies, " << t.up_bytes
-                            << " bytes up, " << t.down_bytes << " down, largest " << t.largest_copy_bytes << ", "
-                            << t.allocations << " allocations");
-}
 
 /// Copies `from` and reads it in a child process; the signal that ended it.
 int signal_of_read(const float* from) {
@@ -71,34 +48,6 @@ TEST_CASE("residency: host code that reads guarded device memory faults") {
   CHECK(back == host);
 }
 
-TEST_CASE("residency: evidence of many views copies the model once, then the masks' windows and the seen rows") {
-  const auto c = joint_case(600, 400);
-  Emulated device(ThreadOrder::kAscending, DeviceSums::kInOrder, true);
-  Monitor monitor;
-  const auto load = [&](std::size_t v) { return c->masks[v]; };
-  const auto evidence_of = [&](const Exec& exec, const std::vector<std::size_t>& views) {
-    return accumulate_evidence(exec, monitor, {c->model, c->scene, views, {}, load});
-  };
-  const std::vector<std::size_t> one{0}, all{0, 1, 2, 3};
-  const Traffic first = traffic_of(device, [&] { evidence_of(device.exec(), one); });
-  Evidence got(0, 1);
-  const Traffic four = traffic_of(device, [&] { got = evidence_of(device.exec(), all); });
-  const Evidence want = evidence_of({}, all);
-  CHECK(got.views == want.views);
-  const LabelColumns labels = label_gaussians(c->rule, got)[0], as_cpu = label_gaussians(c->rule, want)[0];
-  for (std::size_t i = 0; i < std::size_t(c->model.size()); ++i) CHECK(labels.label[i] == as_cpu.label[i]);
-  print("evidence of one view", first), print("evidence of four views", four);
-  std::size_t windows = 0;
-  for (std::size_t v = 1; v < 4; ++v) {
-    CHECK(window_pixels(c->masks[v]) < 48 * 40 / 2);
-    windows += window_pixels(c->masks[v]) * sizeof(float);
-  }
-  CHECK(first.up_bytes == geometry_bytes(c->model) + window_pixels(c->masks[0]) * sizeof(float));
-  CHECK(four.up_bytes == first.up_bytes + windows);
-  const std::size_t row_bytes = sizeof(std::uint32_t) + 4 * sizeof(double);
-  CHECK(four.down_bytes < 4 * std::size_t(c->model.size()) * row_bytes);
-}
-
 TEST_CASE("residency: pictures and exposures of many views copy the model once") {
   const auto c = joint_case(600, 400);
   Emulated device(ThreadOrder::kAscending, DeviceSums::kInOrder, true);
@@ -107,10 +56,48 @@ TEST_CASE("residency: pictures and exposures of many views copy the model once")
     const SplatOptions splat = kept_on_device(device.exec(), {}, c->model);
     for (const SceneView& view : c->scene.views) render(device.exec(), c->model, view.camera, splat, {});
   });
+  const Traffic two = traffic_of(device, [&] {
+    const SplatOptions splat = kept_on_device(device.exec(), {}, c->model);
+    for (std::size_t v = 0; v < 2; ++v) render(device.exec(), c->model, c->scene.views[v].camera, splat, {});
+  });
+  CHECK(pictures.copies - two.copies == 2 * 3);  // per view: number of pairs, colour, opacity
   CHECK(pictures.up_bytes == geometry_bytes(c->model) + colour_bytes);
   const Problem input = c->input();
   const Traffic exposures = traffic_of(device, [&] { view_exposures(device.exec(), input, input.views); });
   CHECK(exposures.up_bytes == pictures.up_bytes);
+}
+
+TEST_CASE("residency: labels and flags of a loop over views are copied once") {
+  const auto c = joint_case(300, 200);
+  for (SceneView& view : c->scene.views) view.image_path = view.camera.name;  // so that photos are used
+  Emulated device(ThreadOrder::kAscending, DeviceSums::kInOrder, true);
+  Problem input = c->input();
+  input.splat = kept_on_device(device.exec(), {}, c->model);
+  const std::size_t n = std::size_t(c->model.size());
+  const auto with_views = [&](std::size_t count) {
+    input.views.clear();
+    for (std::size_t v = 0; v < count; ++v) input.views.push_back(v % 4);
+  };
+  const auto pretest = [&] { CHECK(pretest_masks(device.exec(), input).size() == input.views.size()); };
+  for (const std::size_t count : {kPretestViews, 2 * kPretestViews}) {
+    with_views(count);
+    CHECK(traffic_of(device, pretest).up_bytes == n * (sizeof(float) + 1));
+  }
+  const Solution solution{.cloud = unchanged(c->model), .source_row = {}, .labels = c->labels, .figures = {}};
+  const auto agreement = [&] { training_agreement(device.exec(), input, solution); };
+  for (const std::size_t count : {1, 4}) {
+    with_views(count);
+    CHECK(traffic_of(device, agreement).up_bytes == n * sizeof(float));
+  }
+  FloaterOptions floaters;
+  const auto front = [&] { front_opacity(device.exec(), floaters, input); };
+  front();  // copies the colours
+  floaters.max_views = 2;
+  const Traffic two = traffic_of(device, front);
+  floaters.max_views = 4;
+  const Traffic four = traffic_of(device, front);
+  CHECK(four.launches > two.launches);
+  CHECK(four.up_bytes == two.up_bytes);
 }
 
 TEST_CASE("residency: a step of a fit copies a few scalars") {

@@ -258,7 +258,7 @@ TEST_CASE("splat: with places, a device stores the gradients of these Gaussians 
 
 TEST_CASE("evidence of a device equals the CPU's, bit by bit with its functions") {
   for (const Backend& b : backends())
-    for (const int objects : {1, 2, 6})  // 6: two launches
+    for (const int objects : {0, 1, 2, 6})  // 6: two launches
       for (const int gaussians : {0, 1, 60, 700}) {
         const SplatCase c = splat_case(std::uint64_t(gaussians) + 5, gaussians, 53, 41, gaussians == 700 ? 0.2 : 1.0);
         const GaussianCloud cloud = float_cloud(c);
@@ -273,6 +273,9 @@ TEST_CASE("evidence of a device equals the CPU's, bit by bit with its functions"
         const PixelWeight by = objects == 2 ? PixelWeight::kByVisibility : PixelWeight::kRendered;
         add_view_evidence({}, cloud, {c.camera, masks, by}, {}, want);
         add_view_evidence(b.exec, cloud, {c.camera, masks, by}, {}, got);
+        EvidenceSum sum(b.exec, cloud, objects, {});
+        sum.add({c.camera, masks, by});
+        CHECK(same_evidence(sum.result(), got));
         std::vector<double> weight, weight_want, object, object_want;
         for (std::size_t i = 0; i < want.weight.size(); ++i)
           weight.push_back(got.weight.value(i)), weight_want.push_back(want.weight.value(i));

@@ -54,7 +54,7 @@ mutant $f $t "ops/splat/tile_isa.cpp" "no background behind the stack" 's/in_?\.
 mutant ops/splat/splat_gaussian.h $t "" "half extents halved" 's/half_width = sqrt\(reach2 \* p\.cov_xx\)/half_width = S(0.5) * sqrt(reach2 * p.cov_xx)/; s/half_height = sqrt\(reach2 \* p\.cov_yy\)/half_height = S(0.5) * sqrt(reach2 * p.cov_yy)/'
 
 t=stability/evidence_stability_test.cpp f=scene/evidence.cpp
-mutant $f $t $f "squares of signals in double" 's/const Wide square = Wide\(units\) \* units;/const Wide square = Wide(double(units) * double(units));/'
+mutant scene/evidence.h $t $f "squares of signals in double" 's/units \* units\}/std::uint64_t(double(units) * double(units))}/'
 mutant $f $t $f "variance as a difference in double" 's/const Wide numerator = .*;/const double numerator = double(squares) * views - double(sum) * double(sum);/'
 mutant $f $t $f "pixel counts in 32 bits" 's/pixels\[i\] \+= other\.pixels\[i\];/pixels[i] = std::uint32_t(pixels[i] + other.pixels[i]);/'
 mutant $f $t $f "views not merged" 's/views\[i\] \+= other\.views\[i\];//'

@@ -19,7 +19,8 @@ inline bool same_evidence(const Evidence& a, const Evidence& b) {
     return false;
   for (std::size_t i = 0; i < std::size_t(a.gaussians); ++i)
     for (std::size_t k = 0; k < std::size_t(a.objects); ++k)
-      if (sums_of(a, i, k) != sums_of(b, i, k)) return false;
+      if (sums_of(a, i, k) != sums_of(b, i, k) || !a.object_weights.find(i, k) != !b.object_weights.find(i, k))
+        return false;
   return true;
 }
 

@@ -9,6 +9,7 @@
 #include "ngs/io/files/regular_file.h"
 #include "ngs/io/image/exr.h"
 #include "ngs/io/scene/scene_json.h"
+#include "ngs/ops/optim/resident.h"
 #include "ngs/options/name_of.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/scene/view_names.h"
@@ -162,6 +163,8 @@ void write_exr(cli::Run& run, const LabelledScene& labelled, const SplatOptions&
   std::vector<float> channels;
   for (std::size_t i = 0; i < first.label.size(); ++i)
     channels.insert(channels.end(), {first.label[i], first.prob[i], first.variance[i], first.boundary[i]});
+  Resident resident(run.exec());
+  resident.add_input(channels);
   const std::vector<std::string> names = output_names(scene.views);
   for (const std::size_t view : training_views(scene)) {
     RenderRequest request;

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "ngs/core/hd.h"
+
 namespace ngs {
 
 /// value = whole + fraction · 2^-64.
@@ -12,12 +14,12 @@ struct ExactSum {
   std::uint64_t whole = 0, fraction = 0;
 
   /// x in [0, 2^63).
-  static ExactSum of(double x) {
+  NGS_HD static ExactSum of(double x) {
     const double floor = std::floor(x);
     return {std::uint64_t(floor), std::uint64_t((x - floor) * 0x1p64)};
   }
-  void add(double x) { add(of(x)); }
-  void add(const ExactSum& other) {
+  NGS_HD void add(double x) { add(of(x)); }
+  NGS_HD void add(const ExactSum& other) {
     fraction += other.fraction;
     whole += other.whole + (fraction < other.fraction ? 1 : 0);
   }

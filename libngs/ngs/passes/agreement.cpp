@@ -10,7 +10,7 @@ namespace ngs {
 
 std::vector<Agreement> training_agreement(const Exec& exec, const Problem& problem, const Solution& solution) {
   const std::size_t objects = solution.labels.size();
-  const LabelChannels channels(*solution.cloud, solution.labels);
+  const LabelChannels channels(exec, *solution.cloud, solution.labels);
   const SplatOptions splat = kept_on_device(exec, problem.splat, *solution.cloud);
   std::vector<Agreement> views;
   for_each_view(problem.monitor, problem.views, [&](std::size_t, std::size_t view) {

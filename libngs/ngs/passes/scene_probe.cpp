@@ -64,7 +64,7 @@ const LabelViews& SceneProbe::label_sample() {
 
 LabelViews SceneProbe::label_views_of(const std::vector<std::size_t>& some) {
   LabelViews views;
-  const LabelChannels label(problem_.cloud, problem_.labels);
+  const LabelChannels label(exec_, problem_.cloud, problem_.labels);
   std::size_t count = 0;
   for_each_view(problem_.monitor, some, [&](std::size_t, std::size_t v) {
     const ViewMasks masks = problem_.load_masks(v);

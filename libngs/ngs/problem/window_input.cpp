@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "ngs/backend/for_each.h"
+#include "ngs/ops/optim/resident.h"
 #include "ngs/problem/cloud_rows.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/scene/mask_threshold.h"
@@ -91,7 +92,7 @@ PixelWindow enlarged(const PixelWindow& w) { return {w.x0 * kShrink, w.y0 * kShr
 class LowResVisibility {
  public:
   LowResVisibility(const Exec& exec, const Problem& problem)
-      : exec_(exec), problem_(problem), label_(std::size_t(problem.cloud.size())) {
+      : exec_(exec), problem_(problem), label_(std::size_t(problem.cloud.size())), resident_(exec) {
     std::vector<std::int64_t> rows;
     for (const LabelColumns& object : problem.labels)
       for (std::size_t i = 0; i < label_.size(); ++i)
@@ -108,7 +109,10 @@ class LowResVisibility {
   }
   /// True: inside the window `alone`, other Gaussians occlude all objects.
   bool occluded(std::size_t view, const PixelWindow& alone) {
-    if (!among_all_) among_all_ = prepared_for(exec_, filter_at_scale(problem_.splat, 1.0 / kShrink), problem_.cloud);
+    if (!among_all_) {
+      among_all_ = prepared_for(exec_, filter_at_scale(problem_.splat, 1.0 / kShrink), problem_.cloud);
+      resident_.add_input(label_);
+    }
     RenderRequest request{.colour = false, .label = {label_.data(), problem_.cloud.size(), 1}};
     const Camera there = window_camera(camera(view), alone);
     return shown_window(render(exec_, problem_.cloud, there, *among_all_, request).label).w == 0;
@@ -123,6 +127,7 @@ class LowResVisibility {
   GaussianCloud objects_;     // the labelled Gaussians
   SplatOptions alone_;
   std::optional<SplatOptions> among_all_;  // created at its first use
+  Resident resident_;                      // label_, with among_all_
 };
 
 /// The training views and the views with a photo, sorted.

@@ -1,45 +1,14 @@
 #include "ngs/scene/evidence.h"
 
-#include <cmath>
-
 #include "ngs/core/check.h"
 
 namespace ngs {
 namespace {
 
-std::uint64_t quantised(double unit) { return std::uint64_t(std::llround(unit * 0x1p32)); }
-
 /// False if object k has neither weight nor pixels: then all pixels are background and r = 1.
 bool has_evidence(const double* sum, std::size_t k) { return sum[2 + 2 * k] != 0 || sum[3 + 2 * k] != 0; }
 
-/// The share of object k in one view.
-ObjectSums sums_of(const double* sum, std::size_t k) {
-  const double w = sum[0], count = sum[1], object_w = sum[2 + 2 * k], object_count = sum[3 + 2 * k];
-  ObjectSums of;
-  of.weight = ExactSum::of(object_w);
-  of.pixels = std::uint64_t(object_count);
-  of.add_signal(object_w / w);
-  of.one_minus_contrast_sum = quantised(1) - quantised(std::abs(2 * object_count - count) / count);
-  return of;
-}
-
 }  // namespace
-
-void ObjectSums::add(const ObjectSums& other) {
-  ObjectWeight::add(other);
-  pixels += other.pixels;
-  signal_sum += other.signal_sum;
-  signal_square_sum.add(other.signal_square_sum);
-  one_minus_contrast_sum += other.one_minus_contrast_sum;
-}
-
-void ObjectSums::add_signal(double m) {
-  const std::uint64_t units = quantised(m);
-  __extension__ using Wide = unsigned __int128;
-  const Wide square = Wide(units) * units;
-  signal_sum += units;
-  signal_square_sum.add({std::uint64_t(square >> 64), std::uint64_t(square)});
-}
 
 void Evidence::add(const Evidence& other) {
   NGS_CHECK(gaussians == other.gaussians && objects == other.objects, "evidence of different models");
@@ -55,7 +24,10 @@ void Evidence::add(const Evidence& other) {
 void Evidence::add(std::size_t gaussian, const double* sum, DeferredInserts& deferred_inserts) {
   add_background(gaussian, sum[0], sum[1]);
   for (std::size_t k = 0; k < std::size_t(objects); ++k)
-    if (has_evidence(sum, k)) object_weights.add(gaussian, k, sums_of(sum, k), deferred_inserts);
+    if (has_evidence(sum, k)) {
+      const ObjectSums of = ObjectSums::of_view(sum[0], sum[1], sum[2 + 2 * k], sum[3 + 2 * k]);
+      object_weights.add(gaussian, k, of, deferred_inserts);
+    }
 }
 
 void Evidence::add(std::size_t gaussian, const double* sum) {

@@ -3,6 +3,7 @@
 // in any order and sharding they are the same bits, so merged shards equal a single run byte for byte, and after
 // remove() no rounding error is left, from which an arbitrary share of the object would follow.
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -21,7 +22,7 @@ inline bool is_boundary(const BoundaryRule& rule, double variance) { return vari
 struct ObjectWeight {
   ExactSum weight;  // W1 = Σ_views Σ_pixels w M, at most W
 
-  void add(const ObjectWeight& other) { weight.add(other.weight); }
+  NGS_HD void add(const ObjectWeight& other) { weight.add(other.weight); }
   bool operator==(const ObjectWeight&) const = default;
 };
 
@@ -117,11 +118,34 @@ struct ObjectSums : ObjectWeight {
   // r) in these units, which is 0 for a Gaussian outside all masks of the object.
   std::uint64_t one_minus_contrast_sum = 0;
 
-  void add(const ObjectSums& other);
+  /// The sums of one view: W > 0 and n, W1 <= W and n1 of the object.
+  NGS_HD static ObjectSums of_view(double w, double count, double object_w, double object_count) {
+    ObjectSums of;
+    of.weight = ExactSum::of(object_w);
+    of.pixels = std::uint64_t(object_count);
+    of.add_signal(object_w / w);
+    const double difference = 2 * object_count - count;
+    of.one_minus_contrast_sum = quantised(1) - quantised((difference < 0 ? -difference : difference) / count);
+    return of;
+  }
+  NGS_HD void add(const ObjectSums& other) {
+    ObjectWeight::add(other);
+    pixels += other.pixels;
+    signal_sum += other.signal_sum;
+    signal_square_sum.add(other.signal_square_sum);
+    one_minus_contrast_sum += other.one_minus_contrast_sum;
+  }
   /// Adds the signal m in [0, 1] of one view. m² is stored as the exact square of the quantised m: as a double it could
   /// be smaller, and the variance of equal signals negative.
-  void add_signal(double m);
+  NGS_HD void add_signal(double m) {
+    const std::uint64_t units = quantised(m);  // at most 2^32
+    signal_sum += units;
+    signal_square_sum.add({units >> 32, units * units});
+  }
   bool operator==(const ObjectSums&) const = default;
+
+ private:
+  NGS_HD static std::uint64_t quantised(double unit) { return std::uint64_t(std::llround(unit * 0x1p32)); }
 };
 
 /// Everything that files of evidence contain: the weights with counts of pixels and views, and the signals per view.

@@ -24,9 +24,9 @@
 #include "ngs/ops/optim/adam_kernels.h"
 #include "ngs/ops/optim/row_kernels.h"
 #include "ngs/ops/splat/splat_gaussian.h"
+#include "ngs/scene/evidence.h"
 #include "ngs/scene/knn_graph.h"
 #include "ngs/scene/scene.h"
-#include "ngs/scene/view_sums.h"
 
 namespace ngs {
 
@@ -53,15 +53,32 @@ struct CloudOnHost {
   DeviceCloud* resident = nullptr;
 };
 
+/// A view of a cloud, and its masks. `by_visibility`: PixelWeight::kByVisibility (ops/splat/evidence.h).
+struct EvidenceCall {
+  ViewProjector<float> view;
+  CloudOnHost cloud;
+  const ViewMasks& masks;
+  bool by_visibility;
+};
+
+/// Evidence of a loop over views, summed in device memory.
+class DeviceEvidence {
+ public:
+  virtual ~DeviceEvidence() = default;
+  virtual void add(const EvidenceCall& call) = 0;
+  /// `out`: evidence of the same shape without a view.
+  virtual void download(Evidence& out) const = 0;
+};
+
 class DeviceSplatOps {
  public:
   virtual ~DeviceSplatOps() = default;
   virtual std::unique_ptr<DeviceCloud> resident(const CloudView<float>& cloud) const = 0;
   virtual std::unique_ptr<DeviceSplat> view(const ViewProjector<float>& view, const CloudOnHost& cloud,
                                             const ChannelPlan<float>& plan) const = 0;
-  /// view_sums() of one view (ops/splat/evidence.h), ascending by row. `by_visibility`: PixelWeight::kByVisibility.
-  virtual ViewSums evidence(const ViewProjector<float>& view, const CloudOnHost& cloud, const ViewMasks& masks,
-                            bool by_visibility) const = 0;
+  /// view_sums() of one view (ops/splat/evidence.h), ascending by row.
+  virtual ViewSums evidence(const EvidenceCall& call) const = 0;
+  virtual std::unique_ptr<DeviceEvidence> evidence_sum(std::int64_t gaussians, int objects) const = 0;
 };
 
 /// The table of a hash grid and the query points, on the host.

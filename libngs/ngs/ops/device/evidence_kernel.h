@@ -4,6 +4,7 @@
 // ops/device/splat_backward_kernel.h. All sums have the order of the CPU, so equal records give equal bits.
 #include "ngs/ops/device/tiles_kernel.h"
 #include "ngs/ops/image/pixel_window.h"
+#include "ngs/scene/evidence.h"
 #include "ngs/scene/mask_threshold.h"
 
 namespace ngs {
@@ -124,21 +125,32 @@ struct EvidenceTileOnDevice {
   }
 };
 
+/// The sums of all (Gaussian, tile) pairs of a view.
+struct PairSums {
+  const std::int64_t* slot_begin;  // [N + 1]
+  const float* pair;               // [pairs, columns]
+  int columns;                     // W, n, then W1, n1 per object
+
+  /// The sum of a column over the pairs of Gaussian i.
+  NGS_HD double of(std::int64_t i, int column) const {
+    double total = 0;
+    for (std::int64_t slot = slot_begin[i]; slot < slot_begin[i + 1]; ++slot)
+      total += double(pair[slot * columns + column]);
+    return total;
+  }
+};
+
 /// Sums the pairs of Gaussian i in double, W1 at most W; zeros if it has none.
 struct SumPairs {
   static constexpr const char* kName = "sum_pairs";
-  const std::int64_t* slot_begin;  // [N + 1]
-  const float* pair;               // [pairs, columns]
-  int columns;
+  PairSums pairs;
   double* sum;          // [N, columns] out
   std::uint32_t* seen;  // [N] out: 1 if W > 0
 
   NGS_HD void operator()(std::int64_t i) const {
-    double* const to = sum + i * columns;
-    for (int c = 0; c < columns; ++c) {
-      double total = 0;
-      for (std::int64_t slot = slot_begin[i]; slot < slot_begin[i + 1]; ++slot)
-        total += double(pair[slot * columns + c]);
+    double* const to = sum + i * pairs.columns;
+    for (int c = 0; c < pairs.columns; ++c) {
+      const double total = pairs.of(i, c);
       to[c] = c >= 2 && c % 2 == 0 ? min2(total, to[0]) : total;
     }
     seen[i] = to[0] > 0;
@@ -162,37 +174,48 @@ struct GatherSeen {
   }
 };
 
-/// The Gaussians with W > 0, ascending, and their [2 + 2 · objects] sums: W, n, then W1 <= W, n1 per object.
-template <class Launcher>
-struct SeenRows {
-  DeviceBuffer<Launcher, std::uint32_t> row;
-  DeviceBuffer<Launcher, double> sum;
+/// The columns of Evidence, with all objects of all Gaussians.
+struct EvidenceColumns {
+  std::uint64_t *whole, *fraction, *pixels;  // [N]
+  std::uint32_t* views;                      // [N]
+  ObjectSums* object;                        // [N, K]
+  std::uint32_t* touched;                    // [N, K] 1: some view has evidence of the object
+};
 
-  /// Waits for the number of rows, to allocate their memory.
-  SeenRows(Launcher& launcher, const TileBins<Launcher>& bins, const MasksOnDevice& masks) {
-    const int columns = 2 + 2 * masks.objects;
-    const std::int64_t n = bins.gaussians();
-    DeviceBuffer<Launcher, float> pair(launcher, bins.pairs() * columns);
-    pair.zero();
-    if (masks.objects == 1) {
-      launcher.launch_blocks(bins.tiles(), EvidenceTileOnDevice<1>{bins.view(), masks, 0, 1, pair.data(), columns});
-    } else {
-      constexpr int kGroup = 4;
-      for (int first = 0; first < max2(masks.objects, 1); first += kGroup)
-        launcher.launch_blocks(
-            bins.tiles(), EvidenceTileOnDevice<kGroup>{bins.view(), masks, first, min2(kGroup, masks.objects - first),
-                                                       pair.data(), columns});
+/// Evidence::add() of the pairs of Gaussian i.
+struct AddPairs {
+  static constexpr const char* kName = "add_pairs";
+  PairSums pairs;
+  EvidenceColumns to;
+
+  NGS_HD void operator()(std::int64_t i) const {
+    const double w = pairs.of(i, 0), count = pairs.of(i, 1);
+    if (!(w > 0)) return;
+    ExactSum weight{to.whole[i], to.fraction[i]};
+    weight.add(w);
+    to.whole[i] = weight.whole, to.fraction[i] = weight.fraction;
+    to.pixels[i] += std::uint64_t(count), to.views[i] += 1;
+    const int objects = pairs.columns / 2 - 1;
+    for (int k = 0; k < objects; ++k) {
+      const double object_w = min2(pairs.of(i, 2 + 2 * k), w), object_count = pairs.of(i, 3 + 2 * k);
+      if (object_w == 0 && object_count == 0) continue;
+      to.object[i * objects + k].add(ObjectSums::of_view(w, count, object_w, object_count));
+      to.touched[i * objects + k] = 1;
     }
-    const DeviceBuffer<Launcher, double> all(launcher, n * columns);
-    const DeviceBuffer<Launcher, std::uint32_t> seen(launcher, n);
-    const DeviceBuffer<Launcher, std::int64_t> place(launcher, n + 1);
-    launcher.parallel_for(n, SumPairs{bins.slot_begin(), pair.data(), columns, all.data(), seen.data()});
-    launcher.exclusive_scan(seen.data(), place.data(), n);
-    std::int64_t rows = 0;
-    launcher.download(&rows, place.data() + n, sizeof rows);
-    row = DeviceBuffer<Launcher, std::uint32_t>(launcher, rows);
-    sum = DeviceBuffer<Launcher, double>(launcher, rows * columns);
-    launcher.parallel_for(n, GatherSeen{place.data(), all.data(), columns, row.data(), sum.data()});
+  }
+};
+
+/// Gathers the touched cells, by Gaussian, then by object.
+struct GatherTouched {
+  static constexpr const char* kName = "gather_touched";
+  const std::int64_t* place;  // [N K + 1]
+  const ObjectSums* object;   // [N, K]
+  int objects;
+  SparseTable<ObjectSums>::Insert* to;  // [touched] out
+
+  NGS_HD void operator()(std::int64_t i) const {
+    if (place[i] == place[i + 1]) return;
+    to[place[i]] = {std::uint32_t(i / objects), std::uint32_t(i % objects), object[i]};
   }
 };
 

@@ -46,30 +46,25 @@ class LaunchedSplatView final : public DeviceSplat {
                {plan.colour, plan.depth, {label_.data(), plan.label.n, plan.label.c}, plan.background}) {}
 
   void forward(const std::vector<Plane<float>>& out, bool for_backward) override {
-    std::vector<DeviceBuffer<Launcher, float>> own(out.size());  // of planes that are not resident
+    std::vector<Image> images;
     std::vector<Plane<float>> planes;
-    for (std::size_t c = 0; c < out.size(); ++c) planes.push_back(on_device(out[c], own[c]));
+    for_each_image(out, [&](const Plane<float>& first) {
+      images.push_back(Image::result(launcher_, first.data, pixels_ * first.stride));
+      add_planes(images.back(), first.stride, planes);
+    });
     splat_.forward(planes, for_backward);
-    std::vector<float> host;
-    for (std::size_t c = 0; c < out.size(); ++c) {
-      if (own[c].size() == 0) continue;
-      own[c].to(host);
-      for (std::size_t i = 0; i < host.size(); ++i) out[c].data[i * std::size_t(out[c].stride)] = host[i];
-    }
+    auto image = images.begin();
+    for_each_image(out, [&](const Plane<float>& first) { (image++)->to(first.data); });
   }
 
   void backward(const std::vector<Plane<const float>>& grad, const std::vector<std::uint8_t>& moves,
                 const CloudGradientView<float>& out) override {
-    std::vector<DeviceBuffer<Launcher, float>> own(grad.size());
+    std::vector<Image> images;
     std::vector<Plane<const float>> planes;
-    std::vector<float> host(static_cast<std::size_t>(pixels_));
-    for (std::size_t c = 0; c < grad.size(); ++c) {
-      const Plane<float> plane = on_device(grad[c], own[c]);
-      planes.push_back({plane.data, plane.stride});
-      if (own[c].size() == 0) continue;
-      for (std::size_t i = 0; i < host.size(); ++i) host[i] = grad[c].data[i * std::size_t(grad[c].stride)];
-      launcher_.upload(own[c].data(), host.data(), host.size() * sizeof(float));
-    }
+    for_each_image(grad, [&](const Plane<const float>& first) {
+      images.emplace_back(launcher_, first.data, first.data ? pixels_ * first.stride : 0);
+      add_planes(images.back(), first.stride, planes);
+    });
     const CloudView<float>& cloud = cloud_.view();
     Columns columns(launcher_, cloud, plan_.labels(), out);
     splat_.backward(planes, moves, columns.view, sums_);
@@ -77,15 +72,15 @@ class LaunchedSplatView final : public DeviceSplat {
   }
 
  private:
-  /// The plane in device memory: of a resident image, or in memory of its own.
+  using Image = DeviceBuffer<Launcher, float>;  // [H, W, channels] as on the host
+  /// Calls f with the first plane of each image; the stride of a plane is the number of planes of its image.
+  template <class T, class F>
+  static void for_each_image(const std::vector<Plane<T>>& planes, const F& f) {
+    for (std::size_t c = 0; c < planes.size(); c += std::size_t(planes[c].stride)) f(planes[c]);
+  }
   template <class T>
-  Plane<float> on_device(const Plane<T>& host, DeviceBuffer<Launcher, float>& own) {
-    if (host.data == nullptr) return {nullptr, 1};
-    const std::size_t values = std::size_t(pixels_ - 1) * std::size_t(host.stride) + 1;
-    if (void* const resident = launcher_.resident.find(host.data, values * sizeof(float)))
-      return {static_cast<float*>(resident), host.stride};
-    own = {launcher_, pixels_};
-    return {own.data(), 1};
+  static void add_planes(const Image& image, int channels, std::vector<Plane<T>>& planes) {
+    for (int c = 0; c < channels; ++c) planes.push_back({image.data() ? image.data() + c : nullptr, channels});
   }
   /// The requested columns of the gradient.
   struct Columns {
@@ -129,6 +124,88 @@ class LaunchedSplatView final : public DeviceSplat {
   SplatOnDevice<Launcher> splat_;
 };
 
+/// The sums of the (Gaussian, tile) pairs of a view.
+template <class Launcher>
+class EvidencePairs {
+ public:
+  EvidencePairs(Launcher& launcher, const EvidenceCall& call)
+      : objects_(int(call.masks.target.size())),
+        bins_(launcher, call.view, CloudArgument<Launcher>(launcher, call.cloud, false).view()),
+        pair_(launcher, bins_.pairs() * columns()) {
+    const ViewMasks& masks = call.masks;
+    const DeviceBuffer<Launcher, std::uint8_t> known(launcher, masks.known);
+    const PixelWindow window = window_of(masks.target, masks.width_px, masks.height_px, 0);
+    std::vector<float> inside;  // [objects, window]
+    for (const std::vector<float>& target : masks.target) {
+      const std::vector<float> part = cropped(target, masks.width_px, 1, window);
+      inside.insert(inside.end(), part.begin(), part.end());
+    }
+    const DeviceBuffer<Launcher, float> target(launcher, inside);
+    const MasksOnDevice on_device{known.data(), target.data(), window, objects_, call.by_visibility};
+    pair_.zero();
+    constexpr int kGroup = 4;
+    if (objects_ == 1) add<1>(launcher, on_device, 0);
+    for (int first = 0; objects_ != 1 && first < max2(objects_, 1); first += kGroup)
+      add<kGroup>(launcher, on_device, first);
+  }
+  PairSums sums() const { return {bins_.slot_begin(), pair_.data(), columns()}; }
+  std::int64_t gaussians() const { return bins_.gaussians(); }
+  int columns() const { return 2 + 2 * objects_; }
+
+ private:
+  template <int K>
+  void add(Launcher& launcher, const MasksOnDevice& masks, int first) {
+    launcher.launch_blocks(bins_.tiles(), EvidenceTileOnDevice<K>{bins_.view(), masks, first, min2(K, objects_ - first),
+                                                                  pair_.data(), columns()});
+  }
+  int objects_;
+  TileBins<Launcher> bins_;
+  DeviceBuffer<Launcher, float> pair_;  // [pairs, columns]
+};
+
+template <class Launcher>
+class LaunchedEvidence final : public DeviceEvidence {
+ public:
+  LaunchedEvidence(Launcher& launcher, std::int64_t gaussians, int objects)
+      : launcher_(launcher),
+        objects_(objects),
+        whole_(launcher, gaussians),
+        fraction_(launcher, gaussians),
+        pixels_(launcher, gaussians),
+        views_(launcher, gaussians),
+        object_(launcher, gaussians * objects),
+        touched_(launcher, gaussians * objects) {
+    whole_.zero(), fraction_.zero(), pixels_.zero(), views_.zero(), object_.zero(), touched_.zero();
+  }
+  void add(const EvidenceCall& call) override {
+    const EvidencePairs<Launcher> pairs(launcher_, call);
+    launcher_.parallel_for(views_.size(), AddPairs{pairs.sums(),
+                                                   {whole_.data(), fraction_.data(), pixels_.data(), views_.data(),
+                                                    object_.data(), touched_.data()}});
+  }
+  void download(Evidence& out) const override {
+    whole_.to(out.weight.whole), fraction_.to(out.weight.fraction), pixels_.to(out.pixels), views_.to(out.views);
+    const std::int64_t cells = touched_.size();
+    const DeviceBuffer<Launcher, std::int64_t> place(launcher_, cells + 1);
+    launcher_.exclusive_scan(touched_.data(), place.data(), cells);
+    std::int64_t count = 0;
+    launcher_.download(&count, place.data() + cells, sizeof count);
+    const DeviceBuffer<Launcher, SparseTable<ObjectSums>::Insert> gathered(launcher_, count);
+    launcher_.parallel_for(cells, GatherTouched{place.data(), object_.data(), objects_, gathered.data()});
+    Evidence::DeferredInserts inserts;
+    gathered.to(inserts);
+    out.object_weights.add(inserts);
+  }
+
+ private:
+  Launcher& launcher_;
+  int objects_;
+  DeviceBuffer<Launcher, std::uint64_t> whole_, fraction_, pixels_;  // EvidenceColumns
+  DeviceBuffer<Launcher, std::uint32_t> views_;
+  DeviceBuffer<Launcher, ObjectSums> object_;
+  DeviceBuffer<Launcher, std::uint32_t> touched_;
+};
+
 template <class Launcher>
 class LaunchedSplatOps final : public DeviceSplatOps {
  public:
@@ -143,23 +220,26 @@ class LaunchedSplatOps final : public DeviceSplatOps {
     return std::make_unique<LaunchedSplatView<Launcher>>(launcher_, sums_, view, cloud, plan);
   }
 
-  ViewSums evidence(const ViewProjector<float>& view, const CloudOnHost& cloud, const ViewMasks& masks,
-                    bool by_visibility) const override {
-    const CloudArgument<Launcher> columns(launcher_, cloud, false);
-    const TileBins<Launcher> bins(launcher_, view, columns.view());
-    const int objects = int(masks.target.size());
-    const DeviceBuffer<Launcher, std::uint8_t> known(launcher_, masks.known);
-    const PixelWindow window = window_of(masks.target, masks.width_px, masks.height_px, 0);
-    std::vector<float> inside;  // [objects, window]
-    for (const std::vector<float>& target : masks.target) {
-      const std::vector<float> part = cropped(target, masks.width_px, 1, window);
-      inside.insert(inside.end(), part.begin(), part.end());
-    }
-    const DeviceBuffer<Launcher, float> target(launcher_, inside);
-    const SeenRows<Launcher> seen(launcher_, bins, {known.data(), target.data(), window, objects, by_visibility});
-    ViewSums sums{objects, true, {}, {}};
-    seen.row.to(sums.row), seen.sum.to(sums.sum);
+  ViewSums evidence(const EvidenceCall& call) const override {
+    const EvidencePairs<Launcher> pairs(launcher_, call);
+    const std::int64_t n = pairs.gaussians();
+    const int columns = pairs.columns();
+    const DeviceBuffer<Launcher, double> all(launcher_, n * columns);
+    const DeviceBuffer<Launcher, std::uint32_t> seen(launcher_, n);
+    const DeviceBuffer<Launcher, std::int64_t> place(launcher_, n + 1);
+    launcher_.parallel_for(n, SumPairs{pairs.sums(), all.data(), seen.data()});
+    launcher_.exclusive_scan(seen.data(), place.data(), n);
+    std::int64_t rows = 0;
+    launcher_.download(&rows, place.data() + n, sizeof rows);
+    const DeviceBuffer<Launcher, std::uint32_t> row(launcher_, rows);
+    const DeviceBuffer<Launcher, double> sum(launcher_, rows * columns);
+    launcher_.parallel_for(n, GatherSeen{place.data(), all.data(), columns, row.data(), sum.data()});
+    ViewSums sums{int(call.masks.target.size()), true, {}, {}};
+    row.to(sums.row), sum.to(sums.sum);
     return sums;
+  }
+  std::unique_ptr<DeviceEvidence> evidence_sum(std::int64_t gaussians, int objects) const override {
+    return std::make_unique<LaunchedEvidence<Launcher>>(launcher_, gaussians, objects);
   }
 
  private:

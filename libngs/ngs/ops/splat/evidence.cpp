@@ -209,14 +209,23 @@ struct Query {
   const RowNumbers* of = nullptr;
 };
 
+void check_shapes(const Query& q) {
+  const ViewMasks& masks = q.view.masks;
+  NGS_CHECK(masks.width_px == q.view.camera.width_px && masks.height_px == q.view.camera.height_px, "mask size");
+  NGS_CHECK(q.of == nullptr || std::int64_t(q.of->number.size()) == q.cloud.size(), "one number per Gaussian");
+}
+
+EvidenceCall device_call(const Query& q) {
+  return {view_projector<float>(relative_camera(q.view.camera, q.cloud), q.options),
+          on_host(cloud_view(q.cloud, 0, nullptr), q.options), q.view.masks,
+          q.view.weight == PixelWeight::kByVisibility};
+}
+
 /// The same sums from a device, with the interface of ViewPairs.
 class DeviceSumsOfView {
  public:
   DeviceSumsOfView(const Exec& exec, const Query& q)
-      : sums_(exec.device_ops->splat.evidence(view_projector<float>(relative_camera(q.view.camera, q.cloud), q.options),
-                                              on_host(cloud_view(q.cloud, 0, nullptr), q.options), q.view.masks,
-                                              q.view.weight == PixelWeight::kByVisibility)),
-        of_(q.of) {}
+      : sums_(exec.device_ops->splat.evidence(device_call(q))), of_(q.of) {}
   std::int64_t chunks() const { return std::int64_t((sums_.size() + kRows - 1) / kRows); }
   template <class F>
   void for_each_seen(std::int64_t chunk, const F& f) const {
@@ -239,9 +248,7 @@ class DeviceSumsOfView {
 /// for the wanted Gaussians of the chunk with W > 0, as ViewPairs::for_each_seen().
 template <class Start, class Body>
 void for_each_chunk(const Exec& exec, const Query& q, const Start& start, const Body& body) {
-  const ViewMasks& masks = q.view.masks;
-  NGS_CHECK(masks.width_px == q.view.camera.width_px && masks.height_px == q.view.camera.height_px, "mask size");
-  NGS_CHECK(q.of == nullptr || std::int64_t(q.of->number.size()) == q.cloud.size(), "one number per Gaussian");
+  check_shapes(q);
   const auto visit = [&](const auto& sums) {
     start(std::size_t(sums.chunks()));
     for_each_task(exec, sums.chunks(), [&](std::int64_t chunk) {
@@ -297,6 +304,29 @@ void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const Maske
         });
       });
   for (const Evidence::DeferredInserts& of : deferred_inserts) evidence.object_weights.add(of);
+}
+
+EvidenceSum::EvidenceSum(const Exec& exec, const GaussianCloud& cloud, int objects, SplatOptions options)
+    : exec_(exec), cloud_(cloud), options_(std::move(options)), sum_(cloud.size(), objects) {
+  constexpr double kMaxDeviceBytes = 2.0 * (1 << 30), kRowBytes = 28, kCellBytes = sizeof(ObjectSums) + 4;
+  if (exec.device_ops && double(cloud.size()) * (kRowBytes + kCellBytes * objects) <= kMaxDeviceBytes)
+    on_device_ = exec.device_ops->splat.evidence_sum(cloud.size(), objects);
+}
+
+EvidenceSum::~EvidenceSum() = default;
+
+void EvidenceSum::add(const MaskedView& view) {
+  if (!on_device_) return add_view_evidence(exec_, cloud_, view, options_, sum_);
+  if (!view.masks.available) return;
+  const Query query{cloud_, view, options_};
+  check_shapes(query);
+  NGS_CHECK(int(view.masks.target.size()) == sum_.objects, "evidence shape");
+  on_device_->add(device_call(query));
+}
+
+Evidence EvidenceSum::result() {
+  if (on_device_) on_device_->download(sum_), on_device_.reset();
+  return std::move(sum_);
 }
 
 }  // namespace ngs

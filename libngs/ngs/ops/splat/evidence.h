@@ -7,6 +7,8 @@
 
 namespace ngs {
 
+class DeviceEvidence;
+
 /// Weight of a pixel for a Gaussian with alpha α and transmittance T in front of it.
 enum class PixelWeight : std::uint8_t {
   kRendered,      // w = α T, as in rendering
@@ -39,5 +41,23 @@ PackedSums packed_sums(const Exec& exec, const GaussianCloud& cloud, const Maske
 /// Adds view_sums() to `evidence` without storing it.
 void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,
                        const SplatOptions& options, Evidence& evidence);
+
+/// The same for a loop over views of one model. With a device the sums stay in its memory until result(), if they take
+/// at most 2 GiB. `cloud` must outlive this object.
+class EvidenceSum {
+ public:
+  EvidenceSum(const Exec& exec, const GaussianCloud& cloud, int objects, SplatOptions options);
+  ~EvidenceSum();
+  void add(const MaskedView& view);
+  /// Call once, last.
+  Evidence result();
+
+ private:
+  const Exec exec_;
+  const GaussianCloud& cloud_;
+  SplatOptions options_;
+  Evidence sum_;  // zero with on_device_
+  std::unique_ptr<DeviceEvidence> on_device_;
+};
 
 }  // namespace ngs

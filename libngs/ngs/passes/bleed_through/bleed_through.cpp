@@ -131,7 +131,7 @@ double gain_without(const Exec& exec, const Problem& problem, std::size_t object
   std::vector<LabelColumns> both(2);
   both[0].label = both[1].label = label;
   for (const std::int64_t row : rows) both[1].label[std::size_t(row)] = 0;
-  const LabelChannels channels(problem.cloud, both);
+  const LabelChannels channels(exec, problem.cloud, both);
   const std::vector<std::uint8_t> differ = flags_of(rows, problem.cloud.size());  // elsewhere the two are equal
   std::vector<double> gains;
   ViewsShowing(exec, problem, rows).for_each([&](const Camera& camera, const ViewMasks& masks) {

@@ -6,6 +6,7 @@
 
 #include "ngs/math/median.h"
 #include "ngs/ops/field/knn.h"
+#include "ngs/ops/optim/resident.h"
 #include "ngs/ops/splat/front_layer.h"
 #include "ngs/problem/object_core.h"
 #include "ngs/problem/view_list.h"
@@ -77,9 +78,11 @@ class FloaterSearch {
         input_(input),
         splat_(input.splat),
         core_(core_of(options.core, input.cloud, input.labels)),
+        resident_(exec),
         views_(spread_views(photo_views(input.scene), options.max_views)),
         trained_(input.scene.views.size(), 0) {
     for (const std::size_t v : input.views) trained_[v] = 1;
+    resident_.add_input(core_.member);
     prepare();
   }
 
@@ -273,6 +276,7 @@ class FloaterSearch {
   SplatOptions splat_;                      // prepared for cloud()
   SplatOptions front_splat_;                // the same for the CPU, which renders the layer in front
   ObjectCore core_;
+  Resident resident_;  // the core's members
   std::vector<std::size_t> views_;
   std::vector<std::uint8_t> trained_;  // [views of the scene]
   std::vector<std::uint8_t> candidate_;
@@ -299,6 +303,8 @@ std::vector<std::uint8_t> uncovered_rows(const Exec& exec, const Problem& input,
   const std::vector<float> label(floater.begin(), floater.end());
   const SplatOptions with = prepared_for(exec, input.splat, input.cloud),
                      splat = prepared_for(exec, input.splat, without);
+  Resident resident(exec);
+  resident.add_input(label);
   std::vector<std::uint8_t> uncovered(floater.size(), 0);
   for_each_view(input.monitor, views, [&](std::size_t, std::size_t v) {
     const Camera& camera = input.scene.views[v].camera;

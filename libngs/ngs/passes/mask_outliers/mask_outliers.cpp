@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "ngs/backend/for_each.h"
 #include "ngs/math/median.h"
 #include "ngs/ops/image/mask_pair.h"
+#include "ngs/ops/optim/resident.h"
 #include "ngs/ops/splat/evidence.h"
 #include "ngs/problem/cloud_rows.h"
 #include "ngs/problem/view_list.h"
@@ -90,6 +92,12 @@ class ConsensusViews {
     request_.label = {consensus.label.data(), input.cloud.size(), int(consensus.channels)};
   }
 
+  /// Call after the consensus has changed. With a device: copies it to its memory.
+  void update() {
+    resident_.emplace(exec_);
+    resident_->add_input(consensus_.label), resident_->add_input(consensus_.object);
+  }
+
   /// The smaller disagreement of a mask with the two renderings of the consensus. The whole model is not rendered if
   /// neither the mask nor the object alone shows anything, or if these disagree by at most `enough`.
   /// `shown` [N]: 1 for the Gaussians visible in the view; null: all.
@@ -124,6 +132,7 @@ class ConsensusViews {
   const Problem& input_;
   const Consensus& consensus_;
   RenderRequest request_;
+  std::optional<Resident> resident_;  // consensus_
 };
 
 class OutlierSearch {
@@ -220,6 +229,7 @@ class OutlierSearch {
         others.for_others_in(*own, [&](std::size_t i, const LeaveOneOut::Shares& shares, double) {
           consensus.set(row(i), shares), shown[row(i)] = 1;
         });
+      views.update();
       found_[n] = views.disagreement_of(camera(n), planes_of(exec_, masks), has_weights ? shown.data() : nullptr,
                                         kNothingThere);
       if (has_weights)
@@ -294,6 +304,7 @@ std::vector<double> pretest_masks(const Exec& exec, const Problem& input) {
     }
   });
   ConsensusViews views(exec, input, consensus);
+  views.update();
   std::vector<double> found(input.views.size(), kNoMask);
   const bool every = for_each_view(input.monitor, input.views, [&](std::size_t n, std::size_t view) {
     const ViewMasks masks = input.load_masks(view);

@@ -31,8 +31,8 @@ class MaskOutliersPass : public Pass {
 /// Disagreement of a view's masks with the objects rendered alone, because occluders may be floaters.
 class DisagreementAlone {
  public:
-  explicit DisagreementAlone(const Problem& problem)
-      : problem_(problem), objects_(problem.cloud, problem.labels), last_(objects_.size(), 0.0) {}
+  DisagreementAlone(const Exec& exec, const Problem& problem)
+      : problem_(problem), objects_(exec, problem.cloud, problem.labels), last_(objects_.size(), 0.0) {}
 
   /// The sum over the objects. If the sum is at least `enough`, any value of at least `enough` may be returned. Objects
   /// that disagreed most in the previous view come first, so that few objects suffice to reach `enough`.
@@ -65,7 +65,7 @@ double worst_of_few(SceneProbe& probe) {
   std::vector<double> better;  // smaller disagreement of the whole model and the objects alone, per view
   const LabelViews& views = probe.label_views();
   if (probe.stopped()) return 0;
-  DisagreementAlone alone(problem);
+  DisagreementAlone alone(probe.exec(), problem);
   std::size_t next = 0;  // of `views`
   for_each_view(problem.monitor, problem.views, [&](std::size_t, std::size_t v) {
     const ViewMasks masks = problem.load_masks(v);

@@ -34,8 +34,7 @@ std::size_t views_ahead(const Exec& exec, std::size_t objects) {
 }  // namespace
 
 Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const EvidenceInputs& in) {
-  Evidence evidence(in.cloud.size(), int(in.scene.objects.size()));
-  const SplatOptions prepared = prepared_for(exec, in.splat, in.cloud);
+  EvidenceSum evidence(exec, in.cloud, int(in.scene.objects.size()), prepared_for(exec, in.splat, in.cloud));
   const std::size_t ahead = views_ahead(exec, in.scene.objects.size());
   std::vector<ViewMasks> loaded;
   for_each_view(&monitor, in.views, [&](std::size_t n, std::size_t view) {
@@ -47,9 +46,9 @@ Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const EvidenceI
     }
     const ViewMasks masks = std::move(loaded[n % ahead]);
     const auto timed = monitor.scope("evidence");
-    add_view_evidence(exec, in.cloud, {in.scene.views[view].camera, masks}, prepared, evidence);
+    evidence.add({in.scene.views[view].camera, masks});
   });
-  return evidence;
+  return evidence.result();
 }
 
 void check_tau(const BoundaryRule& rule) {

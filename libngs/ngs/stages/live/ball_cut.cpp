@@ -293,11 +293,11 @@ bool has_evidence(const SpreadView& view) {
 /// surface is object if its neighbours are, or if most of its small weight lies inside the masks; one without weight,
 /// if its neighbours are.
 LabelColumns labels_in_ball(const Exec& exec, const BallModel& model, const BallCutInput& in, const BallCut& cut) {
-  Evidence evidence(model.cloud().size(), 1);
+  EvidenceSum sum(exec, model.cloud(), 1, model.splat());
   for (std::size_t v = 0; v < cut.views.size(); ++v)
     if (has_evidence(cut.views[v]) && (in.scene.views[v].split == Split::kTrain || in.marks.contains(v)))
-      add_view_evidence(exec, model.cloud(), {cut.cameras[v], known_view(cut.cameras[v], cut.views[v].mask)},
-                        model.splat(), evidence);
+      sum.add({cut.cameras[v], known_view(cut.cameras[v], cut.views[v].mask)});
+  const Evidence evidence = sum.result();
   LabelColumns labels = std::move(label_gaussians({}, evidence)[0]);
   const std::vector<float> own = labels.label.values();
   for (std::size_t i = 0; i < labels.views.size(); ++i)  // Gaussians visible only through a surface are not part of it

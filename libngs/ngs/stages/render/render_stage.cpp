@@ -65,12 +65,14 @@ std::vector<float> label_matrix(const std::vector<LabelColumns>& objects, std::s
 
 }  // namespace
 
-LabelChannels::LabelChannels(const GaussianCloud& cloud, const std::vector<LabelColumns>& objects)
+LabelChannels::LabelChannels(const Exec& exec, const GaussianCloud& cloud, const std::vector<LabelColumns>& objects)
     : cloud_(cloud),
       objects_(objects.size()),
       label_(label_matrix(objects, std::size_t(cloud.size()))),
       object_(std::size_t(cloud.size()), 0),
-      labelled_(object_) {
+      labelled_(object_),
+      resident_(exec) {
+  resident_.add_input(label_);
   // A pixel's label is a weighted mean of Gaussians' labels and 0, up to rounding: above 1/2 only if one of them is.
   constexpr float kRounding = 0.01f;
   for (const LabelColumns& object : objects)
@@ -104,10 +106,12 @@ RenderedView render_labelled(const Exec& exec, const LabelledModel& model, const
   return view;
 }
 
-ObjectsAlone::ObjectsAlone(const GaussianCloud& cloud, const std::vector<LabelColumns>& objects) : cloud_(cloud) {
+ObjectsAlone::ObjectsAlone(const Exec& exec, const GaussianCloud& cloud, const std::vector<LabelColumns>& objects)
+    : cloud_(cloud), resident_(exec) {
   for (const LabelColumns& object : objects) {
     std::vector<std::uint8_t>& member = member_.emplace_back(object.label.size());
     for (std::size_t i = 0; i < member.size(); ++i) member[i] = label_is_foreground(object.label[i]);
+    resident_.add_input(member);
   }
 }
 
@@ -118,7 +122,7 @@ ImageF ObjectsAlone::view(const Exec& exec, std::size_t k, const Camera& camera,
 
 void show_objects_alone(const Exec& exec, const LabelledModel& model, const Camera& camera, const SplatOptions& splat,
                         RenderedView& view) {
-  const ObjectsAlone objects(model.cloud, model.labels);
+  const ObjectsAlone objects(exec, model.cloud, model.labels);
   const std::size_t k_count = model.labels.size();
   for (std::size_t k = 0; k < k_count; ++k) {
     const ImageF alpha = objects.view(exec, k, camera, splat);

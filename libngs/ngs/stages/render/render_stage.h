@@ -48,17 +48,16 @@ struct LabelledRequest {
 RenderedView render_labelled(const Exec& exec, const LabelledModel& model, const Camera& camera,
                              const LabelledRequest& request);
 
-/// Renders only the label channels of modal views of one model. `cloud` must outlive this object.
+/// Renders only the label channels of modal views of one model. With a device: copies them to its memory, once for all
+/// views. `cloud` must outlive this object.
 class LabelChannels {
  public:
-  LabelChannels(const GaussianCloud& cloud, const std::vector<LabelColumns>& objects);
+  LabelChannels(const Exec& exec, const GaussianCloud& cloud, const std::vector<LabelColumns>& objects);
   /// [H, W, K]; `tiles_touching` and `stop_after` as in RenderRequest.
   ImageF view(const Exec& exec, const Camera& camera, const SplatOptions& splat,
               const std::uint8_t* tiles_touching = nullptr, const std::uint8_t* stop_after = nullptr) const;
   /// The same for callers that use only label_is_foreground() of the result: 0 in tiles without an object.
   ImageF masks(const Exec& exec, const Camera& camera, const SplatOptions& splat) const;
-  /// With a device: copies the labels to its memory, once for all views.
-  void add_to(Resident& resident) const { resident.add_input(label_); }
   std::size_t objects() const { return objects_; }
   const GaussianCloud& cloud() const { return cloud_; }
 
@@ -68,6 +67,7 @@ class LabelChannels {
   std::vector<float> label_;            // [N, K]
   std::vector<std::uint8_t> object_;    // [N] 1: some label is high enough for a foreground pixel
   std::vector<std::uint8_t> labelled_;  // [N] 1: some label is not 0
+  Resident resident_;                   // label_
 };
 
 /// A labelled model, prepared for renderings by the threads of a loop over views. The cloud must outlive it.
@@ -75,20 +75,17 @@ struct PreparedModel {
   PreparedModel(const Exec& all_threads, const SplatOptions& options, const LabelledModel& model)
       : exec(all_threads.one_thread()),
         splat(prepared_for(all_threads, options, model.cloud)),
-        labels(model.cloud, model.labels),
-        resident(all_threads) {
-    labels.add_to(resident);
-  }
+        labels(all_threads, model.cloud, model.labels) {}
   Exec exec;           // of a task
   SplatOptions splat;  // prepared for the cloud
   LabelChannels labels;
-  Resident resident;  // labels
 };
 
-/// Renders each object of a model alone. `cloud` must outlive this object.
+/// Renders each object of a model alone. With a device: copies the objects' flags to its memory, once for all views.
+/// `cloud` must outlive this object.
 class ObjectsAlone {
  public:
-  ObjectsAlone(const GaussianCloud& cloud, const std::vector<LabelColumns>& objects);
+  ObjectsAlone(const Exec& exec, const GaussianCloud& cloud, const std::vector<LabelColumns>& objects);
   /// Opacity of object k, [H, W, 1].
   ImageF view(const Exec& exec, std::size_t k, const Camera& camera, const SplatOptions& splat) const;
   std::size_t size() const { return member_.size(); }
@@ -96,6 +93,7 @@ class ObjectsAlone {
  private:
   const GaussianCloud& cloud_;
   std::vector<std::vector<std::uint8_t>> member_;  // [K][N] 1: of the object
+  Resident resident_;                              // member_
 };
 
 /// Makes a modal view amodal by replacing its label channels.

@@ -62,7 +62,7 @@ EmptyMasks check_empty_masks(const Exec& exec, Monitor& monitor, const EmptyMask
   const std::vector<std::size_t> labelling = spread_views(in.others, kMaxLabelling);
   const SplatOptions splat = prepared_for(exec, splat_options({}, in.cloud, in.scene), in.cloud);
   const Evidence evidence = accumulate_evidence(exec, monitor, {in.cloud, in.scene, labelling, splat, in.load_masks});
-  const LabelChannels labels(in.cloud, {label_of_any(exec, in.cloud, label_gaussians({}, evidence))});
+  const LabelChannels labels(exec, in.cloud, {label_of_any(exec, in.cloud, label_gaussians({}, evidence))});
   const auto count = [&](std::size_t view) {
     return count_pixels(labels.masks(exec, in.scene.views[view].camera, splat), in.load_masks(view));
   };

@@ -61,7 +61,7 @@ TEST_CASE("refinement and comparison in a crop about the object give the bits of
     const Camera fine = resized(camera, 240, 200);
     const SplatOptions splat = filter_at_scale({}, 2);
     const ImageF photo = render({}, c->truth, fine, splat, {}).colour;
-    const LabelChannels label(c->model, c->labels);
+    const LabelChannels label({}, c->model, c->labels);
     const ImageF own = label.view({}, camera, {});
     ViewMasks& masks = c->masks[0] = {120, 100, {own.data}, {}, true};
     std::rotate(masks.target[0].begin(), masks.target[0].begin() + 2, masks.target[0].end());

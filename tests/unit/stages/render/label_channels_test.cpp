@@ -40,7 +40,7 @@ struct SoftObject {
 
 TEST_CASE("masks of soft labels equal the thresholded labels at every pixel, and are 0 far from the object") {
   const SoftObject c;
-  const LabelChannels channels(c.cloud, c.objects);
+  const LabelChannels channels({}, c.cloud, c.objects);
   const ImageF view = channels.view({}, c.camera, {}), masks = channels.masks({}, c.camera, {});
   int object = 0, soft = 0, not_drawn = 0;
   for (std::size_t p = 0; p < view.data.size(); ++p) {
