@@ -140,37 +140,32 @@ struct PairSums {
   }
 };
 
-/// Sums the pairs of Gaussian i in double, W1 at most W; zeros if it has none.
-struct SumPairs {
-  static constexpr const char* kName = "sum_pairs";
+/// seen[i]: 1 if W > 0.
+struct FindSeen {
+  static constexpr const char* kName = "find_seen";
   PairSums pairs;
-  double* sum;          // [N, columns] out
-  std::uint32_t* seen;  // [N] out: 1 if W > 0
+  std::uint32_t* seen;  // [N] out
 
-  NGS_HD void operator()(std::int64_t i) const {
-    double* const to = sum + i * pairs.columns;
-    for (int c = 0; c < pairs.columns; ++c) {
-      const double total = pairs.of(i, c);
-      to[c] = c >= 2 && c % 2 == 0 ? min2(total, to[0]) : total;
-    }
-    seen[i] = to[0] > 0;
-  }
+  NGS_HD void operator()(std::int64_t i) const { seen[i] = pairs.of(i, 0) > 0; }
 };
 
-/// Gathers the rows with W > 0.
+/// Gathers the rows with W > 0: their sums, W1 at most W.
 struct GatherSeen {
   static constexpr const char* kName = "gather_seen";
   const std::int64_t* place;  // [N + 1]
-  const double* sum;          // [N, columns]
-  int columns;
+  PairSums pairs;
   std::uint32_t* row;  // [seen] out
-  double* to;          // [seen, columns] out
+  double* sum;         // [seen, columns] out
 
   NGS_HD void operator()(std::int64_t i) const {
     const std::int64_t at = place[i];
     if (at == place[i + 1]) return;
     row[at] = std::uint32_t(i);
-    for (int c = 0; c < columns; ++c) to[at * columns + c] = sum[i * columns + c];
+    double* const to = sum + at * pairs.columns;
+    for (int c = 0; c < pairs.columns; ++c) {
+      const double total = pairs.of(i, c);
+      to[c] = c >= 2 && c % 2 == 0 ? min2(total, to[0]) : total;
+    }
   }
 };
 

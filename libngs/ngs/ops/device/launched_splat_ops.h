@@ -223,17 +223,15 @@ class LaunchedSplatOps final : public DeviceSplatOps {
   ViewSums evidence(const EvidenceCall& call) const override {
     const EvidencePairs<Launcher> pairs(launcher_, call);
     const std::int64_t n = pairs.gaussians();
-    const int columns = pairs.columns();
-    const DeviceBuffer<Launcher, double> all(launcher_, n * columns);
     const DeviceBuffer<Launcher, std::uint32_t> seen(launcher_, n);
     const DeviceBuffer<Launcher, std::int64_t> place(launcher_, n + 1);
-    launcher_.parallel_for(n, SumPairs{pairs.sums(), all.data(), seen.data()});
+    launcher_.parallel_for(n, FindSeen{pairs.sums(), seen.data()});
     launcher_.exclusive_scan(seen.data(), place.data(), n);
     std::int64_t rows = 0;
     launcher_.download(&rows, place.data() + n, sizeof rows);
     const DeviceBuffer<Launcher, std::uint32_t> row(launcher_, rows);
-    const DeviceBuffer<Launcher, double> sum(launcher_, rows * columns);
-    launcher_.parallel_for(n, GatherSeen{place.data(), all.data(), columns, row.data(), sum.data()});
+    const DeviceBuffer<Launcher, double> sum(launcher_, rows * pairs.columns());
+    launcher_.parallel_for(n, GatherSeen{place.data(), pairs.sums(), row.data(), sum.data()});
     ViewSums sums{int(call.masks.target.size()), true, {}, {}};
     row.to(sums.row), sum.to(sums.sum);
     return sums;
