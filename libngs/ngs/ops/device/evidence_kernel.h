@@ -125,18 +125,13 @@ struct EvidenceTileOnDevice {
   }
 };
 
-/// The sums of all (Gaussian, tile) pairs of a view.
+/// The sums of the Gaussians of a view over their pairs: W, n, then W1, n1 per object.
 struct PairSums {
   const std::int64_t* slot_begin;  // [N + 1]
-  const float* pair;               // [pairs, columns]
-  int columns;                     // W, n, then W1, n1 per object
-
-  /// The sum of a column over the pairs of Gaussian i.
+  const double* sum;               // [N, columns], undefined without a pair
+  int columns;
   NGS_HD double of(std::int64_t i, int column) const {
-    double total = 0;
-    for (std::int64_t slot = slot_begin[i]; slot < slot_begin[i + 1]; ++slot)
-      total += double(pair[slot * columns + column]);
-    return total;
+    return slot_begin[i] < slot_begin[i + 1] ? sum[i * columns + column] : 0.0;
   }
 };
 

@@ -124,14 +124,15 @@ class LaunchedSplatView final : public DeviceSplat {
   SplatOnDevice<Launcher> splat_;
 };
 
-/// The sums of the (Gaussian, tile) pairs of a view.
+/// The sums of the Gaussians of a view.
 template <class Launcher>
 class EvidencePairs {
  public:
   EvidencePairs(Launcher& launcher, const EvidenceCall& call)
       : objects_(int(call.masks.target.size())),
         bins_(launcher, call.view, CloudArgument<Launcher>(launcher, call.cloud, false).view()),
-        pair_(launcher, bins_.pairs() * columns()) {
+        pair_(launcher, bins_.pairs() * columns()),
+        sum_(launcher, bins_.gaussians() * columns()) {
     const ViewMasks& masks = call.masks;
     const DeviceBuffer<Launcher, std::uint8_t> known(launcher, masks.known);
     const PixelWindow window = window_of(masks.target, masks.width_px, masks.height_px, 0);
@@ -147,8 +148,11 @@ class EvidencePairs {
     if (objects_ == 1) add<1>(launcher, on_device, 0);
     for (int first = 0; objects_ != 1 && first < max2(objects_, 1); first += kGroup)
       add<kGroup>(launcher, on_device, first);
+    launcher.parallel_for(sum_.size(),
+                          SumPairColumns<double>{bins_.slot_begin(), pair_.data(), columns(), sum_.data()});
+    pair_ = {};
   }
-  PairSums sums() const { return {bins_.slot_begin(), pair_.data(), columns()}; }
+  PairSums sums() const { return {bins_.slot_begin(), sum_.data(), columns()}; }
   std::int64_t gaussians() const { return bins_.gaussians(); }
   int columns() const { return 2 + 2 * objects_; }
 
@@ -161,6 +165,7 @@ class EvidencePairs {
   int objects_;
   TileBins<Launcher> bins_;
   DeviceBuffer<Launcher, float> pair_;  // [pairs, columns]
+  DeviceBuffer<Launcher, double> sum_;  // [N, columns]
 };
 
 template <class Launcher>

@@ -112,7 +112,7 @@ class SplatOnDevice {
       });
     if (sums == DeviceSums::kInOrder) {
       DeviceBuffer<Launcher, float> sum(launcher_, cloud_.size * columns);
-      launcher_.parallel_for(sum.size(), SumPairColumns{bins_.slot_begin(), rows.data(), columns, sum.data()});
+      launcher_.parallel_for(sum.size(), SumPairColumns<float>{bins_.slot_begin(), rows.data(), columns, sum.data()});
       rows = std::move(sum);
     }
     launcher_.parallel_for(cloud_.size,

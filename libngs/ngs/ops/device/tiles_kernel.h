@@ -171,19 +171,20 @@ struct FindEntries {
 
 /// Sums the pairs of every Gaussian that has some, in double. A thread per column: neighbouring threads read
 /// neighbouring values, and a Gaussian in many tiles keeps a thread waiting for one column only.
+template <class T>
 struct SumPairColumns {
   static constexpr const char* kName = "sum_pair_columns";
   const std::int64_t* slot_begin;  // [N + 1]
   const float* pair;               // [pairs, columns]
   int columns;
-  float* sum;  // [N, columns] out
+  T* sum;  // [N, columns] out
 
   NGS_HD void operator()(std::int64_t i) const {
     const std::int64_t begin = slot_begin[i / columns], end = slot_begin[i / columns + 1];
     if (begin == end) return;
     double total = 0;
     for (std::int64_t slot = begin; slot < end; ++slot) total += double(pair[slot * columns + i % columns]);
-    sum[i] = float(total);
+    sum[i] = T(total);
   }
 };
 

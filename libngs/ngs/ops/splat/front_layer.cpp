@@ -75,25 +75,25 @@ struct LayerSink : FrontBase {
 struct SumSink : FrontBase {
   Matrix<float> pair;  // [pairs, 2]
   L marked[kPacks];
-  L front = L(0.f), of_marked = L(0.f);
+  L front = L(0.f), of_marked = L(0.f), all_front = L(0.f), all_marked = L(0.f);  // of a column, of the tile
   std::uint32_t entry = 0;
 
   void begin(std::uint32_t e) {
     enter(entry = e);
-    front = of_marked = L(0.f);
+    all_front = all_marked = L(0.f);
   }
-  void begin_column(int) {}
+  void begin_column(int) { front = of_marked = L(0.f); }
   void add(int, const Contribution<L>& hit) {
     if (!is_candidate) return;
     const L weight = front_weight(hit);
     front += weight;
     of_marked = fma_lanes(weight, marked[hit.pack], of_marked);
   }
-  void end_column(int) {}
+  void end_column(int) { all_front += front, all_marked += of_marked; }
   void end() {
     if (!is_candidate) return;
     float* row = pair.row(work.slot[entry]);
-    row[0] = sum_lanes(front), row[1] = sum_lanes(of_marked);
+    row[0] = sum_lanes(all_front), row[1] = sum_lanes(all_marked);
   }
 };
 
