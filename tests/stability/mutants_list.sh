@@ -264,7 +264,7 @@ mutant math/median.h $t "" "a third instead of the middle" 's/values\.size\(\) \
 f=ops/image/image_metrics.cpp
 mutant $f $t $f "squares, not the square of the difference" 's/sum \+= w \* d \* d;/const float p = a.at(x, int(y), c), q = b.at(x, int(y), c); sum += w * double(p * p - 2 * p * q + q * q) + 0 * d;/'
 
-t="parity/emulated_main.cpp parity/backends.cpp parity/splat_parity.cpp" f=ops/device/tiles_kernel.h
+t="parity/emulated.cpp parity/emulated_main.cpp parity/backends.cpp parity/splat_parity.cpp" f=ops/device/tiles_kernel.h
 mutant $f "$t" "" "device: pairs of a Gaussian in one row of tiles only" 's/ty < rect\[i\]\.y_end/ty < rect[i].y_begin + 1/'
 mutant $f "$t" "" "device: last tile without an end" 's/if \(i <= tiles\)/if (i < tiles)/'
 mutant $f "$t" "" "device: keys sorted by tile only" 's/\| near_first;/| 0;/'
@@ -289,7 +289,11 @@ mutant $f "$t" "" "device: an atomic sum without its last column" 's/if \(sums =
 mutant ops/device/splat_kernel.h "$t" "" "device: rows of pairs read as sums" 's/rows = std::move\(sum\);//'
 mutant ops/device/evidence_kernel.h "$t" "" "device: evidence of a column from below" 's/for \(int row = rows\.begin; row < rows\.end; \+\+row\) \{/for (int row = rows.end; row-- > rows.begin;) {/'
 mutant ops/device/evidence_kernel.h "$t" "" "device: second group of objects over the first" 's/k \+ 2 \* first\)\]/k)]/'
-t="parity/emulated_main.cpp parity/backends.cpp parity/field_parity.cpp"
+t="parity/emulated.cpp parity/emulated_main.cpp parity/backends.cpp parity/front_parity.cpp"
+mutant ops/device/splat_forward_kernel.h "$t" "" "device: a layer also behind its surface" 's/weight = shared.*own\.limit \? weight : 0\.f;/weight += 0.f;/'
+mutant ops/device/evidence_kernel.h "$t" "" "device: sums also behind the surface" 's/weight = shared.*own\.limit \? weight : 0\.f;/weight += 0.f;/'
+mutant ops/device/splat_forward_kernel.h "$t" "" "device: a layer of all Gaussians" 's/to\[columns\] = candidate\[i\] \? 1\.f : 0\.f;/to[columns] = 1.f;/'
+t="parity/emulated.cpp parity/emulated_main.cpp parity/backends.cpp parity/field_parity.cpp"
 mutant ops/device/knn_kernel.h "$t" "" "device: equal distances lose their order" 's/if \(!placed \&\& !/if (!/'
 mutant ops/device/knn_kernel.h "$t" "" "device: float distances rejected without slack" 's/ \* 1\.000002f;/ * 0.999f;/'
 mutant ops/device/hash_grid_kernel.h "$t" "" "device: every contribution starts a sum" 's/if \(i > 0 \&\& key\[i - 1\] == key\[i\]\) return;//'
@@ -297,7 +301,7 @@ mutant ops/device/hash_grid_kernel.h "$t" "" "device: an atomic sum drops a cont
 mutant ops/device/film_backward_kernel.h "$t" "" "device: parts lose the last tile" 's/\(block\.index \+ 1\) \* tiles \/ kParts;/(block.index + 1) * tiles \/ kParts - 1;/'
 mutant ops/device/film_backward_kernel.h "$t" "" "device: conditions not loaded again" 's/Tile::load_condition\(t, net, first, shared\.condition\);//'
 mutant ops/device/film_forward_kernel.h "$t" "" "device: activations written while they are read" 's/(Tile::product\(t, .*, shared\.x, own\.cells\);)/\1 shared.x[t] = own.cells[0][0];/'
-t="parity/emulated_main.cpp parity/backends.cpp parity/loss_parity.cpp"
+t="parity/emulated.cpp parity/emulated_main.cpp parity/backends.cpp parity/loss_parity.cpp"
 mutant ops/device/sum_kernel.h "$t" "" "device: a chunk one short" 's/row < rows\.end; row \+= rows\.step\)$/row + rows.step < rows.end; row += rows.step)/'
 mutant ops/device/photometric_kernel.h "$t" "" "device: pixels outside the image in the window" 's/px >= 0 \&\& px < layout\.w \&\& line/px >= 0 \&\& line/'
 mutant ops/device/adam_kernel.h "$t" "" "device: negative overflow passes" 's/if \(!\(value <= limit \&\& -value <= limit\)\)/if (!(value <= limit))/'

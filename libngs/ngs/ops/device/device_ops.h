@@ -70,6 +70,17 @@ class DeviceEvidence {
   virtual void download(Evidence& out) const = 0;
 };
 
+/// The part of a view in front of a surface (FrontView of ops/splat/front_layer.h).
+class DeviceFrontView {
+ public:
+  virtual ~DeviceFrontView() = default;
+  /// `candidate` [N]; `number` [N]: the row of `value` of each candidate, null if it has no columns.
+  virtual void layer(const std::uint8_t* candidate, const std::uint32_t* number, const Matrix<const float>& value,
+                     ImageF& out) const = 0;
+  /// W and W1 of all Gaussians with W > 0 in front, for `marked` [H·W] as the mask; ascending.
+  virtual ViewSums sums(const std::vector<std::uint8_t>& marked) const = 0;
+};
+
 class DeviceSplatOps {
  public:
   virtual ~DeviceSplatOps() = default;
@@ -78,6 +89,9 @@ class DeviceSplatOps {
                                             const ChannelPlan<float>& plan) const = 0;
   /// view_sums() of one view (ops/splat/evidence.h), ascending by row.
   virtual ViewSums evidence(const EvidenceCall& call) const = 0;
+  /// `limit` [H, W, 1] camera z of the surface, world.
+  virtual std::unique_ptr<DeviceFrontView> front_view(const ViewProjector<float>& view, const CloudOnHost& cloud,
+                                                      const ImageF& limit) const = 0;
   virtual std::unique_ptr<DeviceEvidence> evidence_sum(std::int64_t gaussians, int objects) const = 0;
 };
 

@@ -24,8 +24,9 @@ struct MasksOnDevice {
   }
 };
 
-/// The evidence of up to K objects in one launch, from object `first` on; `used` of the K exist.
-template <int K>
+/// The evidence of up to K objects in one launch, from object `first` on; `used` of the K exist. kFront: only what lies
+/// in front of a surface counts.
+template <int K, bool kFront = false>
 struct EvidenceTileOnDevice {
   static constexpr const char* kName = "evidence_tile";
   static constexpr int kThreads = kTilePixels, kMinBlocks = 3, kChunk = 16, kStaged = kThreads;
@@ -38,6 +39,7 @@ struct EvidenceTileOnDevice {
   int first, used;
   float* pair;  // [pairs, columns]: W, n, then W1, n1 per object; zero where nothing is written
   int columns;
+  const float* limit = nullptr;  // [H·W] camera z of the surface, for kFront
 
   struct Shared {
     StagedGaussian gaussian[kStaged];
@@ -48,6 +50,7 @@ struct EvidenceTileOnDevice {
   struct Thread {
     PixelTraversal<float> traversal;
     std::uint32_t reached;
+    float limit;
   };
 
   template <class Block>
@@ -58,7 +61,7 @@ struct EvidenceTileOnDevice {
     for (std::int64_t at = begin; at < end; at += kStaged) {
       const int count = int(min2<std::int64_t>(kStaged, end - at));
       block.phase([&](int t, Shared& shared, Thread&) {
-        if (t < count) shared.gaussian[t] = StagedGaussian::of(tiles.record[tiles.gaussian[at + t]], frame);
+        if (t < count) shared.gaussian[t] = StagedGaussian::of(tiles, tiles.gaussian[at + t], frame);
       });
       for (int from = 0; from < count; from += kChunk)
         if (!sum_chunk(block, frame, at + from, from, min2(kChunk, count - from))) return;
@@ -70,6 +73,7 @@ struct EvidenceTileOnDevice {
     const TilePixel pixel(t, frame);
     const bool counts = pixel.inside && (masks.known == nullptr || masks.known[pixel.index] != 0);
     own.traversal = {1.f, pixel.inside};
+    if constexpr (kFront) own.limit = pixel.inside ? limit[pixel.index] : 0.f;
     shared.mask[0][pixel.place()] = counts ? 1.f : 0.f;
     for (int k = 0; k < K; ++k)
       shared.mask[1 + k][pixel.place()] =
@@ -88,7 +92,8 @@ struct EvidenceTileOnDevice {
         float before;
         const float opaque = own.traversal.pass(shared.gaussian[from + j].gaussian, float(pixel.column),
                                                 float(pixel.row), tiles.stop, before);
-        const float weight = opaque * before;
+        float weight = opaque * before;
+        if constexpr (kFront) weight = shared.gaussian[from + j].depth < own.limit ? weight : 0.f;
         shared.weight[j][chunk_place(j, pixel.place())] = masks.by_visibility ? weight * before : weight;
       }
       return was_live;

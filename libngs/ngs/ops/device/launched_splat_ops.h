@@ -124,16 +124,14 @@ class LaunchedSplatView final : public DeviceSplat {
   SplatOnDevice<Launcher> splat_;
 };
 
-/// The sums of the Gaussians of a view.
+/// The sums of the Gaussians of a view. `limit` [H·W]: only what lies in front of this surface; null: all.
 template <class Launcher>
 class EvidencePairs {
  public:
-  EvidencePairs(Launcher& launcher, const EvidenceCall& call)
-      : objects_(int(call.masks.target.size())),
-        bins_(launcher, call.view, CloudArgument<Launcher>(launcher, call.cloud, false).view()),
-        pair_(launcher, bins_.pairs() * columns()),
-        sum_(launcher, bins_.gaussians() * columns()) {
-    const ViewMasks& masks = call.masks;
+  EvidencePairs(Launcher& launcher, const TileBins<Launcher>& bins, const ViewMasks& masks, bool by_visibility,
+                const float* limit = nullptr)
+      : bins_(bins), columns_(2 + 2 * int(masks.target.size())), sum_(launcher, bins.gaussians() * columns_) {
+    const int objects = int(masks.target.size());
     const DeviceBuffer<Launcher, std::uint8_t> known(launcher, masks.known);
     const PixelWindow window = window_of(masks.target, masks.width_px, masks.height_px, 0);
     std::vector<float> inside;  // [objects, window]
@@ -142,30 +140,99 @@ class EvidencePairs {
       inside.insert(inside.end(), part.begin(), part.end());
     }
     const DeviceBuffer<Launcher, float> target(launcher, inside);
-    const MasksOnDevice on_device{known.data(), target.data(), window, objects_, call.by_visibility};
-    pair_.zero();
+    DeviceBuffer<Launcher, float> pair(launcher, bins.pairs() * columns_);
+    pair.zero();
+    const auto add = [&](auto kernel, int first, int most) {
+      kernel.tiles = bins.view(), kernel.masks = {known.data(), target.data(), window, objects, by_visibility};
+      kernel.first = first, kernel.used = min2(most, objects - first);
+      kernel.pair = pair.data(), kernel.columns = columns_, kernel.limit = limit;
+      launcher.launch_blocks(bins.tiles(), kernel);
+    };
     constexpr int kGroup = 4;
-    if (objects_ == 1) add<1>(launcher, on_device, 0);
-    for (int first = 0; objects_ != 1 && first < max2(objects_, 1); first += kGroup)
-      add<kGroup>(launcher, on_device, first);
-    launcher.parallel_for(sum_.size(),
-                          SumPairColumns<double>{bins_.slot_begin(), pair_.data(), columns(), sum_.data()});
-    pair_ = {};
+    if (limit != nullptr)
+      add(EvidenceTileOnDevice<1, true>{}, 0, 1);
+    else if (objects == 1)
+      add(EvidenceTileOnDevice<1>{}, 0, 1);
+    else
+      for (int first = 0; first < max2(objects, 1); first += kGroup) add(EvidenceTileOnDevice<kGroup>{}, first, kGroup);
+    launcher.parallel_for(sum_.size(), SumPairColumns<double>{bins.slot_begin(), pair.data(), columns_, sum_.data()});
   }
-  PairSums sums() const { return {bins_.slot_begin(), sum_.data(), columns()}; }
-  std::int64_t gaussians() const { return bins_.gaussians(); }
-  int columns() const { return 2 + 2 * objects_; }
+  PairSums sums() const { return {bins_.slot_begin(), sum_.data(), columns_}; }
+
+  /// The Gaussians with W > 0, ascending. Waits for their number, to allocate memory.
+  ViewSums seen(Launcher& launcher) const {
+    const std::int64_t n = bins_.gaussians();
+    const DeviceBuffer<Launcher, std::uint32_t> seen(launcher, n);
+    const DeviceBuffer<Launcher, std::int64_t> place(launcher, n + 1);
+    launcher.parallel_for(n, FindSeen{sums(), seen.data()});
+    launcher.exclusive_scan(seen.data(), place.data(), n);
+    std::int64_t rows = 0;
+    launcher.download(&rows, place.data() + n, sizeof rows);
+    const DeviceBuffer<Launcher, std::uint32_t> row(launcher, rows);
+    const DeviceBuffer<Launcher, double> sum(launcher, rows * columns_);
+    launcher.parallel_for(n, GatherSeen{place.data(), sums(), row.data(), sum.data()});
+    ViewSums out{columns_ / 2 - 1, true, {}, {}};
+    row.to(out.row), sum.to(out.sum);
+    return out;
+  }
 
  private:
-  template <int K>
-  void add(Launcher& launcher, const MasksOnDevice& masks, int first) {
-    launcher.launch_blocks(bins_.tiles(), EvidenceTileOnDevice<K>{bins_.view(), masks, first, min2(K, objects_ - first),
-                                                                  pair_.data(), columns()});
-  }
-  int objects_;
-  TileBins<Launcher> bins_;
-  DeviceBuffer<Launcher, float> pair_;  // [pairs, columns]
+  const TileBins<Launcher>& bins_;
+  int columns_;
   DeviceBuffer<Launcher, double> sum_;  // [N, columns]
+};
+
+template <class Launcher>
+TileBins<Launcher> bins_of(Launcher& launcher, const ViewProjector<float>& view, const CloudOnHost& cloud) {
+  return {launcher, view, CloudArgument<Launcher>(launcher, cloud, false).view()};
+}
+
+template <class Launcher>
+class LaunchedFrontView final : public DeviceFrontView {
+  using Floats = DeviceBuffer<Launcher, float>;
+
+ public:
+  LaunchedFrontView(Launcher& launcher, const ViewProjector<float>& view, const CloudOnHost& cloud, const ImageF& limit)
+      : launcher_(launcher),
+        width_px_(view.width_px),
+        height_px_(view.height_px),
+        bins_(bins_of(launcher, view, cloud)),
+        limit_(launcher, limit.data) {}
+
+  void layer(const std::uint8_t* candidate, const std::uint32_t* number, const Matrix<const float>& value,
+             ImageF& out) const override {
+    const std::int64_t n = bins_.gaussians();
+    const int count = out.channels;
+    const DeviceBuffer<Launcher, std::uint8_t> candidates(launcher_, candidate, n);
+    const DeviceBuffer<Launcher, std::uint32_t> numbers(launcher_, number, number ? n : 0);
+    const Floats values(launcher_, value.data, value.n * value.c), channel(launcher_, n * count);
+    launcher_.parallel_for(n, FillLayer{candidates.data(), numbers.data(), values.data(), value.c, channel.data()});
+    const Floats image(launcher_, out.pixels() * count);
+    const auto composite = [&](auto size, int first) {
+      constexpr int kSize = decltype(size)::value;
+      const int used = min2(kSize, count - first);
+      SplatForwardTile<kSize, true> kernel{bins_.view(), {channel.data(), count, first, used, {}}, {}, {}, {},
+                                           limit_.data()};
+      for (int c = 0; c < used; ++c) kernel.out[c] = {image.data() + first + c, count};
+      launcher_.launch_blocks(bins_.tiles(), kernel);
+    };
+    constexpr int kGroup = 5;  // colour, share of candidates with a colour, weight
+    if (count == 1) composite(std::integral_constant<int, 1>{}, 0);
+    for (int first = 0; count > 1 && first < count; first += kGroup)
+      composite(std::integral_constant<int, kGroup>{}, first);
+    image.to(out.data);
+  }
+
+  ViewSums sums(const std::vector<std::uint8_t>& marked) const override {
+    const ViewMasks masks{width_px_, height_px_, {{marked.begin(), marked.end()}}, {}, true};
+    return EvidencePairs<Launcher>(launcher_, bins_, masks, false, limit_.data()).seen(launcher_);
+  }
+
+ private:
+  Launcher& launcher_;
+  int width_px_, height_px_;
+  TileBins<Launcher> bins_;
+  Floats limit_;
 };
 
 template <class Launcher>
@@ -183,7 +250,8 @@ class LaunchedEvidence final : public DeviceEvidence {
     whole_.zero(), fraction_.zero(), pixels_.zero(), views_.zero(), object_.zero(), touched_.zero();
   }
   void add(const EvidenceCall& call) override {
-    const EvidencePairs<Launcher> pairs(launcher_, call);
+    const TileBins<Launcher> bins = bins_of(launcher_, call.view, call.cloud);
+    const EvidencePairs<Launcher> pairs(launcher_, bins, call.masks, call.by_visibility);
     launcher_.parallel_for(views_.size(), AddPairs{pairs.sums(),
                                                    {whole_.data(), fraction_.data(), pixels_.data(), views_.data(),
                                                     object_.data(), touched_.data()}});
@@ -226,20 +294,12 @@ class LaunchedSplatOps final : public DeviceSplatOps {
   }
 
   ViewSums evidence(const EvidenceCall& call) const override {
-    const EvidencePairs<Launcher> pairs(launcher_, call);
-    const std::int64_t n = pairs.gaussians();
-    const DeviceBuffer<Launcher, std::uint32_t> seen(launcher_, n);
-    const DeviceBuffer<Launcher, std::int64_t> place(launcher_, n + 1);
-    launcher_.parallel_for(n, FindSeen{pairs.sums(), seen.data()});
-    launcher_.exclusive_scan(seen.data(), place.data(), n);
-    std::int64_t rows = 0;
-    launcher_.download(&rows, place.data() + n, sizeof rows);
-    const DeviceBuffer<Launcher, std::uint32_t> row(launcher_, rows);
-    const DeviceBuffer<Launcher, double> sum(launcher_, rows * pairs.columns());
-    launcher_.parallel_for(n, GatherSeen{place.data(), pairs.sums(), row.data(), sum.data()});
-    ViewSums sums{int(call.masks.target.size()), true, {}, {}};
-    row.to(sums.row), sum.to(sums.sum);
-    return sums;
+    const TileBins<Launcher> bins = bins_of(launcher_, call.view, call.cloud);
+    return EvidencePairs<Launcher>(launcher_, bins, call.masks, call.by_visibility).seen(launcher_);
+  }
+  std::unique_ptr<DeviceFrontView> front_view(const ViewProjector<float>& view, const CloudOnHost& cloud,
+                                              const ImageF& limit) const override {
+    return std::make_unique<LaunchedFrontView<Launcher>>(launcher_, view, cloud, limit);
   }
   std::unique_ptr<DeviceEvidence> evidence_sum(std::int64_t gaussians, int objects) const override {
     return std::make_unique<LaunchedEvidence<Launcher>>(launcher_, gaussians, objects);

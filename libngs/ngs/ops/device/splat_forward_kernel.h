@@ -34,7 +34,7 @@ struct StagedGaussians {
   NGS_HD void load(int thread, const TilesOnDevice& tiles, const TileFrame& frame, const ChannelGroup<C>& channels,
                    const EntryRange& entries) {
     const std::uint32_t* id = tiles.gaussian + entries.first;
-    if (thread < entries.count) gaussian[thread] = StagedGaussian::of(tiles.record[id[thread]], frame);
+    if (thread < entries.count) gaussian[thread] = StagedGaussian::of(tiles, id[thread], frame);
     for (int i = thread; i < entries.count * C; i += kThreads) value[i / C][i % C] = channels.at(id[i / C], i % C);
   }
 };
@@ -53,22 +53,26 @@ struct Checkpoints {
   }
 };
 
-template <int C>
+/// kFront: only what lies in front of a surface is added, also where it is behind other Gaussians
+/// (ops/splat/front_layer.h).
+template <int C, bool kFront = false>
 struct SplatForwardTile {
   static constexpr const char* kName = "splat_forward_tile";
-  static constexpr int kThreads = kTilePixels, kMinBlocks = C > 3 ? 3 : 4, kChunk = Checkpoints::kEntries;
+  static constexpr int kThreads = kTilePixels, kMinBlocks = 3, kChunk = Checkpoints::kEntries;
   static constexpr int kStaged = kThreads;  // many, because threads wait for three dependent reads of memory
   TilesOnDevice tiles;
   ChannelGroup<C> channels;
   Plane<float> out[C];
   Plane<float> alpha;
   Checkpoints checkpoints;
+  const float* limit = nullptr;  // [H·W] camera z of the surface, for kFront
 
   using Shared = StagedGaussians<C, kStaged>;
   struct Thread {
     PixelTraversal<float> traversal;
     std::uint32_t reached;
     int live_chunks;  // before which the pixel is live
+    float limit;
     float sum[C];
   };
 
@@ -77,7 +81,9 @@ struct SplatForwardTile {
     const TileFrame frame = tiles.frame(block.index);
     const std::int64_t begin = tiles.begin[block.index], end = tiles.begin[block.index + 1];
     block.phase([&](int t, Shared&, Thread& own) {
-      own.traversal = {1.f, TilePixel(t, frame).inside}, own.live_chunks = 0;
+      const TilePixel pixel(t, frame);
+      own.traversal = {1.f, pixel.inside}, own.live_chunks = 0;
+      if constexpr (kFront) own.limit = pixel.inside ? limit[pixel.index] : 0.f;
       for (int c = 0; c < C; ++c) own.sum[c] = 0.f;
     });
     for (std::int64_t first = begin; first < end; first += kStaged) {
@@ -119,7 +125,8 @@ struct SplatForwardTile {
       float before;
       const float opaque =
           own.traversal.pass(shared.gaussian[k].gaussian, float(pixel.column), float(pixel.row), tiles.stop, before);
-      const float weight = opaque * before;
+      float weight = opaque * before;
+      if constexpr (kFront) weight = shared.gaussian[k].depth < own.limit ? weight : 0.f;
       for (int c = 0; c < C; ++c) own.sum[c] = fma_lanes(weight, shared.value[k][c], own.sum[c]);
     }
   }
@@ -138,6 +145,22 @@ struct SplatForwardTile {
     block.phase([&](int t, Shared&, Thread&) {
       if (t == 0) checkpoints.count[block.index] = least;
     });
+  }
+};
+
+/// The channels of a layer in front of a surface: the values of the candidates, then 1; zeros for other Gaussians.
+struct FillLayer {
+  static constexpr const char* kName = "fill_layer";
+  const std::uint8_t* candidate;  // [N]
+  const std::uint32_t* number;    // [N] row of `value`
+  const float* value;             // [rows, columns]
+  int columns;
+  float* channel;  // [N, columns + 1] out
+
+  NGS_HD void operator()(std::int64_t i) const {
+    float* const to = channel + i * (columns + 1);
+    for (int c = 0; c < columns; ++c) to[c] = candidate[i] ? value[std::int64_t(number[i]) * columns + c] : 0.f;
+    to[columns] = candidate[i] ? 1.f : 0.f;
   }
 };
 

@@ -15,6 +15,7 @@ namespace ngs {
 /// Inputs of the tile kernels. Tile t has the entries [begin[t], begin[t + 1]), nearest first.
 struct TilesOnDevice {
   const SplatRecord<float>* record;      // [N]
+  const float* depth;                    // [N] camera z
   const std::uint32_t *gaussian, *slot;  // [pairs]
   const std::int64_t* begin;             // [tiles + 1]
   int tiles_x, width_px, height_px;
@@ -57,10 +58,12 @@ struct alignas(16) StagedGaussian {
     std::uint8_t begin, end;
   };
   TileGaussian<float> gaussian;
+  float depth;  // camera z
   Rows rows[kBands];
 
-  NGS_HD static StagedGaussian of(const SplatRecord<float>& record, const TileFrame& frame) {
-    StagedGaussian staged{tile_gaussian(record, frame), {}};
+  NGS_HD static StagedGaussian of(const TilesOnDevice& tiles, std::uint32_t row, const TileFrame& frame) {
+    const SplatRecord<float>& record = tiles.record[row];
+    StagedGaussian staged{tile_gaussian(record, frame), tiles.depth[row], {}};
     const auto ellipse = RowEllipse<float>::of(record, staged.gaussian.x, staged.gaussian.y);
     for (int band = 0; band < kBands; ++band) {
       const auto border = [&](float downwards) {
@@ -201,13 +204,13 @@ class TileBins {
         tile_count_(std::int64_t(view.tiles_x) * view.tiles_y),
         stop_(float(transmittance_stop(view.compat))),
         record_(launcher, cloud.size),
+        depth_(launcher, cloud.size),
         slot_begin_(launcher, cloud.size + 1),
         begin_(launcher, tile_count_ + 1) {
     const DeviceBuffer<Launcher, TileRect> rect(launcher, cloud.size);
-    const DeviceBuffer<Launcher, float> depth(launcher, cloud.size);
     const DeviceBuffer<Launcher, std::uint32_t> tiles(launcher, cloud.size);
     launcher.parallel_for(
-        cloud.size, ProjectGaussians{view, cloud, channels, record_.data(), depth.data(), rect.data(), tiles.data()});
+        cloud.size, ProjectGaussians{view, cloud, channels, record_.data(), depth_.data(), rect.data(), tiles.data()});
     launcher.exclusive_scan(tiles.data(), slot_begin_.data(), cloud.size);
     launcher.download(&pairs_, slot_begin_.data() + cloud.size, sizeof pairs_);
     NGS_CHECK(pairs_ <= 0xffffffff, "slots are counted in 32 bits");
@@ -215,15 +218,16 @@ class TileBins {
     const DeviceBuffer<Launcher, std::uint32_t> of_slot(launcher, pairs_);
     slot_ = DeviceBuffer<Launcher, std::uint32_t>(launcher, pairs_),
     gaussian_ = DeviceBuffer<Launcher, std::uint32_t>(launcher, pairs_);
-    launcher.parallel_for(cloud.size, MakePairs{record_.data(), depth.data(), rect.data(), slot_begin_.data(), tiles_x_,
-                                                key.data(), slot_.data(), of_slot.data()});
+    launcher.parallel_for(cloud.size, MakePairs{record_.data(), depth_.data(), rect.data(), slot_begin_.data(),
+                                                tiles_x_, key.data(), slot_.data(), of_slot.data()});
     launcher.sort(key.data(), slot_.data(), pairs_, 32 + bits_of(tile_count_));
     launcher.parallel_for(max2(tile_count_ + 1, pairs_), FindEntries{key.data(), slot_.data(), of_slot.data(), pairs_,
                                                                      tile_count_, gaussian_.data(), begin_.data()});
   }
 
   TilesOnDevice view() const {
-    return {record_.data(), gaussian_.data(), slot_.data(), begin_.data(), tiles_x_, width_px_, height_px_, stop_};
+    return {record_.data(), depth_.data(), gaussian_.data(), slot_.data(), begin_.data(),
+            tiles_x_,       width_px_,     height_px_,       stop_};
   }
   std::int64_t tiles() const { return tile_count_; }
   std::int64_t gaussians() const { return record_.size(); }
@@ -241,6 +245,7 @@ class TileBins {
   float stop_;
   std::int64_t pairs_ = 0;
   DeviceBuffer<Launcher, SplatRecord<float>> record_;
+  DeviceBuffer<Launcher, float> depth_;
   DeviceBuffer<Launcher, std::int64_t> slot_begin_, begin_;
   DeviceBuffer<Launcher, std::uint32_t> slot_, gaussian_;
 };

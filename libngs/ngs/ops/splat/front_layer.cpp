@@ -1,6 +1,9 @@
 #include "ngs/ops/splat/front_layer.h"
 
+#include <optional>
+
 #include "ngs/core/check.h"
+#include "ngs/ops/device/device_ops.h"
 #include "ngs/ops/splat/binned_view.h"
 #include "ngs/ops/splat/cloud_view.h"
 #include "ngs/ops/splat/splat_tiles.h"
@@ -115,7 +118,8 @@ struct FrontView::State {
   Compat compat;
   std::int64_t gaussians;
   const ImageF& limit;
-  BinnedView<float> binned;
+  std::optional<BinnedView<float>> binned = {};
+  std::unique_ptr<DeviceFrontView> on_device = nullptr;  // instead of `binned`
 
   void check(const Candidates& candidate) const {
     NGS_CHECK(std::int64_t(candidate.size()) == gaussians, "one candidate flag per Gaussian");
@@ -126,10 +130,14 @@ FrontView::FrontView(const Exec& exec, const GaussianCloud& cloud, const ImageF&
                      const SplatOptions& options) {
   NGS_CHECK(limit.width_px == camera.width_px && limit.height_px == camera.height_px && limit.channels == 1,
             "one limit per pixel");
-  state_ =
-      std::make_unique<State>(State{exec, camera, options.compat, cloud.size(), limit,
-                                    BinnedView<float>(exec, cloud_view(cloud, 0, nullptr),
-                                                      relative_camera(camera, cloud), options, {.max_depth = &limit})});
+  state_ = std::make_unique<State>(State{exec, camera, options.compat, cloud.size(), limit});
+  const CloudView<float> columns = cloud_view(cloud, 0, nullptr);
+  const Camera relative = relative_camera(camera, cloud);
+  if (exec.device_ops)
+    state_->on_device =
+        exec.device_ops->splat.front_view(view_projector<float>(relative, options), on_host(columns, options), limit);
+  else
+    state_->binned.emplace(exec, columns, relative, options, CullRequest{.max_depth = &limit});
 }
 FrontView::~FrontView() = default;
 
@@ -142,9 +150,13 @@ ImageF FrontView::layer(const Candidates& candidate) const { return layer(candid
 
 ImageF FrontView::layer(const Candidates& candidate, const std::uint32_t* number, Matrix<const float> value) const {
   const State& s = *state_;
-  const BinnedView<float>& b = s.binned;
   s.check(candidate);
   ImageF out(s.camera.width_px, s.camera.height_px, value.c + 1);
+  if (s.on_device) {
+    s.on_device->layer(candidate.data(), number, value, out);
+    return out;
+  }
+  const BinnedView<float>& b = *s.binned;
   for_each_task(s.exec, b.lists().tiles(), [&](std::int64_t tile) {
     const TileWork<float> work = tile_work(b.view(), b.lists(), tile, s.camera, s.compat);
     const TileFrame& frame = work.frame;
@@ -161,9 +173,18 @@ ImageF FrontView::layer(const Candidates& candidate, const std::uint32_t* number
 
 ViewSums FrontView::sums(const Candidates& candidate, const std::vector<std::uint8_t>& marked) const {
   const State& s = *state_;
-  const BinnedView<float>& b = s.binned;
   s.check(candidate);
   NGS_CHECK(std::int64_t(marked.size()) == s.limit.pixels(), "one mark per pixel");
+  ViewSums sums{1, false, {}, {}};
+  if (s.on_device) {
+    const ViewSums all = s.on_device->sums(marked);
+    for (std::size_t v = 0; v < all.size(); ++v) {
+      const double sum[2] = {all.weight(v), all.object_weight(v, 0)};
+      if (candidate[all.row[v]]) sums.add(all.row[v], sum);
+    }
+    return sums;
+  }
+  const BinnedView<float>& b = *s.binned;
   std::vector<float> pairs(std::size_t(b.lists().pairs()) * 2, 0.f);
   const Matrix<float> pair{pairs.data(), b.lists().pairs(), 2};
   for_each_task(s.exec, b.lists().tiles(), [&](std::int64_t tile) {
@@ -176,7 +197,6 @@ ViewSums FrontView::sums(const Candidates& candidate, const std::vector<std::uin
     L transmittance[kPacks];
     composite_tile<L>(work, transmittance, sink);
   });
-  ViewSums sums{1, false, {}, {}};
   for (std::size_t v = 0; v < b.view().id.size(); ++v) {
     if (!candidate[b.view().id[v]]) continue;
     double sum[2] = {};  // in front, and marked

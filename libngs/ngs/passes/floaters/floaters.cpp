@@ -115,6 +115,8 @@ class FloaterSearch {
     margin_ = core_margin(exec_, options_.core, cloud(), core_);
     candidate_ = candidates_of(exec_, input_, core_, margin_);
     double sum = 0, pixels = 0;
+    Resident flags(exec_);
+    flags.add_input(candidate_);
     for_each_view(input_.monitor, spread_views(views_, kFrontViews), [&](std::size_t, std::size_t v) {
       const Surface s = surface(v);
       if (s.pixels() == 0) return;
@@ -136,14 +138,11 @@ class FloaterSearch {
     splat_.prepared = nullptr;  // the opacities changed
     prepare();
   }
-  void prepare() {
-    splat_ = prepared_for(exec_, splat_, cloud());
-    front_splat_ = prepared_for(exec_.on_cpu(), splat_, cloud());
-  }
+  void prepare() { splat_ = prepared_for(exec_, splat_, cloud()); }
 
   /// The Gaussians in front of the core's surface, in view `v`.
   FrontView front_view(std::size_t v, const Surface& surface) const {
-    return {exec_.on_cpu(), cloud(), surface.limit, camera(v), front_splat_};
+    return {exec_, cloud(), surface.limit, camera(v), splat_};
   }
 
   /// The core is the same in all rounds, so its surfaces are cached, up to 256 MiB.
@@ -215,6 +214,8 @@ class FloaterSearch {
     constexpr std::int64_t kMinCoresPerModel = 8;  // minimum size of the model, in sizes of the core
     if (kMinCoresPerModel * std::int64_t(core_.count) >= cloud().size()) return candidate_;
     std::vector<std::uint8_t> in_front(candidate_.size(), 0);
+    Resident flags(exec_);
+    flags.add_input(candidate_);
     for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) {
       const Surface s = surface(v);
       if (s.pixels() == 0) return;
@@ -236,6 +237,8 @@ class FloaterSearch {
     if (!for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) { colours.add(v); })) return {};
     MeanColours elsewhere{std::vector<float>(4 * n)};
     colours.for_all([&](std::size_t i, const LeaveOneOut::Shares& all) { elsewhere.set(i, all); });
+    Resident rows(exec_);
+    rows.add_input(front_rows.chosen), rows.add_input(front_rows.number);
     std::vector<double> front(n), through(n), reach(n), own(n);
     double surface_px = 0;
     for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) {
@@ -274,7 +277,6 @@ class FloaterSearch {
   const Problem& input_;
   std::optional<GaussianCloud> remaining_;  // the cloud without earlier floaters; nullopt: none found yet
   SplatOptions splat_;                      // prepared for cloud()
-  SplatOptions front_splat_;                // the same for the CPU, which renders the layer in front
   ObjectCore core_;
   Resident resident_;  // the core's members
   std::vector<std::size_t> views_;
