@@ -53,12 +53,14 @@ struct CloudOnHost {
   DeviceCloud* resident = nullptr;
 };
 
-/// A view of a cloud, and its masks. `by_visibility`: PixelWeight::kByVisibility (ops/splat/evidence.h).
+/// A view of a cloud, and its masks. `by_visibility`: PixelWeight::kByVisibility (ops/splat/evidence.h). `wanted` [N]:
+/// the rows whose sums are returned; null: all.
 struct EvidenceCall {
   ViewProjector<float> view;
   CloudOnHost cloud;
   const ViewMasks& masks;
   bool by_visibility;
+  const std::uint8_t* wanted = nullptr;
 };
 
 /// Evidence of a loop over views, summed in device memory.
@@ -77,8 +79,8 @@ class DeviceFrontView {
   /// `candidate` [N]; `number` [N]: the row of `value` of each candidate, null if it has no columns.
   virtual void layer(const std::uint8_t* candidate, const std::uint32_t* number, const Matrix<const float>& value,
                      ImageF& out) const = 0;
-  /// W and W1 of all Gaussians with W > 0 in front, for `marked` [H·W] as the mask; ascending.
-  virtual ViewSums sums(const std::vector<std::uint8_t>& marked) const = 0;
+  /// W and W1 of the candidates with W > 0 in front, for `marked` [H·W] as the mask; ascending.
+  virtual ViewSums sums(const std::uint8_t* candidate, const std::vector<std::uint8_t>& marked) const = 0;
 };
 
 class DeviceSplatOps {

@@ -140,13 +140,14 @@ struct PairSums {
   }
 };
 
-/// seen[i]: 1 if W > 0.
+/// seen[i]: 1 if W > 0 and the row is wanted.
 struct FindSeen {
   static constexpr const char* kName = "find_seen";
   PairSums pairs;
-  std::uint32_t* seen;  // [N] out
+  const std::uint8_t* wanted;  // [N] or null: all
+  std::uint32_t* seen;         // [N] out
 
-  NGS_HD void operator()(std::int64_t i) const { seen[i] = pairs.of(i, 0) > 0; }
+  NGS_HD void operator()(std::int64_t i) const { seen[i] = (!wanted || wanted[i]) && pairs.of(i, 0) > 0; }
 };
 
 /// Gathers the rows with W > 0: their sums, W1 at most W.

@@ -159,12 +159,13 @@ class EvidencePairs {
   }
   PairSums sums() const { return {bins_.slot_begin(), sum_.data(), columns_}; }
 
-  /// The Gaussians with W > 0, ascending. Waits for their number, to allocate memory.
-  ViewSums seen(Launcher& launcher) const {
+  /// The Gaussians with W > 0, ascending, of `wanted` [N], null: of all. Waits for their number, to allocate memory.
+  ViewSums seen(Launcher& launcher, const std::uint8_t* wanted) const {
     const std::int64_t n = bins_.gaussians();
+    const DeviceBuffer<Launcher, std::uint8_t> flags(launcher, wanted, wanted ? n : 0);
     const DeviceBuffer<Launcher, std::uint32_t> seen(launcher, n);
     const DeviceBuffer<Launcher, std::int64_t> place(launcher, n + 1);
-    launcher.parallel_for(n, FindSeen{sums(), seen.data()});
+    launcher.parallel_for(n, FindSeen{sums(), flags.data(), seen.data()});
     launcher.exclusive_scan(seen.data(), place.data(), n);
     std::int64_t rows = 0;
     launcher.download(&rows, place.data() + n, sizeof rows);
@@ -223,9 +224,9 @@ class LaunchedFrontView final : public DeviceFrontView {
     image.to(out.data);
   }
 
-  ViewSums sums(const std::vector<std::uint8_t>& marked) const override {
+  ViewSums sums(const std::uint8_t* candidate, const std::vector<std::uint8_t>& marked) const override {
     const ViewMasks masks{width_px_, height_px_, {{marked.begin(), marked.end()}}, {}, true};
-    return EvidencePairs<Launcher>(launcher_, bins_, masks, false, limit_.data()).seen(launcher_);
+    return EvidencePairs<Launcher>(launcher_, bins_, masks, false, limit_.data()).seen(launcher_, candidate);
   }
 
  private:
@@ -295,7 +296,7 @@ class LaunchedSplatOps final : public DeviceSplatOps {
 
   ViewSums evidence(const EvidenceCall& call) const override {
     const TileBins<Launcher> bins = bins_of(launcher_, call.view, call.cloud);
-    return EvidencePairs<Launcher>(launcher_, bins, call.masks, call.by_visibility).seen(launcher_);
+    return EvidencePairs<Launcher>(launcher_, bins, call.masks, call.by_visibility).seen(launcher_, call.wanted);
   }
   std::unique_ptr<DeviceFrontView> front_view(const ViewProjector<float>& view, const CloudOnHost& cloud,
                                               const ImageF& limit) const override {

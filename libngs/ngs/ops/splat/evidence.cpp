@@ -218,7 +218,7 @@ void check_shapes(const Query& q) {
 EvidenceCall device_call(const Query& q) {
   return {view_projector<float>(relative_camera(q.view.camera, q.cloud), q.options),
           on_host(cloud_view(q.cloud, 0, nullptr), q.options), q.view.masks,
-          q.view.weight == PixelWeight::kByVisibility};
+          q.view.weight == PixelWeight::kByVisibility, q.of ? q.of->chosen.data() : nullptr};
 }
 
 /// The same sums from a device, with the interface of ViewPairs.
@@ -232,7 +232,6 @@ class DeviceSumsOfView {
     const std::size_t begin = std::size_t(chunk) * kRows, end = std::min(sums_.size(), begin + kRows);
     for (std::size_t v = begin; v < end; ++v) {
       const std::uint32_t row = sums_.row[v];
-      if (of_ != nullptr && !of_->has(row)) continue;
       const double *sum = sums_.at(v), *last = sum + sums_.columns();
       f(of_ ? of_->number[row] : row, sum, std::any_of(sum + 2, last, [](double s) { return s != 0; }));
     }

@@ -177,10 +177,10 @@ ViewSums FrontView::sums(const Candidates& candidate, const std::vector<std::uin
   NGS_CHECK(std::int64_t(marked.size()) == s.limit.pixels(), "one mark per pixel");
   ViewSums sums{1, false, {}, {}};
   if (s.on_device) {
-    const ViewSums all = s.on_device->sums(marked);
+    const ViewSums all = s.on_device->sums(candidate.data(), marked);
     for (std::size_t v = 0; v < all.size(); ++v) {
       const double sum[2] = {all.weight(v), all.object_weight(v, 0)};
-      if (candidate[all.row[v]]) sums.add(all.row[v], sum);
+      sums.add(all.row[v], sum);
     }
     return sums;
   }

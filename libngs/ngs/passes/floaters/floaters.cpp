@@ -228,6 +228,8 @@ class FloaterSearch {
   /// Finds the rows of this round's floaters. Sets hidden_.
   std::vector<std::size_t> round() {
     const RowNumbers front_rows(candidates_in_front());
+    Resident flags(exec_);
+    flags.add_input(front_rows.chosen), flags.add_input(front_rows.number);
     const auto n = std::size_t(front_rows.size());
     const auto weights = [&](std::size_t v) {
       const ViewMasks channels = colours_as_masks(input_.load_photo(v));
@@ -237,8 +239,6 @@ class FloaterSearch {
     if (!for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) { colours.add(v); })) return {};
     MeanColours elsewhere{std::vector<float>(4 * n)};
     colours.for_all([&](std::size_t i, const LeaveOneOut::Shares& all) { elsewhere.set(i, all); });
-    Resident rows(exec_);
-    rows.add_input(front_rows.chosen), rows.add_input(front_rows.number);
     std::vector<double> front(n), through(n), reach(n), own(n);
     double surface_px = 0;
     for_each_view(input_.monitor, views_, [&](std::size_t, std::size_t v) {

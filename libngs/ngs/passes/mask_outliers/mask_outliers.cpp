@@ -153,6 +153,8 @@ class OutlierSearch {
     result.figures["rounds"] = 0;
     if (!has_unclear_views()) return result;
     seen_ = RowNumbers(seen_rows());
+    Resident flags(exec_);
+    flags.add_input(seen_.chosen);
     LeaveOneOut others(exec_, seen_.size(), int(input_.scene.objects.size()), [this](std::size_t n) {
       const std::size_t view = input_.views[n];
       return packed_sums(exec_, uncropped_.cloud, {uncropped_.scene.views[view].camera, uncropped_.load_masks(view)},
