@@ -161,7 +161,7 @@ TEST_CASE("the programs that ngs-studio runs choose their device themselves, and
   CHECK(refused.process.exit_code == kEnvironment);
 }
 
-TEST_CASE("auto takes the device if its free memory suffices, and says so") {
+TEST_CASE("auto takes the device if it has enough free memory, and reports it") {
   DeviceCase tool(kEvidence);
   const DeviceRun device = tool.done({"auto"}), cpu = tool.done({.choice = "auto", .free_mib = 512});
   CHECK(device.process.err.find("device: emulated (auto), threads: 2") != std::string::npos);

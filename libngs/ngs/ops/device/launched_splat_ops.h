@@ -126,10 +126,10 @@ class LaunchedSplatView final : public DeviceSplat {
 
 /// The sums of the Gaussians of a view. `limit` [H·W]: only what lies in front of this surface; null: all.
 template <class Launcher>
-class EvidencePairs {
+class SumsOfView {
  public:
-  EvidencePairs(Launcher& launcher, const TileBins<Launcher>& bins, const ViewMasks& masks, bool by_visibility,
-                const float* limit = nullptr)
+  SumsOfView(Launcher& launcher, const TileBins<Launcher>& bins, const ViewMasks& masks, bool by_visibility,
+             const float* limit = nullptr)
       : bins_(bins), columns_(2 + 2 * int(masks.target.size())), sum_(launcher, bins.gaussians() * columns_) {
     const int objects = int(masks.target.size());
     const DeviceBuffer<Launcher, std::uint8_t> known(launcher, masks.known);
@@ -226,7 +226,7 @@ class LaunchedFrontView final : public DeviceFrontView {
 
   ViewSums sums(const std::uint8_t* candidate, const std::vector<std::uint8_t>& marked) const override {
     const ViewMasks masks{width_px_, height_px_, {{marked.begin(), marked.end()}}, {}, true};
-    return EvidencePairs<Launcher>(launcher_, bins_, masks, false, limit_.data()).seen(launcher_, candidate);
+    return SumsOfView<Launcher>(launcher_, bins_, masks, false, limit_.data()).seen(launcher_, candidate);
   }
 
  private:
@@ -252,8 +252,8 @@ class LaunchedEvidence final : public DeviceEvidence {
   }
   void add(const EvidenceCall& call) override {
     const TileBins<Launcher> bins = bins_of(launcher_, call.view, call.cloud);
-    const EvidencePairs<Launcher> pairs(launcher_, bins, call.masks, call.by_visibility);
-    launcher_.parallel_for(views_.size(), AddPairs{pairs.sums(),
+    const SumsOfView<Launcher> of_view(launcher_, bins, call.masks, call.by_visibility);
+    launcher_.parallel_for(views_.size(), AddPairs{of_view.sums(),
                                                    {whole_.data(), fraction_.data(), pixels_.data(), views_.data(),
                                                     object_.data(), touched_.data()}});
   }
@@ -296,7 +296,7 @@ class LaunchedSplatOps final : public DeviceSplatOps {
 
   ViewSums evidence(const EvidenceCall& call) const override {
     const TileBins<Launcher> bins = bins_of(launcher_, call.view, call.cloud);
-    return EvidencePairs<Launcher>(launcher_, bins, call.masks, call.by_visibility).seen(launcher_, call.wanted);
+    return SumsOfView<Launcher>(launcher_, bins, call.masks, call.by_visibility).seen(launcher_, call.wanted);
   }
   std::unique_ptr<DeviceFrontView> front_view(const ViewProjector<float>& view, const CloudOnHost& cloud,
                                               const ImageF& limit) const override {
