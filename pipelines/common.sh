@@ -79,7 +79,7 @@ stop() {
 # A folder written by the chain contains .state/, with a copy of the rendered masks.
 refuse_out() {
   local out=$1 path name hint="choose another folder for the outputs"
-  local chain_files=({scene,metrics,metrics_input}.json {boundary,queries,field,labelled,object,background}.ply masks reports trace.jsonl report.html)
+  local chain_files=({scene,metrics,metrics_input}.json {boundary,queries,field,labelled,object,background,background-filled}.ply objects masks reports trace.jsonl report.html)
   shift
   for path in "$@"; do
     if [ ! -e "$path" ]; then continue; fi

@@ -23,7 +23,7 @@ set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"
 
-words=("$@") scene='' out='' artifacts=needed views=all passes='check run' inputs=() import=() joint=() common=() device=() report=
+words=("$@") scene='' out='' artifacts=needed views=all passes='check run' inputs=() import=() joint=() common=() device=() alone=() report=
 while [ $# -gt 0 ]; do
   case $1 in --*=*) set -- "${1%%=*}" "${1#*=}" "${@:2}" ;; esac
   case $1 in
@@ -68,13 +68,19 @@ chain() {
     field=(--field "$out/field.ply")
   fi
   step ngs-joint "$out/scene.json" "$out/boundary.ply" "${field[@]}" "${trace[@]}" "${joint[@]}" -o "$out/labelled.ply"
-  step ngs-extract "$out/labelled.ply" --object-ply "$out/object.ply" --background-ply "$out/background.ply"
-  run rm -rf "$out/masks" "$out/.state/masks"
+  step ngs-extract "$out/labelled.ply" --scene "$out/scene.json" --object-ply "$out/object.ply" --objects "$out/objects" \
+    --background-ply "$out/background.ply" --background-filled "$out/background-filled.ply"
+  run rm -rf "$out/masks" "$out/.state/masks" "$out/.state/alone"
   step ngs-render "$out/scene.json" "$out/labelled.ply" --views $views --layers mask --scale 0 --format png -o "$out/.state/masks"
   run cp -r "$out/.state/masks" "$out/masks"
   report=ngs-eval-input step ngs-eval "$out/scene.json" "$out/scene.json" --allow-empty -q -o "$out/metrics_input.json"
   failed=0  # the scores of the input masks need not meet a bound
-  step ngs-eval "$out/masks" "$out/scene.json" --allow-empty -o "$out/metrics.json"
+  if [ $views = held-out ] || grep -qs '^  "truth"' "$out/scene.json"; then  # otherwise nothing is scored
+    report=ngs-render-alone step ngs-render "$out/scene.json" "$out/object.ply" --views $views --layers alpha --scale 0 \
+      --format png -o "$out/.state/alone"
+    alone=(--alone "$out/.state/alone")
+  fi
+  step ngs-eval "$out/masks" "$out/scene.json" "${alone[@]}" --allow-empty -o "$out/metrics.json"
   step ngs-report "$out" -o "$out/report.html"
 }
 

@@ -13,15 +13,17 @@ namespace {
 using namespace ngs;
 
 /// The scores that --fail-below accepts.
-std::map<std::string, double> scores_of(const cli::EvalFileOptions& files) {
+std::map<std::string, double> scores_of(const cli::EvalFileOptions& files, bool with_alone) {
   using namespace cli;
   if (files.image_metrics) return mean_scores({PhotoScore{}});
   if (files.opacity) return mean_scores({OpacityScore{}});
-  return mean_scores(EvalSummary{});
+  std::map<std::string, double> scores = mean_scores(EvalSummary{});
+  if (with_alone) scores.merge(alone_scores(EvalSummary{}));
+  return scores;
 }
 
 /// Throws kUsage for options that contradict each other, before any work; warns about unused ones.
-void check_options(cli::Run& run, const EvalOptions& options, const cli::EvalFileOptions& files) {
+void check_options(cli::Run& run, const EvalOptions& options, const cli::EvalFileOptions& files, bool with_alone) {
   require_consistent(options);
   if (files.image_metrics && files.opacity)
     throw Error(ErrorCode::kUsage, "--image-metrics and --opacity, expected one of them");
@@ -31,7 +33,7 @@ void check_options(cli::Run& run, const EvalOptions& options, const cli::EvalFil
   else if (options.label_map)
     run.warn_unused({"--threshold"}, "with --label-map");
   // A misspelt score name fails before the work.
-  check_scores(options.fail_below, scores_of(files));
+  check_scores(options.fail_below, scores_of(files, with_alone));
 }
 
 Json files_json(const cli::Pairing& pairing) {
@@ -69,11 +71,15 @@ int main(int argc, char** argv) {
                  "with --halves the folder halves/ of ngs-synth");
   const cli::Input& model = tool.optional_input(
       "--model", "with --halves: the uncut model, to score what the cut changed outside of the hole");
+  const cli::Input& alone = tool.optional_input(
+      "--alone", "folder of ngs-render object.ply --layers alpha: adds the scores of the object rendered alone");
   const cli::Output& out = tool.output("-o,--output", "metrics.json");
   return tool.run(argc, argv, [&](cli::Run& run) {
     cli::check_halves_options(run, options, files);
     if (files.halves) return cli::score_halves(run, {predicted.path, truth.path, model.path, out.path}), cli::kDone;
-    check_options(run, options, files);
+    if (files.image_metrics || files.opacity) run.warn_unused({"--alone"}, "with --image-metrics or --opacity");
+    const bool scores_alone = alone && !files.image_metrics && !files.opacity;
+    check_options(run, options, files, scores_alone);
     const std::optional<cli::Masks> masks = [&]() -> std::optional<cli::Masks> {
       if (!cli::is_scene_file(truth.path))
         return cli::Masks{cli::list_images(predicted.path), cli::list_images(truth.path)};
@@ -89,6 +95,8 @@ int main(int argc, char** argv) {
     cli::Outcome outcome = files.image_metrics ? cli::photos_outcome(run, pairing)
                            : files.opacity     ? cli::opacities_outcome(run, options, pairing)
                                                : cli::masks_outcome(run, options, pairing);
+    if (scores_alone)
+      cli::add_alone(run, cli::paired(cli::list_images(alone.path), masks->truth, options, files), options, outcome);
     const std::vector<ScoreCheck> checks = check_scores(options.fail_below, outcome.mean);
     outcome.metrics["pairing"] = cli::pairing_json(pairing);
     outcome.metrics["checks"] = cli::checks_json(checks);

@@ -86,6 +86,16 @@ Json metrics_json(const std::vector<PairScore>& scores, const EvalSummary& summa
   return json;
 }
 
+Json alone_json(const std::vector<PairScore>& scores, const EvalSummary& summary) {
+  Json json = {{"mean", values_json(summary.mean)}, {"views", Json::array()}};
+  for (const PairScore& pair : scores) {
+    Json view = {{"view", pair.view}, {"object", pair.object}};
+    view.update(values_json(score_values(pair.scores)));
+    json["views"].push_back(std::move(view));
+  }
+  return json;
+}
+
 Json photo_metrics_json(const std::vector<PhotoScore>& scores) {
   const std::map<std::string, double> mean = mean_scores(scores);
   Json json = {{"ngs_metrics", kMetricsVersion},
@@ -118,6 +128,12 @@ std::map<std::string, double> mean_scores(const EvalSummary& summary) {
   std::map<std::string, double> mean;
   for (std::size_t k = 0; k < kScoreNames.size(); ++k) mean[std::string(kScoreNames[k])] = summary.mean[k];
   return mean;
+}
+
+std::map<std::string, double> alone_scores(const EvalSummary& summary) {
+  std::map<std::string, double> scores;
+  for (const auto& [name, value] : mean_scores(summary)) scores["alone_" + name] = value;
+  return scores;
 }
 
 std::map<std::string, double> mean_scores(const std::vector<PhotoScore>& scores) {

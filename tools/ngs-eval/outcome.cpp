@@ -92,6 +92,24 @@ Outcome masks_outcome(Run& run, const EvalOptions& options, const Pairing& pairi
   return {metrics_json(scores, summary), mean_scores(summary), score_table(scores, summary, run.columns())};
 }
 
+void add_alone(Run& run, Pairing alone, EvalOptions options, Outcome& outcome) {
+  const ObjectIds ids = parse_object_ids(options.object_id);
+  for (FilePair& pair : alone.pairs)
+    if (options.label_map && pair.truth_id == 0) {  // opacities are no label map
+      if (ids.size() != 1)
+        throw Error(ErrorCode::kUsage,
+                    "--alone with " + std::to_string(ids.size()) + " ids of label maps, expected one",
+                    "render each object alone, into a folder with its name, or choose one by --object-id");
+      pair.truth_id = ids.begin()->first;
+    }
+  options.occluder_margin_px = kOccluderMargin_px;
+  const std::vector<PairScore> scores = score_masks(run, options, alone.pairs);
+  const EvalSummary summary = summarise(scores);
+  outcome.metrics["alone"] = alone_json(scores, summary);
+  outcome.mean.merge(alone_scores(summary));
+  outcome.table += "rendered alone:\n" + score_table(scores, summary, run.columns());
+}
+
 Outcome photos_outcome(Run& run, const Pairing& pairing) {
   const std::vector<PhotoScore> scores = score_photos(run, pairing.pairs);
   return {photo_metrics_json(scores), mean_scores(scores), photo_table(scores)};

@@ -17,6 +17,10 @@ Pairing paired(const ImageList& predicted, const ImageList& truth, const EvalOpt
                const EvalFileOptions& files);
 /// Throws kNothingFound if no label map contains a selected object.
 Outcome masks_outcome(Run& run, const EvalOptions& options, const Pairing& pairing);
+/// Adds the scores of `alone`, the opacities of each object rendered without the scene, as "alone" of the metrics.
+/// In true label maps, other objects and a margin around them are void, as they may occlude the object. Throws kUsage
+/// for opacities of several ids together.
+void add_alone(Run& run, Pairing alone, EvalOptions options, Outcome& outcome);
 Outcome photos_outcome(Run& run, const Pairing& pairing);
 Outcome opacities_outcome(Run& run, const EvalOptions& options, const Pairing& pairing);
 

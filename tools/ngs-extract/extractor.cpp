@@ -212,8 +212,6 @@ void Extractor::write(const std::string& path, const std::vector<std::uint8_t>& 
   for (const std::string& note : io::write_splat(path, ply_, keep)) run_.monitor().warn(note);
 }
 
-void Extractor::write_object(const std::string& path) const { write(path, keep_); }
-
 void Extractor::write_background(const std::string& path) const {
   std::vector<std::uint8_t> rest(keep_.size());
   for (std::size_t i = 0; i < rest.size(); ++i) rest[i] = !keep_[i];

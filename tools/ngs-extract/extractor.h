@@ -54,7 +54,6 @@ class Extractor {
   std::vector<const io::NamedLabels*> chosen() const;
 
   /// The extension of the path selects the format.
-  void write_object(const std::string& path) const;
   void write_background(const std::string& path) const;
   void write_labelled(const std::string& path, bool with_state) const;
 

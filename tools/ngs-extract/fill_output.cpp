@@ -1,6 +1,7 @@
 #include "fill_output.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <numeric>
 
 #include "ngs/io/formats/write_splat.h"
@@ -46,17 +47,16 @@ GaussianCloud filled_background(const Exec& exec, const Extractor& extractor, co
 
 void check_fill_options(Run& run, const FillOptions& options, const Input& inpainted, const Input& scene,
                         const Outputs& out) {
-  if (inpainted) return check_inpainted_options(inpainted, scene, out);
-  if (options.fill == FillKind::kOff) {
-    if (out.filled) throw Error(ErrorCode::kUsage, "--filled needs a fill", "add --fill auto, or --inpainted FOLDER");
-  } else if (!out.background && !out.filled) {
-    run.warn_unused({"--fill"}, "without --background-ply or --filled");
-  }
+  check_inpainted_options(inpainted, scene, out);
+  const bool is_wanted = out.background_filled || out.filled;
+  if (is_wanted && options.fill == FillKind::kOff)
+    throw Error(ErrorCode::kUsage, (out.filled ? out.filled : out.background_filled).flags + " with --fill off",
+                "leave --fill off out");
+  if (!is_wanted) run.warn_unused({"--fill"}, "without --background-filled or --filled");
 }
 
 FillOutput::FillOutput(Run& run, const Extractor& extractor, FillOptions options, InpaintedPictures* inpainted)
     : run_(run), extractor_(extractor) {
-  if (inpainted != nullptr && options.fill == FillKind::kOff) options.fill = FillKind::kAuto;
   if (options.fill == FillKind::kOff) return;
   fill_ = fill_hole(run.exec(), run.monitor(), options, {extractor.cloud(), extractor.object()}, run.seed());
   background_ = filled_background(run.exec(), extractor, *fill_);
@@ -110,13 +110,15 @@ void FillOutput::write_rows(const std::string& path, const GaussianCloud& cloud,
 }
 
 void FillOutput::write(const Outputs& out) const {
-  if (!fill_) {
-    if (out.background) extractor_.write_background(out.background.path);
-    return;
-  }
-  if (out.background) write_rows(out.background.path, background_, kept_);
-  if (!out.filled) return;
+  if (out.background) extractor_.write_background(out.background.path);
+  if (!fill_) return;
   std::vector<std::int64_t> added(std::size_t(background_.size()) - kept_);
+  if (out.background_filled && !added.empty()) write_rows(out.background_filled.path, background_, kept_);
+  if (out.background_filled && added.empty()) {
+    std::error_code absent;
+    std::filesystem::remove(out.background_filled.path, absent);
+  }
+  if (!out.filled) return;
   std::iota(added.begin(), added.end(), std::int64_t(kept_));
   write_rows(out.filled.path, gather_rows(run_.exec(), background_, added), 0);
 }

@@ -1,5 +1,5 @@
 #pragma once
-// The background with its hole filled (--fill, --inpainted), and the added Gaussians alone.
+// The background with its hole filled (--background-filled, --inpainted), and the added Gaussians alone.
 #include <optional>
 #include <string>
 
@@ -10,18 +10,19 @@
 
 namespace ngs::cli {
 
-/// Throws kUsage for --filled without a fill, and for --inpainted without a scene or an output that it changes; warns
-/// about --fill without such an output.
+/// Throws kUsage for a filled output with --fill off, and for --inpainted without a scene or an output that it changes;
+/// warns about --fill without such an output.
 void check_fill_options(Run& run, const FillOptions& options, const Input& inpainted, const Input& scene,
                         const Outputs& out);
 
 class FillOutput {
  public:
   /// Call it after Extractor::decide(). Fills the hole unless the option is off, adds "fill" to the result, and prints
-  /// one line. With `inpainted` the option off means auto, and the added Gaussians are refitted to the pictures.
+  /// one line. With `inpainted` the added Gaussians are refitted to the pictures.
   FillOutput(Run& run, const Extractor& extractor, FillOptions options, InpaintedPictures* inpainted);
 
-  /// Writes the requested ones of --background-ply and --filled.
+  /// Writes the requested ones of --background-ply, --background-filled and --filled. If nothing was filled, the second
+  /// is not written, and a file of an earlier run is removed.
   void write(const Outputs& out) const;
 
  private:

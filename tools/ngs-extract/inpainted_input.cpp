@@ -33,9 +33,9 @@ std::vector<std::string> pictures_in(const std::string& folder) {
 void check_inpainted_options(const Input& inpainted, const Input& scene, const Outputs& out) {
   if (!inpainted) return;
   if (!scene) throw Error(ErrorCode::kUsage, "--inpainted needs the cameras", "give --scene scene.json");
-  if (!out.background && !out.filled)
-    throw Error(ErrorCode::kUsage, "--inpainted changes only the background",
-                "give --background-ply FILE or --filled FILE");
+  if (!out.background_filled && !out.filled)
+    throw Error(ErrorCode::kUsage, "--inpainted changes only the filled background",
+                "give --background-filled FILE or --filled FILE");
 }
 
 InpaintedPictures::InpaintedPictures(const Scene& scene, const std::string& folder, const InpaintOptions& options)

@@ -6,12 +6,13 @@
 
 #include "extractor.h"
 #include "fill_output.h"
-#include "finish_output.h"
 #include "inpaint_output.h"
 #include "inpainted_input.h"
 #include "ngs/io/scene/scene_json.h"
+#include "ngs/stages/finish/finish_stage.h"
 #include "ngs/stages/select/region.h"
 #include "numpy_output.h"
+#include "object_output.h"
 #include "outputs.h"
 #include "shared/tool.h"
 #include "stroke_input.h"
@@ -61,8 +62,8 @@ int main(int argc, char** argv) {
       tool.input("labelled", "labelled PLY of ngs-variance or ngs-joint; with a region any splat");
   const cli::Input& edited =
       tool.optional_input("--import", "hand-edited splat whose rows (or selected rows) are the object");
-  const cli::Input& scene_json =
-      tool.optional_input("--scene", "scene.json; --inpaint, --inpainted, --finish and --strokes need it");
+  const cli::Input& scene_json = tool.optional_input(
+      "--scene", "scene.json: clips the object to its views; --inpaint, --inpainted and --strokes need it");
   const cli::Input& inpainted =
       tool.optional_input("--inpainted", "folder of images/ of --inpaint, inpainted: fill the hole from them");
   const cli::Inputs& strokes = tool.inputs("--strokes",
@@ -75,7 +76,8 @@ int main(int argc, char** argv) {
     cli::require_one_of(out);
     cli::check_inpaint_options(run, out.inpaint, inpainted, scene_json);
     cli::check_fill_options(run, options.fill, inpainted, scene_json, out);
-    cli::check_finish_options(options.finish, out.object, scene_json);
+    if (!options.finish.finish || !scene_json) run.warn_unused({"--finish"}, "without --scene");
+    const bool finishes = options.finish.finish && scene_json;
     cli::check_strokes(run, strokes, scene_json);
     cli::check_formats(out);
     std::optional<Scene> scene;
@@ -94,11 +96,11 @@ int main(int argc, char** argv) {
     extractor.decide();
     if (strokes) extractor.keep_touched(cli::stroke_weights_of(run, *scene, marks, extractor.cloud()));
     if (scene && !scene->renders) cli::report_unseen_surface(run, extractor, *scene);
-    const cli::FillOutput fill(run, extractor, out.background || out.filled ? options.fill : FillOptions{},
+    const bool fills = out.background_filled || out.filled;
+    const cli::FillOutput fill(run, extractor, fills ? options.fill : FillOptions{FillKind::kOff},
                                pictures ? &*pictures : nullptr);
     const auto timed = run.monitor().scope("write");
-    if (out.object && options.finish.finish) cli::write_finished(run, extractor, *scene, out.object.path);
-    if (out.object && !options.finish.finish) extractor.write_object(out.object.path);
+    cli::write_objects(run, extractor, finishes ? &*scene : nullptr, out);
     fill.write(out);
     if (out.decided) extractor.write_labelled(out.decided.path, false);
     if (labels) labels->write(out.npz.path, extractor);

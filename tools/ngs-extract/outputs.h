@@ -10,14 +10,16 @@
 namespace ngs::cli {
 
 struct Outputs {
-  const Output &object, &background, &filled, &decided, &supersplat, &npz, &inpaint;
+  const Output &object, &objects, &background, &background_filled, &filled, &decided, &supersplat, &npz, &inpaint;
 };
 
 inline Outputs declare_outputs(Tool& tool) {
   return {
       tool.optional_output("--object-ply", std::string("the object: ") + io::kOutputFormats),
+      tool.resumed_output_dir("--objects", "with several objects: folder for each of them alone, NAME.ply"),
       tool.optional_output("--background-ply", "everything else, in the same formats"),
-      tool.optional_output("--filled", "with --fill: the added Gaussians alone, in the same formats"),
+      tool.optional_output("--background-filled", "the same with its hole filled; not written if nothing is filled"),
+      tool.optional_output("--filled", "the Gaussians that fill the hole alone, in the same formats"),
       tool.optional_output("--labelled", "the labelled model with ngs_label decided to 0 or 1"),
       tool.optional_output("--supersplat", "the same with the object selected in SuperSplat"),
       tool.optional_output("--npz", "labels and row numbers of the object, for numpy"),
@@ -27,8 +29,8 @@ inline Outputs declare_outputs(Tool& tool) {
 /// Throws kUsage if no output is requested.
 inline void require_one_of(const Outputs& out) {
   std::string flags;
-  for (const Output* output :
-       {&out.object, &out.background, &out.filled, &out.decided, &out.supersplat, &out.npz, &out.inpaint}) {
+  for (const Output* output : {&out.object, &out.objects, &out.background, &out.background_filled, &out.filled,
+                               &out.decided, &out.supersplat, &out.npz, &out.inpaint}) {
     if (*output) return;
     flags += (flags.empty() ? "" : ", ") + output->flags;
   }
@@ -37,7 +39,7 @@ inline void require_one_of(const Outputs& out) {
 
 /// Throws kUsage for a format that cannot be written. Outputs that were not requested have an empty path.
 inline void check_formats(const Outputs& out) {
-  for (const std::string& splat : {out.object.path, out.background.path, out.filled.path})
+  for (const std::string& splat : {out.object.path, out.background.path, out.background_filled.path, out.filled.path})
     (void)io::output_format(splat);
   for (const std::string& labelled : {out.decided.path, out.supersplat.path}) io::require_ply_output(labelled);
 }

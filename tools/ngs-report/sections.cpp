@@ -107,6 +107,18 @@ std::string training_note(const RunFolder& run, const std::string& noun) {
          noun + " were used in training";
 }
 
+/// What ngs-extract clipped and filled, or why it filled nothing.
+void add_mending_tiles(const RunFolder& run, std::string& html) {
+  const Json& result = value_at(run.report("ngs-extract"), {"result"});
+  if (const Json& finish = value_at(result, {"finish"}); !finish.is_null())
+    add_tile(html, "object.ply", decimal(number_at(finish, {"clipped"}), 0) + " clipped",
+             decimal(number_at(finish, {"dropped"}), 0) + " left out: Gaussians that reach out of the masks");
+  if (const Json& fill = value_at(result, {"fill"}); !fill.is_null())
+    add_tile(html, "background-filled.ply", decimal(number_at(fill, {"rows_added"}), 0) + " added",
+             fill.contains("nothing") ? "nothing filled: " + escaped(json_text(value_at(fill, {"nothing"})))
+                                      : "invented Gaussians where the object stood");
+}
+
 }  // namespace
 
 std::string tiles(const RunFolder& run) {
@@ -126,6 +138,7 @@ std::string tiles(const RunFolder& run) {
       object >= 0)
     add_tile(html, "Gaussians of the object", with_separators(object),
              rest < 0 ? "" : with_separators(rest) + " of the background" + share_of(object, object + rest));
+  add_mending_tiles(run, html);
   if (run_seconds(run) > 0) add_tile(html, "time", duration(run_seconds(run)), "whole chain without scoring");
   if (run.scene) {
     const auto held_out = std::count_if(run.scene->views.begin(), run.scene->views.end(),
@@ -164,6 +177,8 @@ std::string accuracy_section(const RunFolder& run) {
   table.rows.push_back(
       score_row(run.report("ngs-joint").is_null() ? "predicted masks" : escaped(method_title(run)) + ", rendered",
                 value_at(run.metrics, {"mean"})));
+  if (const Json& alone = value_at(run.metrics, {"alone", "mean"}); !alone.is_null())
+    table.rows.push_back(score_row("object.ply, rendered alone", alone));
   std::string html = table.html();
   Table checks{.caption = "Requested checks", .head = {"score", "at least", "found", "result"}, .rows = {}};
   for (const Json& check : list_at(run.metrics, {"checks"}))

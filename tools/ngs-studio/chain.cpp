@@ -14,22 +14,19 @@ std::vector<std::string> joined(std::vector<std::string> words, const std::vecto
   return words;
 }
 
-std::vector<std::string> fill_words(const std::string& file) {
-  return {"--background-ply", file, "--fill", "auto", "-w"};
-}
-
 }  // namespace
 
 std::vector<std::vector<std::string>> export_words(const StateFolder& folder, int object, const ExportChoice& choice) {
   const auto at = [&](const std::string& name) { return folder.of(object, name); };
   std::vector<std::string> extract{"ngs-extract", at("labelled.ply"), "--unseen", "background"};
-  if (!choice.all_pieces) extract.insert(extract.end(), {"--scene", at("scene.json"), "--strokes", at("strokes.json")});
+  extract.insert(extract.end(), {"--scene", at("scene.json")});
+  if (!choice.all_pieces) extract.insert(extract.end(), {"--strokes", at("strokes.json")});
+  if (choice.fill) extract.insert(extract.end(), {"--background-filled", at("background-filled." + choice.format)});
   std::vector<std::vector<std::string>> words{
       {"ngs-variance", at("scene.json"), "-o", at("boundary.ply"), "-w"},
       {"ngs-joint", at("scene.json"), at("boundary.ply"), "--method", "flash", "-o", at("labelled.ply"), "-w"},
       joined(extract, {"--object-ply", at("object." + choice.format), "--background-ply",
                        at("background." + choice.format), "-w"})};
-  if (choice.fill) words.push_back(joined(extract, fill_words(at("background-filled." + choice.format))));
   return words;
 }
 
@@ -42,7 +39,7 @@ std::vector<std::vector<std::string>> convert_words(const StateFolder& folder, i
                        at(side + choice.format), "-w"});
   if (choice.fill)
     words.push_back(joined({"ngs-extract", at("labelled.ply"), "--unseen", "background"},
-                           fill_words(at("background-filled." + choice.format))));
+                           {"--background-filled", at("background-filled." + choice.format), "-w"}));
   return words;
 }
 

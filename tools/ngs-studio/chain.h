@@ -11,7 +11,7 @@ inline constexpr const char* kFormats[] = {"ply", "compressed.ply", "spz", "sog"
 struct ExportChoice {
   bool all_pieces = false;
   std::string format = "ply";
-  bool fill = false;  // also writes background-filled.FORMAT: without the hole behind the object
+  bool fill = true;  // also writes background-filled.FORMAT: without the hole behind the object
 };
 /// Export: writes exactly the Gaussians shown, with ngs-variance, ngs-joint --method flash and ngs-extract.
 std::vector<std::vector<std::string>> export_words(const StateFolder& folder, int object, const ExportChoice& choice);

@@ -25,10 +25,12 @@ void append(Words& words, const std::string& flag, const std::string& value) {
   if (!value.empty()) words.push_back(flag), words.push_back(value);
 }
 
-/// The value of --fill for ngs-extract; empty: off.
-std::string fill_word(const CutOptions& options) {
-  const FillKind kind = options.fill.fill;
-  return kind == FillKind::kOff ? "" : std::string(name_of(kFillNames, kind));
+/// Clips the object and fills the background in ngs-extract, as far as chosen.
+void append_mending(Words& words, const CutOptions& options, const CutChain& chain) {
+  if (!options.finish) words.emplace_back("--no-finish");
+  if (options.fill.fill == FillKind::kOff) return;
+  append(words, "--background-filled", chain.at("background-filled.ply"));
+  append(words, "--fill", std::string(name_of(kFillNames, options.fill.fill)));
 }
 
 bool has_masks(const Scene& scene) {
@@ -329,32 +331,23 @@ bool CutChain::cut() {
 /// With strokes only the components that they touch are written, and labels are rounded, so that masks and page show
 /// the written object.
 bool CutChain::extract(const std::string& trained) {
-  Words words{"ngs-extract", trained, "--object-ply", at("object.ply"), "--background-ply", at("background.ply")};
+  Words words{"ngs-extract",    trained,     "--scene",     at("scene.json"),   "--object-ply",
+              at("object.ply"), "--objects", at("objects"), "--background-ply", at("background.ply")};
   if (!inputs_.strokes.empty()) append(words, "--labelled", at("labelled.ply"));
-  const bool by_strokes = !inputs_.strokes.empty() && !options_.all_pieces;
-  if (by_strokes || options_.finish) append(words, "--scene", at("scene.json"));
-  if (options_.finish) words.emplace_back("--finish");
-  if (by_strokes) {
+  if (!inputs_.strokes.empty() && !options_.all_pieces) {
     append(words, "--view", options_.view);
     for (const std::string& strokes : inputs_.strokes) append(words, "--strokes", strokes);
   }
-  append(words, "--fill", fill_word(options_));
+  append_mending(words, options_, *this);
   return stage("ngs-extract", words);
 }
 
-/// Applies --finish and --fill to an untrained result, which is written without ngs-extract. False: stopped by a
-/// signal.
+/// Clips the object and fills the background of an untrained result, which is written without ngs-extract. False:
+/// stopped by a signal.
 bool CutChain::finish_untrained() {
   if (!options_.mends_halves()) return true;
-  const std::string fill = fill_word(options_);
-  Words words{"ngs-extract", at("labelled.ply")};
-  if (options_.finish) {
-    append(words, "--object-ply", at("object.ply"));
-    append(words, "--scene", at("scene.json"));
-    words.emplace_back("--finish");
-  }
-  if (!fill.empty()) append(words, "--background-ply", at("background.ply"));
-  append(words, "--fill", fill);
+  Words words{"ngs-extract", at("labelled.ply"), "--scene", at("scene.json"), "--object-ply", at("object.ply")};
+  append_mending(words, options_, *this);
   return stage("ngs-extract", words);
 }
 
@@ -378,10 +371,11 @@ void CutChain::keep_better_result() {
 /// input masks of held-out views.
 bool CutChain::score() {
   const bool held_out = !options_.hold_out.empty();
+  const std::string views = held_out ? "held-out" : "all";
   std::error_code ignored;
   if (!run_.dry_run()) fs::remove_all(at("masks"), ignored);
   if (!stage("ngs-render", {"ngs-render", at("scene.json"), at("labelled.ply"), "--layers", "mask", "--scale", "0",
-                            "--format", "png", "--views", held_out ? "held-out" : "all", "-o", at("masks")}))
+                            "--format", "png", "--views", views, "-o", at("masks")}))
     return false;
   if (!run_.dry_run())
     for (const char* scores : {"metrics.json", "agreement.json"}) fs::remove(at(scores), ignored);
@@ -389,8 +383,12 @@ bool CutChain::score() {
     if (!stage("ngs-eval-agreement", {"ngs-eval", at("masks"), at("strokes"), "-o", at("agreement.json")}))
       return false;
   } else if (!inputs_.truth.empty() || held_out) {
-    if (!stage("ngs-eval", {"ngs-eval", at("masks"), at("scene.json"), "-o", at("metrics.json"), "--allow-empty"}))
+    if (!stage("ngs-render-alone", {"ngs-render", at("scene.json"), at("object.ply"), "--layers", "alpha", "--scale",
+                                    "0", "--format", "png", "--views", views, "-o", at("alone")}) ||
+        !stage("ngs-eval", {"ngs-eval", at("masks"), at("scene.json"), "--alone", at("alone"), "-o", at("metrics.json"),
+                            "--allow-empty"}))
       return false;
+    if (!run_.dry_run()) fs::remove_all(at("alone"), ignored);
   }
   return write_page();
 }

@@ -17,7 +17,7 @@ struct CutOptions {
   CutMethod method = CutMethod::kNgs;
   Quality quality = Quality::kStandard;
   bool keep = false;
-  bool all_pieces = false, force = false, finish = false;
+  bool all_pieces = false, force = false, finish = true;
   std::string hold_out;
   std::string view;
   std::string around, up = "auto", size;
@@ -36,7 +36,7 @@ struct CutOptions {
     visit(self.keep, Flag{"keep", "Keep intermediate files: boundary.ply and the training trace"});
     visit(self.all_pieces, Flag{"all_pieces", "Keep components of the object that no stroke touches"});
     visit(self.force, Flag{"force", "Train even if the result contradicts a stroke"});
-    visit(self.finish, Flag{"finish", "Clip Gaussians of the object that reach out of its masks, as in ngs-extract"});
+    visit(self.finish, Flag{"finish", "Clip Gaussians of object.ply that reach out of its masks, as in ngs-extract"});
     visit(self.hold_out, Text{"hold_out", "every:N:K|FILE", "Views whose masks are used for scoring only"});
     visit(self.view, Text{"view", "NAME", "Picture that the strokes belong to; default: the name in each file"});
     visit(self.around,

@@ -37,7 +37,7 @@ std::vector<PlannedStep> planned_steps(const CutOptions& options, const CutInput
     steps.push_back(
         {"flash", "finding the object", "ngs cut", "object.ply, background.ply, labelled.ply, masks/", 5, true});
     if (options.mends_halves())
-      steps.push_back({"ngs-extract", "mending both halves", "ngs-extract", "object.ply, background.ply", 2});
+      steps.push_back({"ngs-extract", "mending both halves", "ngs-extract", "object.ply, background-filled.ply", 2});
     steps.push_back({"ngs-report", "writing the pages", "ngs-report", "report.html, object.html", 3});
     return steps;
   }
@@ -45,12 +45,14 @@ std::vector<PlannedStep> planned_steps(const CutOptions& options, const CutInput
   steps.push_back({"ngs-variance", "finding the splats on the edge", "ngs-variance", "boundary.ply", 4});
   steps.push_back(
       {"ngs-joint", "sharpening the edge", "ngs-joint", "labelled.ply", joint_share(options.quality), true});
-  steps.push_back({"ngs-extract", "writing the object", "ngs-extract", "object.ply, background.ply", 2});
+  steps.push_back({"ngs-extract", "writing the object", "ngs-extract", "object.ply, background.ply", 4});
   steps.push_back({"ngs-render", "drawing the masks of the result", "ngs-render", "masks/", 4});
-  if (inputs.truth.empty() && facts.marked)
+  if (inputs.truth.empty() && facts.marked) {
     steps.push_back({"ngs-eval-agreement", "comparing the result with its masks", "ngs-eval", "agreement.json", 2});
-  else if (!inputs.truth.empty() || !options.hold_out.empty())
+  } else if (!inputs.truth.empty() || !options.hold_out.empty()) {
+    steps.push_back({"ngs-render-alone", "drawing the object alone", "ngs-render", "", 1});
     steps.push_back({"ngs-eval", "scoring the result", "ngs-eval", "metrics.json", 2});
+  }
   steps.push_back({"ngs-report", "writing the pages", "ngs-report", "report.html, object.html", 4});
   return steps;
 }

@@ -23,6 +23,7 @@ struct Scores {
   std::string kind;
   nlohmann::json mean;
   std::size_t views = 0;
+  nlohmann::json alone;  // means of the object rendered alone; null: not scored
 };
 
 Scores scores_of(const CutChain& chain) {
@@ -30,7 +31,8 @@ Scores scores_of(const CutChain& chain) {
   for (const auto& [kind, file] : {std::pair("scores", "metrics.json"), {"agreement", "agreement.json"}}) {
     if (!exists(chain.at(file))) continue;
     const nlohmann::json metrics = io::read_json_file(chain.at(file));
-    return {kind, metrics.at("mean"), metrics.at("views").size()};
+    return {kind, metrics.at("mean"), metrics.at("views").size(),
+            metrics.contains("alone") ? metrics.at("alone").at("mean") : nlohmann::json()};
   }
   return {};
 }
@@ -39,6 +41,14 @@ std::int64_t count_of(const CutChain& chain, const std::string& key) {
   if (const FlashFigures* flash = chain.written_by_flash()) return key == "object" ? flash->object : flash->background;
   const nlohmann::json& report = chain.stages().report("ngs-extract");
   return report.is_object() ? report.at("result").value(key, std::int64_t(-1)) : -1;
+}
+
+/// Gaussians of object.ply as written.
+std::int64_t written_object(const CutChain& chain) {
+  const nlohmann::json& report = chain.stages().report("ngs-extract");
+  const std::int64_t count = count_of(chain, "object");
+  if (!report.is_object() || !report.at("result").contains("finish")) return count;
+  return count - report.at("result").at("finish").at("dropped").get<std::int64_t>();
 }
 
 /// `key`: left_out or needles.
@@ -68,6 +78,9 @@ std::string score_line(const Scores& scores, bool has_truth) {
        << (scores.kind == "agreement" ? "against the masks from your strokes, which are not ground truth"
            : has_truth                ? "against the true masks"
                                       : "against the input masks of the held-out views");
+  if (!scores.alone.is_null())
+    text << "; object.ply rendered alone: IoU " << scores.alone.value("iou", 0.0) << ", "
+         << scores.alone.value("biou_005", 0.0) << " (narrow)";
   return text.str();
 }
 
@@ -97,12 +110,31 @@ std::string with_count(const std::string& path, std::int64_t count) {
   return path + (count < 0 ? "" : "  " + std::to_string(count) + " Gaussians");
 }
 
+/// What ngs-extract clipped and filled, or why it filled nothing.
+void add_mending(std::string& text, const CutChain& chain) {
+  const nlohmann::json& report = chain.stages().report("ngs-extract");
+  if (!report.is_object()) return;
+  const nlohmann::json& result = report.at("result");
+  if (result.contains("fill")) {
+    const nlohmann::json& fill = result.at("fill");
+    row(text, "filled",
+        fill.contains("nothing") ? "nothing: " + fill.at("nothing").get<std::string>()
+                                 : chain.at("background-filled.ply") + "  " + fill.at("rows_added").dump() +
+                                       " Gaussians added where the object stood, invented");
+  }
+  if (result.contains("finish"))
+    row(text, "clipped",
+        result.at("finish").at("clipped").dump() + " Gaussians of object.ply, " +
+            result.at("finish").at("dropped").dump() + " left out; --no-finish keeps them");
+}
+
 }  // namespace
 
 std::string summary_of(const CutChain& chain) {
   std::string text;
-  row(text, "object", with_count(chain.at("object.ply"), count_of(chain, "object")));
+  row(text, "object", with_count(chain.at("object.ply"), written_object(chain)));
   row(text, "background", with_count(chain.at("background.ply"), count_of(chain, "background")));
+  add_mending(text, chain);
   row(text, "masks", chain.at("masks") + "/");
   row(text, "page", chain.at("report.html"));
   if (exists(chain.at("object.html"))) row(text, "3D", chain.at("object.html"));

@@ -5,6 +5,7 @@
 
 #include "ngs/core/listed.h"
 #include "ngs/core/parse_number.h"
+#include "ngs/stages/extract/inpaint_stage.h"
 
 namespace ngs {
 namespace {
@@ -27,6 +28,18 @@ std::vector<std::uint8_t> equal_to(const std::vector<std::uint32_t>& labels, std
 std::vector<std::uint8_t> void_pixels(const EvalOptions& options, const std::vector<std::uint32_t>& truth) {
   if (options.void_id < 0) return {};
   return equal_to(truth, std::uint32_t(options.void_id));
+}
+
+/// Adds other objects than `id` with their margin, which may occlude it.
+std::vector<std::uint8_t> with_occluders(const EvalOptions& options, const std::vector<std::uint32_t>& truth,
+                                         const EvalPair& pair, std::vector<std::uint8_t> is_void) {
+  if (options.occluder_margin_px < 0) return is_void;
+  PixelMask others(truth.size());
+  for (std::size_t p = 0; p < others.size(); ++p) others[p] = truth[p] != 0 && truth[p] != pair.truth_id;
+  others = dilated(others, pair.truth.width_px, pair.truth.height_px, options.occluder_margin_px);
+  for (std::size_t p = 0; p < others.size(); ++p)
+    others[p] = (others[p] && truth[p] != pair.truth_id) || (!is_void.empty() && is_void[p]);
+  return others;
 }
 
 /// PASCAL VOC and data sets derived from it mark unlabelled pixels by 255.
@@ -149,8 +162,9 @@ std::vector<PairScore> evaluate_pair(const Exec& exec, const EvalOptions& option
   const std::vector<std::uint8_t> is_void = void_pixels(options, truth);
   const bool usual_void = has_usual_void(options, ids, truth);
   if (pair.truth_id > 0) {
-    PairScore score = score_planes(
-        exec, pair, {fitted(binarised(pair.predicted, options.threshold)), equal_to(truth, pair.truth_id), is_void});
+    PairScore score = score_planes(exec, pair,
+                                   {fitted(binarised(pair.predicted, options.threshold)),
+                                    equal_to(truth, pair.truth_id), with_occluders(options, truth, pair, is_void)});
     score.predicted_zero_one = is_zero_one(pair.predicted);
     score.truth_has_usual_void = usual_void;
     if (score.scores.both_empty) return {};

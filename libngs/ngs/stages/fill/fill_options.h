@@ -9,14 +9,14 @@ inline constexpr NamedValue<FillKind> kFillNames[] = {
     {FillKind::kOff, "off"}, {FillKind::kAuto, "auto"}, {FillKind::kPlane, "plane"}, {FillKind::kSurface, "surface"}};
 
 struct FillOptions {
-  FillKind fill = FillKind::kOff;
+  FillKind fill = FillKind::kAuto;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.fill,
           Choice<FillKind>{"fill",
-                           "Fill the hole in the background with invented Gaussians: on planes at its rim, on a curved "
-                           "surface, or auto: on planes if they explain the rim",
+                           "How the hole in the background is filled with invented Gaussians: on planes at its rim, on a "
+                           "curved surface, or auto: on planes if they explain the rim",
                            kFillNames});
   }
 };

@@ -10,6 +10,7 @@
 #include "ngs/math/stable.h"
 #include "ngs/problem/cloud_rows.h"
 #include "ngs/stages/fill/fill_surface.h"
+#include "ngs/stages/finish/alone.h"
 #include "ngs/stages/finish/clip_half_space.h"
 #include "ngs/stages/finish/seen_hull.h"
 #include "ngs/stages/orbit/surface_points.h"
@@ -130,15 +131,15 @@ Clip clip_shape(const Evidence& known, double pixel, std::size_t of_object, Elli
   return same ? Clip::kWithin : Clip::kClipped;
 }
 
-/// Clips row i of `cloud`, the Gaussian `of_object` of the object. kUnsupported: it is unchanged and leaves the object.
-Clip clip_row(const Evidence& known, std::size_t of_object, std::size_t i, GaussianCloud& cloud) {
+/// Clips row i of the object. kUnsupported: it is unchanged and leaves the object.
+Clip clip_row(const Evidence& known, std::size_t i, GaussianCloud& cloud) {
   const double opacity = sigmoid(double(cloud.logit_opacity[i]));
   if (!cloud.usable[i] || !(opacity > kMinAlpha)) return Clip::kWithin;
   const Ellipsoid before = shape_of(cloud, i);
   const double pixel = known.support.pixel_size(before.centre);
   if (!(pixel > 0)) return Clip::kWithin;
   Ellipsoid shape = before;
-  const Clip found = clip_shape(known, pixel, of_object, shape);
+  const Clip found = clip_shape(known, pixel, i, shape);
   if (found != Clip::kClipped) return found;
   const double centre[3] = {shape.centre.x, shape.centre.y, shape.centre.z};
   for (std::size_t a = 0; a < 3; ++a) {
@@ -161,32 +162,58 @@ std::vector<std::uint8_t> seen_rows(const Exec& exec, const HullSupport& support
   return seen;
 }
 
+struct Clipped {
+  GaussianCloud object;
+  std::vector<std::uint8_t> keep;  // [object]
+  std::int64_t clipped = 0;
+};
+
+Clipped clipped_rows(const Exec& exec, const Evidence& known, const GaussianCloud& object) {
+  constexpr std::int64_t kRowsAtOnce = 256;
+  const std::int64_t n = object.size();
+  Clipped out{object, std::vector<std::uint8_t>(std::size_t(n), 1)};
+  std::vector<Clip> found(out.keep.size());
+  for_each_task(exec, (n + kRowsAtOnce - 1) / kRowsAtOnce, [&](std::int64_t task) {
+    const auto end = std::size_t(std::min(n, (task + 1) * kRowsAtOnce));
+    for (auto r = std::size_t(task * kRowsAtOnce); r < end; ++r) found[r] = clip_row(known, r, out.object);
+  });
+  for (std::size_t r = 0; r < found.size(); ++r) {
+    out.clipped += found[r] == Clip::kClipped;
+    out.keep[r] = found[r] != Clip::kUnsupported;
+  }
+  return out;
+}
+
 }  // namespace
 
-Finished finish_object(const Exec& exec, const FinishModel& model, const std::vector<SupportView>& views,
-                       std::uint64_t seed) {
+Finished finish_object(const Exec& exec, const FinishInput& input) {
+  const FinishModel& model = input.model;
+  const std::vector<SupportView>& views = input.views;
   NGS_CHECK(std::int64_t(model.object.size()) == model.cloud.size(), "one entry per Gaussian");
-  Finished out{model.cloud, model.object};
   const std::vector<std::int64_t> rows = RowNumbers(model.object).row;
   const GaussianCloud object = gather_rows(exec, model.cloud, rows);
+  Finished out{object, model.object};
   const orbit::SurfacePoints points = orbit::surface_points(object);
   if (points.count() == 0 || views.empty()) return out;
   const orbit::Ball ball = orbit::bulk_of(points);
   const HullSupport support(views, kBehind * ball.radius);
-  const Evidence known{support, supporting_planes(exec, model, seed),
-                       SeenHull(exec, object, seen_rows(exec, support, object), ball)};
-  constexpr std::int64_t kRowsAtOnce = 256;
-  const auto n = std::int64_t(rows.size());
-  std::vector<Clip> found(rows.size());
-  for_each_task(exec, (n + kRowsAtOnce - 1) / kRowsAtOnce, [&](std::int64_t task) {
-    const auto end = std::size_t(std::min(n, (task + 1) * kRowsAtOnce));
-    for (auto r = std::size_t(task * kRowsAtOnce); r < end; ++r)
-      found[r] = clip_row(known, r, std::size_t(rows[r]), out.cloud);
-  });
+  const std::vector<std::uint8_t> seen = seen_rows(exec, support, object);
+  Evidence known{support, supporting_planes(exec, model, input.seed), SeenHull(exec, object, seen, ball)};
+  const AloneViews alone{views, input.splat, kBehind * ball.radius};
+  Clipped best = clipped_rows(exec, known, object);
+  if (!known.planes.empty()) {  // a plane that is found wrongly cuts off what the scene shows
+    known.planes.clear();
+    Clipped without = clipped_rows(exec, known, object);
+    if (wrong_pixels(exec, alone, without.object, without.keep) < wrong_pixels(exec, alone, best.object, best.keep))
+      best = std::move(without);
+  }
+  drop_contradicted(exec, alone, best.object, seen, best.keep);
+  out.object = std::move(best.object);
+  out.clipped = best.clipped;
   for (std::size_t r = 0; r < rows.size(); ++r) {
-    out.clipped += found[r] == Clip::kClipped;
-    if (found[r] != Clip::kUnsupported) continue;
-    out.keep[std::size_t(rows[r])] = 0, ++out.dropped;
+    if (best.keep[r]) continue;
+    out.keep[std::size_t(rows[r])] = 0;
+    ++out.dropped;
   }
   return out;
 }

@@ -12,12 +12,12 @@
 namespace ngs::finish {
 
 struct FinishOptions {
-  bool finish = false;
+  bool finish = true;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.finish,
-          Flag{"finish", "Clip Gaussians of --object-ply that reach out of its masks in the views of --scene"});
+          Flag{"finish", "With --scene: clip Gaussians of the written object that reach out of its masks"});
   }
 };
 
@@ -43,9 +43,17 @@ class HullSupport {
 };
 
 struct Finished {
-  GaussianCloud cloud;             // the model, in which Gaussians of the object may be smaller
+  GaussianCloud object;            // the Gaussians of the object, some of them smaller
   std::vector<std::uint8_t> keep;  // [N] the object without the Gaussians that no view supports
   std::int64_t clipped = 0, dropped = 0;
+};
+
+/// What an object is finished by.
+struct FinishInput {
+  FinishModel model;
+  const std::vector<SupportView>& views;  // of the scene, of this object
+  SplatOptions splat;                     // of the scene, not prepared for a model
+  std::uint64_t seed = 0;                 // of the search for planes
 };
 
 /// Clips the object to the views' evidence, to the front of the planes that it stands on or against
@@ -53,7 +61,6 @@ struct Finished {
 /// these (seen_hull.h). `seed`: of the search for planes. Rows that are not clipped keep their bits. Left unchanged are
 /// Gaussians that are not usable, that no view contains, or that are too faint to be rendered; and all of them without
 /// views.
-Finished finish_object(const Exec& exec, const FinishModel& model, const std::vector<SupportView>& views,
-                       std::uint64_t seed);
+Finished finish_object(const Exec& exec, const FinishInput& input);
 
 }  // namespace ngs::finish

@@ -58,9 +58,11 @@ SeenHull::SeenHull(const Exec& exec, const GaussianCloud& object, const std::vec
   const orbit::Intrinsics intrinsics{kSide_px, kSide_px, kFov_deg};
   const double distance = kShown * ball.radius / intrinsics.least_half_sine();
   const orbit::Frame frame{.centre = ball.centre};
+  const ObjectLabels labels(core, {all});
   for (const orbit::Vec direction : orbit::even_directions(kDirections)) {
     const Camera camera = orbit::camera_at({distance * direction, {0, 0, 0}}, intrinsics, frame, object.origin);
-    views_.emplace_back(exec, FinishModel{core, all}, splat, SupportView::Input{camera, {}});
+    views_.emplace_back(FinishModel{core, all}, camera, RenderedObject{labels.render(exec, splat, camera)},
+                        std::vector<GivenMask>());
   }
 }
 

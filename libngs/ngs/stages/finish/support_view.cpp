@@ -14,7 +14,10 @@ namespace {
 constexpr float kOpaque = 0.5f;                             // least alpha of a pixel that shows a surface
 constexpr double kStoredReach = 3;                          // standard deviations of a Gaussian that are stored
 constexpr int kRenderedMargin_px = 1, kGivenMargin_px = 2;  // by which masks are dilated
-constexpr std::uint8_t kRendered = 1, kGiven = 2, kNoEvidence = 4;
+constexpr float kHaze = 0.1f;                               // least alpha of a pixel that contradicts, beyond kRim_px
+constexpr int kRim_px = 3;                                  // soft edge of a rendered mask
+// Bits of a pixel: within the dilated masks, without a given mask, in the rendered mask, within kRim_px of it.
+constexpr std::uint8_t kRendered = 1, kGiven = 2, kNoEvidence = 4, kExact = 8, kNearExact = 16;
 
 double largest_sigma(const GaussianCloud& cloud, std::size_t i) {
   const float* s = &cloud.log_scale[3 * i];
@@ -23,35 +26,57 @@ double largest_sigma(const GaussianCloud& cloud, std::size_t i) {
 
 }  // namespace
 
-SupportView::SupportView(const Exec& exec, const FinishModel& model, const SplatOptions& splat, const Input& input)
-    : camera_(relative_to(input.camera, model.cloud.origin)) {
+ObjectLabels::ObjectLabels(const GaussianCloud& cloud, const std::vector<std::vector<std::uint8_t>>& objects)
+    : cloud_(cloud), count_(int(objects.size())), any_(std::size_t(cloud.size())) {
+  labels_.resize(any_.size() * objects.size());
+  for (std::size_t k = 0; k < objects.size(); ++k) {
+    NGS_CHECK(objects[k].size() == any_.size(), "one entry per Gaussian");
+    for (std::size_t i = 0; i < any_.size(); ++i) {
+      labels_[i * objects.size() + k] = objects[k][i];
+      any_[i] |= objects[k][i];
+    }
+  }
+}
+
+RenderedView ObjectLabels::render(const Exec& exec, const SplatOptions& splat, const Camera& camera) const {
+  RenderRequest request;
+  request.colour = false;
+  request.depth = true;
+  request.label = {labels_.data(), cloud_.size(), count_};
+  request.tiles_touching = any_.data();  // pixels of other tiles are never read
+  return ngs::render(exec, cloud_, camera, splat, request);
+}
+
+SupportView::SupportView(const FinishModel& model, const Camera& camera, const RenderedObject& in_view,
+                         const std::vector<GivenMask>& given_mask)
+    : scene_camera_(camera), camera_(relative_to(camera, model.cloud.origin)) {
   NGS_CHECK(std::int64_t(model.object.size()) == model.cloud.size(), "one entry per Gaussian");
   crop(model);
   if (width_ == 0) return;
-  std::vector<float> label(model.object.begin(), model.object.end());
-  RenderRequest request;
-  request.colour = false, request.depth = true;
-  request.label = {label.data(), model.cloud.size(), 1};
-  request.tiles_touching = model.object.data();  // pixels of other tiles are never read
-  const RenderedView view = render(exec, model.cloud, input.camera, splat, request);
-  const int width_px = input.camera.width_px, height_px = input.camera.height_px;
-  PixelMask rendered(view.label.data.size());
-  for (std::size_t p = 0; p < rendered.size(); ++p) rendered[p] = label_is_foreground(view.label.data[p]);
+  const RenderedView& view = in_view.view;
+  const int width_px = camera.width_px, height_px = camera.height_px;
+  PixelMask rendered(view.alpha.data.size());
+  const std::size_t channels = view.label.data.size() / rendered.size();
+  for (std::size_t p = 0; p < rendered.size(); ++p)
+    rendered[p] = label_is_foreground(view.label.data[p * channels + std::size_t(in_view.channel)]);
+  const PixelMask exact = rendered, near_exact = dilated(rendered, width_px, height_px, kRim_px);
   rendered = dilated(rendered, width_px, height_px, kRenderedMargin_px);
   PixelMask given(rendered.size());
-  NGS_CHECK(input.given.empty() || input.given.size() == given.size(), "a mask has the size of its camera");
-  if (!input.given.empty()) {
-    for (std::size_t p = 0; p < given.size(); ++p) given[p] = input.given[p] == GivenMask::kObject;
+  NGS_CHECK(given_mask.empty() || given_mask.size() == given.size(), "a mask has the size of its camera");
+  if (!given_mask.empty()) {
+    for (std::size_t p = 0; p < given.size(); ++p) given[p] = given_mask[p] == GivenMask::kObject;
     given = dilated(given, width_px, height_px, kGivenMargin_px);
   }
-  depth_.resize(std::size_t(width_) * std::size_t(height_)), mask_.resize(depth_.size());
+  depth_.resize(std::size_t(width_) * std::size_t(height_));
+  mask_.resize(depth_.size());
   for (int y = y_; y < y_ + height_; ++y)
     for (int x = x_; x < x_ + width_; ++x) {
       const std::size_t p = view.alpha.index(x, y), q = index(x, y);
       const float alpha = view.alpha.data[p];
       depth_[q] = alpha >= kOpaque ? view.depth.data[p] / alpha : std::numeric_limits<float>::infinity();
-      const bool known = !input.given.empty() && input.given[p] != GivenMask::kUnknown;
-      mask_[q] = std::uint8_t((rendered[p] ? kRendered : 0) | (given[p] ? kGiven : 0) | (known ? 0 : kNoEvidence));
+      const bool known = !given_mask.empty() && given_mask[p] != GivenMask::kUnknown;
+      mask_[q] = std::uint8_t((rendered[p] ? kRendered : 0) | (given[p] ? kGiven : 0) | (known ? 0 : kNoEvidence) |
+                              (exact[p] ? kExact : 0) | (near_exact[p] ? kNearExact : 0));
     }
 }
 
@@ -101,6 +126,31 @@ SupportView::Sides SupportView::sides(Vec3<double> point, double behind) const {
   Sides found{mask & kRendered ? within : beyond, mask & kGiven ? within : beyond};
   if (mask & kNoEvidence) found.given = Side::kUnknown;
   return found;
+}
+
+ViewMasks SupportView::masks_alone(const RenderedView& alone, double behind) const {
+  ViewMasks masks{scene_camera_.width_px, scene_camera_.height_px, {}, {}, width_ > 0};
+  if (width_ == 0) return masks;
+  const std::size_t pixels = alone.alpha.data.size();
+  masks.target.assign(2, std::vector<float>(pixels));
+  masks.known.resize(pixels);
+  for (int y = y_; y < y_ + height_; ++y)
+    for (int x = x_; x < x_ + width_; ++x) {
+      const std::size_t p = alone.alpha.index(x, y), q = index(x, y);
+      const bool within = mask_[q] & kExact, near_it = mask_[q] & kNearExact;
+      masks.known[p] = within || alone.alpha.data[p] >= (near_it ? kOpaque : kHaze);
+      masks.target[0][p] = within;
+      masks.target[1][p] = !within && alone.depth.data[p] > alone.alpha.data[p] * (depth_[q] + float(behind));
+    }
+  return masks;
+}
+
+std::int64_t SupportView::wrong_pixels(const RenderedView& alone) const {
+  std::int64_t wrong = 0;
+  for (int y = y_; y < y_ + height_; ++y)
+    for (int x = x_; x < x_ + width_; ++x)
+      wrong += (alone.alpha.data[alone.alpha.index(x, y)] >= kOpaque) != ((mask_[index(x, y)] & kExact) != 0);
+  return wrong;
 }
 
 double SupportView::pixel_size(Vec3<double> point) const {

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "ngs/ops/splat/splat.h"
-#include "ngs/scene/view_prompt.h"
+#include "ngs/scene/scene.h"
 
 namespace ngs::finish {
 
@@ -25,22 +25,48 @@ enum class Side : std::uint8_t {
   kHidden    // outside the mask, hidden by other things
 };
 
+/// The labels of several objects of one model, to render all of them at once.
+class ObjectLabels {
+ public:
+  /// `objects` [K][N] 1: of the object. `cloud` must outlive this object.
+  ObjectLabels(const GaussianCloud& cloud, const std::vector<std::vector<std::uint8_t>>& objects);
+
+  /// Labels [H, W, K], alpha and depth in the tiles that the objects touch.
+  RenderedView render(const Exec& exec, const SplatOptions& splat, const Camera& camera) const;
+
+ private:
+  const GaussianCloud& cloud_;
+  int count_;
+  std::vector<float> labels_;      // [N, K]
+  std::vector<std::uint8_t> any_;  // [N]
+};
+
+/// One object in a rendering of ObjectLabels.
+struct RenderedObject {
+  const RenderedView& view;
+  int channel = 0;
+};
+
 /// One view, cropped to the object's Gaussians.
 class SupportView {
  public:
-  /// Renders the labels and the depth of `model`. `given`: the input mask, [H·W]; empty: the view has
-  /// none.
-  struct Input {
-    const Camera& camera;
-    const std::vector<GivenMask>& given;
-  };
-  SupportView(const Exec& exec, const FinishModel& model, const SplatOptions& splat, const Input& input);
+  /// `given_mask`: the input mask, [H·W]; empty: the view has none.
+  SupportView(const FinishModel& model, const Camera& camera, const RenderedObject& in_view,
+              const std::vector<GivenMask>& given_mask);
 
   struct Sides {
     Side rendered = Side::kUnknown, given = Side::kUnknown;  // by the rendered mask and by the given one
   };
   /// `behind`: depth behind the visible surface, world, up to which a point counts as at the surface.
   Sides sides(Vec3<double> point, double behind) const;
+  const Camera& camera() const { return scene_camera_; }
+  /// For the object rendered alone in this view: pixels of its rendered mask (target 0), and pixels outside whose
+  /// visible surface in the scene is in front of the object (target 1). Unknown: pixels outside where
+  /// `alone` has an alpha below 0.1, and within 3 px of the mask, its soft edge, below 1/2. Not available if the view
+  /// does not show the object.
+  ViewMasks masks_alone(const RenderedView& alone, double behind) const;
+  /// Pixels where `alone` is at least half opaque, but not in the rendered mask, or the reverse.
+  std::int64_t wrong_pixels(const RenderedView& alone) const;
   /// Size of a pixel at a point, world; 0 if the point is not in the image.
   double pixel_size(Vec3<double> point) const;
 
@@ -53,10 +79,11 @@ class SupportView {
   void crop(const FinishModel& model);
   std::size_t index(int x, int y) const { return std::size_t(y - y_) * std::size_t(width_) + std::size_t(x - x_); }
 
+  Camera scene_camera_;
   Camera camera_;                               // relative to the model's origin
   int x_ = 0, y_ = 0, width_ = 0, height_ = 0;  // the stored part of the image
   std::vector<float> depth_;                    // [height, width] camera z of the visible surface; infinite: none
-  std::vector<std::uint8_t> mask_;              // [height, width] bits: kRendered, kGiven, kNoEvidence
+  std::vector<std::uint8_t> mask_;              // [height, width] bits
 };
 
 }  // namespace ngs::finish
