@@ -53,6 +53,7 @@ std::string anchor_of(const std::string& heading) {
 }
 
 bool has_anchor(const std::string& text, const std::string& anchor) {
+  if (text.find("<a id=\"" + anchor + "\"></a>") != text.npos) return true;
   static const std::regex heading("(?:^|\n)#+ ([^\n]*)");
   const std::vector<std::string> found = captures(text, heading);
   return std::any_of(found.begin(), found.end(), [&](const std::string& h) { return anchor_of(h) == anchor; });
@@ -143,8 +144,8 @@ TEST_CASE("every relative link points to an existing file and heading") {
   CHECK(test::listed(offenders) == "");
 
   const SourceFile broken{"docs/a.md",
-                          "## A b: `c`\n[a](paper.md#4--readings) [b](#a-b-c) [d](https://e.org) "
-                          "[f](decisions/none.md) [g](paper.md#44--none) [h](#a)"};
+                          "## A b: `c`\n[a](paper.md#4--readings) [b](#a-b-c) [d](https://e.org) [e](#007) "
+                          "[f](decisions/none.md) [g](paper.md#44--none) [h](#a)\n## <a id=\"007\"></a>007 E"};
   CHECK(broken_links(broken) ==
         std::vector<std::string>{"docs/a.md: decisions/none.md", "docs/a.md: paper.md#44--none", "docs/a.md: #a"});
 }
