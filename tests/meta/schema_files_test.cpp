@@ -84,14 +84,11 @@ TEST_CASE("data-schema/README.md lists every schema, and only existing ones") {
   const std::regex name("`([a-z-]+\\.(schema\\.)?json)`");
   std::set<std::string> named;
   for (std::sregex_iterator at(table.begin(), table.end(), name), end; at != end; ++at) named.insert((*at)[1]);
-  int found = 0;
   for (const fs::directory_entry& entry : fs::directory_iterator(kSchemas))
     if (entry.path().extension() == ".json") {
       INFO(entry.path().string());
       CHECK(named.count(entry.path().filename().string()) == 1);
-      ++found;
     }
-  CHECK(found > 10);
   for (const std::string& file : named)
     if (file.find(".schema.") != std::string::npos) {
       INFO(file);
