@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Makes all files of a release: the archives, the wheel and the Debian package of bundle.sh, the archive for Windows of
-# bundle/windows.sh, the source, the lists of contents (SPDX), SHA-256 sums of all, and the drafts of recipes/ with these sums.
+# bundle/windows.sh, the source, the lists of contents (SPDX), and SHA-256 sums of all.
 #
 #   pipelines/release.sh [-o OUT] [--no-cuda] [--no-setup]
 #
@@ -40,11 +40,5 @@ for folder in "$out.part"/*/; do
 done
 git -C "$top" archive --prefix="ngs-$version/" HEAD | gzip -9n > "$out.part/ngs-$version.tar.gz"
 (cd "$out.part" && LC_ALL=C sha256sum -- * > SHA256SUMS)
-
-sum_of() { awk -v name="ngs-$version$1" '$2 == name { print $1 }' "$out.part/SHA256SUMS"; }
-cp -R "$pipelines/recipes" "$out.part/"
-find "$out.part/recipes" -type f ! -name README.md -exec sed -i "s/@VERSION@/$version/g
-  s/@SOURCE_SHA256@/$(sum_of .tar.gz)/; s/@LINUX_SHA256@/$(sum_of -linux-x86_64.tar.xz)/
-  s/@WINDOWS_SHA256@/$(sum_of -windows-x86_64.zip)/" {} +
 mv "$out.part" "$out"
 cat "$out/SHA256SUMS"

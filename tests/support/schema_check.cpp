@@ -6,13 +6,7 @@
 #include <valijson/schema_parser.hpp>
 #include <valijson/validator.hpp>
 
-#include "support/source_tree.h"
-
 namespace ngs::test {
-
-nlohmann::json committed_schema(const std::string& reference) {
-  return nlohmann::json::parse(read_bytes(NGS_SOURCE_DIR "/data-schema/report/" + reference));
-}
 
 std::string schema_violations(const nlohmann::json& schema, const nlohmann::json& document,
                               const SchemaSource& source) {

@@ -2,12 +2,16 @@
 
 #include <chrono>
 
+#include "ngs/core/wall_clock.h"
 #include "ngs/os/process_usage.h"
 
 namespace ngs {
-double wall_seconds() {
+
+double (*wall_clock)() = [] {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+};
+
+double wall_seconds() { return wall_clock(); }
 
 Monitor::Monitor() : current_(&root_) {}
 

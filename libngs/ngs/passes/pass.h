@@ -84,8 +84,8 @@ class Pass {
   virtual bool follows_clock() const { return false; }
   /// True: a resumed run decides this pass again, because the checkpoint does not depend on it.
   virtual bool decided_again_on_resume() const { return false; }
-  /// Sets the training options that follow from the decisions known so far. Called before and after the decisions of a
-  /// stage, from the last pass to the first, so that a pass sees the settings of later passes.
+  /// Sets the training options that follow from the decisions known so far. Called twice in a stage, before and after
+  /// its decisions. Later passes are called first, so that a pass sees their settings.
   virtual void prepare(PassRun&) {}
   /// Called before run(), also if the pass is off.
   virtual void begin(PassRun&) {}

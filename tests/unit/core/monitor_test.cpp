@@ -3,8 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include <chrono>
-#include <thread>
+#include "support/fake_clock.h"
 
 namespace ngs {
 
@@ -38,27 +37,28 @@ TEST_CASE("monitor: a stop by signal does not mark the limit as reached") {
 
 TEST_CASE("monitor: a loop that is estimated to end after the deadline is stopped after a tenth of its steps") {
   constexpr int kSteps = 100;
-  const auto steps_taken = [](double limit_s, std::chrono::milliseconds step) {
+  const test::FakeClock clock;
+  const auto steps_taken = [&](double limit_s, double step_s) {
     Monitor monitor;
     const Monitor::Limit limit(monitor, wall_seconds() + limit_s);
     int n = 0;
     while (n < kSteps && !monitor.stop_requested()) {
-      std::this_thread::sleep_for(step);
+      clock.advance(step_s);
       monitor.progress(++n, kSteps);
     }
     return n;
   };
-  using std::chrono::milliseconds;
-  CHECK(steps_taken(0.5, milliseconds(20)) == kSteps / 10);  // would take 2 s; the deadline alone would stop it at 25
-  CHECK(steps_taken(1e6, milliseconds(1)) == kSteps);
+  CHECK(steps_taken(0.5, 0.02) == kSteps / 10);  // would take 2 s; the deadline alone would stop it at 25
+  CHECK(steps_taken(1e6, 0.001) == kSteps);
 }
 
 TEST_CASE("monitor: the end of each loop under a limit is estimated from its own steps") {
+  const test::FakeClock clock;
   Monitor monitor;
   const Monitor::Limit limit(monitor, wall_seconds() + 1);
   monitor.progress(1, 40);
   // If the next loop were timed from here, it would be estimated to take 1.9 s.
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  clock.advance(0.1);
   for (int n = 1; n <= 40; ++n) monitor.progress(n, 40);
   CHECK_FALSE(monitor.stop_requested());
 }

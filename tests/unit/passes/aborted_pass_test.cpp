@@ -2,10 +2,8 @@
 // own clock.
 #include <doctest/doctest.h>
 
-#include <chrono>
-#include <thread>
-
 #include "support/effect_case.h"
+#include "support/fake_clock.h"
 #include "support/pipeline_case.h"
 
 namespace ngs {
@@ -14,7 +12,7 @@ namespace {
 using test::EffectCase;
 
 constexpr int kSteps = 100;
-constexpr std::chrono::milliseconds kStep(10);
+constexpr double kStep_s = 0.01;
 
 /// Works for one second, either in its heuristic or before it removes the first label.
 class SlowPass final : public Pass {
@@ -43,7 +41,7 @@ class SlowPass final : public Pass {
  private:
   void work(Monitor& monitor) const {
     for (steps_ = 0; steps_ < kSteps && !monitor.stop_requested();) {
-      std::this_thread::sleep_for(kStep);
+      test::FakeClock::advance(kStep_s);
       monitor.progress(++steps_, kSteps);
     }
   }
@@ -74,6 +72,7 @@ class CountingPass final : public Pass {
 };
 
 struct SlowCase {
+  test::FakeClock clock;
   EffectCase scene;
   Problem in = scene.input();
   int steps = 0;

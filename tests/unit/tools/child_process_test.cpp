@@ -59,7 +59,7 @@ TEST_CASE("a child that ignores the request to end is killed after the grace per
   CHECK(wall_seconds() - start_s < 10);  // a loaded machine; the default grace period alone is two seconds
 }
 
-TEST_CASE("a child's end and last words come back") {
+TEST_CASE("a child's exit code or signal and the end of its output are returned") {
   const cli::ChildResult good = cli::run_child({"sh", "-c", "echo one; echo two >&2"}, {});
   CHECK(good.end == End::kExited);
   CHECK(good.code == 0);

@@ -53,7 +53,7 @@ struct ContourOptions {
     visit(self.photoless,
           Choice<PhotolessViews>{
               "contour_photoless",
-              "Views without a photo: skip, train on the model's own render, or what is better in views with a photo",
+              "Views without a photo: choose by a trial, leave them out, or train on pictures of the model",
               kPhotolessViewsNames});
     visit(self.refine.band_px,
           Field<double>{"contour_band", "px of the photo", "Largest move of a contour in one iteration", 0.5, 1e3});

@@ -1,6 +1,6 @@
 #pragma once
 // Scores of the two halves of a cut against their truth: the object alone from all sides, and the room behind it. Stage
-// of ngs-eval --halves; the truth is that of ngs-synth --truth halves. Definitions: docs/decisions/079-both-halves.md.
+// of ngs-eval --halves; the truth is that of ngs-synth --truth halves. Definitions: docs/decisions/both-halves.md#079.
 #include <cstdint>
 #include <span>
 #include <vector>

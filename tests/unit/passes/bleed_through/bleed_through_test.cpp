@@ -3,14 +3,13 @@
 #include <doctest/doctest.h>
 
 #include <atomic>
-#include <chrono>
 #include <cmath>
-#include <thread>
 
 #include "ngs/math/stable.h"
 #include "ngs/ops/splat/evidence.h"
 #include "ngs/passes/pass.h"
 #include "ngs/passes/pass_list.h"
+#include "support/fake_clock.h"
 #include "support/pipeline_case.h"
 
 namespace ngs {
@@ -155,11 +154,12 @@ TEST_CASE("bleed through: off without photos, and at draft quality") {
 }
 
 TEST_CASE("bleed through: the pass changes the labels of a run, is aborted if too slow, but not with checkpoints") {
+  const test::FakeClock clock;
   const Pane pane(12, 12);
   const Problem in = pane.problem();
   Problem slow = in;
   slow.load_masks = [&](std::size_t view) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    clock.advance(0.01);
     return in.load_masks(view);
   };
   const auto bleed_through = [](test::PipelineCase& passes) -> PassRun& {

@@ -1,6 +1,6 @@
 // Columns of millions of rows use pages of 2 MiB if the system has them: large allocations are aligned to such pages,
 // and the kernel is advised to use them (transparent huge pages). This saves 511 of 512 page faults: with 2e7
-// Gaussians, page faults take a quarter of a draft run (decisions/077). Smaller allocations are those of the C library.
+// Gaussians, page faults take a quarter of a draft run (decision 077). Smaller allocations are those of the C library.
 #if defined(__linux__) && !defined(__SANITIZE_ADDRESS__)
 #include <sys/mman.h>
 
