@@ -9,6 +9,7 @@
 #   --image-scale S      working size             (default: 1, 1/2, 1/3 ... so that no side exceeds 800 px)
 #   --quality Q          draft|standard|high|reference
 #   --method M           ngs|ng-gs|bce|cob|flash|sa3d|saga|released
+#   --no-finish          do not clip Gaussians of object.ply that reach out of its masks
 #   --artifacts all      also write queries.ply and field.ply if no stage reads them (default: needed)
 #   -j N, --seed N, --log-format F, --allow-empty, -q, -v     options of every tool
 #   --device D           device of tools with a CUDA path; other tools use the CPU
@@ -23,7 +24,7 @@ set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"
 
-words=("$@") scene='' out='' artifacts=needed views=all passes='check run' inputs=() import=() joint=() common=() device=() alone=() report=
+words=("$@") scene='' out='' artifacts=needed views=all passes='check run' inputs=() import=() joint=() common=() device=() alone=() extract=() report=
 while [ $# -gt 0 ]; do
   case $1 in --*=*) set -- "${1%%=*}" "${1#*=}" "${@:2}" ;; esac
   case $1 in
@@ -33,6 +34,7 @@ while [ $# -gt 0 ]; do
     --model | --masks | --gt) need "$@"; inputs+=("$2"); import+=("$1" "$2"); shift 2 ;;
     --hold-out) need "$@"; views=held-out; import+=("$1" "$2"); shift 2 ;;
     --image-scale) need "$@"; import+=("$1" "$2"); shift 2 ;;
+    --no-finish) extract+=("$1"); shift ;;
     --artifacts) need "$@"; artifacts=$2; shift 2 ;;
     --device) need "$@"; device=("$1" "$2"); shift 2 ;;
     -j | --threads | --seed | --log-format) need "$@"; common+=("$1" "$2"); shift 2 ;;
@@ -69,7 +71,7 @@ chain() {
   fi
   step ngs-joint "$out/scene.json" "$out/boundary.ply" "${field[@]}" "${trace[@]}" "${joint[@]}" -o "$out/labelled.ply"
   step ngs-extract "$out/labelled.ply" --scene "$out/scene.json" --object-ply "$out/object.ply" --objects "$out/objects" \
-    --background-ply "$out/background.ply" --background-filled "$out/background-filled.ply"
+    --background-ply "$out/background.ply" --background-filled "$out/background-filled.ply" "${extract[@]}"
   run rm -rf "$out/masks" "$out/.state/masks" "$out/.state/alone"
   step ngs-render "$out/scene.json" "$out/labelled.ply" --views $views --layers mask --scale 0 --format png -o "$out/.state/masks"
   run cp -r "$out/.state/masks" "$out/masks"

@@ -16,7 +16,7 @@
 #   NGS_BIN        tools of another build, used as it is; NGS_COMMIT then names its commit
 #   NGS_MACHINE    name of the machine in tables     (default: by the processor)
 #   SPLITS='every:4:2' RECIPES='table' METHODS='flash ngs' REPEATS=1     a part of a question; noted in its table
-#   VARIANTS='--finish|--finish --fill'    halves: options of ngs-extract, a row each after the row without options
+#   VARIANTS='--no-finish|--fill off'    halves: options of ngs-extract, a row each after the row of its defaults
 set -euo pipefail
 shopt -s inherit_errexit
 # shellcheck source=pipelines/common.sh

@@ -48,11 +48,9 @@ GaussianCloud filled_background(const Exec& exec, const Extractor& extractor, co
 void check_fill_options(Run& run, const FillOptions& options, const Input& inpainted, const Input& scene,
                         const Outputs& out) {
   check_inpainted_options(inpainted, scene, out);
-  const bool is_wanted = out.background_filled || out.filled;
-  if (is_wanted && options.fill == FillKind::kOff)
-    throw Error(ErrorCode::kUsage, (out.filled ? out.filled : out.background_filled).flags + " with --fill off",
-                "leave --fill off out");
-  if (!is_wanted) run.warn_unused({"--fill"}, "without --background-filled or --filled");
+  if (out.filled && options.fill == FillKind::kOff)
+    throw Error(ErrorCode::kUsage, "--filled with --fill off", "leave --fill off out");
+  if (!out.background_filled && !out.filled) run.warn_unused({"--fill"}, "without --background-filled or --filled");
 }
 
 FillOutput::FillOutput(Run& run, const Extractor& extractor, FillOptions options, InpaintedPictures* inpainted)
@@ -111,8 +109,7 @@ void FillOutput::write_rows(const std::string& path, const GaussianCloud& cloud,
 
 void FillOutput::write(const Outputs& out) const {
   if (out.background) extractor_.write_background(out.background.path);
-  if (!fill_) return;
-  std::vector<std::int64_t> added(std::size_t(background_.size()) - kept_);
+  std::vector<std::int64_t> added(std::size_t(background_.size()) - kept_);  // none without a fill
   if (out.background_filled && !added.empty()) write_rows(out.background_filled.path, background_, kept_);
   if (out.background_filled && added.empty()) {
     std::error_code absent;

@@ -10,7 +10,7 @@
 
 namespace ngs::cli {
 
-/// Throws kUsage for a filled output with --fill off, and for --inpainted without a scene or an output that it changes;
+/// Throws kUsage for --filled with --fill off, and for --inpainted without a scene or an output that it changes;
 /// warns about --fill without such an output.
 void check_fill_options(Run& run, const FillOptions& options, const Input& inpainted, const Input& scene,
                         const Outputs& out);

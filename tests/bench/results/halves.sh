@@ -66,8 +66,9 @@ halves_row() {
   if [ ! -f "$cut/halves.json" ]; then
     mkdir -p "$cut"
     # shellcheck disable=SC2086
-    tool ngs-extract "$labelled" ${3:+--scene "$work/$1/scene.json"} ${*:3} \
-      --object-ply "$cut/object.ply" --background-ply "$cut/background.ply" -w -q > /dev/null
+    tool ngs-extract "$labelled" --scene "$work/$1/scene.json" ${*:3} --object-ply "$cut/object.ply" \
+      --background-ply "$cut/background.ply" --background-filled "$cut/filled.ply" -w -q > /dev/null
+    if [ -e "$cut/filled.ply" ]; then mv "$cut/filled.ply" "$cut/background.ply"; fi
     tool ngs-eval "$cut" "$work/$1-scene/halves" --halves --model "$work/$1-scene/point_cloud.ply" \
       -o "$cut/halves.json" -w -q > /dev/null
   fi
@@ -88,16 +89,9 @@ halves_published() {
   row scene="$1" method=BEA-GS halves="$cut/halves.json"
 }
 
-# halves_variants RECIPE METHOD: a row for each list of options in VARIANTS, separated by |. Default, as far as this
-# ngs-extract has them: --finish; of our method also --fill and both.
+# halves_variants RECIPE METHOD: a row for each list of options in VARIANTS, separated by |. Default: without finish and fill.
 halves_variants() {
-  local help lists=${VARIANTS:-} options
-  if [ -z "$lists" ]; then
-    help=$(tool ngs-extract --help)
-    case $help in *--*finish*) lists='--finish' ;; esac
-    case $2:$help in ngs:*--*fill*) lists="${lists:+$lists|}--fill auto" ;; esac
-    case $lists in *finish*fill*) lists="$lists|--finish --fill auto" ;; esac
-  fi
+  local lists=${VARIANTS:---no-finish --fill off} options
   while IFS= read -r options; do
     # shellcheck disable=SC2086
     if [ -n "$options" ]; then halves_row "$1" "$2" $options; fi
