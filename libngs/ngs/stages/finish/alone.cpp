@@ -9,8 +9,10 @@
 namespace ngs::finish {
 namespace {
 
-constexpr int kRounds = 2;             // what is left out uncovers Gaussians behind it
-constexpr double kOutsideShare = 0.6;  // of its weight within the mask: a Gaussian with more outside is contradicted
+constexpr int kRounds = 2;  // what is left out uncovers Gaussians behind it
+// Of a Gaussian's weight within the mask: with more outside it is contradicted. The second is for weight that other
+// things hide in the scene: an unseen side may be there as well as haze.
+constexpr double kOutsideShare = 0.6, kHiddenShare = 2.5;
 
 /// Alpha and depth of the object alone.
 RenderedView render_alone(const Exec& exec, const AloneViews& in, const GaussianCloud& object, const Camera& camera) {
@@ -32,8 +34,8 @@ std::vector<std::uint8_t> contradicted(const Exec& exec, const AloneViews& in, c
   std::vector<std::uint8_t> out(seen.size());
   for (std::size_t i = 0; i < out.size(); ++i) {
     const double all = found.weight.value(i), within = found.object_weight(i, 0), hidden = found.object_weight(i, 1);
-    const double outside = all - within - (seen[i] ? hidden : 0);
-    out[i] = outside > kOutsideShare * within;
+    const double outside = all - within - hidden;
+    out[i] = outside > kOutsideShare * within || (!seen[i] && outside + hidden > kHiddenShare * within);
   }
   return out;
 }
