@@ -12,6 +12,7 @@
 #include "ngs/ops/splat/splat_options.h"
 #include "ngs/stages/orbit/coverage.h"
 #include "ngs/stages/orbit/rigs.h"
+#include "ngs/stages/orbit/stance.h"
 
 namespace ngs::orbit {
 namespace {
@@ -65,7 +66,8 @@ class Chooser {
 
  private:
   void find_ball() {
-    ball_ = bulk_of(points_);
+    bulk_ = bulk_of(points_);
+    ball_ = ball_to_frame(points_, bulk_);
     if (!options_.around.empty()) {
       ball_ = parse_ball(options_.around);
       ball_.centre = ball_.centre - origin();
@@ -78,7 +80,7 @@ class Chooser {
       found_.up = axis_of(options_.up);
       return;
     }
-    const UpGuess guess = guess_up(points_, bulk_of(points_));
+    const UpGuess guess = guess_up(points_, bulk_);
     found_.up = guess.up, found_.up_is_guessed = guess.found;
   }
 
@@ -218,7 +220,7 @@ class Chooser {
   const GaussianCloud& cloud_;
   const OrbitOptions& options_;
   SurfacePoints points_;
-  Ball ball_;
+  Ball bulk_, ball_;
   Frame frame_;
   Intrinsics intrinsics_;
   Rig rig_;
