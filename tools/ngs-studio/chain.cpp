@@ -22,15 +22,42 @@ std::vector<std::string> fill_words(const std::string& file) {
 
 std::vector<std::vector<std::string>> export_words(const StateFolder& folder, int object, const ExportChoice& choice) {
   const auto at = [&](const std::string& name) { return folder.of(object, name); };
-  std::vector<std::string> extract{"ngs-extract", at("labelled.ply"), "--unseen", "background"};
+  std::vector<std::string> extract{"ngs-extract", at("flash.ply"), "--unseen", "background"};
   if (!choice.all_pieces) extract.insert(extract.end(), {"--scene", at("scene.json"), "--strokes", at("strokes.json")});
   std::vector<std::vector<std::string>> words{
       {"ngs-variance", at("scene.json"), "-o", at("boundary.ply"), "-w"},
-      {"ngs-joint", at("scene.json"), at("boundary.ply"), "--method", "flash", "-o", at("labelled.ply"), "-w"},
+      {"ngs-joint", at("scene.json"), at("boundary.ply"), "--method", "flash", "-o", at("flash.ply"), "-w"},
       joined(extract, {"--object-ply", at("object." + choice.format), "--background-ply",
-                       at("background." + choice.format), "-w"})};
+                       at("background." + choice.format), "--labelled", at("labelled.ply"), "-w"})};
   if (choice.fill) words.push_back(joined(extract, fill_words(at("background-filled." + choice.format))));
   return words;
+}
+
+namespace {
+
+/// Without labels the whole model is in a ball around everything; the edit then decides.
+std::vector<std::string> import_words(const std::string& labelled, const std::string& selection) {
+  return {"ngs-extract", labelled,   "--keep-sphere", "0,0,0,1e18",   "--import",
+          selection,     "--unseen", "background",    "--allow-empty"};
+}
+
+}  // namespace
+
+std::vector<std::vector<std::string>> selection_words(const StateFolder& folder, int object,
+                                                      const std::string& labelled, const ExportChoice& choice) {
+  const auto at = [&](const std::string& name) { return folder.of(object, name); };
+  const std::vector<std::string> extract = import_words(labelled, at("selection.ply"));
+  std::vector<std::vector<std::string>> words{
+      joined(extract, {"--object-ply", at("object." + choice.format), "--background-ply",
+                       at("background." + choice.format), "--labelled", at("labelled.ply"), "-w"})};
+  if (choice.fill) words.push_back(joined(extract, fill_words(at("background-filled." + choice.format))));
+  return words;
+}
+
+std::vector<std::string> common_background_words(const StateFolder& folder, const std::string& model,
+                                                 const ExportChoice& choice) {
+  return joined(import_words(model, folder.at("objects.ply")),
+                {"--background-ply", folder.at("background." + choice.format), "-w"});
 }
 
 std::vector<std::vector<std::string>> convert_words(const StateFolder& folder, int object, const ExportChoice& choice) {
