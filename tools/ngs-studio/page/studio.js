@@ -92,6 +92,13 @@ function showBusy() {
   find('paint').setAttribute('aria-busy', writes > 0 || Boolean(frames?.drawing));
 }
 
+// Another tab may have changed the state while this one was not looked at.
+async function follow() {
+  if (document.hidden || !frames || writes > 0) return;
+  const now = await get('/api/state').catch(failed);
+  if (now && now.version > state.version) showState(now);
+}
+
 // ---- the picture
 
 function request() {
@@ -124,7 +131,7 @@ function begin() {
   new ResizeObserver(resized).observe(find('stage'));
   new Pointer(find('paint'), labelFor, pointerTasks());
   flying = startsInside();
-  find('hint').hidden = Boolean(localStorage.getItem('ngs-studio-hint')) || state.undo > 0;
+  find('hint').hidden = Boolean(localStorage.getItem('ngs-studio-hint')) || state.undo > 0 || state.objects.some(({ strokes, edits }) => strokes + edits > 0);
 }
 
 // The first call only reports the size.
@@ -405,6 +412,8 @@ const keys = keyTable({
 function listen() {
   const clicked = (id, work) => find(id).addEventListener('click', work);
   for (const name of kTools) clicked(`tool-${name}`, () => take(name));
+  for (const target of [window, document])
+    for (const name of ['focus', 'visibilitychange']) target.addEventListener(name, follow);
   clicked('undo', () => step('/api/undo', 'Undone'));
   clicked('redo', () => step('/api/redo', 'Redone'));
   find('pieces').addEventListener('change', ({ target }) => write('/api/objects', { all_pieces: target.checked }));

@@ -3,7 +3,7 @@
 //
 // What an object stands on is wide, ends sharply in a plane, often a hole that no view saw, and the opposite end is
 // not like that. Most objects are higher than wide.
-#include "ngs/stages/orbit/frame.h"
+#include "ngs/stages/orbit/surface_points.h"
 
 namespace ngs::orbit {
 

@@ -20,7 +20,8 @@ TEST_CASE("a refined result that drops the object keeps what strokes cover and l
   CHECK(none.restored > 5);
   CHECK(none.restored == none.labels.count);
   CHECK(none.labels.count < selected.count);
-  CHECK(none.labels.count + none.dropped.count == selected.count);
+  CHECK(none.dropped.count > selected.count / 4);
+  for (std::size_t i = 0; i < n; ++i) CHECK(none.labels.label[i] + none.dropped.label[i] <= selected.label[i]);
   CHECK(visit.selected(none.labels, false) <= 2);
   // The pixels under the strokes show the object again.
   for (const auto& view : marks.views) {

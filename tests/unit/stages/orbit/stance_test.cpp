@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "ngs/stages/orbit/frame.h"
 #include "ngs/stages/orbit/orbit_stage.h"
 #include "support/splat_shapes.h"
 
