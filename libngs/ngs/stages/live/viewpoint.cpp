@@ -99,8 +99,9 @@ InitialViewpoint initial_viewpoint(const Exec& exec, const GaussianCloud& cloud)
                 "the model: none of its " + std::to_string(cloud.size()) +
                     " Gaussians is usable with an opacity above 1/255, expected visible Gaussians");
   const orbit::SurfacePoints some = fewer(points);
-  const orbit::Ball bulk = orbit::bulk_of(some), ball = orbit::ball_to_frame(some, bulk);
+  const orbit::Ball bulk = orbit::bulk_of(some);
   const Vec up = orbit::guess_up(some, bulk).up, origin{cloud.origin[0], cloud.origin[1], cloud.origin[2]};
+  const orbit::Ball ball = orbit::ball_to_frame(some, bulk, up);
   const orbit::Frame frame = orbit::frame_about(some, ball, up);
   const orbit::FreeSpace space(cloud, points, frame, {1.1 * ball.radius, kCells});
   const orbit::RoomFinding room = orbit::find_room(exec, space, ball.radius);

@@ -67,21 +67,19 @@ class Chooser {
  private:
   void find_ball() {
     bulk_ = bulk_of(points_);
-    ball_ = ball_to_frame(points_, bulk_);
+    ball_ = bulk_;
     if (!options_.around.empty()) {
       ball_ = parse_ball(options_.around);
       ball_.centre = ball_.centre - origin();
     }
-    found_.centre = ball_.centre + origin(), found_.radius = ball_.radius;
   }
 
   void find_up() {
-    if (options_.up != UpAxis::kAuto) {
-      found_.up = axis_of(options_.up);
-      return;
-    }
-    const UpGuess guess = guess_up(points_, bulk_);
+    const UpGuess guess =
+        options_.up == UpAxis::kAuto ? guess_up(points_, bulk_) : UpGuess{axis_of(options_.up), false};
     found_.up = guess.up, found_.up_is_guessed = guess.found;
+    if (options_.around.empty()) ball_ = ball_to_frame(points_, bulk_, found_.up);
+    found_.centre = ball_.centre + origin(), found_.radius = ball_.radius;
   }
 
   std::optional<RoomFinding> look_for_room() {

@@ -114,18 +114,13 @@ Stance best_stance(const SurfacePoints& points, const Ball& bulk) {
   return best;
 }
 
-Ball ball_to_frame(const SurfacePoints& points, const Ball& bulk) {
-  if (!best_stance(points, bulk).is_clear()) return bulk;
-  std::array<std::vector<double>, 3> along;
-  std::vector<double> weight;
-  for (const std::size_t i : thinned(points.count(), kMaxSamples)) {
-    const Vec p = points.position[i] - bulk.centre;
-    along[0].push_back(p.x), along[1].push_back(p.y), along[2].push_back(p.z), weight.push_back(points.opacity[i]);
-  }
-  const auto middle = [&](const std::vector<double>& axis) {
-    return 0.5 * (weighted_quantile(axis, weight, 1 - kAll) + weighted_quantile(axis, weight, kAll));
-  };
-  const Vec centre = bulk.centre + Vec{middle(along[0]), middle(along[1]), middle(along[2])};
+Ball ball_to_frame(const SurfacePoints& points, const Ball& bulk, Vec up) {
+  if (!is_alone(points, bulk.centre) || stance(points, up) < kClear) return bulk;
+  std::vector<double> height, weight;
+  for (const std::size_t i : thinned(points.count(), kMaxSamples))
+    height.push_back(dot(up, points.position[i] - bulk.centre)), weight.push_back(points.opacity[i]);
+  const double middle = 0.5 * (weighted_quantile(height, weight, 1 - kAll) + weighted_quantile(height, weight, kAll));
+  const Vec centre = bulk.centre + middle * up;
   const double radius = distances(points, centre).radius(kAll);
   return radius > 0 ? Ball{centre, radius} : bulk;
 }

@@ -13,15 +13,16 @@ double stance(const SurfacePoints& points, Vec up);
 
 /// The axis of the model, of six, with the best stance; -y, the up of most models from structure from motion, if no
 /// other is clearly better. The value is 0 if the model has far surroundings.
+inline constexpr double kClear = 0.1;  // the least stance() that is evidence
 struct Stance {
   Vec up{0, -1, 0};
   double value = 0;  // stance() of it
-  bool is_clear() const { return value >= 0.1; }
+  bool is_clear() const { return value >= kClear; }
 };
 Stance best_stance(const SurfacePoints& points, const Ball& bulk);
 
 /// The ball to frame: around all points of an object that stands alone, such as a tall one that reaches out of `bulk`;
-/// else `bulk`.
-Ball ball_to_frame(const SurfacePoints& points, const Ball& bulk);
+/// else `bulk`. It rotates with the points and `up`.
+Ball ball_to_frame(const SurfacePoints& points, const Ball& bulk, Vec up);
 
 }  // namespace ngs::orbit

@@ -139,7 +139,7 @@ TEST_CASE("a ball and its far floaters stand on no side, and nothing has no stan
   const SurfacePoints points = surface_points(cloud);
   CHECK_FALSE(stance_of(cloud).is_clear());
   const Ball bulk = bulk_of(points);
-  CHECK(ball_to_frame(points, bulk).radius == bulk.radius);
+  CHECK(ball_to_frame(points, bulk, {0, 0, 1}).radius == bulk.radius);
   CHECK(stance(SurfacePoints(), {0, 0, 1}) == 0);
 }
 
