@@ -185,6 +185,23 @@ async function byHand(page) {
   errors.length = 0;  // the refused request of the locked object
 }
 
+async function secondTab(page) {
+  const other = await page.context().newPage();
+  await other.goto(new URL(page.url()).origin);
+  await settled(other);
+  await page.locator('#object-add').click();
+  await page.locator('#objects li').nth(2).waitFor();
+  await other.evaluate(() => dispatchEvent(new Event('focus')));
+  await other.locator('#objects li').nth(2).waitFor();
+  check(true, 'second tab: shows the change of the first once it is looked at');
+  check(await other.locator('#hint').isHidden(), 'second tab: does not show the hint of a first session');
+  await other.close();
+  await page.locator('#undo').click();
+  await page.locator('#objects li').nth(2).waitFor({ state: 'detached' });
+  await page.locator('#objects li:nth-child(2) input[type=radio]').check();
+  await settled(page);
+}
+
 async function turnsUpright(page) {
   await page.locator('#upwards').selectOption('+x');
   await settled(page);
@@ -382,6 +399,7 @@ await openAndTurn(page);
 await paintAndCorrect(page);
 await secondObject(page);
 await byHand(page);
+await secondTab(page);
 await turnsUpright(page);
 await slider(page);
 await cancel(page);
