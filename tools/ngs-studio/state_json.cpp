@@ -65,7 +65,8 @@ live::MarkedView view_of(Fields view) {
 
 Json edits_json(const live::HandEdits& edits) {
   Json list = Json::array();
-  for (const live::HandEdit& edit : edits) {
+  for (const auto& of : edits) {
+    const live::HandEdit& edit = *of;
     Json one{{"action", int(edit.action)}};
     if (!edit.outline.empty()) one.update({{"look", json_of(edit.viewpoint)}, {"outline", edit.outline}});
     if (edit.radius > 0)
@@ -93,7 +94,8 @@ live::ObjectMarks object_of(Fields object) {
     out.views.push_back(std::make_shared<const live::MarkedView>(view_of({view, "view"})));
   live::HandEdits edits;
   if (object.has("edits"))
-    for (const nlohmann::json& edit : object.member("edits")) edits.push_back(edit_of({edit, "edit"}));
+    for (const nlohmann::json& edit : object.member("edits"))
+      edits.push_back(std::make_shared<const live::HandEdit>(edit_of({edit, "edit"})));
   if (!edits.empty()) out.edits = std::make_shared<const live::HandEdits>(std::move(edits));
   out.hidden = object.has("hidden") && object.boolean("hidden");
   out.locked = object.has("locked") && object.boolean("locked");

@@ -94,9 +94,10 @@ void move_edge(const Exec& exec, const GaussianCloud& cloud, bool grow, Rows& se
 }  // namespace
 
 ObjectLabels with_edits(const Exec& exec, const GaussianCloud& cloud, ObjectLabels labels,
-                        std::span<const HandEdit> edits, std::span<const std::uint8_t> blocked) {
+                        std::span<const std::shared_ptr<const HandEdit>> edits, std::span<const std::uint8_t> blocked) {
   Rows selected(labels.label.begin(), labels.label.end());
-  for (const HandEdit& edit : edits) {
+  for (const auto& one : edits) {
+    const HandEdit& edit = *one;
     const bool has_shape = edit.action == EditAction::kAdd || edit.action == EditAction::kTake;
     const Rows rows = has_shape ? inside(exec, cloud, edit) : Rows();
     for (std::size_t i = 0; i < rows.size(); ++i)

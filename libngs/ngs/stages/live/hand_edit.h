@@ -14,7 +14,8 @@ namespace ngs::live {
 /// Gaussians nearer to a selected one than twice the usual distance between neighbours of the selection; kShrink takes
 /// those that are so near to one that is not selected. The count fits the labels; `removed` stays.
 ObjectLabels with_edits(const Exec& exec, const GaussianCloud& cloud, ObjectLabels labels,
-                        std::span<const HandEdit> edits, std::span<const std::uint8_t> blocked = {});
+                        std::span<const std::shared_ptr<const HandEdit>> edits,
+                        std::span<const std::uint8_t> blocked = {});
 
 /// The ball under a pixel of a view: on the surface that is seen there, `radius_px` wide in the picture. Throws kUsage
 /// if nothing is seen there.

@@ -26,7 +26,7 @@ struct HandEdit {
   Vec3<double> centre{0, 0, 0};                // world
   double radius = 0;                           // world
 };
-using HandEdits = std::vector<HandEdit>;
+using HandEdits = std::vector<std::shared_ptr<const HandEdit>>;
 
 struct MarkedView {
   std::string name;                      // of its image, "0001.png"; unique within an object

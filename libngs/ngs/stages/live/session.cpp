@@ -133,7 +133,7 @@ Session::CachedObject& Session::cached(int id) {
   for (CachedObject& k : cached_objects_)
     if (k.id == id) return k;
   return cached_objects_.emplace_back(
-      CachedObject{id, WeightSums<>(model_.cloud.size(), 1), {}, nullptr, nullptr, nullptr, nullptr, {}});
+      CachedObject{id, WeightSums<>(model_.cloud.size(), 1), {}, nullptr, nullptr, nullptr, {}, nullptr, nullptr, {}});
 }
 
 /// Finds the mask of a view without one from its strokes and, if there are other views, from their selection in it.
@@ -256,7 +256,7 @@ void Session::edit_by_hand(int id, const HandEdit& edit) {
   Marks marks = *marks_;
   ObjectMarks& edited = changeable(marks, id);
   HandEdits edits = edited.edits ? *edited.edits : HandEdits();
-  edits.push_back(edit);
+  edits.push_back(std::make_shared<const HandEdit>(edit));
   edited.edits = std::make_shared<const HandEdits>(std::move(edits));
   marks.active = id;
   step(std::move(marks));

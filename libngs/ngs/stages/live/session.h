@@ -18,6 +18,7 @@ namespace ngs::live {
 inline constexpr int kSegmentedSide_px = 512;   // longer side of a segmented view; smaller views keep their size
 inline constexpr std::size_t kMaxObjects = 16;  // each takes 70 bytes per Gaussian
 inline constexpr std::size_t kMaxStepsBack = 200;
+inline constexpr std::size_t kMaxEditSteps = 4;  // cached results of edits by hand, 5 bytes per Gaussian each
 
 /// The camera that strokes on a view are segmented and lifted at.
 Camera at_segmented_size(const Camera& camera, int longer_side_px = kSegmentedSide_px);
@@ -71,11 +72,13 @@ class Session {
     int id;
     WeightSums<> sums;
     MarkedViews views;
-    std::shared_ptr<const ObjectLabels> labels;          // of all pieces
-    std::shared_ptr<const ObjectLabels> touched;         // of the pieces that strokes touch
-    std::shared_ptr<const ObjectLabels> touched_of;      // the labels that `touched` was made from
-    std::shared_ptr<const ObjectLabels> edited;          // after edits by hand and without locked objects
-    std::vector<std::shared_ptr<const void>> edited_of;  // what `edited` was made from
+    std::shared_ptr<const ObjectLabels> labels;      // of all pieces
+    std::shared_ptr<const ObjectLabels> touched;     // of the pieces that strokes touch
+    std::shared_ptr<const ObjectLabels> touched_of;  // the labels that `touched` was made from
+    std::vector<std::pair<HandEdits, std::shared_ptr<const ObjectLabels>>> steps;  // results of edits, latest first
+    std::shared_ptr<const ObjectLabels> steps_of;                                  // the labels that the edits change
+    std::shared_ptr<const ObjectLabels> unblocked;          // without the Gaussians of locked and hidden objects
+    std::vector<std::shared_ptr<const void>> unblocked_of;  // what `unblocked` was made from
   };
 
   void segment(MarkedView& view, const MarkedView* before, const MarkedViews& others, WeightSums<>& sums);
@@ -83,6 +86,8 @@ class Session {
   CachedObject& cached(int id);
   void update(CachedObject& cache, const ObjectMarks& object);
   void remove_untouched(CachedObject& cache) const;
+  std::shared_ptr<const ObjectLabels> with_edits_of(CachedObject& cache, const ObjectMarks& object,
+                                                    bool all_pieces) const;
   std::shared_ptr<const ObjectLabels> edited(CachedObject& cache, const ObjectMarks& object, bool all_pieces,
                                              const std::vector<std::shared_ptr<const ObjectLabels>>& blocked) const;
   ShownObject show(const ObjectMarks& object, bool all_pieces,

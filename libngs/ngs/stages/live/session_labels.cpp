@@ -59,22 +59,43 @@ void Session::remove_untouched(CachedObject& cache) const {
   cache.touched = std::make_shared<const ObjectLabels>(std::move(labels));
 }
 
+/// Starts from the cached result of most of these edits, so that a further edit, and undoing it, cost only themselves.
+std::shared_ptr<const ObjectLabels> Session::with_edits_of(CachedObject& cache, const ObjectMarks& object,
+                                                           bool all_pieces) const {
+  const std::shared_ptr<const ObjectLabels>& base = all_pieces ? cache.labels : cache.touched;
+  if (!object.edits) return base;
+  const HandEdits& edits = *object.edits;
+  if (cache.steps_of != base) cache.steps.clear();
+  cache.steps_of = base;
+  std::shared_ptr<const ObjectLabels> labels = base;
+  std::size_t done = 0;
+  for (const auto& [some, result] : cache.steps)
+    if (some.size() > done && some.size() <= edits.size() && std::equal(some.begin(), some.end(), edits.begin())) {
+      done = some.size();
+      labels = result;
+    }
+  if (done == edits.size()) return labels;
+  labels =
+      std::make_shared<const ObjectLabels>(with_edits(exec_, model_.cloud, *labels, std::span(edits).subspan(done)));
+  cache.steps.insert(cache.steps.begin(), {edits, labels});
+  if (cache.steps.size() > kMaxEditSteps) cache.steps.pop_back();
+  return labels;
+}
+
 std::shared_ptr<const ObjectLabels> Session::edited(
     CachedObject& cache, const ObjectMarks& object, bool all_pieces,
     const std::vector<std::shared_ptr<const ObjectLabels>>& blocked) const {
-  const auto& base = all_pieces ? cache.labels : cache.touched;
-  if (!object.edits && blocked.empty()) return base;
-  std::vector<std::shared_ptr<const void>> key{base, object.edits};
+  const std::shared_ptr<const ObjectLabels> labels = with_edits_of(cache, object, all_pieces);
+  if (blocked.empty()) return labels;
+  std::vector<std::shared_ptr<const void>> key{labels};
   key.insert(key.end(), blocked.begin(), blocked.end());
-  if (cache.edited && cache.edited_of == key) return cache.edited;
+  if (cache.unblocked && cache.unblocked_of == key) return cache.unblocked;
   std::vector<std::uint8_t> rows(std::size_t(model_.cloud.size()));
-  for (const auto& labels : blocked)
-    for (std::size_t i = 0; i < rows.size(); ++i) rows[i] |= labels->label[i] > 0;
-  const HandEdits none;
-  cache.edited = std::make_shared<const ObjectLabels>(
-      with_edits(exec_, model_.cloud, *base, object.edits ? *object.edits : none, rows));
-  cache.edited_of = std::move(key);
-  return cache.edited;
+  for (const auto& other : blocked)
+    for (std::size_t i = 0; i < rows.size(); ++i) rows[i] |= other->label[i] > 0;
+  cache.unblocked = std::make_shared<const ObjectLabels>(with_edits(exec_, model_.cloud, *labels, {}, rows));
+  cache.unblocked_of = std::move(key);
+  return cache.unblocked;
 }
 
 /// `blocked`: the labels of locked and hidden objects.

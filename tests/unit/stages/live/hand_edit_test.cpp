@@ -21,6 +21,12 @@ HandEdit outline(EditAction action, const live::Viewpoint& viewpoint, std::array
 
 HandEdit of(EditAction action) { return {action, {}, {}, {}, 0}; }
 
+live::HandEdits list_of(std::initializer_list<EditAction> actions) {
+  live::HandEdits edits;
+  for (const EditAction action : actions) edits.push_back(std::make_shared<const HandEdit>(of(action)));
+  return edits;
+}
+
 std::int64_t count(const live::ObjectLabels& labels) {
   CHECK(labels.count == std::count(labels.label.begin(), labels.label.end(), 1.f));
   return labels.count;
@@ -75,6 +81,16 @@ TEST_CASE("inverting twice, and undoing every edit, restores the labels") {
   CHECK(count(labels_of(session)) == 0);
   for (int k = 0; k < 4; ++k) CHECK(session.undo());
   CHECK(labels_of(session).label == strokes);
+  // Results of earlier edits are cached; many edits and steps back give the labels of a new session.
+  std::vector<std::vector<float>> after;
+  for (const double x : {20.0, 60.0, 100.0, 140.0, 180.0, 190.0}) {
+    session.edit_by_hand(1, outline(x < 70 ? EditAction::kTake : EditAction::kAdd, viewpoint, {x, 20, x + 30, 120}));
+    after.push_back(labels_of(session).label);
+  }
+  for (std::size_t k = after.size() - 1; k > 0; --k) {
+    CHECK(session.undo());
+    CHECK(labels_of(session).label == after[k - 1]);
+  }
 }
 
 TEST_CASE("growing adds the neighbours of the edge and shrinking takes them again") {
@@ -91,7 +107,7 @@ TEST_CASE("growing adds the neighbours of the edge and shrinking takes them agai
   for (const int threads : {1, 3}) {
     Exec exec;
     exec.threads = threads;
-    const std::array grow{of(EditAction::kGrow)};
+    const live::HandEdits grow = list_of({EditAction::kGrow});
     grown.push_back(live::with_edits(exec, cloud, labels, grow));
   }
   CHECK(grown[0].label == grown[1].label);
@@ -99,7 +115,7 @@ TEST_CASE("growing adds the neighbours of the edge and shrinking takes them agai
     if (is_within(i, 1.09)) CHECK(grown[0].label[i] == 1);  // the next ring
     if (!is_within(i, 1.31)) CHECK(grown[0].label[i] == 0);
   }
-  const std::array both{of(EditAction::kGrow), of(EditAction::kShrink)};
+  const live::HandEdits both = list_of({EditAction::kGrow, EditAction::kShrink});
   const live::ObjectLabels again = live::with_edits({}, cloud, labels, both);
   CHECK(count(again) < count(grown[0]));
   for (std::size_t i = 0; i < 1600; ++i) {
