@@ -63,6 +63,19 @@ std::size_t occurrences(const std::string& text, const std::string& part) {
   return count;
 }
 
+TEST_CASE("the object alone has a picture for dark mode and one for light mode") {
+  const test::TempDir dir;
+  const std::string out = made_run(dir);
+  fs::copy_file(dir.path() + "/scene/model.ply", out + "/object.ply");
+  run_tool(out, {"ngs-report", ".", "-o", "report.html"});
+  const std::string page = test::read_bytes(out + "/report.html");
+  const std::size_t dark =
+      page.find("<picture><source media=\"(prefers-color-scheme:dark)\" srcset=\"data:image/jpeg;");
+  REQUIRE(dark != page.npos);
+  CHECK(page.find("class=after", dark) != page.npos);
+  CHECK(page.find("the object, cut out") != page.npos);
+}
+
 TEST_CASE("the page of a run holds every section, lists warnings and loads nothing external") {
   const test::TempDir dir;
   const std::string out = made_run(dir);

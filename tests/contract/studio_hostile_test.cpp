@@ -136,6 +136,39 @@ TEST_CASE("requests without a token or with another Host or Origin are rejected"
   CHECK(page.headers.find("Content-Security-Policy: default-src 'self'") != std::string::npos);
 }
 
+TEST_CASE("behind a tunnel the port of Host differs: a request with the token is answered") {
+  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
+  const test::TempDir dir;
+  dir.write("model.ply", test::strict_ply_bytes(test::tiny_scene().cloud));
+  StudioServer server(dir.path(), {"model.ply", "-q"});  // without its address there is no page
+  for (const std::string host : {"localhost:9000", "127.0.0.1:1"}) {
+    const std::string head = " HTTP/1.1\r\nHost: " + host + "\r\nConnection: close\r\n";
+    const auto first = StudioServer::parsed(server.send("GET /?token=" + server.token() + head + "\r\n"));
+    CHECK(first.status == 303);
+    const auto state = StudioServer::parsed(server.send("GET /api/state" + head + "Origin: http://" + host +
+                                                        "\r\nX-Ngs-Token: " + server.token() + "\r\n\r\n"));
+    CHECK(state.status == 200);
+  }
+}
+
+TEST_CASE("a second studio on the same port ends with exit code 8 and leaves the first alone") {
+  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
+  const test::TempDir dir;
+  dir.write("model.ply", test::strict_ply_bytes(test::tiny_scene().cloud));
+  StudioServer server(dir.path(), {"model.ply"});
+  const test::ProcessResult second =
+      test::run_process({.argv = {NGS_TOOL_DIR "/ngs-studio", "model.ply", "-o", "b", "--port",
+                                  std::to_string(server.port()), "--no-browser"},
+                         .environment = {},
+                         .folder = dir.path(),
+                         .input = {},
+                         .signal = 15,
+                         .signal_after = "open http"});
+  CHECK(second.exit_code == 8);
+  CHECK(second.err.find("port " + std::to_string(server.port()) + ": is in use") != std::string::npos);
+  for (int k = 0; k < 8; ++k) CHECK(server.get("/api/state").status == 200);
+}
+
 TEST_CASE("malformed requests get one clear error and do not change the studio's state") {
   if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
   const test::TempDir dir;

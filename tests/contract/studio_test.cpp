@@ -8,9 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "ngs/io/ply/gaussian_ply.h"
-#include "support/process.h"
 #include "support/skip.h"
-#include "support/studio_server.h"
+#include "support/studio_place.h"
 #include "support/temp_dir.h"
 #include "support/tiny_scene.h"
 
@@ -19,60 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-using test::StudioServer;
-
-/// A folder with the tiny scene.
-struct Place {
-  Place() { test::write_tiny_scene(dir.path() + "/scene"); }
-  test::TempDir dir;
-};
-
-std::string camera_of(const Json& state, std::size_t view) {
-  Json camera = state["views"][view]["camera"];
-  camera["width"] = 192, camera["height"] = 144;
-  return camera.dump();
-}
-
-/// A point in the middle, on the ball, and a stroke along the top, on the wall.
-std::string strokes(const std::string& camera, int object = 1) {
-  return R"({"object":)" + std::to_string(object) + R"(,"camera":)" + camera +
-         R"(,"strokes":[{"label":"object","radius_px":6,"points":[[96,72]]},)"
-         R"({"label":"background","radius_px":5,"points":[[8,8],[184,8]]}]})";
-}
-
-Json json_of(const StudioServer::Answer& answer) {
-  INFO(answer.body);
-  REQUIRE(answer.status >= 200);
-  REQUIRE(answer.status < 300);
-  return Json::parse(answer.body);
-}
-
-Json finished_job(const StudioServer& server) {
-  Json job;
-  do {
-    job = json_of(server.get("/api/job"));
-  } while (job["state"] == "running");
-  return job;
-}
-
-std::vector<std::string> words_of(const std::string& line) {
-  std::vector<std::string> words(1);
-  for (const char c : line) {
-    if (c == ' ')
-      words.emplace_back();
-    else
-      words.back() += c;
-  }
-  return words;
-}
-
-void run_tool(const std::string& folder, std::vector<std::string> argv) {
-  argv[0] = std::string(NGS_TOOL_DIR "/") + argv[0];
-  const test::ProcessResult result =
-      test::run_process({.argv = argv, .environment = {}, .folder = folder, .input = {}, .signal_after = {}});
-  INFO(argv[0] << ": " << result.err);
-  REQUIRE(result.exit_code == 0);
-}
+using test::StudioServer, test::Place, test::camera_of, test::finished_job, test::json_of, test::kModel, test::run_tool,
+    test::strokes, test::words_of;
 
 /// The tiny scene with most of its Gaussians behind all cameras; the nearest of these are closer to the ball than to
 /// the wall.
@@ -88,8 +35,6 @@ void hide_a_museum_behind(const Place& place) {
   }
   std::ofstream(place.dir.path() + "/scene/model.ply", std::ios::binary) << test::strict_ply_bytes(cloud);
 }
-
-constexpr const char* kModel = "scene/scene.json";
 
 }  // namespace
 
@@ -150,7 +95,7 @@ TEST_CASE("exported files equal those of the printed commands, and those of a re
   CHECK(exported.size() == 6);  // three splats, strokes.json, two masks
   for (const auto& [file, bytes] : exported) CHECK_FALSE(bytes.empty());
 
-  for (const char* name : {"labelled.ply", "object.ply", "background.ply", "boundary.ply"})
+  for (const char* name : {"labelled.ply", "object.ply", "background.ply", "boundary.ply", "flash.ply"})
     fs::remove(top + "object-1/" + name);
   for (std::size_t line = 1; line < done["commands"].size(); ++line)
     run_tool(place.dir.path(), words_of(done["commands"][line]));
@@ -180,6 +125,8 @@ TEST_CASE("the export has exactly the Gaussians that the page counts, if most of
   const GaussianCloud object = io::read_gaussian_ply(folder + "object.ply").cloud;
   CHECK(object.size() == count);
   CHECK(io::read_gaussian_ply(folder + "background.ply").cloud.size() == 3374 - count);
+  const io::GaussianPly labelled = io::read_gaussian_ply(folder + "labelled.ply");
+  CHECK(std::count(labelled.labels.label.begin(), labelled.labels.label.end(), 1.f) == count);
   for (std::size_t i = 0; i < std::size_t(object.size()); ++i) CHECK(object.position[3 * i + 2] > -1);
 
   const Json marked = json_of(server.post("/api/objects", R"({"all_pieces":true})"));

@@ -139,6 +139,82 @@ async function secondObject(page) {
   await snap(page, '1600-light-two-objects');
 }
 
+// Corrects the second object by hand, and undoes all of it.
+async function byHand(page) {
+  const before = await countOf(page, 2), steps = await undosOf(page);
+  const outline = pixels([40, 40], [280, 40], [280, 220], [40, 220], [42, 42]);
+  const after = async () => { await settled(page); return countOf(page, 2); };
+  await page.locator('#paint').focus();
+  await page.keyboard.press('l');
+  check((await pressed(page, 'tool-lasso')) === 'true' && (await page.locator('#by-hand').isVisible()), 'by hand: L selects the lasso');
+  await drag(page, outline);
+  const lasso = await after();
+  check(lasso > before, `by hand: a lasso adds ${lasso - before} Gaussians`);
+  await snap(page, '1600-light-lasso');
+  await page.getByText('Take', { exact: true }).click();
+  await page.locator('#paint').focus();
+  await page.keyboard.press('r');
+  await drag(page, pixels([30, 30], [165, 225]));
+  const box = await after();
+  check(box < lasso, `by hand: a box takes ${lasso - box} Gaussians`);
+  await page.getByText('Add', { exact: true }).click();
+  await page.locator('#paint').focus();
+  await page.keyboard.press('o');
+  await drag(page, pixels([120, 140], [150, 140]));
+  const ball = await after();
+  check(ball > box, `by hand: a ball adds ${ball - box} Gaussians`);
+  await page.locator('[data-edit=grow]').click();
+  const grown = await after();
+  await page.locator('[data-edit=shrink]').click();
+  check(grown > ball && (await after()) < grown, 'by hand: Grow adds neighbours and Shrink takes some');
+  const shown = await colourAt(page, kBox[1]);
+  await page.locator('#hide').click();
+  await settled(page);
+  check((await pressed(page, 'hide')) === 'true' && difference(shown, await colourAt(page, kBox[1])) > kTinted, 'by hand: Hide hides the object');
+  await page.locator('#hide').click();
+  await page.locator('#lock').click();
+  await settled(page);
+  await page.locator('[data-edit=invert]').click();
+  await page.locator('#trouble').filter({ hasText: 'is locked' }).waitFor();
+  check(true, 'by hand: a locked object does not change, and the page says why');
+  await page.locator('#trouble-close').click();
+  await page.locator('#paint').focus();
+  while ((await undosOf(page)) > steps) await pressAndSettle(page, 'Control+z');
+  check((await countOf(page, 2)) === before, 'by hand: Undo undoes every edit');
+  await page.keyboard.press('Escape');
+  errors.length = 0;  // the refused request of the locked object
+}
+
+async function secondTab(page) {
+  const other = await page.context().newPage();
+  await other.goto(new URL(page.url()).origin);
+  await settled(other);
+  await page.locator('#object-add').click();
+  await page.locator('#objects li').nth(2).waitFor();
+  await other.evaluate(() => dispatchEvent(new Event('focus')));
+  await other.locator('#objects li').nth(2).waitFor();
+  check(true, 'second tab: shows the change of the first once it is looked at');
+  check(await other.locator('#hint').isHidden(), 'second tab: does not show the hint of a first session');
+  await other.close();
+  await page.locator('#undo').click();
+  await page.locator('#objects li').nth(2).waitFor({ state: 'detached' });
+  await page.locator('#objects li:nth-child(2) input[type=radio]').check();
+  await settled(page);
+}
+
+async function turnsUpright(page) {
+  await page.locator('#upwards').selectOption('+x');
+  await settled(page);
+  const at = pixels([60, 60], [160, 120], [250, 200]);
+  const now = await Promise.all(at.map((place) => colourAt(page, place)));
+  await page.locator('#paint').focus();
+  for (const key of ['ArrowLeft', 'ArrowRight', 'ArrowLeft', 'ArrowRight']) await pressAndSettle(page, key);
+  const later = await Promise.all(at.map((place) => colourAt(page, place)));
+  check(now.every((colour, k) => difference(colour, later[k]) < kTinted), 'up axis: turns the camera at once');
+  await page.locator('#upwards').selectOption('auto');
+  await goToView(page);
+}
+
 async function slider(page) {
   await page.locator('#objects li:nth-child(1) input[type=radio]').check();
   await settled(page);
@@ -184,7 +260,7 @@ async function refine(page) {
 }
 
 const kExported = ['object-1/cut/object.ply', 'object-1/cut/background.ply', 'object-1/cut/background-filled.ply', 'object-1/cut/labelled.ply',
-  'object-2/object.ply', 'object-2/background.ply', 'object-2/background-filled.ply', 'object-2/labelled.ply', 'object-2/strokes.json'];
+  'object-2/object.ply', 'object-2/background.ply', 'object-2/background-filled.ply', 'object-2/labelled.ply', 'object-2/strokes.json', 'background.ply'];
 const hasClock = (name) => name.includes('/report');
 const isMadeByCommands = (name) => name.endsWith('.ply') || name.includes('/cut/');
 
@@ -202,6 +278,14 @@ async function exportAndRepeat(page) {
   check((await page.evaluate(() => navigator.clipboard.readText())) === commands, 'export: Copy copies the commands');
   await page.locator('#commands-box').scrollIntoViewIfNeeded();
   await snap(page, '1600-light-exported');
+  const format = page.locator('#format');
+  check(await format.evaluate((select) => select.scrollWidth <= select.clientWidth + 1 && select.clientWidth >= 120), 'export: the format box is not clipped');
+  const names = [];
+  page.on('download', (download) => names.push(download.suggestedFilename()));
+  await page.locator('#download').click();
+  for (let k = 0; k < 100 && names.length < 7; ++k) await new Promise((resolve) => setTimeout(resolve, 50));
+  check(['object', 'background', 'background-filled'].every((part) => names.some((name) => name.endsWith(`${part}.ply`))),
+    `export: Download saves objects, backgrounds and fillings: ${names.join(' ')}`);
   const written = filesOf(folder);
   check(kExported.every((name) => files.includes(name)), `export: lists ${files.length} files, including all expected files`);
   check(files.every((name) => written.has(name)), 'export: every listed file exists');
@@ -314,6 +398,9 @@ const { page, close } = await visit(studio.url, { width: 1600, height: 900 });
 await openAndTurn(page);
 await paintAndCorrect(page);
 await secondObject(page);
+await byHand(page);
+await secondTab(page);
+await turnsUpright(page);
 await slider(page);
 await cancel(page);
 await refine(page);

@@ -21,13 +21,18 @@ namespace {
 namespace fs = std::filesystem;
 constexpr int kFlipWidthPx = 800, kSidePx = 360, kMarkedWidthPx = 400;
 using Colour = std::array<double, 3>;
-constexpr Vec3<float> kPaperBehind{0.93f, 0.92f, 0.9f};
+constexpr Vec3<float> kPaperBehind{0.93f, 0.92f, 0.9f}, kNightBehind{0.114f, 0.133f, 0.153f};  // light and dark mode
 constexpr Colour kPaper{kPaperBehind.x, kPaperBehind.y, kPaperBehind.z}, kOrange{1, 0.42, 0.17},
     kGrey{0.55, 0.58, 0.62};
 
-std::string image_html(const char* state, const ImageF& image, const std::string& alt) {
-  return "<img alt=\"" + escaped(alt) + "\" class=" + state + " width=" + std::to_string(image.width_px) +
-         " height=" + std::to_string(image.height_px) + " src=\"" + jpeg_source(to_bytes(image), 85) + "\">";
+/// `dark`: the image in dark mode; empty: the same.
+std::string image_html(const char* state, const ImageF& image, const std::string& alt, const ImageF& dark = {}) {
+  const std::string img = "<img alt=\"" + escaped(alt) + "\" class=" + state +
+                          " width=" + std::to_string(image.width_px) + " height=" + std::to_string(image.height_px) +
+                          " src=\"" + jpeg_source(to_bytes(image), 85) + "\">";
+  if (dark.empty()) return img;
+  return "<picture><source media=\"(prefers-color-scheme:dark)\" srcset=\"" + jpeg_source(to_bytes(dark), 85) + "\">" +
+         img + "</picture>";
 }
 
 std::string link_to(const std::string& viewer) {
@@ -38,6 +43,7 @@ std::string link_to(const std::string& viewer) {
 struct Flip {
   ImageF before, after;
   std::string view, before_name, after_name;
+  ImageF after_dark = {};  // `after` in dark mode; empty: the same
 };
 
 /// Opens on `after`. The caption names the picture that is shown.
@@ -46,7 +52,7 @@ std::string flip_html(const Flip& flip) {
   return std::string("<figure class=flip><label><input type=checkbox checked") + " aria-label=\"Show " +
          escaped(flip.after_name) + "\"><span class=stack>" +
          image_html("before", flip.before, start + flip.before_name) +
-         image_html("after", flip.after, start + flip.after_name) + "</span></label><figcaption><b>" +
+         image_html("after", flip.after, start + flip.after_name, flip.after_dark) + "</span></label><figcaption><b>" +
          escaped(flip.view) + "</b> <span class=of-before>" + escaped(flip.before_name) +
          "</span><span class=of-after>" + escaped(flip.after_name) + "</span></figcaption></figure>\n";
 }
@@ -101,7 +107,8 @@ std::vector<Flip> flips_of(const Exec& exec, const RunFolder& run, const ShownVi
   const bool is_splat = !cut.empty();
   if (!is_splat) cut = painted(photo, result, false, kPaper, 1);
   const std::string name = !is_splat ? object + " alone" : several ? "the objects, cut out" : "the object, cut out";
-  flips.push_back({photo, std::move(cut), view.view, photo_name, name});
+  ImageF dark = is_splat ? splat_picture(exec, run, view, {"object.ply", kNightBehind, width, height}) : ImageF();
+  flips.push_back({photo, std::move(cut), view.view, photo_name, name, std::move(dark)});
   const auto behind = run.scene && run.scene->background ? background_of(*run.scene) : Vec3<float>{0.5f, 0.5f, 0.5f};
   if (ImageF left = splat_picture(exec, run, view, {"background.ply", behind, width, height}); !left.empty())
     flips.push_back({photo, std::move(left), view.view, photo_name,

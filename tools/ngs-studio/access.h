@@ -12,11 +12,11 @@ struct Caller {
 
 class Access {
  public:
-  /// `port` is part of the cookie's name and of the accepted host names.
+  /// `port` is part of the cookie's name.
   Access(std::string token, int port);
 
   bool allows(const Caller& caller) const { return is_same_origin(caller) && has_token(caller); }
-  /// True if Host is a name of this server, and Origin is absent or the same server.
+  /// True if Host is a local name with any port, as behind a tunnel of ssh, and Origin is absent or the same server.
   bool is_same_origin(const Caller& caller) const;
   bool is_token(std::string_view text) const;
   /// Value of Set-Cookie.
@@ -27,7 +27,6 @@ class Access {
   bool has_token(const Caller& caller) const;
 
   std::string token_, cookie_name_;
-  std::string hosts_[2];
 };
 
 /// 128 random bits in hexadecimal digits.

@@ -18,16 +18,43 @@ std::vector<std::string> joined(std::vector<std::string> words, const std::vecto
 
 std::vector<std::vector<std::string>> export_words(const StateFolder& folder, int object, const ExportChoice& choice) {
   const auto at = [&](const std::string& name) { return folder.of(object, name); };
-  std::vector<std::string> extract{"ngs-extract", at("labelled.ply"), "--unseen", "background"};
-  extract.insert(extract.end(), {"--scene", at("scene.json")});
+  std::vector<std::string> extract{"ngs-extract", at("flash.ply"), "--unseen",
+                                   "background",  "--scene",       at("scene.json")};
   if (!choice.all_pieces) extract.insert(extract.end(), {"--strokes", at("strokes.json")});
   if (choice.fill) extract.insert(extract.end(), {"--background-filled", at("background-filled." + choice.format)});
   std::vector<std::vector<std::string>> words{
       {"ngs-variance", at("scene.json"), "-o", at("boundary.ply"), "-w"},
-      {"ngs-joint", at("scene.json"), at("boundary.ply"), "--method", "flash", "-o", at("labelled.ply"), "-w"},
+      {"ngs-joint", at("scene.json"), at("boundary.ply"), "--method", "flash", "-o", at("flash.ply"), "-w"},
       joined(extract, {"--object-ply", at("object." + choice.format), "--background-ply",
-                       at("background." + choice.format), "-w"})};
+                       at("background." + choice.format), "--labelled", at("labelled.ply"), "-w"})};
   return words;
+}
+
+namespace {
+
+/// Without labels the whole model is in a ball around everything; the edit then decides.
+std::vector<std::string> import_words(const std::string& labelled, const std::string& selection) {
+  return {"ngs-extract", labelled,   "--keep-sphere", "0,0,0,1e18",   "--import",
+          selection,     "--unseen", "background",    "--allow-empty"};
+}
+
+}  // namespace
+
+std::vector<std::vector<std::string>> selection_words(const StateFolder& folder, int object,
+                                                      const std::string& labelled, const ExportChoice& choice) {
+  const auto at = [&](const std::string& name) { return folder.of(object, name); };
+  std::vector<std::string> extract = import_words(labelled, at("selection.ply"));
+  if (choice.fill) extract.insert(extract.end(), {"--background-filled", at("background-filled." + choice.format)});
+  std::vector<std::vector<std::string>> words{
+      joined(extract, {"--object-ply", at("object." + choice.format), "--background-ply",
+                       at("background." + choice.format), "--labelled", at("labelled.ply"), "-w"})};
+  return words;
+}
+
+std::vector<std::string> common_background_words(const StateFolder& folder, const std::string& model,
+                                                 const ExportChoice& choice) {
+  return joined(import_words(model, folder.at("objects.ply")),
+                {"--background-ply", folder.at("background." + choice.format), "-w"});
 }
 
 std::vector<std::vector<std::string>> convert_words(const StateFolder& folder, int object, const ExportChoice& choice) {

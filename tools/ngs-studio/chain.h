@@ -13,7 +13,14 @@ struct ExportChoice {
   std::string format = "ply";
   bool fill = true;  // also writes background-filled.FORMAT: without the hole behind the object
 };
-/// Export: writes exactly the Gaussians shown, with ngs-variance, ngs-joint --method flash and ngs-extract.
+/// Export: writes exactly the Gaussians shown, with ngs-variance, ngs-joint --method flash and ngs-extract. Other
+/// labels than those of the strokes, or of Refine, are those of selection.ply: `labelled` is the splat that it was made
+/// from.
+std::vector<std::vector<std::string>> selection_words(const StateFolder& folder, int object,
+                                                      const std::string& labelled, const ExportChoice& choice);
+/// The background without any object, from the splat of the session.
+std::vector<std::string> common_background_words(const StateFolder& folder, const std::string& model,
+                                                 const ExportChoice& choice);
 std::vector<std::vector<std::string>> export_words(const StateFolder& folder, int object, const ExportChoice& choice);
 /// Export after Refine: converts its object.ply and background.ply, unless the format is ply, and fills the hole.
 std::vector<std::vector<std::string>> convert_words(const StateFolder& folder, int object, const ExportChoice& choice);

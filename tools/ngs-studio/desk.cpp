@@ -6,6 +6,7 @@
 
 #include "ngs/io/image/image_file.h"
 #include "ngs/options/name_of.h"
+#include "ngs/stages/live/hand_edit.h"
 #include "shared/run/sibling_program.h"
 #include "state_json.h"
 
@@ -18,6 +19,12 @@ constexpr NamedValue<live::Layer> kLayers[] = {{live::Layer::kBoth, "both"},
                                                {live::Layer::kObject, "object"},
                                                {live::Layer::kBackground, "background"},
                                                {live::Layer::kBoundary, "boundary"}};
+constexpr NamedValue<live::EditAction> kActions[] = {{live::EditAction::kAdd, "add"},
+                                                     {live::EditAction::kTake, "take"},
+                                                     {live::EditAction::kInvert, "invert"},
+                                                     {live::EditAction::kGrow, "grow"},
+                                                     {live::EditAction::kShrink, "shrink"}};
+constexpr std::array<float, 3> kDroppedColour{1, 0.1f, 0.9f};
 constexpr int kJpegQuality = 85, kMovingQuality = 70;
 constexpr std::size_t kMaxViews = 400;  // views of a scene to list
 
@@ -32,13 +39,17 @@ std::string name_of_object(Fields& fields) {
   return name;
 }
 
+std::size_t count_marked(const live::Marks& marks) {
+  return std::size_t(std::ranges::count_if(marks.objects, [](const auto& object) { return !object.is_empty(); }));
+}
+
 }  // namespace
 
 Desk::Desk(const Exec& exec, StudioPlace place)
     : exec_(exec),
       place_(std::move(place)),
-      folder_(place_.folder),
       loaded_(exec, place_.source),
+      folder_(place_.folder),
       session_(exec, loaded_.model()) {
   if (std::optional<live::Marks> earlier = folder_.load(place_.source)) {
     session_.restore(std::move(*earlier));
@@ -52,7 +63,9 @@ void Desk::note(const std::string& path, const nlohmann::json& body) const {
 }
 
 Json Desk::changed() {
-  folder_.save(*session_.marks(), place_.source);
+  const std::shared_ptr<const live::Marks> marks = session_.marks();
+  folder_.save(*marks, place_.source);
+  for (const live::ObjectMarks& object : marks->objects) relabel_refined(object);
   {
     const std::lock_guard lock(mutex_);
     exported_ = nullptr;  // the exported files no longer match the selection
@@ -89,11 +102,49 @@ Json Desk::strokes(Fields request) {
 
 /// Gaussians of the object that the page shows.
 std::int64_t Desk::shown_count(int object) const {
-  if (const std::shared_ptr<const RefinedModel> refined = refined_of(*session_.marks(), object))
-    return refined->labels->count;
-  for (const live::ShownObject& shown : *session_.shown())
-    if (shown.id == object && shown.labels) return shown.labels->count;
-  return 0;
+  const std::shared_ptr<const live::ObjectLabels> labels = labels_of(*session_.marks(), object);
+  return labels ? labels->count : 0;
+}
+
+Json Desk::edit(Fields request) {
+  refuse_while_busy();
+  const int object = request.integer("object", 1, 1 << 20);
+  const std::string action = request.text("action", 20);
+  const auto* named = std::ranges::find(kActions, action, &NamedValue<live::EditAction>::name);
+  if (named == std::end(kActions)) request.refuse("action", "add, take, invert, grow or shrink");
+  live::HandEdit edit;
+  if (named->value == live::EditAction::kAdd || named->value == live::EditAction::kTake) {
+    const live::Viewpoint viewpoint = viewpoint_of(request.object("camera"));
+    if (request.has("ball")) {
+      Fields ball = request.object("ball");
+      const double x = ball.number("x", 0, viewpoint.width_px), y = ball.number("y", 0, viewpoint.height_px),
+                   radius_px = ball.number("radius_px", 0.5, 4096);
+      ball.end();
+      const live::Model model = loaded_.model();
+      edit = live::ball_at(exec_, model.cloud, model.splat, viewpoint, {x, y, radius_px});
+    } else {
+      edit.viewpoint = viewpoint, edit.outline = points_of(request, "outline");
+      if (edit.outline.size() < 3) request.refuse("outline", "at least three points");
+    }
+  }
+  edit.action = named->value;
+  request.end();
+  const std::int64_t before = shown_count(object);
+  session_.edit_by_hand(object, edit);
+  Json out = changed();
+  const std::int64_t count = shown_count(object);
+  out["answer"] = {{"gaussians", count}, {"change", count - before}};
+  return out;
+}
+
+/// Keeps, or drops again, what the strokes select and Refine dropped.
+Json Desk::keep(Fields request) {
+  refuse_while_busy();
+  const int object = request.integer("object", 1, 1 << 20);
+  const bool keep = request.boolean("keep");
+  request.end();
+  session_.keep_dropped(object, keep);
+  return changed();
 }
 
 Json Desk::undo(Fields request) {
@@ -135,11 +186,16 @@ Json Desk::objects(Fields request) {
     session_.show_all_pieces(all);
   } else {
     const int id = request.integer("id", 1, 1 << 20);
+    const std::string flag = request.has("hidden") ? "hidden" : request.has("locked") ? "locked" : "";
+    const bool is_set = !flag.empty() && request.boolean(flag);
     const std::string name = request.has("name") ? name_of_object(request) : "",
                       colour = request.has("colour") ? colour_of(request, "colour") : "";
-    if (name.empty() && colour.empty()) request.refuse("name", "a name or a colour");
+    if (flag.empty() && name.empty() && colour.empty())
+      request.refuse("name", "a name, a colour, or one of hidden and locked");
     request.end();
-    session_.edit_object(id, name, colour);
+    if (flag == "hidden") session_.set_hidden(id, is_set);
+    if (flag == "locked") session_.set_locked(id, is_set);
+    if (!name.empty() || !colour.empty()) session_.edit_object(id, name, colour);
   }
   return changed();
 }
@@ -175,7 +231,11 @@ Reply Desk::frame(Fields request) {
   std::vector<live::ShownObject> objects = *shown;
   if (refined) {
     std::erase_if(objects, [&](const live::ShownObject& o) { return o.id != object; });
-    for (live::ShownObject& o : objects) o.labels = refined->labels;
+    for (live::ShownObject& o : objects) o.labels = labels_of(*marks, object);
+    const bool shows_dropped = wanted.layer == live::Layer::kBoth && wanted.fade == 0.5 && wanted.highlight;
+    if (shows_dropped && refined->found.dropped.count > 0 && !marks->find(object)->keeps_dropped)
+      objects.push_back({object, kDroppedColour,
+                         std::shared_ptr<const live::ObjectLabels>(refined, &refined->found.dropped), nullptr, false});
   }
   const ImageU8 picture = [&] {
     const std::lock_guard lock(drawing_);
@@ -214,7 +274,7 @@ Json Desk::objects_json(const live::Marks& marks) const {
   Json out = Json::array();
   const auto shown = session_.shown();
   for (const live::ObjectMarks& object : marks.objects) {
-    const bool refined = is_refined(object);
+    const std::shared_ptr<const RefinedModel> refined = refined_of(marks, object.id);
     std::int64_t left_out = 0;
     Focus focus;
     for (const live::ShownObject& s : *shown)
@@ -229,7 +289,12 @@ Json Desk::objects_json(const live::Marks& marks) const {
                    {"left_out", left_out},
                    {"strokes", object.strokes()},
                    {"views", object.views.size()},
-                   {"refined", refined}});
+                   {"edits", object.edits ? object.edits->size() : 0},
+                   {"hidden", object.hidden},
+                   {"locked", object.locked},
+                   {"refined", refined != nullptr},
+                   {"dropped", refined ? refined->found.dropped.count : 0},
+                   {"keeps_dropped", object.keeps_dropped}});
     if (focus.radius > 0) out.back()["focus"] = {{"centre", list(focus.centre)}, {"radius", focus.radius}};
   }
   return out;
@@ -252,19 +317,18 @@ Json Desk::commands_json(const live::Marks& marks) const {
   const auto add = [&](const std::vector<std::string>& words) { lines.push_back(cli::quoted_line(words)); };
   add({"ngs-studio", place_.source, "--replay", folder_.at("visit.jsonl"), "-o", place_.folder + "-again"});
   for (const live::ObjectMarks& object : marks.objects) {
-    if (object.views.empty()) continue;
+    if (object.is_empty()) continue;
     const bool refined = is_refined(object);
     std::string quality = "standard";
     {
       const std::lock_guard lock(mutex_);
       if (const auto found = quality_.find(object.id); found != quality_.end()) quality = found->second;
     }
-    for (const auto& words : refined ? refine_words(folder_, object.id, choice_for(object.id, quality))
-                                     : export_words(folder_, object.id, export_choice(marks)))
-      add(words);
-    if (!refined) continue;
-    for (const auto& words : convert_words(folder_, object.id, export_choice(marks))) add(words);
+    if (refined)
+      for (const auto& words : refine_words(folder_, object.id, choice_for(object.id, quality))) add(words);
+    for (const auto& words : words_of(object, marks, export_choice(marks))) add(words);
   }
+  if (count_marked(marks) > 1) add(common_background_words(folder_, loaded_.scene.model_path, export_choice(marks)));
   return lines;
 }
 

@@ -22,6 +22,8 @@ class Desk {
   Json undo(Fields request);
   Json redo(Fields request);
   Json objects(Fields request);
+  Json edit(Fields request);
+  Json keep(Fields request);
   Json refine(Fields request);
   Json export_files(Fields request);
   /// A file of the last export, for the browser.
@@ -43,6 +45,9 @@ class Desk {
   struct Refined {
     std::shared_ptr<const RefinedModel> model;
     std::vector<std::shared_ptr<const live::MarkedView>> views;  // marked views that Refine used
+    std::shared_ptr<const live::ObjectLabels> labels;            // shown: with dropped parts and edits by hand
+    std::shared_ptr<const live::HandEdits> edits;                // what `labels` was made with
+    bool keeps_dropped = false;
   };
 
   Json changed();
@@ -52,6 +57,15 @@ class Desk {
   Json views_json() const;
   std::shared_ptr<const RefinedModel> refined_of(const live::Marks& marks, int object) const;
   bool is_refined(const live::ObjectMarks& object) const;
+  /// The labels shown, on the Gaussians of the model or of Refine; null: none.
+  std::shared_ptr<const live::ObjectLabels> labels_of(const live::Marks& marks, int object) const;
+  void relabel_refined(const live::ObjectMarks& object);
+  /// Whether the labels shown are neither those of the strokes alone nor those of Refine.
+  bool is_by_hand(const live::Marks& marks, const live::ObjectMarks& object) const;
+  std::vector<std::vector<std::string>> words_of(const live::ObjectMarks& object, const live::Marks& marks,
+                                                 const ExportChoice& choice) const;
+  void write_selection(const live::Marks& marks, const live::ObjectMarks& object) const;
+  void write_all_objects(const live::Marks& marks) const;
   RefineChoice choice_for(int object, const std::string& quality) const;
   void start(std::string kind, std::vector<JobStep> steps, std::function<void()> finished);
   void refuse_while_busy() const;
@@ -60,8 +74,8 @@ class Desk {
 
   const Exec exec_;
   const StudioPlace place_;
-  StateFolder folder_;
   const LoadedModel loaded_;
+  StateFolder folder_;  // after the model: no folder is left if that cannot be read
   live::Session session_;
   std::atomic<int> version_ = 1;
   std::atomic<bool> shows_before_ = false;

@@ -4,7 +4,9 @@
 
 #include "desk.h"
 #include "ngs/io/files/mapped_file.h"
+#include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/scene/scene_json.h"
+#include "ngs/stages/live/hand_edit.h"
 #include "shared/run/environment.h"
 
 namespace ngs::studio {
@@ -25,6 +27,11 @@ void remove_exports(const std::string& folder, bool keep_ply) {
     for (const std::string format : kFormats)
       if (!keep_ply || format != "ply" || side == "/background-filled.") fs::remove(folder + side + format, ignored);
 }
+
+constexpr const char* kNothingBetter =
+    "Refine found nothing better than your selection, which stays as it is: correct it by strokes or by hand, or "
+    "export "
+    "it.";
 
 Json files_in(const std::string& folder, const std::string& shown, const std::string& format) {
   Json files = Json::array();
@@ -98,6 +105,70 @@ std::shared_ptr<const RefinedModel> Desk::refined_of(const live::Marks& marks, i
   return refined_.at(object).model;
 }
 
+void Desk::relabel_refined(const live::ObjectMarks& object) {
+  const std::lock_guard lock(mutex_);
+  const auto found = refined_.find(object.id);
+  if (found == refined_.end() || found->second.views != object.views) return;
+  Refined& refined = found->second;
+  if (refined.labels && refined.edits == object.edits && refined.keeps_dropped == object.keeps_dropped) return;
+  live::ObjectLabels labels = refined.model->found.labels;
+  for (std::size_t i = 0; object.keeps_dropped && i < labels.label.size(); ++i)
+    if (refined.model->found.dropped.label[i] > 0) labels.label[i] = 1, ++labels.count;
+  const live::HandEdits none;
+  labels = live::with_edits(exec_, refined.model->ply.cloud, std::move(labels), object.edits ? *object.edits : none);
+  refined.labels = std::make_shared<const live::ObjectLabels>(std::move(labels));
+  refined.edits = object.edits, refined.keeps_dropped = object.keeps_dropped;
+}
+
+std::shared_ptr<const live::ObjectLabels> Desk::labels_of(const live::Marks& marks, int object) const {
+  const live::ObjectMarks* marked = marks.find(object);
+  if (marked != nullptr && is_refined(*marked)) {
+    const std::lock_guard lock(mutex_);
+    return refined_.at(object).labels;
+  }
+  for (const live::ShownObject& shown : *session_.shown())
+    if (shown.id == object) return shown.labels;
+  return nullptr;
+}
+
+bool Desk::is_by_hand(const live::Marks& marks, const live::ObjectMarks& object) const {
+  if (object.edits) return true;
+  if (const std::shared_ptr<const RefinedModel> refined = refined_of(marks, object.id))
+    return refined->found.restored > 0 || (object.keeps_dropped && refined->found.dropped.count > 0);
+  return !object.locked && !object.hidden && std::ranges::any_of(marks.objects, [&](const live::ObjectMarks& other) {
+    return other.id != object.id && (other.locked || other.hidden) && !other.is_empty();
+  });
+}
+
+/// The command lines of Export.
+std::vector<std::vector<std::string>> Desk::words_of(const live::ObjectMarks& object, const live::Marks& marks,
+                                                     const ExportChoice& choice) const {
+  const bool refined = is_refined(object);
+  if (is_by_hand(marks, object))
+    return selection_words(folder_, object.id,
+                           refined ? folder_.of(object.id, "cut/labelled.ply") : loaded_.scene.model_path, choice);
+  return refined ? convert_words(folder_, object.id, choice) : export_words(folder_, object.id, choice);
+}
+
+void Desk::write_selection(const live::Marks& marks, const live::ObjectMarks& object) const {
+  const std::shared_ptr<const live::ObjectLabels> labels = labels_of(marks, object.id);
+  const std::shared_ptr<const RefinedModel> refined = refined_of(marks, object.id);
+  fs::create_directories(folder_.of(object.id));
+  io::write_strict_ply(folder_.of(object.id, "selection.ply"), refined ? refined->ply : loaded_.ply,
+                       {labels->label.begin(), labels->label.end()});
+}
+
+/// A refined object may have other Gaussians than the model: then those of its strokes and edits.
+void Desk::write_all_objects(const live::Marks& marks) const {
+  std::vector<std::uint8_t> object(std::size_t(loaded_.ply.cloud.size()));
+  for (const live::ShownObject& shown : *session_.shown()) {
+    std::shared_ptr<const live::ObjectLabels> labels = labels_of(marks, shown.id);
+    if (labels && labels->label.size() != object.size()) labels = shown.labels;
+    for (std::size_t i = 0; labels && i < object.size(); ++i) object[i] |= labels->label[i] > 0;
+  }
+  io::write_strict_ply(folder_.at("objects.ply"), loaded_.ply, object);
+}
+
 RefineChoice Desk::choice_for(int object, const std::string& quality) const {
   RefineChoice choice{loaded_.is_scene && !loaded_.scene.views.empty() ? "" : loaded_.scene.model_path, "", quality,
                       session_.marks()->all_pieces};
@@ -113,7 +184,7 @@ Json Desk::refine(Fields request) {
   request.end();
   const std::shared_ptr<const live::Marks> marks = session_.marks();
   const live::ObjectMarks* found = marks->find(marks->active);
-  if (found == nullptr || found->views.empty())
+  if (found == nullptr || found->views.empty() || shown_count(found->id) == 0)
     throw Refusal(409, "refine", "the object has no strokes", "strokes in at least one view", "draw on the object");
   const live::ObjectMarks object = *found;
   const RefineChoice choice = choice_for(object.id, quality);
@@ -130,12 +201,18 @@ Json Desk::refine(Fields request) {
                          const std::string orbit = folder_.of(object.id, "orbit/scene.json");
                          folder_.write_cut(object, made ? io::read_scene_json(orbit) : loaded_.scene);
                        }});
-    steps.push_back({stage_of(words[w]), last ? 8.0 : 1.5, words[w]});
+    steps.push_back({stage_of(words[w]), last ? 8.0 : 1.5, words[w], {}, kNothingBetter});
   }
   start("refine", std::move(steps), [this, object, quality] {
-    auto model = std::make_shared<const RefinedModel>(exec_, folder_.of(object.id, "cut/labelled.ply"), loaded_.splat);
+    auto model =
+        std::make_shared<const RefinedModel>(exec_, folder_.of(object.id, "cut/labelled.ply"), loaded_, object);
+    {
+      const std::lock_guard lock(mutex_);
+      refined_[object.id] = {std::move(model), object.views, nullptr, nullptr, false};
+      quality_[object.id] = quality;
+    }
+    relabel_refined(object);
     const std::lock_guard lock(mutex_);
-    refined_[object.id] = {std::move(model), object.views}, quality_[object.id] = quality;
     for (const char* older : {"labelled.ply", "boundary.ply"}) fs::remove(folder_.of(object.id, older));
     remove_exports(folder_.of(object.id), false);
     remove_exports(folder_.of(object.id, "cut"), true);
@@ -162,25 +239,32 @@ Json Desk::export_files(Fields request) {
   std::vector<JobStep> steps;
   std::vector<std::pair<std::string, std::string>> folders;
   for (const live::ObjectMarks& object : marks->objects) {
-    if (object.views.empty()) continue;
+    if (object.is_empty()) continue;
+    if (shown_count(object.id) == 0)
+      throw Refusal(409, object.name, "no Gaussian is selected", "a selection",
+                    "draw on the object, undo the last step, or remove the object");
     const std::string shown = "object-" + std::to_string(object.id);
-    const bool refined = is_refined(object);
-    const std::string folder = folder_.of(object.id, refined ? "cut" : "");
-    folders.emplace_back(folder, shown + (refined ? "/cut" : ""));
-    steps.push_back({"Writing", 0, {}, [folder, refined] { remove_exports(folder, refined); }});
-    if (refined) {
-      for (const auto& words : convert_words(folder_, object.id, choice)) steps.push_back({"Writing", 1, words});
-      continue;
-    }
-    steps.push_back({"Writing", 0, {}, [this, object] { folder_.write_scene(session_, object, loaded_.scene); }});
-    for (const auto& words : export_words(folder_, object.id, choice)) steps.push_back({"Writing", 1, words});
+    const bool by_hand = is_by_hand(*marks, object), in_cut = is_refined(object) && !by_hand;
+    const std::string folder = folder_.of(object.id, in_cut ? "cut" : "");
+    folders.emplace_back(folder, shown + (in_cut ? "/cut" : ""));
+    steps.push_back({"Writing", 0, {}, [folder, in_cut] { remove_exports(folder, in_cut); }});
+    if (by_hand) steps.push_back({"Writing", 0, {}, [this, marks, object] { write_selection(*marks, object); }});
+    if (!in_cut && !object.views.empty())
+      steps.push_back({"Writing", 0, {}, [this, object] { folder_.write_scene(session_, object, loaded_.scene); }});
+    for (const auto& words : words_of(object, *marks, choice)) steps.push_back({"Writing", 1, words});
   }
   if (folders.empty())
     throw Refusal(409, "export", "no object has strokes", "strokes in at least one view", "draw on the object");
+  steps.push_back({"Writing", 0, {}, [this] { remove_exports(folder_.path(), false); }});
+  if (folders.size() > 1) {
+    steps.push_back({"Writing", 0, {}, [this, marks] { write_all_objects(*marks); }});
+    steps.push_back({"Writing", 1, common_background_words(folder_, loaded_.scene.model_path, choice)});
+  }
   start("export", std::move(steps), [this, folders, choice] {
     Json files = Json::array();
     for (const auto& [folder, shown] : folders)
       for (const Json& file : files_in(folder, shown, choice.format)) files.push_back(file);
+    if (folders.size() > 1) files.push_back("background." + choice.format);
     const std::lock_guard lock(mutex_);
     exported_as_ = choice;
     exported_ = {{"files", std::move(files)},

@@ -55,18 +55,30 @@ void Job::progress(const std::string& stage, double fraction) {
   clock_.update(fraction);
 }
 
+bool Job::run_steps() {
+  for (std::size_t k = 0; k < steps_.size(); ++k) {
+    if (stop_) throw Cancelled{};
+    begin(k);
+    if (steps_[k].words.empty()) {
+      steps_[k].run();
+      continue;
+    }
+    try {
+      run_program(steps_[k]);
+    } catch (const Error& e) {
+      if (steps_[k].if_nothing.empty() || e.code() == ErrorCode::kEnvironment) throw;
+      const std::lock_guard lock(mutex_);
+      note_ = steps_[k].if_nothing;
+      return false;
+    }
+  }
+  return true;
+}
+
 void Job::work() {
   std::string state = "done", error;
   try {
-    for (std::size_t k = 0; k < steps_.size(); ++k) {
-      if (stop_) throw Cancelled{};
-      begin(k);
-      if (steps_[k].words.empty())
-        steps_[k].run();
-      else
-        run_program(steps_[k]);
-    }
-    finished_();
+    if (run_steps()) finished_();
   } catch (const Cancelled&) {
     state = "cancelled";
   } catch (const Error& e) {
@@ -121,7 +133,8 @@ nlohmann::ordered_json Job::json() const {
           {"elapsed_s", elapsed_s},
           {"remaining_s", remaining},
           {"state", state_},
-          {"error", error_.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(error_)}};
+          {"error", error_.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(error_)},
+          {"note", note_.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(note_)}};
 }
 
 }  // namespace ngs::studio

@@ -18,6 +18,7 @@ struct JobStep {
   double share = 1;                // expected time of a program, relative to the other programs
   std::vector<std::string> words;  // command line; empty: call `run`
   std::function<void()> run = {};
+  std::string if_nothing = {};  // the note with which the job ends as done if the program fails with these inputs
 };
 
 class Job {
@@ -31,12 +32,13 @@ class Job {
 
   void cancel() { stop_ = true; }
   bool is_running() const;
-  /// {"kind", "stage", "done", "elapsed_s", "remaining_s", "state", "error"}
+  /// {"kind", "stage", "done", "elapsed_s", "remaining_s", "state", "error", "note"}
   nlohmann::ordered_json json() const;
   const std::string& kind() const { return kind_; }
 
  private:
   void work();
+  bool run_steps();  // false: a step with a note for this case failed
   void run_program(const JobStep& step);
   void begin(std::size_t step);
   void progress(const std::string& stage, double fraction);
@@ -47,7 +49,7 @@ class Job {
   const double start_s_;
   std::atomic<bool> stop_ = false;
   mutable std::mutex mutex_;  // guards the members below
-  std::string stage_, state_ = "running", error_;
+  std::string stage_, state_ = "running", error_, note_;
   mutable cli::ChainClock clock_;
   double end_s_ = 0;
   std::thread thread_;

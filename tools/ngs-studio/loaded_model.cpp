@@ -44,18 +44,19 @@ LoadedModel::LoadedModel(const Exec& exec, const std::string& source) {
   }
 }
 
-RefinedModel::RefinedModel(const Exec& exec, const std::string& labelled, const SplatOptions& like)
-    : ply(io::read_gaussian_ply(labelled)), splat(like) {
+RefinedModel::RefinedModel(const Exec& exec, const std::string& labelled, const LoadedModel& of,
+                           const live::ObjectMarks& marks)
+    : ply(io::read_gaussian_ply(labelled)), splat(of.splat) {
   splat.prepared = nullptr;
   splat = prepared_for(exec, splat, ply.cloud);
-  live::ObjectLabels found;
-  found.label = ply.labels.label.values();
-  found.boundary.resize(found.label.size());
-  for (std::size_t i = 0; i < found.label.size(); ++i) {
-    found.label[i] = float(found.label[i] >= 0.5f), found.count += found.label[i] > 0;
-    found.boundary[i] = i < ply.labels.boundary.size() && ply.labels.boundary[i] > 0;
+  live::ObjectLabels labels;
+  labels.label = ply.labels.label.values();
+  labels.boundary.resize(labels.label.size());
+  for (std::size_t i = 0; i < labels.label.size(); ++i) {
+    labels.label[i] = float(labels.label[i] >= 0.5f), labels.count += labels.label[i] > 0;
+    labels.boundary[i] = i < ply.labels.boundary.size() && ply.labels.boundary[i] > 0;
   }
-  labels = std::make_shared<const live::ObjectLabels>(std::move(found));
+  found = live::keep_under_strokes(exec, {ply.cloud, splat, background_of(of.scene)}, labels, marks);
 }
 
 }  // namespace ngs::studio

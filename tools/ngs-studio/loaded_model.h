@@ -4,7 +4,7 @@
 
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/scene/scene.h"
-#include "ngs/stages/live/frame.h"
+#include "ngs/stages/live/kept_strokes.h"
 
 namespace ngs::studio {
 
@@ -26,15 +26,15 @@ struct LoadedModel {
 /// Viewpoint of a scene's camera, with the principal point moved to the image centre.
 live::Viewpoint viewpoint_of_view(const Camera& camera, double distance);
 
-/// A labelled result of Refine.
+/// A labelled result of Refine, made from the marks of an object.
 struct RefinedModel {
-  RefinedModel(const Exec& exec, const std::string& labelled, const SplatOptions& like);
+  RefinedModel(const Exec& exec, const std::string& labelled, const LoadedModel& of, const live::ObjectMarks& marks);
   RefinedModel(const RefinedModel&) = delete;
   RefinedModel& operator=(const RefinedModel&) = delete;
 
   io::GaussianPly ply;
   SplatOptions splat;
-  std::shared_ptr<const live::ObjectLabels> labels;
+  live::KeptStrokes found;  // `labels`: with what lies under object strokes
 };
 
 }  // namespace ngs::studio

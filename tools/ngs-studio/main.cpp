@@ -46,7 +46,7 @@ void serve(cli::Run& run, const PageOptions& options, studio::Studio& studio, st
     return recorder.answer(method, path, body);
   });
   server.start();
-  run.text("open " + server.url() + "\n(serves this machine only; stop it with Ctrl-C or in the page)\n");
+  run.needed("open " + server.url() + "\n(serves this machine only; stop it with Ctrl-C)\n");
   if (options.browser) open_browser(run, server.url());
   while (!run.monitor().stop_requested() && !studio.has_quit())
     std::this_thread::sleep_for(std::chrono::milliseconds(20));

@@ -207,14 +207,15 @@ struct Server::Impl {
 Server::Server(int port, Answer answer) : impl_(std::make_unique<Impl>()) {
   impl_->answer = std::move(answer);
   impl_->port = port;
+  impl_->http.set_socket_options([](socket_t socket) { os::make_exclusive(os::Socket(socket)); });
   if (port == 0)
     impl_->port = impl_->http.bind_to_any_port("127.0.0.1");
   else if (!impl_->http.bind_to_port("127.0.0.1", port))
     impl_->port = -1;
   if (impl_->port <= 0)
     throw Error(ErrorCode::kEnvironment,
-                "port " + std::to_string(port) + ": in use or not allowed, expected a free port",
-                "leave out --port to use any free port");
+                "port " + std::to_string(port) + ": is in use or not allowed, expected a free port",
+                "stop the other program, or leave out --port to use any free port");
   impl_->access = std::make_unique<Access>(random_token(), impl_->port);
   impl_->set_up();
 }

@@ -8,7 +8,9 @@
 //     images/0001.png      its picture               } written for Refine and Export
 //     scene.json           cameras and masks         }
 //     strokes.json         strokes, for ngs-mask     }
+//     selection.ply        the selected Gaussians, if other than those of the strokes or of Refine
 //     labelled.ply object.ply background.ply         Export
+//   background.ply         Export of several objects: without any of them
 //     orbit/ marks.json cut.json cut/                Refine: ngs cut
 #include <map>
 #include <optional>

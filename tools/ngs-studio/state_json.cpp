@@ -19,16 +19,7 @@ PromptStroke stroke_of(Fields stroke) {
   if (label != "object" && label != "background") stroke.refuse("label", "object or background");
   out.object = label == "object";
   out.radius_px = stroke.number("radius_px", 0.5, kMaxRadius_px);
-  const nlohmann::json& points = stroke.member("points");
-  if (!points.is_array() || points.empty() || points.size() > kMaxPoints)
-    stroke.refuse("points", "1 to " + std::to_string(kMaxPoints) + " points");
-  for (const nlohmann::json& point : points) {
-    const bool pair = point.is_array() && point.size() == 2 && point[0].is_number() && point[1].is_number();
-    const std::array<double, 2> at =
-        pair ? std::array{point[0].get<double>(), point[1].get<double>()} : std::array{std::nan(""), std::nan("")};
-    if (!(std::abs(at[0]) <= 1e5 && std::abs(at[1]) <= 1e5)) stroke.refuse("points", "pairs of numbers, in pixels");
-    out.points.push_back(at);
-  }
+  out.points = points_of(stroke, "points");
   stroke.end();
   return out;
 }
@@ -72,6 +63,28 @@ live::MarkedView view_of(Fields view) {
   return out;
 }
 
+Json edits_json(const live::HandEdits& edits) {
+  Json list = Json::array();
+  for (const auto& of : edits) {
+    const live::HandEdit& edit = *of;
+    Json one{{"action", int(edit.action)}};
+    if (!edit.outline.empty()) one.update({{"look", json_of(edit.viewpoint)}, {"outline", edit.outline}});
+    if (edit.radius > 0)
+      one.update({{"centre", {edit.centre.x, edit.centre.y, edit.centre.z}}, {"radius", edit.radius}});
+    list.push_back(std::move(one));
+  }
+  return list;
+}
+
+live::HandEdit edit_of(Fields edit) {
+  live::HandEdit out;
+  out.action = live::EditAction(edit.integer("action", 0, int(live::EditAction::kShrink)));
+  if (edit.has("outline")) out.viewpoint = viewpoint_of(edit.object("look")), out.outline = points_of(edit, "outline");
+  if (edit.has("radius")) out.centre = edit.vector("centre"), out.radius = edit.number("radius", 0, 1e9);
+  edit.end();
+  return out;
+}
+
 live::ObjectMarks object_of(Fields object) {
   live::ObjectMarks out;
   out.id = object.integer("id", 1, 1 << 20);
@@ -79,11 +92,34 @@ live::ObjectMarks object_of(Fields object) {
   out.next_view = object.integer("next_view", 1, 1 << 20);
   for (const nlohmann::json& view : object.member("views"))
     out.views.push_back(std::make_shared<const live::MarkedView>(view_of({view, "view"})));
+  live::HandEdits edits;
+  if (object.has("edits"))
+    for (const nlohmann::json& edit : object.member("edits"))
+      edits.push_back(std::make_shared<const live::HandEdit>(edit_of({edit, "edit"})));
+  if (!edits.empty()) out.edits = std::make_shared<const live::HandEdits>(std::move(edits));
+  out.hidden = object.has("hidden") && object.boolean("hidden");
+  out.locked = object.has("locked") && object.boolean("locked");
+  out.keeps_dropped = object.has("keeps_dropped") && object.boolean("keeps_dropped");
   object.end();
   return out;
 }
 
 }  // namespace
+
+std::vector<std::array<double, 2>> points_of(Fields& fields, const std::string& name) {
+  const nlohmann::json& list = fields.member(name);
+  if (!list.is_array() || list.empty() || list.size() > kMaxPoints)
+    fields.refuse(name, "1 to " + std::to_string(kMaxPoints) + " points");
+  std::vector<std::array<double, 2>> points;
+  for (const nlohmann::json& point : list) {
+    const bool pair = point.is_array() && point.size() == 2 && point[0].is_number() && point[1].is_number();
+    const std::array<double, 2> at =
+        pair ? std::array{point[0].get<double>(), point[1].get<double>()} : std::array{std::nan(""), std::nan("")};
+    if (!(std::abs(at[0]) <= 1e5 && std::abs(at[1]) <= 1e5)) fields.refuse(name, "pairs of numbers, in pixels");
+    points.push_back(at);
+  }
+  return points;
+}
 
 std::string colour_of(Fields& fields, const std::string& name) {
   const std::string colour = fields.text(name, 7);
@@ -121,6 +157,10 @@ Json json_of(const live::Marks& marks, const std::string& source) {
                        {"colour", object.colour},
                        {"next_view", object.next_view},
                        {"views", std::move(views)}});
+    if (object.edits) objects.back()["edits"] = edits_json(*object.edits);
+    for (const auto& [name, is_set] : {std::pair{"hidden", object.hidden}, std::pair{"locked", object.locked},
+                                       std::pair{"keeps_dropped", object.keeps_dropped}})
+      if (is_set) objects.back()[name] = true;
   }
   return {{"ngs_studio", 1},
           {"source", source},

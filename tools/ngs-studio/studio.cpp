@@ -24,10 +24,10 @@ struct Route {
   const char* path;
   Change change;
 };
-constexpr Route kChanges[] = {{"/api/strokes", &Desk::strokes}, {"/api/undo", &Desk::undo},
-                              {"/api/redo", &Desk::redo},       {"/api/objects", &Desk::objects},
-                              {"/api/refine", &Desk::refine},   {"/api/export", &Desk::export_files},
-                              {"/api/forget", &Desk::forget}};
+constexpr Route kChanges[] = {
+    {"/api/strokes", &Desk::strokes}, {"/api/undo", &Desk::undo},     {"/api/redo", &Desk::redo},
+    {"/api/objects", &Desk::objects}, {"/api/refine", &Desk::refine}, {"/api/export", &Desk::export_files},
+    {"/api/forget", &Desk::forget},   {"/api/edit", &Desk::edit},     {"/api/keep", &Desk::keep}};
 
 }  // namespace
 

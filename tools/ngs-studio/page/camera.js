@@ -57,6 +57,15 @@ export class Camera {
     this.target = add(this.position, rotate(sight, normalise(cross(this.vertical, sight)), turned - steep));
   }
 
+  // Takes another direction as vertical and shows the same side of the splat, upright.
+  turnUpright(vertical) {
+    const up = normalise(vertical), axis = cross(this.vertical, up);
+    const across = length(axis) > 1e-6 ? normalise(axis) : this.right;
+    const angle = Math.acos(Math.max(-1, Math.min(1, dot(this.vertical, up))));
+    this.position = add(this.target, rotate(subtract(this.position, this.target), across, angle));
+    this.vertical = this.up = up;
+  }
+
   straighten() {
     this.up = normalise(add(scale(this.up, 1 - kUprighting), scale(this.vertical, kUprighting)));
   }

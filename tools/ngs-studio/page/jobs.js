@@ -1,4 +1,5 @@
 // Refine and Export: jobs of the server, their progress and results.
+import { gaussiansText } from './objects.js';
 import { fileOf, get, inTurn, post } from './server.js';
 
 const kPollMs = 400;
@@ -10,10 +11,27 @@ export class Jobs {
     find('refine').addEventListener('click', () => this.start('/api/refine', { quality: this.quality }));
     find('export').addEventListener('click', () => this.start('/api/export',
       { format: find('format').value, fill: find('fill').checked }));
+    find('keep').addEventListener('click', () => this.keep());
     find('download').addEventListener('click', () => this.download().catch(on.failed));
     find('job-cancel').addEventListener('click', () => post('/api/cancel').catch(on.failed));
     find('copy').addEventListener('click', () => this.copy());
     this.holdToCompare(find('before'));
+  }
+
+  // Keeps what Refine dropped, or drops it again.
+  keep() {
+    const { id, keeps_dropped: kept } = this.active;
+    return this.start('/api/keep', { object: id, keep: !kept });
+  }
+
+  showDropped(object) {
+    this.active = object;
+    this.find('dropped').hidden = !object?.dropped;
+    if (!object?.dropped) return;
+    const [text, button] = this.find('dropped').children;
+    text.textContent = object.keeps_dropped ? `Kept: ${gaussiansText(object.dropped)} that Refine would drop.`
+      : `Refine drops ${gaussiansText(object.dropped)} of your selection (pink).`;
+    button.textContent = object.keeps_dropped ? 'Drop it' : 'Keep it';
   }
 
   get quality() { return document.querySelector('[name=quality]:checked').value; }
@@ -36,6 +54,9 @@ export class Jobs {
     this.find('refine').disabled = this.find('export').disabled = running || !marked;
     this.find('download').hidden = running || !state.export;
     this.find('before').hidden = !state.objects.some(({ id, refined }) => refined && id === state.active);
+    this.showDropped(state.objects.find(({ id }) => id === state.active));
+    this.find('refine-note').hidden = !job?.note;
+    this.find('refine-note').textContent = job?.note ?? '';
     this.showExport(state);
     if (running) this.showProgress(job);
     if (running && !this.running) this.watch();
@@ -78,12 +99,14 @@ export class Jobs {
       Object.assign(document.createElement('li'), { textContent: file })));
   }
 
-  // Saves the objects of the last export from the browser.
+  // Saves the splats of the last export from the browser.
   async download() {
-    const objects = this.written.files.filter((file) => file.endsWith(`/object.${this.written.format}`));
-    for (const file of objects) {
+    const splats = this.written.files.filter((file) => file.endsWith(`.${this.written.format}`) &&
+      !file.endsWith('labelled.ply'));
+    const several = new Set(splats.map((file) => file.slice(file.lastIndexOf('/') + 1))).size < splats.length;
+    for (const file of splats) {
       const address = URL.createObjectURL(await fileOf(file));
-      const name = objects.length > 1 ? file.replaceAll('/', '-') : file.slice(file.lastIndexOf('/') + 1);
+      const name = several ? file.replaceAll('/', '-') : file.slice(file.lastIndexOf('/') + 1);
       Object.assign(document.createElement('a'), { href: address, download: name }).click();
       setTimeout(() => URL.revokeObjectURL(address), 60000);
     }

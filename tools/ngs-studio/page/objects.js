@@ -1,6 +1,7 @@
 // The list of objects: active object, name, colour and number of Gaussians; rename, recolour, remove.
 const counted = new Intl.NumberFormat('en');
 export const number = (value) => counted.format(value);
+export const gaussiansText = (count) => `${number(count)} ${count === 1 ? 'Gaussian' : 'Gaussians'}`;
 
 // Updates the list from the server's objects. Existing rows are reused, so that focus and half-typed names remain.
 export function showObjects(list, { objects, active }, change) {

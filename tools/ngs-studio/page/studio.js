@@ -1,16 +1,18 @@
 // The page of ngs-studio. The server holds marks, labels and files; the page holds camera, tool and display settings,
 // shows the server's state and sends strokes.
-import { Brush, strokeFor } from './brush.js';
+import { Brush, outlineFor, strokeFor } from './brush.js';
 import { Camera, length, subtract } from './camera.js';
 import { Frames } from './frames.js';
 import { Jobs } from './jobs.js';
 import { keyTable, listKeys, listenToKeys } from './keys.js';
-import { number, showObjects } from './objects.js';
+import { gaussiansText, number, showObjects } from './objects.js';
 import { Pointer } from './pointer.js';
 import { get, inTurn, post } from './server.js';
 
 const kLook = 0.5;  // rotation of looking around, as a fraction of that of orbiting
 const kRetryMs = 2000, kReadMs = 6000;
+const kTools = ['look', 'object', 'background', 'lasso', 'box', 'ball'];
+const kByHand = ['lasso', 'box', 'ball'];
 const kDone = { refine: 'Refined', export: 'Written' };
 const kRadius = { least: 2, most: 80 };
 const kAxes = {
@@ -22,7 +24,7 @@ const find = (id) => document.getElementById(id);
 const display = { fade: 0.5, boundary: false, highlight: true, all: true };  // display settings
 let writes = 0;             // number of pending write requests
 let flying = false;         // dragging looks around instead of orbiting the target
-let tool = 'look';          // 'look', 'object' or 'background'
+let tool = 'look';          // one of kTools
 let state, camera, frames;  // the server's state, the page's camera and picture
 const brush = new Brush(find('paint'));
 const jobs = new Jobs(find, { state: showState, failed });
@@ -34,7 +36,7 @@ function showState(next, finished) {
   state = next;
   document.title = `${state.title} – ngs-studio`;
   find('title').textContent = state.title.replace(/[._-]/g, '$&\u200b');  // may break there
-  find('gaussians').textContent = `${number(state.gaussians)} Gaussians`;
+  find('gaussians').textContent = gaussiansText(state.gaussians);
   find('undo').disabled = !state.undo || isBusy();
   find('redo').disabled = !state.redo || isBusy();
   find('no-objects').hidden = state.objects.length > 0;
@@ -42,16 +44,19 @@ function showState(next, finished) {
   showObjects(find('objects'), state, (change) => write('/api/objects', change));
   showPieces();
   const active = state.objects.find(({ id }) => id === state.active);
-  find('one-side').hidden = active?.views !== 1 || active.refined || active.gaussians === 0;
+  find('one-side').hidden = active?.views !== 1 || active.edits > 0 || active.refined || active.gaussians === 0;
+  for (const [id, on] of [['hide', active?.hidden], ['lock', active?.locked]]) find(id).setAttribute('aria-pressed', Boolean(on));
+  for (const button of find('edits').children) button.disabled = !active?.gaussians || isBusy();
   jobs.show(state);
   if (finished) say(finishedText(finished));
   if (first) begin();
   frames.refresh();
 }
 
-function finishedText({ kind, state: how }) {
+function finishedText({ kind, state: how, note }) {
+  if (note) return 'Your selection stays as it is';
   if (how !== 'done') return { failed: 'Failed', cancelled: 'Cancelled' }[how] ?? '';
-  return kind === 'refine' ? `${kDone.refine}: ${number(gaussiansOf(state.active))} Gaussians` : kDone[kind];
+  return kind === 'refine' ? `${kDone.refine}: ${gaussiansText(gaussiansOf(state.active))}` : kDone[kind];
 }
 
 // Pieces that no stroke touches are left out, unless "All pieces" is on.
@@ -60,7 +65,7 @@ function showPieces() {
   find('pieces-row').hidden = !leftOut && !state.all_pieces;
   find('pieces').checked = state.all_pieces;
   find('pieces-text').textContent = state.all_pieces ? 'All pieces, touched by a stroke or not'
-    : `All pieces: ${number(leftOut)} Gaussians that no stroke touches are left out`;
+    : `All pieces: ${gaussiansText(leftOut)} that no stroke touches ${leftOut === 1 ? 'is' : 'are'} left out`;
 }
 
 const isBusy = () => state.job?.state === 'running';
@@ -85,6 +90,13 @@ async function write(path, body) {
 function showBusy() {
   find('working').classList.toggle('busy', writes > 0 || frames?.drawing === 'still');
   find('paint').setAttribute('aria-busy', writes > 0 || Boolean(frames?.drawing));
+}
+
+// Another tab may have changed the state while this one was not looked at.
+async function follow() {
+  if (document.hidden || !frames || writes > 0) return;
+  const now = await get('/api/state').catch(failed);
+  if (now && now.version > state.version) showState(now);
 }
 
 // ---- the picture
@@ -119,7 +131,7 @@ function begin() {
   new ResizeObserver(resized).observe(find('stage'));
   new Pointer(find('paint'), labelFor, pointerTasks());
   flying = startsInside();
-  find('hint').hidden = Boolean(localStorage.getItem('ngs-studio-hint')) || state.undo > 0;
+  find('hint').hidden = Boolean(localStorage.getItem('ngs-studio-hint')) || state.undo > 0 || state.objects.some(({ strokes, edits }) => strokes + edits > 0);
 }
 
 // The first call only reports the size.
@@ -168,8 +180,11 @@ function fit() {
 
 function labelFor({ shiftKey, ctrlKey, metaKey }) {
   if (tool === 'look') return null;
-  return ctrlKey || metaKey ? 'background' : shiftKey ? 'object' : tool;
+  return ctrlKey || metaKey ? 'background' : shiftKey ? 'object' : kByHand.includes(tool) ? handLabel() : tool;
 }
+
+const handLabel = () => document.querySelector('[name=by-hand]:checked').value;
+const shapeOf = (name) => (kByHand.includes(name) ? name : 'line');
 
 function pointerTasks() {
   return {
@@ -180,7 +195,7 @@ function pointerTasks() {
     }),
     zoom: (factor) => moved(() => camera.zoom(factor)),
     hover: (point, label) => {
-      brush.cursor = point && label ? { x: point[0], y: point[1], label } : null;
+      brush.cursor = point && label ? { x: point[0], y: point[1], label, shape: shapeOf(tool) } : null;
       brush.draw();
     },
     paint: beginStroke,
@@ -197,7 +212,7 @@ function beginStroke(label, point) {
   const { position, look_at, up } = frames.shown.camera;
   camera.place({ position, look_at, up, fov_y_deg: camera.fovDegrees });
   frames.freeze(true);
-  brush.begin(label, point);
+  brush.begin(label, point, shapeOf(tool));
   hideHint();
 }
 
@@ -216,7 +231,7 @@ function addObject() {
 // "46,737 Gaussians (−1,742)"
 function countText(gaussians, change) {
   const sign = change > 0 ? '+' : '−';
-  return `${number(gaussians)} Gaussians (${change === 0 ? 'no change' : sign + number(Math.abs(change))})`;
+  return `${gaussiansText(gaussians)} (${change === 0 ? 'no change' : sign + number(Math.abs(change))})`;
 }
 
 // Undo or redo, and the count that results.
@@ -236,6 +251,7 @@ async function endStroke() {
   const of = kind === 'still' ? shownBy : frames.cameraFor('still');
   say('Updating the selection …');
   if (state.objects.length === 0) await addObject();
+  if (stroke.shape !== 'line') return endOutline(stroke, of);
   const body = { object: state.active, camera: of, strokes: [strokeFor(stroke, find('paint'), of)] };
   const answered = await write('/api/strokes', body);
   if (!answered) return brush.drop(stroke);
@@ -245,10 +261,32 @@ async function endStroke() {
   frames.refresh();
 }
 
+async function endOutline(stroke, of) {
+  const shape = outlineFor(stroke, find('paint'), of);
+  const answered = shape && await edit(stroke.label === 'object' ? 'add' : 'take', { camera: of, ...shape });
+  if (!answered) return brush.drop(stroke);
+  stroke.version = answered.version;
+  frames.refresh();
+}
+
+// Changes the selection by hand and tells the count.
+async function edit(action, shape = {}) {
+  if (isBusy()) return say('Wait until the job ends, or cancel it, before you change the selection.');
+  const answered = await write('/api/edit', { object: state.active, action, ...shape });
+  if (answered) say(countText(answered.answer.gaussians, answered.answer.change));
+  return answered;
+}
+
+// Turns "hidden" or "locked" of the active object on or off.
+function toggle(flag) {
+  const active = state.objects.find(({ id }) => id === state.active);
+  if (active) write('/api/objects', { id: active.id, [flag]: !active[flag] });
+}
+
 // Keyboard painting: the brush starts in the middle; arrow keys move it.
 function keyCursor() {
   const { clientWidth, clientHeight } = find('paint');
-  return (brush.cursor ??= { x: clientWidth / 2, y: clientHeight / 2, label: tool });
+  return (brush.cursor ??= { x: clientWidth / 2, y: clientHeight / 2, label: tool, shape: 'line' });
 }
 
 function arrow(turn, [dx, dy]) {
@@ -259,9 +297,9 @@ function arrow(turn, [dx, dy]) {
 }
 
 function mark() {
-  if (tool === 'look') return;
+  if (tool === 'look' || tool === 'lasso' || tool === 'box') return;
   const { x, y } = keyCursor();
-  beginStroke(tool, [x, y]);
+  beginStroke(kByHand.includes(tool) ? handLabel() : tool, [x, y]);
   endStroke();
 }
 
@@ -270,11 +308,12 @@ function mark() {
 function take(next) {
   if (frames?.frozen) return cancelStroke();  // Esc while painting cancels the stroke
   tool = next;
-  for (const name of ['look', 'object', 'background']) find(`tool-${name}`).setAttribute('aria-pressed', name === tool);
+  for (const name of kTools) find(`tool-${name}`).setAttribute('aria-pressed', name === tool);
   find('paint').dataset.tool = tool;
-  find('brush-size').hidden = tool === 'look';
+  find('brush-size').hidden = tool === 'look' || kByHand.includes(tool);
+  find('by-hand').hidden = !kByHand.includes(tool);
   if (tool === 'look') brush.cursor = null;
-  else if (brush.cursor) brush.cursor.label = tool;
+  else if (brush.cursor) Object.assign(brush.cursor, { label: tool, shape: shapeOf(tool) });
   brush.draw();
 }
 
@@ -355,7 +394,8 @@ async function awaitServer() {
 // ---- start
 
 const keys = keyTable({
-  tool: take, mark, arrow, fit, view: jumpBy,
+  tool: take, mark, arrow, fit, view: jumpBy, edit,
+  hide: () => toggle('hidden'),
   radius: (factor) => setRadius(factor > 1 ? Math.max(brush.radius + 1, brush.radius * factor) : brush.radius * factor),
   undo: () => find('undo').click(),
   redo: () => find('redo').click(),
@@ -371,10 +411,16 @@ const keys = keyTable({
 
 function listen() {
   const clicked = (id, work) => find(id).addEventListener('click', work);
-  for (const name of ['look', 'object', 'background']) clicked(`tool-${name}`, () => take(name));
+  for (const name of kTools) clicked(`tool-${name}`, () => take(name));
+  for (const target of [window, document])
+    for (const name of ['focus', 'visibilitychange']) target.addEventListener(name, follow);
   clicked('undo', () => step('/api/undo', 'Undone'));
   clicked('redo', () => step('/api/redo', 'Redone'));
   find('pieces').addEventListener('change', ({ target }) => write('/api/objects', { all_pieces: target.checked }));
+  for (const button of document.querySelectorAll('[data-edit]'))
+    button.addEventListener('click', () => edit(button.dataset.edit));
+  clicked('hide', () => toggle('hidden'));
+  clicked('lock', () => toggle('locked'));
   clicked('fit', fit);
   clicked('help', () => find('keys').showModal());
   clicked('panel-toggle', togglePanel);
@@ -391,8 +437,8 @@ function listen() {
   find('radius').addEventListener('input', ({ target }) => setRadius(Number(target.value)));
   find('views').addEventListener('change', ({ target }) => jump(Number(target.value)));
   find('upwards').addEventListener('change', ({ target }) => moved(() => {
-    camera.vertical = kAxes[target.value] ?? state.bounds.up;
-    camera.orbit(0, 0);
+    camera.turnUpright(kAxes[target.value] ?? state.bounds.up);
+    if (!startsInside()) camera.fit(state.bounds);
   }));
 }
 

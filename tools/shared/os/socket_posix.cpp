@@ -23,4 +23,9 @@ void close_socket(Socket socket) {
   ::close(int(socket));
 }
 
+void make_exclusive(Socket socket) {
+  const int yes = 1;  // on POSIX it does not allow two listeners, unlike SO_REUSEPORT
+  ::setsockopt(int(socket), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+}
+
 }  // namespace ngs::os

@@ -30,4 +30,9 @@ void close_socket(Socket socket) {
   ::closesocket(SOCKET(socket));
 }
 
+void make_exclusive(Socket socket) {
+  const int yes = 1;
+  ::setsockopt(SOCKET(socket), SOL_SOCKET, SO_EXCLUSIVEADDRUSE, reinterpret_cast<const char*>(&yes), sizeof yes);
+}
+
 }  // namespace ngs::os

@@ -57,7 +57,10 @@ void Console::info(const std::string& message) {
 }
 
 void Console::text(const std::string& lines) {
-  if (level_ < LogLevel::kWarning) return;
+  if (level_ >= LogLevel::kWarning) needed(lines);
+}
+
+void Console::needed(const std::string& lines) {
   if (format_ == LogFormat::kJson) return line("text", "", lines);
   clear_progress();
   write_stderr(terminal_ ? rewrapped(lines, terminal_columns(os::kStderr)) : lines);

@@ -29,7 +29,9 @@ class Console {
   void info(const std::string& message);
   /// Prints a table or another text of several lines unchanged; silent with -q.
   void text(const std::string& lines);
-  /// The same, but never wrapped, so that a command or JSON can be copied from the terminal.
+  /// The same, also with -q: without these lines the run is of no use.
+  void needed(const std::string& lines);
+  /// Like text(), but never wrapped, so that a command or JSON can be copied from the terminal.
   void verbatim(const std::string& lines);
   /// Prints the summary of a run on a terminal; silent with -q.
   void summary(const std::string& lines);

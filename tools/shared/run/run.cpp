@@ -69,6 +69,7 @@ void Run::plan(Json plan) { state_.plan = std::move(plan); }
 void Run::progress(const ChainProgress& chain) { state_.console.progress(chain); }
 void Run::info(const std::string& message) { state_.console.info(message); }
 void Run::text(const std::string& lines) { state_.console.text(lines); }
+void Run::needed(const std::string& lines) { state_.console.needed(lines); }
 void Run::verbatim(const std::string& lines) { state_.console.verbatim(lines); }
 int Run::columns() const { return os::is_terminal(os::kStderr) ? terminal_columns(os::kStderr) : 0; }
 int Run::stop_code() const { return signal_exit_code(); }

@@ -64,7 +64,9 @@ class Run {
   int columns() const;
   /// Prints a table on stderr unless -q.
   void text(const std::string& lines);
-  /// The same, but never wrapped, so that a command or JSON can be copied from the terminal.
+  /// The same, also with -q: without these lines the run is of no use.
+  void needed(const std::string& lines);
+  /// Like text(), but never wrapped, so that a command or JSON can be copied from the terminal.
   void verbatim(const std::string& lines);
   /// Adds a file that is read because an input names it to the report. Call it before writing anything: throws kUsage
   /// if the file is also an output, which would replace it.

@@ -28,6 +28,12 @@ ViewPrompt Correction::prompt(int reach_px, int band_px) const {
   for (std::size_t p = 0; p < unstroked.size(); ++p) unstroked[p] = !is_certain(added.hint[p]);
   const auto from_stroke = chessboard_distance({unstroked.data(), w, h}, Outside::kUnknown),
              to_contour = signed_distance({before.data(), w, h});
+  if (std::ranges::count(strokes.hint, PixelHint::kObject) == 0) {
+    int farthest = 0;
+    for (std::size_t p = 0; p < before.size(); ++p)
+      if (before[p]) farthest = std::max(farthest, from_stroke[p]);
+    reach_px = std::min(reach_px, farthest / 2);
+  }
   ViewPrompt prompt = strokes;
   for (std::size_t p = 0; p < unstroked.size(); ++p) {
     if (is_certain(strokes.hint[p])) continue;

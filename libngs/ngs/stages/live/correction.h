@@ -12,7 +12,8 @@ struct Correction {
   const ViewPrompt &strokes, &added;  // all strokes of the view, and the new ones among them
 
   /// Hints: certain under strokes. Pixels farther than `reach_px` from the new strokes and than `band_px` from the
-  /// selection's contour keep their side; `band_px` 0: no band.
+  /// selection's contour keep their side; `band_px` 0: no band. Without a stroke on the object, the half of the
+  /// selection that is farther from the new strokes keeps its side: it shows the object's colours and place.
   ViewPrompt prompt(int reach_px, int band_px) const;
   /// Colour samples of each side: half from its strokes and half from all its pixels, because strokes do not cover
   /// every colour of an image. At most `max_samples` per half.

@@ -18,7 +18,7 @@ using Shown = std::vector<const ShownObject*>;
 Shown chosen(const std::vector<ShownObject>& objects, int id) {
   Shown shown;
   for (const ShownObject& object : objects)
-    if (object.labels && (id == 0 || object.id == id)) shown.push_back(&object);
+    if (object.labels && !object.hidden && (id == 0 || object.id == id)) shown.push_back(&object);
   return shown;
 }
 
@@ -30,6 +30,15 @@ std::vector<std::uint8_t> rows_of(const Exec& exec, const Shown& objects, std::i
       if (object->labels->label[std::size_t(i)] > 0) rows[std::size_t(i)] = of_one;
     });
   return rows;
+}
+
+/// [N] 0: in a hidden object; empty without any.
+std::vector<std::uint8_t> rows_drawn(const Exec& exec, const std::vector<ShownObject>& objects,
+                                     std::int64_t gaussians) {
+  Shown hidden;
+  for (const ShownObject& object : objects)
+    if (object.labels && object.hidden) hidden.push_back(&object);
+  return hidden.empty() ? std::vector<std::uint8_t>() : rows_of(exec, hidden, gaussians, false);
 }
 
 /// [N, K]
@@ -46,13 +55,6 @@ std::vector<float> channels_of(const Exec& exec, const Shown& objects, std::int6
   return channel;
 }
 
-ImageF colour_of(const Exec& exec, const Model& model, const Camera& camera, const std::vector<std::uint8_t>& rows) {
-  RenderRequest request;
-  request.background = model.background;
-  request.include = rows.data();
-  return std::move(render(exec, model.cloud, camera, model.splat, request).colour);
-}
-
 bool same_view(const Camera& a, const Camera& b) {
   const Vec3<double>&s = a.translation, &t = b.translation;
   return a.width_px == b.width_px && a.height_px == b.height_px && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx &&
@@ -64,15 +66,26 @@ struct Canvas {
   const Model& model;
   const Camera& camera;
   CachedStill* last;
+  std::vector<std::uint8_t> drawn;  // [N] 1: drawn; empty: all
 };
 
-/// Renders all Gaussians, with these labels [N, K] (empty: none).
+ImageF colour_of(const Canvas& on, std::vector<std::uint8_t> rows) {
+  for (std::size_t i = 0; i < on.drawn.size(); ++i) rows[i] &= on.drawn[i];
+  RenderRequest request;
+  request.background = on.model.background;
+  request.include = rows.data();
+  return std::move(render(on.exec, on.model.cloud, on.camera, on.model.splat, request).colour);
+}
+
+/// Renders all Gaussians that are drawn, with these labels [N, K] (empty: none).
 RenderedView with_labels(const Canvas& on, const std::vector<float>& channel) {
   RenderRequest request;
   request.background = on.model.background;
   const std::int64_t n = on.model.cloud.size();
   if (!channel.empty()) request.label = {channel.data(), n, int(std::int64_t(channel.size()) / n)};
-  if (on.last == nullptr) return render(on.exec, on.model.cloud, on.camera, on.model.splat, request);
+  if (!on.drawn.empty()) request.include = on.drawn.data();
+  if (on.last == nullptr || !on.drawn.empty())
+    return render(on.exec, on.model.cloud, on.camera, on.model.splat, request);
   auto& [view, colour] = *on.last;
   if (!view || !same_view(view->camera(), on.camera)) {
     view.reset(), colour = {};  // frees its memory for the next one
@@ -148,18 +161,17 @@ ImageF boundary_picture(const Canvas& on, const Shown& objects) {
 
 ImageU8 draw_frame(const Exec& exec, const Model& model, const std::vector<ShownObject>& objects,
                    const FrameRequest& request, CachedStill* last) {
-  const Canvas canvas{exec, model, request.camera, last};
   const std::int64_t n = model.cloud.size();
+  const Canvas canvas{exec, model, request.camera, last, rows_drawn(exec, objects, n)};
   const Shown shown = chosen(objects, request.object);
   if (request.layer == Layer::kBoundary && !shown.empty()) return to_bytes(boundary_picture(canvas, shown));
   const double fade = request.layer == Layer::kObject ? 0 : request.layer == Layer::kBackground ? 1 : request.fade;
-  if (fade == 0) return to_bytes(colour_of(exec, model, request.camera, rows_of(exec, shown, n, true)));
-  if (fade == 1) return to_bytes(colour_of(exec, model, request.camera, rows_of(exec, shown, n, false)));
+  if (fade == 0) return to_bytes(colour_of(canvas, rows_of(exec, shown, n, true)));
+  if (fade == 1) return to_bytes(colour_of(canvas, rows_of(exec, shown, n, false)));
   const bool marks = request.highlight && !shown.empty();
   RenderedView view = with_labels(canvas, marks ? channels_of(exec, shown, n, false) : std::vector<float>());
   if (fade != 0.5)
-    mix(colour_of(exec, model, request.camera, rows_of(exec, shown, n, fade < 0.5)), float(2 * std::abs(fade - 0.5)),
-        view.colour);
+    mix(colour_of(canvas, rows_of(exec, shown, n, fade < 0.5)), float(2 * std::abs(fade - 0.5)), view.colour);
   if (marks) highlight(exec, shown, view, view.colour);
   return to_bytes(view.colour);
 }

@@ -18,8 +18,9 @@ struct Model {
 struct ShownObject {
   int id = 0;
   std::array<float, 3> colour{1, 0.5f, 0};      // RGB in [0, 1]
-  std::shared_ptr<const ObjectLabels> labels;   // null: no strokes
-  std::shared_ptr<const ObjectLabels> touched;  // of the pieces that strokes touch
+  std::shared_ptr<const ObjectLabels> labels;   // null: neither strokes nor edits
+  std::shared_ptr<const ObjectLabels> touched;  // of the pieces that strokes touch; with edits: `labels`
+  bool hidden = false;                          // its Gaussians are not drawn
 };
 
 enum class Layer : std::uint8_t { kBoth, kObject, kBackground, kBoundary };

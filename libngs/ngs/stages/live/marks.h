@@ -14,6 +14,20 @@
 
 namespace ngs::live {
 
+/// A correction by hand (hand_edit.h).
+enum class EditAction : std::uint8_t { kAdd, kTake, kInvert, kGrow, kShrink };
+
+struct HandEdit {
+  EditAction action = EditAction::kAdd;
+  // The shape of kAdd and kTake: Gaussians with their centre in it.
+  Viewpoint viewpoint;                         // of `outline`
+  std::vector<std::array<double, 2>> outline;  // px, at least three: everything that the picture shows inside, hidden
+                                               // Gaussians included; empty: the ball
+  Vec3<double> centre{0, 0, 0};                // world
+  double radius = 0;                           // world
+};
+using HandEdits = std::vector<std::shared_ptr<const HandEdit>>;
+
 struct MarkedView {
   std::string name;                      // of its image, "0001.png"; unique within an object
   Viewpoint viewpoint;                   // the view that was marked
@@ -30,6 +44,12 @@ struct ObjectMarks {
   std::string name, colour;                              // "#rrggbb"
   int next_view = 1;                                     // number of the next image
   std::vector<std::shared_ptr<const MarkedView>> views;  // in the order of their first strokes
+  std::shared_ptr<const HandEdits> edits = {};           // applied in order to the labels of the strokes; null: none
+  bool keeps_dropped = false;  // a refined result keeps what the strokes select and it drops (kept_strokes.h)
+  bool hidden = false;         // not drawn, not selectable by other objects' edits, and no strokes meanwhile
+  bool locked = false;         // unchangeable, and its Gaussians belong to no other object
+
+  bool is_empty() const { return views.empty() && !edits; }
 
   std::size_t strokes() const {
     std::size_t count = 0;

@@ -13,7 +13,6 @@
 #include "ngs/stages/live/live_mask.h"
 #include "ngs/stages/masks/mask_consensus.h"
 #include "ngs/stages/masks/rasterise_prompt.h"
-#include "ngs/stages/select/touched_pieces.h"
 
 namespace ngs::live {
 namespace {
@@ -29,11 +28,6 @@ std::string picture_name(int number) {
   return name;
 }
 
-std::array<float, 3> rgb(const std::string& colour) {
-  const unsigned long value = std::strtoul(colour.c_str() + 1, nullptr, 16);
-  return {float(value >> 16 & 255) / 255, float(value >> 8 & 255) / 255, float(value & 255) / 255};
-}
-
 int diagonal_share(const ImageU8& picture, double share) {
   return int(std::lround(share * std::hypot(double(picture.width_px), double(picture.height_px))));
 }
@@ -41,6 +35,34 @@ int diagonal_share(const ImageU8& picture, double share) {
 PixelMask segmented(const ImageU8& picture, const Correction& correction, int band_px) {
   const ViewPrompt prompt = correction.prompt(diagonal_share(picture, kReach), band_px);
   return live_mask(picture, prompt, correction.colours(picture, kColourSamples), 0);
+}
+
+/// The strokes in pixels of `to`, which has the same pose as `from`.
+std::vector<PromptStroke> in_pixels_of(const Viewpoint& to, const Viewpoint& from, std::vector<PromptStroke> strokes) {
+  if (to == from) return strokes;
+  const double scale = camera_of(to).fy / camera_of(from).fy;
+  for (PromptStroke& stroke : strokes) {
+    stroke.radius_px *= scale;
+    for (auto& [x, y] : stroke.points) {
+      x = scale * (x - 0.5 * from.width_px) + 0.5 * to.width_px;
+      y = scale * (y - 0.5 * from.height_px) + 0.5 * to.height_px;
+    }
+  }
+  return strokes;
+}
+
+/// Whether strokes drawn on `drawn_on` belong to the view `marked`: the pose is the same, and no point that is inside
+/// the one picture is outside of the other.
+bool belong_to(const Viewpoint& marked, const Viewpoint& drawn_on, const std::vector<PromptStroke>& strokes) {
+  if (!has_same_pose(marked, drawn_on)) return false;
+  const auto is_inside = [](const Viewpoint& picture, const std::array<double, 2>& p) {
+    return p[0] >= 0 && p[1] >= 0 && p[0] <= picture.width_px && p[1] <= picture.height_px;
+  };
+  const std::vector<PromptStroke> there = in_pixels_of(marked, drawn_on, strokes);
+  for (std::size_t s = 0; s < strokes.size(); ++s)
+    for (std::size_t k = 0; k < strokes[s].points.size(); ++k)
+      if (is_inside(drawn_on, strokes[s].points[k]) && !is_inside(marked, there[s].points[k])) return false;
+  return true;
 }
 
 /// Throws if the object strokes, or without any the background strokes, cover only empty pixels.
@@ -111,7 +133,7 @@ Session::CachedObject& Session::cached(int id) {
   for (CachedObject& k : cached_objects_)
     if (k.id == id) return k;
   return cached_objects_.emplace_back(
-      CachedObject{id, WeightSums<>(model_.cloud.size(), 1), {}, nullptr, nullptr, nullptr});
+      CachedObject{id, WeightSums<>(model_.cloud.size(), 1), {}, nullptr, nullptr, nullptr, {}, nullptr, nullptr, {}});
 }
 
 /// Finds the mask of a view without one from its strokes and, if there are other views, from their selection in it.
@@ -126,7 +148,10 @@ void Session::segment(MarkedView& view, const MarkedView* before, const MarkedVi
   }
   const WithoutView alone(sums, here.has_selection(others) ? nullptr : before);
   const Correction correction{here.selection(sums, others), strokes, strokes};
-  view.mask = segmented(here.picture(), correction, std::max(3, diagonal_share(here.picture(), kBand)));
+  if (std::ranges::count(strokes.hint, PixelHint::kObject) == 0)
+    view.mask = corrected(correction.before, segmented(here.picture(), correction, 0), strokes);
+  else
+    view.mask = segmented(here.picture(), correction, std::max(3, diagonal_share(here.picture(), kBand)));
 }
 
 /// Corrects the mask of a view by added strokes.
@@ -137,13 +162,19 @@ void Session::correct(MarkedView& view, const MarkedView& before, const HandProm
   view.mask = corrected(before.mask, segmented(picture, {before.mask, all, drawn}, 0), drawn);
 }
 
-StrokeAnswer Session::mark(int id, const Viewpoint& viewpoint, const std::vector<PromptStroke>& strokes) {
+StrokeAnswer Session::mark(int id, const Viewpoint& drawn_on, const std::vector<PromptStroke>& drawn_strokes) {
   const double start_s = wall_seconds();
   Marks marks = *marks_;
-  (void)object(id);
-  ObjectMarks& marked = *marks.find(id);
-  const auto place = std::find_if(marked.views.begin(), marked.views.end(),
-                                  [&](const auto& view) { return view->viewpoint == viewpoint; });
+  ObjectMarks& marked = changeable(marks, id);
+  for (const ObjectMarks& other : marks.objects)
+    if (other.hidden)
+      throw Error(ErrorCode::kUsage, "stroke: " + other.name + " is hidden, expected all objects to be shown",
+                  "show it again before you paint; hidden objects are for the lasso, the box and the ball");
+  const auto place = std::find_if(marked.views.begin(), marked.views.end(), [&](const auto& view) {
+    return belong_to(view->viewpoint, drawn_on, drawn_strokes);
+  });
+  const Viewpoint viewpoint = place != marked.views.end() ? (*place)->viewpoint : drawn_on;
+  const std::vector<PromptStroke> strokes = in_pixels_of(viewpoint, drawn_on, drawn_strokes);
   MarkedView view;
   if (place != marked.views.end()) {
     view = **place;
@@ -215,6 +246,42 @@ void Session::edit_object(int id, const std::string& name, const std::string& co
   step(std::move(marks));
 }
 
+ObjectMarks& Session::changeable(Marks& marks, int id) const {
+  if (object(id).locked)
+    throw Error(ErrorCode::kUsage, object(id).name + ": is locked, expected an object that may change", "unlock it");
+  return *marks.find(id);
+}
+
+void Session::edit_by_hand(int id, const HandEdit& edit) {
+  Marks marks = *marks_;
+  ObjectMarks& edited = changeable(marks, id);
+  HandEdits edits = edited.edits ? *edited.edits : HandEdits();
+  edits.push_back(std::make_shared<const HandEdit>(edit));
+  edited.edits = std::make_shared<const HandEdits>(std::move(edits));
+  marks.active = id;
+  step(std::move(marks));
+}
+
+void Session::set_hidden(int id, bool hidden) {
+  (void)object(id);
+  Marks marks = *marks_;
+  marks.find(id)->hidden = hidden;
+  step(std::move(marks));
+}
+
+void Session::set_locked(int id, bool locked) {
+  (void)object(id);
+  Marks marks = *marks_;
+  marks.find(id)->locked = locked;
+  step(std::move(marks));
+}
+
+void Session::keep_dropped(int id, bool keep) {
+  Marks marks = *marks_;
+  changeable(marks, id).keeps_dropped = keep;
+  step(std::move(marks));
+}
+
 void Session::activate(int id) {
   (void)object(id);
   Marks marks = *marks_;
@@ -265,69 +332,6 @@ void Session::restore(Marks marks) {
     }
   forget_steps();
   publish(std::move(marks));
-}
-
-/// Removes deleted and changed views from the sums, adds new ones, and relabels the Gaussians visible in them.
-void Session::update(CachedObject& cache, const ObjectMarks& object) {
-  const auto in = [](const MarkedViews& views, const auto& view) {
-    return std::find(views.begin(), views.end(), view) != views.end();
-  };
-  MarkedViews removed, added;
-  for (const auto& view : cache.views)
-    if (!in(object.views, view)) removed.push_back(view);
-  for (const auto& view : object.views)
-    if (!in(cache.views, view)) added.push_back(view);
-  cache.views = object.views;
-  if (cache.labels && removed.empty() && added.empty()) return;
-  std::vector<std::vector<std::uint32_t>> changed;
-  for (const auto& view : removed) {
-    const auto now = std::ranges::find(added, view->seen, [](const auto& v) { return v->seen; });
-    if (now != added.end()) {
-      changed.push_back(replace_view(*view, **now, cache.sums));
-      added.erase(now);
-    } else {
-      remove_view(*view, cache.sums), changed.push_back(view->seen->row);
-    }
-  }
-  for (const auto& view : added) add_view(*view, cache.sums), changed.push_back(view->seen->row);
-  ObjectLabels labels = cache.labels ? *cache.labels : ObjectLabels::none(std::size_t(cache.sums.gaussians));
-  for (const std::vector<std::uint32_t>& rows : changed) label_rows(exec_, cache.sums, rows, labels);
-  cache.labels = std::make_shared<const ObjectLabels>(std::move(labels));
-}
-
-void Session::remove_untouched(CachedObject& cache) const {
-  if (cache.touched && cache.touched_of == cache.labels) return;
-  cache.touched_of = cache.labels;
-  std::vector<ViewSums> strokes;
-  for (const auto& view : cache.views) strokes.insert(strokes.end(), view->touched.begin(), view->touched.end());
-  const std::vector<std::uint8_t> member(cache.labels->label.begin(), cache.labels->label.end());
-  const PieceSelection pieces = touched_pieces(exec_, model_.cloud, member, strokes);
-  ObjectLabels labels = *cache.labels;
-  for (std::size_t i = 0; i < member.size(); ++i)
-    if (member[i] && !pieces.object[i]) labels.label[i] = 0, labels.boundary[i] = 0;
-  labels.removed = pieces.removed + pieces.needles;
-  labels.count -= labels.removed;
-  cache.touched = std::make_shared<const ObjectLabels>(std::move(labels));
-}
-
-void Session::publish(Marks marks) {
-  std::erase_if(cached_objects_, [&](const CachedObject& k) { return marks.find(k.id) == nullptr; });
-  std::vector<ShownObject> shown;
-  for (const ObjectMarks& object : marks.objects) {
-    ShownObject one{object.id, rgb(object.colour), nullptr, nullptr};
-    if (!object.views.empty()) {
-      CachedObject& sums = cached(object.id);
-      update(sums, object);
-      remove_untouched(sums);
-      one.labels = marks.all_pieces ? sums.labels : sums.touched, one.touched = sums.touched;
-    } else {
-      std::erase_if(cached_objects_, [&](const CachedObject& k) { return k.id == object.id; });
-    }
-    shown.push_back(std::move(one));
-  }
-  const std::lock_guard lock(mutex_);
-  marks_ = std::make_shared<const Marks>(std::move(marks));
-  shown_ = std::make_shared<const std::vector<ShownObject>>(std::move(shown));
 }
 
 }  // namespace ngs::live

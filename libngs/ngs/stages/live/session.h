@@ -3,7 +3,8 @@
 // selected.
 //
 // Strokes on a view -> its mask (live_mask.h), initialised by the labels of the object's other views -> evidence of
-// that view alone -> labels, with the cached sums of the other views. A further stroke on the same view changes the
+// that view alone -> labels, with the cached sums of the other views. Background strokes alone correct the selection
+// that is seen in the view, as further strokes do. A further stroke on the same view changes the
 // mask only in pixels connected to the stroke, and only towards the stroke's side; unchanged pixels are not recomputed.
 // Pieces that no stroke touches are removed from the selection (select/touched_pieces.h), unless Marks::all_pieces is
 // set. Results depend on no file and no clock: the same strokes give the same masks and labels for any number of
@@ -17,6 +18,7 @@ namespace ngs::live {
 inline constexpr int kSegmentedSide_px = 512;   // longer side of a segmented view; smaller views keep their size
 inline constexpr std::size_t kMaxObjects = 16;  // each takes 70 bytes per Gaussian
 inline constexpr std::size_t kMaxStepsBack = 200;
+inline constexpr std::size_t kMaxEditSteps = 4;  // cached results of edits by hand, 5 bytes per Gaussian each
 
 /// The camera that strokes on a view are segmented and lifted at.
 Camera at_segmented_size(const Camera& camera, int longer_side_px = kSegmentedSide_px);
@@ -37,11 +39,15 @@ class Session {
   Session& operator=(const Session&) = delete;
 
   /// Throws kUsage for an unknown object, and if no pixel under the object strokes shows the model. Strokes belong to
-  /// the same view if their looks are exactly equal.
-  StrokeAnswer mark(int object, const Viewpoint& viewpoint, const std::vector<PromptStroke>& strokes);
+  /// the same view if their poses are exactly equal, whatever the size of the window.
+  StrokeAnswer mark(int object, const Viewpoint& drawn_on, const std::vector<PromptStroke>& drawn_strokes);
   int add_object(const std::string& name);  // throws kUsage beyond kMaxObjects
   void remove_object(int id);
   void edit_object(int id, const std::string& name, const std::string& colour);  // empty: unchanged
+  void edit_by_hand(int id, const HandEdit& edit);                               // throws kUsage for a locked object
+  void set_hidden(int id, bool hidden);
+  void set_locked(int id, bool locked);
+  void keep_dropped(int id, bool keep);
   void activate(int id);
   void show_all_pieces(bool all);
   bool undo();  // false: there is nothing to undo
@@ -69,6 +75,10 @@ class Session {
     std::shared_ptr<const ObjectLabels> labels;      // of all pieces
     std::shared_ptr<const ObjectLabels> touched;     // of the pieces that strokes touch
     std::shared_ptr<const ObjectLabels> touched_of;  // the labels that `touched` was made from
+    std::vector<std::pair<HandEdits, std::shared_ptr<const ObjectLabels>>> steps;  // results of edits, latest first
+    std::shared_ptr<const ObjectLabels> steps_of;                                  // the labels that the edits change
+    std::shared_ptr<const ObjectLabels> unblocked;          // without the Gaussians of locked and hidden objects
+    std::vector<std::shared_ptr<const void>> unblocked_of;  // what `unblocked` was made from
   };
 
   void segment(MarkedView& view, const MarkedView* before, const MarkedViews& others, WeightSums<>& sums);
@@ -76,6 +86,13 @@ class Session {
   CachedObject& cached(int id);
   void update(CachedObject& cache, const ObjectMarks& object);
   void remove_untouched(CachedObject& cache) const;
+  std::shared_ptr<const ObjectLabels> with_edits_of(CachedObject& cache, const ObjectMarks& object,
+                                                    bool all_pieces) const;
+  std::shared_ptr<const ObjectLabels> edited(CachedObject& cache, const ObjectMarks& object, bool all_pieces,
+                                             const std::vector<std::shared_ptr<const ObjectLabels>>& blocked) const;
+  ShownObject show(const ObjectMarks& object, bool all_pieces,
+                   const std::vector<std::shared_ptr<const ObjectLabels>>& blocked);
+  ObjectMarks& changeable(Marks& marks, int id) const;
   void publish(Marks marks);
   void step(Marks marks);
   const ObjectMarks& object(int id) const;

@@ -8,6 +8,7 @@
 #include "ngs/math/world_unit.h"
 #include "ngs/ops/splat/splat.h"
 #include "ngs/stages/orbit/rigs.h"
+#include "ngs/stages/orbit/stance.h"
 
 namespace ngs::live {
 namespace {
@@ -67,9 +68,12 @@ double detail_of(const ImageF& image) {
 }  // namespace
 
 bool operator==(const Viewpoint& a, const Viewpoint& b) {
+  return has_same_pose(a, b) && a.fov_y_deg == b.fov_y_deg && a.width_px == b.width_px && a.height_px == b.height_px;
+}
+
+bool has_same_pose(const Viewpoint& a, const Viewpoint& b) {
   const auto equal = [](Vec u, Vec v) { return u.x == v.x && u.y == v.y && u.z == v.z; };
-  return equal(a.position, b.position) && equal(a.look_at, b.look_at) && equal(a.up, b.up) &&
-         a.fov_y_deg == b.fov_y_deg && a.width_px == b.width_px && a.height_px == b.height_px;
+  return equal(a.position, b.position) && equal(a.look_at, b.look_at) && equal(a.up, b.up);
 }
 
 Camera camera_of(const Viewpoint& viewpoint) {
@@ -95,8 +99,9 @@ InitialViewpoint initial_viewpoint(const Exec& exec, const GaussianCloud& cloud)
                 "the model: none of its " + std::to_string(cloud.size()) +
                     " Gaussians is usable with an opacity above 1/255, expected visible Gaussians");
   const orbit::SurfacePoints some = fewer(points);
-  const orbit::Ball ball = orbit::bulk_of(some);
-  const Vec up = orbit::guess_up(some, ball).up, origin{cloud.origin[0], cloud.origin[1], cloud.origin[2]};
+  const orbit::Ball bulk = orbit::bulk_of(some);
+  const Vec up = orbit::guess_up(some, bulk).up, origin{cloud.origin[0], cloud.origin[1], cloud.origin[2]};
+  const orbit::Ball ball = orbit::ball_to_frame(some, bulk, up);
   const orbit::Frame frame = orbit::frame_about(some, ball, up);
   const orbit::FreeSpace space(cloud, points, frame, {1.1 * ball.radius, kCells});
   const orbit::RoomFinding room = orbit::find_room(exec, space, ball.radius);

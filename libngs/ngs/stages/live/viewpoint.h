@@ -16,6 +16,9 @@ struct Viewpoint {
 /// Exact equality of all members.
 bool operator==(const Viewpoint& a, const Viewpoint& b);
 
+/// Exact equality of position, look_at and up: pictures of one view, perhaps in windows of different sizes.
+bool has_same_pose(const Viewpoint& a, const Viewpoint& b);
+
 /// Throws kUsage if `position` equals `look_at`. If `up` is parallel to the line of sight, any perpendicular is used.
 Camera camera_of(const Viewpoint& viewpoint);
 

@@ -18,8 +18,9 @@ struct Frame {
 Frame frame_about(const SurfacePoints& points, const Ball& ball, Vec up);
 
 /// The estimated up direction of the world: the normal of a plane that contains much of the model, such as a floor or a
-/// table top, with nearly all of the rest on one side. Without such a plane `found` is false and up is -y, as in most
-/// models from structure from motion.
+/// table top, with nearly all of the rest on one side. Without such a plane, or if an object that is alone clearly
+/// stands on another side (stance.h), up is the axis on which that object stands. Otherwise `found` is false and up is
+/// -y, as in most models from structure from motion.
 struct UpGuess {
   Vec up{0, -1, 0};
   bool found = false;

@@ -30,7 +30,9 @@ struct OrbitOptions {
     visit(self.around, Text{"around", "X,Y,Z,R",
                             "Place cameras around this ball, in model coordinates; default: the bulk of the model"});
     visit(self.up,
-          Choice<UpAxis>{"up", "Axis of the model that points upwards; auto: away from a floor, else -y", kUpNames});
+          Choice<UpAxis>{
+              "up", "Axis of the model that points upwards; auto: away from a floor or the base of an object, else -y",
+              kUpNames});
     visit(
         self.place,
         Choice<Place>{"place", "Where cameras are placed; auto: inside if that shows more of the surface, as in a room",

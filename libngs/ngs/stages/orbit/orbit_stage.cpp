@@ -12,6 +12,7 @@
 #include "ngs/ops/splat/splat_options.h"
 #include "ngs/stages/orbit/coverage.h"
 #include "ngs/stages/orbit/rigs.h"
+#include "ngs/stages/orbit/stance.h"
 
 namespace ngs::orbit {
 namespace {
@@ -65,21 +66,20 @@ class Chooser {
 
  private:
   void find_ball() {
-    ball_ = bulk_of(points_);
+    bulk_ = bulk_of(points_);
+    ball_ = bulk_;
     if (!options_.around.empty()) {
       ball_ = parse_ball(options_.around);
       ball_.centre = ball_.centre - origin();
     }
-    found_.centre = ball_.centre + origin(), found_.radius = ball_.radius;
   }
 
   void find_up() {
-    if (options_.up != UpAxis::kAuto) {
-      found_.up = axis_of(options_.up);
-      return;
-    }
-    const UpGuess guess = guess_up(points_, bulk_of(points_));
+    const UpGuess guess =
+        options_.up == UpAxis::kAuto ? guess_up(points_, bulk_) : UpGuess{axis_of(options_.up), false};
     found_.up = guess.up, found_.up_is_guessed = guess.found;
+    if (options_.around.empty()) ball_ = ball_to_frame(points_, bulk_, found_.up);
+    found_.centre = ball_.centre + origin(), found_.radius = ball_.radius;
   }
 
   std::optional<RoomFinding> look_for_room() {
@@ -218,7 +218,7 @@ class Chooser {
   const GaussianCloud& cloud_;
   const OrbitOptions& options_;
   SurfacePoints points_;
-  Ball ball_;
+  Ball bulk_, ball_;
   Frame frame_;
   Intrinsics intrinsics_;
   Rig rig_;

@@ -115,6 +115,38 @@ TEST_CASE("background painted on a new view removes Gaussians that the other vie
   CHECK(labels_of(session).count < before / 2);
 }
 
+TEST_CASE("a background stroke on a new view changes the selection that is seen there only near the stroke") {
+  const Visit visit;
+  live::Session session(visit.exec, visit.model());
+  const live::Viewpoint viewpoint = visit.viewpoint(0), other = visit.viewpoint(3);
+  session.mark(1, viewpoint, {visit.on_ball(viewpoint), Visit::on_wall(viewpoint)});
+  const std::int64_t before = visit.selected(labels_of(session), true);
+  const std::array<double, 2> middle = visit.ball(other);
+  session.mark(1, other, {{false, 2, {{middle[0] + 11, middle[1]}}}});  // on the edge of the ball
+  CHECK(visit.selected(labels_of(session), true) > before / 2);
+  session.mark(1, other, {Visit::on_wall(other)});
+  CHECK(visit.selected(labels_of(session), true) > before / 2);
+}
+
+TEST_CASE("strokes from one pose in windows of two sizes belong to one view") {
+  const Visit visit;
+  live::Session session(visit.exec, visit.model()), one_size(visit.exec, visit.model());
+  const live::Viewpoint viewpoint = visit.viewpoint(0);
+  live::Viewpoint larger = viewpoint;
+  larger.width_px *= 2, larger.height_px *= 2;
+  for (live::Session* s : {&session, &one_size}) s->mark(1, viewpoint, {visit.on_ball(viewpoint)});
+  const std::array<double, 2> small{20, 40};
+  session.mark(1, larger, {{false, 8, {{2 * small[0], 2 * small[1]}}}});
+  one_size.mark(1, viewpoint, {{false, 4, {small}}});
+  REQUIRE(session.marks()->objects[0].views.size() == 1);
+  CHECK(session.marks()->objects[0].views[0]->mask == one_size.marks()->objects[0].views[0]->mask);
+  CHECK(labels_of(session).label == labels_of(one_size).label);
+  // What lies outside of the first picture needs a view of its own.
+  larger = viewpoint, larger.width_px += 80;
+  session.mark(1, larger, {{false, 4, {{double(larger.width_px) - 5, 40}}}});
+  CHECK(session.marks()->objects[0].views.size() == 2);
+}
+
 TEST_CASE("objects are independent: each has its strokes, its labels and its name") {
   const Visit visit;
   live::Session session(visit.exec, visit.model());

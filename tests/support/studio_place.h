@@ -1,0 +1,73 @@
+#pragma once
+// A session of ngs-studio on the tiny scene: its strokes, answers and command lines.
+#include <doctest/doctest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "support/process.h"
+#include "support/studio_server.h"
+#include "support/temp_dir.h"
+#include "support/tiny_scene.h"
+
+namespace ngs::test {
+
+using Json = nlohmann::json;
+
+inline constexpr const char* kModel = "scene/scene.json";
+
+/// A folder with the tiny scene.
+struct Place {
+  Place() { write_tiny_scene(dir.path() + "/scene"); }
+  TempDir dir;
+};
+
+inline std::string camera_of(const Json& state, std::size_t view) {
+  Json camera = state["views"][view]["camera"];
+  camera["width"] = 192, camera["height"] = 144;
+  return camera.dump();
+}
+
+/// A point in the middle, on the ball, and a stroke along the top, on the wall.
+inline std::string strokes(const std::string& camera, int object = 1) {
+  return R"({"object":)" + std::to_string(object) + R"(,"camera":)" + camera +
+         R"(,"strokes":[{"label":"object","radius_px":6,"points":[[96,72]]},)"
+         R"({"label":"background","radius_px":5,"points":[[8,8],[184,8]]}]})";
+}
+
+inline Json json_of(const StudioServer::Answer& answer) {
+  INFO(answer.body);
+  REQUIRE(answer.status >= 200);
+  REQUIRE(answer.status < 300);
+  return Json::parse(answer.body);
+}
+
+inline Json finished_job(const StudioServer& server) {
+  Json job;
+  do {
+    job = json_of(server.get("/api/job"));
+  } while (job["state"] == "running");
+  return job;
+}
+
+inline std::vector<std::string> words_of(const std::string& line) {
+  std::vector<std::string> words(1);
+  for (const char c : line) {
+    if (c == ' ')
+      words.emplace_back();
+    else
+      words.back() += c;
+  }
+  return words;
+}
+
+inline void run_tool(const std::string& folder, std::vector<std::string> argv) {
+  argv[0] = std::string(NGS_TOOL_DIR "/") + argv[0];
+  const ProcessResult result =
+      run_process({.argv = argv, .environment = {}, .folder = folder, .input = {}, .signal_after = {}});
+  INFO(argv[0] << ": " << result.err);
+  REQUIRE(result.exit_code == 0);
+}
+
+}  // namespace ngs::test
