@@ -60,7 +60,7 @@ void write_finished(Run& run, const Extractor& extractor, const Scene& scene, co
   }
   const finish::Finished found = finish::finish_object(run.exec(), model, views, run.seed());
   run.result()["finish"] = {{"clipped", found.clipped}, {"dropped", found.dropped}};
-  for (const std::string& note : io::write_splat(path, found.cloud, found.keep, io::render_comments(extractor.model())))
+  for (const std::string& note : io::write_splat(path, {extractor.model(), found.keep, &found.cloud, extractor.up()}))
     run.monitor().warn(note);
 }
 
