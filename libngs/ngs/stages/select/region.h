@@ -32,14 +32,12 @@ struct RegionOptions {
     visit(self.drop_below_plane, Text{"drop_below_plane", "auto|A,B,C,D",
                                       "The object lies where Ax + By + Cz + D > 0; auto: above the plane with most "
                                       "flat Gaussians, such as a floor or the top of a pedestal"});
-    visit(
-        self.up,
-        Choice<UpAxis>{
-            "up",
-            "Axis of the model that points upwards, for --drop-below-plane auto (auto: away from a floor, else -y) and "
-            "for parts in formats other than PLY, which are turned upright (auto: .glb and .usda, by the PLY's comment "
-            "\"Vertical Axis: z\")",
-            kUpNames});
+    visit(self.up,
+          Choice<UpAxis>{"up",
+                         "Axis of the model that points upwards, for --drop-below-plane auto and to turn parts in "
+                         "formats other than "
+                         "PLY upright; auto: away from a floor, else -y; .glb and .usda by the comment of a PLY",
+                         kUpNames});
     visit(self.cluster_at,
           Text{"cluster_at", "X,Y,Z", "Keep, of the remaining Gaussians, the cluster nearest to this point"});
     visit(self.largest,
