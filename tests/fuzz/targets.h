@@ -20,6 +20,7 @@
 #include "ngs/io/files/json_file.h"
 #include "ngs/io/files/safetensors.h"
 #include "ngs/io/formats/dot_splat.h"
+#include "ngs/io/formats/gltf/glb_read.h"
 #include "ngs/io/formats/ksplat.h"
 #include "ngs/io/formats/sog.h"
 #include "ngs/io/formats/spz.h"
@@ -68,6 +69,10 @@ inline int fuzz_dot_splat(const std::uint8_t* data, std::size_t size) {
 
 inline int fuzz_sog(const std::uint8_t* data, std::size_t size) {
   return refuses_or_reads([&] { (void)io::decode_sog("fuzz.sog", {data, size}); });
+}
+
+inline int fuzz_glb(const std::uint8_t* data, std::size_t size) {
+  return refuses_or_reads([&] { (void)io::decode_glb("fuzz.glb", {data, size}); });
 }
 
 inline int fuzz_ksplat(const std::uint8_t* data, std::size_t size) {
@@ -170,6 +175,7 @@ inline constexpr Target kTargets[] = {
     {"sog", fuzz_sog},
     {"dot_splat", fuzz_dot_splat},
     {"ksplat", fuzz_ksplat},
+    {"glb", fuzz_glb},
     {"query_ply", fuzz_query_ply},
     {"safetensors", fuzz_safetensors},
     {"evidence", fuzz_evidence},

@@ -59,7 +59,7 @@ int main(int argc, char** argv) {
                  {"ngs-clean scan.ply -o cleaned/ --preview cleaned.png", "ngs-clean scan.spz --dry-run"});
   CleanOptions options;
   tool.options(options);
-  const cli::Input& model = tool.input("model", "any 3DGS model (.ply, .spz, .sog, .splat, .ksplat)");
+  const cli::Input& model = tool.input("model", "any 3DGS model (.ply, .spz, .sog, .splat, .ksplat, .glb)");
   const cli::Output& out = tool.output_dir("-o,--output", "folder for cleaned.ply and removed.ply");
   const cli::Output& preview =
       tool.optional_output("--preview", "PNG of the scene before, after, and of the removed Gaussians");

@@ -8,6 +8,7 @@
 #include "ngs/io/formats/write_splat.h"
 #include "ngs/scene/precision/local_origin.h"
 #include "ngs/stages/extract/import_stage.h"
+#include "ngs/stages/orbit/orbit_stage.h"
 #include "ngs/stages/select/region.h"
 
 namespace ngs::cli {
@@ -202,6 +203,10 @@ void Extractor::warn_of_unusual_result(std::int64_t kept) {
     run_.monitor().warn("every Gaussian is object: the background is empty");
 }
 
+std::optional<Vec3<double>> Extractor::up() const {
+  return region_.up == UpAxis::kAuto ? std::nullopt : std::optional(orbit::axis_of(region_.up));
+}
+
 std::vector<const io::NamedLabels*> Extractor::chosen() const {
   std::vector<const io::NamedLabels*> labels;
   for (const std::size_t k : chosen_) labels.push_back(&objects_[k]);
@@ -209,7 +214,7 @@ std::vector<const io::NamedLabels*> Extractor::chosen() const {
 }
 
 void Extractor::write(const std::string& path, const std::vector<std::uint8_t>& keep) const {
-  for (const std::string& note : io::write_splat(path, ply_, keep)) run_.monitor().warn(note);
+  for (const std::string& note : io::write_splat(path, {ply_, keep, nullptr, up()})) run_.monitor().warn(note);
 }
 
 void Extractor::write_background(const std::string& path) const {

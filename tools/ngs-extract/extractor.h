@@ -1,5 +1,6 @@
 #pragma once
 // Selects the object in a labelled model and writes the parts.
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,8 @@ class Extractor {
   const GaussianCloud& cloud() const { return ply_.cloud; }
   const io::GaussianPly& model() const { return ply_; }
   const std::vector<std::uint8_t>& object() const { return keep_; }  // [N], after decide()
+  /// --up, for io::PartOfModel.
+  std::optional<Vec3<double>> up() const;
   /// Labels of the extracted objects, in the order of the model; every column is filled.
   std::vector<const io::NamedLabels*> chosen() const;
 

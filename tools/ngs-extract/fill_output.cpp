@@ -92,9 +92,7 @@ void FillOutput::refit(InpaintedPictures& inpainted) {
 }
 
 std::vector<std::string> FillOutput::comments() const {
-  std::vector<std::string> comments;
-  for (const std::string& comment : extractor_.model().comments)
-    if (io::is_render_comment(comment)) comments.push_back(comment);
+  std::vector<std::string> comments = io::render_comments(extractor_.model());
   comments.push_back("ngs-fill " + report_.dump());
   return comments;
 }
@@ -104,7 +102,15 @@ void FillOutput::write_rows(const std::string& path, const GaussianCloud& cloud,
   std::vector<float> filled(std::size_t(cloud.size()));
   std::fill(filled.begin() + std::ptrdiff_t(kept), filled.end(), 1.f);
   const io::AddedColumn column{std::string(io::kFilledColumn), filled};
-  for (const std::string& note : io::write_splat(path, cloud, {}, comments(), column)) run_.monitor().warn(note);
+  std::vector<std::string> notes;
+  if (io::output_format(path) == io::SplatFormat::kPly) {
+    notes = io::write_splat(path, cloud, {}, comments(), column);
+    notes.push_back(io::note_of_left_columns(path, extractor_.model()));
+  } else {
+    notes = io::write_splat(path, {extractor_.model(), {}, &cloud, extractor_.up()});
+  }
+  for (const std::string& note : notes)
+    if (!note.empty()) run_.monitor().warn(note);
 }
 
 void FillOutput::write(const Outputs& out) const {

@@ -2,7 +2,6 @@
 // splats, and decided labels; imports hand edits.
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "extractor.h"
 #include "fill_output.h"
@@ -21,10 +20,12 @@
 namespace {
 
 /// Throws kUsage for an invalid rule; warns about unused options.
-void check_options(ngs::cli::Run& run, const ngs::ExtractOptions& options, const ngs::RegionOptions& region) {
+void check_options(ngs::cli::Run& run, const ngs::ExtractOptions& options, const ngs::RegionOptions& region,
+                   const ngs::cli::Outputs& out) {
   ngs::parse_extract_rule(options.rule);
   (void)ngs::parse_region(region);
-  if (region.drop_below_plane != "auto") run.warn_unused({"--up"}, "without --drop-below-plane auto");
+  if (region.drop_below_plane != "auto" && !ngs::cli::turns_any(out))
+    run.warn_unused({"--up"}, "without --drop-below-plane auto or a part in a format other than PLY");
   if (region.cluster_at.empty() && region.largest == 0)
     run.warn_unused({"--cluster-side"}, "without --cluster-at or --largest");
 }
@@ -72,7 +73,7 @@ int main(int argc, char** argv) {
   const cli::Outputs out = cli::declare_outputs(tool);
 
   return tool.run(argc, argv, [&](cli::Run& run) {
-    check_options(run, options.extract, options.region);
+    check_options(run, options.extract, options.region, out);
     cli::require_one_of(out);
     cli::check_inpaint_options(run, out.inpaint, inpainted, scene_json);
     cli::check_fill_options(run, options.fill, inpainted, scene_json, out);

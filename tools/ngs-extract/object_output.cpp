@@ -103,10 +103,10 @@ void write_objects(Run& run, const Extractor& extractor, const Scene* scene, con
   std::vector<Rows> objects = objects_of(extractor);
   GaussianCloud finished;
   if (scene != nullptr) finished = finished_model(run, extractor, *scene, objects);
-  const GaussianCloud& model = scene != nullptr ? finished : extractor.cloud();
-  const std::vector<std::string> comments = io::render_comments(extractor.model());
   const auto write = [&](const std::string& path, const Rows& keep) {
-    for (const std::string& note : io::write_splat(path, model, keep, comments)) run.monitor().warn(note);
+    const GaussianCloud* edited = scene != nullptr ? &finished : nullptr;
+    for (const std::string& note : io::write_splat(path, {extractor.model(), keep, edited, extractor.up()}))
+      run.monitor().warn(note);
   };
   Rows any(extractor.object().size());
   for (std::size_t k = 0; k < objects.size(); ++k) {

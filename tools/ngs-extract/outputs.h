@@ -1,5 +1,7 @@
 #pragma once
 // The outputs of ngs-extract; at least one is required.
+#include <algorithm>
+#include <array>
 #include <initializer_list>
 #include <string>
 
@@ -35,6 +37,13 @@ inline void require_one_of(const Outputs& out) {
     flags += (flags.empty() ? "" : ", ") + output->flags;
   }
   throw Error(ErrorCode::kUsage, "no output was given, expected one of " + flags);
+}
+
+/// Whether an output has a format that --up turns.
+inline bool turns_any(const Outputs& out) {
+  return std::ranges::any_of(std::array{&out.object, &out.background, &out.filled}, [](const Output* output) {
+    return *output && io::output_format(output->path) != io::SplatFormat::kPly;
+  });
 }
 
 /// Throws kUsage for a format that cannot be written. Outputs that were not requested have an empty path.

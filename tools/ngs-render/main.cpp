@@ -57,7 +57,7 @@ int main(int argc, char** argv) {
   tool.runs_on_device();
   const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene");
   const cli::Input& model =
-      tool.input("model", "any 3DGS model (.ply, .spz, .sog, .splat, .ksplat); masks need a labelled PLY");
+      tool.input("model", "any 3DGS model (.ply, .spz, .sog, .splat, .ksplat, .glb); masks need a labelled PLY");
   const cli::Output& out = tool.output_dir("-o,--output", "folder for the images");
 
   return tool.run(argc, argv, [&](cli::Run& run) {

@@ -34,7 +34,7 @@ int import_command(int argc, char** argv) {
       "source", "COLMAP folder, transforms.json, cameras.json, poses_bounds.npy, or a folder with one of them");
   const cli::Input& ply = tool.optional_input(
       "--ply",
-      "3DGS model (.ply, .spz, .sog, .splat, .ksplat); default: point_cloud.ply or model.ply next to the cameras",
+      "3DGS model (.ply, .spz, .sog, .splat, .ksplat, .glb); default: point_cloud.ply or model.ply next to the cameras",
       "--model");
   const cli::Input& images = tool.optional_input("--images", "folder of photos; default: images/ next to the cameras");
   const cli::Input& masks =

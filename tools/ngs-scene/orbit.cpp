@@ -9,6 +9,7 @@
 #include "contact_sheet.h"
 #include "ngs/backend/for_each.h"
 #include "ngs/core/formatted.h"
+#include "ngs/io/capture/capture_source.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/folder_index.h"
 #include "ngs/io/image/image_file.h"
@@ -123,11 +124,11 @@ Scene scene_of(const orbit::OrbitCameras& chosen, const std::string& model, cons
   const int shrink = (std::max(width, height) + io::kWorkingSizePx - 1) / io::kWorkingSizePx;
   scene.image_scale = 1.0 / shrink;
   for (const Camera& camera : chosen.cameras)
-    scene.views.push_back(
-        {resized(camera, scaled_size_px(width, scene.image_scale), scaled_size_px(height, scene.image_scale)),
-         (fs::path(folder) / camera.name).generic_string(),
-         {},
-         Split::kTrain});
+    scene.views.push_back({resized(camera, scaled_size_px(camera.width_px, scene.image_scale),
+                                   scaled_size_px(camera.height_px, scene.image_scale)),
+                           (fs::path(folder) / camera.name).generic_string(),
+                           {},
+                           Split::kTrain});
   return scene;
 }
 
@@ -166,6 +167,30 @@ ContactSheet write_renders(cli::Run& run, const GaussianCloud& cloud, const Scen
   return sheet;
 }
 
+/// At most `max_views` cameras of a capture, evenly chosen, for pictures of at most the longer side of `size`.
+std::vector<Camera> cameras_of(const std::string& capture, int max_views, orbit::PictureSize size) {
+  io::CaptureRequest request;
+  request.source = capture;
+  const std::vector<SceneView> views = io::read_capture(request).capture.views;
+  const std::size_t count = std::min(views.size(), std::size_t(max_views));
+  std::vector<Camera> cameras;
+  for (std::size_t k = 0; k < count; ++k) {
+    const Camera& camera = views[k * views.size() / count].camera;
+    const double scale =
+        std::min(1.0, double(std::max(size.width_px, size.height_px)) / std::max(camera.width_px, camera.height_px));
+    cameras.push_back(resized(camera, scaled_size_px(camera.width_px, scale), scaled_size_px(camera.height_px, scale)));
+    cameras.back().name = formatted("%04.0f.png", double(k));
+  }
+  return cameras;
+}
+
+/// The options with the upward axis of the model's comment, unless --up is given.
+OrbitOptions with_axis_of(const io::GaussianPly& ply, OrbitOptions options) {
+  for (const auto& [value, name] : kUpNames)
+    if (options.up == UpAxis::kAuto && name == ply.vertical_axis) options.up = value;
+  return options;
+}
+
 std::string numbers(Vec3<double> v) {
   return formatted("%.4g,", v.x) + formatted("%.4g,", v.y) + formatted("%.4g", v.z);
 }
@@ -185,16 +210,19 @@ Json chosen_json(const orbit::OrbitCameras& chosen) {
 }
 
 /// Prints the chosen cameras and warns of low coverage.
-void print_cameras(cli::Run& run, const OrbitOptions& options, const orbit::OrbitCameras& chosen) {
+void print_cameras(cli::Run& run, const OrbitOptions& options, const OrbitOptions& upright,
+                   const orbit::OrbitCameras& chosen, bool are_given) {
   const std::string share = formatted("%.1f %%", 100 * chosen.coverage);
   run.text(std::to_string(chosen.cameras.size()) + " cameras " + (chosen.inside ? "inside" : "around") + " the ball " +
            numbers(chosen.centre) + formatted(",%.4g", chosen.radius) + ", up " + numbers(chosen.up) +
-           (options.up != UpAxis::kAuto ? ""
-            : chosen.up_is_guessed      ? " (from a floor)"
-                                        : " (no floor found)") +
+           (are_given                     ? " (of the given cameras)"
+            : options.up != UpAxis::kAuto ? ""
+            : upright.up != UpAxis::kAuto ? " (from the model's comment)"
+            : chosen.up_is_guessed        ? " (from a floor)"
+                                          : " (no floor found)") +
            "\n" + share + " of the visible surface is visible in at least " + std::to_string(orbit::kWantedViews) +
            " views\n" + "no photos: pictures were rendered from the splat\n");
-  if (chosen.coverage >= options.coverage) return;
+  if (are_given || chosen.coverage >= options.coverage) return;
   const bool at_limit = std::ssize(chosen.cameras) >= options.max_views;
   run.monitor().warn("coverage " + share + " of the visible surface, expected " +
                      formatted("%.1f %%", 100 * options.coverage) +
@@ -212,7 +240,9 @@ int orbit_command(int argc, char** argv) {
   PictureOptions pictures;
   tool.options(options);
   tool.options(pictures);
-  const cli::Input& model = tool.input("model", "3DGS model (.ply, .spz, .sog, .splat, .ksplat)");
+  const cli::Input& model = tool.input("model", "3DGS model (.ply, .spz, .sog, .splat, .ksplat, .glb)");
+  const cli::Input& cameras = tool.optional_input(
+      "--cameras", "cameras.json, COLMAP folder or other poses of the model, instead of chosen cameras");
   const cli::Output& out =
       tool.output("-o,--output", "scene.json; renders go to images/ next to it, all of them to sheet.jpg");
 
@@ -229,15 +259,20 @@ int orbit_command(int argc, char** argv) {
       return io::read_gaussian_ply(model.path);
     }();
     for (const std::string& note : ply.notes) run.monitor().warn(note);
-    const orbit::OrbitCameras chosen = with_context(
-        model.path, [&] { return orbit::choose_cameras(run.exec(), run.monitor(), ply.cloud, options, size); });
+    const OrbitOptions upright = with_axis_of(ply, options);
+    const orbit::OrbitCameras chosen = with_context(model.path, [&] {
+      if (cameras)
+        return orbit::assess_cameras(run.exec(), run.monitor(), ply.cloud, options,
+                                     cameras_of(cameras.path, options.max_views, size));
+      return orbit::choose_cameras(run.exec(), run.monitor(), ply.cloud, upright, size);
+    });
     Scene scene = scene_of(chosen, model.path, images.path);
     choose_background(pictures.background, run.monitor(), scene);
     if (!scene.background) scene.background = contrasting_background(ply.cloud);
     io::assign_splits(pictures.hold_out, scene.views);
     run.result() = chosen_json(chosen);
     run.result()["model"] = health_json(ply.health);
-    print_cameras(run, options, chosen);
+    print_cameras(run, options, upright, chosen, bool(cameras));
     if (run.dry_run()) {
       run.plan({{"views", scene.views.size()}});
       return cli::kDone;

@@ -6,9 +6,12 @@
 #include <set>
 
 #include "cut_chain.h"
+#include "cut_formats.h"
 #include "cut_summary.h"
+#include "folder_lock.h"
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
+#include "ngs/io/files/shell_word.h"
 #include "ngs/io/scene/scene_json.h"
 #include "shared/tool.h"
 
@@ -131,7 +134,7 @@ std::optional<Scene> scene_of_renders(SourceKind kind, const std::string& path) 
 }
 
 /// Warns about options that have no effect on this kind of source.
-void warn_unused_options(cli::Run& run, cli::Tool& tool, SourceKind kind, bool has_renders) {
+void warn_unused_options(cli::Run& run, cli::Tool& tool, SourceKind kind, bool has_renders, bool renders_capture) {
   if (kind != SourceKind::kSplat)
     run.warn_unused({"--up", "--size", "--view-count"}, "except for a splat without photos");
   if (!has_renders) run.warn_unused({"--around"}, "except for a splat without photos");
@@ -139,15 +142,38 @@ void warn_unused_options(cli::Run& run, cli::Tool& tool, SourceKind kind, bool h
     run.warn_unused({"--image-scale"}, "except for a capture");
     run.warn_unused(capture_flags(tool.option_set()), "except for a capture");
   }
-  if (kind == SourceKind::kSplat) run.warn_unused({"--model"}, "with a splat");
+  if (renders_capture) run.warn_unused({"--up"}, "with the cameras of the source");
+  if (kind == SourceKind::kSplat && !renders_capture) run.warn_unused({"--model"}, "with a splat");
   if (kind == SourceKind::kScene) run.warn_unused({"--hold-out"}, "with a scene.json, which has its own split");
 }
 
+/// The splat of a capture without photos, whose pictures are rendered at its cameras; empty: there are photos or masks.
+/// kInconsistent with options that describe a capture.
+std::string bare_splat_of(cli::Run& run, const std::string& capture, const std::string& model, bool marked,
+                          bool has_capture_options) {
+  const std::string splat = splat_without_photos(capture, model, marked);
+  if (splat.empty()) return splat;
+  if (has_capture_options)
+    throw Error(ErrorCode::kInconsistent, capture + ": no photo of any view, expected photos or masks",
+                "name their folder with --images DIR; for the splat alone: ngs cut " + io::shell_word(splat));
+  run.monitor().warn(capture + ": no photos: pictures are rendered from " + splat +
+                     " at its cameras (if there are photos: --images DIR)");
+  return splat;
+}
+
 int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
+  if (!inputs.strokes.empty() && !inputs.masks.empty())
+    throw Error(ErrorCode::kUsage, "--strokes and --masks are both given, expected one of them");
+  check_formats(options);
+  if (options.method == CutMethod::kFlash)
+    check_flash(inputs.has_renders, !inputs.masks.empty() || !inputs.truth.empty());
+  if (fs::is_regular_file(inputs.source)) run.add_input("source", inputs.source);
   const NewFolder folder(inputs.out, !run.dry_run() && !fs::exists(inputs.out));
+  std::optional<FolderLock> lock;
   if (!run.dry_run()) {
-    require_own_folder(inputs.out, run.overwrite());
     fs::create_directories(inputs.out);
+    lock.emplace(inputs.out);
+    require_own_folder(inputs.out, run.overwrite());
     io::write_file(inputs.out + "/" + kMarker, "a folder of ngs cut\n");
   }
   CutChain chain(run, options, std::move(inputs));
@@ -174,6 +200,7 @@ int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
     run.verbatim(next_line(chain, {"--strokes", "FILE"}));
     return cli::kDone;
   }
+  write_other_formats(run, options, chain.inputs().out);
   run.result().update(summary_json(chain));
   run.text(summary_of(chain));
   return cli::kDone;
@@ -194,7 +221,7 @@ int cut_command(int argc, char** argv) {
                             .shown = Shown::kByName});
   const cli::Argument& source =
       tool.argument("source",
-                    "a splat (.ply, .spz, .sog, .splat, .ksplat), a folder of photos, poses, a splat and masks, "
+                    "a splat (.ply, .spz, .sog, .splat, .ksplat, .glb), a folder of photos, poses, a splat and masks, "
                     "or a scene.json");
   const cli::Inputs& strokes = tool.inputs(
       "--strokes", "marked copies of pictures or JSON files, or a folder of them (repeatable, or PATH,PATH)");
@@ -211,18 +238,22 @@ int cut_command(int argc, char** argv) {
   tool.reports_on_request();
 
   return tool.run(argc, argv, [&](cli::Run& run) {
-    if (strokes && masks) throw Error(ErrorCode::kUsage, "--strokes and --masks are both given, expected one of them");
-    const SourceKind kind = kind_of(source.value);
+    std::string bare_splat;
+    SourceKind kind = kind_of(source.value);
+    if (kind == SourceKind::kCapture && !masks && !images)
+      bare_splat = bare_splat_of(run, source.value, model.path, bool(strokes),
+                                 world || !given_words(tool.option_set(), kCaptureGroup).empty());
+    if (!bare_splat.empty()) kind = SourceKind::kSplat;
     const std::optional<Scene> renders = scene_of_renders(kind, source.value);
     const bool has_renders = kind == SourceKind::kSplat || renders;
-    if (options.method == CutMethod::kFlash) check_flash(has_renders, masks || truth);
-    warn_unused_options(run, tool, kind, has_renders);
-    if (fs::is_regular_file(source.value)) run.add_input("source", source.value);
+    warn_unused_options(run, tool, kind, has_renders, !bare_splat.empty());
     return cut(run, options,
                {.source = operand(source.value),
                 .kind = kind,
                 .strokes = operands(strokes.paths),
-                .model = operand(renders && !model ? renders->model_path : model.path),
+                .model = operand(model     ? model.path
+                                 : renders ? renders->model_path
+                                           : bare_splat),
                 .masks = operand(masks.path),
                 .truth = operand(truth.path),
                 .given_masks = operand(masks.path),
@@ -233,7 +264,8 @@ int cut_command(int argc, char** argv) {
                 .all_words = given_words(tool.option_set()),
                 .own_flags = own_flags(tool.option_set()),
                 .out = operand(out ? out.path : default_folder(source.value)),
-                .has_renders = has_renders});
+                .has_renders = has_renders,
+                .renders_capture = !bare_splat.empty()});
   });
 }
 

@@ -105,7 +105,8 @@ bool CutChain::has_same_pictures(const Json& key) const {
 /// Reuses the images of an earlier run if model, options and version are unchanged, because strokes were drawn on them.
 bool CutChain::orbit() {
   plain_scene_ = at("orbit/scene.json");
-  Words words{"ngs-scene", "orbit", inputs_.source, "-o", plain_scene_};
+  Words words{"ngs-scene", "orbit", inputs_.splat(), "-o", plain_scene_};
+  if (inputs_.renders_capture) append(words, "--cameras", inputs_.source);
   append(words, "--around", options_.around);
   append(words, "--up", options_.up == "auto" ? "" : options_.up);
   append(words, "--size", options_.size);
@@ -129,7 +130,7 @@ bool CutChain::orbit() {
     inputs_.strokes = strokes_on_copies(inputs_.strokes, pictures(), at("painted"), painted);
     std::error_code absent;
     if (!painted.in_place.empty()) fs::remove(key_file, absent);
-    key["model"] = io::content_hash(inputs_.source).xxh3;
+    key["model"] = io::content_hash(inputs_.splat()).xxh3;
   }
   reused_orbit_ = has_same_pictures(key);
   plan();

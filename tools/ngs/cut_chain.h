@@ -33,6 +33,7 @@ class CutChain {
   CutEnd run();
   const StageRunner& stages() const { return stages_; }
   const CutInputs& inputs() const { return inputs_; }
+  const std::vector<std::string>& formats() const { return options_.format; }
   /// Figures of a finished --method flash.
   const std::optional<FlashFigures>& flash() const { return flash_; }
   /// True if the untrained result was written because the trained one was worse.

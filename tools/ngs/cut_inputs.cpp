@@ -1,18 +1,35 @@
 #include "cut_inputs.h"
 
+#include <algorithm>
 #include <filesystem>
 
 #include "ngs/core/error.h"
 #include "ngs/core/folded_name.h"
 #include "ngs/io/capture/capture_source.h"
+#include "ngs/io/capture/foreign_source.h"
 #include "ngs/io/files/json_file.h"
 #include "ngs/io/files/shell_word.h"
 #include "ngs/io/formats/compression/packed_model.h"
 #include "ngs/io/scene/find_model.h"
+#include "ngs/io/scene/import_scene.h"
 
 namespace ngs::ngs_tool {
 
 namespace fs = std::filesystem;
+
+std::string splat_without_photos(const std::string& capture, const std::string& model, bool marked) {
+  io::ImportRequest request;
+  request.capture.source = capture, request.model_path = model;
+  try {
+    const Scene scene = io::import_scene(request).scene;
+    const bool is_bare = std::ranges::all_of(scene.views, [&](const SceneView& view) {
+      return view.image_path.empty() && (marked || view.mask_path.empty());
+    });
+    return is_bare ? scene.model_path : "";
+  } catch (const Error&) {
+    return {};
+  }
+}
 
 bool exists(const std::string& path) {
   std::error_code unreadable;
@@ -21,6 +38,7 @@ bool exists(const std::string& path) {
 
 SourceKind kind_of(const std::string& path) {
   std::error_code unreadable;
+  io::refuse_foreign_file(path);
   if (!fs::exists(path, unreadable))
     throw Error(ErrorCode::kBadInput, path + ": no such file or folder, expected a splat, a capture or a scene.json");
   const std::string extension = lower_case(fs::path(path).extension().string());

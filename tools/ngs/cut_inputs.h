@@ -21,13 +21,21 @@ struct CutInputs {
   std::set<std::string> own_flags;        // of ngs cut
   std::string out;                        // the output folder
   bool has_renders = false;               // all images are renders of the splat, or will be
-  std::string splat() const { return kind == SourceKind::kSplat ? source : model; }  // with has_renders
+  bool renders_capture = false;           // kSplat: `source` has the cameras of the renders, `model` is the splat
+  std::string splat() const {             // with has_renders
+    return kind == SourceKind::kSplat && !renders_capture ? source : model;
+  }
 };
 
 /// Detects the kind: a folder, transforms.json, cameras.json or poses_bounds.npy is a capture, a JSON file with
 /// "ngs_scene" a scene, everything else a splat, whose reader reports errors. Throws kBadInput if the path does not
 /// exist.
 SourceKind kind_of(const std::string& path);
+
+/// The splat of a capture of which no photo is there and, unless the object is `marked` by strokes, no mask: pictures
+/// can be rendered from its cameras. `model`: the splat as given, or empty. Empty: there are photos or masks, no splat,
+/// or the capture is unreadable, which its import reports.
+std::string splat_without_photos(const std::string& capture, const std::string& model, bool marked);
 
 /// False for an empty path and for one that cannot be read.
 bool exists(const std::string& path);

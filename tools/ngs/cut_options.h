@@ -1,6 +1,7 @@
 #pragma once
 // The options of ngs cut.
 #include <string>
+#include <vector>
 
 #include "ngs/options/field.h"
 #include "ngs/problem/preset.h"
@@ -21,6 +22,7 @@ struct CutOptions {
   std::string hold_out;
   std::string view;
   std::string around, up = "auto", size;
+  std::vector<std::string> format;
   int view_count = 0;
   double image_scale = 0;
   FillOptions fill;
@@ -45,6 +47,10 @@ struct CutOptions {
     visit(self.size, Text{"size", "WxH", "Splat: size of the renders in pixels; default: as ngs-scene orbit"});
     visit(self.view_count,
           Field<int>{"view_count", "", "Splat: number of pictures to make; 0: as many as needed", 0, 1000});
+    visit(self.format,
+          Text{"format", "EXT",
+               "Also write object and background in this format, turned upright: compressed.ply, spz, sog, "
+               "splat, glb or usda (repeatable)"});
     visit(self.image_scale, Field<double>{"image_scale", "",
                                           "Capture: working size relative to the photos; 0: 800 px at most", 0.0, 1.0});
     FillOptions::describe(self.fill, visit);

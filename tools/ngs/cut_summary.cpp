@@ -134,6 +134,8 @@ std::string summary_of(const CutChain& chain) {
   std::string text;
   row(text, "object", with_count(chain.at("object.ply"), written_object(chain)));
   row(text, "background", with_count(chain.at("background.ply"), count_of(chain, "background")));
+  for (const std::string& format : chain.formats())
+    row(text, format, chain.at("object." + format) + ", " + chain.at("background." + format));
   add_mending(text, chain);
   row(text, "masks", chain.at("masks") + "/");
   row(text, "page", chain.at("report.html"));
@@ -183,7 +185,8 @@ StrokeHelp stroke_help(const CutChain& chain) {
   if (chain.inputs().kind == SourceKind::kSplat) {
     if (exists(chain.at("orbit/sheet.jpg")))
       row(help.text, "sheet", chain.at("orbit/sheet.jpg") + " shows all of them");
-    row(help.text, "", "if the pictures are not upright, give the upward axis, e.g. --up=-y, and run again");
+    if (!chain.inputs().renders_capture)
+      row(help.text, "", "if the pictures are not upright, give the upward axis, e.g. --up=-y, and run again");
   }
   row(help.text, "mark",
       "paint the object green (0,255,0) and the background red (255,0,0) on copies of one or more pictures, as PNG "

@@ -61,8 +61,8 @@ void write_flash_models(cli::Run& run, const std::string& folder, const io::Gaus
                         const LabelColumns& labels) {
   std::vector<std::uint8_t> keep(labels.label.begin(), labels.label.end()), rest(keep.size());
   for (std::size_t i = 0; i < keep.size(); ++i) rest[i] = !keep[i];
-  for (const std::string& note : io::write_splat(folder + "/object.ply", ply, keep)) run.monitor().warn(note);
-  for (const std::string& note : io::write_splat(folder + "/background.ply", ply, rest)) run.monitor().warn(note);
+  for (const std::string& note : io::write_splat(folder + "/object.ply", {ply, keep})) run.monitor().warn(note);
+  for (const std::string& note : io::write_splat(folder + "/background.ply", {ply, rest})) run.monitor().warn(note);
   const std::vector<io::NamedLabels> objects{{"object", labels}};
   const std::vector<float> fixed(keep.size(), 1);  // ngs-extract would vote again about Gaussians that no view sees
   io::write_labelled_ply(folder + "/labelled.ply", ply, objects, {.fixed = fixed});

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "ngs/core/error.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/ops/image/connected_components.h"
@@ -55,6 +56,9 @@ void write_marked_views(cli::Run& run, const StrokeFiles& files, const std::stri
   const std::vector<std::string> names = output_names(scene.views);
   for (const auto& [index, hand] : marks) {
     const Camera& camera = scene.views[index].camera;
+    if (scene.views[index].image_path.empty())
+      throw Error(ErrorCode::kInconsistent, "the strokes: view " + camera.name + " has no photo, expected one",
+                  "mark a view that has a photo, or name the folder of photos with --images DIR");
     const ViewPrompt prompt = rasterise(hand, camera.width_px, camera.height_px);
     ImageF picture = io::resize_area(io::read_image_rgb(scene.views[index].image_path, background_of(scene)),
                                      camera.width_px, camera.height_px);

@@ -28,6 +28,10 @@ std::string file_of_bytes(std::string_view bytes);
 
 /// The descriptor of a new unnamed file; it vanishes when its descriptor is closed. All writes append.
 int unnamed_file(std::string path);
+/// Locks a folder until the returned descriptor is closed or this process ends, however it ends. -1 with EWOULDBLOCK:
+/// it is locked already; -1 with another error: there are no locks here.
+int lock_folder(const std::string& folder);
+void unlock_folder(int descriptor);
 /// Returns how many bytes were read; concurrent writes are not disturbed.
 std::int64_t read_at(int descriptor, void* to, std::size_t bytes, std::int64_t offset);
 std::int64_t size_of_file(int descriptor);

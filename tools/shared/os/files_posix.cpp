@@ -1,4 +1,5 @@
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -49,6 +50,17 @@ int unnamed_file(std::string path) {
   if (descriptor >= 0) ::unlink(path.c_str());
   return descriptor;
 }
+
+int lock_folder(const std::string& folder) {
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0 || ::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return descriptor;
+  const int reason = errno;
+  ::close(descriptor);
+  errno = reason;
+  return -1;
+}
+
+void unlock_folder(int descriptor) { ::close(descriptor); }
 
 std::int64_t read_at(int descriptor, void* to, std::size_t bytes, std::int64_t offset) {
   return ::pread(descriptor, to, bytes, offset);

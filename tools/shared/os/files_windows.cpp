@@ -105,6 +105,16 @@ int unnamed_file(std::string path) {
   return file == INVALID_HANDLE_VALUE ? -1 : _open_osfhandle(std::intptr_t(file), _O_RDWR | _O_BINARY);
 }
 
+int lock_folder(const std::string& folder) {
+  const HANDLE file = CreateFileW(wide(folder + "/.ngs-lock").c_str(), GENERIC_WRITE, 0, nullptr, OPEN_ALWAYS,
+                                  FILE_ATTRIBUTE_HIDDEN | FILE_FLAG_DELETE_ON_CLOSE, nullptr);
+  if (file != INVALID_HANDLE_VALUE) return _open_osfhandle(std::intptr_t(file), 0);
+  errno = GetLastError() == ERROR_SHARING_VIOLATION ? EWOULDBLOCK : last_errno();
+  return -1;
+}
+
+void unlock_folder(int descriptor) { close_file(descriptor); }
+
 std::int64_t read_at(int descriptor, void* to, std::size_t bytes, std::int64_t offset) {
   OVERLAPPED from{};
   from.Offset = DWORD(offset), from.OffsetHigh = DWORD(offset >> 32);

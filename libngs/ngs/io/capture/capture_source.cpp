@@ -5,15 +5,19 @@
 #include <map>
 
 #include "ngs/core/error.h"
+#include "ngs/core/listed.h"
 #include "ngs/io/capture/cameras_json.h"
 #include "ngs/io/capture/colmap.h"
+#include "ngs/io/capture/foreign_source.h"
 #include "ngs/io/capture/llff.h"
 #include "ngs/io/capture/photo_names.h"
 #include "ngs/io/capture/pose.h"
 #include "ngs/io/capture/transforms_json.h"
 #include "ngs/io/files/folder_index.h"
 #include "ngs/io/files/json_file.h"
+#include "ngs/io/files/mapped_file.h"
 #include "ngs/io/files/regular_file.h"
+#include "ngs/io/files/relative_path.h"
 #include "ngs/io/files/shell_word.h"
 #include "ngs/io/formats/compression/packed_model.h"
 #include "ngs/io/formats/splat_format.h"
@@ -67,6 +71,7 @@ std::vector<std::string> other_models(const std::string& model) {
     if (const std::string file = (fs::path(source) / name).generic_string(); is_regular_file(file))
       if (const std::string_view kind = sog_kind(read_json_file(file)); !kind.empty()) refuse_unpacked_sog(file, kind);
   const std::string splat = find_model(source).path;
+  if (splat.empty()) refuse_foreign_folder(source);
   throw Error(ErrorCode::kBadInput,
               source +
                   ": no cameras found, expected sparse/0 (COLMAP), transforms.json, cameras.json or "
@@ -78,7 +83,10 @@ std::vector<std::string> other_models(const std::string& model) {
                                   shell_word(splat));
 }
 
-Located locate(const std::string& source) {
+Located locate_below(const std::string& source);
+
+Located locate(const std::string& source, bool looks_below = true) {
+  refuse_foreign_file(source);
   if (is_regular_file(source)) {
     const fs::path folder = fs::path(source).parent_path();
     const std::string stem = fs::path(source).stem().string();  // a file of a COLMAP model means its folder
@@ -102,9 +110,30 @@ Located locate(const std::string& source) {
       found.also.push_back(name);
   }
   if (const std::string scene = (fs::path(source) / "scene.json").generic_string();
-      found.file.empty() && is_regular_file(scene))
+      looks_below && found.file.empty() && is_regular_file(scene))
     return {scene, source, false, {}};
-  if (found.file.empty()) refuse_without_cameras(source);
+  if (found.file.empty() && looks_below) return locate_below(source);
+  return found;
+}
+
+/// The cameras of the only folder in `source` that has some, as of a trainer's output folder or an unpacked archive.
+Located locate_below(const std::string& source) {
+  std::vector<std::string> folders;
+  Located found;
+  for (const std::string& name : list_folders(source)) {
+    const fs::path below = fs::path(source) / name;
+    std::error_code ignored;
+    if (name.starts_with(".") || fs::exists(below / ".ngs-cut", ignored)) continue;
+    Located there = locate(below.generic_string(), false);
+    if (there.file.empty()) continue;
+    folders.push_back(below.generic_string());
+    found = std::move(there);
+  }
+  if (folders.empty()) refuse_without_cameras(source);
+  if (folders.size() > 1)
+    throw Error(ErrorCode::kBadInput, source + ": cameras in several folders, expected one: " + listed(folders, 6),
+                "name one of these folders");
+  if (find_model(found.base).path.empty()) found.base = source;
   return found;
 }
 
@@ -116,6 +145,25 @@ std::string find_images_dir(const CaptureRequest& request, const std::string& ba
     return request.images_dir;
   }
   return folder_called(base, "images");
+}
+
+/// The photos that a trainer of 3DGS recorded in cfg_args next to its output: Namespace(..., images='images',
+/// source_path='/data/garden'). Empty: no such file or key.
+std::string photos_of_trainer(const std::string& base) {
+  const std::string file = (fs::path(base) / "cfg_args").generic_string();
+  if (!is_regular_file(file)) return {};
+  const MappedFile mapped = map_regular_file(file);
+  const std::string_view text = mapped.text();
+  const auto value = [&](const std::string& key) -> std::string {
+    const std::size_t at = text.find(key + "='");
+    if (at == text.npos) return {};
+    const std::size_t begin = at + key.size() + 2;
+    const std::string found(text.substr(begin, text.find('\'', begin) - begin));
+    return std::ranges::any_of(found, [](unsigned char c) { return c < ' ' || c == 127; }) ? "" : found;
+  };
+  const std::string source = value("source_path"), images = value("images");
+  return source.empty() ? ""
+                        : path_from_folder(base, (fs::path(source) / (images.empty() ? "images" : images)).string());
 }
 
 /// Replaces the backslashes in image names that were written on Windows, unless a file has this exact name.
@@ -220,8 +268,19 @@ CaptureSource read_capture(const CaptureRequest& request) {
   }
   use_slashes(source.images_dir, source.file, source.capture);
   if (source.images_dir.empty())
-    source.images_dir = folder_with_photos({source.base, located.colmap ? source.file : source.base}, source.capture);
+    source.images_dir = folder_with_photos({source.base, located.colmap ? source.file : source.base, request.source,
+                                            (fs::path(request.source) / "images").generic_string()},
+                                           source.capture);
+  std::string recorded;
+  if (source.images_dir.empty()) {
+    std::error_code ignored;
+    recorded = photos_of_trainer(source.base);
+    if (fs::is_directory(recorded, ignored)) source.images_dir = recorded;
+  }
   attach_photos({source.images_dir, !request.images_dir.empty()}, source.capture);
+  if (!recorded.empty())
+    source.capture.notes.push_back(recorded + (source.images_dir.empty() ? ": the photos' folder of cfg_args, not here"
+                                                                         : ": read for photos, as cfg_args names it"));
   if (!source.rendered) note_unused_photos(source.base, source.capture);
   bring_to_photo_sizes(source.capture);
   return source;

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "ngs/core/error.h"
+#include "ngs/core/listed.h"
 #include "ngs/io/capture/colmap_model.h"
 #include "ngs/io/capture/pose.h"
 #include "ngs/io/files/json_file.h"
@@ -113,18 +114,35 @@ std::string find_image(const TransformsSource& source, const std::string& file_p
   return fs::path(path).has_extension() ? path : path + ".png";
 }
 
-void read_intrinsics(const Lookup& lookup, const TransformsSource& source, const std::string& where, SceneView& view) {
-  Camera& camera = view.camera;
-  if (lookup.holder("w") != nullptr && lookup.holder("h") != nullptr) {
-    camera.width_px = int(lookup.holder("w")->integer("w", 1, kMaxSide));
-    camera.height_px = int(lookup.holder("h")->integer("h", 1, kMaxSide));
-  } else if (source.images.exists(view.image_path)) {
-    const ImageSize size = source.images.size(view.image_path);
-    camera.width_px = size.width_px, camera.height_px = size.height_px;
-  } else {
-    throw Error(ErrorCode::kBadInput, where + ": no w and h and no image " + view.image_path + ", expected a size",
-                "add \"w\" and \"h\" to the file, or put the images at their file_path");
+bool has_size(const Lookup& lookup) { return lookup.holder("w") != nullptr && lookup.holder("h") != nullptr; }
+
+/// The size of the images of those frames that state no size, if it is the same for all that are there.
+std::optional<ImageSize> common_image_size(const JsonReader& file, const TransformsSource& source) {
+  std::optional<ImageSize> common;
+  std::size_t index = 0;
+  for (const json& entry : file.array("frames")) {
+    const JsonReader frame(entry, source.object + ": frames[" + std::to_string(index++) + "]");
+    if (has_size(Lookup(frame, file))) continue;
+    const std::string image = find_image(source, frame.text("file_path"));
+    if (!source.images.exists(image)) continue;
+    const ImageSize size = source.images.size(image);
+    if (common && !(*common == size)) return std::nullopt;
+    common = size;
   }
+  return common;
+}
+
+/// The size of the camera: stated, of its image, or `common`. nullopt: none of these.
+std::optional<ImageSize> camera_size(const Lookup& lookup, const TransformsSource& source,
+                                     const std::string& image_path, const std::optional<ImageSize>& common) {
+  if (has_size(lookup))
+    return ImageSize{int(lookup.holder("w")->integer("w", 1, kMaxSide)),
+                     int(lookup.holder("h")->integer("h", 1, kMaxSide))};
+  return source.images.exists(image_path) ? source.images.size(image_path) : common;
+}
+
+void read_intrinsics(const Lookup& lookup, const std::string& where, ImageSize size, Camera& camera) {
+  camera.width_px = size.width_px, camera.height_px = size.height_px;
   const auto focal_of = [&](const char* focal, const char* angle, int size_px) -> std::optional<double> {
     if (const auto value = lookup.number(focal)) return value;
     const auto value = lookup.number(angle);
@@ -187,6 +205,23 @@ void name_views(Capture& capture) {
     capture.views[i].camera.name = files[i].lexically_relative(shared).generic_string();
 }
 
+/// Notes frames without w, h and image. kBadInput if no frame is left.
+void note_lost_images(const TransformsSource& source, const std::vector<std::string>& assumed_size,
+                      const std::vector<std::string>& without_size, Capture& capture) {
+  if (capture.views.empty() && !without_size.empty())
+    throw Error(ErrorCode::kBadInput,
+                source.object + ": no w and h and no image " + without_size[0] + ", expected a size",
+                "add \"w\" and \"h\" to the file, or put the images at their file_path");
+  if (!assumed_size.empty())
+    capture.notes.push_back(source.object +
+                            ": no w and h for images that are not there: the size of the others is used (" +
+                            listed(assumed_size, 3) + ")");
+  if (!without_size.empty())
+    capture.notes.push_back(source.object +
+                            ": frames without w, h and image are left out, the other images differ in size (" +
+                            listed(without_size, 3) + ")");
+}
+
 }  // namespace
 
 Capture parse_transforms_json(const json& root, const TransformsSource& source) {
@@ -194,15 +229,22 @@ Capture parse_transforms_json(const json& root, const TransformsSource& source) 
   Capture capture;
   capture.format = "transforms.json";
   std::vector<Lens> lenses;  // of the views
+  const std::optional<ImageSize> common = common_image_size(file, source);
+  std::vector<std::string> without_size, assumed_size;  // images that are not there
+  std::size_t index = 0;
   for (const json& entry : file.array("frames")) {
-    const JsonReader frame(entry, source.object + ": frames[" + std::to_string(capture.views.size()) + "]");
+    const JsonReader frame(entry, source.object + ": frames[" + std::to_string(index++) + "]");
     const Lookup lookup(frame, file);
     require_known_model(lookup, frame.where(), source.distortion);
     if (source.distortion == Distortion::kRefused) refuse_distortion(lookup, frame.where());
     SceneView view;
     view.image_path = find_image(source, frame.text("file_path"));
     if (frame.has("mask_path")) view.mask_path = path_in(source, frame.text("mask_path"));
-    read_intrinsics(lookup, source, frame.where(), view);
+    const std::optional<ImageSize> size = camera_size(lookup, source, view.image_path, common);
+    if (!size || (!has_size(lookup) && !source.images.exists(view.image_path)))
+      (size ? assumed_size : without_size).push_back(view.image_path);
+    if (!size) continue;
+    read_intrinsics(lookup, frame.where(), *size, view.camera);
     const RigidRows pose = read_rigid(frame, "transform_matrix");
     Mat3<double> axes = pose.rotation;  // OpenGL -> ours: y and z change sign
     for (int r = 0; r < 3; ++r) axes(r, 1) = -axes(r, 1), axes(r, 2) = -axes(r, 2);
@@ -210,6 +252,7 @@ Capture parse_transforms_json(const json& root, const TransformsSource& source) 
     capture.views.push_back(std::move(view));
     lenses.push_back(lens_of(lookup, frame.where()));
   }
+  note_lost_images(source, assumed_size, without_size, capture);
   if (!capture.views.empty()) name_views(capture);
   for (std::size_t v = 0; v < lenses.size(); ++v)
     if (has_distortion(lenses[v])) capture.lenses[capture.views[v].camera.name] = lenses[v];

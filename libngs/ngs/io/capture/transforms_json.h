@@ -4,7 +4,8 @@
 //
 // clang-format off
 //   intrinsics         fl_x, fl_y (default: fl_x) or camera_angle_x [rad]; cx, cy (default: image centre); w, h
-//                      (default: size of the image file). Each per file or per frame.
+//                      (default: size of the image file; without the file, of the other images if all have one
+//                      size, else the frame is left out). Each per file or per frame.
 //   images             file_path, relative to the JSON file or absolute, with slashes or backslashes. Without an
 //                      extension .png .jpg .jpeg are tried. A frame's name is its path without the folders that all
 //                      frames share.

@@ -3,6 +3,7 @@
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
 #include "ngs/io/formats/dot_splat.h"
+#include "ngs/io/formats/gltf/glb_read.h"
 #include "ngs/io/formats/ksplat.h"
 #include "ngs/io/formats/sog.h"
 #include "ngs/io/formats/spz.h"
@@ -15,12 +16,11 @@ DecodedSplat decode_splat(SplatFormat format, const std::string& name, Bytes byt
     case SplatFormat::kSog: return decode_sog(name, bytes);
     case SplatFormat::kSplat: return decode_dot_splat(name, bytes);
     case SplatFormat::kKsplat: return decode_ksplat(name, bytes);
-    case SplatFormat::kGlb:
+    case SplatFormat::kGlb: return decode_glb(name, bytes);
     case SplatFormat::kUsda:
       throw Error(ErrorCode::kBadInput,
-                  name + (format == SplatFormat::kGlb ? ": .glb" : ": .usda") +
-                      " can be written but not read, expected .ply, .spz, .sog, .splat or .ksplat",
-                  "export the model in one of these formats");
+                  name + ": .usda can be written but not read, expected .ply, .spz, .sog, .splat, .ksplat or .glb",
+                  "give the splat that it was written from, or export it in one of these formats");
     case SplatFormat::kPly:
     case SplatFormat::kCompressedPly: break;
   }

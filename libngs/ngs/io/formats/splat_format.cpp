@@ -52,7 +52,8 @@ SplatFormat output_format(std::string_view path) {
 }
 
 bool is_model_name(std::string_view name) {
-  return ends_with(name, ".spz") || ends_with(name, ".sog") || ends_with(name, ".splat") || ends_with(name, ".ksplat");
+  return ends_with(name, ".spz") || ends_with(name, ".sog") || ends_with(name, ".splat") ||
+         ends_with(name, ".ksplat") || ends_with(name, ".glb");
 }
 
 void require_ply_output(const std::string& path) {

@@ -13,9 +13,9 @@ enum class SplatFormat : std::uint8_t { kPly, kCompressedPly, kSpz, kSog, kSplat
 /// The names of the formats that are written, for help and errors.
 inline constexpr const char* kOutputFormats = ".ply, .compressed.ply, .spz, .sog, .splat, .glb or .usda";
 
-/// Format of an input: kPly (also for compressed.ply, which the PLY reader detects), kSpz, kSog, kSplat, kKsplat, or
-/// kGlb and kUsda (write-only). Determined by the first bytes if the format has a signature, else by the extension of
-/// `name`. kPly if neither matches, so that the PLY reader reports what it expected.
+/// Format of an input: kPly (also for compressed.ply, which the PLY reader detects), kSpz, kSog, kSplat, kKsplat, kGlb,
+/// or kUsda (write-only). Determined by the first bytes if the format has a signature, else by the extension of `name`.
+/// kPly if neither matches, so that the PLY reader reports what it expected.
 SplatFormat input_format(std::string_view name, Bytes bytes);
 
 /// Format of an output, by its extension; kPly for every other name. kUsage for .ksplat, which is read-only, and

@@ -43,7 +43,7 @@ void store_row(PlyTable& table, std::int64_t i, const SplatRow& row) {
 
 SplatSelection select_rows(const GaussianCloud& cloud, const std::vector<std::uint8_t>& keep) {
   NGS_CHECK(keep.empty() || std::int64_t(keep.size()) == cloud.size(), "keep has one entry per Gaussian");
-  SplatSelection selection{cloud, {}, 0, {}};
+  SplatSelection selection{cloud, {}, 0, {}, {}};
   if (!needs_local_origin(cloud)) selection.shift = cloud.origin;
   for (std::int64_t i = 0; i < cloud.size(); ++i) {
     if (!keep.empty() && !keep[std::size_t(i)]) continue;
@@ -68,6 +68,7 @@ SplatRow load_row(const SplatSelection& model, std::int64_t i) {
   for (std::size_t k = 0; k < 4; ++k) length = portable_hypot(length, double(cloud.rotation[r * 4 + k]));
   for (std::size_t k = 0; k < 4; ++k)
     row.rotation[k] = length > 0 ? float(double(cloud.rotation[r * 4 + k]) / length) : k == 0 ? 1.f : 0.f;
+  if (model.turn) model.turn(row);
   return row;
 }
 

@@ -3,6 +3,7 @@
 // input of their writers.
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -40,7 +41,8 @@ struct SplatSelection {
   const GaussianCloud& cloud;
   std::vector<std::int64_t> rows;
   std::int64_t left_out = 0;
-  std::array<double, 3> shift{};  // added to positions: the cloud's origin, or 0 if needs_local_origin()
+  std::array<double, 3> shift{};             // added to positions: the cloud's origin, or 0 if needs_local_origin()
+  std::function<void(SplatRow&)> turn = {};  // applied to every row; empty: none
 };
 
 /// Positions whose rounding error in a format exceeds the usual size of a Gaussian (usual_size()).
@@ -54,7 +56,7 @@ struct Rounding {
 /// Rows with keep[i] != 0; an empty `keep` selects all.
 SplatSelection select_rows(const GaussianCloud& cloud, const std::vector<std::uint8_t>& keep);
 
-/// Row i of the cloud with a normalised rotation (zero quaternion: the identity).
+/// Row i of the cloud with a normalised rotation (zero quaternion: the identity), turned by `turn`.
 SplatRow load_row(const SplatSelection& model, std::int64_t i);
 
 }  // namespace ngs::io

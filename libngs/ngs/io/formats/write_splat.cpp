@@ -1,17 +1,21 @@
 #include "ngs/io/formats/write_splat.h"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
 #include "ngs/core/formatted.h"
+#include "ngs/core/listed.h"
 #include "ngs/io/files/atomic_file.h"
+#include "ngs/io/formats/axes.h"
 #include "ngs/io/formats/compressed_ply_write.h"
 #include "ngs/io/formats/dot_splat.h"
+#include "ngs/io/formats/gltf/glb_write.h"
 #include "ngs/io/formats/sog.h"
 #include "ngs/io/formats/spz.h"
-#include "ngs/io/formats/write_only/glb_write.h"
 #include "ngs/io/formats/write_only/usda_write.h"
+#include "ngs/io/ply/gaussian_columns.h"
 #include "ngs/scene/precision/local_origin.h"
 
 namespace ngs::io {
@@ -56,6 +60,13 @@ void note_rounding(const std::string& path, const SplatSelection& model, std::ve
                   "; remove it (ngs-clean removes isolated Gaussians), or write .ply or .sog");
 }
 
+/// The direction that is up in the model, if the file is to be turned.
+std::optional<Vec3<double>> up_to_turn(SplatFormat format, const PartOfModel& part) {
+  if (part.up || part.model.vertical_axis.empty()) return part.up;
+  const bool is_y_up = format == SplatFormat::kGlb || format == SplatFormat::kUsda;
+  return is_y_up ? std::optional(axis_named(part.model.vertical_axis)) : std::nullopt;
+}
+
 std::vector<std::string> write_encoded(const std::string& path, const SplatSelection& model) {
   const std::vector<std::uint8_t> bytes = with_context(path, [&] { return encode(output_format(path), model); });
   write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
@@ -79,12 +90,35 @@ std::vector<std::string> write_splat(const std::string& path, const GaussianClou
   return note_origin(path, cloud, notes), notes;
 }
 
-std::vector<std::string> write_splat(const std::string& path, const GaussianPly& model,
-                                     const std::vector<std::uint8_t>& keep) {
-  if (output_format(path) != SplatFormat::kPly) return write_encoded(path, select_rows(model.cloud, keep));
-  write_strict_ply(path, model, keep);
+std::vector<std::string> write_splat(const std::string& path, const PartOfModel& part) {
+  const GaussianCloud& cloud = part.edited != nullptr ? *part.edited : part.model.cloud;
+  const SplatFormat format = output_format(path);
   std::vector<std::string> notes;
-  return note_origin(path, model.cloud, notes), notes;
+  if (format == SplatFormat::kPly) {
+    write_strict_ply(path, part.model, part.keep, part.edited);
+    return note_origin(path, cloud, notes), notes;
+  }
+  SplatSelection rows = select_rows(cloud, part.keep);
+  if (const auto up = up_to_turn(format, part))
+    rows.turn = [rotation = RowRotation(rotation_to_minus_y(*up))](SplatRow& row) { rotation.apply(row); };
+  notes = write_encoded(path, rows);
+  if (std::string note = note_of_left_columns(path, part.model); !note.empty()) notes.push_back(std::move(note));
+  return notes;
+}
+
+std::string note_of_left_columns(const std::string& path, const GaussianPly& model) {
+  const std::vector<std::string> names = further_columns(model);
+  if (names.empty()) return {};
+  return path + ": without the columns " + listed(names, 4) +
+         (std::ranges::any_of(names, is_motion_column)
+              ? ": a splat that moves, this file has its state at the reference time"
+              : ", which this output cannot store") +
+         "; a PLY of ngs-extract without --fill keeps them";
+}
+
+Vec3<double> axis_named(std::string_view axis) {
+  const double sign = axis.starts_with('-') ? -1 : 1;
+  return {sign * axis.ends_with('x'), sign * axis.ends_with('y'), sign * axis.ends_with('z')};
 }
 
 }  // namespace ngs::io

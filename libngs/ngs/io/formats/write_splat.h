@@ -17,8 +17,22 @@ std::vector<std::string> write_splat(const std::string& path, const GaussianClou
                                      const std::vector<std::uint8_t>& keep,
                                      const std::vector<std::string>& comments = {},
                                      const std::optional<AddedColumn>& added = {});
-/// The same with those comments of the input that affect rendering.
-std::vector<std::string> write_splat(const std::string& path, const GaussianPly& model,
-                                     const std::vector<std::uint8_t>& keep);
+struct PartOfModel {
+  const GaussianPly& model;
+  const std::vector<std::uint8_t>& keep;  // as above
+  const GaussianCloud* edited = nullptr;  // other attributes of the same rows; null: the model's
+  // Up in the model, unit length. A PLY keeps the model's axes; other formats are turned until y is up in .glb, .usda
+  // and .spz, and -y in the others, as viewers expect it. nullopt: .glb and .usda are turned by vertical_axis.
+  std::optional<Vec3<double>> up = {};
+};
+/// The same with render_comments() and, in a PLY, the further columns of the model; a note names them for other
+/// formats.
+std::vector<std::string> write_splat(const std::string& path, const PartOfModel& part);
+
+/// The note that `path` lacks the model's further columns; empty: there are none.
+std::string note_of_left_columns(const std::string& path, const GaussianPly& model);
+
+/// The unit vector of a vertical_axis.
+Vec3<double> axis_named(std::string_view axis);
 
 }  // namespace ngs::io

@@ -65,6 +65,22 @@ bool is_gaussian_element(const PlyElement& vertex) {
   });
 }
 
+std::string vertical_axis_in(std::string_view comment) {
+  std::string text;
+  for (const char c : comment)
+    if (c != ' ' && c != '_' && c != '\t') text += c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
+  constexpr std::string_view kKey = "verticalaxis:";
+  if (!text.starts_with(kKey)) return {};
+  text.erase(0, kKey.size());
+  if (text.starts_with("+")) text.erase(0, 1);
+  return text == "x" || text == "z" || text == "-x" || text == "-y" || text == "-z" ? text : "";
+}
+
+bool is_motion_column(std::string_view name) {
+  constexpr std::string_view kStems[] = {"motion", "trbf", "omega", "scale_t", "scaling_t", "rot_r", "rotation_r"};
+  return name == "t" || std::ranges::any_of(kStems, [&](std::string_view stem) { return name.starts_with(stem); });
+}
+
 bool has_scalar_names(const PlyTable& rows) { return rows.find("scale_0") < 0 && rows.find("scalar_scale_0") >= 0; }
 
 void drop_scalar_prefix(PlyTable& rows) {

@@ -41,6 +41,13 @@ void store_inria_row(const GaussianCloud& cloud, const std::array<double, 3>& sh
 /// Whether a comment affects how the model is rendered ("SplatRenderMode: mip", "antialiased 1").
 bool is_render_comment(std::string_view comment);
 
+/// The axis that a comment of nerfstudio names as upwards, "z" for "Vertical Axis: z", with sign; empty for other
+/// comments and for y.
+std::string vertical_axis_in(std::string_view comment);
+
+/// Whether a column describes how a Gaussian moves, appears or turns in time (Spacetime Gaussians, 4D splats).
+bool is_motion_column(std::string_view name);
+
 /// Replaces the characters of a name that PLY columns cannot have, such as blanks.
 std::string column_suffix(const std::string& object);
 

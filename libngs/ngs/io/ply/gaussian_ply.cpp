@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "ngs/core/error.h"
+#include "ngs/io/capture/foreign_source.h"
 #include "ngs/io/files/shell_word.h"
 #include "ngs/io/formats/compression/packed_model.h"
 #include "ngs/io/formats/decode_splat.h"
@@ -107,6 +108,8 @@ class Reader {
   }
 
   std::string remedy_for(const std::string& missing) const {
+    if (const PlyElement* face = ply_.file.find("face"); face != nullptr && face->count > 0)
+      return "this is a mesh, not a Gaussian model: export the splat as PLY with the program that trained it";
     if (ply_.rows.find("red") < 0) return {};
     if (ply_.rows.find("scale_0") < 0)
       return "this is a point cloud, not a Gaussian model: ngs-fit makes one from posed photos";
@@ -307,10 +310,13 @@ class Reader {
 
   void read_comments() {
     for (const std::string& comment : ply_.comments) {
+      if (const std::string axis = vertical_axis_in(comment); !axis.empty()) ply_.vertical_axis = axis;
       if (!is_render_comment(comment)) continue;
       ply_.cloud.antialiased |= comment.find("mip") != std::string::npos || comment.find('1') != std::string::npos ||
                                 comment.find("true") != std::string::npos;
     }
+    if (std::ranges::any_of(ply_.rows.properties, [](const PlyProperty& p) { return is_motion_column(p.name); }))
+      ply_.notes.push_back("a splat that moves: read as its state at the reference time");
     if (ply_.cloud.antialiased) ply_.notes.push_back("trained with antialiasing");
     ply_.rule = rule_in(ply_.comments, name_);
   }
@@ -367,6 +373,8 @@ GaussianPly read(const std::string& name, DecodedSplat decoded, const ReadOption
 GaussianPly read_gaussian_ply(const std::string& path, const ReadOptions& options) {
   MappedFile mapped(path);
   const SplatFormat format = input_format(path, mapped.bytes());
+  if (!begins_like_ply(mapped.bytes()) && (format == SplatFormat::kPly || format == SplatFormat::kSog))
+    refuse_foreign_file(path);
   if (format == SplatFormat::kSpz || format == SplatFormat::kSog) {
     if (std::optional<PackedPly> packed = unpack_ply(path, mapped.bytes())) {
       GaussianPly ply = read(PlyFile::parse(path, MappedFile(std::move(packed->bytes))), options);

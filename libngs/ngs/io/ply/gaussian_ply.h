@@ -8,8 +8,9 @@
 //
 // Three profiles are written. All are binary little-endian and independent of time, host and path:
 // clang-format off
-//   strict      exactly the Inria record, all float: x y z nx ny nz (0) f_dc_0..2 f_rest_* opacity scale_0..2 rot_0..3,
-//               with the model's number of f_rest (62 floats = 248 bytes at degree 3, 17 floats at degree 0)
+//   strict      the Inria record, all float: x y z nx ny nz (0) f_dc_0..2 f_rest_* opacity scale_0..2 rot_0..3,
+//               with the model's number of f_rest (62 floats = 248 bytes at degree 3, 17 floats at degree 0); then the
+//               input's further columns, such as those of a splat that moves, bit for bit (further_columns())
 //   labelled    the input's columns bit for bit, then float ngs_label ngs_prob ngs_variance ngs_views ngs_boundary
 //               (columns of these names are replaced); for several objects see write_labelled_ply
 //   supersplat  labelled, then `uchar state`, 1 = selected: the editor opens with the object selected
@@ -44,12 +45,14 @@ struct GaussianPly {
   std::vector<float> fixed;          // ngs_fixed: 1 = labelled by hand (ngs-extract --import); empty: absent
   std::vector<float> weight;         // ngs_weight: rendering weight in the labels' views, W of Evidence; empty: absent
   std::optional<BoundaryRule> rule;  // the rule of the labels; nullopt: not recorded
+  std::string vertical_axis;         // of the comment "Vertical Axis: z", with sign; empty: none or y, which some
+                                     // programs write for every model
   std::vector<std::uint8_t> state;   // SuperSplat: bit 1 selected, 2 locked, 4 deleted; empty: absent
   std::vector<std::string> notes;    // warnings for the user, one sentence each
 };
 
-/// Also reads .spz, .sog, .splat and .ksplat, detected by content or name (io/formats/splat_format.h): `rows` are then
-/// decoded to the Inria columns, and `file` has only a name.
+/// Also reads .spz, .sog, .splat, .ksplat and .glb, detected by content or name (io/formats/splat_format.h): `rows` are
+/// then decoded to the Inria columns, and `file` has only a name.
 ///
 /// A PLY is memory-mapped; for a plain little-endian file without filter_3D only the SoA cloud is allocated. `health`
 /// and `cloud.usable` are set (classify()). A 2DGS model gets log_scale[2] = min(log_scale[0..1]) - ln 1000. Double
@@ -91,11 +94,14 @@ struct AddedColumn {
 /// positions are relative to the cloud's origin, which is written as the comment ngs-origin.
 void write_strict_ply(const std::string& path, const GaussianCloud& cloud, const std::vector<std::uint8_t>& keep,
                       const std::vector<std::string>& comments = {}, const std::optional<AddedColumn>& added = {});
-/// Those comments of the input that affect rendering.
+/// Those comments of the input that affect rendering, and its vertical axis.
 std::vector<std::string> render_comments(const GaussianPly& ply);
-/// The same with render_comments().
+/// Columns of the input beyond the Inria record, labels and selection: what other programs know about each Gaussian.
+std::vector<std::string> further_columns(const GaussianPly& ply);
+/// Rows with keep[i] != 0 with the further columns and render_comments(). `edited`: other attributes of the same rows;
+/// null: the model's.
 void write_strict_ply(const std::string& path, const GaussianPly& ply, const std::vector<std::uint8_t>& keep,
-                      const std::vector<std::string>& history = {});
+                      const GaussianCloud* edited = nullptr);
 
 struct LabelledWrite {
   const GaussianCloud* edited = nullptr;          // optimised attributes; null: the input's. Unusable rows and values

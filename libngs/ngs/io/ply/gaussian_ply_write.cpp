@@ -164,6 +164,19 @@ std::int64_t count_kept(std::int64_t rows, const std::vector<std::uint8_t>& keep
   return keep.empty() ? rows : std::count_if(keep.begin(), keep.end(), [](std::uint8_t k) { return k != 0; });
 }
 
+/// Columns that the strict profile writes itself, or that describe this tool's labels and an editor's selection.
+bool is_own_column(const std::string& name) {
+  constexpr std::string_view kOwn[] = {"x", "y", "z", "nx", "ny", "nz", "opacity", kStateColumn};
+  if (std::ranges::find(kOwn, name) != std::end(kOwn) || name.starts_with("ngs_")) return true;
+  const std::size_t digits = name.find_last_not_of("0123456789") + 1;
+  const std::string stem = name.substr(0, digits);
+  return digits < name.size() && (stem == "f_dc_" || stem == "f_rest_" || stem == "scale_" || stem == "rot_");
+}
+
+SelectedColumns further(const PlyTable& rows) {
+  return {rows, [](const std::string& name) { return !is_own_column(name); }};
+}
+
 }  // namespace
 
 PlyElement inria_element(std::int64_t count, int sh_degree) {
@@ -232,39 +245,66 @@ LabelColumns union_of(std::span<const NamedLabels> objects) {
   return union_of(std::span<const LabelSet>(sets));
 }
 
+namespace {
+
+struct StrictRows {
+  const GaussianCloud& cloud;
+  const std::vector<std::uint8_t>& keep;
+  std::vector<std::string> comments;
+};
+
+/// Writes the Inria record and, after it, `columns` of each row by fill(row, to).
+template <class Fill>
+void write_record(const std::string& path, StrictRows rows, const std::vector<PlyProperty>& columns, const Fill& fill) {
+  const GaussianCloud& cloud = rows.cloud;
+  const bool is_local = needs_local_origin(cloud);
+  if (is_local) rows.comments.push_back(origin_comment(cloud.origin));
+  PlyElement element = inria_element(count_kept(cloud.size(), rows.keep), cloud.sh_degree);
+  const std::size_t floats = element.properties.size();
+  element.properties.insert(element.properties.end(), columns.begin(), columns.end());
+  PlyWriter writer(path, element, rows.comments);
+  const std::array<double, 3> shift = is_local ? std::array<double, 3>{} : cloud.origin;
+  for (std::int64_t i = 0; i < cloud.size(); ++i)
+    if (rows.keep.empty() || rows.keep[std::size_t(i)]) {
+      std::uint8_t* to = writer.row();
+      store_inria_row(cloud, shift, i, to);
+      fill(i, to + floats * sizeof(float));
+    }
+  writer.commit();
+}
+
+}  // namespace
+
 void write_strict_ply(const std::string& path, const GaussianCloud& cloud, const std::vector<std::uint8_t>& keep,
                       const std::vector<std::string>& comments, const std::optional<AddedColumn>& added) {
   NGS_CHECK(!added || std::int64_t(added->values.size()) == cloud.size(),
             "the added column has one value per Gaussian");
-  const bool is_local = needs_local_origin(cloud);
-  std::vector<std::string> all_comments = comments;
-  if (is_local) all_comments.push_back(origin_comment(cloud.origin));
-  PlyElement element = inria_element(count_kept(cloud.size(), keep), cloud.sh_degree);
-  const std::size_t floats = element.properties.size();
-  if (added) element.properties.push_back({.name = added->name});
-  PlyWriter writer(path, element, all_comments);
-  const std::array<double, 3> shift = is_local ? std::array<double, 3>{} : cloud.origin;
-  for (std::int64_t i = 0; i < cloud.size(); ++i)
-    if (keep.empty() || keep[std::size_t(i)]) {
-      std::uint8_t* to = writer.row();
-      store_inria_row(cloud, shift, i, to);
-      if (added) ply_store_float(added->values[std::size_t(i)], to + floats * sizeof(float));
-    }
-  writer.commit();
+  std::vector<PlyProperty> columns;
+  if (added) columns.push_back({.name = added->name});
+  write_record(path, {cloud, keep, comments}, columns, [&](std::int64_t i, std::uint8_t* to) {
+    if (added) ply_store_float(added->values[std::size_t(i)], to);
+  });
 }
 
 std::vector<std::string> render_comments(const GaussianPly& ply) {
   std::vector<std::string> comments;
   for (const std::string& c : ply.comments)
-    if (is_render_comment(c)) comments.push_back(c);
+    if (is_render_comment(c) || !vertical_axis_in(c).empty()) comments.push_back(c);
   return comments;
 }
 
+std::vector<std::string> further_columns(const GaussianPly& ply) {
+  std::vector<std::string> names;
+  const SelectedColumns columns = further(ply.rows);
+  for (const PlyProperty& p : columns.properties()) names.push_back(p.name);
+  return names;
+}
+
 void write_strict_ply(const std::string& path, const GaussianPly& ply, const std::vector<std::uint8_t>& keep,
-                      const std::vector<std::string>& history) {
-  std::vector<std::string> comments = render_comments(ply);
-  comments.insert(comments.end(), history.begin(), history.end());
-  write_strict_ply(path, ply.cloud, keep, comments);
+                      const GaussianCloud* edited) {
+  const SelectedColumns columns = further(ply.rows);
+  write_record(path, {edited != nullptr ? *edited : ply.cloud, keep, render_comments(ply)}, columns.properties(),
+               [&](std::int64_t i, std::uint8_t* to) { columns.copy(ply.rows.row(i), to); });
 }
 
 void write_labelled_ply(const std::string& path, const GaussianPly& source, std::span<const NamedLabels> objects,

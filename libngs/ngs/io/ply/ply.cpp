@@ -132,8 +132,8 @@ void PlyFile::parse_header() {
   const std::string_view text(reinterpret_cast<const char*>(bytes_.data()), bytes_.size());
   if (!text.starts_with("ply\n") && !text.starts_with("ply\r\n"))
     bad(name_, std::to_string(text.size()) + " bytes that do not start with 'ply', expected a PLY file",
-        "other formats that are read: .spz, .sog, .splat, .ksplat; else npx @playcanvas/splat-transform " + name_ +
-            " model.ply");
+        "other formats that are read: .spz, .sog, .splat, .ksplat, .glb; else npx @playcanvas/splat-transform " +
+            name_ + " model.ply");
   bool has_format = false;
   std::size_t properties = 0;
   for (std::size_t at = text.find('\n') + 1;;) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <vector>
 
 #include "ngs/core/error.h"
@@ -44,6 +45,14 @@ Candidate look_at_ply(const std::string& path) {
   }
 }
 
+/// Whether a .glb mentions splats near its beginning; the others hold meshes.
+bool holds_splats(const std::string& glb) {
+  std::string head(std::size_t(1) << 20, '\0');
+  std::ifstream in(glb, std::ios::binary);
+  in.read(head.data(), std::streamsize(head.size()));
+  return std::string_view(head.data(), std::size_t(in.gcount())).find("KHR_gaussian_splatting") != std::string::npos;
+}
+
 /// The files of the folder with names of models, sorted.
 std::vector<Candidate> candidates_in(const fs::path& folder) {
   std::vector<std::string> paths;
@@ -56,7 +65,9 @@ std::vector<Candidate> candidates_in(const fs::path& folder) {
   std::ranges::sort(paths);
   std::vector<Candidate> found;
   for (const std::string& path : paths)
-    if (lower_case(path).ends_with(".ply"))
+    if (lower_case(path).ends_with(".glb") && !holds_splats(path))
+      found.push_back({path, "a .glb without splats", FileKind::kNoSplat});
+    else if (lower_case(path).ends_with(".ply"))
       found.push_back(look_at_ply(path));
     else
       found.push_back({path, "a splat", FileKind::kOtherFormat});

@@ -64,6 +64,27 @@ class Chooser {
     return outside.coverage > inside.coverage ? outside : inside;
   }
 
+  OrbitCameras assess(std::vector<Camera> cameras) {
+    find_ball();
+    const auto timed = monitor_.scope("visibility from " + std::to_string(cameras.size()) + " places");
+    Vec up{0, 0, 0};
+    for (const Camera& camera : cameras) {
+      rig_.poses.push_back({camera.centre() - origin() - ball_.centre, {}});
+      found_.inside |= length(rig_.poses.back().centre) < ball_.radius;
+      up = up - Vec{camera.rotation(1, 0), camera.rotation(1, 1), camera.rotation(1, 2)};
+    }
+    if (length(up) > 0) found_.up = unit(up);
+    const Rows rows = rows_in_reach();
+    const GaussianCloud part = rows_of(cloud_, rows.row);
+    const PointVisibility renderer(exec_, part, rows.point, found_.world_unit);
+    for (const Camera& camera : cameras) visibility_.push_back(renderer.of(exec_, small(camera), 0));
+    Coverage coverage(weight_, visibility_);
+    for (const Visibility& visibility : visibility_) coverage.add(visibility);
+    found_.candidates = cameras.size(), found_.cameras = std::move(cameras);
+    found_.coverage = coverage.share(), found_.surface = coverage.gaussians();
+    return found_;
+  }
+
  private:
   void find_ball() {
     bulk_ = bulk_of(points_);
@@ -262,6 +283,11 @@ Vec axis_of(UpAxis up) {
 OrbitCameras choose_cameras(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud, const OrbitOptions& options,
                             PictureSize size) {
   return Chooser(exec, monitor, cloud, options).run(size);
+}
+
+OrbitCameras assess_cameras(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud, const OrbitOptions& options,
+                            std::vector<Camera> cameras) {
+  return Chooser(exec, monitor, cloud, options).assess(std::move(cameras));
 }
 
 }  // namespace ngs::orbit

@@ -47,4 +47,9 @@ Vec axis_of(UpAxis up);
 OrbitCameras choose_cameras(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud, const OrbitOptions& options,
                             PictureSize size);
 
+/// The same figures for given cameras, whose names and poses are kept: up is their mean, world_unit is 1. Throws
+/// kNothingFound if no Gaussian is visible, or if none lies in the ball.
+OrbitCameras assess_cameras(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud, const OrbitOptions& options,
+                            std::vector<Camera> cameras);
+
 }  // namespace ngs::orbit

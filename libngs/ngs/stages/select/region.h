@@ -33,10 +33,11 @@ struct RegionOptions {
                                       "The object lies where Ax + By + Cz + D > 0; auto: above the plane with most "
                                       "flat Gaussians, such as a floor or the top of a pedestal"});
     visit(self.up,
-          Choice<UpAxis>{
-              "up",
-              "Axis of the model that points upwards, for --drop-below-plane auto; auto: away from a floor, else -y",
-              kUpNames});
+          Choice<UpAxis>{"up",
+                         "Axis of the model that points upwards, for --drop-below-plane auto and to turn parts in "
+                         "formats other than "
+                         "PLY upright; auto: away from a floor, else -y; .glb and .usda by the comment of a PLY",
+                         kUpNames});
     visit(self.cluster_at,
           Text{"cluster_at", "X,Y,Z", "Keep, of the remaining Gaussians, the cluster nearest to this point"});
     visit(self.largest,

@@ -54,7 +54,7 @@ TEST_CASE(
   const PlyColumns table = utm_model();
   const io::GaussianPly ply = parse(table);
   const test::TempDir dir;
-  const std::vector<std::string> notes = io::write_splat(dir.file("o.ply"), ply, {});
+  const std::vector<std::string> notes = io::write_splat(dir.file("o.ply"), {ply, {}});
   REQUIRE(notes.size() == 1);
   CHECK(notes[0].find("positions are relative to 448262") != std::string::npos);
   CHECK(test::read_bytes(dir.file("o.ply")).find("\ncomment ngs-origin 448262") != std::string::npos);
@@ -64,7 +64,7 @@ TEST_CASE(
     for (std::size_t i = 0; i < kRows; ++i) CHECK(world(back.cloud, i, a) == world(ply.cloud, i, a));
     CHECK(std::abs(world(back.cloud, 5, a) - table.rows[5][a]) < 1e-7);
   }
-  io::write_splat(dir.file("again.ply"), back, {});
+  io::write_splat(dir.file("again.ply"), {back, {}});
   CHECK(test::read_bytes(dir.file("again.ply")) == test::read_bytes(dir.file("o.ply")));
 }
 
@@ -73,7 +73,7 @@ TEST_CASE("every format keeps a georeferenced model's detail and reports the ori
   const test::TempDir dir;
   for (const char* name : {"o.spz", "o.sog", "o.splat", "o.compressed.ply"}) {
     CAPTURE(name);
-    const std::vector<std::string> notes = io::write_splat(dir.file(name), ply, {});
+    const std::vector<std::string> notes = io::write_splat(dir.file(name), {ply, {}});
     REQUIRE(notes.size() == 1);
     CHECK(notes[0].find("relative to 448262") != std::string::npos);
     const GaussianCloud back = io::read_gaussian_ply(dir.file(name)).cloud;
@@ -96,7 +96,7 @@ TEST_CASE("double positions that float represents well stay in world coordinates
   const io::GaussianPly ply = parse(table);
   CHECK(ply.cloud.origin[0] != 0);
   const test::TempDir dir;
-  CHECK(io::write_splat(dir.file("o.ply"), ply, {}).empty());
+  CHECK(io::write_splat(dir.file("o.ply"), {ply, {}}).empty());
   const io::GaussianPly back = io::read_gaussian_ply(dir.file("o.ply"));
   CHECK(back.cloud.origin == std::array<double, 3>{});
   CHECK(back.cloud.position[0] == doctest::Approx(table.rows[0][0]).epsilon(1e-6));
@@ -107,7 +107,7 @@ TEST_CASE("an edited georeferenced object is matched with or without the origin 
   const test::TempDir dir;
   std::vector<std::uint8_t> keep(kRows, 0);
   for (std::size_t i = 0; i < kRows; i += 2) keep[i] = 1;
-  io::write_splat(dir.file("o.ply"), ply, keep);
+  io::write_splat(dir.file("o.ply"), {ply, keep});
   std::string bytes = test::read_bytes(dir.file("o.ply"));
   const std::size_t comment = bytes.find("comment ngs-origin");
   bytes.erase(comment, bytes.find('\n', comment) + 1 - comment);
@@ -135,7 +135,7 @@ TEST_CASE(
     const test::TempDir dir;
     for (const char* name : {"o.spz", "o.sog", "o.compressed.ply"}) {
       CAPTURE(name);
-      io::write_splat(dir.file(name), ply, keep);
+      io::write_splat(dir.file(name), {ply, keep});
       GaussianCloud edit = io::read_gaussian_ply(dir.file(name)).cloud;
       const ImportedEdit imported = import_edit(ply.cloud, keep, std::vector<float>(kRows, 0.5f), edit, {});
       CHECK(imported.by_nearest);

@@ -17,8 +17,6 @@ constexpr std::size_t kMaxPlyExpansion = 64;  // columns of zeros compress a mod
 
 std::string_view text_of(Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
-bool begins_like_ply(Bytes bytes) { return text_of(bytes).starts_with("ply\n") || text_of(bytes).starts_with("ply\r"); }
-
 bool has_entry(const std::vector<std::string>& entries, std::string_view file) {
   return std::ranges::any_of(
       entries, [&](const std::string& entry) { return entry == file || entry.ends_with("/" + std::string(file)); });
@@ -88,6 +86,8 @@ constexpr KnownFile kKnownFiles[] = {
 };
 
 }  // namespace
+
+bool begins_like_ply(Bytes bytes) { return text_of(bytes).starts_with("ply\n") || text_of(bytes).starts_with("ply\r"); }
 
 std::string_view sog_kind(const nlohmann::json& root) {
   if (!root.is_object()) return "";

@@ -24,6 +24,8 @@ std::optional<PackedPly> unpack_ply(const std::string& name, Bytes bytes);
 /// kBadInput, with the kind of file and a hint how to get a model, if `bytes` begin like a known file that is not one.
 void refuse_known_file(const std::string& name, Bytes bytes);
 
+bool begins_like_ply(Bytes bytes);
+
 /// What a JSON file describes: "an unpacked .sog", "a streamed .sog", or "" for anything else.
 std::string_view sog_kind(const nlohmann::json& root);
 

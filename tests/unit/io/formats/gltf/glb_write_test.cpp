@@ -1,4 +1,4 @@
-#include "ngs/io/formats/write_only/glb_write.h"
+#include "ngs/io/formats/gltf/glb_write.h"
 
 #include <doctest/doctest.h>
 

@@ -1,0 +1,14 @@
+#pragma once
+// Sources that people try and that are neither a splat nor a capture: what they are, and the next step.
+#include <string>
+
+namespace ngs::io {
+
+/// Throws kBadInput if `source` is "-", a web address, or a file that its name or content shows to be a film, a
+/// picture, a mesh or the scene of another program, or a list of cameras that is not read.
+void refuse_foreign_file(const std::string& source);
+
+/// The same for a folder without cameras: photos only, a sequence of splats, or a scan of an app.
+void refuse_foreign_folder(const std::string& folder);
+
+}  // namespace ngs::io
