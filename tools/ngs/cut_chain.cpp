@@ -57,7 +57,10 @@ CutEnd CutChain::run() {
   if (run_.dry_run() && stages_.steps().size() < 2) return CutEnd::kNeedsStrokes;
   if (marked && !masks_from_strokes()) return CutEnd::kStopped;
   if (run_.dry_run()) return cut(), score(), CutEnd::kDone;
-  if (!marked && inputs_.masks.empty() && !has_masks(io::read_scene_json(plain_scene_))) return CutEnd::kNeedsStrokes;
+  if (!marked && inputs_.masks.empty() && !has_masks(io::read_scene_json(plain_scene_))) {
+    refuse_unfit_masks();
+    return CutEnd::kNeedsStrokes;
+  }
   write_scene_with(marked ? at("strokes") : inputs_.masks);
   return cut() && score() ? CutEnd::kDone : CutEnd::kStopped;
 }
@@ -165,6 +168,15 @@ bool CutChain::import() {
   if (!inputs_.strokes.empty() && has_masks(io::read_scene_json(plain_scene_)))
     run_.monitor().warn(inputs_.source + ": its masks are not used because strokes are given");
   return true;
+}
+
+/// Masks that no view has are meant for some: to mark the object by strokes instead would be a surprise.
+void CutChain::refuse_unfit_masks() const {
+  const nlohmann::json& report = stages_.report("ngs-scene");
+  if (!report.is_object() || !report.at("result").contains("unfit_masks")) return;
+  const nlohmann::json& unfit = report.at("result").at("unfit_masks");
+  throw Error(ErrorCode::kInconsistent, unfit.at("found").get<std::string>(),
+              unfit.at("remedy").get<std::string>() + "; or mark the object instead: --strokes FILE");
 }
 
 std::optional<FlashCut> CutChain::flash(const io::GaussianPly& ply, int longer_side_px) {
@@ -294,7 +306,7 @@ bool CutChain::check_strokes() {
   StrokeAgreement found = now();
   if (!found.broken.empty() && untrained_ && untrained_quality_.strokes_wrong < found.wrong_share()) {
     write_flash_masks(at("strokes"), *untrained_);
-    if (!stage("ngs-variance", {"ngs-variance", at("scene.json"), "-o", at("boundary.ply")})) return false;
+    if (!label()) return false;
     found = now();
   }
   if (found.broken.empty()) return true;
@@ -306,11 +318,19 @@ bool CutChain::check_strokes() {
   return true;
 }
 
+/// The closed form. Masks from strokes are checked by check_strokes().
+bool CutChain::label() {
+  Words words{"ngs-variance", at("scene.json"), "-o", at("boundary.ply")};
+  const double least = inputs_.strokes.empty() ? options_.agreement.min_mask_agreement : -1;
+  if (least != MaskAgreementOptions{}.min_mask_agreement) append(words, "--min-mask-agreement", Json(least).dump());
+  return stage("ngs-variance", words);
+}
+
 bool CutChain::cut() {
   const std::string scene = at("scene.json");
   const bool marked = !inputs_.strokes.empty();
   const std::string trained = at(marked ? "joint.ply" : "labelled.ply");
-  if (!stage("ngs-variance", {"ngs-variance", scene, "-o", at("boundary.ply")})) return false;
+  if (!label()) return false;
   if (marked && !run_.dry_run() && !check_strokes()) return false;
   if (!stage("ngs-joint",
              {"ngs-joint", scene, at("boundary.ply"), "--quality",

@@ -56,6 +56,7 @@ class CutChain {
   void look_at_strokes();
   bool orbit();
   bool import();
+  void refuse_unfit_masks() const;
   bool masks_from_strokes();
   void write_scene_with(const std::string& masks) const;
   bool cut_flash();
@@ -66,6 +67,7 @@ class CutChain {
   ResultQuality quality_of(const GaussianCloud& cloud, const std::vector<float>& label,
                            const std::vector<PixelMask>& masks) const;
   std::vector<PixelMask> masks_of_training() const;
+  bool label();
   bool check_strokes();
   bool cut();
   bool extract(const std::string& trained);
