@@ -84,9 +84,13 @@ void check_masks(cli::Run& run, const MaskAgreementOptions& options, const Evide
     case MaskVerdict::kIdsContradict: refuse_ids(in.scene, found);
     case MaskVerdict::kContradict: break;
   }
+  const bool is_low = found.given < options.min_mask_agreement;
   throw Error(ErrorCode::kInconsistent,
               "masks: labels made from them match them with IoU " + iou(found.given) + " in " +
-                  std::to_string(found.views) + " views, expected at least " + iou(options.min_mask_agreement),
+                  std::to_string(found.views) + " views, expected " +
+                  (is_low ? "at least " + iou(options.min_mask_agreement)
+                          : "less with the masks of other views: they are " + found.best()->repair.mistake + " with " +
+                                iou(found.best()->after)),
               std::string("see which masks are wrong: ngs-scene check SCENE --sheet masks.html") + kGoOn);
 }
 

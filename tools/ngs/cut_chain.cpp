@@ -4,6 +4,7 @@
 
 #include "marked_views.h"
 #include "ngs/core/error.h"
+#include "ngs/core/formatted.h"
 #include "ngs/core/version.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/content_hash.h"
@@ -409,10 +410,30 @@ bool CutChain::score() {
     if (!stage("ngs-eval-agreement", {"ngs-eval", at("masks"), at("strokes"), "-o", at("agreement.json")}))
       return false;
   } else if (!inputs_.truth.empty() || held_out) {
-    if (!stage("ngs-eval", {"ngs-eval", at("masks"), at("scene.json"), "-o", at("metrics.json"), "--allow-empty"}))
-      return false;
+    if (!score_by_truth()) return false;
   }
   return write_page();
+}
+
+/// True masks that were found, not given, need not be of this object: the result is then not scored. False: stopped by
+/// a signal.
+bool CutChain::score_by_truth() {
+  constexpr double kOtherObject = 0.1;  // IoU
+  const bool is_found = inputs_.given_truth.empty() && !inputs_.truth.empty();
+  try {
+    if (!stage("ngs-eval", {"ngs-eval", at("masks"), at("scene.json"), "-o", at("metrics.json"), "--allow-empty"}))
+      return false;
+  } catch (const Error& e) {
+    if (!is_found || e.code() == ErrorCode::kEnvironment) throw;
+    not_scored_ = e.what();
+    return true;
+  }
+  if (!is_found || run_.dry_run() || !exists(at("metrics.json"))) return true;
+  const double iou = io::read_json_file(at("metrics.json")).at("mean").value("iou", 1.0);
+  if (iou >= kOtherObject) return true;
+  not_scored_ = inputs_.truth + " shows something else than the result (IoU " + formatted("%.3f", iou) + ")";
+  fs::remove(at("metrics.json"));
+  return true;
 }
 
 }  // namespace ngs::ngs_tool

@@ -45,6 +45,8 @@ class CutChain {
   bool reused_orbit() const { return reused_orbit_; }
   std::string at(const std::string& name) const { return inputs_.out + "/" + name; }
   std::string pictures() const { return at("orbit/images"); }
+  /// Why true masks that were found beside the capture were not used; empty: they were, or there are none.
+  const std::string& not_scored() const { return not_scored_; }
   /// For a dry run: the marked views, one per line; empty without strokes.
   const std::string& strokes_found() const { return strokes_found_; }
 
@@ -74,6 +76,7 @@ class CutChain {
   void keep_better_result();
   bool finish_untrained();
   bool score();
+  bool score_by_truth();
 
   cli::Run& run_;
   const CutOptions& options_;
@@ -83,7 +86,7 @@ class CutChain {
   bool reused_orbit_ = false;
   bool imported_ = false;  // the capture
   std::optional<FlashFigures> flash_;
-  std::string strokes_found_;
+  std::string strokes_found_, not_scored_;
   std::optional<FlashCut> untrained_;  // for a splat without photos: result before training
   ResultQuality untrained_quality_;    // of its labels
   bool kept_untrained_ = false;

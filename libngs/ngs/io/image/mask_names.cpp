@@ -15,20 +15,16 @@ namespace fs = std::filesystem;
 
 /// By name, with numbers in it by value: 2 before 10.
 bool in_order(const std::string& a, const std::string& b) {
-  const auto key = [](const std::string& name) {
-    std::vector<std::string> parts;
+  const auto key = [](const std::string& name) {  // every number gets the same length
+    constexpr std::size_t kDigits = 20;
+    std::string key;
     for (std::size_t at = 0; at < name.size();) {
-      std::size_t end = name.find_first_not_of("0123456789", at);
-      if (end == at)
-        end = at + 1;
-      else if (const std::size_t digit = name.find_first_not_of('0', at); digit != name.npos)
-        at = std::min(digit, end);
-      std::string part = name.substr(at, end - at);
-      const bool is_number = part.find_first_not_of("0123456789") == part.npos;
-      parts.push_back(is_number ? "0" + std::string(1, char(part.size())) + part : part);
-      at = std::min(end, name.size());
+      const std::size_t end = std::min(name.find_first_not_of("0123456789", at), name.size());
+      if (end > at) key += std::string(kDigits - std::min(kDigits, end - at), '0') + name.substr(at, end - at);
+      if (end < name.size()) key += name[end];
+      at = end + 1;
     }
-    return parts;
+    return key;
   };
   return std::pair(key(a), a) < std::pair(key(b), b);
 }

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "ngs/io/ply/ply.h"
 #include "ngs/scene/gaussian_cloud.h"
@@ -41,8 +42,9 @@ void store_inria_row(const GaussianCloud& cloud, const std::array<double, 3>& sh
 /// Whether a comment affects how the model is rendered ("SplatRenderMode: mip", "antialiased 1").
 bool is_render_comment(std::string_view comment);
 
-/// Replaces the characters of a name that PLY columns cannot have, such as blanks.
-std::string column_suffix(const std::string& object);
+/// The names of objects as parts of column names: characters that PLY columns cannot have, such as blanks, become '_'.
+/// A name that then equals an earlier one gets its number among the objects: "__.2".
+std::vector<std::string> column_suffixes(const std::vector<std::string>& objects);
 
 /// Whether the vertices of a PLY are Gaussians, by their property names, in any supported program's naming.
 bool is_gaussian_element(const PlyElement& vertex);

@@ -19,12 +19,12 @@ constexpr int kSide_px = 320;            // longest side of the compared images
 constexpr std::size_t kMaxObjects = 12;  // compared alone; further ones are not
 constexpr double kMostOfImage = 0.5;     // mean coverage of all objects above which only every second one is compared
 constexpr int kNearShift = 3, kFarShift = 12;  // views; far shifts are tried if the masks do not fit otherwise
-// Mean IoU. Right masks are above kFits, except of very thin objects; no repair of them gains anything.
+// Mean IoU. Masks that are right match above kFits, less with very thin objects, and no repair gains anything.
 constexpr double kFits = 0.8, kFitsWell = 0.9;
 constexpr double kMinGain = 0.05;      // of a repair that makes masks fit
-constexpr double kClearGain = 0.4;     // of a repair that makes masks of thin objects fit
-constexpr double kSuspectGain = 0.03;  // of a repair that does not make them fit: they are wrong in another way
-constexpr double kMaxRatio = 0.75;     // of a repair's IoU to that of right masks that match badly
+constexpr double kClearGain = 0.4;     // the same, of thin objects or in few views
+constexpr double kSuspectGain = 0.03;  // of masks of other views that do not fit either
+constexpr double kMaxRatio = 0.75;     // of any repair to the masks as given, if these are right and match badly
 constexpr double kLowAlone = 0.75;     // of an object, below which its ids are examined
 constexpr double kMinTogether = 0.2;   // gain of objects whose ids contradict as one
 
@@ -265,12 +265,14 @@ void compare_together(const Comparison& compare, MaskAgreement& found) {
   found.low = std::move(low);
 }
 
-}  // namespace
+bool is_of_other_views(const MaskRepair& repair) { return repair.shift != 0 || repair.reversed; }
 
 /// Labels from few views agree with their masks even if these are wrong.
-static bool is_measured(std::size_t repaired_views, std::size_t views) {
+bool is_measured(std::size_t repaired_views, std::size_t views) {
   return repaired_views >= kViews / 2 || 5 * repaired_views >= 3 * views;
 }
+
+}  // namespace
 
 const RepairedAgreement* MaskAgreement::best() const {
   const RepairedAgreement* best = nullptr;
@@ -280,10 +282,15 @@ const RepairedAgreement* MaskAgreement::best() const {
 }
 
 const RepairedAgreement* MaskAgreement::mending() const {
-  const RepairedAgreement* repair = best();
-  if (inverted.gain() > kMinGain && (repair == nullptr || repair->gain() < inverted.gain())) repair = &inverted;
-  if (repair == nullptr || repair->gain() < kMinGain) return nullptr;
-  return repair->after >= kFits || repair->gain() > kClearGain ? repair : nullptr;
+  const RepairedAgreement* found = nullptr;
+  const auto consider = [&](const RepairedAgreement& r) {
+    const bool is_clear = r.views > 2 && r.gain() > kClearGain;
+    const bool fits = r.after >= kFits && r.gain() > kMinGain && is_measured(r.views, views);
+    if ((fits || is_clear) && (found == nullptr || r.gain() > found->gain())) found = &r;
+  };
+  std::ranges::for_each(repaired, consider);
+  consider(inverted);
+  return found;
 }
 
 MaskVerdict MaskAgreement::verdict(const MaskAgreementOptions& options) const {
@@ -291,7 +298,9 @@ MaskVerdict MaskAgreement::verdict(const MaskAgreementOptions& options) const {
   if (mending()) return MaskVerdict::kRepairable;
   if (!low.empty() && together - alone > kMinTogether) return MaskVerdict::kIdsContradict;
   const RepairedAgreement* other = best();
-  if (other != nullptr && other->gain() > kSuspectGain) return MaskVerdict::kContradict;
+  for (const RepairedAgreement& r : repaired)
+    if (is_of_other_views(r.repair) && is_measured(r.views, views) && r.gain() > kSuspectGain)
+      return MaskVerdict::kContradict;
   const bool is_hard = other != nullptr && other->after < kMaxRatio * other->before;
   return given < options.min_mask_agreement && !is_hard ? MaskVerdict::kContradict : MaskVerdict::kFit;
 }
