@@ -299,7 +299,7 @@ MaskVerdict MaskAgreement::verdict(const MaskAgreementOptions& options) const {
   if (!low.empty() && together - alone > kMinTogether) return MaskVerdict::kIdsContradict;
   const RepairedAgreement* other = best();
   for (const RepairedAgreement& r : repaired)
-    if (is_of_other_views(r.repair) && is_measured(r.views, views) && r.gain() > kSuspectGain)
+    if (is_of_other_views(r.repair) && r.views >= kViews / 2 && r.gain() > kSuspectGain)
       return MaskVerdict::kContradict;
   const bool is_hard = other != nullptr && other->after < kMaxRatio * other->before;
   return given < options.min_mask_agreement && !is_hard ? MaskVerdict::kContradict : MaskVerdict::kFit;

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "support/checked_capture.h"
 
@@ -39,10 +40,25 @@ Capture turned(const At& at) {
   return capture;
 }
 
+/// The capture with cameras that show the ball at other places of the image.
+Capture moving_capture() {
+  Capture capture = test::tiny_capture();
+  const int moves_px[] = {-12, 9, -5, 12, 3, -9};
+  for (std::size_t v = 0; v < capture.masks.size(); ++v) {
+    capture.scene.views[v].camera.cx += moves_px[v];
+    ViewMasks& masks = capture.masks[v];
+    const std::vector<float> from = std::exchange(masks.target[0], std::vector<float>(masks.target[0].size()));
+    for (int y = 0; y < masks.height_px; ++y)
+      for (int x = std::max(0, moves_px[v]); x < std::min(masks.width_px, masks.width_px + moves_px[v]); ++x)
+        masks.target[0][std::size_t(y * masks.width_px + x)] = from[std::size_t(y * masks.width_px + x - moves_px[v])];
+  }
+  return capture;
+}
+
 /// View v has the mask of view from(v); none if that is no view.
 template <class From>
 Capture reordered(const From& from) {
-  Capture capture = test::tiny_capture();
+  Capture capture = moving_capture();
   const Masks right = capture.masks;
   for (int v = 0; v < int(right.size()); ++v) {
     const int source = from(v);
@@ -82,6 +98,7 @@ TEST_CASE("right masks fit, with any number of threads, and so do masks of one v
   CHECK(agreement_of(capture).views == 0);
   CHECK(verdict_of(capture) == MaskVerdict::kFit);
   CHECK(verdict_of(two_objects()) == MaskVerdict::kFit);
+  CHECK(verdict_of(moving_capture()) == MaskVerdict::kFit);
 }
 
 TEST_CASE("masks that are turned or mirrored are named by the repair that makes them fit") {
@@ -109,7 +126,7 @@ TEST_CASE("masks that are turned or mirrored are named by the repair that makes 
 }
 
 TEST_CASE("masks of other views are named by their shift or order, without the masks of held-out views") {
-  for (const int shift : {1, -1, 2}) {
+  for (const int shift : {1, -1}) {
     Capture capture = reordered([&](int v) { return v - shift; });
     CAPTURE(shift);
     const MaskAgreement found = agreement_of(capture);
@@ -118,6 +135,7 @@ TEST_CASE("masks of other views are named by their shift or order, without the m
     capture.scene.views[3].split = Split::kHeldOut;
     CHECK(agreement_of(capture).views < found.views);
   }
+  CHECK(verdict_of(reordered([](int v) { return v - 2; })) == MaskVerdict::kContradict);  // too few views for the cause
   const MaskAgreement opposite = agreement_of(reordered([](int v) { return 5 - v; }));
   REQUIRE(opposite.mending() != nullptr);
   CHECK(opposite.mending()->repair.reversed);
