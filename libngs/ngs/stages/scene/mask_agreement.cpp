@@ -295,8 +295,10 @@ const RepairedAgreement* MaskAgreement::mending() const {
 
 MaskVerdict MaskAgreement::verdict(const MaskAgreementOptions& options) const {
   if (views == 0 || options.min_mask_agreement < 0) return MaskVerdict::kFit;
-  if (mending()) return MaskVerdict::kRepairable;
-  if (!low.empty() && together - alone > kMinTogether) return MaskVerdict::kIdsContradict;
+  const bool ids_contradict = !low.empty() && together - alone > kMinTogether;
+  if (const RepairedAgreement* repair = mending(); repair && (repair->after >= kFits || !ids_contradict))
+    return MaskVerdict::kRepairable;
+  if (ids_contradict) return MaskVerdict::kIdsContradict;
   const RepairedAgreement* other = best();
   for (const RepairedAgreement& r : repaired)
     if (is_of_other_views(r.repair) && r.views >= kViews / 2 && r.gain() > kSuspectGain)
