@@ -4,7 +4,6 @@
 
 #include "marked_views.h"
 #include "ngs/core/error.h"
-#include "ngs/core/formatted.h"
 #include "ngs/core/version.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/content_hash.h"
@@ -171,15 +170,6 @@ bool CutChain::import() {
   return true;
 }
 
-/// Masks that no view has are meant for some: to mark the object by strokes instead would be a surprise.
-void CutChain::refuse_unfit_masks() const {
-  const nlohmann::json& report = stages_.report("ngs-scene");
-  if (!report.is_object() || !report.at("result").contains("unfit_masks")) return;
-  const nlohmann::json& unfit = report.at("result").at("unfit_masks");
-  throw Error(ErrorCode::kInconsistent, unfit.at("found").get<std::string>(),
-              unfit.at("remedy").get<std::string>() + "; or mark the object instead: --strokes FILE");
-}
-
 std::optional<FlashCut> CutChain::flash(const io::GaussianPly& ply, int longer_side_px) {
   return flash_cut(
       run_, ply, {plain_scene_, options_.around, options_.view, inputs_.strokes, options_.all_pieces, longer_side_px});
@@ -319,14 +309,6 @@ bool CutChain::check_strokes() {
   return true;
 }
 
-/// The closed form. Masks from strokes are checked by check_strokes().
-bool CutChain::label() {
-  Words words{"ngs-variance", at("scene.json"), "-o", at("boundary.ply")};
-  const double least = inputs_.strokes.empty() ? options_.agreement.min_mask_agreement : -1;
-  if (least != MaskAgreementOptions{}.min_mask_agreement) append(words, "--min-mask-agreement", Json(least).dump());
-  return stage("ngs-variance", words);
-}
-
 bool CutChain::cut() {
   const std::string scene = at("scene.json");
   const bool marked = !inputs_.strokes.empty();
@@ -413,27 +395,6 @@ bool CutChain::score() {
     if (!score_by_truth()) return false;
   }
   return write_page();
-}
-
-/// True masks that were found, not given, need not be of this object: the result is then not scored. False: stopped by
-/// a signal.
-bool CutChain::score_by_truth() {
-  constexpr double kOtherObject = 0.1;  // IoU
-  const bool is_found = inputs_.given_truth.empty() && !inputs_.truth.empty();
-  try {
-    if (!stage("ngs-eval", {"ngs-eval", at("masks"), at("scene.json"), "-o", at("metrics.json"), "--allow-empty"}))
-      return false;
-  } catch (const Error& e) {
-    if (!is_found || e.code() == ErrorCode::kEnvironment) throw;
-    not_scored_ = e.what();
-    return true;
-  }
-  if (!is_found || run_.dry_run() || !exists(at("metrics.json"))) return true;
-  const double iou = io::read_json_file(at("metrics.json")).at("mean").value("iou", 1.0);
-  if (iou >= kOtherObject) return true;
-  not_scored_ = inputs_.truth + " shows something else than the result (IoU " + formatted("%.3f", iou) + ")";
-  fs::remove(at("metrics.json"));
-  return true;
 }
 
 }  // namespace ngs::ngs_tool
