@@ -311,7 +311,13 @@ MaskAgreement measure_mask_agreement(const Exec& exec, Monitor& monitor, const E
   const auto timed = monitor.scope("mask agreement");
   Comparison compare(exec, monitor, in);
   MaskAgreement found;
-  if (compare.views().size() < 2) return found;
+  const auto is_partial = [&](std::size_t view) {
+    const PixelMask mask = compare.pattern(view);
+    return std::ranges::count(mask, mask[0]) < std::ssize(mask);
+  };
+  if (compare.views().size() < 2 || std::ranges::none_of(compare.views(), is_partial) ||
+      std::ranges::count(in.cloud.usable, 1) == 0)
+    return found;
   found.views = compare.views().size();
   std::vector<MaskRepair> repairs = shifts(1, kNearShift);
   repairs.insert(repairs.end(), std::begin(kRepairs), std::end(kRepairs));

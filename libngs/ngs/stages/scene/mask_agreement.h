@@ -48,7 +48,7 @@ struct RepairedAgreement {
 enum class MaskVerdict : std::uint8_t { kFit, kRepairable, kIdsContradict, kContradict };
 
 struct MaskAgreement {
-  std::size_t views = 0;                    // compared; 0: fewer than two have masks, nothing else is measured
+  std::size_t views = 0;                    // compared; 0: nothing to compare, nothing is measured
   double given = 1;                         // mean IoU of the masks as given, all objects as one
   std::vector<RepairedAgreement> repaired;  // the measured ones
   RepairedAgreement inverted;               // inverted masks agree with each other: no gain does not mean right ones
@@ -63,6 +63,7 @@ struct MaskAgreement {
   MaskVerdict verdict(const MaskAgreementOptions& options) const;
 };
 
+/// Nothing to compare: fewer than two masks, all empty or all full, or no usable Gaussian.
 /// `in.views`: the training views. Views without a mask are skipped; masks of other views are never loaded.
 MaskAgreement measure_mask_agreement(const Exec& exec, Monitor& monitor, const EvidenceInputs& in);
 
