@@ -9,6 +9,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/files/match_names.h"
+#include "ngs/io/image/annotations.h"
 #include "ngs/io/image/masks.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/scene/view_names.h"
@@ -180,7 +181,8 @@ void add_scene_files(RunFolder& run) {
     view.behind = background_of(*run.scene);
     const std::vector<std::string> masks = io::mask_files(*run.scene, found[0]);
     for (std::size_t k = 0; k < masks.size(); ++k)
-      if ((masks.size() == 1 || run.scene->objects[k].name == view.object) && fs::is_regular_file(masks[k], ignored))
+      if ((masks.size() == 1 || run.scene->objects[k].name == view.object) && fs::is_regular_file(masks[k], ignored) &&
+          !io::is_annotations(masks[k]))
         view.input = masks[k];
     view.truth_is_input = !view.truth.empty() && !view.input.empty() && fs::equivalent(view.truth, view.input, ignored);
     for (const SceneObject& object : run.scene->objects)

@@ -33,14 +33,17 @@ std::string table_row(const SceneView& view, const ViewCheck& check, bool has_mo
 }  // namespace
 
 Json import_json(const io::ImportedScene& imported) {
-  return {{"format", imported.format},
-          {"cameras", imported.cameras_file},
-          {"images", imported.images_dir},
-          {"masks", imported.masks_dir},
-          {"truth", imported.truth_dir},
-          {"model_path", imported.scene.model_path},
-          {"mask_rules", imported.views_by_mask_rule},
-          {"views", imported.scene.views.size()}};
+  Json out{{"format", imported.format},
+           {"cameras", imported.cameras_file},
+           {"images", imported.images_dir},
+           {"masks", imported.masks_dir},
+           {"truth", imported.truth_dir},
+           {"model_path", imported.scene.model_path},
+           {"mask_rules", imported.views_by_mask_rule},
+           {"views", imported.scene.views.size()}};
+  if (const io::UnfitMasks& unfit = imported.unfit_masks; !unfit.found.empty())
+    out["unfit_masks"] = {{"found", unfit.found}, {"remedy", unfit.remedy}};
+  return out;
 }
 
 Json check_json(const Scene& scene, const SceneCheck& check) {

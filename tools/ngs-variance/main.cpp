@@ -1,5 +1,6 @@
 // ngs-variance: reads scene.json, writes a labelled PLY with evidence, variance and the boundary set. Algorithm 1, step
 // 1. Sharded: `--shard i/N --partial part.evidence` for each i, then `ngs-variance merge *.evidence -o out.ply`.
+#include "mask_verdict.h"
 #include "ngs/io/files/content_hash.h"
 #include "ngs/io/formats/splat_format.h"
 #include "ngs/io/image/masks.h"
@@ -31,8 +32,8 @@ int label_scene(int argc, char** argv) {
   VarianceOptions options;
   RasterOptions raster;
   ShardOptions shard;
-  tool.options(options), tool.options(raster), tool.options(shard);
-  tool.runs_on_device();
+  MaskAgreementOptions agreement;
+  tool.options(options), tool.options(raster), tool.options(shard), tool.options(agreement), tool.runs_on_device();
   const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene");
   const cli::Output& out = tool.optional_output("-o,--output", "labelled PLY");
   const cli::Output& partial = tool.optional_output("--partial", "evidence of these views, for `ngs-variance merge`");
@@ -56,10 +57,11 @@ int label_scene(int argc, char** argv) {
     run.result()["views"] = views.size();
     if (run.dry_run()) return run.plan(variance::memory_plan(ply.cloud, scene, views.size())), 0;
     run.needs_device_memory(cli::device_bytes(double(ply.cloud.size()), ply.cloud.rest_count()));
+    const EvidenceInputs in{ply.cloud, scene, views, splat_options(raster, ply.cloud, scene),
+                            [&](std::size_t view) { return io::load_masks(scene, view); }};
+    if (out) variance::check_masks(run, agreement, in);
     io::EvidencePart part;
-    part.evidence = accumulate_evidence(run.exec(), run.monitor(),
-                                        {ply.cloud, scene, views, splat_options(raster, ply.cloud, scene),
-                                         [&](std::size_t view) { return io::load_masks(scene, view); }});
+    part.evidence = accumulate_evidence(run.exec(), run.monitor(), in);
     if (partial) {
       part.model_hash = io::content_hash(scene.model_path).xxh3;
       if (!run.comes_from_stream(scene_json)) part.scene_path = scene_json.path;

@@ -48,13 +48,15 @@ void require_own_folder(const std::string& folder, bool overwrite) {
                 "choose another folder with -o, or use this one with -w");
 }
 
-/// Removes a folder created by this run if the first stage fails, because it then contains nothing useful.
+/// Removes a folder created by this run if it contains nothing useful: the first stage failed, or only the import of a
+/// capture did not.
 class NewFolder {
  public:
   NewFolder(std::string path, bool is_new) : path_(std::move(path)), is_new_(is_new) {}
   void remove_after_failure(const CutChain& chain) const {
     std::error_code ignored;
-    if (is_new_ && chain.stages().results().empty()) fs::remove_all(path_, ignored);
+    const std::size_t useless = chain.inputs().kind == SourceKind::kCapture ? 1 : 0;  // stages
+    if (is_new_ && chain.stages().results().size() <= useless) fs::remove_all(path_, ignored);
   }
 
  private:

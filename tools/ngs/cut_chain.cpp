@@ -59,7 +59,10 @@ CutEnd CutChain::run() {
   if (run_.dry_run() && stages_.steps().size() < 2) return CutEnd::kNeedsStrokes;
   if (marked && !masks_from_strokes()) return CutEnd::kStopped;
   if (run_.dry_run()) return cut(), score(), CutEnd::kDone;
-  if (!marked && inputs_.masks.empty() && !has_masks(io::read_scene_json(plain_scene_))) return CutEnd::kNeedsStrokes;
+  if (!marked && inputs_.masks.empty() && !has_masks(io::read_scene_json(plain_scene_))) {
+    refuse_unfit_masks();
+    return CutEnd::kNeedsStrokes;
+  }
   write_scene_with(marked ? at("strokes") : inputs_.masks);
   return cut() && score() ? CutEnd::kDone : CutEnd::kStopped;
 }
@@ -297,7 +300,7 @@ bool CutChain::check_strokes() {
   StrokeAgreement found = now();
   if (!found.broken.empty() && untrained_ && untrained_quality_.strokes_wrong < found.wrong_share()) {
     write_flash_masks(at("strokes"), *untrained_);
-    if (!stage("ngs-variance", {"ngs-variance", at("scene.json"), "-o", at("boundary.ply")})) return false;
+    if (!label()) return false;
     found = now();
   }
   if (found.broken.empty()) return true;
@@ -313,7 +316,7 @@ bool CutChain::cut() {
   const std::string scene = at("scene.json");
   const bool marked = !inputs_.strokes.empty();
   const std::string trained = at(marked ? "joint.ply" : "labelled.ply");
-  if (!stage("ngs-variance", {"ngs-variance", scene, "-o", at("boundary.ply")})) return false;
+  if (!label()) return false;
   if (marked && !run_.dry_run() && !check_strokes()) return false;
   if (!stage("ngs-joint",
              {"ngs-joint", scene, at("boundary.ply"), "--quality",
@@ -384,12 +387,7 @@ bool CutChain::score() {
     if (!stage("ngs-eval-agreement", {"ngs-eval", at("masks"), at("strokes"), "-o", at("agreement.json")}))
       return false;
   } else if (!inputs_.truth.empty() || held_out) {
-    if (!stage("ngs-render-alone", {"ngs-render", at("scene.json"), at("object.ply"), "--layers", "alpha", "--scale",
-                                    "0", "--format", "png", "--views", views, "-o", at("alone")}) ||
-        !stage("ngs-eval", {"ngs-eval", at("masks"), at("scene.json"), "--alone", at("alone"), "-o", at("metrics.json"),
-                            "--allow-empty"}))
-      return false;
-    if (!run_.dry_run()) fs::remove_all(at("alone"), ignored);
+    if (!score_by_truth()) return false;
   }
   return write_page();
 }

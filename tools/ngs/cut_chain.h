@@ -46,6 +46,8 @@ class CutChain {
   bool reused_orbit() const { return reused_orbit_; }
   std::string at(const std::string& name) const { return inputs_.out + "/" + name; }
   std::string pictures() const { return at("orbit/images"); }
+  /// Why true masks that were found beside the capture were not used; empty: they were, or there are none.
+  const std::string& not_scored() const { return not_scored_; }
   /// For a dry run: the marked views, one per line; empty without strokes.
   const std::string& strokes_found() const { return strokes_found_; }
 
@@ -57,6 +59,7 @@ class CutChain {
   void look_at_strokes();
   bool orbit();
   bool import();
+  void refuse_unfit_masks() const;
   bool masks_from_strokes();
   void write_scene_with(const std::string& masks) const;
   bool cut_flash();
@@ -67,12 +70,14 @@ class CutChain {
   ResultQuality quality_of(const GaussianCloud& cloud, const std::vector<float>& label,
                            const std::vector<PixelMask>& masks) const;
   std::vector<PixelMask> masks_of_training() const;
+  bool label();
   bool check_strokes();
   bool cut();
   bool extract(const std::string& trained);
   void keep_better_result();
   bool finish_untrained();
   bool score();
+  bool score_by_truth();
 
   cli::Run& run_;
   const CutOptions& options_;
@@ -82,7 +87,7 @@ class CutChain {
   bool reused_orbit_ = false;
   bool imported_ = false;  // the capture
   std::optional<FlashFigures> flash_;
-  std::string strokes_found_;
+  std::string strokes_found_, not_scored_;
   std::optional<FlashCut> untrained_;  // for a splat without photos: result before training
   ResultQuality untrained_quality_;    // of its labels
   bool kept_untrained_ = false;

@@ -6,6 +6,7 @@
 #include "ngs/options/field.h"
 #include "ngs/problem/preset.h"
 #include "ngs/stages/fill/fill_options.h"
+#include "ngs/stages/scene/mask_agreement.h"
 #include "ngs/stages/scene/scene_check.h"
 #include "shared/scene/import_options.h"
 
@@ -26,6 +27,7 @@ struct CutOptions {
   int view_count = 0;
   double image_scale = 0;
   FillOptions fill;
+  MaskAgreementOptions agreement;
 
   /// Whether ngs-extract changes the halves beyond the choice of their Gaussians.
   bool mends_halves() const { return finish || fill.fill != FillKind::kOff; }
@@ -54,6 +56,7 @@ struct CutOptions {
     visit(self.image_scale, Field<double>{"image_scale", "",
                                           "Capture: working size relative to the photos; 0: 800 px at most", 0.0, 1.0});
     FillOptions::describe(self.fill, visit);
+    MaskAgreementOptions::describe(self.agreement, visit);
   }
 };
 

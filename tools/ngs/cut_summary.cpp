@@ -128,11 +128,31 @@ void add_mending(std::string& text, const CutChain& chain) {
             result.at("finish").at("dropped").dump() + " left out; --no-finish keeps them");
 }
 
+/// The objects in object.ply, if there are several, and the command for one of them.
+void add_objects(std::string& text, const CutChain& chain) {
+  constexpr std::size_t kShown = 6;
+  const nlohmann::json& report = chain.stages().report("ngs-extract");
+  if (!report.is_object() || chain.written_by_flash()) return;
+  const nlohmann::json& objects = report.at("result").at("objects");
+  if (objects.size() < 2) return;
+  std::string counts;
+  for (std::size_t k = 0; k < std::min(kShown, objects.size()); ++k)
+    counts += (k > 0 ? ", " : "") + objects[k].at("name").get<std::string>() + " " +
+              std::to_string(objects[k].at("object").get<std::int64_t>());
+  if (objects.size() > kShown) counts += " and " + std::to_string(objects.size() - kShown) + " more";
+  row(text, "objects", counts);
+  const std::string name = objects[0].at("name");
+  row(text, "",
+      "one alone: " + cli::quoted_line({"ngs-extract", chain.at("labelled.ply"), "--object", name, "--object-ply",
+                                        chain.at("object-" + name + ".ply")}));
+}
+
 }  // namespace
 
 std::string summary_of(const CutChain& chain) {
   std::string text;
   row(text, "object", with_count(chain.at("object.ply"), written_object(chain)));
+  add_objects(text, chain);
   row(text, "background", with_count(chain.at("background.ply"), count_of(chain, "background")));
   for (const std::string& format : chain.formats())
     row(text, format, chain.at("object." + format) + ", " + chain.at("background." + format));
@@ -155,6 +175,7 @@ std::string summary_of(const CutChain& chain) {
   if (const std::string unusual = unusual_share(chain); !unusual.empty()) row(text, "warning", unusual);
   if (const Scores scores = scores_of(chain); !scores.kind.empty())
     row(text, scores.kind, score_line(scores, !chain.inputs().truth.empty()));
+  if (!chain.not_scored().empty()) row(text, "not scored", chain.not_scored());
   row(text, "time", time_line(chain));
   const std::vector<std::string>& warnings = chain.stages().warnings();
   for (std::size_t i = 0; i < std::min(kShownWarnings, warnings.size()); ++i) row(text, "warning", warnings[i]);
@@ -241,6 +262,7 @@ Json summary_json(const CutChain& chain) {
             {"object_gaussians", object},
             {"background_gaussians", background},
             {"left_out", pieces_of(chain, "left_out")},
+            {"not_scored", chain.not_scored()},
             {"kept_untrained", chain.kept_untrained()},
             {"reused_pictures", chain.reused_orbit()},
             {"stage_warnings", chain.stages().warnings()}};

@@ -19,6 +19,8 @@ struct ImportOptions {
   double mask_threshold = kMaskThreshold;
   int void_id = -1;
   MissingMask missing_mask = MissingMask::kUnknown;
+  bool masks_in_order = false;
+  int mask_shift = 0;
   std::string hold_out;
   double image_scale = 0;
   double filter_px2 = 0;
@@ -43,6 +45,11 @@ struct ImportOptions {
         Field<int>{"void_id", "", "Label maps: id of pixels without a label, such as 255 in VOC; -1: none", -1, 65535});
     visit(self.missing_mask,
           Choice<MissingMask>{"missing_mask", "How a view without a mask is treated", kMissingNames});
+    visit(self.masks_in_order,
+          Flag{"masks_in_order", "Pair masks and views in the order of their names, if there are as many"});
+    visit(self.mask_shift,
+          Field<int>{"mask_shift", "names", "Give each view the mask that is this many names later than its own",
+                     -1000000, 1000000});
     visit(self.hold_out,
           Text{"hold_out", "every:N:K|FILE",
                "Views that never supervise: index i of the sorted names with i % N == K, or a list of names"});
@@ -98,6 +105,7 @@ inline io::ImportRequest request_from(const ImportOptions& options, const std::s
   request.object_ids = options.object_id, request.hold_out = options.hold_out;
   request.mask_mode = options.mask_mode, request.mask_invert = options.mask_invert;
   request.mask_threshold = options.mask_threshold, request.missing_mask = options.missing_mask;
+  request.masks_in_order = options.masks_in_order, request.mask_shift = options.mask_shift;
   request.image_scale = options.image_scale;
   if (options.void_id >= 0) request.void_id = std::uint32_t(options.void_id);
   return request;

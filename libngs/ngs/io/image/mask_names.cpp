@@ -13,6 +13,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// By name, with numbers in it by value: 2 before 10.
+bool in_order(const std::string& a, const std::string& b) {
+  const auto key = [](const std::string& name) {  // every number gets the same length
+    constexpr std::size_t kDigits = 20;
+    std::string key;
+    for (std::size_t at = 0; at < name.size();) {
+      const std::size_t end = std::min(name.find_first_not_of("0123456789", at), name.size());
+      if (end > at) key += std::string(kDigits - std::min(kDigits, end - at), '0') + name.substr(at, end - at);
+      if (end < name.size()) key += name[end];
+      at = end + 1;
+    }
+    return key;
+  };
+  return std::pair(key(a), a) < std::pair(key(b), b);
+}
+
 /// `photos`: the views' photos, which may lie in the same folder and are never masks.
 FoundFile find_mask(const FolderIndex& index, const std::set<fs::path>& photos, const std::string& name) {
   const std::string stem = image_stem(name);
@@ -28,6 +44,10 @@ FoundFile find_mask(const FolderIndex& index, const std::set<fs::path>& photos, 
     first = {path, candidate.rule};
   }
   if (!first.path.empty()) return first;
+  std::string flat = stem;
+  std::ranges::replace(flat, '/', '_');
+  if (flat != stem)
+    if (const std::string path = index.find(flat + ".png"); !path.empty()) return {path, "<folder>_<stem>.png"};
   const std::string path = index.find_stem(name);
   return path.empty() || is_photo(path) ? FoundFile{}
                                         : FoundFile{path, "<stem>." + fs::path(path).extension().string().substr(1)};
@@ -119,6 +139,44 @@ MaskMatches match_masks(const std::string& folder, const std::vector<std::string
     if (view.mask_path.empty()) matches.unmatched.push_back(view.camera.name);
   note_unused(folder, views, matches);
   return matches;
+}
+
+MaskMatches pair_masks_in_order(const std::string& folder, std::vector<SceneView>& views) {
+  std::vector<std::string> masks = list_images(folder);
+  if (masks.size() != views.size())
+    throw Error(ErrorCode::kInconsistent,
+                folder + ": " + std::to_string(masks.size()) + " images for " + std::to_string(views.size()) +
+                    " views, expected as many, to pair them in order",
+                "leave out --masks-in-order, and name each mask after its photo");
+  std::ranges::sort(masks, in_order);
+  std::vector<SceneView*> sorted;
+  for (SceneView& view : views) sorted.push_back(&view);
+  std::ranges::sort(sorted, in_order, [](const SceneView* view) { return view->camera.name; });
+  for (std::size_t v = 0; v < views.size(); ++v) sorted[v]->mask_path = (fs::path(folder) / masks[v]).generic_string();
+  MaskMatches matches;
+  matches.views_by_rule["in order"] = int(views.size());
+  return matches;
+}
+
+void shift_masks(int shift, std::vector<SceneView>& views, MaskMatches& matches) {
+  struct Named {
+    std::string name, mask;
+    SceneView* view = nullptr;
+  };
+  std::vector<Named> all;
+  for (SceneView& view : views) all.push_back({image_stem(view.camera.name), view.mask_path, &view});
+  for (const std::string& mask : matches.of_no_view) all.push_back({image_stem(bare_name(mask)), mask});
+  std::ranges::sort(all, in_order, &Named::name);
+  std::set<std::string> unused(matches.of_no_view.begin(), matches.of_no_view.end());
+  matches.unmatched.clear();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].view == nullptr) continue;
+    const std::size_t from = i + std::size_t(shift);  // beyond the end: none
+    all[i].view->mask_path = from < all.size() ? all[from].mask : "";
+    unused.erase(all[i].view->mask_path);
+    if (all[i].view->mask_path.empty()) matches.unmatched.push_back(all[i].view->camera.name);
+  }
+  matches.of_no_view.assign(unused.begin(), unused.end());
 }
 
 bool photo_folder_holds_masks(const std::string& folder, const std::vector<SceneView>& views) {

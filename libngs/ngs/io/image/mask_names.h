@@ -11,7 +11,8 @@
 //   <stem>.<other>    a/0001.exr ...       any other image format; no match if there are several
 // clang-format on
 //
-// Then the same without the folders of the name, if only one view fits (files_of_views). If this finds no mask for any
+// Then the same without the folders of the name, if only one view fits (files_of_views), or with "_" between them
+// (a_0001.png). If this finds no mask for any
 // view, sub-folders are objects: <object>/ and any of the names above. A path in the source itself (nerfstudio's
 // mask_path) takes precedence over all of these.
 #include <map>
@@ -35,6 +36,14 @@ struct MaskMatches {
 /// user (only these sub-folders are used); empty: every sub-folder with a mask is an object.
 MaskMatches match_masks(const std::string& folder, const std::vector<std::string>& objects,
                         std::vector<SceneView>& views);
+
+/// Gives the images of `folder` to the views in the order of their names, numbers by value: first to first. Throws
+/// kInconsistent unless there are as many.
+MaskMatches pair_masks_in_order(const std::string& folder, std::vector<SceneView>& views);
+
+/// Gives each view the mask that is `shift` names later than its own, in the order of the names of all views and of the
+/// masks of no view. Updates `unmatched` and `of_no_view`.
+void shift_masks(int shift, std::vector<SceneView>& views, MaskMatches& matches);
 
 /// Whether a photo folder also contains masks named <name>.mask.png, <stem>.mask.png or <stem>_mask.png.
 bool photo_folder_holds_masks(const std::string& folder, const std::vector<SceneView>& views);

@@ -8,6 +8,7 @@
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
 #include "ngs/core/folded_name.h"
+#include "ngs/io/image/annotations.h"
 #include "ngs/io/image/exr.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/image/size_rule.h"
@@ -299,7 +300,11 @@ LoadedMasks load_masks_with_notes(const Scene& scene, std::size_t view) {
       out.masks.target.emplace_back(pixels, 0.f);
       continue;
     }
-    Decoded mask = decode(scene, file, out.notes);
+    Decoded mask;
+    if (is_annotations(file))
+      mask.target = read_annotations(file, v.camera.name, scene.objects);
+    else
+      mask = decode(scene, file, out.notes);
     bring_to_size(scene, v.camera, file, mask, out);
     out.lossy |= mask.lossy;
     append(std::move(mask), out.masks);

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "ngs/io/ply/ply.h"
 #include "ngs/scene/gaussian_cloud.h"
@@ -48,8 +49,9 @@ std::string vertical_axis_in(std::string_view comment);
 /// Whether a column describes how a Gaussian moves, appears or turns in time (Spacetime Gaussians, 4D splats).
 bool is_motion_column(std::string_view name);
 
-/// Replaces the characters of a name that PLY columns cannot have, such as blanks.
-std::string column_suffix(const std::string& object);
+/// The names of objects as parts of column names: characters that PLY columns cannot have, such as blanks, become '_'.
+/// A name that then equals an earlier one gets its number among the objects: "__.2".
+std::vector<std::string> column_suffixes(const std::vector<std::string>& objects);
 
 /// Whether the vertices of a PLY are Gaussians, by their property names, in any supported program's naming.
 bool is_gaussian_element(const PlyElement& vertex);

@@ -291,13 +291,13 @@ class Reader {
     const std::vector<std::string> names = object_names();
     if (names.size() == 1) ply_.object = checked(names[0]), ply_.names_object = true;
     const std::string prefix = std::string(kLabelFields[0].name) + "_";
+    const std::vector<std::string> known = column_suffixes(names);
     std::vector<std::string> suffixes;
     for (const PlyProperty& p : ply_.rows.properties) {
       if (!p.name.starts_with(prefix)) continue;
       const std::string suffix = p.name.substr(prefix.size());
-      const auto named = std::find_if(names.begin(), names.end(),
-                                      [&](const std::string& name) { return column_suffix(name) == suffix; });
-      ply_.objects.push_back({checked(named != names.end() ? *named : suffix), {}});
+      const std::size_t named = std::size_t(std::ranges::find(known, suffix) - known.begin());
+      ply_.objects.push_back({checked(named < names.size() ? names[named] : suffix), {}});
       suffixes.push_back("_" + suffix);
     }
     want_labels("", ply_.labels);
@@ -336,14 +336,19 @@ bool is_render_comment(std::string_view comment) {
   return comment.starts_with("SplatRenderMode") || comment.starts_with("antialiased");
 }
 
-std::string column_suffix(const std::string& object) {
-  std::string suffix = object;
-  for (char& c : suffix) {
-    const bool plain =
-        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '-';
-    if (!plain) c = '_';
+std::vector<std::string> column_suffixes(const std::vector<std::string>& objects) {
+  std::vector<std::string> suffixes;
+  for (const std::string& object : objects) {
+    std::string suffix = object;
+    for (char& c : suffix) {
+      const bool plain =
+          (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '-';
+      if (!plain) c = '_';
+    }
+    while (std::ranges::find(suffixes, suffix) != suffixes.end()) suffix += "." + std::to_string(suffixes.size() + 1);
+    suffixes.push_back(suffix);
   }
-  return suffix;
+  return suffixes;
 }
 
 namespace {

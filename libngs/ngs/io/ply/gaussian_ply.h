@@ -124,7 +124,7 @@ struct LabelSet {
 
 /// One object: unsuffixed columns. Several objects: the unsuffixed columns describe their union (the largest value per
 /// column), and every object has its own columns `ngs_label_<object>` ... with characters other than [A-Za-z0-9_.-]
-/// replaced by '_' (kInconsistent if two objects get the same name). A comment stores the names. Every column must have
+/// replaced by '_', numbered if two objects get the same name. A comment stores the names. Every column must have
 /// as many rows as the output.
 void write_labelled_ply(const std::string& path, const GaussianPly& source, std::span<const LabelSet> objects,
                         const LabelledWrite& options = {});

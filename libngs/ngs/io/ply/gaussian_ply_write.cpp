@@ -132,16 +132,10 @@ std::vector<Added> added_columns(std::span<const LabelSet> objects, const LabelC
   std::vector<Added> added;
   add_label_set(added, all, "");
   if (objects.size() < 2) return added;
-  for (const LabelSet& object : objects) {
-    const std::string suffix = std::string(1, '_').append(column_suffix(object.object));
-    for (const Added& a : added)
-      if (a.name == std::string(kLabelFields[0].name) + suffix)
-        throw Error(ErrorCode::kInconsistent,
-                    "object '" + object.object + "': another object has the same column name '" + a.name +
-                        "', expected names that differ in [A-Za-z0-9.-]",
-                    "rename one of the objects");
-    add_label_set(added, object.columns, suffix);
-  }
+  std::vector<std::string> names;
+  for (const LabelSet& object : objects) names.push_back(object.object);
+  const std::vector<std::string> suffixes = column_suffixes(names);
+  for (std::size_t k = 0; k < objects.size(); ++k) add_label_set(added, objects[k].columns, "_" + suffixes[k]);
   return added;
 }
 

@@ -13,6 +13,7 @@
 #include "ngs/io/files/folder_index.h"
 #include "ngs/io/files/regular_file.h"
 #include "ngs/io/files/text_lines.h"
+#include "ngs/io/image/annotations.h"
 #include "ngs/io/image/mask_names.h"
 #include "ngs/io/image/masks.h"
 #include "ngs/io/scene/find_model.h"
@@ -42,6 +43,8 @@ std::string find_masks_dir(const ImportRequest& request, const std::string& base
   std::vector<std::string>& notes = out.notes;
   std::error_code ignored;
   std::string usual = folder_called(base, "masks");
+  if (!request.masks_dir.empty() && is_annotations(request.masks_dir) && is_regular_file(request.masks_dir))
+    return request.masks_dir;
   if (!request.masks_dir.empty() && !fs::is_directory(request.masks_dir, ignored))
     throw Error(ErrorCode::kBadInput, request.masks_dir + ": no such folder, expected masks");
   if (!request.masks_dir.empty() && request.masks_dir != usual) return request.masks_dir;
@@ -127,32 +130,67 @@ void leave_out_masks_of_source(ImportedScene& out) {
                         " views ignored, masks are read from " + out.masks_dir);
 }
 
-void attach_masks(const ImportRequest& request, ImportedScene& out) {
+/// Masks in JSON, if no view has an image as mask.
+void attach_annotations(const ImportRequest& request, const std::string& base, ImportedScene& out) {
+  const AnnotationMatches found =
+      match_annotations(annotation_files(request.masks_dir, base, {out.masks_dir, out.images_dir}), out.scene.views);
+  if (found.views == 0) return;
+  out.views_by_mask_rule["annotations"] = found.views;
+  out.scene.mask_mode = MaskMode::kBinary;
+  for (const SceneObject& object : out.scene.objects)
+    if (std::ranges::find(found.labels, object.name) == found.labels.end())
+      throw Error(ErrorCode::kInconsistent, "--object-id " + object.name + ": the annotations have " +
+                                                joined(found.labels) + ", expected one of them");
+  if (out.scene.objects.empty())
+    for (const std::string& label : found.labels) out.scene.objects.push_back({label, 0});
+}
+
+MaskMatches match_by_request(const ImportRequest& request, ImportedScene& out) {
+  std::vector<std::string> names;
+  for (const SceneObject& object : out.scene.objects) names.push_back(object.name);
+  MaskMatches matches = request.masks_in_order ? pair_masks_in_order(out.masks_dir, out.scene.views)
+                                               : match_masks(out.masks_dir, names, out.scene.views);
+  if (request.mask_shift != 0) shift_masks(request.mask_shift, out.scene.views, matches);
+  return matches;
+}
+
+void note_matches(const ImportedScene& out, const MaskMatches& matches, std::vector<std::string>& notes) {
+  const std::size_t views = out.scene.views.size();
+  if (!matches.of_no_view.empty() && out.masks_dir != out.images_dir)
+    notes.push_back(out.masks_dir + ": " + std::to_string(matches.of_no_view.size()) +
+                    " images match no view (first: " + matches.of_no_view[0] + ")");
+  if (matches.unmatched.size() == views && out.masks_dir.empty())
+    notes.push_back("no masks");
+  else if (!matches.unmatched.empty())
+    notes.push_back("no mask for " + std::to_string(matches.unmatched.size()) + " of " + std::to_string(views) +
+                    " views (first: " + matches.unmatched[0] + ")");
+  if (matches.several > 0)
+    notes.push_back(std::to_string(matches.several) + " views have two masks (first: " + matches.taken + " is used, " +
+                    matches.not_taken + " is not)");
+}
+
+void attach_masks(const ImportRequest& request, const std::string& base, ImportedScene& out) {
   Scene& scene = out.scene;
   if (!request.masks_dir.empty()) leave_out_masks_of_source(out);
   for (const std::string& text : request.object_ids) scene.objects.push_back(parse_object(text, request.mask_mode));
-  std::vector<std::string> names;
-  for (const SceneObject& object : scene.objects) names.push_back(object.name);
-  const MaskMatches matches = match_masks(out.masks_dir, names, scene.views);
+  MaskMatches matches = match_by_request(request, out);
   out.views_by_mask_rule = matches.views_by_rule;
-  const bool none = matches.unmatched.size() == scene.views.size();
-  if (none && !request.masks_dir.empty())
-    throw Error(ErrorCode::kInconsistent,
-                out.masks_dir + ": no mask of any view (such as " + scene.views[0].camera.name +
-                    "), expected names like <stem>.png, <name>.png, <stem>_mask.png or <object>/<stem>.png" +
-                    (matches.of_no_view.empty() ? "" : ", and found " + matches.of_no_view[0]),
-                "rename the masks after their photos");
-  if (!matches.of_no_view.empty() && out.masks_dir != out.images_dir)
-    out.notes.push_back(out.masks_dir + ": " + std::to_string(matches.of_no_view.size()) +
-                        " images match no view (first: " + matches.of_no_view[0] + ")");
-  if (none && out.masks_dir.empty())
-    out.notes.push_back("no masks");
-  else if (!matches.unmatched.empty())
-    out.notes.push_back("no mask for " + std::to_string(matches.unmatched.size()) + " of " +
-                        std::to_string(scene.views.size()) + " views (first: " + matches.unmatched[0] + ")");
-  if (matches.several > 0)
-    out.notes.push_back(std::to_string(matches.several) + " views have two masks (first: " + matches.taken +
-                        " is used, " + matches.not_taken + " is not)");
+  if (matches.unmatched.size() == scene.views.size()) attach_annotations(request, base, out);
+  if (matches.unmatched.size() == scene.views.size() && out.views_by_mask_rule.empty()) {
+    if (!out.masks_dir.empty() && out.masks_dir != out.images_dir)
+      out.unfit_masks = unfit_masks(out.masks_dir, scene.views);
+    if (!request.masks_dir.empty())
+      throw Error(ErrorCode::kInconsistent,
+                  out.unfit_masks.found.empty()
+                      ? out.masks_dir + ": no mask of any view (such as " + scene.views[0].camera.name +
+                            "), expected names like <stem>.png, <name>.png, <stem>_mask.png "
+                            "or <object>/<stem>.png"
+                      : out.unfit_masks.found,
+                  out.unfit_masks.found.empty() ? "name the masks after their photos" : out.unfit_masks.remedy);
+    if (!out.unfit_masks.found.empty()) out.notes.push_back(out.unfit_masks.found + "; " + out.unfit_masks.remedy);
+    matches.of_no_view.clear();
+  }
+  if (!out.views_by_mask_rule.contains("annotations")) note_matches(out, matches, out.notes);
   if (!scene.objects.empty()) return;
   for (const std::string& name : matches.objects) scene.objects.push_back({name, 0});
   if (scene.objects.empty() && scene.mask_mode == MaskMode::kLabel)
@@ -246,7 +284,7 @@ ImportedScene import_scene(const ImportRequest& request) {
   out.masks_dir = find_masks_dir(request, source.base, out);
   out.truth_dir = find_truth_dir(request, source.base);
   assign_splits(request.hold_out, scene.views);
-  attach_masks(request, out);
+  attach_masks(request, source.base, out);
   int shortest_px = kMaxSide;
   for (SceneView& view : scene.views) {
     shortest_px = std::min({shortest_px, view.camera.width_px, view.camera.height_px});

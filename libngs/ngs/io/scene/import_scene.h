@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ngs/io/capture/capture_source.h"
+#include "ngs/io/scene/unfit_masks.h"
 #include "ngs/scene/scene.h"
 
 namespace ngs::io {
@@ -26,7 +27,9 @@ struct ImportRequest {
   double mask_threshold = kMaskThreshold;
   std::optional<std::uint32_t> void_id;  // label maps
   MissingMask missing_mask = MissingMask::kUnknown;
-  double image_scale = 1;  // (0, 1]; 0: automatic, see kWorkingSizePx
+  bool masks_in_order = false;  // masks and views are paired in the order of their names
+  int mask_shift = 0;           // a view gets the mask that is this many names later than its own
+  double image_scale = 1;       // (0, 1]; 0: automatic, see kWorkingSizePx
 };
 
 struct ImportedScene {
@@ -35,6 +38,7 @@ struct ImportedScene {
   std::string cameras_file, images_dir, masks_dir;
   std::string truth_dir;  // folder of true masks, not read; empty: none
   std::map<std::string, int> views_by_mask_rule;
+  UnfitMasks unfit_masks;  // empty if some view has a mask
   std::vector<std::string> notes;
 };
 

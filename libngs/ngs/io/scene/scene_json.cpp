@@ -11,6 +11,7 @@
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/json_file.h"
 #include "ngs/io/files/relative_path.h"
+#include "ngs/io/image/annotations.h"
 #include "ngs/scene/view_names.h"
 
 namespace ngs::io {
@@ -129,7 +130,7 @@ void validate_objects(const Scene& scene, const std::string& object) {
   if (scene.mask_mode == MaskMode::kLabel && scene.mask_invert)
     refuse(object, "inverted label maps, expected invert only with binary, soft or bands");
   const bool has_plain_mask = std::any_of(scene.views.begin(), scene.views.end(), [](const SceneView& v) {
-    return !v.mask_path.empty() && v.mask_path.find("{object}") == std::string::npos;
+    return !v.mask_path.empty() && v.mask_path.find("{object}") == std::string::npos && !is_annotations(v.mask_path);
   });
   if (scene.objects.size() > 1 && scene.mask_mode != MaskMode::kLabel && has_plain_mask)
     refuse(object, std::to_string(scene.objects.size()) +

@@ -31,6 +31,7 @@ TEST_CASE("every naming rule finds its mask and is reported") {
                {"cam/a.jpg", "a.jpg.png", "<name>.png"},
                {"cam/a.jpg", "a.tif", "<stem>.tif"},
                {"frame.0001", "frame.0001.png", "<name>.png"},
+               {"cam/a.jpg", "cam_a.png", "<folder>_<stem>.png"},
                {"a.jpg", "cup/a.png", "<object>/<stem>.png"}};
   for (const auto& c : cases) {
     CAPTURE(c.file);
@@ -158,6 +159,30 @@ TEST_CASE("masks of a view with different file names per object are rejected") {
                        Error);
   views = views_named({"a.jpg", "b.jpg"});
   CHECK(match_masks(dir.path(), {"spoon"}, views).unmatched.empty());
+}
+
+TEST_CASE("masks are paired in the order of their numbers, and moved by a shift with the masks of no view") {
+  const TempDir dir;
+  for (const char* file : {"m2.png", "m10.png", "m0.png"}) dir.write(file, "x");
+  std::vector<SceneView> views = views_named({"1.jpg", "10.jpg", "9.jpg"});
+  CHECK(pair_masks_in_order(dir.path(), views).views_by_rule.at("in order") == 3);
+  CHECK(views[0].mask_path == dir.path() + "/m0.png");
+  CHECK(views[2].mask_path == dir.path() + "/m2.png");
+  CHECK(views[1].mask_path == dir.path() + "/m10.png");
+  views.pop_back();
+  CHECK_THROWS_AS(pair_masks_in_order(dir.path(), views), Error);
+
+  const TempDir late;  // numbered from 1, photos from 0
+  for (const char* file : {"0001.png", "0002.png", "0003.png"}) late.write(file, "x");
+  views = views_named({"0000.png", "0001.png", "0002.png"});
+  MaskMatches matches = match_masks(late.path(), {}, views);
+  shift_masks(1, views, matches);
+  for (int v = 0; v < 3; ++v)
+    CHECK(views[std::size_t(v)].mask_path == late.path() + "/000" + std::to_string(v + 1) + ".png");
+  CHECK(matches.unmatched.empty());
+  CHECK(matches.of_no_view.empty());
+  shift_masks(2, views, matches);
+  CHECK(matches.unmatched == std::vector<std::string>{"0001.png", "0002.png"});
 }
 
 }  // namespace ngs::io

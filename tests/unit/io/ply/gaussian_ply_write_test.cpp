@@ -154,7 +154,7 @@ TEST_CASE("filter_3D is applied exactly once, and both outputs have the comment 
   }
 }
 
-TEST_CASE("several objects: one suffixed label set each, and the unsuffixed columns are their union") {
+TEST_CASE("several objects: one suffixed label set each, numbered if suffixes are equal, and their union without one") {
   const std::string file = test::ply_bytes({test::inria_columns(4, 0)}, PlyFormat::kBinaryLittle);
   const io::GaussianPly ply = parse(file);
   const test::TempDir dir;
@@ -174,8 +174,13 @@ TEST_CASE("several objects: one suffixed label set each, and the unsuffixed colu
   CHECK(one.rows.properties.size() == ply.rows.properties.size() + 5);
 
   const std::vector<io::NamedLabels> clash = {{"a b", objects[0].columns}, {"a_b", objects[1].columns}};
-  CHECK_THROWS_AS(io::write_labelled_ply(dir.file("x.ply"), ply, clash), Error);
-  CHECK_FALSE(std::filesystem::exists(dir.file("x.ply")));
+  io::write_labelled_ply(dir.file("x.ply"), ply, clash);
+  const io::GaussianPly both = io::read_gaussian_ply(dir.file("x.ply"));
+  REQUIRE(both.objects.size() == 2);
+  CHECK(both.objects[0].object == "a b");
+  CHECK(both.objects[1].object == "a_b");
+  CHECK(both.objects[1].columns.variance == objects[1].columns.variance);
+  CHECK(both.rows.find("ngs_prob_a_b.2") > 0);
 }
 
 TEST_CASE("an object name with path components is rejected, in a comment or a column name") {

@@ -1,0 +1,115 @@
+#include "ngs/io/scene/unfit_masks.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include "ngs/core/folded_name.h"
+#include "ngs/io/files/folder_index.h"
+#include "ngs/io/files/regular_file.h"
+#include "ngs/io/files/shell_word.h"
+#include "ngs/io/image/annotations.h"
+#include "ngs/scene/view_names.h"
+
+namespace ngs::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kMaxDepth = 3;  // of folders in the folder of masks
+constexpr std::size_t kMaxFiles = 100000;
+
+/// Sorted paths of regular files in the folder and its sub-folders.
+std::vector<std::string> files_below(const std::string& folder) {
+  std::vector<std::string> files;
+  std::error_code failed;
+  for (fs::recursive_directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
+    if (entry.depth() >= kMaxDepth) entry.disable_recursion_pending();
+    const std::string path = entry->path().generic_string();
+    if (files.size() < kMaxFiles && is_regular_file(path)) files.push_back(path);
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+std::string ending_of(const std::string& path) { return lower_case(fs::path(path).extension().string()); }
+
+bool is_array(const std::string& path) {
+  static const std::set<std::string> endings{".npy", ".npz", ".pt", ".pth", ".pkl", ".mat", ".h5", ".hdf5"};
+  return endings.contains(ending_of(path));
+}
+
+/// A folder for each photo, as SAM's automatic mask generator writes.
+bool has_folder_per_photo(const std::string& folder, const std::vector<SceneView>& views) {
+  std::set<std::string> stems;
+  for (const SceneView& view : views) stems.insert(image_stem(bare_name(view.camera.name)));
+  const std::vector<std::string> folders = list_folders(folder);
+  return !folders.empty() &&
+         std::ranges::all_of(folders, [&](const std::string& name) { return stems.contains(name); });
+}
+
+std::string remedy_of_images(const std::string& folder, std::size_t count, const std::vector<SceneView>& views) {
+  const std::string named = "name each mask after its photo, such as " +
+                            (fs::path(folder) / image_stem(views[0].camera.name)).generic_string() + ".png";
+  if (has_folder_per_photo(folder, views))
+    return "a folder for each photo holds masks of everything in it, as SAM writes without a prompt: copy the one of "
+           "the "
+           "object; " +
+           named;
+  return count == views.size() ? "if they are in the order of the photos: --masks-in-order; else " + named : named;
+}
+
+std::string remedy_of_arrays(const std::string& folder, const std::string& first) {
+  const std::string save = "save each as PNG, 255 where the object is";
+  if (ending_of(first) != ".npy") return "arrays are not read: " + save;
+  return "arrays are not read: " + save +
+         ": python3 -c \"import glob, numpy; from PIL import Image; "
+         "[Image.fromarray((numpy.load(f).squeeze() > 0).astype('u1') * 255).save(f[:-4] + '.png') for f in "
+         "glob.glob(" +
+         shell_word("'" + folder + "/**/*.npy'") + ", recursive=True)]\"";
+}
+
+}  // namespace
+
+std::vector<std::string> annotation_files(const std::string& given, const std::string& base,
+                                          const std::vector<std::string>& folders) {
+  if (is_regular_file(given)) return {given};
+  std::vector<std::string> searched = folders, files;
+  if (!given.empty()) searched = {given};
+  if (given.empty()) searched.push_back((fs::path(base) / "annotations").generic_string());
+  for (const std::string& folder : searched)
+    if (!folder.empty())
+      for (const std::string& path : files_below(folder))
+        if (is_annotations(path)) files.push_back(path);
+  std::error_code ignored;
+  if (!given.empty()) return files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(base, ignored)) {
+    const std::string name = lower_case(entry.path().filename().string());
+    const bool suggests =
+        name.find("coco") != name.npos || name.find("annotation") != name.npos || name.starts_with("instances");
+    if (suggests && is_annotations(name) && is_regular_file(entry.path().generic_string()))
+      files.push_back(entry.path().generic_string());
+  }
+  std::ranges::sort(files);
+  files.erase(std::unique(files.begin(), files.end()), files.end());
+  return files;
+}
+
+UnfitMasks unfit_masks(const std::string& folder, const std::vector<SceneView>& views) {
+  std::vector<std::string> images, arrays, others;
+  for (const std::string& path : files_below(folder))
+    (has_image_extension(path) ? images : is_array(path) ? arrays : others).push_back(path);
+  const std::vector<std::string>& files = !images.empty() ? images : !arrays.empty() ? arrays : others;
+  if (files.empty() || views.empty()) return {};
+  const std::string kind = !images.empty() ? " images" : !arrays.empty() ? " arrays" : " files";
+  UnfitMasks unfit{folder + ": " + std::to_string(files.size()) + kind + " fit no view (first: " + files[0] +
+                       "; the first view is " + views[0].camera.name + "), expected masks named after the photos",
+                   "masks are images (PNG), or JSON of labelme or COCO with the names of the photos"};
+  if (!images.empty())
+    unfit.remedy = remedy_of_images(folder, images.size(), views);
+  else if (!arrays.empty())
+    unfit.remedy = remedy_of_arrays(folder, arrays[0]);
+  return unfit;
+}
+
+}  // namespace ngs::io

@@ -1,0 +1,21 @@
+#pragma once
+// Files that look like masks and fit no view.
+#include <string>
+#include <vector>
+
+#include "ngs/scene/scene.h"
+
+namespace ngs::io {
+
+/// The .json files that may annotate photos, sorted: of `given`, a folder or a file; if it is empty, of the other
+/// folders and of annotations/ in `base`, and those in `base` whose names suggest it.
+std::vector<std::string> annotation_files(const std::string& given, const std::string& base,
+                                          const std::vector<std::string>& folders);
+
+/// What was found, and what to do with it; empty: no such files. `folder` and its sub-folders are searched.
+struct UnfitMasks {
+  std::string found, remedy;
+};
+UnfitMasks unfit_masks(const std::string& folder, const std::vector<SceneView>& views);
+
+}  // namespace ngs::io

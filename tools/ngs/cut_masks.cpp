@@ -1,0 +1,58 @@
+// CutChain: masks that do not fit, and true masks of something else.
+#include <filesystem>
+
+#include "cut_chain.h"
+#include "ngs/core/error.h"
+#include "ngs/core/formatted.h"
+#include "ngs/io/files/json_file.h"
+
+namespace ngs::ngs_tool {
+
+namespace fs = std::filesystem;
+
+/// Masks that no view has are meant for some: to mark the object by strokes instead would be a surprise.
+void CutChain::refuse_unfit_masks() const {
+  const nlohmann::json& report = stages_.report("ngs-scene");
+  if (!report.is_object() || !report.at("result").contains("unfit_masks")) return;
+  const nlohmann::json& unfit = report.at("result").at("unfit_masks");
+  throw Error(ErrorCode::kInconsistent, unfit.at("found").get<std::string>(),
+              unfit.at("remedy").get<std::string>() + "; or mark the object instead: --strokes FILE");
+}
+
+/// The closed form. Masks from strokes are checked by check_strokes().
+bool CutChain::label() {
+  Words words{"ngs-variance", at("scene.json"), "-o", at("boundary.ply")};
+  const double least = inputs_.strokes.empty() ? options_.agreement.min_mask_agreement : -1;
+  if (least != MaskAgreementOptions{}.min_mask_agreement)
+    words.insert(words.end(), {"--min-mask-agreement", Json(least).dump()});
+  return stage("ngs-variance", words);
+}
+
+/// True masks that were found, not given, need not be of this object: the result is then not scored. False: stopped by
+/// a signal.
+bool CutChain::score_by_truth() {
+  constexpr double kOtherObject = 0.1;  // IoU
+  const bool is_found = inputs_.given_truth.empty() && !inputs_.truth.empty();
+  try {
+    const std::string views = options_.hold_out.empty() ? "all" : "held-out";
+    if (!stage("ngs-render-alone", {"ngs-render", at("scene.json"), at("object.ply"), "--layers", "alpha", "--scale",
+                                    "0", "--format", "png", "--views", views, "-o", at("alone")}) ||
+        !stage("ngs-eval", {"ngs-eval", at("masks"), at("scene.json"), "--alone", at("alone"), "-o", at("metrics.json"),
+                            "--allow-empty"}))
+      return false;
+    std::error_code ignored;
+    if (!run_.dry_run()) fs::remove_all(at("alone"), ignored);
+  } catch (const Error& e) {
+    if (!is_found || e.code() == ErrorCode::kEnvironment) throw;
+    not_scored_ = e.what();
+    return true;
+  }
+  if (!is_found || run_.dry_run() || !exists(at("metrics.json"))) return true;
+  const double iou = io::read_json_file(at("metrics.json")).at("mean").value("iou", 1.0);
+  if (iou >= kOtherObject) return true;
+  not_scored_ = inputs_.truth + " shows something else than the result (IoU " + formatted("%.3f", iou) + ")";
+  fs::remove(at("metrics.json"));
+  return true;
+}
+
+}  // namespace ngs::ngs_tool
