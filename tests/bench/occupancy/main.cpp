@@ -108,7 +108,8 @@ int run(int count, char** words) {
   train(exec, c, voxels);
   std::vector<std::uint8_t> rest;
   for (const std::uint8_t is_object : c.object) rest.push_back(!is_object);
-  io::write_splat(words[4], c.model, c.object), io::write_splat(words[5], c.model, rest);
+  io::write_splat(words[4], {c.model, c.object});
+  io::write_splat(words[5], {c.model, rest});
   return 0;
 }
 

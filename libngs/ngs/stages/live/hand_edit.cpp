@@ -5,6 +5,7 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/error.h"
+#include "ngs/ops/splat/splat.h"
 #include "ngs/problem/cloud_rows.h"
 #include "ngs/stages/masks/rasterise_prompt.h"
 #include "ngs/stages/select/clusters.h"
