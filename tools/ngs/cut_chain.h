@@ -77,6 +77,7 @@ class CutChain {
   bool finish_untrained();
   bool score();
   bool score_by_truth();
+  void leave_masks_unused();
 
   cli::Run& run_;
   const CutOptions& options_;
