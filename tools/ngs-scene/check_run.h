@@ -40,8 +40,8 @@ class SceneChecks {
   void check(bool compat_is_default = false);
   /// Removes empty masks that contradict the masks of other views.
   void leave_out_lost_masks();
-  /// Estimates the low-pass filter of the model (stages/scene/filter_probe.h).
-  void find_filter();
+  /// Estimates the low-pass filter of the model (stages/scene/filter_probe.h), unless it is given.
+  void find_filter(double given_px2);
   /// Aligns the cameras to the model (stages/scene/view_align.h). `for_background`: also measures the background, so
   /// that find_background() needs no render.
   void align_views(bool for_background);

@@ -173,7 +173,8 @@ void take_masks_from_photos(const ImportRequest& request, ImportedScene& out, st
                        (request.masks_dir.empty() || names_photos(request, out));
   int in_photos = 0;
   for (SceneView& view : out.scene.views) {
-    if (are_same_bytes(view.mask_path, view.image_path)) view.mask_path = view.image_path;
+    if (are_same_bytes(view.mask_path, view.image_path) && is_cut_out_photo(view.image_path))
+      view.mask_path = view.image_path;
     if (!is_open || view.image_path.empty()) continue;
     const bool is_mask = is_cut_out_photo(view.image_path);
     if (!is_mask && in_photos == 0) return;  // opaque photos: most folders

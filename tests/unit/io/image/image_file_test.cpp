@@ -146,7 +146,7 @@ TEST_CASE("transparency is detected in 8 and 16 bit, and never in a JPEG") {
 TEST_CASE("a photo whose alpha channel is its mask is loaded without it, 8 and 16 bit") {
   const TempDir dir;
   ImageU8 rgba(2, 1, 4);
-  rgba.data = {255, 51, 0, 0, 0, 102, 255, 255};
+  rgba.data = {255, 0, 255, 0, 0, 255, 0, 255};
   write_png(dir.file("8.png"), rgba);
   ImageU16 deep(2, 1, 4);
   std::ranges::transform(rgba.data, deep.data.begin(), [](std::uint8_t v) { return std::uint16_t(v * 257); });
@@ -157,10 +157,10 @@ TEST_CASE("a photo whose alpha channel is its mask is loaded without it, 8 and 1
     SceneView view;
     view.camera.width_px = 2, view.camera.height_px = 1, view.image_path = dir.file(name);
     scene.views = {view};
-    CHECK(load_photo(scene, 0).data == std::vector<float>{0, 0, 0, 0, 0.4f, 1});
+    CHECK(load_photo(scene, 0).data == std::vector<float>{0, 0, 0, 0, 1, 0});
     CHECK(photo_is_transparent(scene, 0));
     scene.views[0].mask_path = view.image_path;
-    CHECK(load_photo(scene, 0).data == std::vector<float>{1, 0.2f, 0, 0, 0.4f, 1});
+    CHECK(load_photo(scene, 0).data == std::vector<float>{1, 0, 1, 0, 1, 0});
     CHECK_FALSE(photo_is_transparent(scene, 0));
     CHECK(load_alpha(scene.views[0]).data == std::vector<float>{0, 1});
   }
