@@ -4,11 +4,13 @@
 
 #include "check_report.h"
 #include "commands.h"
+#include "ngs/core/formatted.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/regular_file.h"
 #include "ngs/io/image/masks.h"
 #include "ngs/io/image/photo.h"
 #include "ngs/problem/view_list.h"
+#include "ngs/stages/render/render_options.h"
 #include "ngs/stages/scene/filter_probe.h"
 #include "ngs/stages/scene/view_align.h"
 #include "shared/page/mask_sheet.h"
@@ -71,7 +73,71 @@ SceneChecks::SceneChecks(cli::Run& run, const SceneCheckOptions& options, Scene&
       model_(read_model(run, scene, notes_)) {}
 
 PhotographedModel SceneChecks::photographed() {
-  return {model_->cloud, scene_, [this](std::size_t view) { return photos_.load(view); }};
+  return {model_->cloud, scene_, [this](std::size_t view) { return photo(view); }};
+}
+
+void SceneChecks::settle_masks_in_photos() {
+  constexpr float kHidden = 0.5f;        // alpha below which a mask hides the pixel
+  constexpr double kMostCovered = 0.25;  // of the hidden pixels: whole scenes 0.71 to 1, objects alone 0.01 to 0.03
+  if (std::ranges::none_of(scene_.views, io::has_mask_in_photo)) return;
+  const auto timed = run_.monitor().scope("transparency");
+  double hidden = 0, covered = 0;
+  for (const std::size_t v : compared_) {
+    if (!model_ || !io::has_mask_in_photo(scene_.views[v])) continue;
+    const ImageF shown = rendered(v).alpha, alpha = io::load_alpha(scene_.views[v]);
+    for (std::size_t p = 0; p < alpha.data.size(); ++p) {
+      if (!(alpha.data[p] < kHidden)) continue;
+      covered += double(shown.data[p]);
+      ++hidden;
+    }
+  }
+  if (model_ && covered >= kMostCovered * hidden) return;
+  for (SceneView& view : scene_.views)
+    if (io::has_mask_in_photo(view)) view.mask_path.clear();
+  notes_.push_back(std::string("the alpha channel of the photos is not used as masks: ") +
+                   (model_ ? "the model covers only " + formatted("%.0f", 100 * covered / hidden) +
+                                 " % of what it hides, it is of the object alone"
+                           : "there is no model"));
+}
+
+void SceneChecks::leave_out_emptied_photos() {
+  constexpr float kPlain = 8 / 255.f;  // range of a channel over pixels that a tool has painted over
+  const auto timed = run_.monitor().scope("transparency");
+  std::size_t emptied = 0;
+  for (SceneView& view : scene_.views) {
+    if (!io::has_mask_in_photo(view)) continue;
+    const ImageF photo = io::load_photo(scene_, std::size_t(&view - scene_.views.data())), alpha = io::load_alpha(view);
+    float least[3] = {1, 1, 1}, most[3] = {0, 0, 0};
+    for (std::size_t i = 0; i < photo.data.size(); ++i) {
+      if (alpha.data[i / 3] > 0) continue;
+      least[i % 3] = std::min(least[i % 3], photo.data[i]);
+      most[i % 3] = std::max(most[i % 3], photo.data[i]);
+    }
+    const auto is_plain = [&](int channel) { return most[channel] - least[channel] <= kPlain; };
+    if (!is_plain(0) || !is_plain(1) || !is_plain(2)) continue;
+    view.image_path.clear();
+    ++emptied;
+  }
+  if (emptied > 0)
+    run_.monitor().warn(std::to_string(emptied) +
+                        " photos have one colour where their alpha channel hides them: only their masks are used; "
+                        "opaque photos make edges sharper");
+}
+
+RenderedView SceneChecks::rendered(std::size_t view) const {
+  RenderRequest request;
+  request.background = background_of(scene_);
+  return render(run_.exec(), model_->cloud, scene_.views[view].camera, splat_options({}, model_->cloud, scene_),
+                request);
+}
+
+ImageF SceneChecks::photo(std::size_t view) {
+  ImageF photo = photos_.load(view);
+  if (!model_ || !io::has_mask_in_photo(scene_.views[view])) return photo;
+  const ImageF behind = rendered(view).colour, alpha = io::load_alpha(scene_.views[view]);
+  for (std::size_t i = 0; i < photo.data.size(); ++i)
+    photo.data[i] += (1 - alpha.data[i / 3]) * (behind.data[i] - photo.data[i]);
+  return photo;
 }
 
 bool SceneChecks::choose_background_of_transparent_photos() {
@@ -98,7 +164,7 @@ bool SceneChecks::choose_background_of_transparent_photos() {
 }
 
 void SceneChecks::check(bool compat_is_default) {
-  const SceneLoaders loaders{[this](std::size_t view) { return photos_.load(view); },
+  const SceneLoaders loaders{[this](std::size_t view) { return photo(view); },
                              [this](std::size_t view) {
                                io::LoadedMasks loaded = io::load_masks_with_notes(scene_, view);
                                return MaskSample{std::move(loaded.masks), std::move(loaded.notes), loaded.lossy};
@@ -117,8 +183,9 @@ void SceneChecks::leave_out_lost_masks() {
   for (const std::size_t view : lost_masks_) scene_.views[view].mask_path.clear();
 }
 
-void SceneChecks::find_filter() {
-  if (!model_) return;
+void SceneChecks::find_filter(double given_px2) {
+  if (given_px2 > 0) scene_.filter_px2 = given_px2;
+  if (given_px2 > 0 || !model_) return;
   const auto timed = run_.monitor().scope("filter");
   const FilterProbe probe = probe_filter(run_.exec(), run_.monitor(), photographed(), compared_);
   for (const FilterCandidate& c : probe.candidates)

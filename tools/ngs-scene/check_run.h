@@ -25,6 +25,12 @@ class SceneChecks {
   /// Reads the scene's model and reports its health. `notes` become warnings.
   SceneChecks(cli::Run& run, const SceneCheckOptions& options, Scene& scene, std::vector<std::string> notes);
 
+  /// For photos whose alpha channel is their mask: drops these masks with a note if there is no model, or if it shows
+  /// the object alone, so that the rest of the photos is background.
+  void settle_masks_in_photos();
+  /// Keeps only the masks of photos whose hidden pixels have one colour, because training compares these too. After all
+  /// other steps, which compare what is not hidden.
+  void leave_out_emptied_photos();
   /// For photos with transparency: sets the background to black or white, whichever fits the model better, with a note.
   /// False: the photos are opaque, the scene is unchanged.
   bool choose_background_of_transparent_photos();
@@ -34,8 +40,8 @@ class SceneChecks {
   void check(bool compat_is_default = false);
   /// Removes empty masks that contradict the masks of other views.
   void leave_out_lost_masks();
-  /// Estimates the low-pass filter of the model (stages/scene/filter_probe.h).
-  void find_filter();
+  /// Estimates the low-pass filter of the model (stages/scene/filter_probe.h), unless it is given.
+  void find_filter(double given_px2);
   /// Aligns the cameras to the model (stages/scene/view_align.h). `for_background`: also measures the background, so
   /// that find_background() needs no render.
   void align_views(bool for_background);
@@ -44,6 +50,9 @@ class SceneChecks {
 
  private:
   PhotographedModel photographed();
+  RenderedView rendered(std::size_t view) const;
+  /// The photo to compare with the model; what its own mask hides is that of the model.
+  ImageF photo(std::size_t view);
 
   cli::Run& run_;
   const SceneCheckOptions& options_;

@@ -168,8 +168,7 @@ bool CutChain::import() {
   if (run_.dry_run()) return true;
   inputs_.truth = io::truth_of_scene_json(plain_scene_), imported_ = true;
   plan();
-  if (!inputs_.strokes.empty() && has_masks(io::read_scene_json(plain_scene_)))
-    run_.monitor().warn(inputs_.source + ": its masks are not used because strokes are given");
+  if (!inputs_.strokes.empty()) leave_masks_unused();
   return true;
 }
 

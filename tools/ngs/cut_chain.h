@@ -46,7 +46,7 @@ class CutChain {
   bool reused_orbit() const { return reused_orbit_; }
   std::string at(const std::string& name) const { return inputs_.out + "/" + name; }
   std::string pictures() const { return at("orbit/images"); }
-  /// Why true masks that were found beside the capture were not used; empty: they were, or there are none.
+  /// Why true masks that were found with the capture were not used; empty: they were, or there are none.
   const std::string& not_scored() const { return not_scored_; }
   /// For a dry run: the marked views, one per line; empty without strokes.
   const std::string& strokes_found() const { return strokes_found_; }
@@ -78,6 +78,7 @@ class CutChain {
   bool finish_untrained();
   bool score();
   bool score_by_truth();
+  void leave_masks_unused();
 
   cli::Run& run_;
   const CutOptions& options_;

@@ -1,10 +1,13 @@
 // CutChain: masks that do not fit, and true masks of something else.
+#include <algorithm>
 #include <filesystem>
 
 #include "cut_chain.h"
 #include "ngs/core/error.h"
 #include "ngs/core/formatted.h"
 #include "ngs/io/files/json_file.h"
+#include "ngs/io/scene/import_scene.h"
+#include "ngs/io/scene/scene_json.h"
 
 namespace ngs::ngs_tool {
 
@@ -17,6 +20,17 @@ void CutChain::refuse_unfit_masks() const {
   const nlohmann::json& unfit = report.at("result").at("unfit_masks");
   throw Error(ErrorCode::kInconsistent, unfit.at("found").get<std::string>(),
               unfit.at("remedy").get<std::string>() + "; or mark the object instead: --strokes FILE");
+}
+
+/// Masks of a capture that is cut by strokes. Photos whose alpha channel is a mask lack what it hides.
+void CutChain::leave_masks_unused() {
+  const Scene scene = io::read_scene_json(plain_scene_);
+  if (std::ranges::all_of(scene.views, &std::string::empty, &SceneView::mask_path)) return;
+  if (stages_.report("ngs-scene").at("result").at("mask_rules").contains(io::kAlphaRule))
+    throw Error(ErrorCode::kInconsistent,
+                inputs_.source + ": the alpha channel of the photos is a mask, expected opaque photos with strokes",
+                "leave out --strokes to cut with this mask; or name a folder of opaque photos: --images DIR");
+  run_.monitor().warn(inputs_.source + ": its masks are not used because strokes are given");
 }
 
 /// The closed form. Masks from strokes are checked by check_strokes().

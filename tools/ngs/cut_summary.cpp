@@ -199,7 +199,9 @@ StrokeHelp stroke_help(const CutChain& chain) {
                                           : chain.inputs().kind == SourceKind::kCapture ? chain.at("capture.json")
                                                                                         : chain.inputs().source);
   const Camera& first = scene.views.front().camera;
+  const std::vector<std::string>& warnings = chain.stages().warnings();
   StrokeHelp help;
+  for (std::size_t i = 0; i < std::min(kShownWarnings, warnings.size()); ++i) row(help.text, "warning", warnings[i]);
   row(help.text, "pictures",
       std::to_string(scene.views.size()) + " in " +
           fs::path(scene.views.front().image_path).parent_path().generic_string() + "/");

@@ -1,8 +1,7 @@
 #pragma once
 // Masks in JSON files of annotation programs, by the names of the photos:
 //   labelme   a file per photo: "shapes" with label, shape_type polygon, rectangle or circle, and points
-//   COCO      a file for all photos: "images", "annotations" with polygons or run lengths (RLE, plain or packed), and
-//             "categories"
+//   COCO      a file for all photos: "images", "categories", "annotations" with polygons or run lengths (RLE)
 // A label or category is an object; the mask of an object is the union of its shapes.
 #include <string>
 #include <vector>

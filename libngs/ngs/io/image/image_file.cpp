@@ -90,14 +90,19 @@ ImageF resize(const ImageF& image, int width_px, int height_px, int method) {
 
 }  // namespace
 
-PackedPhoto read_photo(const std::string& path, Vec3<float> behind) {
+PackedPhoto read_photo(const std::string& path, std::optional<Vec3<float>> behind) {
   const MappedFile file = map_regular_file(path);
   parse_image_header(file.bytes(), path);
   Picture picture = decode(file.bytes(), path);
+  if (!behind && picture.channels == 4) {
+    const std::size_t bytes = std::size_t(picture.bits) / 8;
+    for (std::size_t at = 3 * bytes; at < picture.samples.size(); at += 4 * bytes)
+      std::fill_n(picture.samples.begin() + std::ptrdiff_t(at), bytes, std::uint8_t{255});
+  }
   const auto as_image = [&]<class T>(Image<T> image, std::vector<T> samples) {
     image.width_px = picture.width_px, image.height_px = picture.height_px, image.channels = picture.channels;
     image.data = std::move(samples);
-    return PackedPhoto(std::move(image), behind);
+    return PackedPhoto(std::move(image), behind.value_or(Vec3<float>{0, 0, 0}));
   };
   if (picture.bits == 8) return as_image(ImageU8(), std::move(picture.samples));
   const auto* wide = reinterpret_cast<const std::uint16_t*>(picture.samples.data());

@@ -2,6 +2,7 @@
 // Reads photos and masks, writes PNG and JPEG. Only this file and codecs/ use OpenCV in io. All input is untrusted: an
 // unreadable file is kBadInput. EXIF orientation is ignored, as in 3DGS trainers and COLMAP.
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,8 +13,8 @@
 
 namespace ngs::io {
 
-/// The samples as stored, 8 or 16 bit; transparent pixels are composited over `behind`.
-PackedPhoto read_photo(const std::string& path, Vec3<float> behind = {0, 0, 0});
+/// The samples as stored, 8 or 16 bit; transparent pixels are composited over `behind`, without it alpha is ignored.
+PackedPhoto read_photo(const std::string& path, std::optional<Vec3<float>> behind = Vec3<float>{0, 0, 0});
 
 /// The same as [H, W, 3] RGB in [0, 1]: grey is replicated, transparent pixels are composited over `behind`.
 ImageF read_image_rgb(const std::string& path, Vec3<float> behind = {0, 0, 0});

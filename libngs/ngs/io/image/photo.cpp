@@ -15,7 +15,8 @@ PackedPhoto checked_photo(const Scene& scene, std::size_t view) {
   NGS_CHECK(view < scene.views.size(), "view index");
   const SceneView& v = scene.views[view];
   if (v.image_path.empty()) return {};
-  PackedPhoto photo = read_photo(v.image_path, background_of(scene));
+  PackedPhoto photo =
+      read_photo(v.image_path, has_mask_in_photo(v) ? std::nullopt : std::optional(background_of(scene)));
   const ImageSize camera{v.camera.width_px, v.camera.height_px}, file{photo.width_px(), photo.height_px()};
   const SizeRelation relation = relate_sizes(file, camera, scene.image_scale);
   if (!relation.allowed || (!relation.same && !relation.larger))
@@ -68,8 +69,20 @@ ImageSize full_size(const Scene& scene, std::size_t view) {
 }
 
 bool photo_is_transparent(const Scene& scene, std::size_t view) {
-  const std::string& path = scene.views[view].image_path;
-  return !path.empty() && is_transparent(path);
+  const SceneView& v = scene.views[view];
+  return !v.image_path.empty() && !has_mask_in_photo(v) && is_transparent(v.image_path);
+}
+
+bool has_mask_in_photo(const SceneView& view) { return !view.image_path.empty() && view.mask_path == view.image_path; }
+
+ImageF load_alpha(const SceneView& view) {
+  if (view.image_path.empty()) return {};
+  const RawMask raw = read_mask_raw(view.image_path, Palette::kColours);
+  if (raw.channels != 4) return {};
+  ImageF alpha(raw.width_px, raw.height_px, 1);
+  for (std::size_t p = 0; p < alpha.data.size(); ++p)
+    alpha.data[p] = float(raw.data[4 * p + 3]) / (raw.bits == 8 ? 255.f : 65535.f);
+  return resize_area(alpha, view.camera.width_px, view.camera.height_px);
 }
 
 }  // namespace ngs::io

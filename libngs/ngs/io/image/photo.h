@@ -26,4 +26,9 @@ ImageSize full_size(const Scene& scene, std::size_t view);
 /// Whether the photo is transparent somewhere, so that the scene's background is visible in it.
 bool photo_is_transparent(const Scene& scene, std::size_t view);
 
+/// Whether the view's mask is the alpha channel of its photo, which is then loaded without it.
+bool has_mask_in_photo(const SceneView& view);
+/// [H, W, 1] alpha of the photo in [0, 1], at the camera's size; empty: no photo, or it has no alpha.
+ImageF load_alpha(const SceneView& view);
+
 }  // namespace ngs::io

@@ -14,6 +14,7 @@
 #include "ngs/io/files/regular_file.h"
 #include "ngs/io/files/text_lines.h"
 #include "ngs/io/image/annotations.h"
+#include "ngs/io/image/image_file.h"
 #include "ngs/io/image/mask_names.h"
 #include "ngs/io/image/masks.h"
 #include "ngs/io/scene/find_model.h"
@@ -145,6 +146,46 @@ void attach_annotations(const ImportRequest& request, const std::string& base, I
     for (const std::string& label : found.labels) out.scene.objects.push_back({label, 0});
 }
 
+bool are_same_bytes(const std::string& a, const std::string& b) {
+  std::error_code failed;
+  if (!is_regular_file(a) || !is_regular_file(b) || fs::file_size(a, failed) != fs::file_size(b, failed)) return false;
+  return std::ranges::equal(map_regular_file(a).bytes(), map_regular_file(b).bytes());
+}
+
+/// Whether the alpha channel of a photo can be a mask; false for a file that cannot be read, which is found later.
+bool is_cut_out_photo(const std::string& path) {
+  try {
+    return is_transparent(path) && is_cut_out(read_mask_raw(path, Palette::kColours).samples());
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+bool names_photos(const ImportRequest& request, const ImportedScene& out) {
+  std::error_code ignored;
+  return !request.masks_dir.empty() && fs::equivalent(request.masks_dir, out.images_dir, ignored);
+}
+
+/// Masks that are the photos, or copies of them: their alpha channel. It is also used if there are no other masks.
+void take_masks_from_photos(const ImportRequest& request, ImportedScene& out, std::vector<std::string>& unmatched) {
+  if (request.mask_mode == MaskMode::kLabel) return;
+  const bool is_open = out.views_by_mask_rule.empty() && out.unfit_masks.found.empty() &&
+                       (request.masks_dir.empty() || names_photos(request, out));
+  int in_photos = 0;
+  for (SceneView& view : out.scene.views) {
+    if (are_same_bytes(view.mask_path, view.image_path) && is_cut_out_photo(view.image_path))
+      view.mask_path = view.image_path;
+    if (!is_open || view.image_path.empty()) continue;
+    const bool is_mask = is_cut_out_photo(view.image_path);
+    if (!is_mask && in_photos == 0) return;  // opaque photos: most folders
+    if (!is_mask) continue;
+    view.mask_path = view.image_path;
+    std::erase(unmatched, view.camera.name);
+    ++in_photos;
+  }
+  if (in_photos > 0) out.views_by_mask_rule[kAlphaRule] = in_photos;
+}
+
 MaskMatches match_by_request(const ImportRequest& request, ImportedScene& out) {
   std::vector<std::string> names;
   for (const SceneObject& object : out.scene.objects) names.push_back(object.name);
@@ -176,9 +217,11 @@ void attach_masks(const ImportRequest& request, const std::string& base, Importe
   MaskMatches matches = match_by_request(request, out);
   out.views_by_mask_rule = matches.views_by_rule;
   if (matches.unmatched.size() == scene.views.size()) attach_annotations(request, base, out);
-  if (matches.unmatched.size() == scene.views.size() && out.views_by_mask_rule.empty()) {
-    if (!out.masks_dir.empty() && out.masks_dir != out.images_dir)
-      out.unfit_masks = unfit_masks(out.masks_dir, scene.views);
+  const bool has_none = matches.unmatched.size() == scene.views.size() && out.views_by_mask_rule.empty();
+  if (has_none && !out.masks_dir.empty() && out.masks_dir != out.images_dir && !names_photos(request, out))
+    out.unfit_masks = unfit_masks(out.masks_dir, scene.views);
+  take_masks_from_photos(request, out, matches.unmatched);
+  if (has_none && out.views_by_mask_rule.empty()) {
     if (!request.masks_dir.empty())
       throw Error(ErrorCode::kInconsistent,
                   out.unfit_masks.found.empty()

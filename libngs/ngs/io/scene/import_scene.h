@@ -12,7 +12,8 @@
 
 namespace ngs::io {
 
-inline constexpr int kWorkingSizePx = 800;  // longest side that the automatic image_scale allows
+inline constexpr const char* kAlphaRule = "alpha of the photo";  // in views_by_mask_rule
+inline constexpr int kWorkingSizePx = 800;                       // longest side that the automatic image_scale allows
 
 struct ImportRequest {
   CaptureRequest capture;

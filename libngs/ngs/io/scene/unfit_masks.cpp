@@ -53,8 +53,7 @@ std::string remedy_of_images(const std::string& folder, std::size_t count, const
                             (fs::path(folder) / image_stem(views[0].camera.name)).generic_string() + ".png";
   if (has_folder_per_photo(folder, views))
     return "a folder for each photo holds masks of everything in it, as SAM writes without a prompt: copy the one of "
-           "the "
-           "object; " +
+           "the object; " +
            named;
   return count == views.size() ? "if they are in the order of the photos: --masks-in-order; else " + named : named;
 }
@@ -62,11 +61,10 @@ std::string remedy_of_images(const std::string& folder, std::size_t count, const
 std::string remedy_of_arrays(const std::string& folder, const std::string& first) {
   const std::string save = "save each as PNG, 255 where the object is";
   if (ending_of(first) != ".npy") return "arrays are not read: " + save;
-  return "arrays are not read: " + save +
-         ": python3 -c \"import glob, numpy; from PIL import Image; "
+  return "arrays are not read: " + save + ": cd " + shell_word(folder) +
+         " && python3 -c \"import glob, numpy; from PIL import Image; "
          "[Image.fromarray((numpy.load(f).squeeze() > 0).astype('u1') * 255).save(f[:-4] + '.png') for f in "
-         "glob.glob(" +
-         shell_word("'" + folder + "/**/*.npy'") + ", recursive=True)]\"";
+         "glob.glob('**/*.npy', recursive=True)]\"";
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "ngs/core/error.h"
 #include "ngs/io/image/photo.h"
 #include "support/temp_dir.h"
@@ -139,6 +141,29 @@ TEST_CASE("transparency is detected in 8 and 16 bit, and never in a JPEG") {
   CHECK(is_transparent(dir.file("a.png")));
   const std::vector<std::uint8_t> jpeg = encode_jpeg(ImageU8(8, 8, 3, 200), 90);
   CHECK_FALSE(is_transparent(dir.write("a.jpg", {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()})));
+}
+
+TEST_CASE("a photo whose alpha channel is its mask is loaded without it, 8 and 16 bit") {
+  const TempDir dir;
+  ImageU8 rgba(2, 1, 4);
+  rgba.data = {255, 0, 255, 0, 0, 255, 0, 255};
+  write_png(dir.file("8.png"), rgba);
+  ImageU16 deep(2, 1, 4);
+  std::ranges::transform(rgba.data, deep.data.begin(), [](std::uint8_t v) { return std::uint16_t(v * 257); });
+  write_png16(dir.file("16.png"), deep);
+  for (const char* name : {"8.png", "16.png"}) {
+    CAPTURE(name);
+    Scene scene;
+    SceneView view;
+    view.camera.width_px = 2, view.camera.height_px = 1, view.image_path = dir.file(name);
+    scene.views = {view};
+    CHECK(load_photo(scene, 0).data == std::vector<float>{0, 0, 0, 0, 1, 0});
+    CHECK(photo_is_transparent(scene, 0));
+    scene.views[0].mask_path = view.image_path;
+    CHECK(load_photo(scene, 0).data == std::vector<float>{1, 0, 1, 0, 1, 0});
+    CHECK_FALSE(photo_is_transparent(scene, 0));
+    CHECK(load_alpha(scene.views[0]).data == std::vector<float>{0, 1});
+  }
 }
 
 TEST_CASE("a palette PNG gives its indices, whatever the colours and the bit depth") {

@@ -1,0 +1,108 @@
+// Photos whose alpha channel is the object's mask, with a splat of the whole scene and with one of the object alone.
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "ngs/io/image/image_file.h"
+#include "support/process.h"
+#include "support/temp_dir.h"
+#include "support/tiny_scene.h"
+
+namespace ngs {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The tiny scene without masks/, with its masks as the alpha channel of its photos. `is_black`: hidden pixels are
+/// black.
+struct CutOut {
+  test::TempDir dir;
+  explicit CutOut(bool is_black) {
+    test::write_tiny_scene(dir.file("all"));
+    for (const char* part : {"sparse", "images", "model.ply"})
+      fs::copy(dir.path() + "/all/" + part, dir.file(std::string("in/") + part), fs::copy_options::recursive);
+    for (int v = 0; v < 6; ++v) {
+      const std::string name = "v" + std::to_string(v) + ".png";
+      const io::RawMask photo = io::read_mask_raw(dir.path() + "/all/images/" + name, io::Palette::kColours);
+      const io::RawMask mask = io::read_mask_raw(dir.path() + "/all/masks/" + name, io::Palette::kMask);
+      ImageU8 out(photo.width_px, photo.height_px, 4);
+      for (std::size_t p = 0; p < mask.data.size(); ++p)
+        for (std::size_t c = 0; c < 4; ++c)
+          out.data[4 * p + c] = std::uint8_t(c == 3                          ? mask.data[p]
+                                             : is_black && mask.data[p] == 0 ? 0
+                                                                             : photo.data[3 * p + c]);
+      io::write_png(dir.path() + "/in/images/" + name, out);
+    }
+  }
+  std::string mask_of_last_view() const {
+    return nlohmann::json::parse(test::read_bytes(dir.path() + "/scene.json")).at("views").at(5).value("mask", "");
+  }
+  test::ProcessResult run(std::vector<std::string> argv) const {
+    test::ProcessSpec spec;
+    argv[0] = NGS_TOOL_DIR "/" + argv[0];
+    spec.argv = std::move(argv), spec.folder = dir.path();
+    spec.environment = {{"NGS_THREADS", "2"}};
+    return test::run_process(spec);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("the alpha channel of photos is the mask of a splat of the whole scene") {
+  for (const bool is_black : {false, true}) {
+    CAPTURE(is_black);
+    const CutOut capture(is_black);
+    fs::copy(capture.dir.path() + "/in/images", capture.dir.file("copy"));
+    for (const std::vector<std::string>& masks :
+         {std::vector<std::string>{}, {"--masks", "in/images"}, {"--masks", "copy"}}) {
+      CAPTURE(masks);
+      std::vector<std::string> argv{"ngs-scene", "import", "in", "-o", "scene.json", "-w"};
+      argv.insert(argv.end(), masks.begin(), masks.end());
+      const test::ProcessResult result = capture.run(argv);
+      INFO(result.err);
+      CHECK(result.exit_code == 0);
+      CHECK(result.err.find("6 masks: alpha channel used as the mask") != std::string::npos);
+      CHECK(capture.mask_of_last_view() == "in/images/v5.png");
+    }
+    const test::ProcessResult cut = capture.run({"ngs", "cut", "in", "-o", "out", "--quality", "draft"});
+    INFO(cut.err);
+    CHECK(cut.exit_code == 0);
+    CHECK(fs::exists(capture.dir.path() + "/out/object.ply"));
+  }
+}
+
+TEST_CASE("strokes do not replace masks in the alpha channel, whose photos lack what is hidden") {
+  const CutOut capture(true);
+  capture.dir.write("p.json", R"({"ngs_prompts": 1, "view": "v0.png", "width": 48, "height": 36,
+      "boxes": [[12, 6, 36, 30]]})");
+  const test::ProcessResult cut = capture.run({"ngs", "cut", "in", "-o", "out", "--strokes", "p.json"});
+  INFO(cut.err);
+  CHECK(cut.exit_code == 4);
+  CHECK(cut.err.find("alpha channel") != std::string::npos);
+}
+
+TEST_CASE("the alpha channel of photos is no mask for a splat of the object alone, which is named") {
+  const CutOut capture(false);
+  const auto run = [&](std::vector<std::string> argv) {
+    const test::ProcessResult result = capture.run(std::move(argv));
+    INFO(result.err);
+    REQUIRE(result.exit_code == 0);
+    return result;
+  };
+  run({"ngs-scene", "import", "all", "-o", "all.json"});
+  run({"ngs-variance", "all.json", "-o", "boundary.ply"});
+  run({"ngs-extract", "boundary.ply", "--object-ply", "in/model.ply", "-w"});
+  const test::ProcessResult result = run({"ngs-scene", "import", "in", "-o", "scene.json"});
+  CHECK(result.err.find("the alpha channel of the photos is not used as masks: the model covers only") !=
+        std::string::npos);
+  CHECK(capture.mask_of_last_view().empty());
+  const test::ProcessResult help_of = run({"ngs", "cut", "in", "-o", "out", "--quality", "draft"});
+  const std::string help = help_of.out + help_of.err;
+  CHECK(help.find("the alpha channel of the photos is not used") < help.find("paint the object green"));
+  capture.dir.write("p.json", R"({"ngs_prompts": 1, "view": "v0.png", "width": 48, "height": 36,
+      "boxes": [[12, 6, 36, 30]]})");
+  run({"ngs", "cut", "in", "-o", "out", "--quality", "draft", "--strokes", "p.json", "--all-pieces", "--force"});
+}
+
+}  // namespace ngs
