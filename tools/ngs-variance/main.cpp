@@ -33,7 +33,11 @@ int label_scene(int argc, char** argv) {
   RasterOptions raster;
   ShardOptions shard;
   MaskAgreementOptions agreement;
-  tool.options(options), tool.options(raster), tool.options(shard), tool.options(agreement), tool.runs_on_device();
+  tool.options(options);
+  tool.options(agreement);
+  tool.options(raster);
+  tool.options(shard);
+  tool.runs_on_device();
   const cli::Input& scene_json = tool.input("scene", "scene.json written by ngs-scene");
   const cli::Output& out = tool.optional_output("-o,--output", "labelled PLY");
   const cli::Output& partial = tool.optional_output("--partial", "evidence of these views, for `ngs-variance merge`");
