@@ -119,7 +119,8 @@ lock_out() {
   mkdir -p -- "$1/.state" "$1/reports" || fail 8 "$1: cannot be created"
   exec 9> "$1/.state/run.lock" || fail 8 "$1: cannot be written"
   flock -n 9 || { say "another run is at work in $1, waiting for it"; flock 9; }
-  rm -f -- "$1"/{queries,field}.ply "$1"/trace.jsonl "$1"/metrics{,_input}.json "$1"/reports/ngs-* "$1"/.state/{done,call}
+  rm -rf -- "$1/objects"
+  rm -f -- "$1"/{queries,field,background-filled}.ply "$1"/trace.jsonl "$1"/metrics{,_input}.json "$1"/reports/ngs-* "$1"/.state/{done,call}
   find "$1" -maxdepth 1 -name '.ngs-*.tmp*' -delete
 }
 

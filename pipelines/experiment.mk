@@ -63,6 +63,7 @@ $(OUT)/labelled.ply: $(OUT)/boundary.ply $(FIELD) $(S)/joint.flags
 	ngs-joint $(OUT)/scene.json $< $(FIELD:%=--field %) -o $@ $(if $(OURS),$(ON) --trace $(OUT)/trace.jsonl) \
 	  $(if $(METHOD),--method $(METHOD)) $(if $(QUALITY),--quality $(QUALITY)) $(JOINT_FLAGS) $(ALL)/ngs-joint.json $(BUDGET)
 $(OUT)/object.ply $(OUT)/background.ply &: $(OUT)/labelled.ply $(S)/extract.flags
+	rm -rf $(OUT)/objects
 	ngs-extract $< --scene $(OUT)/scene.json --object-ply $(OUT)/object.ply --objects $(OUT)/objects \
 	  --background-ply $(OUT)/background.ply --background-filled $(OUT)/background-filled.ply $(EXTRACT_FLAGS) $(ALL)/ngs-extract.json
 $(S)/rendered: $(OUT)/labelled.ply $(S)/render.flags $(if $(wildcard $(OUT)/masks),,FORCE)
@@ -76,9 +77,9 @@ $(S)/scored: $(S)/rendered $(OUT)/object.ply $(S)/eval.flags $(if $(wildcard $(O
 	ngs-eval $(OUT)/scene.json $(OUT)/scene.json --allow-empty -q -o $(OUT)/metrics_input.json $(EVAL_FLAGS) \
 	  $(ALL)/ngs-eval-input.json || [ $$? -eq 1 ]
 	rm -rf $(S)/alone
-	ngs-render $(OUT)/scene.json $(OUT)/object.ply --views $(if $(HOLD_OUT),held-out,all) --layers alpha --scale 0 --format png \
+	[ -d $(OUT)/objects ] || ngs-render $(OUT)/scene.json $(OUT)/object.ply --views $(if $(HOLD_OUT),held-out,all) --layers alpha --scale 0 --format png \
 	  -o $(S)/alone $(RENDER_FLAGS) $(ON) $(ALL)/ngs-render-alone.json
-	ngs-eval $(OUT)/masks $(OUT)/scene.json --alone $(S)/alone --allow-empty -o $(OUT)/metrics.json $(EVAL_FLAGS) $(ALL)/ngs-eval.json || \
+	ngs-eval $(OUT)/masks $(OUT)/scene.json $$([ -d $(OUT)/objects ] || echo --alone $(S)/alone) --allow-empty -o $(OUT)/metrics.json $(EVAL_FLAGS) $(ALL)/ngs-eval.json || \
 	  { [ $$? -eq 1 ] && touch $(S)/check_failed; }
 	@[ -e $(OUT)/metrics.json ] || touch $(S)/unscored; touch $@
 $(OUT)/metrics.json: $(S)/scored

@@ -54,8 +54,6 @@ int main(int argc, char** argv) {
   using namespace ngs;
   cli::Tool tool("ngs-extract", "Write the object and the background of a labelled model as plain splats.",
                  {"ngs-extract labelled.ply --object-ply object.ply --background-ply background.ply",
-                  "ngs-extract statue.spz --drop-below-plane auto --largest 1 --object-ply object.ply",
-                  "ngs-extract labelled.ply --supersplat edit_me.ply",
                   "ngs-extract labelled.ply --import edited.ply --labelled corrected.ply --object-ply object.ply"});
   Options options;
   options.declare(tool);
@@ -63,8 +61,8 @@ int main(int argc, char** argv) {
       tool.input("labelled", "labelled PLY of ngs-variance or ngs-joint; with a region any splat");
   const cli::Input& edited =
       tool.optional_input("--import", "hand-edited splat whose rows (or selected rows) are the object");
-  const cli::Input& scene_json = tool.optional_input(
-      "--scene", "scene.json: clips the object to its views; --inpaint, --inpainted and --strokes need it");
+  const cli::Input& scene_json =
+      tool.optional_input("--scene", "scene.json: its views clip the object; inpainting and strokes need it");
   const cli::Input& inpainted =
       tool.optional_input("--inpainted", "folder of images/ of --inpaint, inpainted: fill the hole from them");
   const cli::Inputs& strokes = tool.inputs("--strokes",

@@ -334,6 +334,8 @@ bool CutChain::cut() {
 /// With strokes only the components that they touch are written, and labels are rounded, so that masks and page show
 /// the written object.
 bool CutChain::extract(const std::string& trained) {
+  std::error_code absent;
+  if (!run_.dry_run()) fs::remove_all(at("objects"), absent);  // of an earlier run
   Words words{"ngs-extract",    trained,     "--scene",     at("scene.json"),   "--object-ply",
               at("object.ply"), "--objects", at("objects"), "--background-ply", at("background.ply")};
   if (!inputs_.strokes.empty()) append(words, "--labelled", at("labelled.ply"));

@@ -48,12 +48,15 @@ bool CutChain::score_by_truth() {
   constexpr double kOtherObject = 0.1;  // IoU
   const bool is_found = inputs_.given_truth.empty() && !inputs_.truth.empty();
   try {
+    Words eval{"ngs-eval", at("masks"), at("scene.json"), "-o", at("metrics.json"), "--allow-empty"};
     const std::string views = options_.hold_out.empty() ? "all" : "held-out";
-    if (!stage("ngs-render-alone", {"ngs-render", at("scene.json"), at("object.ply"), "--layers", "alpha", "--scale",
-                                    "0", "--format", "png", "--views", views, "-o", at("alone")}) ||
-        !stage("ngs-eval", {"ngs-eval", at("masks"), at("scene.json"), "--alone", at("alone"), "-o", at("metrics.json"),
-                            "--allow-empty"}))
-      return false;
+    if (!exists(at("objects"))) {  // one object
+      if (!stage("ngs-render-alone", {"ngs-render", at("scene.json"), at("object.ply"), "--layers", "alpha", "--scale",
+                                      "0", "--format", "png", "--views", views, "-o", at("alone")}))
+        return false;
+      eval.insert(eval.end(), {"--alone", at("alone")});
+    }
+    if (!stage("ngs-eval", eval)) return false;
     std::error_code ignored;
     if (!run_.dry_run()) fs::remove_all(at("alone"), ignored);
   } catch (const Error& e) {

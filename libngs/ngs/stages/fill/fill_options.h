@@ -13,11 +13,10 @@ struct FillOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.fill, Choice<FillKind>{
-                         "fill",
-                         "How the hole in the background is filled with invented Gaussians: on planes at its rim, on a "
-                         "curved surface, or auto: on planes if they explain the rim",
-                         kFillNames});
+    visit(self.fill, Choice<FillKind>{"fill",
+                                      "How to fill the hole in the background: on planes at its rim, on a "
+                                      "curved surface, or auto: on planes if they explain the rim",
+                                      kFillNames});
   }
 };
 

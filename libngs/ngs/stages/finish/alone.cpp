@@ -12,7 +12,7 @@ namespace {
 constexpr int kRounds = 2;  // what is left out uncovers Gaussians behind it
 // Of a Gaussian's weight within the mask: with more outside it is contradicted. The second is for weight that other
 // things hide in the scene: an unseen side may be there as well as haze.
-constexpr double kOutsideShare = 0.6, kHiddenShare = 2.5;
+constexpr double kOutsideShare = 1, kHiddenShare = 10;
 
 /// Alpha and depth of the object alone.
 RenderedView render_alone(const Exec& exec, const AloneViews& in, const GaussianCloud& object, const Camera& camera) {

@@ -18,9 +18,9 @@ std::int64_t wrong_pixels(const Exec& exec, const AloneViews& in, const Gaussian
                           const std::vector<std::uint8_t>& keep);
 
 /// Takes Gaussians from `keep` [object] that show the object, rendered alone, where the scene does not: outside of its
-/// rendered mask and the soft edge of it, with more than 0.6 of their weight within. Where other things stand in front
-/// of the object alone, only if no view sees the Gaussian's centre (`seen` [object] 0), and with more than 2.5 of it.
-/// Returns their number; 0 if `keep` would have more wrong_pixels().
+/// rendered mask and the soft edge of it, with more of their weight than within. Where other things stand in front
+/// of the object alone, only if no view sees the Gaussian's centre (`seen` [object] 0), and with more than 10 times
+/// that. Returns their number; 0 if `keep` would have more wrong_pixels().
 std::int64_t drop_contradicted(const Exec& exec, const AloneViews& in, const GaussianCloud& object,
                                const std::vector<std::uint8_t>& seen, std::vector<std::uint8_t>& keep);
 

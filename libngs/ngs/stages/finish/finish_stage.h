@@ -16,8 +16,7 @@ struct FinishOptions {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.finish,
-          Flag{"finish", "With --scene: clip Gaussians of the written object that reach out of its masks"});
+    visit(self.finish, Flag{"finish", "With --scene: clip the object to its masks in all views"});
   }
 };
 

@@ -16,8 +16,9 @@ constexpr double kStoredReach = 3;                          // standard deviatio
 constexpr int kRenderedMargin_px = 1, kGivenMargin_px = 2;  // by which masks are dilated
 constexpr float kHaze = 0.1f;                               // least alpha of a pixel that contradicts, beyond kRim_px
 constexpr int kRim_px = 3;                                  // soft edge of a rendered mask
-// Bits of a pixel: within the dilated masks, without a given mask, in the rendered mask, within kRim_px of it.
-constexpr std::uint8_t kRendered = 1, kGiven = 2, kNoEvidence = 4, kExact = 8, kNearExact = 16;
+// Bits of a pixel: within the dilated masks; without a given mask; in one of the exact masks, near them, in all of
+// them.
+constexpr std::uint8_t kRendered = 1, kGiven = 2, kNoEvidence = 4, kExact = 8, kNearExact = 16, kInAll = 32;
 
 double largest_sigma(const GaussianCloud& cloud, std::size_t i) {
   const float* s = &cloud.log_scale[3 * i];
@@ -59,7 +60,12 @@ SupportView::SupportView(const FinishModel& model, const Camera& camera, const R
   const std::size_t channels = view.label.data.size() / rendered.size();
   for (std::size_t p = 0; p < rendered.size(); ++p)
     rendered[p] = label_is_foreground(view.label.data[p * channels + std::size_t(in_view.channel)]);
-  const PixelMask exact = rendered, near_exact = dilated(rendered, width_px, height_px, kRim_px);
+  PixelMask exact = rendered, in_all = rendered;
+  for (std::size_t p = 0; p < given_mask.size(); ++p) {
+    exact[p] = rendered[p] || given_mask[p] == GivenMask::kObject;
+    in_all[p] = rendered[p] && given_mask[p] != GivenMask::kBackground;
+  }
+  const PixelMask near_exact = dilated(exact, width_px, height_px, kRim_px);
   rendered = dilated(rendered, width_px, height_px, kRenderedMargin_px);
   PixelMask given(rendered.size());
   NGS_CHECK(given_mask.empty() || given_mask.size() == given.size(), "a mask has the size of its camera");
@@ -76,7 +82,7 @@ SupportView::SupportView(const FinishModel& model, const Camera& camera, const R
       depth_[q] = alpha >= kOpaque ? view.depth.data[p] / alpha : std::numeric_limits<float>::infinity();
       const bool known = !given_mask.empty() && given_mask[p] != GivenMask::kUnknown;
       mask_[q] = std::uint8_t((rendered[p] ? kRendered : 0) | (given[p] ? kGiven : 0) | (known ? 0 : kNoEvidence) |
-                              (exact[p] ? kExact : 0) | (near_exact[p] ? kNearExact : 0));
+                              (exact[p] ? kExact : 0) | (near_exact[p] ? kNearExact : 0) | (in_all[p] ? kInAll : 0));
     }
 }
 
@@ -148,8 +154,10 @@ ViewMasks SupportView::masks_alone(const RenderedView& alone, double behind) con
 std::int64_t SupportView::wrong_pixels(const RenderedView& alone) const {
   std::int64_t wrong = 0;
   for (int y = y_; y < y_ + height_; ++y)
-    for (int x = x_; x < x_ + width_; ++x)
-      wrong += (alone.alpha.data[alone.alpha.index(x, y)] >= kOpaque) != ((mask_[index(x, y)] & kExact) != 0);
+    for (int x = x_; x < x_ + width_; ++x) {
+      const std::uint8_t mask = mask_[index(x, y)];
+      wrong += alone.alpha.data[alone.alpha.index(x, y)] >= kOpaque ? !(mask & kExact) : (mask & kInAll) != 0;
+    }
   return wrong;
 }
 

@@ -254,8 +254,7 @@ TEST_CASE(
   CHECK(f.dropped == 0);
 }
 
-TEST_CASE(
-    "a Gaussian that shows the object alone outside of its mask for more than 0.6 of its weight within is dropped") {
+TEST_CASE("a Gaussian that shows the object alone more outside of its mask than within is dropped") {
   FinishCase c;
   c.add_ball();
   c.look_around(0.4);
