@@ -77,7 +77,7 @@ chain() {
   run cp -r "$out/.state/masks" "$out/masks"
   report=ngs-eval-input step ngs-eval "$out/scene.json" "$out/scene.json" --allow-empty -q -o "$out/metrics_input.json"
   failed=0  # the scores of the input masks need not meet a bound
-  # Otherwise nothing is scored, or several objects are in one file.
+  alone=()  # nothing is scored, or several objects are in one file
   if [ ! -d "$out/objects" ] && { [ $views = held-out ] || grep -qs '^  "truth"' "$out/scene.json"; }; then
     report=ngs-render-alone step ngs-render "$out/scene.json" "$out/object.ply" --views $views --layers alpha --scale 0 \
       --format png -o "$out/.state/alone"

@@ -84,7 +84,7 @@ Json memory_plan(const GaussianCloud& cloud, const Scene& scene, std::size_t vie
   const double owners = std::min(objects, 2.0);  // upper bound on the mean number of objects per Gaussian
   const double few = std::min(objects, 3.0);     // with more objects, sums exist only for those visible in a tile
   const double sums = 32 + 64 * owners;          // Evidence
-  const double repairs = 176;                    // evidence of repaired masks (mask_verdict.h), as measured
+  const double repairs = 240;                    // evidence of repaired masks (mask_verdict.h), as measured
   // One view at a time, as if every Gaussian were visible: sums of the view; lists, entries and sums of the pairs.
   const double view = cli::kVisibleBytes + 4 + 8 * (2 + 2 * few) + cli::kTilesReached * (8 + 12 + 4 * (2 + 2 * few));
   const double labels = cli::label_bytes(owners);  // written after the last view
