@@ -75,7 +75,7 @@ int main(int argc, char** argv) {
     cli::require_one_of(out);
     cli::check_inpaint_options(run, out.inpaint, inpainted, scene_json);
     cli::check_fill_options(run, options.fill, inpainted, scene_json, out);
-    if (!options.finish.finish || !scene_json) run.warn_unused({"--finish"}, "without --scene");
+    if (!scene_json) run.warn_unused({"--finish"}, "without --scene");
     const bool finishes = options.finish.finish && scene_json;
     cli::check_strokes(run, strokes, scene_json);
     cli::check_formats(out);
