@@ -7,7 +7,8 @@
 #   tests/bench/results.sh no-harm            a gate: prints its table; exit code 1 if the default scores below the closed form
 #   tests/bench/results.sh halves             prints its table: both halves of a cut against the truth of synthetic scenes
 #   tests/bench/results.sh --write            updates the tables of BENCHMARKS.md, README.md and ngs-joint --help
-#   tests/bench/results.sh --check            prints what --write would change; exit code 1 if anything differs
+#   tests/bench/results.sh --check            prints what --write would change; exit code 1 if anything differs, or if
+#                                             questions, results and the pages' tables do not belong together
 #
 # Two threads, one run at a time; for tables with times, nothing else may run on the machine. An interrupted call resumes
 # if the commit is the same: the runs are in build/results/COMMIT/QUESTION/ (delete a folder to measure it again).
@@ -58,7 +59,7 @@ measure() {
 # Measures a gate, whose result is not part of the pages; fails if check_NAME fails. Without check_NAME it only prints.
 measure_gate() {
   results=$top/build/results measure "$1"
-  tool ngs_results table "$top/build/results/$1.json" "$defaults"
+  tables table "$top/build/results/$1.json" "$defaults"
   if declare -F "check_$1" > /dev/null; then results=$top/build/results "check_$1"; fi
 }
 
@@ -80,7 +81,7 @@ result_of() {
     line meta defaults "$defaults"
     cat "$1"
     line meta seconds "$2"
-  } | tool ngs_results collect
+  } | tables collect
 }
 
 # Goals are computed from the other results.
@@ -96,7 +97,7 @@ list_questions() {
   for question in "${questions[@]}"; do
     about='not measured'
     if [ -f "$results/$question.json" ]; then
-      about="$(tool ngs_results about "$results/$question.json" | cut -f1) s"
+      about="$(tables about "$results/$question.json" | cut -f1) s"
     fi
     printf '%-10s %12s   %s\n' "$question" "$about" "$(sed -n "s/^# $question: //p" "$top/tests/bench/results/$question.sh")"
   done
@@ -108,9 +109,9 @@ new_texts() {
   mkdir "$1/results"
   cp "$results"/*.json "$1/results/"
   write_goals > "$1/results/goals.json"
-  tool ngs_results help "$results/qualities.json" > "$1/quality_table.h"
+  tables help "$results/qualities.json" > "$1/quality_table.h"
   for page in BENCHMARKS.md README.md; do
-    tool ngs_results page "$top/$page" "$1/results" "$defaults" > "$1/$page"
+    tables page "$top/$page" "$1/results" "$defaults" > "$1/$page"
   done
 }
 
@@ -135,19 +136,19 @@ known() { case " ${questions[*]} ${gates[*]} " in *" $1 "*) ;; *) fail 2 "no que
 case ${1:-} in
   -h | --help) usage_of "$0"; exit 0 ;;
   --list)
-    prepare_tools ngs_results
     list_questions ;;
   --table)
     known "${2:-}"
-    prepare_tools ngs_results tools
+    prepare_tools tools
     defaults=$(hash_of_defaults)
-    tool ngs_results table "$results/$2.json" "$defaults" ;;
+    tables table "$results/$2.json" "$defaults" ;;
   --write | --check)
-    prepare_tools ngs_results tools
+    prepare_tools tools
     defaults=$(hash_of_defaults) texts=$(mktemp -d)
     trap 'rm -rf "$texts"' EXIT
     new_texts "$texts"
     if [ "$1" = --check ]; then
+      tables check "$results" "$top/BENCHMARKS.md" "$top/README.md" -- "${questions[@]}"
       for_each_text "$texts" compare_text
       exit $differs
     fi
@@ -157,7 +158,7 @@ case ${1:-} in
     if [ "$*" = all ]; then set -- "${questions[@]}"; fi
     for name in "$@"; do known "$name"; done
     commit=$(commit_of_source)
-    prepare_tools tools ngs_results ngs_bench test_stability ngs_occupancy
+    prepare_tools tools ngs_bench test_stability ngs_occupancy
     defaults=$(hash_of_defaults) runs=$top/build/results/$commit
     for name in "$@"; do
       case $name in

@@ -1,7 +1,7 @@
-// Runs the cases of cases/*.json (see cases/README.md) against the built tools. Every case also checks the rules that
-// all tools share: an error leaves stdout empty, prints "error" on stderr, and leaves no output and no temporary file;
-// a success writes one report that satisfies its own schema; flags named in a hint or a warning exist, and complete
-// commands in them are accepted.
+// Runs the cases of cases/*.json (see cases/README.md) and of rules.json (support/rule_cases.h) against the built
+// tools. Every case also checks the rules that all tools share: an error leaves stdout empty, prints "error" on stderr,
+// and leaves no output and no temporary file; a success writes one report that satisfies its own schema; flags named in
+// a hint or a warning exist, and complete commands in them are accepted.
 #include <doctest/doctest.h>
 #include <signal.h>
 
@@ -18,6 +18,7 @@
 #include "support/hinted_flags.h"
 #include "support/mutations.h"
 #include "support/process.h"
+#include "support/rule_cases.h"
 #include "support/schema_check.h"
 #include "support/temp_dir.h"
 #include "support/tool_fixture.h"
@@ -284,19 +285,20 @@ std::string left_out(const Json& spec) {
 }  // namespace
 
 TEST_CASE("every tool satisfies the contract in every listed case") {
-  std::vector<fs::path> files;
+  std::map<std::string, Json> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(kCases))
-    if (entry.path().extension() == ".json") files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
+    if (entry.path().extension() == ".json")
+      files[entry.path().stem().string()] = Json::parse(std::ifstream(entry.path()));
   REQUIRE_FALSE(files.empty());
+  files["rules"] = test::rule_cases(Json::parse(std::ifstream(kCases.parent_path() / "rules.json")));
   REQUIRE_NOTHROW(test::fixture_folder());
   const char* only = std::getenv("NGS_CONTRACT_ONLY");
   std::string table;
   int cases = 0, cases_left_out = 0;
   std::set<std::string> names;
-  for (const fs::path& file : files)
-    for (const Json& spec : Json::parse(std::ifstream(file))) {
-      const std::string name = file.stem().string() + ": " + spec["name"].get<std::string>();
+  for (const auto& [file, cases_of_file] : files)
+    for (const Json& spec : cases_of_file) {
+      const std::string name = file + ": " + spec["name"].get<std::string>();
       if (only != nullptr && !std::regex_search(name, std::regex(only))) continue;
       if (const std::string why = left_out(spec); !why.empty()) {
         table += name + " | left out | " + why + "\n";

@@ -26,13 +26,17 @@ libraries=("$build"/tests/libngs_test_support.a "$build"/libngs/libngs_{methods,
   -lopencv_core -lopencv_imgproc
   -Wl,--allow-multiple-definition)  # the mutant's definition is first; the library's batch of files has the original
 
+# under FOLDER NAME: the path of the file below FOLDER.
+under() { find "$1" -path "*/$2" -printf '%P\n'; }
+
 # run FILE TESTS SOURCES WHAT SED: FILE and SOURCES are below libngs/ngs, TESTS below tests. SOURCES instantiate FILE.
 run() {
   local file=$1 tests=$2 sources=$3 what=$4 script=$5 place=$6 inputs=() verdict
   mkdir -p "$place/ngs/$(dirname "$file")"
   sed -E "$script" "$root/libngs/ngs/$file" >"$place/ngs/$file"
-  for t in $tests; do inputs+=("$root/tests/$t"); done
+  for t in $tests; do inputs+=("$root/tests/$(under "$root/tests" "$t")"); done
   for s in $sources; do
+    s=$(under "$root/libngs/ngs" "$s")
     if [ "$s" = "$file" ]; then inputs+=("$place/ngs/$s"); else inputs+=("$root/libngs/ngs/$s"); fi
   done
   if ! g++ "${flags[@]}" -I"$place" -I"$root/tests" -I"$root/libngs" -I"$build/libngs" "${inputs[@]}" \
@@ -60,6 +64,7 @@ mutant() {
   for word in "${words[@]}"; do [[ "$*" != *"$word"* ]] || wanted=1; done
   [ "$wanted" = 1 ] || return 0
   count=$((count + 1))
+  set -- "$(under "$root/libngs/ngs" "$1")" "${@:2}"
   if ! applies "$1" "$5"; then
     printf 'NOT APPLIED  %-26s %s\n' "$1" "$4" >>"$work/verdicts"
     return

@@ -26,17 +26,16 @@ std::string tool_folder() {
   return other != nullptr ? other : NGS_TOOL_DIR;
 }
 
-Json resolved(const Json& json, const std::string& tmp, const std::string& fixture) {
-  if (json.is_string()) {
-    std::string text = json;
-    for (const auto& [name, value] : {std::pair("{tmp}", tmp), {"{fixture}", fixture}, {"{tools}", tool_folder()}})
-      text = substituted(text, name, value);
-    return text;
-  }
+Json with_text(const Json& json, const std::string& from, const std::string& to) {
+  if (json.is_string()) return substituted(json, from, to);
   if (!json.is_structured()) return json;
   Json copy = json;
-  for (Json& item : copy) item = resolved(item, tmp, fixture);
+  for (Json& item : copy) item = with_text(item, from, to);
   return copy;
+}
+
+Json resolved(const Json& json, const std::string& tmp, const std::string& fixture) {
+  return with_text(with_text(with_text(json, "{tmp}", tmp), "{fixture}", fixture), "{tools}", tool_folder());
 }
 
 std::vector<std::string> words(const Json& list) {

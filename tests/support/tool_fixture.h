@@ -8,6 +8,9 @@
 
 namespace ngs::test {
 
+/// `json` with `from` replaced by `to` in every text.
+nlohmann::json with_text(const nlohmann::json& json, const std::string& from, const std::string& to);
+
 /// `json` with {tmp}, {fixture} and {tools} replaced in every text.
 nlohmann::json resolved(const nlohmann::json& json, const std::string& tmp, const std::string& fixture);
 

@@ -45,7 +45,7 @@ goal() {
 }
 
 head_of() { sed -n "s/^  \"$2\": \"\(.*\)\",\$/\1/p" "$results/$1.json"; }  # QUESTION KEY
-number() { tool ngs_results value "$results/$1.json" "${@:2}"; }           # QUESTION KEY SHOW KEY=VALUE...
+number() { tables value "$results/$1.json" "${@:2}"; }           # QUESTION KEY SHOW KEY=VALUE...
 
 # difference|quotient QUESTION KEY THESE THOSE (conditions separated by tabs): mean under THESE minus mean under THOSE;
 # median under THESE divided by median under THOSE.

@@ -1,6 +1,6 @@
 # Functions shared by the questions; sourced by results.sh. Question NAME is the function question_NAME of NAME.sh: it runs
 # tools in the folder $work and prints title, columns and rows of its table, in the line format of
-# tests/bench/results_table/collect.h.
+# tests/bench/results_table.py.
 # shellcheck shell=bash disable=SC2034,SC2154
 
 scenes=${NGS_SCENES:-$top/../shared/scenes}
@@ -11,6 +11,7 @@ export NGS_THREADS=2
 
 # ---- lines
 
+tables() { python3 "$top/tests/bench/results_table.py" "$@"; }
 line() { local IFS=$'\t'; printf '%s\n' "$*"; }
 title() { line meta title "$1"; }
 label() { line column "$1" '' "$2" label; }  # NAME KEY

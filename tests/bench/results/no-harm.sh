@@ -23,8 +23,8 @@ question_no-harm() {
 
 check_no-harm() {
   local least
-  least=$(tool ngs_results value "$results/no-harm.json" gain least) || return
-  awk -v a="$least" -v b="$(tool ngs_results value "$results/no-harm.json" gain_wide least)" \
+  least=$(tables value "$results/no-harm.json" gain least) || return
+  awk -v a="$least" -v b="$(tables value "$results/no-harm.json" gain_wide least)" \
     'BEGIN { exit !(a >= -0.003 && b >= -0.003) }' ||
     fail 1 "the default scores below the closed form by $least, expected at most 0.003" \
       "see the cells in the table above"
@@ -94,7 +94,7 @@ gain_row() {
 
 # gain_of KEY FLASH_METRICS DEFAULT_METRICS: the difference of the means over the views.
 gain_of() {
-  awk -v flash="$(tool ngs_results score "$2" "$1")" -v ours="$(tool ngs_results score "$3" "$1")" \
+  awk -v flash="$(tables score "$2" "$1")" -v ours="$(tables score "$3" "$1")" \
     'BEGIN { printf "%.6f", ours - flash }'
 }
 

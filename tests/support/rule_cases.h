@@ -1,0 +1,13 @@
+#pragma once
+// Contract cases that repeat one rule for each tool, output and input (contract/rules.json).
+#include <nlohmann/json.hpp>
+
+namespace ngs::test {
+
+/// The cases of `rules`: every call's list of one kind ("file", "reads", ...), item by item ("{it}"), with every rule
+/// of that kind. What a call "reads" by name is also "found"; files in a folder are only "found". "more" is added to
+/// the call's words, "put" replaces the item among them. Rules without "exit" are of inputs: exit 3, and the message
+/// has the file's name.
+nlohmann::json rule_cases(const nlohmann::json& rules);
+
+}  // namespace ngs::test
