@@ -67,7 +67,6 @@ struct TableWriter : EndListener {
     const char* folder = std::getenv("NGS_STABILITY_DIR");
     if (folder == nullptr) return;
     write_file(std::string(folder) + "/stability.json", stability_document(results()).dump(1) + "\n");
-    write_file(std::string(folder) + "/stability.html", stability_page(results()));
   }
 };
 REGISTER_LISTENER("stability", 1, TableWriter);

@@ -13,7 +13,7 @@
 //   }
 //
 // The kernel of a case is its name up to the colon. Environment: NGS_STABILITY_SEEDS (default 1000) random inputs per
-// hardness value; NGS_STABILITY_DIR: folder for stability.json and stability.html.
+// hardness value; NGS_STABILITY_DIR: folder for stability.json.
 #include <algorithm>
 #include <functional>
 #include <limits>
@@ -98,7 +98,5 @@ const std::vector<HardResult>& hard_results();
 
 /// data-schema/stability.schema.json
 nlohmann::json stability_document(const std::vector<HardResult>& results);
-/// One page without scripts or network: per kernel a table and a plot of ratio against hardness per case.
-std::string stability_page(const std::vector<HardResult>& results);
 
 }  // namespace ngs::test

@@ -9,7 +9,7 @@
 #include "ngs/core/error.h"
 #include "ngs/interactive/viewpoint.h"
 #include "ngs/scene/mask_threshold.h"
-#include "strokes/stroke_rule.h"
+#include "support/stroke_rule.h"
 
 namespace ngs {
 namespace {
@@ -108,7 +108,7 @@ struct Room {
 
   std::vector<HandPrompt> by_rule(std::size_t view) const {
     const Camera& camera = scene.views[view].camera;
-    return {bench::strokes_of_truth(truth(view), camera.width_px, camera.height_px, camera.name)};
+    return {test::strokes_of_truth(truth(view), camera.width_px, camera.height_px, camera.name)};
   }
 
   live::BallCut cut(const std::map<std::size_t, std::vector<HandPrompt>>& marks, int threads = 2) const {

@@ -5,7 +5,7 @@
 
 #include "ngs/scene/hand_prompt.h"
 
-namespace ngs::bench {
+namespace ngs::test {
 
 /// Object stroke: the longest line whose pixels are farther from the contour than a quarter of the largest such
 /// distance. Background stroke: a loop around the mask at a distance of 2 % of the diagonal, inside the picture. An
@@ -16,4 +16,4 @@ HandPrompt strokes_of_truth(const PixelMask& truth, int width_px, int height_px,
 HandPrompt strokes_of_sides(const PixelMask& truth, const PixelMask& rest, int width_px, int height_px,
                             const std::string& view);
 
-}  // namespace ngs::bench
+}  // namespace ngs::test

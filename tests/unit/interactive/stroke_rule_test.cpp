@@ -1,4 +1,4 @@
-#include "strokes/stroke_rule.h"
+#include "support/stroke_rule.h"
 
 #include <doctest/doctest.h>
 
@@ -23,7 +23,7 @@ PixelMask bar(int left) {
 
 TEST_CASE("the rule draws one line within the object and one around it, at its distance") {
   const PixelMask truth = bar(40);
-  const HandPrompt prompt = bench::strokes_of_truth(truth, kWidth, kHeight, "0000.png");
+  const HandPrompt prompt = test::strokes_of_truth(truth, kWidth, kHeight, "0000.png");
   REQUIRE(prompt.strokes.size() == 2);
   CHECK(prompt.view == "0000.png");
   CHECK(prompt.strokes[0].object);
@@ -46,7 +46,7 @@ TEST_CASE("in a small picture the line around an object stays off it") {
   PixelMask truth(std::size_t(kSmallWidth * kSmallHeight));
   for (int y = 0; y < kSmallHeight; ++y)
     for (int x = 0; x < kSmallWidth; ++x) truth[std::size_t(y * kSmallWidth + x)] = std::hypot(x - 56.0, y - 42.0) < 20;
-  const HandPrompt prompt = bench::strokes_of_truth(truth, kSmallWidth, kSmallHeight, "0000.png");
+  const HandPrompt prompt = test::strokes_of_truth(truth, kSmallWidth, kSmallHeight, "0000.png");
   const ViewPrompt hints = rasterise(prompt, kSmallWidth, kSmallHeight);
   int wrong = 0, marked = 0;
   for (std::size_t p = 0; p < truth.size(); ++p)
@@ -56,14 +56,14 @@ TEST_CASE("in a small picture the line around an object stays off it") {
 }
 
 TEST_CASE("the line around an object that the frame cuts has no point on the frame") {
-  const HandPrompt prompt = bench::strokes_of_truth(bar(-20), kWidth, kHeight, "0000.png");
+  const HandPrompt prompt = test::strokes_of_truth(bar(-20), kWidth, kHeight, "0000.png");
   for (const PromptStroke& stroke : prompt.strokes)
     if (!stroke.object)
       for (const auto& point : stroke.points) CHECK(point[0] > 0);
 }
 
 TEST_CASE("nothing to mark gives no stroke") {
-  CHECK(bench::strokes_of_truth(PixelMask(std::size_t(kWidth * kHeight)), kWidth, kHeight, "v").strokes.empty());
+  CHECK(test::strokes_of_truth(PixelMask(std::size_t(kWidth * kHeight)), kWidth, kHeight, "v").strokes.empty());
 }
 
 }  // namespace

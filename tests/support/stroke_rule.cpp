@@ -1,4 +1,4 @@
-#include "strokes/stroke_rule.h"
+#include "support/stroke_rule.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "ngs/ops/image/outline.h"
 #include "ngs/ops/image/pixel_window.h"
 
-namespace ngs::bench {
+namespace ngs::test {
 namespace {
 
 constexpr double kDepth = 0.25;              // of the largest distance to the contour
@@ -112,4 +112,4 @@ HandPrompt strokes_of_sides(const PixelMask& truth, const PixelMask& rest, int w
   return prompt;
 }
 
-}  // namespace ngs::bench
+}  // namespace ngs::test
