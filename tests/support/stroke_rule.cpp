@@ -101,15 +101,4 @@ HandPrompt strokes_of_truth(const PixelMask& truth, int width_px, int height_px,
   return prompt;
 }
 
-HandPrompt strokes_of_sides(const PixelMask& truth, const PixelMask& rest, int width_px, int height_px,
-                            const std::string& view) {
-  HandPrompt prompt{view, width_px, height_px, {}, {}, {}, {}};
-  for (const PixelMask* side : {&truth, &rest}) {
-    PromptStroke middle = through_the_middle(*side, width_px, height_px);
-    middle.object = side == &truth;
-    if (!middle.points.empty()) prompt.strokes.push_back(std::move(middle));
-  }
-  return prompt;
-}
-
 }  // namespace ngs::test

@@ -12,8 +12,4 @@ namespace ngs::test {
 /// empty mask gives no strokes.
 HandPrompt strokes_of_truth(const PixelMask& truth, int width_px, int height_px, const std::string& view);
 
-/// Object stroke as above; background stroke: the same line through the mask of the rest of the model.
-HandPrompt strokes_of_sides(const PixelMask& truth, const PixelMask& rest, int width_px, int height_px,
-                            const std::string& view);
-
 }  // namespace ngs::test
