@@ -1,12 +1,12 @@
 #pragma once
 // Parts of the method switched on or off by name, as with --effect.
+#include <set>
 #include <string>
 #include <vector>
 
-#include "ngs/passes/effect.h"
-#include "ngs/passes/joint/joint_effects.h"
 #include "ngs/passes/pass_list.h"
 #include "ngs/passes/pipeline.h"
+#include "ngs/problem/effect.h"
 #include "ngs/stages/contours/contour_options.h"
 
 namespace ngs::test {
@@ -15,10 +15,13 @@ inline EffectSwitches switches_of(const std::vector<std::string>& entries) {
   return {Pipeline(all_passes()).effects(), entries};
 }
 
-/// auto counts as on.
-inline JointSwitches joint_switched(const std::vector<std::string>& entries) {
+/// JointOptions::off; auto counts as on.
+inline std::set<std::string, std::less<>> joint_switched(const std::vector<std::string>& entries) {
   const EffectSwitches switches = switches_of(entries);
-  return joint_switches([&](std::string_view name) { return switches.of(name) != Switch::kOff; });
+  std::set<std::string, std::less<>> off;
+  for (const Effect& effect : Pipeline(all_passes()).effects())
+    if (switches.of(effect.name) == Switch::kOff) off.emplace(effect.name);
+  return off;
 }
 
 inline ContourSwitches contours_switched(const std::vector<std::string>& entries) {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "ngs/options/option_set.h"
-#include "ngs/passes/effect.h"
-#include "ngs/passes/scene_probe.h"
+#include "ngs/problem/effect.h"
+#include "ngs/stages/optimise/scene_probe.h"
 
 namespace ngs {
 

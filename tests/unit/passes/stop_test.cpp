@@ -9,12 +9,12 @@
 #include "ngs/passes/exposure/exposure.h"
 #include "ngs/passes/floaters/floaters.h"
 #include "ngs/passes/mask_outliers/mask_outliers.h"
-#include "ngs/passes/scene_probe.h"
 #include "ngs/problem/coarse_input.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/boundary/method_labels.h"
 #include "ngs/stages/contours/refined_masks.h"
 #include "ngs/stages/contours/straddler_split.h"
+#include "ngs/stages/optimise/scene_probe.h"
 #include "support/changed_labels.h"
 #include "support/joint_case.h"
 

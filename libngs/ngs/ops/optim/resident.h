@@ -35,10 +35,11 @@ class Resident {
     ops_->arrays.keep_input(values.data(), values.size() * sizeof(T));
     inputs_.push_back(values.data());
   }
-  /// Copies the values of an added array to the host, which has them until an op changes the array.
+  /// Copies the values of an added array to the host, which has them until an op changes the array. Does nothing after
+  /// release().
   template <class T>
   void update_host(std::vector<T>& values) const {
-    if (ops_ && !values.empty()) ops_->arrays.update_host(values.data(), values.size() * sizeof(T));
+    if (!arrays_.empty() && !values.empty()) ops_->arrays.update_host(values.data(), values.size() * sizeof(T));
   }
   /// Copies the arrays of add() back to the host.
   void release() {

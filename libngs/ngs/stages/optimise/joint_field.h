@@ -46,11 +46,14 @@ struct FieldShape {
   std::int64_t boundary = 0;  // Gaussians
 };
 
+/// Validates a field written by ngs-sample. kBadInput: it does not have the nodes of every grid in order, each with
+/// pixel and depth. kInconsistent: it is relative to another origin. `name`: of the file, for messages.
+void require_grids(const QueryField& field, const GaussianCloud& cloud, const std::string& name);
+
 class JointField {
  public:
   struct Setup {
     const JointOptions& options;
-    const JointSwitches& effects;
     const SampleOptions& sample;
     const RbfOptions& rbf;
     const GaussianCloud& cloud;

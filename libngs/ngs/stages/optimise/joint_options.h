@@ -1,6 +1,8 @@
 #pragma once
 // Options of the joint optimisation. Defaults are the paper's values, or our reading if it gives none (paper.md §4).
 #include <cmath>
+#include <set>
+#include <string>
 
 #include "ngs/ops/field/film_mlp.h"
 #include "ngs/ops/field/hash_grid.h"
@@ -8,7 +10,6 @@
 #include "ngs/problem/preset.h"
 #include "ngs/stages/boundary/rbf_stage.h"
 #include "ngs/stages/boundary/sample_stage.h"
-#include "ngs/stages/optimise/joint_switches.h"
 
 namespace ngs {
 
@@ -56,11 +57,9 @@ inline constexpr double kRateDecay = 0.1;
 struct JointOptions : FieldOptions {
   Quality quality = Quality::kStandard;
   std::int64_t steps = 0;
-  JointSwitches on;                     // set by the decisions on effects
+  std::set<std::string, std::less<>> off = {};  // parts that are off, by the names of their effects
+  bool on(std::string_view part) const { return !off.contains(part); }
   bool coarse_contours_follow = false;  // contour iterations at half the size follow and replace part of the steps
-  double lambda_mask = 0.5, lambda_cont = 0.1, lambda_smooth = 0.05;
-  double weight_opacity = 0.5, weight_variance = 0.01;
-  double photometric_weight = 1.0;
   int start_steps = 3;      // EM steps from labels of 1/2 to the start labels (paper.md §5.4, decision 011)
   double rate_label = 0.1;  // Adam rate of the label logits
   double rate_scale = 0.1;
@@ -72,17 +71,6 @@ struct JointOptions : FieldOptions {
     visit(self.steps,
           Field<std::int64_t>{"steps", "", "Optimiser steps, one view each; 0: set by --quality", 0, 100'000'000}.of(
               "joint"));
-    visit(self.lambda_mask,
-          Field<double>{"lambda_mask", "", "Weight of L_mask (Eq. 20)", 0, 1e6}.of("joint|contours,mask"));
-    visit(self.lambda_cont, Field<double>{"lambda_cont", "", "Weight of L_cont (Eq. 20)", 0, 1e6}.of("cont"));
-    visit(self.lambda_smooth, Field<double>{"lambda_smooth", "", "Weight of L_smth (Eq. 20)", 0, 1e6}.of("smooth"));
-    visit(self.weight_opacity,
-          Field<double>{"weight_opacity", "", "Opacity weight w_alpha of L_align (Eq. 16)", 0, 1e6}.of("align"));
-    visit(self.weight_variance,
-          Field<double>{"weight_variance", "", "Variance weight w_v of L_align (Eq. 16, C17)", 0, 1e6}.of("variance"));
-    visit(self.photometric_weight,
-          Field<double>{"photometric_weight", "", "Weight of 0.8 L1 + 0.2 DSSIM (C16)", 0, 1e6}.of(
-              "joint|contours,photometric"));
     visit(self.rate_scale,
           Field<double>{"rate_scale", "", "Factor on the learning rates of 3DGS (C20)", 0, 1e3}.of("joint"));
   }
@@ -101,7 +89,7 @@ inline std::int64_t steps_of(const JointOptions& options, std::size_t views) {
 /// The sampling options of a run: the whole image if the effect `box` is off, and half of the nodes and depths along
 /// each axis if the preset halves the samples.
 inline SampleOptions sample_of(SampleOptions sample, const JointOptions& options, double world_unit) {
-  sample.whole_image = !options.on.box, sample.world_unit = world_unit;
+  sample.whole_image = !options.on("box"), sample.world_unit = world_unit;
   if (!preset_of(options.quality).half_samples) return sample;
   for (int* count : {&sample.rows, &sample.cols, &sample.depth_samples}) *count = (*count + 1) / 2;
   return sample;

@@ -1,4 +1,4 @@
-#include "ngs/stages/optimise/first_queries.h"
+#include "ngs/stages/optimise/joint_field.h"
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include "ngs/passes/scene_probe.h"
+#include "ngs/stages/optimise/scene_probe.h"
 
 #include <algorithm>
 #include <iterator>
@@ -6,7 +6,7 @@
 #include "ngs/ops/field/knn.h"
 #include "ngs/ops/image/mask_pair.h"
 #include "ngs/ops/image/pixel_window.h"
-#include "ngs/passes/effect.h"
+#include "ngs/problem/effect.h"
 #include "ngs/problem/scene_measures.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/stages/contours/unexplained_contrast.h"

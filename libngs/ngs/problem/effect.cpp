@@ -1,4 +1,4 @@
-#include "ngs/passes/effect.h"
+#include "ngs/problem/effect.h"
 
 #include <algorithm>
 #include <cmath>
