@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "ngs/passes/pass_list.h"
-#include "ngs/passes/pipeline.h"
+#include "ngs/cut/contours/contour_options.h"
+#include "ngs/cut/passes/pass_list.h"
+#include "ngs/cut/passes/pipeline.h"
 #include "ngs/problem/effect.h"
-#include "ngs/stages/contours/contour_options.h"
 
 namespace ngs::test {
 

@@ -1,0 +1,24 @@
+#pragma once
+// The passes of --method ngs, in the order in which they run.
+#include <memory>
+#include <vector>
+
+#include "ngs/cut/training/loss_list.h"
+
+namespace ngs {
+
+class Pass;
+
+// Each is defined in the pass's folder.
+std::unique_ptr<Pass> make_windows_pass();
+std::unique_ptr<Pass> make_exposure_pass();
+std::unique_ptr<Pass> make_mask_outliers_pass();
+std::unique_ptr<Pass> make_floaters_pass();
+std::unique_ptr<Pass> make_components_pass();
+std::unique_ptr<Pass> make_bleed_through_pass();
+std::unique_ptr<Pass> make_joint_pass(const Losses& losses);
+std::unique_ptr<Pass> make_contours_pass();
+
+std::vector<std::unique_ptr<Pass>> all_passes(const Losses& losses = all_losses());
+
+}  // namespace ngs
