@@ -7,7 +7,7 @@
 #include "ngs/cut/contours/contour_options.h"
 #include "ngs/cut/passes/pass_list.h"
 #include "ngs/cut/passes/pipeline.h"
-#include "ngs/problem/effect.h"
+#include "ngs/cut/training/effect.h"
 
 namespace ngs::test {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "ngs/cut/training/effect.h"
 #include "ngs/cut/training/scene_probe.h"
 #include "ngs/options/option_set.h"
-#include "ngs/problem/effect.h"
 
 namespace ngs {
 

@@ -11,11 +11,11 @@
 
 #include "ngs/core/check.h"
 #include "ngs/core/monitor.h"
+#include "ngs/cut/training/effect.h"
 #include "ngs/cut/training/joint_options.h"
 #include "ngs/cut/training/view_cache.h"
 #include "ngs/ops/optim/resident.h"
 #include "ngs/options/option_set.h"
-#include "ngs/problem/effect.h"
 #include "ngs/problem/trained_rows.h"
 #include "ngs/scene/boundary_set.h"
 #include "ngs/scene/query_field.h"

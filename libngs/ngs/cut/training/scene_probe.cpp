@@ -4,10 +4,10 @@
 #include <iterator>
 
 #include "ngs/cut/contours/unexplained_contrast.h"
+#include "ngs/cut/training/effect.h"
 #include "ngs/ops/image/mask_pair.h"
 #include "ngs/ops/image/pixel_window.h"
 #include "ngs/ops/neighbours/knn.h"
-#include "ngs/problem/effect.h"
 #include "ngs/problem/scene_measures.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/render/render_stage.h"
