@@ -198,10 +198,12 @@ mutant $f $t $f "what is left as 1 - rest" 's/\? object \/ \(object \+ rest\)/? 
 mutant $f $t $f "gap of one bound only" 's/gap \+= std::max\(g \* m\[i\], .*;/gap += g * m[i];/'
 
 t=grad/joint_grad_test.cpp f=cut/training/joint_trainer.cpp
-mutant ops/optim/row_kernels.h $t $f "colour continuity without its gradient" 's/\+= float\(kShC0 \* /+= float(0 * /'
-mutant $f $t $f "mask loss without its weight" 's/(loss_mask\(.*)/\1/; s/options\.lambda_mask, \&grad\.label\)/1.0, \&grad.label)/'
+mutant ops/optim/row_kernels.h $t cut/training/continuity_loss.cpp "colour continuity without its gradient" 's/\+= float\(kShC0 \* /+= float(0 * /'
+f=cut/training/mask_loss.cpp
+mutant $f $t $f "mask loss without its weight" 's/weight_, \&gradient/1.0, \&gradient/'
 mutant ops/optim/row_kernels.h $t cut/training/trained_labels.cpp "label gradient without the sigmoid" 's/ \* sigmoid_slope\(cells\.logit\[c\]\)//'
-mutant $f $t $f "smoothness gradient doubled" 's/field->smoothness\(exec, rays, boundary\.positions\(\), options\.lambda_smooth/field->smoothness(exec, rays, boundary.positions(), 2 * options.lambda_smooth/'
+f=cut/training/field_losses.cpp
+mutant $f $t $f "smoothness gradient doubled" 's/positions\(\), weights_\.smooth/positions(), 2 * weights_.smooth/'
 
 f=cut/contours/contour_stage.cpp t=unit/cut/contours/contour_stage_test.cpp
 mutant $f $t $f "contours: frozen Gaussians are not rendered" 's/!\(across\.weight\.value\(i\) > 0\)/true/'

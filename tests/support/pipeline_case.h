@@ -60,6 +60,7 @@ class PipelineCase {
   }
   /// Stores steps, so that another run can resume.
   void store_steps(StepStore& store) { run_.optimisation.store = &store; }
+  void trace() { run_.optimisation.tracking.traced = true; }
   /// Starts the time budget now.
   void time_budget(double seconds) { budget_ = Budget(wall_seconds(), seconds); }
   /// Makes the decisions of both stages, without running passes.

@@ -7,7 +7,7 @@
 #include "memory_plan.h"
 #include "ngs/cut/evidence/variance_stage.h"
 #include "ngs/cut/passes/resumed_decisions.h"
-#include "ngs/cut/training/joint_field.h"
+#include "ngs/field/joint_field.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/content_hash.h"
 #include "ngs/io/formats/splat_format.h"

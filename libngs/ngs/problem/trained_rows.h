@@ -26,7 +26,7 @@ class TrainedRows {
       if (region[i]) wanted_.gradient_row[i] = std::int32_t(rows_.size()), rows_.push_back(std::int64_t(i));
     wanted_.rows = std::int64_t(rows_.size());
     part_ = gather_rows(exec, all, rows_);
-    prepared_ = kept_on_host(exec, all);
+    if (!rows_are_on_device(exec)) prepared_ = prepare_cloud(exec, all);
   }
 
   /// Adds all arrays of a step.

@@ -32,7 +32,6 @@ class ContinuityTerm final : public LossTerm {
   bool start(const TrainedModel& model) override {
     const BoundarySet& boundary = model.boundary;
     if (boundary.size() < 2) return false;
-    model_ = &model;
     graph_ = nearest_others(model.exec, boundary.positions(), model.rbf.neighbours);
     build_transpose(graph_);
     colour_.resize(boundary.row.size() * 3);
@@ -44,11 +43,12 @@ class ContinuityTerm final : public LossTerm {
     return true;
   }
   void add_on_model(LossStep& step) override {
-    const BoundarySet& boundary = model_->boundary;
-    for_each_row(model_->exec, boundary.size(),
-                 RowColours{boundary.row.data(), model_->cloud.sh_dc.data(), colour_.data()});
+    const BoundarySet& boundary = step.model.boundary;
+    for_each_row(step.model.exec, boundary.size(),
+                 RowColours{boundary.row.data(), step.model.cloud.sh_dc.data(), colour_.data()});
     const AddRowColourGradients add{place_.data(), nullptr, step.gaussians.sh_dc.data()};
-    const double loss = loss_cont(model_->exec, {graph_, {colour_.data(), boundary.size()}}, weight_, &gradient_, &add);
+    const double loss =
+        loss_cont(step.model.exec, {graph_, {colour_.data(), boundary.size()}}, weight_, &gradient_, &add);
     step.values.set("cont", weight_, loss);
   }
   void add_to(Resident& resident) override {
@@ -58,7 +58,6 @@ class ContinuityTerm final : public LossTerm {
 
  private:
   double weight_ = 0.1;
-  const TrainedModel* model_ = nullptr;
   KnnGraph graph_;
   std::vector<std::int32_t> place_;       // [B] rows of the gradients; -1: not trained
   std::vector<float> colour_, gradient_;  // [B, 3]

@@ -3,10 +3,10 @@
 // given. Later steps sample them from the current model (C23).
 #include <algorithm>
 
-#include "ngs/cut/training/joint_field.h"
 #include "ngs/cut/training/loss_list.h"
 #include "ngs/cut/training/loss_term.h"
 #include "ngs/cut/training/scene_probe.h"
+#include "ngs/field/joint_field.h"
 #include "ngs/ops/image/mask_pair.h"
 #include "ngs/ops/losses/loss_mask.h"
 #include "ngs/ops/optim/rows.h"
@@ -158,6 +158,16 @@ const Effect kParts[] = {
 
 std::vector<Effect> FieldTerms::effects() const { return {std::begin(kParts), std::end(kParts)}; }
 
+/// The sampling options of a run: the whole image if the effect `box` is off, and half of the nodes and depths along
+/// each axis if the preset halves the samples.
+SampleOptions sample_of(SampleOptions sample, const JointOptions& options, double world_unit) {
+  sample.whole_image = !options.on("box");
+  sample.world_unit = world_unit;
+  if (!preset_of(options.quality).half_samples) return sample;
+  for (int* count : {&sample.rows, &sample.cols, &sample.depth_samples}) *count = (*count + 1) / 2;
+  return sample;
+}
+
 bool FieldTerms::start(const TrainedModel& model) {
   model_ = &model;
   const Problem& input = model.input;
@@ -167,8 +177,8 @@ bool FieldTerms::start(const TrainedModel& model) {
   first_splat_ = model.field ? input.splat : kept_on_device(model.exec, input.splat, input.cloud);
   results_ = std::make_unique<ResidentResults>(model.exec);
   const double reach = field_reach(sample_, model.cloud, cameras_of(input.scene, input.views), model.boundary);
-  field_ = std::make_unique<JointField>(
-      model.exec, JointField::Setup{model.options, sample_, model.rbf, model.cloud, model.boundary, reach, input.seed});
+  field_ = std::make_unique<JointField>(model.exec, JointField::Setup{model.options, model.options, sample_, model.rbf,
+                                                                      model.cloud, model.boundary, reach, input.seed});
   return true;
 }
 
@@ -267,7 +277,7 @@ void FieldTerms::follow_model(const Exec& exec, const Resident& resident) {
   const BoundarySet& boundary = model_->boundary;
   for_each_row(exec, boundary.size(),
                GatherRows{boundary.row.data(), 3, model_->cloud.position.data(), position_.data()});
-  resident.update_host(position_);  // rays are sampled on the host
+  if (!resident.waits()) resident.update_host(position_);  // rays are sampled on the host
 }
 
 void FieldTerms::add_state(std::vector<StateBlock>& blocks) {

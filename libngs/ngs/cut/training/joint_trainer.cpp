@@ -150,7 +150,7 @@ LossValues JointTrainer::Impl::step_view(std::size_t n) {
     return splat.forward(exec, cloud, input.scene.views[view].camera, request);
   }();
   images.begin(image);
-  LossStep step{done, view, window_share(input, view), given, image, images, gradients, no_values};
+  LossStep step{*this, done, view, window_share(input, view), given, image, images, gradients, no_values};
   for (const auto& loss : losses) loss->add_on_view(step);
   {
     const auto timed = monitor.scope("splat backward");

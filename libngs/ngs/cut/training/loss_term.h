@@ -77,6 +77,7 @@ struct TrainedModel {
 
 /// One step, on one view.
 struct LossStep {
+  const TrainedModel& model;
   std::int64_t number;           // from 0
   std::size_t view;              // of the scene
   double shown;                  // share of the view inside its camera; scales terms to means over uncropped views

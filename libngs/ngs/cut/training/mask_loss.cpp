@@ -20,24 +20,19 @@ class MaskTerm final : public LossTerm {
   }
   std::unique_ptr<LossTerm> copy() const override { return std::make_unique<MaskTerm>(*this); }
 
-  bool start(const TrainedModel& model) override {
-    model_ = &model;
-    return true;
-  }
   void add_on_view(LossStep& step) override {
     const ViewMasks& masks = step.given.masks;
     if (!masks.available) return;
-    const auto timed = model_->monitor.scope("mask loss");
-    step.images.label_moves_geometry(model_->options.on("mask-geometry"));
+    const auto timed = step.model.monitor.scope("mask loss");
+    step.images.label_moves_geometry(step.model.options.on("mask-geometry"));
     ImageF& gradient = step.images.overwritten(&ViewGradients::label);
-    const MaskLoss loss = loss_mask(model_->exec, {MaskLossForm::kBce, 1.0},
+    const MaskLoss loss = loss_mask(step.model.exec, {MaskLossForm::kBce, 1.0},
                                     {&step.rendered.label, &masks, step.pixel_weight, step.shown}, weight_, &gradient);
     step.values.set("mask", weight_, loss.total);
   }
 
  private:
   double weight_ = 0.5;
-  const TrainedModel* model_ = nullptr;
 };
 
 }  // namespace

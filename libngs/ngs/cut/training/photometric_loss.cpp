@@ -31,27 +31,22 @@ class PhotometricTerm final : public LossTerm {
   }
   std::unique_ptr<LossTerm> copy() const override { return std::make_unique<PhotometricTerm>(*this); }
 
-  bool start(const TrainedModel& model) override {
-    model_ = &model;
-    return true;
-  }
   void request(RenderRequest& request) const override { request.colour = true; }
   void add_on_view(LossStep& step) override {
     const ImageF& photo = step.given.photo;
     if (photo.empty()) return;
-    const auto timed = model_->monitor.scope("photometric");
-    const PixelRect box = model_->options.on("whole-photo") ? PixelRect{} : step.given.object;
+    const auto timed = step.model.monitor.scope("photometric");
+    const PixelRect box = step.model.options.on("whole-photo") ? PixelRect{} : step.given.object;
     const double share =
         step.shown * (box.empty() ? 1 : double(box.x1 - box.x0) * (box.y1 - box.y0) / double(photo.pixels()));
     const PhotometricOptions anchor{.box = box, .gradient_scale = share * weight_};
     ImageF& gradient = step.images.overwritten(&ViewGradients::colour);
-    const auto value = pass_.evaluate(model_->exec, anchor, {step.rendered.colour, photo}, &gradient);
+    const auto value = pass_.evaluate(step.model.exec, anchor, {step.rendered.colour, photo}, &gradient);
     step.values.set("photometric", weight_, share * value.total);
   }
 
  private:
   double weight_ = 1;
-  const TrainedModel* model_ = nullptr;
   PhotometricPass<float> pass_;
 };
 

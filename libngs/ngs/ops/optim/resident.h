@@ -35,11 +35,10 @@ class Resident {
     ops_->arrays.keep_input(values.data(), values.size() * sizeof(T));
     inputs_.push_back(values.data());
   }
-  /// Copies the values of an added array to the host, which has them until an op changes the array. Does nothing after
-  /// release().
+  /// Copies the values of an added array to the host, which has them until an op changes the array.
   template <class T>
   void update_host(std::vector<T>& values) const {
-    if (!arrays_.empty() && !values.empty()) ops_->arrays.update_host(values.data(), values.size() * sizeof(T));
+    if (ops_ && !values.empty()) ops_->arrays.update_host(values.data(), values.size() * sizeof(T));
   }
   /// Copies the arrays of add() back to the host.
   void release() {

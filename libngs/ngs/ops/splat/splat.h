@@ -21,9 +21,6 @@ class ResidentResults;
 /// all passes.
 std::shared_ptr<PreparedCloud> prepare_cloud(const Exec& exec, const GaussianCloud& cloud);
 
-/// A prepared cloud for update_prepared(). Null with a device, where a cloud that changes is resident.
-std::shared_ptr<PreparedCloud> kept_on_host(const Exec& exec, const GaussianCloud& cloud);
-
 /// Updates `prepared` after these rows (ascending) of its cloud have changed.
 void update_prepared(const Exec& exec, const std::vector<std::int64_t>& rows, PreparedCloud& prepared);
 

@@ -15,7 +15,7 @@ namespace {
 
 class ContoursPass : public Pass {
  public:
-  ContoursPass() : Pass({PassStage::kOptimise, .follows_clock = true, .decided_again_on_resume = true}) {}
+  ContoursPass() : Pass({.stage = PassStage::kOptimise, .follows_clock = true, .decided_again_on_resume = true}) {}
   std::vector<Effect> effects() const override;
   void declare(OptionSet& options, const OptionGroup& group) override;
   std::vector<FixedDecision> fixed_decisions(const TrainingOptions& training) const override;

@@ -12,7 +12,8 @@ namespace {
 
 class JointPass : public Pass {
  public:
-  explicit JointPass(Losses losses) : Pass({PassStage::kOptimise, .follows_clock = true}), losses_(std::move(losses)) {}
+  explicit JointPass(Losses losses)
+      : Pass({.stage = PassStage::kOptimise, .follows_clock = true}), losses_(std::move(losses)) {}
   std::vector<Effect> effects() const override;
   void declare(OptionSet& options, const OptionGroup& group) override;
   std::vector<FixedDecision> fixed_decisions(const TrainingOptions&) const override;
@@ -141,7 +142,7 @@ void JointPass::finish(PassRun& run) {
   }
   if (trainer == nullptr) run.solution->labels = run.problem->labels.release();  // last use of the problem's labels
   run.solution->converged = tracker.target_met() || (!tracker.was_cut() && !run.budget.is_partial());
-  run.report["last_loss"] = tracker.last_loss();
+  if (!tracker.last_loss().empty()) run.report["last_loss"] = tracker.last_loss();
 }
 
 std::unique_ptr<Pass> make_joint_pass(const Losses& losses) { return std::make_unique<JointPass>(losses); }

@@ -37,6 +37,7 @@ class StepTracker {
   /// True: steps were skipped for lack of time.
   bool was_cut() const { return cut_; }
   double longest_step_s() const { return longest_step_s_; }
+  /// Of the last step; null: no step was made.
   const Json& last_loss() const { return last_loss_; }
   /// JSON lines (data-schema/trace.schema.json). `t` excludes the time spent on scoring, which is reported separately.
   const std::string& trace() const { return text_; }

@@ -128,10 +128,6 @@ std::shared_ptr<PreparedCloud> prepare_cloud(const Exec& exec, const GaussianClo
   return std::make_shared<PreparedCloud>(exec, cloud_view(cloud, 0, nullptr));
 }
 
-std::shared_ptr<PreparedCloud> kept_on_host(const Exec& exec, const GaussianCloud& cloud) {
-  return exec.device_ops ? nullptr : prepare_cloud(exec, cloud);
-}
-
 void update_prepared(const Exec& exec, const std::vector<std::int64_t>& rows, PreparedCloud& prepared) {
   prepared.update(exec, rows);
 }

@@ -4,7 +4,9 @@
 #include <vector>
 
 #include "ngs/core/monitor.h"
-#include "ngs/cut/training/joint_options.h"
+#include "ngs/field/field_options.h"
+#include "ngs/field/rbf_stage.h"
+#include "ngs/field/sample_stage.h"
 #include "ngs/ops/field/film_mlp.h"
 #include "ngs/ops/field/hash_grid.h"
 #include "ngs/ops/field/ray_query.h"
@@ -53,7 +55,8 @@ void require_grids(const QueryField& field, const GaussianCloud& cloud, const st
 class JointField {
  public:
   struct Setup {
-    const JointOptions& options;
+    const FieldOptions& options;
+    const PartSwitches& parts;
     const SampleOptions& sample;
     const RbfOptions& rbf;
     const GaussianCloud& cloud;

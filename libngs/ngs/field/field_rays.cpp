@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "ngs/core/error.h"
-#include "ngs/cut/training/joint_field.h"
+#include "ngs/field/joint_field.h"
 #include "ngs/ops/neighbours/knn.h"
 
 namespace ngs {
