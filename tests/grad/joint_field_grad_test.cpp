@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ngs/cut/training/joint_field.h"
+#include "ngs/field/joint_field.h"
 #include "ngs/ops/neighbours/knn.h"
 #include "support/adjoint.h"
 #include "support/random.h"

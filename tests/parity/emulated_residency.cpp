@@ -137,7 +137,7 @@ StepTraffic step_traffic(const StepCase& of) {
   Problem input = c->input();
   for (int i = 0; of.region && i < 2 * of.ball; ++i) input.region.push_back(i < of.ball);
   JointOptions options;
-  if (!of.field) options.on = joint_switched({"nerf=off"});
+  if (!of.field) options.off = joint_switched({"nerf=off"});
   options.steps = 8, options.mlp_hidden = 16, options.hash_levels = 3, options.hash_log2_table = 12;
   options.smooth_points = 32;
   SampleOptions sample;
@@ -288,7 +288,7 @@ TEST_CASE("residency: a trainer without enough device memory throws in any alloc
   Problem input = c->input();
   for (int i = 0; i < 70; ++i) input.region.push_back(i < 40);
   JointOptions options;
-  options.on = joint_switched({"nerf=off"}), options.steps = 2;
+  options.off = joint_switched({"nerf=off"}), options.steps = 2;
   Monitor monitor;
   Emulated device(ThreadOrder::kAscending, DeviceSums::kInOrder);
   const auto train = [&](std::int64_t allocations) {

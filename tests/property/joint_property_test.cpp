@@ -97,7 +97,7 @@ TEST_CASE("joint: switching off any single effect changes the state, already aft
     if (elsewhere.contains(effect.name) || no_change.contains(effect.name)) continue;
     CAPTURE(std::string(effect.name));
     JointOptions options = small_options(kSomeTwice);
-    options.on = test::joint_switched({std::string(effect.name) + "=off"});
+    options.off = test::joint_switched({std::string(effect.name) + "=off"});
     const auto other = state_after(*c, options, kSomeTwice, 2);
     for (const float x : other) REQUIRE(std::isfinite(x));
     CHECK(other != twice);
@@ -120,7 +120,7 @@ TEST_CASE("joint: photometric and mask loss decrease, and the ball is labelled")
     const JointProgress p = trainer.step();
     double* at = s < 4 ? first : s >= 76 ? last : nullptr;
     if (at == nullptr) continue;
-    at[0] += p.loss.photometric, at[1] += p.loss.mask, at[2] += p.loss.align, at[3] += p.loss.cont;
+    at[0] += p.loss["photometric"], at[1] += p.loss["mask"], at[2] += p.loss["align"], at[3] += p.loss["cont"];
   }
   for (int term = 0; term < 3; ++term) {
     CAPTURE(term);

@@ -155,9 +155,13 @@ mutant $f $t $f "0 \/ 0 of a label without evidence" 's/object \+ rest > 0 \? (o
 mutant $f $t $f "what is left as 1 - rest" 's/\? object \/ \(object \+ rest\)/? 1 - rest \/ (object + rest)/'
 mutant $f $t $f "gap of one bound only" 's/gap \+= std::max\(g \* m\[i\], .*;/gap += g * m[i];/'
 
-t=joint_grad_test.cpp f=joint_trainer.cpp
-mutant row_kernels.h $t $f "colour continuity without its gradient" 's/\+= float\(kShC0 \* /+= float(0 * /'
+t=joint_grad_test.cpp
+mutant row_kernels.h $t continuity_loss.cpp "colour continuity without its gradient" 's/\+= float\(kShC0 \* /+= float(0 * /'
+f=mask_loss.cpp
+mutant $f $t $f "mask loss without its weight" 's/weight_, \&gradient/1.0, \&gradient/'
 mutant row_kernels.h $t trained_labels.cpp "label gradient without the sigmoid" 's/ \* sigmoid_slope\(cells\.logit\[c\]\)//'
+f=field_losses.cpp
+mutant $f $t $f "smoothness gradient doubled" 's/positions\(\), weights_\.smooth/positions(), 2 * weights_.smooth/'
 
 t="contour_refine_test.cpp alignment_stability_test.cpp" f=contour_refine.cpp
 mutant $f "$t" $f "densities of colours without a least variance" 's/\(i == j \? kColourNoise : 0\.0\)/0.0/; s/std::max\(c\[i\]\[i\], 0\.5 \* kColourNoise\)/c[i][i]/'

@@ -22,13 +22,13 @@ class NullStepStore final : public StepStore {
   std::int64_t save_interval() const override { return 0; }
 };
 
-/// One run; `problem` and the stores must outlive it.
+/// One run; `problem` and the stores must outlive it. `passes`: empty: all.
 class PipelineCase {
  public:
   PipelineCase(const Problem& problem, const TrainingOptions& training, const std::vector<std::string>& entries,
-               std::vector<std::unique_ptr<Pass>> passes = all_passes(), const Exec& exec = {})
+               std::vector<std::unique_ptr<Pass>> passes = {}, const Exec& exec = {})
       : exec_(exec),
-        pipeline_(std::move(passes)),
+        pipeline_(passes.empty() ? all_passes(training.losses) : std::move(passes)),
         training_(training),
         switches_(pipeline_.effects(), entries),
         decisions_(pipeline_.effects(), switches_, pipeline_.fixed_decisions(training)),
@@ -38,7 +38,7 @@ class PipelineCase {
              .decisions = decisions_,
              .budget = budget_,
              .report = report_,
-             .allow_empty = true} {
+             .optimisation = {.allow_empty = true}} {
     coarse_.emplace(problem).monitor = &monitor_;
     run_.problem.emplace(*coarse_), run_.coarse = &*coarse_;
   }
@@ -53,13 +53,14 @@ class PipelineCase {
   }
   /// Stops a run when the flag is set, as a signal does.
   void stop_flag(const std::atomic<bool>& flag) { monitor_.stop_flag(&flag); }
-  /// Resumes another run from its state (PassRun::state) and, if given, its stored decisions.
-  void resume_from(const Json& state) { run_.resumed = state; }
+  /// Resumes another run from its state (ResumeState::state) and, if given, its stored decisions.
+  void resume_from(const Json& state) { run_.resume.before = state; }
   void resume_from(const Json& state, const Json& effects, const Json& skipped) {
     resume_from(state), repeat_decisions(pipeline_, run_, effects, skipped);
   }
   /// Stores steps, so that another run can resume.
-  void store_steps(StepStore& store) { run_.store = &store; }
+  void store_steps(StepStore& store) { run_.optimisation.store = &store; }
+  void trace() { run_.optimisation.tracking.traced = true; }
   /// Starts the time budget now.
   void time_budget(double seconds) { budget_ = Budget(wall_seconds(), seconds); }
   /// Makes the decisions of both stages, without running passes.

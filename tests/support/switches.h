@@ -1,13 +1,13 @@
 #pragma once
 // Parts of the method switched on or off by name, as with --effect.
+#include <set>
 #include <string>
 #include <vector>
 
 #include "ngs/cut/contours/contour_options.h"
-#include "ngs/cut/passes/effect.h"
-#include "ngs/cut/passes/joint/joint_effects.h"
 #include "ngs/cut/passes/pass_list.h"
 #include "ngs/cut/passes/pipeline.h"
+#include "ngs/cut/training/effect.h"
 
 namespace ngs::test {
 
@@ -15,10 +15,13 @@ inline EffectSwitches switches_of(const std::vector<std::string>& entries) {
   return {Pipeline(all_passes()).effects(), entries};
 }
 
-/// auto counts as on.
-inline JointSwitches joint_switched(const std::vector<std::string>& entries) {
+/// JointOptions::off; auto counts as on.
+inline std::set<std::string, std::less<>> joint_switched(const std::vector<std::string>& entries) {
   const EffectSwitches switches = switches_of(entries);
-  return joint_switches([&](std::string_view name) { return switches.of(name) != Switch::kOff; });
+  std::set<std::string, std::less<>> off;
+  for (const Effect& effect : Pipeline(all_passes()).effects())
+    if (switches.of(effect.name) == Switch::kOff) off.emplace(effect.name);
+  return off;
 }
 
 inline ContourSwitches contours_switched(const std::vector<std::string>& entries) {

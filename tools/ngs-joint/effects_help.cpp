@@ -44,7 +44,7 @@ std::string effects_help(const Options& options, bool in_full) {
   const FixedDecisions fixed = fixed_decisions_of(options, "");
   std::string text = "effects: --effect NAME=auto|on|off; auto: decided from the scene (--explain lists why)\n";
   for (const std::unique_ptr<Pass>& pass : options.pipeline.passes()) {
-    if (pass->stage() != PassStage::kRepair && !options.runs_passes()) continue;
+    if (pass->traits.stage != PassStage::kRepair && !options.runs_passes()) continue;
     const std::vector<Effect> effects = pass->effects();
     const auto parts = std::span(effects).subspan(1);
     text += row("  " + std::string(effects[0].name), mode_of(effects[0], fixed), effects[0].help);

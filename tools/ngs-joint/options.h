@@ -70,7 +70,7 @@ struct Options {
   TrainingOptions training;
   RasterOptions raster;
   BaselineOptions baselines;
-  Pipeline pipeline{all_passes()};
+  Pipeline pipeline{all_passes(training.losses)};
 
   /// Declares the options in groups; --help shows the groups that apply to the method.
   void declare(cli::Tool& tool);

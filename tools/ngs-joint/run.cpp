@@ -7,7 +7,7 @@
 #include "memory_plan.h"
 #include "ngs/cut/evidence/variance_stage.h"
 #include "ngs/cut/passes/resumed_decisions.h"
-#include "ngs/cut/training/first_queries.h"
+#include "ngs/field/joint_field.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/content_hash.h"
 #include "ngs/io/formats/splat_format.h"
@@ -182,7 +182,7 @@ class MethodRun {
     const std::optional<Json>& before = store_.resumed(identity);
     if (!before) return;
     const Json state = before->value("passes", Json());
-    passes.resumed = state.is_object() ? state : Json::object();
+    passes.resume.before = state.is_object() ? state : Json::object();
     repeat_decisions(options_.pipeline, passes, before->value("effects", Json()), before->value("left_out", Json()));
   }
 
@@ -204,9 +204,10 @@ class MethodRun {
                    .decisions = decisions_,
                    .budget = budget_,
                    .report = run_.result(),
-                   .tracking = {options_.steps.agreement_target(), !paths_.trace.empty(), options_.steps.trace_every},
-                   .allow_empty = run_.allow_empty(),
-                   .info = [this](const std::string& line) { run_.info(line); }};
+                   .info = [this](const std::string& line) { run_.info(line); },
+                   .optimisation = {.tracking = {options_.steps.agreement_target(), !paths_.trace.empty(),
+                                                 options_.steps.trace_every},
+                                    .allow_empty = run_.allow_empty()}};
     passes.problem.emplace(problem);
     return passes;
   }
@@ -233,9 +234,10 @@ class MethodRun {
   /// The query field of --field, if the NeRF is on and the field still belongs to the model.
   std::optional<QueryField> read_field(const PassRun& passes) {
     if (paths_.field.empty()) return std::nullopt;
-    const std::string_view unread = !passes.on(kNerfEffect)       ? "nerf=off"
-                                    : !passes.field_matches_model ? "it has query points of removed Gaussians"
-                                                                  : "";
+    const bool matches_model = passes.floater.empty() && passes.problem->frozen.empty();
+    const std::string_view unread = !passes.on(kNerfEffect) ? "nerf=off"
+                                    : !matches_model        ? "it has query points of removed Gaussians"
+                                                            : "";
     if (!unread.empty()) {
       run_.info("--field is not read: " + std::string(unread));
       return std::nullopt;
@@ -250,17 +252,17 @@ class MethodRun {
     if (const int stopped = run_.stop_code()) return stopped;
     run_.warn_unused([&](std::string_view effect) { return decisions_.on(effect); });
     const std::optional<QueryField> field = read_field(passes);
-    passes.field = field ? &*field : nullptr;
+    passes.optimisation.field = field ? &*field : nullptr;
     if (writes_checkpoints()) {
-      identity["effects"] = stored_decisions(options_.pipeline, decisions_), identity["passes"] = passes.state;
+      identity["effects"] = stored_decisions(options_.pipeline, decisions_), identity["passes"] = passes.resume.state;
       identity["field"] = field ? io::content_hash(paths_.field).xxh3 : "";
-      if (!passes.skipped.empty()) identity["left_out"] = passes.skipped;
+      if (!passes.resume.skipped.empty()) identity["left_out"] = passes.resume.skipped;
       store_.identify(identity);
-      passes.store = &store_;
+      passes.optimisation.store = &store_;
     }
     if (!options_.pipeline.run(PassStage::kOptimise, passes)) return run_.stop_code();
     views.clear_cache();
-    passes.trainer.reset();  // unused from here on, and as large as the model
+    passes.optimisation.trainer.reset();  // unused from here on, and as large as the model
     os::release_freed_memory();
     return write(passes);
   }
@@ -271,10 +273,10 @@ class MethodRun {
     if (budget_.is_set() && !solution.converged)
       run_.monitor().warn("--time-budget " + options_.steps.time_budget +
                           ": parts were skipped or shortened for lack of time");
-    if (passes.tracking.target && !passes.tracker->target_met())
+    if (passes.optimisation.tracking.target && !passes.optimisation.tracker->target_met())
       run_.monitor().warn("--target " + options_.steps.target + ": not reached in the training views");
     write_result(run_, {input_.ply, input_.scene, input_.labels, passes.floater}, solution, paths_.labelled);
-    if (!paths_.trace.empty()) io::write_file(paths_.trace, passes.tracker->trace());
+    if (!paths_.trace.empty()) io::write_file(paths_.trace, passes.optimisation.tracker->trace());
     return solution.converged ? cli::kDone : cli::kBudgetHit;
   }
 

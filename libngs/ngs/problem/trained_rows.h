@@ -26,7 +26,7 @@ class TrainedRows {
       if (region[i]) wanted_.gradient_row[i] = std::int32_t(rows_.size()), rows_.push_back(std::int64_t(i));
     wanted_.rows = std::int64_t(rows_.size());
     part_ = gather_rows(exec, all, rows_);
-    if (exec.device == Device::kCpu) prepared_ = prepare_cloud(exec, all);
+    if (!rows_are_on_device(exec)) prepared_ = prepare_cloud(exec, all);
   }
 
   /// Adds all arrays of a step.
@@ -54,8 +54,7 @@ class TrainedRows {
   GaussianCloud& cloud() { return is_part() ? part_ : all_; }
   void write_back(const Exec& exec) {
     if (!is_part()) return;
-    if (exec.device == Device::kCuda) return for_each_row(exec, std::int64_t(rows_.size()), scatter());
-    scatter_rows(exec, part_, rows_, all_);
+    for_each_row(exec, std::int64_t(rows_.size()), scatter());
     if (prepared_) update_prepared(exec, rows_, *prepared_);
   }
   /// `options` with the prepared data of the whole cloud.

@@ -223,7 +223,7 @@ TEST_CASE("a step in windows equals the step in uncropped views, and rows outsid
     Monitor monitor;
     JointOptions options;
     options.steps = 4;
-    options.on.nerf = options.on.photometric = false;
+    options.off = {"nerf", "photometric"};
     const SampleOptions sample;
     const RbfOptions rbf;
     JointTrainer trainer({}, monitor, {options, sample, rbf, problem}, true);

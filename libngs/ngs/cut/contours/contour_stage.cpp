@@ -155,8 +155,8 @@ JointOptions window_options(const ContourSetup& setup, std::size_t views, bool e
   const int epochs = contour_epochs(setup.contour, setup.training.joint.quality, views);
   joint.steps = std::int64_t(early ? early_epochs(epochs) : epochs) * std::int64_t(views);
   joint.rate_scale = early ? kEarlyRate : 1;
-  joint.start_steps = 1;                  // start at the labels trained so far
-  joint.on.nerf = joint.on.cont = false;  // the NeRF samples rays of the whole image
+  joint.start_steps = 1;               // start at the labels trained so far
+  joint.off.insert({"nerf", "cont"});  // the NeRF samples rays of the whole image
   return joint;
 }
 
@@ -250,7 +250,7 @@ class ContourRun {
     if (early) coarse.emplace(input, kEarlyShrink, 0);  // no cache: the trainer has its own
     JointTrainer trainer(exec_, monitor_,
                          {joint, setup_.training.sample, setup_.training.rbf, coarse ? coarse->get() : input, nullptr,
-                          kContourRates, rows.frozen},
+                          kContourRates, rows.frozen, setup_.training.losses},
                          true);
     const auto whole = [&] {
       write_back(exec_, trainer.result(), rows.rows, model_);

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "ngs/cut/passes/effect.h"
-#include "ngs/cut/passes/scene_probe.h"
+#include "ngs/cut/training/effect.h"
+#include "ngs/cut/training/scene_probe.h"
 #include "ngs/options/option_set.h"
 
 namespace ngs {

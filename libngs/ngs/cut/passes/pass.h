@@ -33,6 +33,24 @@ class StepStore {
   virtual std::int64_t save_interval() const = 0;
 };
 
+/// The optimisation of labels and Gaussians, shared by the passes joint and contours.
+struct Optimisation {
+  TrackerOptions tracking = {};
+  const QueryField* field = nullptr;  // query points of the initial model from a file; null: sampled
+  StepStore* store = nullptr;         // null: no checkpoints
+  bool allow_empty = false;           // an empty boundary set is no error
+  // Set by begin_optimisation().
+  std::optional<StepTracker> tracker = {};
+  std::unique_ptr<JointTrainer> trainer = {};  // null: neither joint steps nor contours are on
+};
+
+/// What a resumed run repeats.
+struct ResumeState {
+  std::optional<Json> before = {};     // `state` of the run that is resumed
+  Json state = Json::object();         // by pass: time-dependent choices
+  std::set<std::string> skipped = {};  // effects skipped for lack of time, except those that a resumed run redecides
+};
+
 /// State of a run, shared by all passes. Passes communicate only through it.
 struct PassRun {
   const Exec& exec;
@@ -40,23 +58,14 @@ struct PassRun {
   TrainingOptions training;
   Decisions& decisions;
   Budget& budget;
-  Json& report;  // "result" of the run's report: one key per pass
-  TrackerOptions tracking = {};
-  bool allow_empty = false;                           // an empty boundary set is no error
+  Json& report;                                       // "result" of the run's report: one key per pass
   std::function<void(const std::string&)> info = {};  // receives log lines; may be empty
+  Optimisation optimisation = {};
+  ResumeState resume = {};
 
   std::optional<Problem> problem = {};  // current problem, after the passes so far
   const Problem* coarse = nullptr;      // input problem at the reduced size used for decisions
-  const QueryField* field = nullptr;    // query points of the initial model from a file; null: sampled
-  StepStore* store = nullptr;           // null: no checkpoints
-  std::optional<Json> resumed = {};     // `state` of the run that is resumed
-  Json state = Json::object();          // by pass: time-dependent choices, which a resumed run repeats
-  std::set<std::string> skipped = {};   // effects skipped for lack of time, except those that a resumed run redecides
-
-  std::vector<float> floater = {};  // [N] 1: removed from the model; empty: none
-  bool field_matches_model = true;  // false: query points made for the input model no longer match the model
-  std::unique_ptr<JointTrainer> trainer = {};
-  std::optional<StepTracker> tracker = {};
+  std::vector<float> floater = {};      // [N] 1: removed from the model; empty: none
   std::optional<Solution> solution = {};
 
   void log(const std::string& line) const {
@@ -65,36 +74,36 @@ struct PassRun {
   bool on(std::string_view effect) const { return decisions.on(effect); }
 };
 
+/// Makes trainer, tracker and the closed-form solution, unless they are there.
+void begin_optimisation(PassRun& run);
+
 /// Passes of one stage are decided together, on the output of the stage before.
 /// kCrop crops the views; kRepair repairs masks, photos and model; kOptimise computes the solution.
 enum class PassStage : std::uint8_t { kCrop, kRepair, kOptimise };
 
+struct PassTraits {
+  PassStage stage;
+  bool follows_clock = false;            // polls the time budget itself; others may be aborted, and then change nothing
+  bool decided_again_on_resume = false;  // because the checkpoint does not depend on it
+};
+
 class Pass {
  public:
+  explicit Pass(const PassTraits& t) : traits(t) {}
   virtual ~Pass() = default;
-  virtual PassStage stage() const = 0;
+  const PassTraits traits;
+
   /// First the effect of the whole pass, then those of its parts.
   virtual std::vector<Effect> effects() const = 0;
   /// Declares the options of the pass: a copy of `group` with the pass's own name.
   virtual void declare(OptionSet&, const OptionGroup& /*group*/) {}
   /// Decisions that follow from option values.
   virtual std::vector<FixedDecision> fixed_decisions(const TrainingOptions&) const { return {}; }
-  /// True: the pass polls the time budget itself. Any other pass may be aborted under a time budget, and must then
-  /// leave the run unchanged.
-  virtual bool follows_clock() const { return false; }
-  /// True: a resumed run decides this pass again, because the checkpoint does not depend on it.
-  virtual bool decided_again_on_resume() const { return false; }
-  /// Sets the training options that follow from the decisions known so far. Called twice in a stage, before and after
-  /// its decisions. Later passes are called first, so that a pass sees their settings.
-  virtual void prepare(PassRun&) {}
-  /// Called before run(), also if the pass is off.
-  virtual void begin(PassRun&) {}
   /// Called if the pass is on.
   virtual void run(PassRun&) = 0;
-  /// Called after all passes of its stage, also if the pass is off.
+  /// Called at the end of the last stage, from the last pass to the first, also if the pass is off. Completes the
+  /// solution.
   virtual void finish(PassRun&) {}
-  /// Edits run.solution. Called after finish() of all passes of the last stage, also if the pass is off.
-  virtual void edit_solution(PassRun&) {}
 };
 
 }  // namespace ngs

@@ -4,7 +4,7 @@
 
 namespace ngs {
 
-std::vector<std::unique_ptr<Pass>> all_passes() {
+std::vector<std::unique_ptr<Pass>> all_passes(const Losses& losses) {
   std::vector<std::unique_ptr<Pass>> passes;
   passes.push_back(make_windows_pass());
   passes.push_back(make_exposure_pass());
@@ -12,7 +12,7 @@ std::vector<std::unique_ptr<Pass>> all_passes() {
   passes.push_back(make_floaters_pass());
   passes.push_back(make_components_pass());
   passes.push_back(make_bleed_through_pass());
-  passes.push_back(make_joint_pass());
+  passes.push_back(make_joint_pass(losses));
   passes.push_back(make_contours_pass());
   return passes;
 }

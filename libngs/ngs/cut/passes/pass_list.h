@@ -3,6 +3,8 @@
 #include <memory>
 #include <vector>
 
+#include "ngs/cut/training/loss_list.h"
+
 namespace ngs {
 
 class Pass;
@@ -14,9 +16,9 @@ std::unique_ptr<Pass> make_mask_outliers_pass();
 std::unique_ptr<Pass> make_floaters_pass();
 std::unique_ptr<Pass> make_components_pass();
 std::unique_ptr<Pass> make_bleed_through_pass();
-std::unique_ptr<Pass> make_joint_pass();
+std::unique_ptr<Pass> make_joint_pass(const Losses& losses);
 std::unique_ptr<Pass> make_contours_pass();
 
-std::vector<std::unique_ptr<Pass>> all_passes();
+std::vector<std::unique_ptr<Pass>> all_passes(const Losses& losses = all_losses());
 
 }  // namespace ngs

@@ -30,7 +30,6 @@ class Pipeline {
   struct HeuristicContext;
   void decide_pass(const Pass& pass, PassRun& run, HeuristicContext& context) const;
   void run_in_time(Pass& pass, PassRun& run) const;
-  void prepare(PassRun& run) const;
 
   std::vector<std::unique_ptr<Pass>> passes_;
 };

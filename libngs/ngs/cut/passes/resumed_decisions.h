@@ -11,7 +11,7 @@ Json stored_decisions(const Pipeline& pipeline, const Decisions& decisions);
 /// Adds the stored decisions of the stopped run as fixed decisions. Switches of --effect and earlier fixed decisions
 /// take precedence. Entries that are no decision on a known effect are ignored.
 ///   effects    stored_decisions() of the stopped run
-///   skipped   its PassRun::skipped
+///   skipped   its ResumeState::skipped
 void repeat_decisions(const Pipeline& pipeline, PassRun& run, const Json& effects, const Json& skipped);
 
 }  // namespace ngs

@@ -3,38 +3,41 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <optional>
 
 #include "ngs/core/rng.h"
 #include "ngs/cut/evidence/method_labels.h"
-#include "ngs/cut/training/first_queries.h"
 #include "ngs/cut/training/trained_labels.h"
 #include "ngs/cut/training/view_cache.h"
 #include "ngs/make/fit/fit_stage.h"
-#include "ngs/math/sh.h"
-#include "ngs/ops/losses/loss_cont.h"
-#include "ngs/ops/losses/loss_mask.h"
-#include "ngs/ops/losses/photometric.h"
-#include "ngs/ops/neighbours/knn.h"
 #include "ngs/problem/trained_rows.h"
 #include "ngs/problem/view_list.h"
 
 namespace ngs {
 namespace {
 
-GroupRates group_rates(const JointSetup& s, const JointSwitches& effects) {
+GroupRates group_rates(const JointSetup& s) {
   const GaussianRates& r = s.rates;
   const double extent = scene_extent(cameras_of(s.input.scene, s.input.views));
   GroupRates rates{r.position * extent, r.rotation, r.log_scale, r.logit_opacity, r.sh_dc, r.sh_rest};
   for (double& rate : rates) rate = rate * s.options.rate_scale;
-  if (!effects.geometry) rates = {};
-  if (!effects.sh) rates[kGroupRest] = 0;
+  if (!s.options.on("geometry")) rates = {};
+  if (!s.options.on("sh")) rates[kGroupRest] = 0;
   return rates;
 }
 
-SplatOptions splat_of(SplatOptions splat, const JointSwitches& effects) {
-  if (!effects.sh) splat.max_sh_degree = 0;
+SplatOptions splat_of(const JointSetup& s) {
+  SplatOptions splat = s.input.splat;
+  if (!s.options.on("sh")) splat.max_sh_degree = 0;
   return splat;
+}
+
+/// [N] 1: in the boundary set of some object. If `boundary_effect` is false: seen by some view.
+std::vector<float> boundary_flags(const Problem& input, bool boundary_effect) {
+  std::vector<float> flags(std::size_t(input.cloud.size()), 0.f);
+  for (const LabelColumns& object : input.labels)
+    for (std::size_t i = 0; i < flags.size(); ++i)
+      if (boundary_effect ? is_set(object.boundary[i]) : object.views[i] > 0.f) flags[i] = 1.f;
+  return flags;
 }
 
 }  // namespace
@@ -47,106 +50,75 @@ BoundarySet boundary_to_train(const Problem& input, bool boundary_effect, bool a
   return boundary;
 }
 
-struct JointTrainer::Impl {
-  Exec exec;
-  Monitor& monitor;
-  JointOptions options;
-  JointSwitches effects;
-  SampleOptions sample;
-  RbfOptions rbf;
-  const Problem& input;
-  const QueryField* given_field;
+struct JointTrainer::Impl : TrainedModel {
   GroupRates rates;  // at the first step, before decay
-
-  GaussianCloud cloud;
-  TrainedRows trained;
   TrainedLabels labels;
-  BoundarySet boundary;
-  std::unique_ptr<JointField> field;
-  SplatOptions first_splat;  // of the initial model, in the first round over the views
   std::int64_t steps = 0, done = 0;
 
-  ResidentResults images;  // of `splat`, and the following arrays
+  ResidentResults rendered;  // of `splat`
   SplatPass splat;
-  ViewGradients image_grad;
-  ImageF pixel_weights;  // of the mask loss
-  AlignContext align_context;
-  AlignFieldGradients to_field;
-  PhotometricPass<float> photometric;
+  RenderRequest request;
+  std::vector<std::unique_ptr<LossTerm>> losses;  // those that are on
+  LossValues no_values;                           // all columns
+  ImageGradients images;
   CloudGradients gradients;
   GaussianMoments moments;
-  KnnGraph cont_graph;
-  std::vector<std::int32_t> cont_place;       // [B] rows of the gradients; -1: not trained
-  std::vector<float> cont_colour, cont_grad;  // [B, 3]
   ViewCache cache;
   Resident resident;  // all arrays of a step, while steps run on a device
 
   Impl(const Exec& e, Monitor& m, const JointSetup& s)
-      : exec(e),
-        monitor(m),
-        options(s.options),
-        effects(s.options.on),
-        sample(sample_of(s.sample, s.options, s.input.splat.world_unit)),
-        rbf(s.rbf),
-        input(s.input),
-        given_field(s.field),
-        rates(group_rates(s, effects)),
-        cloud(s.input.cloud),
-        trained(e, s.input.region, s.frozen.empty() ? s.input.frozen : s.frozen, cloud),
-        labels(trained),
-        images(e),
-        splat(trained.prepared(splat_of(s.input.splat, effects)), &images),
-        cache(e, input, effects),
-        resident(e) {}
+      : TrainedModel{e,
+                     m,
+                     s.options,
+                     s.sample,
+                     s.rbf,
+                     s.input,
+                     s.field,
+                     s.input.cloud,
+                     TrainedRows(e, s.input.region, s.frozen.empty() ? s.input.frozen : s.frozen, cloud)},
+        rates(group_rates(s)),
+        labels(rows),
+        rendered(exec),
+        splat(rows.prepared(splat_of(s)), &rendered),
+        images(exec),
+        cache(exec, input),
+        resident(exec) {}
 
-  void start(bool allow_empty) {
-    boundary = boundary_to_train(input, effects.boundary, allow_empty);
-    if (boundary.size() == 0) effects.nerf = false;
-    if (!effects.nerf) effects.align = effects.density = effects.smooth = effects.variance = false;
+  void start(const Losses& wanted, bool allow_empty) {
+    boundary = boundary_to_train(input, options.on("boundary"), allow_empty);
     steps = steps_of(options, input.views.size());
     labels.start(input, options.start_steps);
-    if (boundary.size() > 1) {
-      cont_graph = nearest_others(exec, boundary.positions(), rbf.neighbours);
-      build_transpose(cont_graph);
-      cont_colour.resize(boundary.row.size() * 3), cont_grad.resize(boundary.row.size() * 3);
-      for (const std::uint32_t row : boundary.row) {
-        const std::optional<std::size_t> place = trained.gradient_row(row);
-        cont_place.push_back(place ? std::int32_t(*place) : -1);
-      }
+    request.colour = false;
+    request.background = input.background;
+    for (const auto& loss : wanted) {
+      for (const std::string_view column : loss->columns()) no_values.terms.emplace_back(column, 0.0);
+      if (!options.on(loss->effects().front().name)) continue;
+      losses.push_back(loss->copy());
+      if (!losses.back()->start(*this)) losses.pop_back();
     }
-    if (effects.nerf) {
-      first_splat = given_field ? input.splat : kept_on_device(exec, input.splat, input.cloud);
-      const double reach = field_reach(sample, cloud, cameras_of(input.scene, input.views), boundary);
-      field = std::make_unique<JointField>(
-          exec, JointField::Setup{options, effects, sample, rbf, cloud, boundary, reach, input.seed});
-    }
+    for (const auto& loss : losses) loss->request(request);
   }
 
-  /// Copies the trained values to the rendered cloud, labels and boundary.
+  /// Copies the trained values to the rendered cloud and labels.
   void write_back(const Exec& where) {
     labels.write_back(where);
-    trained.write_back(where);
-    if (!field) return;
-    for_each_row(where, boundary.size(),
-                 GatherRows{boundary.row.data(), 3, cloud.position.data(), boundary.position.data()});
-    if (where.device_ops) resident.update_host(boundary.position);  // rays are sampled on the host
+    rows.write_back(where);
+    for (const auto& loss : losses) loss->follow_model(where, resident);
   }
 
   /// Moves all arrays of a step to the device, if there is one.
   void to_device() {
     if (!resident.waits()) return;
-    gradients.resize(trained.size(), std::size_t(cloud.rest_count()) * 3, input.labels.size());
+    gradients.resize(rows.size(), std::size_t(cloud.rest_count()) * 3, input.labels.size());
     for (const GroupColumns& group : kGroupColumns) resident.add(gradients.*group.gradient);
     resident.add(gradients.label), resident.add(gradients.mean_px), resident.add(gradients.visible);
-    for (std::size_t g = 0; g < kGaussianGroups && effects.geometry; ++g) {
+    for (std::size_t g = 0; g < kGaussianGroups && options.on("geometry"); ++g) {
       if (rates[g] == 0) continue;
       moments[g].m.resize((gradients.*kGroupColumns[g].gradient).size()), moments[g].v.resize(moments[g].m.size());
       resident.add(moments[g].m), resident.add(moments[g].v);
     }
-    trained.add_to(resident), labels.add_to(resident);
-    resident.add(cont_graph.index), resident.add(cont_graph.row_begin), resident.add(cont_graph.edge);
-    if (field) field->add_to(resident), resident.add(boundary.position), resident.update_host(boundary.position);
-    resident.add(boundary.row), resident.add(cont_place), resident.add(cont_colour), resident.add(cont_grad);
+    rows.add_to(resident), labels.add_to(resident), resident.add(boundary.row);
+    for (const auto& loss : losses) loss->add_to(resident);
   }
 
   std::string step_name(std::int64_t s) const {
@@ -164,133 +136,28 @@ struct JointTrainer::Impl {
     return order[std::size_t(s) % n];
   }
 
-  FirstQueries first_queries() const {
-    return {exec, sample, rbf, input, first_splat, effects.boundary, given_field, *field};
-  }
-
-  const FieldRays& rays_of(std::size_t n, const RenderedView& rendered) {
-    const auto timed = monitor.scope("rays");
-    const std::size_t v = input.views[n];
-    const Camera& world = input.scene.views[v].camera;
-    const Camera camera = relative_to(world, cloud.origin);
-    const DepthMap map{&rendered.depth, &rendered.alpha, &exec};
-    FieldRays rays;
-    if (done < std::int64_t(input.views.size())) {
-      rays = first_queries().rays(v);
-    } else {
-      first_splat.prepared.reset();
-      rays.rays = sample_view(exec, sample, camera, boundary.positions(), map).rays;
-    }
-    if (rays.rays.rays() > 0) rays.on_surface = rays_on_surface(camera, rays.rays, map);
-    return field->hold(exec, std::move(rays), boundary.positions());
-  }
-
-  LossTerms step_view(std::size_t n);
-  const ImageF* field_terms(const FieldRays& rays, const RenderedView& rendered, LossTerms& loss, ViewGradients& grad);
-  ViewGradients& shaped_gradients(const RenderedView& rendered, bool with_masks, bool with_photo);
-  void cont_term(LossTerms& loss);
+  LossValues step_view(std::size_t n);
   void update(double decay);
-  void set_total(LossTerms& loss) const;
 };
 
-/// Adds the terms of the field. Returns the density weights of the mask loss; null: all 1.
-const ImageF* JointTrainer::Impl::field_terms(const FieldRays& rays, const RenderedView& rendered, LossTerms& loss,
-                                              ViewGradients& grad) {
-  if (rays.rays.rays() == 0) return nullptr;
-  const auto timed = monitor.scope("field");
-  const VolumeOutput& volume = field->forward(exec, rays, boundary.positions(), input.background);
-  if (effects.density) {
-    const PixelGrid& g = rays.rays.grid;
-    images.shape(pixel_weights, rendered.width_px, rendered.height_px, 1);
-    density_weights(exec, {g, box_of(g), volume.optical_depth}, pixel_weights);
-  }
-  if (effects.align) {
-    const AlignOptions align{options.weight_opacity, effects.variance ? options.weight_variance : 0.0};
-    const AlignInputs in{.grid = rays.rays.grid,
-                         .colour = &rendered.colour,
-                         .alpha = &rendered.alpha,
-                         .field_colour = &volume.colour,
-                         .field_alpha = &volume.alpha,
-                         .active = &rays.on_surface};
-    AlignContext& context = align_context;
-    const std::size_t nodes = volume.alpha.size();
-    images.shape(context.colour_residual, nodes * 3), images.shape(context.alpha_residual, nodes);
-    images.shape(context.patch_mean, nodes * 3), images.shape(context.patch_share, nodes);
-    images.shape(to_field.colour, nodes * 3), images.shape(to_field.alpha, nodes);
-    const AlignLoss value = loss_align(exec, align, in, context);
-    loss_align_backward(exec, align, in, context, {1.0, to_field, grad.colour, grad.alpha});
-    loss.align = value.total;
-  }
-  if (effects.align) field->backward(exec, rays, boundary.positions(), input.background, to_field);
-  if (effects.smooth) loss.smooth = field->smoothness(exec, rays, boundary.positions(), options.lambda_smooth, done);
-  return effects.density ? &pixel_weights : nullptr;
-}
-
-/// The gradients of the images; zero where no loss overwrites them, empty where none adds to them.
-ViewGradients& JointTrainer::Impl::shaped_gradients(const RenderedView& rendered, bool with_masks, bool with_photo) {
-  const int w = rendered.width_px, h = rendered.height_px;
-  ViewGradients& grad = image_grad;
-  grad.label_moves_geometry = effects.mask_geometry;
-  images.shape(grad.label, w, h, effects.mask && with_masks ? rendered.label.channels : 0);
-  images.shape(grad.alpha, w, h, effects.align ? 1 : 0);
-  images.shape(grad.colour, w, h, rendered.colour.channels);
-  fill_zero(exec, grad.alpha.data);
-  if (!with_photo) fill_zero(exec, grad.colour.data);
-  return grad;
-}
-
-void JointTrainer::Impl::cont_term(LossTerms& loss) {
-  if (!effects.cont || cont_graph.queries() == 0) return;
-  for_each_row(exec, boundary.size(), RowColours{boundary.row.data(), cloud.sh_dc.data(), cont_colour.data()});
-  const AddRowColourGradients add{cont_place.data(), nullptr, gradients.sh_dc.data()};
-  loss.cont =
-      loss_cont(exec, {cont_graph, {cont_colour.data(), boundary.size()}}, options.lambda_cont, &cont_grad, &add);
-}
-
-LossTerms JointTrainer::Impl::step_view(std::size_t n) {
+LossValues JointTrainer::Impl::step_view(std::size_t n) {
   ViewCache::View scratch;
-  const ViewCache::View& view = cache.load(monitor, n, scratch);
-  const Camera& camera = input.scene.views[input.views[n]].camera;
-  RenderRequest request;
-  request.colour = effects.photometric || effects.align, request.depth = effects.nerf,
-  request.background = input.background;
+  const ViewCache::View& given = cache.load(monitor, n, request.colour, scratch);
+  const std::size_t view = input.views[n];
   request.label = labels.rendered();
-  const RenderedView& rendered = [&]() -> const RenderedView& {
+  const RenderedView& image = [&]() -> const RenderedView& {
     const auto timed = monitor.scope("splat forward");
-    return splat.forward(exec, cloud, camera, request);
+    return splat.forward(exec, cloud, input.scene.views[view].camera, request);
   }();
-  const double shown = window_share(input, input.views[n]);  // scales losses to means over uncropped views
-  LossTerms loss;
-  const bool with_photo = effects.photometric && !view.photo.empty();
-  ViewGradients& grad = shaped_gradients(rendered, view.masks.available, with_photo);
-  if (with_photo) {
-    const auto timed = monitor.scope("photometric");
-    const PixelRect& box = view.anchor;
-    const double share =
-        shown * (box.empty() ? 1 : double(box.x1 - box.x0) * (box.y1 - box.y0) / double(view.photo.pixels()));
-    const PhotometricOptions anchor{.box = box, .gradient_scale = share * options.photometric_weight};
-    loss.photometric = share * photometric.evaluate(exec, anchor, {rendered.colour, view.photo}, &grad.colour).total;
-  }
-  const ImageF* weights = nullptr;
-  if (effects.nerf) weights = field_terms(rays_of(n, rendered), rendered, loss, grad);
-  if (effects.mask && view.masks.available) {
-    const auto timed = monitor.scope("mask loss");
-    loss.mask = loss_mask(exec, {MaskLossForm::kBce, 1.0}, {&rendered.label, &view.masks, weights, shown},
-                          options.lambda_mask, &grad.label)
-                    .total;
-  }
+  images.begin(image);
+  LossStep step{*this, done, view, window_share(input, view), given, image, images, gradients, no_values};
+  for (const auto& loss : losses) loss->add_on_view(step);
   {
     const auto timed = monitor.scope("splat backward");
-    splat.backward(exec, grad, gradients, trained.wanted());  // rows that are not wanted keep zero moments
+    splat.backward(exec, images.end(), gradients, rows.wanted());  // rows that are not wanted keep zero moments
   }
-  cont_term(loss);
-  set_total(loss);
-  return loss;
-}
-
-void JointTrainer::Impl::set_total(LossTerms& loss) const {
-  loss.total = options.photometric_weight * loss.photometric + loss.align + options.lambda_mask * loss.mask +
-               options.lambda_cont * loss.cont + options.lambda_smooth * loss.smooth;
+  for (auto loss = losses.rbegin(); loss != losses.rend(); ++loss) (*loss)->add_on_model(step);
+  return step.values;
 }
 
 void JointTrainer::Impl::update(double decay) {
@@ -298,19 +165,19 @@ void JointTrainer::Impl::update(double decay) {
   const std::int64_t t = done + 1;
   std::vector<AdamGroup> groups;
   groups.push_back(labels.group(exec, options.rate_label * decay, gradients.label));
-  if (effects.geometry) {
+  if (options.on("geometry")) {
     GroupRates fallen = rates;
     for (double& rate : fallen) rate *= decay;
-    for (const AdamGroup& group : gaussian_groups(fallen, gradients, trained.cloud(), moments)) groups.push_back(group);
+    for (const AdamGroup& group : gaussian_groups(fallen, gradients, rows.cloud(), moments)) groups.push_back(group);
   }
   adam_step(exec, t, groups);
   write_back(exec);
-  if (field) field->step(exec, t, decay);
+  for (const auto& loss : losses) loss->update(t, decay);
 }
 
 JointTrainer::JointTrainer(const Exec& exec, Monitor& monitor, const JointSetup& setup, bool allow_empty)
     : impl_(std::make_unique<Impl>(exec, monitor, setup)) {
-  impl_->start(allow_empty);
+  impl_->start(setup.losses, allow_empty);
 }
 JointTrainer::~JointTrainer() = default;
 
@@ -353,23 +220,14 @@ std::vector<StateBlock> JointTrainer::state() {
   Impl& s = *impl_;
   s.resident.release();
   std::vector<StateBlock> blocks;
-  const auto moments = [&](const std::string& name, AdamMoments& m, std::size_t size) {
-    blocks.push_back({name + ".m", &m.m, size, true});
-    blocks.push_back({name + ".v", &m.v, size, true});
-  };
   const auto stepped = [&](const std::string& name, std::vector<float>& values, AdamMoments& m) {
     blocks.push_back({name, &values, values.size()});
-    moments(name, m, values.size());
+    add_moments(name, m, values.size(), blocks);
   };
   for (std::size_t g = 0; g < kGaussianGroups; ++g)
-    stepped(kGroupColumns[g].name, s.trained.cloud().*kGroupColumns[g].value, s.moments[g]);
+    stepped(kGroupColumns[g].name, s.rows.cloud().*kGroupColumns[g].value, s.moments[g]);
   stepped("label", s.labels.logit(), s.labels.moments());
-  if (s.field) {
-    ParamStore& store = s.field->parameters();
-    blocks.push_back({"field", &store.values, store.values.size()});
-    for (std::size_t b = 0; b < s.field->moments().size(); ++b)
-      moments("field." + std::to_string(b), s.field->moments()[b], store.blocks[b].size);
-  }
+  for (const auto& loss : s.losses) loss->add_state(blocks);
   return blocks;
 }
 

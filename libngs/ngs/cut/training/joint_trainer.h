@@ -1,33 +1,18 @@
 #pragma once
-// The joint NeRF-GS optimisation of labels, Gaussians and the field, one training view per step.
-//                                                              Eqs. (1)-(2), (10)-(20), Algorithm 1 step 6
-// The first step of a view uses query points of the initial model, read from a file of ngs-sample and ngs-rbf if one is
-// given. Later steps sample them from the current model (C23). Every round over the views has a new random order.
+// The joint optimisation of labels and Gaussians by the losses of a list, one training view per step. Every round over
+// the views has a new random order.                                                Eqs. (2), (20), Algorithm 1 step 6
 #include <memory>
 
-#include "ngs/cut/training/joint_field.h"
+#include "ngs/cut/training/loss_list.h"
+#include "ngs/cut/training/loss_term.h"
 #include "ngs/problem/problem.h"
 
 namespace ngs {
 
-/// The terms of Eq. (20) and the photometric anchor, each unweighted.
-struct LossTerms {
-  double photometric = 0, align = 0, mask = 0, cont = 0, smooth = 0, total = 0;
-};
-
 struct JointProgress {
   std::int64_t step = 0, steps = 0;  // done, planned
   std::size_t view = 0;              // the view of the last step
-  LossTerms loss;
-};
-
-/// A named array of the trainer's state, for checkpoints.
-struct StateBlock {
-  std::string name;
-  std::vector<float>* values;
-  std::size_t size;           // required number of values
-  bool may_be_empty = false;  // true for moments, which are empty before the first step
-  bool fits(std::size_t count) const { return count == size || (may_be_empty && count == 0); }
+  LossValues loss;
 };
 
 struct JointSetup {
@@ -38,6 +23,7 @@ struct JointSetup {
   const QueryField* field = nullptr;  // query points of the initial model; null: sampled here
   GaussianRates rates = {};
   std::vector<std::uint8_t> frozen = {};  // [N] 1: only the label is trained; empty: input.frozen
+  Losses losses = all_losses();           // the trainer uses copies of those that are on
 };
 
 /// The boundary set before the first step. kNothingFound: the set is empty, unless `allow_empty`; then only

@@ -18,18 +18,17 @@ class ViewCache {
   struct View {
     ImageF photo;
     ViewMasks masks;
-    PixelRect anchor;  // where the photometric loss applies; empty: the whole photo
+    PixelRect object;  // box about the object; empty if the mask is empty
   };
-  ViewCache(const Exec& exec, const Problem& input, const JointSwitches& effects)
-      : input_(input), effects_(effects), view_(input.views.size()), resident_(exec) {}
+  ViewCache(const Exec& exec, const Problem& input) : input_(input), view_(input.views.size()), resident_(exec) {}
 
   /// View `n` of input.views. Views that do not fit into the cache are returned in `scratch`.
-  const View& load(Monitor& monitor, std::size_t n, View& scratch) {
+  const View& load(Monitor& monitor, std::size_t n, bool with_photo, View& scratch) {
     if (view_[n]) return *view_[n];
     const auto timed = monitor.scope("load view");
     scratch.masks = input_.load_masks(input_.views[n]);
-    if (effects_.photometric || effects_.align) scratch.photo = input_.load_photo(input_.views[n]);
-    if (!effects_.whole_photo) scratch.anchor = anchor_box(scratch.masks);
+    if (with_photo) scratch.photo = input_.load_photo(input_.views[n]);
+    scratch.object = object_box(scratch.masks);
     std::size_t bytes = scratch.photo.data.size() * sizeof(float) + scratch.masks.known.size();
     for (const auto& target : scratch.masks.target) bytes += target.size() * sizeof(float);
     if (bytes_ + bytes > kBytes) return scratch;
@@ -44,15 +43,13 @@ class ViewCache {
  private:
   static constexpr std::size_t kBytes = 512u << 20;
 
-  /// Box about the object, for --effect whole-photo=off; empty if the mask is empty.
-  static PixelRect anchor_box(const ViewMasks& masks) {
+  static PixelRect object_box(const ViewMasks& masks) {
     if (!masks.available) return {};
     const PixelWindow w = window_of(masks.target, masks.width_px, masks.height_px, kAnchorMargin_px);
     return {w.x0, w.y0, w.x0 + w.w, w.y0 + w.h};
   }
 
   const Problem& input_;
-  const JointSwitches& effects_;
   std::vector<std::unique_ptr<View>> view_;
   std::size_t bytes_ = 0;
   Resident resident_;  // the cached views; others are copied in each step

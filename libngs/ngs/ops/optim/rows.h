@@ -6,6 +6,9 @@
 
 namespace ngs {
 
+/// Whether for_each_row() runs on a device.
+inline bool rows_are_on_device(const Exec& exec) { return exec.device_ops != nullptr; }
+
 template <class Kernel>
 void for_each_row(const Exec& exec, std::int64_t rows, const Kernel& kernel) {
   if (exec.device_ops)

@@ -18,8 +18,7 @@ constexpr double kStep_s = 0.01;
 class SlowPass final : public Pass {
  public:
   enum class Part : std::uint8_t { kLooks, kWorks };
-  SlowPass(Part part, PassStage stage, int& steps) : part_(part), stage_(stage), steps_(steps) {}
-  PassStage stage() const override { return stage_; }
+  SlowPass(Part part, PassStage stage, int& steps) : Pass({stage}), part_(part), steps_(steps) {}
   std::vector<Effect> effects() const override {
     return {{.name = "slow",
              .help = "take time",
@@ -47,15 +46,13 @@ class SlowPass final : public Pass {
   }
 
   Part part_;
-  PassStage stage_;
   int& steps_;
 };
 
 /// Counts the views in the probe's cache, to detect a cache that an aborted heuristic left incomplete.
 class CountingPass final : public Pass {
  public:
-  explicit CountingPass(std::size_t& views) : views_(views) {}
-  PassStage stage() const override { return PassStage::kRepair; }
+  explicit CountingPass(std::size_t& views) : Pass({PassStage::kRepair}), views_(views) {}
   std::vector<Effect> effects() const override {
     return {{.name = "counting",
              .help = "count views",
@@ -103,7 +100,7 @@ TEST_CASE("a pass that would take too long is aborted early, undone and reported
   CHECK(c.steps == kSteps / 10);  // the limit is less than the second of work
   CHECK_FALSE(c.took_label());
   CHECK(run.budget.is_partial());
-  CHECK(run.state == Json({{"aborted", {"slow"}}}));
+  CHECK(run.resume.state == Json({{"aborted", {"slow"}}}));
   CHECK(c.decision().at("on") == false);
   CHECK(c.decision().at("reason").get<std::string>().starts_with("--time-budget: aborted"));
   CHECK_FALSE(run.solution->converged);
@@ -124,7 +121,7 @@ TEST_CASE("a pass is not aborted with enough time, with --effect NAME=on, or in 
     const PassRun& run = c.passes->run();
     CHECK(c.steps == kSteps);
     CHECK(c.took_label());
-    CHECK(run.state == Json::object());
+    CHECK(run.resume.state == Json::object());
   }
   SlowCase resumed(SlowPass::Part::kWorks, "slow=auto");
   resumed.passes->resume_from(Json::object());
@@ -139,7 +136,7 @@ TEST_CASE("a resumed run skips the aborted passes and has the same state") {
   const PassRun& run = c.passes->run();
   CHECK(c.steps == 0);
   CHECK_FALSE(c.took_label());
-  CHECK(run.state == state);
+  CHECK(run.resume.state == state);
   for (const Json& hostile :
        {Json({{"aborted", 3}}), Json({{"aborted", {1, nullptr}}}), Json({{"aborted", {{"slow", 1}}}})}) {
     SlowCase other(SlowPass::Part::kWorks, "slow=auto", 1e6);
@@ -155,27 +152,27 @@ TEST_CASE("a resumed run repeats the decisions of the stopped run and measures n
   const Json effects = before.passes->kept();
   CHECK(std::ranges::count(effects, Json("slow=off")) == 1);
   CHECK(std::ranges::none_of(effects, [](const Json& e) { return e.get<std::string>().starts_with("contours"); }));
-  CHECK(run.skipped == std::set<std::string>{"slow"});
+  CHECK(run.resume.skipped == std::set<std::string>{"slow"});
   for (const bool skipped : {true, false}) {
     SlowCase c(SlowPass::Part::kLooks, "slow=auto", 1e6);
-    c.passes->resume_from(run.state, effects, skipped ? Json(run.skipped) : Json());
+    c.passes->resume_from(run.resume.state, effects, skipped ? Json(run.resume.skipped) : Json());
     const PassRun& resumed = c.passes->run();
     CHECK(c.steps == 0);
     CHECK_FALSE(c.took_label());
     CHECK(c.decision().at("reason") == (skipped ? "--time-budget: skipped, no time left" : "--resume"));
     CHECK(resumed.budget.is_partial() == skipped);
     CHECK(c.passes->kept() == effects);
-    CHECK(resumed.skipped.size() == std::size_t(skipped));
+    CHECK(resumed.resume.skipped.size() == std::size_t(skipped));
   }
   for (const Json& other : {Json{"slow=on"}, Json{"slow=on", 3, nullptr, "slow", "fast=off"}}) {
     SlowCase c(SlowPass::Part::kLooks, "slow=auto", 1e6);
-    c.passes->resume_from(run.state, other, Json{"fast", 3});
+    c.passes->resume_from(run.resume.state, other, Json{"fast", 3});
     c.passes->run();
     CHECK(c.steps == 0);
     CHECK(c.took_label());
   }
   SlowCase insists(SlowPass::Part::kLooks, "slow=on", 1e6);
-  insists.passes->resume_from(run.state, effects, Json(run.skipped));
+  insists.passes->resume_from(run.resume.state, effects, Json(run.resume.skipped));
   CHECK_FALSE(insists.passes->run().budget.is_partial());
   CHECK(insists.took_label());
 }

@@ -13,7 +13,7 @@ namespace {
 /// An example of a new pass: removes the labels of large Gaussians.
 class OversizedPass : public Pass {
  public:
-  PassStage stage() const override { return PassStage::kRepair; }
+  OversizedPass() : Pass({PassStage::kRepair}) {}
   std::vector<Effect> effects() const override {
     return {{.name = "oversized",
              .help = "label no Gaussian larger than --oversized-scale",

@@ -1,6 +1,6 @@
 // Tests each heuristic that reads images on a case in which the naive measure that it replaces decides wrongly.
 // Heuristics that read columns only: scene_measures_test.cpp.
-#include "ngs/cut/passes/scene_probe.h"
+#include "ngs/cut/training/scene_probe.h"
 
 #include <doctest/doctest.h>
 

@@ -12,7 +12,7 @@
 #include "ngs/cut/passes/exposure/exposure.h"
 #include "ngs/cut/passes/floaters/floaters.h"
 #include "ngs/cut/passes/mask_outliers/mask_outliers.h"
-#include "ngs/cut/passes/scene_probe.h"
+#include "ngs/cut/training/scene_probe.h"
 #include "ngs/problem/coarse_input.h"
 #include "ngs/problem/view_list.h"
 #include "support/changed_labels.h"

@@ -11,7 +11,7 @@ namespace {
 
 class BleedThroughPass : public Pass {
  public:
-  PassStage stage() const override { return PassStage::kOptimise; }
+  BleedThroughPass() : Pass({PassStage::kOptimise}) {}
   std::vector<Effect> effects() const override;
   std::vector<FixedDecision> fixed_decisions(const TrainingOptions&) const override;
   void run(PassRun& run) override;

@@ -10,10 +10,10 @@ namespace {
 
 class ComponentsPass : public Pass {
  public:
-  PassStage stage() const override { return PassStage::kRepair; }
+  ComponentsPass() : Pass({PassStage::kRepair}) {}
   std::vector<Effect> effects() const override;
   void run(PassRun& run) override;
-  void edit_solution(PassRun& run) override;
+  void finish(PassRun& run) override;
 };
 
 }  // namespace
@@ -27,8 +27,8 @@ std::vector<Effect> ComponentsPass::effects() const {
                      [](SceneProbe& probe) { return double(count_disconnected(probe.exec(), probe.problem())); }}}};
 }
 
-void ComponentsPass::edit_solution(PassRun& run) {
-  const bool labels_were_trained = run.trainer != nullptr;
+void ComponentsPass::finish(PassRun& run) {
+  const bool labels_were_trained = run.optimisation.trainer != nullptr;
   const bool is_switched_off = std::ranges::none_of(run.decisions.all(), [](const Decision& decision) {
     return decision.effect->name == "components" && (decision.on || decision.measured);
   });
@@ -44,7 +44,6 @@ void ComponentsPass::run(PassRun& run) {
   if (finding.count == 0) return;
   problem.frozen.resize(finding.disconnected.size());
   for (std::size_t i = 0; i < finding.disconnected.size(); ++i) problem.frozen[i] |= finding.disconnected[i];
-  run.field_matches_model = false;
   run.log(std::to_string(finding.count) + " labelled Gaussians are disconnected from the object: treated as unseen");
 }
 

@@ -15,13 +15,10 @@ namespace {
 
 class ContoursPass : public Pass {
  public:
-  PassStage stage() const override { return PassStage::kOptimise; }
+  ContoursPass() : Pass({.stage = PassStage::kOptimise, .follows_clock = true, .decided_again_on_resume = true}) {}
   std::vector<Effect> effects() const override;
   void declare(OptionSet& options, const OptionGroup& group) override;
   std::vector<FixedDecision> fixed_decisions(const TrainingOptions& training) const override;
-  bool follows_clock() const override { return true; }
-  bool decided_again_on_resume() const override { return true; }
-  void prepare(PassRun& run) override;
   void run(PassRun& run) override;
 
  private:
@@ -122,39 +119,36 @@ std::vector<FixedDecision> ContoursPass::fixed_decisions(const TrainingOptions& 
   return rules;
 }
 
-void ContoursPass::prepare(PassRun& run) {
-  const auto on = [&](std::string_view name) { return run.decisions.on_if_known(name).value_or(true); };
-  options_.on = {
-      .split = on("split"), .iterations = on("contour-iterations"), .full_resolution = on("full-resolution")};
-  run.training.joint.coarse_contours_follow =
-      on(kContoursEffect) && options_.on.iterations && !options_.on.full_resolution;
-}
-
 void ContoursPass::run(PassRun& run) {
+  begin_optimisation(run);
+  options_.on = {.split = run.on("split"),
+                 .iterations = run.on("contour-iterations"),
+                 .full_resolution = run.on("full-resolution")};
   Budget& budget = run.budget;
+  Optimisation& at = run.optimisation;
   const bool has_epochs = contour_epochs(options_, run.training.joint.quality, 1) > 0;
   if (!has_epochs)
     run.monitor.warn(
         "--effect contours=on: skipped, because --quality draft has no contour epochs; set --contour-epochs N to run "
         "them");
-  if (run.tracker->target_met() || !has_epochs) return;
+  if (at.tracker->target_met() || !has_epochs) return;
   // Contour iterations are not checkpointed: a run that is interrupted in them resumes at their start.
-  if (run.store != nullptr && run.on(kJointEffect)) run.store->try_save(*run.trainer);
+  if (at.store != nullptr && run.on(kJointEffect)) at.store->try_save(*at.trainer);
   std::vector<Agreement> before;
   const double began_s = wall_seconds();
   if (budget.is_set()) before = training_agreement(run.exec, *run.problem, *run.solution);
   const double check_s = wall_seconds() - began_s;
   if (run.monitor.stop_requested()) return;
   if (!budget.allows((1 + kRefineChecks) * check_s)) return budget.mark_partial();
-  run.tracker->begin_iterations(budget.is_set() ? check_s : 0);
+  at.tracker->begin_iterations(budget.is_set() ? check_s : 0);
   run.log("contours begin");
   const Solution start = budget.is_set() ? *run.solution : Solution{};
   run.solution = refine_contours(run.exec, run.monitor,
                                  {options_, run.training, *run.problem,
                                   [&](const JointProgress& progress, JointTrainer& trainer, const auto& whole) {
-                                    return run.tracker->after_step(progress, trainer, whole);
+                                    return at.tracker->after_step(progress, trainer, whole);
                                   },
-                                  [&](int wanted) { return run.tracker->set_iterations(wanted), wanted; }},
+                                  [&](int wanted) { return at.tracker->set_iterations(wanted), wanted; }},
                                  std::move(*run.solution));
   if (run.monitor.stop_requested() || !budget.is_set() || run.solution->source_row.empty()) return;
   const std::vector<Agreement> after = training_agreement(run.exec, *run.problem, *run.solution);

@@ -9,7 +9,7 @@ namespace {
 
 class ExposurePass : public Pass {
  public:
-  PassStage stage() const override { return PassStage::kRepair; }
+  ExposurePass() : Pass({PassStage::kRepair}) {}
   std::vector<Effect> effects() const override;
   void run(PassRun& run) override;
 };

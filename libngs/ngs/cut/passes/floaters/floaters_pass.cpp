@@ -9,7 +9,7 @@ namespace {
 
 class FloatersPass : public Pass {
  public:
-  PassStage stage() const override { return PassStage::kRepair; }
+  FloatersPass() : Pass({PassStage::kRepair}) {}
   std::vector<Effect> effects() const override;
   void run(PassRun& run) override;
 };
@@ -20,7 +20,7 @@ constexpr std::size_t kDraftViews = 48;
 /// True: search in at most kDraftViews and refit briefly, at half the decision size. Used for drafts and with a time
 /// budget. A resumed run repeats the choice of the stopped run.
 bool is_draft(const PassRun& run) {
-  const Json kept = run.resumed ? run.resumed->value("floaters", Json()) : Json();
+  const Json kept = run.resume.before ? run.resume.before->value("floaters", Json()) : Json();
   if (kept.is_object() && kept.value("draft", Json()).is_boolean()) return kept["draft"].get<bool>();
   return preset_of(run.training.joint.quality).half_floaters || run.budget.is_set();
 }
@@ -42,7 +42,6 @@ bool remove(PassRun& run, const CoarseInput& coarse, const FloaterFinding& findi
   next.splat = kept_on_device(run.exec, next.splat, next.cloud);
   run.problem.emplace(std::move(next));
   run.floater.assign(finding.floater.begin(), finding.floater.end());
-  run.field_matches_model = false;
   run.log(std::to_string(finding.count) + " floaters in front of the object were removed (column ngs_floater)");
   return true;
 }
@@ -74,7 +73,7 @@ void FloatersPass::run(PassRun& run) {
                                        : "Gaussians in front of the object hide too little of it";
   report["sees_past"] = options.sees_past, report["least_hidden"] = options.min_hidden;
   note(finding.figures, report);
-  run.state["floaters"] = {{"draft", draft}};
+  run.resume.state["floaters"] = {{"draft", draft}};
 }
 
 std::unique_ptr<Pass> make_floaters_pass() { return std::make_unique<FloatersPass>(); }

@@ -2,27 +2,28 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ngs/cut/passes/joint/joint_effects.h"
 #include "ngs/cut/passes/pass.h"
 #include "ngs/cut/passes/pass_list.h"
-#include "ngs/cut/passes/pipeline.h"
-#include "ngs/problem/region.h"
+#include "ngs/cut/training/scene_probe.h"
+#include "ngs/problem/scene_measures.h"
 
 namespace ngs {
 namespace {
 
 class JointPass : public Pass {
  public:
-  PassStage stage() const override { return PassStage::kOptimise; }
+  explicit JointPass(Losses losses)
+      : Pass({.stage = PassStage::kOptimise, .follows_clock = true}), losses_(std::move(losses)) {}
   std::vector<Effect> effects() const override;
+  void declare(OptionSet& options, const OptionGroup& group) override;
   std::vector<FixedDecision> fixed_decisions(const TrainingOptions&) const override;
-  bool follows_clock() const override { return true; }
-  void prepare(PassRun& run) override;
-  /// Creates the trainer. If the steps are off, its closed-form labels are the solution.
-  void begin(PassRun& run) override;
   void run(PassRun& run) override;
-  /// Runs the steps that were left to contour iterations, if no iteration ran.
+  /// If the steps are off, the closed-form labels are the solution. Runs the steps that were left to contour
+  /// iterations, if no iteration ran.
   void finish(PassRun& run) override;
+
+ private:
+  const Losses losses_;  // their options and effects
 };
 
 /// Notifies the store of the start and the end of the steps.
@@ -45,14 +46,15 @@ class StepsNotifier {
 /// `store`: null: no checkpoints.
 void take_steps(PassRun& run, double reserve_s, StepStore* store) {
   const StepsNotifier notifier(store);
-  JointTrainer& trainer = *run.trainer;
-  run.tracker->begin_steps(reserve_s, trainer);
+  JointTrainer& trainer = *run.optimisation.trainer;
+  StepTracker& tracker = *run.optimisation.tracker;
+  tracker.begin_steps(reserve_s, trainer);
   run.log("step " + std::to_string(trainer.steps_done() + 1) + " begins");
-  bool ended = run.tracker->target_met();
+  bool ended = tracker.target_met();
   while (!trainer.finished() && !ended) {
     const JointProgress progress = trainer.step();
     run.monitor.progress(progress.step, progress.steps);
-    ended = run.tracker->after_step(progress, trainer, [&] { return trainer.result(); });
+    ended = tracker.after_step(progress, trainer, [&] { return trainer.result(); });
     if (run.monitor.stop_requested()) {
       if (store != nullptr) store->save(trainer);
       return;
@@ -62,89 +64,87 @@ void take_steps(PassRun& run, double reserve_s, StepStore* store) {
   }
 }
 
-/// True: neither joint steps nor contours run, so the closed-form labels are the solution.
-bool is_unoptimised(const PassRun& run) { return !run.on(kJointEffect) && !run.on(kContoursEffect); }
-
-/// The problem's model as the solution, still without labels.
-Solution unoptimised_solution(const PassRun& run) {
-  const Problem& problem = *run.problem;
-  const BoundarySet boundary = boundary_to_train(problem, run.training.joint.on.boundary, run.allow_empty);
-  return {.cloud = unchanged(problem.cloud),
-          .source_row = {},
-          .labels = {},
-          .figures = {{"steps", 0.0}, {"boundary", double(boundary.size())}}};
-}
-
 }  // namespace
 
-std::vector<Effect> JointPass::effects() const { return joint_effects(); }
+std::vector<Effect> JointPass::effects() const {
+  std::vector<Effect> effects{
+      {.name = kJointEffect,
+       .help = "optimise by Eq. 20; off: closed-form labels",
+       .saves = "all steps before contour refinement",
+       .heuristic = {"gain of agreement with the masks by contour refinement, normal score (0: the photos show edges "
+                     "that the model does not, or the masks err to one side)",
+                     -kSignificant, "below it the photos add no edge, and refined contours agree less with the masks",
+                     [](SceneProbe& probe) { return probe.edge_gain(); }}},
+      {.name = "boundary",
+       .help = "use the boundary set; off: every seen Gaussian",
+       .always = "all other parts work on the set; off is more work, not less"},
+      {.name = "sh",
+       .help = "use view-dependent colour",
+       .saves = "SH bands, their gradients and steps",
+       .heuristic = {"strongest view-dependent colour, levels", 0.5, kHalfLevel,
+                     [](SceneProbe& probe) {
+                       return view_dependence_levels(probe.problem().cloud, probe.sample_cameras(),
+                                                     probe.problem().splat.world_unit);
+                     }}},
+      {.name = "antialias",
+       .help = "use the opacity compensation of the model's training",
+       .saves = "the compensation",
+       .heuristic = {"largest opacity removed by the compensation, levels", 0.5, kHalfLevel,
+                     [](SceneProbe& probe) {
+                       return antialias_levels(probe.problem().cloud, probe.sample_cameras(), probe.problem().splat);
+                     }}},
+      {.name = "geometry",
+       .help = "move the Gaussians",
+       .always = "the gradients exist anyway, and the moved Gaussians are the result"}};
+  for (const auto& loss : losses_)
+    for (Effect& effect : loss->effects()) effects.push_back(std::move(effect));
+  return effects;
+}
+
+void JointPass::declare(OptionSet& options, const OptionGroup& given) {
+  OptionGroup group = given;
+  group.name = kJointEffect;
+  for (const auto& loss : losses_) loss->declare(options, group);
+}
 
 std::vector<FixedDecision> JointPass::fixed_decisions(const TrainingOptions& training) const {
   if (training.joint.steps > 0) return {{kJointEffect, true, "--steps"}};
   return {};
 }
 
-void JointPass::prepare(PassRun& run) {
-  if (run.budget.is_set()) skip_for_time(run, kNerfEffect);  // smallest gain per second
-  run.training.joint.on =
-      joint_switches([&](std::string_view name) { return run.decisions.on_if_known(name).value_or(true); });
-}
-
-void JointPass::begin(PassRun& run) {
-  Problem& problem = *run.problem;
-  problem.splat.antialiased = problem.splat.antialiased && run.on("antialias");
-  // The NeRF is trained against the whole rendering, and moves all Gaussians in it.
-  if (!run.on(kNerfEffect) && run.on("boundary")) problem.region = region_of(problem.labels);
-  const TrainingOptions& o = run.training;
-  run.tracker.emplace(run.exec, run.tracking, problem, run.budget);
-  if (is_unoptimised(run)) {  // saves the memory of a trainer, which is as large as the model
-    run.solution = unoptimised_solution(run);
-    run.tracker->begin([&] {
-      Solution start = *run.solution;
-      start.labels = problem.labels;
-      return start;
-    });
-    return;
-  }
-  run.trainer = std::make_unique<JointTrainer>(
-      run.exec, run.monitor, JointSetup{o.joint, o.sample, o.rbf, problem, run.field}, run.allow_empty);
-  run.tracker->begin([&] { return run.trainer->result(); });
-  run.solution = run.trainer->result();
-  run.solution->converged = true;
-}
-
 void JointPass::run(PassRun& run) {
-  if (run.store != nullptr && run.store->load(*run.trainer))
-    run.log("resumed after step " + std::to_string(run.trainer->steps_done()));
+  begin_optimisation(run);
+  StepStore* const store = run.optimisation.store;
+  JointTrainer* const trainer = run.optimisation.trainer.get();
+  if (store != nullptr && store->load(*trainer)) run.log("resumed after step " + std::to_string(trainer->steps_done()));
   run.solution.reset();  // frees memory: with many objects it is as large as the trainer
   const double share = run.on(kContoursEffect) ? kStepsShare : 1;
-  take_steps(run, run.budget.is_set() ? (1 - share) * run.budget.remaining_s() : 0, run.store);
-  run.solution = run.trainer->result();
+  take_steps(run, run.budget.is_set() ? (1 - share) * run.budget.remaining_s() : 0, store);
+  run.solution = trainer->result();
   run.solution->converged = true;
 }
 
 void JointPass::finish(PassRun& run) {
+  begin_optimisation(run);
+  const StepTracker& tracker = *run.optimisation.tracker;
+  JointTrainer* const trainer = run.optimisation.trainer.get();
   JointOptions all = run.training.joint;
   all.coarse_contours_follow = false;
   const std::int64_t all_steps = steps_of(all, run.problem->views.size());
-  const bool too_few =
-      run.on(kJointEffect) && run.trainer->steps_done() < all_steps && run.solution->source_row.empty();
-  const bool time_left = run.budget.allows(run.tracker->longest_step_s());
-  if (too_few && run.on(kContoursEffect) && !run.tracker->target_met() && time_left) {
-    run.trainer->plan_steps(all_steps);
+  const bool too_few = run.on(kJointEffect) && trainer->steps_done() < all_steps && run.solution->source_row.empty();
+  const bool time_left = run.budget.allows(tracker.longest_step_s());
+  if (too_few && run.on(kContoursEffect) && !tracker.target_met() && time_left) {
+    trainer->plan_steps(all_steps);
     take_steps(run, 0, nullptr);  // no checkpoints: a resumed run refines the contours again
-    Solution longer = run.trainer->result();
+    Solution longer = trainer->result();
     longer.figures.merge(run.solution->figures);
     run.solution = std::move(longer);
   }
-  if (is_unoptimised(run)) run.solution->labels = run.problem->labels.release();  // last use of the problem's labels
-  run.solution->converged = run.tracker->target_met() || (!run.tracker->was_cut() && !run.budget.is_partial());
-  const LossTerms& l = run.tracker->last_loss();
-  run.report["last_loss"] = {{"total", l.total}, {"photometric", l.photometric},
-                             {"align", l.align}, {"mask", l.mask},
-                             {"cont", l.cont},   {"smooth", l.smooth}};
+  if (trainer == nullptr) run.solution->labels = run.problem->labels.release();  // last use of the problem's labels
+  run.solution->converged = tracker.target_met() || (!tracker.was_cut() && !run.budget.is_partial());
+  if (!tracker.last_loss().empty()) run.report["last_loss"] = tracker.last_loss();
 }
 
-std::unique_ptr<Pass> make_joint_pass() { return std::make_unique<JointPass>(); }
+std::unique_ptr<Pass> make_joint_pass(const Losses& losses) { return std::make_unique<JointPass>(losses); }
 
 }  // namespace ngs

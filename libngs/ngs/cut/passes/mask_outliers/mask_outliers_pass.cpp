@@ -19,7 +19,7 @@ namespace {
 
 class MaskOutliersPass : public Pass {
  public:
-  PassStage stage() const override { return PassStage::kRepair; }
+  MaskOutliersPass() : Pass({PassStage::kRepair}) {}
   std::vector<Effect> effects() const override;
   void run(PassRun& run) override;
 

@@ -8,6 +8,12 @@ namespace {
 /// Minimum share of its steps that an iteration needs to gain anything (decision 031).
 constexpr double kMinNextShare = 0.5;
 
+Json json_of(const LossValues& loss) {
+  Json json{{"total", loss.total}};
+  for (const auto& [column, value] : loss.terms) json[std::string(column)] = value;
+  return json;
+}
+
 }  // namespace
 
 StepTracker::StepTracker(const Exec& exec, const TrackerOptions& options, const Problem& problem, const Budget& budget)
@@ -75,25 +81,18 @@ void StepTracker::replan(const JointProgress& progress, JointTrainer& trainer) {
 
 void StepTracker::write_step(const JointProgress& progress, double now_s, const std::function<Solution()>& model) {
   if (!options_.target && !options_.traced) return;
-  const LossTerms& l = progress.loss;
   Json line{{"t", now_s},
             {"stage", iterations_left_ > 0 ? "contours" : "joint"},
             {"step", step_},
             {"view", problem_.scene.views[progress.view].camera.name},
-            {"loss",
-             {{"total", l.total},
-              {"photometric", l.photometric},
-              {"align", l.align},
-              {"mask", l.mask},
-              {"cont", l.cont},
-              {"smooth", l.smooth}}}};
+            {"loss", json_of(progress.loss)}};
   if ((step_ % every_ == 0 || progress.step == progress.steps) && can_score()) score(line, model);
   if (options_.traced) text_ += line.dump() + "\n";
 }
 
 bool StepTracker::after_step(const JointProgress& progress, JointTrainer& trainer,
                              const std::function<Solution()>& model) {
-  last_loss_ = progress.loss;
+  last_loss_ = json_of(progress.loss);
   ++step_;
   const double now = seconds();
   if (iterations_left_ > 0 && progress.step == 1) begin_iteration(progress, now);

@@ -37,7 +37,8 @@ class StepTracker {
   /// True: steps were skipped for lack of time.
   bool was_cut() const { return cut_; }
   double longest_step_s() const { return longest_step_s_; }
-  const LossTerms& last_loss() const { return last_loss_; }
+  /// Of the last step; null: no step was made.
+  const Json& last_loss() const { return last_loss_; }
   /// JSON lines (data-schema/trace.schema.json). `t` excludes the time spent on scoring, which is reported separately.
   const std::string& trace() const { return text_; }
 
@@ -63,7 +64,7 @@ class StepTracker {
   double start_s_ = 0, longest_step_s_ = 0, reserve_s_ = 0;
   int iterations_left_ = 0;  // contour iterations left, including the current one; 0: joint steps
   double refine_s_ = 0;
-  LossTerms last_loss_;
+  Json last_loss_;
   std::string text_;
 };
 

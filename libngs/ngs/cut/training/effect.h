@@ -35,6 +35,7 @@ struct Effect {
   std::string_view needs = {};   // effect that must be on for this one to be on
   std::string_view always = {};  // why the effect is on for every scene; empty: the heuristic decides
   Heuristic heuristic = {};
+  bool skipped_with_budget = false;  // off under any time budget: it gains the least per second
 };
 
 /// Number of views on which a heuristic is measured if it does not need all views.

@@ -4,7 +4,9 @@
 #include <vector>
 
 #include "ngs/core/monitor.h"
-#include "ngs/cut/training/joint_options.h"
+#include "ngs/field/field_options.h"
+#include "ngs/field/rbf_stage.h"
+#include "ngs/field/sample_stage.h"
 #include "ngs/ops/field/film_mlp.h"
 #include "ngs/ops/field/hash_grid.h"
 #include "ngs/ops/field/ray_query.h"
@@ -46,11 +48,15 @@ struct FieldShape {
   std::int64_t boundary = 0;  // Gaussians
 };
 
+/// Validates a field written by ngs-sample. kBadInput: it does not have the nodes of every grid in order, each with
+/// pixel and depth. kInconsistent: it is relative to another origin. `name`: of the file, for messages.
+void require_grids(const QueryField& field, const GaussianCloud& cloud, const std::string& name);
+
 class JointField {
  public:
   struct Setup {
-    const JointOptions& options;
-    const JointSwitches& effects;
+    const FieldOptions& options;
+    const PartSwitches& parts;
     const SampleOptions& sample;
     const RbfOptions& rbf;
     const GaussianCloud& cloud;

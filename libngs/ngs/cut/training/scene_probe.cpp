@@ -1,10 +1,10 @@
-#include "ngs/cut/passes/scene_probe.h"
+#include "ngs/cut/training/scene_probe.h"
 
 #include <algorithm>
 #include <iterator>
 
 #include "ngs/cut/contours/unexplained_contrast.h"
-#include "ngs/cut/passes/effect.h"
+#include "ngs/cut/training/effect.h"
 #include "ngs/ops/image/mask_pair.h"
 #include "ngs/ops/image/pixel_window.h"
 #include "ngs/ops/neighbours/knn.h"

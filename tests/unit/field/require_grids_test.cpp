@@ -1,11 +1,10 @@
-#include "ngs/cut/training/first_queries.h"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
 #include <functional>
 
 #include "ngs/core/error.h"
+#include "ngs/field/joint_field.h"
 
 namespace ngs {
 namespace {

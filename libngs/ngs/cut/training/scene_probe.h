@@ -33,6 +33,9 @@ inline constexpr double kClearScore = 2.5;
 /// 1 - IoU; 0 where both masks are empty.
 double disagreement(const Confusion& counts);
 
+/// Why a threshold on a difference of colours is 0.5 levels.
+inline constexpr std::string_view kHalfLevel = "half a level: an 8-bit photo cannot show less";
+
 class SceneProbe {
  public:
   SceneProbe(const Exec& exec, const TrainingOptions& training, const Problem& problem)

@@ -1,4 +1,4 @@
-#include "ngs/cut/passes/effect.h"
+#include "ngs/cut/training/effect.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,10 @@
 // Rays of one view through the field, sampled here or read from a file of ngs-sample and ngs-rbf.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "ngs/cut/training/joint_field.h"
+#include "ngs/core/error.h"
+#include "ngs/field/joint_field.h"
 #include "ngs/ops/neighbours/knn.h"
 
 namespace ngs {
@@ -100,6 +102,31 @@ FieldRays JointField::rays(const Exec& exec, const Camera& camera, const QueryFi
     build_transpose(out.graph);
   }
   return out;
+}
+
+void require_grids(const QueryField& field, const GaussianCloud& cloud, const std::string& name) {
+  const auto bad = [&](const std::string& what) {
+    throw Error(ErrorCode::kBadInput, name + ": " + what,
+                "sample again: ngs-sample scene.json boundary.ply -o queries.ply");
+  };
+  const auto n = std::size_t(field.size());
+  const std::pair<std::size_t, const char*> columns[] = {{field.uv.size() / 2, "u v"},
+                                                         {field.view.size(), "view"},
+                                                         {field.slot.size(), "slot"},
+                                                         {field.depth.size(), "depth"}};
+  for (const auto& [rows, column] : columns)
+    if (rows != n) bad(std::string("no columns ") + column + ", expected those of ngs-sample");
+  require_same_origin(field, cloud.origin);
+  std::int32_t slot = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::int32_t before = i > 0 ? field.view[i - 1] : -1, view = field.view[i];
+    slot = view == before ? slot + 1 : 0;
+    if (view < before || field.slot[i] != slot)
+      bad("row " + std::to_string(i) + " is slot " + std::to_string(field.slot[i]) + " of view " +
+          std::to_string(view) + ", expected view by view all slots from 0");
+    if (!std::isfinite(field.uv[2 * i]) || !std::isfinite(field.uv[2 * i + 1]) || !(field.depth[i] > 0))
+      bad("row " + std::to_string(i) + " has no pixel or no depth, expected finite u v and depth > 0");
+  }
 }
 
 }  // namespace ngs

@@ -1,4 +1,4 @@
-#include "ngs/cut/training/joint_field.h"
+#include "ngs/field/joint_field.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,10 +15,10 @@ constexpr double kBoxWidths = 4;  // margin of the encoding's box about the quer
 constexpr int kFeatures = 3;      // length of f_j and f_inter; f_j starts as the colour of Gaussian j
 
 HashGridConfig hash_config(const Exec& exec, const JointField::Setup& s, double width) {
-  const JointOptions& o = s.options;
+  const FieldOptions& o = s.options;
   HashGridConfig config{o.hash_levels, kHashFeatures, o.hash_log2_table, kHashBase, std::max(kHashBase, o.hash_finest)};
-  if (!s.effects.hash) config.levels = 1, config.max_resolution = config.base_resolution;
-  if (s.effects.fine_hash) return config;
+  if (!s.parts.on("hash")) config.levels = 1, config.max_resolution = config.base_resolution;
+  if (s.parts.on("fine-hash")) return config;
   const std::vector<HashLevel> levels = hash_levels(config);
   int kept = 1;
   while (kept < config.levels && encoding_cells(exec, s.reach, width, s.boundary.positions(),
@@ -29,13 +29,13 @@ HashGridConfig hash_config(const Exec& exec, const JointField::Setup& s, double 
 }
 
 FieldShape shape_of(const Exec& exec, const JointField::Setup& s) {
-  const JointOptions& o = s.options;
+  const FieldOptions& o = s.options;
   FieldShape shape;
   shape.width = rbf_width(exec, s.rbf, s.boundary.positions());
   shape.hash = hash_config(exec, s, shape.width);
   shape.box = hash_box(s.boundary.positions(), s.reach + kBoxWidths * shape.width);
-  shape.hidden = o.mlp_hidden, shape.layers = o.mlp_layers, shape.film = s.effects.film;
-  shape.neighbours = s.effects.rbf ? s.rbf.neighbours : 1;
+  shape.hidden = o.mlp_hidden, shape.layers = o.mlp_layers, shape.film = s.parts.on("film");
+  shape.neighbours = s.parts.on("rbf") ? s.rbf.neighbours : 1;
   shape.boundary = s.boundary.size();
   return shape;
 }
@@ -65,7 +65,7 @@ JointField::JointField(const FieldShape& shape, std::uint64_t seed, const Exec& 
 
 JointField::JointField(const Exec& exec, const Setup& s) : JointField(shape_of(exec, s), s.seed, exec) {
   smooth_points_ = s.options.smooth_points, smooth_step_ = s.options.smooth_step;
-  recompute_neighbours_ = !s.effects.rbf;
+  recompute_neighbours_ = !s.parts.on("rbf");
   for (std::size_t i = 0; i < std::size_t(shape_.boundary) * kFeatures; ++i)
     store_.values[feature_offset_ + i] = std::clamp(s.boundary.colour[i], 0.f, 1.f);
 }
