@@ -5,6 +5,7 @@
 #include "marked_views.h"
 #include "ngs/core/error.h"
 #include "ngs/core/version.h"
+#include "ngs/io/capture/capture_source.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/content_hash.h"
 #include "ngs/io/files/json_file.h"
@@ -96,12 +97,14 @@ bool CutChain::make_scene() {
   return true;
 }
 
-/// Whether the pictures are those of an earlier run with the same options and, unless it is a dry run, the same model.
+/// Whether the pictures are those of an earlier run with the same options and, unless it is a dry run, the same model
+/// and cameras.
 bool CutChain::has_same_pictures(const Json& key) const {
   const std::string key_file = at("orbit/made_from.json");
   if (!exists(plain_scene_) || !exists(key_file)) return false;
   nlohmann::json made = io::read_json_file(key_file);
-  if (run_.dry_run() && made.is_object()) made.erase("model");
+  for (const char* hash : {"model", "cameras"})
+    if (run_.dry_run() && made.is_object()) made.erase(hash);
   return made == nlohmann::json(key);
 }
 
@@ -134,6 +137,9 @@ bool CutChain::orbit() {
     std::error_code absent;
     if (!painted.in_place.empty()) fs::remove(key_file, absent);
     key["model"] = io::content_hash(inputs_.splat()).xxh3;
+    io::CaptureRequest cameras;
+    cameras.source = inputs_.source;
+    if (inputs_.renders_capture) key["cameras"] = io::content_hash(io::read_capture(cameras).file).xxh3;
   }
   reused_orbit_ = has_same_pictures(key);
   plan();

@@ -34,7 +34,9 @@ FoundFile find_mask(const FolderIndex& index, const std::set<fs::path>& photos, 
   const std::string stem = image_stem(name);
   const FoundFile tried[] = {{name + ".png", "<name>.png"},           {name, "<name>"},
                              {stem + ".png", "<stem>.png"},           {stem + ".mask.png", "<stem>.mask.png"},
-                             {name + ".mask.png", "<name>.mask.png"}, {stem + "_mask.png", "<stem>_mask.png"}};
+                             {name + ".mask.png", "<name>.mask.png"}, {stem + "_mask.png", "<stem>_mask.png"},
+                             {stem + "-mask.png", "<stem>-mask.png"}, {"mask_" + stem + ".png", "mask_<stem>.png"},
+                             {stem + ".jpg.png", "<stem>.jpg.png"},   {stem + ".jpeg.png", "<stem>.jpeg.png"}};
   const auto is_photo = [&](const std::string& path) { return photos.contains(fs::path(path).lexically_normal()); };
   FoundFile first;
   for (const FoundFile& candidate : tried) {
