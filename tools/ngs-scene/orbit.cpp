@@ -20,11 +20,11 @@
 #include "ngs/math/sh.h"
 #include "ngs/math/stable.h"
 #include "ngs/ops/image/image_bytes.h"
+#include "ngs/orbit/coverage.h"
+#include "ngs/orbit/orbit_stage.h"
+#include "ngs/render/background.h"
+#include "ngs/render/render_options.h"
 #include "ngs/scene/view_names.h"
-#include "ngs/stages/orbit/coverage.h"
-#include "ngs/stages/orbit/orbit_stage.h"
-#include "ngs/stages/render/background.h"
-#include "ngs/stages/render/render_options.h"
 #include "shared/tool.h"
 
 namespace ngs::scene_tool {
@@ -106,7 +106,8 @@ ImagesFolder images_folder(const std::string& scene_path) {
                 "choose another folder for scene.json");
   const std::vector<std::string> listed = io::read_name_list((folder / kOfRenders).generic_string());
   for (const std::string& name : io::list_images(images.path))
-    if (is_render_name(name) || std::ranges::find(listed, name) != listed.end()) images.earlier.push_back((folder / name).generic_string());
+    if (is_render_name(name) || std::ranges::find(listed, name) != listed.end())
+      images.earlier.push_back((folder / name).generic_string());
   return images;
 }
 
@@ -170,7 +171,8 @@ ContactSheet write_renders(cli::Run& run, const GaussianCloud& cloud, const Scen
   return sheet;
 }
 
-/// At most `max_views` cameras of a capture with the names of its photos, evenly chosen, for pictures of at most the longer side of `size`.
+/// At most `max_views` cameras of a capture with the names of its photos, evenly chosen, for pictures of at most the
+/// longer side of `size`.
 std::vector<Camera> cameras_of(const std::string& capture, int max_views, orbit::PictureSize size) {
   io::CaptureRequest request;
   request.source = capture;
