@@ -378,25 +378,4 @@ void CutChain::keep_better_result() {
   write_flash_models(run_, inputs_.out, io::read_gaussian_ply(inputs_.splat()), untrained_->labels);
 }
 
-/// Scores the masks of the result against the true masks; without true masks, against the masks from strokes or the
-/// input masks of held-out views.
-bool CutChain::score() {
-  const bool held_out = !options_.hold_out.empty();
-  const std::string views = held_out ? "held-out" : "all";
-  std::error_code ignored;
-  if (!run_.dry_run()) fs::remove_all(at("masks"), ignored);
-  if (!stage("ngs-render", {"ngs-render", at("scene.json"), at("labelled.ply"), "--layers", "mask", "--scale", "0",
-                            "--format", "png", "--views", views, "-o", at("masks")}))
-    return false;
-  if (!run_.dry_run())
-    for (const char* scores : {"metrics.json", "agreement.json"}) fs::remove(at(scores), ignored);
-  if (inputs_.truth.empty() && !inputs_.strokes.empty()) {
-    if (!stage("ngs-eval-agreement", {"ngs-eval", at("masks"), at("strokes"), "-o", at("agreement.json")}))
-      return false;
-  } else if (!inputs_.truth.empty() || held_out) {
-    if (!score_by_truth()) return false;
-  }
-  return write_page();
-}
-
 }  // namespace ngs::ngs_tool

@@ -42,8 +42,8 @@ bool is_grey(const MaskSamples& samples) {
 
 Pictured pictured(const MaskSamples& samples) {
   constexpr std::size_t kFlatColours = 12;  // of a mask, in steps of 1/16
-  // Of the pixels that are not black. Photos: .29 to .87 in six captures, of each some below .78. Masks of two colours in
-  // JPEG: .87 to .99, on black .95 to .99.
+  // Of the pixels that are not black. Photos: .29 to .87 in six captures, of each some below .78. Masks of two colours
+  // in JPEG: .87 to .99, on black .95 to .99.
   constexpr double kFlat = 0.8, kFlatOnBlack = 0.94;
   constexpr double kBlack = 0.05;  // of all pixels
   if (samples.channels < 3 || is_cut_out(samples) || is_grey(samples)) return Pictured::kMask;

@@ -73,10 +73,10 @@ std::string remedy_of_arrays(const std::string& folder, const std::vector<std::s
   const std::string convert = "((m.squeeze() > 0).astype('u1') * 255)", first = arrays[0], ending = ending_of(first);
   const std::string save = "arrays are not read: save each as PNG, 255 where the object is";
   if (arrays.size() == 1 && (ending == ".npy" || ending == ".npz"))
-    return remedy_of_stack("python3 -c \"import sys, numpy; from PIL import Image; a = numpy.load(sys.argv[1]); "
-                           "a = a if hasattr(a, 'ndim') else a[a.files[0]]; [Image.fromarray(" +
-                           convert + ").save('masks-png/%04d.png' % i) for i, m in enumerate(a)]\" " +
-                           shell_word(first));
+    return remedy_of_stack(
+        "python3 -c \"import sys, numpy; from PIL import Image; a = numpy.load(sys.argv[1]); "
+        "a = a if hasattr(a, 'ndim') else a[a.files[0]]; [Image.fromarray(" +
+        convert + ").save('masks-png/%04d.png' % i) for i, m in enumerate(a)]\" " + shell_word(first));
   if (ending != ".npy") return save;
   return save + ": cd " + shell_word(folder) +
          " && python3 -c \"import glob, numpy; from PIL import Image; "
