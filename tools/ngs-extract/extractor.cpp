@@ -142,8 +142,10 @@ void Extractor::report_plane_selection(const RegionSelection& found) {
 
 void Extractor::restrict_to_region() {
   const auto timed = run_.monitor().scope("region");
+  RegionOptions region = region_;
+  region.up = up_or(region_.up, ply_.vertical_axis);
   const RegionSelection found =
-      with_context(ply_.file.name(), [&] { return select_region(run_.exec(), region_, ply_.cloud, keep_); });
+      with_context(ply_.file.name(), [&] { return select_region(run_.exec(), region, ply_.cloud, keep_); });
   Json& said = run_.result()["region"];
   said = {{"in_shapes", found.in_shapes},
           {"above_plane", found.above_plane},

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 struct ScratchFolder {
   std::string path;
   io::UnfinishedFile cleanup;
-  ScratchFolder() : path((fs::temp_directory_path() / "ngs-mask-XXXXXX").generic_string()) {
+  ScratchFolder() : path(os::temporary_path("ngs-mask-XXXXXX")) {
     if (!os::make_temporary_folder(path))
       throw Error(ErrorCode::kEnvironment, path + ": cannot be created: " + std::strerror(errno),
                   "set TMPDIR to a writable folder");

@@ -12,6 +12,7 @@
 #include "ngs/io/capture/capture_source.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/folder_index.h"
+#include "ngs/io/files/text_lines.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/scene/import_scene.h"
@@ -23,6 +24,7 @@
 #include "ngs/orbit/orbit_stage.h"
 #include "ngs/render/background.h"
 #include "ngs/render/render_options.h"
+#include "ngs/scene/view_names.h"
 #include "shared/tool.h"
 
 namespace ngs::scene_tool {
@@ -74,7 +76,7 @@ Vec3<double> contrasting_background(const GaussianCloud& cloud) {
 
 constexpr int kSheetQuality = 85;
 
-/// Marker file of a folder with renders of an earlier run, not photos.
+/// Marker file of a folder with renders of an earlier run, not photos. It lists those that are called like photos.
 constexpr const char* kOfRenders = ".ngs-renders";
 
 /// Whether a file is named like a render. Other files in the folder are the user's, such as a painted 0000.jpg.
@@ -102,8 +104,10 @@ ImagesFolder images_folder(const std::string& scene_path) {
     throw Error(ErrorCode::kUsage,
                 images.path + ": contains files that are not renders of " + scene_path + ", expected none",
                 "choose another folder for scene.json");
+  const std::vector<std::string> listed = io::read_name_list((folder / kOfRenders).generic_string());
   for (const std::string& name : io::list_images(images.path))
-    if (is_render_name(name)) images.earlier.push_back((folder / name).generic_string());
+    if (is_render_name(name) || std::ranges::find(listed, name) != listed.end())
+      images.earlier.push_back((folder / name).generic_string());
   return images;
 }
 
@@ -167,11 +171,13 @@ ContactSheet write_renders(cli::Run& run, const GaussianCloud& cloud, const Scen
   return sheet;
 }
 
-/// At most `max_views` cameras of a capture, evenly chosen, for pictures of at most the longer side of `size`.
+/// At most `max_views` cameras of a capture with the names of its photos, evenly chosen, for pictures of at most the
+/// longer side of `size`.
 std::vector<Camera> cameras_of(const std::string& capture, int max_views, orbit::PictureSize size) {
   io::CaptureRequest request;
   request.source = capture;
   const std::vector<SceneView> views = io::read_capture(request).capture.views;
+  const std::vector<std::string> names = output_names(views);
   const std::size_t count = std::min(views.size(), std::size_t(max_views));
   std::vector<Camera> cameras;
   for (std::size_t k = 0; k < count; ++k) {
@@ -179,16 +185,9 @@ std::vector<Camera> cameras_of(const std::string& capture, int max_views, orbit:
     const double scale =
         std::min(1.0, double(std::max(size.width_px, size.height_px)) / std::max(camera.width_px, camera.height_px));
     cameras.push_back(resized(camera, scaled_size_px(camera.width_px, scale), scaled_size_px(camera.height_px, scale)));
-    cameras.back().name = formatted("%04.0f.png", double(k));
+    cameras.back().name = names[k * views.size() / count] + ".png";
   }
   return cameras;
-}
-
-/// The options with the upward axis of the model's comment, unless --up is given.
-OrbitOptions with_axis_of(const io::GaussianPly& ply, OrbitOptions options) {
-  for (const auto& [value, name] : kUpNames)
-    if (options.up == UpAxis::kAuto && name == ply.vertical_axis) options.up = value;
-  return options;
 }
 
 std::string numbers(Vec3<double> v) {
@@ -259,7 +258,8 @@ int orbit_command(int argc, char** argv) {
       return io::read_gaussian_ply(model.path);
     }();
     for (const std::string& note : ply.notes) run.monitor().warn(note);
-    const OrbitOptions upright = with_axis_of(ply, options);
+    OrbitOptions upright = options;
+    upright.up = up_or(options.up, ply.vertical_axis);
     const orbit::OrbitCameras chosen = with_context(model.path, [&] {
       if (cameras)
         return orbit::assess_cameras(run.exec(), run.monitor(), ply.cloud, options,
@@ -278,7 +278,10 @@ int orbit_command(int argc, char** argv) {
       return cli::kDone;
     }
     fs::create_directories(images.path);
-    io::write_file((fs::path(images.path) / kOfRenders).generic_string(), "");
+    std::string names;
+    for (const Camera& camera : chosen.cameras)
+      if (!is_render_name(camera.name)) names += camera.name + "\n";
+    io::write_file((fs::path(images.path) / kOfRenders).generic_string(), names);
     const ContactSheet drawn = write_renders(run, ply.cloud, scene, chosen.cameras);
     const std::vector<std::uint8_t> jpeg = io::encode_jpeg(drawn.picture(), kSheetQuality);
     io::write_file(sheet, std::string(jpeg.begin(), jpeg.end()));

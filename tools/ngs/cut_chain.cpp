@@ -5,6 +5,7 @@
 #include "marked_views.h"
 #include "ngs/core/error.h"
 #include "ngs/core/version.h"
+#include "ngs/io/capture/capture_source.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/content_hash.h"
 #include "ngs/io/files/json_file.h"
@@ -96,12 +97,14 @@ bool CutChain::make_scene() {
   return true;
 }
 
-/// Whether the pictures are those of an earlier run with the same options and, unless it is a dry run, the same model.
+/// Whether the pictures are those of an earlier run with the same options and, unless it is a dry run, the same model
+/// and cameras.
 bool CutChain::has_same_pictures(const Json& key) const {
   const std::string key_file = at("orbit/made_from.json");
   if (!exists(plain_scene_) || !exists(key_file)) return false;
   nlohmann::json made = io::read_json_file(key_file);
-  if (run_.dry_run() && made.is_object()) made.erase("model");
+  for (const char* hash : {"model", "cameras"})
+    if (run_.dry_run() && made.is_object()) made.erase(hash);
   return made == nlohmann::json(key);
 }
 
@@ -134,6 +137,9 @@ bool CutChain::orbit() {
     std::error_code absent;
     if (!painted.in_place.empty()) fs::remove(key_file, absent);
     key["model"] = io::content_hash(inputs_.splat()).xxh3;
+    io::CaptureRequest cameras;
+    cameras.source = inputs_.source;
+    if (inputs_.renders_capture) key["cameras"] = io::content_hash(io::read_capture(cameras).file).xxh3;
   }
   reused_orbit_ = has_same_pictures(key);
   plan();
@@ -370,27 +376,6 @@ void CutChain::keep_better_result() {
   if (!is_worse(trained, first)) return;
   kept_untrained_ = true;
   write_flash_models(run_, inputs_.out, io::read_gaussian_ply(inputs_.splat()), untrained_->labels);
-}
-
-/// Scores the masks of the result against the true masks; without true masks, against the masks from strokes or the
-/// input masks of held-out views.
-bool CutChain::score() {
-  const bool held_out = !options_.hold_out.empty();
-  const std::string views = held_out ? "held-out" : "all";
-  std::error_code ignored;
-  if (!run_.dry_run()) fs::remove_all(at("masks"), ignored);
-  if (!stage("ngs-render", {"ngs-render", at("scene.json"), at("labelled.ply"), "--layers", "mask", "--scale", "0",
-                            "--format", "png", "--views", views, "-o", at("masks")}))
-    return false;
-  if (!run_.dry_run())
-    for (const char* scores : {"metrics.json", "agreement.json"}) fs::remove(at(scores), ignored);
-  if (inputs_.truth.empty() && !inputs_.strokes.empty()) {
-    if (!stage("ngs-eval-agreement", {"ngs-eval", at("masks"), at("strokes"), "-o", at("agreement.json")}))
-      return false;
-  } else if (!inputs_.truth.empty() || held_out) {
-    if (!score_by_truth()) return false;
-  }
-  return write_page();
 }
 
 }  // namespace ngs::ngs_tool

@@ -18,6 +18,7 @@
 #include "cut_options.h"
 #include "flash_cut.h"
 #include "ngs/edit/select/view_agreement.h"
+#include "result_check.h"
 #include "stage_runner.h"
 #include "stroke_check.h"
 
@@ -48,6 +49,8 @@ class CutChain {
   std::string pictures() const { return at("orbit/images"); }
   /// Why true masks that were found with the capture were not used; empty: they were, or there are none.
   const std::string& not_scored() const { return not_scored_; }
+  /// Of the written masks with the given ones, or with those from strokes.
+  const ResultAgreement& agreement() const { return agreement_; }
   /// For a dry run: the marked views, one per line; empty without strokes.
   const std::string& strokes_found() const { return strokes_found_; }
 
@@ -88,6 +91,7 @@ class CutChain {
   bool reused_orbit_ = false;
   bool imported_ = false;  // the capture
   std::optional<FlashFigures> flash_;
+  ResultAgreement agreement_;
   std::string strokes_found_, not_scored_;
   std::optional<FlashCut> untrained_;  // for a splat without photos: result before training
   ResultQuality untrained_quality_;    // of its labels

@@ -1,4 +1,4 @@
-// CutChain: masks that do not fit, and true masks of something else.
+// CutChain: masks that do not fit, and scores of the result.
 #include <algorithm>
 #include <filesystem>
 
@@ -70,6 +70,29 @@ bool CutChain::score_by_truth() {
   not_scored_ = inputs_.truth + " shows something else than the result (IoU " + formatted("%.3f", iou) + ")";
   fs::remove(at("metrics.json"));
   return true;
+}
+
+/// Scores the masks of the result against the true masks; without true masks, against the masks from strokes or the
+/// input masks of held-out views.
+bool CutChain::score() {
+  const bool held_out = !options_.hold_out.empty();
+  const std::string views = held_out ? "held-out" : "all";
+  std::error_code ignored;
+  if (!run_.dry_run()) fs::remove_all(at("masks"), ignored);
+  if (!stage("ngs-render", {"ngs-render", at("scene.json"), at("labelled.ply"), "--layers", "mask", "--scale", "0",
+                            "--format", "png", "--views", views, "-o", at("masks")}))
+    return false;
+  if (!run_.dry_run()) {
+    for (const char* scores : {"metrics.json", "agreement.json"}) fs::remove(at(scores), ignored);
+    agreement_ = compare_with_masks(io::read_scene_json(at("scene.json")), at("masks"));
+  }
+  if (inputs_.truth.empty() && !inputs_.strokes.empty()) {
+    if (!stage("ngs-eval-agreement", {"ngs-eval", at("masks"), at("strokes"), "-o", at("agreement.json")}))
+      return false;
+  } else if (!inputs_.truth.empty() || held_out) {
+    if (!score_by_truth()) return false;
+  }
+  return write_page();
 }
 
 }  // namespace ngs::ngs_tool

@@ -173,6 +173,7 @@ std::string summary_of(const CutChain& chain) {
   if (chain.kept_untrained())
     row(text, "kept", "the untrained result, because the trained one agrees less with the strokes or between views");
   if (const std::string unusual = unusual_share(chain); !unusual.empty()) row(text, "warning", unusual);
+  if (const std::string apart = chain.agreement().text(); !apart.empty()) row(text, "warning", apart);
   if (const Scores scores = scores_of(chain); !scores.kind.empty())
     row(text, scores.kind, score_line(scores, !chain.inputs().truth.empty()));
   if (!chain.not_scored().empty()) row(text, "not scored", chain.not_scored());
@@ -269,6 +270,8 @@ Json summary_json(const CutChain& chain) {
             {"reused_pictures", chain.reused_orbit()},
             {"stage_warnings", chain.stages().warnings()}};
   json["page"] = chain.at("report.html");
+  if (const ResultAgreement& found = chain.agreement(); found.masks > 0)
+    json["mask_agreement"] = {{"masks", found.masks}, {"median", found.median}, {"apart", found.apart}};
   if (exists(chain.at("object.html"))) json["page_3d"] = chain.at("object.html");
   if (chain.flash())
     json.update({{"in_ball", chain.flash()->in_ball},

@@ -1,9 +1,12 @@
-// ngs: lists the tools and runs them ("ngs mask" is ngs-mask), and cuts an object out in one command ("ngs cut").
+// ngs: lists the tools and runs them ("ngs mask" is ngs-mask), cuts an object out in one command ("ngs cut"), and says
+// what a file is ("ngs info").
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
 #include "cut.h"
+#include "cut_inputs.h"
+#include "info.h"
 #include "ngs/core/error.h"
 #include "shared/cli/dispatch.h"
 #include "shared/cli/exit_code.h"
@@ -25,7 +28,8 @@ int run_sibling(const std::string& program, const std::vector<std::string>& word
 std::vector<cli::Command> commands() {
   std::vector<cli::Command> all = {
       {"cut", ngs_tool::cut_command,
-       "cut an object out of a splat, a capture or a scene: the whole chain in one command"}};
+       "cut an object out of a splat, a capture or a scene: the whole chain in one command"},
+      {"info", ngs_tool::info_command, "what a splat, a scene or a capture is, and the command that comes next"}};
   for (const ngs_tool::Sibling& tool : ngs_tool::siblings())
     all.push_back({tool.command,
                    [program = std::string(tool.program)](int argc, char** argv) {
@@ -35,7 +39,14 @@ std::vector<cli::Command> commands() {
   return all;
 }
 
-/// "ngs help mask" is "ngs mask --help", "ngs ngs-mask" is "ngs mask".
+/// A file or folder instead of a command.
+bool is_file(const std::string& word) {
+  const auto known = commands();
+  return std::ranges::find(known, word, &cli::Command::name) == known.end() && !word.starts_with("-") &&
+         (ngs_tool::exists(word) || word.find_first_of("./") != word.npos);
+}
+
+/// "ngs help mask" is "ngs mask --help", "ngs ngs-mask" is "ngs mask", "ngs statue.ply" is "ngs info statue.ply".
 std::vector<std::string> usual_spelling(std::vector<std::string> words) {
   if (words.empty()) return {"--help"};
   if (words[0] == "help" && words.size() < 3) {
@@ -43,6 +54,7 @@ std::vector<std::string> usual_spelling(std::vector<std::string> words) {
     words.push_back("--help");
   }
   if (words[0].starts_with("ngs-")) words[0].erase(0, 4);
+  if (is_file(words[0])) words.insert(words.begin(), "info");
   return words;
 }
 
@@ -51,7 +63,7 @@ std::vector<std::string> usual_spelling(std::vector<std::string> words) {
 int main(int argc, char** argv) {
   std::vector<std::string> words = usual_spelling({argv + std::min(argc, 1), argv + argc});
   if (words[0] == "--print-commands") {  // for scripts that list all tools: only the commands of this program
-    std::fputs("cut\n", stdout);
+    std::fputs("cut\ninfo\n", stdout);
     return cli::kDone;
   }
   if (words[0] == "--help" && words.size() == 2) words.pop_back();  // --help all

@@ -1,6 +1,7 @@
 #pragma once
 // Options of ngs-scene orbit: placement, number and field of view of the cameras.
 #include <string>
+#include <string_view>
 
 #include "ngs/options/field.h"
 
@@ -15,6 +16,13 @@ enum class UpAxis : std::uint8_t { kAuto, kX, kY, kZ, kMinusX, kMinusY, kMinusZ 
 inline constexpr NamedValue<UpAxis> kUpNames[] = {
     {UpAxis::kAuto, "auto"}, {UpAxis::kX, "x"},       {UpAxis::kY, "y"},      {UpAxis::kZ, "z"},
     {UpAxis::kMinusX, "-x"}, {UpAxis::kMinusY, "-y"}, {UpAxis::kMinusZ, "-z"}};
+
+/// The axis that a model's comment names (GaussianPly::vertical_axis), unless another one is chosen.
+inline UpAxis up_or(UpAxis chosen, std::string_view of_model) {
+  for (const auto& [axis, name] : kUpNames)
+    if (chosen == UpAxis::kAuto && name == of_model) return axis;
+  return chosen;
+}
 
 struct OrbitOptions {
   UpAxis up = UpAxis::kAuto;

@@ -1,12 +1,28 @@
 #include "ngs/scene/mask_samples.h"
 
 #include <algorithm>
+#include <functional>
+#include <numeric>
 
 namespace ngs {
 namespace {
 
 std::uint16_t largest(const std::vector<std::uint16_t>& plane) {
   return plane.empty() ? std::uint16_t(0) : *std::max_element(plane.begin(), plane.end());
+}
+
+/// Black after the compression of a JPEG, too.
+bool is_black(const MaskSamples& samples, std::uint16_t largest) { return largest >> (samples.bits - 8) <= 8; }
+
+/// Calls visit(largest of R, G, B, index of the colour of 4 bits per channel) for every pixel.
+template <class Visit>
+void for_each_colour(const MaskSamples& samples, const Visit& visit) {
+  for (std::size_t i = 0; i < samples.data.size(); i += std::size_t(samples.channels)) {
+    const std::uint16_t* rgb = samples.data.data() + i;
+    std::size_t colour = 0;
+    for (int c = 0; c < 3; ++c) colour = 16 * colour + std::size_t(rgb[c] >> (samples.bits - 4));
+    visit(std::max({rgb[0], rgb[1], rgb[2]}), colour);
+  }
 }
 
 }  // namespace
@@ -24,13 +40,35 @@ bool is_grey(const MaskSamples& samples) {
   return true;
 }
 
+Pictured pictured(const MaskSamples& samples) {
+  constexpr std::size_t kFlatColours = 12;  // of a mask, in steps of 1/16
+  // Of the pixels that are not black. Photos: .29 to .87 in six captures, of each some below .78. Masks of two colours
+  // in JPEG: .87 to .99, on black .95 to .99.
+  constexpr double kFlat = 0.8, kFlatOnBlack = 0.94;
+  constexpr double kBlack = 0.05;  // of all pixels
+  if (samples.channels < 3 || is_cut_out(samples) || is_grey(samples)) return Pictured::kMask;
+  std::vector<std::size_t> counts(std::size_t(1) << 12);
+  std::size_t black = 0;
+  for_each_colour(samples, [&](std::uint16_t largest, std::size_t colour) {
+    black += is_black(samples, largest);
+    counts[colour] += !is_black(samples, largest);
+  });
+  const std::size_t all = samples.data.size() / std::size_t(samples.channels);
+  std::ranges::sort(counts, std::greater<>());
+  const std::size_t flat = std::accumulate(counts.begin(), counts.begin() + kFlatColours, std::size_t(0));
+  const bool on_black = double(black) >= kBlack * double(all);
+  if (double(flat) >= (on_black ? kFlatOnBlack : kFlat) * double(all - black)) return Pictured::kMask;
+  return on_black ? Pictured::kOnBlack : Pictured::kPhoto;
+}
+
 std::vector<std::uint16_t> decisive_channel(const MaskSamples& samples) {
   const std::size_t channels = std::size_t(samples.channels);
-  const bool cut_out = is_cut_out(samples);
+  const bool cut_out = is_cut_out(samples), on_black = pictured(samples) == Pictured::kOnBlack;
   std::vector<std::uint16_t> plane(samples.data.size() / channels);
   for (std::size_t i = 0; i < plane.size(); ++i) {
     const std::uint16_t* sample = samples.data.data() + i * channels;
     plane[i] = cut_out ? sample[3] : *std::max_element(sample, sample + std::min<std::size_t>(channels, 3));
+    if (on_black) plane[i] = is_black(samples, plane[i]) ? 0 : std::uint16_t((1 << samples.bits) - 1);
   }
   return plane;
 }

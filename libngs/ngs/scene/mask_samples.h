@@ -16,8 +16,11 @@ struct MaskSamples {
 bool is_cut_out(const MaskSamples& samples);
 /// Whether R = G = B everywhere.
 bool is_grey(const MaskSamples& samples);
+/// Colour images that are no masks: those of a mask have a few flat colours. kOnBlack: a cut-out on black.
+enum class Pictured : std::uint8_t { kMask, kPhoto, kOnBlack };
+Pictured pictured(const MaskSamples& samples);
 /// [H·W] the channel that decides object or background: alpha of a cut-out, else max(R, G, B), so that an object of any
-/// pure colour on black counts.
+/// pure colour on black counts; of a cut-out on black the full value where it is not black.
 std::vector<std::uint16_t> decisive_channel(const MaskSamples& samples);
 /// The value that means 1: 255 or 65535. Exceptions: 1 if all decisive samples are 0 or 1 (a saved bool array), and 255
 /// if all decisive samples of a 16-bit file are 0 or 255 (a converted 8-bit mask).

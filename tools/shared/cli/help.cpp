@@ -195,7 +195,9 @@ std::string examples_and_usage(const Spec& spec, int width) {
 }
 
 std::string inputs_and_outputs(const Spec& spec, int width) {
-  std::string text = "\ninputs and outputs (- is stdin or stdout):\n";
+  const bool has_file = std::ranges::any_of(spec.outputs, [](const Output& output) { return !output.directory; });
+  const bool takes_streams = spec.arguments.empty() || has_file;
+  std::string text = takes_streams ? "\ninputs and outputs (- is stdin or stdout):\n" : "\ninputs and outputs:\n";
   for (const Argument& argument : spec.arguments) text += row(upper(argument.name), argument.help, width);
   for (const Input& input : spec.inputs)
     text += row(

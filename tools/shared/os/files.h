@@ -3,6 +3,7 @@
 // and set errno.
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -19,6 +20,13 @@ struct FileVersion {
   bool operator==(const FileVersion&) const = default;
 };
 FileVersion version_of_file(const std::string& path);
+
+/// A path in TMPDIR, or in /tmp if TMPDIR is not a folder.
+inline std::string temporary_path(const char* name) {
+  std::error_code absent;
+  const std::filesystem::path folder = std::filesystem::temp_directory_path(absent);
+  return ((absent ? std::filesystem::path("/tmp") : folder) / name).generic_string();
+}
 
 /// `path` ends in XXXXXX, which is replaced.
 bool make_temporary_file(std::string& path);

@@ -49,7 +49,7 @@ struct Transcript {
 }  // namespace
 
 int unnamed_file() {
-  const std::string name = (std::filesystem::temp_directory_path() / "ngs-child-XXXXXX").generic_string();
+  const std::string name = os::temporary_path("ngs-child-XXXXXX");
   const int descriptor = os::unnamed_file(name);
   if (descriptor < 0) throw Error(ErrorCode::kEnvironment, name + ": cannot be created: " + std::strerror(errno));
   return descriptor;

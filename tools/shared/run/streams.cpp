@@ -45,7 +45,7 @@ void Streams::redirect_output(Output& output) {
   if (output.directory || to_stdout())
     throw Error(ErrorCode::kUsage,
                 output.flags + ": '-', expected a " + (output.directory ? "folder" : "path: one output can be stdout"));
-  std::string name = (std::filesystem::temp_directory_path() / "ngs-stdout-XXXXXX").generic_string();
+  std::string name = os::temporary_path("ngs-stdout-XXXXXX");
   if (!os::make_temporary_file(name))
     throw Error(ErrorCode::kEnvironment, name + ": cannot be created: " + std::strerror(errno), "set TMPDIR");
   output_ = name;

@@ -36,7 +36,7 @@ struct RegionOptions {
           Choice<UpAxis>{"up",
                          "Axis of the model that points upwards, for --drop-below-plane auto and to turn parts in "
                          "formats other than "
-                         "PLY upright; auto: away from a floor, else -y; .glb and .usda by the comment of a PLY",
+                         "PLY upright; auto: by the comment of a PLY (Vertical Axis), else away from a floor, else -y",
                          kUpNames});
     visit(self.cluster_at,
           Text{"cluster_at", "X,Y,Z", "Keep, of the remaining Gaussians, the cluster nearest to this point"});

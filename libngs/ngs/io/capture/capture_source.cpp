@@ -52,6 +52,7 @@ struct Located {
   std::string file, base;
   bool colmap = false;
   std::vector<std::string> also;  // other camera files in the same folder
+  std::string below = {};         // the folder in the source that has the cameras; empty: the source itself
 };
 
 /// Other models next to sparse/0: COLMAP writes one for each part of a capture that it could not connect.
@@ -116,23 +117,40 @@ Located locate(const std::string& source, bool looks_below = true) {
   return found;
 }
 
-/// The cameras of the only folder in `source` that has some, as of a trainer's output folder or an unpacked archive.
+/// The folders in these folders that can belong to a capture, but results of ngs.
+std::vector<std::string> folders_in(const std::vector<std::string>& above) {
+  constexpr std::size_t kMost = 1000;
+  std::vector<std::string> found;
+  for (const std::string& folder : above)
+    for (const std::string& name : list_folders(folder)) {
+      const fs::path path = fs::path(folder) / name;
+      std::error_code ignored;
+      if (name.starts_with(".") || fs::is_symlink(path, ignored) || fs::exists(path / ".ngs-cut", ignored)) continue;
+      if (found.size() < kMost) found.push_back(path.generic_string());
+    }
+  return found;
+}
+
+/// The cameras of the only folder below `source` that has some, as of a trainer's output folder or an unpacked archive.
+/// Folders nearer to the source come first.
 Located locate_below(const std::string& source) {
-  std::vector<std::string> folders;
+  constexpr int kLevels = 4;
+  std::vector<std::string> folders, level{source};
   Located found;
-  for (const std::string& name : list_folders(source)) {
-    const fs::path below = fs::path(source) / name;
-    std::error_code ignored;
-    if (name.starts_with(".") || fs::exists(below / ".ngs-cut", ignored)) continue;
-    Located there = locate(below.generic_string(), false);
-    if (there.file.empty()) continue;
-    folders.push_back(below.generic_string());
-    found = std::move(there);
+  for (int depth = 0; depth < kLevels && folders.empty(); ++depth) {
+    level = folders_in(level);
+    for (const std::string& below : level) {
+      Located there = locate(below, false);
+      if (there.file.empty()) continue;
+      folders.push_back(below);
+      found = std::move(there);
+    }
   }
   if (folders.empty()) refuse_without_cameras(source);
   if (folders.size() > 1)
     throw Error(ErrorCode::kBadInput, source + ": cameras in several folders, expected one: " + listed(folders, 6),
                 "name one of these folders");
+  found.below = found.base;
   if (find_model(found.base).path.empty()) found.base = source;
   return found;
 }
@@ -145,6 +163,15 @@ std::string find_images_dir(const CaptureRequest& request, const std::string& ba
     return request.images_dir;
   }
   return folder_called(base, "images");
+}
+
+/// Where photos are searched if there is no images/ next to the cameras.
+std::vector<std::string> usual_photo_folders(const Located& located, const std::string& source) {
+  std::vector<std::string> folders{located.base, located.colmap ? located.file : located.base, source};
+  for (const std::string& base : {located.below, located.base, source})
+    for (const char* name : {"images", "input", "rgb", "photos", "frames", "color", "image"})
+      if (!base.empty()) folders.push_back((fs::path(base) / name).generic_string());
+  return folders;
 }
 
 /// The photos that a trainer of 3DGS recorded in cfg_args next to its output: Namespace(..., images='images',
@@ -268,9 +295,7 @@ CaptureSource read_capture(const CaptureRequest& request) {
   }
   use_slashes(source.images_dir, source.file, source.capture);
   if (source.images_dir.empty())
-    source.images_dir = folder_with_photos({source.base, located.colmap ? source.file : source.base, request.source,
-                                            (fs::path(request.source) / "images").generic_string()},
-                                           source.capture);
+    source.images_dir = folder_with_photos(usual_photo_folders(located, request.source), source.capture);
   std::string recorded;
   if (source.images_dir.empty()) {
     std::error_code ignored;

@@ -6,6 +6,7 @@
 #include "ngs/io/capture/colmap_model.h"
 #include "ngs/io/capture/pose.h"
 #include "ngs/io/files/byte_reader.h"
+#include "ngs/io/files/folder_index.h"
 #include "ngs/io/files/regular_file.h"
 
 namespace ngs::io {
@@ -44,6 +45,11 @@ std::string find_colmap_model(const std::string& folder) {
     const fs::path candidate = *below == '\0' ? fs::path(folder) : fs::path(folder) / below;
     if (has_model(candidate, ".bin") || has_model(candidate, ".txt")) return candidate.generic_string();
   }
+  for (const char* below : {"sparse", "colmap/sparse"})  // without a model 0
+    for (const std::string& name : list_folders((fs::path(folder) / below).generic_string()))
+      if (const fs::path candidate = fs::path(folder) / below / name;
+          has_model(candidate, ".bin") || has_model(candidate, ".txt"))
+        return candidate.generic_string();
   return {};
 }
 

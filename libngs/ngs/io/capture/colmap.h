@@ -14,7 +14,8 @@
 
 namespace ngs::io {
 
-/// The folder that holds the model: `folder`, or its sparse/0, sparse, 0 or colmap/sparse/0. Empty: no model found.
+/// The folder that holds the model: `folder`, or its sparse/0, sparse, 0, colmap/sparse/0, or the first other folder in
+/// sparse or colmap/sparse. Empty: no model found.
 std::string find_colmap_model(const std::string& folder);
 
 /// If both encodings exist, the binary files are read, with a note. Image names are as COLMAP wrote them.

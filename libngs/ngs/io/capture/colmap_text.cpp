@@ -23,6 +23,10 @@ class Lines {
     ++number_;
     return true;
   }
+  bool peek(std::string_view& line) const {
+    line = rest_.substr(0, rest_.find('\n'));
+    return !rest_.empty();
+  }
   bool next_record(std::string_view& line) {
     while (next(line)) {
       const std::size_t first = line.find_first_not_of(kBlank);
@@ -97,8 +101,21 @@ ColmapCameras read_cameras(std::string_view text, const ColmapReading& reading) 
   return cameras;
 }
 
-/// Skips the second line of an image: triples x y id, or nothing. If these lines were stripped from the file, the next
-/// image is found here; read as points it would silently drop every other camera.
+/// Whether a file without the images' second lines has the next image here: it ends with a name, points with an id.
+bool is_image_line(std::string_view line) {
+  constexpr std::size_t kNumbers = 9;  // id, pose, camera id
+  std::vector<std::string_view> words;
+  for (Words all(line, {}); words.empty() || !words.back().empty();) words.push_back(all.next());
+  words.pop_back();
+  const auto is_number = [](std::string_view word) {
+    double value = 0;
+    return parse_number(word, value);
+  };
+  return words.size() > kNumbers && std::all_of(words.begin(), words.begin() + kNumbers, is_number) &&
+         (words.size() % 3 != 0 || !is_number(words.back()));
+}
+
+/// Checks the second line of an image: triples x y id, or nothing.
 void check_points_line(std::string_view line, const std::string& where) {
   std::size_t count = 0;
   for (Words all(line, where); !all.next().empty();) ++count;
@@ -137,6 +154,7 @@ Capture parse_colmap_text(std::string_view cameras, std::string_view images, con
     set_intrinsics(found->second, name, capture, view);
     view.camera.rotation = rotation_from_quaternion(pose, where);
     view.camera.translation = vec3(pose + 4);
+    if (lines.peek(line) && is_image_line(line)) continue;
     if (lines.next(line)) check_points_line(line, lines.where());
   }
   finish_capture(capture, object + "/images.txt");

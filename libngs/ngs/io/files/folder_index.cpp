@@ -13,12 +13,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Whether macOS added the entry to an archive: it describes another file.
+bool is_resource_fork(const std::string& name) { return name.starts_with("._") || name == "__MACOSX"; }
+
 template <class Keep>
 std::vector<std::string> list(const std::string& folder, const Keep& keep) {
   std::vector<std::string> names;
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
-    if (keep(entry)) names.push_back(entry.path().filename().string());
+    if (std::string name = entry.path().filename().string(); !is_resource_fork(name) && keep(entry))
+      names.push_back(std::move(name));
   std::sort(names.begin(), names.end());
   return names;
 }

@@ -10,7 +10,8 @@
 
 namespace ngs::io {
 
-/// Sorted names of the regular image files in `folder`, not recursive; empty if there is no such folder.
+/// Sorted names of the regular image files in `folder`, not recursive; empty if there is no such folder. The "._NAME"
+/// and __MACOSX of archives made on macOS are no files of the user.
 std::vector<std::string> list_images(const std::string& folder);
 /// Sorted names of the folders in `folder`.
 std::vector<std::string> list_folders(const std::string& folder);

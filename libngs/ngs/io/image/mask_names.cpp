@@ -34,7 +34,8 @@ FoundFile find_mask(const FolderIndex& index, const std::set<fs::path>& photos, 
   const std::string stem = image_stem(name);
   const FoundFile tried[] = {{name + ".png", "<name>.png"},           {name, "<name>"},
                              {stem + ".png", "<stem>.png"},           {stem + ".mask.png", "<stem>.mask.png"},
-                             {name + ".mask.png", "<name>.mask.png"}, {stem + "_mask.png", "<stem>_mask.png"}};
+                             {name + ".mask.png", "<name>.mask.png"}, {stem + "_mask.png", "<stem>_mask.png"},
+                             {stem + "-mask.png", "<stem>-mask.png"}, {"mask_" + stem + ".png", "mask_<stem>.png"}};
   const auto is_photo = [&](const std::string& path) { return photos.contains(fs::path(path).lexically_normal()); };
   FoundFile first;
   for (const FoundFile& candidate : tried) {
@@ -44,6 +45,9 @@ FoundFile find_mask(const FolderIndex& index, const std::set<fs::path>& photos, 
     first = {path, candidate.rule};
   }
   if (!first.path.empty()) return first;
+  for (const char* ending : {".jpg.png", ".jpeg.png"})
+    if (const std::string path = index.find(stem + ending); !path.empty() && !is_photo(path))
+      return {path, std::string("<stem>") + ending};
   std::string flat = stem;
   std::ranges::replace(flat, '/', '_');
   if (flat != stem)

@@ -7,7 +7,8 @@
 //   <stem>.png        a/0001.png           the most common one
 //   <stem>.mask.png   a/0001.mask.png      Brush
 //   <name>.mask.png   a/0001.jpg.mask.png  RealityScan
-//   <stem>_mask.png   a/0001_mask.png      many segmentation scripts
+//   <stem>_mask.png   a/0001_mask.png      many segmentation scripts; also <stem>-mask.png and mask_<stem>.png
+//   <stem>.jpg.png    a/0001.jpg.png       made from JPEGs that were converted since; also <stem>.jpeg.png
 //   <stem>.<other>    a/0001.exr ...       any other image format; no match if there are several
 // clang-format on
 //

@@ -76,7 +76,13 @@ Plane read_plane(const std::string& path, MaskMode mode, std::vector<std::string
     if (is_label_map)
       throw Error(ErrorCode::kBadInput, path + ": colour image, expected a label map with one id per pixel",
                   "save the ids themselves (8 or 16 bit grey, or a palette PNG), not their colours");
-    notes.push_back(path + ": colour image, the largest of red, green and blue used as the mask");
+    const Pictured shown = pictured(samples);
+    if (shown == Pictured::kPhoto)
+      throw Error(ErrorCode::kBadInput, path + ": a picture of many colours, expected a mask: an object in one colour",
+                  "save the masks themselves, not the photos or pictures with the mask drawn on them");
+    notes.push_back(path + (shown == Pictured::kOnBlack
+                                ? ": a picture on black, read as object where it is not black"
+                                : ": colour image, the largest of red, green and blue used as the mask"));
   }
   if (cut_out) notes.push_back(path + ": alpha channel used as the mask");
   if (is_label_map)

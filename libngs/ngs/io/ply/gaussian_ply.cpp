@@ -17,6 +17,8 @@
 namespace ngs::io {
 namespace {
 
+constexpr std::string_view kTrainFlags = "train_flags";  // "train_flags antialiasing": proposed for 3DGS
+
 struct Columns {
   std::array<PlyColumn, 3> position, scale, sh_dc;
   std::array<PlyColumn, 4> rotation;
@@ -42,6 +44,7 @@ class Reader {
     copy_rows();
     check_weight();
     read_comments();
+    note_deleted();
     ply_.health = classify(ply_.cloud);
   }
 
@@ -313,12 +316,21 @@ class Reader {
       if (const std::string axis = vertical_axis_in(comment); !axis.empty()) ply_.vertical_axis = axis;
       if (!is_render_comment(comment)) continue;
       ply_.cloud.antialiased |= comment.find("mip") != std::string::npos || comment.find('1') != std::string::npos ||
-                                comment.find("true") != std::string::npos;
+                                comment.find("true") != std::string::npos || comment.starts_with(kTrainFlags);
     }
     if (std::ranges::any_of(ply_.rows.properties, [](const PlyProperty& p) { return is_motion_column(p.name); }))
       ply_.notes.push_back("a splat that moves: read as its state at the reference time");
     if (ply_.cloud.antialiased) ply_.notes.push_back("trained with antialiasing");
     ply_.rule = rule_in(ply_.comments, name_);
+  }
+
+  void note_deleted() {
+    constexpr std::uint8_t kDeleted = 4;
+    const auto deleted = std::ranges::count_if(ply_.state, [](std::uint8_t state) { return (state & kDeleted) != 0; });
+    if (deleted > 0)
+      ply_.notes.push_back(std::to_string(deleted) +
+                           " Gaussians are marked as deleted (state 4 of SuperSplat) and still used: export the model "
+                           "from the editor to be without them");
   }
 
   static constexpr float kLog1000 = 6.9077554f;
@@ -333,7 +345,8 @@ class Reader {
 }  // namespace
 
 bool is_render_comment(std::string_view comment) {
-  return comment.starts_with("SplatRenderMode") || comment.starts_with("antialiased");
+  return comment.starts_with("SplatRenderMode") || comment.starts_with("antialiased") ||
+         (comment.starts_with(kTrainFlags) && comment.find("antialiasing") != comment.npos);
 }
 
 std::vector<std::string> column_suffixes(const std::vector<std::string>& objects) {

@@ -60,7 +60,8 @@ std::vector<Candidate> candidates_in(const fs::path& folder) {
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
     const std::string name = lower_case(entry.path().filename().string());
     const bool is_model = name.ends_with(".ply") || name.ends_with(".ply.gz") || is_model_name(name);
-    if (is_model && is_regular_file(entry.path().generic_string())) paths.push_back(entry.path().generic_string());
+    if (is_model && !name.starts_with("._") && is_regular_file(entry.path().generic_string()))
+      paths.push_back(entry.path().generic_string());
   }
   std::ranges::sort(paths);
   std::vector<Candidate> found;
@@ -100,7 +101,10 @@ void add_below(const fs::path& folder, int levels, std::vector<Candidate>& found
   for (const std::string& name : list_folders(folder.generic_string())) {
     const fs::path below = folder / name;
     if (name.starts_with(".") || holds_results(below)) continue;
-    for (Candidate& candidate : candidates_in(below))
+    std::vector<Candidate> there = candidates_in(below), older;
+    if (const std::string newest = newest_iteration(below, older); !newest.empty())
+      there.push_back(look_at_ply(newest));
+    for (Candidate& candidate : there)
       if (candidate.kind != FileKind::kUnreadable) found.push_back(std::move(candidate));
     if (levels > 1) add_below(below, levels - 1, found);
   }

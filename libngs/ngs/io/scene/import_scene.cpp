@@ -39,6 +39,11 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
+bool is_called_like_masks(const std::string& lower_name) {
+  return lower_name.find("mask") != std::string::npos || lower_name.starts_with("segment") || lower_name == "seg" ||
+         lower_name == "sam" || lower_name.starts_with("silhouette") || lower_name.starts_with("matte");
+}
+
 /// Finds the mask folder; `out` has the views and the folder of their photos.
 std::string find_masks_dir(const ImportRequest& request, const std::string& base, ImportedScene& out) {
   std::vector<std::string>& notes = out.notes;
@@ -46,13 +51,16 @@ std::string find_masks_dir(const ImportRequest& request, const std::string& base
   std::string usual = folder_called(base, "masks");
   if (!request.masks_dir.empty() && is_annotations(request.masks_dir) && is_regular_file(request.masks_dir))
     return request.masks_dir;
+  if (is_regular_file(request.masks_dir))
+    if (const UnfitMasks unfit = unfit_masks(request.masks_dir, out.scene.views); !unfit.found.empty())
+      throw Error(ErrorCode::kBadInput, unfit.found, unfit.remedy);
   if (!request.masks_dir.empty() && !fs::is_directory(request.masks_dir, ignored))
     throw Error(ErrorCode::kBadInput, request.masks_dir + ": no such folder, expected masks");
   if (!request.masks_dir.empty() && request.masks_dir != usual) return request.masks_dir;
   std::vector<std::string> candidates, of_truth;
   for (const std::string& name : list_folders(base)) {
     const std::string lower = lower_case(name);
-    if (lower.find("mask") == std::string::npos || (fs::path(base) / name).generic_string() == usual) continue;
+    if (!is_called_like_masks(lower) || (fs::path(base) / name).generic_string() == usual) continue;
     const bool is_truth = lower.ends_with("_gt") || lower.starts_with("gt");
     (is_truth ? of_truth : candidates).push_back(name);
   }
@@ -220,6 +228,8 @@ void attach_masks(const ImportRequest& request, const std::string& base, Importe
   const bool has_none = matches.unmatched.size() == scene.views.size() && out.views_by_mask_rule.empty();
   if (has_none && !out.masks_dir.empty() && out.masks_dir != out.images_dir && !names_photos(request, out))
     out.unfit_masks = unfit_masks(out.masks_dir, scene.views);
+  if (const std::string file = file_of_all_masks(base); has_none && out.masks_dir.empty() && !file.empty())
+    out.unfit_masks = unfit_masks(file, scene.views);
   take_masks_from_photos(request, out, matches.unmatched);
   if (has_none && out.views_by_mask_rule.empty()) {
     if (!request.masks_dir.empty())

@@ -39,6 +39,11 @@ bool is_array(const std::string& path) {
   return endings.contains(ending_of(path));
 }
 
+bool is_film(const std::string& path) {
+  static const std::set<std::string> endings{".mp4", ".mov", ".avi", ".mkv", ".webm", ".m4v", ".gif"};
+  return endings.contains(ending_of(path));
+}
+
 /// A folder for each photo, as SAM's automatic mask generator writes.
 bool has_folder_per_photo(const std::string& folder, const std::vector<SceneView>& views) {
   std::set<std::string> stems;
@@ -58,10 +63,22 @@ std::string remedy_of_images(const std::string& folder, std::size_t count, const
   return count == views.size() ? "if they are in the order of the photos: --masks-in-order; else " + named : named;
 }
 
-std::string remedy_of_arrays(const std::string& folder, const std::string& first) {
-  const std::string save = "save each as PNG, 255 where the object is";
-  if (ending_of(first) != ".npy") return "arrays are not read: " + save;
-  return "arrays are not read: " + save + ": cd " + shell_word(folder) +
+/// One file with a mask for each photo: `extract` makes pictures of `file` in the folder masks-png.
+std::string remedy_of_stack(const std::string& extract) {
+  return "it may hold a mask for each photo: mkdir masks-png; " + extract +
+         "; if they are in the order of the photos: --masks masks-png --masks-in-order";
+}
+
+std::string remedy_of_arrays(const std::string& folder, const std::vector<std::string>& arrays) {
+  const std::string convert = "((m.squeeze() > 0).astype('u1') * 255)", first = arrays[0], ending = ending_of(first);
+  const std::string save = "arrays are not read: save each as PNG, 255 where the object is";
+  if (arrays.size() == 1 && (ending == ".npy" || ending == ".npz"))
+    return remedy_of_stack(
+        "python3 -c \"import sys, numpy; from PIL import Image; a = numpy.load(sys.argv[1]); "
+        "a = a if hasattr(a, 'ndim') else a[a.files[0]]; [Image.fromarray(" +
+        convert + ").save('masks-png/%04d.png' % i) for i, m in enumerate(a)]\" " + shell_word(first));
+  if (ending != ".npy") return save;
+  return save + ": cd " + shell_word(folder) +
          " && python3 -c \"import glob, numpy; from PIL import Image; "
          "[Image.fromarray((numpy.load(f).squeeze() > 0).astype('u1') * 255).save(f[:-4] + '.png') for f in "
          "glob.glob('**/*.npy', recursive=True)]\"";
@@ -95,7 +112,7 @@ std::vector<std::string> annotation_files(const std::string& given, const std::s
 
 UnfitMasks unfit_masks(const std::string& folder, const std::vector<SceneView>& views) {
   std::vector<std::string> images, arrays, others;
-  for (const std::string& path : files_below(folder))
+  for (const std::string& path : is_regular_file(folder) ? std::vector{folder} : files_below(folder))
     (has_image_extension(path) ? images : is_array(path) ? arrays : others).push_back(path);
   const std::vector<std::string>& files = !images.empty() ? images : !arrays.empty() ? arrays : others;
   if (files.empty() || views.empty()) return {};
@@ -103,11 +120,28 @@ UnfitMasks unfit_masks(const std::string& folder, const std::vector<SceneView>& 
   UnfitMasks unfit{folder + ": " + std::to_string(files.size()) + kind + " fit no view (first: " + files[0] +
                        "; the first view is " + views[0].camera.name + "), expected masks named after the photos",
                    "masks are images (PNG), or JSON of labelme or COCO with the names of the photos"};
-  if (!images.empty())
+  if (images.size() == 1 && views.size() > 1)
+    unfit.remedy = remedy_of_stack("magick " + shell_word(images[0]) + " masks-png/%04d.png");
+  else if (!images.empty())
     unfit.remedy = remedy_of_images(folder, images.size(), views);
   else if (!arrays.empty())
-    unfit.remedy = remedy_of_arrays(folder, arrays[0]);
+    unfit.remedy = remedy_of_arrays(folder, arrays);
+  else if (is_film(files[0]))
+    unfit.remedy = remedy_of_stack("ffmpeg -i " + shell_word(files[0]) + " masks-png/%04d.png");
   return unfit;
+}
+
+std::string file_of_all_masks(const std::string& base) {
+  std::error_code ignored;
+  std::vector<std::string> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(base, ignored)) {
+    const std::string path = entry.path().generic_string();
+    const bool is_named = lower_case(entry.path().filename().string()).find("mask") != std::string::npos;
+    if (is_named && (is_array(path) || is_film(path) || ending_of(path).starts_with(".tif")) && is_regular_file(path))
+      files.push_back(path);
+  }
+  std::ranges::sort(files);
+  return files.empty() ? "" : files[0];
 }
 
 }  // namespace ngs::io

@@ -12,10 +12,14 @@ namespace ngs::io {
 std::vector<std::string> annotation_files(const std::string& given, const std::string& base,
                                           const std::vector<std::string>& folders);
 
-/// What was found, and what to do with it; empty: no such files. `folder` and its sub-folders are searched.
+/// What was found, and what to do with it; empty: no such files. `folder` and its sub-folders are searched; or it is a
+/// file.
 struct UnfitMasks {
   std::string found, remedy;
 };
 UnfitMasks unfit_masks(const std::string& folder, const std::vector<SceneView>& views);
+
+/// A film, an array or a TIFF in `base` that is called like masks; empty: none.
+std::string file_of_all_masks(const std::string& base);
 
 }  // namespace ngs::io

@@ -121,10 +121,14 @@ TEST_CASE("COLMAP text: comments, CRLF, a byte order mark, an empty second line 
   CHECK(capture.views[1].camera.translation.z == 1);
 }
 
-TEST_CASE("COLMAP text without the second lines of images is rejected") {
+TEST_CASE("COLMAP text without the second lines of images is read, whatever blanks the names have") {
   const std::string camera = "1 SIMPLE_PINHOLE 640 480 500 320 240\n";
-  const std::string image = "1 1 0 0 0 0 0 0 1 a.png\n2 1 0 0 0 0 0 0 1 b.png\n";
-  CHECK_THROWS_WITH_AS(text_capture(camera, image), doctest::Contains("line 2"), Error);
+  const std::string image =
+      "1 1 0 0 0 0 0 0 1 a.png\n2 1 0 0 0 0 0 1 1 b c d.png\n3 1 0 0 0 0 0 2 1 c 2 of 3\n4 1 0 0 0 0 0 3 1 d.png\n";
+  const Capture capture = text_capture(camera, image);
+  REQUIRE(capture.views.size() == 4);
+  CHECK(capture.views[1].camera.name == "b c d.png");
+  CHECK(capture.views[3].camera.translation.z == 3);
 }
 
 TEST_CASE("camera models: zero distortion is accepted, any other is rejected with the command that undistorts") {
@@ -384,6 +388,16 @@ TEST_CASE("a COLMAP model is found in its usual folders, binary before text") {
   dir.write("sparse/0/images.bin", binary.images);
   CHECK(read_colmap(model).format == "COLMAP binary");
   CHECK(read_colmap(model).notes.size() == 1);
+}
+
+TEST_CASE("without a model 0, the first model in sparse is found") {
+  for (const char* folder : {"sparse/1", "colmap/sparse/2"}) {
+    const test::TempDir dir;
+    const test::ColmapFiles text = test::colmap_text(test::random_cameras(1, false));
+    dir.write(std::string(folder) + "/cameras.txt", text.cameras);
+    dir.write(std::string(folder) + "/images.txt", text.images);
+    CHECK(find_colmap_model(dir.path()) == dir.path() + "/" + folder);
+  }
 }
 
 }  // namespace ngs::io

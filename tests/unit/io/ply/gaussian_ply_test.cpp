@@ -160,9 +160,21 @@ TEST_CASE("render comments of a model are applied") {
   };
   CHECK(antialiased("SplatRenderMode: mip"));
   CHECK(antialiased("antialiased 1"));
+  CHECK(antialiased("train_flags antialiasing"));
+  CHECK_FALSE(antialiased("train_flags exposure"));
   CHECK_FALSE(antialiased("SplatRenderMode: default"));
   CHECK_FALSE(antialiased("antialiased 0"));
   CHECK_FALSE(antialiased("made on a chip in 2011"));
+}
+
+TEST_CASE("Gaussians that SuperSplat marks as deleted are counted in a note") {
+  PlyColumns table = test::inria_columns(4, 0);
+  table.properties.push_back({"state", io::PlyType::kUint8});
+  const double states[] = {4, 0, 5, 1};
+  for (std::size_t i = 0; i < 4; ++i) table.rows[i].push_back(states[i]);
+  const io::GaussianPly ply = parse(test::ply_bytes({table}, PlyFormat::kBinaryLittle));
+  REQUIRE(ply.notes.size() == 1);
+  CHECK(ply.notes[0].find("2 Gaussians are marked as deleted (state 4 of SuperSplat)") == 0);
 }
 
 TEST_CASE("filter_3D of Mip-Splatting becomes part of scales and opacities, in every format") {

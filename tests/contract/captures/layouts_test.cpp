@@ -1,0 +1,177 @@
+// Layouts, names and columns that people have, and masks that do not fit: what is read, and what is said.
+#include <doctest/doctest.h>
+
+#include <filesystem>
+
+#include "contract/captures/capture.h"
+#include "ngs/io/image/image_file.h"
+
+namespace ngs {
+namespace {
+
+namespace fs = std::filesystem;
+using test::Capture;
+using test::contains;
+
+void move(const Capture& capture, const std::string& from, const std::string& to) {
+  fs::create_directories(fs::path(capture.path(to)).parent_path());
+  fs::rename(capture.path(from), capture.path(to));
+}
+
+/// Imports the capture, which must find all photos, masks and the splat.
+void check_complete(const Capture& capture) {
+  const test::ProcessResult result = capture.import();
+  CAPTURE(result.err);
+  REQUIRE(result.exit_code == 0);
+  CHECK(capture.views_with("image") == test::kCaptureViews);
+  CHECK(capture.views_with("mask") == test::kCaptureViews);
+  CHECK(capture.scene().value("model", "") != "");
+}
+
+/// The masks of all views after a change of each picture.
+template <class Change>
+void change_masks(const Capture& capture, const Change& change) {
+  for (int i = 0; i < test::kCaptureViews; ++i) {
+    const std::string path = capture.path("masks/v" + std::to_string(i) + ".png");
+    const io::RawMask mask = io::read_mask_raw(path, io::Palette::kMask);
+    const ImageF photo = io::read_image_rgb(capture.path("images/v" + std::to_string(i) + ".png"));
+    ImageU8 picture(mask.width_px, mask.height_px, 3);
+    for (std::size_t p = 0; p < mask.data.size() / std::size_t(mask.channels); ++p)
+      for (std::size_t c = 0; c < 3; ++c) {
+        const bool is_object = mask.data[p * std::size_t(mask.channels)] > 127;
+        picture.data[3 * p + c] = change(is_object, std::uint8_t(255 * photo.data[3 * p + c]), c);
+      }
+    fs::remove(path);
+    io::write_png(path, picture);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a capture is found three folders below, as in an archive that was unpacked twice") {
+  const Capture capture;
+  for (const char* name : {"sparse", "images", "masks", "point_cloud.ply"})
+    move(capture, name, std::string("a/scene/scene/") + name);
+  capture.dir.write("c/__MACOSX/scene/._point_cloud.ply", "x");
+  check_complete(capture);
+}
+
+TEST_CASE("cameras in dense/0, photos in input/ and a trainer's output two folders below are found") {
+  const Capture capture;
+  move(capture, "sparse", "dense/0/sparse");
+  move(capture, "images", "input");
+  move(capture, "point_cloud.ply", "output/1a2b/point_cloud/iteration_30000/point_cloud.ply");
+  check_complete(capture);
+}
+
+TEST_CASE("a COLMAP model is found without a model 0, and images.txt without lines of points is read") {
+  const Capture capture;
+  move(capture, "sparse/0", "sparse/1");
+  std::istringstream lines(test::read_bytes(capture.path("sparse/1/images.txt")));
+  std::string kept;
+  for (std::string line; std::getline(lines, line);)
+    if (contains(line, ".png")) kept += line + "\n";
+  capture.dir.write("c/sparse/1/images.txt", kept);
+  check_complete(capture);
+}
+
+TEST_CASE("the files that macOS adds to archives are no masks, photos or splats") {
+  const Capture capture;
+  for (const char* name : {"masks/._v0.png", "images/._v0.png", "._point_cloud.ply", "masks/__MACOSX/v0.png"})
+    capture.dir.write(std::string("c/") + name, "x");
+  const test::ProcessResult result = capture.import();
+  CHECK(result.exit_code == 0);
+  CHECK(!contains(result.err, "._"));
+}
+
+TEST_CASE("pictures of the object on black are masks, pictures of everything are refused") {
+  const Capture capture;
+  CHECK(capture.import().exit_code == 0);
+  const Capture on_black;
+  change_masks(on_black, [](bool is_object, std::uint8_t photo, std::size_t) {
+    return is_object ? std::uint8_t(std::max<int>(photo, 12)) : std::uint8_t(0);
+  });
+  test::ProcessResult result = on_black.import();
+  CAPTURE(result.err);
+  CHECK(result.exit_code == 0);
+  CHECK(contains(result.err, "a picture on black, read as object where it is not black"));
+  const Capture overlay;
+  change_masks(overlay, [](bool is_object, std::uint8_t photo, std::size_t c) {
+    return std::uint8_t(std::max<int>(12, is_object && c == 1 ? photo / 2 + 127 : photo));
+  });
+  result = overlay.import();
+  CAPTURE(result.err);
+  CHECK(result.exit_code == 3);
+  CHECK(contains(result.err, "a picture of many colours, expected a mask"));
+}
+
+TEST_CASE("one file with the masks of all photos is named, with the command that takes it apart") {
+  const struct {
+    const char *file, *command;
+  } cases[] = {{"masks/masks.mp4", "ffmpeg -i "}, {"masks.npz", "numpy.load"}, {"masks.tiff", "magick "}};
+  for (const auto& c : cases) {
+    CAPTURE(c.file);
+    const Capture capture;
+    fs::remove_all(capture.path("masks"));
+    capture.dir.write(std::string("c/") + c.file, "x");
+    test::ProcessResult result = capture.run({"ngs", "cut", "c", "-o", "out"});
+    CAPTURE(result.err);
+    CHECK(result.exit_code == 4);
+    CHECK(contains(result.err, std::string("c/") + c.file));
+    CHECK(contains(result.err, c.command));
+    CHECK(contains(result.err, "--masks masks-png --masks-in-order"));
+    result = capture.run({"ngs-scene", "import", "c", "--masks", std::string("c/") + c.file, "-o", "s.json", "-w"});
+    CHECK(contains(result.err, c.command));
+  }
+}
+
+TEST_CASE("ngs cut names the views in which the result disagrees with their masks") {
+  const Capture capture;
+  for (int i = 0; i < test::kCaptureViews; ++i) fs::copy_file(capture.path("masks/v" + std::to_string(i) + ".png"), capture.path("right-" + std::to_string(i)));
+  test::ProcessResult result = capture.run({"ngs", "cut", "c", "-o", "out", "--quality", "draft"});
+  CAPTURE(result.err);
+  CHECK(result.exit_code == 0);
+  CHECK(!contains(result.err, "disagrees"));
+  const io::RawMask mask = io::read_mask_raw(capture.path("masks/v0.png"), io::Palette::kMask);
+  ImageU8 other(mask.width_px, mask.height_px, 1);  // a small corner
+  for (int y = 0; y < 8; ++y)
+    for (int x = 0; x < 8; ++x) other.data[std::size_t(y * mask.width_px + x)] = 255;
+  fs::remove(capture.path("masks/v0.png"));
+  io::write_png(capture.path("masks/v0.png"), other);
+  result = capture.run({"ngs", "cut", "c", "-o", "other", "--quality", "draft", "--json"});
+  CAPTURE(result.err);
+  CHECK(result.exit_code == 0);
+  CHECK(contains(result.err, "the result disagrees with 1 of 6 masks"));
+  CHECK(nlohmann::json::parse(result.out)["result"]["mask_agreement"]["apart"] == nlohmann::json{"v0.png"});
+}
+
+TEST_CASE("tools work without a folder for temporary files at TMPDIR") {
+  const Capture capture;
+  test::ProcessSpec spec;
+  spec.argv = {NGS_TOOL_DIR "/ngs", "cut", "c", "-o", "out", "--quality", "draft"};
+  spec.folder = capture.dir.path();
+  spec.environment = {{"NGS_THREADS", "2"}, {"TMPDIR", capture.path("absent")}};
+  const test::ProcessResult result = test::run_process(spec);
+  CAPTURE(result.err);
+  CHECK(result.exit_code == 0);
+}
+
+TEST_CASE("pictures at given cameras are called like the photos, and are made again if the cameras change") {
+  const Capture capture;
+  fs::remove_all(capture.path("images"));
+  fs::remove_all(capture.path("masks"));
+  const std::vector<std::string> cut = {"ngs", "cut", "c", "-o", "out"};
+  REQUIRE(capture.run(cut).exit_code == 0);
+  CHECK(fs::exists(capture.dir.path() + "/out/orbit/images/v0.png"));
+  CHECK(!fs::exists(capture.dir.path() + "/out/orbit/images/0000.png"));
+  const std::string before = test::read_bytes(capture.dir.path() + "/out/orbit/images/v0.png");
+  std::string poses = test::read_bytes(capture.path("sparse/0/images.txt"));
+  const std::size_t first = poses.find("v0.png"), second = poses.find("v1.png");
+  poses[first + 1] = '1';
+  poses[second + 1] = '0';
+  capture.dir.write("c/sparse/0/images.txt", poses);
+  REQUIRE(capture.run(cut).exit_code == 0);
+  CHECK(before != test::read_bytes(capture.dir.path() + "/out/orbit/images/v0.png"));
+}
+
+}  // namespace ngs
