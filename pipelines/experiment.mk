@@ -77,9 +77,11 @@ $(S)/scored: $(S)/rendered $(OUT)/object.ply $(S)/eval.flags $(if $(wildcard $(O
 	ngs-eval $(OUT)/scene.json $(OUT)/scene.json --allow-empty -q -o $(OUT)/metrics_input.json $(EVAL_FLAGS) \
 	  $(ALL)/ngs-eval-input.json || [ $$? -eq 1 ]
 	rm -rf $(S)/alone
-	[ -d $(OUT)/objects ] || ngs-render $(OUT)/scene.json $(OUT)/object.ply --views $(if $(HOLD_OUT),held-out,all) --layers alpha --scale 0 --format png \
-	  -o $(S)/alone $(RENDER_FLAGS) $(ON) $(ALL)/ngs-render-alone.json
-	ngs-eval $(OUT)/masks $(OUT)/scene.json $$([ -d $(OUT)/objects ] || echo --alone $(S)/alone) --allow-empty -o $(OUT)/metrics.json $(EVAL_FLAGS) $(ALL)/ngs-eval.json || \
+	[ -d $(OUT)/objects ] || ! { [ "$(HOLD_OUT)" ] || grep -qs '^  "truth"' $(OUT)/scene.json; } || ngs-render $(OUT)/scene.json \
+	  $(OUT)/object.ply --views $(if $(HOLD_OUT),held-out,all) --layers alpha --scale 0 --format png -o $(S)/alone $(RENDER_FLAGS) \
+	  $(ON) $(ALL)/ngs-render-alone.json
+	ngs-eval $(OUT)/masks $(OUT)/scene.json $$([ ! -d $(S)/alone ] || echo --alone $(S)/alone) --allow-empty -o $(OUT)/metrics.json \
+	  $(EVAL_FLAGS) $(ALL)/ngs-eval.json || \
 	  { [ $$? -eq 1 ] && touch $(S)/check_failed; }
 	@[ -e $(OUT)/metrics.json ] || touch $(S)/unscored; touch $@
 $(OUT)/metrics.json: $(S)/scored

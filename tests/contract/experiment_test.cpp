@@ -89,6 +89,8 @@ TEST_CASE("experiment.mk writes the artifact given as target, and fails if nothi
   const test::ProcessResult unscored = run_make(capture.dir.path(), {"METHOD=flash", "out/metrics.json"});
   CHECK(unscored.exit_code != 0);
   CHECK(unscored.err.find("nothing was scored") != std::string::npos);
+  CHECK(fs::exists(out + "object.ply"));
+  CHECK_FALSE(fs::exists(out + ".state/alone"));
 }
 
 TEST_CASE("experiment.mk recreates files that were removed from the output folder") {

@@ -14,27 +14,15 @@ constexpr int kRounds = 2;  // what is left out uncovers Gaussians behind it
 // things hide in the scene: an unseen side may be there as well as haze.
 constexpr double kOutsideShare = 1, kHiddenShare = 10;
 
-/// Alpha and depth of the object alone.
-RenderedView render_alone(const Exec& exec, const AloneViews& in, const GaussianCloud& object, const Camera& camera) {
-  RenderRequest request;
-  request.colour = false;
-  request.depth = true;
-  return render(exec, object, camera, in.splat, request);
-}
-
-/// 1: the Gaussian is contradicted.
-std::vector<std::uint8_t> contradicted(const Exec& exec, const AloneViews& in, const GaussianCloud& object,
+/// [object] as Alone::contradicted; `rows`: of the sums.
+std::vector<std::uint8_t> contradicted(const Evidence& found, const std::vector<std::int64_t>& rows,
                                        const std::vector<std::uint8_t>& seen) {
-  EvidenceSum sum(exec, object, 2, in.splat);
-  for (const SupportView& view : in.views) {
-    const ViewMasks masks = view.masks_alone(render_alone(exec, in, object, view.camera()), in.behind);
-    if (masks.available) sum.add({view.camera(), masks});
-  }
-  const Evidence found = sum.result();
   std::vector<std::uint8_t> out(seen.size());
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    const double all = found.weight.value(i), within = found.object_weight(i, 0), hidden = found.object_weight(i, 1);
-    const double outside = all - within - hidden;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const auto i = std::size_t(rows[r]);
+    const double within = found.object_weight(r, 0);
+    const double hidden = found.object_weight(r, 1);
+    const double outside = found.weight.value(r) - within - hidden;
     out[i] = outside > kOutsideShare * within || (!seen[i] && outside + hidden > kHiddenShare * within);
   }
   return out;
@@ -42,31 +30,38 @@ std::vector<std::uint8_t> contradicted(const Exec& exec, const AloneViews& in, c
 
 }  // namespace
 
-std::int64_t wrong_pixels(const Exec& exec, const AloneViews& in, const GaussianCloud& object,
-                          const std::vector<std::uint8_t>& keep) {
-  const GaussianCloud kept = gather_rows(exec, object, RowNumbers(keep).row);
-  std::int64_t wrong = 0;
-  for (const SupportView& view : in.views) wrong += view.wrong_pixels(render_alone(exec, in, kept, view.camera()));
-  return wrong;
+Alone rendered_alone(const Exec& exec, const AloneViews& in, const AloneObject& object,
+                     std::vector<std::uint8_t> keep) {
+  Alone out{std::move(keep)};
+  const std::vector<std::int64_t> rows = RowNumbers(out.keep).row;
+  const GaussianCloud part = gather_rows(exec, object.cloud, rows);
+  const SplatOptions splat = prepared_for(exec, in.splat, part);
+  RenderRequest request;
+  request.colour = false;
+  request.depth = true;
+  EvidenceSum sum(exec, part, 2, splat);
+  for (const SupportView& view : in.views) {
+    const Camera window = view.window();
+    if (window.width_px == 0) continue;
+    const RenderedView rendered = render(exec, part, window, splat, request);
+    out.wrong += view.wrong_pixels(rendered);
+    const ViewMasks masks = view.masks_alone(rendered, in.behind);
+    sum.add({window, masks});
+  }
+  out.contradicted = contradicted(sum.result(), rows, object.seen);
+  return out;
 }
 
-std::int64_t drop_contradicted(const Exec& exec, const AloneViews& in, const GaussianCloud& object,
-                               const std::vector<std::uint8_t>& seen, std::vector<std::uint8_t>& keep) {
-  std::int64_t dropped = 0, wrong = wrong_pixels(exec, in, object, keep);
+void drop_contradicted(const Exec& exec, const AloneViews& in, const AloneObject& object, Alone& alone) {
   for (int round = 0; round < kRounds; ++round) {
-    const std::vector<std::int64_t> rows = RowNumbers(keep).row;
-    const std::vector<std::uint8_t> out =
-        contradicted(exec, in, gather_rows(exec, object, rows), gather_column(exec, seen, 1, rows));
-    std::vector<std::uint8_t> fewer = keep;
-    for (std::size_t r = 0; r < rows.size(); ++r) fewer[std::size_t(rows[r])] = !out[r];
-    const std::int64_t count = std::ranges::count(out, std::uint8_t(1));
-    const std::int64_t now = count > 0 ? wrong_pixels(exec, in, object, fewer) : wrong;
-    if (count == 0 || now > wrong) break;
-    keep = std::move(fewer);
-    dropped += count;
-    wrong = now;
+    if (std::ranges::count(alone.contradicted, std::uint8_t(1)) == 0) return;
+    std::vector<std::uint8_t> fewer = alone.keep;
+    for (std::size_t i = 0; i < fewer.size(); ++i)
+      if (alone.contradicted[i]) fewer[i] = 0;
+    Alone now = rendered_alone(exec, in, object, std::move(fewer));
+    if (now.wrong > alone.wrong) return;
+    alone = std::move(now);
   }
-  return dropped;
 }
 
 }  // namespace ngs::finish

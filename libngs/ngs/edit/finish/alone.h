@@ -12,16 +12,27 @@ struct AloneViews {
   double behind;              // as in SupportView::sides()
 };
 
-/// Pixels of all views where alpha of `object` alone is at least 1/2, but the scene does not show it, or the reverse.
-/// [object] 0 in `keep`: left out.
-std::int64_t wrong_pixels(const Exec& exec, const AloneViews& in, const GaussianCloud& object,
-                          const std::vector<std::uint8_t>& keep);
+struct AloneObject {
+  const GaussianCloud& cloud;
+  const std::vector<std::uint8_t>& seen;  // [object] 1: a view sees the Gaussian's centre
+};
 
-/// Takes Gaussians from `keep` [object] that show the object, rendered alone, where the scene does not: outside of its
-/// rendered mask and the soft edge of it, with more of their weight than within. Where other things stand in front
-/// of the object alone, only if no view sees the Gaussian's centre (`seen` [object] 0), and with more than 10 times
-/// that. Returns their number; 0 if `keep` would have more wrong_pixels().
-std::int64_t drop_contradicted(const Exec& exec, const AloneViews& in, const GaussianCloud& object,
-                               const std::vector<std::uint8_t>& seen, std::vector<std::uint8_t>& keep);
+/// What the rendering of a part of the object alone shows.
+struct Alone {
+  std::vector<std::uint8_t> keep;  // [object] 0: left out
+  /// Pixels of all views where alpha of the object alone is at least 1/2, but the scene does not show it, or the
+  /// reverse.
+  std::int64_t wrong = 0;
+  /// [object] 1: shows the object, rendered alone, where the scene does not: outside of its rendered mask and the soft
+  /// edge of it, with more of its weight than within. Where other things stand in front of the object alone, only if no
+  /// view sees the Gaussian's centre, and with more than 10 times that. 0 for Gaussians that were left out.
+  std::vector<std::uint8_t> contradicted = {};
+};
+
+Alone rendered_alone(const Exec& exec, const AloneViews& in, const AloneObject& object, std::vector<std::uint8_t> keep);
+
+/// Leaves the contradicted Gaussians out, and those that are contradicted then, unless more pixels are wrong without
+/// them.
+void drop_contradicted(const Exec& exec, const AloneViews& in, const AloneObject& object, Alone& alone);
 
 }  // namespace ngs::finish

@@ -199,19 +199,23 @@ Finished finish_object(const Exec& exec, const FinishInput& input) {
   const HullSupport support(views, kBehind * ball.radius);
   const std::vector<std::uint8_t> seen = seen_rows(exec, support, object);
   Evidence known{support, supporting_planes(exec, model, input.seed), SeenHull(exec, object, seen, ball)};
-  const AloneViews alone{views, input.splat, kBehind * ball.radius};
+  const AloneViews in{views, input.splat, kBehind * ball.radius};
   Clipped best = clipped_rows(exec, known, object);
+  Alone alone = rendered_alone(exec, in, {best.object, seen}, best.keep);
   if (!known.planes.empty()) {  // a plane that is found wrongly cuts off what the scene shows
     known.planes.clear();
     Clipped without = clipped_rows(exec, known, object);
-    if (wrong_pixels(exec, alone, without.object, without.keep) < wrong_pixels(exec, alone, best.object, best.keep))
+    Alone alone_without = rendered_alone(exec, in, {without.object, seen}, without.keep);
+    if (alone_without.wrong < alone.wrong) {
       best = std::move(without);
+      alone = std::move(alone_without);
+    }
   }
-  drop_contradicted(exec, alone, best.object, seen, best.keep);
+  drop_contradicted(exec, in, {best.object, seen}, alone);
   out.object = std::move(best.object);
   out.clipped = best.clipped;
   for (std::size_t r = 0; r < rows.size(); ++r) {
-    if (best.keep[r]) continue;
+    if (alone.keep[r]) continue;
     out.keep[std::size_t(rows[r])] = 0;
     ++out.dropped;
   }

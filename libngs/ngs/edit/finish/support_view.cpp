@@ -134,30 +134,34 @@ SupportView::Sides SupportView::sides(Vec3<double> point, double behind) const {
   return found;
 }
 
+Camera SupportView::window() const {
+  Camera window = scene_camera_;
+  window.width_px = width_;
+  window.height_px = height_;
+  window.cx -= x_;
+  window.cy -= y_;
+  return window;
+}
+
 ViewMasks SupportView::masks_alone(const RenderedView& alone, double behind) const {
-  ViewMasks masks{scene_camera_.width_px, scene_camera_.height_px, {}, {}, width_ > 0};
-  if (width_ == 0) return masks;
-  const std::size_t pixels = alone.alpha.data.size();
-  masks.target.assign(2, std::vector<float>(pixels));
+  const std::size_t pixels = mask_.size();
+  NGS_CHECK(alone.alpha.data.size() == pixels, "rendered in the window");
+  ViewMasks masks{width_, height_, std::vector(2, std::vector<float>(pixels)), {}, true};
   masks.known.resize(pixels);
-  for (int y = y_; y < y_ + height_; ++y)
-    for (int x = x_; x < x_ + width_; ++x) {
-      const std::size_t p = alone.alpha.index(x, y), q = index(x, y);
-      const bool within = mask_[q] & kExact, near_it = mask_[q] & kNearExact;
-      masks.known[p] = within || alone.alpha.data[p] >= (near_it ? kOpaque : kHaze);
-      masks.target[0][p] = within;
-      masks.target[1][p] = !within && alone.depth.data[p] > alone.alpha.data[p] * (depth_[q] + float(behind));
-    }
+  for (std::size_t q = 0; q < pixels; ++q) {
+    const float alpha = alone.alpha.data[q];
+    const bool within = mask_[q] & kExact;
+    masks.known[q] = within || alpha >= (mask_[q] & kNearExact ? kOpaque : kHaze);
+    masks.target[0][q] = within;
+    masks.target[1][q] = !within && alone.depth.data[q] > alpha * (depth_[q] + float(behind));
+  }
   return masks;
 }
 
 std::int64_t SupportView::wrong_pixels(const RenderedView& alone) const {
   std::int64_t wrong = 0;
-  for (int y = y_; y < y_ + height_; ++y)
-    for (int x = x_; x < x_ + width_; ++x) {
-      const std::uint8_t mask = mask_[index(x, y)];
-      wrong += alone.alpha.data[alone.alpha.index(x, y)] >= kOpaque ? !(mask & kExact) : (mask & kInAll) != 0;
-    }
+  for (std::size_t q = 0; q < mask_.size(); ++q)
+    wrong += alone.alpha.data[q] >= kOpaque ? !(mask_[q] & kExact) : (mask_[q] & kInAll) != 0;
   return wrong;
 }
 

@@ -59,11 +59,11 @@ class SupportView {
   };
   /// `behind`: depth behind the visible surface, world, up to which a point counts as at the surface.
   Sides sides(Vec3<double> point, double behind) const;
-  const Camera& camera() const { return scene_camera_; }
-  /// For the object rendered alone in this view: pixels of its rendered or given mask (target 0), and pixels outside
+  /// The camera of the part of the image that can show the object; without pixels if none can.
+  Camera window() const;
+  /// For the object rendered alone in this window: pixels of its rendered or given mask (target 0), and pixels outside
   /// whose visible surface in the scene is in front of the object (target 1). Unknown: pixels outside where `alone` has
-  /// an alpha below 0.1, and within 3 px of the mask, its soft edge, below 1/2. Not available if the view does not show
-  /// the object.
+  /// an alpha below 0.1, and within 3 px of the mask, its soft edge, below 1/2.
   ViewMasks masks_alone(const RenderedView& alone, double behind) const;
   /// Pixels where `alone` is at least half opaque outside of the rendered and the given mask, or less within both.
   std::int64_t wrong_pixels(const RenderedView& alone) const;

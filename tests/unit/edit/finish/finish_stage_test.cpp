@@ -260,15 +260,51 @@ TEST_CASE("a Gaussian that shows the object alone more outside of its mask than 
   c.look_around(0.4);
   const std::vector<SupportView> views = c.views(true);
   const AloneViews in{views, {}, 0.05};
-  GaussianCloud object = c.cloud;
-  std::vector<std::uint8_t> keep(c.object.size(), 1);
-  CHECK(drop_contradicted(Exec{}, in, object, keep, keep) == 0);
-  const std::int64_t right = wrong_pixels(Exec{}, in, object, keep);
+  const GaussianCloud ball = c.cloud;
+  std::vector<std::uint8_t> all(c.object.size(), 1);
+  Alone right = rendered_alone(Exec{}, in, {ball, all}, all);
+  drop_contradicted(Exec{}, in, {ball, all}, right);
+  CHECK(right.keep == all);
   c.add({0, 0, 1.2}, {0, 0, 1}, {0.1, 0.1, 0.1}, true);  // above the ball, in the object but not in the masks
-  keep.push_back(1);
-  CHECK(wrong_pixels(Exec{}, in, c.cloud, keep) > right + 12 * 20);
-  CHECK(drop_contradicted(Exec{}, in, c.cloud, keep, keep) == 1);
-  CHECK(!keep.back());
+  all.push_back(1);
+  Alone alone = rendered_alone(Exec{}, in, {c.cloud, all}, all);
+  CHECK(alone.wrong > right.wrong + 12 * 20);
+  CHECK(std::ranges::count(alone.contradicted, 1) == 1);
+  drop_contradicted(Exec{}, in, {c.cloud, all}, alone);
+  CHECK(!alone.keep.back());
+  CHECK(std::ranges::count(alone.keep, 0) == 1);
+  CHECK(alone.wrong == right.wrong);
+}
+
+TEST_CASE("the window of a view is its camera, cropped to the object") {
+  FinishCase c;
+  c.add_ball();
+  c.add_floor(-1);
+  c.look_from({1, 0.2, 0.4});
+  const Camera& camera = c.cameras[0];
+  const Camera window = c.view_of(camera, {}).window();
+  REQUIRE(window.width_px > 0);
+  CHECK(window.width_px < camera.width_px);
+  CHECK(window.height_px < camera.height_px);
+  const int x0 = int(camera.cx - window.cx);
+  const int y0 = int(camera.cy - window.cy);
+  const GaussianCloud ball = gather_rows({}, c.cloud, RowNumbers(c.object).row);
+  const RenderedView whole = render({}, ball, camera, {}, {});
+  const RenderedView cropped = render({}, ball, window, {}, {});
+  double inside = 0;
+  double difference = 0;
+  for (int y = 0; y < window.height_px; ++y)
+    for (int x = 0; x < window.width_px; ++x) {
+      inside += double(cropped.alpha.at(x, y));
+      difference = std::max(difference, double(std::abs(cropped.alpha.at(x, y) - whole.alpha.at(x0 + x, y0 + y))));
+    }
+  CHECK(difference < 1e-3);
+  double total = 0;
+  for (const float a : whole.alpha.data) total += double(a);
+  CHECK(inside == doctest::Approx(total).epsilon(1e-3));
+  c.look_from({0, 1, 0});
+  c.cameras[1].translation.z = -20;
+  CHECK(c.view_of(c.cameras[1], {}).window().width_px == 0);  // behind the camera
 }
 
 TEST_CASE("without views, without an object, and behind all cameras nothing changes") {
