@@ -25,8 +25,27 @@ Json surface_report(const FilledSurface& s) {
           {"cells", s.cells},
           {"one_sided_cells", s.one_sided},
           {"continued_cells", s.continued},
+          {"footprint_cells", s.footprint.cells},
+          {"footprint_filled", s.footprint.filled},
+          {"footprint_covered", s.footprint.covered},
+          {"shadow_left", s.shadow.left},
           {"texture", name_of(kTextureNames, s.texture)},
           {"rows", s.rows}};
+}
+
+/// What became of the object's footprint on all surfaces, one clause.
+std::string coverage(const HoleFill& fill) {
+  Footprint all;
+  for (const FilledSurface& s : fill.surfaces) {
+    all.cells += s.footprint.cells;
+    all.filled += s.rows > 0 ? s.footprint.filled : 0;
+    all.covered += s.footprint.covered;
+  }
+  if (all.cells == 0) return "the object stands on no surface";
+  const auto percent = [&](std::int64_t n) { return std::to_string(100 * n / all.cells) + " %"; };
+  return "of the object's footprint " + percent(all.filled) + " filled, " + percent(all.covered) +
+         " covered by the background before, " + percent(all.cells - all.filled - all.covered) + " open" +
+         (fill.relit_rows > 0 ? "; " + std::to_string(fill.relit_rows) + " Gaussians in its shadow relit" : "");
 }
 
 /// The background without the removed rows, and with the added ones at its end.
@@ -61,13 +80,14 @@ FillOutput::FillOutput(Run& run, const Extractor& extractor, FillOptions options
   kept_ = std::size_t(background_.size() - fill_->filled.size());
   report(options);
   if (inpainted != nullptr) refit(*inpainted);
-  const auto added = std::size_t(background_.size()) - kept_;
+  const std::int64_t added = background_.size() - std::int64_t(kept_) - fill_->relit_rows;
   run.result()["fill"] = report_;
   if (added == 0) run.result()["fill"]["nothing"] = fill_->nothing;
-  run.text(added > 0 ? "filled the hole: " + std::to_string(added) + " Gaussians added (" +
-                           (inpainted != nullptr ? "from inpainted pictures" : "invented, not measured") + "), " +
-                           std::to_string(fill_->removed_rows) + " removed\n"
-                     : "filled nothing: " + fill_->nothing + "\n");
+  run.text((added > 0 ? "filled the hole: " + std::to_string(added) + " Gaussians added (" +
+                            (inpainted != nullptr ? "from inpainted pictures" : "invented, not measured") + "), " +
+                            std::to_string(fill_->removed_rows) + " removed"
+                      : "filled nothing: " + fill_->nothing) +
+           "; " + coverage(*fill_) + "\n");
 }
 
 void FillOutput::report(const FillOptions& options) {
@@ -75,8 +95,10 @@ void FillOutput::report(const FillOptions& options) {
   for (const FilledSurface& s : fill_->surfaces) surfaces.push_back(surface_report(s));
   report_ = {{"kind", name_of(kFillNames, options.fill)},
              {"seed", run_.seed()},
-             {"rows_added", background_.size() - std::int64_t(kept_)},
+             {"rows_added", background_.size() - std::int64_t(kept_) - fill_->relit_rows},
              {"rows_removed", fill_->removed_rows},
+             {"rows_relit", fill_->relit_rows},
+             {"coverage", coverage(*fill_)},
              {"surfaces", surfaces}};
 }
 
@@ -84,7 +106,7 @@ void FillOutput::refit(InpaintedPictures& inpainted) {
   inpainted.find_holes(run_, extractor_);
   const InpaintedViews views = inpainted.views(run_, background_);
   const HoleRefit found = refit_hole(run_.exec(), run_.monitor(), views, kept_, background_);
-  report_["rows_added"] = background_.size() - std::int64_t(kept_);
+  report_["rows_added"] = background_.size() - std::int64_t(kept_) - fill_->relit_rows;
   report_["inpainted"] = {{"views", views.views.size()},
                           {"rows_by_depth", found.seeds},
                           {"psnr_before_db", found.psnr_before_db},

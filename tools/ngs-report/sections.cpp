@@ -115,8 +115,9 @@ void add_mending_tiles(const RunFolder& run, std::string& html) {
              decimal(number_at(finish, {"dropped"}), 0) + " left out: Gaussians that reach out of the masks");
   if (const Json& fill = value_at(result, {"fill"}); !fill.is_null())
     add_tile(html, "background-filled.ply", decimal(number_at(fill, {"rows_added"}), 0) + " added",
-             fill.contains("nothing") ? "nothing filled: " + escaped(json_text(value_at(fill, {"nothing"})))
-                                      : "invented Gaussians where the object stood");
+             (fill.contains("nothing") ? "nothing filled: " + escaped(json_text(value_at(fill, {"nothing"})))
+                                       : "invented Gaussians where the object stood") +
+                 "; " + escaped(json_text(value_at(fill, {"coverage"}))));
 }
 
 }  // namespace

@@ -97,7 +97,9 @@ Json recipe_json(const synth::Recipe& recipe) {
   synth::Recipe copy = recipe;
   OptionSet options;
   options.add(copy);
-  return options.to_json();
+  Json json = options.to_json();
+  if (!recipe.cast_shadows) json.erase("cast_shadows");  // recipes without one keep their bytes
+  return json;
 }
 
 std::vector<FitView> fit_views(const SynthData& data) {

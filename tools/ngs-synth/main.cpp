@@ -19,7 +19,7 @@ synth::Recipe resolved(synth::Recipe recipe, const cli::SynthOptions& o) {
   recipe.width_px = side_of(o.width_px, recipe.width_px), recipe.height_px = side_of(o.height_px, recipe.height_px);
   if (o.scene_seed >= 0) recipe.scene_seed = o.scene_seed;
   if (!o.target.empty()) recipe.target = o.target;
-  recipe.grey |= o.grey;
+  recipe.grey |= o.grey, recipe.cast_shadows |= o.cast_shadows;
   return recipe;
 }
 

@@ -16,7 +16,7 @@ struct SynthOptions {
   std::int64_t scene_seed = -1;
   std::string target;
   std::vector<std::string> mask_noise;
-  bool grey = false, fit = true;
+  bool grey = false, cast_shadows = false, fit = true;
   Truth truth = Truth::kMasks;
 
   static constexpr NamedValue<Truth> kTruths[] = {{Truth::kMasks, "masks"}, {Truth::kHalves, "halves"}};
@@ -33,6 +33,7 @@ struct SynthOptions {
           Text{"mask_noise", "KIND:AMOUNT",
                "Errors to add to masks/ and labels/: erode:PX dilate:PX jitter:PX snap:PX drop:P swap:P blob:P"});
     visit(self.grey, Flag{"grey", "Make all images grey; off: from the recipe"});
+    visit(self.cast_shadows, Flag{"cast_shadows", "Let the objects cast shadows; off: from the recipe"});
     visit(self.truth, Choice<Truth>{"truth",
                                     "Ground truth to write; halves: also the room without the target, and the target "
                                     "alone from all sides, to halves/",

@@ -118,9 +118,10 @@ void add_mending(std::string& text, const CutChain& chain) {
   if (result.contains("fill")) {
     const nlohmann::json& fill = result.at("fill");
     row(text, "filled",
-        fill.contains("nothing") ? "nothing: " + fill.at("nothing").get<std::string>()
-                                 : chain.at("background-filled.ply") + "  " + fill.at("rows_added").dump() +
-                                       " Gaussians added where the object stood, invented");
+        (fill.contains("nothing") ? "nothing: " + fill.at("nothing").get<std::string>()
+                                  : chain.at("background-filled.ply") + "  " + fill.at("rows_added").dump() +
+                                        " Gaussians added where the object stood, invented") +
+            "; " + fill.at("coverage").get<std::string>());
   }
   if (result.contains("finish"))
     row(text, "clipped",

@@ -4,9 +4,10 @@
 #include <array>
 #include <cmath>
 
+#include "ngs/backend/for_each.h"
 #include "ngs/core/check.h"
 #include "ngs/edit/fill/debris.h"
-#include "ngs/edit/fill/hole_cells.h"
+#include "ngs/edit/fill/texture_sources.h"
 #include "ngs/math/median.h"
 #include "ngs/math/quat.h"
 
@@ -27,15 +28,6 @@ std::array<Vec, 3> axes_at(const FillSurface& surface, Vec2<double> at, double s
   const Vec along_v = surface.point(at.x, at.y + side, 0) - surface.point(at.x, at.y - side, 0);
   const Vec x = unit(along_u), z = unit(cross(along_u, along_v));
   return {x, cross(z, x), z};
-}
-
-TextureGrid texture_of(const HoleCells& cells) {
-  TextureGrid grid{cells.columns, cells.rows, std::vector<Texel>(cells.state.size(), Texel::kNone), cells.colour};
-  for (std::size_t i = 0; i < cells.state.size(); ++i) {
-    if (cells.state[i] == HoleCell::kCovered) grid.state[i] = Texel::kKnown;
-    if (cells.state[i] == HoleCell::kHole) grid.state[i] = Texel::kUnknown;
-  }
-  return grid;
 }
 
 /// Mean of the higher bands over the solid Gaussians of a surface.
@@ -94,6 +86,36 @@ void add_hidden(const GaussianCloud& cloud, const Rim& rim, const FillSurface& s
   }
 }
 
+/// Replaces the Gaussians of a surface in the object's shadow by relit copies. Rows that are removed stay removed.
+void relight(const Exec& exec, const HoleScene& scene, const FillSurface& surface, const CastShadow& shadow,
+             HoleFill& out) {
+  if (shadow.left >= 1) return;
+  const GaussianCloud& cloud = scene.cloud;
+  const std::size_t bands = 3 * std::size_t(cloud.rest_count());
+  std::vector<double> factor(out.removed.size(), 1);
+  for_each_index(exec, cloud.size(), [&](std::int64_t row) {
+    const auto i = std::size_t(row);
+    const Vec p{cloud.position[3 * i], cloud.position[3 * i + 1], cloud.position[3 * i + 2]};
+    if (scene.object[i] || out.removed[i] || !cloud.usable[i] || std::abs(surface.height(p)) > surface.tolerance)
+      return;
+    factor[i] = shadow.at(scene.occluder, p - surface.height(p) * surface.normal);
+  });
+  for (std::size_t i = 0; i < factor.size(); ++i) {
+    if (factor[i] >= 1) continue;
+    const std::size_t to = std::size_t(out.filled.size());
+    out.removed[i] = 1, ++out.relit_rows;
+    const auto append = [i](auto& rows, const auto& from, std::size_t width) {
+      rows.insert(rows.end(), from.begin() + std::ptrdiff_t(i * width), from.begin() + std::ptrdiff_t((i + 1) * width));
+    };
+    append(out.filled.position, cloud.position, 3), append(out.filled.rotation, cloud.rotation, 4);
+    append(out.filled.log_scale, cloud.log_scale, 3), append(out.filled.logit_opacity, cloud.logit_opacity, 1);
+    append(out.filled.sh_dc, cloud.sh_dc, 3), append(out.filled.sh_rest, cloud.sh_rest, bands);
+    append(out.filled.usable, cloud.usable, 1);
+    for (std::size_t a = 0; a < 3; ++a) out.filled.sh_dc[3 * to + a] = relit(out.filled.sh_dc[3 * to + a], factor[i]);
+    for (std::size_t b = 0; b < bands; ++b) out.filled.sh_rest[bands * to + b] /= float(factor[i]);
+  }
+}
+
 std::string nothing_to_fill(const Rim& rim, const HoleFill& out) {
   if (rim.object.count() == 0) return "the object has no visible Gaussian";
   if (out.surfaces.empty()) return "the background has no surface at the object's rim";
@@ -120,13 +142,16 @@ HoleFill fill_hole(const Exec& exec, Monitor& monitor, const FillOptions& option
   const Occluder occluder(rim);
   std::vector<std::uint8_t> debris = find_debris(exec, cloud, rim, occluder, surfaces);
   std::vector<std::uint8_t> hidden = debris;
+  std::vector<CastShadow> shadows;
+  const HoleScene scene{cloud, input.object, rim, occluder, surfaces, debris};
   for (std::size_t s = 0; s < surfaces.size(); ++s) {
     const FillSurface& surface = surfaces[s];
-    const HoleCells cells = find_hole_cells(exec, {cloud, rim, occluder, surfaces, debris}, s);
-    FilledSurface found{surface.relief.empty(), surface.normal, surface.rim_points, surface.residual,
-                        surface.spacing,        cells.side,     cells.hole,         cells.one_sided,
-                        cells.continued};
-    TextureGrid texture = texture_of(cells);
+    const HoleCells cells = find_hole_cells(exec, scene, s);
+    shadows.push_back(find_cast_shadow(exec, scene, s, cells));
+    FilledSurface found{surface.relief.empty(), surface.normal,  surface.rim_points, surface.residual,
+                        surface.spacing,        cells.side,      cells.hole,         cells.one_sided,
+                        cells.continued,        cells.footprint, shadows.back()};
+    TextureGrid texture = texture_sources(exec, scene, s, cells, shadows.back());
     found.texture = fill_texture(exec, texture, kDetail);
     if (found.texture != TextureFill::kNothing) {
       found.rows = lay(surface, cells, texture, mean_bands(cloud, rim, surface), out.filled);
@@ -134,9 +159,10 @@ HoleFill fill_hole(const Exec& exec, Monitor& monitor, const FillOptions& option
     }
     out.surfaces.push_back(found);
   }
-  if (out.filled.size() == 0) return out.nothing = nothing_to_fill(rim, out), out;
-  for (std::size_t i = 0; i < hidden.size(); ++i)
+  for (std::size_t i = 0; out.filled.size() > 0 && i < hidden.size(); ++i)
     if (hidden[i]) out.removed[rim.background.row[i]] = 1, ++out.removed_rows;
+  for (std::size_t s = 0; s < surfaces.size(); ++s) relight(exec, scene, surfaces[s], shadows[s], out);
+  if (out.filled.size() == out.relit_rows) out.nothing = nothing_to_fill(rim, out);
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ngs/core/monitor.h"
+#include "ngs/edit/fill/cast_shadow.h"
 #include "ngs/edit/fill/fill_options.h"
 #include "ngs/edit/fill/fill_texture.h"
 #include "ngs/math/vec.h"
@@ -24,15 +25,17 @@ struct FilledSurface {
   std::int64_t cells = 0;        // cells of the hole
   std::int64_t one_sided = 0;    // cells left out, because the rim is missing on one side
   std::int64_t continued = 0;    // cells left out, because the surface continues below the object
+  Footprint footprint;           // of the object on the surface
+  CastShadow shadow;             // of the object
   TextureFill texture = TextureFill::kNothing;
   std::int64_t rows = 0;  // Gaussians added
 };
 
 struct HoleFill {
   std::vector<FilledSurface> surfaces;
-  std::vector<std::uint8_t> removed;  // [N] 1: a row of the background to be left out
-  std::int64_t removed_rows = 0;
-  GaussianCloud filled;  // the added Gaussians, with the origin and the degree of the model
+  std::vector<std::uint8_t> removed;              // [N] 1: a row of the background to be left out
+  std::int64_t removed_rows = 0, relit_rows = 0;  // of them; the relit ones return in `filled`
+  GaussianCloud filled;  // the added Gaussians, then the relit ones, with the origin and the degree of the model
   std::string nothing;   // why nothing is filled, one clause; empty if something is
 };
 

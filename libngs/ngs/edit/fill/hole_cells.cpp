@@ -29,12 +29,11 @@ constexpr double kInside = 0.3;                    // weight of a Gaussian's dis
 constexpr double kContinues = 0.6, kWhole = 0.95;  // density, in that of the rim, and covered fraction of no hole
 
 /// A Gaussian on the surface in cells: its centre and the inverse of its covariance.
-struct Footprint {
+struct Disc {
   double x, y, xx, xy, yy, reach_x, reach_y;
 };
 
-Footprint footprint_of(const GaussianCloud& cloud, const FillSurface& surface, const HoleCells& cells,
-                       std::size_t row) {
+Disc disc_of(const GaussianCloud& cloud, const FillSurface& surface, const HoleCells& cells, std::size_t row) {
   const Vec2<double> at =
       surface.coordinates(Vec{cloud.position[3 * row], cloud.position[3 * row + 1], cloud.position[3 * row + 2]});
   const Mat3<double> axes = axes_of_quaternion(&cloud.rotation[4 * row]);
@@ -57,7 +56,7 @@ Footprint footprint_of(const GaussianCloud& cloud, const FillSurface& surface, c
 
 /// Calls visit(cell, weight) for the cells that a Gaussian of the surface reaches; the weight is 1 at its centre.
 template <class Visit>
-void for_cells(const HoleCells& cells, const Footprint& f, const Visit& visit) {
+void for_cells(const HoleCells& cells, const Disc& f, const Visit& visit) {
   const auto first = [](double x) { return std::int64_t(std::max(0.0, std::ceil(x))); };
   const auto last = [](double x, std::int64_t n) { return std::int64_t(std::min(double(n - 1), std::floor(x))); };
   for (std::int64_t y = first(f.y - f.reach_y); y <= last(f.y + f.reach_y, cells.rows); ++y)
@@ -108,7 +107,7 @@ void draw_surface(const HoleScene& scene, std::size_t index, HoleCells& cells) {
   std::vector<double> left(cells.state.size(), 1.0), sum(3 * cells.state.size());
   for (const Drawn& d : drawn) {
     const std::size_t row = points.row[d.point];
-    const Footprint f = footprint_of(scene.cloud, surface, cells, row);
+    const Disc f = disc_of(scene.cloud, surface, cells, row);
     for_cells(cells, f, [&](std::int64_t cell, double weight) {
       const double alpha = std::min(0.99, points.opacity[d.point] * weight), part = left[std::size_t(cell)] * alpha;
       for (std::size_t c = 0; c < 3; ++c)
@@ -147,7 +146,7 @@ void exclude_occupied(const HoleScene& scene, const FillSurface& surface, HoleCe
     if (scene.debris[i] || points.opacity[i] < kStanding || height < 2 * surface.tolerance ||
         height > kContact * scene.rim.diagonal)
       continue;
-    for_cells(cells, footprint_of(scene.cloud, surface, cells, points.row[i]), [&](std::int64_t cell, double weight) {
+    for_cells(cells, disc_of(scene.cloud, surface, cells, points.row[i]), [&](std::int64_t cell, double weight) {
       if (weight > kInside && cells.state[std::size_t(cell)] == HoleCell::kCovered)
         cells.state[std::size_t(cell)] = HoleCell::kWeak;
     });
@@ -161,7 +160,7 @@ std::vector<std::uint8_t> below_object(const HoleScene& scene, const FillSurface
   const orbit::SurfacePoints& object = scene.rim.object;
   for (std::size_t i = 0; i < object.count(); ++i)
     if (surface.height(object.position[i]) <= band)
-      for_cells(cells, footprint_of(scene.cloud, surface, cells, object.row[i]), [&](std::int64_t cell, double weight) {
+      for_cells(cells, disc_of(scene.cloud, surface, cells, object.row[i]), [&](std::int64_t cell, double weight) {
         if (weight > kInside) below[std::size_t(cell)] = 1;
       });
   return below;
@@ -180,13 +179,13 @@ double openness(const HoleScene& scene, const FillSurface& surface, Vec p, const
 }
 
 /// Sets kHole where nothing covers the surface below the object, and where the object stands and hides it.
-void mark_hole(const Exec& exec, const HoleScene& scene, std::size_t index, HoleCells& cells) {
+void mark_hole(const Exec& exec, const HoleScene& scene, std::size_t index, const std::vector<std::uint8_t>& footprint,
+               HoleCells& cells) {
   const FillSurface& surface = scene.surfaces[index];
   const int margin = std::clamp(int(kGrown * scene.rim.diagonal / cells.side), 1, 6);
   const std::vector<std::uint8_t> below =
       grown(cells, below_object(scene, surface, cells, std::numeric_limits<double>::infinity()), margin);
-  const std::vector<std::uint8_t> contact =
-      grown(cells, below_object(scene, surface, cells, kContact * scene.rim.diagonal), margin);
+  const std::vector<std::uint8_t> contact = grown(cells, footprint, margin);
   const std::vector<Vec> directions = orbit::even_directions(kHoleDirections);
   for_each_index(exec, std::int64_t(cells.state.size()), [&](std::int64_t i) {
     HoleCell& state = cells.state[std::size_t(i)];
@@ -263,7 +262,7 @@ std::int64_t HoleCells::cell_of(Vec2<double> at) const {
 
 double share_in_hole(const GaussianCloud& cloud, const FillSurface& surface, const HoleCells& cells, std::size_t row) {
   double in = 0, all = 0;
-  for_cells(cells, footprint_of(cloud, surface, cells, row), [&](std::int64_t cell, double weight) {
+  for_cells(cells, disc_of(cloud, surface, cells, row), [&](std::int64_t cell, double weight) {
     all += weight;
     if (cells.state[std::size_t(cell)] == HoleCell::kHole) in += weight;
   });
@@ -290,8 +289,16 @@ HoleCells find_hole_cells(const Exec& exec, const HoleScene& scene, std::size_t 
   clip(scene, index, cells);
   exclude_occupied(scene, scene.surfaces[index], cells);
   const std::vector<HoleCell> before = cells.state;
-  mark_hole(exec, scene, index, cells);
+  const std::vector<std::uint8_t> footprint =
+      below_object(scene, scene.surfaces[index], cells, kContact * scene.rim.diagonal);
+  mark_hole(exec, scene, index, footprint, cells);
   keep_holes(scene, scene.surfaces[index], before, cells);
+  for (std::size_t i = 0; i < footprint.size(); ++i) {
+    if (!footprint[i] || cells.state[i] == HoleCell::kClipped) continue;
+    ++cells.footprint.cells;
+    cells.footprint.filled += cells.state[i] == HoleCell::kHole;
+    cells.footprint.covered += cells.state[i] == HoleCell::kCovered;
+  }
   return cells;
 }
 

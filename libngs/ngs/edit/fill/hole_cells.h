@@ -22,6 +22,11 @@ enum class HoleCell : std::uint8_t {
   kHole
 };
 
+/// Cells below the part of the object that stands on the surface; in the hole; covered by the background itself.
+struct Footprint {
+  std::int64_t cells = 0, filled = 0, covered = 0;
+};
+
 struct HoleCells {
   std::int64_t columns = 0, rows = 0;
   double side = 0;              // of a cell, world
@@ -31,6 +36,7 @@ struct HoleCells {
   std::int64_t hole = 0;        // cells of the hole
   std::int64_t one_sided = 0;   // cells left out because the rim is missing on one side
   std::int64_t continued = 0;   // cells left out because the surface continues below the object
+  Footprint footprint;
 
   Vec2<double> centre(std::int64_t cell) const {
     const std::int64_t column = cell % columns, row = cell / columns;
@@ -42,6 +48,7 @@ struct HoleCells {
 
 struct HoleScene {
   const GaussianCloud& cloud;
+  const std::vector<std::uint8_t>& object;  // [N] 1: removed
   const Rim& rim;
   const Occluder& occluder;
   const std::vector<FillSurface>& surfaces;

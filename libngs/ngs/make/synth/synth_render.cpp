@@ -87,6 +87,18 @@ double distance_to_objects(const AnalyticScene& scene, V p, double at_most) {
   return best;
 }
 
+/// Part of a light of 6 degrees' radius that the objects leave a point, by the ray's closest approach to them.
+double lit(const AnalyticScene& scene, V p, V light) {
+  constexpr double kStart = 0.01, kFar = 3, kTangent = 0.1, kStep = 0.25;  // world; the last: at most
+  double open = 1;
+  for (double t = kStart; t < kFar && open > 0;) {
+    const double distance = distance_to_objects(scene, p + t * light, kStep);
+    open = std::min(open, distance / (kTangent * t));
+    t += std::max(distance, kStart);
+  }
+  return std::clamp(open, 0.0, 1.0);
+}
+
 /// Light and room in the photo of a camera at `o`: on a turntable they do not turn with the objects.
 struct Surroundings {
   Surroundings(const AnalyticScene& scene, V o) : light(scene.light) {
@@ -114,7 +126,8 @@ V shade(const AnalyticScene& scene, const Surroundings& around, const Hit& hit, 
     base = albedo(object.texture, p), gloss = scene.gloss;
   }
   // Wrapped diffuse lighting: no hard terminator.
-  const double lambert = std::max(0.0, 0.75 * dot(n, around.light) + 0.25);
+  const double shadow = scene.cast_shadows ? lit(scene, p + 0.01 * n, around.light) : 1;
+  const double lambert = shadow * std::max(0.0, 0.75 * dot(n, around.light) + 0.25);
   constexpr double kContact = 0.15;  // world: range of contact shadows
   const double open = std::clamp(distance_to_objects(scene, p + kContact * n, kContact) / kContact, 0.0, 1.0);
   const double light = (scene.ambient + (1 - scene.ambient) * lambert) * (0.45 + 0.55 * open);

@@ -262,7 +262,7 @@ AnalyticScene build_scene(const Recipe& recipe) {
     scene.room.walls = {Pattern::kSpots, {0.04, 0.03, 0.03}, {0.08, 0.1, 0.09}, 0.7, 0.01, 92 + seed};
   }
   scene.light = normalized(scene.light);
-  scene.gloss = recipe.gloss, scene.grey = recipe.grey;
+  scene.gloss = recipe.gloss, scene.grey = recipe.grey, scene.cast_shadows = recipe.cast_shadows;
   scene.target = find_target(scene.objects, recipe.target);
   return scene;
 }

@@ -36,7 +36,7 @@ struct Recipe {
   double principal_shift = 0.05;
   bool mixed_sizes = false;
   double gloss = 0.15;
-  bool grey = false;
+  bool grey = false, cast_shadows = false;
   int points = 4000;
   std::string target;
   std::int64_t scene_seed = 1;
@@ -55,6 +55,7 @@ struct Recipe {
     visit(self.mixed_sizes, Flag{"mixed_sizes", "Give every fourth view another image size"});
     visit(self.gloss, Field<double>{"gloss", "", "Strength of the view-dependent highlight", 0, 1});
     visit(self.grey, Flag{"grey", "Use luminance only, so that colour does not separate the objects"});
+    visit(self.cast_shadows, Flag{"cast_shadows", "Let the objects cast shadows, with a half-shadow at their edge"});
     visit(self.points, Field<int>{"points", "", "Sparse points sampled on the surfaces", 1, 10000000});
     visit(self.target, Text{"target", "NAME", "Object whose masks go to masks/; empty: the scene's first"});
     visit(self.scene_seed, Field<std::int64_t>{"scene_seed", "", "Seed of textures, layout and rig", 0, 1ll << 53});
@@ -86,7 +87,8 @@ struct AnalyticScene {
   Vec3<double> light{0.45, -0.3, 0.84};  // unit, towards the light
   bool turns = false;  // the objects turn before a fixed camera: light and room follow the camera's azimuth
   double ambient = 0.4, gloss = 0;
-  bool grey = false;      // images have luminance only
+  bool grey = false;  // images have luminance only
+  bool cast_shadows = false;
   Vec3<double> focus{};   // the point that the cameras look at
   double rig_radius = 3;  // distance of the cameras from `focus`
   // The cameras' azimuths, rad: all of them, or an arc around the open side of a scene against walls.

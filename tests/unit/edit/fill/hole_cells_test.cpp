@@ -24,7 +24,7 @@ Found hole_of(const test::HoleModel& model) {
   const std::size_t floor = found.surfaces[0].normal.z > 0.9 ? 0 : 1;
   const Occluder occluder(found.rim);
   const std::vector<std::uint8_t> debris(found.rim.background.count());
-  found.cells = find_hole_cells({}, {model.cloud, found.rim, occluder, found.surfaces, debris}, floor);
+  found.cells = find_hole_cells({}, {model.cloud, model.object, found.rim, occluder, found.surfaces, debris}, floor);
   return found;
 }
 

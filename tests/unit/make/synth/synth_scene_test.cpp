@@ -55,6 +55,25 @@ TEST_CASE("signed distances never overestimate and are exact along the normal") 
     }
 }
 
+TEST_CASE("a cast shadow darkens the floor where an object hides the light, and nothing else") {
+  AnalyticScene scene = lone_sphere({0, 0, 0}, 0.5);
+  scene.room.low.z = -1;
+  Camera camera = plain_camera(48);
+  look_at(camera, {0, -4, 1}, {0, 0, -0.6});
+  const SynthView lit = render_view({}, scene, camera, 1);
+  scene.cast_shadows = true;
+  const SynthView shaded = render_view({}, scene, camera, 1);
+  int darker = 0, equal = 0;
+  for (std::size_t i = 0; i < lit.label.data.size(); ++i) {
+    const double ratio = double(shaded.colour.data[3 * i]) / double(lit.colour.data[3 * i]);
+    REQUIRE(ratio <= 1 + 1e-6);
+    darker += lit.label.data[i] == 0 && ratio < 0.6;
+    equal += lit.label.data[i] == 0 && ratio > 0.999;
+  }
+  CHECK(darker > 20);
+  CHECK(equal > 500);
+}
+
 TEST_CASE("a sphere's rendered silhouette has the area of the projected cone") {
   // The cone around a sphere seen at angle θ off-axis cuts the image in an ellipse; its solid outline is exact:
   // pixel centres inside the analytic cone, compared one by one, and the antialiased area against that count.

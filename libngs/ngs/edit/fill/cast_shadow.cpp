@@ -1,0 +1,129 @@
+#include "ngs/edit/fill/cast_shadow.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ngs/backend/for_each.h"
+#include "ngs/math/median.h"
+#include "ngs/math/sh.h"
+
+namespace ngs {
+namespace {
+
+using orbit::Vec;
+
+constexpr std::int64_t kBlocksAcross = 56;  // squares of cells along the longer side, whose mean colours are compared
+constexpr std::int64_t kGap = 2;            // blocks between the two of a pair: the half-shadow lies between them
+constexpr int kDirections = 400, kTurns = 8, kRefinements = 4;
+constexpr double kTurn = 0.1;          // rad: first refinement
+constexpr double kMinElevation = 0.3;  // sine: lower lights have shadows longer than what is known around the object
+constexpr double kMinPairs = 16;
+constexpr double kMostLeft = 0.88, kLeastLeft = 0.2;  // of the colour
+constexpr double kMinDarker = 0.8;                    // fraction of the pairs
+constexpr double kHalfShadow = 0.08;                  // rad: radius of the light
+
+struct Block {
+  Vec place;
+  double level = 0;  // logarithm of the mean colour
+  bool known = false;
+};
+
+struct Blocks {
+  std::int64_t columns = 0, rows = 0;
+  std::vector<Block> block;
+};
+
+Blocks blocks_of(const FillSurface& surface, const HoleCells& cells) {
+  const std::int64_t side = std::max<std::int64_t>(1, std::max(cells.columns, cells.rows) / kBlocksAcross);
+  Blocks blocks{cells.columns / side, cells.rows / side, {}};
+  for (std::int64_t k = 0; k < blocks.columns * blocks.rows; ++k) {
+    const std::int64_t x = k % blocks.columns * side, y = k / blocks.columns * side;
+    double sum = 0;
+    bool known = true;
+    for (std::int64_t c = 0; c < side * side; ++c) {
+      const auto cell = std::size_t((y + c / side) * cells.columns + x + c % side);
+      known = known && cells.state[cell] == HoleCell::kCovered;
+      for (std::size_t a = 0; a < 3; ++a) sum += std::max(0.0, 0.5 + kShC0 * double(cells.colour[3 * cell + a]));
+    }
+    const double half = 0.5 * double(side) * cells.side;
+    const Vec2<double> low = cells.centre(y * cells.columns + x);
+    const double u = low.x + half - 0.5 * cells.side, v = low.y + half - 0.5 * cells.side;
+    const double mean = sum / double(3 * side * side);
+    blocks.block.push_back({surface.point(u, v, 0), std::log(std::max(mean, 1e-3)), known && mean > 1e-3});
+  }
+  return blocks;
+}
+
+struct Darkness {
+  Vec light{0, 0, 1};
+  double score = 0, left = 1;
+};
+
+/// How much darker the blocks in the shadow of one light are than those across its outline.
+Darkness darkness_of(const HoleScene& scene, const Blocks& blocks, Vec light) {
+  std::vector<std::uint8_t> hidden(blocks.block.size());
+  for (std::size_t k = 0; k < hidden.size(); ++k)
+    hidden[k] = blocks.block[k].known && scene.occluder.hides(blocks.block[k].place, light);
+  std::vector<double> ratio;
+  double darker = 0;
+  const auto compare = [&](std::size_t a, std::size_t b) {
+    const Block &one = blocks.block[a], &other = blocks.block[b];
+    if (!one.known || !other.known || hidden[a] == hidden[b]) return;
+    const double d = hidden[a] ? one.level - other.level : other.level - one.level;
+    ratio.push_back(d), darker += d < 0;
+  };
+  for (std::int64_t y = 0; y < blocks.rows; ++y)
+    for (std::int64_t x = 0; x < blocks.columns; ++x) {
+      const auto k = std::size_t(y * blocks.columns + x);
+      if (x + kGap < blocks.columns) compare(k, k + std::size_t(kGap));
+      if (y + kGap < blocks.rows) compare(k, k + std::size_t(kGap * blocks.columns));
+    }
+  const auto pairs = double(ratio.size());
+  if (pairs < kMinPairs || darker < kMinDarker * pairs) return {light, 0, 1};
+  const double middle = upper_median(std::move(ratio));
+  return {light, -middle * std::sqrt(pairs), std::exp(middle)};
+}
+
+/// The darkest of several lights; of equal ones the first.
+Darkness darkest(const Exec& exec, const HoleScene& scene, const Blocks& blocks, const std::vector<Vec>& lights) {
+  std::vector<Darkness> found(lights.size());
+  for_each_task(exec, std::int64_t(lights.size()),
+                [&](std::int64_t k) { found[std::size_t(k)] = darkness_of(scene, blocks, lights[std::size_t(k)]); });
+  return found.empty() ? Darkness{} : *std::ranges::max_element(found, {}, &Darkness::score);
+}
+
+/// Directions on a circle of `radius` rad around `axis`, and `axis`.
+std::vector<Vec> cone(Vec axis, double radius, int count) {
+  const Vec a = orbit::perpendicular(axis), b = cross(axis, a);
+  std::vector<Vec> directions{axis};
+  for (int k = 0; k < count; ++k) {
+    const double angle = 6.283185307179586 * k / count;
+    directions.push_back(unit(axis + radius * (std::cos(angle) * a + std::sin(angle) * b)));
+  }
+  return directions;
+}
+
+}  // namespace
+
+double CastShadow::at(const Occluder& occluder, Vec p) const {
+  if (left >= 1) return 1;
+  double lit = 0, all = 0;
+  for (const double radius : {0.5 * kHalfShadow, kHalfShadow})
+    for (const Vec& direction : cone(light, radius, kTurns)) ++all, lit += !occluder.hides(p, direction);
+  return left + (1 - left) * lit / all;
+}
+
+CastShadow find_cast_shadow(const Exec& exec, const HoleScene& scene, std::size_t index, const HoleCells& cells) {
+  const FillSurface& surface = scene.surfaces[index];
+  const Blocks blocks = blocks_of(surface, cells);
+  std::vector<Vec> lights;
+  for (const Vec& d : orbit::even_directions(kDirections))
+    if (dot(d, surface.normal) >= kMinElevation) lights.push_back(d);
+  Darkness best = darkest(exec, scene, blocks, lights);
+  for (int k = 0; k < kRefinements && best.score > 0; ++k)
+    best = darkest(exec, scene, blocks, cone(best.light, kTurn / double(1 << k), kTurns));
+  if (best.left > kMostLeft) return {};
+  return {best.light, std::max(best.left, kLeastLeft)};
+}
+
+}  // namespace ngs
