@@ -69,7 +69,9 @@ struct JointTrainer::Impl {
   ResidentResults images;  // of `splat`, and the following arrays
   SplatPass splat;
   ViewGradients image_grad;
-  ImageF pixel_weights;  // of the mask loss
+  StepTiles tiles;
+  ImageF pixel_weights;           // of the losses
+  std::vector<float> kept_photo;  // of a step that leaves out tiles
   AlignContext align_context;
   AlignFieldGradients to_field;
   PhotometricPass<float> photometric;
@@ -96,7 +98,7 @@ struct JointTrainer::Impl {
         labels(trained),
         images(e),
         splat(trained.prepared(splat_of(s.input.splat, effects)), &images),
-        cache(e, input, effects),
+        cache(e, input, options),
         resident(e) {}
 
   void start(bool allow_empty) {
@@ -123,9 +125,9 @@ struct JointTrainer::Impl {
   }
 
   /// Copies the trained values to the rendered cloud, labels and boundary.
-  void write_back(const Exec& where) {
+  void write_back(const Exec& where, const std::vector<std::uint8_t>* changed = nullptr) {
     labels.write_back(where);
-    trained.write_back(where);
+    trained.write_back(where, changed);
     if (!field) return;
     for_each_row(where, boundary.size(),
                  GatherRows{boundary.row.data(), 3, cloud.position.data(), boundary.position.data()});
@@ -148,6 +150,8 @@ struct JointTrainer::Impl {
     if (field) field->add_to(resident), resident.add(boundary.position), resident.update_host(boundary.position);
     resident.add(boundary.row), resident.add(cont_place), resident.add(cont_colour), resident.add(cont_grad);
   }
+
+  bool leaves_out_tiles() const { return options.far_tiles < 1; }
 
   std::string step_name(std::int64_t s) const {
     return "view '" + input.scene.views[input.views[view_of(s)]].camera.name + "', step " + std::to_string(s + 1);
@@ -188,6 +192,7 @@ struct JointTrainer::Impl {
   LossTerms step_view(std::size_t n);
   const ImageF* field_terms(const FieldRays& rays, const RenderedView& rendered, LossTerms& loss, ViewGradients& grad);
   ViewGradients& shaped_gradients(const RenderedView& rendered, bool with_masks, bool with_photo);
+  double weigh_tiles(const ViewCache::View& view, RenderRequest& request);
   void cont_term(LossTerms& loss);
   void update(double decay);
   void set_total(LossTerms& loss) const;
@@ -247,6 +252,20 @@ void JointTrainer::Impl::cont_term(LossTerms& loss) {
       loss_cont(exec, {cont_graph, {cont_colour.data(), boundary.size()}}, options.lambda_cont, &cont_grad, &add);
 }
 
+/// Chooses the tiles of a step and sets the weights of their pixels; returns the mean weight. 0: all are rendered.
+double JointTrainer::Impl::weigh_tiles(const ViewCache::View& view, RenderRequest& request) {
+  if (view.near.empty()) return 0;
+  const int w = view.masks.width_px, h = view.masks.height_px;
+  tiles = step_tiles(view.near, w, h, options.far_tiles, input.seed, done);
+  double sum = 0;
+  for (const float weight : tiles.weight) sum += double(weight);
+  pixel_weights.width_px = w, pixel_weights.height_px = h, pixel_weights.channels = 1;
+  images.assign(pixel_weights.data, std::move(tiles.weight));
+  if (exec.device_ops) images.assign(kept_photo, std::vector<float>(view.photo.data));
+  request.tiles = tiles.rendered.data();
+  return sum / double(pixel_weights.pixels());
+}
+
 LossTerms JointTrainer::Impl::step_view(std::size_t n) {
   ViewCache::View scratch;
   const ViewCache::View& view = cache.load(monitor, n, scratch);
@@ -255,7 +274,8 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
   request.colour = effects.photometric || effects.align, request.depth = effects.nerf,
   request.background = input.background;
   request.label = labels.rendered();
-  const RenderedView& rendered = [&]() -> const RenderedView& {
+  const double weighed = weigh_tiles(view, request);
+  RenderedView& rendered = [&]() -> RenderedView& {
     const auto timed = monitor.scope("splat forward");
     return splat.forward(exec, cloud, camera, request);
   }();
@@ -263,15 +283,26 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
   LossTerms loss;
   const bool with_photo = effects.photometric && !view.photo.empty();
   ViewGradients& grad = shaped_gradients(rendered, view.masks.available, with_photo);
+  const ImageF* weights = weighed > 0 ? &pixel_weights : nullptr;
+  const auto keep_weighted = [&](const std::vector<float>* target, ImageF& image) {
+    if (weights && !image.empty())
+      for_each_row(
+          exec, image.pixels(),
+          KeepWeighted{image.channels, weights->data.data(), target ? target->data() : nullptr, image.data.data()});
+  };
   if (with_photo) {
     const auto timed = monitor.scope("photometric");
+    keep_weighted(exec.device_ops ? &kept_photo : &view.photo.data, rendered.colour);
     const PixelRect& box = view.anchor;
     const double share =
-        shown * (box.empty() ? 1 : double(box.x1 - box.x0) * (box.y1 - box.y0) / double(view.photo.pixels()));
+        shown * (weights       ? weighed
+                 : box.empty() ? 1
+                               : double(box.x1 - box.x0) * (box.y1 - box.y0) / double(view.photo.pixels()));
     const PhotometricOptions anchor{.box = box, .gradient_scale = share * options.photometric_weight};
-    loss.photometric = share * photometric.evaluate(exec, anchor, {rendered.colour, view.photo}, &grad.colour).total;
+    loss.photometric =
+        share * photometric.evaluate(exec, anchor, {rendered.colour, view.photo, weights}, &grad.colour).total;
+    keep_weighted(nullptr, grad.colour);
   }
-  const ImageF* weights = nullptr;
   if (effects.nerf) weights = field_terms(rays_of(n, rendered), rendered, loss, grad);
   if (effects.mask && view.masks.available) {
     const auto timed = monitor.scope("mask loss");
@@ -303,8 +334,13 @@ void JointTrainer::Impl::update(double decay) {
     for (double& rate : fallen) rate *= decay;
     for (const AdamGroup& group : gaussian_groups(fallen, gradients, trained.cloud(), moments)) groups.push_back(group);
   }
+  if (leaves_out_tiles())  // Gaussians in no tile keep values and moments
+    for (AdamGroup& group : groups) {
+      const std::size_t rows = group.block.name == "label" ? group.block.value.size() : trained.size();
+      group.options.sparse_columns = int(group.block.value.size() / std::max<std::size_t>(rows, 1));
+    }
   adam_step(exec, t, groups);
-  write_back(exec);
+  write_back(exec, leaves_out_tiles() ? &gradients.visible : nullptr);
   if (field) field->step(exec, t, decay);
 }
 

@@ -10,6 +10,7 @@
 #include "ngs/ops/optim/resident.h"
 #include "ngs/problem/problem.h"
 #include "ngs/stages/optimise/joint_options.h"
+#include "ngs/stages/optimise/step_tiles.h"
 
 namespace ngs {
 
@@ -18,10 +19,11 @@ class ViewCache {
   struct View {
     ImageF photo;
     ViewMasks masks;
-    PixelRect anchor;  // where the photometric loss applies; empty: the whole photo
+    PixelRect anchor;                // where the photometric loss applies; empty: the whole photo
+    std::vector<std::uint8_t> near;  // contour_tiles(), for steps that leave out tiles
   };
-  ViewCache(const Exec& exec, const Problem& input, const JointSwitches& effects)
-      : input_(input), effects_(effects), view_(input.views.size()), resident_(exec) {}
+  ViewCache(const Exec& exec, const Problem& input, const JointOptions& options)
+      : input_(input), options_(options), effects_(options.on), view_(input.views.size()), resident_(exec) {}
 
   /// View `n` of input.views. Views that do not fit into the cache are returned in `scratch`.
   const View& load(Monitor& monitor, std::size_t n, View& scratch) {
@@ -30,6 +32,7 @@ class ViewCache {
     scratch.masks = input_.load_masks(input_.views[n]);
     if (effects_.photometric || effects_.align) scratch.photo = input_.load_photo(input_.views[n]);
     if (!effects_.whole_photo) scratch.anchor = anchor_box(scratch.masks);
+    if (options_.far_tiles < 1) scratch.near = contour_tiles(scratch.masks);
     std::size_t bytes = scratch.photo.data.size() * sizeof(float) + scratch.masks.known.size();
     for (const auto& target : scratch.masks.target) bytes += target.size() * sizeof(float);
     if (bytes_ + bytes > kBytes) return scratch;
@@ -52,6 +55,7 @@ class ViewCache {
   }
 
   const Problem& input_;
+  const JointOptions& options_;
   const JointSwitches& effects_;
   std::vector<std::unique_ptr<View>> view_;
   std::size_t bytes_ = 0;
