@@ -4,10 +4,10 @@
 
 #include "ngs/ops/field/film_mlp.h"
 #include "ngs/ops/field/hash_grid.h"
-#include "ngs/ops/field/knn.h"
 #include "ngs/ops/field/rbf.h"
 #include "ngs/ops/field/volume.h"
 #include "ngs/ops/losses/photometric.h"
+#include "ngs/ops/neighbours/knn.h"
 #include "support/random.h"
 
 namespace ngs::bench {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ngs/ops/field/knn.h"
-#include "ngs/stages/optimise/joint_field.h"
+#include "ngs/cut/training/joint_field.h"
+#include "ngs/ops/neighbours/knn.h"
 #include "support/adjoint.h"
 #include "support/random.h"
 

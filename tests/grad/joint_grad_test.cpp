@@ -10,7 +10,7 @@
 #include <cmath>
 #include <limits>
 
-#include "ngs/stages/optimise/joint_trainer.h"
+#include "ngs/cut/training/joint_trainer.h"
 #include "support/adjoint.h"
 #include "support/joint_case.h"
 #include "support/switches.h"

@@ -1,7 +1,7 @@
 #include <doctest/doctest.h>
 
-#include "ngs/ops/field/knn.h"
 #include "ngs/ops/losses/loss_cont_kernels.h"
+#include "ngs/ops/neighbours/knn.h"
 #include "support/adjoint.h"
 #include "support/random.h"
 

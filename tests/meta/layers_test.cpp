@@ -43,7 +43,7 @@ const std::vector<Confinement>& confinements() {
     only("opencv2?/.*", "libngs/ngs/(io/image/(image_file|codecs/.*)|ops/image/grab_cut)\\.cpp",
          "OpenCV belongs to io/image: codecs/ and image_file.cpp, and to ops/image/grab_cut.cpp");
     only("(Imf|Imath|OpenEXR|Iex).*", "libngs/ngs/io/image/exr\\.cpp", "OpenEXR belongs to io/image/exr.cpp");
-    only("flann/.*", "libngs/ngs/ops/field/knn\\.cpp", "FLANN belongs to ops/field/knn.cpp");
+    only("flann/.*", "libngs/ngs/ops/neighbours/knn\\.cpp", "FLANN belongs to ops/neighbours/knn.cpp");
     only("CLI/.*", "tools/shared/cli/splitter\\.cpp", "CLI11 belongs to tools/shared/cli/splitter.cpp");
     only("nlohmann/.*", "(libngs/ngs/(options|io|passes)|tools)/.*",
          "nlohmann belongs to options/, io/, passes/ (reports) and tools/");
@@ -98,9 +98,10 @@ Offenders layer_offences(const SourceFile& file) {
   return offences;
 }
 
-/// A pass is a folder of passes/. It sees no other pass, and the files that all passes share see none. time/ is shared.
+/// A pass is a folder of cut/passes/. It sees no other pass, and the files that all passes share see none. time/ is
+/// shared.
 Offenders pass_offences(const SourceFile& file) {
-  static const std::regex pass("(?:libngs/)?ngs/passes/([a-z_]+)/.*");
+  static const std::regex pass("(?:libngs/)?ngs/cut/passes/([a-z_]+)/.*");
   const auto pass_of = [](const std::string& path) {
     std::smatch match;
     return std::regex_match(path, match, pass) && match[1] != "time" ? match[1].str() : std::string();
@@ -175,9 +176,9 @@ TEST_CASE("layers include only lower layers") {
   CHECK(layer_offences({"tools/ngs-x/main.cpp", "#include \"ngs/io/ply/ply.h\"\n"}).empty());
 
   CHECK(over(test::code_files(), pass_offences) == "");
-  CHECK(pass_offences({"libngs/ngs/passes/a/x.h", "#include \"ngs/passes/b/y.h\"\n"}).size() == 1);
-  CHECK(pass_offences({"libngs/ngs/passes/pass.h", "#include \"ngs/passes/b/y.h\"\n"}).size() == 1);
-  CHECK(pass_offences({"libngs/ngs/passes/a/x.h", "#include \"ngs/passes/time/step_tracker.h\"\n"}).empty());
+  CHECK(pass_offences({"libngs/ngs/cut/passes/a/x.h", "#include \"ngs/cut/passes/b/y.h\"\n"}).size() == 1);
+  CHECK(pass_offences({"libngs/ngs/cut/passes/pass.h", "#include \"ngs/cut/passes/b/y.h\"\n"}).size() == 1);
+  CHECK(pass_offences({"libngs/ngs/cut/passes/a/x.h", "#include \"ngs/cut/passes/time/step_tracker.h\"\n"}).empty());
 }
 
 TEST_CASE("every folder of the library is a known layer") {

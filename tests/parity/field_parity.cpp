@@ -2,9 +2,9 @@
 #include "ngs/core/rng.h"
 #include "ngs/ops/field/film_mlp.h"
 #include "ngs/ops/field/hash_grid.h"
-#include "ngs/ops/field/knn.h"
 #include "ngs/ops/field/rbf.h"
 #include "ngs/ops/field/volume.h"
+#include "ngs/ops/neighbours/knn.h"
 #include "parity/backends.h"
 #include "support/random.h"
 

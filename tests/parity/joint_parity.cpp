@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "ngs/core/error.h"
-#include "ngs/stages/fit/gaussian_adam.h"
-#include "ngs/stages/optimise/joint_trainer.h"
+#include "ngs/cut/training/joint_trainer.h"
+#include "ngs/make/fit/gaussian_adam.h"
 #include "parity/backends.h"
 #include "support/changed_rows.h"
 #include "support/joint_case.h"

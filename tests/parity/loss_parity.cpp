@@ -1,11 +1,11 @@
 // Device against CPU: the losses with their gradients, and Adam.
 #include "ngs/core/error.h"
-#include "ngs/ops/field/knn.h"
 #include "ngs/ops/losses/loss_align.h"
 #include "ngs/ops/losses/loss_cont.h"
 #include "ngs/ops/losses/loss_mask.h"
 #include "ngs/ops/losses/loss_smooth.h"
 #include "ngs/ops/losses/photometric.h"
+#include "ngs/ops/neighbours/knn.h"
 #include "ngs/ops/optim/adam.h"
 #include "parity/backends.h"
 #include "support/random.h"

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ngs/passes/floaters/floaters.h"
-#include "ngs/stages/contours/contour_stage.h"
-#include "ngs/stages/contours/refined_masks.h"
+#include "ngs/cut/contours/contour_stage.h"
+#include "ngs/cut/contours/refined_masks.h"
+#include "ngs/cut/passes/floaters/floaters.h"
 #include "parity/backends.h"
 #include "support/changed_rows.h"
 #include "support/joint_case.h"

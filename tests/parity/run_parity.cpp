@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ngs/passes/exposure/exposure.h"
-#include "ngs/stages/fit/fit_stage.h"
+#include "ngs/cut/passes/exposure/exposure.h"
+#include "ngs/make/fit/fit_stage.h"
 #include "parity/backends.h"
 #include "support/changed_rows.h"
 #include "support/joint_case.h"

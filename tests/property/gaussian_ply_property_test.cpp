@@ -6,8 +6,8 @@
 #include <filesystem>
 
 #include "ngs/core/rng.h"
+#include "ngs/edit/extract/extract_stage.h"
 #include "ngs/io/ply/gaussian_ply.h"
-#include "ngs/stages/extract/extract_stage.h"
 #include "support/ply_text.h"
 #include "support/skip.h"
 #include "support/temp_dir.h"

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <set>
 
-#include "ngs/stages/optimise/joint_trainer.h"
+#include "ngs/cut/training/joint_trainer.h"
 #include "support/joint_case.h"
 #include "support/switches.h"
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "ngs/ops/field/knn.h"
 #include "ngs/ops/field/rbf.h"
+#include "ngs/ops/neighbours/knn.h"
 #include "support/random.h"
 
 namespace ngs {

@@ -6,12 +6,12 @@
 #include <fstream>
 #include <sstream>
 
+#include "ngs/capture/scene_check.h"
 #include "ngs/core/error.h"
 #include "ngs/io/image/masks.h"
 #include "ngs/io/image/photo.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/scene/import_scene.h"
-#include "ngs/stages/scene/scene_check.h"
 #include "support/skip.h"
 #include "support/temp_dir.h"
 

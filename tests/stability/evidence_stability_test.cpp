@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "ngs/cut/evidence/variance_stage.h"
 #include "ngs/ops/splat/evidence.h"
-#include "ngs/stages/boundary/variance_stage.h"
 #include "support/same_evidence.h"
 #include "support/stability.h"
 

@@ -5,9 +5,9 @@
 #include <numeric>
 
 #include "ngs/core/error.h"
-#include "ngs/methods/method_bce.h"
-#include "ngs/stages/boundary/variance_stage.h"
-#include "ngs/stages/optimise/joint_trainer.h"
+#include "ngs/cut/evidence/variance_stage.h"
+#include "ngs/cut/methods/method_bce.h"
+#include "ngs/cut/training/joint_trainer.h"
 #include "support/changed_labels.h"
 #include "support/joint_case.h"
 #include "support/method_case.h"

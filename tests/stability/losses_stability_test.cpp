@@ -1,7 +1,6 @@
 // The losses at the ends of their ranges.                                                     Eqs. (16)-(19)
 #include <doctest/doctest.h>
 
-#include "ngs/ops/field/knn.h"
 #include "ngs/ops/losses/loss_align.h"
 #include "ngs/ops/losses/loss_align_kernels.h"
 #include "ngs/ops/losses/loss_cont.h"
@@ -9,6 +8,7 @@
 #include "ngs/ops/losses/loss_mask_kernels.h"
 #include "ngs/ops/losses/loss_smooth.h"
 #include "ngs/ops/losses/photometric_kernels.h"
+#include "ngs/ops/neighbours/knn.h"
 #include "support/stability.h"
 
 namespace ngs {

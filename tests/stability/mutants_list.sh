@@ -58,12 +58,12 @@ mutant scene/evidence.h $t $f "squares of signals in double" 's/units \* units\}
 mutant $f $t $f "variance as a difference in double" 's/const Wide numerator = .*;/const double numerator = double(squares) * views - double(sum) * double(sum);/'
 mutant $f $t $f "pixel counts in 32 bits" 's/pixels\[i\] \+= other\.pixels\[i\];/pixels[i] = std::uint32_t(pixels[i] + other.pixels[i]);/'
 mutant $f $t $f "views not merged" 's/views\[i\] \+= other\.views\[i\];//'
-mutant stages/boundary/variance_stage.cpp $t stages/boundary/variance_stage.cpp "W1 \/ W of unseen Gaussians" 's/if \(e\.views\[i\] == 0\) continue;//'
-mutant stages/boundary/variance_stage.cpp $t stages/boundary/variance_stage.cpp "pooled variance in float" 's/return mask_variance\(prob\)/return mask_variance(double(float(prob)))/'
-mutant stages/boundary/variance_stage.cpp $t stages/boundary/variance_stage.cpp "unweighted ratio doubled" 's/return 1\.0 - r \* r;/return 1.0 - 2 * r * r;/'
+mutant cut/evidence/variance_stage.cpp $t cut/evidence/variance_stage.cpp "W1 \/ W of unseen Gaussians" 's/if \(e\.views\[i\] == 0\) continue;//'
+mutant cut/evidence/variance_stage.cpp $t cut/evidence/variance_stage.cpp "pooled variance in float" 's/return mask_variance\(prob\)/return mask_variance(double(float(prob)))/'
+mutant cut/evidence/variance_stage.cpp $t cut/evidence/variance_stage.cpp "unweighted ratio doubled" 's/return 1\.0 - r \* r;/return 1.0 - 2 * r * r;/'
 mutant ops/splat/evidence.cpp $t ops/splat/evidence.cpp "unknown pixels counted" 's/of\.masks\.known\.empty\(\) \? nullptr : of\.masks\.known\.data\(\)/nullptr/'
 
-t=unit/passes/components/components_test.cpp f=passes/components/components.cpp
+t=unit/cut/passes/components/components_test.cpp f=cut/passes/components/components.cpp
 mutant $f $t $f "components: no limit on the number of agreeing views" 's/double\(object\.views\[i\]\) < cells->min_views\(\) && //'
 mutant $f $t $f "components: trained labels next to the object are removed" 's/if \(!cells \|\| cells->has_near.*$//'
 mutant $f $t $f "components: a split half takes the label of another row" 's/object\.prob\[i\] = given\.prob\[source\]/object.prob[i] = given.prob[i]/'
@@ -76,37 +76,37 @@ t=unit/core/monitor_test.cpp
 mutant core/monitor.cpp $t core/monitor.cpp "limit: the end of a loop is not estimated" 's/if \(now_s \+ rest_s > deadline_s_\)/if (rest_s < 0)/'
 mutant core/monitor.cpp $t core/monitor.cpp "limit: all loops are timed from the start of the first" 's/if \(done <= 1\)/if (first_done_s_ == 0)/'
 mutant core/monitor.cpp $t core/monitor.cpp "limit: it stays active after its scope" 's/monitor_\.stopped_by_limit_ = false, monitor_\.deadline_s_ = kNever/monitor_.stopped_by_limit_ = false/'
-t=unit/passes/aborted_pass_test.cpp
-mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: passes are not aborted" 's/if \(limit\.reached\(\)\) abort_pass\(run, name\);//'
-mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: a resumed run checks the clock" 's/if \(run\.resumed \|\| is_fixed_by_user/if (is_fixed_by_user/'
-mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: a resumed run does not skip passes that were aborted" 's/if \(run\.resumed && was_aborted/if (false \&\& was_aborted/'
-mutant passes/resumed_decisions.cpp $t passes/resumed_decisions.cpp "resumed: skipped effects are not reported" 's/if \(holds\(skipped, std::string\(effect\.name\)\)\)/if (false)/'
-mutant passes/resumed_decisions.cpp $t passes/resumed_decisions.cpp "resumed: stored decisions are ignored" 's/if \(holds\(effects, text_of\(effect\.name, on\)\)\).*;$/;/'
-mutant passes/resumed_decisions.cpp $t passes/resumed_decisions.cpp "resumed: contour decisions are kept too" 's/if \(find_effect\(redecided, d\.effect->name\) == nullptr\)//'
-mutant passes/decisions.cpp $t passes/decisions.cpp "budget: effects set by the user are skipped" 's/return switch_of\(name\) != Switch::kAuto \|\|/return/'
-mutant passes/pipeline.cpp $t passes/pipeline.cpp "budget: results of an aborted heuristic are used" 's/^  context\.probe\.emplace\(run\.exec, run\.training, context\.problem\);//'
-mutant passes/floaters/floaters_pass.cpp $t passes/floaters/floaters_pass.cpp "floaters: results of an aborted refit are used" 's/if \(run\.monitor\.stop_requested\(\)\) return false;//'
-mutant passes/mask_outliers/mask_outliers_pass.cpp $t passes/mask_outliers/mask_outliers_pass.cpp "mask outliers: labels of an aborted pass are used" 's/^    if \(run\.monitor\.stop_requested\(\)\) return;//'
-t=unit/stages/optimise/trained_labels_test.cpp
-mutant stages/optimise/trained_labels.cpp $t stages/optimise/trained_labels.cpp "labels: labels of objects whose region does not contain the Gaussian are trained" 's/if \(in_region\(input\.labels\[k\], row\)\)//'
-mutant stages/optimise/trained_labels.cpp $t stages/optimise/trained_labels.cpp "labels: a Gaussian in no region is not trained" 's/if \(!own\.empty\(\)\) return own;/if (!input.region.empty()) return own;/'
-mutant stages/optimise/trained_labels.cpp $t stages/optimise/trained_labels.cpp "labels: unseen Gaussians are trained" 's/input\.labels\[k\]\.views\[i\] > 0\.f && //'
+t=unit/cut/passes/aborted_pass_test.cpp
+mutant cut/passes/pipeline.cpp $t cut/passes/pipeline.cpp "budget: passes are not aborted" 's/if \(limit\.reached\(\)\) abort_pass\(run, name\);//'
+mutant cut/passes/pipeline.cpp $t cut/passes/pipeline.cpp "budget: a resumed run checks the clock" 's/if \(run\.resumed \|\| is_fixed_by_user/if (is_fixed_by_user/'
+mutant cut/passes/pipeline.cpp $t cut/passes/pipeline.cpp "budget: a resumed run does not skip passes that were aborted" 's/if \(run\.resumed && was_aborted/if (false \&\& was_aborted/'
+mutant cut/passes/resumed_decisions.cpp $t cut/passes/resumed_decisions.cpp "resumed: skipped effects are not reported" 's/if \(holds\(skipped, std::string\(effect\.name\)\)\)/if (false)/'
+mutant cut/passes/resumed_decisions.cpp $t cut/passes/resumed_decisions.cpp "resumed: stored decisions are ignored" 's/if \(holds\(effects, text_of\(effect\.name, on\)\)\).*;$/;/'
+mutant cut/passes/resumed_decisions.cpp $t cut/passes/resumed_decisions.cpp "resumed: contour decisions are kept too" 's/if \(find_effect\(redecided, d\.effect->name\) == nullptr\)//'
+mutant cut/passes/decisions.cpp $t cut/passes/decisions.cpp "budget: effects set by the user are skipped" 's/return switch_of\(name\) != Switch::kAuto \|\|/return/'
+mutant cut/passes/pipeline.cpp $t cut/passes/pipeline.cpp "budget: results of an aborted heuristic are used" 's/^  context\.probe\.emplace\(run\.exec, run\.training, context\.problem\);//'
+mutant cut/passes/floaters/floaters_pass.cpp $t cut/passes/floaters/floaters_pass.cpp "floaters: results of an aborted refit are used" 's/if \(run\.monitor\.stop_requested\(\)\) return false;//'
+mutant cut/passes/mask_outliers/mask_outliers_pass.cpp $t cut/passes/mask_outliers/mask_outliers_pass.cpp "mask outliers: labels of an aborted pass are used" 's/^    if \(run\.monitor\.stop_requested\(\)\) return;//'
+t=unit/cut/training/trained_labels_test.cpp
+mutant cut/training/trained_labels.cpp $t cut/training/trained_labels.cpp "labels: labels of objects whose region does not contain the Gaussian are trained" 's/if \(in_region\(input\.labels\[k\], row\)\)//'
+mutant cut/training/trained_labels.cpp $t cut/training/trained_labels.cpp "labels: a Gaussian in no region is not trained" 's/if \(!own\.empty\(\)\) return own;/if (!input.region.empty()) return own;/'
+mutant cut/training/trained_labels.cpp $t cut/training/trained_labels.cpp "labels: unseen Gaussians are trained" 's/input\.labels\[k\]\.views\[i\] > 0\.f && //'
 t=unit/ops/image/mask_pair_test.cpp
 mutant ops/image/mask_pair.h $t "" "mask pairs: window of the rendered mask only" 's/if \(mask_is_foreground\(target\[pixel\(x, y\)\]\)\) at\.add\(x, y\);//'
 mutant ops/image/mask_pair.h $t "" "mask pairs: band width from the window size" 's/band_width_px\(0\.02, view_width_px, view_height_px\)/band_width_px(0.02, width_px(), height_px())/'
-t=unit/passes/bleed_through/bleed_through_test.cpp f=passes/bleed_through/bleed_through.cpp
+t=unit/cut/passes/bleed_through/bleed_through_test.cpp f=cut/passes/bleed_through/bleed_through.cpp
 mutant $f $t $f "bleed through: rendering weights" 's/, PixelWeight::kByVisibility//'
 mutant $f $t $f "bleed through: no significance test" 's/gain > kSignificant/gain == gain/'
 mutant $f $t $f "bleed through: sign of the gain reversed" 's/gain \+= \(now - mask\) \* \(now - mask\) - \(then/gain += -(now - mask) * (now - mask) + (then/'
 mutant $f $t $f "bleed through: certain labels are candidates" 's/ && labels\[k\]\.prob\[i\] < kCertainShare//'
 mutant $f $t $f "bleed through: rows with fixed labels change" 's/ && !is_fixed\(problem, i\)//'
 mutant $f $t $f "bleed through: mask of the first object for all objects" 's/object_weight\(v, candidate\.object\)/object_weight(v, 0)/'
-mutant passes/pipeline.cpp $t passes/pipeline.cpp "bleed through: the clock affects the start of stored steps" 's/ \|\| run\.store != nullptr//'
-mutant passes/bleed_through/bleed_through_pass.cpp $t passes/bleed_through/bleed_through_pass.cpp "bleed through: results of an aborted pass are used" 's/if \(run\.monitor\.stop_requested\(\)\) return;//'
+mutant cut/passes/pipeline.cpp $t cut/passes/pipeline.cpp "bleed through: the clock affects the start of stored steps" 's/ \|\| run\.store != nullptr//'
+mutant cut/passes/bleed_through/bleed_through_pass.cpp $t cut/passes/bleed_through/bleed_through_pass.cpp "bleed through: results of an aborted pass are used" 's/if \(run\.monitor\.stop_requested\(\)\) return;//'
 t=unit/ops/splat/evidence_test.cpp
 mutant ops/splat/evidence_tile.h $t ops/splat/tile_isa.cpp "evidence: visibility weights equal rendering weights" 's/if constexpr \(kByVisibility\) weight = weight \* hit\.transmittance;//'
 mutant ops/splat/evidence.cpp $t ops/splat/evidence.cpp "evidence: only tiles whose first Gaussian is wanted" 's/std::any_of\(work\.visible, work\.visible \+ work\.entries,/std::any_of(work.visible, work.visible + std::min(work.entries, 1u),/'
-mutant passes/mask_outliers/mask_outliers.cpp unit/passes/mask_outliers/mask_outliers_test.cpp passes/mask_outliers/mask_outliers.cpp "trust: views without the object count as agreeing" 's/if \(found_\[n\] >= 0\) all\.push_back\(found_\[n\]\)/all.push_back(result.disagreement[n])/'
+mutant cut/passes/mask_outliers/mask_outliers.cpp unit/cut/passes/mask_outliers/mask_outliers_test.cpp cut/passes/mask_outliers/mask_outliers.cpp "trust: views without the object count as agreeing" 's/if \(found_\[n\] >= 0\) all\.push_back\(found_\[n\]\)/all.push_back(result.disagreement[n])/'
 t=stability/geometry_stability_test.cpp
 mutant ops/field/sample_grid_kernels.h $t ops/field/sample_grid.cpp "Gaussians behind the camera count" 's/if \(!\(t\.z > camera\.near_z\)\) return;//'
 mutant ops/field/sample_grid_kernels.h $t ops/field/sample_grid.cpp "boxes thinner than a pixel divided" 's/if \(length < 1\) return .*;//'
@@ -121,13 +121,13 @@ mutant problem/object_core.cpp $t problem/object_core.cpp "radius of a core abou
 mutant math/pixel_grid.h $t ops/field/ray_query.cpp "positions beyond the border not clamped" 's/const double at = clamp3\(position_px - 0\.5, 0\.0, double\(size_px - 1\)\);/const double at = position_px - 0.5 < 0 ? 0 : position_px - 0.5;/'
 
 t=stability/neighbours_stability_test.cpp
-mutant ops/field/knn.cpp $t ops/field/knn.cpp "ties in any order" 's/dist2 < o\.dist2 \|\| \(dist2 == o\.dist2 \&\& index < o\.index\)/dist2 <= o.dist2/'
-mutant ops/field/knn.cpp $t ops/field/knn.cpp "ties not admitted" 's/std::nextafter\((best_\[count_ - 1\]\.dist2), .*\);/\1;/'
-mutant ops/field/knn.cpp $t ops/field/knn.cpp "a point is its own neighbour" 's/index == excluded_ \|\| //'
-mutant ops/field/knn.cpp unit/ops/field/knn_test.cpp ops/field/knn.cpp "within: a tie is outside" 's/admitted_\(std::nextafter\(most_dist2, kInfinity\)\)/admitted_(most_dist2)/'
-mutant ops/field/knn.cpp unit/ops/field/knn_test.cpp ops/field/knn.cpp "within: a tie with the box is outside" 's/box\.dist2\(query\) > radius/box.dist2(query) >= radius/'
-mutant ops/field/knn.cpp unit/ops/field/knn_test.cpp ops/field/knn.cpp "within: inactive queries are searched" 's/if \(!active\.empty\(\) .* continue;//'
-mutant ops/field/knn.cpp $t ops/field/knn.cpp "search in float" 's/return \{rows\.data, rows\.data \+ rows\.n \* 3\};/std::vector<double> out; for (std::int64_t i = 0; i < rows.n * 3; ++i) out.push_back(double(_Float16(rows.data[i]))); return out;/'
+mutant ops/neighbours/knn.cpp $t ops/neighbours/knn.cpp "ties in any order" 's/dist2 < o\.dist2 \|\| \(dist2 == o\.dist2 \&\& index < o\.index\)/dist2 <= o.dist2/'
+mutant ops/neighbours/knn.cpp $t ops/neighbours/knn.cpp "ties not admitted" 's/std::nextafter\((best_\[count_ - 1\]\.dist2), .*\);/\1;/'
+mutant ops/neighbours/knn.cpp $t ops/neighbours/knn.cpp "a point is its own neighbour" 's/index == excluded_ \|\| //'
+mutant ops/neighbours/knn.cpp unit/ops/neighbours/knn_test.cpp ops/neighbours/knn.cpp "within: a tie is outside" 's/admitted_\(std::nextafter\(most_dist2, kInfinity\)\)/admitted_(most_dist2)/'
+mutant ops/neighbours/knn.cpp unit/ops/neighbours/knn_test.cpp ops/neighbours/knn.cpp "within: a tie with the box is outside" 's/box\.dist2\(query\) > radius/box.dist2(query) >= radius/'
+mutant ops/neighbours/knn.cpp unit/ops/neighbours/knn_test.cpp ops/neighbours/knn.cpp "within: inactive queries are searched" 's/if \(!active\.empty\(\) .* continue;//'
+mutant ops/neighbours/knn.cpp $t ops/neighbours/knn.cpp "search in float" 's/return \{rows\.data, rows\.data \+ rows\.n \* 3\};/std::vector<double> out; for (std::int64_t i = 0; i < rows.n * 3; ++i) out.push_back(double(_Float16(rows.data[i]))); return out;/'
 f=ops/field/rbf_kernels.h
 mutant $f $t "" "rounding gives the farther neighbour a larger weight" 's/max2\((dot\(x0 - xj, .*\)), T\(0\)\)/\1/'
 mutant $f $t ops/field/rbf.cpp "nearest distance not subtracted" 's/dot\(x0 - xj, \(q - x0\) \+ \(q - xj\)\)/dot(q - xj, q - xj)/'
@@ -197,24 +197,24 @@ mutant $f $t $f "0 \/ 0 of a label without evidence" 's/object \+ rest > 0 \? (o
 mutant $f $t $f "what is left as 1 - rest" 's/\? object \/ \(object \+ rest\)/? 1 - rest \/ (object + rest)/'
 mutant $f $t $f "gap of one bound only" 's/gap \+= std::max\(g \* m\[i\], .*;/gap += g * m[i];/'
 
-t=grad/joint_grad_test.cpp f=stages/optimise/joint_trainer.cpp
+t=grad/joint_grad_test.cpp f=cut/training/joint_trainer.cpp
 mutant ops/optim/row_kernels.h $t $f "colour continuity without its gradient" 's/\+= float\(kShC0 \* /+= float(0 * /'
 mutant $f $t $f "mask loss without its weight" 's/(loss_mask\(.*)/\1/; s/options\.lambda_mask, \&grad\.label\)/1.0, \&grad.label)/'
-mutant ops/optim/row_kernels.h $t stages/optimise/trained_labels.cpp "label gradient without the sigmoid" 's/ \* sigmoid_slope\(cells\.logit\[c\]\)//'
+mutant ops/optim/row_kernels.h $t cut/training/trained_labels.cpp "label gradient without the sigmoid" 's/ \* sigmoid_slope\(cells\.logit\[c\]\)//'
 mutant $f $t $f "smoothness gradient doubled" 's/field->smoothness\(exec, rays, boundary\.positions\(\), options\.lambda_smooth/field->smoothness(exec, rays, boundary.positions(), 2 * options.lambda_smooth/'
 
-f=stages/contours/contour_stage.cpp t=unit/stages/contours/contour_stage_test.cpp
+f=cut/contours/contour_stage.cpp t=unit/cut/contours/contour_stage_test.cpp
 mutant $f $t $f "contours: frozen Gaussians are not rendered" 's/!\(across\.weight\.value\(i\) > 0\)/true/'
 mutant $f $t $f "contours: all visible Gaussians are trained" 's/part\.frozen\.push_back\(!trained\)/part.frozen.push_back(0)/'
 mutant $f $t $f "contours: trained rows are not written back" 's/scatter_rows\(exec, \*trained\.cloud, rows, model\.cloud\);//'
 mutant $f $t $f "contours: small photos are always refined enlarged" 's/if \(gain_in_standard_errors.*\) return;$//'
 mutant $f $t $f "contours: trained labels start from EM steps" 's/joint\.start_steps = 1;//'
 mutant $f $t $f "contours: no iteration at the full size" 's/iteration \+ 1 < iterations \&\& //'
-mutant stages/contours/refined_masks.cpp $t stages/contours/refined_masks.cpp "contours: band width not scaled with enlarged photos" 's/refine\.band_px \*= .*;//'
+mutant cut/contours/refined_masks.cpp $t cut/contours/refined_masks.cpp "contours: band width not scaled with enlarged photos" 's/refine\.band_px \*= .*;//'
 mutant scene/resize/enlarge.cpp unit/scene/resize/enlarge_test.cpp scene/resize/enlarge.cpp "enlarged: shifted by half a pixel" 's/\(i \+ 0\.5\) \* from_px \/ to_px - 0\.5/double(i) * from_px \/ to_px/'
 mutant scene/resize/enlarge.cpp unit/scene/resize/enlarge_test.cpp scene/resize/enlarge.cpp "enlarged: zero beyond the border" 's/sum \+= taps\.weight\[t\] \* double\(image/if (taps.pixel[t] > 0) &/'
-mutant stages/optimise/label_start.h unit/stages/optimise/label_start_test.cpp stages/optimise/trained_labels.cpp "labels start at their share" 's/steps \* logit\(/logit(/'
-mutant stages/optimise/label_start.h unit/stages/optimise/label_start_test.cpp stages/optimise/trained_labels.cpp "start of the labels without a bound" 's/return std::clamp\((steps \* logit\(.*\)), -most, most\);/return \1;/'
+mutant cut/training/label_start.h unit/cut/training/label_start_test.cpp cut/training/trained_labels.cpp "labels start at their share" 's/steps \* logit\(/logit(/'
+mutant cut/training/label_start.h unit/cut/training/label_start_test.cpp cut/training/trained_labels.cpp "start of the labels without a bound" 's/return std::clamp\((steps \* logit\(.*\)), -most, most\);/return \1;/'
 
 t="unit/ops/image/contour_refine_test.cpp stability/alignment_stability_test.cpp" f=ops/image/contour_refine.cpp
 mutant $f "$t" $f "densities of colours without a least variance" 's/\(i == j \? kColourNoise : 0\.0\)/0.0/; s/std::max\(c\[i\]\[i\], 0\.5 \* kColourNoise\)/c[i][i]/'
@@ -226,8 +226,8 @@ mutant $f "$t" $f "contour refinement: non-finite colours in the means" 's/if \(
 t=unit/problem/scene_measures_test.cpp f=problem/scene_measures.cpp
 mutant $f $t $f "narrow: corners of the squares left out" 's/away\[p\] > kReach/away[p] >= kReach/'
 mutant $f $t $f "narrow: background beyond the image" 's/chessboard_distance\(mask, Outside::kUnknown\)/chessboard_distance(mask)/'
-mutant stages/contours/contour_stage.cpp unit/stages/contours/contour_stage_test.cpp stages/contours/contour_stage.cpp "contours: early iterations take all epochs" 's/early \? early_epochs\(epochs\) : epochs/epochs/'
-mutant stages/optimise/joint_options.h unit/stages/contours/contour_stage_test.cpp "" "joint: few epochs where no iterations follow" 's/options\.coarse_contours_follow \? kEpochsBeforeContours : 1/kEpochsBeforeContours/'
+mutant cut/contours/contour_stage.cpp unit/cut/contours/contour_stage_test.cpp cut/contours/contour_stage.cpp "contours: early iterations take all epochs" 's/early \? early_epochs\(epochs\) : epochs/epochs/'
+mutant cut/training/joint_options.h unit/cut/contours/contour_stage_test.cpp "" "joint: few epochs where no iterations follow" 's/options\.coarse_contours_follow \? kEpochsBeforeContours : 1/kEpochsBeforeContours/'
 t="unit/ops/optim/pose_step_test.cpp stability/alignment_stability_test.cpp" f=ops/optim/pose_step.cpp
 mutant $f "$t" $f "no prior on the motion" 's/const double prior = .*;/const double prior = 0;/'
 mutant $f "$t" $f "pose step: exposure not matched" 's/match_exposure\(photo, view\.alpha, from\);//'
@@ -307,16 +307,16 @@ mutant ops/device/photometric_kernel.h "$t" "" "device: pixels outside the image
 mutant ops/device/adam_kernel.h "$t" "" "device: negative overflow passes" 's/if \(!\(value <= limit \&\& -value <= limit\)\)/if (!(value <= limit))/'
 mutant ops/device/adam_kernel.h "$t" "" "device: the last unusable gradient found" 's/found = i < found \? i : found;/found = i;/'
 
-t=unit/passes/exposure/exposure_test.cpp f=passes/exposure/exposure.cpp
+t=unit/cut/passes/exposure/exposure_test.cpp f=cut/passes/exposure/exposure.cpp
 mutant $f $t $f "exposure: one pixel instead of the median" 's/upper_median\(std::move\(ratio\)\)/ratio[0]/'
 mutant $f $t $f "exposure: not relative to the model's exposure" 's/logs\[i\]\[c\] - median/logs[i][c]/'
 mutant $f $t $f "exposure: clipped pixels count" 's/ && std::max\(a, b\) < kClipped//'
 
-t=unit/passes/pipeline_test.cpp f=passes/decisions.cpp
+t=unit/cut/passes/pipeline_test.cpp f=cut/passes/decisions.cpp
 mutant $f $t $f "decisions: an effect is on although its requirement is off" 's/need != nullptr && !need->on/false/'
 mutant $f $t $f "decisions: a fixed decision overrides a switch" 's/mode != Switch::kAuto\)/mode != Switch::kAuto \&\& fixed_.empty())/'
 
-t=unit/stages/render/background_test.cpp f=stages/render/background.cpp
+t=unit/render/background_test.cpp f=render/background.cpp
 mutant $f $t $f "background: always black" 's/found\.gain_db >= kBackgroundMarginDb/false/'
 mutant $f $t $f "background: estimated without a margin over black" 's/ && found\.gain_db >= kBackgroundMarginDb//'
 mutant $f $t $f "background: the views need not agree" 's/<= kMaxBackgroundError/<= 1e9/'
@@ -332,27 +332,27 @@ mutant problem/window_input.cpp $t problem/window_input.cpp "window losses not s
 mutant problem/window_input.cpp $t problem/window_input.cpp "no window in views without a mask where the object is occluded" 's/out\.masks\[v\]\.available\(\) && window/window/'
 mutant problem/window_input.cpp $t problem/window_input.cpp "windows in views where the object is occluded" 's/visibility\.occluded\(v, alone\)/false/'
 mutant problem/window_input.cpp $t problem/window_input.cpp "no window in masked views where the object is occluded" 's/out\.masks\[v\]\.available\(\) && window\.w == 0;/out.masks[v].available();/'
-mutant stages/boundary/method_labels.cpp $t stages/boundary/method_labels.cpp "leave-one-out: the view stays in the evidence" 's/    rest\.remove\(v\);//'
-mutant stages/boundary/method_labels.cpp $t stages/boundary/method_labels.cpp "leave-one-out: rounding error taken for evidence" 's/const bool unseen = .*;/const bool unseen = false;/'
-mutant problem/trained_rows.h $t stages/optimise/joint_trainer.cpp "gradients in the rows of other Gaussians" 's/wanted_\.gradient_row\[i\] = std::int32_t\(rows_\.size\(\)\)/wanted_.gradient_row[i] = 0/'
+mutant cut/evidence/method_labels.cpp $t cut/evidence/method_labels.cpp "leave-one-out: the view stays in the evidence" 's/    rest\.remove\(v\);//'
+mutant cut/evidence/method_labels.cpp $t cut/evidence/method_labels.cpp "leave-one-out: rounding error taken for evidence" 's/const bool unseen = .*;/const bool unseen = false;/'
+mutant problem/trained_rows.h $t cut/training/joint_trainer.cpp "gradients in the rows of other Gaussians" 's/wanted_\.gradient_row\[i\] = std::int32_t\(rows_\.size\(\)\)/wanted_.gradient_row[i] = 0/'
 mutant problem/region.cpp $t problem/region.cpp "region: all Gaussians" 's/object\.prob\[row\] >= kMinRegionShare/true/'
 mutant problem/region.cpp $t problem/region.cpp "region: changed rows are not counted" 's/changed \+= !same;//'
-t=unit/stages/contours/refined_masks_test.cpp
-f=stages/contours/refined_masks.cpp
+t=unit/cut/contours/refined_masks_test.cpp
+f=cut/contours/refined_masks.cpp
 mutant $f $t $f "masks: refined although their error is one-sided" 's/masks_misaligned\(refined\) && masks_err_to_one_side\(refined\)/false/'
 mutant $f $t $f "masks: misaligned masks are never refined" 's/masks_misaligned\(refined\) && masks_err_to_one_side\(refined\)/masks_misaligned(refined)/'
-mutant stages/contours/unexplained_contrast.cpp unit/stages/contours/unexplained_contrast_test.cpp stages/contours/unexplained_contrast.cpp "photos: residual at pixels that did not change sides" 's/if \(bool\(mask\[p\]\) == label_is_foreground/if (bool(mask[p]) != label_is_foreground/'
-mutant stages/contours/unexplained_contrast.cpp unit/stages/contours/unexplained_contrast_test.cpp stages/contours/unexplained_contrast.cpp "masks: reject without a look at the closed-form labels" 's/if \(!problem\.labels\.empty\(\) &&/if (false \&\&/'
+mutant cut/contours/unexplained_contrast.cpp unit/cut/contours/unexplained_contrast_test.cpp cut/contours/unexplained_contrast.cpp "photos: residual at pixels that did not change sides" 's/if \(bool\(mask\[p\]\) == label_is_foreground/if (bool(mask[p]) != label_is_foreground/'
+mutant cut/contours/unexplained_contrast.cpp unit/cut/contours/unexplained_contrast_test.cpp cut/contours/unexplained_contrast.cpp "masks: reject without a look at the closed-form labels" 's/if \(!problem\.labels\.empty\(\) &&/if (false \&\&/'
 mutant $f $t $f "masks: too large masks are not one-sided errors" 's/std::abs\(beyond - lacking\)/lacking - beyond/'
 
 t=unit/ops/splat/cached_view_test.cpp f=ops/splat/cached/cached_view.cpp
 mutant $f $t "$f" "cached view: pixels that leave the mask are ignored" 's/target\[p\] == float\(mask\[p\]\)/target[p] >= float(mask[p])/'
 mutant $f $t "$f" "cached view: sums are computed only once" 's/if \(!changed\[v\]\) continue;/if (changed[v] \&\& s.sums.weight(s.place[v]) > 0) continue;/'
-t=unit/stages/live/correction_test.cpp f=stages/live/correction.cpp
+t=unit/interactive/correction_test.cpp f=interactive/correction.cpp
 mutant $f $t "$f" "correction: colour model from strokes only" 's/if \(std::ranges::count\(rest\.hint, side\) == 0\) all\.clear\(\);/all.clear();/'
 mutant $f $t "$f" "correction: unlimited reach" 's/from_stroke\[p\] <= reach_px/true/'
 
-t=unit/stages/select/region_test.cpp f=stages/select/support_plane.cpp
+t=unit/edit/select/region_test.cpp f=edit/select/support_plane.cpp
 mutant $f $t "$f" "plane: keeps the tilted fit" 's/>= kMaxTilt \? refined : plane/>= kMaxTilt ? plane : plane/'
 
 t=unit/core/parse_number_test.cpp f=core/parse_number.cpp
@@ -360,7 +360,7 @@ mutant $f $t "$f" "numbers: hexadecimal ones" 's/prefix == "0x" \|\| prefix == "
 mutant $f $t "$f" "numbers: overflow gives infinity" 's/std::isinf\(number\) \|\| //'
 mutant $f $t "$f" "numbers: blanks before them" 's/!begins_number\(\{begin, end\}\)/begin == end/'
 
-t=unit/stages/boundary/leave_one_out_test.cpp f=stages/boundary/leave_one_out.cpp
+t=unit/cut/evidence/leave_one_out_test.cpp f=cut/evidence/leave_one_out.cpp
 mutant $f $t $f "leave-one-out: initialised with shares instead of weights" 's/add_object\(i, k, prob \* double\(weight\[i\]\)\)/add_object(i, k, prob)/'
 mutant math/exact_sum.h $t $f "exact sum: subtraction below zero is not clamped" 's/    if \(whole < other\.whole .*return void\(\*this = \{\}\);//'
 
@@ -374,7 +374,7 @@ mutant $f $t $f "label column: no copy on write" 's/if \(page\.use_count\(\) > 1
 mutant $f $t $f "label column: counts of later words not updated" 's/\+\+before\[later\]/before[later]/'
 mutant $f $t $f "label column: pages with other values are shared" 's/return a\.has == b\.has && .*;/return a.has == b.has;/'
 mutant $f $t $f "label column: rows cut off by resize() reappear" 's/if \(rows < rows_ && rows % kPageRows != 0\)/if (false)/'
-mutant stages/fit/photo_refit.cpp unit/passes/floaters/floaters_test.cpp stages/fit/photo_refit.cpp "refit: frozen rows are trained" 's/trained_\(exec, in\.trained, /trained_(exec, {}, /'
+mutant make/fit/photo_refit.cpp unit/cut/passes/floaters/floaters_test.cpp make/fit/photo_refit.cpp "refit: frozen rows are trained" 's/trained_\(exec, in\.trained, /trained_(exec, {}, /'
 t=unit/ops/splat/cull_request_test.cpp
 mutant ops/splat/binned_view.h $t "" "tiles_touching: untouched tiles are rasterised" 's/lists\.last_z = last_needed_z\(.*\);/lists.last_z.clear();/'
 mutant ops/splat/tile_lists.h $t "" "tiles_touching: spans of the first rows only" 's/row < kFirstRows \? view\.first\[v\]\[std::size_t\(row\)\] : tile_span\(.*\);/row < kFirstRows ? view.first[v][std::size_t(row)] : TileSpan{0, 0};/'
@@ -386,7 +386,7 @@ mutant ops/splat/binned_view.h $t "" "stop_after: tiles of faint labels are rast
 mutant ops/splat/prepared/prepared_cloud.cpp unit/ops/splat/prepared_cloud_test.cpp ops/splat/prepared/prepared_cloud.cpp "groups: bounds not updated for moved rows" '/if \(changed\[std::size_t\(block\)\]\)/,/^}/s/bound_groups\(\);//'
 mutant ops/splat/evidence.cpp unit/ops/splat/evidence_test.cpp ops/splat/evidence.cpp "evidence of selected Gaussians: rows instead of numbers" 's/wanted_ \? wanted_->number\[id\[v\]\] : id\[v\]/id[v]/'
 mutant ops/splat/prepared/curve_blocks.cpp unit/ops/splat/curve_blocks_test.cpp ops/splat/prepared/curve_blocks.cpp "curve: chunks overwrite each other" 's/for \(std::size_t c = 0; c < chunks_; \+\+c\) at \+= std::exchange\(next\[c \* kParts \+ p\], at\);/for (std::size_t c = 0; c < chunks_; ++c) at += std::exchange(next[c * kParts + p], part_begin_.back());/'
-mutant stages/render/render_stage.cpp unit/stages/render/label_channels_test.cpp stages/render/render_stage.cpp "masks: only Gaussians with certain labels" 's/> kHalfShare - kRounding/> 0.9f/'
-t=unit/passes/floaters/floaters_test.cpp
-mutant passes/floaters/floaters.cpp $t passes/floaters/floaters.cpp "floaters: numbers instead of rows" 's/found\.push_back\(std::size_t\(front_rows\.row\[i\]\)\)/found.push_back(i)/'
-mutant passes/floaters/floaters.cpp $t passes/floaters/floaters.cpp "floaters: nothing is in front" 's/in_front\[row\] = 1;/in_front[row] = 0;/'
+mutant render/render_stage.cpp unit/render/label_channels_test.cpp render/render_stage.cpp "masks: only Gaussians with certain labels" 's/> kHalfShare - kRounding/> 0.9f/'
+t=unit/cut/passes/floaters/floaters_test.cpp
+mutant cut/passes/floaters/floaters.cpp $t cut/passes/floaters/floaters.cpp "floaters: numbers instead of rows" 's/found\.push_back\(std::size_t\(front_rows\.row\[i\]\)\)/found.push_back(i)/'
+mutant cut/passes/floaters/floaters.cpp $t cut/passes/floaters/floaters.cpp "floaters: nothing is in front" 's/in_front\[row\] = 1;/in_front[row] = 0;/'

@@ -5,9 +5,9 @@
 #include <array>
 #include <numeric>
 
-#include "ngs/ops/field/knn.h"
 #include "ngs/ops/field/rbf.h"
 #include "ngs/ops/field/rbf_kernels.h"
+#include "ngs/ops/neighbours/knn.h"
 #include "support/knn_reference.h"
 #include "support/stability.h"
 

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "ngs/cut/evidence/variance_stage.h"
 #include "ngs/io/image/masks.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/scene/import_scene.h"
@@ -13,8 +14,7 @@
 #include "ngs/ops/splat/tile_kernels_of.h"
 #include "ngs/ops/splat/tile_scratch.h"
 #include "ngs/problem/view_list.h"
-#include "ngs/stages/boundary/variance_stage.h"
-#include "ngs/stages/render/render_options.h"
+#include "ngs/render/render_options.h"
 #include "support/projected_view.h"
 #include "support/skip.h"
 

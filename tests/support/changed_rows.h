@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "ngs/stages/fit/gaussian_adam.h"
+#include "ngs/make/fit/gaussian_adam.h"
 
 namespace ngs::test {
 

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
+#include "ngs/capture/scene_check.h"
 #include "ngs/core/error.h"
-#include "ngs/stages/scene/scene_check.h"
 #include "support/tiny_scene.h"
 
 namespace ngs::test {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <memory>
 
-#include "ngs/stages/boundary/variance_stage.h"
-#include "ngs/stages/optimise/training_options.h"
-#include "ngs/stages/render/render_stage.h"
+#include "ngs/cut/evidence/variance_stage.h"
+#include "ngs/cut/training/training_options.h"
+#include "ngs/render/render_stage.h"
 #include "support/joint_case.h"
 
 namespace ngs::test {

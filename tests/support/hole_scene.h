@@ -3,8 +3,8 @@
 #include <cmath>
 #include <functional>
 
+#include "ngs/math/vectors.h"
 #include "ngs/scene/gaussian_cloud.h"
-#include "ngs/stages/orbit/vectors.h"
 
 namespace ngs::test {
 

@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "ngs/core/rng.h"
+#include "ngs/cut/evidence/variance_stage.h"
 #include "ngs/problem/problem.h"
-#include "ngs/stages/boundary/variance_stage.h"
 
 namespace ngs::test {
 

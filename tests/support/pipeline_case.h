@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "ngs/passes/pass_list.h"
-#include "ngs/passes/pipeline.h"
-#include "ngs/passes/resumed_decisions.h"
+#include "ngs/cut/passes/pass_list.h"
+#include "ngs/cut/passes/pipeline.h"
+#include "ngs/cut/passes/resumed_decisions.h"
 
 namespace ngs::test {
 

@@ -2,8 +2,8 @@
 // A small random interpolation problem for the kernels, in any scalar type.
 #include <vector>
 
-#include "ngs/ops/field/knn.h"
 #include "ngs/ops/field/rbf_kernels.h"
+#include "ngs/ops/neighbours/knn.h"
 #include "support/adjoint.h"
 #include "support/random.h"
 

@@ -3,11 +3,11 @@
 #include <string>
 #include <vector>
 
-#include "ngs/passes/effect.h"
-#include "ngs/passes/joint/joint_effects.h"
-#include "ngs/passes/pass_list.h"
-#include "ngs/passes/pipeline.h"
-#include "ngs/stages/contours/contour_options.h"
+#include "ngs/cut/contours/contour_options.h"
+#include "ngs/cut/passes/effect.h"
+#include "ngs/cut/passes/joint/joint_effects.h"
+#include "ngs/cut/passes/pass_list.h"
+#include "ngs/cut/passes/pipeline.h"
 
 namespace ngs::test {
 

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "ngs/edit/select/clean_rules.h"
 #include "ngs/io/ply/ply_rows_write.h"
-#include "ngs/stages/select/clean_rules.h"
 #include "preview.h"
 #include "shared/tool.h"
 

@@ -5,12 +5,12 @@
 #include <cmath>
 
 #include "ngs/core/error.h"
+#include "ngs/edit/select/canonical_points.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/math/world_unit.h"
 #include "ngs/ops/image/image_bytes.h"
 #include "ngs/ops/splat/splat.h"
-#include "ngs/stages/orbit/rigs.h"
-#include "ngs/stages/select/canonical_points.h"
+#include "ngs/orbit/rigs.h"
 
 namespace ngs::clean {
 namespace {

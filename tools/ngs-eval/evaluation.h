@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "image_list.h"
-#include "ngs/stages/eval/eval_stage.h"
+#include "ngs/eval/eval_stage.h"
 #include "shared/run/run.h"
 
 namespace ngs::cli {

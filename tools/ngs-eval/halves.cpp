@@ -5,14 +5,14 @@
 #include <optional>
 
 #include "metrics_json.h"
+#include "ngs/eval/halves_stage.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/image/exr.h"
 #include "ngs/io/image/masks.h"
 #include "ngs/io/image/photo.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/scene/scene_json.h"
-#include "ngs/stages/eval/halves_stage.h"
-#include "ngs/stages/render/render_options.h"
+#include "ngs/render/render_options.h"
 
 namespace ngs::cli {
 namespace {

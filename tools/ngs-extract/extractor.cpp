@@ -5,11 +5,11 @@
 #include <cmath>
 #include <span>
 
+#include "ngs/edit/extract/import_stage.h"
+#include "ngs/edit/select/region.h"
 #include "ngs/io/formats/write_splat.h"
+#include "ngs/orbit/orbit_stage.h"
 #include "ngs/scene/precision/local_origin.h"
-#include "ngs/stages/extract/import_stage.h"
-#include "ngs/stages/orbit/orbit_stage.h"
-#include "ngs/stages/select/region.h"
 
 namespace ngs::cli {
 namespace {

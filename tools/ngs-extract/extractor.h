@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "ngs/edit/extract/extract_stage.h"
+#include "ngs/edit/select/region.h"
+#include "ngs/edit/select/touched_pieces.h"
 #include "ngs/io/ply/gaussian_ply.h"
-#include "ngs/stages/extract/extract_stage.h"
-#include "ngs/stages/select/region.h"
-#include "ngs/stages/select/touched_pieces.h"
 #include "shared/run/run.h"
 
 namespace ngs::cli {

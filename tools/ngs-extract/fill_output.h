@@ -5,7 +5,7 @@
 
 #include "extractor.h"
 #include "inpainted_input.h"
-#include "ngs/stages/fill/fill_stage.h"
+#include "ngs/edit/fill/fill_stage.h"
 #include "outputs.h"
 
 namespace ngs::cli {

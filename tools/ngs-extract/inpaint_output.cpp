@@ -10,8 +10,8 @@
 #include "ngs/io/image/masks.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/ops/image/image_bytes.h"
+#include "ngs/render/render_options.h"
 #include "ngs/scene/view_names.h"
-#include "ngs/stages/render/render_options.h"
 #include "shared/scene/scene_model.h"
 
 namespace ngs::cli {

@@ -10,7 +10,7 @@
 //   scene.json          the same for ngs: model, images at the working size, and the dilated holes as masks
 // clang-format on
 #include "extractor.h"
-#include "ngs/stages/extract/inpaint_stage.h"
+#include "ngs/edit/extract/inpaint_stage.h"
 
 namespace ngs::cli {
 

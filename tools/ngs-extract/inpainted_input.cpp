@@ -9,8 +9,8 @@
 #include "ngs/core/listed.h"
 #include "ngs/io/files/folder_index.h"
 #include "ngs/io/image/image_file.h"
+#include "ngs/render/render_options.h"
 #include "ngs/scene/view_names.h"
-#include "ngs/stages/render/render_options.h"
 
 namespace ngs::cli {
 namespace {

@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "extractor.h"
+#include "ngs/edit/extract/inpaint_stage.h"
+#include "ngs/edit/fill/fill_refit.h"
 #include "ngs/scene/scene.h"
 #include "ngs/scene/view_prompt.h"
-#include "ngs/stages/extract/inpaint_stage.h"
-#include "ngs/stages/fill/fill_refit.h"
 #include "outputs.h"
 
 namespace ngs::cli {

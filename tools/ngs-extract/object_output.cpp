@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "ngs/edit/finish/finish_stage.h"
 #include "ngs/io/formats/write_splat.h"
 #include "ngs/io/image/masks.h"
 #include "ngs/math/row_numbers.h"
 #include "ngs/problem/cloud_rows.h"
-#include "ngs/stages/finish/finish_stage.h"
-#include "ngs/stages/render/render_options.h"
+#include "ngs/render/render_options.h"
 
 namespace ngs::cli {
 namespace {

@@ -1,8 +1,8 @@
 #include "stroke_input.h"
 
 #include "ngs/core/error.h"
-#include "ngs/stages/masks/rasterise_prompt.h"
-#include "ngs/stages/render/render_options.h"
+#include "ngs/cut/masks/rasterise_prompt.h"
+#include "ngs/render/render_options.h"
 
 namespace ngs::cli {
 

@@ -1,6 +1,6 @@
 #pragma once
 // The strokes that select components of the object.
-#include "ngs/stages/select/touched_pieces.h"
+#include "ngs/edit/select/touched_pieces.h"
 #include "shared/scene/prompt_input.h"
 
 namespace ngs::cli {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "ngs/stages/extract/unseen_surface.h"
+#include "ngs/edit/extract/unseen_surface.h"
 
 namespace ngs::cli {
 namespace {

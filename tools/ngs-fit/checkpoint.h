@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "ngs/make/fit/fit_stage.h"
 #include "ngs/options/field.h"
 #include "ngs/options/option_set.h"
-#include "ngs/stages/fit/fit_stage.h"
 
 namespace ngs::cli {
 

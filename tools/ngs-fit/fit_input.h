@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "ngs/stages/fit/fit_stage.h"
+#include "ngs/make/fit/fit_stage.h"
 #include "shared/run/run.h"
 
 namespace ngs::cli {

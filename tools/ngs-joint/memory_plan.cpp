@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "ngs/capture/view_shares.h"
 #include "ngs/problem/coarse_input.h"
 #include "ngs/problem/region.h"
 #include "ngs/problem/view_list.h"
-#include "ngs/stages/scene/view_shares.h"
 #include "shared/scene/memory_model.h"
 
 namespace ngs::joint {

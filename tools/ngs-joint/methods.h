@@ -2,12 +2,12 @@
 // The methods of ngs-joint, and the options of the baselines.
 #include <functional>
 
-#include "ngs/methods/method_bce.h"
-#include "ngs/methods/method_cob.h"
-#include "ngs/methods/method_flash.h"
-#include "ngs/methods/method_released.h"
-#include "ngs/methods/method_sa3d.h"
-#include "ngs/methods/method_saga.h"
+#include "ngs/cut/methods/method_bce.h"
+#include "ngs/cut/methods/method_cob.h"
+#include "ngs/cut/methods/method_flash.h"
+#include "ngs/cut/methods/method_released.h"
+#include "ngs/cut/methods/method_sa3d.h"
+#include "ngs/cut/methods/method_saga.h"
 #include "shared/tool.h"
 
 namespace ngs::joint {

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "methods.h"
-#include "ngs/passes/pass_list.h"
-#include "ngs/passes/pipeline.h"
-#include "ngs/stages/optimise/training_options.h"
-#include "ngs/stages/render/background.h"
-#include "ngs/stages/render/render_options.h"
+#include "ngs/cut/passes/pass_list.h"
+#include "ngs/cut/passes/pipeline.h"
+#include "ngs/cut/training/training_options.h"
+#include "ngs/render/background.h"
+#include "ngs/render/render_options.h"
 
 namespace ngs::joint {
 

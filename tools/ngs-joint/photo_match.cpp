@@ -6,11 +6,11 @@
 #include <optional>
 #include <vector>
 
+#include "ngs/capture/scene_check.h"
 #include "ngs/core/error.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/math/median.h"
 #include "ngs/problem/view_list.h"
-#include "ngs/stages/scene/scene_check.h"
 
 namespace ngs::joint {
 namespace {

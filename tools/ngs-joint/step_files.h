@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "ngs/passes/pass.h"
+#include "ngs/cut/passes/pass.h"
 #include "shared/run/checkpoints.h"
 #include "shared/run/signals.h"
 

@@ -1,6 +1,6 @@
 // ngs-mask: strokes or boxes on some photos -> masks of all views, by way of the splat.
 #include "ngs/io/ply/gaussian_ply.h"
-#include "ngs/stages/render/render_options.h"
+#include "ngs/render/render_options.h"
 #include "segmenters.h"
 #include "shared/scene/memory_model.h"
 #include "shared/scene/prompt_input.h"

@@ -3,8 +3,8 @@
 #include <memory>
 #include <string>
 
+#include "ngs/cut/masks/mask_spread.h"
 #include "ngs/options/field.h"
-#include "ngs/stages/masks/mask_spread.h"
 #include "shared/run/run.h"
 
 namespace ngs::cli {

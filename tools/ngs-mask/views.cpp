@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "ngs/core/error.h"
+#include "ngs/cut/masks/rasterise_prompt.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/regular_file.h"
 #include "ngs/io/image/image_file.h"
@@ -14,7 +15,6 @@
 #include "ngs/ops/image/image_bytes.h"
 #include "ngs/options/name_of.h"
 #include "ngs/scene/view_names.h"
-#include "ngs/stages/masks/rasterise_prompt.h"
 #include "segmenters.h"
 #include "shared/text/text_columns.h"
 

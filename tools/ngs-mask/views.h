@@ -2,10 +2,10 @@
 // Views at the size used for segmentation, and their resulting masks.
 #include <map>
 
+#include "ngs/cut/masks/mask_spread.h"
 #include "ngs/options/field.h"
 #include "ngs/scene/gaussian_cloud.h"
 #include "ngs/scene/hand_prompt.h"
-#include "ngs/stages/masks/mask_spread.h"
 #include "shared/run/run.h"
 
 namespace ngs::cli {

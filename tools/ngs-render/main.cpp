@@ -6,8 +6,8 @@
 
 #include "ngs/io/image/photo.h"
 #include "ngs/io/ply/gaussian_ply.h"
-#include "ngs/stages/render/render_options.h"
-#include "ngs/stages/render/render_stage.h"
+#include "ngs/render/render_options.h"
+#include "ngs/render/render_stage.h"
 #include "render_output.h"
 #include "shared/scene/memory_model.h"
 #include "shared/scene/scene_model.h"

@@ -13,7 +13,7 @@
 
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/options/field.h"
-#include "ngs/stages/render/render_stage.h"
+#include "ngs/render/render_stage.h"
 
 namespace ngs::picture {
 

@@ -5,10 +5,10 @@
 #include <filesystem>
 
 #include "ngs/core/error.h"
+#include "ngs/eval/error_atlas.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/ply/gaussian_ply.h"
-#include "ngs/stages/eval/error_atlas.h"
-#include "ngs/stages/render/render_options.h"
+#include "ngs/render/render_options.h"
 #include "planes.h"
 #include "shared/page/html.h"
 

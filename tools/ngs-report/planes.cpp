@@ -1,7 +1,7 @@
 #include "planes.h"
 
+#include "ngs/eval/eval_stage.h"
 #include "ngs/io/image/image_file.h"
-#include "ngs/stages/eval/eval_stage.h"
 
 namespace ngs::cli {
 

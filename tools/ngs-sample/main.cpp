@@ -1,10 +1,10 @@
 // ngs-sample: reads scene.json and a boundary PLY, writes a query PLY with a grid of rays per view. Algorithm 1, steps
 // 2-4.
+#include "ngs/field/sample_stage.h"
 #include "ngs/io/ply/query_ply.h"
 #include "ngs/io/scene/scene_json.h"
-#include "ngs/stages/boundary/sample_stage.h"
-#include "ngs/stages/render/render_options.h"
-#include "ngs/stages/render/render_stage.h"
+#include "ngs/render/render_options.h"
+#include "ngs/render/render_stage.h"
 #include "shared/scene/boundary.h"
 #include "shared/tool.h"
 

@@ -1,9 +1,9 @@
 #pragma once
 // Results of scene_check.h as JSON for the report, and as a text table.
+#include "ngs/capture/scene_check.h"
 #include "ngs/io/scene/import_scene.h"
 #include "ngs/options/option_set.h"
 #include "ngs/scene/gaussian_cloud.h"
-#include "ngs/stages/scene/scene_check.h"
 
 namespace ngs::scene_tool {
 

@@ -1,16 +1,16 @@
 #pragma once
-// Checks of stages/scene/scene_check.h on files, shared by import and check; and the model settings that import
+// Checks of capture/scene_check.h on files, shared by import and check; and the model settings that import
 // estimates from the photos: background, low-pass filter, camera corrections.
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "ngs/capture/scene_check.h"
 #include "ngs/io/image/photo_cache.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/scene/import_scene.h"
+#include "ngs/render/background.h"
 #include "ngs/scene/scene.h"
-#include "ngs/stages/render/background.h"
-#include "ngs/stages/scene/scene_check.h"
 #include "shared/run/run.h"
 
 namespace ngs::scene_tool {
@@ -40,12 +40,12 @@ class SceneChecks {
   void check(bool compat_is_default = false);
   /// Removes empty masks that contradict the masks of other views.
   void leave_out_lost_masks();
-  /// Estimates the low-pass filter of the model (stages/scene/filter_probe.h), unless it is given.
+  /// Estimates the low-pass filter of the model (capture/filter_probe.h), unless it is given.
   void find_filter(double given_px2);
-  /// Aligns the cameras to the model (stages/scene/view_align.h). `for_background`: also measures the background, so
+  /// Aligns the cameras to the model (capture/view_align.h). `for_background`: also measures the background, so
   /// that find_background() needs no render.
   void align_views(bool for_background);
-  /// Estimates the background from the photos (stages/render/background.h).
+  /// Estimates the background from the photos (render/background.h).
   void find_background();
 
  private:

@@ -4,9 +4,9 @@
 #include "commands.h"
 #include "ngs/io/files/folder_index.h"
 #include "ngs/io/image/image_file.h"
+#include "ngs/make/synth/mask_noise.h"
 #include "ngs/options/field.h"
 #include "ngs/scene/view_names.h"
-#include "ngs/stages/synth/mask_noise.h"
 #include "shared/tool.h"
 
 namespace ngs::scene_tool {

@@ -3,7 +3,7 @@
 #include "check_run.h"
 #include "commands.h"
 #include "ngs/io/scene/scene_json.h"
-#include "ngs/stages/render/background.h"
+#include "ngs/render/background.h"
 #include "shared/cli/dispatch.h"
 #include "shared/scene/import_options.h"
 #include "shared/scene/scene_model.h"

@@ -19,10 +19,10 @@
 #include "ngs/math/sh.h"
 #include "ngs/math/stable.h"
 #include "ngs/ops/image/image_bytes.h"
-#include "ngs/stages/orbit/coverage.h"
-#include "ngs/stages/orbit/orbit_stage.h"
-#include "ngs/stages/render/background.h"
-#include "ngs/stages/render/render_options.h"
+#include "ngs/orbit/coverage.h"
+#include "ngs/orbit/orbit_stage.h"
+#include "ngs/render/background.h"
+#include "ngs/render/render_options.h"
 #include "shared/tool.h"
 
 namespace ngs::scene_tool {

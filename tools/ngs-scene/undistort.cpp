@@ -1,4 +1,4 @@
-#include "ngs/stages/scene/undistort.h"
+#include "ngs/capture/undistort.h"
 
 #include <algorithm>
 #include <filesystem>

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <filesystem>
 
+#include "ngs/interactive/hand_edit.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/options/name_of.h"
-#include "ngs/stages/live/hand_edit.h"
 #include "shared/run/sibling_program.h"
 #include "state_json.h"
 

@@ -3,10 +3,10 @@
 #include <filesystem>
 
 #include "desk.h"
+#include "ngs/interactive/hand_edit.h"
 #include "ngs/io/files/mapped_file.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/scene/scene_json.h"
-#include "ngs/stages/live/hand_edit.h"
 #include "shared/run/environment.h"
 
 namespace ngs::studio {

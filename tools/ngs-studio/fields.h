@@ -4,7 +4,7 @@
 #include <set>
 #include <string>
 
-#include "ngs/stages/live/viewpoint.h"
+#include "ngs/interactive/viewpoint.h"
 #include "reply.h"
 
 namespace ngs::studio {

@@ -6,8 +6,8 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/scene/scene_json.h"
-#include "ngs/stages/orbit/vectors.h"
-#include "ngs/stages/render/render_options.h"
+#include "ngs/math/vectors.h"
+#include "ngs/render/render_options.h"
 
 namespace ngs::studio {
 

@@ -2,9 +2,9 @@
 // The model shown: a splat, with the cameras of its scene if there is one.
 #include <string>
 
+#include "ngs/interactive/kept_strokes.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/scene/scene.h"
-#include "ngs/stages/live/kept_strokes.h"
 
 namespace ngs::studio {
 

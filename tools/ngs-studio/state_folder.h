@@ -16,8 +16,8 @@
 #include <optional>
 #include <string>
 
+#include "ngs/interactive/session.h"
 #include "ngs/scene/scene.h"
-#include "ngs/stages/live/session.h"
 #include "shared/cli/common_flags.h"
 
 namespace ngs::studio {

@@ -1,7 +1,7 @@
 #pragma once
 // JSON of a session: studio.json, strokes for ngs-mask, and masks converted to strokes.
 #include "fields.h"
-#include "ngs/stages/live/marks.h"
+#include "ngs/interactive/marks.h"
 
 namespace ngs::studio {
 

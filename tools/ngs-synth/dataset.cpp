@@ -10,8 +10,8 @@
 #include "ngs/io/files/mapped_file.h"
 #include "ngs/io/image/exr.h"
 #include "ngs/io/image/image_file.h"
+#include "ngs/make/synth/synth_halves.h"
 #include "ngs/ops/image/image_bytes.h"
-#include "ngs/stages/synth/synth_halves.h"
 
 namespace ngs::cli {
 namespace {

@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
+#include "ngs/make/fit/fit_stage.h"
+#include "ngs/make/synth/mask_noise.h"
+#include "ngs/make/synth/synth_render.h"
 #include "ngs/options/option_set.h"
-#include "ngs/stages/fit/fit_stage.h"
-#include "ngs/stages/synth/mask_noise.h"
-#include "ngs/stages/synth/synth_render.h"
 
 namespace ngs::cli {
 

@@ -5,7 +5,7 @@
 #include "ngs/io/formats/splat_format.h"
 #include "ngs/io/image/masks.h"
 #include "ngs/problem/view_list.h"
-#include "ngs/stages/render/render_options.h"
+#include "ngs/render/render_options.h"
 #include "shared/cli/dispatch.h"
 #include "shared/scene/memory_model.h"
 #include "shared/scene/scene_model.h"

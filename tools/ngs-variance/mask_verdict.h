@@ -1,11 +1,11 @@
 #pragma once
 // Fails if the masks of a scene do not fit its views, with the cause and the command that mends it.
-#include "ngs/stages/scene/mask_agreement.h"
+#include "ngs/capture/mask_agreement.h"
 #include "shared/run/run.h"
 
 namespace ngs::variance {
 
-/// Reports stages/scene/mask_agreement.h. Throws kInconsistent unless the verdict is kFit.
+/// Reports capture/mask_agreement.h. Throws kInconsistent unless the verdict is kFit.
 void check_masks(cli::Run& run, const MaskAgreementOptions& options, const EvidenceInputs& in);
 
 }  // namespace ngs::variance

@@ -12,8 +12,8 @@
 #include "ngs/ops/optim/resident.h"
 #include "ngs/options/name_of.h"
 #include "ngs/problem/view_list.h"
+#include "ngs/render/render_options.h"
 #include "ngs/scene/view_names.h"
-#include "ngs/stages/render/render_options.h"
 #include "shared/scene/memory_model.h"
 
 namespace ngs::variance {

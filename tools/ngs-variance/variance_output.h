@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
+#include "ngs/cut/evidence/variance_stage.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/scene/evidence_file.h"
-#include "ngs/stages/boundary/variance_stage.h"
 #include "shared/run/run.h"
 #include "shared/scene/scene_model.h"
 

@@ -10,8 +10,8 @@
 #include "ngs/io/files/json_file.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/options/name_of.h"
+#include "ngs/render/render_options.h"
 #include "ngs/scene/view_names.h"
-#include "ngs/stages/render/render_options.h"
 #include "painted_pictures.h"
 
 namespace ngs::ngs_tool {

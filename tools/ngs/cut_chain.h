@@ -17,7 +17,7 @@
 #include "cut_inputs.h"
 #include "cut_options.h"
 #include "flash_cut.h"
-#include "ngs/stages/select/view_agreement.h"
+#include "ngs/edit/select/view_agreement.h"
 #include "stage_runner.h"
 #include "stroke_check.h"
 

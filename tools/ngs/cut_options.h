@@ -3,11 +3,11 @@
 #include <string>
 #include <vector>
 
+#include "ngs/capture/mask_agreement.h"
+#include "ngs/capture/scene_check.h"
+#include "ngs/edit/fill/fill_options.h"
 #include "ngs/options/field.h"
 #include "ngs/problem/preset.h"
-#include "ngs/stages/fill/fill_options.h"
-#include "ngs/stages/scene/mask_agreement.h"
-#include "ngs/stages/scene/scene_check.h"
 #include "shared/scene/import_options.h"
 
 namespace ngs::ngs_tool {

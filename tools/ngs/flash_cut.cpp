@@ -4,15 +4,15 @@
 #include <filesystem>
 #include <limits>
 
+#include "ngs/edit/select/view_agreement.h"
+#include "ngs/interactive/ball_cut.h"
 #include "ngs/io/formats/write_splat.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/scene/scene_json.h"
+#include "ngs/orbit/orbit_stage.h"
+#include "ngs/render/render_options.h"
 #include "ngs/scene/mask_threshold.h"
 #include "ngs/scene/view_names.h"
-#include "ngs/stages/live/ball_cut.h"
-#include "ngs/stages/orbit/orbit_stage.h"
-#include "ngs/stages/render/render_options.h"
-#include "ngs/stages/select/view_agreement.h"
 #include "shared/scene/memory_model.h"
 #include "shared/scene/prompt_input.h"
 

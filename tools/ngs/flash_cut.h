@@ -1,6 +1,6 @@
 #pragma once
 // Computes labels from strokes on renders of a splat in seconds, without training and in this process
-// (stages/live/ball_cut.h). It is all of --method flash; --method ngs starts from its result and compares against
+// (interactive/ball_cut.h). It is all of --method flash; --method ngs starts from its result and compares against
 // it.
 #include <cstdint>
 #include <optional>

@@ -3,12 +3,12 @@
 #include <filesystem>
 
 #include "ngs/core/error.h"
+#include "ngs/cut/masks/rasterise_prompt.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/ops/image/connected_components.h"
 #include "ngs/ops/image/image_bytes.h"
 #include "ngs/scene/view_names.h"
-#include "ngs/stages/masks/rasterise_prompt.h"
 #include "shared/scene/prompt_input.h"
 
 namespace ngs::ngs_tool {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ngs/cut/masks/rasterise_prompt.h"
 #include "ngs/io/scene/scene_json.h"
+#include "ngs/render/render_options.h"
 #include "ngs/scene/mask_threshold.h"
-#include "ngs/stages/masks/rasterise_prompt.h"
-#include "ngs/stages/render/render_options.h"
 #include "shared/scene/memory_model.h"
 #include "shared/scene/prompt_input.h"
 

@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
+#include "ngs/edit/select/stroke_agreement.h"
+#include "ngs/edit/select/touched_pieces.h"
 #include "ngs/scene/scene.h"
-#include "ngs/stages/select/stroke_agreement.h"
-#include "ngs/stages/select/touched_pieces.h"
 #include "shared/run/run.h"
 
 namespace ngs::ngs_tool {

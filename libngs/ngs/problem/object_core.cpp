@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ngs/ops/field/knn.h"
+#include "ngs/ops/neighbours/knn.h"
 
 namespace ngs {
 

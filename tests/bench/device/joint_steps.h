@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "bench_scene.h"
-#include "ngs/stages/optimise/joint_trainer.h"
+#include "ngs/cut/training/joint_trainer.h"
 
 namespace ngs::bench {
 

@@ -12,8 +12,8 @@
 #include "ngs/backend/device_profile.h"
 #include "ngs/ops/device/cuda_ops.h"
 #include "ngs/ops/field/hash_grid.h"
-#include "ngs/ops/field/knn.h"
 #include "ngs/ops/losses/photometric.h"
+#include "ngs/ops/neighbours/knn.h"
 #include "ngs/ops/splat/evidence.h"
 
 namespace ngs::bench {

@@ -14,10 +14,12 @@
 #include <numeric>
 
 #include "ngs/core/rng.h"
+#include "ngs/cut/evidence/variance_stage.h"
+#include "ngs/field/rbf_stage.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/scene/scene_json.h"
-#include "ngs/ops/field/knn.h"
 #include "ngs/ops/field/rbf.h"
+#include "ngs/ops/neighbours/knn.h"
 #include "ngs/ops/splat/cloud_view.h"
 #include "ngs/ops/splat/splat.h"
 #include "ngs/ops/splat/splat_engine.h"
@@ -25,8 +27,6 @@
 #include "ngs/ops/splat/tile_scratch.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/scene/boundary_set.h"
-#include "ngs/stages/boundary/rbf_stage.h"
-#include "ngs/stages/boundary/variance_stage.h"
 
 namespace ngs::bench {
 namespace {

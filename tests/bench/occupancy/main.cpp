@@ -12,11 +12,11 @@
 #include "ngs/io/image/masks.h"
 #include "ngs/io/image/photo.h"
 #include "ngs/io/scene/scene_json.h"
+#include "ngs/make/fit/fit_stage.h"
 #include "ngs/ops/losses/photometric.h"
 #include "ngs/problem/view_list.h"
+#include "ngs/render/render_options.h"
 #include "ngs/scene/mask_threshold.h"
-#include "ngs/stages/fit/fit_stage.h"
-#include "ngs/stages/render/render_options.h"
 #include "occupancy/occupancy_loss.h"
 
 namespace ngs::bench {

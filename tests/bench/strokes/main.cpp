@@ -30,8 +30,8 @@
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/scene/scene_json.h"
+#include "ngs/render/render_options.h"
 #include "ngs/scene/mask_threshold.h"
-#include "ngs/stages/render/render_options.h"
 #include "strokes/stroke_rule.h"
 
 namespace ngs::bench {

@@ -6,6 +6,8 @@
 #include <filesystem>
 
 #include "ngs/core/monitor.h"
+#include "ngs/cut/contours/refined_masks.h"
+#include "ngs/cut/evidence/variance_stage.h"
 #include "ngs/io/image/masks.h"
 #include "ngs/io/image/photo.h"
 #include "ngs/io/ply/gaussian_ply.h"
@@ -14,8 +16,6 @@
 #include "ngs/ops/losses/photometric.h"
 #include "ngs/ops/optim/adam.h"
 #include "ngs/ops/splat/splat_view.h"
-#include "ngs/stages/boundary/variance_stage.h"
-#include "ngs/stages/contours/refined_masks.h"
 #include "support/joint_case.h"
 #include "support/skip.h"
 

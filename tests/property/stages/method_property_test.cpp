@@ -1,11 +1,11 @@
 #include <doctest/doctest.h>
 
-#include "ngs/methods/method_bce.h"
-#include "ngs/methods/method_cob.h"
-#include "ngs/methods/method_flash.h"
-#include "ngs/methods/method_released.h"
-#include "ngs/methods/method_sa3d.h"
-#include "ngs/methods/method_saga.h"
+#include "ngs/cut/methods/method_bce.h"
+#include "ngs/cut/methods/method_cob.h"
+#include "ngs/cut/methods/method_flash.h"
+#include "ngs/cut/methods/method_released.h"
+#include "ngs/cut/methods/method_sa3d.h"
+#include "ngs/cut/methods/method_saga.h"
 #include "support/method_case.h"
 
 namespace ngs {

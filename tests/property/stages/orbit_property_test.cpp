@@ -1,7 +1,7 @@
 // Generated cameras follow the model: rotating, scaling and moving the model transforms them alike.
 #include <doctest/doctest.h>
 
-#include "ngs/stages/orbit/orbit_stage.h"
+#include "ngs/orbit/orbit_stage.h"
 #include "support/splat_shapes.h"
 
 namespace ngs::orbit {

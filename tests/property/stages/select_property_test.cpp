@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "ngs/stages/select/clean_rules.h"
-#include "ngs/stages/select/region.h"
+#include "ngs/edit/select/clean_rules.h"
+#include "ngs/edit/select/region.h"
 #include "support/splat_shapes.h"
 
 namespace ngs {

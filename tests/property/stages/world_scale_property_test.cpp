@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ngs/capture/scene_check.h"
+#include "ngs/cut/training/joint_trainer.h"
 #include "ngs/ops/splat/splat.h"
-#include "ngs/stages/optimise/joint_trainer.h"
-#include "ngs/stages/orbit/orbit_stage.h"
-#include "ngs/stages/render/render_options.h"
-#include "ngs/stages/scene/scene_check.h"
+#include "ngs/orbit/orbit_stage.h"
+#include "ngs/render/render_options.h"
 #include "support/joint_case.h"
 #include "support/splat_shapes.h"
 

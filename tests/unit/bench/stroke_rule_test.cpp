@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "ngs/stages/masks/rasterise_prompt.h"
+#include "ngs/cut/masks/rasterise_prompt.h"
 
 namespace ngs {
 namespace {

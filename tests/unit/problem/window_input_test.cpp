@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <optional>
 
-#include "ngs/passes/mask_outliers/mask_outliers.h"
+#include "ngs/cut/evidence/method_labels.h"
+#include "ngs/cut/passes/mask_outliers/mask_outliers.h"
+#include "ngs/cut/training/joint_trainer.h"
 #include "ngs/problem/region.h"
-#include "ngs/stages/boundary/method_labels.h"
-#include "ngs/stages/optimise/joint_trainer.h"
 #include "support/joint_case.h"
 
 namespace ngs {

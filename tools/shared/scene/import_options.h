@@ -3,7 +3,7 @@
 #include "ngs/core/error.h"
 #include "ngs/io/scene/import_scene.h"
 #include "ngs/options/field.h"
-#include "ngs/stages/render/render_options.h"
+#include "ngs/render/render_options.h"
 
 namespace ngs::cli {
 

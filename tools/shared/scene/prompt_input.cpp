@@ -9,8 +9,8 @@
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/scene/painted_picture.h"
 #include "ngs/io/scene/prompt_files.h"
+#include "ngs/render/render_stage.h"
 #include "ngs/scene/view_names.h"
-#include "ngs/stages/render/render_stage.h"
 
 namespace ngs::cli {
 namespace {

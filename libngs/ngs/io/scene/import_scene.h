@@ -1,6 +1,6 @@
 #pragma once
 // Builds a Scene from cameras, photos, masks and a model of any origin: ngs-scene import without the checks that need
-// the model (stages/scene/scene_check.h).
+// the model (capture/scene_check.h).
 #include <map>
 #include <optional>
 #include <string>

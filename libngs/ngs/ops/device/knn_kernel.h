@@ -1,6 +1,6 @@
 #pragma once
 // Exact K nearest neighbours on a device: brute force, a tile of points at a time. Distances are compared in the order
-// of ops/field/knn.cpp, so graphs are equal. Used before Eq. (8).
+// of ops/neighbours/knn.cpp, so graphs are equal. Used before Eq. (8).
 #include <type_traits>
 
 #include "ngs/backend/launcher.h"

@@ -6,8 +6,8 @@
 #include "ngs/backend/for_each.h"
 #include "ngs/core/check.h"
 #include "ngs/ops/device/device_ops.h"
-#include "ngs/ops/field/knn.h"
 #include "ngs/ops/field/rbf_kernels.h"
+#include "ngs/ops/neighbours/knn.h"
 #include "ngs/ops/optim/resident.h"
 
 namespace ngs {

@@ -5,9 +5,9 @@
 #include <set>
 
 #include "ngs/core/error.h"
+#include "ngs/edit/extract/import_stage.h"
 #include "ngs/io/formats/write_splat.h"
 #include "ngs/io/ply/gaussian_ply.h"
-#include "ngs/stages/extract/import_stage.h"
 #include "support/ply_text.h"
 #include "support/random.h"
 #include "support/temp_dir.h"

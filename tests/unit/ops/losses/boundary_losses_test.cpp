@@ -2,12 +2,12 @@
 
 #include <cmath>
 
-#include "ngs/ops/field/knn.h"
 #include "ngs/ops/field/sample_grid.h"
 #include "ngs/ops/losses/loss_align.h"
 #include "ngs/ops/losses/loss_cont.h"
 #include "ngs/ops/losses/loss_mask.h"
 #include "ngs/ops/losses/loss_smooth.h"
+#include "ngs/ops/neighbours/knn.h"
 #include "support/random.h"
 
 namespace ngs {

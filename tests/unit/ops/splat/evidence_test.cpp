@@ -4,8 +4,8 @@
 
 #include <cmath>
 
+#include "ngs/cut/evidence/variance_stage.h"
 #include "ngs/problem/view_list.h"
-#include "ngs/stages/boundary/variance_stage.h"
 #include "support/same_evidence.h"
 #include "support/splat_reference.h"
 

@@ -1,0 +1,86 @@
+#include "ngs/capture/empty_masks.h"
+
+#include <algorithm>
+
+#include "ngs/math/median.h"
+#include "ngs/ops/neighbours/knn.h"
+#include "ngs/problem/cloud_rows.h"
+#include "ngs/problem/view_list.h"
+#include "ngs/render/render_options.h"
+#include "ngs/render/render_stage.h"
+#include "ngs/scene/mask_threshold.h"
+
+namespace ngs {
+namespace {
+
+constexpr std::size_t kMaxLabelling = 32, kMaxCompared = 8;  // views
+constexpr double kMinOfUsual = 0.25;
+
+/// Pixel counts of a view, over pixels with a known mask.
+struct PixelCounts {
+  double known = 0, mask = 0, shown = 0, both = 0;
+  double share_of(double pixels) const { return known > 0 ? pixels / known : 0; }
+};
+
+/// One label for all objects. Gaussians visible in no mask's view have the label of the nearest seen one.
+LabelColumns label_of_any(const Exec& exec, const GaussianCloud& cloud, const std::vector<LabelColumns>& objects) {
+  std::vector<float> label(std::size_t(cloud.size()), 0.f);
+  std::vector<std::uint32_t> seen, unseen;
+  for (std::size_t i = 0; i < label.size(); ++i) {
+    for (const LabelColumns& object : objects) label[i] = std::max(label[i], float(object.label[i]));
+    if (cloud.usable[i]) (objects[0].views[i] > 0 ? seen : unseen).push_back(std::uint32_t(i));
+  }
+  LabelColumns any;
+  any.label = std::move(label);
+  if (seen.empty() || unseen.empty()) return any;
+  const std::vector<float> points = gather_column(exec, cloud.position, 3, seen),
+                           queries = gather_column(exec, cloud.position, 3, unseen);
+  const KnnGraph nearest = nearest_points(exec, {points.data(), std::int64_t(seen.size())},
+                                          {queries.data(), std::int64_t(unseen.size())}, 1);
+  for (std::size_t q = 0; q < unseen.size(); ++q) any.label[unseen[q]] = any.label[seen[nearest.index[q]]];
+  return any;
+}
+
+PixelCounts count_pixels(const ImageF& shown, const ViewMasks& masks) {
+  PixelCounts counts;
+  for (std::size_t p = 0; p < shown.data.size(); ++p) {
+    if (!masks.known.empty() && masks.known[p] == 0) continue;
+    const bool in_mask =
+        std::ranges::any_of(masks.target, [&](const auto& target) { return mask_is_foreground(target[p]); });
+    const bool is_shown = label_is_foreground(shown.data[p]);
+    counts.known += 1, counts.mask += in_mask, counts.shown += is_shown, counts.both += in_mask && is_shown;
+  }
+  return counts;
+}
+
+}  // namespace
+
+EmptyMasks check_empty_masks(const Exec& exec, Monitor& monitor, const EmptyMaskInputs& in) {
+  EmptyMasks result{in.empty, {}, 1};
+  if (in.empty.empty() || in.others.empty()) return result;
+  const auto timed = monitor.scope("empty masks");
+  const std::vector<std::size_t> labelling = spread_views(in.others, kMaxLabelling);
+  const SplatOptions splat = prepared_for(exec, splat_options({}, in.cloud, in.scene), in.cloud);
+  const Evidence evidence = accumulate_evidence(exec, monitor, {in.cloud, in.scene, labelling, splat, in.load_masks});
+  const LabelChannels labels(exec, in.cloud, {label_of_any(exec, in.cloud, label_gaussians({}, evidence))});
+  const auto count = [&](std::size_t view) {
+    return count_pixels(labels.masks(exec, in.scene.views[view].camera, splat), in.load_masks(view));
+  };
+  double both = 0, either = 0;
+  std::vector<double> usual;
+  for (const std::size_t view : spread_views(labelling, kMaxCompared)) {
+    const PixelCounts counts = count(view);
+    both += counts.both, either += counts.mask + counts.shown - counts.both;
+    usual.push_back(counts.share_of(counts.mask));
+  }
+  result.agreement = either > 0 ? both / either : 0;
+  if (result.agreement < kMinMaskAgreement) return result;
+  const double least = kMinOfUsual * upper_median(usual);
+  for_each_view(&monitor, in.empty, [&](std::size_t, std::size_t view) {
+    const PixelCounts counts = count(view);
+    if (counts.share_of(counts.shown) > least) result.contradicted.push_back(view);
+  });
+  return result;
+}
+
+}  // namespace ngs

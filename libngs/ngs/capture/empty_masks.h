@@ -1,0 +1,28 @@
+#pragma once
+// Checks empty masks: is the object absent from these views, or did the tool that made the masks lose it?
+//
+// The masks that are not empty label the Gaussians visible in their views (closed form,
+// cut/evidence/variance_stage.h); an unseen Gaussian gets the label of the nearest seen one. The labels are rendered
+// in the views with an empty mask, with occlusion. A mask is contradicted if the rendered object covers more than a
+// quarter of its usual area. Limit: background that the other views show only through the object, such as the wall
+// behind it, is labelled as object.
+#include "ngs/capture/scene_findings.h"
+#include "ngs/core/monitor.h"
+#include "ngs/cut/evidence/variance_stage.h"
+#include "ngs/scene/scene.h"
+
+namespace ngs {
+
+inline constexpr double kMinMaskAgreement = 0.5;  // IoU
+
+struct EmptyMaskInputs {
+  const GaussianCloud& cloud;
+  const Scene& scene;
+  std::vector<std::size_t> empty, others;  // indices of scene.views, each with a mask
+  MaskLoader load_masks;
+};
+
+/// `contradicted` stays empty if the agreement is below kMinMaskAgreement: the masks then do not locate the object.
+EmptyMasks check_empty_masks(const Exec& exec, Monitor& monitor, const EmptyMaskInputs& in);
+
+}  // namespace ngs

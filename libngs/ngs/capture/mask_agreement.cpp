@@ -1,0 +1,334 @@
+#include "ngs/capture/mask_agreement.h"
+
+#include <algorithm>
+#include <functional>
+#include <map>
+
+#include "ngs/backend/for_each.h"
+#include "ngs/ops/image/mask_pair.h"
+#include "ngs/problem/view_list.h"
+#include "ngs/scene/resize/shrink.h"
+#include "ngs/scene/view_prompt.h"
+#include "ngs/scene/view_sums.h"
+
+namespace ngs {
+namespace {
+
+constexpr std::size_t kViews = 16;       // compared
+constexpr int kSide_px = 320;            // longest side of the compared images
+constexpr std::size_t kMaxObjects = 12;  // compared alone; further ones are not
+constexpr double kMostOfImage = 0.5;     // mean coverage of all objects above which only every second one is compared
+constexpr int kNearShift = 3, kFarShift = 12;  // views; far shifts are tried if the masks do not fit otherwise
+// Mean IoU. Masks that are right match above kFits, less with very thin objects, and no repair gains anything.
+constexpr double kFits = 0.8, kFitsWell = 0.9;
+constexpr double kMinGain = 0.05;      // of a repair that makes masks fit
+constexpr double kClearGain = 0.4;     // the same, of thin objects or in few views
+constexpr double kSuspectGain = 0.03;  // of masks of other views that do not fit either
+constexpr double kMaxRatio = 0.75;     // of any repair to the masks as given, if these are right and match badly
+constexpr double kLowAlone = 0.75;     // of an object, below which its ids are examined
+constexpr double kMinTogether = 0.2;   // gain of objects whose ids contradict as one
+
+const MaskRepair kInverted{.mistake = "inverted", .inverted = true};
+const MaskRepair kRepairs[] = {
+    {.mistake = "mirrored", .mogrify = "-flop", .flip_x = true},
+    {.mistake = "upside down", .mogrify = "-flip", .flip_y = true},
+    {.mistake = "turned by 180 degrees", .mogrify = "-rotate 180", .flip_x = true, .flip_y = true},
+    {.mistake = "transposed", .mogrify = "-transpose", .swap_xy = true},
+    {.mistake = "turned by 90 degrees to the left", .mogrify = "-rotate 90", .flip_x = true, .swap_xy = true},
+    {.mistake = "turned by 90 degrees to the right", .mogrify = "-rotate -90", .flip_y = true, .swap_xy = true},
+    {.mistake = "transposed and turned", .mogrify = "-transverse", .flip_x = true, .flip_y = true, .swap_xy = true},
+    {.mistake = "in the opposite order", .reversed = true}};
+
+/// Shifts by `first` to `last` views, in both directions.
+std::vector<MaskRepair> shifts(int first, int last) {
+  std::vector<MaskRepair> repairs;
+  for (int by = first; by <= last; ++by)
+    for (const int shift : {by, -by})
+      repairs.push_back({.mistake = "shifted by " + std::to_string(shift), .shift = shift});
+  return repairs;
+}
+
+/// The masks of a view as planes of objects, reduced.
+struct SmallMasks {
+  int width_px = 0, height_px = 0;
+  std::vector<PixelMask> object;  // [K]
+};
+
+/// A channel of labels: the mask of a view; empty: the view has none.
+using Channel = std::function<PixelMask(std::size_t view)>;
+
+constexpr double kNone = -1;  // IoU of a view that shows the object neither in the mask nor in the labels
+
+class Comparison {
+ public:
+  Comparison(const Exec& exec, Monitor& monitor, const EvidenceInputs& in) : exec_(exec), monitor_(monitor), in_(in) {
+    for (const std::size_t v : in.views)
+      if (!in.scene.views[v].mask_path.empty()) masked_.push_back(v);
+    compared_ = spread_views(masked_, kViews);
+    load(compared_);
+    std::erase_if(compared_, [&](std::size_t v) { return !masks_.contains(v); });
+    if (in.scene.objects.size() > 1 && cover_most()) pattern_step_ = 2;
+  }
+  const std::vector<std::size_t>& views() const { return compared_; }
+
+  /// Every second object if all together cover most of the images: a pattern that a wrong place changes.
+  PixelMask pattern(std::size_t view) const { return joined(view, pattern_step_); }
+  PixelMask object(std::size_t view, std::size_t k) const { return masks_.at(view).object[k]; }
+  PixelMask repaired(std::size_t view, const MaskRepair& repair) const;
+  /// Loads the masks that these repairs move to the compared views. Call it first.
+  void load_for(const std::vector<MaskRepair>& repairs);
+  /// [channels][views()] IoU of the channel's rendered labels and its masks.
+  std::vector<std::vector<double>> iou(const std::vector<Channel>& channels) const;
+
+ private:
+  Camera camera_of(std::size_t view) const {
+    const Camera& camera = in_.scene.views[view].camera;
+    return shrunk(camera, factor_of(camera));
+  }
+  static int factor_of(const Camera& camera) {
+    return (std::max(camera.width_px, camera.height_px) + kSide_px - 1) / kSide_px;
+  }
+  std::size_t source_of(std::size_t view, const MaskRepair& repair) const {
+    const std::size_t n = in_.scene.views.size();
+    return repair.reversed ? n - 1 - view : view + std::size_t(repair.shift);  // beyond n: no view
+  }
+  void load(std::vector<std::size_t> needed);
+  bool cover_most() const;
+  PixelMask joined(std::size_t view, std::size_t step) const;
+
+  const Exec& exec_;
+  Monitor& monitor_;
+  const EvidenceInputs& in_;
+  std::vector<std::size_t> masked_, compared_;
+  std::map<std::size_t, SmallMasks> masks_;  // of compared views and of the views that a repair moves to them
+  std::size_t pattern_step_ = 1;
+};
+
+SmallMasks reduced(const ViewMasks& masks, int factor) {
+  SmallMasks small{shrunk_size_px(masks.width_px, factor), shrunk_size_px(masks.height_px, factor), {}};
+  for (const std::vector<float>& target : masks.target) {
+    ImageF plane(masks.width_px, masks.height_px, 1);
+    plane.data = target;
+    small.object.push_back(object_pixels(shrunk(plane, factor).data));
+  }
+  return small;
+}
+
+void Comparison::load_for(const std::vector<MaskRepair>& repairs) {
+  std::vector<std::size_t> needed;
+  for (const std::size_t v : compared_)
+    for (const MaskRepair& repair : repairs) needed.push_back(source_of(v, repair));
+  load(std::move(needed));
+}
+
+void Comparison::load(std::vector<std::size_t> needed) {
+  std::ranges::sort(needed);
+  needed.erase(std::unique(needed.begin(), needed.end()), needed.end());
+  std::erase_if(needed, [&](std::size_t v) { return !std::ranges::binary_search(masked_, v) || masks_.contains(v); });
+  std::vector<SmallMasks> loaded(needed.size());
+  for_each_task(exec_, std::int64_t(needed.size()), [&](std::int64_t i) {
+    const std::size_t v = needed[std::size_t(i)];
+    const ViewMasks masks = in_.load_masks(v);
+    if (masks.available) loaded[std::size_t(i)] = reduced(masks, factor_of(in_.scene.views[v].camera));
+  });
+  for (std::size_t i = 0; i < needed.size(); ++i)
+    if (!loaded[i].object.empty()) masks_[needed[i]] = std::move(loaded[i]);
+}
+
+bool Comparison::cover_most() const {
+  double covered = 0, pixels = 0;
+  for (const std::size_t view : compared_) {
+    const PixelMask all = joined(view, 1);
+    covered += double(std::ranges::count(all, 1)), pixels += double(all.size());
+  }
+  return covered > kMostOfImage * pixels;
+}
+
+PixelMask Comparison::joined(std::size_t view, std::size_t step) const {
+  const SmallMasks& masks = masks_.at(view);
+  PixelMask all = masks.object[0];
+  for (std::size_t k = step; k < masks.object.size(); k += step)
+    for (std::size_t p = 0; p < all.size(); ++p) all[p] |= masks.object[k][p];
+  return all;
+}
+
+PixelMask Comparison::repaired(std::size_t view, const MaskRepair& repair) const {
+  const std::size_t source = source_of(view, repair);
+  const auto found = masks_.find(source);
+  if (found == masks_.end()) return {};
+  const PixelMask from = pattern(source);
+  const int from_w = found->second.width_px, from_h = found->second.height_px;
+  const Camera camera = camera_of(view);
+  PixelMask out;
+  out.reserve(std::size_t(camera.width_px) * std::size_t(camera.height_px));
+  for (int y = 0; y < camera.height_px; ++y)
+    for (int x = 0; x < camera.width_px; ++x) {
+      double u = (x + 0.5) / camera.width_px, v = (y + 0.5) / camera.height_px;
+      if (repair.flip_x) u = 1 - u;
+      if (repair.flip_y) v = 1 - v;
+      if (repair.swap_xy) std::swap(u, v);
+      const bool in_mask = from[std::size_t(int(v * from_h)) * std::size_t(from_w) + std::size_t(int(u * from_w))] != 0;
+      out.push_back(in_mask != repair.inverted);
+    }
+  return out;
+}
+
+std::vector<std::vector<double>> Comparison::iou(const std::vector<Channel>& channels) const {
+  const std::size_t n = std::size_t(in_.cloud.size()), count = channels.size();
+  std::vector<std::vector<PixelMask>> masks(count);
+  std::vector<float> label(n * count);  // first the excess of weight inside the mask over weight outside
+  const SplatOptions splat = prepared_for(exec_, in_.splat, in_.cloud);
+  const auto at_size = [&](std::size_t view) {
+    return filter_at_scale(splat, 1.0 / factor_of(in_.scene.views[view].camera));
+  };
+  for_each_view(&monitor_, compared_, [&](std::size_t, std::size_t view) {
+    const Camera camera = camera_of(view);
+    ViewMasks planes = known_view(camera);
+    for (std::size_t c = 0; c < count; ++c) {
+      const PixelMask& mask = masks[c].emplace_back(channels[c](view));
+      planes.target.emplace_back(mask.begin(), mask.end());
+      planes.target.back().resize(std::size_t(camera.width_px) * std::size_t(camera.height_px));
+    }
+    const ViewSums sums = view_sums(exec_, in_.cloud, {camera, planes}, at_size(view));
+    for (std::size_t i = 0; i < sums.size(); ++i)
+      for (std::size_t c = 0; c < count; ++c)
+        if (!masks[c].back().empty())
+          label[sums.row[i] * count + c] += float(2 * sums.object_weight(i, c) - sums.weight(i));
+  });
+  for (float& value : label) value = float(value > 0);
+  std::vector<std::vector<double>> result(count);
+  for_each_view(&monitor_, compared_, [&](std::size_t v, std::size_t view) {
+    RenderRequest request{.colour = false, .label = {label.data(), in_.cloud.size(), int(count)}};
+    const ImageF shown = render(exec_, in_.cloud, camera_of(view), at_size(view), request).label;
+    for (std::size_t c = 0; c < count; ++c) {
+      MaskOverlap object, rest;
+      for (std::size_t p = 0; p < masks[c][v].size(); ++p) {
+        const bool is_shown = label_is_foreground(shown.data[p * count + c]), in_mask = masks[c][v][p] != 0;
+        object.add(is_shown, in_mask), rest.add(!is_shown, !in_mask);
+      }
+      result[c].push_back(object.either > 0 ? std::min(object.iou(), rest.iou()) : kNone);
+    }
+  });
+  return result;
+}
+
+double mean_of(const std::vector<double>& iou) {
+  double sum = 0, views = 0;
+  for (const double value : iou)
+    if (value != kNone) sum += value, views += 1;
+  return views > 0 ? sum / views : kNone;
+}
+
+/// Means over the views in which both are measured.
+RepairedAgreement repaired_agreement(const MaskRepair& repair, const std::vector<double>& given,
+                                     const std::vector<double>& iou) {
+  std::vector<double> before, after;
+  for (std::size_t v = 0; v < iou.size(); ++v)
+    if (given[v] != kNone && iou[v] != kNone) before.push_back(given[v]), after.push_back(iou[v]);
+  return {repair, after.size(), mean_of(before), mean_of(after)};
+}
+
+void measure(Comparison& compare, const std::vector<MaskRepair>& repairs, std::size_t objects, MaskAgreement& found) {
+  compare.load_for(repairs);
+  std::vector<Channel> channels{[&](std::size_t view) { return compare.pattern(view); }};
+  for (const MaskRepair& repair : repairs)
+    channels.push_back([&](std::size_t view) { return compare.repaired(view, repair); });
+  for (std::size_t k = 0; k < objects; ++k)
+    channels.push_back([&compare, k](std::size_t view) { return compare.object(view, k); });
+  const std::vector<std::vector<double>> iou = compare.iou(channels);
+  found.given = mean_of(iou[0]);
+  for (std::size_t r = 0; r < repairs.size(); ++r)
+    if (const RepairedAgreement measured = repaired_agreement(repairs[r], iou[0], iou[1 + r]); repairs[r].inverted)
+      found.inverted = measured;
+    else if (measured.views > 1)
+      found.repaired.push_back(measured);
+  for (std::size_t k = 0; k < objects; ++k) found.objects.push_back(mean_of(iou[1 + repairs.size() + k]));
+}
+
+/// Objects that match badly are compared once more as one: if that matches well, their ids contradict.
+void compare_together(const Comparison& compare, MaskAgreement& found) {
+  std::vector<std::size_t> low;
+  for (std::size_t k = 0; k < found.objects.size(); ++k)
+    if (found.objects[k] != kNone && found.objects[k] < kLowAlone) low.push_back(k);
+  if (low.size() < 2) return;
+  const auto all_of = [&](std::size_t view) {
+    PixelMask all = compare.object(view, low[0]);
+    for (const std::size_t k : low) {
+      const PixelMask mask = compare.object(view, k);
+      for (std::size_t p = 0; p < all.size(); ++p) all[p] |= mask[p];
+    }
+    return all;
+  };
+  found.together = mean_of(compare.iou({all_of})[0]);
+  found.alone = 0;
+  for (const std::size_t k : low) found.alone += found.objects[k] / double(low.size());
+  found.low = std::move(low);
+}
+
+bool is_of_other_views(const MaskRepair& repair) { return repair.shift != 0 || repair.reversed; }
+
+/// Labels from few views agree with their masks even if these are wrong.
+bool is_measured(std::size_t repaired_views, std::size_t views) {
+  return repaired_views >= kViews / 2 || 5 * repaired_views >= 3 * views;
+}
+
+}  // namespace
+
+const RepairedAgreement* MaskAgreement::best() const {
+  const RepairedAgreement* best = nullptr;
+  for (const RepairedAgreement& r : repaired)
+    if (is_measured(r.views, views) && (best == nullptr || r.gain() > best->gain())) best = &r;
+  return best;
+}
+
+const RepairedAgreement* MaskAgreement::mending() const {
+  const RepairedAgreement* found = nullptr;
+  const auto consider = [&](const RepairedAgreement& r) {
+    const bool is_clear = r.views > 2 && r.gain() > kClearGain;
+    const bool fits = r.after >= kFits && r.gain() > kMinGain && is_measured(r.views, views);
+    if ((fits || is_clear) && (found == nullptr || r.gain() > found->gain())) found = &r;
+  };
+  std::ranges::for_each(repaired, consider);
+  consider(inverted);
+  return found;
+}
+
+MaskVerdict MaskAgreement::verdict(const MaskAgreementOptions& options) const {
+  if (views == 0 || options.min_mask_agreement < 0) return MaskVerdict::kFit;
+  const bool ids_contradict = !low.empty() && together - alone > kMinTogether;
+  if (const RepairedAgreement* repair = mending(); repair && (repair->after >= kFits || !ids_contradict))
+    return MaskVerdict::kRepairable;
+  if (ids_contradict) return MaskVerdict::kIdsContradict;
+  const RepairedAgreement* other = best();
+  for (const RepairedAgreement& r : repaired)
+    if (is_of_other_views(r.repair) && r.views >= kViews / 2 && r.gain() > kSuspectGain)
+      return MaskVerdict::kContradict;
+  const bool is_hard = other != nullptr && other->after < kMaxRatio * other->before;
+  return given < options.min_mask_agreement && !is_hard ? MaskVerdict::kContradict : MaskVerdict::kFit;
+}
+
+MaskAgreement measure_mask_agreement(const Exec& exec, Monitor& monitor, const EvidenceInputs& in) {
+  const auto timed = monitor.scope("mask agreement");
+  Comparison compare(exec, monitor, in);
+  MaskAgreement found;
+  const auto is_partial = [&](std::size_t view) {
+    const PixelMask mask = compare.pattern(view);
+    return std::ranges::count(mask, mask[0]) < std::ssize(mask);
+  };
+  if (compare.views().size() < 2 || std::ranges::none_of(compare.views(), is_partial) ||
+      std::ranges::count(in.cloud.usable, 1) == 0)
+    return found;
+  found.views = compare.views().size();
+  std::vector<MaskRepair> repairs = shifts(1, kNearShift);
+  repairs.insert(repairs.end(), std::begin(kRepairs), std::end(kRepairs));
+  repairs.push_back(kInverted);
+  const std::size_t objects = in.scene.objects.size() > 1 ? std::min(in.scene.objects.size(), kMaxObjects) : 0;
+  measure(compare, repairs, objects, found);
+  const RepairedAgreement* near = found.mending();
+  if (found.given < kFits && (near == nullptr || near->after < kFitsWell))
+    measure(compare, shifts(kNearShift + 1, kFarShift), 0, found);
+  compare_together(compare, found);
+  return found;
+}
+
+}  // namespace ngs

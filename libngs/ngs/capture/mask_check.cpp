@@ -1,0 +1,128 @@
+#include "ngs/capture/mask_check.h"
+
+#include <map>
+
+#include "ngs/core/check.h"
+#include "ngs/core/error.h"
+
+namespace ngs {
+namespace {
+
+/// Sums over one object's mask in one view.
+struct PlaneSums {
+  double object = 0, known = 0;                // pixels
+  double border_object = 0, border_known = 0;  // pixels of the outermost rows and columns
+};
+
+PlaneSums sum_plane(const ViewMasks& masks, std::size_t object) {
+  PlaneSums sums;
+  const std::vector<float>& target = masks.target[object];
+  for (int y = 0; y < masks.height_px; ++y)
+    for (int x = 0; x < masks.width_px; ++x) {
+      const std::size_t i = std::size_t(y) * std::size_t(masks.width_px) + std::size_t(x);
+      if (!masks.known.empty() && masks.known[i] == 0) continue;
+      sums.object += double(target[i]), sums.known += 1;
+      if (x > 0 && y > 0 && x + 1 < masks.width_px && y + 1 < masks.height_px) continue;
+      sums.border_object += double(target[i]), sums.border_known += 1;
+    }
+  return sums;
+}
+
+void add_view(const ViewMasks& masks, ViewCheck& view, std::vector<ObjectCheck>& objects) {
+  MaskCheck& check = view.masks.emplace();
+  for (std::size_t k = 0; k < objects.size(); ++k) {
+    const PlaneSums sums = sum_plane(masks, k);
+    const double coverage = sums.known > 0 ? sums.object / sums.known : 0;
+    check.known = sums.known / double(masks.target[k].size());
+    check.coverage.push_back(coverage);
+    ObjectCheck& object = objects[k];
+    ++object.views;
+    object.empty += sums.object == 0, object.full += sums.known > 0 && sums.object == sums.known;
+    object.mean_coverage += coverage;
+    object.border += sums.border_known > 0 ? sums.border_object / sums.border_known : 0;
+  }
+}
+
+/// One warning per kind of note, with the number of files.
+class Notes {
+ public:
+  void add(const std::string& note) {
+    const std::size_t colon = note.find(": ");
+    Entry& entry = by_text_[colon == std::string::npos ? note : note.substr(colon + 2)];
+    if (entry.count++ == 0) entry.first = note;
+  }
+  void write_to(std::vector<std::string>& warnings) const {
+    for (const auto& [text, entry] : by_text_)
+      warnings.push_back(entry.count == 1 ? entry.first
+                                          : std::to_string(entry.count) + " masks: " + text +
+                                                " (first: " + entry.first.substr(0, entry.first.find(": ")) + ")");
+  }
+
+ private:
+  struct Entry {
+    int count = 0;
+    std::string first;
+  };
+  std::map<std::string, Entry> by_text_;
+};
+
+void check_coverage(const std::string& name, const ObjectCheck& object, std::vector<std::string>& warnings) {
+  const std::string prefix = "object " + name + ": ";
+  const std::string all =
+      object.views == 1 ? "its only mask is " : "all its " + std::to_string(object.views) + " masks are ";
+  if (object.views > 0 && object.empty == object.views)
+    throw Error(ErrorCode::kInconsistent, prefix + all + "empty, expected the object in some",
+                "wrong --object-id, --mask-threshold or polarity (--mask-invert)? Maps of ids need --mask-mode label");
+  if (object.views > 0 && object.full == object.views)
+    throw Error(ErrorCode::kInconsistent, prefix + all + "full, expected background in some",
+                "wrong --mask-threshold or polarity (--mask-invert)?");
+  if (object.full > 0)
+    warnings.push_back(prefix + std::to_string(object.full) + " of " + std::to_string(object.views) +
+                       " masks are full");
+}
+
+/// Masks of an object normally cover less than half of the images and of their borders.
+void check_polarity(const Scene& scene, std::size_t k, bool refuses, SceneCheck& result) {
+  constexpr double kMaxBorder = 0.5, kMaxCoverage = 0.5, kAllRound = 0.85;
+  const ObjectCheck& object = result.objects[k];
+  if (!(object.border > kMaxBorder && (object.mean_coverage > kMaxCoverage || object.border > kAllRound))) return;
+  const std::string found =
+      "object " + scene.objects[k].name + ": its masks cover most of the images and of their borders";
+  if (scene.mask_mode == MaskMode::kLabel)
+    return result.warnings.push_back(found + "; if its id is the background's, choose another with --object-id");
+  if (scene.mask_invert)
+    return result.warnings.push_back(found + "; if white means the object, leave --mask-invert out");
+  const std::string remedy = "if white means background, use --mask-invert";
+  if (refuses && scene.objects.size() == 1)
+    throw Error(ErrorCode::kInconsistent, found + ", expected less than half: they look inverted",
+                remedy + "; if the object is so large, --no-check-polarity");
+  result.warnings.push_back(found + "; " + remedy);
+}
+
+}  // namespace
+
+void check_masks(Monitor& monitor, const MaskCheckInputs& in, SceneCheck& result) {
+  const auto& [scene, loaders, refuses_inverted] = in;
+  const auto timed = monitor.scope("masks");
+  result.objects.resize(scene.objects.size());
+  Notes notes;
+  for (std::size_t i = 0; i < scene.views.size(); ++i) {
+    if (scene.views[i].split == Split::kHeldOut) continue;
+    const MaskSample sample = loaders.masks(i);
+    for (const std::string& note : sample.notes) notes.add(note);
+    if (sample.lossy) notes.add(scene.views[i].mask_path + ": JPEG, compression moves the contours (use PNG)");
+    if (!sample.masks.available || scene.views[i].mask_path.empty()) continue;
+    NGS_CHECK(sample.masks.target.size() == scene.objects.size(), "one mask plane per object");
+    add_view(sample.masks, result.views[i], result.objects);
+    monitor.progress(std::int64_t(i) + 1, std::int64_t(scene.views.size()));
+  }
+  notes.write_to(result.warnings);
+  for (std::size_t k = 0; k < scene.objects.size(); ++k) {
+    ObjectCheck& object = result.objects[k];
+    if (object.views > 0) object.mean_coverage /= object.views, object.border /= object.views;
+    check_coverage(scene.objects[k].name, object, result.warnings);
+    check_polarity(scene, k, refuses_inverted, result);
+  }
+}
+
+}  // namespace ngs

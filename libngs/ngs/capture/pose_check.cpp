@@ -1,0 +1,182 @@
+#include "ngs/capture/pose_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "ngs/core/check.h"
+#include "ngs/math/median.h"
+#include "ngs/math/quat.h"
+#include "ngs/math/world_unit.h"
+#include "ngs/ops/splat/splat_options.h"
+
+namespace ngs {
+namespace {
+
+struct ChannelSums {  // over pixels: photo p, render without background c, transmittance t = 1 - alpha
+  double p = 0, pp = 0, t_residual = 0, tt = 0, residual2 = 0;
+};
+
+/// min over b of Σ (p - c - t b)² = Σ (p - c)² - (Σ t (p - c))² / Σ t², b kept in [0, 1].
+double fitted_error(const ChannelSums& sums, double& background) {
+  background = sums.tt > 0 ? std::clamp(sums.t_residual / sums.tt, 0.0, 1.0) : 0.0;
+  return sums.residual2 - 2 * background * sums.t_residual + background * background * sums.tt;
+}
+
+double db(double mean_square) { return -10 * std::log10(std::max(mean_square, 1e-12)); }
+
+}  // namespace
+
+PhotoMatch match_rendered(const RenderedView& view, const ImageF& photo) {
+  NGS_CHECK(photo.width_px == view.width_px && photo.height_px == view.height_px && photo.channels == 3,
+            "the photo has the camera's size");
+  PhotoMatch match;
+  double error = 0, spread = 0;
+  const double n = double(photo.pixels());
+  for (int channel = 0; channel < 3; ++channel) {
+    ChannelSums sums;
+    for (std::int64_t i = 0; i < photo.pixels(); ++i) {
+      const std::size_t at = std::size_t(i) * 3 + std::size_t(channel);
+      const double p = photo.data[at], r = p - view.colour.data[at], t = 1.0 - view.alpha.data[std::size_t(i)];
+      sums.p += p, sums.pp += p * p, sums.t_residual += t * r, sums.tt += t * t, sums.residual2 += r * r;
+    }
+    double background = 0;
+    error += fitted_error(sums, background);
+    spread += sums.pp - sums.p * sums.p / n;
+    (channel == 0 ? match.background.x : channel == 1 ? match.background.y : match.background.z) = background;
+  }
+  for (const float a : view.alpha.data) match.covered += double(a) / n;
+  match.psnr_db = db(error / (3 * n)), match.constant_db = db(spread / (3 * n));
+  return match;
+}
+
+PhotoMatch match_photo(const Exec& exec, const GaussianCloud& cloud, const PhotoView& view, const SplatOptions& splat) {
+  return match_rendered(render(exec, cloud, view.camera, splat, {}), view.photo);
+}
+
+double recoloured_gain_db(const Exec& exec, const GaussianCloud& cloud, const PhotoView& view,
+                          const SplatOptions& splat, const PhotoMatch& match) {
+  const ImageF& photo = view.photo;
+  const Vec3<double>& background = match.background;
+  RenderRequest request;
+  request.background = {float(background.x), float(background.y), float(background.z)};
+  const ImageF picture = render(exec, cloud, view.camera, splat, request).colour;
+  NGS_CHECK(photo.data.size() == picture.data.size(), "the photo has the camera's size");
+  const double n = double(photo.pixels());
+  double error = 0;
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    double p = 0, q = 0, pp = 0, pq = 0, qq = 0;
+    for (std::size_t i = channel; i < photo.data.size(); i += 3) {
+      const double a = photo.data[i], b = picture.data[i];
+      p += a, q += b, pp += a * a, pq += a * b, qq += b * b;
+    }
+    const double own = pp - p * p / n, together = pq - p * q / n, drawn = qq - q * q / n;
+    error += together > 0 && drawn > 0 ? own - together * together / drawn : own;
+  }
+  return db(error / (3 * n)) - match.constant_db;
+}
+
+namespace {
+
+/// Calls use(z) for the camera z, world, of every usable Gaussian in front.
+template <class Use>
+void for_each_depth(const GaussianCloud& cloud, const Camera& camera, const Use& use) {
+  for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
+    if (const double z = camera.to_camera(world_position(cloud, i)).z; cloud.usable[i] && z > 0) use(z);
+  }
+}
+
+}  // namespace
+
+double share_too_near(const GaussianCloud& cloud, std::span<const Camera> cameras, double near_z) {
+  std::vector<double> shares;
+  for (const Camera& camera : cameras) {
+    double in_front = 0, near = 0;
+    for_each_depth(cloud, camera, [&](double z) { ++in_front, near += z <= near_z; });
+    if (in_front > 0) shares.push_back(near / in_front);
+  }
+  return shares.empty() ? 0 : upper_median(std::move(shares));
+}
+
+double model_world_unit(const GaussianCloud& cloud, std::span<const Camera> cameras) {
+  constexpr double kUsualDepth = 2.5;  // median camera z of an ordinary world: its near plane is 0.08 of that
+  std::vector<double> depths;
+  for (const Camera& camera : cameras) {
+    std::vector<double> in_front;
+    for_each_depth(cloud, camera, [&](double z) { in_front.push_back(z); });
+    if (!in_front.empty()) depths.push_back(upper_median(std::move(in_front)));
+  }
+  return depths.empty() ? 1 : world_unit_from(upper_median(std::move(depths)) / kUsualDepth);
+}
+
+namespace {
+
+Camera reordered_quaternion(Camera c) {  // read as w x y z, stored x y z w
+  const Vec4<double> q = quaternion_of(c.rotation);
+  c.rotation = rotation_matrix(Vec4<double>{q.w, q.x, q.y, q.z});
+  return c;
+}
+
+Camera inverted(Camera c) {
+  const Vec3<double> centre = c.centre();
+  c.rotation = transpose(c.rotation), c.translation = centre;
+  return c;
+}
+
+Camera flipped_axes(Camera c) {  // camera y and z
+  for (int i = 3; i < 9; ++i) c.rotation.m[i] = -c.rotation.m[i];
+  c.translation = {c.translation.x, -c.translation.y, -c.translation.z};
+  return c;
+}
+
+Camera centre_as_translation(Camera c) {  // t contains the centre
+  c.translation = -1.0 * (c.rotation * c.translation);
+  return c;
+}
+
+Camera transposed_rotation(Camera c) {  // R is transposed, t is correct
+  c.rotation = transpose(c.rotation);
+  return c;
+}
+
+/// The model's world is the cameras' world with axes m: x_cameras = m x_model.
+Camera in_world(Camera c, const Mat3<double>& m) {
+  c.rotation = c.rotation * m;
+  return c;
+}
+
+}  // namespace
+
+const std::vector<PoseRepair>& pose_repairs() {
+  static const std::vector<PoseRepair> repairs{
+      {"quaternions are stored as x y z w", "write them as w x y z", reordered_quaternion},
+      {"poses are camera-to-world", "invert them: COLMAP's poses are world-to-camera", inverted},
+      {"camera axes are OpenGL's (y up, z backward)", "negate the camera's y and z axes", flipped_axes},
+      {"poses are camera-to-world with OpenGL axes", "invert them and negate the camera's y and z axes",
+       [](Camera c) { return flipped_axes(inverted(std::move(c))); }},
+      {"poses are camera-to-world with OpenGL axes that were flipped after inverting", "flip the axes before inverting",
+       [](Camera c) { return inverted(flipped_axes(std::move(c))); }},
+      {"quaternions are stored as x y z w and poses are camera-to-world", "write them as w x y z and invert the poses",
+       [](Camera c) { return inverted(reordered_quaternion(std::move(c))); }},
+      {"the translation is the camera's centre", "store t = -R centre", centre_as_translation},
+      {"rotations are transposed", "transpose them, keep the translations", transposed_rotation},
+      {"the model is rotated by 180 degrees about x", "rotate it back, or import with --world-transform",
+       [](Camera c) {
+         return in_world(std::move(c), {{1, 0, 0, 0, -1, 0, 0, 0, -1}});
+       }},
+      {"the model is rotated by 180 degrees about z", "rotate it back, or import with --world-transform",
+       [](Camera c) {
+         return in_world(std::move(c), {{-1, 0, 0, 0, -1, 0, 0, 0, 1}});
+       }},
+      {"the model is in nerfstudio's world (x y z -> y x -z)", "import transforms.json, or use --world-transform",
+       [](Camera c) {
+         return in_world(std::move(c), {{0, 1, 0, 1, 0, 0, 0, 0, -1}});
+       }},
+      {"the model's z points up where the cameras' y points down", "rotate it back, or import with --world-transform",
+       [](Camera c) {
+         return in_world(std::move(c), {{1, 0, 0, 0, 0, -1, 0, 1, 0}});
+       }}};
+  return repairs;
+}
+
+}  // namespace ngs

@@ -1,0 +1,85 @@
+#pragma once
+// Options of contour refinement.                                                                 paper.md §5.10
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "ngs/cut/training/joint_options.h"
+#include "ngs/ops/image/contour_refine.h"
+#include "ngs/options/field.h"
+
+namespace ngs {
+
+enum class ContourViews : std::uint8_t { kAll, kTrain };
+inline constexpr NamedValue<ContourViews> kContourViewsNames[] = {{ContourViews::kAll, "all"},
+                                                                  {ContourViews::kTrain, "train"}};
+
+/// What a view without a photo is trained on: kLeave: nothing; kPicture: the model's own rendering; kAuto: the better
+/// of both, as measured on views with a photo.
+enum class PhotolessViews : std::uint8_t { kAuto, kLeave, kPicture };
+inline constexpr NamedValue<PhotolessViews> kPhotolessViewsNames[] = {
+    {PhotolessViews::kAuto, "auto"}, {PhotolessViews::kLeave, "leave"}, {PhotolessViews::kPicture, "picture"}};
+
+/// The effects split, contour-iterations and full-resolution.
+struct ContourSwitches {
+  bool split = true;            // halve Gaussians that straddle contours
+  bool iterations = true;       // run more than one iteration
+  bool full_resolution = true;  // in all iterations; false: only in the last
+};
+
+/// Gaussians with more weight on the wrong side of contours are halved.
+inline constexpr double kSplit_px = 3;
+
+struct ContourOptions {
+  int iterations = 0, epochs = 0;  // 0: contour_iterations(), contour_epochs()
+  ContourViews views = ContourViews::kAll;
+  PhotolessViews photoless = PhotolessViews::kAuto;
+  ContourRefineOptions refine;
+  double margin_px = 64;  // of the trained windows; not an option
+  ContourSwitches on;     // set by the decisions on effects
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.iterations, Field<int>{"contour_iterations", "",
+                                      "Number of refinements; 0: 2, or 3 if the masks' contours miss the photos' "
+                                      "edges, and 2 more at high, 5 more at reference",
+                                      0, 100}
+                               .of("contour-iterations"));
+    visit(self.epochs, Field<int>{"contour_epochs", "",
+                                  "Epochs per iteration, half as many at half resolution; 0: 15, fewer with many views",
+                                  0, 1'000'000});
+    visit(self.views, Choice<ContourViews>{"contour_views", "Views whose photos are used; held-out masks never are",
+                                           kContourViewsNames});
+    visit(self.photoless,
+          Choice<PhotolessViews>{
+              "contour_photoless",
+              "Views without a photo: choose by a trial, leave them out, or train on pictures of the model",
+              kPhotolessViewsNames});
+    visit(self.refine.band_px,
+          Field<double>{"contour_band", "px of the photo", "Largest move of a contour in one iteration", 0.5, 1e3});
+  }
+};
+
+/// With more views, the default number of epochs falls so that steps grow with the square root of the number of views.
+inline constexpr int kViewsOfAllEpochs = 21;
+
+/// Epochs of the last iteration for this number of views; 0: contours are not refined.
+inline int contour_epochs(const ContourOptions& contour, Quality quality, std::size_t views) {
+  constexpr int kEpochs = 15;
+  if (contour.epochs > 0 || !preset_of(quality).contours) return contour.epochs;
+  const double share = std::min(1.0, std::sqrt(double(kViewsOfAllEpochs) / double(std::max<std::size_t>(views, 1))));
+  return int(std::ceil(kEpochs * share));
+}
+
+/// Number of iterations. `misaligned`: the masks' contours miss the photos' edges by more than one refinement moves.
+inline int contour_iterations(const ContourOptions& contour, Quality quality, bool misaligned) {
+  return contour.iterations > 0 ? contour.iterations : (misaligned ? 3 : 2) + preset_of(quality).more_iterations;
+}
+
+/// Epochs of an iteration at half the size, if the last iteration has `epochs`.
+inline int early_epochs(int epochs) {
+  constexpr double kShare = 0.5;
+  return int(std::ceil(kShare * epochs));
+}
+
+}  // namespace ngs

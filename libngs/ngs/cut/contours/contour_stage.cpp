@@ -1,0 +1,402 @@
+#include "ngs/cut/contours/contour_stage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "ngs/cut/contours/photoless_views.h"
+#include "ngs/cut/contours/refined_masks.h"
+#include "ngs/cut/contours/straddler_split.h"
+#include "ngs/cut/contours/unexplained_contrast.h"
+#include "ngs/cut/evidence/variance_stage.h"
+#include "ngs/ops/splat/evidence.h"
+#include "ngs/problem/coarse_input.h"
+#include "ngs/problem/region.h"
+#include "ngs/problem/scene_measures.h"
+#include "ngs/problem/view_list.h"
+
+namespace ngs {
+namespace {
+
+/// The largest rates with which mask and photo losses fall in every iteration. Opacities have a low one, because the
+/// colours of other views depend on them. Higher rotation rates do not fit the photos better, and look worse between.
+constexpr GaussianRates kContourRates{.position = 1.6e-4,
+                                      .rotation = 5e-3,
+                                      .log_scale = 1e-1,
+                                      .logit_opacity = 7.5e-2,
+                                      .sh_dc = 2.5e-2,
+                                      .sh_rest = 1.25e-3};
+
+constexpr int kLargeDetail = 2;  // multiple of the camera's size to which small photos may be enlarged
+
+// Reduction of the image sides and factor on the rates in iterations before the last, without full_resolution: the
+// gradients of a quarter of the pixels are noisier, and views without a photo drift more.
+constexpr int kEarlyShrink = 2;
+constexpr double kEarlyRate = 0.75;
+
+/// A step renders the tiles at contours and this share of the others, at random: the rest of the object hardly changes,
+/// but photos must constrain it.
+constexpr double kFarTiles = 0.25;
+
+// Trained Gaussians have at least this share of their weight in the windows. Background is trained only if it has more
+// than this weight on the wrong side of contours.
+constexpr double kMinInside = 0.99, kMinStraddling_px = 0.5;
+
+/// The model between iterations.
+struct ContourModel {
+  GaussianCloud cloud;
+  std::vector<LabelColumns> labels;
+  std::vector<std::int64_t> source_row;
+  std::vector<float> fixed;
+  // [source rows] 1: visible outside the windows. Set by the first iteration if the problem is cropped.
+  std::vector<std::uint8_t> shows_outside = {};
+};
+
+/// [N] Weight of every Gaussian in the uncropped views.
+ExactSums weight_in_all(const Exec& exec, const ContourSetup& setup, const std::vector<std::size_t>& views,
+                        const GaussianCloud& cloud) {
+  ExactSums weight;
+  weight.resize(std::size_t(cloud.size()));
+  const Problem& uncropped = setup.problem.uncropped ? *setup.problem.uncropped : setup.problem;
+  const SplatOptions splat = prepared_for(exec, setup.problem.splat, cloud);
+  for_each_view(setup.problem.monitor, views, [&](std::size_t, std::size_t v) {
+    const Camera& camera = uncropped.scene.views[v].camera;
+    const ViewSums seen = view_sums(exec, cloud, {camera, known_view(camera)}, splat);
+    for (std::size_t r = 0; r < seen.size(); ++r) weight.add(seen.row[r], seen.weight(r));
+  });
+  return weight;
+}
+
+/// [N] 1: not trained: the Gaussian is frozen, or is visible outside the windows, where no photo constrains it.
+/// Computed once, since uncropped views cost more than an iteration in windows; halves inherit from their parent.
+std::vector<float> untrained_rows(const Exec& exec, const ContourSetup& setup, const std::vector<std::size_t>& views,
+                                  const ExactSums& inside, ContourModel& model) {
+  const std::vector<std::uint8_t>& frozen = setup.problem.frozen;
+  std::vector<float> out(std::size_t(model.cloud.size()), 0.f);
+  if (model.shows_outside.empty()) {
+    const ExactSums all = weight_in_all(exec, setup, views, model.cloud);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = inside.value(i) < kMinInside * all.value(i);
+    if (setup.problem.uncropped) {
+      model.shows_outside.resize(std::size_t(setup.problem.cloud.size()), 0);
+      for (std::size_t i = 0; i < out.size(); ++i) model.shows_outside[std::size_t(model.source_row[i])] |= out[i] > 0;
+    }
+  } else {
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = model.shows_outside[std::size_t(model.source_row[i])];
+  }
+  for (std::size_t i = 0; i < out.size(); ++i)
+    if (!frozen.empty() && frozen[std::size_t(model.source_row[i])]) out[i] = 1;
+  return out;
+}
+
+/// The rows with straddling Gaussians halved. `untrained` rows are not halved: the rendering of halves differs slightly
+/// until they are trained.
+std::vector<CloudRow> halved_rows(std::vector<double> straddling_px, const std::vector<float>& untrained) {
+  for (std::size_t i = 0; i < straddling_px.size(); ++i)
+    if (untrained[i] > 0) straddling_px[i] = 0;
+  return split_straddlers(straddling_px, kSplit_px, std::int64_t(straddling_px.size()));
+}
+
+void edit_model(const Exec& exec, const ContourSetup& setup, const std::vector<CloudRow>& rows, ContourModel& model) {
+  edit_rows(exec, rows, setup.problem.seed, model.cloud);
+  if (!model.fixed.empty()) edit_column(exec, rows, 1, model.fixed);
+  edit_labels(exec, rows, model.labels);
+  std::vector<std::int64_t> source;
+  for (const CloudRow& row : rows) source.push_back(model.source_row[std::size_t(row.source)]);
+  model.source_row = std::move(source);
+}
+
+/// Sets the labels of the halves, which are the last rows, to the closed form of their own evidence.
+void label_halves(const BoundaryRule& rule, const Evidence& halves, std::vector<LabelColumns>& labels) {
+  const std::vector<LabelColumns> closed = label_gaussians(rule, halves);
+  for (std::size_t k = 0; k < labels.size(); ++k) {
+    const std::size_t first = labels[k].prob.size() - closed[k].prob.size();
+    for (std::size_t i = 0; i < closed[k].prob.size(); ++i)
+      if (closed[k].views[i] > 0) labels[k].prob[first + i] = closed[k].prob[i];
+  }
+}
+
+/// The rows of an iteration. Most Gaussians of a large model are visible in no window.
+struct IterationRows {
+  // Rows that are visible in some window, or trained.
+  std::vector<std::int64_t> rows;
+  // [rows] 1: not trained: those of untrained_rows(), and background that straddles no contour.
+  std::vector<std::uint8_t> frozen;
+};
+
+/// Halves the straddling Gaussians and selects the rows of the iteration.
+IterationRows split_model(const Exec& exec, const ContourSetup& setup, const Problem& window, ContourModel& model) {
+  Straddling across = straddling(exec, window, model.cloud, 0);
+  std::vector<float> untrained = untrained_rows(exec, setup, window.views, across.weight, model);
+  if (setup.contour.on.split) {
+    const std::vector<CloudRow> rows = halved_rows(across.px, untrained);
+    edit_model(exec, setup, rows, model);
+    edit_column(exec, rows, 1, untrained);
+    const auto halves =
+        std::count_if(rows.begin(), rows.end(), [](CloudRow row) { return row.origin != RowOrigin::kKept; });
+    across = straddling(exec, window, model.cloud, halves);
+    label_halves(setup.problem.rule, across.last, model.labels);
+  }
+  IterationRows part;
+  for (std::size_t i = 0; i < untrained.size(); ++i) {
+    bool may_change = across.px[i] > kMinStraddling_px;
+    for (const LabelColumns& object : model.labels) may_change |= object.prob[i] > kMinForegroundShare;
+    const bool trained = may_change && untrained[i] == 0;
+    if (!trained && !(across.weight.value(i) > 0)) continue;
+    part.rows.push_back(std::int64_t(i)), part.frozen.push_back(!trained);
+  }
+  return part;
+}
+
+/// Copies the trained rows to the model.
+void write_back(const Exec& exec, const Solution& trained, const std::vector<std::int64_t>& rows, ContourModel& model) {
+  scatter_rows(exec, *trained.cloud, rows, model.cloud);
+  scatter_labels(exec, trained.labels, rows, model.labels);
+}
+
+JointOptions window_options(const ContourSetup& setup, std::size_t views, bool early) {
+  JointOptions joint = setup.training.joint;
+  const int epochs = contour_epochs(setup.contour, setup.training.joint.quality, views);
+  joint.steps = std::int64_t(early ? early_epochs(epochs) : epochs) * std::int64_t(views);
+  joint.rate_scale = early ? kEarlyRate : 1;
+  joint.start_steps = 1;  // start at the labels trained so far
+  joint.far_tiles = kFarTiles;
+  joint.on.nerf = joint.on.cont = false;  // the NeRF samples rays of the whole image
+  return joint;
+}
+
+/// State of the iterations.
+class ContourRun {
+ public:
+  ContourRun(const Exec& exec, Monitor& monitor, const ContourSetup& setup, const Solution& start)
+      : exec_(exec),
+        monitor_(monitor),
+        setup_(setup),
+        model_{*start.cloud, start.labels, start.source_row, setup.problem.fixed},
+        views_(setup.problem.views) {
+    if (model_.source_row.empty()) {
+      model_.source_row.resize(std::size_t(model_.cloud.size()));
+      std::iota(model_.source_row.begin(), model_.source_row.end(), std::int64_t(0));
+    }
+    if (setup.contour.views == ContourViews::kAll) {
+      views_.resize(setup.problem.scene.views.size());
+      std::iota(views_.begin(), views_.end(), std::size_t(0));
+    }
+  }
+
+  /// Refines the masks of the current model. False: no mask to train on or, in the first iteration, the given masks
+  /// reject the refinement.
+  bool refine(bool first) {
+    const auto timed = monitor_.scope("refine contours");
+    refined_ = refined_at(detail_, first);
+    if (first && could_enlarge(refined_, kLargeDetail)) try_enlarging();
+    if (first)
+      std::copy_if(views_.begin(), views_.end(), std::back_inserter(photoless_),
+                   [&](std::size_t v) { return refined_[v].detail == 0; });
+    drop_empty_views();
+    if (!first || views_.empty()) return !views_.empty();
+    return agrees_with_masks();
+  }
+
+  /// True: the given masks' contours do not lie on the edges found by the last refinement.
+  bool misaligned() const { return masks_misaligned(refined_); }
+
+  /// True: a trial must decide what views without a photo are trained on, and enough views have a photo. Selects the
+  /// trial views. Call after the first refinement.
+  bool needs_trial() {
+    if (setup_.contour.photoless == PhotolessViews::kAuto && !photoless_.empty()) trial_views_ = trial_views_of(views_);
+    return !trial_views_.empty();
+  }
+
+  /// Runs the trial: the first of `iterations` without the trial views, whose result is discarded. False: the iteration
+  /// ended early and its result is kept.
+  bool run_trial(int iterations) {
+    ContourModel start = model_;
+    std::erase_if(views_, [&](std::size_t v) {
+      return std::find(trial_views_.begin(), trial_views_.end(), v) != trial_views_.end();
+    });
+    if (!train(0, iterations)) return false;
+    const auto timed = monitor_.scope("photoless trial");
+    trial_ = evaluate_trial(exec_, refine_setup(detail_), {{start.cloud, start.labels}, {model_.cloud, model_.labels}},
+                            refined_, trial_views_);
+    model_ = std::move(start), iterations_ = 0;
+    add_views(trial_views_);
+    return true;
+  }
+
+  /// Replaces the photos of views without one by renderings of the current model, if an option or the trial decides so.
+  /// Call before the first iteration.
+  void add_renderings() {
+    const bool wanted = setup_.contour.photoless == PhotolessViews::kPicture || (trial_ && trial_->renderings_help);
+    if (photoless_.empty() || !wanted) return;
+    rendered_problem_.emplace(with_renderings(exec_, setup_.problem, model_.cloud, photoless_));
+    std::vector<RefinedView> more =
+        refine_views(exec_, refine_setup(detail_), {model_.cloud, model_.labels}, photoless_, {});
+    for (const std::size_t v : photoless_) refined_[v] = std::move(more[v]);
+    add_views(photoless_);
+    drop_empty_views();
+  }
+
+  /// Trains one of `iterations`, the last one at full size. False: it ended early.
+  bool train(int iteration, int iterations) {
+    Scene scene = setup_.problem.scene;
+    for (const std::size_t v : views_) scene.views[v].camera = window_camera(scene.views[v].camera, refined_[v].window);
+    const IterationRows rows = split_model(exec_, setup_, window_input(scene, iteration, model_.cloud), model_);
+    if (monitor_.stop_requested()) return false;
+    const GaussianCloud part = gather_rows(exec_, model_.cloud, rows.rows);
+    Problem input = window_input(scene, iteration, part);
+    input.labels = gather_labels(exec_, model_.labels, rows.rows);
+    input.region = rows_with_foreground_evidence(input.labels);
+    for (std::size_t r = 0; r < rows.frozen.size(); ++r) input.region[r] |= !rows.frozen[r];
+    if (!model_.fixed.empty()) input.fixed = gather_column(exec_, model_.fixed, 1, rows.rows);
+    const bool early = iteration + 1 < iterations && !setup_.contour.on.full_resolution;
+    const JointOptions joint = window_options(setup_, views_.size(), early);
+    std::optional<CoarseInput> coarse;
+    if (early) coarse.emplace(input, kEarlyShrink, 0);  // no cache: the trainer has its own
+    JointTrainer trainer(exec_, monitor_,
+                         {joint, setup_.training.sample, setup_.training.rbf, coarse ? coarse->get() : input, nullptr,
+                          kContourRates, rows.frozen},
+                         true);
+    const auto whole = [&] {
+      write_back(exec_, trainer.result(), rows.rows, model_);
+      return Solution{
+          .cloud = unchanged(model_.cloud), .source_row = model_.source_row, .labels = model_.labels, .figures = {}};
+    };
+    bool ended = false;
+    while (!trainer.finished() && !ended && !monitor_.stop_requested()) {
+      const JointProgress progress = trainer.step();
+      monitor_.progress(progress.step, progress.steps);
+      ended = setup_.stop_after && setup_.stop_after(progress, trainer, whole);
+    }
+    write_back(exec_, trainer.result(), rows.rows, model_);
+    ++iterations_;
+    return trainer.finished() && !ended;
+  }
+
+  void finish(Solution& result) && {
+    result.figures["contour_iterations"] = double(iterations_);
+    result.figures["contour_biou_rendered"] = rendered_, result.figures["contour_biou_refined"] = refined_biou_;
+    result.figures["contour_contrast_given"] = own_contrast_;
+    result.figures["contour_contrast_refined"] = refined_contrast_;
+    result.figures["contour_contrast_rendered"] = rendered_contrast_;
+    result.figures["contour_detail"] = double(detail_);
+    result.figures["contour_pictures"] =
+        rendered_problem_ ? double(std::count_if(photoless_.begin(), photoless_.end(),
+                                                 [&](std::size_t v) { return refined_[v].masks.available(); }))
+                          : 0.0;
+    if (trial_)
+      result.figures["contour_biou_pictured"] = trial_->pictured,
+      result.figures["contour_biou_skipped"] = trial_->skipped;
+    result.figures["contour_gaussians"] = double(model_.cloud.size());
+    if (iterations_ == 0) return;
+    result.cloud = std::make_shared<const GaussianCloud>(std::move(model_.cloud));
+    result.labels = std::move(model_.labels);
+    result.source_row = std::move(model_.source_row);
+  }
+
+ private:
+  std::vector<RefinedView> refined_at(int detail, bool compare) const {
+    return refine_views(exec_, refine_setup(detail), {model_.cloud, model_.labels}, views_,
+                        compare ? setup_.problem.views : std::vector<std::size_t>{});
+  }
+
+  RefineSetup refine_setup(int detail) const {
+    return {setup_.contour.refine, setup_.contour.margin_px, input(), detail};
+  }
+
+  const Problem& input() const { return rendered_problem_ ? *rendered_problem_ : setup_.problem; }
+
+  void add_views(const std::vector<std::size_t>& more) {
+    views_.insert(views_.end(), more.begin(), more.end());
+    std::sort(views_.begin(), views_.end());
+  }
+
+  void drop_empty_views() {
+    std::erase_if(views_, [&](std::size_t v) { return !refined_[v].masks.available(); });
+  }
+
+  /// Switches to enlarged photos if contours refined in them agree better with the given masks.
+  void try_enlarging() {
+    std::vector<RefinedView> large = refined_at(kLargeDetail, true);
+    if (gain_in_standard_errors(gains_over(large, refined_)) <= kSignificant) return;
+    detail_ = kLargeDetail, refined_ = std::move(large);
+  }
+
+  /// False: the given masks reject the refined contours (paper.md §5.10). Sets the figures of agreement and contrast.
+  bool agrees_with_masks() {
+    double count = 0;
+    for (const RefinedView& view : refined_) {
+      if (!view.compared) continue;
+      ++count, rendered_ += view.rendered_biou, refined_biou_ += view.refined_biou;
+      own_contrast_ += view.own_contrast, refined_contrast_ += view.refined_contrast;
+      rendered_contrast_ += view.rendered_contrast;
+    }
+    if (count == 0) count = 1;
+    for (double* sum : {&rendered_, &refined_biou_, &own_contrast_, &refined_contrast_, &rendered_contrast_})
+      *sum /= count;
+    return !masks_reject(exec_, refine_setup(detail_), {model_.cloud, model_.labels}, refined_);
+  }
+
+  /// The problem of the windows, without labels. `scene` has the windows' cameras.
+  Problem window_input(const Scene& scene, int iteration, const GaussianCloud& cloud) const {
+    return {.cloud = cloud,
+            .scene = scene,
+            .views = views_,
+            .load_masks = [this](std::size_t v) { return refined_[v].masks.unpacked(); },
+            .load_photo = [this](std::size_t v) { return window_photo(v); },
+            .splat = setup_.problem.splat,
+            .background = setup_.problem.background,
+            .seed = setup_.problem.seed + std::uint64_t(iteration),
+            .fixed = {},
+            .labels = {},
+            .monitor = &monitor_};
+  }
+
+  ImageF window_photo(std::size_t v) const {
+    const ImageF photo = input().load_photo(v);
+    ImageF out(refined_[v].window.w, refined_[v].window.h, photo.channels);
+    out.data = cropped(photo.data, photo.width_px, photo.channels, refined_[v].window);
+    return out;
+  }
+
+  const Exec& exec_;
+  Monitor& monitor_;
+  const ContourSetup& setup_;
+  ContourModel model_;
+  std::vector<std::size_t> views_;                    // trained views: with a photo that shows the object
+  std::vector<std::size_t> photoless_, trial_views_;  // views without a photo; trial views
+  std::vector<RefinedView> refined_;                  // [scene views]
+  std::optional<Problem> rendered_problem_;           // the problem with renderings for photoless_; nullopt: not used
+  std::optional<Trial> trial_;                        // result of the completed trial
+  double rendered_ = 0, refined_biou_ = 0, own_contrast_ = 0, refined_contrast_ = 0, rendered_contrast_ = 0;
+  int iterations_ = 0, detail_ = 1;
+};
+
+}  // namespace
+
+Solution refine_contours(const Exec& exec, Monitor& monitor, const ContourSetup& setup, Solution start) {
+  const std::size_t all_views = setup.problem.scene.views.size();
+  if (contour_epochs(setup.contour, setup.training.joint.quality, all_views) == 0 || !setup.problem.load_fine_photo)
+    return start;
+  const auto timed = monitor.scope("contours");
+  ContourRun run(exec, monitor, setup, start);
+  const bool more = setup.contour.on.iterations;
+  int iterations = 1;
+  for (int iteration = 0; iteration < iterations && start.converged && !monitor.stop_requested(); ++iteration) {
+    if (!run.refine(iteration == 0)) break;
+    if (iteration == 0) {
+      if (more) iterations = contour_iterations(setup.contour, setup.training.joint.quality, run.misaligned());
+      const int trial = run.needs_trial() ? 1 : 0;  // takes as long as an iteration
+      const int allowed = setup.iterations_allowed ? setup.iterations_allowed(iterations + trial) : iterations + trial;
+      if (allowed == 0) break;
+      iterations = std::max(1, allowed - trial);
+      if (trial != 0 && allowed > 1 && !(start.converged = run.run_trial(iterations))) break;
+      run.add_renderings();
+    }
+    start.converged = run.train(iteration, iterations);
+  }
+  std::move(run).finish(start);
+  return start;
+}
+
+}  // namespace ngs

@@ -1,0 +1,57 @@
+#include "ngs/cut/contours/straddler_split.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "ngs/ops/splat/evidence.h"
+#include "ngs/problem/view_list.h"
+
+namespace ngs {
+
+Straddling straddling(const Exec& exec, const Problem& input, const GaussianCloud& cloud, std::int64_t last_rows) {
+  const auto n = std::size_t(cloud.size()), objects = input.scene.objects.size(), first = n - std::size_t(last_rows);
+  Straddling all{std::vector<double>(n), {}, Evidence(last_rows, int(objects))};
+  all.weight.resize(n);
+  const SplatOptions splat = prepared_for(exec, input.splat, cloud);
+  for_each_view(input.monitor, input.views, [&](std::size_t, std::size_t view) {
+    const ViewMasks masks = input.load_masks(view);
+    if (!masks.available) return;
+    const ViewSums seen = view_sums(exec, cloud, {input.scene.views[view].camera, masks}, splat);
+    for (std::size_t v = 0; v < seen.size(); ++v) {
+      double most = 0;
+      for (std::size_t k = 0; k < objects; ++k) {
+        const double inside = seen.object_weight(v, k);
+        most = std::max(most, std::min(inside, seen.weight(v) - inside));
+      }
+      const std::size_t row = seen.row[v];
+      all.px[row] += most;
+      all.weight.add(row, seen.weight(v));
+      if (row >= first) all.last.add(row - first, seen.at(v));
+    }
+  });
+  return all;
+}
+
+std::vector<CloudRow> split_straddlers(const std::vector<double>& straddling_px, double least_px, std::int64_t most) {
+  std::vector<std::int64_t> chosen;
+  for (std::size_t i = 0; i < straddling_px.size(); ++i)
+    if (straddling_px[i] > least_px) chosen.push_back(std::int64_t(i));
+  if (std::int64_t(chosen.size()) > most) {
+    std::stable_sort(chosen.begin(), chosen.end(), [&](std::int64_t a, std::int64_t b) {
+      return straddling_px[std::size_t(a)] > straddling_px[std::size_t(b)];
+    });
+    chosen.resize(std::size_t(most));
+    std::sort(chosen.begin(), chosen.end());
+  }
+  std::vector<CloudRow> rows;
+  auto next = chosen.begin();
+  for (std::int64_t i = 0; i < std::int64_t(straddling_px.size()); ++i)
+    if (next != chosen.end() && *next == i)
+      ++next;
+    else
+      rows.push_back({i, RowOrigin::kKept});
+  for (const std::int64_t i : chosen) rows.push_back({i, RowOrigin::kHalf0}), rows.push_back({i, RowOrigin::kHalf1});
+  return rows;
+}
+
+}  // namespace ngs

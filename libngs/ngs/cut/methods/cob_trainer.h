@@ -1,0 +1,64 @@
+#pragma once
+// The state of a COB-GS run and its phases. Internal to the methods cob and released.      paper.md §6.3
+#include "ngs/cut/evidence/method_labels.h"
+#include "ngs/cut/methods/cob_options.h"
+#include "ngs/make/fit/fit_stage.h"
+#include "ngs/ops/losses/photometric.h"
+#include "ngs/problem/cloud_rows.h"
+#include "ngs/problem/problem.h"
+
+namespace ngs {
+
+/// Adds a term to the gradient of the colours in a texture step. `logit` [N, K]: label logits.
+using ColourTerm = std::function<void(const Exec& exec, const GaussianCloud& cloud, const std::vector<float>& logit,
+                                      std::vector<float>& grad_sh_dc)>;
+
+class CobTrainer {
+ public:
+  CobTrainer(const CobOptions& options, const Problem& input);
+
+  /// Two passes over the views. Afterwards evidence() is that of this phase; split() and prune() invalidate it.
+  void mask_phase(const Exec& exec, Monitor& monitor);
+  void texture_phase(const Exec& exec, Monitor& monitor, const ColourTerm& colour_term);
+  void split(const Exec& exec);
+  void prune(const Exec& exec);
+  Solution result(Monitor& monitor);
+
+  /// Mean r of the last mask phase, the smallest over the objects; 1 for Gaussians that were never visible.
+  std::vector<double> certainty() const;
+  const GaussianCloud& cloud() const { return cloud_; }
+  const std::vector<float>& logit() const { return logit_; }
+  const std::vector<std::int64_t>& source_row() const { return source_row_; }
+  const Evidence& evidence() const { return evidence_; }
+
+ private:
+  void apply(const Exec& exec, const std::vector<CloudRow>& rows);
+  void label_step(const Exec& exec, const ViewSums& view);
+  void texture_step(const Exec& exec, std::size_t view, const ImageF& photo, const ColourTerm& colour_term);
+  bool keeps_label(std::size_t row) const { return is_fixed(input_, std::size_t(source_row_[row])); }
+
+  const CobOptions& options_;
+  const Problem& input_;
+  double extent_;
+  int objects_;
+  GaussianCloud cloud_;
+  std::vector<std::int64_t> source_row_;
+  std::vector<float> logit_;  // [N, K]
+  AdamMoments label_moments_;
+  GaussianMoments moments_;
+  Evidence evidence_;                  // of the last mask phase
+  std::vector<LabelColumns> columns_;  // closed-form labels of evidence_, edited together with the rows
+  std::int64_t label_steps_ = 0, texture_steps_ = 0, epochs_ = 0, edits_ = 0;
+  std::int64_t split_ = 0, pruned_ = 0, mask_views_ = 0;
+  double first_photometric_ = 0, last_photometric_ = 0;
+  SplatPass pass_;
+  PhotometricPass<float> photometric_;
+  CloudGradients gradients_;
+  ViewGradients image_gradient_;
+};
+
+/// All phases of a run. `colour_term` may be empty.
+Solution run_cob_schedule(const Exec& exec, Monitor& monitor, const CobOptions& options, const Problem& input,
+                          const ColourTerm& colour_term);
+
+}  // namespace ngs

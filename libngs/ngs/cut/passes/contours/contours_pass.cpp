@@ -1,0 +1,170 @@
+// Contour refinement as a pass.                                                                  paper.md §5.10
+#include <algorithm>
+
+#include "ngs/cut/contours/contour_options.h"
+#include "ngs/cut/contours/contour_stage.h"
+#include "ngs/cut/contours/refined_masks.h"
+#include "ngs/cut/passes/pass.h"
+#include "ngs/cut/passes/pass_list.h"
+#include "ngs/ops/image/mask_pair.h"
+#include "ngs/problem/scene_measures.h"
+#include "ngs/problem/view_list.h"
+
+namespace ngs {
+namespace {
+
+class ContoursPass : public Pass {
+ public:
+  PassStage stage() const override { return PassStage::kOptimise; }
+  std::vector<Effect> effects() const override;
+  void declare(OptionSet& options, const OptionGroup& group) override;
+  std::vector<FixedDecision> fixed_decisions(const TrainingOptions& training) const override;
+  bool follows_clock() const override { return true; }
+  bool decided_again_on_resume() const override { return true; }
+  void prepare(PassRun& run) override;
+  void run(PassRun& run) override;
+
+ private:
+  ContourOptions options_;
+};
+
+/// A refinement takes about as long as this many evaluations of the training agreement.
+constexpr double kRefineChecks = 8;
+
+bool has_photos(const Problem& problem) { return photo_count(problem.scene, problem.views) > 0; }
+
+double straddling(SceneProbe& probe, ContourViews trained) {
+  const Problem& problem = probe.problem();
+  const std::size_t views = trained == ContourViews::kAll ? problem.scene.views.size() : problem.views.size();
+  const std::vector<Camera> some = probe.sample_cameras();
+  return straddling_bound_px(problem.cloud, some, problem.splat) * double(views) / double(some.size());
+}
+
+double narrow_share(SceneProbe& probe) {
+  const Problem& problem = probe.problem();
+  if (photo_views(problem.scene).size() < problem.scene.views.size())
+    return 1;  // views without a photo drift further at half the size
+  std::vector<NarrowParts> sum(problem.labels.size());
+  for_each_view(problem.monitor, probe.sample_views(), [&](std::size_t, std::size_t v) {
+    const ViewMasks masks = problem.load_masks(v);
+    if (!masks.available) return;
+    for (std::size_t k = 0; k < masks.target.size(); ++k) {
+      const std::vector<std::uint8_t> plane = object_pixels(masks.target[k]);
+      const NarrowParts parts = narrow_parts({plane.data(), masks.width_px, masks.height_px});
+      sum[k].narrow_px2 += parts.narrow_px2, sum[k].all_px2 += parts.all_px2;
+    }
+  });
+  double most = 0;
+  for (const NarrowParts& object : sum)
+    if (object.all_px2 > 0) most = std::max(most, object.narrow_px2 / object.all_px2);
+  return most;
+}
+
+/// With a time budget the iterations may end too early. True: the result agrees significantly less with the views'
+/// masks than the start did. The stage applies the same test to its refinement.
+bool has_lost_agreement(const Solution& outcome, const std::vector<Agreement>& before,
+                        const std::vector<Agreement>& after) {
+  const auto given = outcome.figures.find("contour_contrast_given"),
+             refined = outcome.figures.find("contour_contrast_refined");
+  if (given == outcome.figures.end() || given->second < kOffEdges * refined->second)
+    return false;  // the masks' contours do not lie on edges
+  std::vector<double> gains;
+  for (std::size_t i = 0; i < before.size(); ++i) gains.push_back(after[i].biou - before[i].biou);
+  return gain_in_standard_errors(gains) < -kSignificant;
+}
+
+}  // namespace
+
+std::vector<Effect> ContoursPass::effects() const {
+  const ContourViews trained = options_.views;
+  return {
+      {.name = kContoursEffect,
+       .help = "move contours to the photos' edges",
+       .saves = "refinement, halving, training on the windows",
+       .heuristic = {"views that have a photo; 0: the photos add no edge and the masks reject refined contours", 0,
+                     "one is enough; the refinement has its own test",
+                     [](SceneProbe& probe) { return probe.edge_gain() < -kSignificant ? 0 : probe.views_with_photo(); },
+                     has_photos, "no view has a photo"}},
+      {.name = "split",
+       .help = "halve Gaussians that straddle contours",
+       .saves = "the search for straddling Gaussians, and the added rows",
+       .needs = kContoursEffect,
+       .heuristic = {"largest weight that a Gaussian can have on the wrong side, px", kSplit_px,
+                     "below it no Gaussian would be halved",
+                     [trained](SceneProbe& probe) { return straddling(probe, trained); }}},
+      {.name = "contour-iterations",
+       .help = "refine contours more than once",
+       .saves = "all iterations but the first",
+       .needs = kContoursEffect,
+       .always = "one iteration lost up to 2 points of boundary IoU on scenes with inaccurate masks"},
+      {.name = "full-resolution",
+       .help = "all iterations at full size, after all steps; off: coarse to fine",
+       .saves = "half of the rows, columns and epochs of the other iterations, and 0.7 of the joint steps",
+       .needs = "contour-iterations",
+       .heuristic = {
+           "largest share of an object in parts narrower than 9 px (1: some view has no photo)", 0.03,
+           "between solid objects (at most 0.02) and small or thin ones (from 0.04), which have few pixels at "
+           "half the size",
+           narrow_share}}};
+}
+
+void ContoursPass::declare(OptionSet& options, const OptionGroup& given) {
+  OptionGroup group = given;
+  group.name = group.effect = kContoursEffect, group.about = "move contours to the photos' edges";
+  options.add(options_, std::move(group));
+}
+
+std::vector<FixedDecision> ContoursPass::fixed_decisions(const TrainingOptions& training) const {
+  std::vector<FixedDecision> rules;
+  if (contour_epochs(options_, training.joint.quality, 1) == 0)
+    rules.push_back({kContoursEffect, false, "no epochs: --quality draft without --contour-epochs"});
+  if (options_.iterations == 1) rules.push_back({"contour-iterations", false, "--contour-iterations 1"});
+  return rules;
+}
+
+void ContoursPass::prepare(PassRun& run) {
+  const auto on = [&](std::string_view name) { return run.decisions.on_if_known(name).value_or(true); };
+  options_.on = {
+      .split = on("split"), .iterations = on("contour-iterations"), .full_resolution = on("full-resolution")};
+  run.training.joint.coarse_contours_follow =
+      on(kContoursEffect) && options_.on.iterations && !options_.on.full_resolution;
+}
+
+void ContoursPass::run(PassRun& run) {
+  Budget& budget = run.budget;
+  const bool has_epochs = contour_epochs(options_, run.training.joint.quality, 1) > 0;
+  if (!has_epochs)
+    run.monitor.warn(
+        "--effect contours=on: skipped, because --quality draft has no contour epochs; set --contour-epochs N to run "
+        "them");
+  if (run.tracker->target_met() || !has_epochs) return;
+  // Contour iterations are not checkpointed: a run that is interrupted in them resumes at their start.
+  if (run.store != nullptr && run.on(kJointEffect)) run.store->try_save(*run.trainer);
+  std::vector<Agreement> before;
+  const double began_s = wall_seconds();
+  if (budget.is_set()) before = training_agreement(run.exec, *run.problem, *run.solution);
+  const double check_s = wall_seconds() - began_s;
+  if (run.monitor.stop_requested()) return;
+  if (!budget.allows((1 + kRefineChecks) * check_s)) return budget.mark_partial();
+  run.tracker->begin_iterations(budget.is_set() ? check_s : 0);
+  run.log("contours begin");
+  const Solution start = budget.is_set() ? *run.solution : Solution{};
+  run.solution = refine_contours(run.exec, run.monitor,
+                                 {options_, run.training, *run.problem,
+                                  [&](const JointProgress& progress, JointTrainer& trainer, const auto& whole) {
+                                    return run.tracker->after_step(progress, trainer, whole);
+                                  },
+                                  [&](int wanted) { return run.tracker->set_iterations(wanted), wanted; }},
+                                 std::move(*run.solution));
+  if (run.monitor.stop_requested() || !budget.is_set() || run.solution->source_row.empty()) return;
+  const std::vector<Agreement> after = training_agreement(run.exec, *run.problem, *run.solution);
+  if (run.monitor.stop_requested() || !has_lost_agreement(*run.solution, before, after)) return;
+  run.log("contour iterations undone: they reduced the agreement with the masks");
+  const double undone = run.solution->figures["contour_iterations"];
+  run.solution = start;
+  run.solution->figures["contour_iterations_undone"] = undone;
+}
+
+std::unique_ptr<Pass> make_contours_pass() { return std::make_unique<ContoursPass>(); }
+
+}  // namespace ngs

@@ -1,0 +1,42 @@
+#pragma once
+// Runs the passes in order: decides which are on, limits their time, and reports.                   paper.md §5.7
+#include <memory>
+#include <vector>
+
+#include "ngs/cut/passes/pass.h"
+
+namespace ngs {
+
+class Pipeline {
+ public:
+  explicit Pipeline(std::vector<std::unique_ptr<Pass>> passes) : passes_(std::move(passes)) {}
+
+  /// Effects of all passes, in order.
+  std::vector<Effect> effects() const;
+  std::vector<Effect> effects(PassStage stage) const;
+  /// Effects of the passes that a resumed run decides again.
+  std::vector<Effect> decided_again_on_resume() const;
+  const std::vector<std::unique_ptr<Pass>>& passes() const { return passes_; }
+  void declare(OptionSet& options, const OptionGroup& group) const;
+  std::vector<FixedDecision> fixed_decisions(const TrainingOptions& training) const;
+
+  /// Decides the effects of a stage by heuristics measured on `problem`, which may have a reduced size. Without time
+  /// left, passes are skipped.
+  void decide(PassStage stage, PassRun& run, const Problem& problem) const;
+  /// Runs the passes that are on. False: a stop was requested, and `run` holds no result.
+  bool run(PassStage stage, PassRun& run) const;
+
+ private:
+  struct HeuristicContext;
+  void decide_pass(const Pass& pass, PassRun& run, HeuristicContext& context) const;
+  void run_in_time(Pass& pass, PassRun& run) const;
+  void prepare(PassRun& run) const;
+
+  std::vector<std::unique_ptr<Pass>> passes_;
+};
+
+/// Switches an effect off for lack of time. Has no effect if --effect or a fixed decision sets it. The budget is marked
+/// as cut only if the effect might have been on. `decided_again_on_resume`: of its pass.
+void skip_for_time(PassRun& run, std::string_view effect, bool decided_again_on_resume = false);
+
+}  // namespace ngs

@@ -1,0 +1,65 @@
+#pragma once
+// Cache of the decoded photos and masks of the training views, with a limited size. With a device, they are copied to
+// it once.
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include "ngs/cut/training/joint_options.h"
+#include "ngs/cut/training/step_tiles.h"
+#include "ngs/ops/image/pixel_window.h"
+#include "ngs/ops/losses/photometric.h"
+#include "ngs/ops/optim/resident.h"
+#include "ngs/problem/problem.h"
+
+namespace ngs {
+
+class ViewCache {
+ public:
+  struct View {
+    ImageF photo;
+    ViewMasks masks;
+    PixelRect anchor;                // where the photometric loss applies; empty: the whole photo
+    std::vector<std::uint8_t> near;  // contour_tiles(), for steps that leave out tiles
+  };
+  ViewCache(const Exec& exec, const Problem& input, const JointOptions& options)
+      : input_(input), options_(options), effects_(options.on), view_(input.views.size()), resident_(exec) {}
+
+  /// View `n` of input.views. Views that do not fit into the cache are returned in `scratch`.
+  const View& load(Monitor& monitor, std::size_t n, View& scratch) {
+    if (view_[n]) return *view_[n];
+    const auto timed = monitor.scope("load view");
+    scratch.masks = input_.load_masks(input_.views[n]);
+    if (effects_.photometric || effects_.align) scratch.photo = input_.load_photo(input_.views[n]);
+    if (!effects_.whole_photo) scratch.anchor = anchor_box(scratch.masks);
+    if (options_.far_tiles < 1) scratch.near = contour_tiles(scratch.masks);
+    std::size_t bytes = scratch.photo.data.size() * sizeof(float) + scratch.masks.known.size();
+    for (const auto& target : scratch.masks.target) bytes += target.size() * sizeof(float);
+    if (bytes_ + bytes > kBytes) return scratch;
+    bytes_ += bytes;
+    view_[n] = std::make_unique<View>(std::move(scratch));
+    const View& view = *view_[n];
+    resident_.add_input(view.photo.data), resident_.add_input(view.masks.known);
+    for (const std::vector<float>& target : view.masks.target) resident_.add_input(target);
+    return view;
+  }
+
+ private:
+  static constexpr std::size_t kBytes = 512u << 20;
+
+  /// Box about the object, for --effect whole-photo=off; empty if the mask is empty.
+  static PixelRect anchor_box(const ViewMasks& masks) {
+    if (!masks.available) return {};
+    const PixelWindow w = window_of(masks.target, masks.width_px, masks.height_px, kAnchorMargin_px);
+    return {w.x0, w.y0, w.x0 + w.w, w.y0 + w.h};
+  }
+
+  const Problem& input_;
+  const JointOptions& options_;
+  const JointSwitches& effects_;
+  std::vector<std::unique_ptr<View>> view_;
+  std::size_t bytes_ = 0;
+  Resident resident_;  // the cached views; others are copied in each step
+};
+
+}  // namespace ngs

@@ -1,0 +1,221 @@
+#include "ngs/edit/finish/finish_stage.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ngs/backend/for_each.h"
+#include "ngs/core/check.h"
+#include "ngs/edit/fill/fill_surface.h"
+#include "ngs/edit/finish/alone.h"
+#include "ngs/edit/finish/clip_half_space.h"
+#include "ngs/edit/finish/seen_hull.h"
+#include "ngs/math/quat.h"
+#include "ngs/math/row_numbers.h"
+#include "ngs/math/stable.h"
+#include "ngs/problem/cloud_rows.h"
+#include "ngs/scene/geometry/surface_points.h"
+
+namespace ngs::finish {
+namespace {
+
+// Shares of the views that show a point outside of the mask, from which on the point is no part of the object. Rendered
+// masks agree with one another, given ones have errors of single views.
+constexpr double kRenderedShare = 0.25, kGivenShare = 0.35;
+constexpr double kSeenShare = 0.25;  // of the views: a point behind a plane that so many see is part of the object
+constexpr double kInFront = 0.98;    // of the object, in front of a plane that it stands on
+constexpr int kMinViews = 2;         // and at least so many, or all views of the scene
+constexpr double kBehind = 0.05;     // of the object's radius: tolerance of the depth of visible surfaces
+constexpr double kMin_px = 2;        // shorter axes are not tested
+constexpr double kMinAlpha = 0.01;   // of a Gaussian; the outline of what is fainter may not be rendered
+
+/// In how many views a point lies on each side.
+struct Counts {
+  int seen = 0, inside = 0, outside = 0, hidden = 0;
+  void add(Side side) {
+    seen += side == Side::kSeen, inside += side == Side::kInside;
+    outside += side == Side::kOutside, hidden += side == Side::kHidden;
+  }
+  bool contradict(double share, int least) const {
+    return outside >= least && double(outside) >= share * double(seen + inside + outside);
+  }
+  /// Never seen, and hidden by other things in most views: inside the floor, for example.
+  bool is_buried() const { return seen == 0 && hidden > seen + inside + outside; }
+};
+
+}  // namespace
+
+bool HullSupport::supported(Vec3<double> point) const {
+  Counts rendered, given;
+  for (const SupportView& view : views_) {
+    const SupportView::Sides sides = view.sides(point, behind_);
+    rendered.add(sides.rendered), given.add(sides.given);
+  }
+  const int least = std::min(kMinViews, int(views_.size()));
+  return !rendered.contradict(kRenderedShare, least) && !given.contradict(kGivenShare, least) && !rendered.is_buried();
+}
+
+double HullSupport::seen_share(Vec3<double> point) const {
+  int seen = 0, all = 0;
+  for (const SupportView& view : views_) {
+    const SupportView::Sides sides = view.sides(point, behind_);
+    all += sides.rendered != Side::kUnknown;
+    seen += sides.rendered == Side::kSeen && (sides.given == Side::kSeen || sides.given == Side::kUnknown);
+  }
+  return all > 0 ? double(seen) / double(all) : 0;
+}
+
+double HullSupport::pixel_size(Vec3<double> point) const {
+  double least = 0;
+  for (const SupportView& view : views_) {
+    const double size = view.pixel_size(point);
+    if (size > 0 && (least == 0 || size < least)) least = size;
+  }
+  return least;
+}
+
+namespace {
+
+/// The Gaussian of row i, in double.
+Ellipsoid shape_of(const GaussianCloud& cloud, std::size_t i) {
+  const float *p = &cloud.position[3 * i], *s = &cloud.log_scale[3 * i];
+  return {{double(p[0]), double(p[1]), double(p[2])},
+          axes_of_quaternion(&cloud.rotation[4 * i]),
+          {std::exp(double(s[0])), std::exp(double(s[1])), std::exp(double(s[2]))}};
+}
+
+/// The planes that the object stands on or against: nearly all of it is in front of them.
+std::vector<FillSurface> supporting_planes(const Exec& exec, const FinishModel& model, std::uint64_t seed) {
+  const Rim rim = find_rim(exec, model.cloud, model.object);
+  std::vector<FillSurface> planes = find_fill_surfaces(exec, model.cloud, rim, FillKind::kPlane, seed);
+  std::erase_if(planes, [&](const FillSurface& plane) {
+    const auto in_front = std::ranges::count_if(rim.object.position,
+                                                [&](Vec3<double> p) { return plane.height(p) > -2 * plane.tolerance; });
+    return double(in_front) < kInFront * double(rim.object.count());
+  });
+  return planes;
+}
+
+/// What is known about the object.
+struct Evidence {
+  HullSupport support;
+  std::vector<FillSurface> planes;
+  SeenHull hull;
+};
+
+/// Clips a Gaussian to the front of the planes, where no views see the part behind.
+Clip clip_to_fronts(const Evidence& known, std::size_t of_object, Ellipsoid& shape) {
+  const double outline = known.hull.is_hidden(of_object) ? kHiddenOutline : kOutline;
+  Clip found = Clip::kWithin;
+  for (const FillSurface& plane : known.planes) {
+    const HalfSpace front{plane.normal, dot(plane.normal, plane.origin), outline};
+    Ellipsoid clipped = shape;
+    const Clip now = clip_half_space(front, clipped);
+    if (now == Clip::kWithin || known.support.seen_share(lowest_point(front, shape)) >= kSeenShare) continue;
+    if (now == Clip::kUnsupported) return now;
+    shape = clipped, found = now;
+  }
+  return found;
+}
+
+Clip clip_shape(const Evidence& known, double pixel, std::size_t of_object, Ellipsoid& shape) {
+  const Clip at_front = clip_to_fronts(known, of_object, shape);
+  if (at_front == Clip::kUnsupported) return at_front;
+  const auto by_views = [&](Vec3<double> at) { return known.support.supported(at); };
+  const Clip in_views = clip_ellipsoid(kMin_px * pixel, by_views, shape);
+  if (in_views == Clip::kUnsupported) return in_views;
+  const auto by_hull = [&](Vec3<double> at) { return known.hull.contains(at); };
+  const Clip in_hull =
+      known.hull.is_surplus(of_object) ? clip_ellipsoid(pixel, by_hull, shape, kHiddenOutline) : Clip::kWithin;
+  if (in_hull == Clip::kUnsupported) return in_hull;
+  const bool same = at_front == Clip::kWithin && in_views == Clip::kWithin && in_hull == Clip::kWithin;
+  return same ? Clip::kWithin : Clip::kClipped;
+}
+
+/// Clips row i of the object. kUnsupported: it is unchanged and leaves the object.
+Clip clip_row(const Evidence& known, std::size_t i, GaussianCloud& cloud) {
+  const double opacity = sigmoid(double(cloud.logit_opacity[i]));
+  if (!cloud.usable[i] || !(opacity > kMinAlpha)) return Clip::kWithin;
+  const Ellipsoid before = shape_of(cloud, i);
+  const double pixel = known.support.pixel_size(before.centre);
+  if (!(pixel > 0)) return Clip::kWithin;
+  Ellipsoid shape = before;
+  const Clip found = clip_shape(known, pixel, i, shape);
+  if (found != Clip::kClipped) return found;
+  const double centre[3] = {shape.centre.x, shape.centre.y, shape.centre.z};
+  for (std::size_t a = 0; a < 3; ++a) {
+    cloud.position[3 * i + a] = float(centre[a]);
+    if (shape.sigma[a] != before.sigma[a]) cloud.log_scale[3 * i + a] = float(std::log(shape.sigma[a]));
+  }
+  if (std::ranges::equal(shape.axes.m, before.axes.m)) return found;
+  std::ranges::copy(stored_quaternion(shape.axes), &cloud.rotation[4 * i]);
+  return found;
+}
+
+/// [object] 1: a view sees the Gaussian's centre.
+std::vector<std::uint8_t> seen_rows(const Exec& exec, const HullSupport& support, const GaussianCloud& object) {
+  std::vector<std::uint8_t> seen(std::size_t(object.size()));
+  for_each_index(exec, object.size(), [&](std::int64_t row) {
+    const auto i = std::size_t(row);
+    const float* p = &object.position[3 * i];
+    seen[i] = object.usable[i] && support.seen_share({double(p[0]), double(p[1]), double(p[2])}) > 0;
+  });
+  return seen;
+}
+
+struct Clipped {
+  GaussianCloud object;
+  std::vector<std::uint8_t> keep;  // [object]
+  std::int64_t clipped = 0;
+};
+
+Clipped clipped_rows(const Exec& exec, const Evidence& known, const GaussianCloud& object) {
+  constexpr std::int64_t kRowsAtOnce = 256;
+  const std::int64_t n = object.size();
+  Clipped out{object, std::vector<std::uint8_t>(std::size_t(n), 1)};
+  std::vector<Clip> found(out.keep.size());
+  for_each_task(exec, (n + kRowsAtOnce - 1) / kRowsAtOnce, [&](std::int64_t task) {
+    const auto end = std::size_t(std::min(n, (task + 1) * kRowsAtOnce));
+    for (auto r = std::size_t(task * kRowsAtOnce); r < end; ++r) found[r] = clip_row(known, r, out.object);
+  });
+  for (std::size_t r = 0; r < found.size(); ++r) {
+    out.clipped += found[r] == Clip::kClipped;
+    out.keep[r] = found[r] != Clip::kUnsupported;
+  }
+  return out;
+}
+
+}  // namespace
+
+Finished finish_object(const Exec& exec, const FinishInput& input) {
+  const FinishModel& model = input.model;
+  const std::vector<SupportView>& views = input.views;
+  NGS_CHECK(std::int64_t(model.object.size()) == model.cloud.size(), "one entry per Gaussian");
+  const std::vector<std::int64_t> rows = RowNumbers(model.object).row;
+  const GaussianCloud object = gather_rows(exec, model.cloud, rows);
+  Finished out{object, model.object};
+  const orbit::SurfacePoints points = orbit::surface_points(object);
+  if (points.count() == 0 || views.empty()) return out;
+  const orbit::Ball ball = orbit::bulk_of(points);
+  const HullSupport support(views, kBehind * ball.radius);
+  const std::vector<std::uint8_t> seen = seen_rows(exec, support, object);
+  Evidence known{support, supporting_planes(exec, model, input.seed), SeenHull(exec, object, seen, ball)};
+  const AloneViews alone{views, input.splat, kBehind * ball.radius};
+  Clipped best = clipped_rows(exec, known, object);
+  if (!known.planes.empty()) {  // a plane that is found wrongly cuts off what the scene shows
+    known.planes.clear();
+    Clipped without = clipped_rows(exec, known, object);
+    if (wrong_pixels(exec, alone, without.object, without.keep) < wrong_pixels(exec, alone, best.object, best.keep))
+      best = std::move(without);
+  }
+  drop_contradicted(exec, alone, best.object, seen, best.keep);
+  out.object = std::move(best.object);
+  out.clipped = best.clipped;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    if (best.keep[r]) continue;
+    out.keep[std::size_t(rows[r])] = 0;
+    ++out.dropped;
+  }
+  return out;
+}
+
+}  // namespace ngs::finish

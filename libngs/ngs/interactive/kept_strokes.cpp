@@ -1,0 +1,73 @@
+#include "ngs/interactive/kept_strokes.h"
+
+#include <algorithm>
+
+#include "ngs/cut/masks/mask_consensus.h"
+#include "ngs/cut/masks/rasterise_prompt.h"
+#include "ngs/interactive/session.h"
+#include "ngs/ops/splat/evidence.h"
+
+namespace ngs::live {
+namespace {
+
+constexpr double kMinShare = 0.25;  // of a Gaussian's weight in the view: first those that lie mostly under the stroke
+
+/// Pixels of `of` where less than half of what is seen is the object.
+PixelMask lost_pixels(const Exec& exec, const Model& model, const std::vector<float>& label, const MarkedView& view,
+                      const PixelMask& of) {
+  RenderRequest request;
+  request.colour = false, request.label = {label.data(), model.cloud.size(), 1};
+  const RenderedView seen = render(exec, model.cloud, view.camera, model.splat, request);
+  PixelMask lost(of.size());
+  for (std::size_t p = 0; p < lost.size(); ++p) {
+    const float alpha = seen.alpha.data[p];
+    lost[p] = of[p] && alpha >= kEmptyAlpha && seen.label.data[p] < 0.5f * alpha;
+  }
+  return lost;
+}
+
+/// The Gaussians with at least the fraction `least` of their weight in these pixels of the view.
+std::vector<std::uint32_t> rows_in(const Exec& exec, const Model& model, const MarkedView& view,
+                                   const PixelMask& pixels, double least) {
+  std::vector<std::uint32_t> rows;
+  if (std::ranges::count(pixels, 1) == 0) return rows;
+  const ViewSums sums = view_sums(exec, model.cloud, {view.camera, known_view(view.camera, pixels)}, model.splat);
+  for (std::size_t v = 0; v < sums.size(); ++v)
+    if (sums.object_weight(v, 0) > 0 && sums.object_weight(v, 0) >= least * sums.weight(v)) rows.push_back(sums.row[v]);
+  return rows;
+}
+
+}  // namespace
+
+KeptStrokes keep_under_strokes(const Exec& exec, const Model& model, const ObjectLabels& refined,
+                               const ObjectMarks& marks) {
+  Session session(exec, model);
+  Marks only;
+  only.objects = {marks};
+  only.objects[0].edits = nullptr;
+  for (std::shared_ptr<const MarkedView>& view : only.objects[0].views) {
+    MarkedView plain = *view;
+    plain.seen = nullptr;  // of the Gaussians of the model that was marked
+    view = std::make_shared<const MarkedView>(std::move(plain));
+  }
+  session.restore(std::move(only));
+  const ObjectLabels& selected = *session.shown()->front().touched;
+  KeptStrokes kept{refined, 0, ObjectLabels::none(refined.label.size())};
+  const MarkedViews views = session.marks()->objects[0].views;
+  for (const double least : {kMinShare, 0.0})
+    for (const auto& view : views) {
+      const ViewPrompt drawn = rasterise(view->strokes, view->camera.width_px, view->camera.height_px);
+      const PixelMask lost = lost_pixels(exec, model, kept.labels.label, *view, pixels_with(drawn, PixelHint::kObject));
+      for (const std::uint32_t row : rows_in(exec, model, *view, lost, least))
+        if (selected.label[row] > 0 && kept.labels.label[row] == 0)
+          kept.labels.label[row] = 1, ++kept.labels.count, ++kept.restored;
+    }
+  for (const auto& view : views)
+    for (const std::uint32_t row :
+         rows_in(exec, model, *view, lost_pixels(exec, model, kept.labels.label, *view, view->mask), kMinShare))
+      if (selected.label[row] > 0 && kept.labels.label[row] == 0 && kept.dropped.label[row] == 0)
+        kept.dropped.label[row] = 1, ++kept.dropped.count;
+  return kept;
+}
+
+}  // namespace ngs::live

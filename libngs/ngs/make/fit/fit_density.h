@@ -1,0 +1,25 @@
+#pragma once
+// Adaptive density control of the fit: clone, split and prune as in 3DGS.
+#include "ngs/backend/exec.h"
+#include "ngs/make/fit/fit_state.h"
+
+namespace ngs {
+
+struct DensityRule {
+  double gradient = 2e-4;     // mean view-space gradient, per NDC
+  double dense_scale = 0.01;  // world: larger Gaussians are split in two, smaller ones cloned
+  double min_opacity = 0.005;
+  double max_scale = 0;                  // world: larger Gaussians are pruned; 0: no limit
+  std::int64_t max_gaussians = 1000000;  // at the limit the candidates with the largest gradients are used
+};
+
+struct DensityChange {
+  std::int64_t cloned = 0, split = 0, pruned = 0;
+};
+
+/// Row order: the remaining Gaussians in their order, then clones, then the children of splits (drawn from the parent's
+/// distribution, scales / 1.6). New Gaussians start with zero moments. The gradient statistics are reset. At least one
+/// Gaussian remains. `seed` must differ from call to call.
+DensityChange densify_and_prune(const Exec& exec, FitState& state, const DensityRule& rule, std::uint64_t seed);
+
+}  // namespace ngs

@@ -1,0 +1,280 @@
+#include "ngs/capture/scene_check.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "ngs/core/error.h"
+#include "support/checked_capture.h"
+
+namespace ngs {
+namespace {
+
+using test::Capture;
+using test::thrown_by;
+using test::tiny_capture;
+
+Camera with_wrong_quaternion(Camera c, double w, double x, double y, double z) {
+  c.rotation = {{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y), 2 * (x * y + w * z),
+                 1 - 2 * (x * x + z * z), 2 * (y * z - w * x), 2 * (x * z - w * y), 2 * (y * z + w * x),
+                 1 - 2 * (x * x + y * y)}};
+  return c;
+}
+
+}  // namespace
+
+TEST_CASE("a scene whose model matches its photos passes, and the unknown background is fitted") {
+  const Capture capture = tiny_capture();
+  const SceneCheck result = capture.check();
+  CHECK(result.warnings.empty());
+  CHECK(result.median_psnr_db > 60);  // the photos are the model
+  int compared = 0;
+  for (const ViewCheck& view : result.views) {
+    CHECK(view.in_front == 1);
+    CHECK(view.inside > 0.5);
+    REQUIRE(view.masks);
+    CHECK(view.masks->coverage[0] > 0.02);
+    if (!view.match) continue;
+    ++compared;
+    if (view.match->covered > 0.99) continue;
+    CHECK(view.match->background.y == doctest::Approx(0.9).epsilon(1e-3));
+  }
+  CHECK(compared == 4);
+  CHECK(result.objects[0].views == 6);
+}
+
+TEST_CASE("the second filter is tried only if the first does not match the photos well enough") {
+  Capture capture = tiny_capture();
+  for (std::size_t v = 0; v < capture.photos.size(); ++v) {
+    RenderRequest request;
+    request.background = {0.2f, 0.9f, 0.4f};
+    const Camera& camera = capture.scene.views[v].camera;
+    capture.photos[v] = render({}, capture.cloud, camera, {.blur_px2 = 0.075}, request).colour;
+  }
+  SceneCheckOptions options;
+  const double first_db = capture.check(options).median_fit_db;
+  CHECK(first_db > options.min_fit_db + 3);
+  CHECK(first_db < 40);
+  options.min_fit_db = first_db - 2;
+  CHECK(capture.check(options).median_fit_db > 60);  // by the filter of the photos
+}
+
+TEST_CASE("the numbers do not depend on the thread count") {
+  const Capture capture = tiny_capture();
+  const SceneCheck one = capture.check({}, 1), many = capture.check({}, 3);
+  CHECK(one.median_psnr_db == many.median_psnr_db);
+  CHECK(one.median_inside == many.median_inside);
+}
+
+TEST_CASE("common mistakes in pose files are errors that name the mistake") {
+  const Capture good = tiny_capture();
+  const auto refused = [&](const std::string& hint, const std::function<Camera(Camera)>& spoil) {
+    CAPTURE(hint);
+    Capture bad = good;
+    for (SceneView& view : bad.scene.views) view.camera = spoil(view.camera);
+    const Error error = thrown_by([&] { bad.check(); });
+    CHECK(error.code() == ErrorCode::kInconsistent);
+    CHECK(error.remedy().find(hint) != std::string::npos);
+  };
+  refused("poses are camera-to-world:", [](Camera c) {
+    const Vec3<double> centre = c.centre();
+    c.rotation = transpose(c.rotation), c.translation = centre;
+    return c;
+  });
+  refused("camera axes are OpenGL's", [](Camera c) {
+    for (int i = 3; i < 9; ++i) c.rotation.m[i] = -c.rotation.m[i];
+    c.translation = {c.translation.x, -c.translation.y, -c.translation.z};
+    return c;
+  });
+  refused("the translation is the camera's centre", [](Camera c) {
+    c.translation = c.centre();
+    return c;
+  });
+  refused("quaternions are stored as x y z w", [](Camera c) {
+    // right: (w, x, y, z); a file with x y z w read as w x y z gives (x, y, z, w)
+    const auto& m = c.rotation.m;
+    const double w = 0.5 * std::sqrt(1 + m[0] + m[4] + m[8]);
+    const double x = (m[7] - m[5]) / (4 * w), y = (m[2] - m[6]) / (4 * w), z = (m[3] - m[1]) / (4 * w);
+    return with_wrong_quaternion(c, x, y, z, w);
+  });
+}
+
+TEST_CASE("wrong poses without a known mistake are an error without a guess") {
+  Capture bad = tiny_capture();
+  for (SceneView& view : bad.scene.views) view.camera.translation = 4.0 * view.camera.translation;
+  const Error error = thrown_by([&] { bad.check(); });
+  CHECK(error.code() == ErrorCode::kInconsistent);
+  CHECK(error.remedy().find("another scene or other poses") != std::string::npos);
+}
+
+TEST_CASE("photos in other colours than the model's are an error about colours, and --min-fit-db accepts them") {
+  Capture other = tiny_capture();
+  for (ImageF& photo : other.photos)
+    for (float& v : photo.data) v = 0.5f + 0.3f * v;
+  const Error error = thrown_by([&] { other.check(); });
+  CHECK(error.code() == ErrorCode::kInconsistent);
+  CHECK(error.remedy().find("the poses fit, the colours do not") == 0);
+  SceneCheckOptions options;
+  options.min_fit_db = -100;
+  CHECK(other.check(options).median_fit_db < 3);
+}
+
+TEST_CASE("one photo that does not match is a warning with the name of its view") {
+  Capture capture = tiny_capture();
+  SceneCheckOptions options;
+  options.check_views = 6;
+  for (float& v : capture.photos[2].data) v = 1 - v;
+  const SceneCheck result = capture.check(options);
+  REQUIRE(result.warnings.size() == 1);
+  CHECK(result.warnings[0].find("view v2.png: the model explains its photo only") == 0);
+}
+
+TEST_CASE("without photos the fraction of Gaussians in view is checked") {
+  Capture capture = tiny_capture();
+  SceneCheckOptions options;
+  options.check_views = 0;
+  CHECK_NOTHROW(capture.check(options));
+  for (SceneView& view : capture.scene.views) view.camera.translation.z = -100;
+  const Error error = thrown_by([&] { capture.check(options); });
+  CHECK(error.code() == ErrorCode::kInconsistent);
+  CHECK(std::string(error.what()).find("0 % of the Gaussians lie inside") != std::string::npos);
+}
+
+TEST_CASE("a comparison at reduced size keeps model and photo aligned") {
+  Capture capture = tiny_capture();
+  SceneCheckOptions options;
+  options.check_size_px = 24;  // blocks of 2 divide 48 x 36
+  const double even = capture.check(options).median_fit_db;
+  options.check_size_px = 16;  // blocks of 3 do too
+  const double third = capture.check(options).median_fit_db;
+  for (SceneView& view : capture.scene.views) view.camera.cx += 2;  // the effect of a shift by less than a block
+  CHECK(even > third);
+  CHECK(third > 5);
+  CHECK(capture.check(options).median_fit_db < third - 1);
+}
+
+TEST_CASE("a model without a usable Gaussian is kNothingFound") {
+  Capture capture = tiny_capture();
+  capture.cloud.usable.assign(capture.cloud.usable.size(), 0);
+  CHECK(thrown_by([&] { capture.check(); }).code() == ErrorCode::kNothingFound);
+  capture.cloud = {};
+  CHECK(thrown_by([&] { capture.check(); }).code() == ErrorCode::kNothingFound);
+}
+
+TEST_CASE("for a scene without a model only masks are checked") {
+  const Capture capture = tiny_capture();
+  Monitor monitor;
+  const SceneCheck result = check_scene({}, monitor, {}, {nullptr, capture.scene, capture.loaders()});
+  CHECK(result.sampled_gaussians == 0);
+  CHECK(result.objects[0].views == 6);
+}
+
+TEST_CASE("masks that are all empty or all full are an error, some are not") {
+  Capture capture = tiny_capture();
+  const auto set = [&](std::size_t view, float value) {
+    capture.masks[view].target[0].assign(capture.masks[view].target[0].size(), value);
+  };
+  set(0, 0);
+  CHECK(capture.check().objects[0].empty == 1);
+  set(0, 1);
+  CHECK(capture.check().warnings.at(0) == "object ball: 1 of 6 masks are full");
+  for (std::size_t i = 0; i < 6; ++i) set(i, 0);
+  CHECK(std::string(thrown_by([&] { capture.check(); }).what()).find("all its 6 masks are empty") != std::string::npos);
+  for (std::size_t i = 0; i < 6; ++i) set(i, 1);
+  const Error full = thrown_by([&] { capture.check(); });
+  CHECK(full.code() == ErrorCode::kInconsistent);
+  CHECK(full.remedy().find("--mask-invert") != std::string::npos);
+}
+
+TEST_CASE("masks that cover the images' borders are an error, unless declared inverted or allowed") {
+  Capture capture = tiny_capture();
+  for (ViewMasks& masks : capture.masks)
+    for (float& m : masks.target[0]) m = 1 - m;
+  const Error refused = thrown_by([&] { capture.check(); });
+  CHECK(refused.code() == ErrorCode::kInconsistent);
+  CHECK(refused.remedy().find("use --mask-invert") != std::string::npos);
+  const std::vector<std::string> warnings = capture.check({.check_polarity = false}).warnings;
+  CHECK((warnings.size() == 1 && warnings[0].find("use --mask-invert") != std::string::npos));
+  capture.scene.mask_invert = true;
+  CHECK(capture.check().warnings.at(0).find("leave --mask-invert out") != std::string::npos);
+  capture.scene.mask_invert = false, capture.scene.mask_mode = MaskMode::kLabel;  // label maps cannot be inverted
+  CHECK(capture.check().warnings.at(0).find("--object-id") != std::string::npos);
+  CHECK(capture.check().warnings.at(0).find("--mask-invert") == std::string::npos);
+}
+
+TEST_CASE("a ring along the borders is the background of an object that fills more than half of the image") {
+  Capture capture = tiny_capture();
+  for (ViewMasks& masks : capture.masks)
+    for (int i = 0; i < masks.width_px * masks.height_px; ++i) {
+      const int x = i % masks.width_px, y = i / masks.width_px;
+      masks.target[0][std::size_t(i)] = x < 4 || y < 4 || x > masks.width_px - 5 || y > masks.height_px - 5;
+    }
+  CHECK(thrown_by([&] { capture.check(); }).code() == ErrorCode::kInconsistent);
+}
+
+TEST_CASE("an empty mask is contradicted if the other masks show the object there, not if the view misses it") {
+  Capture capture = tiny_capture();
+  const auto clear = [&](std::size_t view) { std::ranges::fill(capture.masks[view].target[0], 0.f); };
+  CHECK(capture.check().empty_masks.views.empty());
+  for (const std::size_t lost : {1u, 2u, 4u}) clear(lost);
+  const SceneCheck result = capture.check();
+  CHECK(result.empty_masks.contradicted == std::vector<std::size_t>{1, 2, 4});
+  CHECK(result.empty_masks.agreement > 0.8);
+  REQUIRE(result.warnings.size() == 1);
+  CHECK(result.warnings[0].find("3 of 6 masks are empty where the other masks show the object (") == 0);
+  CHECK(capture.check({}, 3).empty_masks.contradicted == result.empty_masks.contradicted);
+  capture.scene.missing_mask = MissingMask::kEmpty;  // views without a mask mean an empty mask
+  CHECK(capture.check().empty_masks.contradicted.empty());
+  capture.scene.missing_mask = MissingMask::kUnknown;
+  Camera& away = capture.scene.views[1].camera;  // looks past the object
+  away.cx += 10 * away.width_px;
+  CHECK(capture.check({.check_views = 0}).empty_masks.contradicted == std::vector<std::size_t>{2, 4});
+}
+
+TEST_CASE("coverage counts known pixels only") {
+  Capture capture = tiny_capture();
+  ViewMasks& masks = capture.masks[1];
+  masks.target[0].assign(masks.target[0].size(), 0.f);
+  masks.known.assign(masks.target[0].size(), 0);
+  for (std::size_t i = 0; i < 8; ++i) masks.known[i] = 1, masks.target[0][i] = i < 2 ? 1.f : 0.f;
+  const SceneCheck result = capture.check();
+  CHECK(result.views[1].masks->coverage[0] == 0.25);
+  CHECK(result.views[1].masks->known == 8.0 / double(masks.known.size()));
+}
+
+TEST_CASE("masks of held-out views are never loaded") {
+  Capture capture = tiny_capture();
+  capture.scene.views[3].split = Split::kHeldOut;
+  SceneLoaders loaders = capture.loaders();
+  loaders.masks = [&](std::size_t view) {
+    CHECK(view != 3);
+    return MaskSample{capture.masks[view], {}, false};
+  };
+  Monitor monitor;
+  const SceneCheck result = check_scene({}, monitor, {}, {&capture.cloud, capture.scene, loaders});
+  CHECK(result.objects[0].views == 5);
+  CHECK_FALSE(result.views[3].masks);
+}
+
+TEST_CASE("notes about many masks become one warning, as do JPEG masks") {
+  const Capture capture = tiny_capture();
+  SceneLoaders loaders = capture.loaders();
+  loaders.masks = [&](std::size_t view) {
+    return MaskSample{capture.masks[view], {"m" + std::to_string(view) + ": resized"}, true};
+  };
+  Monitor monitor;
+  const SceneCheck result = check_scene({}, monitor, {}, {&capture.cloud, capture.scene, loaders});
+  REQUIRE(result.warnings.size() == 2);
+  CHECK(result.warnings[0] == "6 masks: JPEG, compression moves the contours (use PNG) (first: mask)");
+  CHECK(result.warnings[1] == "6 masks: resized (first: m0)");
+}
+
+TEST_CASE("evenly spaced indices are the middles of equal parts, at most n of them") {
+  CHECK(evenly_spaced(4, 21) == std::vector<std::size_t>{2, 7, 13, 18});
+  CHECK(evenly_spaced(1, 1) == std::vector<std::size_t>{0});
+  CHECK(evenly_spaced(5, 3) == std::vector<std::size_t>{0, 1, 2});
+  CHECK(evenly_spaced(0, 3).empty());
+  CHECK(evenly_spaced(3, 0).empty());
+}
+
+}  // namespace ngs

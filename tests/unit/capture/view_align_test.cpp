@@ -1,0 +1,127 @@
+#include "ngs/capture/view_align.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "support/joint_case.h"
+
+namespace ngs {
+namespace {
+
+struct Measured {
+  std::unique_ptr<test::JointCase> c = test::joint_case();
+  std::vector<ViewAlignment> views;
+  Camera right;  // view 1's
+  /// View 1's camera is wrong by the inverse of `motion`; the photos are those of the true cameras.
+  explicit Measured(const CameraMotion& motion, int threads = 1, float gain = 1.f) {
+    for (SceneView& view : c->scene.views) view.image_path = "photo";
+    right = c->scene.views[1].camera;
+    c->scene.views[1].camera = moved(right, {-1.0 * motion.turn, -1.0 * motion.move});
+    for (float& x : c->photos[1].data) x = gain * x + 0.2f * (1.f - gain);
+    Monitor monitor;
+    Exec exec;
+    exec.threads = threads;
+    views = measure_alignment(exec, monitor, {c->truth, c->scene, [&](std::size_t v) { return c->photos[v]; }}, {1, 2});
+  }
+  /// Largest distance between the projections of the object's points by the two cameras, px.
+  double error_px(const Camera& camera) const {
+    double worst = 0;
+    for (std::int64_t i = 0; i < c->truth.size(); ++i) {
+      const float* p = &c->truth.position[std::size_t(3 * i)];
+      const auto seen = [&](const Camera& from) {
+        const Vec3<double> x = from.rotation * Vec3<double>{p[0], p[1], p[2]} + from.translation;
+        return std::pair{from.fx * x.x / x.z, from.fy * x.y / x.z};
+      };
+      const auto [u, v] = seen(right);
+      const auto [a, b] = seen(camera);
+      worst = std::max(worst, std::hypot(u - a, v - b));
+    }
+    return worst;
+  }
+};
+
+TEST_CASE("a rotated and moved camera is corrected, the others stay") {
+  Measured m({{0.01, -0.015, 0.03}, {0.02, 0.01, -0.05}});
+  REQUIRE(m.views.size() == 4);
+  const double before = m.error_px(m.c->scene.views[1].camera);
+  for (const ViewAlignment& a : m.views) CHECK(a.applied == (a.view == 1));
+  CHECK(m.views[1].error_after < 0.1 * m.views[1].error_before);
+  apply_alignment(m.views, m.c->scene);
+  const double after = m.error_px(m.c->scene.views[1].camera);
+  MESSAGE("largest error " << before << " -> " << after << " px");
+  CHECK(before > 1);
+  CHECK(after < 0.19);  // measured 0.12
+}
+
+TEST_CASE("the background is measured at the aligned camera") {
+  Measured m({{0.01, -0.015, 0.03}, {0.02, 0.01, -0.05}});
+  const Camera before = m.c->scene.views[1].camera;
+  apply_alignment(m.views, m.c->scene);
+  CHECK(!m.views[0].background);  // not in background_views
+  const auto from_render = [&](std::size_t v, const Camera& camera) {
+    return measure_background(render({}, m.c->truth, camera, {}, {}), m.c->photos[v]);
+  };
+  for (const std::size_t v : {std::size_t(1), std::size_t(2)}) {  // moved, and not moved
+    CAPTURE(v);
+    REQUIRE(m.views[v].background);
+    const BackgroundMeasurement told = *m.views[v].background, own = from_render(v, m.c->scene.views[v].camera);
+    CHECK(told.open);
+    CHECK(told.colour == own.colour);
+    CHECK(told.residual == own.residual);
+    CHECK(told.residual2 == own.residual2);
+    CHECK(told.open2 == own.open2);
+  }
+  CHECK(m.views[1].background->residual2[0] < 0.5 * from_render(1, before).residual2[0]);
+}
+
+TEST_CASE("a darker photo moves no camera, and hides no motion") {
+  for (const ViewAlignment& a : Measured({}, 1, 0.7f).views) CHECK(!a.applied);
+  Measured m({{0.01, 0.02, 0}, {0, 0, 0}}, 1, 0.7f);
+  apply_alignment(m.views, m.c->scene);
+  CHECK(m.error_px(m.c->scene.views[1].camera) < 0.19);  // measured 0.12
+}
+
+TEST_CASE("alignment does not depend on the number of threads; exact views and views without photos are not moved") {
+  for (const ViewAlignment& a : Measured({}).views) CHECK(!a.applied);
+  const CameraMotion motion{{0.02, 0.01, 0}, {0.01, 0, 0}};
+  const Measured one(motion, 1), three(motion, 3);
+  for (std::size_t v = 0; v < 4; ++v) {
+    CHECK(one.views[v].flow_px == three.views[v].flow_px);
+    CHECK(one.views[v].applied == three.views[v].applied);
+  }
+  auto c = test::joint_case();  // no image_path: no photo
+  Monitor monitor;
+  CHECK(measure_alignment({}, monitor, {c->truth, c->scene, [](std::size_t) { return ImageF(); }}).empty());
+  for (SceneView& view : c->scene.views) view.image_path = "photo";
+  CHECK_THROWS_AS(
+      measure_alignment(
+          {}, monitor,
+          {c->truth, c->scene, [](std::size_t) -> ImageF { throw Error(ErrorCode::kBadInput, "photo: broken", ""); }}),
+      Error);
+}
+
+TEST_CASE("all views are aligned if one of the first kAlignedFirst moves") {
+  const auto aligned = [](std::size_t turned) {
+    auto c = test::joint_case();
+    std::vector<SceneView>& views = c->scene.views;
+    for (SceneView& view : views) view.image_path = "photo";
+    while (views.size() < 30) views.push_back(views[views.size() % 4]);
+    views[turned].camera = moved(views[turned].camera, {{0.01, -0.015, 0.03}, {0.02, 0.01, -0.05}});
+    Monitor monitor;
+    return measure_alignment({}, monitor, {c->truth, c->scene, [&](std::size_t v) { return c->photos[v % 4]; }}, {4});
+  };
+  const auto has = [](const std::vector<ViewAlignment>& some, std::size_t view) {
+    return std::ranges::find(some, view, &ViewAlignment::view) != some.end();
+  };
+  const std::vector<ViewAlignment> all = aligned(5), few = aligned(9);
+  CHECK(all.size() == 30);
+  CHECK(std::ranges::count_if(all, &ViewAlignment::applied) == 1);
+  CHECK(has(few, 4));  // in background_views, and not among the first
+  CHECK_FALSE(has(few, 9));
+  CHECK(few.size() == kAlignedFirst + 1);
+}
+
+}  // namespace
+}  // namespace ngs

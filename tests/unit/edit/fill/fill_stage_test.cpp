@@ -1,0 +1,129 @@
+#include "ngs/edit/fill/fill_stage.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "support/hole_scene.h"
+
+namespace ngs {
+namespace {
+
+using test::HoleModel;
+
+HoleFill filled(const HoleModel& model, int threads = 1, FillKind kind = FillKind::kAuto) {
+  Exec exec;
+  exec.threads = threads;
+  Monitor monitor;
+  FillOptions options;
+  options.fill = kind;
+  return fill_hole(exec, monitor, options, {model.cloud, model.object}, 0);
+}
+
+orbit::Vec position(const GaussianCloud& cloud, std::size_t i) {
+  return {cloud.position[3 * i], cloud.position[3 * i + 1], cloud.position[3 * i + 2]};
+}
+
+}  // namespace
+
+TEST_CASE("the hole below a block is covered by flat Gaussians of the floor's height and colour") {
+  const HoleModel model = HoleModel::on_floor();
+  const HoleFill fill = filled(model);
+  CHECK(fill.nothing.empty());
+  REQUIRE(fill.surfaces.size() == 1);
+  CHECK(fill.surfaces[0].rows == fill.filled.size());
+  const double area = double(fill.filled.size()) * fill.surfaces[0].cell_side * fill.surfaces[0].cell_side;
+  CHECK(area == doctest::Approx(0.36).epsilon(0.3));
+  for (std::size_t i = 0; i < std::size_t(fill.filled.size()); ++i) {
+    const orbit::Vec p = position(fill.filled, i);
+    REQUIRE(std::abs(p.z) < 0.01);
+    REQUIRE(std::max(std::abs(p.x), std::abs(p.y)) < 0.42);
+    REQUIRE(std::abs(fill.filled.sh_dc[3 * i]) < 1e-4);
+    REQUIRE(fill.filled.usable[i] == 1);
+  }
+  CHECK(fill.filled.log_scale[2] < fill.filled.log_scale[0] - 1);
+}
+
+TEST_CASE("in a corner both holes are filled, and joined at the line where the planes meet") {
+  const HoleModel model = HoleModel::in_corner();
+  const HoleFill fill = filled(model);
+  REQUIRE(fill.surfaces.size() == 2);
+  int floor = 0, wall = 0;
+  double nearest_floor = 1, nearest_wall = 1;
+  for (std::size_t i = 0; i < std::size_t(fill.filled.size()); ++i) {
+    const orbit::Vec p = position(fill.filled, i);
+    REQUIRE(p.z > -0.02);        // neither below the floor
+    REQUIRE(p.y > -0.3 - 0.02);  // nor behind the wall
+    const bool is_wall = fill.filled.sh_dc[3 * i] < -0.5f;
+    (is_wall ? wall : floor) += 1;
+    double& nearest = is_wall ? nearest_wall : nearest_floor;
+    nearest = std::min(nearest, is_wall ? p.z : p.y + 0.3);
+    REQUIRE(std::abs(is_wall ? p.y + 0.3 : p.z) < 0.01);
+  }
+  CHECK(floor > 50);
+  CHECK(wall > 50);
+  CHECK(nearest_floor < 0.05);
+  CHECK(nearest_wall < 0.05);
+}
+
+TEST_CASE("an object without visible Gaussians, without ground, and over a whole floor has no hole to fill") {
+  HoleModel none;
+  none.add_floor([](double, double) { return 0.0; }, [](double, double) { return 0.0; },
+                 [](double, double) { return false; });
+  CHECK(filled(none).nothing == "the object has no visible Gaussian");
+  HoleModel floating;
+  floating.add_block({-0.3, -0.3, 0}, {0.3, 0.3, 0.6});
+  CHECK(filled(floating).nothing == "the background has no surface at the object's rim");
+  HoleModel whole = none;
+  whole.add_block({-0.3, -0.3, 0.03}, {0.3, 0.3, 0.6});
+  const HoleFill fill = filled(whole);
+  CHECK(fill.nothing == "the background continues below the object");
+  CHECK(fill.filled.size() == 0);
+  CHECK(fill.removed_rows == 0);
+  CHECK(filled(HoleModel{}).nothing == "the object has no visible Gaussian");
+}
+
+TEST_CASE("a rim on one side of the object only is not continued") {
+  HoleModel model;
+  model.add_floor([](double, double) { return 0.0; }, [](double, double) { return 0.0; },
+                  [](double x, double) { return x > -0.25; });
+  model.add_block({-0.3, -0.3, 0.03}, {0.3, 0.3, 0.6});
+  const HoleFill fill = filled(model);
+  CHECK(fill.filled.size() == 0);
+  CHECK(fill.nothing.find("missing on one side") != std::string::npos);
+}
+
+TEST_CASE("half-transparent Gaussians around the object are removed, those of the floor and far ones stay") {
+  HoleModel model = HoleModel::on_floor();
+  const std::size_t first = model.object.size();
+  model.add({0.32, 0, 0.3}, -1, 1, false), model.add({0, 0, 0.3}, -1, 1, false);
+  model.add({0.8, 0.8, 0.3}, -1, 1, false), model.add({0.5, 0, 0}, 2, 1, false);
+  for (std::size_t i = first; i < model.object.size(); ++i) model.cloud.logit_opacity[i] = -1;
+  const HoleFill fill = filled(model);
+  CHECK(fill.removed[first] == 1);
+  CHECK(fill.removed[first + 1] == 1);
+  CHECK(fill.removed[first + 2] == 0);
+  CHECK(fill.removed[first + 3] == 0);
+  CHECK(fill.removed_rows == std::count(fill.removed.begin(), fill.removed.end(), 1));
+  for (std::size_t i = 0; i < model.object.size(); ++i)
+    if (model.object[i]) REQUIRE(fill.removed[i] == 0);
+}
+
+TEST_CASE("a fill has the same bytes for any number of threads") {
+  const HoleModel model = HoleModel::in_corner();
+  const HoleFill one = filled(model), three = filled(model, 3);
+  CHECK(one.filled.position == three.filled.position);
+  CHECK(one.filled.sh_dc == three.filled.sh_dc);
+  CHECK(one.removed == three.removed);
+}
+
+TEST_CASE("unusable Gaussians at the rim change nothing") {
+  HoleModel model = HoleModel::on_floor();
+  const HoleFill before = filled(model);
+  model.add({NAN, 0, 0}, 2, 0, false), model.cloud.usable.back() = 0;
+  model.add({0.1, 0, 0}, 2, NAN, true), model.cloud.usable.back() = 0;
+  CHECK(filled(model).filled.position == before.filled.position);
+}
+
+}  // namespace ngs

@@ -1,0 +1,114 @@
+#pragma once
+// A test session on the tiny scene: the ball's pixel in each view, and the selected Gaussians.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "ngs/interactive/session.h"
+#include "support/tiny_scene.h"
+
+namespace ngs::test {
+
+/// The viewpoint with the view of a camera of the tiny scene.
+inline live::Viewpoint viewpoint_of(const Camera& camera, int width_px) {
+  const Mat3<double>& r = camera.rotation;
+  live::Viewpoint viewpoint;
+  viewpoint.position = camera.centre();
+  viewpoint.look_at = viewpoint.position + Vec3<double>{r(2, 0), r(2, 1), r(2, 2)};
+  viewpoint.up = -1.0 * Vec3<double>{r(1, 0), r(1, 1), r(1, 2)};
+  viewpoint.fov_y_deg = 360 / std::numbers::pi * std::atan(0.5 * camera.height_px / camera.fy);
+  viewpoint.width_px = width_px, viewpoint.height_px = width_px * 3 / 4;
+  return viewpoint;
+}
+
+/// The tiny scene, the ball's pixel in each view, and a session on it.
+struct Visit {
+  explicit Visit(int threads = 2, bool in_museum = false) {
+    exec.threads = threads;
+    if (in_museum) add_unseen();
+    splat = prepared_for(exec, splat, scene.cloud);
+  }
+  /// Adds lattices that are visible in no view, as most of a large model is; the nearest of them is nearer to the
+  /// ball than to the wall.
+  void add_unseen() {
+    GaussianCloud& cloud = scene.cloud;
+    const std::int64_t before = cloud.size();
+    cloud.resize(before + 3000, cloud.sh_degree);
+    for (std::int64_t i = before; i < cloud.size(); ++i) {
+      const auto row = std::size_t(i), k = std::size_t(i - before);
+      const double at[3] = {0.1 * double(k % 10) - 0.5, 0.1 * double(k / 10 % 10) - 0.5, -4 - 0.1 * double(k / 100)};
+      for (std::size_t a = 0; a < 3; ++a) {
+        cloud.position[3 * row + a] = float(at[a]);
+        cloud.log_scale[3 * row + a] = -3;
+      }
+      cloud.rotation[4 * row] = 1, cloud.logit_opacity[row] = 3;
+      scene.is_object.push_back(0);
+    }
+    classify(cloud);
+  }
+  live::Model model() const { return {scene.cloud, splat, {0, 0, 0}}; }
+  live::Viewpoint viewpoint(std::size_t view) const { return viewpoint_of(scene.cameras[view], 192); }
+
+  /// The pixel of the ball's centre.
+  std::array<double, 2> ball(const live::Viewpoint& viewpoint) const {
+    Vec3<double> sum{0, 0, 0};
+    double count = 0;
+    for (std::size_t i = 0; i < scene.is_object.size(); ++i)
+      if (scene.is_object[i] > 0) {
+        const float* p = &scene.cloud.position[3 * i];
+        sum = sum + Vec3<double>{double(p[0]), double(p[1]), double(p[2])}, ++count;
+      }
+    const Camera camera = live::camera_of(viewpoint);
+    const Vec3<double> at = camera.rotation * ((1 / count) * sum) + camera.translation;
+    return {camera.fx * at.x / at.z + camera.cx, camera.fy * at.y / at.z + camera.cy};
+  }
+  PromptStroke on_ball(const live::Viewpoint& viewpoint) const { return {true, 6, {ball(viewpoint)}}; }
+  static PromptStroke on_wall(const live::Viewpoint& viewpoint) {
+    return {false, 5, {{8, 8}, {double(viewpoint.width_px) - 8, 8}}};
+  }
+  /// Gaussians of the ball, or of the wall, that are selected.
+  std::int64_t selected(const live::ObjectLabels& labels, bool of_ball) const {
+    std::int64_t count = 0;
+    for (std::size_t i = 0; i < labels.label.size(); ++i)
+      count += labels.label[i] > 0 && (scene.is_object[i] > 0) == of_ball;
+    return count;
+  }
+
+  Exec exec;
+  test::TinyScene scene = test::tiny_scene();
+  SplatOptions splat;
+};
+
+inline const live::ObjectLabels& labels_of(const live::Session& session, std::size_t object = 0) {
+  const auto shown = session.shown();
+  REQUIRE(shown->size() > object);
+  REQUIRE((*shown)[object].labels);
+  return *(*shown)[object].labels;
+}
+
+/// The marks as stored in a file.
+inline live::Marks plain_marks(const live::Session& session) {
+  live::Marks kept;
+  kept.active = 1, kept.next_id = 2;
+  for (const live::ObjectMarks& object : session.marks()->objects) {
+    kept.objects.push_back({object.id, object.name, object.colour, object.next_view, {}});
+    for (const auto& view : object.views) {
+      live::MarkedView plain;
+      plain.name = view->name, plain.viewpoint = view->viewpoint, plain.strokes = view->strokes,
+      plain.mask = view->mask;
+      kept.objects.back().views.push_back(std::make_shared<const live::MarkedView>(plain));
+    }
+  }
+  return kept;
+}
+
+inline void mark_two_views(const Visit& visit, live::Session& session) {
+  for (const std::size_t view : {0u, 3u}) {
+    const live::Viewpoint viewpoint = visit.viewpoint(view);
+    session.mark(1, viewpoint, {visit.on_ball(viewpoint), Visit::on_wall(viewpoint)});
+  }
+}
+
+}  // namespace ngs::test

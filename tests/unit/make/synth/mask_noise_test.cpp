@@ -1,0 +1,162 @@
+#include "ngs/make/synth/mask_noise.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "ngs/core/error.h"
+
+namespace ngs::synth {
+namespace {
+
+MaskNoise noise_of(const std::string& spec) {
+  const std::vector<std::string> specs{spec};
+  return parse_mask_noise(specs);
+}
+
+ImageU16 disc_image(int size, double radius, std::uint16_t id = 1) {
+  ImageU16 image(size, size, 1);
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x)
+      if (std::hypot(x + 0.5 - size / 2.0, y + 0.5 - size / 2.0) < radius) image.at(x, y) = id;
+  return image;
+}
+
+double area(const ImageU16& image, std::uint16_t id = 1) {
+  double count = 0;
+  for (const std::uint16_t v : image.data) count += v == id;
+  return count;
+}
+
+}  // namespace
+
+TEST_CASE("parse_mask_noise parses lists and fails for unknown kinds") {
+  const MaskNoise noise = noise_of("erode:1.5,drop:0.25");
+  CHECK(noise.erode_px == 1.5);
+  CHECK(noise.drop == 0.25);
+  CHECK(noise.any());
+  CHECK_FALSE(MaskNoise{}.any());
+  for (const char* bad : {"", "erode", "erode:", "erode:x", "erode:1x", "erode:-1", "erode:nan", "drop:1.1", "smear:1",
+                          "erode:1,", "jitter:1e9"}) {
+    CAPTURE(bad);
+    CHECK_THROWS_AS(noise_of(bad), Error);
+  }
+}
+
+TEST_CASE("masks of one object have no ids to swap") {
+  const std::vector<std::string> swap = {"swap:1"}, unknown = {"smear:1"};
+  CHECK(parse_mask_noise(swap).swap == 1);
+  CHECK_THROWS_WITH_AS(parse_mask_noise(swap, NoiseOf::kOneObject), doctest::Contains("\"swap:1\", expected erode:PX"),
+                       Error);
+  CHECK_THROWS_WITH_AS(parse_mask_noise(unknown), doctest::Contains("swap:P or blob:P"), Error);
+  CHECK_THROWS_WITH_AS(parse_mask_noise(unknown, NoiseOf::kOneObject), doctest::Contains("drop:P, or blob:P"), Error);
+}
+
+TEST_CASE("no noise returns the exact labels") {
+  const ImageU16 exact = disc_image(32, 9);
+  CHECK(disturb_labels({}, exact, {}, {0, 3, 7}).data == exact.data);
+}
+
+TEST_CASE("dilating and eroding a disc changes its radius by the given amount") {
+  // A lattice disc's area deviates from πr² by the pixels that its contour cuts: below 0.5 px of radius here.
+  const double pi = 3.141592653589793, r = 30;
+  const ImageU16 exact = disc_image(100, r);
+  for (const double px : {1.0, 2.0, 5.0}) {
+    const double grown = std::sqrt(area(disturb_labels({}, exact, {.dilate_px = px}, {0, 0, 1})) / pi) - r;
+    const double shrunk = r - std::sqrt(area(disturb_labels({}, exact, {.erode_px = px}, {0, 0, 1})) / pi);
+    CHECK(std::abs(grown - px) < 0.5);
+    CHECK(std::abs(shrunk - px) < 0.5);
+  }
+}
+
+TEST_CASE("jitter moves the contour with the stated standard deviation and keeps the mean area") {
+  const ImageU16 exact = [] {  // a half plane: every row is one sample of the contour's displacement
+    ImageU16 image(120, 400, 1);
+    for (int y = 0; y < 400; ++y)
+      for (int x = 0; x < 60; ++x) image.at(x, y) = 1;
+    return image;
+  }();
+  for (const double sigma : {1.5, 4.0}) {
+    double sum = 0, squares = 0;
+    const int views = 40;
+    for (int view = 0; view < views; ++view) {
+      const ImageU16 moved = disturb_labels({.threads = 2}, exact, {.jitter_px = sigma}, {0, view, 5});
+      for (int y = 0; y < 400; ++y) {
+        double covered = 0;
+        for (int x = 0; x < 120; ++x) covered += moved.at(x, y);
+        sum += covered - 60, squares += (covered - 60) * (covered - 60);
+      }
+    }
+    // Neighbouring rows are alike: 40 views x 400 px / (8 + 4σ) px are 470 to 1140 independent samples.
+    const double n = views * 400.0, mean = sum / n, deviation = std::sqrt(squares / n - mean * mean);
+    CHECK(std::abs(mean) < 4 * sigma / std::sqrt(470.0));
+    CHECK(deviation == doctest::Approx(sigma).epsilon(0.15));
+  }
+}
+
+TEST_CASE("drop and swap occur with their probability, per view and object") {
+  ImageU16 exact(8, 2, 1);
+  for (int x = 0; x < 8; ++x) exact.at(x, 0) = std::uint16_t(x < 4 ? 1 : 2);
+  int dropped = 0, swapped = 0;
+  const int views = 2000;
+  for (int view = 0; view < views; ++view) {
+    dropped += disturb_labels({}, exact, {.drop = 0.2}, {0, view, 1}).at(0, 0) == 0;
+    swapped += disturb_labels({}, exact, {.swap = 0.2}, {0, view, 1}).at(0, 0) == 2;
+  }
+  const double spread = 4 * std::sqrt(views * 0.25);  // four standard deviations of the widest binomial
+  CHECK(std::abs(dropped - 0.2 * views) < spread);
+  // Two objects: exchanged if exactly one of the two draws is a swap, 2·0.2·0.8.
+  CHECK(std::abs(swapped - 0.32 * views) < spread);
+}
+
+TEST_CASE("blobs change a contour region of the object they hit and nothing else") {
+  const ImageU16 exact = disc_image(64, 15, 3);
+  int added = 0, removed = 0, untouched = 0;
+  for (int view = 0; view < 200; ++view) {
+    const double change = area(disturb_labels({}, exact, {.blob = 0.5}, {0, view, 2}), 3) - area(exact, 3);
+    (change > 0 ? added : change < 0 ? removed : untouched)++;
+    CHECK(std::abs(change) <= 3.2 * 0.45 * 0.45 * 15 * 15);
+  }
+  CHECK(std::abs(untouched - 100) < 30);
+  CHECK(added > 20);
+  CHECK(removed > 20);
+}
+
+TEST_CASE("a separately made mask grows over its neighbour, a label map does not") {
+  ImageU16 exact(10, 1, 1);
+  for (int x = 0; x < 10; ++x) exact.at(x, 0) = std::uint16_t(x < 5 ? 1 : 2);
+  CHECK(area(disturb_labels({}, exact, {.dilate_px = 2}, {1, 0, 1})) == 7);
+  CHECK(disturb_labels({}, exact, {.dilate_px = 2}, {0, 0, 1}).data == exact.data);
+}
+
+TEST_CASE("mask noise depends on seed and view, and not on the thread count") {
+  const ImageU16 exact = disc_image(80, 25);
+  const MaskNoise noise = noise_of("jitter:2,blob:1,erode:1");
+  const ImageU16 a = disturb_labels({.threads = 1}, exact, noise, {0, 4, 9});
+  CHECK(a.data == disturb_labels({.threads = 3}, exact, noise, {0, 4, 9}).data);
+  CHECK(a.data != disturb_labels({}, exact, noise, {0, 5, 9}).data);
+  CHECK(a.data != disturb_labels({}, exact, noise, {0, 4, 10}).data);
+}
+
+TEST_CASE("mask_assignment leaves out and exchanges exactly the given fractions, by seed only") {
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    const std::vector<int> assigned = mask_assignment(20, 0.2, 0.1, seed);
+    int missing = 0, wrong = 0;
+    for (int v = 0; v < 20; ++v) {
+      const int f = assigned[std::size_t(v)];
+      CHECK(f >= -1);
+      CHECK(f < 20);
+      missing += f < 0, wrong += f >= 0 && f != v;
+    }
+    CHECK(missing == 4);
+    CHECK(wrong == 2);
+    CHECK(assigned == mask_assignment(20, 0.2, 0.1, seed));
+  }
+  CHECK(mask_assignment(20, 0.2, 0.1, 0) != mask_assignment(20, 0.2, 0.1, 1));
+  CHECK(mask_assignment(0, 1, 1, 0).empty());
+  CHECK(mask_assignment(1, 0, 1, 0) == std::vector<int>{-1});  // there is no other view's mask
+  CHECK(mask_assignment(3, 0, 0, 5) == std::vector<int>{0, 1, 2});
+  CHECK(mask_assignment(3, 1, 1, 5) == std::vector<int>{-1, -1, -1});
+}
+
+}  // namespace ngs::synth
