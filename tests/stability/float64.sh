@@ -55,7 +55,7 @@ cmake -S "$wide/source" -B "$wide/build" -G Ninja -DNGS_WITH_CUDA=OFF -DNGS_BUIL
   -DCMAKE_BUILD_TYPE=Float64 -DCMAKE_CXX_FLAGS_FLOAT64="-O2 -DNDEBUG -w" >/dev/null
 ninja -C "$wide/build" ngs_passes ngs-variance ngs-joint ngs-render >&2
 flags=(-std=c++20 -O2 -march=x86-64-v3 -ffp-contract=off -fno-math-errno -fopenmp -w)
-own=("$wide"/build/libngs/libngs_{passes,stages,problem,ops,backend,options,scene,core}.a -llz4)
+own=("$wide"/build/libngs/libngs_{passes,cut,field,make,capture,evidence,orbit,render,problem,ops,backend,options,scene,core}.a -llz4)
 g++ "${flags[@]}" -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS -I"$wide/source/tests" -I"$wide/source/libngs" -I"$wide/build/libngs" \
   "$wide"/source/tests/{grad/joint_grad_test,support/adjoint,support/doctest_main}.cpp "${own[@]}" -o "$wide/joint_grad"
 echo "the whole loss in double against extrapolated differences:"

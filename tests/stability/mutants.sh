@@ -22,7 +22,7 @@ count=0
 # Without NGS_WITH_V4, so that a mutant of the compositing loops is not bypassed by the library's AVX-512 kernel.
 flags=(-std=c++20 $(pkg-config --cflags eigen3) -O1 -march=x86-64-v3 -ffp-contract=off -fno-math-errno -fopenmp -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS
   "-DNGS_SOURCE_DIR=\"$root\"" "-DNGS_TOOL_DIR=\"$build/bin\"")
-libraries=("$build"/tests/libngs_test_support.a "$build"/libngs/libngs_{methods,passes,stages,problem,ops,backend,options,scene,core,os}.a -llz4
+libraries=("$build"/tests/libngs_test_support.a "$build"/libngs/libngs_{interactive,eval,edit,methods,passes,cut,field,make,capture,evidence,orbit,render,problem,ops,backend,options,scene,core,os}.a -llz4
   -lopencv_core -lopencv_imgproc
   -Wl,--allow-multiple-definition)  # the mutant's definition is first; the library's batch of files has the original
 
