@@ -22,7 +22,8 @@ enum class RngStream : std::uint32_t {
   kTest,
   kSaga,
   kReleased,
-  kFill
+  kFill,
+  kTiles
 };
 
 /// 64 well-mixed bits (the finaliser of SplitMix64, applied twice).

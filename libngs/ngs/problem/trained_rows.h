@@ -52,10 +52,17 @@ class TrainedRows {
   const std::int64_t* rows() const { return is_part() ? rows_.data() : nullptr; }
   /// The trained rows. write_back() copies them to the whole cloud; on a device, both must be resident.
   GaussianCloud& cloud() { return is_part() ? part_ : all_; }
-  void write_back(const Exec& exec) {
+  /// `changed` [size()] 0: the row's values are those of the last call; null: all rows may have changed.
+  void write_back(const Exec& exec, const std::vector<std::uint8_t>* changed = nullptr) {
     if (!is_part()) return;
-    for_each_row(exec, std::int64_t(rows_.size()), scatter());
-    if (prepared_) update_prepared(exec, rows_, *prepared_);
+    if (exec.device == Device::kCuda) return for_each_row(exec, std::int64_t(rows_.size()), scatter());
+    std::vector<std::int64_t> rows;
+    for (std::size_t r = 0; r < rows_.size(); ++r)
+      if (changed == nullptr || (*changed)[r]) rows.push_back(rows_[r]);
+    for_each_index(exec, std::int64_t(rows_.size()), [&, kernel = scatter()](std::int64_t r) {
+      if (changed == nullptr || (*changed)[std::size_t(r)]) kernel(r);
+    });
+    if (prepared_) update_prepared(exec, rows, *prepared_);
   }
   /// `options` with the prepared data of the whole cloud.
   SplatOptions prepared(SplatOptions options) const {

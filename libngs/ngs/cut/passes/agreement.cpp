@@ -8,12 +8,14 @@
 
 namespace ngs {
 
-std::vector<Agreement> training_agreement(const Exec& exec, const Problem& problem, const Solution& solution) {
+std::vector<Agreement> training_agreement(const Exec& exec, const Problem& problem, const Solution& solution,
+                                          std::size_t most_views) {
   const std::size_t objects = solution.labels.size();
   const LabelChannels channels(exec, *solution.cloud, solution.labels);
   const SplatOptions splat = kept_on_device(exec, problem.splat, *solution.cloud);
   std::vector<Agreement> views;
-  for_each_view(problem.monitor, problem.views, [&](std::size_t, std::size_t view) {
+  const std::vector<std::size_t> some = most_views > 0 ? spread_views(problem.views, most_views) : problem.views;
+  for_each_view(problem.monitor, some, [&](std::size_t, std::size_t view) {
     const ViewMasks masks = problem.load_masks(view);
     if (!masks.available) return;
     const ImageF label = channels.masks(exec, problem.scene.views[view].camera, splat);

@@ -11,8 +11,9 @@ struct Agreement {
   double iou = 0, biou = 0;
 };
 
-/// One entry per training view that has masks.
-std::vector<Agreement> training_agreement(const Exec& exec, const Problem& problem, const Solution& solution);
+/// One entry per training view that has masks; of at most `most_views` training views, 0: of all.
+std::vector<Agreement> training_agreement(const Exec& exec, const Problem& problem, const Solution& solution,
+                                          std::size_t most_views = 0);
 Agreement mean_agreement(const std::vector<Agreement>& views);
 
 struct AgreementTarget {

@@ -61,6 +61,9 @@ struct JointTrainer::Impl : TrainedModel {
   std::vector<std::unique_ptr<LossTerm>> losses;  // those that are on
   LossValues no_values;                           // all columns
   ImageGradients images;
+  StepTiles tiles;
+  ImageF pixel_weights;           // of the losses, in a step that leaves out tiles
+  std::vector<float> kept_photo;  // its photo
   CloudGradients gradients;
   GaussianMoments moments;
   ViewCache cache;
@@ -81,7 +84,7 @@ struct JointTrainer::Impl : TrainedModel {
         rendered(exec),
         splat(rows.prepared(splat_of(s)), &rendered),
         images(exec),
-        cache(exec, input),
+        cache(exec, input, leaves_out_tiles()),
         resident(exec) {}
 
   void start(const Losses& wanted, bool allow_empty) {
@@ -100,9 +103,9 @@ struct JointTrainer::Impl : TrainedModel {
   }
 
   /// Copies the trained values to the rendered cloud and labels.
-  void write_back(const Exec& where) {
+  void write_back(const Exec& where, const std::vector<std::uint8_t>* changed = nullptr) {
     labels.write_back(where);
-    rows.write_back(where);
+    rows.write_back(where, changed);
     for (const auto& loss : losses) loss->follow_model(where, resident);
   }
 
@@ -121,6 +124,8 @@ struct JointTrainer::Impl : TrainedModel {
     for (const auto& loss : losses) loss->add_to(resident);
   }
 
+  bool leaves_out_tiles() const { return options.far_tiles < 1; }
+
   std::string step_name(std::int64_t s) const {
     return "view '" + input.scene.views[input.views[view_of(s)]].camera.name + "', step " + std::to_string(s + 1);
   }
@@ -136,21 +141,48 @@ struct JointTrainer::Impl : TrainedModel {
     return order[std::size_t(s) % n];
   }
 
+  double weigh_tiles(const ViewCache::View& given);
   LossValues step_view(std::size_t n);
   void update(double decay);
 };
+
+/// Chooses the tiles of a step and sets the weights of their pixels; returns the mean weight. 0: all are rendered.
+double JointTrainer::Impl::weigh_tiles(const ViewCache::View& given) {
+  request.tiles = nullptr;
+  if (given.near.empty()) return 0;
+  const int w = given.masks.width_px, h = given.masks.height_px;
+  tiles = step_tiles(given.near, w, h, options.far_tiles, input.seed, done);
+  pixel_weights.width_px = w;
+  pixel_weights.height_px = h;
+  pixel_weights.channels = 1;
+  double sum = 0;
+  for (const float weight : tiles.weight) sum += double(weight);
+  rendered.assign(pixel_weights.data, std::move(tiles.weight));
+  if (exec.device_ops) rendered.assign(kept_photo, std::vector<float>(given.photo.data));
+  request.tiles = tiles.rendered.data();
+  return sum / double(pixel_weights.pixels());
+}
 
 LossValues JointTrainer::Impl::step_view(std::size_t n) {
   ViewCache::View scratch;
   const ViewCache::View& given = cache.load(monitor, n, request.colour, scratch);
   const std::size_t view = input.views[n];
   request.label = labels.rendered();
-  const RenderedView& image = [&]() -> const RenderedView& {
+  const double mean_weight = weigh_tiles(given);
+  RenderedView& image = [&]() -> RenderedView& {
     const auto timed = monitor.scope("splat forward");
     return splat.forward(exec, cloud, input.scene.views[view].camera, request);
   }();
+  if (mean_weight > 0 && !given.photo.empty()) {  // no difference where no tile is rendered
+    const std::vector<float>& photo = exec.device_ops ? kept_photo : given.photo.data;
+    for_each_row(
+        exec, image.colour.pixels(),
+        KeepWeighted{image.colour.channels, pixel_weights.data.data(), photo.data(), image.colour.data.data()});
+  }
   images.begin(image);
   LossStep step{*this, done, view, window_share(input, view), given, image, images, gradients, no_values};
+  step.mean_weight = mean_weight;
+  if (mean_weight > 0) step.pixel_weight = &pixel_weights;
   for (const auto& loss : losses) loss->add_on_view(step);
   {
     const auto timed = monitor.scope("splat backward");
@@ -170,8 +202,13 @@ void JointTrainer::Impl::update(double decay) {
     for (double& rate : fallen) rate *= decay;
     for (const AdamGroup& group : gaussian_groups(fallen, gradients, rows.cloud(), moments)) groups.push_back(group);
   }
+  if (leaves_out_tiles())  // Gaussians in no tile keep values and moments
+    for (AdamGroup& group : groups) {
+      const std::size_t count = group.block.name == "label" ? group.block.value.size() : rows.size();
+      group.options.sparse_columns = int(group.block.value.size() / std::max<std::size_t>(count, 1));
+    }
   adam_step(exec, t, groups);
-  write_back(exec);
+  write_back(exec, leaves_out_tiles() ? &gradients.visible : nullptr);
   for (const auto& loss : losses) loss->update(t, decay);
 }
 

@@ -84,9 +84,11 @@ struct LossStep {
   const ViewCache::View& given;  // photo and masks
   const RenderedView& rendered;
   ImageGradients& images;
-  CloudGradients& gaussians;             // of the trained rows, after the backward pass of the rendering
-  LossValues values;                     // receives the terms
-  const ImageF* pixel_weight = nullptr;  // [H, W, 1] of the mask loss, set by earlier terms; null: 1
+  CloudGradients& gaussians;  // of the trained rows, after the backward pass of the rendering
+  LossValues values;          // receives the terms
+  // [H, W, 1], >= 0. Of the photometric loss in steps that leave out tiles, and of the mask loss; null: 1
+  const ImageF* pixel_weight = nullptr;
+  double mean_weight = 0;  // of the pixels, in a step that leaves out tiles; 0: none are left out
 };
 
 /// A named array that changes between steps, for checkpoints.

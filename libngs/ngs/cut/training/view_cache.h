@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ngs/cut/training/joint_options.h"
+#include "ngs/cut/training/step_tiles.h"
 #include "ngs/ops/image/pixel_window.h"
 #include "ngs/ops/losses/photometric.h"
 #include "ngs/ops/optim/resident.h"
@@ -18,9 +19,11 @@ class ViewCache {
   struct View {
     ImageF photo;
     ViewMasks masks;
-    PixelRect object;  // box about the object; empty if the mask is empty
+    PixelRect object;                // box about the object; empty if the mask is empty
+    std::vector<std::uint8_t> near;  // contour_tiles(), for steps that leave out tiles
   };
-  ViewCache(const Exec& exec, const Problem& input) : input_(input), view_(input.views.size()), resident_(exec) {}
+  ViewCache(const Exec& exec, const Problem& input, bool with_tiles)
+      : input_(input), with_tiles_(with_tiles), view_(input.views.size()), resident_(exec) {}
 
   /// View `n` of input.views. Views that do not fit into the cache are returned in `scratch`.
   const View& load(Monitor& monitor, std::size_t n, bool with_photo, View& scratch) {
@@ -29,6 +32,7 @@ class ViewCache {
     scratch.masks = input_.load_masks(input_.views[n]);
     if (with_photo) scratch.photo = input_.load_photo(input_.views[n]);
     scratch.object = object_box(scratch.masks);
+    if (with_tiles_) scratch.near = contour_tiles(scratch.masks);
     std::size_t bytes = scratch.photo.data.size() * sizeof(float) + scratch.masks.known.size();
     for (const auto& target : scratch.masks.target) bytes += target.size() * sizeof(float);
     if (bytes_ + bytes > kBytes) return scratch;
@@ -50,6 +54,7 @@ class ViewCache {
   }
 
   const Problem& input_;
+  const bool with_tiles_;
   std::vector<std::unique_ptr<View>> view_;
   std::size_t bytes_ = 0;
   Resident resident_;  // the cached views; others are copied in each step

@@ -92,6 +92,24 @@ struct ClearShapes {
   }
 };
 
+/// Where a pixel has no weight, image = target.
+struct KeepWeighted {
+  static constexpr const char* kName = "keep_weighted";
+  int channels;
+  const float* weight;  // [pixels]
+  const float* target;  // [pixels, channels]; null: 0
+  float* image;         // [pixels, channels]
+  template <class F>
+  void each_array(const F& f) {
+    f(weight), f(image);
+    if (target != nullptr) f(target);
+  }
+  NGS_HD void operator()(std::int64_t p) const {
+    if (weight[p] > 0) return;
+    for (std::int64_t i = p * channels; i < (p + 1) * channels; ++i) image[i] = target ? target[i] : 0.f;
+  }
+};
+
 /// Adds one array to another.
 struct AddValues {
   static constexpr const char* kName = "add_values";
@@ -194,7 +212,7 @@ struct LabelCellValues {
 };
 
 /// A kernel with an array per argument and a row per call.
-using RowKernel = std::variant<ScatterRows, GatherRows, RowColours, ClearShapes, AddValues, AddProjectedGradients,
-                               FadeNear, LabelCellGradients, LabelCellValues>;
+using RowKernel = std::variant<ScatterRows, GatherRows, RowColours, ClearShapes, KeepWeighted, AddValues,
+                               AddProjectedGradients, FadeNear, LabelCellGradients, LabelCellValues>;
 
 }  // namespace ngs

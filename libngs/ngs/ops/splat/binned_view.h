@@ -54,6 +54,12 @@ class BinnedView {
                                     const CullRequest& cull) {
     const TileLists& lists = memory_->lists;
     if (cull.max_depth != nullptr) return last_z_of(*cull.max_depth, lists);
+    if (cull.tiles != nullptr) {
+      std::vector<double> needed(std::size_t(lists.tiles()), 0.0);
+      for (std::size_t tile = 0; tile < needed.size(); ++tile)
+        if (cull.tiles[tile]) needed[tile] = std::numeric_limits<double>::infinity();
+      return needed;
+    }
     const std::uint8_t* const stop_after = is_sparse(cull.stop_after, cloud.size) ? cull.stop_after : nullptr;
     if (stop_after == nullptr && !is_sparse(cull.tiles_touching, cloud.size)) return {};
     CloudView<S> requested = cloud;

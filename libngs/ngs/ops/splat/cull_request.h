@@ -15,6 +15,8 @@ struct CullRequest {
   const std::uint8_t* stop_after = nullptr;
   /// [H, W, 1] Skip Gaussians at this depth or farther, all where it is 0; null: none.
   const ImageF* max_depth = nullptr;
+  /// [tiles] 0: do not render the tile; null: all tiles. Not combined with the others.
+  const std::uint8_t* tiles = nullptr;
 };
 
 }  // namespace ngs

@@ -35,8 +35,8 @@ SplatPass::~SplatPass() = default;
 SplatPass::SplatPass(SplatPass&&) noexcept = default;
 SplatPass& SplatPass::operator=(SplatPass&&) noexcept = default;
 
-const RenderedView& SplatPass::forward(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
-                                       const RenderRequest& request) {
+RenderedView& SplatPass::forward(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
+                                 const RenderRequest& request) {
   State& s = *state_;
   s.plan = channel_plan(request);
   if (s.images)
@@ -53,6 +53,7 @@ const RenderedView& SplatPass::forward(const Exec& exec, const GaussianCloud& cl
   }
   s.engine = std::make_unique<SplatEngine<float>>(float_tile_kernels(exec.isa), s.options, view,
                                                   relative_camera(camera, cloud), s.plan);
+  s.engine->cull({.tiles = request.tiles});
   s.engine->forward(exec, planes<float>(s.plan, s.rendered));
   return s.rendered;
 }

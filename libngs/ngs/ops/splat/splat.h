@@ -43,6 +43,8 @@ struct RenderRequest {
   // [N] 1: render() may skip Gaussians behind the last of these in each tile. Requires that every Gaussian with a
   // non-zero label is flagged; label images are then bit-identical, the others undefined. null: none is skipped
   const std::uint8_t* stop_after = nullptr;
+  // [tiles] 0: SplatPass may skip the tile of kTilePx² pixels, which are then undefined; null: none is skipped
+  const std::uint8_t* tiles = nullptr;
 };
 
 /// Forward only. May be called by several threads at once, with a device too: it then renders for one after the other,
@@ -68,8 +70,8 @@ class SplatPass {
   SplatPass& operator=(SplatPass&&) noexcept;
 
   /// `cloud` and `request.label` must outlive the matching backward call.
-  const RenderedView& forward(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
-                              const RenderRequest& request);
+  RenderedView& forward(const Exec& exec, const GaussianCloud& cloud, const Camera& camera,
+                        const RenderRequest& request);
 
   /// Overwrites `out` with the gradients of the last forward. Adjoint of forward; ∂α/∂· = 0 where α is capped.
   void backward(const Exec& exec, const ViewGradients& gradients, CloudGradients& out, const GradientRows& wanted = {});

@@ -77,6 +77,7 @@ class SplatEngine {
     const ViewProjector<S> projector = view_projector<S>(camera_, options_);
     channel_.resize(view().id.size() * std::size_t(count));
     for_each_index(exec, std::int64_t(view().id.size()), [&](std::int64_t v) {
+      if (lists().slot_begin[std::size_t(v)] == lists().slot_begin[std::size_t(v) + 1]) return;  // in no tile
       plan_.fill(projector, cloud_, view().id[std::size_t(v)], view().depth[std::size_t(v)],
                  channel_.data() + v * count);
     });

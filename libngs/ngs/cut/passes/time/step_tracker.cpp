@@ -7,6 +7,8 @@ namespace {
 
 /// Minimum share of its steps that an iteration needs to gain anything (decision 031).
 constexpr double kMinNextShare = 0.5;
+/// Views of a score that decides nothing: a trace must not cost more than 2 % of a run.
+constexpr std::size_t kTracedViews = 8;
 
 Json json_of(const LossValues& loss) {
   Json json{{"total", loss.total}};
@@ -21,14 +23,17 @@ StepTracker::StepTracker(const Exec& exec, const TrackerOptions& options, const 
       options_(options),
       problem_(problem),
       budget_(budget),
-      every_(options.trace_every > 0 ? options.trace_every : std::int64_t(problem.views.size())) {}
+      every_(options.trace_every > 0 ? options.trace_every
+             : options.target        ? std::int64_t(problem.views.size())
+                                     : 0) {}
 
 void StepTracker::score(Json& line, const std::function<Solution()>& model) {
   const std::optional<Monitor::Scope> timed =
       problem_.monitor != nullptr ? std::optional<Monitor::Scope>(std::in_place, *problem_.monitor, "score")
                                   : std::nullopt;
   const double before = wall_seconds();
-  const Agreement agreement = mean_agreement(training_agreement(exec_, problem_, model()));
+  const Agreement agreement =
+      mean_agreement(training_agreement(exec_, problem_, model(), every_ > 0 ? 0 : kTracedViews));
   const double took_s = wall_seconds() - before;
   scoring_s_ += took_s, longest_score_s_ = std::max(longest_score_s_, took_s);
   const std::optional<AgreementTarget>& target = options_.target;
@@ -86,7 +91,7 @@ void StepTracker::write_step(const JointProgress& progress, double now_s, const 
             {"step", step_},
             {"view", problem_.scene.views[progress.view].camera.name},
             {"loss", json_of(progress.loss)}};
-  if ((step_ % every_ == 0 || progress.step == progress.steps) && can_score()) score(line, model);
+  if (((every_ > 0 && step_ % every_ == 0) || progress.step == progress.steps) && can_score()) score(line, model);
   if (options_.traced) text_ += line.dump() + "\n";
 }
 

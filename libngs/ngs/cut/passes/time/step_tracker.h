@@ -12,7 +12,8 @@ namespace ngs {
 struct TrackerOptions {
   std::optional<AgreementTarget> target = {};
   bool traced = false;
-  int trace_every = 0;  // steps between scores; 0: once per epoch
+  int trace_every = 0;  // steps between scores; 0: at the end of the joint steps and of each contour
+                        // iteration, in a few views; with a target once per epoch
 };
 
 class StepTracker {
