@@ -10,6 +10,12 @@ namespace {
 
 using Json = nlohmann::json;
 
+/// "ngs-rbf" or "ngs-scene import": what a command line runs.
+std::string program_of(const Json& run) {
+  const std::string tool = run[0], command = run.size() > 1 ? run[1].get<std::string>() : "{}";
+  return tool + (command.starts_with("{") || command.starts_with("-") ? "" : " " + command);
+}
+
 Json made(const Json& rule, const Json& call, const std::string& item) {
   Json spec = with_text(rule, "{it}", item);
   Json run = call["run"];
@@ -47,11 +53,6 @@ std::map<std::string, Json> contract_cases() {
     if (entry.path().extension() == ".json")
       cases[entry.path().stem().string()] = Json::parse(std::ifstream(entry.path()));
   return cases;
-}
-
-std::string program_of(const Json& run) {
-  const std::string tool = run[0], command = run.size() > 1 ? run[1].get<std::string>() : "{}";
-  return tool + (command.starts_with("{") || command.starts_with("-") ? "" : " " + command);
 }
 
 }  // namespace ngs::test

@@ -15,7 +15,4 @@ nlohmann::json rule_cases(const nlohmann::json& rules);
 /// The cases of every contract/cases/NAME.json by NAME, and those of the rules by "rules".
 std::map<std::string, nlohmann::json> contract_cases();
 
-/// "ngs-rbf" or "ngs-scene import": what a command line runs.
-std::string program_of(const nlohmann::json& run);
-
 }  // namespace ngs::test
