@@ -87,5 +87,11 @@ TEST_CASE("a .glb has the attributes of KHR_gaussian_splatting, x left, y up, z 
   }
 }
 
+TEST_CASE("an empty model gives a valid .glb") {
+  const test::TempDir dir;
+  (void)io::write_splat(dir.file("m.glb"), test::plain_cloud(3, 1, 1), {0, 0, 0});
+  CHECK(Glb(test::read_bytes(dir.file("m.glb"))).json["scenes"].size() == 1);
+}
+
 }  // namespace
 }  // namespace ngs
