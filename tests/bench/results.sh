@@ -158,7 +158,7 @@ case ${1:-} in
     if [ "$*" = all ]; then set -- "${questions[@]}"; fi
     for name in "$@"; do known "$name"; done
     commit=$(commit_of_source)
-    prepare_tools tools ngs_bench test_stability ngs_occupancy
+    prepare_tools tools ngs_bench test_stability
     defaults=$(hash_of_defaults) runs=$top/build/results/$commit
     for name in "$@"; do
       case $name in

@@ -33,8 +33,6 @@ using test::ProcessSpec;
 using Words = std::vector<std::string>;
 using test::command, test::fixture_folder, test::resolved, test::words;
 
-const fs::path kCases = fs::path(NGS_SOURCE_DIR) / "tests/contract/cases";
-
 /// The error line, else the first line.
 std::string error_line(const std::string& err) {
   static const std::regex error("(^|\n)(ngs(-[a-z]+)?( [a-z]+)?: error: [^\n]+)");
@@ -285,18 +283,12 @@ std::string left_out(const Json& spec) {
 }  // namespace
 
 TEST_CASE("every tool satisfies the contract in every listed case") {
-  std::map<std::string, Json> files;
-  for (const fs::directory_entry& entry : fs::directory_iterator(kCases))
-    if (entry.path().extension() == ".json")
-      files[entry.path().stem().string()] = Json::parse(std::ifstream(entry.path()));
-  REQUIRE_FALSE(files.empty());
-  files["rules"] = test::rule_cases(Json::parse(std::ifstream(kCases.parent_path() / "rules.json")));
   REQUIRE_NOTHROW(test::fixture_folder());
   const char* only = std::getenv("NGS_CONTRACT_ONLY");
   std::string table;
   int cases = 0, cases_left_out = 0;
   std::set<std::string> names;
-  for (const auto& [file, cases_of_file] : files)
+  for (const auto& [file, cases_of_file] : test::contract_cases())
     for (const Json& spec : cases_of_file) {
       const std::string name = file + ": " + spec["name"].get<std::string>();
       if (only != nullptr && !std::regex_search(name, std::regex(only))) continue;

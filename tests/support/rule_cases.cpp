@@ -1,7 +1,7 @@
 #include "support/rule_cases.h"
 
 #include <filesystem>
-#include <string>
+#include <fstream>
 
 #include "support/tool_fixture.h"
 
@@ -9,6 +9,12 @@ namespace ngs::test {
 namespace {
 
 using Json = nlohmann::json;
+
+/// "ngs-rbf" or "ngs-scene import": what a command line runs.
+std::string program_of(const Json& run) {
+  const std::string tool = run[0], command = run.size() > 1 ? run[1].get<std::string>() : "{}";
+  return tool + (command.starts_with("{") || command.starts_with("-") ? "" : " " + command);
+}
 
 Json made(const Json& rule, const Json& call, const std::string& item) {
   Json spec = with_text(rule, "{it}", item);
@@ -18,9 +24,8 @@ Json made(const Json& rule, const Json& call, const std::string& item) {
   for (const Json& word : rule.value("more", Json::array())) run.push_back(word);
   const std::string file = std::filesystem::path(item).filename().string();
   spec["run"] = run;
-  const std::string tool = call["run"][0], command = call["run"][1];
-  spec["name"] = tool + (command.starts_with("{") ? "" : " " + command) + " " + rule["name"].get<std::string>() +
-                 (rule.contains("exit") ? "" : ": " + file);
+  spec["name"] = program_of(run) + " " + rule["name"].get<std::string>() +
+                 (rule.contains("exit") ? "" : ": " + item.substr(item.find('/') + 1));
   if (rule.contains("exit")) return spec;
   spec["exit"] = 3;
   spec["stderr_contains"].push_back(file);
@@ -38,6 +43,15 @@ Json rule_cases(const Json& rules) {
       for (const Json& rule : kind == "run" ? Json::array() : rules.at(kind))
         for (const Json& item : items) cases.push_back(made(rule, call, item));
   }
+  return cases;
+}
+
+std::map<std::string, Json> contract_cases() {
+  const std::filesystem::path folder = NGS_SOURCE_DIR "/tests/contract";
+  std::map<std::string, Json> cases = {{"rules", rule_cases(Json::parse(std::ifstream(folder / "rules.json")))}};
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "cases"))
+    if (entry.path().extension() == ".json")
+      cases[entry.path().stem().string()] = Json::parse(std::ifstream(entry.path()));
   return cases;
 }
 

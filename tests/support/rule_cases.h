@@ -1,6 +1,8 @@
 #pragma once
 // Contract cases that repeat one rule for each tool, output and input (contract/rules.json).
+#include <map>
 #include <nlohmann/json.hpp>
+#include <string>
 
 namespace ngs::test {
 
@@ -9,5 +11,8 @@ namespace ngs::test {
 /// the call's words, "put" replaces the item among them. Rules without "exit" are of inputs: exit 3, and the message
 /// has the file's name.
 nlohmann::json rule_cases(const nlohmann::json& rules);
+
+/// The cases of every contract/cases/NAME.json by NAME, and those of the rules by "rules".
+std::map<std::string, nlohmann::json> contract_cases();
 
 }  // namespace ngs::test

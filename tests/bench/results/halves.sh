@@ -2,8 +2,7 @@
 # shellcheck shell=bash disable=SC2154
 #
 # Masks are exact and every photo is used: what differs from the truth is what no photo shows, or what the cut left. The
-# splat is fitted to the photos with the object alone. About 80 CPU seconds a recipe, 200 with METHODS that contain BEA-GS:
-# flash's labels trained by the losses of BEA-GS (tests/bench/occupancy), for comparison.
+# splat is fitted to the photos with the object alone. About 80 CPU seconds a recipe.
 halves_recipes=${RECIPES:-torus-box leaves bones table two-spheres corner ground}
 
 question_halves() {
@@ -33,7 +32,6 @@ question_halves() {
       halves_row "$recipe" "$method"
       halves_variants "$recipe" "$method"
     done
-    case " ${METHODS:-} " in *' BEA-GS '*) halves_published "$recipe" ;; esac
   done
 }
 
@@ -73,20 +71,6 @@ halves_row() {
       -o "$cut/halves.json" -w -q > /dev/null
   fi
   row scene="$1" method="$2" variant="${*:3}" halves="$cut/halves.json"
-}
-
-# halves_published RECIPE: the row of flash's labels trained by the losses of BEA-GS, with k as published.
-halves_published() {
-  local cut=$work/$1-flash/published
-  halves_labels "$1" flash
-  if [ ! -f "$cut/halves.json" ]; then
-    say "$question: $1, BEA-GS"
-    mkdir -p "$cut"
-    tool ngs_occupancy "$work/$1/scene.json" "$work/$1-flash/labelled.ply" 2000 "$cut/object.ply" "$cut/background.ply"
-    tool ngs-eval "$cut" "$work/$1-scene/halves" --halves --model "$work/$1-scene/point_cloud.ply" \
-      -o "$cut/halves.json" -w -q > /dev/null
-  fi
-  row scene="$1" method=BEA-GS halves="$cut/halves.json"
 }
 
 # halves_variants RECIPE METHOD: a row for each list of options in VARIANTS, separated by |. Default: without finish and fill.

@@ -52,48 +52,4 @@ TEST_CASE("other folders of photos, masks and cameras are named") {
                        "masks: used for masks, not masks_sam", "also holds sparse/1", "also holds transforms.json"});
 }
 
-TEST_CASE("other splats, and older iterations of the chosen one, are named") {
-  const Capture capture;
-  copy(capture, "point_cloud.ply", "point_cloud/iteration_7000/point_cloud.ply");
-  copy(capture, "point_cloud.ply", "point_cloud/iteration_30000/point_cloud.ply");
-  copy(capture, "point_cloud.ply", "edited.ply");
-  fs::remove(capture.path("point_cloud.ply"));
-  check_note(capture, {"iteration_30000/point_cloud.ply is the model, not ", "edited.ply (a splat of 374 Gaussians)",
-                       "iteration_7000/point_cloud.ply (a splat of 374 Gaussians)", "name it with --model PATH"});
-}
-
-TEST_CASE("photos next to the cameras files are found, as RealityScan exports them") {
-  const Capture capture;
-  for (const char* name : {"cameras.txt", "images.txt", "points3D.txt"})
-    fs::rename(capture.path(std::string("sparse/0/") + name), capture.path(name));
-  fs::remove_all(capture.path("sparse"));
-  for (int i = 0; i < test::kCaptureViews; ++i) {
-    const std::string name = "v" + std::to_string(i) + ".png";
-    fs::rename(capture.path("images/" + name), capture.path(name));
-    fs::rename(capture.path("masks/" + name), capture.path("masks/" + name + ".mask.png"));
-  }
-  fs::remove(capture.path("images"));
-  const test::ProcessResult result = capture.import();
-  CAPTURE(result.err);
-  CHECK(result.exit_code == 0);
-  CHECK(capture.views_with("image") == test::kCaptureViews);
-  CHECK(capture.views_with("mask") == test::kCaptureViews);
-}
-
-TEST_CASE("a capture without cameras names its splat, one without a splat how to make it") {
-  const Capture capture;
-  fs::rename(capture.path("sparse"), capture.path("../sparse"));
-  test::ProcessResult result = capture.run({"ngs", "cut", "c", "-o", "out"});
-  CHECK(result.exit_code == 3);
-  CHECK(contains(result.err, "no cameras found"));
-  CHECK(contains(result.err, "ngs cut c/point_cloud.ply"));
-  fs::rename(capture.path("../sparse"), capture.path("sparse"));
-  fs::remove(capture.path("point_cloud.ply"));
-  result = capture.run({"ngs", "cut", "c", "-o", "out"});
-  CHECK(result.exit_code == 3);
-  CHECK(contains(result.err, "no splat found"));
-  CHECK(contains(result.err, "ngs-scene import c -o scene.json, then ngs-fit scene.json -o model.ply"));
-  CHECK(!fs::exists(capture.dir.path() + "/out"));
-}
-
 }  // namespace ngs

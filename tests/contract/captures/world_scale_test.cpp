@@ -1,5 +1,4 @@
-// The whole chain on a capture, and on a splat alone, in other units of length: a coin in metres, a town in
-// millimetres.
+// The whole chain on a capture in other units of length: a coin in metres, a town in millimetres.
 #include <doctest/doctest.h>
 
 #include "contract/captures/capture.h"
@@ -70,26 +69,6 @@ TEST_CASE("a capture of any unit is imported without a flag, and gets the labels
       CHECK(different == 0);
       CHECK(differing_pixels(plain.dir.path() + "/m", scaled.dir.path() + "/m") <= (exact ? 0 : kMaxPixels));
     }
-}
-
-TEST_CASE("a splat alone of any unit gets cameras, and images of the same size") {
-  const auto renders = [](const Capture& capture, double factor) {
-    if (factor != 1) capture.scale(factor);
-    const test::ProcessResult result = capture.run(
-        {"ngs-scene", "orbit", "c/point_cloud.ply", "--view-count", "8", "--size", "64x48", "-o", "scene.json"});
-    CAPTURE(factor);
-    CAPTURE(result.err);
-    REQUIRE(result.exit_code == 0);
-    return capture.dir.path() + "/images";
-  };
-  const Capture plain;
-  const std::string expected = renders(plain, 1);
-  for (const double factor : {0x1p-10, 0x1p10, 1e-3, 1e3}) {
-    CAPTURE(factor);
-    const Capture scaled;
-    // A pixel of 8 bits differs where its value is next to a rounding boundary.
-    CHECK(differing_pixels(expected, renders(scaled, factor)) < 300);  // of 8 x 64 x 48 x 3
-  }
 }
 
 }  // namespace ngs

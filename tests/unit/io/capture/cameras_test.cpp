@@ -175,7 +175,9 @@ TEST_CASE("invalid COLMAP text is rejected with its line") {
   refused("1 PINHOLE 0 480 500 500 320 240\n", "", "size 0x480 px");
   refused("1 PINHOLE 99999999999 480 500 500 320 240\n", "", "size 99999999999x480 px");
   refused(camera + camera, "", "camera 1 twice");
-  refused("1 PINHOLE 640 480 0 500 320 240\n", "1 1 0 0 0 0 0 0 1 a.png\n\n", "focal length");
+  for (const char* focal : {"0", "nan"})
+    refused("1 PINHOLE 640 480 " + std::string(focal) + " 500 320 240\n", "1 1 0 0 0 0 0 0 1 a.png\n\n",
+            "focal length");
 }
 
 TEST_CASE("quaternions within 1e-3 of unit length are normalised") {
@@ -301,7 +303,8 @@ TEST_CASE("invalid transforms.json files are rejected with the location") {
   refused("/frames/0/is_fisheye", true, "is_fisheye, expected a pinhole");
   refused("/camera_model", "OPENCV_FISHEYE", "camera model OPENCV_FISHEYE");
   refused("/frames/0/fl_x", 0, "focal length");
-  refused("/w", 0, "w: 0, expected an integer");
+  for (const int width : {0, -48}) refused("/w", width, "expected an integer");
+  refused("/w", "48", "expected a finite number");
   refused("/applied_transform", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 5, 0}}, "applied_transform");
 }
 

@@ -59,11 +59,5 @@ TEST_CASE("a compressed.ply round trip loses at most half a step of every attrib
   }
 }
 
-TEST_CASE("an empty compressed.ply is written and read") {
-  const test::TempDir dir;
-  (void)io::write_splat(dir.file("m.compressed.ply"), test::plain_cloud(3, 1, 1), {0, 0, 0});
-  CHECK(io::read_gaussian_ply(dir.file("m.compressed.ply")).cloud.size() == 0);
-}
-
 }  // namespace
 }  // namespace ngs

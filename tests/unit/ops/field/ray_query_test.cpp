@@ -54,21 +54,6 @@ TEST_CASE("the samples fill the window evenly from end to end") {
   CHECK(sample_spacing(w, 8) == doctest::Approx(0.8 / 7));
 }
 
-TEST_CASE("a single sample lies in the middle of the window and its spacing is the window's length") {
-  const DepthWindow<double> w = depth_window(4.0, 0.1, 1e-4, 0.01);
-  CHECK(sample_distance(w, 0, 1) == doctest::Approx(4));
-  CHECK(sample_spacing(w, 1) == doctest::Approx(0.8));
-}
-
-TEST_CASE("a depth window never reaches the camera") {
-  const DepthWindow<double> w = depth_window(0.5, 0.1, 2.0, 0.01);  // epsilon larger than the distance
-  CHECK(w.near == 0.01);
-  CHECK(w.far == 2.5);
-  const DepthWindow<double> none = depth_window(0.0, 0.1, 0.0, 0.01);
-  CHECK(none.near == 0.01);
-  CHECK(none.far == 0.01);
-}
-
 TEST_CASE("the window follows the rendered depth where the pixel is covered, else the mean distance") {
   test::Random random(3);
   const Camera camera = test::camera_around(random, 4);

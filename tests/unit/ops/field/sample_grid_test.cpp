@@ -33,30 +33,6 @@ TEST_CASE("the boundary box spans the projected centres plus the padding") {
   CHECK(b.mean_distance == doctest::Approx((1 + std::sqrt(4.05)) / 2));
 }
 
-TEST_CASE("the boundary box of nothing visible is empty") {
-  for (const std::vector<float>& points :
-       {std::vector<float>{}, {0, 0, -1}, {0, 0, 0}, {0, 0, 0.005f}, {50, 0, 1}, {0, -9, 1}}) {
-    const BoundaryBox b = box_about(points);
-    CHECK(b.visible == 0);
-    CHECK(b.mean_distance == 0);
-    CHECK(pixel_grid(b.box, 4, 4).nodes() == 0);
-  }
-}
-
-TEST_CASE("Gaussians behind the camera or far off-screen do not stretch the box") {
-  const BoundaryBox alone = box_about({0, 0, 1}), crowded = box_about({0, 0, 1, 0.3f, 0.3f, -1, 40, 0, 1});
-  CHECK(crowded.visible == 1);
-  CHECK(crowded.box.max_x == alone.box.max_x);
-}
-
-TEST_CASE("the boundary box is clipped to the image") {
-  const BoundaryBox b = box_about({-1.04f, 0, 1, 1.04f, 0.78f, 1});  // x at -2 and 102, y at 79: inside the padding
-  CHECK(b.visible == 2);
-  CHECK(b.box.min_x == 0);
-  CHECK(b.box.max_x == 100);
-  CHECK(b.box.max_y == 80);
-}
-
 TEST_CASE("a grid of cell centres has rows x cols nodes, none on the border") {
   const PixelGrid g = pixel_grid({10, 20, 30, 60}, 8, 4);
   CHECK(g.cols == 4);
@@ -64,17 +40,6 @@ TEST_CASE("a grid of cell centres has rows x cols nodes, none on the border") {
   CHECK(g.x(0) == 12.5);
   CHECK(g.x(3) == 27.5);
   CHECK(g.y(7) == 57.5);
-}
-
-TEST_CASE("a grid never steps by less than a pixel") {
-  for (const double width : {0.25, 1.0, 1.5, 2.0, 3.75, 63.9, 64.0, 500.0}) {
-    CAPTURE(width);
-    const PixelGrid g = pixel_grid({5, 5, 5 + width, 6}, 64, 64);
-    CHECK(g.step_x >= 1);
-    CHECK(g.cols >= 1);
-    CHECK(g.x(0) >= 5);
-    CHECK(g.x(g.cols - 1) <= 5 + width + 1e-12);
-  }
 }
 
 TEST_CASE("box_of(grid) recovers the sampled box for any number of nodes") {

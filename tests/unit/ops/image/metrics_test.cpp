@@ -129,29 +129,6 @@ TEST_CASE("signed distance is the distance to the other side, positive in the ob
   CHECK(signed_distance({all.data(), 5, 1}) == std::vector<std::int32_t>(5, kUnbounded));
 }
 
-TEST_CASE("contour F is 1 within the tolerance and falls beyond it") {
-  const Mask truth = box(40, 40, 10, 10, 30, 30), moved = box(40, 40, 13, 10, 33, 30);
-  CHECK(contour_f(truth.plane(), truth.plane(), 0) == 1);
-  CHECK(contour_f(moved.plane(), truth.plane(), 3) == 1);
-  CHECK(contour_f(moved.plane(), truth.plane(), 2) < 1);
-}
-
-TEST_CASE("contour F measures the tolerance as a Euclidean distance") {
-  Mask a(20, 20), b(20, 20);
-  a.at(5, 5) = b.at(8, 9) = 1;  // 3-4-5
-  CHECK(contour_f(a.plane(), b.plane(), 5) == 1);
-  CHECK(contour_f(a.plane(), b.plane(), 4) == 0);
-}
-
-TEST_CASE("the image frame is no contour") {
-  const Mask half = box(10, 10, 0, 0, 5, 10), shorter = box(10, 10, 0, 0, 5, 9);
-  CHECK(contour_f(half.plane(), half.plane(), 0) == 1);
-  // `shorter` has a contour along y = 8 that `half`, cut off by the frame, lacks. Recall is 1, precision is lower.
-  const double f = contour_f(shorter.plane(), half.plane(), 1);
-  CHECK(f < 1);
-  CHECK(f > 0.5);
-}
-
 TEST_CASE("far errors are wrong pixels beyond the wide band of the truth's contour") {
   const Mask truth = box(100, 100, 20, 20, 60, 60);  // band: 3 px
   Mask predicted = box(100, 100, 18, 20, 60, 60);    // 2 px too wide: near
@@ -175,17 +152,6 @@ struct VoidBand {
     return score_mask({}, predicted.plane(), truth.plane(), 0.008, is_void.plane());
   }
 };
-
-TEST_CASE("predictions in void pixels change no score") {
-  const VoidBand band;
-  for (int by = 0; by <= 4; ++by) {
-    CAPTURE(by);
-    const MaskScores s = band.score(box(60, 40, 15 + by, 10 + by, 35 - by, 30 - by));
-    for (double value : score_values(s)) CHECK(value == 1);
-    CHECK(s.void_px == 20 * 20 - 12 * 12);
-    CHECK(s.counts.total() == 60 * 40 - s.void_px);
-  }
-}
 
 TEST_CASE("errors next to a void are counted, and the edge of the void is no contour") {
   const VoidBand band;

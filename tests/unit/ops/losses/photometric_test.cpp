@@ -92,17 +92,6 @@ TEST_CASE("SSIM of a flat image far above 1 stays between 0 and 1") {
   }
 }
 
-TEST_CASE("the photometric loss of an image with itself is zero and its gradient vanishes") {
-  const ImageF x = random_image(20, 14, 3, 3);
-  ImageF gradient;
-  const auto value = PhotometricPass<float>().evaluate({}, {}, {x, x}, &gradient);
-  CHECK(value.l1 == 0.0);
-  CHECK(value.ssim == doctest::Approx(1.0).epsilon(1e-6));
-  float worst = 0;
-  for (const float g : gradient.data) worst = std::max(worst, std::abs(g));
-  CHECK(worst < 1e-6f);
-}
-
 TEST_CASE("a box and pixel weights restrict the loss to their pixels but not the windows") {
   const ImageF x = random_image(31, 27, 3, 7), y = random_image(31, 27, 3, 8), w = random_image(31, 27, 1, 9);
   for (const PixelRect box : {PixelRect{}, PixelRect{0, 0, 5, 4}, PixelRect{12, 9, 13, 10}, PixelRect{20, 20, 31, 27},

@@ -97,43 +97,6 @@ TEST_CASE("knn equals a full sort for every small number of points") {
   }
 }
 
-TEST_CASE("knn breaks ties at the last place by index") {
-  // An integer lattice: from its nodes 6 points are equally far, then 12, then 8.
-  std::vector<float> points;
-  for (int x = 0; x < 6; ++x)
-    for (int y = 0; y < 6; ++y)
-      for (int z = 0; z < 6; ++z) points.insert(points.end(), {float(x), float(y), float(z)});
-  for (const int k : {1, 3, 5, 8, 20, 32}) {
-    CAPTURE(k);
-    check_equal(nearest_points({}, rows(points), rows(points), k), brute_force(points, points, k, false));
-    check_equal(nearest_others({}, rows(points), k), brute_force(points, points, k, true));
-  }
-}
-
-TEST_CASE("knn orders coincident points by index and excludes only the point itself") {
-  std::vector<float> points;
-  for (int i = 0; i < 50; ++i) points.insert(points.end(), {1.5f, -2.f, 0.25f});
-  points.insert(points.end(), {2.5f, -2.f, 0.25f});
-  check_equal(nearest_points({}, rows(points), rows(points), 7), brute_force(points, points, 7, false));
-  const KnnGraph others = nearest_others({}, rows(points), 3);
-  CHECK(std::vector<std::uint32_t>(others.index.begin(), others.index.begin() + 6) ==
-        std::vector<std::uint32_t>{1, 2, 3, 0, 2, 3});
-  CHECK(others.dist2[0] == 0);
-  CHECK(others.dist2.back() == 1);
-}
-
-TEST_CASE("knn stays exact for far queries, offset scenes and points that differ by rounding only") {
-  test::Random random(2);
-  for (const float offset : {0.f, 1e4f}) {
-    std::vector<float> points = random.uniform_vector<float>(3 * 300, -1, 1);
-    for (float& x : points) x += offset;
-    for (std::size_t i = 0; i < 60; ++i) points.push_back(std::nextafter(points[i], 2e4f));  // nearly coincident
-    std::vector<float> queries = random.uniform_vector<float>(3 * 50, -1e3, 1e3);
-    queries.insert(queries.end(), points.begin(), points.begin() + 90);
-    check_equal(nearest_points({}, rows(points), rows(queries), 8), brute_force(points, queries, 8, false));
-  }
-}
-
 TEST_CASE("knn gives the same tables for any number of threads") {
   test::Random random(3);
   const auto points = random.uniform_vector<float>(3 * 700, -1, 1),

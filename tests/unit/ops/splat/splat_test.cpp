@@ -155,14 +155,6 @@ TEST_CASE("splat gives the same bits for any number of threads") {
   for (const int threads : {2, 3, 7}) CHECK(rendered<PackF>(c, {}, threads) == one);
 }
 
-TEST_CASE("splat: Gaussians at equal depth are composited in index order") {
-  test::SplatCase c = test::splat_case(8, 2, 20, 20);
-  for (int k = 0; k < 3; ++k) c.position[std::size_t(3 + k)] = c.position[std::size_t(k)];
-  c.logit_opacity = {9, 9};
-  const auto reference = test::reference_render(c, {});
-  CHECK(worst_difference(rendered<double>(c, {}), reference) < 1e-12);
-}
-
 TEST_CASE("splat: many sparse label channels are bit-identical to each channel rendered alone") {
   const test::SplatCase c = test::splat_case(4, 200, 71, 50);
   const GaussianCloud cloud = test::float_cloud(c);
