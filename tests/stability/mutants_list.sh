@@ -78,8 +78,8 @@ mutant core/monitor.cpp $t core/monitor.cpp "limit: all loops are timed from the
 mutant core/monitor.cpp $t core/monitor.cpp "limit: it stays active after its scope" 's/monitor_\.stopped_by_limit_ = false, monitor_\.deadline_s_ = kNever/monitor_.stopped_by_limit_ = false/'
 t=unit/cut/passes/aborted_pass_test.cpp
 mutant cut/passes/pipeline.cpp $t cut/passes/pipeline.cpp "budget: passes are not aborted" 's/if \(limit\.reached\(\)\) abort_pass\(run, name\);//'
-mutant cut/passes/pipeline.cpp $t cut/passes/pipeline.cpp "budget: a resumed run checks the clock" 's/if \(run\.resumed \|\| is_fixed_by_user/if (is_fixed_by_user/'
-mutant cut/passes/pipeline.cpp $t cut/passes/pipeline.cpp "budget: a resumed run does not skip passes that were aborted" 's/if \(run\.resumed && was_aborted/if (false \&\& was_aborted/'
+mutant cut/passes/pipeline.cpp $t cut/passes/pipeline.cpp "budget: a resumed run checks the clock" 's/if \(run\.resume\.before \|\| is_fixed_by_user/if (is_fixed_by_user/'
+mutant cut/passes/pipeline.cpp $t cut/passes/pipeline.cpp "budget: a resumed run does not skip passes that were aborted" 's/if \(run\.resume\.before && was_aborted/if (false \&\& was_aborted/'
 mutant cut/passes/resumed_decisions.cpp $t cut/passes/resumed_decisions.cpp "resumed: skipped effects are not reported" 's/if \(holds\(skipped, std::string\(effect\.name\)\)\)/if (false)/'
 mutant cut/passes/resumed_decisions.cpp $t cut/passes/resumed_decisions.cpp "resumed: stored decisions are ignored" 's/if \(holds\(effects, text_of\(effect\.name, on\)\)\).*;$/;/'
 mutant cut/passes/resumed_decisions.cpp $t cut/passes/resumed_decisions.cpp "resumed: contour decisions are kept too" 's/if \(find_effect\(redecided, d\.effect->name\) == nullptr\)//'
@@ -101,7 +101,7 @@ mutant $f $t $f "bleed through: sign of the gain reversed" 's/gain \+= \(now - m
 mutant $f $t $f "bleed through: certain labels are candidates" 's/ && labels\[k\]\.prob\[i\] < kCertainShare//'
 mutant $f $t $f "bleed through: rows with fixed labels change" 's/ && !is_fixed\(problem, i\)//'
 mutant $f $t $f "bleed through: mask of the first object for all objects" 's/object_weight\(v, candidate\.object\)/object_weight(v, 0)/'
-mutant cut/passes/pipeline.cpp $t cut/passes/pipeline.cpp "bleed through: the clock affects the start of stored steps" 's/ \|\| run\.store != nullptr//'
+mutant cut/passes/pipeline.cpp $t cut/passes/pipeline.cpp "bleed through: the clock affects the start of stored steps" 's/ \|\| run\.optimisation\.store != nullptr//'
 mutant cut/passes/bleed_through/bleed_through_pass.cpp $t cut/passes/bleed_through/bleed_through_pass.cpp "bleed through: results of an aborted pass are used" 's/if \(run\.monitor\.stop_requested\(\)\) return;//'
 t=unit/ops/splat/evidence_test.cpp
 mutant ops/splat/evidence_tile.h $t ops/splat/tile_isa.cpp "evidence: visibility weights equal rendering weights" 's/if constexpr \(kByVisibility\) weight = weight \* hit\.transmittance;//'
