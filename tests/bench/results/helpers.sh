@@ -60,14 +60,14 @@ splits_text() {
 # after measuring all questions.
 younger_options='hash_smoothstep|field_depth|smooth_form|masks_in_order|mask_shift|min_mask_agreement'
 
-# Hash of the default options of the tools in the chain.
+# Hash of the default options of the tools in the chain, in any order.
 hash_of_defaults() {
   { for command in import variance joint render eval; do
       case $command in
         import) tool ngs-scene import --print-options ;;
         *) tool "ngs-$command" --print-options ;;
       esac
-    done; } | sed -E "/^ *\"($younger_options)\":/d" | sha256sum | cut -c1-16
+    done; } | sed -E "/^ *\"($younger_options)\":/d; s/,\$//" | LC_ALL=C sort | sha256sum | cut -c1-16
 }
 
 # ---- runs

@@ -89,6 +89,7 @@ struct JointTrainer::Impl : TrainedModel {
 
   void start(const Losses& wanted, bool allow_empty) {
     boundary = boundary_to_train(input, options.on("boundary"), allow_empty);
+    resident.add_input(boundary.row);
     steps = steps_of(options, input.views.size());
     labels.start(input, options.start_steps);
     request.colour = false;
@@ -120,7 +121,7 @@ struct JointTrainer::Impl : TrainedModel {
       moments[g].m.resize((gradients.*kGroupColumns[g].gradient).size()), moments[g].v.resize(moments[g].m.size());
       resident.add(moments[g].m), resident.add(moments[g].v);
     }
-    rows.add_to(resident), labels.add_to(resident), resident.add(boundary.row);
+    rows.add_to(resident), labels.add_to(resident);
     for (const auto& loss : losses) loss->add_to(resident);
   }
 
