@@ -228,9 +228,9 @@ RepairedAgreement repaired_agreement(const MaskRepair& repair, const std::vector
   std::vector<double> before, after;
   for (std::size_t v = 0; v < iou.size(); ++v)
     if (given[v] != kNone && iou[v] != kNone) before.push_back(given[v]), after.push_back(iou[v]);
-  std::size_t better = 0;
-  for (std::size_t v = 0; v < after.size(); ++v) better += after[v] > before[v] + kSuspectGain;
   const double mean_before = mean_of(before), mean_after = mean_of(after);
+  std::size_t better = 0;  // by half of the mean gain or more
+  for (std::size_t v = 0; v < after.size(); ++v) better += after[v] - before[v] > 0.5 * (mean_after - mean_before);
   const bool is_common = kLeastBetter * double(after.size()) <= double(better);
   return {repair, after.size(), mean_before, is_common ? mean_after : std::min(mean_before, mean_after)};
 }
