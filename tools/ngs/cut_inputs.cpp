@@ -17,6 +17,28 @@ namespace ngs::ngs_tool {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+/// How to export the splat of a trainer's checkpoint in the folder; empty: there is none.
+std::string export_of_checkpoint(const std::string& folder) {
+  constexpr int kMaxDepth = 5;
+  std::error_code failed;
+  for (fs::recursive_directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
+    if (entry.depth() >= kMaxDepth) entry.disable_recursion_pending();
+    const fs::path& file = entry->path();
+    const std::string config = (file.parent_path().parent_path() / "config.yml").generic_string();
+    if (file.extension() == ".ckpt" && exists(config))
+      return "export the splat of " + file.generic_string() +
+             " with nerfstudio: ns-export gaussian-splat --load-config " + io::shell_word(config) + " --output-dir " +
+             io::shell_word((fs::path(folder) / "exports").generic_string());
+    if (file.extension() == ".pt" && file.filename().string().starts_with("ckpt_"))
+      return file.generic_string() + " is a checkpoint of gsplat: train with --save_ply, which writes the splat";
+  }
+  return {};
+}
+
+}  // namespace
+
 std::string splat_without_photos(const std::string& capture, const std::string& model, bool marked) {
   io::ImportRequest request;
   request.capture.source = capture, request.model_path = model;
@@ -55,9 +77,11 @@ void require_model_in(const std::string& path) {
   const io::ModelSearch found = io::find_model(folder);
   std::error_code unreadable;
   if (!found.path.empty() || fs::exists(fs::path(folder) / "scene.json", unreadable)) return;
+  const std::string checkpoint = export_of_checkpoint(folder);
   throw Error(ErrorCode::kBadInput, found.problem + ", expected one",
-              "give the splat with --model PATH; to fit one to the photos: ngs-scene import " + io::shell_word(path) +
-                  " -o scene.json, then ngs-fit scene.json -o model.ply");
+              !checkpoint.empty() ? checkpoint
+                                  : "give the splat with --model PATH; to fit one to the photos: ngs-scene import " +
+                                        io::shell_word(path) + " -o scene.json, then ngs-fit scene.json -o model.ply");
 }
 
 }  // namespace ngs::ngs_tool

@@ -24,9 +24,11 @@ constexpr double kFits = 0.8, kFitsWell = 0.9;
 constexpr double kMinGain = 0.05;      // of a repair that makes masks fit
 constexpr double kClearGain = 0.4;     // the same, of thin objects or in few views
 constexpr double kSuspectGain = 0.03;  // of masks of other views that do not fit either
-constexpr double kMaxRatio = 0.75;     // of any repair to the masks as given, if these are right and match badly
-constexpr double kLowAlone = 0.75;     // of an object, below which its ids are examined
-constexpr double kMinTogether = 0.2;   // gain of objects whose ids contradict as one
+constexpr double kLeastBetter =
+    1.0 / 3;  // of the views: exchanged neighbours gain in half of them, one mask of six in a sixth
+constexpr double kMaxRatio = 0.75;    // of any repair to the masks as given, if these are right and match badly
+constexpr double kLowAlone = 0.75;    // of an object, below which its ids are examined
+constexpr double kMinTogether = 0.2;  // gain of objects whose ids contradict as one
 
 const MaskRepair kInverted{.mistake = "inverted", .inverted = true};
 const MaskRepair kRepairs[] = {
@@ -219,13 +221,18 @@ double mean_of(const std::vector<double>& iou) {
   return views > 0 ? sum / views : kNone;
 }
 
-/// Means over the views in which both are measured.
+/// Means over the views in which both are measured. A mistake is in most views: a gain in few of them, as by a single
+/// wrong mask among similar ones, is none.
 RepairedAgreement repaired_agreement(const MaskRepair& repair, const std::vector<double>& given,
                                      const std::vector<double>& iou) {
   std::vector<double> before, after;
   for (std::size_t v = 0; v < iou.size(); ++v)
     if (given[v] != kNone && iou[v] != kNone) before.push_back(given[v]), after.push_back(iou[v]);
-  return {repair, after.size(), mean_of(before), mean_of(after)};
+  const double mean_before = mean_of(before), mean_after = mean_of(after);
+  std::size_t better = 0;  // by half of the mean gain or more
+  for (std::size_t v = 0; v < after.size(); ++v) better += after[v] - before[v] > 0.5 * (mean_after - mean_before);
+  const bool is_common = kLeastBetter * double(after.size()) <= double(better);
+  return {repair, after.size(), mean_before, is_common ? mean_after : std::min(mean_before, mean_after)};
 }
 
 void measure(Comparison& compare, const std::vector<MaskRepair>& repairs, std::size_t objects, MaskAgreement& found) {

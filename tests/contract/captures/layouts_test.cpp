@@ -96,8 +96,10 @@ TEST_CASE("pictures of the object on black are masks, pictures of everything are
   CHECK(result.exit_code == 0);
   CHECK(contains(result.err, "a picture on black, read as object where it is not black"));
   const Capture overlay;
-  change_masks(overlay, [](bool is_object, std::uint8_t photo, std::size_t c) {
-    return std::uint8_t(std::max<int>(12, is_object && c == 1 ? photo / 2 + 127 : photo));
+  int pixel = 0;  // photos have more colours than those of the tiny scene
+  change_masks(overlay, [&](bool is_object, std::uint8_t, std::size_t c) {
+    const int photo = 12 + pixel++ * 37 % 240;
+    return std::uint8_t(is_object && c == 1 ? photo / 2 + 127 : photo);
   });
   result = overlay.import();
   CAPTURE(result.err);
@@ -127,7 +129,8 @@ TEST_CASE("one file with the masks of all photos is named, with the command that
 
 TEST_CASE("ngs cut names the views in which the result disagrees with their masks") {
   const Capture capture;
-  for (int i = 0; i < test::kCaptureViews; ++i) fs::copy_file(capture.path("masks/v" + std::to_string(i) + ".png"), capture.path("right-" + std::to_string(i)));
+  for (int i = 0; i < test::kCaptureViews; ++i)
+    fs::copy_file(capture.path("masks/v" + std::to_string(i) + ".png"), capture.path("right-" + std::to_string(i)));
   test::ProcessResult result = capture.run({"ngs", "cut", "c", "-o", "out", "--quality", "draft"});
   CAPTURE(result.err);
   CHECK(result.exit_code == 0);
@@ -143,6 +146,46 @@ TEST_CASE("ngs cut names the views in which the result disagrees with their mask
   CHECK(result.exit_code == 0);
   CHECK(contains(result.err, "the result disagrees with 1 of 6 masks"));
   CHECK(nlohmann::json::parse(result.out)["result"]["mask_agreement"]["apart"] == nlohmann::json{"v0.png"});
+}
+
+TEST_CASE("of a checkpoint of nerfstudio without a splat, the command that exports it is printed") {
+  const Capture capture;
+  fs::remove(capture.path("point_cloud.ply"));
+  capture.dir.write("c/outputs/c/splatfacto/1/config.yml", "x");
+  capture.dir.write("c/outputs/c/splatfacto/1/nerfstudio_models/step-000029999.ckpt", "x");
+  const test::ProcessResult result = capture.run({"ngs", "cut", "c", "-o", "out"});
+  CHECK(result.exit_code == 3);
+  CHECK(contains(result.err, "ns-export gaussian-splat --load-config c/outputs/c/splatfacto/1/config.yml"));
+}
+
+TEST_CASE("the vertical axis in a comment is the upward axis of --drop-below-plane auto") {
+  constexpr int kSide = 24, kThing = 60;
+  GaussianCloud cloud;
+  cloud.resize(kSide * kSide + kThing, 0);
+  for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {  // a plane of normal x, and a thing on it towards x
+    const std::size_t k = i - kSide * kSide;
+    const bool in_plane = i < kSide * kSide;
+    const float p[] = {in_plane ? 0.f : 0.1f + 0.02f * float(k),
+                       in_plane ? 0.1f * float(i % kSide) - 1.2f : 0.02f * float(k % 5),
+                       in_plane ? 0.1f * float(i / kSide) - 1.2f : 0.02f * float(k % 7)};
+    for (std::size_t a = 0; a < 3; ++a) {
+      cloud.position[3 * i + a] = p[a];
+      cloud.log_scale[3 * i + a] = in_plane && a == 0 ? -7.f : -3.f;
+    }
+    cloud.rotation[4 * i] = 1;
+    cloud.logit_opacity[i] = 4;
+  }
+  const Capture capture;
+  std::string bytes = test::strict_ply_bytes(cloud);
+  capture.dir.write("plain.ply", bytes);
+  capture.dir.write("marked.ply", bytes.insert(bytes.find("element"), "comment Vertical Axis: z\n"));
+  const auto cut = [&](const char* model, const char* up) {
+    return capture.run({"ngs-extract", model, "--drop-below-plane", "auto", "--up", up, "--object-ply", "o.ply", "-w"});
+  };
+  CHECK(cut("plain.ply", "auto").exit_code == 0);
+  CHECK(cut("plain.ply", "z").exit_code == 5);
+  const test::ProcessResult result = cut("marked.ply", "auto");
+  CHECK_MESSAGE(result.exit_code == 5, result.err);
 }
 
 TEST_CASE("tools work without a folder for temporary files at TMPDIR") {

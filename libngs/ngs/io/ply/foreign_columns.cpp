@@ -76,6 +76,15 @@ std::string vertical_axis_in(std::string_view comment) {
   return text == "x" || text == "z" || text == "-x" || text == "-y" || text == "-z" ? text : "";
 }
 
+std::string deleted_note(const std::vector<std::uint8_t>& state) {
+  constexpr std::uint8_t kDeleted = 4;
+  const auto deleted = std::ranges::count_if(state, [](std::uint8_t s) { return (s & kDeleted) != 0; });
+  if (deleted == 0) return {};
+  return std::to_string(deleted) +
+         " Gaussians are marked as deleted (state 4 of SuperSplat) and still used: export the "
+         "model from the editor to be without them";
+}
+
 bool is_motion_column(std::string_view name) {
   constexpr std::string_view kStems[] = {"motion", "trbf", "omega", "scale_t", "scaling_t", "rot_r", "rotation_r"};
   return name == "t" || std::ranges::any_of(kStems, [&](std::string_view stem) { return name.starts_with(stem); });

@@ -46,6 +46,9 @@ bool is_render_comment(std::string_view comment);
 /// comments and for y.
 std::string vertical_axis_in(std::string_view comment);
 
+/// A note that Gaussians are marked as deleted in SuperSplat's state; empty: none are.
+std::string deleted_note(const std::vector<std::uint8_t>& state);
+
 /// Whether a column describes how a Gaussian moves, appears or turns in time (Spacetime Gaussians, 4D splats).
 bool is_motion_column(std::string_view name);
 

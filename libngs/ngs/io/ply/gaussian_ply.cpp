@@ -16,7 +16,6 @@
 
 namespace ngs::io {
 namespace {
-
 constexpr std::string_view kTrainFlags = "train_flags";  // "train_flags antialiasing": proposed for 3DGS
 
 struct Columns {
@@ -44,7 +43,6 @@ class Reader {
     copy_rows();
     check_weight();
     read_comments();
-    note_deleted();
     ply_.health = classify(ply_.cloud);
   }
 
@@ -321,16 +319,8 @@ class Reader {
     if (std::ranges::any_of(ply_.rows.properties, [](const PlyProperty& p) { return is_motion_column(p.name); }))
       ply_.notes.push_back("a splat that moves: read as its state at the reference time");
     if (ply_.cloud.antialiased) ply_.notes.push_back("trained with antialiasing");
+    if (const std::string note = deleted_note(ply_.state); !note.empty()) ply_.notes.push_back(note);
     ply_.rule = rule_in(ply_.comments, name_);
-  }
-
-  void note_deleted() {
-    constexpr std::uint8_t kDeleted = 4;
-    const auto deleted = std::ranges::count_if(ply_.state, [](std::uint8_t state) { return (state & kDeleted) != 0; });
-    if (deleted > 0)
-      ply_.notes.push_back(std::to_string(deleted) +
-                           " Gaussians are marked as deleted (state 4 of SuperSplat) and still used: export the model "
-                           "from the editor to be without them");
   }
 
   static constexpr float kLog1000 = 6.9077554f;

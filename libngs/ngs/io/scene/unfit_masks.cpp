@@ -120,7 +120,7 @@ UnfitMasks unfit_masks(const std::string& folder, const std::vector<SceneView>& 
   UnfitMasks unfit{folder + ": " + std::to_string(files.size()) + kind + " fit no view (first: " + files[0] +
                        "; the first view is " + views[0].camera.name + "), expected masks named after the photos",
                    "masks are images (PNG), or JSON of labelme or COCO with the names of the photos"};
-  if (images.size() == 1 && views.size() > 1)
+  if (images.size() == 1 && views.size() > 1 && !has_folder_per_photo(folder, views))
     unfit.remedy = remedy_of_stack("magick " + shell_word(images[0]) + " masks-png/%04d.png");
   else if (!images.empty())
     unfit.remedy = remedy_of_images(folder, images.size(), views);
