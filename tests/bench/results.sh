@@ -5,6 +5,7 @@
 #   tests/bench/results.sh --list             all questions with their measuring time and topic
 #   tests/bench/results.sh --table QUESTION   prints its table
 #   tests/bench/results.sh no-harm            a gate: prints its table; exit code 1 if the default scores below the closed form
+#   tests/bench/results.sh alone              prints its table: object.ply rendered alone, all methods
 #   tests/bench/results.sh halves             prints its table: both halves of a cut against the truth of synthetic scenes
 #   tests/bench/results.sh --write            updates the tables of BENCHMARKS.md, README.md and ngs-joint --help
 #   tests/bench/results.sh --check            prints what --write would change; exit code 1 if anything differs, or if
@@ -16,7 +17,7 @@
 #   NGS_SCENES     folder of the captures            (default: ../shared/scenes next to the checkout)
 #   NGS_BIN        tools of another build, used as it is; NGS_COMMIT then names its commit
 #   NGS_MACHINE    name of the machine in tables     (default: by the processor)
-#   SPLITS='every:4:2' RECIPES='table' METHODS='flash ngs' REPEATS=1     a part of a question; noted in its table
+#   SPLITS='every:4:2' CAPTURES='bird' RECIPES='table' METHODS='flash ngs' REPEATS=1     a part of a question; noted in its table
 #   VARIANTS='--no-finish|--fill off'    halves: options of ngs-extract, a row each after the row of its defaults
 set -euo pipefail
 shopt -s inherit_errexit
@@ -27,7 +28,7 @@ shopt -s inherit_errexit
 
 results=$top/tests/bench/results
 questions=(captures removed museum masks recipes qualities effects ablation times kernels stability goals)
-gates=(no-harm halves)  # run before a default changes: result in build/results, table on stdout
+gates=(no-harm alone halves)  # run before a default changes: result in build/results, table on stdout
 for question in "${questions[@]}" "${gates[@]}"; do
   # shellcheck disable=SC1090
   . "$top/tests/bench/results/$question.sh"
@@ -163,7 +164,7 @@ case ${1:-} in
     for name in "$@"; do
       case $name in
         goals) write_goals > "$results/goals.json" ;;
-        no-harm | halves) measure_gate "$name" ;;
+        no-harm | alone | halves) measure_gate "$name" ;;
         *) measure "$name" ;;
       esac
     done ;;

@@ -13,7 +13,7 @@
 namespace ngs::cli {
 namespace {
 
-constexpr std::size_t kMaxViews = 64;  // evenly spread over the scene's: more change little
+constexpr std::size_t kMaxViews = 40;  // evenly spread over the scene's: more change little
 
 using Rows = std::vector<std::uint8_t>;  // [N] 1: of the object
 

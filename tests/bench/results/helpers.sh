@@ -44,7 +44,7 @@ machine_name() {
 # Shell assignments that restrict this question; empty for the full question.
 restrictions() {
   local name
-  for name in SPLITS RECIPES METHODS REPEATS; do
+  for name in SPLITS CAPTURES RECIPES METHODS REPEATS; do
     if [ -n "${!name:-}" ] && grep -q "${name,,}" "$top/tests/bench/results/$question.sh"; then
       printf "%s='%s' " "$name" "${!name}"
     fi
@@ -95,7 +95,8 @@ flags_of() {
 }
 
 # cut_out NAME PREPARED TRUTH FLAGS...: runs ngs-joint on the scene of $work/PREPARED and scores the masks of the held-out
-# views, with the cameras of the prepared scene `seen_in` if set. Writes $work/NAME/joint.json and metrics.json.
+# views, with the cameras of the prepared scene `seen_in` if set. Writes $work/NAME/joint.json and metrics.json; with
+# scores_alone also alone.json, of object.ply rendered alone, and unfinished.json, the same of --no-finish.
 cut_out() {
   local run=$work/$1 scene=$work/$2 truth=$3
   if [ "$(cat "$run/done" 2> /dev/null)" = "${*:4}." ]; then return; fi
@@ -104,8 +105,27 @@ cut_out() {
   tool ngs-joint "$scene/scene.json" "$scene/boundary.ply" -o "$run/labelled.ply" -w -q \
     --report "$run/joint.json" "${@:4}"
   score_masks "$work/${seen_in:-$2}/scene.json" "$run/labelled.ply" "$truth" "$run/metrics.json"
+  if [ -n "${scores_alone:-}" ]; then
+    score_alone "$scene/scene.json" "$run/labelled.ply" "$truth" "$run/alone.json"
+    score_alone "$scene/scene.json" "$run/labelled.ply" "$truth" "$run/unfinished.json" --no-finish
+  fi
   rm "$run/labelled.ply"
   printf '%s.' "${*:4}" > "$run/done"
+}
+
+# score_alone SCENE_JSON LABELLED TRUTH METRICS [options of ngs-extract]: scores of the object rendered alone at the held-out
+# cameras.
+score_alone() {
+  tool ngs-extract "$2" --scene "$1" "${@:5}" --object-ply "$4.ply" -w -q > /dev/null
+  alone_masks "$1" "$4.ply" "$3" "$4"
+  rm "$4.ply"
+}
+
+# alone_masks SCENE_JSON OBJECT TRUTH METRICS
+alone_masks() {
+  tool ngs-render "$1" "$2" --views held-out --layers alpha --scale 0 --format png -o "$4.alone" -w -q > /dev/null
+  tool ngs-eval "$4.alone" "$3" -o "$4" -w -q > /dev/null
+  rm -r "$4.alone"
 }
 
 # row_of NAME KEY=VALUE...: prints the row of a run of cut_out.

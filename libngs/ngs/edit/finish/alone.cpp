@@ -31,7 +31,7 @@ std::vector<std::uint8_t> contradicted(const Evidence& found, const std::vector<
 }  // namespace
 
 Alone rendered_alone(const Exec& exec, const AloneViews& in, const AloneObject& object,
-                     std::vector<std::uint8_t> keep) {
+                     std::vector<std::uint8_t> keep, bool finds_contradicted) {
   Alone out{std::move(keep)};
   const std::vector<std::int64_t> rows = RowNumbers(out.keep).row;
   const GaussianCloud part = gather_rows(exec, object.cloud, rows);
@@ -45,10 +45,11 @@ Alone rendered_alone(const Exec& exec, const AloneViews& in, const AloneObject& 
     if (window.width_px == 0) continue;
     const RenderedView rendered = render(exec, part, window, splat, request);
     out.wrong += view.wrong_pixels(rendered);
+    if (!finds_contradicted) continue;
     const ViewMasks masks = view.masks_alone(rendered, in.behind);
     sum.add({window, masks});
   }
-  out.contradicted = contradicted(sum.result(), rows, object.seen);
+  if (finds_contradicted) out.contradicted = contradicted(sum.result(), rows, object.seen);
   return out;
 }
 
@@ -58,7 +59,7 @@ void drop_contradicted(const Exec& exec, const AloneViews& in, const AloneObject
     std::vector<std::uint8_t> fewer = alone.keep;
     for (std::size_t i = 0; i < fewer.size(); ++i)
       if (alone.contradicted[i]) fewer[i] = 0;
-    Alone now = rendered_alone(exec, in, object, std::move(fewer));
+    Alone now = rendered_alone(exec, in, object, std::move(fewer), round + 1 < kRounds);
     if (now.wrong > alone.wrong) return;
     alone = std::move(now);
   }

@@ -100,11 +100,12 @@ struct Evidence {
   HullSupport support;
   std::vector<FillSurface> planes;
   SeenHull hull;
+  double outline = kOutline;  // at the planes, of Gaussians whose centre a view sees
 };
 
 /// Clips a Gaussian to the front of the planes, where no views see the part behind.
 Clip clip_to_fronts(const Evidence& known, std::size_t of_object, Ellipsoid& shape) {
-  const double outline = known.hull.is_hidden(of_object) ? kHiddenOutline : kOutline;
+  const double outline = known.hull.is_hidden(of_object) ? kHiddenOutline : known.outline;
   Clip found = Clip::kWithin;
   for (const FillSurface& plane : known.planes) {
     const HalfSpace front{plane.normal, dot(plane.normal, plane.origin), outline};
@@ -201,16 +202,23 @@ Finished finish_object(const Exec& exec, const FinishInput& input) {
   Evidence known{support, supporting_planes(exec, model, input.seed), SeenHull(exec, object, seen, ball)};
   const AloneViews in{views, input.splat, kBehind * ball.radius};
   Clipped best = clipped_rows(exec, known, object);
-  Alone alone = rendered_alone(exec, in, {best.object, seen}, best.keep);
-  if (!known.planes.empty()) {  // a plane that is found wrongly cuts off what the scene shows
-    known.planes.clear();
-    Clipped without = clipped_rows(exec, known, object);
-    Alone alone_without = rendered_alone(exec, in, {without.object, seen}, without.keep);
-    if (alone_without.wrong < alone.wrong) {
-      best = std::move(without);
-      alone = std::move(alone_without);
-    }
+  if (!known.planes.empty()) {
+    const auto wrong_pixels = [&](const Clipped& of) {
+      return rendered_alone(exec, in, {of.object, seen}, of.keep, false).wrong;
+    };
+    std::int64_t least = wrong_pixels(best);
+    const auto compare = [&](Clipped other) {
+      const std::int64_t wrong = wrong_pixels(other);
+      if (wrong >= least) return;
+      least = wrong;
+      best = std::move(other);
+    };
+    known.outline = kHiddenOutline;  // many faint ends in one place are opaque together
+    compare(clipped_rows(exec, known, object));
+    known.planes.clear();  // a plane that is found wrongly cuts off what the scene shows
+    compare(clipped_rows(exec, known, object));
   }
+  Alone alone = rendered_alone(exec, in, {best.object, seen}, best.keep, true);
   drop_contradicted(exec, in, {best.object, seen}, alone);
   out.object = std::move(best.object);
   out.clipped = best.clipped;
