@@ -30,8 +30,8 @@ std::vector<std::uint8_t> contradicted(const Evidence& found, const std::vector<
 
 }  // namespace
 
-Alone rendered_alone(const Exec& exec, const AloneViews& in, const AloneObject& object,
-                     std::vector<std::uint8_t> keep, bool finds_contradicted) {
+Alone rendered_alone(const Exec& exec, const AloneViews& in, const AloneObject& object, std::vector<std::uint8_t> keep,
+                     bool finds_contradicted) {
   Alone out{std::move(keep)};
   const std::vector<std::int64_t> rows = RowNumbers(out.keep).row;
   const GaussianCloud part = gather_rows(exec, object.cloud, rows);

@@ -25,8 +25,10 @@ constexpr double kSeenShare = 0.25;  // of the views: a point behind a plane tha
 constexpr double kInFront = 0.98;    // of the object, in front of a plane that it stands on
 constexpr int kMinViews = 2;         // and at least so many, or all views of the scene
 constexpr double kBehind = 0.05;     // of the object's radius: tolerance of the depth of visible surfaces
-constexpr double kMin_px = 2;        // shorter axes are not tested
-constexpr double kMinAlpha = 0.01;   // of a Gaussian; the outline of what is fainter may not be rendered
+// Standard deviations at which seen Gaussians may end at a plane: many faint ends in one place are opaque together.
+constexpr double kEndsOutline = 1.8;
+constexpr double kMin_px = 2;       // shorter axes are not tested
+constexpr double kMinAlpha = 0.01;  // of a Gaussian; the outline of what is fainter may not be rendered
 
 /// In how many views a point lies on each side.
 struct Counts {
@@ -213,7 +215,7 @@ Finished finish_object(const Exec& exec, const FinishInput& input) {
       least = wrong;
       best = std::move(other);
     };
-    known.outline = kHiddenOutline;  // many faint ends in one place are opaque together
+    known.outline = kEndsOutline;
     compare(clipped_rows(exec, known, object));
     known.planes.clear();  // a plane that is found wrongly cuts off what the scene shows
     compare(clipped_rows(exec, known, object));
