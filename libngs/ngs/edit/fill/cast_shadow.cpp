@@ -13,14 +13,16 @@ namespace {
 using orbit::Vec;
 
 constexpr std::int64_t kBlocksAcross = 56;  // squares of cells along the longer side, whose mean colours are compared
-constexpr std::int64_t kGap = 2;            // blocks between the two of a pair: the half-shadow lies between them
-constexpr int kDirections = 400, kTurns = 8, kRefinements = 4;
-constexpr double kTurn = 0.1;          // rad: first refinement
-constexpr double kMinElevation = 0.3;  // sine: lower lights have shadows longer than what is known around the object
+constexpr std::int64_t kGap = 3;            // blocks between the two of a pair: the half-shadow lies between them
+constexpr int kLights = 400, kConeSides = 8, kLightRounds = 4;
+constexpr double kLightTurn = 0.1;    // rad: first refinement
+constexpr double kLowestLight = 0.3;  // sine: lower lights have shadows longer than what is known around the object
 constexpr double kMinPairs = 16;
 constexpr double kMostLeft = 0.88, kLeastLeft = 0.2;  // of the colour
 constexpr double kMinDarker = 0.8;                    // fraction of the pairs
-constexpr double kHalfShadow = 0.08;                  // rad: radius of the light
+constexpr double kHalfShadow = 0.12;                  // rad: radius of the light, wide as a splat blurs outlines
+constexpr double kDarkFrom = 0.35;                    // lit fraction: darkest up to here, for the same reason
+constexpr double kContactRing = 0.04;                 // diagonals around the hole: dark on all sides
 
 struct Block {
   Vec place;
@@ -33,7 +35,10 @@ struct Blocks {
   std::vector<Block> block;
 };
 
-Blocks blocks_of(const FillSurface& surface, const HoleCells& cells) {
+Blocks blocks_of(const HoleScene& scene, const FillSurface& surface, const HoleCells& cells) {
+  std::vector<std::uint8_t> ring(cells.state.size());
+  for (std::size_t i = 0; i < ring.size(); ++i) ring[i] = cells.state[i] == HoleCell::kHole;
+  ring = grown(cells, std::move(ring), int(kContactRing * scene.rim.diagonal / cells.side));
   const std::int64_t side = std::max<std::int64_t>(1, std::max(cells.columns, cells.rows) / kBlocksAcross);
   Blocks blocks{cells.columns / side, cells.rows / side, {}};
   for (std::int64_t k = 0; k < blocks.columns * blocks.rows; ++k) {
@@ -42,7 +47,7 @@ Blocks blocks_of(const FillSurface& surface, const HoleCells& cells) {
     bool known = true;
     for (std::int64_t c = 0; c < side * side; ++c) {
       const auto cell = std::size_t((y + c / side) * cells.columns + x + c % side);
-      known = known && cells.state[cell] == HoleCell::kCovered;
+      known = known && cells.state[cell] == HoleCell::kCovered && !ring[cell];
       for (std::size_t a = 0; a < 3; ++a) sum += std::max(0.0, 0.5 + kShC0 * double(cells.colour[3 * cell + a]));
     }
     const double half = 0.5 * double(side) * cells.side;
@@ -109,19 +114,19 @@ double CastShadow::at(const Occluder& occluder, Vec p) const {
   if (left >= 1) return 1;
   double lit = 0, all = 0;
   for (const double radius : {0.5 * kHalfShadow, kHalfShadow})
-    for (const Vec& direction : cone(light, radius, kTurns)) ++all, lit += !occluder.hides(p, direction);
-  return left + (1 - left) * lit / all;
+    for (const Vec& direction : cone(light, radius, kConeSides)) ++all, lit += !occluder.hides(p, direction);
+  return left + (1 - left) * std::max(0.0, (lit / all - kDarkFrom) / (1 - kDarkFrom));
 }
 
 CastShadow find_cast_shadow(const Exec& exec, const HoleScene& scene, std::size_t index, const HoleCells& cells) {
   const FillSurface& surface = scene.surfaces[index];
-  const Blocks blocks = blocks_of(surface, cells);
+  const Blocks blocks = blocks_of(scene, surface, cells);
   std::vector<Vec> lights;
-  for (const Vec& d : orbit::even_directions(kDirections))
-    if (dot(d, surface.normal) >= kMinElevation) lights.push_back(d);
+  for (const Vec& d : orbit::even_directions(kLights))
+    if (dot(d, surface.normal) >= kLowestLight) lights.push_back(d);
   Darkness best = darkest(exec, scene, blocks, lights);
-  for (int k = 0; k < kRefinements && best.score > 0; ++k)
-    best = darkest(exec, scene, blocks, cone(best.light, kTurn / double(1 << k), kTurns));
+  for (int k = 0; k < kLightRounds && best.score > 0; ++k)
+    best = darkest(exec, scene, blocks, cone(best.light, kLightTurn / double(1 << k), kConeSides));
   if (best.left > kMostLeft) return {};
   return {best.light, std::max(best.left, kLeastLeft)};
 }

@@ -86,6 +86,17 @@ TEST_CASE("the floor in the shadow of the removed block is relit, and without a 
   CHECK(filled(lit).relit_rows == 0);
 }
 
+TEST_CASE("a large faint plume before the filled floor is removed with the object") {
+  HoleModel model = HoleModel::on_floor();
+  model.add({0.05, 0, 0.5}, -1, -1, false);
+  const std::size_t plume = model.object.size() - 1;
+  for (std::size_t a = 0; a < 3; ++a) model.cloud.log_scale[3 * plume + a] = std::log(0.15f);
+  model.cloud.logit_opacity[plume] = -1.9f;  // 0.13
+  CHECK(filled(model).removed[plume] == 1);
+  model.cloud.logit_opacity[plume] = 3;  // a solid ball of this size is no smear
+  CHECK(filled(model).removed[plume] == 0);
+}
+
 TEST_CASE("the cells below the object are counted as filled, covered and open") {
   const Footprint footprint = filled(HoleModel::on_floor()).surfaces.at(0).footprint;
   CHECK(footprint.cells > 50);
