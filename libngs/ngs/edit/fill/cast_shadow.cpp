@@ -13,7 +13,7 @@ namespace {
 using orbit::Vec;
 
 constexpr std::int64_t kBlocksAcross = 56;  // squares of cells along the longer side, whose mean colours are compared
-constexpr std::int64_t kGap = 3;            // blocks between the two of a pair: the half-shadow lies between them
+constexpr std::int64_t kGap = 3, kWideGap = 5;  // blocks between the two of a pair; to find the light, the depth
 constexpr int kLights = 400, kConeSides = 8, kLightRounds = 4;
 constexpr double kLightTurn = 0.1;    // rad: first refinement
 constexpr double kLowestLight = 0.3;  // sine: lower lights have shadows longer than what is known around the object
@@ -65,7 +65,7 @@ struct Darkness {
 };
 
 /// How much darker the blocks in the shadow of one light are than those across its outline.
-Darkness darkness_of(const HoleScene& scene, const Blocks& blocks, Vec light) {
+Darkness darkness_of(const HoleScene& scene, const Blocks& blocks, Vec light, std::int64_t gap) {
   std::vector<std::uint8_t> hidden(blocks.block.size());
   for (std::size_t k = 0; k < hidden.size(); ++k)
     hidden[k] = blocks.block[k].known && scene.occluder.hides(blocks.block[k].place, light);
@@ -80,8 +80,8 @@ Darkness darkness_of(const HoleScene& scene, const Blocks& blocks, Vec light) {
   for (std::int64_t y = 0; y < blocks.rows; ++y)
     for (std::int64_t x = 0; x < blocks.columns; ++x) {
       const auto k = std::size_t(y * blocks.columns + x);
-      if (x + kGap < blocks.columns) compare(k, k + std::size_t(kGap));
-      if (y + kGap < blocks.rows) compare(k, k + std::size_t(kGap * blocks.columns));
+      if (x + gap < blocks.columns) compare(k, k + std::size_t(gap));
+      if (y + gap < blocks.rows) compare(k, k + std::size_t(gap * blocks.columns));
     }
   const auto pairs = double(ratio.size());
   if (pairs < kMinPairs || darker < kMinDarker * pairs) return {light, 0, 1};
@@ -92,8 +92,9 @@ Darkness darkness_of(const HoleScene& scene, const Blocks& blocks, Vec light) {
 /// The darkest of several lights; of equal ones the first.
 Darkness darkest(const Exec& exec, const HoleScene& scene, const Blocks& blocks, const std::vector<Vec>& lights) {
   std::vector<Darkness> found(lights.size());
-  for_each_task(exec, std::int64_t(lights.size()),
-                [&](std::int64_t k) { found[std::size_t(k)] = darkness_of(scene, blocks, lights[std::size_t(k)]); });
+  for_each_task(exec, std::int64_t(lights.size()), [&](std::int64_t k) {
+    found[std::size_t(k)] = darkness_of(scene, blocks, lights[std::size_t(k)], kGap);
+  });
   return found.empty() ? Darkness{} : *std::ranges::max_element(found, {}, &Darkness::score);
 }
 
@@ -128,6 +129,8 @@ CastShadow find_cast_shadow(const Exec& exec, const HoleScene& scene, std::size_
   for (int k = 0; k < kLightRounds && best.score > 0; ++k)
     best = darkest(exec, scene, blocks, cone(best.light, kLightTurn / double(1 << k), kConeSides));
   if (best.left > kMostLeft) return {};
+  const Darkness wide = darkness_of(scene, blocks, best.light, kWideGap);
+  best.left = std::min(best.left, wide.left);
   return {best.light, std::max(best.left, kLeastLeft)};
 }
 

@@ -62,7 +62,7 @@ TEST_CASE("the fill takes no colour of a thing that lies on the floor next to th
 TEST_CASE("the floor in the shadow of the removed block is relit, and without a shadow nothing is") {
   HoleModel model, lit;
   const auto under = [](double x, double y) { return std::max(std::abs(x), std::abs(y)) < 0.28; };
-  const auto in_shadow = [](double x, double y) { return std::abs(y) < 0.3 && x < 0.28 && x > -0.65; };
+  const auto in_shadow = [](double x, double y) { return std::abs(y) < 0.34 && x < 0.28 && x > -0.69; };
   const auto check = [](double x, double y) { return (std::sin(15 * x) > 0) == (std::sin(15 * y) > 0) ? 0.8 : 0.2; };
   const auto shaded = [&](double x, double y) {  // 0.4 of the colour
     return in_shadow(x, y) ? (0.4 * (0.5 + 0.2820948 * check(x, y)) - 0.5) / 0.2820948 : check(x, y);
@@ -71,16 +71,16 @@ TEST_CASE("the floor in the shadow of the removed block is relit, and without a 
   lit.add_floor([](double, double) { return 0.0; }, check, under);
   for (HoleModel* m : {&model, &lit}) m->add_block({-0.3, -0.3, 0.03}, {0.3, 0.3, 0.6});
   const HoleFill fill = filled(model);
-  CHECK(fill.surfaces[0].shadow.left == doctest::Approx(0.4).epsilon(0.1));
+  CHECK(fill.surfaces[0].shadow.left == doctest::Approx(0.4).epsilon(0.25));
   CHECK(fill.surfaces[0].shadow.light.x == doctest::Approx(0.5).epsilon(0.2));
   REQUIRE(fill.relit_rows > 30);
   const auto relit_from = std::size_t(fill.filled.size() - fill.relit_rows);
   std::int64_t right = 0;
   for (std::size_t i = relit_from; i < std::size_t(fill.filled.size()); ++i) {
     const orbit::Vec p = position(fill.filled, i);
-    right += std::abs(double(fill.filled.sh_dc[3 * i]) - check(p.x, p.y)) < 0.15;
+    right += std::abs(double(fill.filled.sh_dc[3 * i]) - check(p.x, p.y)) < 0.35;  // of 1.4 in the shadow
   }
-  CHECK(double(right) > 0.75 * double(fill.relit_rows));                                 // others are at the outline
+  CHECK(double(right) > 0.6 * double(fill.relit_rows));                                  // others are at the outline
   for (std::size_t i = 0; i < relit_from; ++i) REQUIRE(fill.filled.sh_dc[3 * i] > 0.f);  // no copies of the shadow
   CHECK(filled(model, 3).filled.sh_dc == fill.filled.sh_dc);
   CHECK(filled(lit).relit_rows == 0);
@@ -100,8 +100,8 @@ TEST_CASE("a large faint plume before the filled floor is removed with the objec
 TEST_CASE("the cells below the object are counted as filled, covered and open") {
   const Footprint footprint = filled(HoleModel::on_floor()).surfaces.at(0).footprint;
   CHECK(footprint.cells > 50);
-  CHECK(footprint.filled == footprint.cells);
-  CHECK(footprint.covered == 0);
+  CHECK(double(footprint.filled) > 0.95 * double(footprint.cells));
+  CHECK(footprint.filled + footprint.covered == footprint.cells);
 }
 
 TEST_CASE("in a corner both holes are filled, and joined at the line where the planes meet") {
