@@ -18,11 +18,12 @@ constexpr int kLights = 400, kConeSides = 8, kLightRounds = 4;
 constexpr double kLightTurn = 0.1;    // rad: first refinement
 constexpr double kLowestLight = 0.3;  // sine: lower lights have shadows longer than what is known around the object
 constexpr double kMinPairs = 16;
-constexpr double kMostLeft = 0.88, kLeastLeft = 0.2;  // of the colour
-constexpr double kMinDarker = 0.8;                    // fraction of the pairs
-constexpr double kHalfShadow = 0.12;                  // rad: radius of the light, wide as a splat blurs outlines
-constexpr double kDarkFrom = 0.35;                    // lit fraction: darkest up to here, for the same reason
-constexpr double kContactRing = 0.04;                 // diagonals around the hole: dark on all sides
+constexpr double kLeastLeft = 0.2;     // of the colour
+constexpr double kMinScore = 3.5;      // of four recipes 4.8 to 6.0; a checker without a shadow 2.5
+constexpr double kMinDarker = 0.8;     // fraction of the pairs
+constexpr double kHalfShadow = 0.12;   // rad: radius of the light, wide as a splat blurs outlines
+constexpr double kDarkFrom = 0.35;     // lit fraction: darkest up to here, for the same reason
+constexpr double kContactRing = 0.04;  // diagonals around the hole: dark on all sides
 
 struct Block {
   Vec place;
@@ -128,7 +129,7 @@ CastShadow find_cast_shadow(const Exec& exec, const HoleScene& scene, std::size_
   Darkness best = darkest(exec, scene, blocks, lights);
   for (int k = 0; k < kLightRounds && best.score > 0; ++k)
     best = darkest(exec, scene, blocks, cone(best.light, kLightTurn / double(1 << k), kConeSides));
-  if (best.left > kMostLeft) return {};
+  if (best.score < kMinScore) return {};
   const Darkness wide = darkness_of(scene, blocks, best.light, kWideGap);
   best.left = std::min(best.left, wide.left);
   return {best.light, std::max(best.left, kLeastLeft)};

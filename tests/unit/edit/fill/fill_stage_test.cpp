@@ -49,7 +49,7 @@ TEST_CASE("the fill takes no colour of a thing that lies on the floor next to th
   HoleModel model;
   const auto under = [](double x, double y) { return std::max(std::abs(x), std::abs(y)) < 0.28; };
   const auto grey = [](double x, double y) {
-    const bool is_thing = x > 0.28 && x < 0.5 && std::abs(y) < 0.15;
+    const bool is_thing = x > 0.28 && x < 0.8 && std::abs(y) < 0.2;
     return is_thing ? 1.5 : std::sin(40 * x) > 0 ? 0.2 : -0.2;
   };
   model.add_floor([](double, double) { return 0.0; }, grey, under);
