@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ngs/edit/fill/texture_sources.h"
 #include "support/hole_scene.h"
 
 namespace ngs {
@@ -45,18 +46,29 @@ TEST_CASE("the hole below a block is covered by flat Gaussians of the floor's he
   CHECK(fill.filled.log_scale[2] < fill.filled.log_scale[0] - 1);
 }
 
-TEST_CASE("the fill takes no colour of a thing that lies on the floor next to the hole") {
+TEST_CASE("a thing that lies on the floor next to the hole is no source of its texture") {
   HoleModel model;
   const auto under = [](double x, double y) { return std::max(std::abs(x), std::abs(y)) < 0.28; };
   const auto grey = [](double x, double y) {
-    const bool is_thing = x > 0.28 && x < 0.8 && std::abs(y) < 0.2;
-    return is_thing ? 1.5 : std::sin(40 * x) > 0 ? 0.2 : -0.2;
+    return x > 0.28 && x < 0.8 && std::abs(y) < 0.2 ? 1.5 : 0.2 * std::sin(40 * x);
   };
   model.add_floor([](double, double) { return 0.0; }, grey, under);
   model.add_block({-0.3, -0.3, 0.03}, {0.3, 0.3, 0.6});
-  const HoleFill fill = filled(model);
-  REQUIRE(fill.filled.size() > 50);
-  for (std::size_t i = 0; i < std::size_t(fill.filled.size()); ++i) REQUIRE(fill.filled.sh_dc[3 * i] < 0.5f);
+  const Rim rim = find_rim({}, model.cloud, model.object);
+  const std::vector<FillSurface> surfaces = find_fill_surfaces({}, model.cloud, rim, FillKind::kPlane, 0);
+  REQUIRE_FALSE(surfaces.empty());
+  const Occluder occluder(rim);
+  const std::vector<std::uint8_t> debris(rim.background.count());
+  const HoleScene scene{model.cloud, model.object, rim, occluder, surfaces, debris};
+  const HoleCells cells = find_hole_cells({}, scene, 0);
+  const TextureGrid grid = texture_sources({}, scene, 0, cells, {});
+  const auto state_at = [&](double x, double y) {
+    return grid.state.at(std::size_t(cells.cell_of(surfaces[0].coordinates({x, y, 0}))));
+  };
+  CHECK(cells.state.at(std::size_t(cells.cell_of(surfaces[0].coordinates({0.5, 0, 0})))) == HoleCell::kCovered);
+  CHECK(state_at(0.5, 0) == Texel::kNone);
+  CHECK(state_at(-0.5, 0) == Texel::kKnown);
+  CHECK(state_at(0, 0) == Texel::kUnknown);
 }
 
 TEST_CASE("the floor in the shadow of the removed block is relit, and without a shadow nothing is") {
