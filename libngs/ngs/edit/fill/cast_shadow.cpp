@@ -13,14 +13,17 @@ namespace {
 using orbit::Vec;
 
 constexpr std::int64_t kBlocksAcross = 56;  // squares of cells along the longer side, whose mean colours are compared
-constexpr std::int64_t kGap = 2;            // blocks between the two of a pair: the half-shadow lies between them
-constexpr int kDirections = 400, kTurns = 8, kRefinements = 4;
-constexpr double kTurn = 0.1;          // rad: first refinement
-constexpr double kMinElevation = 0.3;  // sine: lower lights have shadows longer than what is known around the object
+constexpr std::int64_t kGap = 3, kWideGap = 5;  // blocks between the two of a pair; to find the light, the depth
+constexpr int kLights = 400, kConeSides = 8, kLightRounds = 4;
+constexpr double kLightTurn = 0.1;    // rad: first refinement
+constexpr double kLowestLight = 0.3;  // sine: lower lights have shadows longer than what is known around the object
 constexpr double kMinPairs = 16;
-constexpr double kMostLeft = 0.88, kLeastLeft = 0.2;  // of the colour
-constexpr double kMinDarker = 0.8;                    // fraction of the pairs
-constexpr double kHalfShadow = 0.08;                  // rad: radius of the light
+constexpr double kLeastLeft = 0.2;     // of the colour
+constexpr double kMinScore = 3.5;      // of four recipes 4.8 to 6.0; a checker without a shadow 2.5
+constexpr double kMinDarker = 0.8;     // fraction of the pairs
+constexpr double kHalfShadow = 0.12;   // rad: radius of the light, wide as a splat blurs outlines
+constexpr double kDarkFrom = 0.35;     // lit fraction: darkest up to here, for the same reason
+constexpr double kContactRing = 0.04;  // diagonals around the hole: dark on all sides
 
 struct Block {
   Vec place;
@@ -33,7 +36,10 @@ struct Blocks {
   std::vector<Block> block;
 };
 
-Blocks blocks_of(const FillSurface& surface, const HoleCells& cells) {
+Blocks blocks_of(const HoleScene& scene, const FillSurface& surface, const HoleCells& cells) {
+  std::vector<std::uint8_t> ring(cells.state.size());
+  for (std::size_t i = 0; i < ring.size(); ++i) ring[i] = cells.state[i] == HoleCell::kHole;
+  ring = grown(cells, std::move(ring), int(kContactRing * scene.rim.diagonal / cells.side));
   const std::int64_t side = std::max<std::int64_t>(1, std::max(cells.columns, cells.rows) / kBlocksAcross);
   Blocks blocks{cells.columns / side, cells.rows / side, {}};
   for (std::int64_t k = 0; k < blocks.columns * blocks.rows; ++k) {
@@ -42,7 +48,7 @@ Blocks blocks_of(const FillSurface& surface, const HoleCells& cells) {
     bool known = true;
     for (std::int64_t c = 0; c < side * side; ++c) {
       const auto cell = std::size_t((y + c / side) * cells.columns + x + c % side);
-      known = known && cells.state[cell] == HoleCell::kCovered;
+      known = known && cells.state[cell] == HoleCell::kCovered && !ring[cell];
       for (std::size_t a = 0; a < 3; ++a) sum += std::max(0.0, 0.5 + kShC0 * double(cells.colour[3 * cell + a]));
     }
     const double half = 0.5 * double(side) * cells.side;
@@ -60,7 +66,7 @@ struct Darkness {
 };
 
 /// How much darker the blocks in the shadow of one light are than those across its outline.
-Darkness darkness_of(const HoleScene& scene, const Blocks& blocks, Vec light) {
+Darkness darkness_of(const HoleScene& scene, const Blocks& blocks, Vec light, std::int64_t gap) {
   std::vector<std::uint8_t> hidden(blocks.block.size());
   for (std::size_t k = 0; k < hidden.size(); ++k)
     hidden[k] = blocks.block[k].known && scene.occluder.hides(blocks.block[k].place, light);
@@ -75,8 +81,8 @@ Darkness darkness_of(const HoleScene& scene, const Blocks& blocks, Vec light) {
   for (std::int64_t y = 0; y < blocks.rows; ++y)
     for (std::int64_t x = 0; x < blocks.columns; ++x) {
       const auto k = std::size_t(y * blocks.columns + x);
-      if (x + kGap < blocks.columns) compare(k, k + std::size_t(kGap));
-      if (y + kGap < blocks.rows) compare(k, k + std::size_t(kGap * blocks.columns));
+      if (x + gap < blocks.columns) compare(k, k + std::size_t(gap));
+      if (y + gap < blocks.rows) compare(k, k + std::size_t(gap * blocks.columns));
     }
   const auto pairs = double(ratio.size());
   if (pairs < kMinPairs || darker < kMinDarker * pairs) return {light, 0, 1};
@@ -87,8 +93,9 @@ Darkness darkness_of(const HoleScene& scene, const Blocks& blocks, Vec light) {
 /// The darkest of several lights; of equal ones the first.
 Darkness darkest(const Exec& exec, const HoleScene& scene, const Blocks& blocks, const std::vector<Vec>& lights) {
   std::vector<Darkness> found(lights.size());
-  for_each_task(exec, std::int64_t(lights.size()),
-                [&](std::int64_t k) { found[std::size_t(k)] = darkness_of(scene, blocks, lights[std::size_t(k)]); });
+  for_each_task(exec, std::int64_t(lights.size()), [&](std::int64_t k) {
+    found[std::size_t(k)] = darkness_of(scene, blocks, lights[std::size_t(k)], kGap);
+  });
   return found.empty() ? Darkness{} : *std::ranges::max_element(found, {}, &Darkness::score);
 }
 
@@ -109,20 +116,22 @@ double CastShadow::at(const Occluder& occluder, Vec p) const {
   if (left >= 1) return 1;
   double lit = 0, all = 0;
   for (const double radius : {0.5 * kHalfShadow, kHalfShadow})
-    for (const Vec& direction : cone(light, radius, kTurns)) ++all, lit += !occluder.hides(p, direction);
-  return left + (1 - left) * lit / all;
+    for (const Vec& direction : cone(light, radius, kConeSides)) ++all, lit += !occluder.hides(p, direction);
+  return left + (1 - left) * std::max(0.0, (lit / all - kDarkFrom) / (1 - kDarkFrom));
 }
 
 CastShadow find_cast_shadow(const Exec& exec, const HoleScene& scene, std::size_t index, const HoleCells& cells) {
   const FillSurface& surface = scene.surfaces[index];
-  const Blocks blocks = blocks_of(surface, cells);
+  const Blocks blocks = blocks_of(scene, surface, cells);
   std::vector<Vec> lights;
-  for (const Vec& d : orbit::even_directions(kDirections))
-    if (dot(d, surface.normal) >= kMinElevation) lights.push_back(d);
+  for (const Vec& d : orbit::even_directions(kLights))
+    if (dot(d, surface.normal) >= kLowestLight) lights.push_back(d);
   Darkness best = darkest(exec, scene, blocks, lights);
-  for (int k = 0; k < kRefinements && best.score > 0; ++k)
-    best = darkest(exec, scene, blocks, cone(best.light, kTurn / double(1 << k), kTurns));
-  if (best.left > kMostLeft) return {};
+  for (int k = 0; k < kLightRounds && best.score > 0; ++k)
+    best = darkest(exec, scene, blocks, cone(best.light, kLightTurn / double(1 << k), kConeSides));
+  if (best.score < kMinScore) return {};
+  const Darkness wide = darkness_of(scene, blocks, best.light, kWideGap);
+  best.left = std::min(best.left, wide.left);
   return {best.light, std::max(best.left, kLeastLeft)};
 }
 

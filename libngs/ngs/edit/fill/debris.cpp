@@ -14,7 +14,7 @@ constexpr int kNeighbours = 8;
 constexpr double kMaxOfSolid = 0.75, kMaxOfThin = 0.5;  // fraction of neighbours that were object
 constexpr double kSolid = 0.5;                          // opacity
 constexpr double kLong = 4;                             // longest to second standard deviation of a needle
-constexpr double kMaxSize = 0.08;                       // diagonals: larger Gaussians are part of the surroundings
+constexpr double kMaxSize = 0.08, kMaxOfFaint = 0.25;   // diagonals: larger ones are part of the surroundings
 
 void append_point(std::vector<float>& to, Vec p) {
   for (const double x : {p.x, p.y, p.z}) to.push_back(float(x));
@@ -39,8 +39,8 @@ std::vector<std::uint8_t> find_debris(const Exec& exec, const GaussianCloud& clo
   const double margin = 0.05 * rim.diagonal;
   for (std::size_t i = 0; i < points.count(); ++i) {
     const Vec p = points.position[i];
-    if (!rim.box.contains(p, margin) || points.size[i] > kMaxSize * rim.diagonal || is_on_surface(surfaces, p))
-      continue;
+    const double most = rim.diagonal * (points.opacity[i] <= kSolid ? kMaxOfFaint : kMaxSize);
+    if (!rim.box.contains(p, margin) || points.size[i] > most || is_on_surface(surfaces, p)) continue;
     tested.push_back(i), append_point(queries, p);
   }
   if (tested.empty() || around.size() < 3 * std::size_t(kNeighbours + 1)) return debris;

@@ -147,7 +147,8 @@ HoleFill fill_hole(const Exec& exec, Monitor& monitor, const FillOptions& option
   for (std::size_t s = 0; s < surfaces.size(); ++s) {
     const FillSurface& surface = surfaces[s];
     const HoleCells cells = find_hole_cells(exec, scene, s);
-    shadows.push_back(find_cast_shadow(exec, scene, s, cells));
+    const bool stands = cells.hole + cells.continued > 0;
+    shadows.push_back(stands ? find_cast_shadow(exec, scene, s, cells) : CastShadow{});
     FilledSurface found{surface.relief.empty(), surface.normal,  surface.rim_points, surface.residual,
                         surface.spacing,        cells.side,      cells.hole,         cells.one_sided,
                         cells.continued,        cells.footprint, shadows.back()};

@@ -293,7 +293,7 @@ HoleCells find_hole_cells(const Exec& exec, const HoleScene& scene, std::size_t 
       below_object(scene, scene.surfaces[index], cells, kContact * scene.rim.diagonal);
   mark_hole(exec, scene, index, footprint, cells);
   keep_holes(scene, scene.surfaces[index], before, cells);
-  for (std::size_t i = 0; i < footprint.size(); ++i) {
+  for (std::size_t i = 0; cells.hole + cells.continued > 0 && i < footprint.size(); ++i) {
     if (!footprint[i] || cells.state[i] == HoleCell::kClipped) continue;
     ++cells.footprint.cells;
     cells.footprint.filled += cells.state[i] == HoleCell::kHole;

@@ -15,7 +15,7 @@ constexpr std::size_t kSectors = 8;
 constexpr double kBin = 0.3;       // sh_dc: colours of neighbouring bins, 0.08 to 0.17 of the range apart, are alike
 constexpr double kMinPart = 0.01;  // of a sector's known cells
 using Bin = std::array<int, 3>;
-using Counts = std::array<int, kSectors>;
+using SectorCounts = std::array<int, kSectors>;
 
 Bin bin_of(const TextureGrid& grid, std::size_t cell) {
   Bin bin;
@@ -25,8 +25,8 @@ Bin bin_of(const TextureGrid& grid, std::size_t cell) {
 }
 
 /// The cells of each sector with a colour like that of a bin.
-Counts counts_like(const std::map<Bin, Counts>& bins, const Bin& bin) {
-  Counts sum{};
+SectorCounts counts_like(const std::map<Bin, SectorCounts>& bins, const Bin& bin) {
+  SectorCounts sum{};
   for (int k = 0; k < 27; ++k) {
     const auto near = bins.find({bin[0] + k % 3 - 1, bin[1] + k / 3 % 3 - 1, bin[2] + k / 9 - 1});
     for (std::size_t s = 0; near != bins.end() && s < kSectors; ++s) sum[s] += near->second[s];
@@ -36,8 +36,8 @@ Counts counts_like(const std::map<Bin, Counts>& bins, const Bin& bin) {
 
 /// Takes the colours that few sectors around `middle` have out of the texture.
 void exclude_local_colours(const HoleCells& cells, Vec2<double> middle, TextureGrid& grid) {
-  std::map<Bin, Counts> bins;
-  Counts known{};
+  std::map<Bin, SectorCounts> bins;
+  SectorCounts known{};
   for (std::size_t cell = 0; cell < grid.state.size(); ++cell) {
     if (grid.state[cell] != Texel::kKnown) continue;
     const Vec2<double> at = cells.centre(std::int64_t(cell));
@@ -48,7 +48,7 @@ void exclude_local_colours(const HoleCells& cells, Vec2<double> middle, TextureG
   const auto sectors = std::size_t(std::ranges::count_if(known, [](int n) { return n > 0; }));
   std::map<Bin, bool> is_local;
   for (const auto& [bin, unused] : bins) {
-    const Counts like = counts_like(bins, bin);
+    const SectorCounts like = counts_like(bins, bin);
     std::size_t with = 0;
     for (std::size_t s = 0; s < kSectors; ++s) with += like[s] > 0 && like[s] >= kMinPart * known[s];
     is_local[bin] = with < 3 * sectors / kSectors;

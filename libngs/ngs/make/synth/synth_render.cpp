@@ -89,7 +89,7 @@ double distance_to_objects(const AnalyticScene& scene, V p, double at_most) {
 
 /// Part of a light of 6 degrees' radius that the objects leave a point, by the ray's closest approach to them.
 double lit(const AnalyticScene& scene, V p, V light) {
-  constexpr double kStart = 0.01, kFar = 3, kTangent = 0.1, kStep = 0.25;  // world; the last: at most
+  constexpr double kStart = 0.01, kFar = 3, kTangent = 0.1, kStep = kTangent * kFar;  // world; the last: at most
   double open = 1;
   for (double t = kStart; t < kFar && open > 0;) {
     const double distance = distance_to_objects(scene, p + t * light, kStep);

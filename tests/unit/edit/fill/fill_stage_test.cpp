@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ngs/edit/fill/texture_sources.h"
 #include "support/hole_scene.h"
 
 namespace ngs {
@@ -45,24 +46,35 @@ TEST_CASE("the hole below a block is covered by flat Gaussians of the floor's he
   CHECK(fill.filled.log_scale[2] < fill.filled.log_scale[0] - 1);
 }
 
-TEST_CASE("the fill takes no colour of a thing that lies on the floor next to the hole") {
+TEST_CASE("a thing that lies on the floor next to the hole is no source of its texture") {
   HoleModel model;
   const auto under = [](double x, double y) { return std::max(std::abs(x), std::abs(y)) < 0.28; };
   const auto grey = [](double x, double y) {
-    const bool is_thing = x > 0.28 && x < 0.5 && std::abs(y) < 0.15;
-    return is_thing ? 1.5 : std::sin(40 * x) > 0 ? 0.2 : -0.2;
+    return x > 0.28 && x < 0.8 && std::abs(y) < 0.2 ? 1.5 : 0.2 * std::sin(40 * x);
   };
   model.add_floor([](double, double) { return 0.0; }, grey, under);
   model.add_block({-0.3, -0.3, 0.03}, {0.3, 0.3, 0.6});
-  const HoleFill fill = filled(model);
-  REQUIRE(fill.filled.size() > 50);
-  for (std::size_t i = 0; i < std::size_t(fill.filled.size()); ++i) REQUIRE(fill.filled.sh_dc[3 * i] < 0.5f);
+  const Rim rim = find_rim({}, model.cloud, model.object);
+  const std::vector<FillSurface> surfaces = find_fill_surfaces({}, model.cloud, rim, FillKind::kPlane, 0);
+  REQUIRE_FALSE(surfaces.empty());
+  const Occluder occluder(rim);
+  const std::vector<std::uint8_t> debris(rim.background.count());
+  const HoleScene scene{model.cloud, model.object, rim, occluder, surfaces, debris};
+  const HoleCells cells = find_hole_cells({}, scene, 0);
+  const TextureGrid grid = texture_sources({}, scene, 0, cells, {});
+  const auto state_at = [&](double x, double y) {
+    return grid.state.at(std::size_t(cells.cell_of(surfaces[0].coordinates({x, y, 0}))));
+  };
+  CHECK(cells.state.at(std::size_t(cells.cell_of(surfaces[0].coordinates({0.5, 0, 0})))) == HoleCell::kCovered);
+  CHECK(state_at(0.5, 0) == Texel::kNone);
+  CHECK(state_at(-0.5, 0) == Texel::kKnown);
+  CHECK(state_at(0, 0) == Texel::kUnknown);
 }
 
 TEST_CASE("the floor in the shadow of the removed block is relit, and without a shadow nothing is") {
   HoleModel model, lit;
   const auto under = [](double x, double y) { return std::max(std::abs(x), std::abs(y)) < 0.28; };
-  const auto in_shadow = [](double x, double y) { return std::abs(y) < 0.3 && x < 0.28 && x > -0.65; };
+  const auto in_shadow = [](double x, double y) { return std::abs(y) < 0.34 && x < 0.28 && x > -0.69; };
   const auto check = [](double x, double y) { return (std::sin(15 * x) > 0) == (std::sin(15 * y) > 0) ? 0.8 : 0.2; };
   const auto shaded = [&](double x, double y) {  // 0.4 of the colour
     return in_shadow(x, y) ? (0.4 * (0.5 + 0.2820948 * check(x, y)) - 0.5) / 0.2820948 : check(x, y);
@@ -71,26 +83,37 @@ TEST_CASE("the floor in the shadow of the removed block is relit, and without a 
   lit.add_floor([](double, double) { return 0.0; }, check, under);
   for (HoleModel* m : {&model, &lit}) m->add_block({-0.3, -0.3, 0.03}, {0.3, 0.3, 0.6});
   const HoleFill fill = filled(model);
-  CHECK(fill.surfaces[0].shadow.left == doctest::Approx(0.4).epsilon(0.1));
+  CHECK(fill.surfaces[0].shadow.left == doctest::Approx(0.4).epsilon(0.25));
   CHECK(fill.surfaces[0].shadow.light.x == doctest::Approx(0.5).epsilon(0.2));
   REQUIRE(fill.relit_rows > 30);
   const auto relit_from = std::size_t(fill.filled.size() - fill.relit_rows);
   std::int64_t right = 0;
   for (std::size_t i = relit_from; i < std::size_t(fill.filled.size()); ++i) {
     const orbit::Vec p = position(fill.filled, i);
-    right += std::abs(double(fill.filled.sh_dc[3 * i]) - check(p.x, p.y)) < 0.15;
+    right += std::abs(double(fill.filled.sh_dc[3 * i]) - check(p.x, p.y)) < 0.35;  // of 1.4 in the shadow
   }
-  CHECK(double(right) > 0.75 * double(fill.relit_rows));                                 // others are at the outline
+  CHECK(double(right) > 0.6 * double(fill.relit_rows));                                  // others are at the outline
   for (std::size_t i = 0; i < relit_from; ++i) REQUIRE(fill.filled.sh_dc[3 * i] > 0.f);  // no copies of the shadow
   CHECK(filled(model, 3).filled.sh_dc == fill.filled.sh_dc);
   CHECK(filled(lit).relit_rows == 0);
 }
 
+TEST_CASE("a large faint plume before the filled floor is removed with the object") {
+  HoleModel model = HoleModel::on_floor();
+  model.add({0.05, 0, 0.5}, -1, -1, false);
+  const std::size_t plume = model.object.size() - 1;
+  for (std::size_t a = 0; a < 3; ++a) model.cloud.log_scale[3 * plume + a] = std::log(0.15f);
+  model.cloud.logit_opacity[plume] = -1.9f;  // 0.13
+  CHECK(filled(model).removed[plume] == 1);
+  model.cloud.logit_opacity[plume] = 3;  // a solid ball of this size is no smear
+  CHECK(filled(model).removed[plume] == 0);
+}
+
 TEST_CASE("the cells below the object are counted as filled, covered and open") {
   const Footprint footprint = filled(HoleModel::on_floor()).surfaces.at(0).footprint;
   CHECK(footprint.cells > 50);
-  CHECK(footprint.filled == footprint.cells);
-  CHECK(footprint.covered == 0);
+  CHECK(double(footprint.filled) > 0.95 * double(footprint.cells));
+  CHECK(footprint.filled + footprint.covered == footprint.cells);
 }
 
 TEST_CASE("in a corner both holes are filled, and joined at the line where the planes meet") {
