@@ -64,7 +64,7 @@ struct JointOptions : FieldOptions {
   int start_steps = 3;      // EM steps from labels of 1/2 to the start labels (paper.md §5.4, decision 011)
   double rate_label = 0.1;  // Adam rate of the label logits
   double rate_scale = 0.1;
-  double far_tiles = 1;       // share of the tiles without a contour that a step renders; no option
+  bool at_contours = false;   // steps render the tiles at contours and some others (step_tiles.h); no option
   int smooth_points = 2048;   // query points per step for L_smth
   double smooth_step = 0.01;  // finite-difference step of L_smth, kernel widths (D14)
 

@@ -151,8 +151,6 @@ struct JointTrainer::Impl {
     resident.add(boundary.row), resident.add(cont_place), resident.add(cont_colour), resident.add(cont_grad);
   }
 
-  bool leaves_out_tiles() const { return options.far_tiles < 1; }
-
   std::string step_name(std::int64_t s) const {
     return "view '" + input.scene.views[input.views[view_of(s)]].camera.name + "', step " + std::to_string(s + 1);
   }
@@ -192,7 +190,7 @@ struct JointTrainer::Impl {
   LossTerms step_view(std::size_t n);
   const ImageF* field_terms(const FieldRays& rays, const RenderedView& rendered, LossTerms& loss, ViewGradients& grad);
   ViewGradients& shaped_gradients(const RenderedView& rendered, bool with_masks, bool with_photo);
-  double weigh_tiles(const ViewCache::View& view, RenderRequest& request);
+  void choose_tiles(const ViewCache::View& view);
   void cont_term(LossTerms& loss);
   void update(double decay);
   void set_total(LossTerms& loss) const;
@@ -252,18 +250,13 @@ void JointTrainer::Impl::cont_term(LossTerms& loss) {
       loss_cont(exec, {cont_graph, {cont_colour.data(), boundary.size()}}, options.lambda_cont, &cont_grad, &add);
 }
 
-/// Chooses the tiles of a step and sets the weights of their pixels; returns the mean weight. 0: all are rendered.
-double JointTrainer::Impl::weigh_tiles(const ViewCache::View& view, RenderRequest& request) {
-  if (view.near.empty()) return 0;
-  const int w = view.masks.width_px, h = view.masks.height_px;
-  tiles = step_tiles(view.near, w, h, options.far_tiles, input.seed, done);
-  double sum = 0;
-  for (const float weight : tiles.weight) sum += double(weight);
-  pixel_weights.width_px = w, pixel_weights.height_px = h, pixel_weights.channels = 1;
-  images.assign(pixel_weights.data, std::move(tiles.weight));
-  if (exec.device_ops) images.assign(kept_photo, std::vector<float>(view.photo.data));
-  request.tiles = tiles.rendered.data();
-  return sum / double(pixel_weights.pixels());
+/// Sets `tiles`, pixel_weights and kept_photo for a step that leaves out tiles.
+void JointTrainer::Impl::choose_tiles(const ViewCache::View& view) {
+  tiles = step_tiles(view.near, view.masks.width_px, view.masks.height_px, input.seed, done);
+  pixel_weights.width_px = view.masks.width_px, pixel_weights.height_px = view.masks.height_px;
+  pixel_weights.channels = 1;
+  images.assign(pixel_weights.data, std::move(tiles.weight.data));
+  images.assign(kept_photo, std::vector<float>(view.photo.data));
 }
 
 LossTerms JointTrainer::Impl::step_view(std::size_t n) {
@@ -274,7 +267,8 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
   request.colour = effects.photometric || effects.align, request.depth = effects.nerf,
   request.background = input.background;
   request.label = labels.rendered();
-  const double weighed = weigh_tiles(view, request);
+  const bool some_tiles = !view.near.empty();
+  if (some_tiles) choose_tiles(view), request.tiles = tiles.rendered.data();
   RenderedView& rendered = [&]() -> RenderedView& {
     const auto timed = monitor.scope("splat forward");
     return splat.forward(exec, cloud, camera, request);
@@ -283,25 +277,17 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
   LossTerms loss;
   const bool with_photo = effects.photometric && !view.photo.empty();
   ViewGradients& grad = shaped_gradients(rendered, view.masks.available, with_photo);
-  const ImageF* weights = weighed > 0 ? &pixel_weights : nullptr;
-  const auto keep_weighted = [&](const std::vector<float>* target, ImageF& image) {
-    if (weights && !image.empty())
-      for_each_row(
-          exec, image.pixels(),
-          KeepWeighted{image.channels, weights->data.data(), target ? target->data() : nullptr, image.data.data()});
-  };
+  const ImageF* weights = some_tiles ? &pixel_weights : nullptr;
   if (with_photo) {
     const auto timed = monitor.scope("photometric");
-    keep_weighted(exec.device_ops ? &kept_photo : &view.photo.data, rendered.colour);
+    if (weights) keep_weighted(exec, *weights, &kept_photo, rendered.colour);
     const PixelRect& box = view.anchor;
-    const double share =
-        shown * (weights       ? weighed
-                 : box.empty() ? 1
-                               : double(box.x1 - box.x0) * (box.y1 - box.y0) / double(view.photo.pixels()));
+    const double inside = box.empty() ? 1 : double(box.x1 - box.x0) * (box.y1 - box.y0) / double(view.photo.pixels());
+    const double share = shown * (weights ? tiles.mean_weight : inside);
     const PhotometricOptions anchor{.box = box, .gradient_scale = share * options.photometric_weight};
     loss.photometric =
         share * photometric.evaluate(exec, anchor, {rendered.colour, view.photo, weights}, &grad.colour).total;
-    keep_weighted(nullptr, grad.colour);
+    if (weights) keep_weighted(exec, *weights, nullptr, grad.colour);
   }
   if (effects.nerf) weights = field_terms(rays_of(n, rendered), rendered, loss, grad);
   if (effects.mask && view.masks.available) {
@@ -329,18 +315,16 @@ void JointTrainer::Impl::update(double decay) {
   const std::int64_t t = done + 1;
   std::vector<AdamGroup> groups;
   groups.push_back(labels.group(exec, options.rate_label * decay, gradients.label));
+  if (options.at_contours) groups.back().options.sparse_columns = 1;
   if (effects.geometry) {
     GroupRates fallen = rates;
     for (double& rate : fallen) rate *= decay;
-    for (const AdamGroup& group : gaussian_groups(fallen, gradients, trained.cloud(), moments)) groups.push_back(group);
+    for (const AdamGroup& group :
+         gaussian_groups({t, fallen, options.at_contours}, gradients, trained.cloud(), moments))
+      groups.push_back(group);
   }
-  if (leaves_out_tiles())  // Gaussians in no tile keep values and moments
-    for (AdamGroup& group : groups) {
-      const std::size_t rows = group.block.name == "label" ? group.block.value.size() : trained.size();
-      group.options.sparse_columns = int(group.block.value.size() / std::max<std::size_t>(rows, 1));
-    }
   adam_step(exec, t, groups);
-  write_back(exec, leaves_out_tiles() ? &gradients.visible : nullptr);
+  write_back(exec, options.at_contours ? &gradients.visible : nullptr);
   if (field) field->step(exec, t, decay);
 }
 

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "ngs/cut/training/joint_options.h"
-#include "ngs/cut/training/step_tiles.h"
 #include "ngs/ops/image/pixel_window.h"
 #include "ngs/ops/losses/photometric.h"
 #include "ngs/ops/optim/resident.h"
+#include "ngs/ops/splat/step_tiles.h"
 #include "ngs/problem/problem.h"
 
 namespace ngs {
@@ -19,8 +19,8 @@ class ViewCache {
   struct View {
     ImageF photo;
     ViewMasks masks;
-    PixelRect anchor;                // where the photometric loss applies; empty: the whole photo
-    std::vector<std::uint8_t> near;  // contour_tiles(), for steps that leave out tiles
+    PixelRect anchor;  // where the photometric loss applies; empty: the whole photo
+    TileFlags near;    // contour_tiles(), with JointOptions::at_contours
   };
   ViewCache(const Exec& exec, const Problem& input, const JointOptions& options)
       : input_(input), options_(options), effects_(options.on), view_(input.views.size()), resident_(exec) {}
@@ -32,7 +32,7 @@ class ViewCache {
     scratch.masks = input_.load_masks(input_.views[n]);
     if (effects_.photometric || effects_.align) scratch.photo = input_.load_photo(input_.views[n]);
     if (!effects_.whole_photo) scratch.anchor = anchor_box(scratch.masks);
-    if (options_.far_tiles < 1) scratch.near = contour_tiles(scratch.masks);
+    if (options_.at_contours) scratch.near = contour_tiles(scratch.masks);
     std::size_t bytes = scratch.photo.data.size() * sizeof(float) + scratch.masks.known.size();
     for (const auto& target : scratch.masks.target) bytes += target.size() * sizeof(float);
     if (bytes_ + bytes > kBytes) return scratch;
