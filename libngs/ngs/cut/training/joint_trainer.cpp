@@ -71,7 +71,8 @@ struct JointTrainer::Impl {
   ViewGradients image_grad;
   StepTiles tiles;
   ImageF pixel_weights;           // of the losses
-  std::vector<float> kept_photo;  // of a step that leaves out tiles
+  std::vector<float> kept_photo;  // of a view outside the cache, like kept_near
+  TileFlags kept_near;
   AlignContext align_context;
   AlignFieldGradients to_field;
   PhotometricPass<float> photometric;
@@ -190,7 +191,7 @@ struct JointTrainer::Impl {
   LossTerms step_view(std::size_t n);
   const ImageF* field_terms(const FieldRays& rays, const RenderedView& rendered, LossTerms& loss, ViewGradients& grad);
   ViewGradients& shaped_gradients(const RenderedView& rendered, bool with_masks, bool with_photo);
-  void choose_tiles(const ViewCache::View& view);
+  const std::vector<float>& choose_tiles(std::size_t n, const ViewCache::View& view);
   void cont_term(LossTerms& loss);
   void update(double decay);
   void set_total(LossTerms& loss) const;
@@ -250,13 +251,18 @@ void JointTrainer::Impl::cont_term(LossTerms& loss) {
       loss_cont(exec, {cont_graph, {cont_colour.data(), boundary.size()}}, options.lambda_cont, &cont_grad, &add);
 }
 
-/// Sets `tiles`, pixel_weights and kept_photo for a step that leaves out tiles.
-void JointTrainer::Impl::choose_tiles(const ViewCache::View& view) {
-  tiles = step_tiles(view.near, view.masks.width_px, view.masks.height_px, input.seed, done);
-  pixel_weights.width_px = view.masks.width_px, pixel_weights.height_px = view.masks.height_px;
-  pixel_weights.channels = 1;
-  images.assign(pixel_weights.data, std::move(tiles.weight.data));
-  images.assign(kept_photo, std::vector<float>(view.photo.data));
+/// Sets `tiles` and pixel_weights for a step that leaves out tiles; returns the photo, on the device if there is one.
+const std::vector<float>& JointTrainer::Impl::choose_tiles(std::size_t n, const ViewCache::View& view) {
+  const int w = view.masks.width_px, h = view.masks.height_px;
+  tiles = step_tiles(view.near, w, h, input.seed, done);
+  images.shape(pixel_weights, w, h, 1);
+  const bool copied = exec.device_ops != nullptr && !cache.keeps(n);
+  if (copied) {
+    images.assign(kept_photo, std::vector<float>(view.photo.data));
+    images.assign(kept_near, TileFlags(view.near));
+  }
+  weigh_pixels(exec, copied ? kept_near : view.near, tiles, pixel_weights);
+  return copied ? kept_photo : view.photo.data;
 }
 
 LossTerms JointTrainer::Impl::step_view(std::size_t n) {
@@ -267,8 +273,8 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
   request.colour = effects.photometric || effects.align, request.depth = effects.nerf,
   request.background = input.background;
   request.label = labels.rendered();
-  const bool some_tiles = !view.near.empty();
-  if (some_tiles) choose_tiles(view), request.tiles = tiles.rendered.data();
+  const std::vector<float>* shown_photo = view.near.empty() ? nullptr : &choose_tiles(n, view);
+  if (shown_photo) request.tiles = tiles.rendered.data();
   RenderedView& rendered = [&]() -> RenderedView& {
     const auto timed = monitor.scope("splat forward");
     return splat.forward(exec, cloud, camera, request);
@@ -277,14 +283,16 @@ LossTerms JointTrainer::Impl::step_view(std::size_t n) {
   LossTerms loss;
   const bool with_photo = effects.photometric && !view.photo.empty();
   ViewGradients& grad = shaped_gradients(rendered, view.masks.available, with_photo);
-  const ImageF* weights = some_tiles ? &pixel_weights : nullptr;
+  const ImageF* weights = shown_photo ? &pixel_weights : nullptr;
   if (with_photo) {
     const auto timed = monitor.scope("photometric");
-    if (weights) keep_weighted(exec, *weights, &kept_photo, rendered.colour);
+    if (weights) keep_weighted(exec, *weights, shown_photo, rendered.colour);
     const PixelRect& box = view.anchor;
     const double inside = box.empty() ? 1 : double(box.x1 - box.x0) * (box.y1 - box.y0) / double(view.photo.pixels());
-    const double share = shown * (weights ? tiles.mean_weight : inside);
-    const PhotometricOptions anchor{.box = box, .gradient_scale = share * options.photometric_weight};
+    const double weight = weights ? tiles.weight : 0;
+    const double share = shown * (weights ? weight / double(view.photo.pixels()) : inside);
+    const PhotometricOptions anchor{
+        .box = box, .gradient_scale = share * options.photometric_weight, .weight_sum = weight};
     loss.photometric =
         share * photometric.evaluate(exec, anchor, {rendered.colour, view.photo, weights}, &grad.colour).total;
     if (weights) keep_weighted(exec, *weights, nullptr, grad.colour);

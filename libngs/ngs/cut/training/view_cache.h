@@ -25,6 +25,8 @@ class ViewCache {
   ViewCache(const Exec& exec, const Problem& input, const JointOptions& options)
       : input_(input), options_(options), effects_(options.on), view_(input.views.size()), resident_(exec) {}
 
+  bool keeps(std::size_t n) const { return view_[n] != nullptr; }
+
   /// View `n` of input.views. Views that do not fit into the cache are returned in `scratch`.
   const View& load(Monitor& monitor, std::size_t n, View& scratch) {
     if (view_[n]) return *view_[n];
@@ -39,7 +41,7 @@ class ViewCache {
     bytes_ += bytes;
     view_[n] = std::make_unique<View>(std::move(scratch));
     const View& view = *view_[n];
-    resident_.add_input(view.photo.data), resident_.add_input(view.masks.known);
+    resident_.add_input(view.photo.data), resident_.add_input(view.masks.known), resident_.add_input(view.near);
     for (const std::vector<float>& target : view.masks.target) resident_.add_input(target);
     return view;
   }

@@ -39,25 +39,21 @@ TileFlags contour_tiles(const ViewMasks& masks) {
 }
 
 StepTiles step_tiles(const TileFlags& near, int width, int height, std::uint64_t seed, std::int64_t step) {
-  StepTiles out{near, ImageF(width, height, 1)};
-  std::vector<float> weight(near.size());
-  for (std::size_t t = 0; t < near.size(); ++t) {
-    const std::uint64_t draw = std::uint64_t(step) * near.size() + t;
-    if (near[t])
-      weight[t] = 1;
-    else if (rng_uniform(seed, RngStream::kTiles, draw) < kFarTiles)
-      weight[t] = float(1 / kFarTiles);
-    out.rendered[t] = weight[t] > 0;
-  }
-  const int tiles_x = tiles_across(width);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      const float w = weight[std::size_t(y / kTilePx) * std::size_t(tiles_x) + std::size_t(x / kTilePx)];
-      out.weight.at(x, y) = w;
-      out.mean_weight += double(w);
+  StepTiles out;
+  out.offset = int(rng_bits(seed, RngStream::kTiles, std::uint64_t(step)) % kFarTiles);
+  const WeighTiles weigh{width, kTilePx, kFarTiles, out.offset, near.data(), nullptr};
+  for (int y = 0; y < height; y += kTilePx)
+    for (int x = 0; x < width; x += kTilePx) {
+      const int weight = weigh.of_tile(x / kTilePx, y / kTilePx);
+      out.rendered.push_back(weight > 0);
+      out.weight += double(weight) * std::min(kTilePx, width - x) * std::min(kTilePx, height - y);
     }
-  out.mean_weight /= double(out.weight.pixels());
   return out;
+}
+
+void weigh_pixels(const Exec& exec, const TileFlags& near, const StepTiles& tiles, ImageF& weight) {
+  for_each_row(exec, weight.pixels(),
+               WeighTiles{weight.width_px, kTilePx, kFarTiles, tiles.offset, near.data(), weight.data.data()});
 }
 
 void keep_weighted(const Exec& exec, const ImageF& weight, const std::vector<float>* target, ImageF& image) {
