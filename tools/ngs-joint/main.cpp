@@ -22,7 +22,7 @@ int main(int argc, char** argv) {
       tool.optional_input("--effects-from", "report of a run whose decisions on effects are repeated");
   const cli::Output& out = tool.output("-o,--output", "labelled PLY with optimised attributes");
   const cli::Output& trace =
-      tool.optional_output("--trace", "one JSON line per step: time, loss terms; per epoch: mask scores");
+      tool.optional_output("--trace", "one JSON line per step: time, loss terms; per stage: mask scores");
   tool.writes_nothing_if(options.choice.explain);
   tool.stops_on_request();
   tool.runs_on_device();

@@ -47,7 +47,7 @@ alone_methods() {
   done
   case " ${METHODS:-} " in *' BEA-GS '*) alone_published "$1" "$2" ;; esac
 }
-score_of() { tool ngs_results score "$work/$1.json" biou_005; }
+score_of() { tables score "$work/$1.json" biou_005; }
 
 # alone_published PREPARED TRUTH: the row of BEA-GS, with k as published.
 alone_published() {

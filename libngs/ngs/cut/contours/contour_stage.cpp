@@ -35,10 +35,6 @@ constexpr int kLargeDetail = 2;  // multiple of the camera's size to which small
 constexpr int kEarlyShrink = 2;
 constexpr double kEarlyRate = 0.75;
 
-/// A step renders the tiles at contours and this share of the others, at random: the rest of the object hardly changes,
-/// but photos must constrain it.
-constexpr double kFarTiles = 0.25;
-
 // Trained Gaussians have at least this share of their weight in the windows. Background is trained only if it has more
 // than this weight on the wrong side of contours.
 constexpr double kMinInside = 0.99, kMinStraddling_px = 0.5;
@@ -160,7 +156,7 @@ JointOptions window_options(const ContourSetup& setup, std::size_t views, bool e
   joint.steps = std::int64_t(early ? early_epochs(epochs) : epochs) * std::int64_t(views);
   joint.rate_scale = early ? kEarlyRate : 1;
   joint.start_steps = 1;  // start at the labels trained so far
-  joint.far_tiles = kFarTiles;
+  joint.at_contours = true;
   joint.off.insert({"nerf", "cont"});  // the NeRF samples rays of the whole image
   return joint;
 }

@@ -35,7 +35,7 @@ struct JointOptions : FieldOptions, PartSwitches {
   int start_steps = 3;      // EM steps from labels of 1/2 to the start labels (paper.md §5.4, decision 011)
   double rate_label = 0.1;  // Adam rate of the label logits
   double rate_scale = 0.1;
-  double far_tiles = 1;  // share of the tiles without a contour that a step renders; no option
+  bool at_contours = false;  // steps render the tiles at contours and some others (step_tiles.h); no option
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {

@@ -63,7 +63,8 @@ struct JointTrainer::Impl : TrainedModel {
   ImageGradients images;
   StepTiles tiles;
   ImageF pixel_weights;           // of the losses, in a step that leaves out tiles
-  std::vector<float> kept_photo;  // its photo
+  std::vector<float> kept_photo;  // of a view outside the cache, like kept_near
+  TileFlags kept_near;
   CloudGradients gradients;
   GaussianMoments moments;
   ViewCache cache;
@@ -84,7 +85,7 @@ struct JointTrainer::Impl : TrainedModel {
         rendered(exec),
         splat(rows.prepared(splat_of(s)), &rendered),
         images(exec),
-        cache(exec, input, leaves_out_tiles()),
+        cache(exec, input, s.options.at_contours),
         resident(exec) {}
 
   void start(const Losses& wanted, bool allow_empty) {
@@ -125,8 +126,6 @@ struct JointTrainer::Impl : TrainedModel {
     for (const auto& loss : losses) loss->add_to(resident);
   }
 
-  bool leaves_out_tiles() const { return options.far_tiles < 1; }
-
   std::string step_name(std::int64_t s) const {
     return "view '" + input.scene.views[input.views[view_of(s)]].camera.name + "', step " + std::to_string(s + 1);
   }
@@ -142,26 +141,23 @@ struct JointTrainer::Impl : TrainedModel {
     return order[std::size_t(s) % n];
   }
 
-  double weigh_tiles(const ViewCache::View& given);
+  const std::vector<float>& choose_tiles(std::size_t n, const ViewCache::View& given);
   LossValues step_view(std::size_t n);
   void update(double decay);
 };
 
-/// Chooses the tiles of a step and sets the weights of their pixels; returns the mean weight. 0: all are rendered.
-double JointTrainer::Impl::weigh_tiles(const ViewCache::View& given) {
-  request.tiles = nullptr;
-  if (given.near.empty()) return 0;
+/// Sets `tiles` and pixel_weights for a step that leaves out tiles; returns the photo, on the device if there is one.
+const std::vector<float>& JointTrainer::Impl::choose_tiles(std::size_t n, const ViewCache::View& given) {
   const int w = given.masks.width_px, h = given.masks.height_px;
-  tiles = step_tiles(given.near, w, h, options.far_tiles, input.seed, done);
-  pixel_weights.width_px = w;
-  pixel_weights.height_px = h;
-  pixel_weights.channels = 1;
-  double sum = 0;
-  for (const float weight : tiles.weight) sum += double(weight);
-  rendered.assign(pixel_weights.data, std::move(tiles.weight));
-  if (exec.device_ops) rendered.assign(kept_photo, std::vector<float>(given.photo.data));
-  request.tiles = tiles.rendered.data();
-  return sum / double(pixel_weights.pixels());
+  tiles = step_tiles(given.near, w, h, input.seed, done);
+  rendered.shape(pixel_weights, w, h, 1);
+  const bool copied = rows_are_on_device(exec) && !cache.keeps(n);
+  if (copied) {
+    rendered.assign(kept_photo, std::vector<float>(given.photo.data));
+    rendered.assign(kept_near, TileFlags(given.near));
+  }
+  weigh_pixels(exec, copied ? kept_near : given.near, tiles, pixel_weights);
+  return copied ? kept_photo : given.photo.data;
 }
 
 LossValues JointTrainer::Impl::step_view(std::size_t n) {
@@ -169,21 +165,22 @@ LossValues JointTrainer::Impl::step_view(std::size_t n) {
   const ViewCache::View& given = cache.load(monitor, n, request.colour, scratch);
   const std::size_t view = input.views[n];
   request.label = labels.rendered();
-  const double mean_weight = weigh_tiles(given);
+  const std::vector<float>* photo = given.near.empty() ? nullptr : &choose_tiles(n, given);
+  request.tiles = photo ? tiles.rendered.data() : nullptr;
   RenderedView& image = [&]() -> RenderedView& {
     const auto timed = monitor.scope("splat forward");
     return splat.forward(exec, cloud, input.scene.views[view].camera, request);
   }();
-  if (mean_weight > 0 && !given.photo.empty()) {  // no difference where no tile is rendered
-    const std::vector<float>& photo = exec.device_ops ? kept_photo : given.photo.data;
-    for_each_row(
-        exec, image.colour.pixels(),
-        KeepWeighted{image.colour.channels, pixel_weights.data.data(), photo.data(), image.colour.data.data()});
+  if (photo && !given.photo.empty()) {  // no difference where no tile is rendered
+    const auto timed = monitor.scope("photometric");
+    keep_weighted(exec, pixel_weights, photo, image.colour);
   }
   images.begin(image);
   LossStep step{*this, done, view, window_share(input, view), given, image, images, gradients, no_values};
-  step.mean_weight = mean_weight;
-  if (mean_weight > 0) step.pixel_weight = &pixel_weights;
+  if (photo) {
+    step.tiles = &tiles;
+    step.pixel_weight = &pixel_weights;
+  }
   for (const auto& loss : losses) loss->add_on_view(step);
   {
     const auto timed = monitor.scope("splat backward");
@@ -198,18 +195,15 @@ void JointTrainer::Impl::update(double decay) {
   const std::int64_t t = done + 1;
   std::vector<AdamGroup> groups;
   groups.push_back(labels.group(exec, options.rate_label * decay, gradients.label));
+  if (options.at_contours) groups.back().options.sparse_columns = 1;
   if (options.on("geometry")) {
     GroupRates fallen = rates;
     for (double& rate : fallen) rate *= decay;
-    for (const AdamGroup& group : gaussian_groups(fallen, gradients, rows.cloud(), moments)) groups.push_back(group);
+    for (const AdamGroup& group : gaussian_groups({t, fallen, options.at_contours}, gradients, rows.cloud(), moments))
+      groups.push_back(group);
   }
-  if (leaves_out_tiles())  // Gaussians in no tile keep values and moments
-    for (AdamGroup& group : groups) {
-      const std::size_t count = group.block.name == "label" ? group.block.value.size() : rows.size();
-      group.options.sparse_columns = int(group.block.value.size() / std::max<std::size_t>(count, 1));
-    }
   adam_step(exec, t, groups);
-  write_back(exec, leaves_out_tiles() ? &gradients.visible : nullptr);
+  write_back(exec, options.at_contours ? &gradients.visible : nullptr);
   for (const auto& loss : losses) loss->update(t, decay);
 }
 

@@ -15,6 +15,7 @@
 #include "ngs/cut/training/joint_options.h"
 #include "ngs/cut/training/view_cache.h"
 #include "ngs/ops/optim/resident.h"
+#include "ngs/ops/splat/step_tiles.h"
 #include "ngs/options/option_set.h"
 #include "ngs/problem/trained_rows.h"
 #include "ngs/scene/boundary_set.h"
@@ -88,7 +89,7 @@ struct LossStep {
   LossValues values;          // receives the terms
   // [H, W, 1], >= 0. Of the photometric loss in steps that leave out tiles, and of the mask loss; null: 1
   const ImageF* pixel_weight = nullptr;
-  double mean_weight = 0;  // of the pixels, in a step that leaves out tiles; 0: none are left out
+  const StepTiles* tiles = nullptr;  // null: all are rendered
 };
 
 /// A named array that changes between steps, for checkpoints.

@@ -3,7 +3,6 @@
 #include "ngs/cut/training/loss_term.h"
 #include "ngs/cut/training/scene_probe.h"
 #include "ngs/ops/losses/photometric.h"
-#include "ngs/ops/optim/rows.h"
 
 namespace ngs {
 namespace {
@@ -38,17 +37,15 @@ class PhotometricTerm final : public LossTerm {
     if (photo.empty()) return;
     const auto timed = step.model.monitor.scope("photometric");
     const PixelRect box = step.model.options.on("whole-photo") ? PixelRect{} : step.given.object;
-    const ImageF* weights = step.mean_weight > 0 ? step.pixel_weight : nullptr;
-    const double share =
-        step.shown * (weights       ? step.mean_weight
-                      : box.empty() ? 1
-                                    : double(box.x1 - box.x0) * (box.y1 - box.y0) / double(photo.pixels()));
-    const PhotometricOptions anchor{.box = box, .gradient_scale = share * weight_};
+    const double inside = box.empty() ? 1 : double(box.x1 - box.x0) * (box.y1 - box.y0) / double(photo.pixels());
+    const double weight = step.tiles ? step.tiles->weight : 0;
+    const double share = step.shown * (step.tiles ? weight / double(photo.pixels()) : inside);
+    const ImageF* weights = step.tiles ? step.pixel_weight : nullptr;
+    const PhotometricOptions anchor{.box = box, .gradient_scale = share * weight_, .weight_sum = weight};
     ImageF& gradient = step.images.overwritten(&ViewGradients::colour);
     const auto value = pass_.evaluate(step.model.exec, anchor, {step.rendered.colour, photo, weights}, &gradient);
-    if (weights)  // windows of SSIM reach into tiles that are not rendered
-      for_each_row(step.model.exec, gradient.pixels(),
-                   KeepWeighted{gradient.channels, weights->data.data(), nullptr, gradient.data.data()});
+    // Windows of SSIM reach into tiles that are not rendered.
+    if (weights) keep_weighted(step.model.exec, *weights, nullptr, gradient);
     step.values.set("photometric", weight_, share * value.total);
   }
 

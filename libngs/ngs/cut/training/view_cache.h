@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "ngs/cut/training/joint_options.h"
-#include "ngs/cut/training/step_tiles.h"
 #include "ngs/ops/image/pixel_window.h"
 #include "ngs/ops/losses/photometric.h"
 #include "ngs/ops/optim/resident.h"
+#include "ngs/ops/splat/step_tiles.h"
 #include "ngs/problem/problem.h"
 
 namespace ngs {
@@ -19,11 +19,13 @@ class ViewCache {
   struct View {
     ImageF photo;
     ViewMasks masks;
-    PixelRect object;                // box about the object; empty if the mask is empty
-    std::vector<std::uint8_t> near;  // contour_tiles(), for steps that leave out tiles
+    PixelRect object;  // box about the object; empty if the mask is empty
+    TileFlags near;    // contour_tiles(), with JointOptions::at_contours
   };
-  ViewCache(const Exec& exec, const Problem& input, bool with_tiles)
-      : input_(input), with_tiles_(with_tiles), view_(input.views.size()), resident_(exec) {}
+  ViewCache(const Exec& exec, const Problem& input, bool at_contours)
+      : input_(input), at_contours_(at_contours), view_(input.views.size()), resident_(exec) {}
+
+  bool keeps(std::size_t n) const { return view_[n] != nullptr; }
 
   /// View `n` of input.views. Views that do not fit into the cache are returned in `scratch`.
   const View& load(Monitor& monitor, std::size_t n, bool with_photo, View& scratch) {
@@ -32,14 +34,14 @@ class ViewCache {
     scratch.masks = input_.load_masks(input_.views[n]);
     if (with_photo) scratch.photo = input_.load_photo(input_.views[n]);
     scratch.object = object_box(scratch.masks);
-    if (with_tiles_) scratch.near = contour_tiles(scratch.masks);
+    if (at_contours_) scratch.near = contour_tiles(scratch.masks);
     std::size_t bytes = scratch.photo.data.size() * sizeof(float) + scratch.masks.known.size();
     for (const auto& target : scratch.masks.target) bytes += target.size() * sizeof(float);
     if (bytes_ + bytes > kBytes) return scratch;
     bytes_ += bytes;
     view_[n] = std::make_unique<View>(std::move(scratch));
     const View& view = *view_[n];
-    resident_.add_input(view.photo.data), resident_.add_input(view.masks.known);
+    resident_.add_input(view.photo.data), resident_.add_input(view.masks.known), resident_.add_input(view.near);
     for (const std::vector<float>& target : view.masks.target) resident_.add_input(target);
     return view;
   }
@@ -54,7 +56,7 @@ class ViewCache {
   }
 
   const Problem& input_;
-  const bool with_tiles_;
+  const bool at_contours_;
   std::vector<std::unique_ptr<View>> view_;
   std::size_t bytes_ = 0;
   Resident resident_;  // the cached views; others are copied in each step

@@ -40,10 +40,11 @@ using GaussianMoments = std::array<AdamMoments, kGaussianGroups>;
 struct GaussianStep {
   std::int64_t number;  // from 1
   GroupRates rates;
+  bool sparse = false;  // Gaussians without a gradient keep values and moments
 };
 
 /// The groups whose rate is not 0, for adam_step(). The arguments must outlive them.
-std::vector<AdamGroup> gaussian_groups(const GroupRates& rates, const CloudGradients& gradients, GaussianCloud& cloud,
+std::vector<AdamGroup> gaussian_groups(const GaussianStep& step, const CloudGradients& gradients, GaussianCloud& cloud,
                                        GaussianMoments& moments);
 
 /// A group whose rate is 0 keeps its values and moments.

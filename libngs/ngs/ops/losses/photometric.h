@@ -23,6 +23,7 @@ struct PhotometricOptions {
   double dssim_weight = 0.2;  // λ
   PixelRect box = {};
   double gradient_scale = 1;  // factor of the gradient
+  double weight_sum = 0;      // Σ w if it is known; 0: computed from the weights, which must then be on the host
 };
 
 struct PhotometricLoss {

@@ -48,7 +48,7 @@ auto PhotometricPass<T, Acc>::evaluate(const Exec& exec, const PhotometricOption
   const ssim::Layout layout{std::min(w, inner.x1 + ssim::kRadius) - x0, std::min(h, inner.y1 + ssim::kRadius) - y0,
                             channels};
 
-  const double weight_sum = detail::total_weight(weight, inner);
+  const double weight_sum = options.weight_sum > 0 ? options.weight_sum : detail::total_weight(weight, inner);
   if (!(weight_sum > 0)) return clear(), Value{Acc(0), Acc(0), Acc(1)};
   if (!options.box.empty()) clear();
   const double norm = 1.0 / (weight_sum * channels);

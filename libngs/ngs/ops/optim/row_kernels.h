@@ -92,6 +92,26 @@ struct ClearShapes {
   }
 };
 
+/// The weight of every pixel by its tile: 1 if the tile is near; of the others, `every` for one tile in `every`, else
+/// 0.
+struct WeighTiles {
+  static constexpr const char* kName = "weigh_tiles";
+  int width, tile_px, every, offset;
+  const std::uint8_t* near;  // [tiles]
+  float* weight;             // [pixels] out
+  template <class F>
+  void each_array(const F& f) {
+    f(near), f(weight);
+  }
+  NGS_HD int of_tile(int tx, int ty) const {
+    if (near[ty * ((width + tile_px - 1) / tile_px) + tx]) return 1;
+    return (tx + 2 * ty + offset) % every == 0 ? every : 0;
+  }
+  NGS_HD void operator()(std::int64_t p) const {
+    weight[p] = float(of_tile(int(p % width) / tile_px, int(p / width) / tile_px));
+  }
+};
+
 /// Where a pixel has no weight, image = target.
 struct KeepWeighted {
   static constexpr const char* kName = "keep_weighted";
@@ -212,7 +232,7 @@ struct LabelCellValues {
 };
 
 /// A kernel with an array per argument and a row per call.
-using RowKernel = std::variant<ScatterRows, GatherRows, RowColours, ClearShapes, KeepWeighted, AddValues,
+using RowKernel = std::variant<ScatterRows, GatherRows, RowColours, ClearShapes, WeighTiles, KeepWeighted, AddValues,
                                AddProjectedGradients, FadeNear, LabelCellGradients, LabelCellValues>;
 
 }  // namespace ngs
