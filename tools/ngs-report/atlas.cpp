@@ -1,7 +1,4 @@
-#include "atlas.h"
-
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 #include "ngs/core/error.h"
@@ -9,8 +6,9 @@
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/render/render_options.h"
-#include "planes.h"
+#include "sections.h"
 #include "shared/page/html.h"
+#include "viewer.h"
 
 namespace ngs::cli {
 namespace {

@@ -1,5 +1,3 @@
-#include "overview.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,9 +9,10 @@
 #include "ngs/ops/image/image_bytes.h"
 #include "ngs/render/render_options.h"
 #include "ngs/scene/mask_threshold.h"
-#include "planes.h"
+#include "sections.h"
 #include "shared/page/html.h"
-#include "shared/page/outlined_picture.h"
+#include "shared/page/mask_sheet.h"
+#include "viewer.h"
 
 namespace ngs::cli {
 namespace {

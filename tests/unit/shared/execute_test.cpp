@@ -1,5 +1,3 @@
-#include "shared/run/execute.h"
-
 #include <doctest/doctest.h>
 
 #include "ngs/core/error.h"

@@ -4,8 +4,8 @@
 #include "ngs/io/files/json_file.h"
 #include "ngs/io/formats/compression/webp_image.h"
 #include "ngs/io/formats/compression/zip_archive.h"
+#include "ngs/io/formats/splat_codecs.h"
 #include "ngs/io/formats/quantise.h"
-#include "ngs/io/formats/sog.h"
 #include "ngs/io/formats/sog_layout.h"
 
 namespace ngs::io {

@@ -1,4 +1,4 @@
-#include "ngs/io/formats/dot_splat.h"
+#include "ngs/io/formats/splat_codecs.h"
 
 #include <doctest/doctest.h>
 
