@@ -107,7 +107,7 @@ void write_file(const std::string& path, std::string_view bytes) {
 namespace {
 
 // Fixed storage: a signal handler may neither allocate nor lock.
-enum State : int { kFree, kFilling, kTracked };
+enum SlotState : int { kFree, kFilling, kTracked };
 struct Slot {
   std::atomic<int> state{kFree};
   char path[4096];
