@@ -2,8 +2,8 @@
 #include <cstring>
 
 #include "ngs/core/error.h"
-#include "ngs/io/formats/splat_codecs.h"
 #include "ngs/io/formats/quantise.h"
+#include "ngs/io/formats/splat_codecs.h"
 #include "ngs/math/elementary.h"
 
 namespace ngs::io {
