@@ -9,10 +9,10 @@
 #include "ngs/ops/image/image_bytes.h"
 #include "ngs/render/render_options.h"
 #include "ngs/scene/mask_threshold.h"
+#include "planes.h"
 #include "sections.h"
 #include "shared/page/html.h"
 #include "shared/page/mask_sheet.h"
-#include "viewer.h"
 
 namespace ngs::cli {
 namespace {

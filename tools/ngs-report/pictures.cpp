@@ -6,9 +6,9 @@
 #include "ngs/core/error.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/ops/image/image_bytes.h"
+#include "planes.h"
 #include "shared/page/html.h"
 #include "shared/page/mask_sheet.h"
-#include "viewer.h"
 
 namespace ngs::cli {
 namespace {

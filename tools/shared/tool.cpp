@@ -8,8 +8,8 @@
 #include "shared/cli/command_line.h"
 #include "shared/cli/help.h"
 #include "shared/os/machine.h"
+#include "shared/run/execute.h"
 #include "shared/run/report.h"
-#include "shared/run/run_state.h"
 #include "shared/text/layout.h"
 
 namespace ngs::cli {

@@ -1,3 +1,5 @@
+#include "shared/run/execute.h"
+
 #include <doctest/doctest.h>
 
 #include "ngs/core/error.h"

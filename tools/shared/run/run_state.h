@@ -1,6 +1,5 @@
 #pragma once
 // The data behind a Run. Internal to tools/shared.
-#include <functional>
 #include <vector>
 
 #include "shared/cli/common_flags.h"
@@ -8,7 +7,6 @@
 #include "shared/run/console.h"
 #include "shared/run/environment.h"
 #include "shared/run/report.h"
-#include "shared/run/run.h"
 #include "shared/run/streams.h"
 
 namespace ngs::cli {
@@ -40,15 +38,5 @@ struct RunState {
     use_cpu(device.name + " has too little memory");
   }
 };
-
-// Executes a run, from the checks of its paths to its report.
-struct RunState;
-
-/// Runs the body. If the device's memory does not suffice, and --device auto chose the device, the body runs again on
-/// the CPU, with a warning. Throws OutOfDeviceMemory if --device cuda or --fast-atomics demands the device.
-int run_on_device_or_cpu(RunState& state, const std::function<int(Run&)>& body);
-
-/// Returns the exit code of the body.
-int execute(Spec& spec, const CommonFlags& flags, Console& console, const std::function<int(Run&)>& body);
 
 }  // namespace ngs::cli
