@@ -1,3 +1,5 @@
+#include "shared/run/execute.h"
+
 #include <filesystem>
 #include <map>
 #include <set>
