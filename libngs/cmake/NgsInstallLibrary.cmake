@@ -8,8 +8,23 @@ install(TARGETS ngs_codecs LIBRARY DESTINATION ${NGS_PLUGINS})
 # Whoever links the library loads the codecs' plug-in from where it was installed.
 target_link_options(ngs INTERFACE
   $<INSTALL_INTERFACE:-Wl,-rpath,$<INSTALL_PREFIX>/${NGS_PLUGINS}>)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/libngs/ngs DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
-  FILES_MATCHING PATTERN "*.h")
+# The headers that docs/library.md names, and what they include.
+file(READ ${PROJECT_SOURCE_DIR}/docs/library.md queue)
+set(headers "")
+while(queue)
+  string(REGEX MATCHALL "ngs/[a-z0-9_/]+\\.h" found "${queue}")
+  set(queue "")
+  list(REMOVE_DUPLICATES found)
+  foreach(header ${found})
+    if(NOT header IN_LIST headers AND EXISTS ${PROJECT_SOURCE_DIR}/libngs/${header})
+      list(APPEND headers ${header})
+      file(STRINGS ${PROJECT_SOURCE_DIR}/libngs/${header} includes REGEX "^#include \"ngs/")
+      list(APPEND queue ${includes})
+      get_filename_component(folder ${header} DIRECTORY)
+      install(FILES ${PROJECT_SOURCE_DIR}/libngs/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/${folder})
+    endif()
+  endforeach()
+endwhile()
 install(FILES ${PROJECT_BINARY_DIR}/libngs/ngs/core/version.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ngs/core)
 
 include(CMakePackageConfigHelpers)

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "shared/text/text_columns.h"
+#include "shared/text/layout.h"
 #include "support/process.h"
 
 namespace ngs {

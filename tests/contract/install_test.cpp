@@ -53,21 +53,25 @@ struct Installed {
     FAIL("nothing of this name was installed: " << name);
     return {};
   }
-  /// Builds a program that reads a model and a photo of the tiny scene.
+  /// Writes the program of docs/library.md and a scene for it.
   void write_user() const {
     fs::create_directories(dir.path() + "/scene");
     test::write_tiny_scene(dir.path() + "/scene");
-    dir.write("user.cpp",
-              "#include <cstdio>\n#include \"ngs/core/version.h\"\n#include \"ngs/io/image/image_file.h\"\n"
-              "#include \"ngs/io/ply/gaussian_ply.h\"\n#include \"ngs/ops/splat/splat.h\"\n"
-              "int main() {\n"
-              "  const ngs::GaussianCloud cloud = ngs::io::read_gaussian_ply(\"scene/model.ply\").cloud;\n"
-              "  const ngs::ImageF photo = ngs::io::read_image_rgb(\"scene/images/v0.png\", {});\n"
-              "  std::printf(\"%s %d %d\\n\", ngs::kVersion, int(cloud.size() > 0), photo.width_px);\n}\n");
+    const std::string page = test::read_bytes(NGS_SOURCE_DIR "/docs/library.md"), fence = "```cpp\n";
+    const std::size_t begin = page.find(fence) + fence.size(), end = page.find("```", begin);
+    REQUIRE(end != page.npos);
+    dir.write("user.cpp", page.substr(begin, end - begin));
+  }
+  /// The program writes the Gaussians of the red ball and counts the pixels of its mask.
+  void run_user(const std::string& program) const {
+    const std::string pixels = output({program, "scene/scene.json", "object.ply"});
+    CHECK(pixels.ends_with(" of 1728 pixels\n"));  // 48 x 36
+    CHECK(std::stoi(pixels) > 0);
+    CHECK(fs::file_size(dir.path() + "/object.ply") > 248);  // a Gaussian
+    CHECK(fs::file_size(dir.path() + "/object.ply") < fs::file_size(dir.path() + "/scene/model.ply"));
+    CHECK(run({program}).exit_code == 2);
   }
 };
-
-const char* const kOutput = " 1 48\n";  // output of that program after the version
 
 }  // namespace
 
@@ -114,7 +118,16 @@ TEST_CASE("another project finds an installed ngs with find_package, links ngs::
   const std::string log = installed.output({"cmake", "--build", "build", "--verbose"});
   CHECK(log.find("-ffp-contract=off") != log.npos);
   CHECK(log.find(NGS_SOURCE_DIR) == log.npos);  // no path of the source tree
-  CHECK(installed.output({"build/user"}).ends_with(kOutput));
+  installed.run_user("build/user");
+}
+
+TEST_CASE("the headers of docs/library.md are installed with what they include, and no others") {
+  const Installed installed;
+  if (!installed.absent.empty()) return test::skip(installed.absent);
+  CHECK(installed.has("include/ngs/cut/evidence/variance_stage.h"));
+  CHECK(installed.has("include/ngs/core/error.h"));
+  CHECK(!installed.has("include/ngs/cut/passes/pass.h"));
+  CHECK(!installed.has("include/ngs/ops/splat/tile_lists.h"));
 }
 
 TEST_CASE("pkg-config gives working flags to compile and link against an installed ngs") {
@@ -126,7 +139,7 @@ TEST_CASE("pkg-config gives working flags to compile and link against an install
   installed.output({"bash", "-c",
                     "export PKG_CONFIG_PATH=" + folder +
                         "; c++ $(pkg-config --cflags ngs) user.cpp $(pkg-config --libs ngs) -o user"});
-  CHECK(installed.output({"./user"}).ends_with(kOutput));
+  installed.run_user("./user");
 }
 
 TEST_CASE("every tool has a man page that renders without a warning and lists its options") {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "ngs/io/image/image_file.h"
@@ -88,6 +89,51 @@ TEST_CASE("ngs cut of a capture and ngs-gs.sh, with the same options, write the 
     CAPTURE(name);
     CHECK(test::read_bytes(capture.out + "/" + name) == test::read_bytes(capture.dir.path() + "/cut/" + name));
   }
+}
+
+/// The tool commands among the lines, as sets of words. Left out: words that all tools take, the folders of results
+/// (the script keeps intermediate masks in .state/), and options that `ngs cut` gives with the value of their default.
+std::vector<std::multiset<std::string>> plan_of(const std::string& text) {
+  std::vector<std::multiset<std::string>> plan;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::multiset<std::string> command;
+    std::string tool, word, report;
+    if (!(words >> tool) || !tool.starts_with("ngs-")) continue;
+    while (words >> word) {
+      if (word == "--report") words >> report;
+      if (word == "-j" || word == "--seed" || word == "--report" || word == "--image-scale" || word == "--fill")
+        words >> word;
+      else if (word != "-w" && word != "--allow-empty")
+        command.insert(word.find('/') == word.npos ? word : fs::path(word).filename().string());
+    }
+    command.insert(tool);
+    if (!report.ends_with("/ngs-eval-input.json"))
+      plan.push_back(command);  // the scores of the input masks: script only
+  }
+  return plan;
+}
+
+TEST_CASE("ngs-gs.sh -n prints the steps that ngs cut -n plans for a capture, with the same words") {
+  const Capture capture;
+  const std::vector<std::string> same{"--quality", "draft", "--hold-out", "every:4:2", "-n"};
+  fs::rename(capture.dir.path() + "/my scene", capture.dir.path() + "/scene");  // no quotes in the plans
+  std::vector<std::string> script{"scene", "out"};
+  script.insert(script.end(), same.begin(), same.end());
+  const test::ProcessResult by_script = run_script(capture.dir.path(), script);
+  test::ProcessSpec cut;
+  cut.argv = {NGS_TOOL_DIR "/ngs", "cut", "scene", "-o", "out"};
+  cut.argv.insert(cut.argv.end(), same.begin(), same.end());
+  cut.folder = capture.dir.path();
+  const test::ProcessResult by_cut = test::run_process(cut);
+  INFO(by_script.out << by_script.err << by_cut.out << by_cut.err);
+  auto planned = plan_of(by_cut.err);
+  REQUIRE(planned.size() == 8);
+  REQUIRE(planned[0].count("capture.json") == 1);  // ngs cut keeps the scene.json of its import apart from the cut one
+  planned[0].extract("capture.json");
+  planned[0].insert("scene.json");
+  CHECK(plan_of(by_script.out) == planned);
 }
 
 TEST_CASE("ngs-gs.sh renders masks at the photos' size if the working size does not divide it") {

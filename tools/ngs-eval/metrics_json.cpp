@@ -5,7 +5,7 @@
 #include <span>
 
 #include "ngs/core/formatted.h"
-#include "shared/text/text_columns.h"
+#include "shared/text/layout.h"
 
 namespace ngs::cli {
 namespace {

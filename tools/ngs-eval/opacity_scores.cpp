@@ -1,14 +1,13 @@
 #include "opacity_scores.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "metrics_json.h"
 #include "ngs/backend/for_each.h"
 #include "ngs/core/formatted.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/image/masks.h"
-#include "shared/text/text_columns.h"
+#include "shared/text/layout.h"
 
 namespace ngs::cli {
 namespace {

@@ -3,7 +3,6 @@
 #include <optional>
 
 #include "checkpoint.h"
-#include "fit_input.h"
 #include "ngs/io/files/content_hash.h"
 #include "ngs/io/formats/write_splat.h"
 #include "shared/run/checkpoints.h"

@@ -7,7 +7,6 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
-#include "ngs/io/files/unfinished_files.h"
 #include "ngs/io/image/image_file.h"
 #include "segmenters.h"
 #include "shared/os/files.h"

@@ -16,7 +16,7 @@
 #include "ngs/options/name_of.h"
 #include "ngs/scene/view_names.h"
 #include "segmenters.h"
-#include "shared/text/text_columns.h"
+#include "shared/text/layout.h"
 
 namespace ngs::cli {
 

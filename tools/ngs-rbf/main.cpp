@@ -1,7 +1,7 @@
 // ngs-rbf: reads a boundary PLY and a query PLY, writes a query PLY with interpolated features. Algorithm 1, step 5.
 #include "ngs/field/rbf_stage.h"
 #include "ngs/io/ply/query_ply.h"
-#include "shared/scene/boundary.h"
+#include "shared/scene/scene_model.h"
 #include "shared/tool.h"
 
 int main(int argc, char** argv) {

@@ -1,8 +1,6 @@
 // ngs-render: renders colour, mask, alpha, depth and labels of a model at the cameras of a scene.json.
 #include <algorithm>
-#include <cmath>
 #include <set>
-#include <sstream>
 
 #include "ngs/io/image/photo.h"
 #include "ngs/io/ply/gaussian_ply.h"

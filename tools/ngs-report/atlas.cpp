@@ -1,7 +1,4 @@
-#include "atlas.h"
-
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 #include "ngs/core/error.h"
@@ -10,6 +7,7 @@
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/render/render_options.h"
 #include "planes.h"
+#include "sections.h"
 #include "shared/page/html.h"
 
 namespace ngs::cli {

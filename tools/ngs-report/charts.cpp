@@ -1,7 +1,6 @@
 #include "charts.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "shared/page/html.h"

@@ -4,12 +4,12 @@
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
 #include "page.h"
-#include "run_figures.h"
+#include "run_folder.h"
 #include "shared/cli/dispatch.h"
 #include "shared/page/html.h"
 #include "shared/run/summary.h"
 #include "shared/tool.h"
-#include "viewer_output.h"
+#include "viewer.h"
 #include "work_precision.h"
 
 namespace {

@@ -1,5 +1,3 @@
-#include "overview.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,8 +10,9 @@
 #include "ngs/render/render_options.h"
 #include "ngs/scene/mask_threshold.h"
 #include "planes.h"
+#include "sections.h"
 #include "shared/page/html.h"
-#include "shared/page/outlined_picture.h"
+#include "shared/page/mask_sheet.h"
 
 namespace ngs::cli {
 namespace {

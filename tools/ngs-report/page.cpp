@@ -5,11 +5,8 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "atlas.h"
 #include "charts.h"
 #include "ngs/ops/image/metrics.h"
-#include "overview.h"
-#include "run_figures.h"
 #include "sections.h"
 #include "shared/page/html.h"
 #include "shared/page/mask_sheet.h"

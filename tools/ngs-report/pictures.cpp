@@ -9,7 +9,6 @@
 #include "planes.h"
 #include "shared/page/html.h"
 #include "shared/page/mask_sheet.h"
-#include "shared/page/outlined_picture.h"
 
 namespace ngs::cli {
 namespace {

@@ -3,6 +3,7 @@
 // and may be broken; read errors are listed in `problems`.
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "ngs/options/option_set.h"
@@ -44,5 +45,18 @@ struct RunFolder {
 
 /// Throws kBadInput if the folder contains no file of a run.
 RunFolder read_run_folder(const std::string& path);
+
+// Derived numbers of one or more runs.
+
+/// Wall time of a run in seconds: sum over its tools' reports, without scoring.
+double run_seconds(const RunFolder& run);
+/// Option --method in the report of ngs-joint; an en dash without a report.
+std::string method_of(const RunFolder& run);
+/// Display name of the method: "COB-GS".
+std::string method_title(const RunFolder& run);
+
+std::string score_title(std::string_view name);  // "biou" -> "B-IoU 2&nbsp;%", HTML
+/// Mean over the runs with this score; NaN if no run has it.
+double mean_over_runs(const std::vector<RunFolder>& runs, std::string_view score);
 
 }  // namespace ngs::cli

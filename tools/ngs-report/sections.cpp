@@ -9,7 +9,6 @@
 #include "ngs/core/error.h"
 #include "ngs/io/ply/ply.h"
 #include "ngs/ops/image/metrics.h"
-#include "run_figures.h"
 #include "shared/page/html.h"
 
 namespace ngs::cli {

@@ -1,9 +1,13 @@
 #pragma once
 // A page that shows the object of a run in 3D: splat and WebGL renderer in one file, without network access.
+#include <cstdint>
 #include <string>
+#include <vector>
 
+#include "ngs/ops/image/metrics.h"
 #include "ngs/options/field.h"
 #include "run_folder.h"
+#include "shared/run/run.h"
 
 namespace ngs::cli {
 
@@ -35,5 +39,18 @@ bool has_object(const RunFolder& run);  // object.ply is a file of the run's fol
 /// enough away to show the whole object. The camera turns about the middle of the object. Colours have no view
 /// dependence, as in .splat. kBadInput without object.ply, kNothingFound if it contains no Gaussian to draw.
 ViewerPage viewer_page(const RunFolder& run, const ViewerOptions& options);
+
+// Where ngs-report writes the 3D page of a run.
+struct ViewerOutput {
+  const Output& page;    // the page of the run
+  const Output& viewer;  // --viewer; not given: viewer_beside(page)
+  const ViewerOptions& options;
+};
+
+/// Writes the 3D page of a single run and returns its path. Empty: not written, because there are several runs, no
+/// object, no file name (stdout) or --viewer-gaussians 0. An object that cannot be shown is an error with --viewer,
+/// else a problem of the run. Throws kUsage if the default path is a file
+/// that no ngs-report wrote, without -w.
+std::string write_viewer(Run& run, const ViewerOutput& output, std::vector<RunFolder>& runs);
 
 }  // namespace ngs::cli

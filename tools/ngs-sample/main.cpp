@@ -5,7 +5,7 @@
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/render/render_options.h"
 #include "ngs/render/render_stage.h"
-#include "shared/scene/boundary.h"
+#include "shared/scene/scene_model.h"
 #include "shared/tool.h"
 
 namespace {

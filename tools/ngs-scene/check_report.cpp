@@ -1,7 +1,7 @@
 #include "check_report.h"
 
 #include "ngs/core/formatted.h"
-#include "shared/text/text_columns.h"
+#include "shared/text/layout.h"
 
 namespace ngs::scene_tool {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "ngs/capture/scene_check.h"
-#include "ngs/io/image/photo_cache.h"
+#include "ngs/io/image/photo.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/scene/import_scene.h"
 #include "ngs/render/background.h"

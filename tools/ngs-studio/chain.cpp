@@ -1,7 +1,6 @@
 #include "chain.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 
 #include "ngs/math/median.h"
@@ -9,80 +8,78 @@
 namespace ngs::studio {
 namespace {
 
-std::vector<std::string> joined(std::vector<std::string> words, const std::vector<std::string>& more) {
+using Words = std::vector<std::string>;
+
+Words joined(Words words, const Words& more) {
   words.insert(words.end(), more.begin(), more.end());
   return words;
 }
 
-}  // namespace
-
-std::vector<std::vector<std::string>> export_words(const StateFolder& folder, int object, const ExportChoice& choice) {
+/// Options of ngs-extract for the files of an export.
+Words outputs_of(const StateFolder& folder, int object, const ExportChoice& choice) {
   const auto at = [&](const std::string& name) { return folder.of(object, name); };
-  std::vector<std::string> extract{"ngs-extract", at("flash.ply"), "--unseen",
-                                   "background",  "--scene",       at("scene.json")};
-  if (!choice.all_pieces) extract.insert(extract.end(), {"--strokes", at("strokes.json")});
-  if (choice.fill) extract.insert(extract.end(), {"--background-filled", at("background-filled." + choice.format)});
-  std::vector<std::vector<std::string>> words{
-      {"ngs-variance", at("scene.json"), "-o", at("boundary.ply"), "-w"},
-      {"ngs-joint", at("scene.json"), at("boundary.ply"), "--method", "flash", "-o", at("flash.ply"), "-w"},
-      joined(extract, {"--object-ply", at("object." + choice.format), "--background-ply",
-                       at("background." + choice.format), "--labelled", at("labelled.ply"), "-w"})};
-  return words;
+  const Words halves{"--object-ply",
+                     at("object." + choice.format),
+                     "--background-ply",
+                     at("background." + choice.format),
+                     "--labelled",
+                     at("labelled.ply"),
+                     "-w"};
+  if (!choice.fill) return halves;
+  return joined({"--background-filled", at("background-filled." + choice.format)}, halves);
 }
 
-namespace {
-
 /// Without labels the whole model is in a ball around everything; the edit then decides.
-std::vector<std::string> import_words(const std::string& labelled, const std::string& selection) {
+Words import_words(const std::string& labelled, const std::string& selection) {
   return {"ngs-extract", labelled,   "--keep-sphere", "0,0,0,1e18",   "--import",
           selection,     "--unseen", "background",    "--allow-empty"};
 }
 
 }  // namespace
 
-std::vector<std::vector<std::string>> selection_words(const StateFolder& folder, int object,
-                                                      const std::string& labelled, const ExportChoice& choice) {
+std::vector<Words> export_words(const StateFolder& folder, int object, const ExportChoice& choice) {
   const auto at = [&](const std::string& name) { return folder.of(object, name); };
-  std::vector<std::string> extract = import_words(labelled, at("selection.ply"));
-  if (choice.fill) extract.insert(extract.end(), {"--background-filled", at("background-filled." + choice.format)});
-  std::vector<std::vector<std::string>> words{
-      joined(extract, {"--object-ply", at("object." + choice.format), "--background-ply",
-                       at("background." + choice.format), "--labelled", at("labelled.ply"), "-w"})};
-  return words;
+  Words extract{"ngs-extract", at("flash.ply"), "--unseen", "background", "--scene", at("scene.json")};
+  if (!choice.all_pieces) extract = joined(extract, {"--strokes", at("strokes.json")});
+  return {{"ngs-variance", at("scene.json"), "-o", at("boundary.ply"), "-w"},
+          {"ngs-joint", at("scene.json"), at("boundary.ply"), "--method", "flash", "-o", at("flash.ply"), "-w"},
+          joined(extract, outputs_of(folder, object, choice))};
 }
 
-std::vector<std::string> common_background_words(const StateFolder& folder, const std::string& model,
-                                                 const ExportChoice& choice) {
+std::vector<Words> selection_words(const StateFolder& folder, int object, const std::string& labelled,
+                                   const ExportChoice& choice) {
+  return {joined(import_words(labelled, folder.of(object, "selection.ply")), outputs_of(folder, object, choice))};
+}
+
+Words common_background_words(const StateFolder& folder, const std::string& model, const ExportChoice& choice) {
   return joined(import_words(model, folder.at("objects.ply")),
                 {"--background-ply", folder.at("background." + choice.format), "-w"});
 }
 
-std::vector<std::vector<std::string>> convert_words(const StateFolder& folder, int object, const ExportChoice& choice) {
+std::vector<Words> convert_words(const StateFolder& folder, int object, const ExportChoice& choice) {
   const auto at = [&](const std::string& name) { return folder.of(object, "cut/" + name); };
-  std::vector<std::vector<std::string>> words;
+  std::vector<Words> words;
   if (choice.format != "ply")
     for (const std::string side : {"object.", "background."})  // a ball around everything: the whole model
       words.push_back({"ngs-extract", at(side + "ply"), "--keep-sphere", "0,0,0,1e18", "--allow-empty", "--object-ply",
                        at(side + choice.format), "-w"});
   if (choice.fill)
-    words.push_back(joined({"ngs-extract", at("labelled.ply"), "--unseen", "background"},
-                           {"--background-filled", at("background-filled." + choice.format), "-w"}));
+    words.push_back({"ngs-extract", at("labelled.ply"), "--unseen", "background", "--background-filled",
+                     at("background-filled." + choice.format), "-w"});
   return words;
 }
 
-std::vector<std::vector<std::string>> refine_words(const StateFolder& folder, int object, const RefineChoice& choice) {
+std::vector<Words> refine_words(const StateFolder& folder, int object, const RefineChoice& choice) {
   const auto at = [&](const char* name) { return folder.of(object, name); };
-  std::vector<std::vector<std::string>> words;
+  std::vector<Words> words;
   if (!choice.source.empty()) {
     words.push_back({"ngs-scene", "orbit", choice.source, "-o", at("orbit/scene.json"), "-w"});
-    if (!choice.around.empty()) words.back().insert(words.back().end(), {"--around", choice.around});
+    if (!choice.around.empty()) words.back() = joined(words.back(), {"--around", choice.around});
   }
   words.push_back({"ngs", "cut", at("cut.json"), "--strokes", at("marks.json"), "--force", "-o", at("cut"), "-w"});
-  const bool quick = choice.quality == kQuickRefine;
-  if (quick && !choice.source.empty())
-    words.back().insert(words.back().end(), {"--method", "flash"});
-  else
-    words.back().insert(words.back().end(), {"--quality", quick ? "draft" : choice.quality});
+  const bool quick = choice.quality == kQuickRefine, flash = quick && !choice.source.empty();
+  const std::string quality = quick ? "draft" : choice.quality;
+  words.back() = joined(words.back(), flash ? Words{"--method", "flash"} : Words{"--quality", quality});
   if (choice.all_pieces) words.back().push_back("--all-pieces");
   return words;
 }

@@ -7,7 +7,7 @@
 #include "ngs/interactive/hand_edit.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/options/name_of.h"
-#include "shared/run/sibling_program.h"
+#include "shared/run/child_process.h"
 #include "state_json.h"
 
 namespace ngs::studio {

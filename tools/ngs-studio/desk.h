@@ -7,7 +7,6 @@
 #include "fields.h"
 #include "latency.h"
 #include "loaded_model.h"
-#include "reply.h"
 
 namespace ngs::studio {
 

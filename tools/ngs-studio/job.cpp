@@ -6,7 +6,6 @@
 #include "ngs/core/monitor.h"
 #include "shared/cli/exit_code.h"
 #include "shared/run/child_process.h"
-#include "shared/run/sibling_program.h"
 #include "shared/run/signals.h"
 
 namespace ngs::studio {

@@ -9,7 +9,6 @@
 #include "server.h"
 #include "shared/os/machine.h"
 #include "shared/run/child_process.h"
-#include "shared/run/sibling_program.h"
 #include "shared/tool.h"
 #include "studio.h"
 #include "visit.h"

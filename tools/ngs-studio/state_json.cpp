@@ -1,7 +1,6 @@
 #include "state_json.h"
 
 #include <cmath>
-#include <set>
 
 #include "ngs/core/error.h"
 #include "ngs/ops/image/metrics.h"

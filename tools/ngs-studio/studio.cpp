@@ -4,7 +4,6 @@
 #include <mutex>
 
 #include "desk.h"
-#include "fields.h"
 #include "ngs/core/error.h"
 
 namespace ngs::studio {

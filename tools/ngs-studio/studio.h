@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "fields.h"
 #include "ngs/backend/exec.h"
-#include "reply.h"
 #include "state_folder.h"
 
 namespace ngs::studio {

@@ -1,7 +1,6 @@
 #include "dataset.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 #include "ngs/core/error.h"

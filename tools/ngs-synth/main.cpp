@@ -2,7 +2,6 @@
 #include "dataset.h"
 #include "halves.h"
 #include "ngs/io/ply/gaussian_ply.h"
-#include "options.h"
 #include "shared/tool.h"
 
 namespace {

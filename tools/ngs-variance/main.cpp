@@ -1,6 +1,5 @@
 // ngs-variance: reads scene.json, writes a labelled PLY with evidence, variance and the boundary set. Algorithm 1, step
 // 1. Sharded: `--shard i/N --partial part.evidence` for each i, then `ngs-variance merge *.evidence -o out.ply`.
-#include "mask_verdict.h"
 #include "ngs/io/files/content_hash.h"
 #include "ngs/io/formats/splat_format.h"
 #include "ngs/io/image/masks.h"

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "ngs/capture/mask_agreement.h"
 #include "ngs/cut/evidence/variance_stage.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/scene/evidence_file.h"
@@ -45,5 +46,10 @@ void write_labels(cli::Run& run, const LabelledScene& labelled, const std::strin
 /// One EXR per training view with the first object's ngs.mask, ngs.prob, ngs.variance and ngs.boundary,
 /// alpha-composited.
 void write_exr(cli::Run& run, const LabelledScene& labelled, const SplatOptions& splat, const std::string& folder);
+
+// Fails if the masks of a scene do not fit its views, with the cause and the command that mends it.
+
+/// Reports capture/mask_agreement.h. Throws kInconsistent unless the verdict is kFit.
+void check_masks(cli::Run& run, const MaskAgreementOptions& options, const EvidenceInputs& in);
 
 }  // namespace ngs::variance

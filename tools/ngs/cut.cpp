@@ -1,24 +1,69 @@
 #include "cut.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
 #include <optional>
 #include <set>
+#include <string>
 
 #include "cut_chain.h"
-#include "cut_formats.h"
+#include "cut_inputs.h"
 #include "cut_summary.h"
-#include "folder_lock.h"
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/shell_word.h"
+#include "ngs/io/formats/write_splat.h"
 #include "ngs/io/scene/scene_json.h"
+#include "shared/os/files.h"
+#include "shared/run/run.h"
 #include "shared/tool.h"
 
 namespace ngs::ngs_tool {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Keeps a second run out of an output folder, until this object or the process ends. Where the system has no locks,
+/// nothing is locked.
+class FolderLock {
+ public:
+  /// `folder` exists. Throws kEnvironment if another run holds it.
+  explicit FolderLock(const std::string& folder) : descriptor_(os::lock_folder(folder)) {
+    if (descriptor_ < 0 && errno == EWOULDBLOCK)
+      throw Error(ErrorCode::kEnvironment, folder + ": another run writes here, expected none",
+                  "wait until it has ended, or choose another folder with -o");
+  }
+  ~FolderLock() {
+    if (descriptor_ >= 0) os::unlock_folder(descriptor_);
+  }
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int descriptor_;
+};
+
+/// Throws kUsage for a format that is not written.
+void check_formats(const CutOptions& options) {
+  for (const std::string& format : options.format)
+    if (io::output_format("object." + format) == io::SplatFormat::kPly)
+      throw Error(ErrorCode::kUsage, "--format " + format + ": unknown, expected one of " + io::kOutputFormats,
+                  "such as --format sog; a PLY is always written");
+}
+
+/// Writes object.EXT and background.EXT of the PLYs in `folder`, turned until the axis of --up is up.
+void write_other_formats(cli::Run& run, const CutOptions& options, const std::string& folder) {
+  if (options.format.empty()) return;
+  std::optional<Vec3<double>> up;
+  if (options.up != "auto") up = io::axis_named(options.up);
+  for (const std::string half : {"object", "background"}) {
+    const std::string path = folder + "/" + half + ".";
+    const io::GaussianPly ply = io::read_gaussian_ply(path + "ply");
+    for (const std::string& format : options.format)
+      for (const std::string& note : io::write_splat(path + format, {ply, {}, nullptr, up})) run.monitor().warn(note);
+  }
+}
 
 constexpr const char* kMarker = ".ngs-cut";  // marks a folder written by ngs cut
 

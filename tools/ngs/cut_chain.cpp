@@ -2,7 +2,6 @@
 
 #include <filesystem>
 
-#include "marked_views.h"
 #include "ngs/core/error.h"
 #include "ngs/core/version.h"
 #include "ngs/io/capture/capture_source.h"
@@ -13,7 +12,6 @@
 #include "ngs/options/name_of.h"
 #include "ngs/render/render_options.h"
 #include "ngs/scene/view_names.h"
-#include "painted_pictures.h"
 
 namespace ngs::ngs_tool {
 namespace {

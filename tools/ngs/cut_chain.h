@@ -15,12 +15,11 @@
 #include <vector>
 
 #include "cut_inputs.h"
-#include "cut_options.h"
 #include "flash_cut.h"
+#include "marked_views.h"
 #include "ngs/edit/select/view_agreement.h"
 #include "result_check.h"
 #include "stage_runner.h"
-#include "stroke_check.h"
 
 namespace ngs::ngs_tool {
 

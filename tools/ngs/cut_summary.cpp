@@ -8,8 +8,8 @@
 
 #include "ngs/io/files/json_file.h"
 #include "ngs/io/scene/scene_json.h"
-#include "shared/run/sibling_program.h"
-#include "shared/text/text_columns.h"
+#include "shared/run/child_process.h"
+#include "shared/text/layout.h"
 
 namespace ngs::ngs_tool {
 namespace {

@@ -1,6 +1,5 @@
 #include "flash_cut.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <limits>
 

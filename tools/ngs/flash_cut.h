@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "cut_options.h"
+#include "cut_inputs.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/scene/scene.h"
 #include "ngs/scene/view_prompt.h"

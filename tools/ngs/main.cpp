@@ -2,7 +2,7 @@
 // what a file is ("ngs info").
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
+#include <cstring>
 
 #include "cut.h"
 #include "cut_inputs.h"
@@ -10,15 +10,43 @@
 #include "ngs/core/error.h"
 #include "shared/cli/dispatch.h"
 #include "shared/cli/exit_code.h"
-#include "siblings.h"
+#include "shared/os/process.h"
+#include "shared/run/child_process.h"
 
 namespace {
 
 using namespace ngs;
 
-int run_sibling(const std::string& program, const std::vector<std::string>& words) {
+/// A tool in the folder of this one: "ngs mask" is ngs-mask. In the order in which a run calls them.
+struct Subcommand {
+  const char* name;
+  const char* summary;
+};
+constexpr Subcommand kSubcommands[] = {
+    {"scene", "cameras, photos, masks, a splat -> checked scene.json; makes pictures of a bare splat"},
+    {"mask", "strokes on some photos -> masks of all views"},
+    {"variance", "masks -> the Gaussians on the edge of the object"},
+    {"sample", "query points on rays over the boundary"},
+    {"rbf", "boundary features interpolated at the query points"},
+    {"joint", "labels and Gaussians optimised together"},
+    {"extract", "labels, or the place of the object -> object.ply and background.ply"},
+    {"clean", "a splat -> the same without floaters and other debris"},
+    {"render", "colour, masks, depth and labels at the scene's cameras"},
+    {"eval", "scores of masks against the truth"},
+    {"report", "HTML page of one run, or a comparison of several"},
+    {"studio", "web page to mark an object on a splat, correct the selection and cut it"},
+    {"fit", "photos -> a splat"},
+    {"synth", "analytic scenes with exact masks"}};
+
+/// Replaces this process by the program with these arguments (exec), so that signals, streams and exit code are those
+/// of the program. Returns only if it cannot be started.
+int run_program(const std::string& program, const std::vector<std::string>& words) {
   try {
-    ngs_tool::exec_program(program, words);
+    std::vector<std::string> argv{program};
+    argv.insert(argv.end(), words.begin(), words.end());
+    argv = cli::sibling_command(std::move(argv));
+    const int reason = os::become(argv);
+    throw Error(ErrorCode::kEnvironment, argv[0] + ": cannot be started: " + std::strerror(reason));
   } catch (const Error& e) {
     std::fprintf(stderr, "ngs: error: %s\nngs: hint: %s\n", e.what(), e.remedy().c_str());
     return int(e.code());
@@ -30,10 +58,10 @@ std::vector<cli::Command> commands() {
       {"cut", ngs_tool::cut_command,
        "cut an object out of a splat, a capture or a scene: the whole chain in one command"},
       {"info", ngs_tool::info_command, "what a splat, a scene or a capture is, and the command that comes next"}};
-  for (const ngs_tool::Sibling& tool : ngs_tool::siblings())
-    all.push_back({tool.command,
-                   [program = std::string(tool.program)](int argc, char** argv) {
-                     return run_sibling(program, {argv + 1, argv + argc});
+  for (const Subcommand& tool : kSubcommands)
+    all.push_back({tool.name,
+                   [program = std::string("ngs-") + tool.name](int argc, char** argv) {
+                     return run_program(program, {argv + 1, argv + argc});
                    },
                    tool.summary});
   return all;

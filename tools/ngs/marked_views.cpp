@@ -1,14 +1,25 @@
 #include "marked_views.h"
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
 
 #include "ngs/core/error.h"
 #include "ngs/cut/masks/rasterise_prompt.h"
+#include "ngs/io/files/atomic_file.h"
+#include "ngs/io/files/content_hash.h"
+#include "ngs/io/files/folder_index.h"
+#include "ngs/io/files/json_file.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/ops/image/connected_components.h"
 #include "ngs/ops/image/image_bytes.h"
+#include "ngs/render/render_options.h"
+#include "ngs/scene/mask_threshold.h"
 #include "ngs/scene/view_names.h"
+#include "shared/scene/memory_model.h"
 #include "shared/scene/prompt_input.h"
 
 namespace ngs::ngs_tool {
@@ -71,6 +82,121 @@ void write_marked_views(cli::Run& run, const StrokeFiles& files, const std::stri
     fs::create_directories(file.parent_path());
     io::write_png(file.generic_string(), to_bytes(picture));
   }
+}
+
+namespace fs = std::filesystem;
+
+void record_pictures(const std::string& folder, const std::string& record) {
+  nlohmann::json hashes = nlohmann::json::object();
+  for (const std::string& name : io::list_images(folder)) hashes[name] = io::content_hash(folder + "/" + name).xxh3;
+  io::write_file(record, hashes.dump(1) + "\n");
+}
+
+std::vector<std::string> PaintedPictures::all() const {
+  std::vector<std::string> names = in_place;
+  names.insert(names.end(), other_format.begin(), other_format.end());
+  return names;
+}
+
+PaintedPictures rescue_painted(const std::string& folder, const std::string& record, const std::string& copies) {
+  PaintedPictures painted;
+  std::error_code absent;
+  if (!fs::exists(record, absent)) return painted;
+  const nlohmann::json hashes = io::read_json_file(record);
+  std::set<std::string> stems;
+  for (const auto& entry : hashes.items()) stems.insert(image_stem(entry.key()));
+  for (const std::string& name : io::list_images(folder)) {
+    if (!hashes.contains(name))
+      (stems.contains(image_stem(name)) ? painted.other_format : painted.unknown).push_back(name);
+    else if (io::content_hash((fs::path(folder) / name).generic_string()).xxh3 != hashes.at(name))
+      painted.in_place.push_back(name);
+  }
+  for (const std::string& name : painted.all()) {
+    fs::create_directories(copies);
+    fs::copy_file(fs::path(folder) / name, fs::path(copies) / name, fs::copy_options::overwrite_existing);
+  }
+  return painted;
+}
+
+std::vector<std::string> strokes_on_copies(const std::vector<std::string>& strokes, const std::string& folder,
+                                           const std::string& copies, const PaintedPictures& painted) {
+  std::vector<std::string> out;
+  std::error_code absent;
+  // Not "FOLDER/": equivalent() is false for it on Windows.
+  const auto is_folder = [&](const fs::path& path) { return fs::equivalent(path, fs::path(folder) / ".", absent); };
+  bool all_copies = false;
+  for (const std::string& path : strokes) {
+    const fs::path copy = fs::path(copies) / fs::path(path).filename();
+    if (is_folder(fs::path(path) / ".") && fs::exists(copies, absent))
+      out.push_back(copies), all_copies = true;
+    else
+      out.push_back(is_folder(fs::path(path).parent_path() / ".") && fs::exists(copy, absent) ? copy.generic_string()
+                                                                                              : path);
+  }
+  for (const std::string& name : painted.all())
+    if (const std::string copy = (fs::path(copies) / name).generic_string();
+        !all_copies && !std::ranges::count(out, copy))
+      out.push_back(copy);
+  return out;
+}
+
+std::vector<std::string> not_in_folder(const std::vector<std::string>& strokes, const std::string& folder) {
+  std::vector<std::string> out;
+  std::error_code absent;
+  for (const std::string& path : strokes)
+    if (!fs::equivalent(fs::path(path).parent_path() / ".", fs::path(folder) / ".", absent)) out.push_back(path);
+  return out;
+}
+
+namespace {
+
+constexpr std::size_t kMaxListed = 3;
+
+}  // namespace
+
+StrokeCheck::StrokeCheck(cli::Run& run, const std::string& scene, const std::string& view,
+                         const std::vector<std::string>& strokes)
+    : run_(run), scene_(io::read_scene_json(scene)) {
+  for (const auto& [index, hand] : cli::read_prompts(run, scene_, view, strokes)) {
+    const Camera& camera = scene_.views[index].camera;
+    marked_.push_back({camera, rasterise(hand, camera.width_px, camera.height_px)});
+  }
+}
+
+StrokeAgreement StrokeCheck::of(const GaussianCloud& cloud, const std::vector<float>& label, bool all_pieces) const {
+  run_.needs_device_memory(cli::device_bytes(double(cloud.size()), cloud.rest_count()));
+  return run_.on_device_or_cpu([&] { return agreement(cloud, label, all_pieces); });
+}
+
+StrokeAgreement StrokeCheck::agreement(const GaussianCloud& cloud, std::vector<float> label, bool all_pieces) const {
+  const SplatOptions splat = prepared_for(run_.exec(), splat_options({}, cloud, scene_), cloud);
+  if (!all_pieces) {
+    std::vector<ViewSums> strokes;
+    for (const auto& [camera, prompt] : marked_)
+      std::ranges::move(stroke_weights(run_.exec(), cloud, camera, prompt, splat), std::back_inserter(strokes));
+    std::vector<std::uint8_t> member(label.size());
+    for (std::size_t i = 0; i < label.size(); ++i) member[i] = is_set(label[i]);
+    const PieceSelection pieces = touched_pieces(run_.exec(), cloud, member, strokes);
+    for (std::size_t i = 0; i < label.size(); ++i)
+      if (member[i] && !pieces.object[i]) label[i] = 0;
+  }
+  StrokeAgreement agreement;
+  for (const auto& [camera, prompt] : marked_)
+    add_stroke_agreement(run_.exec(), {cloud, label, splat}, camera, prompt, agreement);
+  return agreement;
+}
+
+std::string broken_text(const StrokeAgreement& agreement) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kMaxListed, agreement.broken.size()); ++i) {
+    const BrokenStroke& stroke = agreement.broken[i];
+    text += (i > 0 ? "; " : "") + stroke.view + ": " + std::to_string(std::lround(100 * stroke.wrong)) + " % of the " +
+            (stroke.object ? "object" : "background") + " stroke at " + std::to_string(stroke.x) + "," +
+            std::to_string(stroke.y) + " is " + (stroke.object ? "background" : "object");
+  }
+  if (agreement.broken.size() > kMaxListed)
+    text += "; and " + std::to_string(agreement.broken.size() - kMaxListed) + " more strokes";
+  return text;
 }
 
 }  // namespace ngs::ngs_tool

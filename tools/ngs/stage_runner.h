@@ -5,11 +5,33 @@
 #include <string>
 #include <vector>
 
-#include "cut_plan.h"
+#include "cut_inputs.h"
 #include "shared/progress/chain_clock.h"
 #include "shared/run/run.h"
 
 namespace ngs::ngs_tool {
+
+// The steps of ngs cut: names for people, tools, files and expected times.
+struct PlannedStep {
+  std::string name;         // of the stage, as for StageRunner
+  std::string words;        // what is done: "sharpening the edge"
+  std::string tool;         // "ngs-joint"; "ngs cut": in this process
+  std::string files;        // what it writes, relative to the output folder
+  double share = 1;         // expected time in seconds, of a small splat
+  bool has_passes = false;  // its progress restarts
+};
+
+struct PlanFacts {
+  bool marked = false;           // there are strokes
+  bool has_masks = false;        // of the scene, of the capture, or given
+  bool reuses_pictures = false;  // of an earlier run
+};
+
+/// In the order in which they run.
+std::vector<PlannedStep> planned_steps(const CutOptions& options, const CutInputs& inputs, const PlanFacts& facts);
+
+/// A table of the steps: number, words, tool, files.
+std::string plan_text(const std::vector<PlannedStep>& steps, const std::string& out);
 
 using Words = std::vector<std::string>;
 

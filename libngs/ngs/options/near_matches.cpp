@@ -1,7 +1,6 @@
 #include "ngs/options/near_matches.h"
 
 #include <algorithm>
-#include <cstdint>
 
 namespace ngs {
 

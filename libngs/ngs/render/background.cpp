@@ -1,7 +1,6 @@
 #include "ngs/render/background.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iomanip>
 #include <sstream>

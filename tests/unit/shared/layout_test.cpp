@@ -5,8 +5,6 @@
 #include <cstdlib>
 #include <sstream>
 
-#include "shared/text/text_columns.h"
-
 namespace ngs::cli {
 namespace {
 

@@ -1,6 +1,6 @@
-#include "shared/progress/progress_clock.h"
-
 #include <doctest/doctest.h>
+
+#include "shared/progress/chain_clock.h"
 
 namespace ngs::cli {
 

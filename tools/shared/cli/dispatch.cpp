@@ -9,7 +9,6 @@
 #include "shared/cli/exit_code.h"
 #include "shared/cli/help.h"
 #include "shared/text/layout.h"
-#include "shared/text/text_columns.h"
 
 namespace ngs::cli {
 namespace {

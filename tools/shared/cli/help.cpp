@@ -12,7 +12,6 @@
 #include "shared/cli/exit_code.h"
 #include "shared/cli/version.h"
 #include "shared/text/layout.h"
-#include "shared/text/text_columns.h"
 
 namespace ngs::cli {
 namespace {

@@ -19,4 +19,11 @@ std::string path_of_this_program();
 /// The command that opens an address in the user's browser.
 std::vector<std::string> browser_command(const std::string& url);
 
+// Terminals behind the standard streams.
+constexpr int kStdout = 1, kStderr = 2;  // descriptors
+
+bool is_terminal(int descriptor);
+/// Columns of the terminal; 0: none, or unknown.
+int terminal_width(int descriptor);
+
 }  // namespace ngs::os

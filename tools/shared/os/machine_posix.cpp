@@ -1,5 +1,7 @@
 #include <malloc.h>
 #include <sched.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -33,5 +35,12 @@ std::string path_of_this_program() {
 }
 
 std::vector<std::string> browser_command(const std::string& url) { return {"xdg-open", url}; }
+
+bool is_terminal(int descriptor) { return ::isatty(descriptor) != 0; }
+
+int terminal_width(int descriptor) {
+  winsize size{};
+  return ::ioctl(descriptor, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
+}
 
 }  // namespace ngs::os

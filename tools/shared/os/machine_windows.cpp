@@ -1,3 +1,4 @@
+#include <io.h>
 #include <malloc.h>
 #include <windows.h>
 
@@ -33,6 +34,18 @@ std::string path_of_this_program() {
 
 std::vector<std::string> browser_command(const std::string& url) {
   return {"rundll32", "url.dll,FileProtocolHandler", url};
+}
+
+/// _isatty() is also true for NUL.
+bool is_terminal(int descriptor) {
+  DWORD mode = 0;
+  return GetConsoleMode(HANDLE(_get_osfhandle(descriptor)), &mode) != 0;
+}
+
+int terminal_width(int descriptor) {
+  CONSOLE_SCREEN_BUFFER_INFO screen{};
+  if (!GetConsoleScreenBufferInfo(HANDLE(_get_osfhandle(descriptor)), &screen)) return 0;
+  return screen.srWindow.Right - screen.srWindow.Left + 1;
 }
 
 }  // namespace ngs::os

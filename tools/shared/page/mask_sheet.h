@@ -4,7 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "ngs/ops/image/pixel_window.h"
 #include "ngs/scene/scene.h"
+#include "ngs/scene/views.h"
 
 namespace ngs::cli {
 
@@ -29,5 +31,19 @@ std::string mask_sheet_page(const Scene& scene, const MaskSheet& sheet);
 
 /// A title for the scene: the folder name of its capture, empty if that is generic. Plain text.
 std::string scene_title(const Scene& scene);
+
+// A picture with mask outlines drawn over it: a JPEG data URI under inline SVG, sharp at any zoom.
+struct Outline {
+  std::string kind;         // CSS class of the lines
+  MaskPlane mask;           // without data: not drawn
+  std::string colour = {};  // colour of the lines if the class has none: "#ff6a2b"
+};
+
+/// `picture` [H, W, 3] as a JPEG data URI.
+std::string jpeg_source(const ImageU8& picture, int quality);
+
+/// Outlines are in pixels of `view_box`, which the picture fills; `alt` is plain text.
+std::string outlined_picture(const ImageU8& picture, const std::vector<Outline>& outlines, const PixelWindow& view_box,
+                             const std::string& alt);
 
 }  // namespace ngs::cli

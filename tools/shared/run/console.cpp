@@ -7,10 +7,9 @@
 
 #include "ngs/core/monitor.h"
 #include "ngs/options/option_set.h"
-#include "shared/os/terminal.h"
+#include "shared/os/machine.h"
 #include "shared/run/summary.h"
 #include "shared/text/layout.h"
-#include "shared/text/text_columns.h"
 
 namespace ngs::cli {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "shared/cli/common_flags.h"
-#include "shared/progress/progress_clock.h"
+#include "shared/progress/chain_clock.h"
 
 namespace ngs::cli {
 

@@ -1,6 +1,10 @@
 #include "shared/run/execute.h"
 
 #include <filesystem>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
@@ -9,8 +13,8 @@
 #include "ngs/os/process_usage.h"
 #include "shared/cli/command_line.h"
 #include "shared/cli/exit_code.h"
-#include "shared/os/terminal.h"
-#include "shared/run/leftovers.h"
+#include "shared/os/files.h"
+#include "shared/os/machine.h"
 #include "shared/run/paths.h"
 #include "shared/run/run_state.h"
 #include "shared/run/signals.h"
@@ -18,6 +22,50 @@
 
 namespace ngs::cli {
 namespace {
+
+namespace fs = std::filesystem;
+
+/// Files that an earlier run left in an output folder and that a run with -w did not replace. They could be mistaken
+/// for its results.
+class StaleOutputs {
+ public:
+  /// Lists the files in the folder before the run; none if the folder does not exist.
+  explicit StaleOutputs(std::string folder) : folder_(std::move(folder)), before_(files_in(folder_)) {}
+
+  const std::string& folder() const { return folder_; }
+  /// Sorted names, relative to the folder, of unchanged files whose extension the run has written too.
+  std::vector<std::string> untouched() const {
+    if (before_.empty()) return {};
+    const Files now = files_in(folder_);
+    const auto is_old = [&](const std::string& name) {
+      const auto old = before_.find(name), found = now.find(name);
+      return old != before_.end() && found != now.end() && old->second == found->second;
+    };
+    std::set<fs::path> kinds;  // extensions that the run has written
+    for (const auto& [name, file] : now)
+      if (!is_old(name)) kinds.insert(fs::path(name).extension());
+    std::vector<std::string> names;
+    for (const auto& [name, file] : before_)
+      if (is_old(name) && kinds.contains(fs::path(name).extension())) names.push_back(name);
+    return names;
+  }
+
+ private:
+  using Files = std::map<std::string, os::FileVersion>;
+  static Files files_in(const std::string& folder) {
+    Files files;
+    std::error_code failed;
+    for (fs::recursive_directory_iterator entry(folder, failed), end; !failed && entry != end;
+         entry.increment(failed)) {
+      const os::FileVersion version = os::version_of_file(entry->path().generic_string());
+      if (version.inode != 0) files[entry->path().lexically_relative(folder).generic_string()] = version;
+    }
+    return files;
+  }
+
+  std::string folder_;
+  Files before_;
+};
 
 void choose_device_and_threads(RunState& state) {
   state.exec.threads = choose_threads(state.flags.threads);
@@ -63,8 +111,8 @@ class OutputFolders {
     for (auto folder = created_.rbegin(); folder != created_.rend(); ++folder)
       std::filesystem::remove(*folder, not_empty);
   }
-  void warn_of_leftovers(Monitor& monitor) const {
-    for (const Leftovers& folder : folders_)
+  void warn_of_stale_outputs(Monitor& monitor) const {
+    for (const StaleOutputs& folder : folders_)
       if (const std::vector<std::string> names = folder.untouched(); !names.empty())
         monitor.warn(folder.folder() + ": contains " + std::to_string(names.size()) +
                      (names.size() == 1 ? " file" : " files") + " of an earlier run (first: " + names.front() +
@@ -78,7 +126,7 @@ class OutputFolders {
     created_.insert(created_.end(), created.begin(), created.end());
   }
 
-  std::vector<Leftovers> folders_;
+  std::vector<StaleOutputs> folders_;
   std::vector<std::string> created_;
 };
 
@@ -86,7 +134,7 @@ int run_body(RunState& state, const std::function<int(Run&)>& body) {
   const OutputFolders folders(state);
   try {
     const int exit_code = run_on_device_or_cpu(state, body);
-    folders.warn_of_leftovers(state.monitor);
+    folders.warn_of_stale_outputs(state.monitor);
     return exit_code;
   } catch (...) {
     folders.remove_empty();

@@ -1,12 +1,10 @@
 #include "shared/run/run.h"
 
-#include <algorithm>
-
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
 #include "ngs/ops/device/cuda_ops.h"
 #include "ngs/options/option_warnings.h"
-#include "shared/os/terminal.h"
+#include "shared/os/machine.h"
 #include "shared/run/paths.h"
 #include "shared/run/run_state.h"
 #include "shared/run/signals.h"

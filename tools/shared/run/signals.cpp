@@ -1,6 +1,6 @@
 #include "shared/run/signals.h"
 
-#include "ngs/io/files/unfinished_files.h"
+#include "ngs/io/files/atomic_file.h"
 #include "shared/cli/exit_code.h"
 #include "shared/os/stop_requests.h"
 

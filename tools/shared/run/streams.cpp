@@ -10,7 +10,7 @@
 #include "ngs/io/files/mapped_file.h"
 #include "ngs/os/output_file.h"
 #include "shared/os/files.h"
-#include "shared/os/terminal.h"
+#include "shared/os/machine.h"
 
 namespace ngs::cli {
 namespace {

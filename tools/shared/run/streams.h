@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "ngs/io/files/unfinished_files.h"
+#include "ngs/io/files/atomic_file.h"
 #include "shared/cli/spec.h"
 
 namespace ngs::cli {

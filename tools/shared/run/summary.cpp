@@ -12,7 +12,7 @@
 #include "ngs/core/formatted.h"
 #include "ngs/io/files/shell_word.h"
 #include "shared/cli/exit_code.h"
-#include "shared/os/terminal.h"
+#include "shared/os/machine.h"
 #include "shared/text/layout.h"
 
 namespace ngs::cli {

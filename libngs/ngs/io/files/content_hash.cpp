@@ -9,7 +9,6 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
-#include <vector>
 
 #include "ngs/core/error.h"
 #include "ngs/io/files/regular_file.h"

@@ -4,7 +4,6 @@
 #include <filesystem>
 
 #include "ngs/core/error.h"
-#include "ngs/core/folded_name.h"
 #include "ngs/io/files/regular_file.h"
 #include "ngs/scene/view_names.h"
 

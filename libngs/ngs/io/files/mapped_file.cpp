@@ -1,7 +1,6 @@
 #include "ngs/io/files/mapped_file.h"
 
 #include <cstring>
-#include <utility>
 
 #include "ngs/core/error.h"
 

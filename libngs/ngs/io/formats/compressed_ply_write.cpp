@@ -1,12 +1,10 @@
-#include "ngs/io/formats/compressed_ply_write.h"
-
 #include <algorithm>
-#include <cstring>
 #include <limits>
 #include <span>
 
-#include "ngs/io/formats/morton.h"
 #include "ngs/io/formats/quantise.h"
+#include "ngs/io/formats/splat_codecs.h"
+#include "ngs/io/formats/splat_table.h"
 #include "ngs/math/median.h"
 #include "ngs/scene/precision/local_origin.h"
 

@@ -1,9 +1,8 @@
-#include "ngs/io/formats/dot_splat.h"
-
 #include <cstring>
 
 #include "ngs/core/error.h"
 #include "ngs/io/formats/quantise.h"
+#include "ngs/io/formats/splat_codecs.h"
 #include "ngs/math/elementary.h"
 
 namespace ngs::io {

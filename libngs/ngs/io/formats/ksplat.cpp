@@ -1,11 +1,9 @@
-#include "ngs/io/formats/ksplat.h"
-
 #include <algorithm>
 #include <cstring>
 
 #include "ngs/core/error.h"
-#include "ngs/io/formats/half.h"
 #include "ngs/io/formats/quantise.h"
+#include "ngs/io/formats/splat_codecs.h"
 #include "ngs/math/elementary.h"
 
 namespace ngs::io {

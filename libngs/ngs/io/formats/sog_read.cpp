@@ -5,8 +5,8 @@
 #include "ngs/io/formats/compression/webp_image.h"
 #include "ngs/io/formats/compression/zip_archive.h"
 #include "ngs/io/formats/quantise.h"
-#include "ngs/io/formats/sog.h"
 #include "ngs/io/formats/sog_layout.h"
+#include "ngs/io/formats/splat_codecs.h"
 
 namespace ngs::io {
 namespace {

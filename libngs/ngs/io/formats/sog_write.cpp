@@ -6,10 +6,10 @@
 #include "ngs/io/formats/compression/codebook.h"
 #include "ngs/io/formats/compression/webp_image.h"
 #include "ngs/io/formats/compression/zip_archive.h"
-#include "ngs/io/formats/morton.h"
 #include "ngs/io/formats/quantise.h"
-#include "ngs/io/formats/sog.h"
 #include "ngs/io/formats/sog_layout.h"
+#include "ngs/io/formats/splat_codecs.h"
+#include "ngs/io/formats/splat_table.h"
 
 namespace ngs::io {
 namespace {

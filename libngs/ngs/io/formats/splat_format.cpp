@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cstring>
-#include <string>
 
+#include "ngs/core/check.h"
 #include "ngs/core/error.h"
+#include "ngs/io/formats/splat_codecs.h"
 
 namespace ngs::io {
 namespace {
@@ -61,6 +62,24 @@ void require_ply_output(const std::string& path) {
   throw Error(ErrorCode::kUsage,
               path + ": a format without labels, expected a name that ends in .ply (and not in .compressed.ply)",
               "write the labelled model as PLY; ngs-extract writes object and background in other formats");
+}
+
+DecodedSplat decode_splat(SplatFormat format, const std::string& name, Bytes bytes) {
+  switch (format) {
+    case SplatFormat::kSpz: return decode_spz(name, bytes);
+    case SplatFormat::kSog: return decode_sog(name, bytes);
+    case SplatFormat::kSplat: return decode_dot_splat(name, bytes);
+    case SplatFormat::kKsplat: return decode_ksplat(name, bytes);
+    case SplatFormat::kGlb: return decode_glb(name, bytes);
+    case SplatFormat::kUsda:
+      throw Error(ErrorCode::kBadInput,
+                  name + ": .usda can be written but not read, expected .ply, .spz, .sog, .splat, .ksplat or .glb",
+                  "give the splat that it was written from, or export it in one of these formats");
+    case SplatFormat::kPly:
+    case SplatFormat::kCompressedPly: break;
+  }
+  NGS_CHECK(false, "PLY has a reader of its own");
+  return {};
 }
 
 }  // namespace ngs::io

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "ngs/io/files/mapped_file.h"
+#include "ngs/io/formats/splat_table.h"
 
 namespace ngs::io {
 
@@ -27,5 +28,10 @@ bool is_model_name(std::string_view name);
 
 /// Labels are columns of a plain PLY; the other formats cannot store them. kUsage if `path` has another format.
 void require_ply_output(const std::string& path);
+
+// One entry point for the readers of all formats but PLY.
+
+/// `format` must not be PLY. Throws kBadInput.
+DecodedSplat decode_splat(SplatFormat format, const std::string& name, Bytes bytes);
 
 }  // namespace ngs::io

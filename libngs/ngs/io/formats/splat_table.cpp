@@ -1,14 +1,13 @@
 #include "ngs/io/formats/splat_table.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "ngs/core/check.h"
+#include "ngs/math/curve_order.h"
 #include "ngs/math/elementary.h"
 #include "ngs/scene/precision/local_origin.h"
 
 namespace ngs::io {
-
 namespace {
 
 constexpr std::size_t kColumnsWithoutRest = 14, kMaxColumns = kColumnsWithoutRest + 45;
@@ -70,6 +69,16 @@ SplatRow load_row(const SplatSelection& model, std::int64_t i) {
     row.rotation[k] = length > 0 ? float(double(cloud.rotation[r * 4 + k]) / length) : k == 0 ? 1.f : 0.f;
   if (model.turn) model.turn(row);
   return row;
+}
+
+SplatSelection along_morton_curve(const SplatSelection& model) {
+  std::vector<float> points;
+  for (const std::int64_t i : model.rows)
+    points.insert(points.end(), &model.cloud.position[std::size_t(i) * 3],
+                  &model.cloud.position[std::size_t(i) * 3] + 3);
+  SplatSelection sorted{model.cloud, {}, model.left_out, model.shift};
+  for (const std::uint32_t k : curve_order(points)) sorted.rows.push_back(model.rows[k]);
+  return sorted;
 }
 
 }  // namespace ngs::io

@@ -59,4 +59,10 @@ SplatSelection select_rows(const GaussianCloud& cloud, const std::vector<std::ui
 /// Row i of the cloud with a normalised rotation (zero quaternion: the identity), turned by `turn`.
 SplatRow load_row(const SplatSelection& model, std::int64_t i);
 
+// Morton (Z-order) sorting: chunks of rows get small extents, attribute images smooth gradients.
+
+/// The selection with its rows sorted along a Z-order curve through its bounding box, 2^21 cells per axis. Rows of one
+/// cell keep their order.
+SplatSelection along_morton_curve(const SplatSelection& model);
+
 }  // namespace ngs::io

@@ -1,13 +1,11 @@
 #include <bit>
-#include <optional>
 
 #include "ngs/io/files/byte_reader.h"
 #include "ngs/io/formats/axes.h"
 #include "ngs/io/formats/compression/gzip.h"
 #include "ngs/io/formats/compression/zstd_frame.h"
-#include "ngs/io/formats/half.h"
 #include "ngs/io/formats/quantise.h"
-#include "ngs/io/formats/spz.h"
+#include "ngs/io/formats/splat_codecs.h"
 #include "ngs/io/formats/spz_layout.h"
 
 namespace ngs::io {

@@ -1,12 +1,11 @@
 #include <algorithm>
-#include <bit>
 #include <cstring>
 
 #include "ngs/core/error.h"
 #include "ngs/io/formats/axes.h"
 #include "ngs/io/formats/compression/gzip.h"
 #include "ngs/io/formats/quantise.h"
-#include "ngs/io/formats/spz.h"
+#include "ngs/io/formats/splat_codecs.h"
 #include "ngs/io/formats/spz_layout.h"
 #include "ngs/scene/precision/local_origin.h"
 

@@ -1,7 +1,6 @@
 #include "ngs/io/formats/write_splat.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
@@ -9,12 +8,7 @@
 #include "ngs/core/listed.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/formats/axes.h"
-#include "ngs/io/formats/compressed_ply_write.h"
-#include "ngs/io/formats/dot_splat.h"
-#include "ngs/io/formats/gltf/glb_write.h"
-#include "ngs/io/formats/sog.h"
-#include "ngs/io/formats/spz.h"
-#include "ngs/io/formats/write_only/usda_write.h"
+#include "ngs/io/formats/splat_codecs.h"
 #include "ngs/io/ply/gaussian_columns.h"
 #include "ngs/scene/precision/local_origin.h"
 

@@ -14,7 +14,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <map>
 #include <string_view>
 
 #include "ngs/core/check.h"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <set>
 
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"

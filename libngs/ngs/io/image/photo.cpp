@@ -7,7 +7,6 @@
 #include "ngs/io/image/size_rule.h"
 
 namespace ngs::io {
-
 namespace {
 
 /// The decoded file, with its size checked against the camera; empty if the view has no photo.
@@ -83,6 +82,20 @@ ImageF load_alpha(const SceneView& view) {
   for (std::size_t p = 0; p < alpha.data.size(); ++p)
     alpha.data[p] = float(raw.data[4 * p + 3]) / (raw.bits == 8 ? 255.f : 65535.f);
   return resize_area(alpha, view.camera.width_px, view.camera.height_px);
+}
+
+ImageF PhotoCache::load(std::size_t view) {
+  if (cached_views_.count(view) == 0) return load_photo(scene_, view);
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto found = cache_.find(view); found != cache_.end()) return found->second.rgb();
+  }
+  PackedPhoto photo = read_packed_photo(scene_, view);  // outside the lock, so that threads load in parallel
+  ImageF rgb = photo.rgb();
+  const std::lock_guard lock(mutex_);
+  const std::size_t bytes = photo.bytes();
+  if (bytes_ + bytes <= max_bytes_ && cache_.emplace(view, std::move(photo)).second) bytes_ += bytes;
+  return rgb;
 }
 
 }  // namespace ngs::io

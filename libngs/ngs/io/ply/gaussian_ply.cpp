@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "ngs/core/error.h"
 #include "ngs/io/capture/foreign_source.h"
 #include "ngs/io/files/shell_word.h"
 #include "ngs/io/formats/compression/packed_model.h"
-#include "ngs/io/formats/decode_splat.h"
+#include "ngs/io/formats/splat_format.h"
 #include "ngs/io/ply/gaussian_columns.h"
 #include "ngs/io/ply/ply_scan.h"
 #include "ngs/scene/view_names.h"

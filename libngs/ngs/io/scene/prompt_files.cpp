@@ -1,7 +1,6 @@
 #include "ngs/io/scene/prompt_files.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "ngs/core/error.h"
 #include "ngs/io/files/json_file.h"

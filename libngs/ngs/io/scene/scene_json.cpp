@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <filesystem>
 #include <set>
 
@@ -10,7 +9,6 @@
 #include "ngs/io/capture/pose.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/json_file.h"
-#include "ngs/io/files/relative_path.h"
 #include "ngs/io/image/annotations.h"
 #include "ngs/scene/view_names.h"
 

@@ -1,6 +1,5 @@
-#include "ngs/ops/labels/label_evaluate.h"
-
 #include "ngs/ops/labels/label_packs.h"
+#include "ngs/ops/labels/label_system.h"
 
 namespace ngs {
 namespace {

@@ -4,8 +4,6 @@
 #include <optional>
 
 #include "ngs/core/check.h"
-#include "ngs/ops/labels/label_collect.h"
-#include "ngs/ops/labels/label_evaluate.h"
 #include "ngs/ops/losses/loss_mask_kernels.h"
 #include "ngs/ops/splat/binned_view.h"
 #include "ngs/ops/splat/cloud_view.h"

@@ -17,6 +17,7 @@
 #include <memory>
 #include <vector>
 
+#include "ngs/ops/labels/label_block.h"
 #include "ngs/ops/splat/splat.h"
 #include "ngs/scene/scene.h"
 
@@ -77,5 +78,36 @@ class LabelSystem {
   explicit LabelSystem(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
+
+// Builds label blocks from recorded tiles, and reduced blocks from label blocks. Internal to ops (label_system.cpp).
+
+/// The labels of the Gaussians for collect_block: the column, or -1 and the folded value.
+struct LabelPlaces {
+  const std::uint32_t* id;     // [V] visible Gaussians
+  const std::int32_t* column;  // [N]
+  const double* label;         // [N]
+};
+
+/// The block of a tile, with weights in half precision if `half`; slots are those of the view's lists.
+LabelBlock collect_block(const RecordedTile& tile, LabelPlaces places, TargetPlanes targets, bool half);
+
+/// The block with only the columns whose `new_column` is >= 0, renumbered; the others are folded at their values. Its
+/// constant_loss is that of the pixels that lose their last column; its target_sum is 0.
+LabelBlock reduced_block(const LabelBlock& block, const std::int32_t* new_column, ColumnValues at);
+
+// Losses of labels and the sums of their gradients, tile by tile. Internal to ops (label_system.cpp).
+
+/// The block's part of -(Σ a ln q + b ln c). Writes the slots of its entries.
+double evaluate_block(const LabelBlock& block, ColumnValues at, SlotSums* slots);
+
+/// Loss and targets of a tile.
+struct TileLoss {
+  double loss = 0;        // -Σ a ln q + b ln c
+  double target_sum = 0;  // Σ a + b
+};
+
+/// The loss of a tile at the labels `at` [V] of the visible Gaussians. Writes the slots of all its Gaussians: the same
+/// sums as of a block in which every Gaussian is a column.
+TileLoss evaluate_tile(const RecordedTile& tile, ColumnValues at, TargetPlanes targets, SlotSums* slots);
 
 }  // namespace ngs

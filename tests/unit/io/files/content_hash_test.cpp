@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "ngs/core/error.h"
-#include "ngs/io/files/unfinished_files.h"
+#include "ngs/io/files/atomic_file.h"
 #include "support/temp_dir.h"
 
 namespace ngs::io {

@@ -1,10 +1,9 @@
-#include "ngs/io/formats/ksplat.h"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
 
 #include "ngs/core/error.h"
+#include "ngs/io/formats/splat_codecs.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "support/ply_text.h"
 #include "support/splat_files.h"

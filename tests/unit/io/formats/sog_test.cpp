@@ -1,5 +1,3 @@
-#include "ngs/io/formats/sog.h"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -9,6 +7,7 @@
 #include "ngs/core/error.h"
 #include "ngs/io/formats/compression/webp_image.h"
 #include "ngs/io/formats/compression/zip_archive.h"
+#include "ngs/io/formats/splat_codecs.h"
 #include "ngs/io/formats/write_splat.h"
 #include "support/ply_text.h"
 #include "support/splat_files.h"

@@ -1,10 +1,9 @@
-#include "ngs/io/formats/spz.h"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
 
 #include "ngs/core/error.h"
+#include "ngs/io/formats/splat_codecs.h"
 #include "ngs/io/formats/write_splat.h"
 #include "support/ply_text.h"
 #include "support/splat_files.h"

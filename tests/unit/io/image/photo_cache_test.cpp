@@ -1,11 +1,10 @@
-#include "ngs/io/image/photo_cache.h"
-
 #include <doctest/doctest.h>
 
 #include <filesystem>
 #include <string>
 
 #include "ngs/core/error.h"
+#include "ngs/io/image/photo.h"
 #include "support/temp_dir.h"
 
 namespace ngs::io {

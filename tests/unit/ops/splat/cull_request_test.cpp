@@ -1,7 +1,6 @@
-#include "ngs/ops/splat/cull_request.h"
-
 #include <doctest/doctest.h>
 
+#include "ngs/ops/splat/binned_view.h"
 #include "ngs/ops/splat/splat.h"
 #include "support/projected_view.h"
 #include "support/random_splats.h"

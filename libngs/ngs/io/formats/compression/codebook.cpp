@@ -1,7 +1,6 @@
 #include "ngs/io/formats/compression/codebook.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 

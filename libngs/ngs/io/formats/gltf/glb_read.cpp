@@ -1,5 +1,3 @@
-#include "ngs/io/formats/gltf/glb_read.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +8,7 @@
 #include "ngs/io/files/byte_reader.h"
 #include "ngs/io/files/json_file.h"
 #include "ngs/io/formats/axes.h"
+#include "ngs/io/formats/splat_codecs.h"
 #include "ngs/math/elementary.h"
 #include "ngs/math/quat.h"
 #include "ngs/math/stable.h"

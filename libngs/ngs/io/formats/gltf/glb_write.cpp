@@ -1,14 +1,11 @@
-#include "ngs/io/formats/gltf/glb_write.h"
-
 #include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <functional>
 #include <nlohmann/json.hpp>
 
 #include "ngs/core/error.h"
 #include "ngs/core/version.h"
 #include "ngs/io/formats/axes.h"
+#include "ngs/io/formats/splat_codecs.h"
 #include "ngs/math/stable.h"
 
 namespace ngs::io {

@@ -1,5 +1,3 @@
-#include "ngs/io/formats/write_only/usda_write.h"
-
 #include <algorithm>
 #include <charconv>
 #include <span>
@@ -7,6 +5,7 @@
 
 #include "ngs/core/version.h"
 #include "ngs/io/formats/axes.h"
+#include "ngs/io/formats/splat_codecs.h"
 #include "ngs/math/sh.h"
 #include "ngs/math/stable.h"
 

@@ -1,5 +1,3 @@
-#include "ngs/io/formats/gltf/glb_read.h"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -7,6 +5,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/formats/axes.h"
+#include "ngs/io/formats/splat_codecs.h"
 #include "ngs/io/formats/write_splat.h"
 #include "ngs/math/quat.h"
 #include "ngs/math/sh.h"

@@ -1,11 +1,10 @@
-#include "ngs/io/formats/gltf/glb_write.h"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "ngs/io/formats/splat_codecs.h"
 #include "ngs/io/formats/write_splat.h"
 #include "support/splat_files.h"
 #include "support/temp_dir.h"

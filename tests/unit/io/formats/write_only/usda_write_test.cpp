@@ -1,9 +1,8 @@
-#include "ngs/io/formats/write_only/usda_write.h"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
 
+#include "ngs/io/formats/splat_codecs.h"
 #include "ngs/io/formats/write_splat.h"
 #include "support/splat_files.h"
 #include "support/temp_dir.h"
