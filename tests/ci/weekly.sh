@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# What CI has no time for: makes the archives of Linux, CUDA (if nvcc is found) and Windows, and the image, and tests them.
+# What CI has no time for: makes the archives of Linux, CUDA (if nvcc is found) and Windows, and the image, and tests them;
+# runs the suites unit, contract and studio under ASan with UBSan, and under TSan (clang++ with libomp, which TSan knows).
 #
 #   tests/ci/weekly.sh [OUT]      OUT: folder of the files (default: build-bundle)
 #
@@ -20,6 +21,12 @@ step() {  # NAME COMMAND...
   printf '%-4s %s, %d min\n' $word "$name" $(((SECONDS - begin) / 60)) >&2
 }
 
+# shellcheck disable=SC2317  # called by step
+sanitized() {  # PRESET FOLDER
+  NGS_PRESET=$1 "$top/pipelines/build.sh" --target tools test_unit test_contract &&
+    ctest --test-dir "$top/$2" -L '^(unit|contract|studio)$' --output-on-failure
+}
+
 step linux "$top/pipelines/bundle.sh" -o "$out"
 if PATH=$PATH:${CUDA_HOME:-/usr/local/cuda}/bin command -v nvcc > /dev/null; then
   step cuda "$top/pipelines/bundle.sh" --cuda -o "$out"
@@ -27,7 +34,12 @@ fi
 step linux-test "$top/tests/ci/bundle.sh" "$out"
 step windows "$top/pipelines/bundle/windows.sh" -o "$out"
 step windows-system-test "$top/tests/ci/windows.sh"
-step contract-suite env NGS_PRESET=ci "$top/pipelines/build.sh" --target test_contract
+step contract-suite env NGS_PRESET=ci "$top/pipelines/build.sh" --target test_contract ngs_bench
 step windows-test "$top/tests/ci/windows-archive.sh" "$out" --contract ''
 step container "$top/tests/ci/container.sh"
+step asan sanitized asan-ubsan build-asan
+if command -v clang++ > /dev/null; then
+  export TSAN_OPTIONS=ignore_noninstrumented_modules=1  # system libraries
+  step tsan sanitized tsan build-tsan
+fi
 exit "$failed"

@@ -40,15 +40,19 @@ TEST_CASE("counts of several suites add up, including filtered cases and checks 
   const std::string text = counted(
       {{"unit", "skipped: one: no photo\nskipped cases: 1\n" + doctest_line("  9 |  9 passed | 0 failed | 0 skipped")},
        {"grad", doctest_line(" 4 | \033[32m3 passed\033[0m | 1 failed | 5 skipped")},
+       {"contract_part1",
+        "skipped: two: no wine\nskipped cases: 1\n" + doctest_line("  3 |  3 passed | 0 failed | 7 skipped")},
        {"clients", "12 checks passed, 1 failed, 2 skipped\n"},
        {"studio_page", "7 checks passed, 0 failed, 0 skipped\n"}});
   CHECK(text ==
         "unit              9 cases      8 passed      0 failed      1 skipped\n"
         "grad              4 cases      3 passed      1 failed      5 skipped\n"
+        "contract_part1      3 cases      2 passed      0 failed      1 skipped\n"
         "clients          15 cases     12 passed      1 failed      2 skipped\n"
         "studio_page       7 cases      7 passed      0 failed      0 skipped\n"
-        "total            35 cases     30 passed      2 failed      8 skipped\n"
-        "skipped: one: no photo\n");
+        "total            38 cases     32 passed      2 failed      9 skipped\n"
+        "skipped: one: no photo\n"
+        "skipped: two: no wine\n");
 }
 
 }  // namespace ngs

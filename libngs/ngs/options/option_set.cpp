@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "ngs/core/error.h"
 #include "ngs/core/parse_number.h"
@@ -49,15 +50,17 @@ std::string shown(const Json& value) {
               std::move(remedy));
 }
 
+template <class T>  // std::int64_t, std::uint64_t, double
+struct Range {
+  std::string name, unit;
+  T min, max;
+};
+
 template <class T>
-std::string describe_range(const option_detail::Range<T>& range, const char* what) {
+std::string describe_range(const Range<T>& range, const char* what) {
   const std::string unit = range.unit.empty() ? "" : " " + range.unit;
   return what + std::string("in [") + Json(range.min).dump() + ", " + Json(range.max).dump() + "]" + unit;
 }
-
-}  // namespace
-
-namespace option_detail {
 
 std::int64_t checked(const Range<std::int64_t>& range, const Json& value) {
   if (!value.is_number_integer()) fail(range.name, value, describe_range(range, "an integer "));
@@ -106,6 +109,89 @@ std::size_t checked_choice(std::string_view name, const Json& value, const std::
   const auto found = std::find(choices.begin(), choices.end(), value.get<std::string>());
   if (found == choices.end()) fail(name, value, "one of " + listed, suggestion(value.get<std::string>(), choices));
   return std::size_t(found - choices.begin());
+}
+
+/// A new entry with everything but its values.
+template <class Descriptor>
+OptionEntry make_entry(const Descriptor& field, std::string_view unit, OptionKind kind,
+                       const std::shared_ptr<const OptionGroup>& group) {
+  OptionEntry entry;
+  entry.name = group->prefix + std::string(field.name);
+  entry.unit = unit;
+  entry.help = field.help;
+  entry.kind = kind;
+  entry.group = group;
+  entry.letter = field.notes.letter;
+  entry.effect = field.notes.effect.empty() ? group->effect : std::string(field.notes.effect);
+  return entry;
+}
+
+template <class Wide, class T>
+OptionEntry number(T& value, const Field<T>& field, const std::shared_ptr<const OptionGroup>& group) {
+  OptionEntry entry =
+      make_entry(field, field.unit, std::is_integral_v<T> ? OptionKind::kInteger : OptionKind::kReal, group);
+  entry.min = field.min;
+  entry.max = field.max;
+  entry.get = [&value] { return Json(value); };
+  entry.set = [&value, range = Range<Wide>{entry.name, entry.unit, field.min, field.max}](const Json& json) {
+    value = T(checked(range, json));
+  };
+  return entry;
+}
+
+}  // namespace
+
+namespace option_detail {
+
+Binder::Binder(OptionSet& set, OptionGroup group)
+    : set_(set), group_(std::make_shared<const OptionGroup>(std::move(group))) {}
+
+void Binder::operator()(int& value, const Field<int>& field) const {
+  set_.push(number<std::int64_t>(value, field, group_));
+}
+
+void Binder::operator()(std::int64_t& value, const Field<std::int64_t>& field) const {
+  set_.push(number<std::int64_t>(value, field, group_));
+}
+
+void Binder::operator()(std::uint64_t& value, const Field<std::uint64_t>& field) const {
+  set_.push(number<std::uint64_t>(value, field, group_));
+}
+
+void Binder::operator()(double& value, const Field<double>& field) const {
+  set_.push(number<double>(value, field, group_));
+}
+
+void Binder::operator()(bool& value, const Flag& field) const {
+  OptionEntry entry = make_entry(field, "", OptionKind::kBool, group_);
+  entry.get = [&value] { return Json(value); };
+  entry.set = [&value, name = entry.name](const Json& json) { value = checked_bool(name, json); };
+  set_.push(std::move(entry));
+}
+
+void Binder::operator()(std::string& value, const Text& field) const {
+  OptionEntry entry = make_entry(field, field.placeholder, OptionKind::kText, group_);
+  entry.get = [&value] { return Json(value); };
+  entry.set = [&value, name = entry.name](const Json& json) { value = checked_text(name, json); };
+  set_.push(std::move(entry));
+}
+
+void Binder::operator()(std::vector<std::string>& value, const Text& field) const {
+  OptionEntry entry = make_entry(field, field.placeholder, OptionKind::kTextList, group_);
+  entry.get = [&value] { return Json(value); };
+  entry.set = [&value, name = entry.name](const Json& json) { value = checked_texts(name, json); };
+  set_.push(std::move(entry));
+}
+
+void Binder::add_choice(const Text& field, std::vector<std::string> names, std::function<std::string()> get,
+                        std::function<void(std::size_t index)> set) const {
+  OptionEntry entry = make_entry(field, "", OptionKind::kChoice, group_);
+  entry.choices = std::move(names);
+  entry.get = [get = std::move(get)] { return Json(get()); };
+  entry.set = [set = std::move(set), name = entry.name, names = entry.choices](const Json& json) {
+    set(checked_choice(name, json, names));
+  };
+  set_.push(std::move(entry));
 }
 
 }  // namespace option_detail

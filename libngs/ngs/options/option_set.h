@@ -5,12 +5,13 @@
 //
 // Values from flags and from JSON pass the same checks: right type, finite, in range, known choice. A violation is
 // Error(kUsage) "name = value, expected in [a, b]".
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
-#include <type_traits>
 #include <vector>
 
 #include "ngs/core/check.h"
@@ -89,100 +90,50 @@ class OptionSet {
   /// The schema of one option.
   Json property_schema(std::string_view name) const;
 
- private:
+  /// Adds one option. Used by add().
   void push(OptionEntry entry);
 
+ private:
   std::vector<OptionEntry> entries_;
 };
 
 namespace option_detail {
 
-template <class T>  // std::int64_t, std::uint64_t, double
-struct Range {
-  std::string name, unit;
-  T min, max;
-};
-std::int64_t checked(const Range<std::int64_t>& range, const Json& value);
-std::uint64_t checked(const Range<std::uint64_t>& range, const Json& value);
-double checked(const Range<double>& range, const Json& value);
-bool checked_bool(std::string_view name, const Json& value);
-std::string checked_text(std::string_view name, const Json& value);
-std::vector<std::string> checked_texts(std::string_view name, const Json& value);
-std::size_t checked_choice(std::string_view name, const Json& value, const std::vector<std::string>& choices);
+/// The visitor that is passed to describe(). Only what depends on the type of an enum is compiled per struct.
+class Binder {
+ public:
+  Binder(OptionSet& set, OptionGroup group);
 
-/// The visitor that is passed to describe().
-struct Binder {
-  std::function<void(OptionEntry)> push;
-  std::shared_ptr<const OptionGroup> group;
-
-  template <class Descriptor>
-  OptionEntry entry(const Descriptor& field, std::string_view unit, OptionKind kind) const {
-    OptionEntry e;
-    e.name = group->prefix + std::string(field.name);
-    e.unit = unit;
-    e.help = field.help;
-    e.kind = kind;
-    e.group = group;
-    e.letter = field.notes.letter;
-    e.effect = field.notes.effect.empty() ? group->effect : std::string(field.notes.effect);
-    return e;
-  }
-
-  template <class T>
-  void operator()(T& value, const Field<T>& field) const {
-    static_assert(std::is_same_v<T, double> || (std::is_integral_v<T> && sizeof(T) >= sizeof(int)),
-                  "a number option is int, std::int64_t, std::uint64_t or double");
-    using Wide = std::conditional_t<std::is_same_v<T, double>, double,
-                                    std::conditional_t<std::is_signed_v<T>, std::int64_t, std::uint64_t>>;
-    OptionEntry e = entry(field, field.unit, std::is_integral_v<T> ? OptionKind::kInteger : OptionKind::kReal);
-    e.min = field.min;
-    e.max = field.max;
-    e.get = [&value] { return Json(value); };
-    e.set = [&value, range = Range<Wide>{e.name, e.unit, Wide(field.min), Wide(field.max)}](const Json& json) {
-      value = T(checked(range, json));
-    };
-    push(std::move(e));
-  }
-
-  void operator()(bool& value, const Flag& field) const {
-    OptionEntry e = entry(field, "", OptionKind::kBool);
-    e.get = [&value] { return Json(value); };
-    e.set = [&value, name = e.name](const Json& json) { value = checked_bool(name, json); };
-    push(std::move(e));
-  }
-
-  void operator()(std::string& value, const Text& field) const {
-    OptionEntry e = entry(field, field.placeholder, OptionKind::kText);
-    e.get = [&value] { return Json(value); };
-    e.set = [&value, name = e.name](const Json& json) { value = checked_text(name, json); };
-    push(std::move(e));
-  }
-
-  void operator()(std::vector<std::string>& value, const Text& field) const {
-    OptionEntry e = entry(field, field.placeholder, OptionKind::kTextList);
-    e.get = [&value] { return Json(value); };
-    e.set = [&value, name = e.name](const Json& json) { value = checked_texts(name, json); };
-    push(std::move(e));
-  }
-
+  void operator()(int& value, const Field<int>& field) const;
+  void operator()(std::int64_t& value, const Field<std::int64_t>& field) const;
+  void operator()(std::uint64_t& value, const Field<std::uint64_t>& field) const;
+  void operator()(double& value, const Field<double>& field) const;
+  void operator()(bool& value, const Flag& field) const;
+  void operator()(std::string& value, const Text& field) const;
+  void operator()(std::vector<std::string>& value, const Text& field) const;
   template <class E>
   void operator()(E& value, const Choice<E>& field) const {
-    OptionEntry e = entry(field, "", OptionKind::kChoice);
-    for (const NamedValue<E>& choice : field.values) e.choices.emplace_back(choice.name);
-    e.get = [&value, values = field.values] { return Json(name_of(values, value)); };
-    e.set = [&value, values = field.values, name = e.name, names = e.choices](const Json& json) {
-      value = values[checked_choice(name, json, names)].value;
-    };
-    push(std::move(e));
+    std::vector<std::string> names;
+    for (const NamedValue<E>& choice : field.values) names.emplace_back(choice.name);
+    add_choice(
+        Text{field.name, "", field.help, field.notes}, std::move(names),
+        [&value, values = field.values] { return name_of(values, value); },
+        [&value, values = field.values](std::size_t index) { value = values[index].value; });
   }
+
+ private:
+  void add_choice(const Text& field, std::vector<std::string> names, std::function<std::string()> get,
+                  std::function<void(std::size_t index)> set) const;
+
+  OptionSet& set_;
+  std::shared_ptr<const OptionGroup> group_;
 };
 
 }  // namespace option_detail
 
 template <class Options>
 void OptionSet::add(Options& options, OptionGroup group) {
-  option_detail::Binder binder{[this](OptionEntry e) { push(std::move(e)); },
-                               std::make_shared<const OptionGroup>(std::move(group))};
+  const option_detail::Binder binder(*this, std::move(group));
   Options::describe(options, binder);
 }
 
