@@ -23,7 +23,7 @@ target_compile_options(ngs_flags INTERFACE
   $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wpedantic -Wconversion -ffp-contract=off -fno-math-errno ${NGS_TARGET_FLAGS}>)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   # g++ 12 warns about its own std::string operator+ (GCC bug 105651)
-  target_compile_options(ngs_flags INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict>)
+  target_compile_options(ngs_flags INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict -Wno-stringop-overflow -Wno-array-bounds>)
 endif()
 if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
   # Masks of lanes are combined by & and |; for the pack of one lane, whose mask is a bool, clang asks for && and ||.

@@ -19,8 +19,8 @@
 #include "ngs/scene/geometry/frame.h"
 #include "ngs/scene/geometry/surface_points.h"
 #include "ngs/scene/mask_threshold.h"
-#include "shared/run/sibling_program.h"
-#include "shared/text/text_columns.h"
+#include "shared/run/child_process.h"
+#include "shared/text/layout.h"
 #include "shared/tool.h"
 
 namespace ngs::ngs_tool {
