@@ -69,10 +69,14 @@ std::string remedy_of_stack(const std::string& extract) {
          "; if they are in the order of the photos: --masks masks-png --masks-in-order";
 }
 
-std::string remedy_of_arrays(const std::string& folder, const std::vector<std::string>& arrays) {
+std::string remedy_of_arrays(const std::string& folder, const std::vector<std::string>& arrays,
+                             const std::vector<SceneView>& views) {
   const std::string convert = "((m.squeeze() > 0).astype('u1') * 255)", first = arrays[0], ending = ending_of(first);
   const std::string save = "arrays are not read: save each as PNG, 255 where the object is";
-  if (arrays.size() == 1 && (ending == ".npy" || ending == ".npz"))
+  const bool is_of_one_view = std::ranges::any_of(
+      views,
+      [&, stem = fs::path(first).stem().string()](const SceneView& v) { return image_stem(v.camera.name) == stem; });
+  if (arrays.size() == 1 && !is_of_one_view && (ending == ".npy" || ending == ".npz"))
     return remedy_of_stack(
         "python3 -c \"import sys, numpy; from PIL import Image; a = numpy.load(sys.argv[1]); "
         "a = a if hasattr(a, 'ndim') else a[a.files[0]]; [Image.fromarray(" +
@@ -125,7 +129,7 @@ UnfitMasks unfit_masks(const std::string& folder, const std::vector<SceneView>& 
   else if (!images.empty())
     unfit.remedy = remedy_of_images(folder, images.size(), views);
   else if (!arrays.empty())
-    unfit.remedy = remedy_of_arrays(folder, arrays);
+    unfit.remedy = remedy_of_arrays(folder, arrays, views);
   else if (is_film(files[0]))
     unfit.remedy = remedy_of_stack("ffmpeg -i " + shell_word(files[0]) + " masks-png/%04d.png");
   return unfit;
