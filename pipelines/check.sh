@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Sets up, builds and runs all tests; prints how many passed, failed and were skipped, per suite and in total. Suites run side by side.
+# Sets up, builds and runs all tests; prints how many passed, failed and were skipped, per suite and in total.
 #   pipelines/check.sh [--no-setup] [ctest arguments, e.g. -L unit]
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
@@ -15,7 +15,7 @@ fi
 NGS_PRESET=${NGS_PRESET:-ci} "$pipelines/build.sh"  # all tests; device code is compiled if nvcc is found
 
 failed=0
-ctest --test-dir build -j "$(nproc)" --output-on-failure --output-junit tests.xml --test-output-size-passed 10000000 \
+ctest --test-dir build --output-on-failure --output-junit tests.xml --test-output-size-passed 10000000 \
   "$@" || failed=$?
 
 awk -f "$top/tests/ci/count-tests.awk" build/tests.xml

@@ -57,10 +57,8 @@ struct StepOptions {
                               1'000'000'000}
               .of("joint"));
     visit(self.resume, Flag{"resume", "Continue from the checkpoint in --checkpoint, if there is one"}.of("joint"));
-    visit(self.trace_every, Field<int>{"trace_every", "",
-                                       "Steps between scores of all views; 0: 8 views, at the end of each stage; "
-                                       "with --target once per epoch",
-                                       0, 1 << 30});
+    visit(self.trace_every,
+          Field<int>{"trace_every", "", "Steps between scores in the trace; 0: once per stage", 0, 1 << 30});
     visit(self.fast_atomics, Flag{"fast_atomics", "Use atomic adds on CUDA: faster, not bit-reproducible"});
   }
 };
