@@ -19,6 +19,7 @@
 #include "ngs/scene/geometry/frame.h"
 #include "ngs/scene/geometry/surface_points.h"
 #include "ngs/scene/mask_threshold.h"
+#include "ngs/scene/supersplat_state.h"
 #include "shared/run/child_process.h"
 #include "shared/text/layout.h"
 #include "shared/tool.h"
@@ -94,11 +95,10 @@ Box box_of(const GaussianCloud& cloud) {
   return box;
 }
 
-void add_place(const io::GaussianPly& ply, const orbit::SurfacePoints& points, Facts& facts) {
+void add_place(const io::GaussianPly& ply, const orbit::Ball& bulk, Facts& facts) {
   constexpr double kGeoreferenced = 1e5;  // world; coordinates of surveys are in metres
   const Box box = box_of(ply.cloud);
   facts.add("box", triple(box.low) + " to " + triple(box.high), "box", {{"low", box.low}, {"high", box.high}});
-  const orbit::Ball bulk = orbit::bulk_of(points);
   const std::array<double, 3>& o = ply.cloud.origin;
   const std::array<double, 3> centre{bulk.centre.x + o[0], bulk.centre.y + o[1], bulk.centre.z + o[2]};
   facts.add("bulk", "most of it within " + formatted("%.4g", bulk.radius) + " of " + triple(centre), "bulk",
@@ -108,8 +108,7 @@ void add_place(const io::GaussianPly& ply, const orbit::SurfacePoints& points, F
             "unit", is_surveyed ? Json("metres") : Json());
 }
 
-void add_up(const io::GaussianPly& ply, const orbit::SurfacePoints& points, Facts& facts) {
-  const orbit::Ball bulk = orbit::bulk_of(points);
+void add_up(const io::GaussianPly& ply, const orbit::SurfacePoints& points, const orbit::Ball& bulk, Facts& facts) {
   const orbit::UpGuess floor = orbit::guess_up(points, bulk);
   std::string why = floor.found ? "by a floor or its base" : "no floor found: usual for models of photos";
   Vec3<double> up = floor.up;
@@ -128,15 +127,14 @@ void add_columns(const io::GaussianPly& ply, Facts& facts) {
     facts.add("moves", listed(moving, kListedNames) + ": a 4D splat, read at its reference time", "motion_columns",
               moving);
   if (!columns.empty()) facts.add("columns", listed(columns, kListedNames) + ": of other programs", "columns", columns);
-  constexpr std::uint8_t kSelected = 1, kDeleted = 4;
   const auto with = [&](std::uint8_t bit) {
     return std::ranges::count_if(ply.state, [&](std::uint8_t state) { return (state & bit) != 0; });
   };
   if (!ply.state.empty())
     facts.add("state",
-              std::to_string(with(kSelected)) + " selected, " + std::to_string(with(kDeleted)) +
+              std::to_string(with(kSelectedState)) + " selected, " + std::to_string(with(kDeletedState)) +
                   " deleted (SuperSplat); still used here",
-              "state", {{"selected", with(kSelected)}, {"deleted", with(kDeleted)}});
+              "state", {{"selected", with(kSelectedState)}, {"deleted", with(kDeletedState)}});
 }
 
 /// Objects with their counts. Returns whether there are labels.
@@ -155,9 +153,8 @@ bool add_objects(const io::GaussianPly& ply, Facts& facts) {
   return true;
 }
 
-void add_debris(const GaussianCloud& cloud, const orbit::SurfacePoints& points, Facts& facts) {
+void add_debris(const GaussianCloud& cloud, const orbit::SurfacePoints& points, const orbit::Ball& bulk, Facts& facts) {
   constexpr double kFar = 10;  // radii of the bulk
-  const orbit::Ball bulk = orbit::bulk_of(points);
   const auto far = std::ranges::count_if(
       points.position, [&](const orbit::Vec& p) { return length(p - bulk.centre) > kFar * bulk.radius; });
   const std::int64_t faint = std::ranges::count(cloud.usable, 1) - std::int64_t(points.count());
@@ -169,8 +166,8 @@ void add_debris(const GaussianCloud& cloud, const orbit::SurfacePoints& points, 
 void describe_splat(const std::string& path, Facts& facts) {
   const io::GaussianPly ply = io::read_gaussian_ply(path);
   const GaussianCloud& cloud = ply.cloud;
-  facts.add("format", format_name(path, ply) + formatted(", %.0f bytes", double(fs::file_size(path))), "format",
-            format_name(path, ply));
+  const std::string format = format_name(path, ply);
+  facts.add("format", format + formatted(", %.0f bytes", double(fs::file_size(path))), "format", format);
   const std::int64_t ignored = ply.health.excluded();
   facts.add("Gaussians",
             std::to_string(cloud.size()) +
@@ -182,9 +179,10 @@ void describe_splat(const std::string& path, Facts& facts) {
             "sh_degree", cloud.sh_degree);
   facts.add("not finite", std::to_string(ply.health.non_finite), "non_finite", ply.health.non_finite);
   if (const orbit::SurfacePoints points = orbit::surface_points(cloud); points.count() > 0) {
-    add_place(ply, points, facts);
-    add_up(ply, points, facts);
-    add_debris(cloud, points, facts);
+    const orbit::Ball bulk = orbit::bulk_of(points);
+    add_place(ply, bulk, facts);
+    add_up(ply, points, bulk, facts);
+    add_debris(cloud, points, bulk, facts);
   }
   add_columns(ply, facts);
   if (!ply.notes.empty()) facts.add("notes", listed(ply.notes, kListedNames), "notes", ply.notes);

@@ -84,8 +84,6 @@ void write_marked_views(cli::Run& run, const StrokeFiles& files, const std::stri
   }
 }
 
-namespace fs = std::filesystem;
-
 void record_pictures(const std::string& folder, const std::string& record) {
   nlohmann::json hashes = nlohmann::json::object();
   for (const std::string& name : io::list_images(folder)) hashes[name] = io::content_hash(folder + "/" + name).xxh3;

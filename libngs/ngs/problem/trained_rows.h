@@ -55,12 +55,16 @@ class TrainedRows {
   /// `changed` [size()] 0: the row's values are those of the last call; null: all rows may have changed.
   void write_back(const Exec& exec, const std::vector<std::uint8_t>* changed = nullptr) {
     if (!is_part()) return;
-    if (exec.device == Device::kCuda) return for_each_row(exec, std::int64_t(rows_.size()), scatter());
+    if (changed == nullptr || rows_are_on_device(exec)) {
+      for_each_row(exec, std::int64_t(rows_.size()), scatter());
+      if (prepared_) update_prepared(exec, rows_, *prepared_);
+      return;
+    }
     std::vector<std::int64_t> rows;
     for (std::size_t r = 0; r < rows_.size(); ++r)
-      if (changed == nullptr || (*changed)[r]) rows.push_back(rows_[r]);
+      if ((*changed)[r]) rows.push_back(rows_[r]);
     for_each_index(exec, std::int64_t(rows_.size()), [&, kernel = scatter()](std::int64_t r) {
-      if (changed == nullptr || (*changed)[std::size_t(r)]) kernel(r);
+      if ((*changed)[std::size_t(r)]) kernel(r);
     });
     if (prepared_) update_prepared(exec, rows, *prepared_);
   }

@@ -1,14 +1,13 @@
 # alone: object.ply rendered alone against its labels in the scene: all methods on captures, floaters and recipes
 # shellcheck shell=bash disable=SC2154
 #
-# Alpha at one half against the true masks of the held-out views. With METHODS that contain BEA-GS also flash's labels trained
-# by the losses of BEA-GS (tests/bench/occupancy), which take minutes a scene.
+# Alpha at one half against the true masks of the held-out views.
 alone_captures=${CAPTURES:-bird floaters lego skull}
 
 question_alone() {
   title 'B-IoU 0.005 of the object: its labels in the scene, and object.ply rendered alone; every:4:2'
   label method method
-  local set scene
+  local set
   for set in $alone_captures $recipes; do
     column "$set: in the scene" '' biou_005 mean 4 set="$set"
     column alone '' alone mean 4 set="$set"
@@ -16,14 +15,8 @@ question_alone() {
   done
   for set in $alone_captures; do alone_capture "$set"; done
   for set in $recipes; do
-    scene=$work/$set-scene
-    if [ ! -f "$scene/done" ]; then
-      tool ngs-synth "$set" -o "$scene" --view-count 16 --fit-steps 1500 -w -q > /dev/null
-      touch "$scene/done"
-    fi
-    degraded_masks "$scene/masks_gt" "$scene/masks_2px" --mask-noise jitter:2 --seed 1
-    prepare "$set" "$scene" --masks "$scene/masks_2px" --hold-out every:4:2
-    alone_methods "$set" "$scene/masks_gt"
+    prepare_recipe "$set"
+    alone_methods "$set" "$work/$set-scene/masks_gt"
   done
 }
 
@@ -45,19 +38,5 @@ alone_methods() {
     row method="$method" set="$1" scores="$work/$1-$method/metrics.json" alone="$(score_of "$1-$method/alone")" \
       unfinished="$(score_of "$1-$method/unfinished")"
   done
-  case " ${METHODS:-} " in *' BEA-GS '*) alone_published "$1" "$2" ;; esac
 }
 score_of() { tables score "$work/$1.json" biou_005; }
-
-# alone_published PREPARED TRUTH: the row of BEA-GS, with k as published.
-alone_published() {
-  local run=$work/$1-published scene=$work/$1
-  if [ ! -f "$run/alone.json" ]; then
-    say "$question: $1, BEA-GS"
-    mkdir -p "$run"
-    tool ngs-joint "$scene/scene.json" "$scene/boundary.ply" --method flash -o "$run/labelled.ply" -w -q > /dev/null
-    tool ngs_occupancy "$scene/scene.json" "$run/labelled.ply" 2000 "$run/object.ply" "$run/background.ply"
-    alone_masks "$scene/scene.json" "$run/object.ply" "$2" "$run/alone.json"
-  fi
-  row method=BEA-GS set="$1" alone="$(score_of "$1-published/alone")"
-}

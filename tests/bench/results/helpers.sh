@@ -84,6 +84,17 @@ capture() {
 # prepare NAME SCENE_DIR [options of ngs-scene import]: writes scene.json and boundary.ply to $work/NAME/.
 prepare() { once "$work/$1" evidence_of "$2" "$work/$1" "${@:3}" >&2; }
 
+# prepare_recipe RECIPE: a scene of 16 views in $work/RECIPE-scene, prepared with masks that are wrong by 2 px.
+prepare_recipe() {
+  local scene=$work/$1-scene
+  if [ ! -f "$scene/done" ]; then
+    tool ngs-synth "$1" -o "$scene" --view-count 16 --fit-steps 1500 -w -q > /dev/null
+    touch "$scene/done"
+  fi
+  degraded_masks "$scene/masks_gt" "$scene/masks_2px" --mask-noise jitter:2 --seed 1
+  prepare "$1" "$scene" --masks "$scene/masks_2px" --hold-out every:4:2
+}
+
 # The flags of ngs-joint for a name in the tables.
 flags_of() {
   case $1 in

@@ -3,19 +3,13 @@
 question_recipes() {
   title 'B-IoU 0.005, 16 views of 320x240, masks wrong by 2 px, every:4:2'
   label method method
-  local recipe scene
+  local recipe
   for recipe in $recipes; do column "$recipe" '' biou_005 mean 4 recipe="$recipe"; done
   column 'mean' '' biou_005 mean 4
   column 'mean B-IoU 0.02' '' biou mean 4
   column 'mean CPU' s cpu_s mean 2
   for recipe in $recipes; do
-    scene=$work/$recipe-scene
-    if [ ! -f "$scene/done" ]; then
-      tool ngs-synth "$recipe" -o "$scene" --view-count 16 --fit-steps 1500 -w -q > /dev/null
-      touch "$scene/done"
-    fi
-    degraded_masks "$scene/masks_gt" "$scene/masks_2px" --mask-noise jitter:2 --seed 1
-    prepare "$recipe" "$scene" --masks "$scene/masks_2px" --hold-out every:4:2
-    methods 'flash cob bce ng-gs draft ngs' "$recipe" "$scene/masks_gt" recipe="$recipe" run=seed-0
+    prepare_recipe "$recipe"
+    methods 'flash cob bce ng-gs draft ngs' "$recipe" "$work/$recipe-scene/masks_gt" recipe="$recipe" run=seed-0
   done
 }

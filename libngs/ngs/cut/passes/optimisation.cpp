@@ -34,8 +34,8 @@ void begin_optimisation(PassRun& run) {
   // The NeRF is trained against the whole rendering, and moves all Gaussians in it.
   if (!run.on(kNerfEffect) && run.on("boundary")) problem.region = region_of(problem.labels);
   at.tracker.emplace(run.exec, at.tracking, problem, run.budget);
-  if (!run.on(kJointEffect) &&
-      !run.on(kContoursEffect)) {  // saves the memory of a trainer, which is as large as the model
+  // Without either no trainer is made: it is as large as the model.
+  if (!run.on(kJointEffect) && !run.on(kContoursEffect)) {
     run.solution = unoptimised_solution(run);
     at.tracker->begin([&] {
       Solution start = *run.solution;

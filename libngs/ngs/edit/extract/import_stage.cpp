@@ -9,11 +9,11 @@
 #include "ngs/core/error.h"
 #include "ngs/ops/neighbours/knn.h"
 #include "ngs/scene/precision/local_origin.h"
+#include "ngs/scene/supersplat_state.h"
 
 namespace ngs {
 namespace {
 
-constexpr std::uint8_t kSelected = 1, kDeleted = 4;
 using Key = std::array<std::uint32_t, 7>;  // bits of x y z, then opacity and colour
 
 struct Keyed {
@@ -204,7 +204,7 @@ std::vector<std::int8_t> fixed_decisions_of(const std::vector<std::int64_t>& fou
   for (std::size_t e = 0; e < found.size(); ++e) {
     if (found[e] < 0) continue;
     const std::uint8_t s = state.empty() ? std::uint8_t(0) : state[e];
-    decision[std::size_t(found[e])] = (s & kDeleted) == 0 && (!by_selection || (s & kSelected) != 0);
+    decision[std::size_t(found[e])] = (s & kDeletedState) == 0 && (!by_selection || (s & kSelectedState) != 0);
   }
   return decision;
 }
@@ -245,7 +245,7 @@ ImportedEdit import_edit(const GaussianCloud& cloud, const std::vector<std::uint
                     " Gaussians are at positions of the labelled model, expected at least half",
                 "edit an output of this model and do not move, rotate or scale it in the editor");
 
-  out.by_selection = std::any_of(state.begin(), state.end(), [](std::uint8_t s) { return s & kSelected; });
+  out.by_selection = std::any_of(state.begin(), state.end(), [](std::uint8_t s) { return s & kSelectedState; });
   const std::vector<std::int8_t> decision = fixed_decisions_of(found, state, out.by_selection, n);
   if (!out.by_selection) refuse_whole_model(cloud, object, decision);
   for (std::size_t i = 0; i < n; ++i) {

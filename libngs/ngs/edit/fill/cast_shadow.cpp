@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "ngs/backend/for_each.h"
 #include "ngs/math/median.h"
@@ -104,7 +105,7 @@ std::vector<Vec> cone(Vec axis, double radius, int count) {
   const Vec a = orbit::perpendicular(axis), b = cross(axis, a);
   std::vector<Vec> directions{axis};
   for (int k = 0; k < count; ++k) {
-    const double angle = 6.283185307179586 * k / count;
+    const double angle = 2 * std::numbers::pi * k / count;
     directions.push_back(unit(axis + radius * (std::cos(angle) * a + std::sin(angle) * b)));
   }
   return directions;

@@ -8,7 +8,7 @@ namespace ngs {
 
 struct CastShadow {
   orbit::Vec light{0, 0, 1};  // unit, towards the light
-  double left = 1;            // colour in the shadow, in that beside it; 1: no shadow was found
+  double left = 1;            // ratio of the colour in the shadow to that next to it; 1: no shadow was found
 
   /// Factor in (0, 1] of the colour of a point of the surface: 1 in the light, `left` in the shadow.
   double at(const Occluder& occluder, orbit::Vec p) const;

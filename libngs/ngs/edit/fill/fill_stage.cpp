@@ -49,11 +49,9 @@ std::vector<float> mean_bands(const GaussianCloud& cloud, const Rim& rim, const 
 /// Appends a flat Gaussian for every cell of the hole. Returns their number.
 std::int64_t lay(const FillSurface& surface, const HoleCells& cells, const TextureGrid& texture,
                  const std::vector<float>& bands, GaussianCloud& filled) {
-  std::vector<std::uint8_t> hole(cells.state.size());
-  for (std::size_t i = 0; i < hole.size(); ++i) hole[i] = cells.state[i] == HoleCell::kHole;
   std::int64_t rows = 0;
-  for (std::size_t i = 0; i < hole.size(); ++i) {
-    if (!hole[i] || texture.state[i] != Texel::kKnown) continue;
+  for (std::size_t i = 0; i < cells.state.size(); ++i) {
+    if (cells.state[i] != HoleCell::kHole || texture.state[i] != Texel::kKnown) continue;
     const Vec2<double> at = cells.centre(std::int64_t(i));
     const Vec p = surface.point(at.x, at.y, -kBelow * cells.side);
     const std::array<Vec, 3> axes = axes_at(surface, at, cells.side);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 #include "ngs/backend/for_each.h"
 #include "ngs/math/sh.h"
@@ -41,7 +42,7 @@ void exclude_local_colours(const HoleCells& cells, Vec2<double> middle, TextureG
   for (std::size_t cell = 0; cell < grid.state.size(); ++cell) {
     if (grid.state[cell] != Texel::kKnown) continue;
     const Vec2<double> at = cells.centre(std::int64_t(cell));
-    const double turn = std::atan2(at.y - middle.y, at.x - middle.x) / 6.283185307179586 + 0.5;
+    const double turn = std::atan2(at.y - middle.y, at.x - middle.x) / (2 * std::numbers::pi) + 0.5;
     const std::size_t sector = std::min(kSectors - 1, std::size_t(turn * kSectors));
     ++bins[bin_of(grid, cell)][sector], ++known[sector];
   }

@@ -12,9 +12,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Whether macOS added the entry to an archive: it describes another file.
-bool is_resource_fork(const std::string& name) { return name.starts_with("._") || name == "__MACOSX"; }
-
 template <class Keep>
 std::vector<std::string> list(const std::string& folder, const Keep& keep) {
   std::vector<std::string> names;
@@ -27,6 +24,8 @@ std::vector<std::string> list(const std::string& folder, const Keep& keep) {
 }
 
 }  // namespace
+
+bool is_resource_fork(std::string_view name) { return name.starts_with("._") || name == "__MACOSX"; }
 
 std::vector<std::string> list_images(const std::string& folder) {
   return list(folder, [](const fs::directory_entry& entry) {

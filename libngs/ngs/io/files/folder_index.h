@@ -10,8 +10,11 @@
 
 namespace ngs::io {
 
-/// Sorted names of the regular image files in `folder`, not recursive; empty if there is no such folder. The "._NAME"
-/// and __MACOSX of archives made on macOS are no files of the user.
+/// Whether macOS added the entry to an archive, "._NAME" or __MACOSX: it describes another file.
+bool is_resource_fork(std::string_view name);
+
+/// Sorted names of the regular image files in `folder`, not recursive, without resource forks; empty if there is no
+/// such folder.
 std::vector<std::string> list_images(const std::string& folder);
 /// Sorted names of the folders in `folder`.
 std::vector<std::string> list_folders(const std::string& folder);

@@ -6,6 +6,7 @@
 #include "ngs/io/ply/gaussian_columns.h"
 #include "ngs/io/ply/selected_columns.h"
 #include "ngs/math/stable.h"
+#include "ngs/scene/supersplat_state.h"
 
 namespace ngs::io {
 namespace {
@@ -77,8 +78,7 @@ std::string vertical_axis_in(std::string_view comment) {
 }
 
 std::string deleted_note(const std::vector<std::uint8_t>& state) {
-  constexpr std::uint8_t kDeleted = 4;
-  const auto deleted = std::ranges::count_if(state, [](std::uint8_t s) { return (s & kDeleted) != 0; });
+  const auto deleted = std::ranges::count_if(state, [](std::uint8_t s) { return (s & kDeletedState) != 0; });
   if (deleted == 0) return {};
   return std::to_string(deleted) +
          " Gaussians are marked as deleted (state 4 of SuperSplat) and still used: export the "

@@ -60,7 +60,7 @@ std::vector<Candidate> candidates_in(const fs::path& folder) {
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
     const std::string name = lower_case(entry.path().filename().string());
     const bool is_model = name.ends_with(".ply") || name.ends_with(".ply.gz") || is_model_name(name);
-    if (is_model && !name.starts_with("._") && is_regular_file(entry.path().generic_string()))
+    if (is_model && !is_resource_fork(name) && is_regular_file(entry.path().generic_string()))
       paths.push_back(entry.path().generic_string());
   }
   std::ranges::sort(paths);
