@@ -12,6 +12,7 @@
 #include "ngs/problem/view_list.h"
 #include "ngs/scene/geometry/frame.h"
 #include "ngs/scene/view_names.h"
+#include "shared/scene/scene_model.h"
 
 namespace ngs::group {
 namespace {
@@ -80,7 +81,23 @@ Json objects_json(const Grouped& grouped) {
   return {{"ngs_objects", 1}, {"up", {up.x, up.y, up.z}}, {"objects", sure}, {"doubtful", doubtful}};
 }
 
+std::string mask_file(const std::string& folder, const std::string& name) {
+  return (std::filesystem::path(folder) / "masks" / (name + ".png")).generic_string();
+}
+
 }  // namespace
+
+void refuse_over_inputs(const Scene& scene, const std::string& folder) {
+  std::vector<std::string> written;
+  for (const std::string& name : output_names(scene.views)) written.push_back(mask_file(folder, name));
+  cli::refuse_over_photos(scene, written);
+  for (const SceneView& view : scene.views)
+    for (const std::string& file : written)
+      if (std::error_code ignored;
+          !view.mask_path.empty() && std::filesystem::equivalent(view.mask_path, file, ignored))
+        throw Error(ErrorCode::kUsage, file + ": is a mask of the scene, which this run would replace",
+                    "choose another folder for the output");
+}
 
 std::string object_name(std::size_t index) {
   const std::string digits = std::to_string(index + 1);
@@ -100,7 +117,7 @@ bool write_groups(cli::Run& run, const Grouped& grouped, const std::string& fold
     const NumberedMasks masks = read_masks(grouped.scene, v);
     if (masks.number.empty()) return;
     std::string& path = scene.views[v].mask_path;
-    path = (std::filesystem::path(folder) / "masks" / (names[v] + ".png")).generic_string();
+    path = mask_file(folder, names[v]);
     std::filesystem::create_directories(std::filesystem::path(path).parent_path());
     io::write_png16(path, maps.corrected(run.exec(), scene.views[v].camera, grouped.of_view[n], masks));
   });

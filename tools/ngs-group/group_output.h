@@ -22,6 +22,9 @@ struct Grouped {
 /// "001" for the largest object.
 std::string object_name(std::size_t index);
 
+/// Throws kUsage if the masks or the scene in `folder` would replace an input.
+void refuse_over_inputs(const Scene& scene, const std::string& folder);
+
 /// Writes FOLDER/masks/STEM.png, FOLDER/scene.json and FOLDER/objects.json. `truth`: the folder of true masks that the
 /// scene names. Returns false after a stop request.
 bool write_groups(cli::Run& run, const Grouped& grouped, const std::string& folder, const std::string& truth);

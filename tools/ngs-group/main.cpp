@@ -50,6 +50,7 @@ int group_scene(cli::Run& run, const Options& options, const std::string& scene_
                 const cli::Output& out) {
   const Scene scene = group::with_masks_of(run, cli::read_scene(run, scene_path), scene_path, masks);
   cli::require_model(run, scene, scene_path);
+  group::refuse_over_inputs(scene, out.path);
   const io::GaussianPly ply = io::read_gaussian_ply(scene.model_path, {io::HigherBands::kCheckOnly});
   const std::vector<std::size_t> views = training_views(scene);
   run.result()["views"] = views.size();

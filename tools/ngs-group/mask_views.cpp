@@ -15,7 +15,7 @@ Scene with_masks_of(cli::Run& run, Scene scene, const std::string& scene_path, c
     for (SceneView& view : scene.views) view.mask_path.clear();
     if (!io::match_masks(folder, {}, scene.views).objects.empty())
       throw Error(ErrorCode::kInconsistent, folder + ": one folder per object, expected one label map per view",
-                  "masks whose objects are known need no groups: ngs-scene import --masks " + folder);
+                  "the objects of these masks are known: import them with the capture, without this tool");
     scene.mask_mode = MaskMode::kLabel;
   }
   if (scene.mask_mode != MaskMode::kLabel)

@@ -30,7 +30,7 @@ struct GroupedObjects {
 
 struct ObjectOptions {
   int min_views = 3;
-  int min_gaussians = 10;
+  int min_gaussians = 5;
   double min_confidence = 0.3;
 
   template <class Self, class Visitor>

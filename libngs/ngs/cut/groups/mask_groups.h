@@ -19,8 +19,8 @@ namespace ngs {
 struct GroupOptions {
   double visible = 0.3;
   double contained = 0.8;
-  double consensus = 0.9;
-  double split = 0.3;
+  double consensus = 0.7;
+  double split = 0.5;
   int min_observers = 2;
 
   template <class Self, class Visitor>
