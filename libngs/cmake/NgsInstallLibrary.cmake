@@ -1,6 +1,6 @@
 # What other projects need: the library with headers, CMake and pkg-config files. Layers in the order of linking.
 set(NGS_PLUGINS ${CMAKE_INSTALL_LIBDIR}/ngs)
-set(layers interactive eval edit methods passes cut field make capture evidence orbit render problem io ops options backend scene core os)
+set(layers interactive mesh eval edit methods passes cut field make capture evidence orbit render problem io ops options backend scene core os)
 list(TRANSFORM layers PREPEND ngs_ OUTPUT_VARIABLE layer_targets)
 install(TARGETS ngs ${layer_targets} ngs_flags ngs_eigen ngs_opencv ngs_flann ngs_compression EXPORT ngsTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})

@@ -36,6 +36,7 @@ const std::map<std::string, std::set<std::string>> kLinks = {
     {"methods", {"cut"}},
     {"edit", {"make", "orbit"}},
     {"eval", {"edit"}},
+    {"mesh", {"edit"}},
     {"interactive", {"edit"}},
     {"io", {"os", "scene", "options"}},
 };
