@@ -63,8 +63,13 @@ bool CutChain::cut_all() {
   if (!stage("ngs-joint", joint)) return false;
   std::error_code absent;
   if (!run_.dry_run()) fs::remove_all(at("objects"), absent);  // of an earlier run
-  Words extract{"ngs-extract", at("labelled.ply"), "--scene",          at("scene.json"),
-                "--objects",   at("objects"),      "--background-ply", at("background.ply")};
+  Words extract{"ngs-extract",    at("labelled.ply"), "--scene",
+                at("scene.json"), "--background-ply", at("background.ply")};
+  const bool is_one = !run_.dry_run() && io::read_scene_json(at("scene.json")).objects.size() == 1;
+  if (is_one)  // ngs-extract writes folders of several objects only
+    extract.insert(extract.end(), {"--object-ply", at("objects/001.ply")});
+  else
+    extract.insert(extract.end(), {"--objects", at("objects")});
   if (!options_.finish) extract.emplace_back("--no-finish");
   if (!stage("ngs-extract", extract)) return false;
   if (!stage("ngs-render", {"ngs-render", at("scene.json"), at("labelled.ply"), "--layers", "labels", "--format", "png",
