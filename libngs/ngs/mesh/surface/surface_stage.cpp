@@ -18,7 +18,7 @@ using Vec = Vec3<double>;
 constexpr int kDirections = 64;
 constexpr int kViewsPerCell = 2;                // pixels along a view's side for a cell along the object's
 constexpr double kBandCells = 3;                // half-width of the band about the surface
-constexpr double kAll = 0.999, kMargin = 1.05;  // of the opacity, and of the distance up to which it lies
+constexpr double kAll = 0.999, kBeyond = 1.05;  // of the opacity, and of the distance up to which it lies
 constexpr int kLeastGaussians = 10;
 
 orbit::Ball ball_of(Monitor& monitor, const GaussianCloud& cloud) {
@@ -40,7 +40,7 @@ orbit::Ball ball_of(Monitor& monitor, const GaussianCloud& cloud) {
   std::vector<double> distance;
   for (const Vec position : points.position) distance.push_back(length(position - bulk.centre));
   const double all = orbit::weighted_quantile(distance, points.opacity, kAll);
-  return {bulk.centre, std::max(bulk.radius, kMargin * all)};
+  return {bulk.centre, std::max(bulk.radius, kBeyond * all)};
 }
 
 struct Bounds {
