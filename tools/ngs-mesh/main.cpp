@@ -1,9 +1,11 @@
 // ngs-mesh: a closed triangle mesh of an object that was cut out of a splat.
+#include "ngs/core/formatted.h"
 #include "ngs/io/mesh/mesh_file.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/mesh/measures.h"
 #include "ngs/mesh/surface/surface_stage.h"
 #include "ngs/orbit/orbit_stage.h"
+#include "ngs/scene/precision/local_origin.h"
 #include "shared/tool.h"
 
 namespace {
@@ -39,6 +41,15 @@ void report(cli::Run& run, const mesh::ObjectMesh& object) {
   result["cell"] = object.cell;
 }
 
+/// Adds the model's origin, unless float would round the positions.
+void place_in_world(cli::Run& run, const GaussianCloud& cloud, TriangleMesh& mesh) {
+  const auto& [x, y, z] = cloud.origin;
+  if (needs_local_origin(cloud))
+    return run.info("the mesh is relative to " + formatted("%.10g", x) + "," + formatted("%.10g", y) + "," +
+                    formatted("%.10g", z) + ": float would round its world coordinates");
+  for (Vec3<float>& v : mesh.vertices) v = {float(v.x + x), float(v.y + y), float(v.z + z)};
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -65,8 +76,9 @@ int main(int argc, char** argv) {
       run.plan({{"gaussians", ply.cloud.size()}, {"resolution", options.resolution}});
       return cli::kDone;
     }
-    const mesh::ObjectMesh object = mesh::mesh_of(run.exec(), run.monitor(), ply.cloud, options);
+    mesh::ObjectMesh object = mesh::mesh_of(run.exec(), run.monitor(), ply.cloud, options);
     report(run, object);
+    place_in_world(run, ply.cloud, object.mesh);
     const auto timed = run.monitor().scope("write");
     io::write_mesh(out.path, object.mesh, {orbit::axis_of(up_or(placement.up, ply.vertical_axis)), placement.unit});
     return cli::kDone;

@@ -19,7 +19,8 @@ MeshFormat format_of(const std::string& path) {
   if (name.ends_with(".obj")) return MeshFormat::kObj;
   if (name.ends_with(".ply")) return MeshFormat::kPly;
   if (name.ends_with(".stl")) return MeshFormat::kStl;
-  return MeshFormat::kNone;
+  const bool has_extension = name.find('.', name.find_last_of('/') + 1) != std::string::npos;
+  return has_extension ? MeshFormat::kNone : MeshFormat::kGlb;
 }
 
 std::string encoded(const TriangleMesh& mesh, const MeshPlacement& placement, MeshFormat format) {

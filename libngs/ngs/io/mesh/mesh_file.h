@@ -21,7 +21,8 @@ struct MeshPlacement {
   double unit = 1;            // metres of a unit of the splat's world, > 0
 };
 
-/// Throws kUsage if the extension of `path` is none of kMeshFormats. Call it before the work.
+/// Throws kUsage if the extension of `path` is none of kMeshFormats; a name without one is a .glb. Call it before the
+/// work.
 void require_mesh_output(const std::string& path);
 
 /// Writes the mesh in the format of its extension. All formats but .ply are turned until the model's `up` is their own

@@ -16,9 +16,23 @@ using Vec = Vec3<double>;
 constexpr double kFov_deg = 30;
 constexpr double kWall = 0.04;        // radii of the ball: a thinner wall is a shell
 constexpr double kOneSided = 2;       // a shell is seen this much more from outside than from within
+constexpr double kLeastSlope = 0.2;   // cosine: limits the shift along a ray
 constexpr float kOpaque = 0.5f;       // least alpha of a pixel that shows the surface
 constexpr double kLeastScale = 0.05;  // of a Gaussian's largest standard deviation: limits the tilt of its plane
-constexpr int kPlane = 5;             // label channels: Σ w n, Σ w n·m, Σ w of Gaussians seen from within
+constexpr double kFront = 1.5;        // standard deviations of the layers in front of their mean: where the surface is
+// Label channels, sums with the weights of the pixel.
+constexpr int kNormal = 0;   // n, 3
+constexpr int kOffset = 3;   // n · (m - eye)
+constexpr int kWithin = 4;   // 1: seen from within
+constexpr int kBehind = 5;   // distance of m behind the surface of the first pass
+constexpr int kSquared = 6;  // its square, and the variance along n
+constexpr int kChannels = 7;
+
+/// What the first pass, at half the size, tells the second one.
+struct FirstPass {
+  std::vector<SurfaceView> views;
+  std::vector<Vec> outward;  // [N], see outward_directions()
+};
 
 /// The ray of a pixel, camera z 1, world axes.
 Vec ray_of(const Camera& camera, double x_px, double y_px) {
@@ -31,30 +45,58 @@ Vec centre_of(const GaussianCloud& cloud, std::size_t i) {
   return {double(p[0]), double(p[1]), double(p[2])};
 }
 
-/// [N, 5] The plane of every Gaussian as seen from `eye`: n, n · (m - eye), and 1 if it is seen from within.
-std::vector<float> planes_from(const GaussianCloud& cloud, const std::vector<Vec>& outward, Vec eye) {
-  std::vector<float> planes(std::size_t(cloud.size()) * kPlane);
+/// The distance of a point behind the surface of a view, world, at most `most` either way; 0: no surface there.
+double behind_surface(const SurfaceView& view, Vec point, double most) {
+  const std::optional<Vec> at = view.camera.project(point);
+  if (!at) return 0;
+  const std::size_t pixel = view.depth.index(int(at->x), int(at->y));
+  if (!(view.depth.data[pixel] > 0)) return 0;
+  const auto& n = view.normal[pixel];
+  const Vec normal = transpose(view.camera.rotation) * Vec{n[0] / 127.0, n[1] / 127.0, n[2] / 127.0};
+  return std::clamp(dot(normal, view.point(pixel) - point), -most, most);
+}
+
+/// The plane of a Gaussian as seen along `offset`, from the eye to its centre.
+struct TangentPlane {
+  Vec normal;
+  double deviation;  // of the Gaussian along it, between tangent planes
+};
+TangentPlane tangent_plane(const GaussianCloud& cloud, std::size_t i, Vec offset) {
+  const Mat3<double> axes = axes_of_quaternion(&cloud.rotation[4 * i]);
+  const float* log_scale = &cloud.log_scale[3 * i];
+  const double largest = std::exp(double(*std::max_element(log_scale, log_scale + 3)));
+  const Vec along = transpose(axes) * unit(offset);
+  const auto variance = [&](float log_scale_k) {
+    const double deviation = std::max(std::exp(double(log_scale_k)), kLeastScale * largest);
+    return deviation * deviation;
+  };
+  const Vec over{1 / variance(log_scale[0]), 1 / variance(log_scale[1]), 1 / variance(log_scale[2])};
+  const Vec normal = unit(Vec{-along.x * over.x, -along.y * over.y, -along.z * over.z});
+  const double curvature = dot(normal, Vec{normal.x * over.x, normal.y * over.y, normal.z * over.z});
+  return {axes * normal, 1 / std::sqrt(curvature)};
+}
+
+/// [N, kChannels] The label channels of every Gaussian as seen from a camera.
+std::vector<float> channels_of(const GaussianCloud& cloud, const Camera& camera, const FirstPass& first, std::size_t v,
+                               double wall) {
+  const Vec eye = camera.centre();
+  std::vector<float> channels(std::size_t(cloud.size()) * kChannels);
   for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
     if (!cloud.usable[i]) continue;
-    const Mat3<double> axes = axes_of_quaternion(&cloud.rotation[4 * i]);
-    const Vec offset = centre_of(cloud, i) - eye;
-    const float* log_scale = &cloud.log_scale[3 * i];
-    const double largest = double(*std::max_element(log_scale, log_scale + 3));
-    const Vec along = transpose(axes) * unit(offset);
-    const auto over_variance = [&](double v, float log_scale_k) {
-      const double ratio = std::max(std::exp(double(log_scale_k) - largest), kLeastScale);
-      return -v / (ratio * ratio);
-    };
-    const Vec normal = unit(axes * Vec{over_variance(along.x, log_scale[0]), over_variance(along.y, log_scale[1]),
-                                       over_variance(along.z, log_scale[2])});
-    float* plane = &planes[i * kPlane];
-    plane[0] = float(normal.x);
-    plane[1] = float(normal.y);
-    plane[2] = float(normal.z);
-    plane[3] = float(dot(normal, offset));
-    plane[4] = !outward.empty() && dot(outward[i], offset) > 0 ? 1.f : 0.f;
+    const Vec centre = centre_of(cloud, i), offset = centre - eye;
+    const TangentPlane plane = tangent_plane(cloud, i, offset);
+    float* row = &channels[i * kChannels];
+    row[kNormal] = float(plane.normal.x);
+    row[kNormal + 1] = float(plane.normal.y);
+    row[kNormal + 2] = float(plane.normal.z);
+    row[kOffset] = float(dot(plane.normal, offset));
+    if (first.views.empty()) continue;
+    const double behind = behind_surface(first.views[v], centre, wall);
+    row[kWithin] = dot(first.outward[i], offset) > 0 ? 1.f : 0.f;
+    row[kBehind] = float(behind);
+    row[kSquared] = float(behind * behind + plane.deviation * plane.deviation);
   }
-  return planes;
+  return channels;
 }
 
 std::uint8_t byte_of(float value) { return std::uint8_t(std::clamp(value * 255.f + 0.5f, 0.f, 255.f)); }
@@ -63,13 +105,15 @@ void store_pixel(const RenderedView& rendered, std::size_t pixel, Vec ray, Surfa
   const float alpha = rendered.alpha.data[pixel];
   view.alpha.data[pixel] = byte_of(alpha);
   if (!(alpha >= kOpaque)) return;
-  const float* plane = &rendered.label.data[pixel * kPlane];
-  const Vec sum{plane[0], plane[1], plane[2]};
+  const float* row = &rendered.label.data[pixel * kChannels];
+  const Vec sum{double(row[kNormal]), double(row[kNormal + 1]), double(row[kNormal + 2])};
   const Vec normal = view.camera.rotation * unit(sum);
   const double slope = dot(sum, ray);
-  const double depth = double(plane[3]) / slope;
+  const double mean = double(row[kBehind] / alpha);
+  const double deviation = std::sqrt(std::max(double(row[kSquared] / alpha) - mean * mean, 0.0));
+  const double depth = double(row[kOffset]) / slope - kFront * deviation / std::max(-dot(unit(sum), ray), kLeastSlope);
   if (!(slope < 0 && depth > 0 && std::isfinite(depth))) return;
-  if (plane[4] > 0.5f * alpha) {
+  if (row[kWithin] > 0.5f * alpha) {
     view.depth.data[pixel] = kSeenFromWithin;
     return;
   }
@@ -92,14 +136,13 @@ class Renderer {
     splat_ = prepared_for(exec, splat, cloud);
   }
 
-  /// `outward` [N], see outward_directions(); empty: no Gaussian is seen from within.
-  std::vector<SurfaceView> views(int side_px, const std::vector<Vec>& outward) const {
+  std::vector<SurfaceView> views(int side_px, const FirstPass& first) const {
     std::vector<SurfaceView> views(rig_.directions.size());
     for_each_task(exec_, std::ssize(views), [&](std::int64_t v) {
       const orbit::Pose pose{distance() * rig_.directions[std::size_t(v)], {0, 0, 0}};
       const Camera camera =
           orbit::camera_at(pose, {side_px, side_px, kFov_deg}, {.centre = rig_.ball.centre}, cloud_.origin);
-      views[std::size_t(v)] = view(camera, outward);
+      views[std::size_t(v)] = view(camera, first, std::size_t(v));
     });
     return views;
   }
@@ -107,12 +150,12 @@ class Renderer {
  private:
   double distance() const { return rig_.ball.radius / orbit::Intrinsics{1, 1, kFov_deg}.least_half_sine(); }
 
-  SurfaceView view(const Camera& camera, const std::vector<Vec>& outward) const {
+  SurfaceView view(const Camera& camera, const FirstPass& first, std::size_t v) const {
     SurfaceView view;
     view.camera = relative_to(camera, cloud_.origin);
-    const std::vector<float> planes = planes_from(cloud_, outward, view.camera.centre());
+    const std::vector<float> channels = channels_of(cloud_, view.camera, first, v, kWall * rig_.ball.radius);
     RenderRequest request;
-    request.label = {planes.data(), cloud_.size(), kPlane};
+    request.label = {channels.data(), cloud_.size(), kChannels};
     const RenderedView rendered = render(exec_.one_thread(), cloud_, camera, splat_, request);
     view.alpha = ImageU8(camera.width_px, camera.height_px, 1);
     view.depth = ImageF(camera.width_px, camera.height_px, 1);
@@ -169,8 +212,9 @@ Vec SurfaceView::point(std::size_t pixel) const {
 
 std::vector<SurfaceView> render_surface_views(const Exec& exec, const GaussianCloud& cloud, const SurfaceRig& rig) {
   const Renderer renderer(exec, cloud, rig);
-  const std::vector<SurfaceView> coarse = renderer.views((rig.side_px + 1) / 2, {});
-  return renderer.views(rig.side_px, outward_directions(exec, cloud, coarse, kWall * rig.ball.radius));
+  FirstPass first{renderer.views((rig.side_px + 1) / 2, {}), {}};
+  first.outward = outward_directions(exec, cloud, first.views, kWall * rig.ball.radius);
+  return renderer.views(rig.side_px, first);
 }
 
 }  // namespace ngs::mesh
