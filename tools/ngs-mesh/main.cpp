@@ -1,6 +1,6 @@
 // ngs-mesh: a closed triangle mesh of an object that was cut out of a splat.
+#include "export.h"
 #include "ngs/core/formatted.h"
-#include "ngs/io/mesh/mesh_file.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/mesh/measures.h"
 #include "ngs/mesh/surface/surface_stage.h"
@@ -11,19 +11,6 @@
 namespace {
 
 using namespace ngs;
-
-struct ExportOptions {
-  UpAxis up = UpAxis::kAuto;
-  double unit = 1;
-
-  template <class Self, class Visitor>
-  static void describe(Self& self, Visitor&& visit) {
-    visit(self.up,
-          Choice<UpAxis>{"up", "Axis of the model that points upwards; auto: the one that its file names, else -y",
-                         kUpNames});
-    visit(self.unit, Field<double>{"unit", "m", "Length of a unit of the model, for all formats but .ply", 1e-9, 1e9});
-  }
-};
 
 void report(cli::Run& run, const mesh::ObjectMesh& object) {
   const mesh::MeshMeasures measures = mesh::measures_of(object.mesh);
@@ -55,17 +42,18 @@ void place_in_world(cli::Run& run, const GaussianCloud& cloud, TriangleMesh& mes
 int main(int argc, char** argv) {
   cli::Tool tool(
       "ngs-mesh", "Make a closed triangle mesh of an object that was cut out of a splat.",
-      {"ngs-mesh object.ply -o object.glb", "ngs-mesh object.ply -o object.stl --faces 20000 --up z --unit 0.1"});
+      {"ngs-mesh object.ply -o object.glb", "ngs-mesh object.ply -o object.stl --faces 20000 --up z --unit 0.1",
+       "ngs-mesh object.ply -o object.usda --collider convex:16 --density 700"});
   mesh::MeshOptions options;
-  ExportOptions placement;
+  cli::ExportOptions placement;
   tool.options(options);
   tool.options(placement);
   const cli::Input& model =
       tool.input("model", "3DGS model of one object (.ply, .spz, .sog, .splat, .ksplat, .glb), such as object.ply");
-  const cli::Output& out = tool.output("-o,--output", "the mesh: .glb, .obj, .ply or .stl");
+  const cli::Output& out = tool.output("-o,--output", "the mesh: .glb, .usda, .obj, .ply or .stl");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
-    if (out) io::require_mesh_output(out.path);
+    if (out) cli::check_export(out.path, placement);
     const io::GaussianPly ply = [&] {
       const auto timed = run.monitor().scope("read");
       return io::read_gaussian_ply(model.path);
@@ -79,8 +67,8 @@ int main(int argc, char** argv) {
     mesh::ObjectMesh object = mesh::mesh_of(run.exec(), run.monitor(), ply.cloud, options);
     report(run, object);
     place_in_world(run, ply.cloud, object.mesh);
-    const auto timed = run.monitor().scope("write");
-    io::write_mesh(out.path, object.mesh, {orbit::axis_of(up_or(placement.up, ply.vertical_axis)), placement.unit});
+    cli::write_export(run, out.path, ply.cloud, std::move(object.mesh), placement,
+                      {orbit::axis_of(up_or(placement.up, ply.vertical_axis)), placement.unit});
     return cli::kDone;
   });
 }

@@ -2,14 +2,18 @@
 // The bytes of a mesh in each format, as they are: mesh_file.h places it. Colours are optional.
 #include <string>
 
-#include "ngs/scene/triangle_mesh.h"
+#include "ngs/io/mesh/rigid_body.h"
 
 namespace ngs::io {
 
 std::string encode_mesh_glb(const TriangleMesh& mesh);
+std::string encode_rigid_glb(const RigidBody& body, ColliderNames names);
 std::string encode_mesh_obj(const TriangleMesh& mesh);
 std::string encode_mesh_ply(const TriangleMesh& mesh);
 std::string encode_mesh_stl(const TriangleMesh& mesh);
+
+/// "00", "01", ..., "99", "100".
+std::string number_of_part(std::size_t k);
 
 /// Appends a value's bytes, little-endian as all processors that ngs supports.
 template <class T>

@@ -1,7 +1,9 @@
 #include "ngs/io/mesh/mesh_file.h"
 
 #include <algorithm>
+#include <optional>
 
+#include "ngs/core/check.h"
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/formats/axes.h"
@@ -10,17 +12,16 @@
 namespace ngs::io {
 namespace {
 
-enum class MeshFormat : std::uint8_t { kNone, kGlb, kObj, kPly, kStl };
-
-MeshFormat format_of(const std::string& path) {
+std::optional<MeshFormat> format_of(const std::string& path) {
   std::string name = path;
   std::ranges::transform(name, name.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
   if (name.ends_with(".glb")) return MeshFormat::kGlb;
+  if (name.ends_with(".usda")) return MeshFormat::kUsda;
   if (name.ends_with(".obj")) return MeshFormat::kObj;
   if (name.ends_with(".ply")) return MeshFormat::kPly;
   if (name.ends_with(".stl")) return MeshFormat::kStl;
   const bool has_extension = name.find('.', name.find_last_of('/') + 1) != std::string::npos;
-  return has_extension ? MeshFormat::kNone : MeshFormat::kGlb;
+  return has_extension ? std::nullopt : std::optional(MeshFormat::kGlb);
 }
 
 std::string encoded(const TriangleMesh& mesh, const MeshPlacement& placement, MeshFormat format) {
@@ -28,17 +29,18 @@ std::string encoded(const TriangleMesh& mesh, const MeshPlacement& placement, Me
     case MeshFormat::kGlb: return encode_mesh_glb(placed(mesh, placement, 1));
     case MeshFormat::kObj: return encode_mesh_obj(placed(mesh, placement, 1));
     case MeshFormat::kStl: return encode_mesh_stl(placed(mesh, placement, 2));
-    case MeshFormat::kPly:
-    case MeshFormat::kNone: break;
+    case MeshFormat::kPly: return encode_mesh_ply(mesh);
+    case MeshFormat::kUsda: break;
   }
-  return encode_mesh_ply(mesh);
+  NGS_CHECK(false, "rigid_body.h writes .usda");
+  return {};
 }
 
 }  // namespace
 
-void require_mesh_output(const std::string& path) {
-  if (format_of(path) == MeshFormat::kNone)
-    throw Error(ErrorCode::kUsage, path + ": no format of meshes, expected " + kMeshFormats, "name it object.glb");
+MeshFormat mesh_format(const std::string& path) {
+  if (const auto format = format_of(path)) return *format;
+  throw Error(ErrorCode::kUsage, path + ": no format of meshes, expected " + kMeshFormats, "name it object.glb");
 }
 
 TriangleMesh placed(TriangleMesh mesh, const MeshPlacement& placement, int up_axis) {
@@ -55,8 +57,8 @@ TriangleMesh placed(TriangleMesh mesh, const MeshPlacement& placement, int up_ax
 }
 
 void write_mesh(const std::string& path, const TriangleMesh& mesh, const MeshPlacement& placement) {
-  require_mesh_output(path);
-  write_file(path, with_context(path, [&] { return encoded(mesh, placement, format_of(path)); }));
+  const MeshFormat format = mesh_format(path);
+  write_file(path, with_context(path, [&] { return encoded(mesh, placement, format); }));
 }
 
 }  // namespace ngs::io

@@ -14,19 +14,19 @@
 
 namespace ngs::io {
 
-inline constexpr const char* kMeshFormats = ".glb, .obj, .ply or .stl";
+inline constexpr const char* kMeshFormats = ".glb, .usda, .obj, .ply or .stl";
 
 struct MeshPlacement {
   Vec3<double> up{0, -1, 0};  // of the splat's world, unit length
   double unit = 1;            // metres of a unit of the splat's world, > 0
 };
 
-/// Throws kUsage if the extension of `path` is none of kMeshFormats; a name without one is a .glb. Call it before the
-/// work.
-void require_mesh_output(const std::string& path);
+enum class MeshFormat : std::uint8_t { kGlb, kUsda, kObj, kPly, kStl };
+/// By the extension; a name without one is a .glb. Throws kUsage if it is none of kMeshFormats.
+MeshFormat mesh_format(const std::string& path);
 
-/// Writes the mesh in the format of its extension. All formats but .ply are turned until the model's `up` is their own
-/// and scaled by `unit`. kUsage for a mesh that the format cannot hold, and as above.
+/// Writes the mesh in the format of its extension, but not .usda (rigid_body.h). All formats but .ply are turned until
+/// the model's `up` is their own and scaled by `unit`. kUsage for a mesh that the format cannot hold, and as above.
 void write_mesh(const std::string& path, const TriangleMesh& mesh, const MeshPlacement& placement);
 
 /// The mesh in a frame whose `up_axis` (0 x, 1 y, 2 z) is up.

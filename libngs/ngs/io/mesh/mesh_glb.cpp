@@ -68,7 +68,48 @@ ordered_json attributes_of(const TriangleMesh& mesh, Buffer& buffer) {
   return attributes;
 }
 
-ordered_json description_of(const TriangleMesh& mesh, Buffer& buffer) {
+std::size_t add_indices(const TriangleMesh& mesh, Buffer& buffer) {
+  const std::size_t begin = buffer.bytes.size();
+  for (const auto& face : mesh.faces) append_bytes(face, buffer.bytes);
+  return buffer.add(begin, 3 * mesh.faces.size(), kUnsignedInt, "SCALAR", kIndexBuffer);
+}
+
+/// Adds the colliders as children of the first node; `names` says how.
+void add_colliders(const RigidBody& body, ColliderNames names, Buffer& buffer, ordered_json& gltf) {
+  constexpr const char* kPhysics = "KHR_physics_rigid_bodies";
+  if (names == ColliderNames::kKhr) {
+    gltf["extensionsUsed"].push_back(kPhysics);
+    gltf["nodes"][0]["extensions"][kPhysics]["motion"]["mass"] = body.mass;
+  }
+  for (std::size_t k = 0; k < body.colliders.size(); ++k) {
+    const TriangleMesh& part = body.colliders[k];
+    ordered_json primitive;
+    const std::size_t begin = buffer.bytes.size();
+    for (const Vec3<float> v : part.vertices) append_bytes(v, buffer.bytes);
+    primitive["attributes"]["POSITION"] = buffer.add(begin, part.vertices.size(), kFloat, "VEC3", kArrayBuffer);
+    add_bounds(part, buffer.accessors.back());
+    primitive["indices"] = add_indices(part, buffer);
+    ordered_json node = {{"name", names == ColliderNames::kUnreal  ? "UCX_object_" + number_of_part(k)
+                                  : names == ColliderNames::kGodot ? "collider" + number_of_part(k) + "-convcolonly"
+                                                                   : "collider" + number_of_part(k)}};
+    gltf["nodes"][0]["children"].push_back(gltf["nodes"].size());
+    ordered_json mesh = {{"name", node["name"]}};
+    mesh["primitives"].push_back(primitive);
+    if (names == ColliderNames::kKhr) {  // the shape is a node outside the scene, so that it is not drawn
+      const std::size_t shape = gltf["nodes"].size() + 1;
+      node["extensions"][kPhysics]["collider"]["geometry"] = {{"node", shape}, {"convexHull", true}};
+      gltf["nodes"].push_back(node);
+      gltf["nodes"].push_back({{"mesh", gltf["meshes"].size()}, {"name", "shape" + number_of_part(k)}});
+    } else {
+      node["mesh"] = gltf["meshes"].size();
+      gltf["nodes"].push_back(node);
+    }
+    gltf["meshes"].push_back(mesh);
+  }
+}
+
+ordered_json description_of(const RigidBody& body, ColliderNames names, Buffer& buffer) {
+  const TriangleMesh& mesh = body.mesh;
   ordered_json gltf = {{"asset", {{"version", "2.0"}, {"generator", std::string("ngs ") + kVersion}}}, {"scene", 0}};
   if (mesh.faces.empty()) {
     gltf["scenes"] = ordered_json::array({ordered_json::object()});
@@ -77,9 +118,7 @@ ordered_json description_of(const TriangleMesh& mesh, Buffer& buffer) {
   gltf["extensionsUsed"] = ordered_json::array({"KHR_materials_unlit"});
   ordered_json primitive;
   primitive["attributes"] = attributes_of(mesh, buffer);
-  const std::size_t begin = buffer.bytes.size();
-  for (const auto& face : mesh.faces) append_bytes(face, buffer.bytes);
-  primitive["indices"] = buffer.add(begin, 3 * mesh.faces.size(), kUnsignedInt, "SCALAR", kIndexBuffer);
+  primitive["indices"] = add_indices(mesh, buffer);
   primitive["material"] = 0;
   ordered_json material = {{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 1}}}};
   material["extensions"]["KHR_materials_unlit"] = ordered_json::object();
@@ -88,8 +127,10 @@ ordered_json description_of(const TriangleMesh& mesh, Buffer& buffer) {
   object["primitives"].push_back(primitive);
   gltf["scenes"].push_back(scene);
   gltf["nodes"].push_back(ordered_json{{"mesh", 0}, {"name", "object"}});
+  object["name"] = "object";
   gltf["meshes"].push_back(object);
   gltf["materials"].push_back(material);
+  if (!body.colliders.empty()) add_colliders(body, names, buffer, gltf);
   gltf["accessors"] = buffer.accessors;
   gltf["bufferViews"] = buffer.views;
   gltf["buffers"].push_back(ordered_json{{"byteLength", buffer.bytes.size()}});
@@ -98,12 +139,15 @@ ordered_json description_of(const TriangleMesh& mesh, Buffer& buffer) {
 
 }  // namespace
 
-std::string encode_mesh_glb(const TriangleMesh& mesh) {
+std::string encode_mesh_glb(const TriangleMesh& mesh) { return encode_rigid_glb({mesh, {}, 0}, ColliderNames::kKhr); }
+
+std::string encode_rigid_glb(const RigidBody& body, ColliderNames names) {
+  const TriangleMesh& mesh = body.mesh;
   if (32 * mesh.vertices.size() + 12 * mesh.faces.size() > kMaxBytes)
     throw Error(ErrorCode::kUsage, std::to_string(mesh.faces.size()) + " faces, a .glb holds less than 4 GiB",
                 "simplify it with --faces 100000");
   Buffer buffer;
-  std::string text = description_of(mesh, buffer).dump();
+  std::string text = description_of(body, names, buffer).dump();
   text.resize((text.size() + 3) / 4 * 4, ' ');
   const bool is_empty = buffer.bytes.empty();
   const std::size_t total = 12 + 8 + text.size() + (is_empty ? 0 : 8 + buffer.bytes.size());
