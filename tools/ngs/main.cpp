@@ -31,6 +31,7 @@ constexpr Subcommand kSubcommands[] = {
     {"rbf", "boundary features interpolated at the query points"},
     {"joint", "labels and Gaussians optimised together"},
     {"extract", "labels, or the place of the object -> object.ply and background.ply"},
+    {"mesh", "object.ply -> a closed triangle mesh"},
     {"clean", "a splat -> the same without floaters and other debris"},
     {"render", "colour, masks, depth and labels at the scene's cameras"},
     {"eval", "scores of masks against the truth"},
