@@ -212,7 +212,10 @@ int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
   if (!inputs.strokes.empty() && !inputs.masks.empty())
     throw Error(ErrorCode::kUsage, "--strokes and --masks are both given, expected one of them");
   check_formats(options);
-  if (options.all) check_all(inputs);
+  if (options.all) {
+    check_all(inputs);
+    run.warn_unused({"--format", "--fill", "--all-pieces", "--force", "--view", "--gt"}, "with --all");
+  }
   if (options.method == CutMethod::kFlash && !options.all)
     check_flash(inputs.has_renders, !inputs.masks.empty() || !inputs.truth.empty());
   if (fs::is_regular_file(inputs.source)) run.add_input("source", inputs.source);
