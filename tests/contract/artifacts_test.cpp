@@ -115,6 +115,15 @@ TEST_CASE("scene.json and metrics.json of the chain satisfy their schemas, and b
   CHECK(test::schema_violations(schema("metrics.schema.json"), broken) != "");
 }
 
+TEST_CASE("objects.json of ngs-group satisfies its schema, and a broken one does not") {
+  const Json rules = schema("objects.schema.json");
+  Json objects = Json::parse(std::ifstream(test::fixture_folder() + "/grouped/objects.json"));
+  REQUIRE(objects.at("objects").size() == 1);
+  CHECK(test::schema_violations(rules, objects) == "");
+  objects["objects"][0].erase("id");
+  CHECK(test::schema_violations(rules, objects) != "");
+}
+
 TEST_CASE("scenes, depth and scores of both halves satisfy their schemas, and a damaged truth is an error") {
   const test::TempDir dir;
   const auto run = [&](const std::vector<std::string>& argv, int exit_code) {

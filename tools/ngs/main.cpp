@@ -25,11 +25,13 @@ struct Subcommand {
 constexpr Subcommand kSubcommands[] = {
     {"scene", "cameras, photos, masks, a splat -> checked scene.json; makes pictures of a bare splat"},
     {"mask", "strokes on some photos -> masks of all views"},
+    {"group", "masks of everything, whose ids differ between the views -> one id per object"},
     {"variance", "masks -> the Gaussians on the edge of the object"},
     {"sample", "query points on rays over the boundary"},
     {"rbf", "boundary features interpolated at the query points"},
     {"joint", "labels and Gaussians optimised together"},
     {"extract", "labels, or the place of the object -> object.ply and background.ply"},
+    {"mesh", "object.ply -> a closed triangle mesh"},
     {"clean", "a splat -> the same without floaters and other debris"},
     {"render", "colour, masks, depth and labels at the scene's cameras"},
     {"eval", "scores of masks against the truth"},

@@ -11,11 +11,6 @@ namespace {
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
-Vec3<double> corner(const TriangleMesh& mesh, std::uint32_t vertex) {
-  const Vec3<float> v = mesh.vertices[vertex];
-  return {v.x, v.y, v.z};
-}
-
 /// Every directed edge of every face, sorted.
 std::vector<Edge> directed_edges(const TriangleMesh& mesh) {
   std::vector<Edge> edges;
@@ -40,9 +35,9 @@ MeshMeasures measures_of(const TriangleMesh& mesh) {
                   "mesh: a face has vertex " + std::to_string(last) + ", expected less than " +
                       std::to_string(mesh.vertices.size()),
                   "write the mesh again");
-    const Vec3<double> a = corner(mesh, face[0]);
-    const Vec3<double> b = corner(mesh, face[1]);
-    const Vec3<double> c = corner(mesh, face[2]);
+    const Vec3<double> a = mesh.at(face[0]);
+    const Vec3<double> b = mesh.at(face[1]);
+    const Vec3<double> c = mesh.at(face[2]);
     measures.volume += dot(a, cross(b, c)) / 6;
     measures.area += length(cross(b - a, c - a)) / 2;
   }

@@ -1,11 +1,8 @@
 #include <algorithm>
-#include <charconv>
-#include <span>
-#include <string_view>
 
-#include "ngs/core/version.h"
 #include "ngs/io/formats/axes.h"
 #include "ngs/io/formats/splat_codecs.h"
+#include "ngs/io/formats/write_only/usda_text.h"
 #include "ngs/math/sh.h"
 #include "ngs/math/stable.h"
 
@@ -15,33 +12,12 @@ namespace {
 /// Standard deviations from a centre to the border of the extent: alpha is below 1/255 there at any opacity.
 constexpr float kExtentSigmas = 3.4f;
 
-class UsdaText {
- public:
-  void add(std::string_view text) { bytes_.insert(bytes_.end(), text.begin(), text.end()); }
-  void add(float x) {
-    char digits[24];
-    add({digits, std::to_chars(digits, digits + sizeof digits, x).ptr});
-  }
-  /// One number, or (x, y, ...).
-  void add(std::span<const float> values) {
-    if (values.size() == 1) return add(values[0]);
-    for (std::size_t k = 0; k < values.size(); ++k) add(k == 0 ? "(" : ", "), add(values[k]);
-    add(")");
-  }
-  std::vector<std::uint8_t> take() && { return std::move(bytes_); }
-
- private:
-  std::vector<std::uint8_t> bytes_;
-};
-
 class UsdaEncoder {
  public:
-  explicit UsdaEncoder(const SplatSelection& model) : model_(model) {}
+  UsdaEncoder(const SplatSelection& model, UsdaText& text) : model_(model), text_(text) {}
 
-  std::vector<std::uint8_t> encode() && {
-    text_.add("#usda 1.0\n(\n    defaultPrim = \"Splat\"\n    doc = \"ngs ");
-    text_.add(kVersion);
-    text_.add("\"\n    metersPerUnit = 1\n    upAxis = \"Y\"\n)\n\ndef ParticleField3DGaussianSplat \"Splat\"\n{\n");
+  void encode() {
+    text_.add("def ParticleField3DGaussianSplat \"Splat\"\n{\n");
     if (!model_.rows.empty()) add_extent();
     const int degree = model_.cloud.sh_degree;
     add_array("point3f[] positions", 3, 1, [](const SplatRow& row, float* to) { std::ranges::copy(row.position, to); });
@@ -59,7 +35,6 @@ class UsdaEncoder {
     });
     text_.add("    uniform token projectionModeHint = \"perspective\"\n");
     text_.add("    uniform token sortingModeHint = \"zDepth\"\n}\n");
-    return std::move(text_).take();
   }
 
  private:
@@ -98,11 +73,18 @@ class UsdaEncoder {
   }
 
   const SplatSelection& model_;
-  UsdaText text_;
+  UsdaText& text_;
 };
 
 }  // namespace
 
-std::vector<std::uint8_t> encode_usda(const SplatSelection& model) { return UsdaEncoder(model).encode(); }
+void add_usda_splat(const SplatSelection& model, UsdaText& text) { UsdaEncoder(model, text).encode(); }
+
+std::vector<std::uint8_t> encode_usda(const SplatSelection& model) {
+  UsdaText text;
+  text.add_header("Splat");
+  add_usda_splat(model, text);
+  return std::move(text).take();
+}
 
 }  // namespace ngs::io

@@ -1,0 +1,138 @@
+#include "ngs/mesh/surface/surface_stage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "ngs/backend/for_each.h"
+#include "ngs/core/error.h"
+#include "ngs/mesh/simplify.h"
+#include "ngs/mesh/surface/distance_field.h"
+#include "ngs/scene/geometry/stance.h"
+
+namespace ngs::mesh {
+namespace {
+
+using Vec = Vec3<double>;
+
+constexpr int kDirections = 64;
+constexpr int kViewsPerCell = 2;                // pixels along a view's side for a cell along the object's
+constexpr double kBandCells = 3;                // half-width of the band about the surface
+constexpr double kAll = 0.999, kBeyond = 1.05;  // of the opacity, and of the distance up to which it lies
+constexpr int kLeastGaussians = 10;
+
+orbit::Ball ball_of(Monitor& monitor, const GaussianCloud& cloud) {
+  const orbit::SurfacePoints points = orbit::surface_points(cloud);
+  if (points.count() < kLeastGaussians)
+    throw Error(ErrorCode::kNothingFound,
+                "the model: " + std::to_string(points.count()) + " of its " + std::to_string(cloud.size()) +
+                    " Gaussians are usable with an opacity above 1/255, expected at least " +
+                    std::to_string(kLeastGaussians),
+                "give the object.ply of ngs cut or ngs-extract");
+  const orbit::Ball bulk = orbit::bulk_of(points);
+  if (!orbit::is_alone(points, bulk.centre)) {
+    monitor.warn(
+        "the model reaches far beyond its middle, like a capture with its surroundings: the mesh shows only the "
+        "middle. "
+        "Cut an object out first: ngs cut");
+    return bulk;
+  }
+  std::vector<double> distance;
+  for (const Vec position : points.position) distance.push_back(length(position - bulk.centre));
+  const double all = orbit::weighted_quantile(distance, points.opacity, kAll);
+  return {bulk.centre, std::max(bulk.radius, kBeyond * all)};
+}
+
+struct Bounds {
+  Vec low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
+  void add(Vec p) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+};
+
+Bounds bounds_of(const std::vector<SurfaceView>& views) {
+  Bounds bounds;
+  for (const SurfaceView& view : views)
+    for (std::size_t p = 0; p < view.pixels(); ++p)
+      if (view.depth.data[p] > 0) bounds.add(view.point(p));
+  if (!(bounds.low.x <= bounds.high.x))
+    throw Error(ErrorCode::kNothingFound,
+                "the model: no view from around it has a pixel with an alpha of 1/2 or more, expected "
+                "an opaque surface",
+                "give an object.ply whose Gaussians are opaque");
+  return bounds;
+}
+
+SampleGrid grid_about(const Bounds& bounds, int resolution) {
+  const Vec size = bounds.high - bounds.low;
+  SampleGrid grid;
+  grid.cell = std::max({size.x, size.y, size.z}) / resolution;
+  const double margin = kBandCells + 2;
+  grid.low = bounds.low - margin * grid.cell * Vec{1, 1, 1};
+  const double sides[3] = {size.x, size.y, size.z};
+  for (std::size_t a = 0; a < 3; ++a)
+    grid.blocks[a] = int(std::ceil((sides[a] / grid.cell + 2 * margin) / kBlockCells));
+  return grid;
+}
+
+/// The blocks that contain surface points of the views.
+std::vector<std::uint32_t> blocks_of(const std::vector<SurfaceView>& views, const SampleGrid& grid) {
+  std::vector<std::uint8_t> touched(grid.block_count());
+  const double side = kBlockCells * grid.cell;
+  for (const SurfaceView& view : views)
+    for (std::size_t p = 0; p < view.pixels(); ++p) {
+      if (!(view.depth.data[p] > 0)) continue;
+      const Vec at = (1 / side) * (view.point(p) - grid.low);
+      touched[std::size_t(at.x) +
+              std::size_t(grid.blocks[0]) * (std::size_t(at.y) + std::size_t(grid.blocks[1]) * std::size_t(at.z))] = 1;
+    }
+  std::vector<std::uint32_t> blocks;
+  for (std::size_t b = 0; b < touched.size(); ++b)
+    if (touched[b]) blocks.push_back(std::uint32_t(b));
+  return blocks;
+}
+
+void paint(const Exec& exec, const DistanceField& field, TriangleMesh& mesh) {
+  const std::vector<Vec3<float>> normals = vertex_normals(mesh);
+  mesh.colours.resize(mesh.vertices.size());
+  for_each_index(exec, std::ssize(mesh.vertices), [&](std::int64_t v) {
+    const Vec3<float> n = normals[std::size_t(v)];
+    mesh.colours[std::size_t(v)] = field.colour(mesh.at(std::uint32_t(v)), {double(n.x), double(n.y), double(n.z)});
+  });
+}
+
+}  // namespace
+
+ObjectMesh mesh_of(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud, const MeshOptions& options) {
+  const std::vector<SurfaceView> views = [&] {
+    const auto timed = monitor.scope("render");
+    return render_surface_views(
+        exec, cloud,
+        {orbit::even_directions(kDirections), ball_of(monitor, cloud), kViewsPerCell * options.resolution});
+  }();
+  ObjectMesh out;
+  const SampleGrid grid = grid_about(bounds_of(views), options.resolution);
+  const DistanceField field(views, kBandCells * grid.cell);
+  out.cell = grid.cell;
+  {
+    const auto timed = monitor.scope("surface");
+    out.mesh = iso_surface(exec, grid, blocks_of(views, grid), [&](std::array<int, 3> low, std::vector<float>& values) {
+      field.sample(grid, low, values);
+    });
+  }
+  out.pieces = keep_pieces(options.least_piece, out.mesh);
+  if (out.mesh.faces.empty())
+    throw Error(ErrorCode::kNothingFound, "the model: its surface encloses no volume, expected a solid object",
+                "raise --resolution for thin parts");
+  out.extracted_faces = out.mesh.faces.size();
+  if (options.faces > 0) {
+    const auto timed = monitor.scope("simplify");
+    simplify(std::size_t(options.faces), out.mesh);
+  }
+  const auto timed = monitor.scope("colours");
+  paint(exec, field, out.mesh);
+  return out;
+}
+
+}  // namespace ngs::mesh

@@ -1,0 +1,40 @@
+#pragma once
+// The surface of an object that was cut out of a splat, as a closed triangle mesh.
+//
+// Renders the object from all around, fuses depths and silhouettes in a sparse signed distance field, and extracts its
+// surface: what no view reaches is filled, what views see free is outside.
+#include <cstdint>
+
+#include "ngs/backend/exec.h"
+#include "ngs/core/monitor.h"
+#include "ngs/mesh/surface/pieces.h"
+#include "ngs/options/field.h"
+#include "ngs/scene/gaussian_cloud.h"
+
+namespace ngs::mesh {
+
+struct MeshOptions {
+  int faces = 50000;
+  int resolution = 192;
+  double least_piece = 0.01;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.faces, Field<int>{"faces", "", "Most faces of the mesh; 0: all of the extracted surface", 0, 100000000});
+    visit(self.resolution, Field<int>{"resolution", "", "Cells along the longest side of the object", 16, 1024});
+    visit(self.least_piece, Field<double>{"least_piece", "of the area",
+                                          "Leave out separate pieces smaller than this, of the largest one", 0, 1});
+  }
+};
+
+struct ObjectMesh {
+  TriangleMesh mesh;  // watertight, coloured; in the world of the splat, relative to the model's origin
+  PieceCounts pieces;
+  std::size_t extracted_faces = 0;
+  double cell = 0;  // world
+};
+
+/// Throws kNothingFound without an opaque surface. The result does not depend on exec.threads.
+ObjectMesh mesh_of(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud, const MeshOptions& options);
+
+}  // namespace ngs::mesh

@@ -1,0 +1,155 @@
+#include "ngs/mesh/collider/collider.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "ngs/core/error.h"
+#include "ngs/mesh/measures.h"
+#include "support/recipe_mesh.h"
+
+namespace ngs::mesh {
+namespace {
+
+ErrorCode code_of(const TriangleMesh& mesh) {
+  try {
+    make_collider({}, mesh, {ColliderKind::kConvex, 4});
+  } catch (const Error& e) {
+    return e.code();
+  }
+  return ErrorCode{0};
+}
+
+/// A prism over an L of three unit squares, between z = 0 and 1.
+TriangleMesh l_prism() {
+  TriangleMesh mesh;
+  for (const float z : {0.f, 1.f})
+    for (const auto& [x, y] : std::vector<std::pair<float, float>>{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}})
+      mesh.vertices.push_back({x, y, z});
+  for (const auto& [a, b, c] : std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}}) {
+    mesh.faces.push_back({a, c, b});
+    mesh.faces.push_back({a + 6, b + 6, c + 6});
+  }
+  for (std::uint32_t k = 0; k < 6; ++k) {
+    const std::uint32_t next = (k + 1) % 6;
+    mesh.faces.push_back({k, next, next + 6});
+    mesh.faces.push_back({k, next + 6, k + 6});
+  }
+  return mesh;
+}
+
+double sum_of_volumes(const Collider& collider) {
+  double sum = 0;
+  for (const TriangleMesh& part : collider.parts) sum += measures_of(part).volume;
+  return sum;
+}
+
+TEST_CASE("an L becomes two boxes without volume outside or missing; its hull adds the triangle across the notch") {
+  const Collider two = make_collider({}, l_prism(), {ColliderKind::kConvex, 2});
+  REQUIRE(two.parts.size() == 2);
+  CHECK(sum_of_volumes(two) == doctest::Approx(3).epsilon(1e-5));
+  CHECK(two.outside_share < 1e-4);
+  CHECK(two.missing_share < 1e-4);
+  const Collider four = make_collider({}, l_prism(), {ColliderKind::kConvex, 4});
+  CHECK(four.parts.size() == 2);  // more parts are not needed
+  const Collider hull = make_collider({}, l_prism(), {ColliderKind::kHull, 1});
+  REQUIRE(hull.parts.size() == 1);
+  CHECK(hull.outside_share == doctest::Approx(0.5 / 3).epsilon(0.01));
+  CHECK(hull.outside_distance == doctest::Approx(0.5).epsilon(0.03));  // at the middle of the hull's edge
+  const Collider one = make_collider({}, l_prism(), {ColliderKind::kConvex, 1});
+  CHECK(sum_of_volumes(one) == doctest::Approx(3.5).epsilon(1e-5));
+}
+
+TEST_CASE("a turned box is its own box; the box of an L is the square around it") {
+  const Mat3<double> turn = synth::frame_with_z({0.3, 0.5, 0.8});
+  TriangleMesh cube;
+  for (int k = 0; k < 8; ++k) {
+    const Vec3<double> p = turn * Vec3<double>{k & 1 ? 3. : 0., k & 2 ? 2. : 0., k & 4 ? 1. : 0.};
+    cube.vertices.push_back({float(p.x), float(p.y), float(p.z)});
+  }
+  cube.faces = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  const Collider box = make_collider({}, cube, {ColliderKind::kBox, 1});
+  CHECK(sum_of_volumes(box) == doctest::Approx(6).epsilon(1e-4));
+  CHECK(measures_of(box.parts[0]).border_edges == 0);
+  const Collider square = make_collider({}, l_prism(), {ColliderKind::kBox, 1});
+  CHECK(sum_of_volumes(square) == doctest::Approx(4).epsilon(1e-4));
+  CHECK(square.outside_share == doctest::Approx(1.0 / 3).epsilon(0.01));
+  CHECK(square.missing_share < 1e-4);
+}
+
+TEST_CASE("a torus becomes closed convex parts of at most 64 corners, the same for 1 and 3 threads") {
+  const TriangleMesh torus = test::recipe_mesh("torus-box", "torus", 48);
+  Exec three;
+  three.threads = 3;
+  const Collider a = make_collider({}, torus, {ColliderKind::kConvex, 8});
+  const Collider b = make_collider(three, torus, {ColliderKind::kConvex, 8});
+  CHECK(a.parts.size() <= 8);
+  CHECK(a.outside_share < 0.15);
+  REQUIRE(a.parts.size() == b.parts.size());
+  for (std::size_t i = 0; i < a.parts.size(); ++i) {
+    CHECK(a.parts[i].vertices.size() <= kColliderCorners);
+    const MeshMeasures measures = measures_of(a.parts[i]);
+    CHECK(measures.border_edges == 0);
+    CHECK(measures.volume > 0);
+    REQUIRE(a.parts[i].faces == b.parts[i].faces);
+    for (std::size_t v = 0; v < a.parts[i].vertices.size(); ++v)
+      CHECK(length(test::to_double(a.parts[i].vertices[v] - b.parts[i].vertices[v])) == 0);
+  }
+}
+
+TEST_CASE("volumes outside and missing equal those of a brute force over points of the parts and the analytic solid") {
+  const synth::Object torus = test::recipe_object("torus-box", "torus");
+  const Collider collider = make_collider({}, test::recipe_mesh("torus-box", "torus", 96), {ColliderKind::kConvex, 6});
+  std::size_t outside = 0;
+  std::size_t missing = 0;
+  std::size_t inside = 0;
+  constexpr int kSide = 120;
+  for (int k = 0; k < kSide * kSide * kSide; ++k) {
+    const auto along = [](double low, double high, int i) { return low + (high - low) * (i + 0.5) / kSide; };
+    const Vec3<double> p{along(-0.35, 0.9, k % kSide), along(-0.35, 0.35, k / kSide % kSide),
+                         along(0, 1.3, k / kSide / kSide)};
+    const bool in_torus = test::distance(torus, p) < 0;
+    const bool in_part = std::ranges::any_of(collider.parts, [p](const TriangleMesh& part) {
+      return std::ranges::all_of(part.faces, [&](const auto& face) {
+        const auto corner = [&](std::size_t i) { return test::to_double(part.vertices[face[i]]); };
+        return dot(cross(corner(1) - corner(0), corner(2) - corner(0)), p - corner(0)) <= 0;
+      });
+    });
+    inside += in_torus;
+    outside += in_part && !in_torus;
+    missing += in_torus && !in_part;
+  }
+  REQUIRE(inside > 100000);
+  CHECK(collider.outside_share == doctest::Approx(double(outside) / double(inside)).epsilon(0.05));
+  CHECK(collider.missing_share == doctest::Approx(double(missing) / double(inside)).epsilon(0.1));
+  CHECK(collider.outside_share > 0.05);  // six parts of a ring
+}
+
+TEST_CASE("meshes that are empty, open, turned over, flat or not finite are refused") {
+  CHECK(code_of({}) == ErrorCode::kNothingFound);
+  TriangleMesh open = l_prism();
+  open.faces.pop_back();
+  CHECK(code_of(open) == ErrorCode::kInconsistent);
+  TriangleMesh turned = l_prism();
+  for (auto& face : turned.faces) std::swap(face[0], face[1]);
+  CHECK(code_of(turned) == ErrorCode::kInconsistent);
+  TriangleMesh flat = l_prism();
+  for (Vec3<float>& v : flat.vertices) v.z = 1;
+  CHECK(code_of(flat) == ErrorCode::kInconsistent);
+  TriangleMesh broken = l_prism();
+  broken.vertices[3].y = std::numeric_limits<float>::quiet_NaN();
+  CHECK(code_of(broken) == ErrorCode::kNumeric);
+}
+
+TEST_CASE("the names of colliders: box, hull, convex:N with N from 1 to 1024; all else is an error of usage") {
+  CHECK(collider_choice("box").kind == ColliderKind::kBox);
+  CHECK(collider_choice("hull").kind == ColliderKind::kHull);
+  CHECK(collider_choice("convex:1024").parts == 1024);
+  for (const char* text : {"", "mesh", "convex", "convex:", "convex:0", "convex:1025", "convex:8x", "convex:-3", "Box"})
+    CHECK_THROWS_AS(collider_choice(text), Error);
+}
+
+}  // namespace
+}  // namespace ngs::mesh

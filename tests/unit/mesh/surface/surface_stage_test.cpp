@@ -1,0 +1,92 @@
+#include "ngs/mesh/surface/surface_stage.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "ngs/core/error.h"
+#include "ngs/mesh/measures.h"
+#include "support/error_code.h"
+#include "support/mesh_truth.h"
+
+namespace ngs {
+namespace {
+
+constexpr double kNear = 0.03;  // 1.5 cells of the ball at 64 cells
+
+synth::AnalyticScene ball_scene() {
+  synth::AnalyticScene scene;
+  scene.objects = {{"ball", {synth::sphere({0.2, 0, 0.1}, 0.6)}, {}}};
+  return scene;
+}
+
+mesh::ObjectMesh mesh_of(const GaussianCloud& cloud, int threads = 2) {
+  mesh::MeshOptions options;
+  options.resolution = 64;
+  options.faces = 3000;
+  Monitor monitor;
+  return mesh::mesh_of({.threads = threads}, monitor, cloud, options);
+}
+
+void check_closed(const TriangleMesh& mesh) {
+  const mesh::MeshMeasures found = mesh::measures_of(mesh);
+  CHECK(found.border_edges == 0);
+  CHECK(found.non_manifold_edges == 0);
+}
+
+TEST_CASE("discs on a ball become a closed mesh of the ball in its colours, the same for any number of threads") {
+  const synth::AnalyticScene scene = ball_scene();
+  const GaussianCloud cloud = test::splat_of(scene.objects[0], 4000);
+  const mesh::ObjectMesh object = mesh_of(cloud, 1), again = mesh_of(cloud, 3);
+  check_closed(object.mesh);
+  CHECK(object.mesh.faces.size() <= 3000);
+  CHECK(object.pieces.kept == 1);
+  const test::MeshScore score = test::score_of(object.mesh, scene, 0, {}, kNear);
+  CHECK(score.iou > 0.95);
+  CHECK(score.to_truth < 0.5 * object.cell);
+  CHECK(score.seen_within > 0.99);
+  double error = 0;
+  for (std::uint32_t v = 0; v < object.mesh.vertices.size(); ++v) {
+    const Vec3<double> truth = synth::albedo(scene.objects[0].texture, object.mesh.at(v));
+    error += std::abs(double(object.mesh.colours[v].x) - truth.x) / double(object.mesh.vertices.size());
+  }
+  CHECK(error < 0.05);
+  CHECK(object.mesh.faces == again.mesh.faces);
+  for (std::uint32_t v = 0; v < object.mesh.vertices.size(); ++v)
+    REQUIRE(length(object.mesh.at(v) - again.mesh.at(v)) == 0);
+}
+
+TEST_CASE("a shell that is open below, as no photo shows the underside, is closed there and filled") {
+  const synth::AnalyticScene scene = ball_scene();
+  GaussianCloud cloud = test::splat_of(scene.objects[0], 4000);
+  for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i)
+    if (cloud.position[3 * i + 2] < -0.2f) cloud.usable[i] = 0;
+  const mesh::ObjectMesh object = mesh_of(cloud);
+  check_closed(object.mesh);
+  const double height = 0.9;  // of the part of the ball above z = -0.2
+  const double cap = 3.141592653589793 * height * height * (0.6 - height / 3);
+  CHECK(mesh::measures_of(object.mesh).volume == doctest::Approx(cap).epsilon(0.05));
+}
+
+TEST_CASE("a ring keeps its hole, two balls stay two pieces") {
+  synth::AnalyticScene scene;
+  scene.objects = {{"ring", {synth::torus({0, 0, 0}, synth::frame_with_z({0.2, 0.3, 1}), 0.5, 0.15)}, {}},
+                   {"balls", {synth::sphere({-0.5, 0, 0}, 0.3), synth::sphere({0.5, 0, 0}, 0.3)}, {}}};
+  const mesh::ObjectMesh ring = mesh_of(test::splat_of(scene.objects[0], 4000));
+  check_closed(ring.mesh);
+  CHECK(std::ssize(ring.mesh.vertices) == std::ssize(ring.mesh.faces) / 2);  // Euler number 0
+  CHECK(test::score_of(ring.mesh, scene, 0, {}, kNear).iou > 0.9);
+  CHECK(mesh_of(test::splat_of(scene.objects[1], 4000)).pieces.kept == 2);
+}
+
+TEST_CASE("too few, transparent and unusable Gaussians are refused") {
+  GaussianCloud few = test::splat_of(ball_scene().objects[0], 9);
+  CHECK(test::code_of([&] { mesh_of(few); }) == ErrorCode::kNothingFound);
+  GaussianCloud faint = test::splat_of(ball_scene().objects[0], 500);
+  for (float& logit : faint.logit_opacity) logit = -4;
+  CHECK(test::code_of([&] { mesh_of(faint); }) == ErrorCode::kNothingFound);
+  CHECK(test::code_of([&] { mesh_of({}); }) == ErrorCode::kNothingFound);
+}
+
+}  // namespace
+}  // namespace ngs

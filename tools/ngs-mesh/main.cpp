@@ -1,0 +1,74 @@
+// ngs-mesh: a closed triangle mesh of an object that was cut out of a splat.
+#include "export.h"
+#include "ngs/core/formatted.h"
+#include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/mesh/measures.h"
+#include "ngs/mesh/surface/surface_stage.h"
+#include "ngs/orbit/orbit_stage.h"
+#include "ngs/scene/precision/local_origin.h"
+#include "shared/tool.h"
+
+namespace {
+
+using namespace ngs;
+
+void report(cli::Run& run, const mesh::ObjectMesh& object) {
+  const mesh::MeshMeasures measures = mesh::measures_of(object.mesh);
+  Json& result = run.result();
+  result["vertices"] = object.mesh.vertices.size();
+  result["faces"] = object.mesh.faces.size();
+  result["extracted_faces"] = object.extracted_faces;
+  result["pieces"] = object.pieces.kept;
+  result["crumbs_left_out"] = object.pieces.crumbs;
+  result["cavities_filled"] = object.pieces.cavities;
+  result["border_edges"] = measures.border_edges;
+  result["non_manifold_edges"] = measures.non_manifold_edges;
+  result["volume"] = measures.volume;
+  result["area"] = measures.area;
+  result["cell"] = object.cell;
+}
+
+/// Adds the model's origin, unless float would round the positions.
+void place_in_world(cli::Run& run, const GaussianCloud& cloud, TriangleMesh& mesh) {
+  const auto& [x, y, z] = cloud.origin;
+  if (needs_local_origin(cloud))
+    return run.info("the mesh is relative to " + formatted("%.10g", x) + "," + formatted("%.10g", y) + "," +
+                    formatted("%.10g", z) + ": float would round its world coordinates");
+  for (Vec3<float>& v : mesh.vertices) v = {float(v.x + x), float(v.y + y), float(v.z + z)};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  cli::Tool tool(
+      "ngs-mesh", "Make a closed triangle mesh of an object that was cut out of a splat.",
+      {"ngs-mesh object.ply -o object.glb", "ngs-mesh object.ply -o object.stl --faces 20000 --up z --unit 0.1",
+       "ngs-mesh object.ply -o object.usda --collider convex:16 --density 700"});
+  mesh::MeshOptions options;
+  cli::ExportOptions placement;
+  tool.options(options);
+  tool.options(placement);
+  const cli::Input& model =
+      tool.input("model", "3DGS model of one object (.ply, .spz, .sog, .splat, .ksplat, .glb), such as object.ply");
+  const cli::Output& out = tool.output("-o,--output", "the mesh: .glb, .usda, .obj, .ply or .stl");
+
+  return tool.run(argc, argv, [&](cli::Run& run) {
+    if (out) cli::check_export(out.path, placement);
+    const io::GaussianPly ply = [&] {
+      const auto timed = run.monitor().scope("read");
+      return io::read_gaussian_ply(model.path);
+    }();
+    for (const std::string& note : ply.notes) run.info(note);
+    run.result()["gaussians"] = ply.cloud.size();
+    if (run.dry_run()) {
+      run.plan({{"gaussians", ply.cloud.size()}, {"resolution", options.resolution}});
+      return cli::kDone;
+    }
+    mesh::ObjectMesh object = mesh::mesh_of(run.exec(), run.monitor(), ply.cloud, options);
+    report(run, object);
+    place_in_world(run, ply.cloud, object.mesh);
+    cli::write_export(run, out.path, ply.cloud, std::move(object.mesh), placement,
+                      {orbit::axis_of(up_or(placement.up, ply.vertical_axis)), placement.unit});
+    return cli::kDone;
+  });
+}
