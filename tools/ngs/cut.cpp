@@ -212,7 +212,11 @@ int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
   if (!inputs.strokes.empty() && !inputs.masks.empty())
     throw Error(ErrorCode::kUsage, "--strokes and --masks are both given, expected one of them");
   check_formats(options);
-  if (options.method == CutMethod::kFlash)
+  if (options.all) {
+    check_all(inputs);
+    run.warn_unused({"--format", "--fill", "--all-pieces", "--force", "--view", "--gt"}, "with --all");
+  }
+  if (options.method == CutMethod::kFlash && !options.all)
     check_flash(inputs.has_renders, !inputs.masks.empty() || !inputs.truth.empty());
   if (fs::is_regular_file(inputs.source)) run.add_input("source", inputs.source);
   const NewFolder folder(inputs.out, !run.dry_run() && !fs::exists(inputs.out));
@@ -247,6 +251,11 @@ int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
     run.verbatim(next_line(chain, {"--strokes", "FILE"}));
     return cli::kDone;
   }
+  if (options.all) {
+    run.result().update(all_json(chain));
+    run.text(all_text(chain));
+    return cli::kDone;
+  }
   write_other_formats(run, options, chain.inputs().out);
   run.result().update(summary_json(chain));
   run.text(summary_of(chain));
@@ -256,10 +265,10 @@ int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
 }  // namespace
 
 int cut_command(int argc, char** argv) {
-  cli::Tool tool(
-      "ngs cut", "Cut an object out of a splat, a capture or a scene: the whole chain in one command.",
-      {"ngs cut statue.ply                      # renders it and explains how to mark the object",
-       "ngs cut statue.ply --strokes strokes.json", "ngs cut captures/garden --hold-out every:8:0 -o garden"});
+  cli::Tool tool("ngs cut", "Cut an object out of a splat, a capture or a scene: the whole chain in one command.",
+                 {"ngs cut statue.ply                      # renders it and explains how to mark the object",
+                  "ngs cut statue.ply --strokes strokes.json", "ngs cut captures/garden --hold-out every:8:0 -o garden",
+                  "ngs cut captures/room --all --masks captures/room/masks_all"});
   CutOptions options;
   CaptureOptions of_capture;
   tool.options(options);
@@ -311,6 +320,8 @@ int cut_command(int argc, char** argv) {
                 .all_words = given_words(tool.option_set()),
                 .own_flags = own_flags(tool.option_set()),
                 .out = operand(out ? out.path : default_folder(source.value)),
+                .trains_all = std::ranges::any_of(tool.option_set().changed(),
+                                                  [](const OptionEntry* entry) { return entry->name == "quality"; }),
                 .has_renders = has_renders,
                 .renders_capture = !bare_splat.empty()});
   });

@@ -49,6 +49,7 @@ CutChain::CutChain(cli::Run& run, const CutOptions& options, CutInputs inputs)
 CutEnd CutChain::run() {
   plan();
   if (!make_scene()) return CutEnd::kStopped;  // may find strokes painted into its images
+  if (options_.all) return cut_all() ? CutEnd::kDone : CutEnd::kStopped;
   const bool marked = !inputs_.strokes.empty();
   if (marked) look_at_strokes();
   if (options_.method == CutMethod::kFlash) {
@@ -163,6 +164,8 @@ bool CutChain::import() {
   append(words, "--hold-out", options_.hold_out);
   append(words, "--masks", inputs_.strokes.empty() ? inputs_.masks : "");
   if (!inputs_.strokes.empty()) words.emplace_back("--no-check-polarity");  // the masks are not used
+  if (options_.all)  // label maps whose ids are not those of objects
+    words.insert(words.end(), {"--mask-mode", "label", "--object-id", "everything=1", "--no-check-polarity"});
   append(words, "--truth", inputs_.truth);
   append(words, "--images", inputs_.images);
   append(words, "--world-transform", inputs_.world_transform);

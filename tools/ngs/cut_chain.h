@@ -6,6 +6,7 @@
 //   OUT/marked/      the marked views with their strokes
 //   OUT/strokes/     masks from strokes, STEM.png
 //   OUT/scene.json   the one that is cut: cameras, pictures and masks
+//   OUT/groups/      --all: label maps with one id per object, their scene, and what is known of each object
 //   OUT/labelled.ply object.ply background.ply masks/STEM.png agreement.json or metrics.json, report.html,
 //                  object.html
 //
@@ -23,6 +24,9 @@
 
 namespace ngs::ngs_tool {
 
+/// Throws kUsage if --all has no cameras or no masks of everything.
+void check_all(const CutInputs& inputs);
+
 enum class CutEnd { kDone, kNeedsStrokes, kStopped };
 
 class CutChain {
@@ -33,6 +37,7 @@ class CutChain {
   CutEnd run();
   const StageRunner& stages() const { return stages_; }
   const CutInputs& inputs() const { return inputs_; }
+  bool cuts_all() const { return options_.all; }
   const std::vector<std::string>& formats() const { return options_.format; }
   /// Figures of a finished --method flash.
   const std::optional<FlashFigures>& flash() const { return flash_; }
@@ -81,6 +86,8 @@ class CutChain {
   bool score();
   bool score_by_truth();
   void leave_masks_unused();
+  bool cut_all();
+  void write_grouped_scene() const;
 
   cli::Run& run_;
   const CutOptions& options_;

@@ -27,6 +27,7 @@ struct CutInputs {
   std::vector<std::string> all_words;     // all given options
   std::set<std::string> own_flags;        // of ngs cut
   std::string out;                        // the output folder
+  bool trains_all = false;                // --all: a quality is given
   bool has_renders = false;               // all images are renders of the splat, or will be
   bool renders_capture = false;           // kSplat: `source` has the cameras of the renders, `model` is the splat
   std::string splat() const {             // with has_renders
@@ -57,7 +58,7 @@ inline constexpr NamedValue<CutMethod> kCutMethods[] = {{CutMethod::kNgs, "ngs"}
 struct CutOptions {
   CutMethod method = CutMethod::kNgs;
   Quality quality = Quality::kStandard;
-  bool keep = false;
+  bool keep = false, all = false;
   bool all_pieces = false, force = false, finish = true;
   std::string hold_out;
   std::string view;
@@ -76,6 +77,9 @@ struct CutOptions {
     visit(self.method,
           Choice<CutMethod>{"method", "ngs: train with ngs-joint; flash: labels in seconds, splats only", kCutMethods});
     visit(self.quality, Choice<Quality>{"quality", "How long ngs-joint trains", kQualityNames});
+    visit(self.all, Flag{"all",
+                         "Cut out every object: --masks has masks of everything, whose ids differ between the views; "
+                         "labels are the closed form unless --quality is given"});
     visit(self.keep, Flag{"keep", "Keep intermediate files: boundary.ply and the training trace"});
     visit(self.all_pieces, Flag{"all_pieces", "Keep components of the object that no stroke touches"});
     visit(self.force, Flag{"force", "Train even if the result contradicts a stroke"});

@@ -196,6 +196,36 @@ std::string summary_of(const CutChain& chain) {
   return text;
 }
 
+std::string all_text(const CutChain& chain) {
+  const Json found = Json(io::read_json_file(chain.at("objects.json")));
+  std::string text;
+  row(text, "objects",
+      std::to_string(found.at("objects").size()) + " in " + chain.at("objects") + "/, largest first; " +
+          chain.at("objects.json"));
+  if (const std::size_t doubtful = found.at("doubtful").size(); doubtful > 0)
+    row(text, "doubtful", std::to_string(doubtful) + " more are too small, seen too rarely or uncertain: not written");
+  row(text, "background", with_count(chain.at("background.ply"), count_of(chain, "background")));
+  row(text, "masks", chain.at("masks") + "/, one id per object in all views");
+  row(text, "page", chain.at("report.html"));
+  row(text, "time", time_line(chain));
+  const std::vector<std::string>& warnings = chain.stages().warnings();
+  for (std::size_t i = 0; i < std::min(kShownWarnings, warnings.size()); ++i) row(text, "warning", warnings[i]);
+  return text;
+}
+
+Json all_json(const CutChain& chain) {
+  const Json found = Json(io::read_json_file(chain.at("objects.json")));
+  Json json{{"objects", found.at("objects").size()},
+            {"doubtful", found.at("doubtful").size()},
+            {"objects_folder", chain.at("objects")},
+            {"background", chain.at("background.ply")},
+            {"masks", chain.at("masks")},
+            {"page", chain.at("report.html")},
+            {"stage_warnings", chain.stages().warnings()}};
+  for (const StageResult& stage : chain.stages().results()) json["stage_wall_s"][stage.tool] = stage.wall_s;
+  return json;
+}
+
 StrokeHelp stroke_help(const CutChain& chain) {
   const Scene scene = io::read_scene_json(chain.inputs().kind == SourceKind::kSplat     ? chain.at("orbit/scene.json")
                                           : chain.inputs().kind == SourceKind::kCapture ? chain.at("capture.json")

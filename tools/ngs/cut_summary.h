@@ -17,6 +17,9 @@ StrokeHelp stroke_help(const CutChain& chain);
 std::string next_line(const CutChain& chain, const std::vector<std::string>& further);
 /// What a run leaves that was stopped by a signal.
 std::string stopped_text(const CutChain& chain);
+/// Text and JSON of a run with --all.
+std::string all_text(const CutChain& chain);
+Json all_json(const CutChain& chain);
 /// The summary as JSON.
 Json summary_json(const CutChain& chain);
 

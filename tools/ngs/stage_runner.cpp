@@ -173,6 +173,16 @@ std::vector<PlannedStep> planned_steps(const CutOptions& options, const CutInput
     steps.push_back({"ngs-scene", "making pictures of the splat", "ngs-scene", "orbit/images/, orbit/sheet.jpg", 5});
   if (inputs.kind == SourceKind::kCapture)
     steps.push_back({"ngs-scene", "reading the capture", "ngs-scene", "capture.json", 3});
+  if (options.all) {
+    steps.push_back({"ngs-group", "finding the objects", "ngs-group", "groups/, objects.json", 10});
+    steps.push_back({"ngs-variance", "finding the splats on the edges", "ngs-variance", "boundary.ply", 4});
+    steps.push_back({"ngs-joint", "labelling the splats", "ngs-joint", "labelled.ply",
+                     inputs.trains_all ? joint_share(options.quality) : 2, inputs.trains_all});
+    steps.push_back({"ngs-extract", "writing the objects", "ngs-extract", "objects/, background.ply", 6});
+    steps.push_back({"ngs-render", "drawing the masks of the result", "ngs-render", "masks/", 4});
+    steps.push_back({"page", "writing the page", "ngs cut", "report.html", 2});
+    return steps;
+  }
   if (!facts.marked && !facts.has_masks) return steps;
   if (options.method == CutMethod::kFlash) {
     steps.push_back(

@@ -100,7 +100,7 @@ void judge(const Exec& exec, const std::vector<ViewGaussians>& views, GroupedObj
   std::vector<std::vector<Shown>> shown(views.size());
   for_each_task(exec, std::ssize(views),
                 [&](std::int64_t v) { shown[std::size_t(v)] = shown_in(views[std::size_t(v)], objects); });
-  constexpr double kSeen = 0.1;
+  constexpr double kSeen = 0.1, kPart = 0.2;
   for (std::size_t k = 0; k < objects.objects.size(); ++k) {
     GroupedObject& object = objects.objects[k];
     double most = 0;
@@ -118,8 +118,9 @@ void judge(const Exec& exec, const std::vector<ViewGaussians>& views, GroupedObj
     std::ranges::sort(inside);
     for (auto at = inside.begin(); at != inside.end();) {
       const auto next = std::upper_bound(at, inside.end(), *at);
-      if (double(next - at) / count > object.part_share) {
-        object.part_share = double(next - at) / count;
+      const double share = double(next - at) / count;
+      if (share >= kPart && share > object.part_share) {
+        object.part_share = share;
         object.part_of = *at;
       }
       at = next;

@@ -13,8 +13,7 @@ struct GroupedObject {
   std::vector<std::size_t> views;  // that show it
   /// Share of these views in which one mask contains it and little else (kAlone of the weight).
   double confidence = 0;
-  /// The object whose masks contain this one in `part_share` of the views that show it, its own mask included in
-  /// theirs; 0: none.
+  /// The object whose masks contain this one in `part_share` of the views that show it, a fifth or more; 0: none.
   std::uint32_t part_of = 0;
   double part_share = 0;
 };

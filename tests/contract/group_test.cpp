@@ -1,0 +1,70 @@
+// ngs-group on label maps of 16 bits whose ids differ between the views.
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "ngs/io/image/image_file.h"
+#include "support/process.h"
+#include "support/temp_dir.h"
+#include "support/tool_fixture.h"
+
+namespace ngs {
+namespace {
+
+/// The mask of the ball in view `v` of the fixture, 0/255.
+ImageU16 ball(int v) {
+  const io::RawMask raw =
+      io::read_mask_raw(test::fixture_folder() + "/masks/v" + std::to_string(v) + ".png", io::Palette::kMask);
+  ImageU16 image(raw.width_px, raw.height_px, 1);
+  image.data = raw.data;
+  return image;
+}
+
+struct Group {
+  test::TempDir dir;
+  Group() { std::filesystem::create_directories(dir.path() + "/all"); }
+  std::string mask(int v) const { return dir.path() + "/all/v" + std::to_string(v) + ".png"; }
+  test::ProcessResult run(const std::string& out) const {
+    test::ProcessSpec spec;
+    spec.argv = {
+        test::tool_folder() + "/ngs-group", test::fixture_folder() + "/scene.json", "--masks", "all", "-o", out};
+    spec.folder = dir.path();
+    return test::run_process(spec);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("an object whose id is another one in every view, up to 65535, gets one id") {
+  const Group group;
+  for (int v = 0; v < 5; ++v) {
+    ImageU16 ids = ball(v);
+    for (std::uint16_t& id : ids.data) id = id > 0 ? std::uint16_t(65535 - 13000 * v) : std::uint16_t(0);
+    io::write_png16(group.mask(v), ids);
+  }
+  REQUIRE(group.run("g").exit_code == 0);
+  for (int v = 0; v < 5; ++v) {
+    CAPTURE(v);
+    const io::RawMask found =
+        io::read_mask_raw(group.dir.path() + "/g/masks/v" + std::to_string(v) + ".png", io::Palette::kIndices);
+    const ImageU16 truth = ball(v);
+    for (std::size_t p = 0; p < truth.data.size(); ++p)
+      if (truth.data[p] > 0) CHECK(found.data[p] == 1);
+  }
+}
+
+TEST_CASE("a view with more ids than masks of one view can have is an error") {
+  const Group group;
+  for (int v = 0; v < 5; ++v) {
+    ImageU16 ids = ball(v);
+    for (std::size_t p = 0; v == 2 && p < ids.data.size(); ++p) ids.data[p] = std::uint16_t(p);
+    io::write_png16(group.mask(v), ids);
+  }
+  const test::ProcessResult result = group.run("g");
+  CHECK(result.exit_code == 3);
+  CHECK(result.err.find("v2.png: 1727 masks in one view, expected at most 1024") != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(group.dir.path() + "/g/scene.json"));
+}
+
+}  // namespace ngs
