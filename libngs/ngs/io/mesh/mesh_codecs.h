@@ -1,8 +1,10 @@
 #pragma once
 // The bytes of a mesh in each format, as they are: mesh_file.h places it. Colours are optional.
+#include <algorithm>
 #include <string>
 
 #include "ngs/io/mesh/rigid_body.h"
+#include "ngs/math/elementary.h"
 
 namespace ngs::io {
 
@@ -19,6 +21,12 @@ std::string number_of_part(std::size_t k);
 template <class T>
 void append_bytes(const T& value, std::string& to) {
   to.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+/// sRGB to linear, 0 to 1: glTF's vertex colours and OpenUSD's displayColor are linear.
+inline float linear_colour(float srgb) {
+  const float x = std::clamp(srgb, 0.f, 1.f);
+  return x <= 0.04045f ? x / 12.92f : exp_of(2.4f * log_of((x + 0.055f) / 1.055f));
 }
 
 inline std::uint8_t colour_byte(float value) {
