@@ -115,6 +115,15 @@ TEST_CASE("scene.json and metrics.json of the chain satisfy their schemas, and b
   CHECK(test::schema_violations(schema("metrics.schema.json"), broken) != "");
 }
 
+TEST_CASE("objects.json of ngs-group satisfies its schema, and a broken one does not") {
+  const Json rules = schema("objects.schema.json");
+  Json objects = Json::parse(std::ifstream(test::fixture_folder() + "/grouped/objects.json"));
+  REQUIRE(objects.at("objects").size() == 1);
+  CHECK(test::schema_violations(rules, objects) == "");
+  objects["objects"][0].erase("id");
+  CHECK(test::schema_violations(rules, objects) != "");
+}
+
 TEST_CASE("scenes, depth and scores of both halves satisfy their schemas, and a damaged truth is an error") {
   const test::TempDir dir;
   const auto run = [&](const std::vector<std::string>& argv, int exit_code) {
@@ -156,6 +165,20 @@ TEST_CASE("scenes, depth and scores of both halves satisfy their schemas, and a 
   CHECK(run(eval, 3).find("near-05.exr") != std::string::npos);
 }
 
+TEST_CASE("scores of all objects of id maps satisfy their schema") {
+  const test::TempDir dir;
+  const auto run = [&](std::vector<std::string> argv) {
+    REQUIRE(test::run_process(test::command(Json(argv))).exit_code == 0);
+  };
+  run({"ngs-synth", "tiny", "--no-fit", "--mask-noise", "jitter:1,blob:1", "-o", dir.file("scene")});
+  run({"ngs-eval", dir.file("scene/labels"), dir.file("scene/labels_gt"), "--instances", "-o", dir.file("i.json")});
+  Json file = Json::parse(std::ifstream(dir.file("i.json")));
+  CHECK(test::schema_violations(schema("metrics.schema.json"), file) == "");
+  CHECK(file.at("counts").at("matched") == 2);
+  file["counts"].erase("split");
+  CHECK(test::schema_violations(schema("metrics.schema.json"), file) != "");
+}
+
 TEST_CASE("the JSON files of ngs-synth satisfy the schemas, and broken files do not") {
   const test::TempDir dir;
   test::ProcessSpec spec =
@@ -169,7 +192,7 @@ TEST_CASE("the JSON files of ngs-synth satisfy the schemas, and broken files do 
     const Json rules = schema(std::string(name) + ".schema.json");
     CHECK(test::schema_violations(rules, file) == "");
     for (const auto& [key, value] : rules["properties"].items())
-      if (key != "cast_shadows") CHECK(file.contains(key));  // that one only where objects cast shadows
+      if (key != "cast_shadows" && key != "objects") CHECK(file.contains(key));  // only where they are used
     file["unknown"] = 1;
     CHECK(test::schema_violations(rules, file) != "");
   }

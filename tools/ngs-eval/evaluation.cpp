@@ -93,11 +93,6 @@ io::RawMask read_exr_mask(const std::string& path) {
   return raw;
 }
 
-io::RawMask read_mask(const std::string& path, bool is_label_map) {
-  if (io::is_exr(path)) return is_label_map ? read_exr_ids(path) : read_exr_mask(path);
-  return io::read_mask_raw(path, is_label_map ? io::Palette::kIndices : io::Palette::kMask);
-}
-
 Pairing matched_files(const ImageList& predicted, const ImageList& truth, const EvalFileOptions& options) {
   Pairing pairing;
   const std::vector<std::string> selected = select_truth(truth, options, pairing);
@@ -136,6 +131,11 @@ void require_pairs(const Pairing& pairing, const ImageList& predicted, const Ima
 }
 
 }  // namespace
+
+io::RawMask read_mask(const std::string& path, bool is_label_map) {
+  if (io::is_exr(path)) return is_label_map ? read_exr_ids(path) : read_exr_mask(path);
+  return io::read_mask_raw(path, is_label_map ? io::Palette::kIndices : io::Palette::kMask);
+}
 
 int depth(const ImageList& list) {
   const std::string& name = list.names.front();

@@ -6,6 +6,7 @@
 
 #include "image_list.h"
 #include "ngs/eval/eval_stage.h"
+#include "ngs/io/image/image_file.h"
 #include "shared/run/run.h"
 
 namespace ngs::cli {
@@ -16,7 +17,7 @@ enum class Layout : std::uint8_t { kViewObject, kObjectView, kView };
 struct EvalFileOptions {
   std::string views = "all";
   Layout layout = Layout::kViewObject;
-  bool image_metrics = false, opacity = false, halves = false, allow_missing = false;
+  bool image_metrics = false, opacity = false, halves = false, instances = false, allow_missing = false;
   std::vector<std::string> scene_views = {};  // no option: names of the views to score, in place of `views`
 
   static constexpr NamedValue<Layout> kLayouts[] = {
@@ -35,6 +36,9 @@ struct EvalFileOptions {
           Flag{"opacity", "Score opacities of an object rendered alone: its halo and its holes instead of masks"});
     visit(self.halves,
           Flag{"halves", "Score object.ply and background.ply against the truth of ngs-synth --truth halves"});
+    visit(self.instances,
+          Flag{"instances",
+               "Score all objects of id maps whatever their ids: panoptic quality and average precision of the scene"});
     visit(self.allow_missing, Flag{"allow_missing", "With --fail-below: do not fail if true masks have no prediction"});
   }
 };
@@ -67,6 +71,8 @@ struct PhotoScore {
 };
 
 std::vector<PairScore> score_masks(Run& run, const EvalOptions& options, const std::vector<FilePair>& pairs);
+/// Samples of a mask or a label map, an image or the EXR of ngs-render.
+io::RawMask read_mask(const std::string& path, bool is_label_map);
 std::vector<PhotoScore> score_photos(Run& run, const std::vector<FilePair>& pairs);
 
 }  // namespace ngs::cli

@@ -2,6 +2,7 @@
 #include <optional>
 
 #include "halves.h"
+#include "id_maps.h"
 #include "ngs/io/files/atomic_file.h"
 #include "opacity_scores.h"
 #include "outcome.h"
@@ -17,6 +18,7 @@ std::map<std::string, double> scores_of(const cli::EvalFileOptions& files, bool 
   using namespace cli;
   if (files.image_metrics) return mean_scores({PhotoScore{}});
   if (files.opacity) return mean_scores({OpacityScore{}});
+  if (files.instances) return mean_scores(SceneInstances{});
   std::map<std::string, double> scores = mean_scores(EvalSummary{});
   if (with_alone) scores.merge(alone_scores(EvalSummary{}));
   return scores;
@@ -30,21 +32,10 @@ void check_options(cli::Run& run, const EvalOptions& options, const cli::EvalFil
   if (files.opacity) cli::require_one_object(options);
   if (files.image_metrics)
     run.warn_unused({"--threshold"}, "with --image-metrics");
-  else if (options.label_map)
+  else if (options.label_map && !files.instances)
     run.warn_unused({"--threshold"}, "with --label-map");
   // A misspelt score name fails before the work.
   check_scores(options.fail_below, scores_of(files, with_alone));
-}
-
-Json files_json(const cli::Pairing& pairing) {
-  Json json = Json::array();
-  for (const cli::FilePair& pair : pairing.pairs)
-    json.push_back({{"view", pair.view},
-                    {"object", pair.object},
-                    {"predicted", pair.predicted},
-                    {"truth", pair.truth},
-                    {"truth_id", pair.truth_id}});
-  return json;
 }
 
 }  // namespace
@@ -56,6 +47,7 @@ int main(int argc, char** argv) {
                   "ngs-eval labels labels_gt --label-map --void-id 255 -o metrics.json",
                   "ngs-eval renders photos --image-metrics -o photos.json",
                   "ngs-eval object_alpha masks_gt --opacity -o halo.json",
+                  "ngs-eval ids labels_gt --instances --fail-below pq=0.9 -o instances.json",
                   "ngs-eval cut scene/halves --halves --model scene/point_cloud.ply -o halves.json"});
   EvalOptions options;
   cli::EvalFileOptions files;
@@ -75,10 +67,11 @@ int main(int argc, char** argv) {
       "--alone", "folder of ngs-render object.ply --layers alpha: adds the scores of the object rendered alone");
   const cli::Output& out = tool.output("-o,--output", "metrics.json");
   return tool.run(argc, argv, [&](cli::Run& run) {
+    cli::check_instances_options(run, options, files);
     cli::check_halves_options(run, options, files);
     if (files.halves) return cli::score_halves(run, {predicted.path, truth.path, model.path, out.path}), cli::kDone;
     if (files.image_metrics || files.opacity) run.warn_unused({"--alone"}, "with --image-metrics or --opacity");
-    const bool scores_alone = alone && !files.image_metrics && !files.opacity;
+    const bool scores_alone = alone && !files.image_metrics && !files.opacity && !files.instances;
     check_options(run, options, files, scores_alone);
     const std::optional<cli::Masks> masks = [&]() -> std::optional<cli::Masks> {
       if (!cli::is_scene_file(truth.path))
@@ -94,6 +87,7 @@ int main(int argc, char** argv) {
 
     cli::Outcome outcome = files.image_metrics ? cli::photos_outcome(run, pairing)
                            : files.opacity     ? cli::opacities_outcome(run, options, pairing)
+                           : files.instances   ? cli::instances_outcome(run, options, pairing)
                                                : cli::masks_outcome(run, options, pairing);
     if (scores_alone)
       cli::add_alone(run, cli::paired(cli::list_images(alone.path), masks->truth, options, files), options, outcome);
@@ -105,7 +99,7 @@ int main(int argc, char** argv) {
     io::write_file(out.path, outcome.metrics.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 
     run.result()["mean"] = outcome.metrics["mean"];
-    run.result()["files"] = files_json(pairing);
+    run.result()["files"] = cli::files_json(pairing);
     run.text(outcome.table);
     return cli::all_passed(run, checks, pairing, files.allow_missing) ? cli::kDone : cli::kCheckFailed;
   });

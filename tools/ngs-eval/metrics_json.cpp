@@ -116,6 +116,17 @@ Json pairing_json(const Pairing& pairing) {
           {"listed_only", pairing.listed_only}};
 }
 
+Json files_json(const Pairing& pairing) {
+  Json json = Json::array();
+  for (const FilePair& pair : pairing.pairs)
+    json.push_back({{"view", pair.view},
+                    {"object", pair.object},
+                    {"predicted", pair.predicted},
+                    {"truth", pair.truth},
+                    {"truth_id", pair.truth_id}});
+  return json;
+}
+
 Json checks_json(const std::vector<ScoreCheck>& checks) {
   Json json = Json::array();
   for (const ScoreCheck& check : checks)

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "ngs/core/error.h"
+#include "ngs/eval/eval_stage.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/image/image_file.h"
 #include "segmenters.h"
@@ -56,24 +57,36 @@ ImageU8 likely_object(const ViewPrompt& prompt) {
   return mask;
 }
 
-PixelMask read_output(const std::string& path, const ViewPrompt& prompt, const std::string& who) {
+io::RawMask read_output(const std::string& path, io::ImageSize expected, io::Palette palette, const std::string& who) {
   const auto refuse = [&](const std::string& found) {
-    throw Error(ErrorCode::kBadInput, who + ": " + found + ", expected a mask of " +
-                                          io::to_string({prompt.width_px, prompt.height_px}) +
-                                          " px, 0 or 255, as PNG at {out}");
+    throw Error(ErrorCode::kBadInput,
+                who + ": " + found + ", expected " + (palette == io::Palette::kMask ? "a mask" : "an id map") + " of " +
+                    io::to_string(expected) + " px, " +
+                    (palette == io::Palette::kMask ? "0 or 255, as PNG at {out}" : "as PNG at {out}"));
   };
   std::error_code status;
   if (!fs::exists(path, status)) refuse("it wrote no file");
   if (fs::symlink_status(path, status).type() != fs::file_type::regular) refuse("it did not write a regular file");
   const io::ImageSize size = with_context(who, [&] { return io::read_image_size(path); });
-  if (size != io::ImageSize{prompt.width_px, prompt.height_px}) refuse("it wrote " + io::to_string(size) + " px");
-  const io::RawMask raw = with_context(who, [&] { return io::read_mask_raw(path, io::Palette::kMask); });
-  return object_pixels(raw.samples());
+  if (size != expected) refuse("it wrote " + io::to_string(size) + " px");
+  return with_context(who, [&] { return io::read_mask_raw(path, palette); });
+}
+
+ImageU16 id_map_of(const io::RawMask& raw, const std::string& who) {
+  ImageU16 ids(raw.width_px, raw.height_px, 1);
+  const std::vector<std::uint32_t> labels = label_ids(raw.samples());
+  for (std::size_t p = 0; p < labels.size(); ++p) {
+    if (labels[p] > 0xffff)
+      throw Error(ErrorCode::kBadInput,
+                  who + ": it wrote the id " + std::to_string(labels[p]) + ", expected ids up to 65535");
+    ids.data[p] = std::uint16_t(labels[p]);
+  }
+  return ids;
 }
 
 /// Files of one call.
 struct CallFiles {
-  std::string image, prompts, out, mask;  // mask: empty for prompts by hand
+  std::string image, prompts, out, mask;  // mask: not written for prompts by hand
 };
 
 struct CommandSegmenter {
@@ -88,22 +101,51 @@ struct CommandSegmenter {
   std::optional<LineProgram> program{};
 
   PixelMask segment(std::size_t view, const ViewPrompt& prompt) {
-    const std::string name = scene.views[view].camera.name, base = folder.path + "/" + std::to_string(calls++);
-    const CallFiles files{base + "-image.png", base + "-prompts.json", base + "-out.png",
-                          prompt.by_hand ? "" : base + "-mask.png"};
+    const std::string& name = scene.views[view].camera.name;
+    const auto write_prompts = [&](const std::string& mask) {
+      if (!prompt.by_hand) io::write_png(mask, likely_object(prompt));
+      return prompts_json(name, prompt, prompt.by_hand ? "" : mask);
+    };
+    const std::optional<io::RawMask> raw =
+        call(view, {prompt.width_px, prompt.height_px}, io::Palette::kMask, write_prompts);
+    return raw ? object_pixels(raw->samples()) : PixelMask(prompt.hint.size());
+  }
+
+  std::optional<ImageU16> everything(std::size_t view, io::ImageSize size) {
+    const std::string& name = scene.views[view].camera.name;
+    const std::optional<io::RawMask> raw = call(view, size, io::Palette::kIndices, [&](const std::string&) {
+      return Json{{"ngs_prompts", 1},
+                  {"view", name},
+                  {"width", size.width_px},
+                  {"height", size.height_px},
+                  {"everything", true}};
+    });
+    if (!raw) return {};
+    return id_map_of(*raw, who(view));
+  }
+
+  std::string who(std::size_t view) const {
+    return "--segmenter " + words[0] + " on view " + scene.views[view].camera.name;
+  }
+
+  /// What the program writes for a view; `write_prompts` gets the path of the expected mask and returns the prompts.
+  /// nullopt after a stop request.
+  template <class WritePrompts>
+  std::optional<io::RawMask> call(std::size_t view, io::ImageSize size, io::Palette palette,
+                                  const WritePrompts& write_prompts) {
+    const std::string base = folder.path + "/" + std::to_string(calls++);
+    const CallFiles files{base + "-image.png", base + "-prompts.json", base + "-out.png", base + "-mask.png"};
     const auto& [image, prompts, out, mask] = files;
     io::UnfinishedFile cleanup[4];
     for (int i = 0; const std::string& file : {image, prompts, out, mask}) cleanup[i++].track(file.c_str());
     io::write_png(image, load(view));
-    if (!mask.empty()) io::write_png(mask, likely_object(prompt));
-    io::write_file(prompts, prompts_json(name, prompt, mask).dump(1) + "\n");
-    const std::string who = "--segmenter " + words[0] + " on view " + name;
-    const std::optional<ChildResult> ended = is_persistent ? request_mask(name, files, who) : run_once(files);
-    if (ended && ended->end == ChildResult::End::kStopped) return PixelMask(prompt.hint.size());
-    if (ended) check(*ended, who);
-    PixelMask found = read_output(out, prompt, who);
-    for (const std::string& file : {image, prompts, out, mask})
-      if (!file.empty()) fs::remove(file);
+    io::write_file(prompts, write_prompts(mask).dump(1) + "\n");
+    const std::optional<ChildResult> ended =
+        is_persistent ? request_mask(scene.views[view].camera.name, files, who(view)) : run_once(files);
+    if (ended && ended->end == ChildResult::End::kStopped) return {};
+    if (ended) check(*ended, who(view));
+    io::RawMask found = read_output(out, size, palette, who(view));
+    for (const std::string& file : {image, prompts, out, mask}) fs::remove(file);
     return found;
   }
 
@@ -149,9 +191,8 @@ struct CommandSegmenter {
   }
 };
 
-}  // namespace
-
-Segmenter command_segmenter(const SegmenterOptions& options, const Scene& scene, PhotoLoader load, Run& run) {
+std::shared_ptr<CommandSegmenter> command_of(const SegmenterOptions& options, const Scene& scene, PhotoLoader load,
+                                             Run& run) {
   const std::vector<std::string> words = split_command(options.segmenter);
   const auto has = [&](const std::string& placeholder) {
     return std::any_of(words.begin() + 1, words.end(),
@@ -164,9 +205,21 @@ Segmenter command_segmenter(const SegmenterOptions& options, const Scene& scene,
                   "--segmenter '" + options.segmenter + "': no " + placeholder +
                       ", expected all of {image} {prompts} {out}, or none",
                   "for example --segmenter 'python3 sam.py {image} {prompts} {out}'");
-  auto command = std::shared_ptr<CommandSegmenter>(
+  return std::shared_ptr<CommandSegmenter>(
       new CommandSegmenter{words, is_persistent, options.segmenter_timeout_s, scene, std::move(load), run});
+}
+
+}  // namespace
+
+Segmenter command_segmenter(const SegmenterOptions& options, const Scene& scene, PhotoLoader load, Run& run) {
+  const auto command = command_of(options, scene, std::move(load), run);
   return [command](std::size_t view, const ViewPrompt& prompt) { return command->segment(view, prompt); };
+}
+
+EverythingSegmenter everything_segmenter(const SegmenterOptions& options, const Scene& scene, PhotoLoader load,
+                                         Run& run) {
+  const auto command = command_of(options, scene, std::move(load), run);
+  return [command](std::size_t view, io::ImageSize size) { return command->everything(view, size); };
 }
 
 }  // namespace ngs::cli

@@ -1,4 +1,5 @@
 // ngs-mask: strokes or boxes on some photos -> masks of all views, by way of the splat.
+#include "everything.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/render/render_options.h"
 #include "segmenters.h"
@@ -27,15 +28,8 @@ struct Files {
   const cli::Output &out, &soft;
 };
 
-void refuse_over_photos(const cli::MaskViews& views, const Scene& scene, const Files& files) {
-  std::vector<std::string> written;
-  for (std::size_t v = 0; v < scene.views.size(); ++v)
-    for (const cli::Output* folder : {&files.out, &files.soft})
-      if (*folder) written.push_back(views.file_in(folder->path, v));
-  cli::refuse_over_photos(scene, written);
-}
-
 int make_masks(cli::Run& run, const Options& options, const Files& files) {
+  run.warn_unused({"--annotations"}, "without --everything");
   const Scene scene = cli::read_scene(run, files.scene.path);
   if (options.runs_a_program())
     run.warn_unused({"--window"}, "with --segmenter");
@@ -46,7 +40,7 @@ int make_masks(cli::Run& run, const Options& options, const Files& files) {
   const auto marks = cli::read_marks(run, scene, options.which.view, files.marks);
   const io::GaussianPly ply = io::read_gaussian_ply(model_path, {io::HigherBands::kCheckOnly});
   cli::MaskViews views(scene, options.which.detail);
-  refuse_over_photos(views, scene, files);
+  views.refuse_over_photos({files.out.path, files.soft.path});
   const cli::PhotoLoader load = [&](std::size_t view) { return views.photo(view); };
   const Segmenter segment = options.runs_a_program()
                                 ? cli::command_segmenter(options.segmenter, scene, load, run)
@@ -80,7 +74,8 @@ int main(int argc, char** argv) {
                   "ngs-mask scene.json --view IMG_4038 --object-scribbles pos.png --background-scribbles "
                   "neg.png -o masks/",
                   "ngs-mask scene.json --prompts 0003.png -o masks/ --segmenter 'python3 sam.py {image} "
-                  "{prompts} {out}'"});
+                  "{prompts} {out}'",
+                  "ngs-mask scene.json --everything --annotations coco.json -o masks_everything/"});
   Options options;
   tool.options(options.which);
   tool.options(options.segmenter);
@@ -95,7 +90,10 @@ int main(int argc, char** argv) {
           "or a PNG of such paint alone (repeatable, or PATH,PATH)"),
       tool.optional_input("--object-scribbles", "PNG: pixels that are not black are object"),
       tool.optional_input("--background-scribbles", "PNG: pixels that are not black are background")};
-  const cli::Output& out = tool.output_dir("-o,--output", "folder for the masks, STEM.png, 0/255");
+  const cli::Input& annotations = tool.optional_input(
+      "--annotations", "with --everything: JSON of COCO or labelme, or a folder of it, in place of --segmenter");
+  const cli::Output& out =
+      tool.output_dir("-o,--output", "folder for the masks, STEM.png, 0/255; with --everything 16-bit id maps");
   const cli::Output& soft = tool.optional_output_dir("--soft",
                                                      "folder for soft masks, 0..255: agreement of the photo with "
                                                      "the other views");
@@ -103,6 +101,8 @@ int main(int argc, char** argv) {
   tool.runs_on_device();
 
   return tool.run(argc, argv, [&](cli::Run& run) {
-    return make_masks(run, options, {scene_json, model, marks, out, soft});
+    if (!options.segmenter.everything) return make_masks(run, options, {scene_json, model, marks, out, soft});
+    return cli::make_everything(run,
+                                {options.segmenter, options.which.detail, scene_json.path, annotations.path, out.path});
   });
 }

@@ -16,6 +16,7 @@
 #include "ngs/options/name_of.h"
 #include "ngs/scene/view_names.h"
 #include "segmenters.h"
+#include "shared/scene/scene_model.h"
 #include "shared/text/layout.h"
 
 namespace ngs::cli {
@@ -40,6 +41,14 @@ MaskViews::MaskViews(const Scene& scene, int detail)
 
 std::string MaskViews::file_in(const std::string& folder, std::size_t view) const {
   return (std::filesystem::path(folder) / (file_names_[view] + ".png")).generic_string();
+}
+
+void MaskViews::refuse_over_photos(const std::vector<std::string>& folders) const {
+  std::vector<std::string> written;
+  for (std::size_t v = 0; v < file_names_.size(); ++v)
+    for (const std::string& folder : folders)
+      if (!folder.empty()) written.push_back(file_in(folder, v));
+  cli::refuse_over_photos(scene_, written);
 }
 
 ImageU8 MaskViews::photo(std::size_t view) const { return to_bytes(io::load_fine_photo(scene_, view, detail_)); }

@@ -43,6 +43,8 @@ class MaskViews {
 
   /// The file of a view's mask in a folder.
   std::string file_in(const std::string& folder, std::size_t view) const;
+  /// Throws kUsage if a mask in one of the folders (empty: none) would replace a photo.
+  void refuse_over_photos(const std::vector<std::string>& folders) const;
   /// Stores the pictures of a view until finish(), so that an aborted run does not change existing masks.
   void store(Run& run, std::size_t view, const SpreadView& result, const std::string& masks, const std::string& soft);
   Json plan(const GaussianCloud& cloud, int passes) const;

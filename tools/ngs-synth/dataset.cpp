@@ -59,13 +59,17 @@ void write_view(const Exec& exec, const std::string& folder, const SynthData& da
   io::write_png(in_folder(folder + "/images", name), to_bytes(v.colour));
   write_mask("masks_gt", binary_mask(v.label, target));
   io::write_png16(in_folder(folder + "/labels_gt", name), v.label);
-  for (std::size_t k = 0; k < data.scene.objects.size(); ++k)
+  const bool is_messy = data.recipe.scene == synth::SceneKind::kMessy;  // a file per object and view: too many
+  for (std::size_t k = 0; !is_messy && k < data.scene.objects.size(); ++k)
     write_mask("objects/" + data.scene.objects[k].name, binary_mask(v.label, std::uint32_t(k) + 1));
   const auto disturbed = [&](std::uint32_t only_id) {
     return synth::disturb_labels(exec, v.label, errors.noise, {only_id, int(view), errors.seed, &v.colour});
   };
   write_mask("masks", binary_mask(disturbed(target), 1));
   io::write_png16(in_folder(folder + "/labels", name), disturbed(0));
+  if (errors.everything)
+    io::write_png16(in_folder(folder + "/masks_everything", name),
+                    synth::masks_of_everything(exec, v.label, errors.noise, {0, int(view), errors.seed, &v.colour}));
   io::write_exr(in_folder(folder + "/layers", fs::path(name).stem().string() + ".exr"), layers_of(v));
 }
 
@@ -73,7 +77,7 @@ void write_description(const std::string& folder, const SynthData& data, const M
   io::write_colmap_text(folder + "/sparse/0", data.cameras, data.points);
   io::write_file(folder + "/recipe.json", recipe_json(data.recipe).dump(2) + "\n");
   Json truth = {{"target", data.scene.objects[std::size_t(data.scene.target)].name}, {"objects", Json::array()}};
-  for (std::size_t k = 0; k < data.scene.objects.size(); ++k)
+  for (std::size_t k = 0; k < synth::object_count(data.scene); ++k)
     truth["objects"].push_back({{"name", data.scene.objects[k].name}, {"id", k + 1}});
   truth["mask_noise"] = errors.specs;
   truth["seed"] = errors.seed;
@@ -98,6 +102,7 @@ Json recipe_json(const synth::Recipe& recipe) {
   options.add(copy);
   Json json = options.to_json();
   if (!recipe.cast_shadows) json.erase("cast_shadows");  // recipes without one keep their bytes
+  if (recipe.scene != synth::SceneKind::kMessy) json.erase("objects");
   return json;
 }
 

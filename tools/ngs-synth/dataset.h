@@ -6,6 +6,7 @@
 //   masks/NNNN.png     0/255, the target, with the requested errors       masks_gt/    the same, exact
 //   labels/NNNN.png    16 bit ids, with the requested errors              labels_gt/   the same, exact
 //   objects/NAME/NNNN.png  0/255, exact       layers/NNNN.exr  Z, ngs.id, ngs.mask (share of the pixel)
+//   masks_everything/NNNN.png  16 bit ids that mean nothing across views, with the requested errors
 //   halves/            with --truth halves (halves.h)
 //   recipe.json        input of ngs-synth for the same scene          ground_truth.json  ids, names, errors
 // clang-format on
@@ -37,6 +38,7 @@ struct MaskErrors {
   std::vector<std::string> specs;  // as given
   synth::MaskNoise noise;
   std::uint64_t seed = 0;
+  bool everything = false;  // also writes masks_everything/
 };
 
 /// FOLDER/NAME; creates the folder.
@@ -63,15 +65,20 @@ std::vector<FitPoint> fit_points(const std::vector<SparsePoint>& points);
 /// kHalves: also the room without the target, and the target alone from all sides.
 enum class Truth : std::uint8_t { kMasks, kHalves };
 
+/// kEverything: also masks of all objects that are not associated across views.
+enum class Masks : std::uint8_t { kObjects, kEverything };
+
 struct SynthOptions {
-  int view_count = 0, width_px = 0, height_px = 0;
+  int view_count = 0, width_px = 0, height_px = 0, objects = 0;
   std::int64_t scene_seed = -1;
   std::string target;
   std::vector<std::string> mask_noise;
   bool grey = false, cast_shadows = false, fit = true;
   Truth truth = Truth::kMasks;
+  Masks masks = Masks::kObjects;
 
   static constexpr NamedValue<Truth> kTruths[] = {{Truth::kMasks, "masks"}, {Truth::kHalves, "halves"}};
+  static constexpr NamedValue<Masks> kMasks[] = {{Masks::kObjects, "objects"}, {Masks::kEverything, "everything"}};
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -80,10 +87,17 @@ struct SynthOptions {
     visit(self.height_px, Field<int>{"height_px", "px", "Image height; 0: from the recipe", 0, 16384});
     visit(self.scene_seed,
           Field<std::int64_t>{"scene_seed", "", "Seed of textures and layout; -1: from the recipe", -1, 1ll << 53});
+    visit(self.objects, Field<int>{"objects", "", "Number of objects of messy; 0: from the recipe", 0, 10000});
     visit(self.target, Text{"target", "NAME", "Object whose masks go to masks/; default: from the recipe"});
     visit(self.mask_noise,
           Text{"mask_noise", "KIND:AMOUNT",
-               "Errors to add to masks/ and labels/: erode:PX dilate:PX jitter:PX snap:PX drop:P swap:P blob:P"});
+               "Errors to add to masks/ and labels/: erode:PX dilate:PX jitter:PX snap:PX drop:P swap:P blob:P; with "
+               "--masks everything to masks_everything/ too, also merge:P split:P"});
+    visit(self.masks,
+          Choice<Masks>{"masks",
+                        "Masks to write; everything: also masks_everything/, masks of all objects whose ids "
+                        "differ between the views",
+                        kMasks});
     visit(self.grey, Flag{"grey", "Make all images grey; off: from the recipe"});
     visit(self.cast_shadows, Flag{"cast_shadows", "Let the objects cast shadows; off: from the recipe"});
     visit(self.truth, Choice<Truth>{"truth",

@@ -1,8 +1,8 @@
 // ngs-synth: generates photos, poses, exact and erroneous masks, depth, and a fitted splat from a recipe.
 #include "dataset.h"
 #include "halves.h"
-#include "ngs/io/ply/gaussian_ply.h"
 #include "shared/tool.h"
+#include "splat.h"
 
 namespace {
 
@@ -17,16 +17,10 @@ synth::Recipe resolved(synth::Recipe recipe, const cli::SynthOptions& o) {
   };
   recipe.width_px = side_of(o.width_px, recipe.width_px), recipe.height_px = side_of(o.height_px, recipe.height_px);
   if (o.scene_seed >= 0) recipe.scene_seed = o.scene_seed;
+  if (o.objects > 0) recipe.objects = o.objects;
   if (!o.target.empty()) recipe.target = o.target;
   recipe.grey |= o.grey, recipe.cast_shadows |= o.cast_shadows;
   return recipe;
-}
-
-FitOptions small_fit() {
-  FitOptions options;
-  options.steps = 1500, options.sh_degree = 1, options.max_gaussians = 8000;
-  options.near_loss = 0;  // initial points are on the surfaces, and measured tables refer to these splats
-  return options;
 }
 
 /// Estimated wall time in seconds and memory in MiB; 4e-7 s per ray on one core.
@@ -40,34 +34,16 @@ Json estimate(const cli::SynthData& data, const cli::SynthOptions& options, cons
           {"memory_mib", 40 + 2e-6 * rays + cost.memory_mib}};
 }
 
-void fit(cli::Run& run, const cli::SynthData& data, const FitOptions& options, const std::string& path) {
-  const std::vector<FitView> views = cli::fit_views(data);
-  Fitter fitter(options, views, initial_fit(run.exec(), options, cli::fit_points(data.points), views, run.seed()),
-                run.seed());
-  const double start = wall_seconds();
-  run_fit(run.exec(), run.monitor(), fitter, options, {});
-  const double seconds = wall_seconds() - start;
-  if (run.stop_code() != 0) return;
-  const GaussianCloud& cloud = fitter.state().cloud;
-  const FitScore score = score_fit(run.exec(), options, cloud, views, Split::kTrain);
-  const std::string history = io::history_line("ngs-synth", cli::recipe_json(data.recipe).dump());
-  io::write_strict_ply(path, cloud, {}, io::trained_comments(history, options.antialiased));
-  run.result()["gaussians"] = cloud.size();
-  run.result()["fit"] = {{"steps", options.steps},
-                         {"steps_per_s", options.steps / seconds},
-                         {"psnr_db", score.psnr_db},
-                         {"ssim", score.ssim}};
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
   cli::Tool tool(
       "ngs-synth", "Generate an analytic scene with exact masks and fit a splat to it.",
       {"ngs-synth torus-box -o scene/", "ngs-synth leaves -o noisy/ --mask-noise jitter:1.5,drop:0.1 --fit-steps 3000",
-       "ngs-synth recipe.json -o again/ --no-fit", "ngs-synth corner -o corner/ --truth halves"});
+       "ngs-synth recipe.json -o again/ --no-fit", "ngs-synth corner -o corner/ --truth halves",
+       "ngs-synth messy -o messy/ --objects 100 --masks everything"});
   cli::SynthOptions options;
-  FitOptions fit_options = small_fit();
+  FitOptions fit_options = cli::small_fit();
   tool.options(options);
   tool.options(fit_options, {.name = "fit",
                              .about = "options of the fit to the photos",
@@ -76,7 +52,7 @@ int main(int argc, char** argv) {
                              .needs = "--fit"});
   const cli::Argument& name = tool.argument("recipe",
                                             "two-spheres, torus-box, leaves, bones, table, corner, ground, turntable, "
-                                            "tiny, or a JSON file of recipe options");
+                                            "messy, tiny, or a JSON file of recipe options");
   const cli::Output& out = tool.output_dir("-o,--output", "folder of the scene");
   tool.stops_on_request();
 
@@ -86,9 +62,16 @@ int main(int argc, char** argv) {
     data.recipe = resolved(cli::load_recipe(name.value, is_file), options);
     if (is_file) run.add_input("recipe", name.value);
     cli::build(data, options.truth == cli::Truth::kHalves);
-    const cli::MaskErrors errors{options.mask_noise, synth::parse_mask_noise(options.mask_noise), run.seed()};
+    const bool everything = options.masks == cli::Masks::kEverything;
+    const auto noise_of = everything ? synth::NoiseOf::kEverything : synth::NoiseOf::kLabelMaps;
+    const cli::MaskErrors errors{options.mask_noise, synth::parse_mask_noise(options.mask_noise, noise_of), run.seed(),
+                                 everything};
+    if (data.recipe.scene == synth::SceneKind::kMessy)
+      cli::make_finer(fit_options, data.recipe);
+    else
+      run.warn_unused({"--objects"}, "without the recipe messy");
     run.result()["views"] = data.cameras.size();
-    run.result()["objects"] = data.scene.objects.size();
+    run.result()["objects"] = synth::object_count(data.scene);
     run.result()["target"] = data.scene.objects[std::size_t(data.scene.target)].name;
     if (run.dry_run()) return run.plan(estimate(data, options, fit_options, run.exec().threads)), cli::kDone;
 
@@ -103,7 +86,7 @@ int main(int argc, char** argv) {
         synth::sample_points(data.cameras, data.views, data.recipe.points, std::uint64_t(data.recipe.scene_seed));
     cli::write_description(out.path, data, errors);
     if (!data.hole_cameras.empty()) cli::write_halves(run, out.path + "/halves", data);
-    if (options.fit && run.stop_code() == 0) fit(run, data, fit_options, out.path + "/point_cloud.ply");
+    if (options.fit && run.stop_code() == 0) cli::fit_splat(run, data, fit_options, out.path + "/point_cloud.ply");
     return run.stop_code();
   });
 }

@@ -25,6 +25,7 @@ struct Subcommand {
 constexpr Subcommand kSubcommands[] = {
     {"scene", "cameras, photos, masks, a splat -> checked scene.json; makes pictures of a bare splat"},
     {"mask", "strokes on some photos -> masks of all views"},
+    {"group", "masks of everything, whose ids differ between the views -> one id per object"},
     {"variance", "masks -> the Gaussians on the edge of the object"},
     {"sample", "query points on rays over the boundary"},
     {"rbf", "boundary features interpolated at the query points"},

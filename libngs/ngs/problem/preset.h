@@ -14,9 +14,10 @@ inline constexpr NamedValue<Quality> kQualityNames[] = {{Quality::kDraft, "draft
                                                         {Quality::kReference, "reference"}};
 
 struct Preset {
+  bool joint;         // take joint steps, unless --steps or --effect ask for them
   int epochs;         // joint steps per training view
   bool half_samples;  // halve the NeRF's rows, columns and depths: in one epoch more samples gain little (decision 013)
-  bool contours;      // refine contours also without --contour-epochs
+  int contour_epochs;   // of the last contour iteration, with few views
   int more_iterations;  // contour iterations in addition to the two or three that depend on the masks
   bool half_floaters;   // search floaters in fewer views, at half the size
   bool bleed_through;   // look for Gaussians that are only visible through the object
@@ -24,12 +25,12 @@ struct Preset {
 
 constexpr Preset preset_of(Quality quality) {
   // clang-format off
-  //                                       epochs  samples  contours  more  floaters  bleed-through
+  //                                       joint epochs  samples  contours  more  floaters  bleed-through
   switch (quality) {
-    case Quality::kDraft:     return {          1,    true,    false,    0,     true,    false};
-    case Quality::kStandard:  return {         10,   false,     true,    0,    false,     true};
-    case Quality::kHigh:      return {         40,   false,     true,    2,    false,     true};
-    case Quality::kReference: return {        160,   false,     true,    5,    false,     true};
+    case Quality::kDraft:     return {     false,     1,    true,        4,   -1,     true,    false};
+    case Quality::kStandard:  return {      true,    10,   false,       15,    0,    false,     true};
+    case Quality::kHigh:      return {      true,    40,   false,       15,    2,    false,     true};
+    case Quality::kReference: return {      true,   160,   false,       15,    5,    false,     true};
   }
   // clang-format on
   return {};

@@ -35,12 +35,17 @@ export function resize(plane, width, height, toWidth, toHeight) {
   return out;
 }
 
-/** Crops the picture from the corner of a padded square of `side` px and resizes it to `width` x `height` px. */
-export function enlarge(square, side, width, height) {
+/** The picture {width, height, data} in the corner of a padded square of `side` px, of the shape `width` x `height`. */
+export function cropped(square, side, width, height) {
   const scale = side / Math.max(width, height);
-  const lowWidth = Math.round(width * scale);
-  const lowHeight = Math.round(height * scale);
-  const cut = new Float32Array(lowWidth * lowHeight);
-  for (let y = 0; y < lowHeight; ++y) cut.set(square.subarray(y * side, y * side + lowWidth), y * lowWidth);
-  return resize(cut, lowWidth, lowHeight, width, height);
+  const low = { width: Math.round(width * scale), height: Math.round(height * scale) };
+  low.data = new Float32Array(low.width * low.height);
+  for (let y = 0; y < low.height; ++y) low.data.set(square.subarray(y * side, y * side + low.width), y * low.width);
+  return low;
+}
+
+/** The same, resized to `width` x `height` px. */
+export function enlarge(square, side, width, height) {
+  const low = cropped(square, side, width, height);
+  return resize(low.data, low.width, low.height, width, height);
 }

@@ -7,7 +7,8 @@ import * as path from 'node:path';
 import * as readline from 'node:readline';
 import * as ort from 'onnxruntime-node';
 import { PNG } from 'pngjs';
-import { enlarge, resize } from './pictures.mjs';
+import { masksOfEverything } from './everything.mjs';
+import { cropped, enlarge, resize } from './pictures.mjs';
 
 const kEncoderPx = 1024; // longer side of the encoder input; the rest of the square is padding
 const kLowPx = 256; // the same for masks of the decoder
@@ -51,8 +52,8 @@ function priorOf(logits, width, height) {
   return square;
 }
 
-/** Logits [height x width] of the object for points and boxes; `prior`: low-resolution logits, or null. */
-async function decode(embedding, { width, height, points, boxes }, prior) {
+/** Low-resolution logits of the object for points and boxes; `prior`: such logits, or null. */
+async function decodeLow(embedding, { width, height, points, boxes }, prior) {
   const scale = kEncoderPx / Math.max(width, height);
   const marks = points.map((p) => [p.x * scale, p.y * scale, p.object ? kLabel.object : kLabel.background]);
   for (const [left, top, right, bottom] of boxes)
@@ -66,7 +67,12 @@ async function decode(embedding, { width, height, points, boxes }, prior) {
     has_mask_input: new ort.Tensor('float32', [prior ? 1 : 0], [1]),
     orig_im_size: new ort.Tensor('float32', [height, width], [2]),
   });
-  return enlarge(low.data, kLowPx, width, height);
+  return low.data;
+}
+
+/** The same at the picture's size, [height x width]. */
+async function decode(embedding, prompts, prior) {
+  return enlarge(await decodeLow(embedding, prompts, prior), kLowPx, prompts.width, prompts.height);
 }
 
 const embeddings = new Map(); // cache by view, size and window: every view is segmented several times
@@ -134,8 +140,27 @@ async function logitsOf(view, picture, prompts) {
   return out;
 }
 
+/** Writes a 16-bit id map of all masks, smaller ones over larger ones; 0 is no mask. */
+async function segmentEverything(request, { width, height }) {
+  const embedding = await encode(PNG.sync.read(fs.readFileSync(request.image)));
+  const low = cropped(new Float32Array(kLowPx * kLowPx), kLowPx, width, height);
+  const masks = await masksOfEverything(low.width, low.height, async (x, y) => {
+    const points = [{ x: x * width, y: y * height, object: true }];
+    return cropped(await decodeLow(embedding, { width, height, points, boxes: [] }, null), kLowPx, width, height).data;
+  });
+  const ids = new Uint16Array(width * height);
+  masks.forEach(({ logits }, k) => {
+    resize(logits, low.width, low.height, width, height).forEach((l, p) => {
+      if (l > 0) ids[p] = k + 1;
+    });
+  });
+  const format = { width, height, bitDepth: 16, colorType: 0, inputColorType: 0, inputHasAlpha: false };
+  fs.writeFileSync(request.out, PNG.sync.write({ width, height, data: Buffer.from(ids.buffer) }, format));
+}
+
 async function segment(request) {
   const marks = JSON.parse(fs.readFileSync(request.prompts, 'utf8'));
+  if (marks.everything) return segmentEverything(request, marks);
   const { width, height } = marks;
   // Drop the expected mask, since the network would reproduce its holes, and background points outside it, which may lie in
   // holes. Without an expected mask the points are by hand and all are kept.

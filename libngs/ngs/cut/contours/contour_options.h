@@ -42,12 +42,13 @@ struct ContourOptions {
   static void describe(Self& self, Visitor&& visit) {
     visit(self.iterations, Field<int>{"contour_iterations", "",
                                       "Number of refinements; 0: 2, or 3 if the masks' contours miss the photos' "
-                                      "edges, and 2 more at high, 5 more at reference",
+                                      "edges; one less in a draft, 2 more at high, 5 more at reference",
                                       0, 100}
                                .of("contour-iterations"));
-    visit(self.epochs, Field<int>{"contour_epochs", "",
-                                  "Epochs per iteration, half as many at half resolution; 0: 15, fewer with many views",
-                                  0, 1'000'000});
+    visit(self.epochs,
+          Field<int>{"contour_epochs", "",
+                     "Epochs per iteration, half as many at half resolution; 0: 15 (draft: 4), fewer with many views",
+                     0, 1'000'000});
     visit(self.views, Choice<ContourViews>{"contour_views", "Views whose photos are used; held-out masks never are",
                                            kContourViewsNames});
     visit(self.photoless,
@@ -63,12 +64,11 @@ struct ContourOptions {
 /// With more views, the default number of epochs falls so that steps grow with the square root of the number of views.
 inline constexpr int kViewsOfAllEpochs = 21;
 
-/// Epochs of the last iteration for this number of views; 0: contours are not refined.
+/// Epochs of the last iteration for this number of views.
 inline int contour_epochs(const ContourOptions& contour, Quality quality, std::size_t views) {
-  constexpr int kEpochs = 15;
-  if (contour.epochs > 0 || !preset_of(quality).contours) return contour.epochs;
+  if (contour.epochs > 0) return contour.epochs;
   const double share = std::min(1.0, std::sqrt(double(kViewsOfAllEpochs) / double(std::max<std::size_t>(views, 1))));
-  return int(std::ceil(kEpochs * share));
+  return int(std::ceil(preset_of(quality).contour_epochs * share));
 }
 
 /// Number of iterations. `misaligned`: the masks' contours miss the photos' edges by more than one refinement moves.

@@ -184,7 +184,7 @@ class ContourRun {
   /// reject the refinement.
   bool refine(bool first) {
     const auto timed = monitor_.scope("refine contours");
-    refined_ = refined_at(detail_, first);
+    refined_ = refined_in(views_, detail_, first);
     if (first && could_enlarge(refined_, kLargeDetail)) try_enlarging();
     if (first)
       std::copy_if(views_.begin(), views_.end(), std::back_inserter(photoless_),
@@ -291,8 +291,8 @@ class ContourRun {
   }
 
  private:
-  std::vector<RefinedView> refined_at(int detail, bool compare) const {
-    return refine_views(exec_, refine_setup(detail), {model_.cloud, model_.labels}, views_,
+  std::vector<RefinedView> refined_in(const std::vector<std::size_t>& views, int detail, bool compare) const {
+    return refine_views(exec_, refine_setup(detail), {model_.cloud, model_.labels}, views,
                         compare ? setup_.problem.views : std::vector<std::size_t>{});
   }
 
@@ -311,11 +311,22 @@ class ContourRun {
     std::erase_if(views_, [&](std::size_t v) { return !refined_[v].masks.available(); });
   }
 
-  /// Switches to enlarged photos if contours refined in them agree better with the given masks.
+  /// Switches to enlarged photos if contours refined in them agree better with the given masks. A few views decide
+  /// first whether the others are tried.
   void try_enlarging() {
-    std::vector<RefinedView> large = refined_at(kLargeDetail, true);
+    constexpr std::size_t kFirstViews = 8;
+    std::vector<std::size_t> compared, rest;
+    std::ranges::copy_if(views_, std::back_inserter(compared), [&](std::size_t v) { return refined_[v].compared; });
+    const std::vector<std::size_t> few = spread_views(compared, kFirstViews);
+    std::vector<RefinedView> large = refined_in(few, kLargeDetail, true);
+    const std::vector<double> first = gains_over(large, refined_);
+    if (std::accumulate(first.begin(), first.end(), 0.0) <= 0) return;
+    std::ranges::set_difference(views_, few, std::back_inserter(rest));
+    std::vector<RefinedView> more = refined_in(rest, kLargeDetail, true);
+    for (const std::size_t v : rest) large[v] = std::move(more[v]);
     if (gain_in_standard_errors(gains_over(large, refined_)) <= kSignificant) return;
-    detail_ = kLargeDetail, refined_ = std::move(large);
+    detail_ = kLargeDetail;
+    refined_ = std::move(large);
   }
 
   /// False: the given masks reject the refined contours (paper.md §5.10). Sets the figures of agreement and contrast.
@@ -371,9 +382,7 @@ class ContourRun {
 }  // namespace
 
 Solution refine_contours(const Exec& exec, Monitor& monitor, const ContourSetup& setup, Solution start) {
-  const std::size_t all_views = setup.problem.scene.views.size();
-  if (contour_epochs(setup.contour, setup.training.joint.quality, all_views) == 0 || !setup.problem.load_fine_photo)
-    return start;
+  if (!setup.problem.load_fine_photo) return start;
   const auto timed = monitor.scope("contours");
   ContourRun run(exec, monitor, setup, start);
   const bool more = setup.contour.on.iterations;

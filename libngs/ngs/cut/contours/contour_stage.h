@@ -29,8 +29,8 @@ struct ContourSetup {
   std::function<int(int iterations)> iterations_allowed = {};
 };
 
-/// Continues from the result `start` of a method. Returns `start` if no view has a photo, if nothing is labelled, for
-/// --quality draft, or if the given masks reject the refined ones. The result is not converged if time ran out.
+/// Continues from the result `start` of a method. Returns `start` if no view has a photo, if nothing is labelled,
+/// or if the given masks reject the refined ones. The result is not converged if time ran out.
 // clang-format off
 /// Figures:
 ///   contour_iterations                    iterations done

@@ -218,4 +218,26 @@ std::vector<ImageF> read_annotations(const std::string& path, const std::string&
   return planes;
 }
 
+ImageU16 read_id_map(const std::string& path, const std::string& view) {
+  const json root = read_json_file(path);
+  const ImageF blank = plane_of(root, path, view);
+  std::vector<std::vector<std::uint32_t>> masks;  // the pixels of each
+  for_each_shape(root, path, view, [&](const std::string&, const JsonReader& shape) {
+    ImageF plane = blank;
+    is_labelme(root) ? fill_shape(shape, plane) : fill_annotation(shape, plane);
+    masks.emplace_back();
+    for (std::size_t p = 0; p < plane.data.size(); ++p)
+      if (plane.data[p] > 0) masks.back().push_back(std::uint32_t(p));
+    if (masks.back().empty()) masks.pop_back();
+  });
+  if (masks.size() > 0xffff)
+    throw Error(ErrorCode::kBadInput,
+                path + ": " + std::to_string(masks.size()) + " masks of " + view + ", expected at most 65535");
+  std::ranges::stable_sort(masks, std::greater<>{}, &std::vector<std::uint32_t>::size);
+  ImageU16 ids(blank.width_px, blank.height_px, 1);
+  for (std::size_t k = 0; k < masks.size(); ++k)
+    for (const std::uint32_t p : masks[k]) ids.data[p] = std::uint16_t(k + 1);
+  return ids;
+}
+
 }  // namespace ngs::io

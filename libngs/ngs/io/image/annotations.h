@@ -27,4 +27,8 @@ AnnotationMatches match_annotations(const std::vector<std::string>& files, std::
 std::vector<ImageF> read_annotations(const std::string& path, const std::string& view,
                                      const std::vector<SceneObject>& objects);
 
+/// All masks of a view in such a file as an id map [H, W, 1], whatever their labels: ids 1, 2, … in the order of their
+/// size, the largest first, smaller masks over larger ones; 0: no mask. kBadInput for more than 65,535 masks.
+ImageU16 read_id_map(const std::string& path, const std::string& view);
+
 }  // namespace ngs::io

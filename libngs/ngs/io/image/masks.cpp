@@ -221,20 +221,26 @@ bool reduce_ids(const Scene& scene, const ImageSize& wanted, Decoded& mask) {
   return true;
 }
 
+/// Throws kInconsistent for a file that does not show the camera's image.
+SizeRelation checked_size(const ImageSize& file, const std::string& path, const Camera& camera, double image_scale) {
+  const ImageSize wanted{camera.width_px, camera.height_px};
+  const SizeRelation relation = relate_mask_size(file, wanted, image_scale);
+  if (relation.same || relation.allowed) return relation;
+  throw Error(ErrorCode::kInconsistent,
+              path + ": mask of " + to_string(file) + " px for view " + camera.name + " of " + to_string(wanted) +
+                  " px, expected the same size or the same shape",
+              is_turned(file, wanted, image_scale)
+                  ? "rotate the mask to the photo's stored pixels: its program applied the photo's EXIF orientation"
+                  : "make the masks from the photos that the scene names, or import with their folder as --images");
+}
+
 void bring_to_size(const Scene& scene, const Camera& camera, const std::string& path, Decoded& mask, LoadedMasks& out) {
   const ImageF& as_read = mask.ids.empty() ? mask.target[0] : mask.ids;
   const ImageSize file{as_read.width_px, as_read.height_px};
   const ImageSize wanted{camera.width_px, camera.height_px};
-  const SizeRelation relation = relate_mask_size(file, wanted, scene.image_scale);
+  const SizeRelation relation = checked_size(file, path, camera, scene.image_scale);
   if (relation.same && !mask.ids.empty()) split_ids(scene, mask);
   if (relation.same) return;
-  if (!relation.allowed)
-    throw Error(ErrorCode::kInconsistent,
-                path + ": mask of " + to_string(file) + " px for view " + camera.name + " of " + to_string(wanted) +
-                    " px, expected the same size or the same shape",
-                is_turned(file, wanted, scene.image_scale)
-                    ? "rotate the mask to the photo's stored pixels: its program applied the photo's EXIF orientation"
-                    : "make the masks from the photos that the scene names, or import with their folder as --images");
   out.resized = true;
   out.notes.push_back(path + ": mask of " + to_string(file) + " px resampled to the camera's " + to_string(wanted) +
                       " px");
@@ -328,6 +334,15 @@ std::set<std::uint32_t> ids_in_label_map(const std::string& path) {
     if (v != last) ids.insert(std::uint32_t(v));  // neighbouring ids are mostly equal
     last = v;
   }
+  return ids;
+}
+
+ImageU16 read_label_map(const std::string& path, const Camera& camera, double image_scale) {
+  std::vector<std::string> notes;
+  const Plane plane = read_plane(path, MaskMode::kLabel, notes);
+  checked_size({plane.value.width_px, plane.value.height_px}, path, camera, image_scale);
+  ImageU16 ids(plane.value.width_px, plane.value.height_px, 1);
+  std::ranges::copy(plane.value.data, ids.data.begin());
   return ids;
 }
 

@@ -50,6 +50,10 @@ ImageF read_id_exr(const std::string& path);
 /// All values that occur in a label map.
 std::set<std::uint32_t> ids_in_label_map(const std::string& path);
 
+/// A label map as stored, [H, W, 1] ids. kBadInput: an unreadable file, or no label map. kInconsistent: its size does
+/// not fit the camera.
+ImageU16 read_label_map(const std::string& path, const Camera& camera, double image_scale);
+
 /// The mask files of a view: one, or one per object if the path contains "{object}". Empty: no mask.
 std::vector<std::string> mask_files(const Scene& scene, std::size_t view);
 

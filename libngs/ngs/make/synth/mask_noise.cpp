@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "ngs/backend/for_each.h"
@@ -23,7 +25,7 @@ struct Draws {
   double uniform(std::uint64_t i) const { return rng_uniform(seed, RngStream::kMaskNoise, i); }
   double normal(std::uint64_t i) const { return rng_normal(seed, RngStream::kMaskNoise, i); }
 };
-enum Purpose : std::uint64_t { kSwap, kDrop, kJitter, kBlob, kAssignment };
+enum Purpose : std::uint64_t { kSwap, kDrop, kJitter, kBlob, kAssignment, kMerge, kSplit, kShuffle };
 
 std::vector<std::uint16_t> ids_in(const ImageU16& labels) {
   std::vector<std::uint8_t> seen(65536, 0);
@@ -49,6 +51,80 @@ void swap_and_drop(ImageU16& labels, const MaskNoise& noise, int view, std::uint
       for (std::uint16_t& name : renamed)
         if (name == id) name = 0;
   for (std::uint16_t& id : labels.data) id = renamed[id];
+}
+
+/// Pairs of different ids > 0 in pixels that touch, both ways, sorted.
+std::vector<std::pair<std::uint16_t, std::uint16_t>> neighbours_in(const ImageU16& labels) {
+  std::set<std::pair<std::uint16_t, std::uint16_t>> pairs;
+  const auto note = [&](std::uint16_t a, std::uint16_t b) {
+    if (a == b || a == 0 || b == 0) return;
+    pairs.insert({a, b});
+    pairs.insert({b, a});
+  };
+  for (int y = 0; y < labels.height_px; ++y)
+    for (int x = 0; x < labels.width_px; ++x) {
+      if (x > 0) note(labels.at(x - 1, y), labels.at(x, y));
+      if (y > 0) note(labels.at(x, y - 1), labels.at(x, y));
+    }
+  return {pairs.begin(), pairs.end()};
+}
+
+void merge_neighbours(ImageU16& labels, double probability, const Draws& draws) {
+  const auto pairs = neighbours_in(labels);
+  std::vector<std::uint16_t> name(65536);
+  std::iota(name.begin(), name.end(), std::uint16_t(0));
+  for (auto first = pairs.begin(); first != pairs.end();) {
+    const std::uint16_t id = first->first;
+    const auto last = std::find_if(first, pairs.end(), [&](const auto& pair) { return pair.first != id; });
+    if (draws.uniform(2 * id) < probability) {
+      const auto k = std::size_t(draws.uniform(2 * id + 1) * double(last - first));
+      const std::uint16_t from = name[first[std::ptrdiff_t(k)].second];
+      std::replace(name.begin(), name.end(), from, name[id]);
+    }
+    first = last;
+  }
+  for (std::uint16_t& id : labels.data) id = name[id];
+}
+
+/// Cuts masks in two by a line through their centroid.
+void split_masks(ImageU16& labels, double probability, const Draws& draws) {
+  const std::vector<std::uint16_t> ids = ids_in(labels);
+  struct Cut {
+    double x = 0, y = 0, pixels = 0, angle = 0;
+    std::uint16_t other = 0;  // 0: whole
+  };
+  std::vector<Cut> cuts(65536);
+  int next = ids.empty() ? 0 : ids.back();
+  for (const std::uint16_t id : ids)
+    if (draws.uniform(2 * id) < probability && next < 65535) {
+      cuts[id].other = std::uint16_t(++next);
+      cuts[id].angle = 2 * std::numbers::pi * draws.uniform(2 * id + 1);
+    }
+  const auto for_each_pixel = [&](auto&& visit) {
+    for (int y = 0; y < labels.height_px; ++y)
+      for (int x = 0; x < labels.width_px; ++x)
+        if (labels.at(x, y) != 0) visit(x, y, labels.at(x, y));
+  };
+  for_each_pixel([&](int x, int y, std::uint16_t id) {
+    Cut& cut = cuts[id];
+    cut.x += x;
+    cut.y += y;
+    ++cut.pixels;
+  });
+  for_each_pixel([&](int x, int y, std::uint16_t& id) {
+    const Cut& cut = cuts[id];
+    const double across =
+        (x - cut.x / cut.pixels) * std::cos(cut.angle) + (y - cut.y / cut.pixels) * std::sin(cut.angle);
+    if (cut.other != 0 && across > 0) id = cut.other;
+  });
+}
+
+/// Renames the ids to 1, 2, … in a random order.
+void shuffle_ids(ImageU16& labels, const Draws& draws) {
+  std::vector<std::uint16_t> ids = ids_in(labels), name(65536);
+  for (std::size_t i = ids.size(); i > 1; --i) std::swap(ids[i - 1], ids[std::size_t(draws.uniform(i) * double(i))]);
+  for (std::size_t i = 0; i < ids.size(); ++i) name[ids[i]] = std::uint16_t(i + 1);
+  for (std::uint16_t& id : labels.data) id = name[id];
 }
 
 /// Smooth random field of unit variance: normal numbers on a lattice, interpolated and divided by the root of the
@@ -157,10 +233,12 @@ void add_blobs(ImageU16& labels, double probability, int view, std::uint64_t see
 }
 
 [[noreturn]] void fail(const std::string& spec, NoiseOf of) {
-  const std::string swap = of == NoiseOf::kLabelMaps ? "swap:P " : "";
+  const std::string more = of == NoiseOf::kLabelMaps    ? "swap:P "
+                           : of == NoiseOf::kEverything ? "swap:P, merge:P, split:P "
+                                                        : "";
   throw Error(ErrorCode::kUsage,
               "mask noise: \"" + spec +
-                  "\", expected erode:PX, dilate:PX, jitter:PX (0..200), snap:PX (0..50), drop:P, " + swap +
+                  "\", expected erode:PX, dilate:PX, jitter:PX (0..200), snap:PX (0..50), drop:P, " + more +
                   "or blob:P (0..1)",
               "several are joined by commas: --mask-noise jitter:1,drop:0.1");
 }
@@ -185,8 +263,12 @@ void parse_one(const std::string& spec, NoiseOf of, MaskNoise& noise) {
     set(noise.drop, 1);
   else if (kind == "snap")
     set(noise.snap_px, 50);
-  else if (kind == "swap" && of == NoiseOf::kLabelMaps)
+  else if (kind == "swap" && of != NoiseOf::kOneObject)
     set(noise.swap, 1);
+  else if (kind == "merge" && of == NoiseOf::kEverything)
+    set(noise.merge, 1);
+  else if (kind == "split" && of == NoiseOf::kEverything)
+    set(noise.split, 1);
   else if (kind == "blob")
     set(noise.blob, 1);
   else
@@ -220,6 +302,15 @@ ImageU16 disturb_labels(const Exec& exec, const ImageU16& labels, const MaskNois
     morph(exec, result, noise.erode_px,
           [](std::uint16_t own, std::uint16_t other) { return own != 0 && other != own; });
   if (noise.blob > 0) add_blobs(result, noise.blob, view, seed);
+  return result;
+}
+
+ImageU16 masks_of_everything(const Exec& exec, const ImageU16& labels, const MaskNoise& noise, const MaskDraw& draw) {
+  ImageU16 result = labels;
+  if (noise.merge > 0) merge_neighbours(result, noise.merge, {draw.seed, draw.view, kMerge});
+  if (noise.split > 0) split_masks(result, noise.split, {draw.seed, draw.view, kSplit});
+  result = disturb_labels(exec, result, noise, draw);
+  shuffle_ids(result, {draw.seed, draw.view, kShuffle});
   return result;
 }
 

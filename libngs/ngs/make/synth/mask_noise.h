@@ -14,6 +14,8 @@
 namespace ngs::synth {
 
 struct MaskNoise {
+  double merge = 0;      // probability, per view and object: one mask with a neighbour; of masks_of_everything() only
+  double split = 0;      // probability, per view and mask: two parts, cut by a line; of masks_of_everything() only
   double swap = 0;       // probability, per view and object: its id is exchanged with another object in the view
   double drop = 0;       // probability, per view and object: missing in the mask
   double snap_px = 0;    // contours snap to wrong edges of the photo at most this far away (contour_snap.h)
@@ -26,9 +28,9 @@ struct MaskNoise {
   }
 };
 
-enum class NoiseOf : std::uint8_t { kLabelMaps, kOneObject };
-/// Parses "erode:1.5", "drop:0.1", …; several in one string are separated by commas. Throws kUsage otherwise, and for
-/// swap with kOneObject.
+enum class NoiseOf : std::uint8_t { kLabelMaps, kOneObject, kEverything };
+/// Parses "erode:1.5", "drop:0.1", …; several in one string are separated by commas. Throws kUsage otherwise, for
+/// swap with kOneObject, and for merge and split without kEverything.
 MaskNoise parse_mask_noise(std::span<const std::string> specs, NoiseOf of = NoiseOf::kLabelMaps);
 
 /// Selects the mask to make. With `only_id` > 0 it is binary: 1 for that object's disturbed mask. Dilation and blobs
@@ -42,6 +44,10 @@ struct MaskDraw {
 
 /// Copy of an exact label map with the errors of `noise`.
 ImageU16 disturb_labels(const Exec& exec, const ImageU16& labels, const MaskNoise& noise, const MaskDraw& draw);
+
+/// Masks of all objects of a view as a network without prompts makes them: with the errors of `noise`, and with ids 1,
+/// 2, … without gaps in a random order that differs between views. `draw.only_id` must be 0.
+ImageU16 masks_of_everything(const Exec& exec, const ImageU16& labels, const MaskNoise& noise, const MaskDraw& draw);
 
 /// Which mask each view gets, [views]: the index of the view whose mask it gets, or -1 for none. round(missing · views)
 /// views get none and round(wrong · views) views get that of another view, chosen by seed; all others get their own.

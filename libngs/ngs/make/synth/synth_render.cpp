@@ -163,7 +163,7 @@ SynthView render_view(const Exec& exec, const AnalyticScene& scene, const Camera
       const V middle = ray_direction(camera, x + 0.5, y + 0.5);
       collect(scene, o, middle, spread, candidates);
       const Hit centre = trace_among(scene, candidates, o, middle);
-      view.label.at(x, y) = std::uint16_t(centre.object + 1);
+      view.label.at(x, y) = label_of(scene, centre.object);
       view.depth.at(x, y) = float(centre.distance * dot(middle, forward));
       if (candidates.empty() && !scene.has_room) continue;
       V sum{0, 0, 0};

@@ -11,7 +11,7 @@ namespace ngs::synth {
 
 struct SynthView {
   ImageF colour;    // [H, W, 3] in [0, 1], mean over samples_per_side² rays
-  ImageU16 label;   // [H, W] id of the object at the pixel centre; 0: the room
+  ImageU16 label;   // [H, W] id of the object at the pixel centre; 0: room or furniture
   ImageF coverage;  // [H, W] fraction of the colour rays that hit the target
   ImageF depth;     // [H, W] camera z at the pixel centre
 };

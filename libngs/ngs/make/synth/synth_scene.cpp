@@ -5,31 +5,14 @@
 #include <numbers>
 
 #include "ngs/core/error.h"
-#include "ngs/core/rng.h"
+#include "ngs/make/synth/synth_dice.h"
+#include "ngs/make/synth/synth_messy.h"
 
 namespace ngs::synth {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
 using V = Vec3<double>;
-const Mat3<double> kUpright{{1, 0, 0, 0, 1, 0, 0, 0, 1}};
-
-/// Random draws of one recipe, numbered in order of use.
-class Dice {
- public:
-  explicit Dice(std::uint64_t seed) : seed_(seed) {}
-  double uniform(double low, double high) {
-    return low + (high - low) * rng_uniform(seed_, RngStream::kSynth, next_++);
-  }
-
- private:
-  std::uint64_t seed_, next_ = 0;
-};
-
-V bright(Dice& dice) {
-  const double hue = dice.uniform(0, 2 * kPi), lift = dice.uniform(0.5, 0.6), third = 2 * kPi / 3;
-  return {lift + 0.35 * std::cos(hue), lift + 0.35 * std::cos(hue - third), lift + 0.35 * std::cos(hue + third)};
-}
 
 void two_spheres(AnalyticScene& scene) {
   const double a = 0.55, b = 0.42;  // in contact: the centres are a + b apart
@@ -180,7 +163,7 @@ void turntable(AnalyticScene& scene) {
 int find_target(const std::vector<Object>& objects, const std::string& name) {
   if (name.empty()) return 0;
   std::string known;
-  for (std::size_t i = 0; i < objects.size(); ++i) {
+  for (std::size_t i = 0; i < objects.size() && !objects[i].is_furniture; ++i) {
     if (objects[i].name == name) return int(i);
     known += (i ? ", " : "") + objects[i].name;
   }
@@ -218,6 +201,10 @@ std::vector<std::string> recipe_names() {
 
 Recipe named_recipe(const std::string& name) {
   Recipe recipe;
+  if (name == "messy") {
+    recipe.views = 40, recipe.width_px = 400, recipe.height_px = 300, recipe.fov_deg = 60;
+    recipe.samples_per_side = 2, recipe.points = 20000;
+  }
   if (name == "tiny") {
     recipe.scene = SceneKind::kTwoSpheres;
     recipe.views = 6, recipe.width_px = 64, recipe.height_px = 48, recipe.points = 500;
@@ -245,6 +232,7 @@ AnalyticScene build_scene(const Recipe& recipe) {
     case SceneKind::kCorner: corner(scene); break;
     case SceneKind::kGround: ground(scene), floor = -1.2; break;
     case SceneKind::kTurntable: turntable(scene), floor = -1.2; break;
+    case SceneKind::kMessy: messy_room(scene, recipe.objects, std::uint64_t(recipe.scene_seed)); break;
   }
   const auto seed = std::uint32_t(recipe.scene_seed);
   for (Object& object : scene.objects) object.texture.seed += 101 * seed;

@@ -1,19 +1,28 @@
 #pragma once
 // Analytic scenes by name, and their camera rigs.
 //
-// A scene is a list of objects (unions of solids) in a textured room, so that no pixel is empty. Object k has the id
-// k + 1; id 0 is the room. World units; +z is up.
+// World units; +z is up.
 #include <cstdint>
 #include <string>
 #include <vector>
 
-#include "ngs/make/synth/synth_solids.h"
+#include "ngs/make/synth/analytic_scene.h"
 #include "ngs/options/field.h"
 #include "ngs/scene/camera.h"
 
 namespace ngs::synth {
 
-enum class SceneKind : std::uint8_t { kTwoSpheres, kTorusBox, kLeaves, kBones, kTable, kCorner, kGround, kTurntable };
+enum class SceneKind : std::uint8_t {
+  kTwoSpheres,
+  kTorusBox,
+  kLeaves,
+  kBones,
+  kTable,
+  kCorner,
+  kGround,
+  kTurntable,
+  kMessy
+};
 enum class Rig : std::uint8_t { kOrbit, kForward };
 inline constexpr NamedValue<SceneKind> kSceneNames[] = {{SceneKind::kTwoSpheres, "two-spheres"},
                                                         {SceneKind::kTorusBox, "torus-box"},
@@ -22,7 +31,8 @@ inline constexpr NamedValue<SceneKind> kSceneNames[] = {{SceneKind::kTwoSpheres,
                                                         {SceneKind::kTable, "table"},
                                                         {SceneKind::kCorner, "corner"},
                                                         {SceneKind::kGround, "ground"},
-                                                        {SceneKind::kTurntable, "turntable"}};
+                                                        {SceneKind::kTurntable, "turntable"},
+                                                        {SceneKind::kMessy, "messy"}};
 inline constexpr NamedValue<Rig> kRigNames[] = {{Rig::kOrbit, "orbit"}, {Rig::kForward, "forward"}};
 
 /// All parameters of a scene.
@@ -38,6 +48,7 @@ struct Recipe {
   double gloss = 0.15;
   bool grey = false, cast_shadows = false;
   int points = 4000;
+  int objects = 25;
   std::string target;
   std::int64_t scene_seed = 1;
 
@@ -57,44 +68,16 @@ struct Recipe {
     visit(self.grey, Flag{"grey", "Use luminance only, so that colour does not separate the objects"});
     visit(self.cast_shadows, Flag{"cast_shadows", "Let the objects cast shadows, with a half-shadow at their edge"});
     visit(self.points, Field<int>{"points", "", "Sparse points sampled on the surfaces", 1, 10000000});
+    visit(self.objects, Field<int>{"objects", "", "Number of objects of the scene messy", 1, 10000});
     visit(self.target, Text{"target", "NAME", "Object whose masks go to masks/; empty: the scene's first"});
     visit(self.scene_seed, Field<std::int64_t>{"scene_seed", "", "Seed of textures, layout and rig", 0, 1ll << 53});
   }
 };
 
-/// A recipe by name: the eight scenes, and `tiny` (two spheres, 6 views of 64x48, for tests). Throws kUsage for an
+/// A recipe by name: the nine scenes, and `tiny` (two spheres, 6 views of 64x48, for tests). Throws kUsage for an
 /// unknown name.
 Recipe named_recipe(const std::string& name);
 std::vector<std::string> recipe_names();
-
-struct Object {
-  std::string name;
-  std::vector<Solid> solids;
-  Texture texture;
-  bool visible = true;  // false: rays pass through, but it still shades what it touches
-};
-
-/// The room, seen from inside: an axis-aligned box with one texture for the floor and one for the rest.
-struct Room {
-  Vec3<double> low{}, high{};
-  Texture floor, walls;
-};
-
-struct AnalyticScene {
-  std::vector<Object> objects;
-  Room room;
-  bool has_room = true;                  // false: rays that miss every object are black and have no depth (infinity)
-  Vec3<double> light{0.45, -0.3, 0.84};  // unit, towards the light
-  bool turns = false;  // the objects turn before a fixed camera: light and room follow the camera's azimuth
-  double ambient = 0.4, gloss = 0;
-  bool grey = false;  // images have luminance only
-  bool cast_shadows = false;
-  Vec3<double> focus{};   // the point that the cameras look at
-  double rig_radius = 3;  // distance of the cameras from `focus`
-  // The cameras' azimuths, rad: all of them, or an arc around the open side of a scene against walls.
-  double open_side = -1.5707963267948966, arc = 6.283185307179586;
-  int target = 0;  // index into objects
-};
 
 /// Builds the scene of a recipe. For an unknown target throws kUsage with a list of the objects.
 AnalyticScene build_scene(const Recipe& recipe);

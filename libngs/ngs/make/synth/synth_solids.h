@@ -52,6 +52,7 @@ Vec3<double> albedo(const Texture& texture, Vec3<double> p);
 double value_noise(Vec3<double> p, std::uint32_t seed);
 
 Vec3<double> normalized(Vec3<double> v);
+inline const Mat3<double> kUpright{{1, 0, 0, 0, 1, 0, 0, 0, 1}};
 /// Rows: an orthonormal frame whose third axis is `axis`.
 Mat3<double> frame_with_z(Vec3<double> axis);
 /// world -> local of a solid turned by `angle_rad` about +z.

@@ -8,18 +8,18 @@ namespace {
 
 using Vec = Vec3<double>;
 
-constexpr double kRayBands = 3;  // bands along the ray within which a pixel's plane says where its surface is
-constexpr double kFreeWeight =
-    0.05;                           // of a view that sees a place free, against one that looks straight at the surface
-constexpr double kFreeShare = 0.1;  // of the views: those that make a place outside where no surface is near
-constexpr double kLevel = 0.03;     // bands: keeps thin sheets, whose two sides cancel out at 0
-constexpr double kEdge_px = 2;      // width of a contour: alpha falls from 1 to 0
+constexpr double kRayBands = 3;       // bands along the ray within which a pixel's plane says where its surface is
+constexpr double kFreeWeight = 0.05;  // of a view that sees a place free; 1: of one that looks straight at the surface
+constexpr double kFreeShare = 0.1;    // of the views that do not look into the object: as many make a place outside
+constexpr double kLevel = 0.03;       // bands: keeps thin sheets, whose two sides cancel out at 0
+constexpr double kEdge_px = 2;        // width of a contour: alpha falls from 1 to 0
 
 /// What the views say about one place.
 struct Gathered {
   double sum = 0, weight = 0;  // of views that see the surface near it
   double free_sum = 0;         // of distances, band at most
   int free = 0, near = 0;      // views that see it free, and near the surface
+  int within = 0;              // views that look into the object
 
   void add_free(double distance) {
     free_sum += distance;
@@ -36,7 +36,10 @@ void gather(const SurfaceView& view, Vec place, double band, Gathered& out) {
   const int ix = int(x), iy = int(y);
   const std::size_t pixel = view.depth.index(ix, iy);
   const auto depth = double(view.depth.data[pixel]);
-  if (depth < 0) return;
+  if (depth < 0) {
+    ++out.within;
+    return;
+  }
   if (depth == 0) {
     const double alpha = double(view.alpha.data[pixel]) / 255;
     const double outside = std::min(band, std::max(0.5 - alpha, 0.0) * kEdge_px * place.z / camera.fx);
@@ -69,14 +72,12 @@ void DistanceField::sample(const SampleGrid& grid, std::array<int, 3> low, std::
         for (int x = 0; x < kSide; ++x, ++k)
           gather(view, view.camera.to_camera(grid.at(low[0] + x, low[1] + y, low[2] + z)), band_, gathered[k]);
   }
-  const double enough = std::max(2.0, kFreeShare * double(views_.size()));
   for (std::size_t k = 0; k < values.size(); ++k) {
     const Gathered& at = gathered[k];
+    const double enough = std::max(2.0, kFreeShare * double(int(views_.size()) - at.within));
     const double weight = at.weight + kFreeWeight * at.free;
-    if (at.free + at.near < enough)
-      values[k] = -1;
-    else
-      values[k] = at.near == 0 ? 1.f : float((at.sum + kFreeWeight * at.free_sum) / (weight * band_) - kLevel);
+    const double distance = at.near == 0 ? 1 : (at.sum + kFreeWeight * at.free_sum) / (weight * band_) - kLevel;
+    values[k] = float(std::min(distance, (at.free + at.near - enough) / enough));
   }
 }
 

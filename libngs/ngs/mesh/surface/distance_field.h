@@ -3,8 +3,8 @@
 //
 // A place gathers what each view shows there. In front of the surface, or where the view shows nothing: free. Within a
 // band about the surface: its distance to the plane of the pixel, weighted by the square of the cosine of the viewing
-// angle, less behind the surface. Farther behind: nothing. The distance is the weighted mean; where no surface is near,
-// a place is outside if enough views see it free, and inside if not: what no view reaches is filled.
+// angle, less behind the surface. Farther behind, or where the view looks into the object: nothing. The distance is the
+// weighted mean. A place that only few views see free or near the surface is inside: what no view reaches is filled.
 #include <vector>
 
 #include "ngs/mesh/surface/iso_surface.h"

@@ -16,11 +16,12 @@ namespace {
 using Vec = Vec3<double>;
 
 constexpr int kDirections = 64;
-constexpr int kViewsPerCell = 2;  // pixels along a view's side for a cell along the object's
-constexpr double kBandCells = 3;  // half-width of the band about the surface
+constexpr int kViewsPerCell = 2;                // pixels along a view's side for a cell along the object's
+constexpr double kBandCells = 3;                // half-width of the band about the surface
+constexpr double kAll = 0.999, kBeyond = 1.05;  // of the opacity, and of the distance up to which it lies
 constexpr int kLeastGaussians = 10;
 
-orbit::Ball ball_of(const GaussianCloud& cloud) {
+orbit::Ball ball_of(Monitor& monitor, const GaussianCloud& cloud) {
   const orbit::SurfacePoints points = orbit::surface_points(cloud);
   if (points.count() < kLeastGaussians)
     throw Error(ErrorCode::kNothingFound,
@@ -29,7 +30,17 @@ orbit::Ball ball_of(const GaussianCloud& cloud) {
                     std::to_string(kLeastGaussians),
                 "give the object.ply of ngs cut or ngs-extract");
   const orbit::Ball bulk = orbit::bulk_of(points);
-  return orbit::ball_to_frame(points, bulk, orbit::best_stance(points, bulk).up);
+  if (!orbit::is_alone(points, bulk.centre)) {
+    monitor.warn(
+        "the model reaches far beyond its middle, like a capture with its surroundings: the mesh shows only the "
+        "middle. "
+        "Cut an object out first: ngs cut");
+    return bulk;
+  }
+  std::vector<double> distance;
+  for (const Vec position : points.position) distance.push_back(length(position - bulk.centre));
+  const double all = orbit::weighted_quantile(distance, points.opacity, kAll);
+  return {bulk.centre, std::max(bulk.radius, kBeyond * all)};
 }
 
 struct Bounds {
@@ -97,7 +108,8 @@ ObjectMesh mesh_of(const Exec& exec, Monitor& monitor, const GaussianCloud& clou
   const std::vector<SurfaceView> views = [&] {
     const auto timed = monitor.scope("render");
     return render_surface_views(
-        exec, cloud, {orbit::even_directions(kDirections), ball_of(cloud), kViewsPerCell * options.resolution});
+        exec, cloud,
+        {orbit::even_directions(kDirections), ball_of(monitor, cloud), kViewsPerCell * options.resolution});
   }();
   ObjectMesh out;
   const SampleGrid grid = grid_about(bounds_of(views), options.resolution);

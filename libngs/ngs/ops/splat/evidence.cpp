@@ -289,6 +289,29 @@ PackedSums packed_sums(const Exec& exec, const GaussianCloud& cloud, const Maske
   return seen;
 }
 
+std::vector<HeaviestMask> heaviest_masks(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,
+                                         const SplatOptions& options) {
+  std::vector<std::vector<HeaviestMask>> part;
+  for_each_chunk(
+      exec, {cloud, view, options}, [&](std::size_t chunks) { part.resize(chunks); },
+      [&](std::size_t chunk, const auto& rows) {
+        rows([&, &to = part[chunk]](std::uint32_t gaussian, const double* sum, bool has_object) {
+          HeaviestMask heaviest{gaussian, -1, sum[0], sum[1]};
+          for (std::size_t k = 0; has_object && k < view.masks.target.size(); ++k) {
+            const double of_mask = sum[2 + 2 * k];
+            heaviest.of_all += of_mask;
+            if (of_mask <= heaviest.of_object) continue;
+            heaviest.object = std::int32_t(k);
+            heaviest.of_object = of_mask;
+          }
+          to.push_back(heaviest);
+        });
+      });
+  std::vector<HeaviestMask> all;
+  for (const auto& some : part) all.insert(all.end(), some.begin(), some.end());
+  return all;
+}
+
 void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,
                        const SplatOptions& options, Evidence& evidence) {
   if (!view.masks.available) return;

@@ -38,6 +38,19 @@ ViewSums view_sums(const Exec& exec, const GaussianCloud& cloud, const MaskedVie
 PackedSums packed_sums(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,
                        const SplatOptions& options, const RowNumbers* of = nullptr);
 
+/// The mask of a view with most of a Gaussian's weight.
+struct HeaviestMask {
+  std::uint32_t row = 0;     // the Gaussian
+  std::int32_t object = -1;  // index of the mask; -1: no weight in any
+  double weight = 0;         // W, px
+  double pixels = 0;         // known pixels reached (unweighted)
+  double of_object = 0;      // W1 of `object`
+  double of_all = 0;         // sum of W1 over the masks
+};
+/// Per visible Gaussian, from view_sums() without storing them. The order depends on cloud, camera and options only.
+std::vector<HeaviestMask> heaviest_masks(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,
+                                         const SplatOptions& options);
+
 /// Adds view_sums() to `evidence` without storing it.
 void add_view_evidence(const Exec& exec, const GaussianCloud& cloud, const MaskedView& view,
                        const SplatOptions& options, Evidence& evidence);

@@ -83,7 +83,8 @@ Distances distances(const SurfacePoints& points, Vec centre) {
   return found;
 }
 
-/// No surroundings: these reach far, with large Gaussians.
+}  // namespace
+
 bool is_alone(const SurfacePoints& points, Vec centre) {
   const Distances all = distances(points, centre);
   if (all.distance.empty()) return false;
@@ -96,8 +97,6 @@ bool is_alone(const SurfacePoints& points, Vec centre) {
   return all.radius(kAll) <= kMostReach * half &&
          quantile(std::move(far), 0.5) <= kMostGrowth * quantile(std::move(near), 0.5);
 }
-
-}  // namespace
 
 double stance(const SurfacePoints& points, Vec up) {
   const Base base = base_of(points, up);

@@ -21,6 +21,9 @@ struct Stance {
 };
 Stance best_stance(const SurfacePoints& points, const Ball& bulk);
 
+/// Whether the model has no surroundings about `centre`: these reach far, with large Gaussians.
+bool is_alone(const SurfacePoints& points, Vec centre);
+
 /// The ball to frame: around all points of an object that stands alone, such as a tall one that reaches out of `bulk`;
 /// else `bulk`. It rotates with the points and `up`.
 Ball ball_to_frame(const SurfacePoints& points, const Ball& bulk, Vec up);

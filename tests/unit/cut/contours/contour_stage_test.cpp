@@ -343,7 +343,9 @@ TEST_CASE("contours: masks that are all too small do not reject refinement") {
   CHECK(c.run(in).figures.at("contour_iterations") == 1);
 }
 
-TEST_CASE("contours: no change without photos, without labels and at draft quality; an unreadable photo is an error") {
+TEST_CASE(
+    "contours: no change without photos and without labels; an unreadable photo is an error; a draft has one "
+    "iteration") {
   ContourCase c;
   Problem in = c.input();
   const Solution before = c.start(in);
@@ -361,8 +363,9 @@ TEST_CASE("contours: no change without photos, without labels and at draft quali
   Problem broken = in;
   broken.load_fine_photo = [](std::size_t) -> ImageF { throw Error(ErrorCode::kBadInput, "photo: broken", ""); };
   CHECK_THROWS_AS(c.run(broken, 2), Error);
-  c.contour.epochs = 0, c.joint.quality = Quality::kDraft;
-  unchanged(in);
+  c.contour = {};
+  c.joint.quality = Quality::kDraft;
+  CHECK(c.run(in).figures.at("contour_iterations") == 1);
 }
 
 TEST_CASE("joint options: fewer epochs if contour iterations at half the size follow") {
@@ -385,7 +388,8 @@ TEST_CASE("contours: more views give fewer epochs, higher qualities more iterati
   CHECK(contour_epochs({}, Quality::kStandard, 84) == 8);  // half, rounded up
   CHECK(contour_epochs({}, Quality::kStandard, 2100) == 2);
   CHECK(contour_epochs({}, Quality::kStandard, 100000) == 1);
-  CHECK(contour_epochs({}, Quality::kDraft, 1000) == 0);
+  CHECK((contour_epochs({}, Quality::kDraft, 21) == 4 && contour_epochs({}, Quality::kDraft, 1000) == 1));
+  CHECK((contour_iterations({}, Quality::kDraft, false) == 1 && contour_iterations({}, Quality::kDraft, true) == 2));
   ContourOptions given;
   given.epochs = 7, given.iterations = 4;
   CHECK(contour_iterations(given, Quality::kReference, true) == 4);

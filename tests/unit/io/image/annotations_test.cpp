@@ -51,6 +51,24 @@ TEST_CASE("polygons, plain and packed run lengths of COCO give the same mask") {
   }
 }
 
+TEST_CASE("an id map has all masks of a view whatever their categories, smaller ones over larger ones") {
+  const test::TempDir dir;
+  const std::string path = dir.path() + "/all.json";
+  write_file(path,
+             R"({"images": [{"id": 7, "file_name": "a.png", "width": 3, "height": 2}, {"id": 8, "file_name": "b.png",
+    "width": 3, "height": 2}], "annotations": [
+    {"image_id": 7, "category_id": 1, "segmentation": {"size": [2, 3], "counts": [1, 1, 4]}},
+    {"image_id": 7, "category_id": 1, "segmentation": {"size": [2, 3], "counts": [0, 4, 2]}},
+    {"image_id": 8, "category_id": 1, "segmentation": {"size": [2, 3], "counts": [0, 6]}},
+    {"image_id": 7, "category_id": 5, "segmentation": {"size": [2, 3], "counts": [6]}},
+    {"image_id": 7, "category_id": 1, "segmentation": {"size": [2, 3], "counts": [4, 2]}}]})");
+  CHECK(read_id_map(path, "a.png").data == std::vector<std::uint16_t>{1, 1, 2, 3, 1, 2});
+  CHECK(read_id_map(path, "b.png").data == std::vector<std::uint16_t>(6, 1));
+  CHECK(test::code_of([&] { read_id_map(path, "c.png"); }) == ErrorCode::kInconsistent);
+  write_file(path, coco(R"({"size": [2, 3], "counts": [2, 5]})"));
+  CHECK(test::code_of([&] { read_id_map(path, "a.png"); }) == ErrorCode::kBadInput);
+}
+
 TEST_CASE("a file of labelme belongs to the photo of its name, and its shapes are filled") {
   const test::TempDir dir;
   const std::string path = dir.path() + "/a.json";

@@ -2,7 +2,10 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "ngs/core/error.h"
 
@@ -50,6 +53,49 @@ TEST_CASE("masks of one object have no ids to swap") {
                        Error);
   CHECK_THROWS_WITH_AS(parse_mask_noise(unknown), doctest::Contains("swap:P or blob:P"), Error);
   CHECK_THROWS_WITH_AS(parse_mask_noise(unknown, NoiseOf::kOneObject), doctest::Contains("drop:P, or blob:P"), Error);
+}
+
+TEST_CASE("masks of everything without errors have the exact contours, and ids in another order in every view") {
+  ImageU16 exact(40, 30, 1);
+  for (int y = 5; y < 25; ++y)
+    for (int x = 0; x < 40; ++x) exact.at(x, y) = std::uint16_t(x / 4 == 3 ? 0 : 300 + x / 4);
+  std::set<std::vector<std::uint16_t>> orders;
+  for (int view = 0; view < 8; ++view) {
+    const ImageU16 masks = masks_of_everything({}, exact, {}, {0, view, 5});
+    std::map<std::uint16_t, std::uint16_t> name;
+    for (std::size_t i = 0; i < exact.data.size(); ++i)
+      CHECK(name.emplace(exact.data[i], masks.data[i]).first->second == masks.data[i]);
+    CHECK(name.at(0) == 0);
+    std::vector<std::uint16_t> order;
+    for (const auto& [id, given] : name) order.push_back(given);
+    orders.insert(order);
+    std::sort(order.begin(), order.end());
+    for (std::size_t k = 0; k < order.size(); ++k) CHECK(order[k] == k);
+  }
+  CHECK(orders.size() == 8);
+}
+
+TEST_CASE("masks of everything merge neighbours and split masks in the stated share of the cases") {
+  ImageU16 exact(60, 20, 1);  // pairs of neighbours, 10 px each, with 10 px between the pairs
+  for (int y = 5; y < 15; ++y)
+    for (int x = 0; x < 60; ++x) exact.at(x, y) = std::uint16_t(x % 30 < 20 ? 1 + x / 10 : 0);
+  const auto count = [&](const MaskNoise& noise, int view) {
+    const ImageU16 masks = masks_of_everything({}, exact, noise, {0, view, 9});
+    for (std::size_t i = 0; i < masks.data.size(); ++i) CHECK((masks.data[i] == 0) == (exact.data[i] == 0));
+    return int(*std::max_element(masks.data.begin(), masks.data.end()));
+  };
+  CHECK(count({.merge = 1}, 0) == 2);
+  CHECK(count({.split = 1}, 0) == 8);
+  int split = 0, merged = 0;
+  for (int view = 0; view < 200; ++view) {
+    split += count({.split = 0.25}, view) - 4;
+    merged += 4 - count({.merge = 0.1}, view);
+  }
+  CHECK(std::abs(split - 200) < 40);          // 800 draws at .25: 12 is one standard deviation
+  CHECK(std::abs(merged - 400 * 0.19) < 30);  // a pair merges if one of two draws says so
+  const std::vector<std::string> parts = {"split:0.5,merge:1"};
+  CHECK(parse_mask_noise(parts, NoiseOf::kEverything).split == 0.5);
+  CHECK_THROWS_WITH_AS(parse_mask_noise(parts), doctest::Contains("\"split:0.5\", expected erode:PX"), Error);
 }
 
 TEST_CASE("no noise returns the exact labels") {

@@ -18,7 +18,7 @@ class ContoursPass : public Pass {
   ContoursPass() : Pass({.stage = PassStage::kOptimise, .follows_clock = true, .decided_again_on_resume = true}) {}
   std::vector<Effect> effects() const override;
   void declare(OptionSet& options, const OptionGroup& group) override;
-  std::vector<FixedDecision> fixed_decisions(const TrainingOptions& training) const override;
+  std::vector<FixedDecision> fixed_decisions(const TrainingOptions&) const override;
   void run(PassRun& run) override;
 
  private:
@@ -111,12 +111,9 @@ void ContoursPass::declare(OptionSet& options, const OptionGroup& given) {
   options.add(options_, std::move(group));
 }
 
-std::vector<FixedDecision> ContoursPass::fixed_decisions(const TrainingOptions& training) const {
-  std::vector<FixedDecision> rules;
-  if (contour_epochs(options_, training.joint.quality, 1) == 0)
-    rules.push_back({kContoursEffect, false, "no epochs: --quality draft without --contour-epochs"});
-  if (options_.iterations == 1) rules.push_back({"contour-iterations", false, "--contour-iterations 1"});
-  return rules;
+std::vector<FixedDecision> ContoursPass::fixed_decisions(const TrainingOptions&) const {
+  if (options_.iterations != 1) return {};
+  return {{"contour-iterations", false, "--contour-iterations 1"}};
 }
 
 void ContoursPass::run(PassRun& run) {
@@ -126,12 +123,7 @@ void ContoursPass::run(PassRun& run) {
                  .full_resolution = run.on("full-resolution")};
   Budget& budget = run.budget;
   Optimisation& at = run.optimisation;
-  const bool has_epochs = contour_epochs(options_, run.training.joint.quality, 1) > 0;
-  if (!has_epochs)
-    run.monitor.warn(
-        "--effect contours=on: skipped, because --quality draft has no contour epochs; set --contour-epochs N to run "
-        "them");
-  if (at.tracker->target_met() || !has_epochs) return;
+  if (at.tracker->target_met()) return;
   // Contour iterations are not checkpointed: a run that is interrupted in them resumes at their start.
   if (at.store != nullptr && run.on(kJointEffect)) at.store->try_save(*at.trainer);
   std::vector<Agreement> before;

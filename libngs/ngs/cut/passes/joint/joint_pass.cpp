@@ -109,6 +109,7 @@ void JointPass::declare(OptionSet& options, const OptionGroup& given) {
 
 std::vector<FixedDecision> JointPass::fixed_decisions(const TrainingOptions& training) const {
   if (training.joint.steps > 0) return {{kJointEffect, true, "--steps"}};
+  if (!preset_of(training.joint.quality).joint) return {{kJointEffect, false, "--quality draft"}};
   return {};
 }
 

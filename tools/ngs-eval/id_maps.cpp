@@ -1,0 +1,138 @@
+#include "id_maps.h"
+
+#include <algorithm>
+
+#include "ngs/backend/for_each.h"
+#include "ngs/core/formatted.h"
+#include "shared/text/layout.h"
+
+namespace ngs::cli {
+namespace {
+
+struct IdMaps {
+  std::vector<std::uint32_t> predicted, truth;  // [H·W] of the truth's size
+  std::vector<std::uint8_t> is_void;            // [H·W]; empty: none
+  int width_px = 0;
+};
+
+IdMaps read_id_maps(const EvalOptions& options, const FilePair& pair) {
+  const io::RawMask predicted = read_mask(pair.predicted, true), truth = read_mask(pair.truth, true);
+  IdMaps maps{resized_nearest(label_ids(predicted.samples()).data(), predicted.width_px, predicted.height_px,
+                              truth.width_px, truth.height_px),
+              label_ids(truth.samples()),
+              {},
+              truth.width_px};
+  if (options.void_id < 0) return maps;
+  for (std::uint32_t& id : maps.truth) {
+    maps.is_void.push_back(id == std::uint32_t(options.void_id));
+    if (maps.is_void.back()) id = 0;
+  }
+  for (std::size_t i = 0; i < maps.predicted.size(); ++i)
+    if (maps.is_void[i] || maps.predicted[i] == std::uint32_t(options.void_id)) maps.predicted[i] = 0;
+  return maps;
+}
+
+SceneInstances score_id_maps(Run& run, const EvalOptions& options, const std::vector<FilePair>& pairs) {
+  auto scope = run.monitor().scope("score id maps");
+  scope.items(std::int64_t(pairs.size()));
+  std::vector<InstanceCounts> counts(pairs.size());
+  const auto for_each_pair = [&](auto&& work) {
+    for_each_task(run.exec(), std::int64_t(pairs.size()),
+                  [&](std::int64_t i) { work(std::size_t(i), read_id_maps(options, pairs[std::size_t(i)])); });
+  };
+  for_each_pair([&](std::size_t i, const IdMaps& maps) { counts[i].add(maps.predicted, maps.truth, maps.is_void); });
+  for (std::size_t i = 1; i < counts.size(); ++i) counts[0].add(counts[i]);
+  SceneInstances scene{score_instances(counts[0]), {}};
+  std::vector<std::map<std::uint32_t, double>> in_view(pairs.size());
+  for_each_pair([&](std::size_t i, const IdMaps& maps) {
+    for (const TrueInstance& instance : scene.scores.truth)
+      if (instance.matched())
+        if (const double biou = instance_biou(maps.predicted, maps.truth, maps.width_px, instance); biou >= 0)
+          in_view[i][instance.id] = biou;
+  });
+  std::map<std::uint32_t, int> views;
+  for (const auto& found : in_view)
+    for (const auto& [id, biou] : found) {
+      scene.biou[id] += biou;
+      ++views[id];
+    }
+  for (auto& [id, biou] : scene.biou) biou /= views[id];
+  return scene;
+}
+
+Json json_of(const SceneInstances& scene) {
+  const InstanceScores& s = scene.scores;
+  Json json = {{"ngs_metrics", kMetricsVersion},
+               {"kind", "instances"},
+               {"mean", mean_scores(scene)},
+               {"counts",
+                {{"true", s.truth.size()},
+                 {"predicted", s.predicted.size()},
+                 {"matched", s.matched},
+                 {"split", s.split},
+                 {"merged", s.merged},
+                 {"missed", s.missed},
+                 {"invented", s.invented}}},
+               {"objects", Json::array()},
+               {"predictions", Json::array()}};
+  for (const TrueInstance& t : s.truth) {
+    json["objects"].push_back({{"id", t.id},
+                               {"pixels", t.pixels},
+                               {"predicted_id", t.best},
+                               {"iou", t.iou},
+                               {"matched", t.matched()},
+                               {"split", t.split},
+                               {"missed", t.missed}});
+    if (t.matched()) json["objects"].back()["biou"] = scene.biou.at(t.id);
+  }
+  for (const PredictedInstance& p : s.predicted)
+    json["predictions"].push_back(
+        {{"id", p.id}, {"pixels", p.pixels}, {"true_id", p.match}, {"merged_ids", p.merged}, {"invented", p.invented}});
+  return json;
+}
+
+std::string table_of(const SceneInstances& scene) {
+  const InstanceScores& s = scene.scores;
+  std::string head, row;
+  for (const auto& [name, value] : mean_scores(scene)) {
+    head += "  " + std::string(8 - name.size(), ' ') + name;
+    row += formatted("  %8.4f", value);
+  }
+  std::string table = head + "\n" + row + "\n";
+  table += formatted("%.0f true objects: ", double(s.truth.size())) + formatted("%.0f matched, ", double(s.matched)) +
+           formatted("%.0f split, ", double(s.split)) + formatted("%.0f missed; ", double(s.missed)) +
+           formatted("%.0f predictions: ", double(s.predicted.size())) + formatted("%.0f merged, ", double(s.merged)) +
+           formatted("%.0f invented\n", double(s.invented));
+  std::vector<const TrueInstance*> worst;
+  for (const TrueInstance& t : s.truth) worst.push_back(&t);
+  std::ranges::stable_sort(worst, {}, [](const TrueInstance* t) { return t->iou; });
+  table += "worst objects: ";
+  for (std::size_t i = 0; i < std::min<std::size_t>(5, worst.size()); ++i)
+    table += (i > 0 ? ", " : "") + std::to_string(worst[i]->id) + formatted(" (IoU %.2f)", worst[i]->iou);
+  return table + "\n";
+}
+
+}  // namespace
+
+void check_instances_options(Run& run, EvalOptions& options, const EvalFileOptions& files) {
+  if (!files.instances) return;
+  if (files.image_metrics || files.opacity || files.halves || !options.object_id.empty())
+    throw Error(ErrorCode::kUsage,
+                "--instances with --image-metrics, --opacity, --halves or --object-id, expected it without them");
+  run.warn_unused({"--threshold", "--alone"}, "with --instances");
+  options.label_map = true;
+}
+
+std::map<std::string, double> mean_scores(const SceneInstances& scene) {
+  const InstanceScores& s = scene.scores;
+  double biou = 0;
+  for (const auto& [id, value] : scene.biou) biou += value / double(scene.biou.size());
+  return {{"pq", s.pq}, {"sq", s.sq}, {"rq", s.rq}, {"ap", s.ap}, {"ap50", s.ap50}, {"ap25", s.ap25}, {"biou", biou}};
+}
+
+Outcome instances_outcome(Run& run, const EvalOptions& options, const Pairing& pairing) {
+  const SceneInstances scene = score_id_maps(run, options, pairing.pairs);
+  return {json_of(scene), mean_scores(scene), table_of(scene)};
+}
+
+}  // namespace ngs::cli

@@ -1,0 +1,20 @@
+#pragma once
+// --instances: scores of all objects of id maps, whatever their ids (eval/instances.h).
+#include "ngs/eval/instances.h"
+#include "outcome.h"
+
+namespace ngs::cli {
+
+/// The scores of the id maps of all views together, and the mean boundary IoU of each matched object over its views.
+struct SceneInstances {
+  InstanceScores scores;
+  std::map<std::uint32_t, double> biou;  // by true id
+};
+
+/// Throws kUsage for other kinds of scores and for ids; warns about unused options. Makes the files label maps.
+void check_instances_options(Run& run, EvalOptions& options, const EvalFileOptions& files);
+/// pq, sq, rq, ap, ap50, ap25 and biou.
+std::map<std::string, double> mean_scores(const SceneInstances& scene);
+Outcome instances_outcome(Run& run, const EvalOptions& options, const Pairing& pairing);
+
+}  // namespace ngs::cli
