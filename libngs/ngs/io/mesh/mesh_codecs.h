@@ -2,11 +2,24 @@
 // The bytes of a mesh in each format, as they are: mesh_file.h places it. Colours are optional.
 #include <algorithm>
 #include <string>
+#include <vector>
 
-#include "ngs/io/mesh/rigid_body.h"
 #include "ngs/math/elementary.h"
+#include "ngs/scene/triangle_mesh.h"
 
 namespace ngs::io {
+
+enum class ColliderNames : std::uint8_t {
+  kKhr,     // KHR_physics_rigid_bodies (draft): motion of "object", a collider per child; viewers do not draw them
+  kUnreal,  // UCX_object_00: Unreal makes them convex collisions of the mesh
+  kGodot    // collider00-convcolonly: Godot makes them convex shapes
+};
+
+struct RigidBody {
+  TriangleMesh mesh;
+  std::vector<TriangleMesh> colliders;  ///< convex
+  double mass = 0;                      ///< kg, > 0
+};
 
 std::string encode_mesh_glb(const TriangleMesh& mesh);
 std::string encode_rigid_glb(const RigidBody& body, ColliderNames names);
@@ -15,7 +28,7 @@ std::string encode_mesh_ply(const TriangleMesh& mesh);
 std::string encode_mesh_stl(const TriangleMesh& mesh);
 
 /// "00", "01", ..., "99", "100".
-std::string number_of_part(std::size_t k);
+inline std::string number_of_part(std::size_t k) { return (k < 10 ? "0" : "") + std::to_string(k); }
 
 /// Appends a value's bytes, little-endian as all processors that ngs supports.
 template <class T>

@@ -6,7 +6,6 @@
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/formats/axes.h"
 #include "ngs/io/formats/write_only/usda_text.h"
-#include "ngs/io/mesh/mesh_codecs.h"
 
 namespace ngs::io {
 namespace {
@@ -42,8 +41,6 @@ void add_guide_mesh(const TriangleMesh& mesh, const std::string& name, const std
 }
 
 }  // namespace
-
-std::string number_of_part(std::size_t k) { return (k < 10 ? "0" : "") + std::to_string(k); }
 
 void write_rigid_glb(const std::string& path, const RigidBody& body, const MeshPlacement& placement,
                      ColliderNames names) {
