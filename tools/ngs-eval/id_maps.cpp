@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "gaussian_ids.h"
 #include "ngs/backend/for_each.h"
 #include "ngs/core/formatted.h"
 #include "shared/text/layout.h"
@@ -83,7 +84,8 @@ Json json_of(const SceneInstances& scene) {
                                {"matched", t.matched()},
                                {"split", t.split},
                                {"missed", t.missed}});
-    if (t.matched()) json["objects"].back()["biou"] = scene.biou.at(t.id);
+    if (const auto biou = scene.biou.find(t.id); biou != scene.biou.end())
+      json["objects"].back()["biou"] = biou->second;
   }
   for (const PredictedInstance& p : s.predicted)
     json["predictions"].push_back(
@@ -125,13 +127,21 @@ void check_instances_options(Run& run, EvalOptions& options, const EvalFileOptio
 
 std::map<std::string, double> mean_scores(const SceneInstances& scene) {
   const InstanceScores& s = scene.scores;
-  double biou = 0;
-  for (const auto& [id, value] : scene.biou) biou += value / double(scene.biou.size());
-  return {{"pq", s.pq}, {"sq", s.sq}, {"rq", s.rq}, {"ap", s.ap}, {"ap50", s.ap50}, {"ap25", s.ap25}, {"biou", biou}};
+  std::map<std::string, double> mean = {{"pq", s.pq}, {"sq", s.sq},     {"rq", s.rq},
+                                        {"ap", s.ap}, {"ap50", s.ap50}, {"ap25", s.ap25}};
+  if (!scene.of_views) return mean;
+  mean["biou"] = 0;
+  for (const auto& [id, value] : scene.biou) mean["biou"] += value / double(scene.biou.size());
+  return mean;
 }
 
 Outcome instances_outcome(Run& run, const EvalOptions& options, const Pairing& pairing) {
   const SceneInstances scene = score_id_maps(run, options, pairing.pairs);
+  return {json_of(scene), mean_scores(scene), table_of(scene)};
+}
+
+Outcome gaussians_outcome(const std::string& predicted, const std::string& truth) {
+  const SceneInstances scene{score_instances(count_gaussians(predicted, truth)), {}, false};
   return {json_of(scene), mean_scores(scene), table_of(scene)};
 }
 

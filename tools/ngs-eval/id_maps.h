@@ -8,13 +8,16 @@ namespace ngs::cli {
 /// The scores of the id maps of all views together, and the mean boundary IoU of each matched object over its views.
 struct SceneInstances {
   InstanceScores scores;
-  std::map<std::uint32_t, double> biou;  // by true id
+  std::map<std::uint32_t, double> biou = {};  // by true id
+  bool of_views = true;                       // false: of Gaussians, without biou
 };
 
 /// Throws kUsage for other kinds of scores and for ids; warns about unused options. Makes the files label maps.
 void check_instances_options(Run& run, EvalOptions& options, const EvalFileOptions& files);
-/// pq, sq, rq, ap, ap50, ap25 and biou.
+/// pq, sq, rq, ap, ap50, ap25; of views also biou.
 std::map<std::string, double> mean_scores(const SceneInstances& scene);
 Outcome instances_outcome(Run& run, const EvalOptions& options, const Pairing& pairing);
+/// The same for the Gaussians of a labelled PLY (gaussian_ids.h), without biou.
+Outcome gaussians_outcome(const std::string& predicted, const std::string& truth);
 
 }  // namespace ngs::cli

@@ -1,6 +1,7 @@
 // ngs-eval: scores predicted masks against true masks (ops/image/metrics.h).
 #include <optional>
 
+#include "gaussian_ids.h"
 #include "halves.h"
 #include "id_maps.h"
 #include "ngs/io/files/atomic_file.h"
@@ -53,14 +54,15 @@ int main(int argc, char** argv) {
   cli::EvalFileOptions files;
   tool.options(options);
   tool.options(files);
-  const cli::Input& predicted =
-      tool.input("predicted",
-                 "folder of masks from any tool, or one file; of a scene.json its input masks; "
-                 "with --halves a folder with object.ply, background.ply or both");
-  const cli::Input& truth =
-      tool.input("truth",
-                 "folder of true masks, or one file; of a scene.json the true masks of its held-out views; "
-                 "with --halves the folder halves/ of ngs-synth");
+  const cli::Input& predicted = tool.input(
+      "predicted",
+      "folder of masks from any tool, or one file; of a scene.json its input masks; "
+      "with --halves a folder with object.ply, background.ply or both; with --instances also a labelled PLY");
+  const cli::Input& truth = tool.input(
+      "truth",
+      "folder of true masks, or one file; of a scene.json the true masks of its held-out views; "
+      "with --halves the folder halves/ of ngs-synth; of a labelled PLY another one, or the Gaussians' ids as "
+      "bytes");
   const cli::Input& model = tool.optional_input(
       "--model", "with --halves: the uncut model, to score what the cut changed outside of the hole");
   const cli::Input& alone = tool.optional_input(
@@ -73,20 +75,24 @@ int main(int argc, char** argv) {
     if (files.image_metrics || files.opacity) run.warn_unused({"--alone"}, "with --image-metrics or --opacity");
     const bool scores_alone = alone && !files.image_metrics && !files.opacity && !files.instances;
     check_options(run, options, files, scores_alone);
+    const bool of_gaussians = files.instances && cli::is_model(predicted.path);
     const std::optional<cli::Masks> masks = [&]() -> std::optional<cli::Masks> {
+      if (of_gaussians) return cli::Masks{};
       if (!cli::is_scene_file(truth.path))
         return cli::Masks{cli::list_images(predicted.path), cli::list_images(truth.path)};
       run.warn_unused({"--layout"}, "with a scene.json, which sets the layout");
       return cli::masks_of_scene(run, predicted.path, truth.path, options, files);
     }();
     if (!masks) return cli::kDone;
-    const cli::Pairing pairing = cli::paired(masks->predicted, masks->truth, options, files);
+    const cli::Pairing pairing =
+        of_gaussians ? cli::Pairing{} : cli::paired(masks->predicted, masks->truth, options, files);
     run.result()["pairs"] = pairing.pairs.size();
     run.result()["pairing"] = cli::pairing_json(pairing);
     if (run.dry_run()) return cli::kDone;
 
     cli::Outcome outcome = files.image_metrics ? cli::photos_outcome(run, pairing)
                            : files.opacity     ? cli::opacities_outcome(run, options, pairing)
+                           : of_gaussians      ? cli::gaussians_outcome(predicted.path, truth.path)
                            : files.instances   ? cli::instances_outcome(run, options, pairing)
                                                : cli::masks_outcome(run, options, pairing);
     if (scores_alone)

@@ -68,8 +68,9 @@ void write_view(const Exec& exec, const std::string& folder, const SynthData& da
   write_mask("masks", binary_mask(disturbed(target), 1));
   io::write_png16(in_folder(folder + "/labels", name), disturbed(0));
   if (errors.everything)
-    io::write_png16(in_folder(folder + "/masks_everything", name),
-                    synth::masks_of_everything(exec, v.label, errors.noise, {0, int(view), errors.seed, &v.colour}));
+    io::write_png16(
+        in_folder(folder + "/masks_everything", name),
+        synth::masks_of_everything(exec, v.label, errors.noise, {0, int(view), errors.seed, &v.colour, &v.surface}));
   io::write_exr(in_folder(folder + "/layers", fs::path(name).stem().string() + ".exr"), layers_of(v));
 }
 

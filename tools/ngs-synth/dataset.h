@@ -92,7 +92,7 @@ struct SynthOptions {
     visit(self.mask_noise,
           Text{"mask_noise", "KIND:AMOUNT",
                "Errors to add to masks/ and labels/: erode:PX dilate:PX jitter:PX snap:PX drop:P swap:P blob:P; with "
-               "--masks everything to masks_everything/ too, also merge:P split:P"});
+               "--masks everything to masks_everything/ too, also merge:P split:P background:P"});
     visit(self.masks,
           Choice<Masks>{"masks",
                         "Masks to write; everything: also masks_everything/, masks of all objects whose ids "

@@ -6,7 +6,6 @@
 #include "ngs/core/error.h"
 #include "ngs/core/version.h"
 #include "ngs/io/mesh/mesh_codecs.h"
-#include "ngs/math/elementary.h"
 
 namespace ngs::io {
 namespace {
@@ -18,12 +17,7 @@ constexpr int kFloat = 5126, kUnsignedShort = 5123, kUnsignedInt = 5125, kArrayB
 constexpr std::uint32_t kMagic = 0x46546c67, kVersion2 = 2, kJsonChunk = 0x4e4f534a, kBinaryChunk = 0x004e4942;
 constexpr std::size_t kMaxBytes = 0xf0000000;
 
-/// glTF's vertex colours are linear.
-std::uint16_t linear16(float srgb) {
-  const float x = std::clamp(srgb, 0.f, 1.f);
-  const float linear = x <= 0.04045f ? x / 12.92f : exp_of(2.4f * log_of((x + 0.055f) / 1.055f));
-  return std::uint16_t(linear * 65535.f + 0.5f);
-}
+std::uint16_t linear16(float srgb) { return std::uint16_t(linear_colour(srgb) * 65535.f + 0.5f); }
 
 /// The buffer with its views and accessors.
 struct Buffer {

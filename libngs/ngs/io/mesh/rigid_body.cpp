@@ -6,7 +6,6 @@
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/formats/axes.h"
 #include "ngs/io/formats/write_only/usda_text.h"
-#include "ngs/io/mesh/mesh_codecs.h"
 
 namespace ngs::io {
 namespace {
@@ -24,23 +23,24 @@ void add_guide_mesh(const TriangleMesh& mesh, const std::string& name, const std
   text.add("    uniform token purpose = \"guide\"\n    uniform token subdivisionScheme = \"none\"\n");
   text.add("    point3f[] points = ");
   add_usda_list(mesh.vertices, text);
-  text.add("    int[] faceVertexCounts = ");
+  text.add("\n    int[] faceVertexCounts = ");
   add_usda_list(std::vector<std::uint32_t>(mesh.faces.size(), 3), text);
-  text.add("    int[] faceVertexIndices = ");
+  text.add("\n    int[] faceVertexIndices = ");
   std::vector<std::uint32_t> corners;
   for (const auto& face : mesh.faces) corners.insert(corners.end(), face.begin(), face.end());
   add_usda_list(corners, text);
+  text.add("\n");
   if (!mesh.colours.empty()) {
+    std::vector<Vec3<float>> linear = mesh.colours;
+    for (Vec3<float>& c : linear) c = {linear_colour(c.x), linear_colour(c.y), linear_colour(c.z)};
     text.add("    color3f[] primvars:displayColor = ");
-    add_usda_list(mesh.colours, text);
+    add_usda_list(linear, text);
+    text.add(" (\n        interpolation = \"vertex\"\n    )\n");
   }
-  if (!mesh.colours.empty()) text.add("    uniform token primvars:displayColor:interpolation = \"vertex\"\n");
   text.add("}\n");
 }
 
 }  // namespace
-
-std::string number_of_part(std::size_t k) { return (k < 10 ? "0" : "") + std::to_string(k); }
 
 void write_rigid_glb(const std::string& path, const RigidBody& body, const MeshPlacement& placement,
                      ColliderNames names) {

@@ -8,24 +8,12 @@
 //   .glb   node "object" with the mesh; its children are the colliders, named as an engine reads them (ColliderNames)
 // clang-format on
 #include <string>
-#include <vector>
 
-#include "ngs/io/formats/splat_table.h"
+#include "ngs/io/mesh/mesh_codecs.h"
 #include "ngs/io/mesh/mesh_file.h"
+#include "ngs/scene/gaussian_cloud.h"
 
 namespace ngs::io {
-
-enum class ColliderNames : std::uint8_t {
-  kKhr,     // KHR_physics_rigid_bodies (draft): motion of "object", a collider per child; viewers do not draw them
-  kUnreal,  // UCX_object_00: Unreal makes them convex collisions of the mesh
-  kGodot    // collider00-convcolonly: Godot makes them convex shapes
-};
-
-struct RigidBody {
-  TriangleMesh mesh;
-  std::vector<TriangleMesh> colliders;  ///< convex
-  double mass = 0;                      ///< kg, > 0
-};
 
 /// Writes a .glb, turned and scaled as by write_mesh(). Throws as that.
 void write_rigid_glb(const std::string& path, const RigidBody& body, const MeshPlacement& placement,

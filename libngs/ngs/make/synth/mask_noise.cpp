@@ -25,7 +25,7 @@ struct Draws {
   double uniform(std::uint64_t i) const { return rng_uniform(seed, RngStream::kMaskNoise, i); }
   double normal(std::uint64_t i) const { return rng_normal(seed, RngStream::kMaskNoise, i); }
 };
-enum Purpose : std::uint64_t { kSwap, kDrop, kJitter, kBlob, kAssignment, kMerge, kSplit, kShuffle };
+enum Purpose : std::uint64_t { kSwap, kDrop, kJitter, kBlob, kAssignment, kMerge, kSplit, kShuffle, kBackground };
 
 std::vector<std::uint16_t> ids_in(const ImageU16& labels) {
   std::vector<std::uint8_t> seen(65536, 0);
@@ -117,6 +117,12 @@ void split_masks(ImageU16& labels, double probability, const Draws& draws) {
         (x - cut.x / cut.pixels) * std::cos(cut.angle) + (y - cut.y / cut.pixels) * std::sin(cut.angle);
     if (cut.other != 0 && across > 0) id = cut.other;
   });
+}
+
+/// Adds surfaces of room and furniture, where the labels are 0.
+void add_background(ImageU16& labels, const ImageU16& surfaces, double probability, const Draws& draws) {
+  for (std::size_t p = 0; p < labels.data.size(); ++p)
+    if (labels.data[p] == 0 && draws.uniform(surfaces.data[p]) < probability) labels.data[p] = surfaces.data[p];
 }
 
 /// Renames the ids to 1, 2, … in a random order.
@@ -234,7 +240,7 @@ void add_blobs(ImageU16& labels, double probability, int view, std::uint64_t see
 
 [[noreturn]] void fail(const std::string& spec, NoiseOf of) {
   const std::string more = of == NoiseOf::kLabelMaps    ? "swap:P "
-                           : of == NoiseOf::kEverything ? "swap:P, merge:P, split:P "
+                           : of == NoiseOf::kEverything ? "swap:P, merge:P, split:P, background:P "
                                                         : "";
   throw Error(ErrorCode::kUsage,
               "mask noise: \"" + spec +
@@ -267,6 +273,8 @@ void parse_one(const std::string& spec, NoiseOf of, MaskNoise& noise) {
     set(noise.swap, 1);
   else if (kind == "merge" && of == NoiseOf::kEverything)
     set(noise.merge, 1);
+  else if (kind == "background" && of == NoiseOf::kEverything)
+    set(noise.background, 1);
   else if (kind == "split" && of == NoiseOf::kEverything)
     set(noise.split, 1);
   else if (kind == "blob")
@@ -289,7 +297,7 @@ MaskNoise parse_mask_noise(std::span<const std::string> specs, NoiseOf of) {
 }
 
 ImageU16 disturb_labels(const Exec& exec, const ImageU16& labels, const MaskNoise& noise, const MaskDraw& draw) {
-  const auto& [only_id, view, seed, photo] = draw;
+  const auto& [only_id, view, seed, photo, surfaces] = draw;
   ImageU16 result = labels;
   swap_and_drop(result, noise, view, seed);
   if (only_id > 0)
@@ -308,6 +316,8 @@ ImageU16 disturb_labels(const Exec& exec, const ImageU16& labels, const MaskNois
 ImageU16 masks_of_everything(const Exec& exec, const ImageU16& labels, const MaskNoise& noise, const MaskDraw& draw) {
   ImageU16 result = labels;
   if (noise.merge > 0) merge_neighbours(result, noise.merge, {draw.seed, draw.view, kMerge});
+  if (noise.background > 0 && draw.surfaces != nullptr)
+    add_background(result, *draw.surfaces, noise.background, {draw.seed, draw.view, kBackground});
   if (noise.split > 0) split_masks(result, noise.split, {draw.seed, draw.view, kSplit});
   result = disturb_labels(exec, result, noise, draw);
   shuffle_ids(result, {draw.seed, draw.view, kShuffle});

@@ -14,8 +14,10 @@
 namespace ngs::synth {
 
 struct MaskNoise {
-  double merge = 0;      // probability, per view and object: one mask with a neighbour; of masks_of_everything() only
-  double split = 0;      // probability, per view and mask: two parts, cut by a line; of masks_of_everything() only
+  double merge = 0;  // probability, per view and object: one mask with a neighbour; of masks_of_everything() only
+  double split = 0;  // probability, per view and mask: two parts, cut by a line; of masks_of_everything() only
+  double background =
+      0;  // probability, per view and surface of room and furniture: has a mask; of masks_of_everything() only
   double swap = 0;       // probability, per view and object: its id is exchanged with another object in the view
   double drop = 0;       // probability, per view and object: missing in the mask
   double snap_px = 0;    // contours snap to wrong edges of the photo at most this far away (contour_snap.h)
@@ -30,7 +32,7 @@ struct MaskNoise {
 
 enum class NoiseOf : std::uint8_t { kLabelMaps, kOneObject, kEverything };
 /// Parses "erode:1.5", "drop:0.1", …; several in one string are separated by commas. Throws kUsage otherwise, for
-/// swap with kOneObject, and for merge and split without kEverything.
+/// swap with kOneObject, and for merge, split and background without kEverything.
 MaskNoise parse_mask_noise(std::span<const std::string> specs, NoiseOf of = NoiseOf::kLabelMaps);
 
 /// Selects the mask to make. With `only_id` > 0 it is binary: 1 for that object's disturbed mask. Dilation and blobs
@@ -39,7 +41,8 @@ struct MaskDraw {
   std::uint32_t only_id;
   int view;
   std::uint64_t seed;
-  const ImageF* photo = nullptr;  // of the labels' size; required for snap_px
+  const ImageF* photo = nullptr;       // of the labels' size; required for snap_px
+  const ImageU16* surfaces = nullptr;  // SynthView::surface; required for background
 };
 
 /// Copy of an exact label map with the errors of `noise`.

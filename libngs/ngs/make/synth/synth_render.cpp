@@ -137,6 +137,15 @@ V shade(const AnalyticScene& scene, const Surroundings& around, const Hit& hit, 
   return {channel(base.x), channel(base.y), channel(base.z)};
 }
 
+/// Furniture has its number among all objects, a side of the room one of six numbers after that; 0: no room.
+std::uint16_t surface_of(const AnalyticScene& scene, const Hit& hit, V o, V d) {
+  if (hit.object >= 0) return std::uint16_t(hit.object + 1);
+  if (!scene.has_room) return 0;
+  const V n = leave_room(scene.room, o, d).normal;
+  const int side = n.z != 0 ? (n.z > 0 ? 1 : 2) : n.x != 0 ? (n.x > 0 ? 3 : 4) : (n.y > 0 ? 5 : 6);
+  return std::uint16_t(scene.objects.size() + std::size_t(side));
+}
+
 }  // namespace
 
 Vec3<double> ray_direction(const Camera& camera, double x, double y) {
@@ -152,7 +161,7 @@ Hit trace(const AnalyticScene& scene, Vec3<double> origin, Vec3<double> directio
 
 SynthView render_view(const Exec& exec, const AnalyticScene& scene, const Camera& camera, int samples_per_side) {
   const int w = camera.width_px, h = camera.height_px;
-  SynthView view{ImageF(w, h, 3), ImageU16(w, h, 1), ImageF(w, h, 1), ImageF(w, h, 1)};
+  SynthView view{ImageF(w, h, 3), ImageU16(w, h, 1), ImageU16(w, h, 1), ImageF(w, h, 1), ImageF(w, h, 1)};
   const V o = camera.centre(), forward{camera.rotation(2, 0), camera.rotation(2, 1), camera.rotation(2, 2)};
   const Surroundings around(scene, o);
   const double spread = 0.75 / std::min(camera.fx, camera.fy);  // half a pixel's diagonal, rounded up
@@ -164,6 +173,7 @@ SynthView render_view(const Exec& exec, const AnalyticScene& scene, const Camera
       collect(scene, o, middle, spread, candidates);
       const Hit centre = trace_among(scene, candidates, o, middle);
       view.label.at(x, y) = label_of(scene, centre.object);
+      view.surface.at(x, y) = surface_of(scene, centre, o, middle);
       view.depth.at(x, y) = float(centre.distance * dot(middle, forward));
       if (candidates.empty() && !scene.has_room) continue;
       V sum{0, 0, 0};

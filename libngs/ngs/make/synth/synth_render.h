@@ -10,8 +10,10 @@
 namespace ngs::synth {
 
 struct SynthView {
-  ImageF colour;    // [H, W, 3] in [0, 1], mean over samples_per_side² rays
-  ImageU16 label;   // [H, W] id of the object at the pixel centre; 0: room or furniture
+  ImageF colour;   // [H, W, 3] in [0, 1], mean over samples_per_side² rays
+  ImageU16 label;  // [H, W] id of the object at the pixel centre; 0: room or furniture
+  ImageU16
+      surface;  // [H, W] the same where it is > 0, else an id above all objects: of furniture, or of a side of the room
   ImageF coverage;  // [H, W] fraction of the colour rays that hit the target
   ImageF depth;     // [H, W] camera z at the pixel centre
 };

@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kRayCells = 4e5;  // of the rays' lattice in the mesh or, if that needs more rays, fewer
 constexpr double kMostRaysAcross = 450;
+constexpr std::size_t kMostPlaces = 100000;  // whose distance to the mesh is measured
 
 void check_closed(const TriangleMesh& mesh) {
   if (mesh.faces.empty())
@@ -77,16 +78,18 @@ std::vector<GridMesh> parts_of(const Exec& exec, const GridMesh& solid, double v
 /// Corners, and points between them where an edge is longer than `spacing`.
 std::vector<float> surface_samples(const GridMesh& mesh, double spacing) {
   std::vector<float> samples;
+  const auto add = [&samples](Vec3<double> p) {
+    for (const double x : {p.x, p.y, p.z}) samples.push_back(float(x));
+  };
+  for (const GridPoint& p : mesh.vertices) add(to_double(p));
   for (const auto& face : mesh.faces) {
     const Vec3<double> a = to_double(mesh.vertices[face[0]]);
     const Vec3<double> b = to_double(mesh.vertices[face[1]]) - a;
     const Vec3<double> c = to_double(mesh.vertices[face[2]]) - a;
     const int n = std::max(1, int(std::ceil(std::max({length(b), length(c), length(c - b)}) / spacing)));
     for (int i = 0; i <= n; ++i)
-      for (int j = 0; i + j <= n; ++j) {
-        const Vec3<double> p = a + (double(i) / n) * b + (double(j) / n) * c;
-        for (const double x : {p.x, p.y, p.z}) samples.push_back(float(x));
-      }
+      for (int j = 0; i + j <= n; ++j)
+        if ((i > 0 && i < n) || (j > 0 && j < n)) add(a + (double(i) / n) * b + (double(j) / n) * c);
   }
   return samples;
 }
@@ -94,8 +97,9 @@ std::vector<float> surface_samples(const GridMesh& mesh, double spacing) {
 double greatest_distance(const Exec& exec, const GridMesh& solid, const std::vector<GridPoint>& places, double pitch) {
   if (places.empty()) return 0;
   std::vector<float> queries;
-  for (const GridPoint& p : places)
-    for (const std::int64_t x : {p.x, p.y, p.z}) queries.push_back(float(x));
+  const std::size_t step = 1 + places.size() / kMostPlaces;
+  for (std::size_t i = 0; i < places.size(); i += step)
+    for (const std::int64_t x : {places[i].x, places[i].y, places[i].z}) queries.push_back(float(x));
   const std::vector<float> samples = surface_samples(solid, pitch);
   const auto rows = [](const std::vector<float>& values) {
     return Rows<const float, 3>{values.data(), std::int64_t(values.size() / 3)};

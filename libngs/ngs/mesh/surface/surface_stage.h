@@ -15,7 +15,7 @@ namespace ngs::mesh {
 
 struct MeshOptions {
   int faces = 50000;
-  int resolution = 192;
+  int resolution = 256;
   double least_piece = 0.01;
 
   template <class Self, class Visitor>

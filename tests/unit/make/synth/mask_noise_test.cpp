@@ -93,6 +93,14 @@ TEST_CASE("masks of everything merge neighbours and split masks in the stated sh
   }
   CHECK(std::abs(split - 200) < 40);          // 800 draws at .25: 12 is one standard deviation
   CHECK(std::abs(merged - 400 * 0.19) < 30);  // a pair merges if one of two draws says so
+  const ImageU16 surfaces = [&] {
+    ImageU16 image = exact;
+    for (std::size_t p = 0; p < image.data.size(); ++p)
+      if (exact.data[p] == 0) image.data[p] = std::uint16_t(p % 60 < 30 ? 70 : 71);
+    return image;
+  }();
+  const ImageU16 all = masks_of_everything({}, exact, {.background = 1}, {0, 0, 9, nullptr, &surfaces});
+  CHECK(std::set<std::uint16_t>(all.data.begin(), all.data.end()) == std::set<std::uint16_t>{1, 2, 3, 4, 5, 6});
   const std::vector<std::string> parts = {"split:0.5,merge:1"};
   CHECK(parse_mask_noise(parts, NoiseOf::kEverything).split == 0.5);
   CHECK_THROWS_WITH_AS(parse_mask_noise(parts), doctest::Contains("\"split:0.5\", expected erode:PX"), Error);

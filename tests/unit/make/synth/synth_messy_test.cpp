@@ -83,6 +83,14 @@ TEST_CASE("a messy room shows every object in some view, furniture as background
     const SynthView view = render_view({.threads = 2}, scene, camera, 1);
     CHECK(render_view({.threads = 1}, scene, camera, 1).label.data == view.label.data);
     ids.insert(view.label.data.begin(), view.label.data.end());
+    int other = 0, sides = 0;
+    for (std::size_t p = 0; p < view.label.data.size(); ++p) {
+      const std::uint16_t id = view.label.data[p], surface = view.surface.data[p];
+      other += id > 0 ? surface != id : surface <= 300 || surface > 302 + 6;
+      sides += surface > 302;
+    }
+    CHECK(other == 0);
+    CHECK(sides > 1000);
     for (int x = 2; x < 200; x += 5) {
       const Hit hit = trace(scene, camera.centre(), ray_direction(camera, x + 0.5, 75.5));
       furniture += hit.object >= 300 && view.label.at(x, 75) == 0;

@@ -45,7 +45,7 @@ class UsdaText {
 
 /// The prim of encode_usda(), without the header of the file.
 void add_usda_splat(const SplatSelection& model, UsdaText& text);
-/// `values`, separated by commas, in brackets and with the end of the line.
+/// `values`, separated by commas, in brackets.
 template <class T>
 void add_usda_list(const std::vector<T>& values, UsdaText& text) {
   text.add("[");
@@ -53,7 +53,7 @@ void add_usda_list(const std::vector<T>& values, UsdaText& text) {
     if (k > 0) text.add(", ");
     text.add(values[k]);
   }
-  text.add("]\n");
+  text.add("]");
 }
 
 }  // namespace ngs::io
