@@ -90,10 +90,9 @@ int main(int argc, char** argv) {
           "or a PNG of such paint alone (repeatable, or PATH,PATH)"),
       tool.optional_input("--object-scribbles", "PNG: pixels that are not black are object"),
       tool.optional_input("--background-scribbles", "PNG: pixels that are not black are background")};
-  const cli::Input& annotations = tool.optional_input(
-      "--annotations", "with --everything: JSON of COCO or labelme, or a folder of it, in place of --segmenter");
-  const cli::Output& out =
-      tool.output_dir("-o,--output", "folder for the masks, STEM.png, 0/255; with --everything 16-bit id maps");
+  const cli::Input& annotations =
+      tool.optional_input("--annotations", "masks for --everything: COCO or labelme JSON, or a folder of it");
+  const cli::Output& out = tool.output_dir("-o,--output", "folder for the masks, STEM.png, 0/255, or 16-bit id maps");
   const cli::Output& soft = tool.optional_output_dir("--soft",
                                                      "folder for soft masks, 0..255: agreement of the photo with "
                                                      "the other views");
