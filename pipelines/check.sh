@@ -15,7 +15,7 @@ fi
 NGS_PRESET=${NGS_PRESET:-ci} "$pipelines/build.sh"  # all tests; device code is compiled if nvcc is found
 
 failed=0
-ctest --test-dir build --output-on-failure --output-junit tests.xml --test-output-size-passed 10000000 \
+ctest --test-dir build -j2 --output-on-failure --output-junit tests.xml --test-output-size-passed 10000000 \
   "$@" || failed=$?
 
 awk -f "$top/tests/ci/count-tests.awk" build/tests.xml

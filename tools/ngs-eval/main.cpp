@@ -63,8 +63,8 @@ int main(int argc, char** argv) {
       "folder of true masks, or one file; of a scene.json the true masks of its held-out views; "
       "with --halves the folder halves/ of ngs-synth; of a labelled PLY another one, or the Gaussians' ids as "
       "bytes");
-  const cli::Input& model = tool.optional_input(
-      "--model", "with --halves: the uncut model, to score what the cut changed outside of the hole");
+  const cli::Input& model =
+      tool.optional_input("--model", "with --halves: the uncut model, for changes outside of the hole");
   const cli::Input& alone = tool.optional_input(
       "--alone", "folder of ngs-render object.ply --layers alpha: adds the scores of the object rendered alone");
   const cli::Output& out = tool.output("-o,--output", "metrics.json");
