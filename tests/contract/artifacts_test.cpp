@@ -167,7 +167,7 @@ TEST_CASE("scenes, depth and scores of both halves satisfy their schemas, and a 
 
 TEST_CASE("scores of all objects of id maps satisfy their schema") {
   const test::TempDir dir;
-  const auto run = [&](std::vector<std::string> argv) {
+  const auto run = [&](const std::vector<std::string>& argv) {
     REQUIRE(test::run_process(test::command(Json(argv))).exit_code == 0);
   };
   run({"ngs-synth", "tiny", "--no-fit", "--mask-noise", "jitter:1,blob:1", "-o", dir.file("scene")});

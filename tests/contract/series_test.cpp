@@ -51,7 +51,7 @@ std::pair<test::ProcessResult, test::ProcessResult> at_once(const test::ProcessS
 }
 
 std::string tiny_capture(const test::TempDir& dir) {
-  const std::string scene = dir.path() + "/capture";
+  std::string scene = dir.path() + "/capture";
   fs::create_directories(scene);
   test::write_tiny_scene(scene);
   fs::remove(scene + "/scene.json");

@@ -102,8 +102,9 @@ double iou_of(const TriangleMesh& mesh, const synth::Object& object) {
   double both = 0, either = 0;
   for (std::size_t k = 0; k < columns.size(); ++k)
     for (double z = box.low.z + 0.5 * cell; z < box.high.z; z += cell) {
-      const Vec p{box.low.x + (double(k % kColumns) + 0.4871) * cell,
-                  box.low.y + (double(k / kColumns) + 0.5133) * cell, z};
+      const std::size_t column = k % kColumns;
+      const std::size_t row = k / kColumns;
+      const Vec p{box.low.x + (double(column) + 0.4871) * cell, box.low.y + (double(row) + 0.5133) * cell, z};
       const bool in_truth = distance_to(object, p) < 0;
       const bool in_mesh = (std::ranges::lower_bound(columns[k], z) - columns[k].begin()) % 2 == 1;
       both += in_truth && in_mesh;

@@ -1,5 +1,7 @@
 #pragma once
 // --instances for the Gaussians of a labelled model instead of id maps.
+#include <string>
+
 #include "ngs/eval/instances.h"
 
 namespace ngs::cli {

@@ -39,6 +39,22 @@ void check_options(cli::Run& run, const EvalOptions& options, const cli::EvalFil
   check_scores(options.fail_below, scores_of(files, with_alone));
 }
 
+cli::Outcome outcome_of(cli::Run& run, const EvalOptions& options, const cli::EvalFileOptions& files,
+                        const cli::Pairing& pairing) {
+  if (files.image_metrics) return cli::photos_outcome(run, pairing);
+  if (files.opacity) return cli::opacities_outcome(run, options, pairing);
+  if (files.instances) return cli::instances_outcome(run, options, pairing);
+  return cli::masks_outcome(run, options, pairing);
+}
+
+/// As masks_of_scene() of a scene.json.
+std::optional<cli::Masks> masks_of(cli::Run& run, const std::string& predicted, const std::string& truth,
+                                   EvalOptions& options, cli::EvalFileOptions& files) {
+  if (!cli::is_scene_file(truth)) return cli::Masks{cli::list_images(predicted), cli::list_images(truth)};
+  run.warn_unused({"--layout"}, "with a scene.json, which sets the layout");
+  return cli::masks_of_scene(run, predicted, truth, options, files);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -76,13 +92,8 @@ int main(int argc, char** argv) {
     const bool scores_alone = alone && !files.image_metrics && !files.opacity && !files.instances;
     check_options(run, options, files, scores_alone);
     const bool of_gaussians = files.instances && cli::is_model(predicted.path);
-    const std::optional<cli::Masks> masks = [&]() -> std::optional<cli::Masks> {
-      if (of_gaussians) return cli::Masks{};
-      if (!cli::is_scene_file(truth.path))
-        return cli::Masks{cli::list_images(predicted.path), cli::list_images(truth.path)};
-      run.warn_unused({"--layout"}, "with a scene.json, which sets the layout");
-      return cli::masks_of_scene(run, predicted.path, truth.path, options, files);
-    }();
+    const std::optional<cli::Masks> masks =
+        of_gaussians ? cli::Masks{} : masks_of(run, predicted.path, truth.path, options, files);
     if (!masks) return cli::kDone;
     const cli::Pairing pairing =
         of_gaussians ? cli::Pairing{} : cli::paired(masks->predicted, masks->truth, options, files);
@@ -90,11 +101,8 @@ int main(int argc, char** argv) {
     run.result()["pairing"] = cli::pairing_json(pairing);
     if (run.dry_run()) return cli::kDone;
 
-    cli::Outcome outcome = files.image_metrics ? cli::photos_outcome(run, pairing)
-                           : files.opacity     ? cli::opacities_outcome(run, options, pairing)
-                           : of_gaussians      ? cli::gaussians_outcome(predicted.path, truth.path)
-                           : files.instances   ? cli::instances_outcome(run, options, pairing)
-                                               : cli::masks_outcome(run, options, pairing);
+    cli::Outcome outcome =
+        of_gaussians ? cli::gaussians_outcome(predicted.path, truth.path) : outcome_of(run, options, files, pairing);
     if (scores_alone)
       cli::add_alone(run, cli::paired(cli::list_images(alone.path), masks->truth, options, files), options, outcome);
     const std::vector<ScoreCheck> checks = check_scores(options.fail_below, outcome.mean);

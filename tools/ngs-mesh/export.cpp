@@ -14,8 +14,9 @@ void check_export(const std::string& path, const ExportOptions& options) {
                 "name it object.glb, or leave out --collider");
 }
 
-void write_export(Run& run, const std::string& path, const GaussianCloud& splat, TriangleMesh mesh,
-                  const ExportOptions& options, const io::MeshPlacement& placement) {
+void write_export(Run& run, const ExportTarget& target, const GaussianCloud& splat, TriangleMesh mesh,
+                  const ExportOptions& options) {
+  const auto& [path, placement] = target;
   const io::MeshFormat format = io::mesh_format(path);
   io::RigidBody body{std::move(mesh), {}, 0};
   body.mass = options.density * mesh::measures_of(body.mesh).volume * placement.unit * placement.unit * placement.unit;

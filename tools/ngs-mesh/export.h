@@ -36,8 +36,13 @@ struct ExportOptions {
 /// Throws kUsage for a name whose format is unknown or holds no colliders, and for colliders of no known kind.
 void check_export(const std::string& path, const ExportOptions& options);
 
-/// Makes the colliders, reports them and writes everything. `splat`: what a .usda holds beside the mesh.
-void write_export(Run& run, const std::string& path, const GaussianCloud& splat, TriangleMesh mesh,
-                  const ExportOptions& options, const io::MeshPlacement& placement);
+struct ExportTarget {
+  std::string path;
+  io::MeshPlacement placement;
+};
+
+/// Makes the colliders, reports them and writes everything. `splat`: what a .usda holds in addition to the mesh.
+void write_export(Run& run, const ExportTarget& target, const GaussianCloud& splat, TriangleMesh mesh,
+                  const ExportOptions& options);
 
 }  // namespace ngs::cli

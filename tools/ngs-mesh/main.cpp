@@ -67,8 +67,8 @@ int main(int argc, char** argv) {
     mesh::ObjectMesh object = mesh::mesh_of(run.exec(), run.monitor(), ply.cloud, options);
     report(run, object);
     place_in_world(run, ply.cloud, object.mesh);
-    cli::write_export(run, out.path, ply.cloud, std::move(object.mesh), placement,
-                      {orbit::axis_of(up_or(placement.up, ply.vertical_axis)), placement.unit});
+    const cli::ExportTarget target{out.path, {orbit::axis_of(up_or(placement.up, ply.vertical_axis)), placement.unit}};
+    cli::write_export(run, target, ply.cloud, std::move(object.mesh), placement);
     return cli::kDone;
   });
 }

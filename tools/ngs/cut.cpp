@@ -198,7 +198,7 @@ void warn_unused_options(cli::Run& run, cli::Tool& tool, SourceKind kind, bool h
 /// kInconsistent with options that describe a capture.
 std::string bare_splat_of(cli::Run& run, const std::string& capture, const std::string& model, bool marked,
                           bool has_capture_options) {
-  const std::string splat = splat_without_photos(capture, model, marked);
+  std::string splat = splat_without_photos(capture, model, marked);
   if (splat.empty()) return splat;
   if (has_capture_options)
     throw Error(ErrorCode::kInconsistent, capture + ": no photo of any view, expected photos or masks",
@@ -262,6 +262,10 @@ int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
   return cli::kDone;
 }
 
+bool sets_quality(const OptionSet& options) {
+  return std::ranges::any_of(options.changed(), [](const OptionEntry* entry) { return entry->name == "quality"; });
+}
+
 }  // namespace
 
 int cut_command(int argc, char** argv) {
@@ -320,8 +324,7 @@ int cut_command(int argc, char** argv) {
                 .all_words = given_words(tool.option_set()),
                 .own_flags = own_flags(tool.option_set()),
                 .out = operand(out ? out.path : default_folder(source.value)),
-                .trains_all = std::ranges::any_of(tool.option_set().changed(),
-                                                  [](const OptionEntry* entry) { return entry->name == "quality"; }),
+                .trains_all = sets_quality(tool.option_set()),
                 .has_renders = has_renders,
                 .renders_capture = !bare_splat.empty()});
   });

@@ -10,6 +10,22 @@ namespace {
 
 constexpr std::int32_t kNoObject = -2;  // a vote for no object
 
+/// The group with most votes, MaskGroups::kDropped if there is none. Sorts the votes.
+std::int32_t most_frequent(std::vector<std::int32_t>& votes) {
+  std::sort(votes.begin(), votes.end());
+  std::int32_t winner = MaskGroups::kDropped;
+  std::ptrdiff_t most = 0;
+  for (auto at = votes.begin(); at != votes.end();) {
+    const auto next = std::upper_bound(at, votes.end(), *at);
+    if (next - at > most) {
+      most = next - at;
+      winner = std::max(*at, MaskGroups::kDropped);
+    }
+    at = next;
+  }
+  return winner;
+}
+
 /// The group that most views show each Gaussian in, or MaskGroups::kDropped. Groups of too few views do not vote.
 std::vector<std::int32_t> vote(const Exec& exec, int min_views, std::size_t gaussians,
                                const std::vector<ViewGaussians>& views, const MaskGroups& groups) {
@@ -27,18 +43,7 @@ std::vector<std::int32_t> vote(const Exec& exec, int min_views, std::size_t gaus
           votes[at->gaussian - begin].push_back(group);
       }
     }
-    for (std::size_t i = 0; i < votes.size(); ++i) {
-      std::ranges::sort(votes[i]);
-      std::ptrdiff_t most = 0;
-      for (auto at = votes[i].begin(); at != votes[i].end();) {
-        const auto next = std::upper_bound(at, votes[i].end(), *at);
-        if (next - at > most) {
-          most = next - at;
-          winner[begin + i] = std::max(*at, MaskGroups::kDropped);
-        }
-        at = next;
-      }
-    }
+    for (std::size_t i = 0; i < votes.size(); ++i) winner[begin + i] = most_frequent(votes[i]);
   });
   return winner;
 }
@@ -137,7 +142,7 @@ void separate_doubtful(const ObjectOptions& options, GroupedObjects& out) {
   std::vector<std::uint32_t> order(out.objects.size()), number(out.objects.size() + 1);
   std::iota(order.begin(), order.end(), 0u);
   const auto doubtful =
-      std::ranges::stable_partition(order, [&](std::uint32_t k) { return is_sure(out.objects[k]); }).begin();
+      std::stable_partition(order.begin(), order.end(), [&](std::uint32_t k) { return is_sure(out.objects[k]); });
   out.sure = std::size_t(doubtful - order.begin());
   std::vector<GroupedObject> ordered;
   for (const std::uint32_t k : order) {

@@ -1,6 +1,7 @@
 // Binary glTF of a triangle mesh.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "ngs/core/error.h"
@@ -17,7 +18,7 @@ constexpr int kFloat = 5126, kUnsignedShort = 5123, kUnsignedInt = 5125, kArrayB
 constexpr std::uint32_t kMagic = 0x46546c67, kVersion2 = 2, kJsonChunk = 0x4e4f534a, kBinaryChunk = 0x004e4942;
 constexpr std::size_t kMaxBytes = 0xf0000000;
 
-std::uint16_t linear16(float srgb) { return std::uint16_t(linear_colour(srgb) * 65535.f + 0.5f); }
+std::uint16_t linear16(float srgb) { return std::uint16_t(std::lround(linear_colour(srgb) * 65535.f)); }
 
 /// The buffer with its views and accessors.
 struct Buffer {

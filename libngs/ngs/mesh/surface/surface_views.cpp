@@ -206,8 +206,9 @@ std::vector<Vec> outward_directions(const Exec& exec, const GaussianCloud& cloud
 
 Vec SurfaceView::point(std::size_t pixel) const {
   const auto width = std::size_t(camera.width_px);
-  return camera.centre() +
-         double(depth.data[pixel]) * ray_of(camera, double(pixel % width) + 0.5, double(pixel / width) + 0.5);
+  const std::size_t x = pixel % width;
+  const std::size_t y = pixel / width;
+  return camera.centre() + double(depth.data[pixel]) * ray_of(camera, double(x) + 0.5, double(y) + 0.5);
 }
 
 std::vector<SurfaceView> render_surface_views(const Exec& exec, const GaussianCloud& cloud, const SurfaceRig& rig) {

@@ -91,7 +91,8 @@ TEST_CASE("a sphere's rendered silhouette has the area of the projected cone") {
       if (std::abs(cosine - limit) > 1e-9) wrong += (cosine > limit) != (view.label.at(x, y) == 1);
       covered += double(view.coverage.at(x, y));
       for (int s = 0; s < 16 * 16; ++s) {
-        const V d = ray_direction(camera, x + (s % 16 + 0.5) / 16, y + (s / 16 + 0.5) / 16);
+        const int row = s / 16;
+        const V d = ray_direction(camera, x + (s % 16 + 0.5) / 16, y + (row + 0.5) / 16);
         fine += dot(d, normalized(to)) > limit;
       }
     }

@@ -99,6 +99,17 @@ TEST_CASE("a torus becomes closed convex parts of at most 64 corners, the same f
   }
 }
 
+namespace {
+
+bool is_inside(const TriangleMesh& convex, Vec3<double> p) {
+  return std::ranges::all_of(convex.faces, [&](const auto& face) {
+    const auto corner = [&](std::size_t i) { return test::to_double(convex.vertices[face[i]]); };
+    return dot(cross(corner(1) - corner(0), corner(2) - corner(0)), p - corner(0)) <= 0;
+  });
+}
+
+}  // namespace
+
 TEST_CASE("volumes outside and missing equal those of a brute force over points of the parts and the analytic solid") {
   const synth::Object torus = test::recipe_object("torus-box", "torus");
   const Collider collider = make_collider({}, test::recipe_mesh("torus-box", "torus", 96), {ColliderKind::kConvex, 6});
@@ -111,12 +122,8 @@ TEST_CASE("volumes outside and missing equal those of a brute force over points 
     const Vec3<double> p{along(-0.35, 0.9, k % kSide), along(-0.35, 0.35, k / kSide % kSide),
                          along(0, 1.3, k / kSide / kSide)};
     const bool in_torus = test::distance(torus, p) < 0;
-    const bool in_part = std::ranges::any_of(collider.parts, [p](const TriangleMesh& part) {
-      return std::ranges::all_of(part.faces, [&](const auto& face) {
-        const auto corner = [&](std::size_t i) { return test::to_double(part.vertices[face[i]]); };
-        return dot(cross(corner(1) - corner(0), corner(2) - corner(0)), p - corner(0)) <= 0;
-      });
-    });
+    const bool in_part =
+        std::ranges::any_of(collider.parts, [p](const TriangleMesh& part) { return is_inside(part, p); });
     inside += in_torus;
     outside += in_part && !in_torus;
     missing += in_torus && !in_part;
