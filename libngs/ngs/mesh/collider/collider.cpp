@@ -17,7 +17,8 @@ constexpr double kRayCells = 4e5;  // of the rays' lattice in the mesh or, if th
 constexpr double kMostRaysAcross = 450;
 constexpr std::size_t kMostPlaces = 100000;  // whose distance to the mesh is measured
 
-void check_closed(const TriangleMesh& mesh) {
+/// The volume of the mesh, world units^3. Throws if it is empty, open or turned over.
+double closed_volume(const TriangleMesh& mesh) {
   if (mesh.faces.empty())
     throw Error(ErrorCode::kNothingFound, "mesh: has no faces, expected a closed surface", "check the object");
   const MeshMeasures measures = measures_of(mesh);
@@ -28,6 +29,7 @@ void check_closed(const TriangleMesh& mesh) {
   if (!(measures.volume > 0))
     throw Error(ErrorCode::kInconsistent, "mesh: encloses no volume, expected faces that point outwards",
                 "turn the faces over");
+  return measures.volume;
 }
 
 GridMesh on_grid(const TriangleMesh& mesh, const ExactGrid& grid) {
@@ -125,9 +127,8 @@ ColliderChoice collider_choice(const std::string& text) {
 
 Collider make_collider(const Exec& exec, const TriangleMesh& mesh, const ColliderChoice& choice) {
   const ExactGrid grid(mesh.vertices);
-  check_closed(mesh);
   Collider collider;
-  collider.mesh_volume = measures_of(mesh).volume;
+  collider.mesh_volume = closed_volume(mesh);
   const double cell = grid.step() * grid.step() * grid.step();
   const double volume = collider.mesh_volume / cell;
   const GridMesh solid = on_grid(mesh, grid);

@@ -27,13 +27,19 @@ struct Gathered {
   }
 };
 
+/// Column and row of the pixel that shows a place in camera axes; negative: none does.
+std::array<int, 2> pixel_of(const Camera& camera, Vec place) {
+  if (!(place.z > 0)) return {-1, -1};
+  const double x = camera.fx * place.x / place.z + camera.cx, y = camera.fy * place.y / place.z + camera.cy;
+  if (!(x >= 0 && y >= 0 && x < camera.width_px && y < camera.height_px)) return {-1, -1};
+  return {int(x), int(y)};
+}
+
 /// The observation of one view at a place in camera axes.
 void gather(const SurfaceView& view, Vec place, double band, Gathered& out) {
   const Camera& camera = view.camera;
-  if (!(place.z > 0)) return;
-  const double x = camera.fx * place.x / place.z + camera.cx, y = camera.fy * place.y / place.z + camera.cy;
-  if (!(x >= 0 && y >= 0 && x < camera.width_px && y < camera.height_px)) return;
-  const int ix = int(x), iy = int(y);
+  const auto [ix, iy] = pixel_of(camera, place);
+  if (ix < 0) return;
   const std::size_t pixel = view.depth.index(ix, iy);
   const auto depth = double(view.depth.data[pixel]);
   if (depth < 0) {
@@ -88,10 +94,9 @@ Vec3<float> DistanceField::colour(Vec point, Vec normal) const {
     const Camera& camera = view.camera;
     const Vec place = camera.to_camera(point);
     const double cosine = -dot(camera.rotation * normal, unit(place));
-    if (!(cosine > 0) || !(place.z > 0)) continue;
-    const double x = camera.fx * place.x / place.z + camera.cx, y = camera.fy * place.y / place.z + camera.cy;
-    if (!(x >= 0 && y >= 0 && x < camera.width_px && y < camera.height_px)) continue;
-    const std::size_t pixel = view.depth.index(int(x), int(y));
+    const auto [x, y] = pixel_of(camera, place);
+    if (!(cosine > 0) || x < 0) continue;
+    const std::size_t pixel = view.depth.index(x, y);
     const auto depth = double(view.depth.data[pixel]);
     if (!(depth > 0) || std::abs(depth - place.z) > band_) continue;
     const double weight = cosine * cosine;

@@ -92,7 +92,7 @@ TEST_CASE("masks of everything merge neighbours and split masks in the stated sh
     merged += 4 - count({.merge = 0.1}, view);
   }
   CHECK(std::abs(split - 200) < 40);          // 800 draws at .25: 12 is one standard deviation
-  CHECK(std::abs(merged - 400 * 0.19) < 30);  // a pair merges if one of two draws says so
+  CHECK(std::abs(merged - 400 * 0.19) < 30);  // a pair merges if one of two draws selects it
   const ImageU16 surfaces = [&] {
     ImageU16 image = exact;
     for (std::size_t p = 0; p < image.data.size(); ++p)

@@ -76,7 +76,7 @@ Collider parts_of(const char* recipe, const char* object, int cells, int parts) 
   return make_collider({}, test::recipe_mesh(recipe, object, cells), {ColliderKind::kConvex, parts});
 }
 
-TEST_CASE("a ball that is dropped on the collider of a table comes to rest on its top, one beside it falls past") {
+TEST_CASE("a ball that is dropped on the collider of a table comes to rest on its top, one next to it falls past") {
   const Collider table = parts_of("table", "table", 96, 16);
   World world;
   world.add(table, {}, 0, {});
