@@ -155,4 +155,23 @@ ModelSearch find_model(const std::string& folder) {
   return only_splat(folder, files);
 }
 
+std::string antialiasing_settings(const std::string& model) {
+  constexpr std::size_t kMaxLevels = 3;
+  fs::path folder = fs::path(model).parent_path();
+  for (std::size_t level = 0; level < kMaxLevels; ++level) {
+    for (const char* name : {"cfg_args", "cfg.yml", "config.yml"}) {
+      const std::string file = (folder / name).generic_string();
+      if (!is_regular_file(file)) continue;
+      const MappedFile mapped = map_regular_file(file);
+      for (const char* words : {"antialiasing=True", "antialiased: true", "rasterize_mode: antialiased"})
+        if (mapped.text().find(words) != std::string_view::npos) return file;
+    }
+    const std::string name = folder.filename().string();
+    const bool is_of_trainer = name.starts_with("iteration_") || name == "point_cloud" || name == "ply";
+    if (!is_of_trainer) return {};
+    folder = folder.parent_path();
+  }
+  return {};
+}
+
 }  // namespace ngs::io
