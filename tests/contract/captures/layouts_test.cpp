@@ -127,6 +127,35 @@ TEST_CASE("one file with the masks of all photos is named, with the command that
   }
 }
 
+TEST_CASE("an archive of masks, one mask for all photos, and two folders of masks end ngs cut with the next step") {
+  const auto cut = [](const Capture& capture, int code, const std::vector<std::string>& parts) {
+    const test::ProcessResult result = capture.run({"ngs", "cut", "c", "-o", "out"});
+    CAPTURE(result.err);
+    CHECK(result.exit_code == code);
+    for (const std::string& part : parts) CHECK_MESSAGE(contains(result.err, part), part);
+  };
+  const Capture archive;
+  fs::remove_all(archive.path("masks"));
+  archive.dir.write("c/masks.zip", "x");
+  cut(archive, 4, {"c/masks.zip", "unpack it: unzip c/masks.zip -d c/masks"});
+  const Capture one;
+  const std::string bytes = test::read_bytes(one.path("masks/v3.png"));
+  for (const char* name : {"masks/mask.png", "mask.png"}) {
+    fs::remove_all(one.path("masks"));
+    one.dir.write(std::string("c/") + name, bytes);
+    const std::string command = std::string("magick c/") + name;
+    cut(one, 4, {"1 images fit no view", command, "-transparent black v0.png; then --strokes v0.png"});
+  }
+  const Capture two;
+  move(two, "masks", "SegmentationClass");
+  fs::copy(two.path("SegmentationClass"), two.path("SegmentationObject"));
+  cut(two, 4, {"several mask folders (SegmentationClass SegmentationObject)", "choose one with --masks DIR"});
+  const Capture none;
+  fs::remove_all(none.path("masks"));
+  none.dir.write("c/masks/.DS_Store", "x");
+  cut(none, 0, {});
+}
+
 TEST_CASE("ngs cut names the views in which the result disagrees with their masks") {
   const Capture capture;
   for (int i = 0; i < test::kCaptureViews; ++i)

@@ -79,8 +79,8 @@ std::string find_masks_dir(const ImportRequest& request, const std::string& base
     notes.push_back((fs::path(base) / name).generic_string() +
                     ": not read, its name suggests ground truth (if it holds the input masks: --masks DIR)");
   if (!candidates.empty())
-    notes.push_back(base + ": several mask folders (" + joined(candidates) +
-                    "), none used (choose one with --masks DIR)");
+    out.unfit_masks = {base + ": several mask folders (" + joined(candidates) + "), none used",
+                       "choose one with --masks DIR"};
   else if (!out.images_dir.empty() && photo_folder_holds_masks(out.images_dir, out.scene.views))
     return out.images_dir;
   return {};
@@ -227,6 +227,10 @@ void attach_masks(const ImportRequest& request, const std::string& base, Importe
   const bool has_none = matches.unmatched.size() == scene.views.size() && out.views_by_mask_rule.empty();
   if (has_none && !out.masks_dir.empty() && out.masks_dir != out.images_dir && !names_photos(request, out))
     out.unfit_masks = unfit_masks(out.masks_dir, scene.views);
+  if (!has_none && !out.unfit_masks.found.empty()) {
+    out.notes.push_back(out.unfit_masks.found + " (" + out.unfit_masks.remedy + ")");
+    out.unfit_masks = {};
+  }
   if (const std::string file = file_of_all_masks(base); has_none && out.masks_dir.empty() && !file.empty())
     out.unfit_masks = unfit_masks(file, scene.views);
   take_masks_from_photos(request, out, matches.unmatched);
@@ -325,6 +329,10 @@ ImportedScene import_scene(const ImportRequest& request) {
     scene.model_path = request.model_path;
   else if (!source.rendered)
     scene.model_path = model_in_folder(source.base, out.notes);
+  if (const std::string settings = antialiasing_settings(scene.model_path); !settings.empty() && !scene.antialiased) {
+    scene.antialiased = true;
+    out.notes.push_back(settings + ": the model was trained with antialiasing (if not: --antialias off)");
+  }
   scene.mask_mode = request.mask_mode, scene.mask_invert = request.mask_invert;
   scene.mask_threshold = request.mask_threshold, scene.missing_mask = request.missing_mask;
   scene.void_id = request.void_id;

@@ -26,6 +26,7 @@ std::vector<std::string> files_below(const std::string& folder) {
   for (fs::recursive_directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
     if (entry.depth() >= kMaxDepth) entry.disable_recursion_pending();
     const std::string path = entry->path().generic_string();
+    if (entry->path().filename().string().starts_with(".")) continue;  // of the system or an editor
     if (files.size() < kMaxFiles && is_regular_file(path)) files.push_back(path);
   }
   std::ranges::sort(files);
@@ -42,6 +43,15 @@ bool is_array(const std::string& path) {
 bool is_film(const std::string& path) {
   static const std::set<std::string> endings{".mp4", ".mov", ".avi", ".mkv", ".webm", ".m4v", ".gif"};
   return endings.contains(ending_of(path));
+}
+
+/// The command that unpacks an archive into `folder`; empty: another file.
+std::string unpack_command(const std::string& path, const std::string& folder) {
+  const std::string ending = ending_of(path), file = shell_word(path), to = shell_word(folder);
+  if (ending == ".zip") return "unzip " + file + " -d " + to;
+  if (ending == ".7z" || ending == ".rar") return "7z x " + file + " -o" + to;
+  const bool is_tar = ending == ".tar" || ending == ".tgz" || lower_case(path).find(".tar.") != std::string::npos;
+  return is_tar ? "mkdir -p " + to + " && tar -xf " + file + " -C " + to : "";
 }
 
 /// A folder for each photo, as SAM's automatic mask generator writes.
@@ -63,6 +73,18 @@ std::string remedy_of_images(const std::string& folder, std::size_t count, const
   return count == views.size() ? "if they are in the order of the photos: --masks-in-order; else " + named : named;
 }
 
+/// One mask for all photos marks the object in one of them.
+std::string remedy_of_one(const std::string& path, const SceneView& view) {
+  const std::string paint = shell_word(image_stem(bare_name(view.camera.name)) + ".png");
+  return "it is the mask of one photo; if of " + view.camera.name + ": magick " + shell_word(path) +
+         " -threshold 50% -fill lime -opaque white -transparent black " + paint + "; then --strokes " + paint;
+}
+
+bool can_have_pages(const std::string& path) {
+  const std::string ending = ending_of(path);
+  return ending.starts_with(".tif") || ending == ".gif" || ending == ".webp";
+}
+
 /// One file with a mask for each photo: `extract` makes pictures of `file` in the folder masks-png.
 std::string remedy_of_stack(const std::string& extract) {
   return "it may hold a mask for each photo: mkdir masks-png; " + extract +
@@ -78,14 +100,18 @@ std::string remedy_of_arrays(const std::string& folder, const std::vector<std::s
       [&, stem = fs::path(first).stem().string()](const SceneView& v) { return image_stem(v.camera.name) == stem; });
   if (arrays.size() == 1 && !is_of_one_view && (ending == ".npy" || ending == ".npz"))
     return remedy_of_stack(
-        "python3 -c \"import sys, numpy; from PIL import Image; a = numpy.load(sys.argv[1]); "
-        "a = a if hasattr(a, 'ndim') else a[a.files[0]]; [Image.fromarray(" +
+        "python3 -c \"import sys, numpy; from PIL import Image; d = numpy.load(sys.argv[1]); "
+        "a = d if hasattr(d, 'ndim') else d[d.files[0]] if len(d.files) < 2 else [d[k] for k in d.files]; "
+        "[Image.fromarray(" +
         convert + ").save('masks-png/%04d.png' % i) for i, m in enumerate(a)]\" " + shell_word(first));
-  if (ending != ".npy") return save;
+  if (ending != ".npy" && ending != ".npz") return save;
   return save + ": cd " + shell_word(folder) +
          " && python3 -c \"import glob, numpy; from PIL import Image; "
-         "[Image.fromarray((numpy.load(f).squeeze() > 0).astype('u1') * 255).save(f[:-4] + '.png') for f in "
-         "glob.glob('**/*.npy', recursive=True)]\"";
+         "read = lambda d: d if hasattr(d, 'ndim') else "
+         "d[d.files[0]]; [Image.fromarray((read(numpy.load(f)).squeeze() > 0).astype('u1') * 255).save(f[:-4] + "
+         "'.png') "
+         "for f in glob.glob('**/*" +
+         ending + "', recursive=True)]\"";
 }
 
 }  // namespace
@@ -124,14 +150,26 @@ UnfitMasks unfit_masks(const std::string& folder, const std::vector<SceneView>& 
   UnfitMasks unfit{folder + ": " + std::to_string(files.size()) + kind + " fit no view (first: " + files[0] +
                        "; the first view is " + views[0].camera.name + "), expected masks named after the photos",
                    "masks are images (PNG), or JSON of labelme or COCO with the names of the photos"};
-  if (images.size() == 1 && views.size() > 1 && !has_folder_per_photo(folder, views))
+  const bool is_one = images.size() == 1 && views.size() > 1 && !has_folder_per_photo(folder, views);
+  if (is_one && !can_have_pages(images[0]))
+    unfit.remedy = remedy_of_one(images[0], views[0]);
+  else if (is_one)
     unfit.remedy = remedy_of_stack("magick " + shell_word(images[0]) + " masks-png/%04d.png");
   else if (!images.empty())
     unfit.remedy = remedy_of_images(folder, images.size(), views);
   else if (!arrays.empty())
     unfit.remedy = remedy_of_arrays(folder, arrays, views);
+  else if (files.size() > 1 && ending_of(files[0]) == ".gif")
+    unfit.remedy = "convert them: magick mogrify -format png " + shell_word(folder) + "/*.gif";
   else if (is_film(files[0]))
     unfit.remedy = remedy_of_stack("ffmpeg -i " + shell_word(files[0]) + " masks-png/%04d.png");
+  const auto archive =
+      std::ranges::find_if(others, [](const std::string& path) { return !unpack_command(path, "").empty(); });
+  if (images.empty() && arrays.empty() && archive != others.end())
+    unfit.remedy =
+        "an archive is not read, unpack it: " +
+        unpack_command(*archive,
+                       is_regular_file(folder) ? (fs::path(folder).parent_path() / "masks").string() : folder);
   return unfit;
 }
 
@@ -140,8 +178,11 @@ std::string file_of_all_masks(const std::string& base) {
   std::vector<std::string> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(base, ignored)) {
     const std::string path = entry.path().generic_string();
-    const bool is_named = lower_case(entry.path().filename().string()).find("mask") != std::string::npos;
-    if (is_named && (is_array(path) || is_film(path) || ending_of(path).starts_with(".tif")) && is_regular_file(path))
+    const std::string stem = lower_case(entry.path().stem().string());
+    const bool is_named = stem.find("mask") != std::string::npos;
+    const bool is_image = has_image_extension(path) && (stem == "mask" || stem == "masks");
+    const bool is_packed = is_array(path) || is_film(path) || !unpack_command(path, "").empty();
+    if (is_named && (is_image || is_packed || ending_of(path).starts_with(".tif")) && is_regular_file(path))
       files.push_back(path);
   }
   std::ranges::sort(files);

@@ -19,7 +19,7 @@ struct UnfitMasks {
 };
 UnfitMasks unfit_masks(const std::string& folder, const std::vector<SceneView>& views);
 
-/// A film, an array or a TIFF in `base` that is called like masks; empty: none.
+/// A film, an array, an archive or a TIFF in `base` that is called like masks; empty: none.
 std::string file_of_all_masks(const std::string& base);
 
 }  // namespace ngs::io
