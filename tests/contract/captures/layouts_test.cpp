@@ -156,6 +156,63 @@ TEST_CASE("an archive of masks, one mask for all photos, and two folders of mask
   cut(none, 0, {});
 }
 
+TEST_CASE(
+    "masks one level deeper are used if the name of their folder suggests masks, else named if they look like masks") {
+  for (const char* folder : {"data/masks", "images/masks", "data/run/sam"}) {
+    CAPTURE(folder);
+    const Capture deeper;
+    move(deeper, "masks", folder);
+    deeper.dir.write("c/out/.ngs-cut", "x");
+    fs::copy(deeper.path(folder), deeper.path("out/masks"));
+    check_complete(deeper);
+  }
+  const Capture looks;
+  move(looks, "masks", "labels");
+  fs::copy(looks.path("images"), looks.path("images_2"));
+  const test::ProcessResult result = looks.import();
+  CHECK(contains(result.err, "c/labels: its pictures are called like photos and look like masks, not read"));
+  CHECK(contains(result.err, "--masks ./c/labels"));
+  CHECK(!contains(result.err, "images_2: its"));
+  const Capture several;
+  move(several, "masks", "data/masks");
+  fs::copy(several.path("data/masks"), several.path("data/segmentation"));
+  CHECK(several.run({"ngs", "cut", "c", "-o", "out"}).exit_code == 4);
+}
+
+TEST_CASE("masks in another format, links without a file, and objects without a mask in some views are named") {
+  const auto error_of = [](const std::function<void(const Capture&)>& change) {
+    const Capture capture;
+    fs::rename(capture.path("masks"), capture.path("old"));
+    change(capture);
+    fs::remove_all(capture.path("old"));
+    const test::ProcessResult result = capture.run({"ngs", "cut", "c", "-o", "out", "--quality", "draft"});
+    return std::to_string(result.exit_code) + " " + result.err;
+  };
+  const std::string cvat = error_of([](const Capture& c) { c.dir.write("c/annotations.xml", "<annotations/>"); });
+  CHECK(contains(cvat, "c/annotations.xml: 1 files fit no view"));
+  const std::string yolo = error_of([](const Capture& c) { c.dir.write("c/labels/v0.txt", "0 .1 .1 .5 .5"); });
+  CHECK(contains(yolo, "c/labels: 1 files fit no view (first: c/labels/v0.txt"));
+  const std::string pointer =
+      error_of([](const Capture& c) { c.dir.write("c/masks/v0.png", "version https://git-lfs.github.com/spec/v1\n"); });
+  CHECK(contains(pointer, "Git LFS pointer, without the data: git lfs pull"));
+  const std::string links = error_of([](const Capture& c) {
+    fs::create_directory(c.path("masks"));
+    fs::create_symlink("absent", c.path("masks/v0.png"));
+  });
+  CHECK(contains(links, "4 "));
+  CHECK(contains(links, "c/masks: 1 links lead to no file (first: c/masks/v0.png)"));
+  const std::string deeper = error_of([](const Capture& c) { move(c, "old", "masks/run/cup"); });
+  CHECK(contains(deeper, "name their folder: --masks c/masks/run/cup"));
+  const std::string some = error_of([](const Capture& c) {
+    fs::create_directory(c.path("masks"));
+    fs::copy(c.path("old"), c.path("masks/cup"));
+    fs::copy(c.path("old"), c.path("masks/plate"));
+    for (const char* name : {"v1.png", "v4.png"}) fs::remove(c.path(std::string("masks/plate/") + name));
+  });
+  CHECK(contains(some, "0 "));
+  CHECK(contains(some, "2 views lack the mask of an object (first: c/masks/plate/v1.png)"));
+}
+
 TEST_CASE("ngs cut names the views in which the result disagrees with their masks") {
   const Capture capture;
   for (int i = 0; i < test::kCaptureViews; ++i)

@@ -6,6 +6,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/files/folder_index.h"
+#include "ngs/io/files/shell_word.h"
 #include "ngs/scene/view_names.h"
 
 namespace ngs::io {
@@ -111,7 +112,9 @@ void match_per_object(const std::string& folder, const std::vector<std::string>&
       else if (kept != path)
         throw Error(ErrorCode::kInconsistent,
                     found[v].path + ": another object has " + kept + ", expected the same file name for all objects",
-                    "give the masks of a view the same name in all object folders");
+                    "give the masks of a view the same name in all object folders; if only one of these folders holds "
+                    "masks: --masks " +
+                        shell_word(object_folder));
     }
     if (has_any) matches.objects.push_back(object);
   }

@@ -11,6 +11,7 @@
 #include "ngs/io/capture/pose.h"
 #include "ngs/io/files/folder_index.h"
 #include "ngs/io/files/regular_file.h"
+#include "ngs/io/files/shell_word.h"
 #include "ngs/io/files/text_lines.h"
 #include "ngs/io/image/annotations.h"
 #include "ngs/io/image/image_file.h"
@@ -36,11 +37,6 @@ std::string joined(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : " ") + name;
   return text;
-}
-
-bool is_called_like_masks(const std::string& lower_name) {
-  return lower_name.find("mask") != std::string::npos || lower_name.starts_with("segment") || lower_name == "seg" ||
-         lower_name == "sam" || lower_name.starts_with("silhouette") || lower_name.starts_with("matte");
 }
 
 /// Finds the mask folder; `out` has the views and the folder of their photos.
@@ -70,6 +66,17 @@ std::string find_masks_dir(const ImportRequest& request, const std::string& base
   }
   if (const char* preferred = "masks_sam"; std::ranges::find(candidates, preferred) != candidates.end())
     candidates = {preferred};
+  const bool in_photos = !out.images_dir.empty() && photo_folder_holds_masks(out.images_dir, out.scene.views);
+  const bool is_open = std::ranges::any_of(out.scene.views, &std::string::empty, &SceneView::mask_path);
+  if (candidates.empty() && is_open && !in_photos) {
+    const MaskFolders below = mask_folders_below(base, out.images_dir, out.scene.views);
+    candidates = below.by_name;
+    for (const std::string& folder : below.by_look)
+      notes.push_back(
+          (fs::path(base) / folder).generic_string() +
+          ": its pictures are called like photos and look like masks, not read (if they are masks: --masks " +
+          shell_word((fs::path(base) / folder).generic_string()) + ")");
+  }
   if (candidates.size() == 1) {
     std::string chosen = (fs::path(base) / candidates[0]).generic_string();
     notes.push_back(chosen + ": used for masks because of its name (choose another with --masks DIR)");
@@ -81,7 +88,7 @@ std::string find_masks_dir(const ImportRequest& request, const std::string& base
   if (!candidates.empty())
     out.unfit_masks = {base + ": several mask folders (" + joined(candidates) + "), none used",
                        "choose one with --masks DIR"};
-  else if (!out.images_dir.empty() && photo_folder_holds_masks(out.images_dir, out.scene.views))
+  else if (in_photos)
     return out.images_dir;
   return {};
 }
@@ -217,6 +224,22 @@ void note_matches(const ImportedScene& out, const MaskMatches& matches, std::vec
                     matches.not_taken + " is not)");
 }
 
+/// Views in which an object of several lacks its mask count as views without masks (masks.h).
+void note_incomplete(const Scene& scene, std::vector<std::string>& notes) {
+  if (scene.missing_mask != MissingMask::kUnknown || scene.objects.size() < 2) return;
+  std::size_t count = 0;
+  std::string first;
+  for (std::size_t v = 0; v < scene.views.size(); ++v) {
+    const std::vector<std::string> files = mask_files(scene, v);
+    const auto lost = std::ranges::find_if(files, [](const std::string& file) { return !is_regular_file(file); });
+    if (lost == files.end() || files.size() < 2) continue;
+    if (count++ == 0) first = *lost;
+  }
+  if (count > 0)
+    notes.push_back(std::to_string(count) + " views lack the mask of an object (first: " + first +
+                    "), their other masks are not used (if the object is not visible there: --missing-mask empty)");
+}
+
 void attach_masks(const ImportRequest& request, const std::string& base, ImportedScene& out) {
   Scene& scene = out.scene;
   if (!request.masks_dir.empty()) leave_out_masks_of_source(out);
@@ -249,6 +272,7 @@ void attach_masks(const ImportRequest& request, const std::string& base, Importe
   if (!out.views_by_mask_rule.contains("annotations")) note_matches(out, matches, out.notes);
   if (!scene.objects.empty()) return;
   for (const std::string& name : matches.objects) scene.objects.push_back({name, 0});
+  note_incomplete(scene, out.notes);
   if (scene.objects.empty() && scene.mask_mode == MaskMode::kLabel)
     scene.objects = objects_in_label_maps(scene.views, scene.void_id, out.notes);
   if (scene.objects.empty()) scene.objects.push_back({});

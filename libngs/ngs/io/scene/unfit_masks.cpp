@@ -9,6 +9,7 @@
 #include "ngs/io/files/regular_file.h"
 #include "ngs/io/files/shell_word.h"
 #include "ngs/io/image/annotations.h"
+#include "ngs/io/image/image_file.h"
 #include "ngs/scene/view_names.h"
 
 namespace ngs::io {
@@ -54,6 +55,14 @@ std::string unpack_command(const std::string& path, const std::string& folder) {
   return is_tar ? "mkdir -p " + to + " && tar -xf " + file + " -C " + to : "";
 }
 
+/// An image in the folder that is called like a view; empty: none.
+std::string image_like_view(const std::string& folder, const std::vector<SceneView>& views) {
+  const FolderIndex index(folder);
+  for (const SceneView& view : views)
+    if (std::string found = index.find_stem(bare_name(view.camera.name)); !found.empty()) return found;
+  return {};
+}
+
 /// A folder for each photo, as SAM's automatic mask generator writes.
 bool has_folder_per_photo(const std::string& folder, const std::vector<SceneView>& views) {
   std::set<std::string> stems;
@@ -63,14 +72,23 @@ bool has_folder_per_photo(const std::string& folder, const std::vector<SceneView
          std::ranges::all_of(folders, [&](const std::string& name) { return stems.contains(name); });
 }
 
-std::string remedy_of_images(const std::string& folder, std::size_t count, const std::vector<SceneView>& views) {
+std::string remedy_of_images(const std::string& folder, const std::vector<std::string>& images,
+                             const std::vector<SceneView>& views) {
+  const std::string place = fs::path(images[0]).parent_path().generic_string();
+  const bool is_deeper =
+      place != fs::path(folder).generic_string() && std::ranges::all_of(images, [&](const std::string& image) {
+        return fs::path(image).parent_path().generic_string() == place;
+      });
+  if (is_deeper && !image_like_view(place, views).empty()) return "name their folder: --masks " + shell_word(place);
   const std::string named = "name each mask after its photo, such as " +
                             (fs::path(folder) / image_stem(views[0].camera.name)).generic_string() + ".png";
   if (has_folder_per_photo(folder, views))
     return "a folder for each photo holds masks of everything in it, as SAM writes without a prompt: copy the one of "
            "the object; " +
            named;
-  return count == views.size() ? "if they are in the order of the photos: --masks-in-order; else " + named : named;
+  if (images.size() != views.size()) return named;
+  return "if they are in the order of the photos: " + (is_deeper ? "--masks " + shell_word(place) + " " : "") +
+         "--masks-in-order; else " + named;
 }
 
 /// One mask for all photos marks the object in one of them.
@@ -114,7 +132,71 @@ std::string remedy_of_arrays(const std::string& folder, const std::vector<std::s
          ending + "', recursive=True)]\"";
 }
 
+/// Links in the folder and its sub-folders that lead to no file.
+std::vector<std::string> lost_links(const std::string& folder) {
+  std::vector<std::string> links;
+  std::error_code failed, ignored;
+  for (fs::recursive_directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed))
+    if (entry->is_symlink(ignored) && !fs::exists(entry->path(), ignored) && links.size() < kMaxFiles)
+      links.push_back(entry->path().generic_string());
+  std::ranges::sort(links);
+  return links;
+}
+
+/// Whether a picture is grey with few values, as masks and maps of ids are, and photos and depth are not.
+bool looks_like_mask(const std::string& path) {
+  constexpr std::size_t kFewValues = 32;
+  try {
+    const RawMask raw = read_mask_raw(path, Palette::kIndices);
+    const std::set<std::uint16_t> values(raw.data.begin(), raw.data.end());
+    return values.size() <= kFewValues && is_grey(raw.samples());
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+struct FolderSearch {
+  const std::string base, photos;
+  const std::vector<SceneView>& views;
+  std::size_t left = 500;  // folders
+  MaskFolders found = {};
+
+  void run(const fs::path& below, int levels) {
+    for (const std::string& name : list_folders((base / below).string())) {
+      const fs::path relative = below / name, path = base / relative;
+      const std::string lower = lower_case(name);
+      std::error_code ignored;
+      const bool is_result = fs::exists(path / ".ngs-cut", ignored) || fs::exists(path / "scene.json", ignored);
+      const bool is_truth = lower.ends_with("_gt") || lower.starts_with("gt");
+      if (left == 0 || name.starts_with(".") || is_result || is_truth || fs::is_symlink(path, ignored)) continue;
+      --left;
+      const std::string image = fs::equivalent(path, photos, ignored) ? "" : image_like_view(path.string(), views);
+      if (is_called_like_masks(lower)) {
+        bool holds_masks = !image.empty();
+        for (const std::string& object : list_folders(path.string()))
+          holds_masks |= !image_like_view((path / object).string(), views).empty();
+        if (holds_masks) found.by_name.push_back(relative.generic_string());
+        continue;
+      }
+      if (!image.empty() && looks_like_mask(image)) found.by_look.push_back(relative.generic_string());
+      if (levels > 1) run(relative, levels - 1);
+    }
+  }
+};
+
 }  // namespace
+
+bool is_called_like_masks(const std::string& lower_name) {
+  return lower_name.find("mask") != std::string::npos || lower_name.starts_with("segment") || lower_name == "seg" ||
+         lower_name == "sam" || lower_name.starts_with("silhouette") || lower_name.starts_with("matte");
+}
+
+MaskFolders mask_folders_below(const std::string& base, const std::string& photos,
+                               const std::vector<SceneView>& views) {
+  FolderSearch search{base, photos, views};
+  search.run("", kMaxDepth);
+  return search.found;
+}
 
 std::vector<std::string> annotation_files(const std::string& given, const std::string& base,
                                           const std::vector<std::string>& folders) {
@@ -145,6 +227,10 @@ UnfitMasks unfit_masks(const std::string& folder, const std::vector<SceneView>& 
   for (const std::string& path : is_regular_file(folder) ? std::vector{folder} : files_below(folder))
     (has_image_extension(path) ? images : is_array(path) ? arrays : others).push_back(path);
   const std::vector<std::string>& files = !images.empty() ? images : !arrays.empty() ? arrays : others;
+  if (const std::vector<std::string> lost = lost_links(folder); files.empty() && !lost.empty())
+    return {
+        folder + ": " + std::to_string(lost.size()) + " links lead to no file (first: " + lost[0] + "), expected masks",
+        "fetch the files, such as with git annex get or dvc pull"};
   if (files.empty() || views.empty()) return {};
   const std::string kind = !images.empty() ? " images" : !arrays.empty() ? " arrays" : " files";
   UnfitMasks unfit{folder + ": " + std::to_string(files.size()) + kind + " fit no view (first: " + files[0] +
@@ -156,7 +242,7 @@ UnfitMasks unfit_masks(const std::string& folder, const std::vector<SceneView>& 
   else if (is_one)
     unfit.remedy = remedy_of_stack("magick " + shell_word(images[0]) + " masks-png/%04d.png");
   else if (!images.empty())
-    unfit.remedy = remedy_of_images(folder, images.size(), views);
+    unfit.remedy = remedy_of_images(folder, images, views);
   else if (!arrays.empty())
     unfit.remedy = remedy_of_arrays(folder, arrays, views);
   else if (files.size() > 1 && ending_of(files[0]) == ".gif")
@@ -181,10 +267,15 @@ std::string file_of_all_masks(const std::string& base) {
     const std::string stem = lower_case(entry.path().stem().string());
     const bool is_named = stem.find("mask") != std::string::npos;
     const bool is_image = has_image_extension(path) && (stem == "mask" || stem == "masks");
+    const bool is_of_cvat = stem.starts_with("annotation") && ending_of(path) == ".xml";
     const bool is_packed = is_array(path) || is_film(path) || !unpack_command(path, "").empty();
-    if (is_named && (is_image || is_packed || ending_of(path).starts_with(".tif")) && is_regular_file(path))
+    if (((is_named && (is_image || is_packed || ending_of(path).starts_with(".tif"))) || is_of_cvat) &&
+        is_regular_file(path))
       files.push_back(path);
   }
+  const std::string labels = folder_called(base, "labels");
+  for (const fs::directory_entry& entry : fs::directory_iterator(labels, ignored))
+    if (ending_of(entry.path().string()) == ".txt" && files.empty()) files.push_back(labels);
   std::ranges::sort(files);
   return files.empty() ? "" : files[0];
 }
