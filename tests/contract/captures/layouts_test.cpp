@@ -156,6 +156,17 @@ TEST_CASE("an archive of masks, one mask for all photos, and two folders of mask
   cut(none, 0, {});
 }
 
+TEST_CASE("photos of images_4 alone are read, and of the photos' own folder the one above is named") {
+  const Capture capture;
+  move(capture, "images", "images_4");
+  check_complete(capture);
+  const test::ProcessResult result = capture.run({"ngs", "cut", "c/images_4", "-o", "out"});
+  CHECK(result.exit_code == 3);
+  CHECK(contains(result.err, "c/images_4: no cameras found, the folder above has some"));
+  CHECK(contains(result.err, "ngs cut c/"));
+  CHECK(capture.run({"ngs", "cut", "c/sparse/0/images.txt", "-o", "out", "--dry-run"}).exit_code == 0);
+}
+
 TEST_CASE(
     "masks one level deeper are used if the name of their folder suggests masks, else named if they look like masks") {
   for (const char* folder : {"data/masks", "images/masks", "data/run/sam"}) {
