@@ -164,6 +164,8 @@ TEST_CASE("photos of images_4 alone are read, and of the photos' own folder the 
   CHECK(result.exit_code == 3);
   CHECK(contains(result.err, "c/images_4: no cameras found, the folder above has some"));
   CHECK(contains(result.err, "ngs cut c/"));
+  move(capture, "images_4", "images/cam0");
+  check_complete(capture);
   CHECK(capture.run({"ngs", "cut", "c/sparse/0/images.txt", "-o", "out", "--dry-run"}).exit_code == 0);
 }
 

@@ -181,6 +181,16 @@ std::vector<std::string> usual_photo_folders(const Located& located, const std::
   return folders;
 }
 
+/// `images`, or a folder in it that has the photos. Views with folders in their names have them in `images`.
+std::string with_photos_or_below(const std::string& images, const Capture& capture) {
+  for (const SceneView& view : capture.views)
+    if (view.camera.name.find('/') != std::string::npos) return images;
+  std::vector<std::string> folders{images};
+  for (const std::string& name : list_folders(images)) folders.push_back((fs::path(images) / name).generic_string());
+  const std::string found = folder_with_photos(folders, capture);
+  return found.empty() ? images : found;
+}
+
 /// The photos that a trainer of 3DGS recorded in cfg_args next to its output: Namespace(..., images='images',
 /// source_path='/data/garden'). Empty: no such file or key.
 std::string photos_of_trainer(const std::string& base) {
@@ -303,6 +313,8 @@ CaptureSource read_capture(const CaptureRequest& request) {
   use_slashes(source.images_dir, source.file, source.capture);
   if (source.images_dir.empty())
     source.images_dir = folder_with_photos(usual_photo_folders(located, request.source), source.capture);
+  else if (request.images_dir.empty())
+    source.images_dir = with_photos_or_below(source.images_dir, source.capture);
   std::string recorded;
   if (source.images_dir.empty()) {
     std::error_code ignored;

@@ -59,7 +59,8 @@ std::vector<Candidate> candidates_in(const fs::path& folder) {
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
     const std::string name = lower_case(entry.path().filename().string());
-    const bool is_model = name.ends_with(".ply") || name.ends_with(".ply.gz") || is_model_name(name);
+    const bool is_model =
+        name.ends_with(".ply") || name.ends_with(".ply.gz") || name.ends_with(".zip") || is_model_name(name);
     if (is_model && !is_resource_fork(name) && is_regular_file(entry.path().generic_string()))
       paths.push_back(entry.path().generic_string());
   }
@@ -68,6 +69,8 @@ std::vector<Candidate> candidates_in(const fs::path& folder) {
   for (const std::string& path : paths)
     if (lower_case(path).ends_with(".glb") && !holds_splats(path))
       found.push_back({path, "a .glb without splats", FileKind::kNoSplat});
+    else if (lower_case(path).ends_with(".zip"))
+      found.push_back({path, "a zip archive", FileKind::kNoSplat});
     else if (lower_case(path).ends_with(".ply"))
       found.push_back(look_at_ply(path));
     else

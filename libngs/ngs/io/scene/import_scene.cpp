@@ -224,22 +224,6 @@ void note_matches(const ImportedScene& out, const MaskMatches& matches, std::vec
                     matches.not_taken + " is not)");
 }
 
-/// Views in which an object of several lacks its mask count as views without masks (masks.h).
-void note_incomplete(const Scene& scene, std::vector<std::string>& notes) {
-  if (scene.missing_mask != MissingMask::kUnknown || scene.objects.size() < 2) return;
-  std::size_t count = 0;
-  std::string first;
-  for (std::size_t v = 0; v < scene.views.size(); ++v) {
-    const std::vector<std::string> files = mask_files(scene, v);
-    const auto lost = std::ranges::find_if(files, [](const std::string& file) { return !is_regular_file(file); });
-    if (lost == files.end() || files.size() < 2) continue;
-    if (count++ == 0) first = *lost;
-  }
-  if (count > 0)
-    notes.push_back(std::to_string(count) + " views lack the mask of an object (first: " + first +
-                    "), their other masks are not used (if the object is not visible there: --missing-mask empty)");
-}
-
 void attach_masks(const ImportRequest& request, const std::string& base, ImportedScene& out) {
   Scene& scene = out.scene;
   if (!request.masks_dir.empty()) leave_out_masks_of_source(out);
@@ -272,7 +256,7 @@ void attach_masks(const ImportRequest& request, const std::string& base, Importe
   if (!out.views_by_mask_rule.contains("annotations")) note_matches(out, matches, out.notes);
   if (!scene.objects.empty()) return;
   for (const std::string& name : matches.objects) scene.objects.push_back({name, 0});
-  note_incomplete(scene, out.notes);
+  if (const std::string note = incomplete_masks(scene); !note.empty()) out.notes.push_back(note);
   if (scene.objects.empty() && scene.mask_mode == MaskMode::kLabel)
     scene.objects = objects_in_label_maps(scene.views, scene.void_id, out.notes);
   if (scene.objects.empty()) scene.objects.push_back({});
@@ -365,6 +349,7 @@ ImportedScene import_scene(const ImportRequest& request) {
     const double finer = scene.image_scale / rendered_scale;
     scene.filter_px2 *= finer * finer;
   }
+  if (const UnfitMasks lost = leave_out_lost_masks(scene.views); !lost.found.empty()) out.unfit_masks = lost;
   out.masks_dir = find_masks_dir(request, source.base, out);
   out.truth_dir = find_truth_dir(request, source.base);
   assign_splits(request.hold_out, scene.views);

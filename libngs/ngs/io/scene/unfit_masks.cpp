@@ -10,6 +10,7 @@
 #include "ngs/io/files/shell_word.h"
 #include "ngs/io/image/annotations.h"
 #include "ngs/io/image/image_file.h"
+#include "ngs/io/image/masks.h"
 #include "ngs/scene/view_names.h"
 
 namespace ngs::io {
@@ -185,6 +186,33 @@ struct FolderSearch {
 };
 
 }  // namespace
+
+UnfitMasks leave_out_lost_masks(std::vector<SceneView>& views) {
+  std::vector<std::string> lost;
+  for (SceneView& view : views) {
+    if (view.mask_path.empty() || is_regular_file(view.mask_path)) continue;
+    lost.push_back(view.mask_path);
+    view.mask_path.clear();
+  }
+  if (lost.empty()) return {};
+  return {"mask_path of " + std::to_string(lost.size()) + " views is no file (first: " + lost[0] + "), expected masks",
+          "put them there, or name their folder: --masks DIR"};
+}
+
+std::string incomplete_masks(const Scene& scene) {
+  if (scene.missing_mask != MissingMask::kUnknown || scene.objects.size() < 2) return {};
+  std::size_t count = 0;
+  std::string first;
+  for (std::size_t v = 0; v < scene.views.size(); ++v) {
+    const std::vector<std::string> files = mask_files(scene, v);
+    const auto lost = std::ranges::find_if(files, [](const std::string& file) { return !is_regular_file(file); });
+    if (lost == files.end() || files.size() < 2) continue;
+    if (count++ == 0) first = *lost;
+  }
+  if (count == 0) return {};
+  return std::to_string(count) + " views lack the mask of an object (first: " + first +
+         "), their other masks are not used (if the object is not visible there: --missing-mask empty)";
+}
 
 bool is_called_like_masks(const std::string& lower_name) {
   return lower_name.find("mask") != std::string::npos || lower_name.starts_with("segment") || lower_name == "seg" ||

@@ -19,6 +19,12 @@ struct UnfitMasks {
 };
 UnfitMasks unfit_masks(const std::string& folder, const std::vector<SceneView>& views);
 
+/// Removes the paths of masks that the source of the cameras names and that are no files.
+UnfitMasks leave_out_lost_masks(std::vector<SceneView>& views);
+
+/// A note on views in which an object of several has no mask: they count as views without masks (masks.h).
+std::string incomplete_masks(const Scene& scene);
+
 /// Whether the name of a folder suggests masks.
 bool is_called_like_masks(const std::string& lower_name);
 
