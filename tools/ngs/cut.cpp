@@ -223,7 +223,11 @@ int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
   const NewFolder folder(inputs.out, !run.dry_run() && !fs::exists(inputs.out));
   std::optional<FolderLock> lock;
   if (!run.dry_run()) {
-    fs::create_directories(inputs.out);
+    std::error_code failed;
+    fs::create_directories(inputs.out, failed);
+    if (failed)
+      throw Error(ErrorCode::kEnvironment, inputs.out + ": cannot be created: " + failed.message(),
+                  "choose a folder that you can write to: -o DIR");
     lock.emplace(inputs.out);
     require_own_folder(inputs.out, run.overwrite());
     io::write_file(inputs.out + "/" + kMarker, "a folder of ngs cut\n");

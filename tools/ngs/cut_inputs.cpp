@@ -66,6 +66,7 @@ SourceKind kind_of(const std::string& path) {
     throw Error(ErrorCode::kBadInput, path + ": no such file or folder, expected a splat, a capture or a scene.json");
   const std::string extension = lower_case(fs::path(path).extension().string());
   if (fs::is_directory(path, unreadable) || extension == ".npy") return SourceKind::kCapture;
+  if (extension == ".txt" || extension == ".bin") return SourceKind::kCapture;  // of a COLMAP model
   if (extension != ".json") return SourceKind::kSplat;
   const nlohmann::json root = io::read_json_file(path);
   if (root.is_object() && root.contains("ngs_scene")) return SourceKind::kScene;
