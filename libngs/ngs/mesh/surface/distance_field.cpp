@@ -45,7 +45,7 @@ void gather(const SurfaceView& view, bool from_behind, Vec place, double band, G
   };
   const Camera& camera = view.camera;
   const auto [ix, iy] = pixel_of(camera, place);
-  if (ix < 0) return;
+  if (ix < 0) return add_free(band);  // all of the object is in the picture
   const std::size_t pixel = view.depth.index(ix, iy);
   const auto depth = double(view.depth.data[pixel]);
   if (depth < 0) {
