@@ -232,9 +232,15 @@ TEST_CASE("Export writes the chosen format with the same Gaussians, and only its
   CHECK(file.body == test::read_bytes(folder + "object-1/object.spz"));
   for (const char* other : {"studio.json", "object-1/../studio.json", "/etc/passwd", "object-1/object.ply"})
     CHECK(server.post("/api/download", Json{{"file", other}}.dump()).status == 400);
+  CHECK(server.post("/api/export", R"({"format":"ply","mesh":true})").status == 202);
+  CHECK(finished_job(server)["state"] == "done");
+  CHECK(test::read_bytes(folder + "object-1/mesh.glb").starts_with("glTF"));
+  CHECK(json_of(server.get("/api/state"))["commands"].dump().find("--collider convex:8") != std::string::npos);
+  CHECK(server.post("/api/download", R"({"file":"object-1/mesh.glb"})").status == 200);
   CHECK(server.post("/api/refine", R"({"quality":"draft"})").status == 202);
   CHECK(finished_job(server)["state"] == "done");
   exported("compressed.ply");
+  CHECK_FALSE(fs::exists(folder + "object-1/cut/mesh.glb"));
   CHECK(io::read_gaussian_ply(folder + "object-1/cut/object.compressed.ply").cloud.size() ==
         io::read_gaussian_ply(folder + "object-1/cut/object.ply").cloud.size());
 }

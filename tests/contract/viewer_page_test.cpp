@@ -177,35 +177,74 @@ TEST_CASE("the viewer's first camera looks at the middle of the object, upright,
   }
 }
 
-TEST_CASE("the viewer's first image equals the render of ngs-render at the same camera") {
-  if (!fs::exists("/usr/bin/chromium")) return test::skip("no /usr/bin/chromium");
-  const test::TempDir dir;
-  const std::string out = made_run(dir, "run");
-  make(out,
-       {"ngs-render", "scene.json", "labelled.ply", "--views", "all", "--layers", "mask", "-o", "masks", "-w", "-q"});
-  make(out, {"ngs-report", ".", "-o", "report.html", "--viewer", "object.html", "-q"});
+/// The picture of object.html with `layers` in its address, and a picture of object.ply by ngs-render there.
+struct Seen {
+  std::vector<bool> page, render;
+  double overlap() const {
+    double both = 0, either = 0;
+    for (std::size_t p = 0; p < page.size(); ++p) {
+      both += page[p] && render[p];
+      either += page[p] || render[p];
+    }
+    REQUIRE(either > 1000);
+    return both / either;
+  }
+};
+
+Seen seen(const test::TempDir& dir, const std::string& out, const std::string& layers) {
   // The window is twelve times as wide and high as the photo, because browsers have a minimum window size.
-  const std::string frame =
-      "<body style=\"margin:0\"><iframe style=\"border:0\" width=576 height=432 src=\"object.html#bare\"></iframe>";
-  dir.write("run/frame.html", frame);
+  dir.write("run/frame.html",
+            "<body style=\"margin:0\"><iframe style=\"border:0\" width=576 height=432 src=\"object.html#" + layers +
+                "\"></iframe>");
   const test::ProcessResult result =
       run_in(out, {"chromium", "--headless", "--no-sandbox", "--enable-unsafe-swiftshader", "--hide-scrollbars",
                    "--user-data-dir=" + dir.path() + "/profile", "--virtual-time-budget=3000", "--window-size=576,432",
                    "--screenshot=" + out + "/seen.png", "file://" + out + "/frame.html"});
   INFO(result.err);
   REQUIRE(fs::exists(out + "/seen.png"));
-  const ImageF seen = io::read_image_rgb(out + "/seen.png");
-  REQUIRE(seen.width_px == 576);
+  const ImageF page = io::read_image_rgb(out + "/seen.png");
+  REQUIRE(page.width_px == 576);
   write_scene_of_viewer(out, parameters_of(test::read_bytes(out + "/object.html")));
   make(out, {"ngs-render", "first.json", "object.ply", "--views", "all", "--layers", "color", "--scale", "12",
              "--background", "0.93,0.92,0.9", "-o", "colour", "-w", "-q"});
   const ImageF rendered = io::read_image_rgb(fs::directory_iterator(out + "/colour")->path().string());
-  const std::vector<bool> a = drawn(seen), b = drawn(rendered);
-  REQUIRE(a.size() == b.size());
-  double both = 0, either = 0;
-  for (std::size_t p = 0; p < a.size(); ++p) both += a[p] && b[p], either += a[p] || b[p];
-  REQUIRE(either > 1000);
-  CHECK(both / either > 0.95);
+  REQUIRE(page.pixels() == rendered.pixels());
+  return {drawn(page), drawn(rendered)};
+}
+
+TEST_CASE(
+    "the viewer's first image equals the render of ngs-render at the same camera; its mesh covers the same pixels") {
+  if (!fs::exists("/usr/bin/chromium")) return test::skip("no /usr/bin/chromium");
+  const test::TempDir dir;
+  const std::string out = made_run(dir, "run");
+  make(out,
+       {"ngs-render", "scene.json", "labelled.ply", "--views", "all", "--layers", "mask", "-o", "masks", "-w", "-q"});
+  make(out, {"ngs-mesh", "object.ply", "-o", "mesh.glb", "--collider", "hull", "--up", "x", "--unit", "0.1", "-q"});
+  make(out, {"ngs-report", ".", "-o", "report.html", "--viewer", "object.html", "-q"});
+  CHECK(seen(dir, out, "bare").overlap() > 0.95);
+  const Seen mesh = seen(dir, out, "bare,mesh");
+  CHECK(mesh.overlap() > 0.8);
+  const Seen collider = seen(dir, out, "bare,collider");
+  CHECK(std::ranges::count(collider.page, true) > std::ranges::count(mesh.page, true));  // the hull's edges
+}
+
+TEST_CASE(
+    "the viewer offers the mesh of its run, and its colliders if there are any; other files called so are left out") {
+  const test::TempDir dir;
+  const std::string out = made_run(dir, "run");
+  const auto page = [&] {
+    make(out, {"ngs-report", ".", "-o", "report.html", "-w", "-q"});
+    return test::read_bytes(out + "/object.html");
+  };
+  CHECK(page().find("id=layer") == std::string::npos);
+  make(out, {"ngs-mesh", "object.ply", "-o", "mesh.glb", "-q"});
+  const std::string mesh = page();
+  CHECK(mesh.find("<option value=mesh>") != mesh.npos);
+  CHECK(mesh.find("<option value=collider>") == mesh.npos);
+  make(out, {"ngs-mesh", "object.ply", "-o", "mesh.glb", "--collider", "box", "-w", "-q"});
+  CHECK(page().find("<option value=collider>") != std::string::npos);
+  dir.write("run/mesh.glb", "glTF of another program");
+  CHECK(page().find("id=layer") == std::string::npos);
 }
 
 }  // namespace

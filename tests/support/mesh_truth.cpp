@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "ngs/core/check.h"
 #include "ngs/math/quat.h"
 #include "ngs/math/sh.h"
 #include "ngs/math/vectors.h"
@@ -114,6 +115,13 @@ double iou_of(const TriangleMesh& mesh, const synth::Object& object) {
 }
 
 }  // namespace
+
+synth::Object recipe_object(const std::string& recipe, const std::string& name) {
+  const synth::AnalyticScene scene = synth::build_scene(synth::named_recipe(recipe));
+  const auto found = std::ranges::find(scene.objects, name, &synth::Object::name);
+  NGS_CHECK(found != scene.objects.end(), "no such object");
+  return *found;
+}
 
 double distance_to(const synth::Object& object, Vec p) {
   double least = 1e300;

@@ -1,5 +1,6 @@
 #pragma once
 // A mesh compared with the solids that it should show, and a splat of discs on their surface.
+#include <string>
 #include <vector>
 
 #include "ngs/make/synth/synth_scene.h"
@@ -7,6 +8,9 @@
 #include "ngs/scene/triangle_mesh.h"
 
 namespace ngs::test {
+
+/// An object of a recipe by name.
+synth::Object recipe_object(const std::string& recipe, const std::string& name);
 
 /// Signed distance to the union of an object's solids.
 double distance_to(const synth::Object& object, Vec3<double> p);

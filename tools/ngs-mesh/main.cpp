@@ -50,6 +50,8 @@ int main(int argc, char** argv) {
   tool.options(placement);
   const cli::Input& model =
       tool.input("model", "3DGS model of one object (.ply, .spz, .sog, .splat, .ksplat, .glb), such as object.ply");
+  const cli::Input& rest = tool.optional_input(
+      "--background", "the rest of the scene, such as background.ply: the object is closed where it stands on it");
   const cli::Output& out = tool.output("-o,--output", "the mesh: .glb, .usda, .obj, .ply or .stl");
 
   return tool.run(argc, argv, [&](cli::Run& run) {
@@ -64,7 +66,13 @@ int main(int argc, char** argv) {
       run.plan({{"gaussians", ply.cloud.size()}, {"resolution", options.resolution}});
       return cli::kDone;
     }
-    mesh::ObjectMesh object = mesh::mesh_of(run.exec(), run.monitor(), ply.cloud, options);
+    std::vector<FillSurface> planes;
+    if (rest) {
+      const auto timed = run.monitor().scope("planes");
+      planes = mesh::planes_behind(run.exec(), ply.cloud, io::read_gaussian_ply(rest.path).cloud, run.seed());
+      run.result()["planes"] = planes.size();
+    }
+    mesh::ObjectMesh object = mesh::mesh_of(run.exec(), run.monitor(), ply.cloud, options, planes);
     report(run, object);
     place_in_world(run, ply.cloud, object.mesh);
     const cli::ExportTarget target{out.path, {orbit::axis_of(up_or(placement.up, ply.vertical_axis)), placement.unit}};

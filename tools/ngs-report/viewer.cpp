@@ -10,6 +10,7 @@
 #include "ngs/core/version.h"
 #include "ngs/eval/eval_stage.h"
 #include "ngs/io/files/atomic_file.h"
+#include "ngs/io/files/mapped_file.h"
 #include "ngs/io/formats/splat_codecs.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/ply/gaussian_ply.h"
@@ -146,6 +147,23 @@ std::string for_script(const Json& json) {
   return text;
 }
 
+constexpr std::uintmax_t kMostMeshBytes = 16 << 20;
+
+/// The choice between splat, mesh and colliders, and the bytes of the run's mesh. Empty without one, or if it is large.
+std::string mesh_layer(const RunFolder& run) {
+  const std::string path = (fs::path(run.path) / "mesh.glb").generic_string();
+  std::error_code unreadable;
+  if (!fs::is_regular_file(path, unreadable) || fs::file_size(path, unreadable) > kMostMeshBytes) return {};
+  const io::MappedFile file(path);
+  const std::string_view text = file.text();
+  if (text.find("\"to_splat\"") == text.npos) return {};  // not of ngs-mesh
+  const bool has_colliders = text.find("collider00") != text.npos || text.find("UCX_object_00") != text.npos;
+  return "<select id=layer aria-label=\"What is shown\"><option value=splat>Splat</option><option "
+         "value=mesh>Mesh</option>" +
+         std::string(has_colliders ? "<option value=collider>Mesh and colliders</option>" : "") +
+         "</select><script type=\"application/octet-stream\" id=mesh>" + base64(file.bytes()) + "</script>";
+}
+
 }  // namespace
 
 std::string viewer_beside(const std::string& page) {
@@ -173,6 +191,8 @@ ViewerPage viewer_page(const RunFolder& run, const ViewerOptions& options) {
   page.shown = std::ssize(selection.rows), page.left_out = all - page.shown;
   const std::string scene = run.scene ? scene_title(*run.scene) : std::string();
   const std::string title = scene.empty() || scene == run.title ? run.title : scene + ": " + run.title;
+  std::string body = file_of_page("/viewer.html");
+  body.insert(body.find("</nav>"), mesh_layer(run));
   page.html =
       "<!doctype html>\n<html lang=en><head><meta charset=utf-8><meta name=viewport "
       "content=\"width=device-width,initial-scale=1\"><meta http-equiv=Content-Security-Policy "
@@ -180,7 +200,7 @@ ViewerPage viewer_page(const RunFolder& run, const ViewerOptions& options) {
       escaped(title) + " – object</title><style>\n" + file_of_page("/viewer.css") +
       "</style></head>\n<body><header><h1>" + escaped(title) + "</h1><p>" + with_separators(page.shown) + " Gaussians" +
       (page.left_out > 0 ? ", " + with_separators(page.left_out) + " of least visible area left out" : std::string()) +
-      ". Simplified colours (no view-dependent shading).</p></header>\n" + file_of_page("/viewer.html") +
+      ". Simplified colours (no view-dependent shading).</p></header>\n" + body +
       "<script type=\"application/json\" id=parameters>" + for_script(viewer_parameters(run, selection)) +
       "</script>\n<script type=\"application/octet-stream\" id=splats>" + base64(io::encode_dot_splat(selection)) +
       "</script>\n<script>\n" + file_of_page("/viewer.js") + "</script>\n" + kViewerMark + kVersion +

@@ -69,6 +69,18 @@ std::vector<Words> convert_words(const StateFolder& folder, int object, const Ex
   return words;
 }
 
+Words mesh_words(const std::string& folder, const ExportChoice& choice) {
+  return {"ngs-mesh",
+          folder + "/object." + choice.format,
+          "--background",
+          folder + "/background." + choice.format,
+          "--collider",
+          "convex:8",
+          "-o",
+          folder + "/mesh.glb",
+          "-w"};
+}
+
 std::vector<Words> refine_words(const StateFolder& folder, int object, const RefineChoice& choice) {
   const auto at = [&](const char* name) { return folder.of(object, name); };
   std::vector<Words> words;

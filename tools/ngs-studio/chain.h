@@ -11,7 +11,8 @@ inline constexpr const char* kFormats[] = {"ply", "compressed.ply", "spz", "sog"
 struct ExportChoice {
   bool all_pieces = false;
   std::string format = "ply";
-  bool fill = true;  // also writes background-filled.FORMAT: without the hole behind the object
+  bool fill = true;   // also writes background-filled.FORMAT: without the hole behind the object
+  bool mesh = false;  // also writes mesh.glb with convex colliders
 };
 /// Export: writes exactly the Gaussians shown, with ngs-variance, ngs-joint --method flash and ngs-extract. Other
 /// labels than those of the strokes, or of Refine, are those of selection.ply: `labelled` is the splat that it was made
@@ -24,6 +25,8 @@ std::vector<std::string> common_background_words(const StateFolder& folder, cons
 std::vector<std::vector<std::string>> export_words(const StateFolder& folder, int object, const ExportChoice& choice);
 /// Export after Refine: converts its object.ply and background.ply, unless the format is ply, and fills the hole.
 std::vector<std::vector<std::string>> convert_words(const StateFolder& folder, int object, const ExportChoice& choice);
+/// The mesh of the object.FORMAT in a folder, closed where it stands on background.FORMAT.
+std::vector<std::string> mesh_words(const std::string& folder, const ExportChoice& choice);
 
 /// The quality of Refine that takes seconds: --method flash for a splat without photos, else --quality draft.
 inline constexpr const char* kQuickRefine = "quick";

@@ -26,6 +26,7 @@ void remove_exports(const std::string& folder, bool keep_ply) {
   for (const std::string side : {"/object.", "/background.", "/background-filled."})
     for (const std::string format : kFormats)
       if (!keep_ply || format != "ply" || side == "/background-filled.") fs::remove(folder + side + format, ignored);
+  fs::remove(folder + "/mesh.glb", ignored);
 }
 
 constexpr const char* kNothingBetter =
@@ -36,8 +37,9 @@ constexpr const char* kNothingBetter =
 Json files_in(const std::string& folder, const std::string& shown, const std::string& format) {
   Json files = Json::array();
   std::error_code absent;
-  for (const std::string& name : {"object." + format, "background." + format, "background-filled." + format,
-                                  std::string("labelled.ply"), std::string("strokes.json"), std::string("masks")}) {
+  for (const std::string& name :
+       {"object." + format, "background." + format, "background-filled." + format, std::string("mesh.glb"),
+        std::string("labelled.ply"), std::string("strokes.json"), std::string("masks")}) {
     const fs::path path = fs::path(folder) / name;
     if (!fs::is_directory(path, absent)) {
       if (fs::exists(path, absent)) files.push_back(shown + "/" + name);
@@ -144,11 +146,13 @@ bool Desk::is_by_hand(const live::Marks& marks, const live::ObjectMarks& object)
 /// The command lines of Export.
 std::vector<std::vector<std::string>> Desk::words_of(const live::ObjectMarks& object, const live::Marks& marks,
                                                      const ExportChoice& choice) const {
-  const bool refined = is_refined(object);
-  if (is_by_hand(marks, object))
-    return selection_words(folder_, object.id,
-                           refined ? folder_.of(object.id, "cut/labelled.ply") : loaded_.scene.model_path, choice);
-  return refined ? convert_words(folder_, object.id, choice) : export_words(folder_, object.id, choice);
+  const bool refined = is_refined(object), by_hand = is_by_hand(marks, object);
+  const std::string labelled = refined ? folder_.of(object.id, "cut/labelled.ply") : loaded_.scene.model_path;
+  std::vector<std::vector<std::string>> words = by_hand   ? selection_words(folder_, object.id, labelled, choice)
+                                                : refined ? convert_words(folder_, object.id, choice)
+                                                          : export_words(folder_, object.id, choice);
+  if (choice.mesh) words.push_back(mesh_words(folder_.of(object.id, refined && !by_hand ? "cut" : ""), choice));
+  return words;
 }
 
 void Desk::write_selection(const live::Marks& marks, const live::ObjectMarks& object) const {
@@ -233,7 +237,7 @@ ExportChoice Desk::export_choice(const live::Marks& marks) const {
 Json Desk::export_files(Fields request) {
   const std::shared_ptr<const live::Marks> marks = session_.marks();
   ExportChoice choice{marks->all_pieces, request.has("format") ? request.text("format", 20) : "ply",
-                      request.has("fill") && request.boolean("fill")};
+                      request.has("fill") && request.boolean("fill"), request.has("mesh") && request.boolean("mesh")};
   if (std::ranges::find(kFormats, choice.format) == std::end(kFormats))
     request.refuse("format", "ply, compressed.ply, spz or sog");
   request.end();

@@ -16,7 +16,7 @@
 #include "ngs/core/error.h"
 #include "ngs/mesh/collider/collider.h"
 #include "ngs/mesh/simplify.h"
-#include "support/recipe_mesh.h"
+#include "support/mesh_truth.h"
 
 namespace ngs::bench {
 namespace {
@@ -31,7 +31,7 @@ double longest_side(const TriangleMesh& mesh) {
 }
 
 void run(int argc, char** argv) {
-  TriangleMesh mesh = test::recipe_mesh(argv[1], argv[2], argc > 4 ? std::atoi(argv[4]) : 192);
+  TriangleMesh mesh = test::true_mesh(test::recipe_object(argv[1], argv[2]), argc > 4 ? std::atoi(argv[4]) : 192);
   mesh::simplify(argc > 5 ? std::size_t(std::atoi(argv[5])) : 50000, mesh);
   const std::clock_t begin = std::clock();
   const mesh::Collider collider = mesh::make_collider({.threads = 2}, mesh, mesh::collider_choice(argv[3]));

@@ -1,6 +1,6 @@
 // Scores the mesh of an object against the analytic truth of its recipe.
 //
-//   ngs_mesh_truth RECIPE SPLAT [--resolution N] [--faces N] [--views N]
+//   ngs_mesh_truth RECIPE SPLAT [--resolution N] [--faces N] [--views N] [--background SPLAT]
 //
 // SPLAT: object.ply of the recipe's target, or "discs:N": N flat discs on the true surface. stdout, tab separated:
 //
@@ -26,7 +26,9 @@ int run(int argc, char** argv) {
   synth::Recipe recipe = synth::named_recipe(argv[1]);
   recipe.views = 16;
   mesh::MeshOptions options;
+  GaussianCloud rest;
   for (int k = 3; k + 1 < argc; k += 2) {
+    if (std::strcmp(argv[k], "--background") == 0) rest = io::read_gaussian_ply(argv[k + 1]).cloud;
     const int value = std::atoi(argv[k + 1]);
     if (std::strcmp(argv[k], "--resolution") == 0) options.resolution = value;
     if (std::strcmp(argv[k], "--faces") == 0) options.faces = value;
@@ -39,7 +41,8 @@ int run(int argc, char** argv) {
       discs ? test::splat_of(target, std::atoi(argv[2] + 6)) : io::read_gaussian_ply(argv[2]).cloud;
   Monitor monitor;
   const std::clock_t begin = std::clock();
-  const mesh::ObjectMesh object = mesh::mesh_of({.threads = 2}, monitor, cloud, options);
+  const std::vector<FillSurface> planes = mesh::planes_behind({.threads = 2}, cloud, rest, 0);
+  const mesh::ObjectMesh object = mesh::mesh_of({.threads = 2}, monitor, cloud, options, planes);
   const double cpu_s = double(std::clock() - begin) / CLOCKS_PER_SEC;
   const double pixel = scene.rig_radius / synth::recipe_camera(recipe).fx;
   const std::vector<Camera> cameras = discs ? std::vector<Camera>{} : synth::build_rig(recipe, scene);
@@ -56,7 +59,8 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   if (argc < 3) {
-    std::fprintf(stderr, "usage: ngs_mesh_truth RECIPE SPLAT [--resolution N] [--faces N] [--views N]\n");
+    std::fprintf(stderr,
+                 "usage: ngs_mesh_truth RECIPE SPLAT [--resolution N] [--faces N] [--views N] [--background SPLAT]\n");
     return 2;
   }
   try {

@@ -1,11 +1,15 @@
 'use strict';
-// Draws the records of a .splat file back to front, each as the ellipse of its projected covariance.
+// Draws the records of a .splat file back to front, each as the ellipse of its projected covariance; or the mesh and its
+// colliders, a .glb of ngs-mesh.
 const parameters = JSON.parse(document.getElementById('parameters').textContent);
 const kRowTexels = 1024;      // Gaussians per texture row, three texels each
 const kNearShare = 1e-3;      // near plane as a fraction of the camera's distance
 const kSteepest = 1.4;        // radians from the horizon
 const canvas = document.getElementById('canvas'), message = document.getElementById('message');
-if (location.hash === '#bare') document.documentElement.classList.add('bare');
+const wanted = location.hash.slice(1).split(',');  // bare: without text and buttons; mesh, collider: what is shown
+if (wanted.includes('bare')) document.documentElement.classList.add('bare');
+const layers = document.getElementById('layer');
+if (layers) layers.value = ['mesh', 'collider'].find((name) => wanted.includes(name)) ?? 'splat';
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
@@ -109,9 +113,25 @@ void main() {
   painted = vec4(colour.rgb * alpha, alpha);
 }`;
 
-function program(gl) {
+const kMeshVertex = `#version 300 es
+precision highp float;
+uniform mat3 turn; uniform vec3 eye; uniform vec2 size; uniform float focal, nearest, raised;
+in vec3 place; in vec4 linear;
+out vec3 colour;
+void main() {
+  vec3 p = turn * (place - eye);
+  float far = 1e4 * nearest, scale = (far + nearest) / (far - nearest);
+  gl_Position = vec4(2. * focal * p.xy / size * vec2(1., -1.), (scale - raised) * p.z - (scale + 1.) * nearest, p.z);
+  colour = mix(12.92 * linear.rgb, 1.055 * pow(linear.rgb, vec3(1. / 2.4)) - .055, step(.0031308, linear.rgb));
+}`;
+const kMeshFragment = `#version 300 es
+precision highp float;
+in vec3 colour; out vec4 painted;
+void main() { painted = vec4(colour, 1.); }`;
+
+function program(gl, vertex, fragment) {
   const made = gl.createProgram();
-  for (const [kind, source] of [[gl.VERTEX_SHADER, kVertex], [gl.FRAGMENT_SHADER, kFragment]]) {
+  for (const [kind, source] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
     const shader = gl.createShader(kind);
     gl.shaderSource(shader, source);
     gl.compileShader(shader);
@@ -143,10 +163,61 @@ function sorter(model) {
   };
 }
 
+// The triangles of the mesh and the edges of its colliders, in the axes of the splat.
+function meshes(gl) {
+  const bytes = bytesOf('mesh'), length = new DataView(bytes.buffer).getUint32(12, true);
+  const gltf = JSON.parse(new TextDecoder().decode(bytes.subarray(20, 20 + length))), turn = gltf.asset.extras.to_splat;
+  const values = (number, Type, width) => {
+    const { bufferView, count } = gltf.accessors[number], from = 28 + length + gltf.bufferViews[bufferView].byteOffset;
+    return new Type(bytes.slice(from, from + Type.BYTES_PER_ELEMENT * width * count).buffer);
+  };
+  const paint = program(gl, kMeshVertex, kMeshFragment);
+  const colour = gl.getAttribLocation(paint, 'linear');
+  const attribute = (at, data, width, type) => {
+    gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+    gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
+    gl.enableVertexAttribArray(at);
+    gl.vertexAttribPointer(at, width, type, true, 0, 0);
+  };
+  const parts = gltf.meshes.map(({ name, primitives: [{ attributes, indices }] }, k) => {
+    const places = values(attributes.POSITION, Float32Array, 3), faces = values(indices, Uint32Array, 1);
+    for (let i = 0; i < places.length; i += 3) {
+      const place = places.slice(i, i + 3);
+      for (let row = 0; row < 3; ++row) places[i + row] = dot(turn.slice(3 * row, 3 * row + 3), place);
+    }
+    const solid = name === 'object', hue = (k * 0.618) % 1, array = gl.createVertexArray();
+    const corners = solid ? faces : new Uint32Array(2 * faces.length);
+    for (let i = 0; !solid && i < faces.length; ++i) corners.set([faces[i], faces[i % 3 < 2 ? i + 1 : i - 2]], 2 * i);
+    gl.bindVertexArray(array);
+    attribute(gl.getAttribLocation(paint, 'place'), places, 3, gl.FLOAT);
+    if (solid && 'COLOR_0' in attributes)
+      attribute(colour, values(attributes.COLOR_0, Uint16Array, 4), 4, gl.UNSIGNED_SHORT);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, corners, gl.STATIC_DRAW);
+    gl.bindVertexArray(null);
+    const bright = [0, 1 / 3, 2 / 3].map((at) => Math.max(0, Math.cos(2 * Math.PI * (hue - at))));
+    return { array, count: corners.length, mode: solid ? gl.TRIANGLES : gl.LINES, solid, bright };
+  });
+  return { paint, draw: (withColliders, raised) => {
+    gl.disable(gl.BLEND);
+    gl.enable(gl.DEPTH_TEST);
+    for (const { array, count, mode, solid, bright } of parts) {
+      if (!solid && !withColliders) continue;
+      gl.bindVertexArray(array);
+      gl.uniform1f(raised, solid ? 0 : 2e-3);  // lines in a face of the mesh are in front of it
+      gl.vertexAttrib4f(colour, ...bright, 1);
+      gl.drawElements(mode, count, gl.UNSIGNED_INT, 0);
+    }
+    gl.bindVertexArray(null);
+    gl.disable(gl.DEPTH_TEST);
+    gl.enable(gl.BLEND);
+  } };
+}
+
 function start() {
   const gl = canvas.getContext('webgl2', { antialias: false, premultipliedAlpha: true, preserveDrawingBuffer: true });
   if (!gl) throw new Error('This browser has no WebGL 2. Open object.ply in another viewer of Gaussian splats.');
-  const model = decoded(bytesOf('splats')), sorted = sorter(model), paint = program(gl);
+  const model = decoded(bytesOf('splats')), sorted = sorter(model), paint = program(gl, kVertex, kFragment);
   gl.useProgram(paint);
   gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
   gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
@@ -160,26 +231,30 @@ function start() {
     return at;
   };
   gl.vertexAttribPointer(attribute('corner', new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1])), 2, gl.FLOAT, false, 0, 0);
-  const which = attribute('which', new Uint32Array(model.count));
+  const which = attribute('which', new Uint32Array(model.count)), rows = gl.getParameter(gl.ARRAY_BUFFER_BINDING);
   gl.vertexAttribIPointer(which, 1, gl.UNSIGNED_INT, 0, 0);
   gl.vertexAttribDivisor(which, 1);
   gl.enable(gl.BLEND);
   gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
 
-  const place = (name) => gl.getUniformLocation(paint, name);
+  const solids = layers ? meshes(gl) : null;
   let sortedFor = [0, 0, 0];
   const draw = () => {
     const sharp = Math.min(2, devicePixelRatio || 1), f = focal() * sharp;
     canvas.width = Math.max(1, Math.round(canvas.clientWidth * sharp));
     canvas.height = Math.max(1, Math.round(canvas.clientHeight * sharp));
-    if (dot(sortedFor, pose.forward) < 0.9999) {
+    const shown = layers ? layers.value : 'splat', used = shown === 'splat' ? paint : solids.paint;
+    if (shown === 'splat' && dot(sortedFor, pose.forward) < 0.9999) {
+      gl.bindBuffer(gl.ARRAY_BUFFER, rows);
       gl.bufferData(gl.ARRAY_BUFFER, sorted(pose.forward), gl.DYNAMIC_DRAW);
       sortedFor = pose.forward;
     }
     const { right: r, down: d, forward: w, eye } = pose;
     gl.viewport(0, 0, canvas.width, canvas.height);
     gl.clearColor(0, 0, 0, 0);
-    gl.clear(gl.COLOR_BUFFER_BIT);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    gl.useProgram(used);
+    const place = (name) => gl.getUniformLocation(used, name);
     gl.uniformMatrix3fv(place('turn'), false, [r[0], d[0], w[0], r[1], d[1], w[1], r[2], d[2], w[2]]);
     gl.uniform3f(place('eye'), ...eye);
     gl.uniform2f(place('size'), canvas.width, canvas.height);
@@ -187,8 +262,9 @@ function start() {
     gl.uniform1f(place('focal'), f);
     gl.uniform1f(place('filterPx2'), Math.max(0.05, parameters.filter_px2 * (f / parameters.fx) ** 2));
     gl.uniform1f(place('nearest'), kNearShare * Math.hypot(...plus(eye, pose.centre, -1)));
-    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, model.count);
-    document.body.dataset.drawn = model.count;
+    if (shown === 'splat') gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, model.count);
+    else solids.draw(shown === 'collider', place('raised'));
+    document.body.dataset.drawn = shown === 'splat' ? model.count : shown;
   };
   let waiting = false;
   return () => {
@@ -223,12 +299,13 @@ function listen(redraw) {
   const keys = { ArrowLeft: () => turn(-0.1, 0), ArrowRight: () => turn(0.1, 0), ArrowUp: () => turn(0, -0.1), ArrowDown: () => turn(0, 0.1),
     '+': () => near(0.9), '=': () => near(0.9), '-': () => near(1 / 0.9), 0: () => { pose = home(); } };
   addEventListener('keydown', (e) => {
-    if (!keys[e.key] || e.ctrlKey || e.metaKey || e.altKey) return;
+    if (!keys[e.key] || e.target === layers || e.ctrlKey || e.metaKey || e.altKey) return;
     e.preventDefault();
     keys[e.key]();
     redraw();
   });
   addEventListener('resize', redraw);
+  layers?.addEventListener('change', redraw);
   document.getElementById('home').addEventListener('click', () => { pose = home(); redraw(); });
   document.getElementById('ground').addEventListener('click', () => {
     const root = document.documentElement.classList, dark = root.contains('dark') ||

@@ -10,7 +10,7 @@ export class Jobs {
     Object.assign(this, { find, on, running: false });
     find('refine').addEventListener('click', () => this.start('/api/refine', { quality: this.quality }));
     find('export').addEventListener('click', () => this.start('/api/export',
-      { format: find('format').value, fill: find('fill').checked }));
+      { format: find('format').value, fill: find('fill').checked, mesh: find('mesh').checked }));
     find('keep').addEventListener('click', () => this.keep());
     find('download').addEventListener('click', () => this.download().catch(on.failed));
     find('job-cancel').addEventListener('click', () => post('/api/cancel').catch(on.failed));
@@ -101,8 +101,8 @@ export class Jobs {
 
   // Saves the splats of the last export from the browser.
   async download() {
-    const splats = this.written.files.filter((file) => file.endsWith(`.${this.written.format}`) &&
-      !file.endsWith('labelled.ply'));
+    const splats = this.written.files.filter((file) => file.endsWith('/mesh.glb') ||
+      (file.endsWith(`.${this.written.format}`) && !file.endsWith('labelled.ply')));
     const several = new Set(splats.map((file) => file.slice(file.lastIndexOf('/') + 1))).size < splats.length;
     for (const file of splats) {
       const address = URL.createObjectURL(await fileOf(file));

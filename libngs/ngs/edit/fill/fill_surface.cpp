@@ -20,6 +20,7 @@ constexpr double kMinShare = 0.08;          // of the rim's solid Gaussians in a
 constexpr double kFacing = 0.6;             // least cosine between a flat Gaussian's normal and the plane's
 constexpr double kFlat = 0.5;               // largest ratio of the two smallest sizes of a flat Gaussian
 constexpr double kOneSided = 0.9;           // least fraction of the object in front of a surface
+constexpr double kInFront = 0.98;           // and in front of a plane that it stands on
 constexpr double kDeviations = 3 * 1.4826;  // three standard deviations per median absolute deviation
 constexpr double kRelief = 0.12;            // diagonals: heights of curved ground over its plane, to either side
 constexpr std::size_t kMaxCentres = 180;
@@ -264,6 +265,18 @@ std::vector<FillSurface> find_fill_surfaces(const Exec& exec, const GaussianClou
   const std::optional<FillSurface> ground = find_ground(exec, rim, points, seed);
   if (!ground || (kind == FillKind::kAuto && !is_better(*ground, planes))) return planes;
   return {*ground};
+}
+
+std::vector<FillSurface> supporting_planes(const Exec& exec, const GaussianCloud& cloud,
+                                           const std::vector<std::uint8_t>& object, std::uint64_t seed) {
+  const Rim rim = find_rim(exec, cloud, object);
+  std::vector<FillSurface> planes = find_fill_surfaces(exec, cloud, rim, FillKind::kPlane, seed);
+  std::erase_if(planes, [&](const FillSurface& plane) {
+    const auto in_front =
+        std::ranges::count_if(rim.object.position, [&](Vec p) { return plane.height(p) > -2 * plane.tolerance; });
+    return double(in_front) < kInFront * double(rim.object.count());
+  });
+  return planes;
 }
 
 }  // namespace ngs

@@ -33,4 +33,9 @@ struct FillSurface {
 std::vector<FillSurface> find_fill_surfaces(const Exec& exec, const GaussianCloud& cloud, const Rim& rim, FillKind kind,
                                             std::uint64_t seed);
 
+/// Of the planes at the rim of an object (`object` [N] 1: of it), those that it stands on or against: nearly all of it
+/// is in front of them.
+std::vector<FillSurface> supporting_planes(const Exec& exec, const GaussianCloud& cloud,
+                                           const std::vector<std::uint8_t>& object, std::uint64_t seed);
+
 }  // namespace ngs

@@ -22,7 +22,6 @@ namespace {
 // masks agree with one another, given ones have errors of single views.
 constexpr double kRenderedShare = 0.25, kGivenShare = 0.35;
 constexpr double kSeenShare = 0.25;  // of the views: a point behind a plane that so many see is part of the object
-constexpr double kInFront = 0.98;    // of the object, in front of a plane that it stands on
 constexpr int kMinViews = 2;         // and at least so many, or all views of the scene
 constexpr double kBehind = 0.05;     // of the object's radius: tolerance of the depth of visible surfaces
 // Standard deviations at which seen Gaussians may end at a plane: many faint ends in one place are opaque together.
@@ -83,18 +82,6 @@ Ellipsoid shape_of(const GaussianCloud& cloud, std::size_t i) {
   return {{double(p[0]), double(p[1]), double(p[2])},
           axes_of_quaternion(&cloud.rotation[4 * i]),
           {std::exp(double(s[0])), std::exp(double(s[1])), std::exp(double(s[2]))}};
-}
-
-/// The planes that the object stands on or against: nearly all of it is in front of them.
-std::vector<FillSurface> supporting_planes(const Exec& exec, const FinishModel& model, std::uint64_t seed) {
-  const Rim rim = find_rim(exec, model.cloud, model.object);
-  std::vector<FillSurface> planes = find_fill_surfaces(exec, model.cloud, rim, FillKind::kPlane, seed);
-  std::erase_if(planes, [&](const FillSurface& plane) {
-    const auto in_front = std::ranges::count_if(rim.object.position,
-                                                [&](Vec3<double> p) { return plane.height(p) > -2 * plane.tolerance; });
-    return double(in_front) < kInFront * double(rim.object.count());
-  });
-  return planes;
 }
 
 /// What is known about the object.
@@ -202,7 +189,8 @@ Finished finish_object(const Exec& exec, const FinishInput& input) {
   const AloneViews in{views, input.splat, kBehind * ball.radius};
   const HullSupport support(views, kBehind * ball.radius);
   const std::vector<std::uint8_t> seen = seen_rows(exec, support, object);
-  Evidence known{support, supporting_planes(exec, model, input.seed), SeenHull(exec, object, seen, ball)};
+  Evidence known{support, supporting_planes(exec, model.cloud, model.object, input.seed),
+                 SeenHull(exec, object, seen, ball)};
   Clipped best = clipped_rows(exec, known, object);
   Alone alone = rendered_alone(exec, in, best.object, best.keep);
   const auto compare = [&](Clipped other) {

@@ -17,11 +17,12 @@ enum class ColliderNames : std::uint8_t {
 
 struct RigidBody {
   TriangleMesh mesh;
-  std::vector<TriangleMesh> colliders;  ///< convex
-  double mass = 0;                      ///< kg, > 0
+  std::vector<TriangleMesh> colliders;                 ///< convex
+  double mass = 0;                                     ///< kg, > 0
+  Mat3<double> to_splat{{1, 0, 0, 0, 1, 0, 0, 0, 1}};  ///< from this frame to that of the splat
 };
 
-std::string encode_mesh_glb(const TriangleMesh& mesh);
+/// `to_splat` is in the asset's extras, row by row.
 std::string encode_rigid_glb(const RigidBody& body, ColliderNames names);
 std::string encode_mesh_obj(const TriangleMesh& mesh);
 std::string encode_mesh_ply(const TriangleMesh& mesh);

@@ -26,7 +26,8 @@ std::optional<MeshFormat> format_of(const std::string& path) {
 
 std::string encoded(const TriangleMesh& mesh, const MeshPlacement& placement, MeshFormat format) {
   switch (format) {
-    case MeshFormat::kGlb: return encode_mesh_glb(placed(mesh, placement, 1));
+    case MeshFormat::kGlb:
+      return encode_rigid_glb({placed(mesh, placement, 1), {}, 0, to_splat(placement)}, ColliderNames::kKhr);
     case MeshFormat::kObj: return encode_mesh_obj(placed(mesh, placement, 1));
     case MeshFormat::kStl: return encode_mesh_stl(placed(mesh, placement, 2));
     case MeshFormat::kPly: return encode_mesh_ply(mesh);
@@ -34,6 +35,13 @@ std::string encoded(const TriangleMesh& mesh, const MeshPlacement& placement, Me
   }
   NGS_CHECK(false, "rigid_body.h writes .usda");
   return {};
+}
+
+/// -y is up after the first rotation; a turn about x brings it to y or z.
+Mat3<double> rotation(const MeshPlacement& placement, int up_axis) {
+  const Mat3<double> turn =
+      up_axis == 1 ? Mat3<double>{{-1, 0, 0, 0, -1, 0, 0, 0, 1}} : Mat3<double>{{1, 0, 0, 0, 0, 1, 0, -1, 0}};
+  return turn * rotation_to_minus_y(placement.up);
 }
 
 }  // namespace
@@ -44,16 +52,18 @@ MeshFormat mesh_format(const std::string& path) {
 }
 
 TriangleMesh placed(TriangleMesh mesh, const MeshPlacement& placement, int up_axis) {
-  // -y is up after the first rotation; a turn about x brings it to y or z.
-  const Mat3<double> level = rotation_to_minus_y(placement.up);
-  const Mat3<double> turn =
-      up_axis == 1 ? Mat3<double>{{-1, 0, 0, 0, -1, 0, 0, 0, 1}} : Mat3<double>{{1, 0, 0, 0, 0, 1, 0, -1, 0}};
-  const Mat3<double> all = turn * level;
+  const Mat3<double> all = rotation(placement, up_axis);
   for (Vec3<float>& v : mesh.vertices) {
     const Vec3<double> p = placement.unit * (all * Vec3<double>{double(v.x), double(v.y), double(v.z)});
     v = {float(p.x), float(p.y), float(p.z)};
   }
   return mesh;
+}
+
+Mat3<double> to_splat(const MeshPlacement& placement) {
+  Mat3<double> back = transpose(rotation(placement, 1));
+  for (double& x : back.m) x /= placement.unit;
+  return back;
 }
 
 void write_mesh(const std::string& path, const TriangleMesh& mesh, const MeshPlacement& placement) {

@@ -31,5 +31,7 @@ void write_mesh(const std::string& path, const TriangleMesh& mesh, const MeshPla
 
 /// The mesh in a frame whose `up_axis` (0 x, 1 y, 2 z) is up.
 TriangleMesh placed(TriangleMesh mesh, const MeshPlacement& placement, int up_axis);
+/// From a frame with y up to that of the splat.
+Mat3<double> to_splat(const MeshPlacement& placement);
 
 }  // namespace ngs::io

@@ -106,6 +106,7 @@ void add_colliders(const RigidBody& body, ColliderNames names, Buffer& buffer, o
 ordered_json description_of(const RigidBody& body, ColliderNames names, Buffer& buffer) {
   const TriangleMesh& mesh = body.mesh;
   ordered_json gltf = {{"asset", {{"version", "2.0"}, {"generator", std::string("ngs ") + kVersion}}}, {"scene", 0}};
+  gltf["asset"]["extras"]["to_splat"] = body.to_splat.m;
   if (mesh.faces.empty()) {
     gltf["scenes"] = ordered_json::array({ordered_json::object()});
     return gltf;
@@ -133,8 +134,6 @@ ordered_json description_of(const RigidBody& body, ColliderNames names, Buffer& 
 }
 
 }  // namespace
-
-std::string encode_mesh_glb(const TriangleMesh& mesh) { return encode_rigid_glb({mesh, {}, 0}, ColliderNames::kKhr); }
 
 std::string encode_rigid_glb(const RigidBody& body, ColliderNames names) {
   const TriangleMesh& mesh = body.mesh;

@@ -11,7 +11,7 @@ namespace ngs::io {
 namespace {
 
 RigidBody placed_body(const RigidBody& body, const MeshPlacement& placement) {
-  RigidBody result{placed(body.mesh, placement, 1), {}, body.mass};
+  RigidBody result{placed(body.mesh, placement, 1), {}, body.mass, to_splat(placement)};
   for (const TriangleMesh& part : body.colliders) result.colliders.push_back(placed(part, placement, 1));
   return result;
 }

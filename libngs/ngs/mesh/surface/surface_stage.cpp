@@ -93,18 +93,64 @@ std::vector<std::uint32_t> blocks_of(const std::vector<SurfaceView>& views, cons
   return blocks;
 }
 
+/// Vertices that no view sees get the mean colour of their neighbours, from those that views see inwards; grey if a
+/// piece has none.
+void paint_unseen(std::vector<std::uint8_t> known, TriangleMesh& mesh) {
+  struct Sum {
+    Vec3<float> colour{0, 0, 0};
+    int count = 0;
+  };
+  for (bool grows = true; grows;) {
+    std::vector<Sum> sums(known.size());
+    for (const auto& face : mesh.faces)
+      for (const std::uint32_t to : face)
+        for (const std::uint32_t from : face)
+          if (!known[to] && known[from]) {
+            sums[to].colour = sums[to].colour + mesh.colours[from];
+            ++sums[to].count;
+          }
+    grows = false;
+    for (std::size_t v = 0; v < sums.size(); ++v) {
+      if (sums[v].count == 0) continue;
+      mesh.colours[v] = (1 / float(sums[v].count)) * sums[v].colour;
+      known[v] = 1;
+      grows = true;
+    }
+  }
+}
+
 void paint(const Exec& exec, const DistanceField& field, TriangleMesh& mesh) {
   const std::vector<Vec3<float>> normals = vertex_normals(mesh);
-  mesh.colours.resize(mesh.vertices.size());
+  mesh.colours.assign(mesh.vertices.size(), {0.5f, 0.5f, 0.5f});
+  std::vector<std::uint8_t> known(mesh.vertices.size(), 0);
   for_each_index(exec, std::ssize(mesh.vertices), [&](std::int64_t v) {
     const Vec3<float> n = normals[std::size_t(v)];
-    mesh.colours[std::size_t(v)] = field.colour(mesh.at(std::uint32_t(v)), {double(n.x), double(n.y), double(n.z)});
+    const auto seen = field.colour(mesh.at(std::uint32_t(v)), {double(n.x), double(n.y), double(n.z)});
+    known[std::size_t(v)] = seen.has_value();
+    if (seen) mesh.colours[std::size_t(v)] = *seen;
   });
+  paint_unseen(std::move(known), mesh);
 }
 
 }  // namespace
 
-ObjectMesh mesh_of(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud, const MeshOptions& options) {
+std::vector<FillSurface> planes_behind(const Exec& exec, const GaussianCloud& object, const GaussianCloud& rest,
+                                       std::uint64_t seed) {
+  GaussianCloud all = object;
+  std::vector<std::uint8_t> of_object(std::size_t(object.size()), 1);
+  of_object.resize(of_object.size() + std::size_t(rest.size()), 0);
+  for (std::size_t i = 0; i < rest.position.size(); ++i)
+    all.position.push_back(float(double(rest.position[i]) + (rest.origin[i % 3] - object.origin[i % 3])));
+  const auto append = [](const auto& from, auto& to) { to.insert(to.end(), from.begin(), from.end()); };
+  append(rest.rotation, all.rotation);
+  append(rest.log_scale, all.log_scale);
+  append(rest.logit_opacity, all.logit_opacity);
+  append(rest.usable, all.usable);
+  return supporting_planes(exec, all, of_object, seed);
+}
+
+ObjectMesh mesh_of(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud, const MeshOptions& options,
+                   const std::vector<FillSurface>& planes) {
   const std::vector<SurfaceView> views = [&] {
     const auto timed = monitor.scope("render");
     return render_surface_views(
@@ -113,7 +159,7 @@ ObjectMesh mesh_of(const Exec& exec, Monitor& monitor, const GaussianCloud& clou
   }();
   ObjectMesh out;
   const SampleGrid grid = grid_about(bounds_of(views), options.resolution);
-  const DistanceField field(views, kBandCells * grid.cell);
+  const DistanceField field(views, kBandCells * grid.cell, planes);
   out.cell = grid.cell;
   {
     const auto timed = monitor.scope("surface");

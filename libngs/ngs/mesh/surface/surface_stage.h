@@ -7,6 +7,7 @@
 
 #include "ngs/backend/exec.h"
 #include "ngs/core/monitor.h"
+#include "ngs/edit/fill/fill_surface.h"
 #include "ngs/mesh/surface/pieces.h"
 #include "ngs/options/field.h"
 #include "ngs/scene/gaussian_cloud.h"
@@ -34,7 +35,14 @@ struct ObjectMesh {
   double cell = 0;  // world
 };
 
-/// Throws kNothingFound without an opaque surface. The result does not depend on exec.threads.
-ObjectMesh mesh_of(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud, const MeshOptions& options);
+/// The planes of `rest`, the other Gaussians of the scene, that an object stands on or against, relative to the
+/// object's origin (edit/fill/fill_surface.h).
+std::vector<FillSurface> planes_behind(const Exec& exec, const GaussianCloud& object, const GaussianCloud& rest,
+                                       std::uint64_t seed);
+
+/// `planes`: close the object where it stood; relative to the model's origin. Throws kNothingFound without an opaque
+/// surface. The result does not depend on exec.threads.
+ObjectMesh mesh_of(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud, const MeshOptions& options,
+                   const std::vector<FillSurface>& planes = {});
 
 }  // namespace ngs::mesh

@@ -57,6 +57,12 @@ TEST_CASE("a .glb has the mesh with y up in metres, unit normals and linear colo
   const std::size_t at = begin_of(primitive["attributes"]["POSITION"]);
   CHECK(value_at<Vec3<float>>(buffer, at + 24).y == doctest::Approx(1.5));
   CHECK(gltf["accessors"][0]["max"][1] == 1.5);
+  Mat3<double> back;
+  for (std::size_t k = 0; k < 9; ++k) back.m[k] = gltf["asset"]["extras"]["to_splat"][k];
+  for (std::uint32_t v = 0; v < 4; ++v) {
+    const auto p = value_at<Vec3<float>>(buffer, at + 12 * v);
+    CHECK(length(back * Vec3<double>{double(p.x), double(p.y), double(p.z)} - tetrahedron().at(v)) < 1e-6);
+  }
   const std::size_t normals = begin_of(primitive["attributes"]["NORMAL"]);
   for (std::size_t v = 0; v < 4; ++v) {
     const auto n = value_at<Vec3<float>>(buffer, normals + 12 * v);

@@ -7,7 +7,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/mesh/measures.h"
-#include "support/recipe_mesh.h"
+#include "support/mesh_truth.h"
 
 namespace ngs::mesh {
 namespace {
@@ -80,7 +80,7 @@ TEST_CASE("a turned box is its own box; the box of an L is the square around it"
 }
 
 TEST_CASE("a torus becomes closed convex parts of at most 64 corners, the same for 1 and 3 threads") {
-  const TriangleMesh torus = test::recipe_mesh("torus-box", "torus", 48);
+  const TriangleMesh torus = test::true_mesh(test::recipe_object("torus-box", "torus"), 48);
   Exec three;
   three.threads = 3;
   const Collider a = make_collider({}, torus, {ColliderKind::kConvex, 8});
@@ -94,8 +94,8 @@ TEST_CASE("a torus becomes closed convex parts of at most 64 corners, the same f
     CHECK(measures.border_edges == 0);
     CHECK(measures.volume > 0);
     REQUIRE(a.parts[i].faces == b.parts[i].faces);
-    for (std::size_t v = 0; v < a.parts[i].vertices.size(); ++v)
-      CHECK(length(test::to_double(a.parts[i].vertices[v] - b.parts[i].vertices[v])) == 0);
+    for (std::uint32_t v = 0; v < a.parts[i].vertices.size(); ++v)
+      CHECK(length(a.parts[i].at(v) - b.parts[i].at(v)) == 0);
   }
 }
 
@@ -103,7 +103,7 @@ namespace {
 
 bool is_inside(const TriangleMesh& convex, Vec3<double> p) {
   return std::ranges::all_of(convex.faces, [&](const auto& face) {
-    const auto corner = [&](std::size_t i) { return test::to_double(convex.vertices[face[i]]); };
+    const auto corner = [&](std::size_t i) { return convex.at(face[i]); };
     return dot(cross(corner(1) - corner(0), corner(2) - corner(0)), p - corner(0)) <= 0;
   });
 }
@@ -112,7 +112,8 @@ bool is_inside(const TriangleMesh& convex, Vec3<double> p) {
 
 TEST_CASE("volumes outside and missing equal those of a brute force over points of the parts and the analytic solid") {
   const synth::Object torus = test::recipe_object("torus-box", "torus");
-  const Collider collider = make_collider({}, test::recipe_mesh("torus-box", "torus", 96), {ColliderKind::kConvex, 6});
+  const Collider collider =
+      make_collider({}, test::true_mesh(test::recipe_object("torus-box", "torus"), 96), {ColliderKind::kConvex, 6});
   std::size_t outside = 0;
   std::size_t missing = 0;
   std::size_t inside = 0;
@@ -121,7 +122,7 @@ TEST_CASE("volumes outside and missing equal those of a brute force over points 
     const auto along = [](double low, double high, int i) { return low + (high - low) * (i + 0.5) / kSide; };
     const Vec3<double> p{along(-0.35, 0.9, k % kSide), along(-0.35, 0.35, k / kSide % kSide),
                          along(0, 1.3, k / kSide / kSide)};
-    const bool in_torus = test::distance(torus, p) < 0;
+    const bool in_torus = test::distance_to(torus, p) < 0;
     const bool in_part =
         std::ranges::any_of(collider.parts, [p](const TriangleMesh& part) { return is_inside(part, p); });
     inside += in_torus;

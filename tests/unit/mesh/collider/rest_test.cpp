@@ -9,7 +9,7 @@
 #include <memory>
 
 #include "ngs/mesh/collider/collider.h"
-#include "support/recipe_mesh.h"
+#include "support/mesh_truth.h"
 
 namespace ngs::mesh {
 namespace {
@@ -73,7 +73,7 @@ bool rests(const btRigidBody& body) {
 }
 
 Collider parts_of(const char* recipe, const char* object, int cells, int parts) {
-  return make_collider({}, test::recipe_mesh(recipe, object, cells), {ColliderKind::kConvex, parts});
+  return make_collider({}, test::true_mesh(test::recipe_object(recipe, object), cells), {ColliderKind::kConvex, parts});
 }
 
 TEST_CASE("a ball that is dropped on the collider of a table comes to rest on its top, one next to it falls past") {
@@ -106,7 +106,8 @@ TEST_CASE("three boxes of the torus-box recipe, stacked by their colliders, rest
 }
 
 TEST_CASE("a rod falls through the torus of convex parts, and lies on the torus of its hull") {
-  const TriangleMesh mesh = test::recipe_mesh("table", "item3", 48);  // a torus that lies at z = 0.035
+  const TriangleMesh mesh =
+      test::true_mesh(test::recipe_object("table", "item3"), 48);  // a torus that lies at z = 0.035
   const synth::Object torus = test::recipe_object("table", "item3");
   const Vec3<double> centre = torus.solids[0].centre;
   const double hole = torus.solids[0].size.x - torus.solids[0].size.y;

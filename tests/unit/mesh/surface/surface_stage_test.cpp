@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "ngs/core/error.h"
@@ -66,6 +68,69 @@ TEST_CASE("a shell that is open below, as no photo shows the underside, is close
   const double height = 0.9;  // of the part of the ball above z = -0.2
   const double cap = 3.141592653589793 * height * height * (0.6 - height / 3);
   CHECK(mesh::measures_of(object.mesh).volume == doctest::Approx(cap).epsilon(0.05));
+}
+
+/// The part of a ball of discs above z = -0.2, with notches 0.08 deep in its lower edge.
+GaussianCloud ragged_shell() {
+  GaussianCloud cloud = test::splat_of(ball_scene().objects[0], 4000);
+  for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
+    const float* p = &cloud.position[3 * i];
+    const double notch = 0.04 * (1 + std::sin(9 * std::atan2(double(p[1]), double(p[0]) - 0.2)));
+    if (double(p[2]) < -0.2 + notch) cloud.usable[i] = 0;
+  }
+  return cloud;
+}
+
+/// The area of the faces within `near` of the plane z = -0.2.
+double area_at_floor(const TriangleMesh& mesh, double near) {
+  double area = 0;
+  for (const auto& [a, b, c] : mesh.faces)
+    if (std::ranges::all_of(std::array{a, b, c}, [&](auto v) { return std::abs(mesh.at(v).z + 0.2) < near; }))
+      area += 0.5 * length(cross(mesh.at(b) - mesh.at(a), mesh.at(c) - mesh.at(a)));
+  return area;
+}
+
+TEST_CASE("a shell with a ragged lower edge is closed flat by the plane that it stood on, in the colours of its edge") {
+  FillSurface floor;
+  floor.origin = {0, 0, -0.2};
+  floor.tolerance = 0.02;
+  mesh::MeshOptions options;
+  options.resolution = 64;
+  options.faces = 0;
+  Monitor monitor;
+  const GaussianCloud cloud = ragged_shell();
+  const mesh::ObjectMesh ragged = mesh::mesh_of({.threads = 2}, monitor, cloud, options);
+  const mesh::ObjectMesh object = mesh::mesh_of({.threads = 2}, monitor, cloud, options, {floor});
+  check_closed(object.mesh);
+  const double base = 3.141592653589793 * (0.36 - 0.09);
+  CHECK(area_at_floor(object.mesh, 0.5 * object.cell) > 0.85 * base);
+  CHECK(area_at_floor(ragged.mesh, 0.5 * object.cell) < 0.2 * base);
+  const double cap = 3.141592653589793 * 0.81 * (0.6 - 0.3);
+  CHECK(mesh::measures_of(object.mesh).volume == doctest::Approx(cap).epsilon(0.05));
+  for (std::uint32_t v = 0; v < object.mesh.vertices.size(); ++v) CHECK(object.mesh.at(v).z > -0.2 - 1e-5);
+  const auto is_grey = [](auto c) { return c.x == 0.5f && c.y == 0.5f && c.z == 0.5f; };
+  CHECK(std::ranges::count_if(object.mesh.colours, is_grey) < 10);  // by chance
+}
+
+TEST_CASE("the floor of a scene is the plane that its object stands on; a floor far below supports nothing") {
+  const GaussianCloud shell = ragged_shell();
+  const auto floor_at = [](double z) {
+    const synth::Object floor{
+        "floor", {synth::box({0.2, 0, z - 0.05}, synth::frame_with_z({0, 0, 1}), {2, 2, 0.05}, 0)}, {}};
+    GaussianCloud cloud = test::splat_of(floor, 6000);
+    cloud.origin = {0, 0, 1};  // of another file
+    for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
+      cloud.usable[i] = double(cloud.position[3 * i + 2]) > z - 0.01;  // not its lower side
+      cloud.position[3 * i + 2] -= 1;
+    }
+    return cloud;
+  };
+  const std::vector<FillSurface> planes = mesh::planes_behind({.threads = 2}, shell, floor_at(-0.2), 0);
+  REQUIRE(planes.size() == 1);
+  CHECK(planes[0].normal.z > 0.999);
+  CHECK(planes[0].height({0.2, 0, -0.2}) == doctest::Approx(0).scale(1).epsilon(0.01));
+  CHECK(mesh::planes_behind({.threads = 2}, shell, floor_at(-2), 0).empty());
+  CHECK(mesh::planes_behind({.threads = 2}, shell, {}, 0).empty());
 }
 
 TEST_CASE("a ring keeps its hole, two balls stay two pieces") {
