@@ -225,9 +225,8 @@ TEST_CASE("fish completes options, their values and commands") {
 TEST_CASE("the installed chain runs with the installed tools") {
   const Installed installed;
   if (!installed.absent.empty()) return test::skip(installed.absent);
-  for (const char* name :
-       {"bin/ngs-joint", "share/ngs/pipelines/sharded.mk", "share/ngs/data-schema/scene.schema.json",
-        "share/doc/ngs/LICENSE", "share/doc/ngs/CHANGELOG.md"}) {
+  for (const char* name : {"bin/ngs-joint", "share/ngs/pipelines/sharded.mk", "share/ngs/data-schema/scene.schema.json",
+                           "share/doc/ngs/LICENSE", "share/doc/ngs/CHANGELOG.md"}) {
     CAPTURE(name);
     CHECK(installed.has(name));
   }

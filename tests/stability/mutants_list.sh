@@ -172,7 +172,7 @@ mutant $f "$t" $f "contour refinement: no prior at the given contour" 's/right\.
 mutant $f "$t" $f "contour refinement: non-finite colours in the means" 's/if \(std::isfinite\(v\)\) sum/sum/'
 t="pose_step_test.cpp alignment_stability_test.cpp" f=pose_step.cpp
 mutant $f "$t" $f "no prior on the motion" 's/const double prior = .*;/const double prior = 0;/'
-mutant $f "$t" $f "pose step: exposure not matched" 's/match_exposure\(photo, view\.alpha, from\);//'
+mutant $f "$t" $f "pose step: exposure not matched" 's/match_exposure\(photo, pixels, from\);//'
 mutant $f "$t" $f "pose step: no Cauchy weights" 's/return 1 \/ \(1 \+ residual .*;/return 1 + 0 * residual;/'
 t="anderson_test.cpp alignment_stability_test.cpp" f=anderson.cpp
 mutant $f "$t" $f "no ridge" 's/1 \+ kRidge/1/'
