@@ -20,9 +20,8 @@ question_halves() {
   done
   column 'flicker' '' flicker mean 4 shadows=none
   column 'change outside' '' outside_mean mean 5 shadows=none
-  for recipe in $hole_recipes; do
+  for recipe in $halves_recipes; do
     column "hole: $recipe" '' new_psnr_db mean 1 scene="$recipe"
-    column 'with cast shadows' '' new_psnr_db mean 1 scene="$recipe-shadow"
   done
   for recipe in $halves_recipes; do
     halves_scene "$recipe"
