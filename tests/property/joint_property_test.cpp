@@ -49,6 +49,35 @@ TEST_CASE("joint: the training state is bit-identical for any number of threads"
   for (const int threads : {2, 7}) CHECK(state_after(*c, small_options(9), 9, threads) == one);
 }
 
+TEST_CASE("joint: the result with averaged epochs is their mean, for any number of threads") {
+  const auto c = test::joint_case();
+  const auto views = std::int64_t(c->input().views.size());
+  JointOptions options = small_options(3 * views);
+  options.off.insert("nerf");
+  const auto parameters_at = [&](std::int64_t step) {
+    Monitor monitor;
+    const SampleOptions sample = small_grid();
+    const Problem input = c->input();
+    JointTrainer trainer({}, monitor, {options, sample, {}, input}, false);
+    while (trainer.steps_done() < step) trainer.step();
+    const Solution result = trainer.result();
+    return std::pair{result.cloud->position, result.cloud->log_scale};
+  };
+  const auto before = parameters_at(2 * views), after = parameters_at(3 * views);
+  options.averaged_epochs = 2;
+  CHECK(parameters_at(2 * views) == before);  // not at its end
+  const auto mean = parameters_at(3 * views);
+  double moved = 0;
+  for (std::size_t i = 0; i < mean.second.size(); ++i) {
+    CHECK(mean.second[i] == float((double(before.second[i]) + double(after.second[i])) / 2));
+    moved += std::abs(double(before.second[i] - after.second[i]));
+  }
+  for (std::size_t i = 0; i < mean.first.size(); ++i)
+    CHECK(mean.first[i] == float((double(before.first[i]) + double(after.first[i])) / 2));
+  CHECK(moved > 0);
+  CHECK(state_after(*c, options, 3 * views, 1) == state_after(*c, options, 3 * views, 3));
+}
+
 TEST_CASE("joint: an interrupted and resumed run equals an uninterrupted run bit for bit") {
   const auto c = test::joint_case();
   const JointOptions options = small_options(11);

@@ -17,7 +17,7 @@ struct Preset {
   bool joint;         // take joint steps, unless --steps or --effect ask for them
   int epochs;         // joint steps per training view
   bool half_samples;  // halve the NeRF's rows, columns and depths: in one epoch more samples gain little (decision 013)
-  int contour_epochs;   // of the last contour iteration, with few views
+  int contour_epochs;   // of the last contour iteration, with 21 views
   int more_iterations;  // contour iterations in addition to the two or three that depend on the masks
   bool half_floaters;   // search floaters in fewer views, at half the size
   bool bleed_through;   // look for Gaussians that are only visible through the object
@@ -28,7 +28,7 @@ constexpr Preset preset_of(Quality quality) {
   //                                       joint epochs  samples  contours  more  floaters  bleed-through
   switch (quality) {
     case Quality::kDraft:     return {     false,     1,    true,        4,   -1,     true,    false};
-    case Quality::kStandard:  return {      true,    10,   false,       15,    0,    false,     true};
+    case Quality::kStandard:  return {      true,    10,   false,       10,    0,    false,     true};
     case Quality::kHigh:      return {      true,    40,   false,       15,    2,    false,     true};
     case Quality::kReference: return {      true,   160,   false,       15,    5,    false,     true};
   }

@@ -47,7 +47,8 @@ struct ContourOptions {
                                .of("contour-iterations"));
     visit(self.epochs,
           Field<int>{"contour_epochs", "",
-                     "Epochs per iteration, half as many at half resolution; 0: 15 (draft: 4), fewer with many views",
+                     "Epochs per iteration, half as many at half resolution; 0: for 21 views 10 (draft: 4, from high: "
+                     "15), with fewer views more, at most 15, and with more views fewer",
                      0, 1'000'000});
     visit(self.views, Choice<ContourViews>{"contour_views", "Views whose photos are used; held-out masks never are",
                                            kContourViewsNames});
@@ -61,14 +62,16 @@ struct ContourOptions {
   }
 };
 
-/// With more views, the default number of epochs falls so that steps grow with the square root of the number of views.
-inline constexpr int kViewsOfAllEpochs = 21;
+/// With more views than this, the default number of epochs falls so that steps grow with the square root of the number
+/// of views. With fewer views it rises, up to kMostContourEpochs, so that the number of steps stays.
+inline constexpr int kViewsOfPresetEpochs = 21, kMostContourEpochs = 15;
 
 /// Epochs of the last iteration for this number of views.
 inline int contour_epochs(const ContourOptions& contour, Quality quality, std::size_t views) {
   if (contour.epochs > 0) return contour.epochs;
-  const double share = std::min(1.0, std::sqrt(double(kViewsOfAllEpochs) / double(std::max<std::size_t>(views, 1))));
-  return int(std::ceil(preset_of(quality).contour_epochs * share));
+  const double share = double(kViewsOfPresetEpochs) / double(std::max<std::size_t>(views, 1));
+  const double epochs = preset_of(quality).contour_epochs * (share < 1 ? std::sqrt(share) : share);
+  return int(std::ceil(std::min<double>(epochs, kMostContourEpochs)));
 }
 
 /// Number of iterations. `misaligned`: the masks' contours miss the photos' edges by more than one refinement moves.

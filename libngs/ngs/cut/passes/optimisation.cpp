@@ -19,8 +19,9 @@ void set_training(PassRun& run) {
   JointOptions& joint = run.training.joint;
   for (const Decision& decision : run.decisions.all())
     if (!decision.on) joint.off.emplace(decision.effect->name);
+  const bool wanted = run.decisions.switch_of(kJointEffect) == Switch::kOn || run.on(kNerfEffect);
   joint.coarse_contours_follow =
-      joint.on(kContoursEffect) && joint.on("contour-iterations") && !joint.on("full-resolution");
+      !wanted && joint.on(kContoursEffect) && joint.on("contour-iterations") && !joint.on("full-resolution");
 }
 
 }  // namespace

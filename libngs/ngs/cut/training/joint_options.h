@@ -1,7 +1,5 @@
 #pragma once
 // Options of the joint optimisation. Defaults are the paper's values, or our reading if it gives none (paper.md §4).
-#include <cmath>
-
 #include "ngs/field/field_options.h"
 #include "ngs/field/rbf_stage.h"
 #include "ngs/field/sample_stage.h"
@@ -20,9 +18,6 @@ struct GaussianRates {
 /// Margin of the photometric anchor about the object with --effect whole-photo=off.
 inline constexpr int kAnchorMargin_px = 64;
 
-/// Share of the epochs that the joint steps get if contour iterations at half the size follow and replace the rest.
-inline constexpr double kEpochsBeforeContours = 0.3;
-
 /// Factor by which all rates decay exponentially over a run.
 inline constexpr double kRateDecay = 0.1;
 
@@ -31,10 +26,11 @@ inline constexpr double kRateDecay = 0.1;
 struct JointOptions : FieldOptions, PartSwitches {
   Quality quality = Quality::kStandard;
   std::int64_t steps = 0;
-  bool coarse_contours_follow = false;  // contour iterations at half the size follow and replace part of the steps
+  bool coarse_contours_follow = false;  // contour iterations at half the size follow and replace the steps
   int start_steps = 3;      // EM steps from labels of 1/2 to the start labels (paper.md §5.4, decision 011)
   double rate_label = 0.1;  // Adam rate of the label logits
   double rate_scale = 0.1;
+  int averaged_epochs = 0;   // the result is the mean of the parameters at the ends of the last epochs; no option
   bool at_contours = false;  // steps render the tiles at contours and some others (step_tiles.h); no option
 
   template <class Self, class Visitor>
@@ -48,8 +44,7 @@ struct JointOptions : FieldOptions, PartSwitches {
 };
 
 inline int epochs_of(const JointOptions& options) {
-  return int(
-      std::ceil((options.coarse_contours_follow ? kEpochsBeforeContours : 1) * preset_of(options.quality).epochs));
+  return options.coarse_contours_follow ? 0 : preset_of(options.quality).epochs;
 }
 
 /// Total number of steps for `views` training views.

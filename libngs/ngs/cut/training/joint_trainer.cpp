@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "ngs/backend/for_each.h"
 #include "ngs/core/rng.h"
 #include "ngs/cut/evidence/method_labels.h"
 #include "ngs/cut/training/trained_labels.h"
@@ -68,7 +69,9 @@ struct JointTrainer::Impl : TrainedModel {
   CloudGradients gradients;
   GaussianMoments moments;
   ViewCache cache;
-  Resident resident;  // all arrays of a step, while steps run on a device
+  std::vector<std::vector<double>> sums;  // of the trained columns at the ends of averaged epochs
+  double summed = 0;                      // number of these epochs
+  Resident resident;                      // all arrays of a step, while steps run on a device
 
   Impl(const Exec& e, Monitor& m, const JointSetup& s)
       : TrainedModel{e,
@@ -141,6 +144,7 @@ struct JointTrainer::Impl : TrainedModel {
     return order[std::size_t(s) % n];
   }
 
+  void average();
   const std::vector<float>& choose_tiles(std::size_t n, const ViewCache::View& given);
   LossValues step_view(std::size_t n);
   void update(double decay);
@@ -207,6 +211,29 @@ void JointTrainer::Impl::update(double decay) {
   for (const auto& loss : losses) loss->update(t, decay);
 }
 
+/// Adds the parameters to the sums at the end of an averaged epoch. After the last step they become the mean.
+void JointTrainer::Impl::average() {
+  const auto views = std::int64_t(input.views.size());
+  const bool last = done == steps;
+  if (options.averaged_epochs < 2 || (done % views != 0 && !last) || steps - done >= options.averaged_epochs * views)
+    return;
+  resident.release();
+  std::vector<std::vector<float>*> columns{&labels.logit()};
+  for (const GroupColumns& group : kGroupColumns) columns.push_back(&(rows.cloud().*group.value));
+  sums.resize(columns.size());
+  ++summed;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    std::vector<float>& values = *columns[c];
+    sums[c].resize(values.size());
+    for_each_index(exec, std::int64_t(values.size()), [&](std::int64_t i) {
+      double& sum = sums[c][std::size_t(i)];
+      sum += double(values[std::size_t(i)]);
+      if (last) values[std::size_t(i)] = float(sum / summed);
+    });
+  }
+  if (last) write_back({.threads = exec.threads});
+}
+
 JointTrainer::JointTrainer(const Exec& exec, Monitor& monitor, const JointSetup& setup, bool allow_empty)
     : impl_(std::make_unique<Impl>(exec, monitor, setup)) {
   impl_->start(setup.losses, allow_empty);
@@ -228,6 +255,7 @@ JointProgress JointTrainer::step() {
     s.update(std::pow(kRateDecay, double(s.done) / double(s.steps)));
   });
   ++s.done;
+  s.average();
   progress.step = s.done, progress.steps = s.steps, progress.view = s.input.views[n];
   return progress;
 }

@@ -368,13 +368,11 @@ TEST_CASE(
   CHECK(c.run(in).figures.at("contour_iterations") == 1);
 }
 
-TEST_CASE("joint options: fewer epochs if contour iterations at half the size follow") {
+TEST_CASE("joint options: no epochs if contour iterations at half the size follow") {
   JointOptions joint;
   CHECK(epochs_of(joint) == 10);
   joint.coarse_contours_follow = true;
-  CHECK(epochs_of(joint) == 3);
-  joint.quality = Quality::kDraft;
-  CHECK(epochs_of(joint) == 1);
+  CHECK(epochs_of(joint) == 0);
 }
 
 TEST_CASE("contours: more views give fewer epochs, higher qualities more iterations, and options override both") {
@@ -382,12 +380,15 @@ TEST_CASE("contours: more views give fewer epochs, higher qualities more iterati
          contour_iterations({}, Quality::kStandard, true) == 3));
   CHECK((contour_iterations({}, Quality::kHigh, true) == 5 && contour_iterations({}, Quality::kReference, false) == 7));
   CHECK(contour_epochs({}, Quality::kStandard, 1) == 15);
-  CHECK(contour_epochs({}, Quality::kStandard, 21) == 15);
+  CHECK(contour_epochs({}, Quality::kStandard, 12) == 15);
+  CHECK(contour_epochs({}, Quality::kStandard, 16) == 14);
+  CHECK(contour_epochs({}, Quality::kStandard, 21) == 10);
   CHECK(contour_epochs({}, Quality::kReference, 21) == 15);
-  CHECK(contour_epochs({}, Quality::kStandard, 34) == 12);
-  CHECK(contour_epochs({}, Quality::kStandard, 84) == 8);  // half, rounded up
-  CHECK(contour_epochs({}, Quality::kStandard, 2100) == 2);
+  CHECK(contour_epochs({}, Quality::kStandard, 34) == 8);
+  CHECK(contour_epochs({}, Quality::kStandard, 84) == 5);  // half, rounded up
+  CHECK(contour_epochs({}, Quality::kStandard, 2100) == 1);
   CHECK(contour_epochs({}, Quality::kStandard, 100000) == 1);
+  CHECK(contour_epochs({}, Quality::kDraft, 12) == 7);
   CHECK((contour_epochs({}, Quality::kDraft, 21) == 4 && contour_epochs({}, Quality::kDraft, 1000) == 1));
   CHECK((contour_iterations({}, Quality::kDraft, false) == 1 && contour_iterations({}, Quality::kDraft, true) == 2));
   ContourOptions given;

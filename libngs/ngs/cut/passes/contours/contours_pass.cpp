@@ -96,7 +96,7 @@ std::vector<Effect> ContoursPass::effects() const {
        .always = "one iteration lost up to 2 points of boundary IoU on scenes with inaccurate masks"},
       {.name = "full-resolution",
        .help = "all iterations at full size, after all steps; off: coarse to fine",
-       .saves = "half of the rows, columns and epochs of the other iterations, and 0.7 of the joint steps",
+       .saves = "half of the rows, columns and epochs of the other iterations, and the joint steps",
        .needs = "contour-iterations",
        .heuristic = {
            "largest share of an object in parts narrower than 9 px (1: some view has no photo)", 0.03,
