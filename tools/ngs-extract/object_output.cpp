@@ -103,6 +103,7 @@ GaussianCloud finished_model(Run& run, const Extractor& extractor, const Scene& 
   const std::vector<ObjectViews> in = views_of(run, extractor, scene, objects);
   GaussianCloud model = extractor.cloud();
   std::int64_t clipped = 0, dropped = 0;
+  std::size_t finished = 0;
   for (std::size_t k = 0; k < objects.size(); ++k) {
     if (const int lack = in[k].lack.px(); lack > 0) {
       run.monitor().warn("the photos change most " + std::to_string(lack) + " px outside of the masks of " +
@@ -115,10 +116,12 @@ GaussianCloud finished_model(Run& run, const Extractor& extractor, const Scene& 
     objects[k] = std::move(found.keep);
     clipped += found.clipped;
     dropped += found.dropped;
+    ++finished;
   }
   run.result()["finish"] = {{"clipped", clipped}, {"dropped", dropped}};
-  run.text("finished the object: " + std::to_string(clipped) + " Gaussians clipped, " + std::to_string(dropped) +
-           " left out\n");
+  if (finished > 0)
+    run.text("finished the object: " + std::to_string(clipped) + " Gaussians clipped, " + std::to_string(dropped) +
+             " left out\n");
   return model;
 }
 

@@ -10,8 +10,11 @@
 namespace ngs::finish {
 namespace {
 
-constexpr int kLeast_px = 3;       // what masks lack less of, the margins of SupportView cover
+constexpr int kLeast_px = 3;  // what masks lack less of, the margins of SupportView cover
+constexpr int kMost_px = 8;
+constexpr int kFar_px = 12;        // here the surroundings begin
 constexpr double kOutside = 0.85;  // of the change within
+constexpr double kFarTimes = 2;    // the change of the surroundings
 
 /// Length of the photo's gradient, summed over the channels; not at the image's border.
 double change_at(const ImageF& photo, int x, int y) {
@@ -34,8 +37,8 @@ void MaskLack::add(const std::vector<GivenMask>& mask, const ImageF& photo) {
   for (int y = 1; y + 1 < h; ++y)
     for (int x = 1; x + 1 < w; ++x) {
       const std::size_t p = std::size_t(y) * std::size_t(w) + std::size_t(x);
-      if (std::abs(inside[p]) > kMost_px || mask[p] == GivenMask::kUnknown) continue;
-      const auto at = std::size_t(inside[p] + kMost_px);
+      if (inside[p] < -kOutside_px || inside[p] > kInside_px || mask[p] == GivenMask::kUnknown) continue;
+      const auto at = std::size_t(inside[p] + kOutside_px);
       change_[at] += change_at(photo, x, y);
       ++pixels_[at];
     }
@@ -43,18 +46,24 @@ void MaskLack::add(const std::vector<GivenMask>& mask, const ImageF& photo) {
 
 int MaskLack::px() const {
   double within = 0, outside = 0;  // the largest mean change up to a pixel outside of the contour, and farther outside
+  double far = 0;
+  std::int64_t far_pixels = 0;
   int lack = 0;
-  for (int inside = kMost_px; inside >= -kMost_px; --inside) {
-    const auto at = std::size_t(inside + kMost_px);
+  for (int inside = kInside_px; inside >= -kOutside_px; --inside) {
+    const auto at = std::size_t(inside + kOutside_px);
     const double mean = pixels_[at] > 0 ? change_[at] / double(pixels_[at]) : 0;
     if (inside >= -1) {
       within = std::max(within, mean);
-    } else if (inside <= -kLeast_px && mean > outside) {
+    } else if (inside <= -kFar_px) {
+      far += change_[at];
+      far_pixels += pixels_[at];
+    } else if (inside <= -kLeast_px && inside >= -kMost_px && mean > outside) {
       outside = mean;
       lack = -inside;
     }
   }
-  return outside > kOutside * within ? lack : 0;
+  if (outside <= kOutside * within) return 0;
+  return outside * double(far_pixels) > kFarTimes * far ? lack : 0;
 }
 
 }  // namespace ngs::finish

@@ -42,6 +42,15 @@ TEST_CASE("masks that are too small by 3 and 5 px lack about so much; exact, lar
   CHECK(lack_of({disc_mask(30, 3), disc_mask(30, -3)}, photo) == 0);
 }
 
+TEST_CASE("exact masks of a plain object before a texture with more contrast than its contour lack nothing") {
+  ImageF photo = disc_photo(30, 0.1f);
+  for (int y = 0; y < kSide_px; ++y)
+    for (int x = 0; x < kSide_px; ++x)
+      for (int c = 0; c < 3 && std::hypot(x - 48, y - 48) >= 30; ++c)
+        photo.at(x, y, c) = (x / 2 + y / 2) % 2 ? 1.0f : 0.1f;
+  CHECK(lack_of({disc_mask(30)}, photo) == 0);
+}
+
 TEST_CASE("one mask that is too small among exact ones, unknown and empty masks, and no photo: nothing is lacking") {
   const ImageF photo = disc_photo(30, 0.4f);
   CHECK(lack_of({disc_mask(30), disc_mask(27), disc_mask(30)}, photo) == 0);
