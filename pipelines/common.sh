@@ -43,7 +43,7 @@ need() { [ $# -ge 2 ] || fail 2 "$1: no value given" "see $0 --help"; }
 # run COMMAND...: checks only the options of a tool (pass=check), prints the command (pass=print) or runs it (pass=run). The last
 # word of a tool's command is its report file; the command is stored next to it for the report page. After exit code 7 (budget
 # reached) the chain continues with the partial result; code 1 (bound not met) sets `failed`; other failures end the script.
-pass='' stages=0 stage=0 failed=0 child=''
+pass='' stages=0 stage=0 failed=0 last_code=0 child=''
 # shellcheck disable=SC2034  # `failed` is for the script
 run() {
   local code=0 report=${!#}
@@ -53,7 +53,8 @@ run() {
     run:ngs-*)
       stage=$((stage + 1))
       { printf '%q ' "$@"; printf '\n'; } > "${report%.json}.sh"
-      NGS_STAGE_OF=$stage/$stages "$@" &
+      # shellcheck disable=SC2086  # NGS_RUN may be several words
+      NGS_STAGE_OF=$stage/$stages ${NGS_RUN:-} "$@" &
       child=$!
       trap 'stop 143' TERM HUP
       trap 'stop 130' INT
@@ -63,8 +64,9 @@ run() {
         1) failed=1 ;;
         7) say "$1: time budget used up; continuing with the partial result" ;;
         *) exit "$code" ;;
-      esac ;;
-    run:*) "$@" || exit 8 ;;
+      esac
+      last_code=$code ;;
+    run:*) "$@" || exit 8; last_code=0 ;;
   esac
 }
 
@@ -104,24 +106,30 @@ refuse_out() {
 }
 files_in() { (cd "$1" 2> /dev/null && find . ! -type d -printf '%P\n' | LC_ALL=C sort) || true; }
 
-# is_finished OUT KEY: whether the last call of the chain had this key, and its results are still there.
-is_finished() {
-  local name
-  [ "$(cat "$1/.state/call" 2> /dev/null)" = "$2" ] || return 1
-  for name in scene.json boundary.ply labelled.ply object.ply background.ply masks report.html; do
-    [ -e "$1/$name" ] || return 1
-  done
+# is_unchanged FILE WORD...: whether the command WORD... was recorded in FILE, and nothing that it reads or writes has changed since.
+is_unchanged() {
+  local file=$1
+  [ -e "$file" ] && [ "$(tail -n +2 "$file")" = "$(key_of "$2" '' "${@:2}")" ] || return 1
+  # shellcheck disable=SC2034  # for the script
+  if [ "$(head -n 1 "$file")" = 1 ]; then failed=1; fi
 }
+# record FILE WORD...: records the command that has just run, and its exit code.
+record() { { printf '%s\n' "$last_code"; key_of "$2" '' "${@:2}"; } > "$1"; }
 
-# lock_out OUT: waits for another run in the folder, then removes leftovers: unfinished files, and results that the next run
-# may not rewrite.
+# lock_out OUT STEP...: waits for another run in the folder, then removes unfinished files, and what other steps have written.
 lock_out() {
-  mkdir -p -- "$1/.state" "$1/reports" || fail 8 "$1: cannot be created"
-  exec 9> "$1/.state/run.lock" || fail 8 "$1: cannot be written"
-  flock -n 9 || { say "another run is at work in $1, waiting for it"; flock 9; }
-  rm -rf -- "$1/objects"
-  rm -f -- "$1"/{queries,field,background-filled}.ply "$1"/trace.jsonl "$1"/metrics{,_input}.json "$1"/reports/ngs-* "$1"/.state/{done,call}
-  find "$1" -maxdepth 1 -name '.ngs-*.tmp*' -delete
+  local out=$1 file name
+  shift
+  mkdir -p -- "$out/.state" "$out/reports" || fail 8 "$out: cannot be created"
+  exec 9> "$out/.state/run.lock" || fail 8 "$out: cannot be written"
+  flock -n 9 || { say "another run is at work in $out, waiting for it"; flock 9; }
+  for file in "$out"/reports/ngs-*.json; do
+    name=$(basename "$file" .json)
+    if [[ " $* " != *" $name "* ]]; then rm -f -- "${file%.json}".{json,sh} "$out/.state/$name.step"; fi
+  done
+  if [[ " $* " != *" ngs-rbf "* ]]; then rm -f -- "$out"/{queries,field}.ply; fi
+  rm -f -- "$out/.state/done"
+  find "$out" -maxdepth 1 -name '.ngs-*.tmp*' -delete
 }
 
 # score_masks SCENE_JSON LABELLED TRUTH METRICS: scores the masks of the held-out views against TRUTH, at photo size.
@@ -190,18 +198,6 @@ fingerprint() {  # names, sizes and times of the files under the given paths, bu
     # path may be absent
     { find -L "$path" -type d -exec test -d '{}/.state' \; -prune -o -type f -printf '%p %s %T@\n' 2>/dev/null || true; } | LC_ALL=C sort
   done
-}
-
-# inputs_of TOOL NAME...: key_of the variables NAME and the variables of the tool's flags.
-inputs_of() {
-  local tool=$1 name words=() flag_words=()
-  shift
-  name=${tool#ngs-}
-  for name in "$@" COMMON_FLAGS "${name^^}_FLAGS"; do
-    case $name in *_FLAGS) eval "flag_words=(${!name:-})" ;; *) flag_words=("${!name:-}") ;; esac
-    words+=("$name=${!name:-}" "${flag_words[@]}")
-  done
-  key_of "$tool" '' "${words[@]}"
 }
 
 # degraded_masks MASKS TO FLAGS...: `ngs-scene degrade FLAGS` of MASKS to folder TO; repeated only if the input changed.

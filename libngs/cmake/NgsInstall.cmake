@@ -17,7 +17,7 @@ if(NGS_BUILD_TOOLS)
   endif()
   # The chain and the loops over data sets; not what builds and tests a checkout.
   set(scripts common.sh ngs-gs.sh sweep.sh work-point.sh nvos.sh lerf-mask.sh scannet.sh)
-  list(APPEND scripts experiment.mk sharded.mk variants.mk ablation.mk robustness.mk work-precision.mk)
+  list(APPEND scripts sharded.mk variants.mk ablation.mk robustness.mk work-precision.mk)
   list(TRANSFORM scripts PREPEND ${PROJECT_SOURCE_DIR}/pipelines/)
   install(PROGRAMS ${scripts} DESTINATION ${NGS_SHARE}/pipelines)
   # Programs for ngs-mask --segmenter; what they need npm installs.

@@ -5,8 +5,7 @@
 #   tests/bench/results.sh --list             all questions with their measuring time and topic
 #   tests/bench/results.sh --table QUESTION   prints its table
 #   tests/bench/results.sh no-harm            a gate: prints its table; exit code 1 if the default scores below the closed form
-#   tests/bench/results.sh alone              prints its table: object.ply rendered alone, all methods
-#   tests/bench/results.sh halves             prints its table: both halves of a cut against the truth of synthetic scenes
+#   tests/bench/results.sh alone halves       questions that `all` leaves out; their results may be of other commits
 #   tests/bench/results.sh --write            updates the tables of BENCHMARKS.md, README.md and ngs-joint --help
 #   tests/bench/results.sh --check            prints what --write would change; exit code 1 if anything differs, or if
 #                                             questions, results and the pages' tables do not belong together
@@ -28,8 +27,9 @@ shopt -s inherit_errexit
 
 results=$top/tests/bench/results
 questions=(captures removed museum masks recipes qualities effects ablation times kernels stability goals)
-gates=(no-harm alone halves)  # run before a default changes: result in build/results, table on stdout
-for question in "${questions[@]}" "${gates[@]}"; do
+separate=(alone halves)  # long, without times: before finish or fill change
+gates=(no-harm)          # before a default changes: result in build/results, table on stdout
+for question in "${questions[@]}" "${separate[@]}" "${gates[@]}"; do
   # shellcheck disable=SC1090
   . "$top/tests/bench/results/$question.sh"
 done
@@ -57,11 +57,11 @@ measure() {
   mv "$results/$question.json.part" "$results/$question.json"
 }
 
-# Measures a gate, whose result is not part of the pages; fails if check_NAME fails. Without check_NAME it only prints.
+# Measures a gate, whose result is not part of the pages; fails if check_NAME fails.
 measure_gate() {
   results=$top/build/results measure "$1"
   tables table "$top/build/results/$1.json" "$defaults"
-  if declare -F "check_$1" > /dev/null; then results=$top/build/results "check_$1"; fi
+  results=$top/build/results "check_$1"
 }
 
 # Adds the time since `began` to the seconds of the question.
@@ -95,7 +95,7 @@ write_goals() {
 
 list_questions() {
   local about
-  for question in "${questions[@]}"; do
+  for question in "${questions[@]}" "${separate[@]}"; do
     about='not measured'
     if [ -f "$results/$question.json" ]; then
       about="$(tables about "$results/$question.json" | cut -f1) s"
@@ -132,7 +132,7 @@ prepare_tools() {
   if [ -z "${NGS_BIN:-}" ]; then "$pipelines/build.sh" --target "$@" >&2; fi
   bin=$(find_bin)
 }
-known() { case " ${questions[*]} ${gates[*]} " in *" $1 "*) ;; *) fail 2 "no question '$1'" "see $0 --list" ;; esac; }
+known() { case " ${questions[*]} ${separate[*]} ${gates[*]} " in *" $1 "*) ;; *) fail 2 "no question '$1'" "see $0 --list" ;; esac; }
 
 case ${1:-} in
   -h | --help) usage_of "$0"; exit 0 ;;
@@ -149,7 +149,7 @@ case ${1:-} in
     trap 'rm -rf "$texts"' EXIT
     new_texts "$texts"
     if [ "$1" = --check ]; then
-      tables check "$results" "$top/BENCHMARKS.md" "$top/README.md" -- "${questions[@]}"
+      tables check "$results" "$top/BENCHMARKS.md" "$top/README.md" -- "${questions[@]}" -- "${separate[@]}"
       for_each_text "$texts" compare_text
       exit $differs
     fi
@@ -164,7 +164,7 @@ case ${1:-} in
     for name in "$@"; do
       case $name in
         goals) write_goals > "$results/goals.json" ;;
-        no-harm | alone | halves) measure_gate "$name" ;;
+        no-harm) measure_gate "$name" ;;
         *) measure "$name" ;;
       esac
     done ;;

@@ -8,8 +8,9 @@
   results_table.py value FILE KEY SHOW [KEY=VALUE...]   one number; SHOW: mean, median, least or most
   results_table.py score METRICS KEY              one number of a metrics.json of ngs-eval
   results_table.py about FILE                     wall seconds, a tab, the title
-  results_table.py check DIR PAGE... -- QUESTION...     the files in DIR and the blocks of all PAGEs are those of the
-                                                  questions, and all results are of one commit and machine
+  results_table.py check DIR PAGE... -- QUESTION... [-- SEPARATE...]   the files in DIR and the blocks of all PAGEs are
+                                                  those of the questions, and all results but those of the separate
+                                                  questions are of one commit and machine
 
 Fields of a line are separated by tabs; a row is a single run:
   meta   KEY VALUE                    question, title, commit, machine, command, defaults, seconds
@@ -323,6 +324,7 @@ def filled_page(page, folder, defaults):
 
 def check(words):
     folder, questions = words[0], words[words.index("--") + 1:]
+    separate = questions[questions.index("--") + 1:] if "--" in questions else []
     results = {name.removesuffix(".json"): read_result(os.path.join(folder, name))
                for name in os.listdir(folder) if name.endswith(".json")}
     shown = []
@@ -333,10 +335,10 @@ def check(words):
             if re.match(r"\|.*(?:[ |(~][+-]?\d*\.\d\d+(?:[ |,;)x]|$)|\d (?:CPU )?(?:s|ms|min|MiB|GiB|dB)\b)", row):
                 refuse(f"{page}: {row}", "measurements in blocks of results only")
     for found, name in ((shown, "blocks"), (results, "results"), ((r["question"] for r in results.values()), "names")):
-        if set(found) != set(questions):
+        if set(found) != set(questions) - {"--"}:
             refuse(f"{name} {sorted(found)}", f"those of the questions: {sorted(questions)}")
     for key in ("commit", "machine"):
-        if len({result[key] for result in results.values()}) != 1:
+        if len({result[key] for name, result in results.items() if name not in separate}) != 1:
             refuse(f"results of several {key}s", "one")
 
 

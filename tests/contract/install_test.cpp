@@ -226,7 +226,7 @@ TEST_CASE("the installed chain runs with the installed tools") {
   const Installed installed;
   if (!installed.absent.empty()) return test::skip(installed.absent);
   for (const char* name :
-       {"bin/ngs-joint", "share/ngs/pipelines/experiment.mk", "share/ngs/data-schema/scene.schema.json",
+       {"bin/ngs-joint", "share/ngs/pipelines/sharded.mk", "share/ngs/data-schema/scene.schema.json",
         "share/doc/ngs/LICENSE", "share/doc/ngs/CHANGELOG.md"}) {
     CAPTURE(name);
     CHECK(installed.has(name));

@@ -14,7 +14,7 @@ namespace ngs {
 namespace {
 
 namespace fs = std::filesystem;
-using test::Capture, test::run_make, test::run_script, test::times_of;
+using test::Capture, test::run_script, test::times_of;
 
 TEST_CASE("ngs-gs.sh writes every documented file, and exits with 1 if a bound of --fail-below is not met") {
   REQUIRE(fs::exists(NGS_TOOL_DIR "/ngs-joint"));
@@ -45,29 +45,6 @@ TEST_CASE("ngs-gs.sh leaves no result of an earlier call with other options") {
     CHECK_FALSE(fs::exists(capture.out + "/" + name));
   }
   CHECK(fs::exists(capture.out + "/masks/v0.png"));
-}
-
-TEST_CASE("ngs-gs.sh called again does nothing, unless a word, a flag, an input or a result has changed") {
-  const Capture capture;
-  REQUIRE(capture.run({"--method", "flash"}).exit_code == 0);
-  auto before = times_of(capture.out);
-  const test::ProcessResult again = capture.run({"--method", "flash"});
-  CHECK(again.exit_code == 0);
-  CHECK(again.err.find("nothing has changed since the last call") != std::string::npos);
-  CHECK(times_of(capture.out) == before);
-  const auto runs_again = [&](const test::ProcessResult& result) {
-    INFO(result.err);
-    CHECK(result.exit_code == 0);
-    const auto after = times_of(capture.out);
-    CHECK(after.at("labelled.ply") != before.at("labelled.ply"));
-    before = after;
-  };
-  fs::remove(capture.out + "/object.ply");
-  runs_again(capture.run({"--method", "flash"}));
-  fs::last_write_time(capture.dir.path() + "/my scene/masks/v0.png", fs::file_time_type::clock::now());
-  runs_again(capture.run({"--method", "flash"}));
-  runs_again(capture.run({"--method", "flash"}, {{"VARIANCE_FLAGS", "--tau 0.4"}}));
-  runs_again(capture.run({"--method", "bce"}, {{"VARIANCE_FLAGS", "--tau 0.4"}}));
 }
 
 TEST_CASE("ngs cut of a capture and ngs-gs.sh, with the same options, write the same labelled.ply and object.ply") {
@@ -294,10 +271,9 @@ TEST_CASE("ngs-gs.sh scores against input masks as ngs-scene reads them, or not 
     CHECK(result.err.find("nothing is scored: no true masks are known, and no held-out view has an input mask") !=
           std::string::npos);
     CHECK(fs::exists(capture.out + "/report.html"));
-    REQUIRE(run_make(capture.dir.path(), {"METHOD=flash", "HOLD_OUT=every:4:2"}).exit_code == 0);
-    const auto before = times_of(capture.dir.path() + "/out");
-    CHECK(run_make(capture.dir.path(), {"METHOD=flash", "HOLD_OUT=every:4:2"}).exit_code == 0);
-    CHECK(times_of(capture.dir.path() + "/out") == before);
+    const auto before = times_of(capture.out);
+    CHECK(run("").exit_code == 0);
+    CHECK(times_of(capture.out) == before);
   }
 }
 
@@ -341,21 +317,8 @@ TEST_CASE("ngs-gs.sh rejects an output folder where it would replace masks that 
     fs::create_directories(out);
     fs::copy(scene + "/masks", out + "/masks");
     refused({"my scene", "the output"}, "the output/masks: no run of this chain has written it");
-    test::ProcessSpec make;
-    make.argv = {"make",
-                 "-f",
-                 NGS_SOURCE_DIR "/pipelines/experiment.mk",
-                 "SCENE=my scene",
-                 "OUT=the-output",
-                 "the-output/scene.json"};
-    make.folder = capture.dir.path();
-    make.environment = {{"NGS_BIN", NGS_TOOL_DIR}};
-    fs::rename(out, capture.dir.path() + "/the-output");
-    const test::ProcessResult direct = test::run_process(make);
-    CHECK(direct.exit_code != 0);
-    CHECK(direct.err.find("no run of this chain has written it") != std::string::npos);
-    fs::rename(capture.dir.path() + "/the-output/masks", out);
-    CHECK(test::run_process(make).exit_code == 0);
+    fs::rename(out + "/masks", out + "/mine");
+    CHECK(run_script(capture.dir.path(), {"my scene", "the output", "--until", "scene.json"}).exit_code == 0);
   }
 }
 

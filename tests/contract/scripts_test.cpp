@@ -47,7 +47,7 @@ struct Folder {
   }
   /// Writes OUT/scene.json and OUT/boundary.ply.
   test::ProcessResult evidence(const std::string& out, const std::string& hold_out) const {
-    return make("experiment.mk", {"SCENE=capture", "OUT=" + out, "HOLD_OUT=" + hold_out, out + "/boundary.ply"});
+    return run({kPipelines + "ngs-gs.sh", "capture", out, "--hold-out", hold_out, "--until", "boundary.ply"});
   }
   /// The fastest run of ngs-gs.sh, v2 held out.
   Words quick(const std::string& out, Words more = {}) const {
@@ -180,7 +180,7 @@ TEST_CASE("the chain uses the model of the last iteration") {
     fs::copy_file(f.path("capture/model.ply"), f.path("capture/point_cloud/") + name + "/point_cloud.ply");
   }
   fs::remove(f.path("capture/model.ply"));
-  const test::ProcessResult made = f.make("experiment.mk", {"SCENE=capture", "OUT=out", "out/scene.json"});
+  const test::ProcessResult made = f.run({kPipelines + "ngs-gs.sh", "capture", "out", "--until", "scene.json"});
   INFO(made.err);
   CHECK(f.json("out/scene.json")["model"] == "../capture/point_cloud/iteration_30/point_cloud.ply");
 }

@@ -48,6 +48,7 @@ TEST_CASE("edits by hand are counted, undone, reopened, exported and repeated by
       json_of(server.post("/api/edit", std::string(R"({"object":1,"action":")") + action + "\"}"));
     CHECK(server.post("/api/edit", R"({"object":1,"action":"melt"})").status == 400);
     CHECK(server.post("/api/edit", lasso + R"("action":"take","depth":1})").status == 400);
+    CHECK(server.post("/api/edit", lasso + R"("action":"take","visible_only":1})").status == 400);
     json_of(server.post("/api/undo", "{}"));
     left = json_of(server.get("/api/state"));
     CHECK(left["objects"][0]["edits"] == 4);

@@ -147,9 +147,18 @@ async function byHand(page) {
   await page.locator('#paint').focus();
   await page.keyboard.press('l');
   check((await pressed(page, 'tool-lasso')) === 'true' && (await page.locator('#by-hand').isVisible()), 'by hand: L selects the lasso');
+  await page.getByText('Visible only', { exact: true }).click();
+  await page.locator('#paint').focus();
+  await drag(page, outline);
+  const visible = await after();
+  await snap(page, '1600-light-visible-only');
+  await page.getByText('Visible only', { exact: true }).click();
+  await page.locator('#paint').focus();
+  await pressAndSettle(page, 'Control+z');
   await drag(page, outline);
   const lasso = await after();
   check(lasso > before, `by hand: a lasso adds ${lasso - before} Gaussians`);
+  check(visible > before && visible < lasso, `by hand: of what is visible only it adds ${visible - before}`);
   await snap(page, '1600-light-lasso');
   await page.getByText('Take', { exact: true }).click();
   await page.locator('#paint').focus();

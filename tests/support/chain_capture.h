@@ -1,5 +1,5 @@
 #pragma once
-// The tiny scene as a capture in its own folder, and two ways to run the chain on it.
+// The tiny scene as a capture in its own folder, and the chain on it.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -24,16 +24,6 @@ inline ProcessResult run_script(const std::string& folder, std::vector<std::stri
   spec.environment = std::move(environment);
   spec.environment.emplace_back("NGS_BIN", NGS_TOOL_DIR);
   spec.environment.emplace_back("NGS_THREADS", "2");
-  return run_process(spec);
-}
-
-/// make -f pipelines/experiment.mk WORDS... with SCENE=my scene and OUT=out.
-inline ProcessResult run_make(const std::string& folder, std::vector<std::string> words) {
-  ProcessSpec spec;
-  spec.argv = {"make", "-s", "-f", NGS_SOURCE_DIR "/pipelines/experiment.mk", "SCENE=my scene", "OUT=out"};
-  spec.argv.insert(spec.argv.end(), words.begin(), words.end());
-  spec.folder = folder;
-  spec.environment = {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}, {"SAMPLE_FLAGS", "--rows 8 --cols 8"}};
   return run_process(spec);
 }
 

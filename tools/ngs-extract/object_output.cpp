@@ -4,8 +4,10 @@
 #include <filesystem>
 
 #include "ngs/edit/finish/finish_stage.h"
+#include "ngs/edit/finish/mask_lack.h"
 #include "ngs/io/formats/write_splat.h"
 #include "ngs/io/image/masks.h"
+#include "ngs/io/image/photo.h"
 #include "ngs/math/row_numbers.h"
 #include "ngs/problem/cloud_rows.h"
 #include "ngs/render/render_options.h"
@@ -13,7 +15,8 @@
 namespace ngs::cli {
 namespace {
 
-constexpr std::size_t kMaxViews = 40;  // evenly spread over the scene's: more change little
+constexpr std::size_t kMaxViews = 40;      // evenly spread over the scene's: more change little
+constexpr std::size_t kViewsPerPhoto = 2;  // of them
 
 using Rows = std::vector<std::uint8_t>;  // [N] 1: of the object
 
@@ -54,37 +57,60 @@ std::vector<finish::GivenMask> given_mask(const ViewMasks& masks, int object) {
   return given;
 }
 
-/// What each view contains about each object: [objects][views].
-std::vector<std::vector<finish::SupportView>> support_views(Run& run, const Extractor& extractor, const Scene& scene,
-                                                            const std::vector<Rows>& objects) {
+/// The photo of the view; empty if it cannot be read: finishing does without.
+ImageF photo_or_none(const Scene& scene, std::size_t view) {
+  try {
+    return io::load_photo(scene, view);
+  } catch (const Error&) {
+    return {};
+  }
+}
+
+/// What the views contain about an object.
+struct ObjectViews {
+  std::vector<finish::SupportView> views;
+  finish::MaskLack lack;
+};
+
+std::vector<ObjectViews> views_of(Run& run, const Extractor& extractor, const Scene& scene,
+                                  const std::vector<Rows>& objects) {
   const GaussianCloud& cloud = extractor.cloud();
   const SplatOptions splat = prepared_for(run.exec(), splat_options({}, cloud, scene), cloud);
   const std::vector<int> indices = indices_in(scene, extractor);
   const finish::ObjectLabels labels(cloud, objects);
-  std::vector<std::vector<finish::SupportView>> views(objects.size());
+  std::vector<ObjectViews> found(objects.size());
   const std::size_t count = std::min(scene.views.size(), kMaxViews);
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t v = i * scene.views.size() / count;
     const Camera& camera = scene.views[v].camera;
     const RenderedView rendered = labels.render(run.exec(), splat, camera);
     const ViewMasks masks = training_masks(scene, v);
-    for (std::size_t k = 0; k < objects.size(); ++k)
-      views[k].emplace_back(finish::FinishModel{cloud, objects[k]}, camera, finish::RenderedObject{rendered, int(k)},
-                            given_mask(masks, indices[k]));
+    const ImageF photo = i % kViewsPerPhoto == 0 && masks.available ? photo_or_none(scene, v) : ImageF();
+    for (std::size_t k = 0; k < objects.size(); ++k) {
+      const std::vector<finish::GivenMask> given = given_mask(masks, indices[k]);
+      if (!given.empty() && !photo.data.empty()) found[k].lack.add(given, photo);
+      found[k].views.emplace_back(finish::FinishModel{cloud, objects[k]}, camera,
+                                  finish::RenderedObject{rendered, int(k)}, given);
+    }
     run.monitor().progress(std::int64_t(i + 1), std::int64_t(count));
   }
-  return views;
+  return found;
 }
 
 /// Clips the objects. Returns the model with their clipped Gaussians; takes those without support from `objects`.
 GaussianCloud finished_model(Run& run, const Extractor& extractor, const Scene& scene, std::vector<Rows>& objects) {
   const auto timed = run.monitor().scope("finish");
-  const std::vector<std::vector<finish::SupportView>> views = support_views(run, extractor, scene, objects);
+  const std::vector<ObjectViews> in = views_of(run, extractor, scene, objects);
   GaussianCloud model = extractor.cloud();
   std::int64_t clipped = 0, dropped = 0;
   for (std::size_t k = 0; k < objects.size(); ++k) {
+    if (const int lack = in[k].lack.px(); lack > 0) {
+      run.monitor().warn("the photos change most " + std::to_string(lack) + " px outside of the masks of " +
+                         extractor.chosen()[k]->object + ": the masks are too small, so the object is not finished");
+      continue;
+    }
     finish::Finished found = finish::finish_object(
-        run.exec(), {{extractor.cloud(), objects[k]}, views[k], splat_options({}, model, scene), run.seed()});
+        run.exec(), {{extractor.cloud(), objects[k]}, in[k].views, splat_options({}, model, scene), run.seed()});
     scatter_rows(run.exec(), found.object, RowNumbers(objects[k]).row, model);
     objects[k] = std::move(found.keep);
     clipped += found.clipped;

@@ -175,11 +175,34 @@ std::array<std::array<double, 2>, 3> range_of(const io::GaussianPly& ply, const 
 
 }  // namespace
 
+namespace {
+
+/// Whether the mask of the result ends before the borders of the picture. False for a file that cannot be read.
+bool shows_whole(const ShownView& view) {
+  try {
+    const Plane mask = read_plane(view.predicted, view.predicted_id);
+    const auto w = std::size_t(mask.width_px), h = std::size_t(mask.height_px);
+    std::size_t at_borders = 0;
+    for (std::size_t p = 0; p < mask.data.size(); ++p)
+      at_borders += mask.data[p] != 0 && (p < w || p >= w * (h - 1) || p % w == 0 || p % w == w - 1);
+    return at_borders == 0 && std::ranges::count(mask.data, 0) < std::ssize(mask.data);
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+}  // namespace
+
 const ShownView* median_view(const RunFolder& run) {
+  constexpr std::size_t kMost = 12;  // views that are looked at, on each side of the middle
   std::vector<const ShownView*> able;
   for (const ShownView& view : run.views)
     if (!view.photo.empty() && !view.predicted.empty()) able.push_back(&view);
-  return able.empty() ? nullptr : able[able.size() / 2];
+  const std::size_t middle = able.size() / 2;
+  for (std::size_t step = 0; step <= std::min(kMost, middle); ++step)
+    for (const std::size_t at : {middle + step, middle - step})
+      if (at < able.size() && shows_whole(*able[at])) return able[at];
+  return able.empty() ? nullptr : able[middle];
 }
 
 std::string overview_section(const Exec& exec, RunFolder& run, Pictures& pictures, const std::string& viewer) {
@@ -195,11 +218,10 @@ std::string overview_section(const Exec& exec, RunFolder& run, Pictures& picture
     run.problems.push_back(e.what());
   }
   if (html.empty()) return link_to(viewer);
-  const char* which =
-      view->scores.is_null() ? "The middle view of the list." : "The view with the median boundary IoU.";
+  const char* which = view->scores.is_null() ? "The middle view of the list" : "The view with the median boundary IoU";
   return "<section id=\"overview\">" + link_to(viewer) + "<div class=\"sheet opening\">" + html +
          "</div><p class=note><span class=screen>Click or tap a picture to flip it. </span>" + which +
-         "</p></section>\n";
+         ", or the next one that shows the whole object.</p></section>\n";
 }
 
 std::string marked_section(RunFolder& run, Pictures& pictures) {

@@ -34,7 +34,8 @@ std::string errors_section(const Exec& exec, RunFolder& run, Pictures& pictures,
 // First section of the page: pictures of the cut object that flip on a click (CSS only), and the boundary set from
 // three sides.
 
-/// The view with the median score among those with photo and predicted mask; null if there is none.
+/// Of the views with photo and predicted mask, the one with the median score, or the next one where the object ends
+/// before the borders of the picture; null if there is none.
 const ShownView* median_view(const RunFolder& run);
 
 /// Pairs of pictures of median_view(): photo and object, photo and background, input mask and result, each if its files

@@ -124,6 +124,7 @@ Json Desk::edit(Fields request) {
       edit = live::ball_at(exec_, model.cloud, model.splat, viewpoint, {x, y, radius_px});
     } else {
       edit.viewpoint = viewpoint, edit.outline = points_of(request, "outline");
+      edit.visible_only = request.has("visible_only") && request.boolean("visible_only");
       if (edit.outline.size() < 3) request.refuse("outline", "at least three points");
     }
   }

@@ -117,7 +117,8 @@ void Desk::relabel_refined(const live::ObjectMarks& object) {
   for (std::size_t i = 0; object.keeps_dropped && i < labels.label.size(); ++i)
     if (refined.model->found.dropped.label[i] > 0) labels.label[i] = 1, ++labels.count;
   const live::HandEdits none;
-  labels = live::with_edits(exec_, refined.model->ply.cloud, std::move(labels), object.edits ? *object.edits : none);
+  labels = live::with_edits(exec_, {refined.model->ply.cloud, refined.model->splat}, std::move(labels),
+                            object.edits ? *object.edits : none);
   refined.labels = std::make_shared<const live::ObjectLabels>(std::move(labels));
   refined.edits = object.edits, refined.keeps_dropped = object.keeps_dropped;
 }

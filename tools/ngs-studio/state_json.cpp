@@ -68,6 +68,7 @@ Json edits_json(const live::HandEdits& edits) {
     const live::HandEdit& edit = *of;
     Json one{{"action", int(edit.action)}};
     if (!edit.outline.empty()) one.update({{"look", json_of(edit.viewpoint)}, {"outline", edit.outline}});
+    if (edit.visible_only) one["visible_only"] = true;
     if (edit.radius > 0)
       one.update({{"centre", {edit.centre.x, edit.centre.y, edit.centre.z}}, {"radius", edit.radius}});
     list.push_back(std::move(one));
@@ -79,6 +80,7 @@ live::HandEdit edit_of(Fields edit) {
   live::HandEdit out;
   out.action = live::EditAction(edit.integer("action", 0, int(live::EditAction::kShrink)));
   if (edit.has("outline")) out.viewpoint = viewpoint_of(edit.object("look")), out.outline = points_of(edit, "outline");
+  out.visible_only = edit.has("visible_only") && edit.boolean("visible_only");
   if (edit.has("radius")) out.centre = edit.vector("centre"), out.radius = edit.number("radius", 0, 1e9);
   edit.end();
   return out;

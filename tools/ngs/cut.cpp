@@ -160,16 +160,17 @@ void check_flash(bool has_renders, bool has_masks) {
 }
 
 int tell_plan(cli::Run& run, const CutChain& chain, CutEnd end) {
-  std::string text = plan_text(chain.stages().steps(), chain.inputs().out);
+  const StageRunner& stages = chain.stages();
+  std::string text = plan_text(stages.steps(), chain.inputs().out);
   if (end == CutEnd::kNeedsStrokes) text += "then it stops, because nothing is marked yet\n";
   run.text(text + chain.strokes_found());
   std::string commands = "commands:\n";
-  for (const std::string& command : chain.stages().commands()) commands += "  " + command + "\n";
+  for (const std::string& command : stages.commands()) commands += "  " + command + "\n";
   run.verbatim(commands);
   Json steps = Json::array();
-  for (const PlannedStep& step : chain.stages().steps())
-    steps.push_back({{"step", step.words}, {"tool", step.tool}, {"files", step.files}});
-  run.plan({{"steps", std::move(steps)}, {"commands", chain.stages().commands()}});
+  for (const PlannedStep& step : stages.steps())
+    steps.push_back({{"step", step.about}, {"tool", tool_of(step)}, {"files", step.files}});
+  run.plan({{"steps", std::move(steps)}, {"commands", stages.commands()}});
   return cli::kDone;
 }
 
@@ -222,7 +223,11 @@ int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
   const NewFolder folder(inputs.out, !run.dry_run() && !fs::exists(inputs.out));
   std::optional<FolderLock> lock;
   if (!run.dry_run()) {
-    fs::create_directories(inputs.out);
+    std::error_code failed;
+    fs::create_directories(inputs.out, failed);
+    if (failed)
+      throw Error(ErrorCode::kEnvironment, inputs.out + ": cannot be created: " + failed.message(),
+                  "choose a folder that you can write to: -o DIR");
     lock.emplace(inputs.out);
     require_own_folder(inputs.out, run.overwrite());
     io::write_file(inputs.out + "/" + kMarker, "a folder of ngs cut\n");

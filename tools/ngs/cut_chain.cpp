@@ -1,5 +1,6 @@
 #include "cut_chain.h"
 
+#include <algorithm>
 #include <filesystem>
 
 #include "ngs/core/error.h"
@@ -9,7 +10,6 @@
 #include "ngs/io/files/content_hash.h"
 #include "ngs/io/files/json_file.h"
 #include "ngs/io/scene/scene_json.h"
-#include "ngs/options/name_of.h"
 #include "ngs/render/render_options.h"
 #include "ngs/scene/view_names.h"
 
@@ -19,18 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kWholePicture_px = 1 << 20;
-
-void append(Words& words, const std::string& flag, const std::string& value) {
-  if (!value.empty()) words.push_back(flag), words.push_back(value);
-}
-
-/// Clips the object and fills the background in ngs-extract, as far as chosen.
-void append_mending(Words& words, const CutOptions& options, const CutChain& chain) {
-  if (!options.finish) words.emplace_back("--no-finish");
-  if (options.fill.fill == FillKind::kOff) return;
-  append(words, "--background-filled", chain.at("background-filled.ply"));
-  append(words, "--fill", std::string(name_of(kFillNames, options.fill.fill)));
-}
+constexpr const char* kMadeFrom = "orbit/made_from.json";  // with this record the pictures are complete
 
 bool has_masks(const Scene& scene) {
   for (const SceneView& view : scene.views)
@@ -47,79 +36,110 @@ CutChain::CutChain(cli::Run& run, const CutOptions& options, CutInputs inputs)
       stages_(run, inputs_.out, run.exec().threads, inputs_.own_flags) {}
 
 CutEnd CutChain::run() {
+  if (inputs_.kind == SourceKind::kCapture && inputs_.model.empty()) require_model_in(inputs_.source);
+  if (inputs_.kind == SourceKind::kScene && inputs_.truth.empty())
+    inputs_.truth = io::truth_of_scene_json(inputs_.source);
   plan();
-  if (!make_scene()) return CutEnd::kStopped;  // may find strokes painted into its images
-  if (options_.all) return cut_all() ? CutEnd::kDone : CutEnd::kStopped;
-  const bool marked = !inputs_.strokes.empty();
-  if (marked) look_at_strokes();
-  if (options_.method == CutMethod::kFlash) {
-    if (!marked) return CutEnd::kNeedsStrokes;
-    return cut_flash() && write_page() ? CutEnd::kDone : CutEnd::kStopped;
+  if (inputs_.kind == SourceKind::kSplat) take_pictures_of_earlier_run();
+  if (run_.dry_run()) {
+    const bool has_views = exists(plain_scene()) && (inputs_.kind != SourceKind::kSplat || facts_.reuses_pictures);
+    if (marked())
+      strokes_found_ =
+          strokes_text(run_, has_views ? plain_scene() : "", options_.view, not_in_folder(inputs_.strokes, pictures()));
+    return needs_strokes() ? CutEnd::kNeedsStrokes : CutEnd::kDone;
   }
-  if (run_.dry_run() && stages_.steps().size() < 2) return CutEnd::kNeedsStrokes;
-  if (marked && !masks_from_strokes()) return CutEnd::kStopped;
-  if (run_.dry_run()) return cut(), score(), CutEnd::kDone;
-  if (!marked && inputs_.masks.empty() && !has_masks(io::read_scene_json(plain_scene_))) {
+  const bool makes_scene = !stages_.steps().empty() && stages_.steps()[0].name == "ngs-scene";
+  if (makes_scene && !run_step(PlannedStep(stages_.steps()[0]))) return CutEnd::kStopped;
+  if (needs_strokes()) {
     refuse_unfit_masks();
     return CutEnd::kNeedsStrokes;
   }
-  write_scene_with(marked ? at("strokes") : inputs_.masks);
-  return cut() && score() ? CutEnd::kDone : CutEnd::kStopped;
+  // Reads the strokes before anything is computed from them, and draws them on their views.
+  if (marked()) write_marked_views(run_, {plain_scene(), options_.view, inputs_.strokes}, at("marked"));
+  for (std::size_t k = makes_scene ? 1 : 0; k < stages_.steps().size(); ++k)  // a step may change later ones
+    if (!run_step(PlannedStep(stages_.steps()[k]))) return CutEnd::kStopped;
+  return CutEnd::kDone;
 }
 
-/// Call it again if the strokes, the reuse of pictures or the files of the capture become known. Until the capture is
-/// imported, it is expected to have masks.
+/// Call it again if the strokes or a fact become known. Until the capture is imported, it is expected to have masks.
 void CutChain::plan() {
-  PlanFacts facts{!inputs_.strokes.empty(), !inputs_.masks.empty(), reused_orbit_};
-  if (inputs_.kind == SourceKind::kScene) facts.has_masks |= has_masks(io::read_scene_json(inputs_.source));
+  facts_.marked = marked();
+  facts_.has_masks = !inputs_.masks.empty();
+  if (inputs_.kind == SourceKind::kScene) facts_.has_masks |= has_masks(io::read_scene_json(inputs_.source));
   if (inputs_.kind == SourceKind::kCapture)
-    facts.has_masks |= !imported_ || has_masks(io::read_scene_json(plain_scene_));
-  stages_.plan(planned_steps(options_, inputs_, facts));
+    facts_.has_masks |= !imported_ || has_masks(io::read_scene_json(plain_scene()));
+  stages_.plan(planned_steps(options_, inputs_, facts_));
 }
 
-/// Reads the strokes before anything is computed from them, and draws them on their views. A dry run only lists them.
-void CutChain::look_at_strokes() {
-  if (!run_.dry_run()) return write_marked_views(run_, {plain_scene_, options_.view, inputs_.strokes}, at("marked"));
-  const bool has_views = exists(plain_scene_) && (inputs_.kind != SourceKind::kSplat || reused_orbit_);
-  strokes_found_ =
-      strokes_text(run_, has_views ? plain_scene_ : "", options_.view, not_in_folder(inputs_.strokes, pictures()));
+bool CutChain::needs_strokes() const { return stages_.steps().empty() || stages_.steps().back().name == "ngs-scene"; }
+
+bool CutChain::run_step(const PlannedStep& step) {
+  if (step.command.empty()) stages_.begin(step.name);
+  if (step.name == "flash") return cut_flash();
+  if (step.name == "first look") return cut_untrained();
+  if (step.name == "page") return write_objects_page(), true;
+  if (step.name == "ngs-mask" && untrained_ && untrained_->is_expected)
+    return write_flash_masks(at("strokes"), *untrained_), true;
+  if (step.name == "ngs-render-alone" || step.name == "ngs-eval") return score_by_truth(step);
+  before(step.name);
+  return stages_.run(step) && after(step.name);
 }
 
-bool CutChain::make_scene() {
-  switch (inputs_.kind) {
-    case SourceKind::kSplat: return orbit();
-    case SourceKind::kCapture: return import();
-    case SourceKind::kScene: break;
+void CutChain::before(const std::string& step) {
+  std::error_code absent;
+  if (step == "ngs-scene" && inputs_.kind == SourceKind::kSplat) {
+    fs::create_directories(at("orbit"));
+    fs::remove(at(kMadeFrom), absent);
   }
-  plain_scene_ = inputs_.source;
-  if (inputs_.truth.empty()) inputs_.truth = io::truth_of_scene_json(plain_scene_);
+  if (step == "ngs-group" && inputs_.kind == SourceKind::kScene && plain_scene() != inputs_.source)
+    write_scene(inputs_.source, plain_scene(), "");  // another model than its own
+  if (step == "ngs-variance" && !options_.all)
+    write_scene(plain_scene(), at("scene.json"), marked() ? at("strokes") : inputs_.masks);
+  if (step == "ngs-extract") fs::remove_all(at("objects"), absent);  // of an earlier run
+  if (step == "ngs-render") fs::remove_all(at("masks"), absent);
+}
+
+bool CutChain::after(const std::string& step) {
+  if (step == "ngs-scene" && inputs_.kind == SourceKind::kSplat) {
+    record_pictures(pictures(), at("orbit/pictures.json"));
+    io::write_file(at(kMadeFrom), pictures_of_.dump(1) + "\n");
+  }
+  if (step == "ngs-scene" && inputs_.kind == SourceKind::kCapture) take_capture();
+  if (step == "ngs-group") take_groups();
+  if (step == "ngs-variance" && marked()) return check_strokes();
+  if (step == "ngs-joint" && untrained_ && untrained_->is_expected)
+    keep_boundary_labels(at("joint.ply"), untrained_->labels);
+  if (step == "ngs-extract") {
+    if (!keep_better_result()) return false;
+    if (!options_.all) {
+      facts_.one_object = !exists(at("objects"));
+      plan();
+    }
+    for (const char* intermediate : {"boundary.ply", "joint.ply", "trace.jsonl"})
+      if (!options_.keep) fs::remove(at(intermediate));
+  }
+  if (step == "ngs-render" && !options_.all) {
+    std::error_code absent;
+    for (const char* scores : {"metrics.json", "agreement.json"}) fs::remove(at(scores), absent);
+    agreement_ = compare_with_masks(io::read_scene_json(at("scene.json")), at("masks"));
+  }
   return true;
 }
 
 /// Whether the pictures are those of an earlier run with the same options and, unless it is a dry run, the same model
 /// and cameras.
-bool CutChain::has_same_pictures(const Json& key) const {
-  const std::string key_file = at("orbit/made_from.json");
-  if (!exists(plain_scene_) || !exists(key_file)) return false;
-  nlohmann::json made = io::read_json_file(key_file);
+bool CutChain::has_same_pictures() const {
+  if (!exists(plain_scene()) || !exists(at(kMadeFrom))) return false;
+  nlohmann::json made = io::read_json_file(at(kMadeFrom));
   for (const char* hash : {"model", "cameras"})
     if (run_.dry_run() && made.is_object()) made.erase(hash);
-  return made == nlohmann::json(key);
+  return made == nlohmann::json(pictures_of_);
 }
 
 /// Reuses the images of an earlier run if model, options and version are unchanged, because strokes were drawn on them.
-bool CutChain::orbit() {
-  plain_scene_ = at("orbit/scene.json");
-  Words words{"ngs-scene", "orbit", inputs_.splat(), "-o", plain_scene_};
-  if (inputs_.renders_capture) append(words, "--cameras", inputs_.source);
-  append(words, "--around", options_.around);
-  append(words, "--up", options_.up == "auto" ? "" : options_.up);
-  append(words, "--size", options_.size);
-  append(words, "--view-count", options_.view_count > 0 ? std::to_string(options_.view_count) : "");
-  append(words, "--hold-out", options_.hold_out);
-  append(words, "--max-views", max_views(options_));
-  Json key{{"version", kVersion}, {"options", Words(words.begin() + 5, words.end())}};
-  const std::string key_file = at("orbit/made_from.json");
+void CutChain::take_pictures_of_earlier_run() {
+  const Words& words = stages_.steps()[0].command;
+  pictures_of_ = {{"version", kVersion}, {"options", Words(words.begin() + 5, words.end())}};
   if (!run_.dry_run()) {
     const PaintedPictures painted = rescue_painted(pictures(), at("orbit/pictures.json"), at("painted"));
     for (const std::string& name : painted.unknown)
@@ -134,59 +154,30 @@ bool CutChain::orbit() {
                           at("painted/") + name + ", and the image is rendered again");
     inputs_.strokes = strokes_on_copies(inputs_.strokes, pictures(), at("painted"), painted);
     std::error_code absent;
-    if (!painted.in_place.empty()) fs::remove(key_file, absent);
-    key["model"] = io::content_hash(inputs_.splat()).xxh3;
+    if (!painted.in_place.empty()) fs::remove(at(kMadeFrom), absent);
+    pictures_of_["model"] = io::content_hash(inputs_.splat()).xxh3;
     io::CaptureRequest cameras;
     cameras.source = inputs_.source;
-    if (inputs_.renders_capture) key["cameras"] = io::content_hash(io::read_capture(cameras).file).xxh3;
+    if (inputs_.renders_capture) pictures_of_["cameras"] = io::content_hash(io::read_capture(cameras).file).xxh3;
   }
-  reused_orbit_ = has_same_pictures(key);
+  facts_.reuses_pictures = has_same_pictures();
   plan();
-  if (reused_orbit_) return true;
-  if (!run_.dry_run()) {
-    fs::create_directories(at("orbit"));
-    std::error_code ignored;
-    fs::remove(key_file, ignored);
-  }
-  if (!stage("ngs-scene", words)) return false;
-  if (run_.dry_run()) return true;
-  record_pictures(pictures(), at("orbit/pictures.json"));
-  io::write_file(key_file, key.dump(1) + "\n");
-  return true;
 }
 
-bool CutChain::import() {
-  plain_scene_ = at("capture.json");
-  if (inputs_.model.empty()) require_model_in(inputs_.source);
-  Words words{
-      "ngs-scene", "import", inputs_.source, "-o", plain_scene_, "--image-scale", std::to_string(options_.image_scale)};
-  append(words, "--ply", inputs_.model);
-  append(words, "--hold-out", options_.hold_out);
-  append(words, "--masks", inputs_.strokes.empty() ? inputs_.masks : "");
-  if (!inputs_.strokes.empty()) words.emplace_back("--no-check-polarity");  // the masks are not used
-  if (options_.all)  // label maps whose ids are not those of objects
-    words.insert(words.end(), {"--mask-mode", "label", "--object-id", "everything=1", "--no-check-polarity"});
-  append(words, "--truth", inputs_.truth);
-  append(words, "--images", inputs_.images);
-  append(words, "--world-transform", inputs_.world_transform);
-  words.insert(words.end(), inputs_.import_words.begin(), inputs_.import_words.end());
+void CutChain::take_capture() {
   inputs_.masks.clear();  // the scene has their paths
-  if (!stage("ngs-scene", words)) return false;
-  if (run_.dry_run()) return true;
-  inputs_.truth = io::truth_of_scene_json(plain_scene_), imported_ = true;
+  inputs_.truth = io::truth_of_scene_json(plain_scene());
+  imported_ = true;
   plan();
-  if (!inputs_.strokes.empty()) leave_masks_unused();
-  return true;
+  if (marked()) leave_masks_unused();
 }
 
 std::optional<FlashCut> CutChain::flash(const io::GaussianPly& ply, int longer_side_px) {
   return flash_cut(
-      run_, ply, {plain_scene_, options_.around, options_.view, inputs_.strokes, options_.all_pieces, longer_side_px});
+      run_, ply, {plain_scene(), options_.around, options_.view, inputs_.strokes, options_.all_pieces, longer_side_px});
 }
 
 bool CutChain::cut_flash() {
-  if (run_.dry_run()) return true;
-  stages_.begin("flash");
   const double start_s = wall_seconds();
   const io::GaussianPly ply = [&] {
     const auto timed = run_.monitor().scope("read");
@@ -197,17 +188,17 @@ bool CutChain::cut_flash() {
   if (found->figures.object == 0)
     run_.nothing_found("no Gaussian of the ball is labelled as object with these strokes",
                        "draw more strokes on the object");
-  const StrokeAgreement kept_to =
-      StrokeCheck(run_, plain_scene_, options_.view, inputs_.strokes).of(ply.cloud, found->labels.label.values(), true);
+  const StrokeAgreement kept_to = StrokeCheck(run_, plain_scene(), options_.view, inputs_.strokes)
+                                      .of(ply.cloud, found->labels.label.values(), true);
   if (!kept_to.broken.empty()) run_.monitor().warn(broken_text(kept_to));
   const auto timed = run_.monitor().scope("write");
   write_flash_masks(at("masks"), *found);
   write_flash_models(run_, inputs_.out, ply, found->labels);
   remove_results_of_training();
-  write_scene_with("");
+  write_scene(plain_scene(), at("scene.json"), "");
   flash_ = found->figures;
   flash_->wall_s = wall_seconds() - start_s;
-  return finish_untrained();
+  return true;
 }
 
 /// The folder may hold an earlier run of another quality; its page would show these as results of this run.
@@ -220,12 +211,9 @@ void CutChain::remove_results_of_training() const {
       if (step.name != "ngs-scene") fs::remove(at("reports/" + step.name + ending), ignored);
 }
 
-bool CutChain::write_page() { return stage("ngs-report", {"ngs-report", inputs_.out, "-o", at("report.html")}); }
-
 /// Without photos: the labels of --method flash, and masks of the images' size. False: stopped by a
 /// signal.
 bool CutChain::cut_untrained() {
-  stages_.begin("first look");
   const auto timed = run_.monitor().scope("first look");
   const io::GaussianPly ply = io::read_gaussian_ply(inputs_.splat());
   try {
@@ -250,7 +238,7 @@ bool CutChain::cut_untrained() {
 ResultQuality CutChain::quality_of(const GaussianCloud& cloud, const std::vector<float>& label,
                                    const std::vector<PixelMask>& masks) const {
   const StrokeAgreement strokes =
-      StrokeCheck(run_, plain_scene_, options_.view, inputs_.strokes).of(cloud, label, true);
+      StrokeCheck(run_, plain_scene(), options_.view, inputs_.strokes).of(cloud, label, true);
   return {strokes.wrong_share(), agreement_in_views(run_, cloud, label, *untrained_, masks)};
 }
 
@@ -259,22 +247,9 @@ std::vector<PixelMask> CutChain::masks_of_training() const {
   return untrained_->is_expected ? untrained_->segmented : read_flash_masks(at("strokes"), *untrained_);
 }
 
-bool CutChain::masks_from_strokes() {
-  if (inputs_.has_renders && !run_.dry_run()) {
-    if (!cut_untrained()) return false;
-    if (untrained_ && untrained_->is_expected) return write_flash_masks(at("strokes"), *untrained_), true;
-  }
-  Words words{"ngs-mask", plain_scene_, "-o", at("strokes")};
-  if (options_.quality == Quality::kDraft) append(words, "--passes", "1");
-  if (inputs_.kind == SourceKind::kScene) append(words, "--model", inputs_.model);
-  append(words, "--view", options_.view);
-  for (const std::string& strokes : inputs_.strokes) append(words, "--prompts", strokes);
-  return stage("ngs-mask", words);
-}
-
 /// `masks`: a folder with STEM.png for some views; empty: keep the masks of the scene.
-void CutChain::write_scene_with(const std::string& masks) const {
-  Scene scene = io::read_scene_json(plain_scene_);
+void CutChain::write_scene(const std::string& from, const std::string& to, const std::string& masks) const {
+  Scene scene = io::read_scene_json(from);
   if (!inputs_.model.empty()) scene.model_path = inputs_.model;
   if (!masks.empty()) {
     const std::vector<std::string> names = output_names(scene.views);
@@ -290,8 +265,8 @@ void CutChain::write_scene_with(const std::string& masks) const {
     scene.use_binary_masks();
     scene.objects = {SceneObject{}};
   }
-  const std::string truth = inputs_.truth.empty() ? io::truth_of_scene_json(plain_scene_) : inputs_.truth;
-  io::write_scene_json(at("scene.json"), scene, io::StoredPaths::kRelative, truth);
+  const std::string truth = inputs_.truth.empty() ? io::truth_of_scene_json(from) : inputs_.truth;
+  io::write_scene_json(to, scene, io::StoredPaths::kRelative, truth);
 }
 
 /// Checks the initial labels against the strokes. Throws kInconsistent if they contradict a stroke, without --force.
@@ -306,7 +281,7 @@ bool CutChain::check_strokes() {
   StrokeAgreement found = now();
   if (!found.broken.empty() && untrained_ && untrained_quality_.strokes_wrong < found.wrong_share()) {
     write_flash_masks(at("strokes"), *untrained_);
-    if (!label()) return false;
+    if (!stages_.run(*std::ranges::find(stages_.steps(), "ngs-variance", &PlannedStep::name))) return false;
     found = now();
   }
   if (found.broken.empty()) return true;
@@ -318,55 +293,10 @@ bool CutChain::check_strokes() {
   return true;
 }
 
-bool CutChain::cut() {
-  const std::string scene = at("scene.json");
-  const bool marked = !inputs_.strokes.empty();
-  const std::string trained = at(marked ? "joint.ply" : "labelled.ply");
-  if (!label()) return false;
-  if (marked && !run_.dry_run() && !check_strokes()) return false;
-  if (!stage("ngs-joint",
-             {"ngs-joint", scene, at("boundary.ply"), "--quality",
-              std::string(name_of(kQualityNames, options_.quality)), "--trace", at("trace.jsonl"), "-o", trained}))
-    return false;
-  if (untrained_ && untrained_->is_expected) keep_boundary_labels(trained, untrained_->labels);
-  if (!extract(trained)) return false;
-  if (run_.dry_run()) return true;
-  if (marked) keep_better_result();
-  if (kept_untrained_ && !finish_untrained()) return false;
-  if (options_.keep) return true;
-  for (const char* intermediate : {"boundary.ply", "joint.ply", "trace.jsonl"}) fs::remove(at(intermediate));
-  return true;
-}
-
-/// With strokes only the components that they touch are written, and labels are rounded, so that masks and page show
-/// the written object.
-bool CutChain::extract(const std::string& trained) {
-  std::error_code absent;
-  if (!run_.dry_run()) fs::remove_all(at("objects"), absent);  // of an earlier run
-  Words words{"ngs-extract",    trained,     "--scene",     at("scene.json"),   "--object-ply",
-              at("object.ply"), "--objects", at("objects"), "--background-ply", at("background.ply")};
-  if (!inputs_.strokes.empty()) append(words, "--labelled", at("labelled.ply"));
-  if (!inputs_.strokes.empty() && !options_.all_pieces) {
-    append(words, "--view", options_.view);
-    for (const std::string& strokes : inputs_.strokes) append(words, "--strokes", strokes);
-  }
-  append_mending(words, options_, *this);
-  return stage("ngs-extract", words);
-}
-
-/// Clips the object and fills the background of an untrained result, which is written without ngs-extract. False:
-/// stopped by a signal.
-bool CutChain::finish_untrained() {
-  if (!options_.mends_halves()) return true;
-  Words words{"ngs-extract", at("labelled.ply"), "--scene", at("scene.json"), "--object-ply", at("object.ply")};
-  append_mending(words, options_, *this);
-  return stage("ngs-extract", words);
-}
-
 /// Writes the untrained result if the trained one agrees less with the strokes, or less with the masks of its views
-/// than the untrained one with its own.
-void CutChain::keep_better_result() {
-  if (!untrained_ || untrained_->figures.object == 0) return;
+/// than the untrained one with its own. False: stopped by a signal.
+bool CutChain::keep_better_result() {
+  if (!untrained_ || untrained_->figures.object == 0) return true;
   const ResultQuality trained = [&] {
     const io::GaussianPly ply = io::read_gaussian_ply(at("labelled.ply"), {io::HigherBands::kCheckOnly});
     return quality_of(ply.cloud, ply.labels.label.values(), masks_of_training());
@@ -374,9 +304,10 @@ void CutChain::keep_better_result() {
   const ResultQuality& first = untrained_quality_;
   run_.result()["strokes_wrong"] = {{"trained", trained.strokes_wrong}, {"first", first.strokes_wrong}};
   run_.result()["view_agreement"] = {{"trained", trained.agreement}, {"first", first.agreement}};
-  if (!is_worse(trained, first)) return;
+  if (!is_worse(trained, first)) return true;
   kept_untrained_ = true;
   write_flash_models(run_, inputs_.out, io::read_gaussian_ply(inputs_.splat()), untrained_->labels);
+  return !options_.mends_halves() || stages_.run({"ngs-extract", "", mending_command(options_, inputs_), ""});
 }
 
 }  // namespace ngs::ngs_tool

@@ -1,16 +1,5 @@
 #pragma once
-// The stages flags of ngs cut, from its input to the splat of the object.
-//
-//   OUT/orbit/       a splat: scene.json and images/, the pictures that strokes are made on, and sheet.jpg, all of them
-//   OUT/capture.json a capture: its cameras, photos and model
-//   OUT/marked/      the marked views with their strokes
-//   OUT/strokes/     masks from strokes, STEM.png
-//   OUT/scene.json   the one that is cut: cameras, pictures and masks
-//   OUT/groups/      --all: label maps with one id per object, their scene, and what is known of each object
-//   OUT/labelled.ply object.ply background.ply masks/STEM.png agreement.json or metrics.json, report.html,
-//                  object.html
-//
-// With --method flash only orbit/, marked/, the models, masks/ and the pages (flash_cut.h).
+// Runs the steps of cut_plan.h, and what happens in this process around them.
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,9 +12,6 @@
 #include "stage_runner.h"
 
 namespace ngs::ngs_tool {
-
-/// Throws kUsage if --all has no cameras or no masks of everything.
-void check_all(const CutInputs& inputs);
 
 enum class CutEnd { kDone, kNeedsStrokes, kStopped };
 
@@ -48,9 +34,10 @@ class CutChain {
     return flash_ ? &*flash_ : kept_untrained_ ? &untrained_->figures : nullptr;
   }
   /// True if the images of an earlier run were reused.
-  bool reused_orbit() const { return reused_orbit_; }
+  bool reused_orbit() const { return facts_.reuses_pictures; }
   std::string at(const std::string& name) const { return inputs_.out + "/" + name; }
   std::string pictures() const { return at("orbit/images"); }
+  std::string plain_scene() const { return ngs_tool::plain_scene(options_, inputs_); }
   /// Why true masks that were found with the capture were not used; empty: they were, or there are none.
   const std::string& not_scored() const { return not_scored_; }
   /// Of the written masks with the given ones, or with those from strokes.
@@ -59,42 +46,38 @@ class CutChain {
   const std::string& strokes_found() const { return strokes_found_; }
 
  private:
-  bool stage(const std::string& name, const Words& words) { return stages_.run(name, words); }
+  bool marked() const { return !inputs_.strokes.empty(); }
   void plan();
-  bool make_scene();
-  bool has_same_pictures(const Json& key) const;
-  void look_at_strokes();
-  bool orbit();
-  bool import();
+  bool needs_strokes() const;
+  // Each step of the plan: what precedes its command, and what follows it. False: stopped by a signal.
+  bool run_step(const PlannedStep& step);
+  void before(const std::string& step);
+  bool after(const std::string& step);
+  void take_pictures_of_earlier_run();
+  bool has_same_pictures() const;
+  void take_capture();
   void refuse_unfit_masks() const;
-  bool masks_from_strokes();
-  void write_scene_with(const std::string& masks) const;
+  void write_scene(const std::string& from, const std::string& to, const std::string& masks) const;
   bool cut_flash();
-  bool write_page();
   std::optional<FlashCut> flash(const io::GaussianPly& ply, int longer_side_px);
   void remove_results_of_training() const;
   bool cut_untrained();
   ResultQuality quality_of(const GaussianCloud& cloud, const std::vector<float>& label,
                            const std::vector<PixelMask>& masks) const;
   std::vector<PixelMask> masks_of_training() const;
-  bool label();
   bool check_strokes();
-  bool cut();
-  bool extract(const std::string& trained);
-  void keep_better_result();
-  bool finish_untrained();
-  bool score();
-  bool score_by_truth();
+  bool keep_better_result();
+  bool score_by_truth(const PlannedStep& step);
   void leave_masks_unused();
-  bool cut_all();
-  void write_grouped_scene() const;
+  void take_groups();
+  void write_objects_page();
 
   cli::Run& run_;
   const CutOptions& options_;
   CutInputs inputs_;
   StageRunner stages_;
-  std::string plain_scene_;  // scene file with cameras and images, before masks are added
-  bool reused_orbit_ = false;
+  PlanFacts facts_;
+  Json pictures_of_;       // what pictures of a splat are made from
   bool imported_ = false;  // the capture
   std::optional<FlashFigures> flash_;
   ResultAgreement agreement_;

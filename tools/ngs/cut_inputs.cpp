@@ -12,6 +12,7 @@
 #include "ngs/io/formats/compression/packed_model.h"
 #include "ngs/io/scene/find_model.h"
 #include "ngs/io/scene/import_scene.h"
+#include "ngs/io/scene/scene_json.h"
 
 namespace ngs::ngs_tool {
 
@@ -65,6 +66,7 @@ SourceKind kind_of(const std::string& path) {
     throw Error(ErrorCode::kBadInput, path + ": no such file or folder, expected a splat, a capture or a scene.json");
   const std::string extension = lower_case(fs::path(path).extension().string());
   if (fs::is_directory(path, unreadable) || extension == ".npy") return SourceKind::kCapture;
+  if (extension == ".txt" || extension == ".bin") return SourceKind::kCapture;  // of a COLMAP model
   if (extension != ".json") return SourceKind::kSplat;
   const nlohmann::json root = io::read_json_file(path);
   if (root.is_object() && root.contains("ngs_scene")) return SourceKind::kScene;
@@ -82,6 +84,23 @@ void require_model_in(const std::string& path) {
               !checkpoint.empty() ? checkpoint
                                   : "give the splat with --model PATH; to fit one to the photos: ngs-scene import " +
                                         io::shell_word(path) + " -o scene.json, then ngs-fit scene.json -o model.ply");
+}
+
+void check_all(const CutInputs& inputs) {
+  const auto refuse = [](const std::string& what, const std::string& remedy) {
+    throw Error(ErrorCode::kUsage, what, remedy);
+  };
+  const std::string remedy =
+      "let an automatic segmenter write id maps of all photos, one per view and named like it, and give their folder: "
+      "--masks DIR";
+  if (!inputs.strokes.empty())
+    refuse("--all with --strokes: strokes mark one object, expected masks of everything", remedy);
+  if (inputs.kind == SourceKind::kSplat)
+    refuse(inputs.source + ": --all with a splat alone, expected cameras and masks of everything",
+           "make pictures of it and a scene with ngs-scene orbit; then " + remedy);
+  const bool has_masks = !inputs.masks.empty() || (inputs.kind == SourceKind::kScene &&
+                                                   io::read_scene_json(inputs.source).mask_mode == MaskMode::kLabel);
+  if (!has_masks) refuse("--all without --masks: expected masks of everything", remedy);
 }
 
 }  // namespace ngs::ngs_tool

@@ -51,6 +51,9 @@ bool exists(const std::string& path);
 /// Throws kBadInput, with a list of the files found, if the capture has no splat.
 void require_model_in(const std::string& path);
 
+/// Throws kUsage if --all has no cameras or no masks of everything.
+void check_all(const CutInputs& inputs);
+
 // The options of ngs cut.
 enum class CutMethod { kNgs, kFlash };
 inline constexpr NamedValue<CutMethod> kCutMethods[] = {{CutMethod::kNgs, "ngs"}, {CutMethod::kFlash, "flash"}};

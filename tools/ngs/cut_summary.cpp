@@ -227,9 +227,7 @@ Json all_json(const CutChain& chain) {
 }
 
 StrokeHelp stroke_help(const CutChain& chain) {
-  const Scene scene = io::read_scene_json(chain.inputs().kind == SourceKind::kSplat     ? chain.at("orbit/scene.json")
-                                          : chain.inputs().kind == SourceKind::kCapture ? chain.at("capture.json")
-                                                                                        : chain.inputs().source);
+  const Scene scene = io::read_scene_json(chain.plain_scene());
   const Camera& first = scene.views.front().camera;
   const std::vector<std::string>& warnings = chain.stages().warnings();
   StrokeHelp help;

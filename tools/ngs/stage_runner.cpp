@@ -16,7 +16,6 @@
 #include "shared/run/console.h"
 #include "shared/run/environment.h"
 #include "shared/run/signals.h"
-#include "shared/text/layout.h"
 
 namespace ngs::ngs_tool {
 namespace {
@@ -49,7 +48,10 @@ StageRunner::StageRunner(cli::Run& run, std::string folder, int threads, std::se
 StageRunner::~StageRunner() { run_.monitor().on_progress = nullptr; }
 
 void StageRunner::plan(std::vector<PlannedStep> steps) {
-  steps_ = std::move(steps), step_ = 0;
+  const bool same = steps.size() == steps_.size();
+  steps_ = std::move(steps);
+  if (same) return;
+  step_ = 0;
   std::vector<cli::ChainStep> parts;
   for (const PlannedStep& step : steps_) parts.push_back({step.share, step.has_passes});
   clock_ = cli::ChainClock(std::move(parts));
@@ -67,7 +69,7 @@ void StageRunner::show_progress(std::int64_t done, std::int64_t total) {
   if (step_ >= steps_.size()) return;
   if (total > 0) clock_.update(double(done) / double(total));
   const double now_s = wall_seconds();
-  run_.progress({steps_[step_].words, step_ + 1, steps_.size(), clock_.done(now_s), clock_.left_s(now_s)});
+  run_.progress({steps_[step_].about, step_ + 1, steps_.size(), clock_.done(now_s), clock_.left_s(now_s)});
 }
 
 bool StageRunner::names_flag_of_stage(const std::string& text) const {
@@ -81,10 +83,10 @@ bool StageRunner::names_flag_of_stage(const std::string& text) const {
   return false;
 }
 
-std::string StageRunner::hint_for(const Words& words) const {
+std::string StageRunner::hint_for(const PlannedStep& step) const {
   if (!names_flag_of_stage(hint_)) return hint_;
-  return words[0] + (words[0] == "ngs-scene" ? " " + words[1] : "") + ": " + hint_ + "; the command was " +
-         commands_.back();
+  const std::string command = step.command[0] == "ngs-scene" ? "ngs-scene " + step.command[1] : step.command[0];
+  return command + ": " + hint_ + "; the command was " + cli::quoted_line(full_command(step));
 }
 
 const nlohmann::json& StageRunner::report(const std::string& name) const {
@@ -103,29 +105,38 @@ void StageRunner::on_output_line(const std::string& line) {
   if (event == "warning") warnings_.push_back(record.value("tool", "") + ": " + message);
 }
 
-bool StageRunner::run(const std::string& name, const Words& words) {
-  Words argv = words;
-  const std::string report = folder_ + "/reports/" + name + ".json";
-  for (const std::string& word : {std::string("-w"), std::string("-j"), std::to_string(threads_), std::string("--seed"),
-                                  std::to_string(run_.seed()), std::string("--report"), report})
-    argv.push_back(word);
+Words StageRunner::full_command(const PlannedStep& step) const {
+  Words words = step.command;
+  words.insert(words.end(), {"-w", "-j", std::to_string(threads_), "--seed", std::to_string(run_.seed()), "--report",
+                             report_path(step)});
   if (const cli::DeviceChoice device = run_.device_choice();
       device != cli::DeviceChoice::kAuto && cli::has_device_path(words[0]))
-    argv.insert(argv.end(), {"--device", std::string(name_of(cli::kDevices, device))});
-  commands_.push_back(cli::quoted_line(argv));
-  if (run_.dry_run()) return true;
-  if (run_.monitor().stop_requested()) return false;
-  fs::create_directories(folder_ + "/reports");
-  io::write_file(folder_ + "/reports/" + name + ".sh", commands_.back() + "\n");
-  argv = cli::sibling_command(std::move(argv));
-  for (const char* word : {"--log-format", "json"}) argv.emplace_back(word);
+    words.insert(words.end(), {"--device", std::string(name_of(cli::kDevices, device))});
+  return words;
+}
 
-  const auto timed = run_.monitor().scope(name);
-  begin(name);
+Words StageRunner::commands() const {
+  Words lines;
+  for (const PlannedStep& step : steps_)
+    if (!step.command.empty()) lines.push_back(cli::quoted_line(full_command(step)));
+  return lines;
+}
+
+bool StageRunner::run(const PlannedStep& step) {
+  if (run_.monitor().stop_requested()) return false;
+  const Words words = full_command(step);
+  fs::create_directories(folder_ + "/reports");
+  io::write_file(folder_ + "/reports/" + step.name + ".sh", cli::quoted_line(words) + "\n");
+  Words argv = cli::sibling_command(words);
+  argv.insert(argv.end(), {"--log-format", "json"});
+
+  const auto timed = run_.monitor().scope(step.name);
+  begin(step.name);
   os::set_variable("NGS_PROGRESS_S", "0.3", true);  // short enough to update the progress of ngs cut
   if (run_.exec().device == Device::kCuda) release_freed_device_memory();  // the stage needs it
   const double start_s = wall_seconds();
-  error_.clear(), hint_.clear();
+  error_.clear();
+  hint_.clear();
   const cli::SignalGrace waits;  // until the tool has ended and removed its unfinished files
   const cli::ChildResult child =
       cli::run_child(argv, {.time_s = std::numeric_limits<double>::infinity(),
@@ -139,84 +150,10 @@ bool StageRunner::run(const std::string& name, const Words& words) {
                 child.code == 9 ? "possibly out of memory: estimate it with --dry-run of the tool" : "");
   }
   if (child.code != cli::kDone && child.code != cli::kCheckFailed && child.code != cli::kBudgetHit)
-    throw Error(ErrorCode(child.code), words[0] + ": " + (error_.empty() ? child.output_tail : error_),
-                hint_for(words));
-  names_.push_back(name);
-  results_.push_back({words[0], wall_seconds() - start_s, io::read_json_file(report)});
+    throw Error(ErrorCode(child.code), words[0] + ": " + (error_.empty() ? child.output_tail : error_), hint_for(step));
+  names_.push_back(step.name);
+  results_.push_back({words[0], wall_seconds() - start_s, io::read_json_file(report_path(step))});
   return true;
-}
-
-namespace {
-
-/// Times of ngs-joint, as of the other steps measured on splats of some 80,000 Gaussians with 29 pictures.
-double joint_share(Quality quality) {
-  switch (quality) {
-    case Quality::kDraft: return 12;
-    case Quality::kStandard: return 60;
-    case Quality::kHigh: return 150;
-    case Quality::kReference: return 400;
-  }
-  return 60;
-}
-
-void add_masks_of_strokes(const CutOptions& options, const CutInputs& inputs, std::vector<PlannedStep>& steps) {
-  if (inputs.has_renders) steps.push_back({"first look", "finding the object", "ngs cut", "marked/", 5, true});
-  const double share = options.quality == Quality::kDraft ? 12 : 30;
-  steps.push_back({"ngs-mask", "outlining the object in the pictures", "ngs-mask", "strokes/", share, true});
-}
-
-}  // namespace
-
-std::vector<PlannedStep> planned_steps(const CutOptions& options, const CutInputs& inputs, const PlanFacts& facts) {
-  std::vector<PlannedStep> steps;
-  if (inputs.kind == SourceKind::kSplat && !facts.reuses_pictures)
-    steps.push_back({"ngs-scene", "making pictures of the splat", "ngs-scene", "orbit/images/, orbit/sheet.jpg", 5});
-  if (inputs.kind == SourceKind::kCapture)
-    steps.push_back({"ngs-scene", "reading the capture", "ngs-scene", "capture.json", 3});
-  if (options.all) {
-    steps.push_back({"ngs-group", "finding the objects", "ngs-group", "groups/, objects.json", 10});
-    steps.push_back({"ngs-variance", "finding the splats on the edges", "ngs-variance", "boundary.ply", 4});
-    steps.push_back({"ngs-joint", "labelling the splats", "ngs-joint", "labelled.ply",
-                     inputs.trains_all ? joint_share(options.quality) : 2, inputs.trains_all});
-    steps.push_back({"ngs-extract", "writing the objects", "ngs-extract", "objects/, background.ply", 6});
-    steps.push_back({"ngs-render", "drawing the masks of the result", "ngs-render", "masks/", 4});
-    steps.push_back({"page", "writing the page", "ngs cut", "report.html", 2});
-    return steps;
-  }
-  if (!facts.marked && !facts.has_masks) return steps;
-  if (options.method == CutMethod::kFlash) {
-    steps.push_back(
-        {"flash", "finding the object", "ngs cut", "object.ply, background.ply, labelled.ply, masks/", 5, true});
-    if (options.mends_halves())
-      steps.push_back({"ngs-extract", "mending both halves", "ngs-extract", "object.ply, background-filled.ply", 2});
-    steps.push_back({"ngs-report", "writing the pages", "ngs-report", "report.html, object.html", 3});
-    return steps;
-  }
-  if (facts.marked) add_masks_of_strokes(options, inputs, steps);
-  steps.push_back({"ngs-variance", "finding the splats on the edge", "ngs-variance", "boundary.ply", 4});
-  steps.push_back(
-      {"ngs-joint", "sharpening the edge", "ngs-joint", "labelled.ply", joint_share(options.quality), true});
-  steps.push_back({"ngs-extract", "writing the object", "ngs-extract", "object.ply, background.ply", 4});
-  steps.push_back({"ngs-render", "drawing the masks of the result", "ngs-render", "masks/", 4});
-  if (inputs.truth.empty() && facts.marked) {
-    steps.push_back({"ngs-eval-agreement", "comparing the result with its masks", "ngs-eval", "agreement.json", 2});
-  } else if (!inputs.truth.empty() || !options.hold_out.empty()) {
-    steps.push_back({"ngs-render-alone", "drawing the object alone", "ngs-render", "", 1});
-    steps.push_back({"ngs-eval", "scoring the result", "ngs-eval", "metrics.json", 2});
-  }
-  steps.push_back({"ngs-report", "writing the pages", "ngs-report", "report.html, object.html", 4});
-  return steps;
-}
-
-std::string plan_text(const std::vector<PlannedStep>& steps, const std::string& out) {
-  int words = 0, tool = 0;
-  for (const PlannedStep& step : steps)
-    words = std::max(words, cli::columns_of(step.words)), tool = std::max(tool, cli::columns_of(step.tool));
-  std::string text = "steps, with their files in " + out + "/:\n";
-  for (std::size_t k = 0; k < steps.size(); ++k)
-    text += cli::padded(std::to_string(k + 1) + ".", 4) + cli::padded(steps[k].words, words + 2) +
-            cli::padded(steps[k].tool, tool + 2) + steps[k].files + "\n";
-  return text;
 }
 
 }  // namespace ngs::ngs_tool

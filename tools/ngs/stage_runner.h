@@ -5,35 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "cut_inputs.h"
+#include "cut_plan.h"
 #include "shared/progress/chain_clock.h"
 #include "shared/run/run.h"
 
 namespace ngs::ngs_tool {
-
-// The steps of ngs cut: names for people, tools, files and expected times.
-struct PlannedStep {
-  std::string name;         // of the stage, as for StageRunner
-  std::string words;        // what is done: "sharpening the edge"
-  std::string tool;         // "ngs-joint"; "ngs cut": in this process
-  std::string files;        // what it writes, relative to the output folder
-  double share = 1;         // expected time in seconds, of a small splat
-  bool has_passes = false;  // its progress restarts
-};
-
-struct PlanFacts {
-  bool marked = false;           // there are strokes
-  bool has_masks = false;        // of the scene, of the capture, or given
-  bool reuses_pictures = false;  // of an earlier run
-};
-
-/// In the order in which they run.
-std::vector<PlannedStep> planned_steps(const CutOptions& options, const CutInputs& inputs, const PlanFacts& facts);
-
-/// A table of the steps: number, words, tool, files.
-std::string plan_text(const std::vector<PlannedStep>& steps, const std::string& out);
-
-using Words = std::vector<std::string>;
 
 struct StageResult {
   std::string tool;
@@ -43,18 +19,19 @@ struct StageResult {
 
 class StageRunner {
  public:
-  /// Reports and command lines go to `folder`/reports, where ngs-report reads them. A dry run only collects the command
-  /// lines. `own_flags`: flags of ngs cut, which hints may mention without the name of a tool.
+  /// Reports and command lines go to `folder`/reports, where ngs-report reads them. `own_flags`: flags of ngs cut,
+  /// which hints may mention without the name of a tool.
   StageRunner(cli::Run& run, std::string folder, int threads, std::set<std::string> own_flags);
   ~StageRunner();
   StageRunner(const StageRunner&) = delete;
   StageRunner& operator=(const StageRunner&) = delete;
 
-  /// `words`: the tool and its arguments; -w, -j, --seed, --report and --device are added. `name`: file name of the
-  /// report. Returns false if a signal stopped the run. Throws an Error with the tool's exit code and message if the
-  /// tool failed; a hit budget and a failed check are no failures.
-  bool run(const std::string& name, const Words& words);
-  /// Sets the steps of the whole run, for the progress. Call it before the first step begins.
+  /// Runs the command of the step, with -w, -j, --seed, --report and --device. Returns false if a signal stopped the
+  /// run. Throws an Error with the tool's exit code and message if the tool failed; a hit budget and a failed check are
+  /// no failures.
+  bool run(const PlannedStep& step);
+  /// Sets the steps of the whole run, for the progress. The same number of steps again: only commands of later steps
+  /// have changed.
   void plan(std::vector<PlannedStep> steps);
   const std::vector<PlannedStep>& steps() const { return steps_; }
   /// Begins a step that runs in this process; run() calls it for the others. A step that is not planned belongs to the
@@ -66,7 +43,8 @@ class StageRunner {
   const nlohmann::json& report(const std::string& name) const;
   /// Warnings of all stages, as "ngs-mask: ...".
   const std::vector<std::string>& warnings() const { return warnings_; }
-  const std::vector<std::string>& commands() const { return commands_; }
+  /// Command lines of the planned steps, without those of this process.
+  Words commands() const;
   /// True if a message of a stage mentions a flag that ngs cut does not have. Flags after the name of a tool belong to
   /// that tool.
   bool names_flag_of_stage(const std::string& text) const;
@@ -75,7 +53,10 @@ class StageRunner {
   void on_output_line(const std::string& line);
   void show_progress(std::int64_t done, std::int64_t total);
   /// The hint of the failed tool, plus its command line if the hint mentions flags that ngs cut does not have.
-  std::string hint_for(const Words& words) const;
+  std::string hint_for(const PlannedStep& step) const;
+  std::string report_path(const PlannedStep& step) const { return folder_ + "/reports/" + step.name + ".json"; }
+  /// The command of a step with the options of every stage.
+  Words full_command(const PlannedStep& step) const;
 
   cli::Run& run_;
   std::string folder_;
@@ -85,7 +66,7 @@ class StageRunner {
   std::size_t step_ = 0;  // index of the current step
   cli::ChainClock clock_{std::vector<cli::ChainStep>()};
   std::vector<StageResult> results_;
-  std::vector<std::string> names_, warnings_, commands_;
+  std::vector<std::string> names_, warnings_;
   std::string error_, hint_;  // of the running tool
 };
 

@@ -5,6 +5,7 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/error.h"
+#include "ngs/cut/masks/mask_consensus.h"
 #include "ngs/cut/masks/rasterise_prompt.h"
 #include "ngs/edit/select/clusters.h"
 #include "ngs/ops/splat/splat.h"
@@ -15,15 +16,20 @@ namespace {
 
 using Rows = std::vector<std::uint8_t>;  // [N] 1: in the set
 
-Rows inside(const Exec& exec, const GaussianCloud& cloud, const HandEdit& edit) {
+Rows inside(const Exec& exec, const Model& model, const HandEdit& edit) {
+  const GaussianCloud& cloud = model.cloud;
   Rows rows(std::size_t(cloud.size()));
   const bool is_outline = !edit.outline.empty();
   const Camera camera = is_outline ? camera_of(edit.viewpoint) : Camera();
   ViewPrompt drawn;
+  Rows seen(std::size_t(cloud.size()), !edit.visible_only);
   if (is_outline) {
     HandPrompt hand;
     hand.width_px = camera.width_px, hand.height_px = camera.height_px, hand.polygons = {{true, edit.outline}};
     drawn = rasterise(hand, camera.width_px, camera.height_px);
+    if (edit.visible_only)
+      for (const std::uint32_t row : lift_mask(exec, cloud, camera, model.splat, PixelMask(drawn.hint.size())).row)
+        seen[row] = 1;
   }
   for_each_index(exec, cloud.size(), [&](std::int64_t i) {
     const auto row = std::size_t(i);
@@ -33,7 +39,7 @@ Rows inside(const Exec& exec, const GaussianCloud& cloud, const HandEdit& edit) 
       rows[row] = dot(off, off) <= edit.radius * edit.radius;
     } else if (const std::optional<Vec3<double>> pixel = camera.project(at)) {
       const std::size_t p = std::size_t(pixel->y) * std::size_t(camera.width_px) + std::size_t(pixel->x);
-      rows[row] = drawn.hint[p] == PixelHint::kObject;
+      rows[row] = drawn.hint[p] == PixelHint::kObject && seen[row];
     }
   });
   return rows;
@@ -94,13 +100,14 @@ void move_edge(const Exec& exec, const GaussianCloud& cloud, bool grow, Rows& se
 
 }  // namespace
 
-ObjectLabels with_edits(const Exec& exec, const GaussianCloud& cloud, ObjectLabels labels,
+ObjectLabels with_edits(const Exec& exec, const Model& model, ObjectLabels labels,
                         std::span<const std::shared_ptr<const HandEdit>> edits, std::span<const std::uint8_t> blocked) {
+  const GaussianCloud& cloud = model.cloud;
   Rows selected(labels.label.begin(), labels.label.end());
   for (const auto& one : edits) {
     const HandEdit& edit = *one;
     const bool has_shape = edit.action == EditAction::kAdd || edit.action == EditAction::kTake;
-    const Rows rows = has_shape ? inside(exec, cloud, edit) : Rows();
+    const Rows rows = has_shape ? inside(exec, model, edit) : Rows();
     for (std::size_t i = 0; i < rows.size(); ++i)
       if (rows[i]) selected[i] = edit.action == EditAction::kAdd;
     if (edit.action == EditAction::kInvert)

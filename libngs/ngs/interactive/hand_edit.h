@@ -5,15 +5,16 @@
 #include <array>
 #include <span>
 
-#include "ngs/interactive/object_labels.h"
+#include "ngs/interactive/frame.h"
 #include "ngs/ops/splat/splat_options.h"
 
 namespace ngs::live {
 
 /// The labels after the edits, without rows with blocked[i] != 0 (empty: none). An added Gaussian is usable. kGrow adds
 /// Gaussians nearer to a selected one than twice the usual distance between neighbours of the selection; kShrink takes
-/// those that are so near to one that is not selected. The count fits the labels; `removed` stays.
-ObjectLabels with_edits(const Exec& exec, const GaussianCloud& cloud, ObjectLabels labels,
+/// those that are so near to one that is not selected. A Gaussian is visible in a view by kMinMeanWeight. The count
+/// fits the labels; `removed` stays.
+ObjectLabels with_edits(const Exec& exec, const Model& model, ObjectLabels labels,
                         std::span<const std::shared_ptr<const HandEdit>> edits,
                         std::span<const std::uint8_t> blocked = {});
 

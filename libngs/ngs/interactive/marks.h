@@ -21,8 +21,8 @@ struct HandEdit {
   EditAction action = EditAction::kAdd;
   // The shape of kAdd and kTake: Gaussians with their centre in it.
   Viewpoint viewpoint;                         // of `outline`
-  std::vector<std::array<double, 2>> outline;  // px, at least three: everything that the picture shows inside, hidden
-                                               // Gaussians included; empty: the ball
+  std::vector<std::array<double, 2>> outline;  // px, at least three: everything inside; empty: the ball
+  bool visible_only = false;                   // of the outline: without Gaussians that are hidden in this view
   Vec3<double> centre{0, 0, 0};                // world
   double radius = 0;                           // world
 };

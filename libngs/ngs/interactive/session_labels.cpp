@@ -75,8 +75,7 @@ std::shared_ptr<const ObjectLabels> Session::with_edits_of(CachedObject& cache, 
       labels = result;
     }
   if (done == edits.size()) return labels;
-  labels =
-      std::make_shared<const ObjectLabels>(with_edits(exec_, model_.cloud, *labels, std::span(edits).subspan(done)));
+  labels = std::make_shared<const ObjectLabels>(with_edits(exec_, model_, *labels, std::span(edits).subspan(done)));
   cache.steps.insert(cache.steps.begin(), {edits, labels});
   if (cache.steps.size() > kMaxEditSteps) cache.steps.pop_back();
   return labels;
@@ -93,7 +92,7 @@ std::shared_ptr<const ObjectLabels> Session::edited(
   std::vector<std::uint8_t> rows(std::size_t(model_.cloud.size()));
   for (const auto& other : blocked)
     for (std::size_t i = 0; i < rows.size(); ++i) rows[i] |= other->label[i] > 0;
-  cache.unblocked = std::make_shared<const ObjectLabels>(with_edits(exec_, model_.cloud, *labels, {}, rows));
+  cache.unblocked = std::make_shared<const ObjectLabels>(with_edits(exec_, model_, *labels, {}, rows));
   cache.unblocked_of = std::move(key);
   return cache.unblocked;
 }

@@ -1,6 +1,6 @@
 #pragma once
 // The settings of --quality, one row per quality. In libngs only this table depends on the quality; passes
-// define what a half is. `ngs cut` also shortens mask tracking in drafts (tools/ngs/cut_chain.cpp).
+// define what a half is. `ngs cut` also shortens mask tracking in drafts (tools/ngs/cut_plan.cpp).
 #include <cstdint>
 
 #include "ngs/options/field.h"

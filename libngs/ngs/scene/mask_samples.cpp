@@ -68,7 +68,7 @@ std::vector<std::uint16_t> decisive_channel(const MaskSamples& samples) {
   for (std::size_t i = 0; i < plane.size(); ++i) {
     const std::uint16_t* sample = samples.data.data() + i * channels;
     plane[i] = cut_out ? sample[3] : *std::max_element(sample, sample + std::min<std::size_t>(channels, 3));
-    if (on_black) plane[i] = is_black(samples, plane[i]) ? 0 : std::uint16_t((1 << samples.bits) - 1);
+    if (on_black) plane[i] = std::uint16_t(is_black(samples, plane[i]) ? 0 : (1 << samples.bits) - 1);
   }
   return plane;
 }

@@ -127,6 +127,105 @@ TEST_CASE("one file with the masks of all photos is named, with the command that
   }
 }
 
+TEST_CASE("an archive of masks, one mask for all photos, and two folders of masks end ngs cut with the next step") {
+  const auto cut = [](const Capture& capture, int code, const std::vector<std::string>& parts) {
+    const test::ProcessResult result = capture.run({"ngs", "cut", "c", "-o", "out"});
+    CAPTURE(result.err);
+    CHECK(result.exit_code == code);
+    for (const std::string& part : parts) CHECK_MESSAGE(contains(result.err, part), part);
+  };
+  const Capture archive;
+  fs::remove_all(archive.path("masks"));
+  archive.dir.write("c/masks.zip", "x");
+  cut(archive, 4, {"c/masks.zip", "unpack it: unzip c/masks.zip -d c/masks"});
+  const Capture one;
+  const std::string bytes = test::read_bytes(one.path("masks/v3.png"));
+  for (const char* name : {"masks/mask.png", "mask.png"}) {
+    fs::remove_all(one.path("masks"));
+    one.dir.write(std::string("c/") + name, bytes);
+    const std::string command = std::string("magick c/") + name;
+    cut(one, 4, {"1 images fit no view", command, "-transparent black v0.png; then --strokes v0.png"});
+  }
+  const Capture two;
+  move(two, "masks", "SegmentationClass");
+  fs::copy(two.path("SegmentationClass"), two.path("SegmentationObject"));
+  cut(two, 4, {"several mask folders (SegmentationClass SegmentationObject)", "choose one with --masks DIR"});
+  const Capture none;
+  fs::remove_all(none.path("masks"));
+  none.dir.write("c/masks/.DS_Store", "x");
+  cut(none, 0, {});
+}
+
+TEST_CASE("photos of images_4 alone are read, and of the photos' own folder the one above is named") {
+  const Capture capture;
+  move(capture, "images", "images_4");
+  check_complete(capture);
+  const test::ProcessResult result = capture.run({"ngs", "cut", "c/images_4", "-o", "out"});
+  CHECK(result.exit_code == 3);
+  CHECK(contains(result.err, "c/images_4: no cameras found, the folder above has some"));
+  CHECK(contains(result.err, "ngs cut c/"));
+  move(capture, "images_4", "images/cam0");
+  check_complete(capture);
+  CHECK(capture.run({"ngs", "cut", "c/sparse/0/images.txt", "-o", "out", "--dry-run"}).exit_code == 0);
+}
+
+TEST_CASE(
+    "masks one level deeper are used if the name of their folder suggests masks, else named if they look like masks") {
+  for (const char* folder : {"data/masks", "images/masks", "data/run/sam"}) {
+    CAPTURE(folder);
+    const Capture deeper;
+    move(deeper, "masks", folder);
+    deeper.dir.write("c/out/.ngs-cut", "x");
+    fs::copy(deeper.path(folder), deeper.path("out/masks"));
+    check_complete(deeper);
+  }
+  const Capture looks;
+  move(looks, "masks", "labels");
+  fs::copy(looks.path("images"), looks.path("images_2"));
+  const test::ProcessResult result = looks.import();
+  CHECK(contains(result.err, "c/labels: its pictures are called like photos and look like masks, not read"));
+  CHECK(contains(result.err, "--masks ./c/labels"));
+  CHECK(!contains(result.err, "images_2: its"));
+  const Capture several;
+  move(several, "masks", "data/masks");
+  fs::copy(several.path("data/masks"), several.path("data/segmentation"));
+  CHECK(several.run({"ngs", "cut", "c", "-o", "out"}).exit_code == 4);
+}
+
+TEST_CASE("masks in another format, links without a file, and objects without a mask in some views are named") {
+  const auto error_of = [](const std::function<void(const Capture&)>& change) {
+    const Capture capture;
+    fs::rename(capture.path("masks"), capture.path("old"));
+    change(capture);
+    fs::remove_all(capture.path("old"));
+    const test::ProcessResult result = capture.run({"ngs", "cut", "c", "-o", "out", "--quality", "draft"});
+    return std::to_string(result.exit_code) + " " + result.err;
+  };
+  const std::string cvat = error_of([](const Capture& c) { c.dir.write("c/annotations.xml", "<annotations/>"); });
+  CHECK(contains(cvat, "c/annotations.xml: 1 files fit no view"));
+  const std::string yolo = error_of([](const Capture& c) { c.dir.write("c/labels/v0.txt", "0 .1 .1 .5 .5"); });
+  CHECK(contains(yolo, "c/labels: 1 files fit no view (first: c/labels/v0.txt"));
+  const std::string pointer =
+      error_of([](const Capture& c) { c.dir.write("c/masks/v0.png", "version https://git-lfs.github.com/spec/v1\n"); });
+  CHECK(contains(pointer, "Git LFS pointer, without the data: git lfs pull"));
+  const std::string links = error_of([](const Capture& c) {
+    fs::create_directory(c.path("masks"));
+    fs::create_symlink("absent", c.path("masks/v0.png"));
+  });
+  CHECK(contains(links, "4 "));
+  CHECK(contains(links, "c/masks: 1 links lead to no file (first: c/masks/v0.png)"));
+  const std::string deeper = error_of([](const Capture& c) { move(c, "old", "masks/run/cup"); });
+  CHECK(contains(deeper, "name their folder: --masks c/masks/run/cup"));
+  const std::string some = error_of([](const Capture& c) {
+    fs::create_directory(c.path("masks"));
+    fs::copy(c.path("old"), c.path("masks/cup"));
+    fs::copy(c.path("old"), c.path("masks/plate"));
+    for (const char* name : {"v1.png", "v4.png"}) fs::remove(c.path(std::string("masks/plate/") + name));
+  });
+  CHECK(contains(some, "0 "));
+  CHECK(contains(some, "2 views lack the mask of an object (first: c/masks/plate/v1.png)"));
+}
+
 TEST_CASE("ngs cut names the views in which the result disagrees with their masks") {
   const Capture capture;
   for (int i = 0; i < test::kCaptureViews; ++i)

@@ -16,10 +16,10 @@ using test::labels_of, test::Visit;
 
 HandEdit outline(EditAction action, const live::Viewpoint& viewpoint, std::array<double, 4> box) {
   const auto [left, top, right, bottom] = box;
-  return {action, viewpoint, {{left, top}, {right, top}, {right, bottom}, {left, bottom}}, {}, 0};
+  return {action, viewpoint, {{left, top}, {right, top}, {right, bottom}, {left, bottom}}, false, {}, 0};
 }
 
-HandEdit of(EditAction action) { return {action, {}, {}, {}, 0}; }
+HandEdit of(EditAction action) { return {action, {}, {}, false, {}, 0}; }
 
 live::HandEdits list_of(std::initializer_list<EditAction> actions) {
   live::HandEdits edits;
@@ -64,6 +64,23 @@ TEST_CASE("an outline selects every Gaussian with its centre in it, hidden ones 
   CHECK_THROWS_AS(live::ball_at(visit.exec, model.cloud, model.splat, away, {x, y, 12}), Error);
 }
 
+TEST_CASE("an outline of what is visible only leaves out the Gaussians behind the ball, and adds the ball") {
+  const Visit visit;
+  live::Session session(visit.exec, visit.model());
+  const live::Viewpoint viewpoint = visit.viewpoint(0);
+  const auto [x, y] = visit.ball(viewpoint);
+  HandEdit lasso = outline(EditAction::kAdd, viewpoint, {x - 9, y - 9, x + 9, y + 9});
+  session.edit_by_hand(1, lasso);
+  const std::int64_t of_ball = visit.selected(labels_of(session), true);
+  CHECK(visit.selected(labels_of(session), false) > 0);
+  CHECK(session.undo());
+  lasso.visible_only = true;
+  session.edit_by_hand(1, lasso);
+  CHECK(visit.selected(labels_of(session), true) > 0);
+  CHECK(visit.selected(labels_of(session), true) <= of_ball);
+  CHECK(visit.selected(labels_of(session), false) == 0);
+}
+
 TEST_CASE("inverting twice, and undoing every edit, restores the labels") {
   const Visit visit;
   live::Session session(visit.exec, visit.model());
@@ -97,6 +114,7 @@ TEST_CASE("growing adds the neighbours of the edge and shrinking takes them agai
   GaussianCloud cloud;
   test::add_floor(cloud, 2, 0, 0.1);  // 40 x 40 on a grid
   classify(cloud);
+  const live::Model model{cloud, {}, {0, 0, 0}};
   live::ObjectLabels labels = live::ObjectLabels::none(1600);
   const auto is_within = [&](std::size_t i, double half) {
     return std::abs(cloud.position[3 * i]) < half && std::abs(cloud.position[3 * i + 1]) < half;
@@ -108,7 +126,7 @@ TEST_CASE("growing adds the neighbours of the edge and shrinking takes them agai
     Exec exec;
     exec.threads = threads;
     const live::HandEdits grow = list_of({EditAction::kGrow});
-    grown.push_back(live::with_edits(exec, cloud, labels, grow));
+    grown.push_back(live::with_edits(exec, model, labels, grow));
   }
   CHECK(grown[0].label == grown[1].label);
   for (std::size_t i = 0; i < 1600; ++i) {
@@ -116,7 +134,7 @@ TEST_CASE("growing adds the neighbours of the edge and shrinking takes them agai
     if (!is_within(i, 1.31)) CHECK(grown[0].label[i] == 0);
   }
   const live::HandEdits both = list_of({EditAction::kGrow, EditAction::kShrink});
-  const live::ObjectLabels again = live::with_edits({}, cloud, labels, both);
+  const live::ObjectLabels again = live::with_edits({}, model, labels, both);
   CHECK(count(again) < count(grown[0]));
   for (std::size_t i = 0; i < 1600; ++i) {
     if (is_within(i, 0.89)) CHECK(again.label[i] == 1);  // one ring of the edge may differ

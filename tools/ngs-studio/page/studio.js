@@ -263,6 +263,7 @@ async function endStroke() {
 
 async function endOutline(stroke, of) {
   const shape = outlineFor(stroke, find('paint'), of);
+  if (shape?.outline && find('visible-only').checked) shape.visible_only = true;
   const answered = shape && await edit(stroke.label === 'object' ? 'add' : 'take', { camera: of, ...shape });
   if (!answered) return brush.drop(stroke);
   stroke.version = answered.version;
@@ -312,6 +313,7 @@ function take(next) {
   find('paint').dataset.tool = tool;
   find('brush-size').hidden = tool === 'look' || kByHand.includes(tool);
   find('by-hand').hidden = !kByHand.includes(tool);
+  find('visible-only').disabled = tool === 'ball';
   if (tool === 'look') brush.cursor = null;
   else if (brush.cursor) Object.assign(brush.cursor, { label: tool, shape: shapeOf(tool) });
   brush.draw();

@@ -67,10 +67,10 @@ struct ImportOptions {
                                             "Renderer that the model was fitted with: its near plane and footprint "
                                             "rule; auto: inria, or gsplat if that fits the photos better",
                                             kCompatChoices});
-    visit(self.antialias,
-          Choice<Antialias>{"antialias",
-                            "Opacity compensation that the model was fitted with; auto: from the PLY's comments",
-                            kAntialiasNames});
+    visit(self.antialias, Choice<Antialias>{"antialias",
+                                            "Opacity compensation that the model was fitted with; auto: from the PLY's "
+                                            "comments or its trainer's cfg_args",
+                                            kAntialiasNames});
     visit(self.background,
           Text{"background", "COLOUR",
                "Colour behind the model: black, white or R,G,B in [0, 1]; empty: the one that fits the photos"});

@@ -14,52 +14,55 @@ constexpr int kRounds = 2;  // what is left out uncovers Gaussians behind it
 // things hide in the scene: an unseen side may be there as well as haze.
 constexpr double kOutsideShare = 1, kHiddenShare = 10;
 
-/// [object] as Alone::contradicted; `rows`: of the sums.
-std::vector<std::uint8_t> contradicted(const Evidence& found, const std::vector<std::int64_t>& rows,
-                                       const std::vector<std::uint8_t>& seen) {
-  std::vector<std::uint8_t> out(seen.size());
+}  // namespace
+
+Alone rendered_alone(const Exec& exec, const AloneViews& in, const GaussianCloud& object,
+                     std::vector<std::uint8_t> keep) {
+  Alone out{std::move(keep)};
+  const GaussianCloud part = gather_rows(exec, object, RowNumbers(out.keep).row);
+  const SplatOptions splat = prepared_for(exec, in.splat, part);
+  RenderRequest request;
+  request.colour = false;
+  request.depth = true;
+  for (const SupportView& view : in.views) {
+    out.seen.emplace_back();
+    const Camera window = view.window();
+    if (window.width_px == 0) continue;
+    out.seen.back() = view.seen_alone(render(exec, part, window, splat, request), in.behind);
+    out.wrong += view.wrong_pixels(out.seen.back());
+  }
+  return out;
+}
+
+std::vector<std::uint8_t> contradicted(const Exec& exec, const AloneViews& in, const AloneObject& object,
+                                       const Alone& alone) {
+  const std::vector<std::int64_t> rows = RowNumbers(alone.keep).row;
+  const GaussianCloud part = gather_rows(exec, object.cloud, rows);
+  EvidenceSum sum(exec, part, 2, prepared_for(exec, in.splat, part));
+  for (std::size_t v = 0; v < in.views.size(); ++v) {
+    const Camera window = in.views[v].window();
+    if (window.width_px > 0) sum.add({window, in.views[v].masks_alone(alone.seen[v])});
+  }
+  const Evidence found = sum.result();
+  std::vector<std::uint8_t> out(alone.keep.size());
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const auto i = std::size_t(rows[r]);
     const double within = found.object_weight(r, 0);
     const double hidden = found.object_weight(r, 1);
     const double outside = found.weight.value(r) - within - hidden;
-    out[i] = outside > kOutsideShare * within || (!seen[i] && outside + hidden > kHiddenShare * within);
+    out[i] = outside > kOutsideShare * within || (!object.seen[i] && outside + hidden > kHiddenShare * within);
   }
-  return out;
-}
-
-}  // namespace
-
-Alone rendered_alone(const Exec& exec, const AloneViews& in, const AloneObject& object, std::vector<std::uint8_t> keep,
-                     bool finds_contradicted) {
-  Alone out{std::move(keep)};
-  const std::vector<std::int64_t> rows = RowNumbers(out.keep).row;
-  const GaussianCloud part = gather_rows(exec, object.cloud, rows);
-  const SplatOptions splat = prepared_for(exec, in.splat, part);
-  RenderRequest request;
-  request.colour = false;
-  request.depth = true;
-  EvidenceSum sum(exec, part, 2, splat);
-  for (const SupportView& view : in.views) {
-    const Camera window = view.window();
-    if (window.width_px == 0) continue;
-    const RenderedView rendered = render(exec, part, window, splat, request);
-    out.wrong += view.wrong_pixels(rendered);
-    if (!finds_contradicted) continue;
-    const ViewMasks masks = view.masks_alone(rendered, in.behind);
-    sum.add({window, masks});
-  }
-  if (finds_contradicted) out.contradicted = contradicted(sum.result(), rows, object.seen);
   return out;
 }
 
 void drop_contradicted(const Exec& exec, const AloneViews& in, const AloneObject& object, Alone& alone) {
   for (int round = 0; round < kRounds; ++round) {
-    if (std::ranges::count(alone.contradicted, std::uint8_t(1)) == 0) return;
+    const std::vector<std::uint8_t> found = contradicted(exec, in, object, alone);
+    if (std::ranges::count(found, std::uint8_t(1)) == 0) return;
     std::vector<std::uint8_t> fewer = alone.keep;
     for (std::size_t i = 0; i < fewer.size(); ++i)
-      if (alone.contradicted[i]) fewer[i] = 0;
-    Alone now = rendered_alone(exec, in, object, std::move(fewer), round + 1 < kRounds);
+      if (found[i]) fewer[i] = 0;
+    Alone now = rendered_alone(exec, in, object.cloud, std::move(fewer));
     if (now.wrong > alone.wrong) return;
     alone = std::move(now);
   }

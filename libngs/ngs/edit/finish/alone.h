@@ -23,19 +23,20 @@ struct Alone {
   /// Pixels of all views where alpha of the object alone is at least 1/2, but the scene does not show it, or the
   /// reverse.
   std::int64_t wrong = 0;
-  /// [object] 1: shows the object, rendered alone, where the scene does not: outside of its rendered mask and the soft
-  /// edge of it, with more of its weight than within. Where other things stand in front of the object alone, only if no
-  /// view sees the Gaussian's centre, and with more than 10 times that. 0 for Gaussians that were left out. Empty: not
-  /// computed.
-  std::vector<std::uint8_t> contradicted = {};
+  std::vector<std::vector<std::uint8_t>> seen = {};  // [views] SupportView::seen_alone()
 };
 
-/// `finds_contradicted`: also computes Alone::contradicted, from the same renderings; takes twice the time.
-Alone rendered_alone(const Exec& exec, const AloneViews& in, const AloneObject& object, std::vector<std::uint8_t> keep,
-                     bool finds_contradicted);
+Alone rendered_alone(const Exec& exec, const AloneViews& in, const GaussianCloud& object,
+                     std::vector<std::uint8_t> keep);
+
+/// [object] 1: shows the object, rendered alone, where the scene does not: outside of its rendered mask and the soft
+/// edge of it, with more of its weight than within. Where other things stand in front of the object alone, only if no
+/// view sees the Gaussian's centre, and with more than 10 times that. 0 for Gaussians that were left out.
+std::vector<std::uint8_t> contradicted(const Exec& exec, const AloneViews& in, const AloneObject& object,
+                                       const Alone& alone);
 
 /// Leaves the contradicted Gaussians out, and those that are contradicted then, unless more pixels are wrong without
-/// them. `alone`: with `contradicted`, which may be empty afterwards.
+/// them.
 void drop_contradicted(const Exec& exec, const AloneViews& in, const AloneObject& object, Alone& alone);
 
 }  // namespace ngs::finish

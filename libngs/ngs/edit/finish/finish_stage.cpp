@@ -186,29 +186,25 @@ Finished finish_object(const Exec& exec, const FinishInput& input) {
   const orbit::SurfacePoints points = orbit::surface_points(object);
   if (points.count() == 0 || views.empty()) return out;
   const orbit::Ball ball = orbit::bulk_of(points);
+  const AloneViews in{views, input.splat, kBehind * ball.radius};
   const HullSupport support(views, kBehind * ball.radius);
   const std::vector<std::uint8_t> seen = seen_rows(exec, support, object);
   Evidence known{support, supporting_planes(exec, model.cloud, model.object, input.seed),
                  SeenHull(exec, object, seen, ball)};
-  const AloneViews in{views, input.splat, kBehind * ball.radius};
   Clipped best = clipped_rows(exec, known, object);
+  Alone alone = rendered_alone(exec, in, best.object, best.keep);
+  const auto compare = [&](Clipped other) {
+    Alone now = rendered_alone(exec, in, other.object, other.keep);
+    if (now.wrong >= alone.wrong) return;
+    best = std::move(other);
+    alone = std::move(now);
+  };
   if (!known.planes.empty()) {
-    const auto wrong_pixels = [&](const Clipped& of) {
-      return rendered_alone(exec, in, {of.object, seen}, of.keep, false).wrong;
-    };
-    std::int64_t least = wrong_pixels(best);
-    const auto compare = [&](Clipped other) {
-      const std::int64_t wrong = wrong_pixels(other);
-      if (wrong >= least) return;
-      least = wrong;
-      best = std::move(other);
-    };
     known.outline = kEndsOutline;
     compare(clipped_rows(exec, known, object));
     known.planes.clear();  // a plane that is found wrongly cuts off what the scene shows
     compare(clipped_rows(exec, known, object));
   }
-  Alone alone = rendered_alone(exec, in, {best.object, seen}, best.keep, true);
   drop_contradicted(exec, in, {best.object, seen}, alone);
   out.object = std::move(best.object);
   out.clipped = best.clipped;

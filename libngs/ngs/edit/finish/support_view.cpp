@@ -19,6 +19,8 @@ constexpr int kRim_px = 3;                                  // soft edge of a re
 // Bits of a pixel: within the dilated masks; without a given mask; in one of the exact masks, near them, in all of
 // them.
 constexpr std::uint8_t kRendered = 1, kGiven = 2, kNoEvidence = 4, kExact = 8, kNearExact = 16, kInAll = 32;
+// Bits of a pixel of the object alone.
+constexpr std::uint8_t kHazyBit = 1, kSolidBit = 2, kBehindBit = 4;
 
 double largest_sigma(const GaussianCloud& cloud, std::size_t i) {
   const float* s = &cloud.log_scale[3 * i];
@@ -143,25 +145,35 @@ Camera SupportView::window() const {
   return window;
 }
 
-ViewMasks SupportView::masks_alone(const RenderedView& alone, double behind) const {
+std::vector<std::uint8_t> SupportView::seen_alone(const RenderedView& alone, double behind) const {
+  NGS_CHECK(alone.alpha.data.size() == mask_.size(), "rendered in the window");
+  std::vector<std::uint8_t> seen(mask_.size());
+  for (std::size_t q = 0; q < seen.size(); ++q) {
+    const float alpha = alone.alpha.data[q];
+    const bool is_behind = alone.depth.data[q] > alpha * (depth_[q] + float(behind));
+    seen[q] = std::uint8_t((alpha >= kHaze ? kHazyBit : 0) | (alpha >= kOpaque ? kSolidBit : 0) |
+                           (is_behind ? kBehindBit : 0));
+  }
+  return seen;
+}
+
+ViewMasks SupportView::masks_alone(const std::vector<std::uint8_t>& seen) const {
   const std::size_t pixels = mask_.size();
-  NGS_CHECK(alone.alpha.data.size() == pixels, "rendered in the window");
   ViewMasks masks{width_, height_, std::vector(2, std::vector<float>(pixels)), {}, true};
   masks.known.resize(pixels);
   for (std::size_t q = 0; q < pixels; ++q) {
-    const float alpha = alone.alpha.data[q];
     const bool within = mask_[q] & kExact;
-    masks.known[q] = within || alpha >= (mask_[q] & kNearExact ? kOpaque : kHaze);
+    masks.known[q] = within || (seen[q] & (mask_[q] & kNearExact ? kSolidBit : kHazyBit)) != 0;
     masks.target[0][q] = within;
-    masks.target[1][q] = !within && alone.depth.data[q] > alpha * (depth_[q] + float(behind));
+    masks.target[1][q] = !within && (seen[q] & kBehindBit) != 0;
   }
   return masks;
 }
 
-std::int64_t SupportView::wrong_pixels(const RenderedView& alone) const {
+std::int64_t SupportView::wrong_pixels(const std::vector<std::uint8_t>& seen) const {
   std::int64_t wrong = 0;
   for (std::size_t q = 0; q < mask_.size(); ++q)
-    wrong += alone.alpha.data[q] >= kOpaque ? !(mask_[q] & kExact) : (mask_[q] & kInAll) != 0;
+    wrong += seen[q] & kSolidBit ? !(mask_[q] & kExact) : (mask_[q] & kInAll) != 0;
   return wrong;
 }
 

@@ -61,12 +61,16 @@ class SupportView {
   Sides sides(Vec3<double> point, double behind) const;
   /// The camera of the part of the image that can show the object; without pixels if none can.
   Camera window() const;
-  /// For the object rendered alone in this window: pixels of its rendered or given mask (target 0), and pixels outside
-  /// whose visible surface in the scene is in front of the object (target 1). Unknown: pixels outside where `alone` has
-  /// an alpha below 0.1, and within 3 px of the mask, its soft edge, below 1/2.
-  ViewMasks masks_alone(const RenderedView& alone, double behind) const;
-  /// Pixels where `alone` is at least half opaque outside of the rendered and the given mask, or less within both.
-  std::int64_t wrong_pixels(const RenderedView& alone) const;
+  /// [window] what the object shows, rendered alone in this window, for the calls below: bits of alpha from 0.1 and
+  /// from 1/2 on, and of a surface behind the visible one of the scene.
+  std::vector<std::uint8_t> seen_alone(const RenderedView& alone, double behind) const;
+  /// Pixels of its rendered or given mask (target 0), and pixels outside whose visible surface in the scene is in front
+  /// of the object (target 1). Unknown: pixels outside with an alpha below 0.1, and within 3 px of the mask, its soft
+  /// edge, below 1/2.
+  ViewMasks masks_alone(const std::vector<std::uint8_t>& seen) const;
+  /// Pixels where the object alone is at least half opaque outside of the rendered and the given mask, or less within
+  /// both.
+  std::int64_t wrong_pixels(const std::vector<std::uint8_t>& seen) const;
   /// Size of a pixel at a point, world; 0 if the point is not in the image.
   double pixel_size(Vec3<double> point) const;
 

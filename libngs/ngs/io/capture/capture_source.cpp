@@ -67,11 +67,17 @@ std::vector<std::string> other_models(const std::string& model) {
   return others;
 }
 
+Located locate(const std::string& source, bool looks_below = true);
+
 [[noreturn]] void refuse_without_cameras(const std::string& source) {
   for (const char* name : {"meta.json", "lod-meta.json"})
     if (const std::string file = (fs::path(source) / name).generic_string(); is_regular_file(file))
       if (const std::string_view kind = sog_kind(read_json_file(file)); !kind.empty()) refuse_unpacked_sog(file, kind);
   const std::string splat = find_model(source).path;
+  const std::string above = (fs::path(source) / ".." / "").lexically_normal().generic_string();
+  if (splat.empty() && !locate(above, false).file.empty())
+    throw Error(ErrorCode::kBadInput, source + ": no cameras found, the folder above has some",
+                "name the folder of the whole capture: ngs cut " + shell_word(above));
   if (splat.empty()) refuse_foreign_folder(source);
   throw Error(ErrorCode::kBadInput,
               source +
@@ -86,7 +92,7 @@ std::vector<std::string> other_models(const std::string& model) {
 
 Located locate_below(const std::string& source);
 
-Located locate(const std::string& source, bool looks_below = true) {
+Located locate(const std::string& source, bool looks_below) {
   refuse_foreign_file(source);
   if (is_regular_file(source)) {
     const fs::path folder = fs::path(source).parent_path();
@@ -169,9 +175,20 @@ std::string find_images_dir(const CaptureRequest& request, const std::string& ba
 std::vector<std::string> usual_photo_folders(const Located& located, const std::string& source) {
   std::vector<std::string> folders{located.base, located.colmap ? located.file : located.base, source};
   for (const std::string& base : {located.below, located.base, source})
-    for (const char* name : {"images", "input", "rgb", "photos", "frames", "color", "image"})
+    for (const char* name :
+         {"images", "input", "rgb", "photos", "frames", "color", "image", "images_2", "images_4", "images_8"})
       if (!base.empty()) folders.push_back((fs::path(base) / name).generic_string());
   return folders;
+}
+
+/// `images`, or a folder in it that has the photos. Views with folders in their names have them in `images`.
+std::string with_photos_or_below(const std::string& images, const Capture& capture) {
+  for (const SceneView& view : capture.views)
+    if (view.camera.name.find('/') != std::string::npos) return images;
+  std::vector<std::string> folders{images};
+  for (const std::string& name : list_folders(images)) folders.push_back((fs::path(images) / name).generic_string());
+  const std::string found = folder_with_photos(folders, capture);
+  return found.empty() ? images : found;
 }
 
 /// The photos that a trainer of 3DGS recorded in cfg_args next to its output: Namespace(..., images='images',
@@ -296,6 +313,8 @@ CaptureSource read_capture(const CaptureRequest& request) {
   use_slashes(source.images_dir, source.file, source.capture);
   if (source.images_dir.empty())
     source.images_dir = folder_with_photos(usual_photo_folders(located, request.source), source.capture);
+  else if (request.images_dir.empty())
+    source.images_dir = with_photos_or_below(source.images_dir, source.capture);
   std::string recorded;
   if (source.images_dir.empty()) {
     std::error_code ignored;

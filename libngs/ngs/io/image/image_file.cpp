@@ -23,6 +23,11 @@ bool is_heif(Bytes bytes) {
          std::equal(kType.begin(), kType.end(), bytes.begin() + 4, [](char c, auto byte) { return c == char(byte); });
 }
 
+bool begins_like_pointer(Bytes bytes) {
+  constexpr std::string_view kPointer = "version https://git-lfs";
+  return bytes.size() > kPointer.size() && std::equal(kPointer.begin(), kPointer.end(), bytes.begin());
+}
+
 Picture decode(Bytes bytes, const std::string& path) {
   if (is_heif(bytes) || has_unread_extension(path))
     throw Error(ErrorCode::kBadInput,
@@ -33,7 +38,8 @@ Picture decode(Bytes bytes, const std::string& path) {
                 "only its extension differs");
   Picture picture = image_codecs().decode(bytes);
   if (picture.width_px == 0)
-    throw Error(ErrorCode::kBadInput, path + ": not a readable image, expected PNG, JPEG or another common format");
+    throw Error(ErrorCode::kBadInput, path + ": not a readable image, expected PNG, JPEG or another common format",
+                begins_like_pointer(bytes) ? "it is a Git LFS pointer, without the data: git lfs pull" : "");
   if (picture.bits == 0 || (picture.channels != 1 && picture.channels != 3 && picture.channels != 4))
     throw Error(ErrorCode::kBadInput,
                 path + ": samples of an unsupported type, expected 8 or 16 bit, 1, 3 or 4 channels",

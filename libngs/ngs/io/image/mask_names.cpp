@@ -6,6 +6,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/files/folder_index.h"
+#include "ngs/io/files/shell_word.h"
 #include "ngs/scene/view_names.h"
 
 namespace ngs::io {
@@ -79,6 +80,13 @@ std::string with_object_field(const std::string& path, const std::string& object
   return (fs::path(folder) / "{object}" / fs::path(path).lexically_relative(object_folder)).generic_string();
 }
 
+/// The inverse.
+std::string of_object(std::string path, const std::string& object) {
+  const std::string field = "{object}";
+  const std::size_t at = path.find(field);
+  return at == std::string::npos ? path : path.replace(at, field.size(), object);
+}
+
 void match_plain(const std::string& folder, const std::vector<SceneView*>& views, MaskMatches& matches) {
   const std::vector<FoundFile> found = find_masks(folder, views, matches);
   for (std::size_t v = 0; v < views.size(); ++v) {
@@ -104,22 +112,31 @@ void match_per_object(const std::string& folder, const std::vector<std::string>&
       else if (kept != path)
         throw Error(ErrorCode::kInconsistent,
                     found[v].path + ": another object has " + kept + ", expected the same file name for all objects",
-                    "give the masks of a view the same name in all object folders");
+                    "give the masks of a view the same name in all object folders; if only one of these folders holds "
+                    "masks: --masks " +
+                        shell_word(object_folder));
     }
     if (has_any) matches.objects.push_back(object);
   }
 }
 
 /// Image files in the mask folders, or in `folder` if there is none, that are neither a view's mask nor a photo.
-void note_unused(const std::string& folder, const std::vector<SceneView>& views, MaskMatches& matches) {
-  if (!matches.objects.empty() || folder.empty()) return;
+/// `candidates`: the sub-folders that may hold masks.
+void note_unused(const std::string& folder, const std::vector<std::string>& candidates,
+                 const std::vector<SceneView>& views, MaskMatches& matches) {
+  if (folder.empty()) return;
   std::set<fs::path> used, folders{fs::path(folder).lexically_normal()};
+  const std::vector<std::string> one{""}, &objects = matches.objects.empty() ? one : matches.objects;
   for (const SceneView& view : views) {
-    const fs::path mask = fs::path(view.mask_path).lexically_normal();
-    used.insert(mask), used.insert(fs::path(view.image_path).lexically_normal());
-    if (!mask.empty()) folders.insert(mask.parent_path());
+    used.insert(fs::path(view.image_path).lexically_normal());
+    for (const std::string& object : objects) {
+      const fs::path mask = fs::path(of_object(view.mask_path, object)).lexically_normal();
+      used.insert(mask);
+      if (!mask.empty()) folders.insert(mask.parent_path());
+    }
   }
-  for (const std::string& name : list_folders(folder)) folders.insert((fs::path(folder) / name).lexically_normal());
+  for (const std::string& name : candidates)
+    if (!name.starts_with(".")) folders.insert((fs::path(folder) / name).lexically_normal());
   for (const fs::path& of_masks : folders)
     for (const std::string& name : list_images(of_masks.generic_string()))
       if (!used.contains(of_masks / name)) matches.of_no_view.push_back((of_masks / name).generic_string());
@@ -137,11 +154,16 @@ MaskMatches match_masks(const std::string& folder, const std::vector<std::string
     else
       ++matches.views_by_rule["mask_path of the source"];
   if (!folder.empty()) match_plain(folder, open, matches);
-  if (!folder.empty() && matches.views_by_rule.empty())
-    match_per_object(folder, objects.empty() ? list_folders(folder) : objects, open, matches);
+  if (!folder.empty() && objects.empty() &&
+      matches.views_by_rule.empty())  // as of an archive that was unpacked in its own folder
+    for (const std::string& name : {fs::path(folder).filename().string(), std::string("masks")})
+      if (!name.empty() && matches.views_by_rule.empty())
+        match_plain((fs::path(folder) / name).string(), open, matches);
+  const std::vector<std::string> candidates = objects.empty() ? list_folders(folder) : objects;
+  if (!folder.empty() && matches.views_by_rule.empty()) match_per_object(folder, candidates, open, matches);
   for (const SceneView& view : views)
     if (view.mask_path.empty()) matches.unmatched.push_back(view.camera.name);
-  note_unused(folder, views, matches);
+  note_unused(folder, candidates, views, matches);
   return matches;
 }
 

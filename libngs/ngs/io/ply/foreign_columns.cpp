@@ -5,6 +5,7 @@
 
 #include "ngs/io/ply/gaussian_columns.h"
 #include "ngs/io/ply/selected_columns.h"
+#include "ngs/math/sh.h"
 #include "ngs/math/stable.h"
 #include "ngs/scene/supersplat_state.h"
 
@@ -119,6 +120,48 @@ PlyTable cut_sh(const PlyTable& rows, int degree) {
     if (const int k = rest_index(p.name); k >= 0)
       p.name = std::string(kRest) + std::to_string(k / before * after + k % before);
   return cut;
+}
+
+std::string take_plain_colours(PlyTable& rows) {
+  constexpr std::string_view kColours[] = {"red", "green", "blue"};
+  const bool takes_colours = rows.find("f_dc_0") < 0, takes_alpha = rows.find("opacity") < 0;
+  const auto is_integer = [](PlyType type) { return type != PlyType::kFloat32 && type != PlyType::kFloat64; };
+  PlyTable out;
+  std::vector<PlyProperty> properties = rows.properties;
+  std::string names;
+  for (PlyProperty& p : properties) {
+    const auto colour = std::ranges::find(kColours, p.name);
+    const std::string was = p.name;
+    if (takes_colours && colour != std::end(kColours))
+      p = {.name = "f_dc_" + std::to_string(colour - std::begin(kColours))};
+    else if (is_integer(p.type) && (p.name == "opacity" || (takes_alpha && p.name == "alpha")))
+      p = {.name = "opacity"};
+    else
+      continue;
+    names += (names.empty() ? "" : " ") + was;
+  }
+  if (names.empty() || rows.find("scale_0") < 0) return {};
+  out.set_properties(std::move(properties));
+  out.rows = rows.rows;
+  out.owned.resize(std::size_t(out.rows) * out.row_bytes);
+  for (std::size_t p = 0; p < out.properties.size(); ++p) {
+    const PlyColumn from = rows.column(rows.properties[p].name);
+    const bool is_changed = out.properties[p].name != rows.properties[p].name || out.properties[p].type != from.type;
+    const bool is_opacity = out.properties[p].name == "opacity";
+    double most = is_integer(from.type) ? 2 : 0;
+    for (std::int64_t i = 0; is_changed && i < rows.rows; ++i) most = std::max(most, from.value(i));
+    const double scale = most <= 1 ? 1 : most <= 255 ? 255 : 65535;
+    for (std::int64_t i = 0; i < rows.rows; ++i) {
+      std::uint8_t* to = out.owned.data() + std::size_t(i) * out.row_bytes + out.offset[p];
+      const double v = is_changed ? clamp3(from.value(i) / scale, 0.0, 1.0) : 0;
+      if (is_changed)
+        ply_store(PlyType::kFloat32, is_opacity ? logit(v) : dc_of_colour(v), to);
+      else
+        std::memcpy(to, rows.row(i) + rows.offset[p], ply_type_bytes(from.type));
+    }
+  }
+  rows = std::move(out);
+  return names + ": colours and opacity without SH and logits, converted";
 }
 
 Activated find_activated(const PlyTable& rows) {

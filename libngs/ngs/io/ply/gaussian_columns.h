@@ -91,6 +91,11 @@ std::size_t rest_columns_of(const PlyTable& rows);
 /// A copy with only the 45 f_rest_* of degrees 1 to 3; `degree` is the degree of `rows`.
 PlyTable cut_sh(const PlyTable& rows, int degree);
 
+/// Points with scales and rotations: red, green and blue become f_dc_* if there are none, and an opacity (or alpha, if
+/// there is no opacity) of an integer type becomes a logit. Full scale is 1 of floats up to 1, 255, else 65535.
+/// Returns a note; empty: nothing changed.
+std::string take_plain_colours(PlyTable& rows);
+
 /// Detects columns with values after activation: scale_* as lengths instead of logarithms, opacity in 0..1 instead of a
 /// logit. Opacities count as activated if they fill 0 to 1. Scales do if none is negative and two of these hold: they
 /// differ by large factors; as logarithms they would exceed the scene; the opacities are activated. With fewer than 16

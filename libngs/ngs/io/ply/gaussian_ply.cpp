@@ -74,6 +74,7 @@ class Reader {
       drop_scalar_prefix(ply_.rows);
       ply_.notes.push_back("properties scalar_NAME (CloudCompare) are read as NAME");
     }
+    if (const std::string note = take_plain_colours(ply_.rows); !note.empty()) ply_.notes.push_back(note);
     if (const int degree = excess_sh_degree(rest_columns_of(ply_.rows)); degree > 0) {
       ply_.rows = cut_sh(ply_.rows, degree);
       ply_.notes.push_back("SH of degree 4 and more are left out, 0 to 3 are read");
@@ -111,10 +112,9 @@ class Reader {
     if (const PlyElement* face = ply_.file.find("face"); face != nullptr && face->count > 0)
       return "this is a mesh, not a Gaussian model: export the splat as PLY with the program that trained it";
     if (ply_.rows.find("red") < 0) return {};
-    if (ply_.rows.find("scale_0") < 0)
-      return "this is a point cloud, not a Gaussian model: ngs-fit makes one from posed photos";
-    if (!missing.starts_with("f_dc_")) return {};
-    return "its colours are red green blue: export it with SH coefficients (f_dc_0 f_dc_1 f_dc_2)";
+    return missing.starts_with("scale_")
+               ? "this is a point cloud, not a Gaussian model: ngs-fit makes one from posed photos"
+               : "";
   }
 
   void find_columns() {

@@ -59,7 +59,8 @@ std::vector<Candidate> candidates_in(const fs::path& folder) {
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
     const std::string name = lower_case(entry.path().filename().string());
-    const bool is_model = name.ends_with(".ply") || name.ends_with(".ply.gz") || is_model_name(name);
+    const bool is_model =
+        name.ends_with(".ply") || name.ends_with(".ply.gz") || name.ends_with(".zip") || is_model_name(name);
     if (is_model && !is_resource_fork(name) && is_regular_file(entry.path().generic_string()))
       paths.push_back(entry.path().generic_string());
   }
@@ -68,6 +69,8 @@ std::vector<Candidate> candidates_in(const fs::path& folder) {
   for (const std::string& path : paths)
     if (lower_case(path).ends_with(".glb") && !holds_splats(path))
       found.push_back({path, "a .glb without splats", FileKind::kNoSplat});
+    else if (lower_case(path).ends_with(".zip"))
+      found.push_back({path, "a zip archive", FileKind::kNoSplat});
     else if (lower_case(path).ends_with(".ply"))
       found.push_back(look_at_ply(path));
     else
@@ -153,6 +156,25 @@ ModelSearch find_model(const std::string& folder) {
   if (std::ranges::all_of(files, [](const Candidate& file) { return file.kind == FileKind::kNoSplat; }))
     add_below(folder, 2, files);
   return only_splat(folder, files);
+}
+
+std::string antialiasing_settings(const std::string& model) {
+  constexpr std::size_t kMaxLevels = 3;
+  fs::path folder = fs::path(model).parent_path();
+  for (std::size_t level = 0; level < kMaxLevels; ++level) {
+    for (const char* name : {"cfg_args", "cfg.yml", "config.yml"}) {
+      const std::string file = (folder / name).generic_string();
+      if (!is_regular_file(file)) continue;
+      const MappedFile mapped = map_regular_file(file);
+      for (const char* words : {"antialiasing=True", "antialiased: true", "rasterize_mode: antialiased"})
+        if (mapped.text().find(words) != std::string_view::npos) return file;
+    }
+    const std::string name = folder.filename().string();
+    const bool is_of_trainer = name.starts_with("iteration_") || name == "point_cloud" || name == "ply";
+    if (!is_of_trainer) return {};
+    folder = folder.parent_path();
+  }
+  return {};
 }
 
 }  // namespace ngs::io

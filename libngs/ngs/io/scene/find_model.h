@@ -15,4 +15,8 @@ struct ModelSearch {
 /// header has the properties of Gaussians: point clouds and meshes are skipped.
 ModelSearch find_model(const std::string& folder);
 
+/// The settings next to a model, or above the folders that trainers make for it, that state antialiasing: cfg_args
+/// (3DGS), cfg.yml (gsplat), config.yml (nerfstudio). Empty: none do.
+std::string antialiasing_settings(const std::string& model);
+
 }  // namespace ngs::io

@@ -11,6 +11,7 @@
 #include "ngs/io/capture/pose.h"
 #include "ngs/io/files/folder_index.h"
 #include "ngs/io/files/regular_file.h"
+#include "ngs/io/files/shell_word.h"
 #include "ngs/io/files/text_lines.h"
 #include "ngs/io/image/annotations.h"
 #include "ngs/io/image/image_file.h"
@@ -36,11 +37,6 @@ std::string joined(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : " ") + name;
   return text;
-}
-
-bool is_called_like_masks(const std::string& lower_name) {
-  return lower_name.find("mask") != std::string::npos || lower_name.starts_with("segment") || lower_name == "seg" ||
-         lower_name == "sam" || lower_name.starts_with("silhouette") || lower_name.starts_with("matte");
 }
 
 /// Finds the mask folder; `out` has the views and the folder of their photos.
@@ -70,6 +66,17 @@ std::string find_masks_dir(const ImportRequest& request, const std::string& base
   }
   if (const char* preferred = "masks_sam"; std::ranges::find(candidates, preferred) != candidates.end())
     candidates = {preferred};
+  const bool in_photos = !out.images_dir.empty() && photo_folder_holds_masks(out.images_dir, out.scene.views);
+  const bool is_open = std::ranges::any_of(out.scene.views, &std::string::empty, &SceneView::mask_path);
+  if (candidates.empty() && is_open && !in_photos) {
+    const MaskFolders below = mask_folders_below(base, out.images_dir, out.scene.views);
+    candidates = below.by_name;
+    for (const std::string& folder : below.by_look)
+      notes.push_back(
+          (fs::path(base) / folder).generic_string() +
+          ": its pictures are called like photos and look like masks, not read (if they are masks: --masks " +
+          shell_word((fs::path(base) / folder).generic_string()) + ")");
+  }
   if (candidates.size() == 1) {
     std::string chosen = (fs::path(base) / candidates[0]).generic_string();
     notes.push_back(chosen + ": used for masks because of its name (choose another with --masks DIR)");
@@ -79,9 +86,9 @@ std::string find_masks_dir(const ImportRequest& request, const std::string& base
     notes.push_back((fs::path(base) / name).generic_string() +
                     ": not read, its name suggests ground truth (if it holds the input masks: --masks DIR)");
   if (!candidates.empty())
-    notes.push_back(base + ": several mask folders (" + joined(candidates) +
-                    "), none used (choose one with --masks DIR)");
-  else if (!out.images_dir.empty() && photo_folder_holds_masks(out.images_dir, out.scene.views))
+    out.unfit_masks = {base + ": several mask folders (" + joined(candidates) + "), none used",
+                       "choose one with --masks DIR"};
+  else if (in_photos)
     return out.images_dir;
   return {};
 }
@@ -227,6 +234,10 @@ void attach_masks(const ImportRequest& request, const std::string& base, Importe
   const bool has_none = matches.unmatched.size() == scene.views.size() && out.views_by_mask_rule.empty();
   if (has_none && !out.masks_dir.empty() && out.masks_dir != out.images_dir && !names_photos(request, out))
     out.unfit_masks = unfit_masks(out.masks_dir, scene.views);
+  if (!has_none && !out.unfit_masks.found.empty()) {
+    out.notes.push_back(out.unfit_masks.found + " (" + out.unfit_masks.remedy + ")");
+    out.unfit_masks = {};
+  }
   if (const std::string file = file_of_all_masks(base); has_none && out.masks_dir.empty() && !file.empty())
     out.unfit_masks = unfit_masks(file, scene.views);
   take_masks_from_photos(request, out, matches.unmatched);
@@ -245,6 +256,7 @@ void attach_masks(const ImportRequest& request, const std::string& base, Importe
   if (!out.views_by_mask_rule.contains("annotations")) note_matches(out, matches, out.notes);
   if (!scene.objects.empty()) return;
   for (const std::string& name : matches.objects) scene.objects.push_back({name, 0});
+  if (const std::string note = incomplete_masks(scene); !note.empty()) out.notes.push_back(note);
   if (scene.objects.empty() && scene.mask_mode == MaskMode::kLabel)
     scene.objects = objects_in_label_maps(scene.views, scene.void_id, out.notes);
   if (scene.objects.empty()) scene.objects.push_back({});
@@ -325,6 +337,10 @@ ImportedScene import_scene(const ImportRequest& request) {
     scene.model_path = request.model_path;
   else if (!source.rendered)
     scene.model_path = model_in_folder(source.base, out.notes);
+  if (const std::string settings = antialiasing_settings(scene.model_path); !settings.empty() && !scene.antialiased) {
+    scene.antialiased = true;
+    out.notes.push_back(settings + ": the model was trained with antialiasing (if not: --antialias off)");
+  }
   scene.mask_mode = request.mask_mode, scene.mask_invert = request.mask_invert;
   scene.mask_threshold = request.mask_threshold, scene.missing_mask = request.missing_mask;
   scene.void_id = request.void_id;
@@ -333,6 +349,7 @@ ImportedScene import_scene(const ImportRequest& request) {
     const double finer = scene.image_scale / rendered_scale;
     scene.filter_px2 *= finer * finer;
   }
+  if (const UnfitMasks lost = leave_out_lost_masks(scene.views); !lost.found.empty()) out.unfit_masks = lost;
   out.masks_dir = find_masks_dir(request, source.base, out);
   out.truth_dir = find_truth_dir(request, source.base);
   assign_splits(request.hold_out, scene.views);

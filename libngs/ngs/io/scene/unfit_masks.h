@@ -19,7 +19,24 @@ struct UnfitMasks {
 };
 UnfitMasks unfit_masks(const std::string& folder, const std::vector<SceneView>& views);
 
-/// A film, an array or a TIFF in `base` that is called like masks; empty: none.
+/// Removes the paths of masks that the source of the cameras names and that are no files.
+UnfitMasks leave_out_lost_masks(std::vector<SceneView>& views);
+
+/// A note on views in which an object of several has no mask: they count as views without masks (masks.h).
+std::string incomplete_masks(const Scene& scene);
+
+/// Whether the name of a folder suggests masks.
+bool is_called_like_masks(const std::string& lower_name);
+
+/// Folders below `base`, at most three deep, that hold pictures called like views, except `photos`, truth, and results
+/// of ngs: those whose name suggests masks, with folders of objects or without; others whose pictures have few values.
+struct MaskFolders {
+  std::vector<std::string> by_name, by_look;
+};
+MaskFolders mask_folders_below(const std::string& base, const std::string& photos, const std::vector<SceneView>& views);
+
+/// A file of annotations in another format, a folder labels/ of text, or a film, an array, an archive or a TIFF in
+/// `base` that is called like masks; empty: none.
 std::string file_of_all_masks(const std::string& base);
 
 }  // namespace ngs::io

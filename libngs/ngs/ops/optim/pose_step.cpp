@@ -25,13 +25,12 @@ double cauchy_weight(double residual) { return 1 / (1 + residual * residual / (k
 
 /// Matches the colours of `from` to those of `to`, channel by channel, by gain and offset: exposures differ between
 /// photos. Least squares with Cauchy weights, as in the alignment.
-void match_exposure(const ImageF& to, const ImageF& alpha, ImageF& from) {
+void match_exposure(const ImageF& to, const std::vector<std::size_t>& pixels, ImageF& from) {
   for (int c = 0; c < from.channels; ++c) {
     double gain = 1, offset = 0;
     for (int pass = 0; pass < kExposurePasses; ++pass) {
       double w = 0, x = 0, y = 0, xx = 0, xy = 0;
-      for (std::size_t p = 0; p < alpha.data.size(); ++p) {
-        if (!(alpha.data[p] > kSolid)) continue;
+      for (const std::size_t p : pixels) {
         const double a = double(from.data[p * std::size_t(from.channels) + std::size_t(c)]),
                      b = double(to.data[p * std::size_t(from.channels) + std::size_t(c)]),
                      weight = cauchy_weight(b - gain * a - offset);
@@ -70,32 +69,32 @@ struct Sums {
   double error = 0, weight = 0, texture = 0;
 };
 
-Sums linearise(const ImageF& from, const ImageF& to, const RenderedView& view, const Camera& camera, double depth) {
+Sums linearise(const ImageF& from, const ImageF& to, const RenderedView& view, const Camera& camera, double depth,
+               const std::vector<std::size_t>& pixels) {
   Sums s;
-  for (int y = kBorder_px; y < to.height_px - kBorder_px; ++y)
-    for (int x = kBorder_px; x < to.width_px - kBorder_px; ++x) {
-      const double alpha = double(view.alpha.at(x, y));
-      if (!(alpha > double(kSolid))) continue;
-      const double q = depth * alpha / double(view.depth.at(x, y));
-      const auto [du, dv] = flow_of((x + 0.5 - camera.cx) / camera.fx, (y + 0.5 - camera.cy) / camera.fy, q);
-      s.flow += alpha * (du * du.transpose() + dv * dv.transpose());
-      const double share = alpha / to.channels;
-      double xx = 0, xy = 0, yy = 0, xr = 0, yr = 0;  // of the image gradient and the residual, over the channels
-      double over_one = 0;                            // Π (1 + r² / s²) - 1: one logarithm for all channels
-      for (int c = 0; c < to.channels; ++c) {
-        const double gx = 0.5 * double(from.at(x + 1, y, c) - from.at(x - 1, y, c)),
-                     gy = 0.5 * double(from.at(x, y + 1, c) - from.at(x, y - 1, c)),
-                     r = double(to.at(x, y, c)) - double(from.at(x, y, c)), cauchy = share * cauchy_weight(r);
-        xx += cauchy * gx * gx, xy += cauchy * gx * gy, yy += cauchy * gy * gy;
-        xr += cauchy * gx * r, yr += cauchy * gy * r;
-        const double square = r * r / (kPoseResidual * kPoseResidual);
-        over_one += square + over_one * square;
-      }
-      s.error += share * std::log1p(over_one);
-      s.normal += du * (xx * du + xy * dv).transpose() + dv * (xy * du + yy * dv).transpose();
-      s.rhs -= xr * du + yr * dv;
-      s.texture += xx + yy, s.weight += alpha;
+  for (const std::size_t p : pixels) {
+    const int x = int(p % std::size_t(to.width_px)), y = int(p / std::size_t(to.width_px));
+    if (std::min({x, y, to.width_px - 1 - x, to.height_px - 1 - y}) < kBorder_px) continue;
+    const double alpha = double(view.alpha.data[p]), q = depth * alpha / double(view.depth.data[p]);
+    const auto [du, dv] = flow_of((x + 0.5 - camera.cx) / camera.fx, (y + 0.5 - camera.cy) / camera.fy, q);
+    s.flow += alpha * (du * du.transpose() + dv * dv.transpose());
+    const double share = alpha / to.channels;
+    double xx = 0, xy = 0, yy = 0, xr = 0, yr = 0;  // of the image gradient and the residual, over the channels
+    double over_one = 0;                            // Π (1 + r² / s²) - 1: one logarithm for all channels
+    for (int c = 0; c < to.channels; ++c) {
+      const double gx = 0.5 * double(from.at(x + 1, y, c) - from.at(x - 1, y, c)),
+                   gy = 0.5 * double(from.at(x, y + 1, c) - from.at(x, y - 1, c)),
+                   r = double(to.at(x, y, c)) - double(from.at(x, y, c)), cauchy = share * cauchy_weight(r);
+      xx += cauchy * gx * gx, xy += cauchy * gx * gy, yy += cauchy * gy * gy;
+      xr += cauchy * gx * r, yr += cauchy * gy * r;
+      const double square = r * r / (kPoseResidual * kPoseResidual);
+      over_one += square + over_one * square;
     }
+    s.error += share * std::log1p(over_one);
+    s.normal += du * (xx * du + xy * dv).transpose() + dv * (xy * du + yy * dv).transpose();
+    s.rhs -= xr * du + yr * dv;
+    s.texture += xx + yy, s.weight += alpha;
+  }
   return s;
 }
 
@@ -150,7 +149,8 @@ Camera moved(Camera camera, const CameraMotion& motion) {
   return camera;
 }
 
-PoseStep pose_step(const RenderedView& view, const ImageF& photo, const Camera& camera, const CameraMotion& so_far) {
+PoseStep pose_step(const RenderedView& view, const ImageF& photo, const Camera& camera, const CameraMotion& so_far,
+                   const std::vector<std::uint8_t>& compared) {
   NGS_CHECK(view.colour.width_px == photo.width_px && view.colour.height_px == photo.height_px &&
                 view.colour.channels == photo.channels && !view.depth.empty(),
             "pose_step: needs a view with depth and a photo of the same size");
@@ -158,8 +158,11 @@ PoseStep pose_step(const RenderedView& view, const ImageF& photo, const Camera& 
   const double depth = mean_depth(view), f_px = 0.5 * (camera.fx + camera.fy);
   if (!(depth > 0)) return step;
   ImageF from = smoothed_for_pose(view.colour);
-  match_exposure(photo, view.alpha, from);
-  const Sums sums = linearise(from, photo, view, camera, depth);
+  std::vector<std::size_t> pixels;
+  for (std::size_t p = 0; p < view.alpha.data.size(); ++p)
+    if (view.alpha.data[p] > kSolid && (compared.empty() || compared[p])) pixels.push_back(p);
+  match_exposure(photo, pixels, from);
+  const Sums sums = linearise(from, photo, view, camera, depth, pixels);
   if (!(sums.weight > 0)) return step;
   step.error = sums.error / sums.weight;
   if (!(sums.texture > kMinTexture * sums.weight)) return step;

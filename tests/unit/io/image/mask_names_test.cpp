@@ -36,7 +36,8 @@ TEST_CASE("every naming rule finds its mask and is reported") {
                {"cam/a.jpg", "a.tif", "<stem>.tif"},
                {"frame.0001", "frame.0001.png", "<name>.png"},
                {"cam/a.jpg", "cam_a.png", "<folder>_<stem>.png"},
-               {"a.jpg", "cup/a.png", "<object>/<stem>.png"}};
+               {"a.jpg", "cup/a.png", "<object>/<stem>.png"},
+               {"a.jpg", "masks/a.png", "<stem>.png"}};  // as of an archive that was unpacked in masks/
   for (const auto& c : cases) {
     CAPTURE(c.file);
     const TempDir dir;
@@ -148,11 +149,16 @@ TEST_CASE("all sub-folders become objects, or only the named ones") {
   const TempDir dir;
   for (const char* file : {"cup/a.png", "spoon/a.png", "spoon/b.png", "empty/z.png"}) dir.write(file, "x");
   std::vector<SceneView> views = views_named({"a.jpg", "b.jpg"});
-  CHECK(match_masks(dir.path(), {}, views).objects == std::vector<std::string>{"cup", "spoon"});
+  dir.write(".checkpoints/z.png", "x");
+  const MaskMatches matches = match_masks(dir.path(), {}, views);
+  CHECK(matches.objects == std::vector<std::string>{"cup", "spoon"});
+  CHECK(matches.of_no_view == std::vector<std::string>{dir.path() + "/empty/z.png"});
   CHECK(views[0].mask_path == dir.path() + "/{object}/a.png");
   CHECK(views[1].mask_path == dir.path() + "/{object}/b.png");
   views = views_named({"a.jpg", "b.jpg"});
-  CHECK(match_masks(dir.path(), {"cup"}, views).unmatched == std::vector<std::string>{"b.jpg"});
+  const MaskMatches named = match_masks(dir.path(), {"cup"}, views);
+  CHECK(named.unmatched == std::vector<std::string>{"b.jpg"});
+  CHECK(named.of_no_view.empty());
 }
 
 TEST_CASE("masks of a view with different file names per object are rejected") {

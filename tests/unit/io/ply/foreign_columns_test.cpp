@@ -169,4 +169,35 @@ TEST_CASE("reading an activated model with kActivated restores the trained value
   CHECK_THROWS_AS(io::read_gaussian_ply(write(table), reading), Error);
 }
 
+TEST_CASE("colours in red, green, blue and opacity as an integer are read as f_dc_* and logits, and written as such") {
+  using io::PlyType;
+  PlyColumns table = trained(20, 3);
+  for (const char* name : {"f_dc_0", "f_dc_1", "f_dc_2", "opacity"}) test::remove_column(table, name);
+  const struct {
+    PlyType type;
+    double full;
+    const char* opacity;
+  } cases[] = {{PlyType::kUint8, 255, "alpha"}, {PlyType::kUint8, 255, "opacity"}, {PlyType::kUint16, 65535, "alpha"}};
+  for (const auto& c : cases) {
+    PlyColumns plain = table;
+    for (const char* name : {"blue", "green", "red"}) test::add_column(plain, 3, name, c.type, c.full);
+    test::add_column(plain, 6, c.opacity, c.type, c.full / 5);
+    plain.rows[0][test::column_of(plain, "green")] = 0;
+    const test::TempDir dir;
+    const io::GaussianPly ply =
+        io::read_gaussian_ply(dir.write("m.ply", test::ply_bytes({plain}, PlyFormat::kBinaryLittle)));
+    CHECK(ply.cloud.sh_dc[0] == doctest::Approx(0.5 / 0.28209479177387814));
+    CHECK(ply.cloud.sh_dc[1] == doctest::Approx(-0.5 / 0.28209479177387814));
+    CHECK(ply.cloud.logit_opacity[7] == doctest::Approx(std::log(0.25)));
+    CHECK(ply.cloud.log_scale[4] == float(plain.rows[1][test::column_of(plain, "scale_1")]));
+    CHECK(ply.rows.find("red") < 0);
+    REQUIRE(ply.notes.size() == 1);
+    CHECK(contains(ply.notes[0], "red green blue"));
+  }
+  PlyColumns both = trained(20, 4);  // next to f_dc_* and a logit they are columns of an editor
+  for (const char* name : {"red", "green", "blue", "alpha"}) test::add_column(both, 3, name, PlyType::kUint8, 9);
+  CHECK(parse(both).rows.find("red") >= 0);
+  CHECK(parse(both).cloud.sh_dc == parse(trained(20, 4)).cloud.sh_dc);
+}
+
 }  // namespace ngs

@@ -95,6 +95,19 @@ TEST_CASE("the newest iteration of a trainer's output two folders below is the m
   CHECK(io::find_model(dir.path()).path == dir.file("output/1a2b/point_cloud/iteration_30000/point_cloud.ply"));
 }
 
+TEST_CASE("settings of a trainer that state antialiasing are found next to its model and above, no farther") {
+  const TempDir dir;
+  const std::string model = "run/point_cloud/iteration_7/point_cloud.ply";
+  dir.write(model, splat());
+  dir.write("cfg_args", "Namespace(antialiasing=True)");
+  dir.write("run/cfg_args", "Namespace(antialiasing=False, sh_degree=3)");
+  CHECK(io::antialiasing_settings(dir.file(model)).empty());
+  dir.write("run/cfg_args", "Namespace(antialiasing=True, sh_degree=3)");
+  CHECK(io::antialiasing_settings(dir.file(model)) == dir.file("run/cfg_args"));
+  dir.write("gsplat/cfg.yml", "antialiased: true\n");
+  CHECK(io::antialiasing_settings(dir.file("gsplat/ply/point_cloud_6999.ply")) == dir.file("gsplat/cfg.yml"));
+}
+
 TEST_CASE("a truncated splat is still chosen as the model, so that its reader reports the error") {
   const TempDir dir;
   dir.write("model.ply", splat().substr(0, 60));

@@ -217,6 +217,19 @@ TEST_CASE("masks named by the user replace those named by the source") {
   }));
 }
 
+TEST_CASE("masks that the source names and that are no files are replaced by masks/, or named") {
+  const TempDir dir;
+  for (const char* name : {"a.png", "masks/a.png"}) mask(dir, name);
+  dir.write("transforms.json", R"({"camera_angle_x": 1, "frames": [{"file_path": "a.png", "mask_path": "lost/a.png",
+      "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]})");
+  const ImportedScene replaced = import_scene(request_for(dir));
+  CHECK(replaced.scene.views[0].mask_path == dir.path() + "/masks/a.png");
+  CHECK(replaced.unfit_masks.found.empty());
+  std::filesystem::remove_all(dir.path() + "/masks");
+  CHECK(import_scene(request_for(dir)).unfit_masks.found ==
+        "mask_path of 1 views is no file (first: " + dir.path() + "/lost/a.png), expected masks");
+}
+
 TEST_CASE("cameras are scaled to their photos, then by image_scale") {
   const TempDir dir;
   make_scene(dir, 1, {32, 24});

@@ -14,10 +14,11 @@ class FloatersPass : public Pass {
   void run(PassRun& run) override;
 };
 
-constexpr int kDraftShrink = 2, kDraftRefitEpochs = 3;
+constexpr int kDraftShrink = 2;
+constexpr int kRefitEpochs = 3;  // contour refinement trains the same colours further
 constexpr std::size_t kDraftViews = 48;
 
-/// True: search in at most kDraftViews and refit briefly, at half the decision size. Used for drafts and with a time
+/// True: search in at most kDraftViews and refit, at half the decision size. Used for drafts and with a time
 /// budget. A resumed run repeats the choice of the stopped run.
 bool is_draft(const PassRun& run) {
   const Json kept = run.resume.before ? run.resume.before->value("floaters", Json()) : Json();
@@ -30,9 +31,8 @@ void note(const std::map<std::string, double>& figures, Json& report) {
 }
 
 /// Removes the floaters and refits the Gaussians that they covered. False: a stop was requested.
-bool remove(PassRun& run, const CoarseInput& coarse, const FloaterFinding& finding, bool draft) {
-  const RefitOptions refit{.epochs = draft ? kDraftRefitEpochs : RefitOptions{}.epochs};
-  FloaterRemoval removal = remove_floaters(run.exec, run.monitor, refit, coarse.get(), finding);
+bool remove(PassRun& run, const CoarseInput& coarse, const FloaterFinding& finding) {
+  FloaterRemoval removal = remove_floaters(run.exec, run.monitor, {.epochs = kRefitEpochs}, coarse.get(), finding);
   std::vector<LabelColumns> labels =
       labels_without_floaters(run.exec, run.monitor, *run.problem, removal.cloud, finding.floater);
   if (run.monitor.stop_requested()) return false;
@@ -66,7 +66,7 @@ void FloatersPass::run(PassRun& run) {
   coarse.preload(run.exec);
   const FloaterFinding finding = find_floaters(run.exec, run.monitor, options, coarse.get());
   if (run.monitor.stop_requested()) return;
-  if (finding.count > 0 && !remove(run, coarse, finding, draft)) return;
+  if (finding.count > 0 && !remove(run, coarse, finding)) return;
   Json& report = run.report["floaters"];
   report["removed"] = finding.count;
   report["reason"] = finding.count > 0 ? "the photos show the object behind the floaters"
