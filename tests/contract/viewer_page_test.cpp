@@ -219,7 +219,8 @@ TEST_CASE(
   const std::string out = made_run(dir, "run");
   make(out,
        {"ngs-render", "scene.json", "labelled.ply", "--views", "all", "--layers", "mask", "-o", "masks", "-w", "-q"});
-  make(out, {"ngs-mesh", "object.ply", "-o", "mesh.glb", "--collider", "hull", "--up", "x", "--unit", "0.1", "-q"});
+  make(out, {"ngs-mesh", "object.ply", "-o", "mesh.glb", "--resolution", "32", "--collider", "hull", "--up", "x",
+             "--unit", "0.1", "-q"});
   make(out, {"ngs-report", ".", "-o", "report.html", "--viewer", "object.html", "-q"});
   CHECK(seen(dir, out, "bare").overlap() > 0.95);
   const Seen mesh = seen(dir, out, "bare,mesh");
@@ -237,11 +238,11 @@ TEST_CASE(
     return test::read_bytes(out + "/object.html");
   };
   CHECK(page().find("id=layer") == std::string::npos);
-  make(out, {"ngs-mesh", "object.ply", "-o", "mesh.glb", "-q"});
+  make(out, {"ngs-mesh", "object.ply", "-o", "mesh.glb", "--resolution", "32", "-q"});
   const std::string mesh = page();
   CHECK(mesh.find("<option value=mesh>") != mesh.npos);
   CHECK(mesh.find("<option value=collider>") == mesh.npos);
-  make(out, {"ngs-mesh", "object.ply", "-o", "mesh.glb", "--collider", "box", "-w", "-q"});
+  make(out, {"ngs-mesh", "object.ply", "-o", "mesh.glb", "--resolution", "32", "--collider", "box", "-w", "-q"});
   CHECK(page().find("<option value=collider>") != std::string::npos);
   dir.write("run/mesh.glb", "glTF of another program");
   CHECK(page().find("id=layer") == std::string::npos);

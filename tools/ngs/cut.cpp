@@ -15,6 +15,7 @@
 #include "ngs/io/files/shell_word.h"
 #include "ngs/io/formats/write_splat.h"
 #include "ngs/io/scene/scene_json.h"
+#include "ngs/mesh/collider/collider.h"
 #include "shared/os/files.h"
 #include "shared/run/run.h"
 #include "shared/tool.h"
@@ -213,9 +214,11 @@ int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
   if (!inputs.strokes.empty() && !inputs.masks.empty())
     throw Error(ErrorCode::kUsage, "--strokes and --masks are both given, expected one of them");
   check_formats(options);
+  if (!options.collider.empty()) mesh::collider_choice(options.collider);
+  if (!options.mesh) run.warn_unused({"--collider"}, "without --mesh");
   if (options.all) {
     check_all(inputs);
-    run.warn_unused({"--format", "--fill", "--all-pieces", "--force", "--view", "--gt"}, "with --all");
+    run.warn_unused({"--mesh", "--format", "--fill", "--all-pieces", "--force", "--view", "--gt"}, "with --all");
   }
   if (options.method == CutMethod::kFlash && !options.all)
     check_flash(inputs.has_renders, !inputs.masks.empty() || !inputs.truth.empty());
@@ -230,6 +233,7 @@ int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
                   "choose a folder that you can write to: -o DIR");
     lock.emplace(inputs.out);
     require_own_folder(inputs.out, run.overwrite());
+    fs::remove(inputs.out + "/mesh.glb");  // of an earlier run: the page would show it
     io::write_file(inputs.out + "/" + kMarker, "a folder of ngs cut\n");
   }
   CutChain chain(run, options, std::move(inputs));

@@ -65,7 +65,8 @@ struct CutOptions {
   bool all_pieces = false, force = false, finish = true;
   std::string hold_out;
   std::string view;
-  std::string around, up = "auto", size;
+  std::string around, up = "auto", size, collider;
+  bool mesh = false;
   std::vector<std::string> format;
   int view_count = 0;
   double image_scale = 0;
@@ -99,6 +100,8 @@ struct CutOptions {
           Text{"format", "EXT",
                "Also write object and background in this format, turned upright: compressed.ply, spz, sog, "
                "splat, glb or usda (repeatable)"});
+    visit(self.mesh, Flag{"mesh", "Also write mesh.glb, a closed mesh of the object, with ngs-mesh"});
+    visit(self.collider, Text{"collider", "KIND", "With --mesh: colliders in it: convex:N, hull or box"});
     visit(self.image_scale, Field<double>{"image_scale", "",
                                           "Capture: working size relative to the photos; 0: 800 px at most", 0.0, 1.0});
     FillOptions::describe(self.fill, visit);

@@ -48,6 +48,11 @@ class Planner {
       add_training();
       if (!all_) add_scores();
     }
+    if (options_.mesh && !all_)
+      add({"ngs-mesh", "making the mesh",
+           with({"ngs-mesh", at("object.ply"), "--background", at("background.ply"), "-o", at("mesh.glb")},
+                {{"--collider", options_.collider}, {"--up", options_.up == "auto" ? "" : options_.up}}),
+           "mesh.glb", 8});
     const Words report = all_ ? Words{} : Words{"ngs-report", inputs_.out, "-o", at("report.html")};
     add({all_ ? "page" : "ngs-report", "writing the pages", report, all_ ? "report.html" : "report.html, object.html",
          4});

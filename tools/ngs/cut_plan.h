@@ -9,7 +9,7 @@
 //   OUT/scene.json   the one that is cut: cameras, pictures and masks
 //   OUT/groups/      --all: label maps with one id per object, their scene, and what is known of each object
 //   OUT/labelled.ply object.ply background.ply masks/STEM.png agreement.json or metrics.json, report.html,
-//                  object.html
+//                  object.html, mesh.glb
 //
 // With --method flash only orbit/, marked/, the models, masks/ and the pages (flash_cut.h).
 #include <optional>

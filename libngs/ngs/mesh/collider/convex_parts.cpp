@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 
 #include "ngs/backend/for_each.h"
 
@@ -21,8 +20,6 @@ constexpr int kFinerLevels = 3;              // each a quarter of the step befor
 constexpr std::size_t kRefined = 3;          // planes that are refined
 
 constexpr double kSectionWeight = 0.02;
-constexpr std::size_t kPairRounds = 2;
-constexpr double kClearlyLess = 0.98;
 
 using Direction = Vec3<std::int64_t>;
 
@@ -124,39 +121,31 @@ class CutSearch {
   std::vector<std::int64_t> low_, width_;
 };
 
-ConvexHull common_hull(const Piece& a, const Piece& b) {
+/// What remains of a piece for joining.
+struct Part {
+  ConvexHull hull;
+  double volume = 0;
+  double outside() const { return std::max(hull.volume - volume, 0.0); }
+};
+
+Part joined(const Part& a, const Part& b) {
   std::vector<GridPoint> points = a.hull.vertices;
   points.insert(points.end(), b.hull.vertices.begin(), b.hull.vertices.end());
-  return convex_hull(points, kJoinCorners);
-}
-
-/// Both pieces as one. Points on a plane between them stay double.
-Piece joined(const Piece& a, const Piece& b) {
-  Piece all{a.points, a.surface, {}, common_hull(a, b), a.volume + b.volume};
-  all.points.insert(all.points.end(), b.points.begin(), b.points.end());
-  const auto first = std::uint32_t(a.points.size());
-  for (const auto& [i, j, k] : b.surface) all.surface.push_back({first + i, first + j, first + k});
-  std::vector<Piece::Filled> cells;
-  std::ranges::merge(a.cells, b.cells, std::back_inserter(cells), {}, &Piece::Filled::cell, &Piece::Filled::cell);
-  for (const Piece::Filled& filled : cells)
-    if (all.cells.empty() || all.cells.back().cell != filled.cell)
-      all.cells.push_back(filled);
-    else
-      all.cells.back().share += filled.share;
-  return all;
+  return {convex_hull(points, kJoinCorners), a.volume + b.volume};
 }
 
 /// Joins pairs, the pair that adds the least volume outside first, while there are too many parts or it adds little.
 class Joiner {
  public:
-  Joiner(const Exec& exec, std::vector<Piece> pieces) : exec_(exec), parts_(std::move(pieces)) {
+  Joiner(const Exec& exec, const std::vector<Piece>& pieces) : exec_(exec) {
+    for (const Piece& piece : pieces) parts_.push_back({piece.hull, piece.volume});
     for (std::size_t b = 1; b < parts_.size(); ++b)
       for (std::size_t a = 0; a < b; ++a) pairs_.push_back({a, b});
     alive_.assign(parts_.size(), 1);
     measure(0);
   }
 
-  std::vector<Piece> join(std::size_t most, double little) && {
+  std::vector<Part> join(std::size_t most, double little) && {
     for (std::size_t count = parts_.size(); count > 1; --count) {
       const Pair best = *std::ranges::min_element(pairs_, {}, &Pair::added);
       if (count <= most && best.added > little) break;
@@ -170,7 +159,7 @@ class Joiner {
         if (alive_[a]) pairs_.push_back({a, parts_.size() - 1});
       measure(first);
     }
-    std::vector<Piece> result;
+    std::vector<Part> result;
     for (std::size_t i = 0; i < parts_.size(); ++i)
       if (alive_[i]) result.push_back(std::move(parts_[i]));
     return result;
@@ -184,55 +173,22 @@ class Joiner {
   void measure(std::size_t first) {
     for_each_task(exec_, std::int64_t(pairs_.size() - first), [&](std::int64_t k) {
       Pair& pair = pairs_[first + std::size_t(k)];
-      const Piece& a = parts_[pair.a];
-      const Piece& b = parts_[pair.b];
-      pair.added = std::max(common_hull(a, b).volume - a.volume - b.volume, 0.0) - a.outside() - b.outside();
+      const Part& a = parts_[pair.a];
+      const Part& b = parts_[pair.b];
+      pair.added = joined(a, b).outside() - a.outside() - b.outside();
     });
   }
 
   const Exec& exec_;
-  std::vector<Piece> parts_;
+  std::vector<Part> parts_;
   std::vector<Pair> pairs_;
   std::vector<std::uint8_t> alive_;
 };
 
-double total_outside(const std::vector<Piece>& parts) {
+double total_outside(const std::vector<Part>& parts) {
   double sum = 0;
-  for (const Piece& part : parts) sum += part.outside();
+  for (const Part& part : parts) sum += part.outside();
   return sum;
-}
-
-bool touch(const Piece& a, const Piece& b, const CellLattice& lattice) {
-  std::vector<std::uint8_t> in(lattice.cells().size(), 0);
-  const auto mark = [&](const Piece& piece, std::uint8_t bit) {
-    for (const Piece::Filled& filled : piece.cells) {
-      in[filled.cell] |= bit;
-      for (const std::uint32_t next : lattice.cells()[filled.cell].next)
-        if (next != kNoRow) in[next] |= bit;
-    }
-  };
-  mark(a, 1);
-  mark(b, 2);
-  return std::ranges::find(in, 3) != in.end();
-}
-
-/// Joins and cuts pairs of parts that touch, as long as that leaves clearly less volume outside.
-void cut_pairs_again(const Exec& exec, const CellLattice& lattice, std::vector<Piece>& parts) {
-  std::set<std::pair<std::size_t, std::size_t>> tried;
-  for (std::size_t round = 0; round < kPairRounds; ++round)
-    for (std::size_t b = 1; b < parts.size(); ++b)
-      for (std::size_t a = 0; a < b; ++a) {
-        if (!tried.emplace(a, b).second || !touch(parts[a], parts[b], lattice)) continue;
-        const double before = parts[a].outside() + parts[b].outside();
-        std::vector<Piece> halves = CutSearch(exec, joined(parts[a], parts[b]), lattice).best_split();
-        if (halves.empty()) continue;
-        halves = Joiner(exec, std::move(halves)).join(2, 0);
-        if (halves.size() != 2 || total_outside(halves) > kClearlyLess * before) continue;
-        parts[a] = std::move(halves[0]);
-        parts[b] = std::move(halves[1]);
-        std::erase_if(tried,
-                      [&](const auto& p) { return p.first == a || p.second == a || p.first == b || p.second == b; });
-      }
 }
 
 }  // namespace
@@ -262,12 +218,11 @@ std::vector<ConvexHull> convex_parts(const Exec& exec, const GridMesh& solid, do
     if (pieces.size() <= most) few = pieces;
   }
   const double little = kMergedShare * volume;
-  std::vector<Piece> best = Joiner(exec, std::move(pieces)).join(most, little);
-  std::vector<Piece> direct = Joiner(exec, std::move(few)).join(most, little);
+  std::vector<Part> best = Joiner(exec, pieces).join(most, little);
+  std::vector<Part> direct = Joiner(exec, few).join(most, little);
   if (total_outside(direct) < total_outside(best)) best = std::move(direct);
-  cut_pairs_again(exec, lattice, best);
   std::vector<ConvexHull> hulls;
-  for (Piece& part : best)
+  for (Part& part : best)
     if (!part.hull.faces.empty()) hulls.push_back(std::move(part.hull));
   return hulls;
 }
