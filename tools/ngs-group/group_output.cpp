@@ -19,13 +19,6 @@ namespace {
 
 using orbit::Vec;
 
-Vec up_of(const io::GaussianPly& ply) {
-  const UpAxis axis = up_or(UpAxis::kAuto, ply.vertical_axis);
-  const orbit::SurfacePoints points = orbit::surface_points(ply.cloud);
-  if (axis != UpAxis::kAuto || points.count() == 0) return orbit::axis_of(axis);
-  return orbit::guess_up(points, orbit::bulk_of(points)).up;
-}
-
 /// The interval with all but kFar of the values at either end, so that a stray Gaussian does not enlarge it.
 std::pair<double, double> extent(std::vector<double> values) {
   constexpr double kFar = 0.005;
@@ -114,12 +107,14 @@ bool write_groups(cli::Run& run, const Grouped& grouped, const std::string& fold
   const std::vector<std::string> names = output_names(scene.views);
   const ObjectMaps maps(run.exec(), grouped.ply.cloud, grouped.splat, grouped.objects);
   const bool complete = for_each_view(&run.monitor(), grouped.views, [&](std::size_t n, std::size_t v) {
+    const Camera& camera = scene.views[v].camera;
     const NumberedMasks masks = read_masks(grouped.scene, v);
-    if (masks.number.empty()) return;
+    if (masks.number.empty() && !grouped.without_masks) return;
     std::string& path = scene.views[v].mask_path;
     path = mask_file(folder, names[v]);
     std::filesystem::create_directories(std::filesystem::path(path).parent_path());
-    io::write_png16(path, maps.corrected(run.exec(), scene.views[v].camera, grouped.of_view[n], masks));
+    io::write_png16(path, grouped.without_masks ? maps.known(run.exec(), camera)
+                                                : maps.corrected(run.exec(), camera, grouped.of_view[n], masks));
   });
   if (!complete) return false;
   io::write_scene_json(folder + "/scene.json", scene, io::StoredPaths::kRelative, truth);

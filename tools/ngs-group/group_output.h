@@ -17,6 +17,7 @@ struct Grouped {
   const std::vector<std::size_t>& views;      // training views
   const std::vector<ViewGaussians>& of_view;  // [views]
   const GroupedObjects& objects;
+  bool without_masks = false;  // label maps as the objects are rendered
 };
 
 /// "001" for the largest object.

@@ -4,9 +4,12 @@
 #include <set>
 
 #include "ngs/core/error.h"
+#include "ngs/cut/groups/surface_parts.h"
 #include "ngs/io/image/mask_names.h"
 #include "ngs/io/image/masks.h"
+#include "ngs/orbit/orbit_stage.h"
 #include "ngs/problem/view_list.h"
+#include "ngs/scene/geometry/frame.h"
 
 namespace ngs::group {
 
@@ -54,6 +57,28 @@ NumberedMasks read_masks(const Scene& scene, std::size_t view) {
                 "save the ids of the masks, not a depth map or a picture");
   if (scene.void_id && *scene.void_id <= 65535) number[*scene.void_id] = NumberedMasks::kUnknown;
   for (std::uint16_t& id : masks.number.data) id = number[id];
+  return masks;
+}
+
+orbit::Vec up_of(const io::GaussianPly& ply) {
+  const UpAxis axis = up_or(UpAxis::kAuto, ply.vertical_axis);
+  const orbit::SurfacePoints points = orbit::surface_points(ply.cloud);
+  if (axis != UpAxis::kAuto || points.count() == 0) return orbit::axis_of(axis);
+  return orbit::guess_up(points, orbit::bulk_of(points)).up;
+}
+
+std::vector<NumberedMasks> masks_of_surface(cli::Run& run, const Scene& scene, const std::vector<std::size_t>& views,
+                                            const io::GaussianPly& ply, const SplatOptions& splat) {
+  const auto timed = run.monitor().scope("surface");
+  std::vector<DepthView> depths(views.size());
+  const bool complete = for_each_view(&run.monitor(), views, [&](std::size_t n, std::size_t v) {
+    depths[n] = depth_view(run.exec(), ply.cloud, scene.views[v].camera, splat);
+  });
+  if (!complete) return {};
+  const SurfaceCells cells = surface_cells(run.exec(), depths);
+  const SurfaceParts parts = surface_parts(cells, up_of(ply));
+  std::vector<NumberedMasks> masks;
+  for (const DepthView& view : depths) masks.push_back(masks_of_parts(view, cells, parts));
   return masks;
 }
 

@@ -76,17 +76,17 @@ ForegroundBox box_of(const ImageU16& ids, std::uint16_t id) {
   return box;
 }
 
-std::string picture_of(const Scene& scene, std::size_t view, const ImageU16& ids, std::uint16_t id) {
+std::string picture_of(const ImageF& photo, const std::string& view, const ImageU16& ids, std::uint16_t id) {
   const ForegroundBox box = box_of(ids, id);
   const int margin = 8 + (box.x1 - box.x0 + box.y1 - box.y0) / 8;
   const PixelWindow win = window_about(box, margin, ids.width_px, ids.height_px);
   ImageF crop(win.w, win.h, 3);
-  crop.data = cropped(photo_of(scene, view).data, ids.width_px, 3, win);
+  crop.data = cropped(photo.data, ids.width_px, 3, win);
   std::vector<std::uint8_t> mask;
   for (const std::uint16_t value : cropped(ids.data, ids.width_px, 1, win)) mask.push_back(value == id);
   return cli::outlined_picture(to_bytes(at_most(crop, kCard_px)),
                                {{"given", {mask.data(), win.w, win.h}, css_colour(id)}}, {0, 0, win.w, win.h},
-                               "Object " + std::to_string(id) + " in " + scene.views[view].camera.name);
+                               "Object " + std::to_string(id) + " in " + view);
 }
 
 std::string caption_of(const Json& object) {
@@ -118,6 +118,7 @@ std::string objects_page(const Scene& scene, const Json& objects, const std::str
                                          : ImageU16();
   };
   std::map<std::uint16_t, Place> best;
+  std::map<std::uint16_t, std::string> picture;
   std::string rooms;
   for (std::size_t v = 0; v < scene.views.size(); ++v) {
     const ImageU16 ids = ids_of(v);
@@ -128,16 +129,19 @@ std::string objects_page(const Scene& scene, const Json& objects, const std::str
     const std::size_t step = std::max<std::size_t>(1, scene.views.size() / kRooms);
     if (!ids.empty() && v % step == 0 && v / step < kRooms) rooms += room_figure(scene, v, ids);
   }
+  for (std::size_t v = 0; v < scene.views.size(); ++v) {
+    if (std::ranges::none_of(best, [&](const auto& of) { return of.first > 0 && of.second.view == v; })) continue;
+    const ImageU16 ids = ids_of(v);
+    const ImageF photo = photo_of(scene, v);
+    for (const auto& [id, place] : best)
+      if (id > 0 && place.view == v) picture[id] = picture_of(photo, scene.views[v].camera.name, ids, id);
+  }
   std::vector<Json> ordered = objects.at("objects");
   std::ranges::stable_sort(ordered, {}, [](const Json& o) { return o.at("confidence").get<double>(); });
   std::string cards;
   for (const Json& object : ordered) {
     const auto id = object.at("id").get<std::uint16_t>();
-    const auto place = best.find(id);
-    cards +=
-        "<figure>" +
-        (place == best.end() ? std::string() : picture_of(scene, place->second.view, ids_of(place->second.view), id)) +
-        "<figcaption>" + caption_of(object) + "</figcaption></figure>\n";
+    cards += "<figure>" + picture[id] + "<figcaption>" + caption_of(object) + "</figcaption></figure>\n";
   }
   const std::string known = cli::scene_title(scene), title = known.empty() ? "Scene" : known;
   const Json& doubtful = objects.at("doubtful");

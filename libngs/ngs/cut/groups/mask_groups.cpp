@@ -190,6 +190,21 @@ Containers joined(const Containers& masks, const std::vector<std::uint32_t>& gro
 
 }  // namespace
 
+MaskGroups same_numbers(const std::vector<NumberedMasks>& views) {
+  MaskGroups out;
+  for (const NumberedMasks& view : views) {
+    const auto masks = std::size_t(view.masks);
+    out.views.resize(std::max(out.views.size(), masks));
+    std::vector<std::uint8_t> shown(masks + 1);
+    for (const std::uint16_t number : view.number.data)
+      if (number <= masks) shown[number] = 1;
+    out.group.emplace_back(masks);
+    std::iota(out.group.back().begin(), out.group.back().end(), 0);
+    for (std::size_t m = 0; m < masks; ++m) out.views[m] += shown[m + 1];
+  }
+  return out;
+}
+
 MaskGroups group_masks(const Exec& exec, const GroupOptions& options, const std::vector<ViewGaussians>& views) {
   std::vector<std::size_t> first;
   std::size_t masks = 0;

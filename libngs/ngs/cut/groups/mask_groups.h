@@ -50,6 +50,9 @@ struct MaskGroups {
   std::size_t groups() const { return views.size(); }
 };
 
+/// The groups of masks whose numbers mean the same in all views: number m is group m - 1.
+MaskGroups same_numbers(const std::vector<NumberedMasks>& views);
+
 /// The groups are numbered by their first mask. A mask that no other view observes is a group of its own.
 MaskGroups group_masks(const Exec& exec, const GroupOptions& options, const std::vector<ViewGaussians>& views);
 

@@ -33,6 +33,13 @@ ImageU16 ObjectMaps::rendered(const Exec& exec, const Camera& camera) const {
   return map;
 }
 
+ImageU16 ObjectMaps::known(const Exec& exec, const Camera& camera) const {
+  ImageU16 map = rendered(exec, camera);
+  for (std::uint16_t& number : map.data)
+    if (number > objects_.sure) number = NumberedMasks::kUnknown;
+  return map;
+}
+
 ImageU16 ObjectMaps::corrected(const Exec& exec, const Camera& camera, const ViewGaussians& view,
                                const NumberedMasks& masks) const {
   const ImageU16 render = rendered(exec, camera);

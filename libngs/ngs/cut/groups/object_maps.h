@@ -12,6 +12,8 @@ class ObjectMaps {
 
   /// [H, W, 1] number of the object with most of the pixel's weight; 0: none.
   ImageU16 rendered(const Exec& exec, const Camera& camera) const;
+  /// The same with NumberedMasks::kUnknown for doubtful objects.
+  ImageU16 known(const Exec& exec, const Camera& camera) const;
   /// The numbers for the pixels of `masks`, of its size: a mask that shows one object (kOneObject of its weight) gets
   /// its number. A mask of several is divided as rendered. NumberedMasks::kUnknown: pixels without a mask where an
   /// object is rendered, masks that show no Gaussian, and doubtful objects. `view`: the Gaussians of these masks.

@@ -1,0 +1,144 @@
+// ngs/cut/groups/surface_cells.h and surface_parts.h: boxes on a floor before a wall, ray cast.
+#include "ngs/cut/groups/surface_parts.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <set>
+
+#include "ngs/make/synth/synth_scene.h"
+
+namespace ngs {
+namespace {
+
+using V = Vec3<double>;
+
+struct Box {
+  V low, high;
+};
+
+/// Depth of the first box, the floor z = 0 within 3 of the middle, or the wall y = 3, along camera axes; 0: none.
+float depth_along(const V& from, const V& direction, const std::vector<Box>& boxes) {
+  double nearest = 1e9;
+  const double floor = -from.z / direction.z, wall = (3 - from.y) / direction.y;
+  const V on_floor = from + floor * direction, on_wall = from + wall * direction;
+  if (floor > 0 && std::max(std::abs(on_floor.x), std::abs(on_floor.y)) < 3) nearest = floor;
+  if (wall > 0 && std::abs(on_wall.x) < 3 && on_wall.z > 0 && on_wall.z < 2) nearest = std::min(nearest, wall);
+  for (const Box& box : boxes) {
+    double enter = 0, leave = 1e9;
+    for (const double V::*axis : {&V::x, &V::y, &V::z}) {
+      const double a = (box.low.*axis - from.*axis) / (direction.*axis),
+                   b = (box.high.*axis - from.*axis) / (direction.*axis);
+      enter = std::max(enter, std::min(a, b));
+      leave = std::min(leave, std::max(a, b));
+    }
+    if (enter > 0 && enter < leave) nearest = std::min(nearest, enter);
+  }
+  return nearest < 1e9 ? float(nearest) : 0.f;
+}
+
+/// Eight views from around at two heights.
+std::vector<DepthView> views_of(const std::vector<Box>& boxes) {
+  std::vector<DepthView> views;
+  for (int k = 0; k < 16; ++k) {
+    Camera camera;
+    camera.width_px = 320;
+    camera.height_px = 240;
+    camera.fx = camera.fy = 300;
+    camera.cx = 160;
+    camera.cy = 120;
+    const double angle = 0.1 + k * 0.3927;
+    synth::look_at(camera, {2.4 * std::cos(angle), 2.4 * std::sin(angle), k % 2 ? 0.9 : 1.9}, {0, 0, 0.3});
+    DepthView view{camera, ImageF(320, 240, 1)};
+    for (int y = 0; y < 240; ++y)
+      for (int x = 0; x < 320; ++x) {
+        const V ray{(x + 0.5 - camera.cx) / camera.fx, (y + 0.5 - camera.cy) / camera.fy, 1};
+        view.depth.at(x, y) = depth_along(camera.centre(), transpose(camera.rotation) * ray, boxes);
+      }
+    views.push_back(std::move(view));
+  }
+  return views;
+}
+
+Box box_at(V base, V half) { return {base - V{half.x, half.y, 0}, base + V{half.x, half.y, 2 * half.z}}; }
+
+/// The part at most of the surface points of a box above `from`.
+int part_of(const Box& box, const std::vector<DepthView>& views, const SurfaceCells& cells, const SurfaceParts& parts) {
+  std::map<int, int> count;
+  constexpr double kEdge = 1e-3;
+  for (const DepthView& view : views) {
+    const NumberedMasks masks = masks_of_parts(view, cells, parts);
+    for (int y = 0; y < view.depth.height_px; ++y)
+      for (int x = 0; x < view.depth.width_px; ++x) {
+        if (view.depth.at(x, y) == 0) continue;
+        const V p = view.point(x, y);
+        if (p.x > box.low.x - kEdge && p.x < box.high.x + kEdge && p.y > box.low.y - kEdge &&
+            p.y < box.high.y + kEdge && p.z > box.low.z + 0.05 && p.z < box.high.z + kEdge)
+          ++count[masks.number.at(x, y)];
+      }
+  }
+  int all = 0;
+  for (const auto& [part, pixels] : count) all += pixels;
+  for (const auto& [part, pixels] : count)
+    if (pixels > 0.9 * all) return part;
+  return -1;
+}
+
+const Box kTable = box_at({-0.7, 0, 0}, {0.45, 0.45, 0.2}), kPedestal = box_at({0.7, 0.4, 0}, {0.15, 0.15, 0.15}),
+          kStatue = box_at({0.7, 0.4, 0.3}, {0.1, 0.1, 0.15}), kFirst = box_at({-0.5, 0.2, 0.4}, {0.08, 0.08, 0.08}),
+          kSecond = box_at({-0.8, -0.2, 0.4}, {0.07, 0.1, 0.1}), kAlone = box_at({0.5, -0.6, 0}, {0.1, 0.1, 0.1});
+
+}  // namespace
+
+TEST_CASE("a table and the boxes on it are parts; a pedestal with one box is one part; floor and wall are none") {
+  const std::vector<DepthView> views = views_of({kTable, kPedestal, kStatue, kFirst, kSecond, kAlone});
+  const SurfaceCells cells = surface_cells({}, views);
+  REQUIRE(cells.count() > 5000);
+  const SurfaceParts parts = surface_parts(cells, unit(V{0.05, -0.05, 1}));
+  CHECK(parts.parts == 5);
+  std::set<int> different;
+  for (const Box& box : {kTable, kPedestal, kFirst, kSecond, kAlone}) {
+    const int part = part_of(box, views, cells, parts);
+    CHECK(part > 0);
+    different.insert(part);
+  }
+  CHECK(different.size() == 5);
+  CHECK(part_of(kStatue, views, cells, parts) == part_of(kPedestal, views, cells, parts));
+  for (const V at : {V{0, -1.5, 0}, V{0.2, 2.999, 1}}) {
+    const std::int64_t cell = cells.at(at);
+    REQUIRE(cell >= 0);
+    CHECK(parts.part[std::size_t(cell)] == 0);
+  }
+}
+
+TEST_CASE("a table that carries one box of less than a third of its width is another part") {
+  const std::vector<DepthView> views = views_of({kTable, kFirst});
+  const SurfaceCells cells = surface_cells({}, views);
+  const SurfaceParts parts = surface_parts(cells, {0, 0, 1});
+  CHECK(parts.parts == 2);
+  CHECK(part_of(kTable, views, cells, parts) != part_of(kFirst, views, cells, parts));
+}
+
+TEST_CASE("a view without surface has no cells, and no cells have no parts") {
+  DepthView empty{views_of({})[0].camera, ImageF(320, 240, 1)};
+  const SurfaceCells none = surface_cells({}, {empty, empty});
+  CHECK(none.count() == 0);
+  CHECK(surface_parts(none, {0, 0, 1}).parts == 0);
+  CHECK(surface_cells({}, {}).count() == 0);
+  const NumberedMasks masks = masks_of_parts(empty, none, {});
+  CHECK(std::ranges::count(masks.number.data, NumberedMasks::kUnknown) == std::ssize(masks.number.data));
+}
+
+TEST_CASE("cells and parts do not depend on the number of threads") {
+  const std::vector<DepthView> views = views_of({kTable, kFirst, kSecond});
+  Exec one, three;
+  one.threads = 1;
+  three.threads = 3;
+  const SurfaceCells a = surface_cells(one, views), b = surface_cells(three, views);
+  CHECK(a.key == b.key);
+  CHECK(a.neighbour == b.neighbour);
+  CHECK(surface_parts(a, {0, 0, 1}).part == surface_parts(b, {0, 0, 1}).part);
+}
+
+}  // namespace ngs
