@@ -121,7 +121,7 @@ for pass in $passes; do
   chain
   if [ -n "$until" ] && [ -z "$reached" ]; then fail 2 "--until $until: no step writes this file" "see the files of $0 -n"; fi
 done
-if [ "$pass$changed" = run ]; then say "$out: nothing has changed since the last call"; fi
+if [ "$pass$changed" = run ] && [[ " ${unkeyed[*]} " != *' -q '* ]]; then say "$out: nothing has changed since the last call"; fi
 if [ "$pass" = run ] && [ -n "$until" ] && [ ! -e "$out/$until" ]; then
   fail 5 "$out/$until: not written, there is nothing to put in it" "scores need true masks (--gt) or views to hold out (--hold-out)"
 fi

@@ -101,6 +101,7 @@ TEST_CASE("the scores in the tutorial are those of its runs") {
     CAPTURE(match.str());
     const std::string bytes = test::read_bytes(tour() + "/" + match[1].str() + "/metrics.json");
     const nlohmann::json mean = nlohmann::json::parse(bytes)["mean"];
+    INFO(mean.dump());
     int column = 2;
     for (const char* score : {"iou", "biou", "biou_005"}) {
       // Three digits are printed; exp and log of another compiler may change the last one.

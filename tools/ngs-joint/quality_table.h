@@ -6,10 +6,9 @@ namespace ngs::joint {
 inline constexpr const char* kQualityTable =
     "quality, as measured: Bird, average of the splits every:4:0 to every:4:3; two threads\n"
     "  quality       IoU  B-IoU 0.02  B-IoU 0.005  wall s  CPU s\n"
-    "  flash      0.9506      0.9079       0.7046     0.0    0.0\n"
-    "  draft      0.9617      0.9272       0.7381     6.4   11.9\n"
-    "  standard   0.9631      0.9296       0.7472    16.5   30.8\n"
-    "  high       0.9633      0.9303       0.7499    25.7   48.2\n"
-    "  reference  0.9632      0.9304       0.7494    44.6   84.1\n";
+    "  draft      0.9594      0.9211       0.7188     1.4    2.5\n"
+    "  standard   0.9631      0.9299       0.7480    10.7   20.1\n"
+    "  high       0.9633      0.9302       0.7490    16.2   30.6\n"
+    "  reference  0.9633      0.9304       0.7500    28.6   54.2\n";
 
 }  // namespace ngs::joint
