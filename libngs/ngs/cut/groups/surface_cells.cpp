@@ -52,7 +52,7 @@ std::uint64_t key_of(const CellGrid& grid, V point) {
 
 /// The normal of the surface at a pixel, towards the camera; 0 without neighbours.
 V normal_at(const DepthView& view, int x, int y) {
-  constexpr int r = kNormalReach_px;
+  const int r = kNormalReach_px;
   const ImageF& depth = view.depth;
   if (x < r || y < r || x + r >= depth.width_px || y + r >= depth.height_px) return {0, 0, 0};
   for (const auto& [dx, dy] : {std::pair(r, 0), {-r, 0}, {0, r}, {0, -r}})
