@@ -27,7 +27,7 @@ TEST_CASE("ngs-gs.sh runs only what changed") {
   const auto before = times_of(out);
 
   SUBCASE("nothing, if nothing changed") {
-    const test::ProcessResult second = run({"--method", "flash", "-q", "-j", "1"});
+    const test::ProcessResult second = run({"--method", "flash", "-j", "1"});
     CHECK(second.exit_code == 0);
     CHECK(second.err == "the output: nothing has changed since the last call\n");
     CHECK(times_of(out) == before);
