@@ -66,7 +66,7 @@ class Divider {
   struct Carried {
     std::vector<Cells> pieces;            // above the surface, with at least kMinPiece cells
     std::vector<std::uint32_t> standing;  // of these, on one connected level surface: index + 1, ascending
-    Cells rest;                           // the surface, what is below and beside it
+    Cells rest;                           // the surface, what is below it and around it
   };
 
   std::span<const std::uint32_t> neighbours(std::uint32_t i) const {
@@ -217,10 +217,10 @@ class Divider {
 
   /// What a level surface carries.
   Carried carried(const Cells& of, const Plane& plane) {
-    Cells level, above, beside;
+    Cells level, above, around;
     for (const std::uint32_t i : of) {
       const double height = plane.height(cells_.position[i]) / cells_.side;
-      (std::abs(height) <= kSlab && is_level(i) ? level : height > 1 ? above : beside).push_back(i);
+      (std::abs(height) <= kSlab && is_level(i) ? level : height > 1 ? above : around).push_back(i);
     }
     Carried out;
     for (Cells& piece : connected(above))
@@ -228,7 +228,7 @@ class Divider {
         out.pieces.push_back(std::move(piece));
       else
         out.rest.insert(out.rest.end(), piece.begin(), piece.end());
-    add_feet(plane, beside, out);
+    add_feet(plane, around, out);
     find_support(level, out);
     out.rest.insert(out.rest.end(), level.begin(), level.end());
     std::ranges::sort(out.rest);
@@ -236,10 +236,10 @@ class Divider {
   }
 
   /// Gives the pieces the sides of their lower ends, which lie within the slab.
-  void add_feet(const Plane& plane, const Cells& beside, Carried& out) {
+  void add_feet(const Plane& plane, const Cells& around, Carried& out) {
     for (std::size_t k = 0; k < out.pieces.size(); ++k)
       for (const std::uint32_t i : out.pieces[k]) part_[i] = std::uint32_t(k + 1);
-    for (const std::uint32_t i : beside) set_[i] = std::abs(plane.height(cells_.position[i])) <= kSlab * cells_.side;
+    for (const std::uint32_t i : around) set_[i] = std::abs(plane.height(cells_.position[i])) <= kSlab * cells_.side;
     std::vector<std::size_t> first(out.pieces.size());
     for (int step = 0; step < kFeet; ++step)
       for (std::size_t k = 0; k < out.pieces.size(); ++k) {
@@ -254,7 +254,7 @@ class Divider {
             }
         first[k] = end;
       }
-    for (const std::uint32_t i : beside) {
+    for (const std::uint32_t i : around) {
       set_[i] = 0;
       if (part_[i] == 0) out.rest.push_back(i);
     }
