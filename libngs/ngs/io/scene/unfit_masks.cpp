@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMaxDepth = 3;  // of folders in the folder of masks
+constexpr int kMaxDepth = 4;  // of folders in the folder of masks, or of a capture
 constexpr std::size_t kMaxFiles = 100000;
 
 /// Sorted paths of regular files in the folder and its sub-folders.
