@@ -225,6 +225,13 @@ TEST_CASE("masks in another format, links without a file, and objects without a 
   });
   CHECK(contains(some, "0 "));
   CHECK(contains(some, "2 views lack the mask of an object (first: c/masks/plate/v1.png)"));
+  const std::string each = error_of([](const Capture& c) {
+    for (int i = 0; i < test::kCaptureViews; ++i)
+      move(c, "old/v" + std::to_string(i) + ".png",
+           "masks/cup" + std::to_string(i % 2) + "/v" + std::to_string(i) + ".png");
+  });
+  CHECK(contains(each, "4 "));
+  CHECK(contains(each, "every view lacks the mask of an object (first: c/masks/cup1/v0.png)"));
 }
 
 TEST_CASE("ngs cut names the views in which the result disagrees with their masks") {
