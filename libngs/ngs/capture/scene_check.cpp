@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "ngs/backend/for_each.h"
 #include "ngs/capture/empty_masks.h"
