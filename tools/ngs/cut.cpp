@@ -12,6 +12,7 @@
 #include "cut_summary.h"
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
+#include "ngs/io/files/folder_index.h"
 #include "ngs/io/files/shell_word.h"
 #include "ngs/io/formats/write_splat.h"
 #include "ngs/io/scene/scene_json.h"
@@ -87,6 +88,7 @@ std::string default_folder(const std::string& source) {
 /// Throws kUsage if the folder has files that are not from an earlier run.
 void require_own_folder(const std::string& folder, bool overwrite) {
   std::error_code absent;
+  io::require_readable_folder(folder);
   if (!fs::exists(folder, absent) || fs::is_empty(folder, absent) || fs::exists(fs::path(folder) / kMarker, absent))
     return;
   if (!overwrite)

@@ -4,7 +4,6 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <array>
 #include <set>
 
 #include "ngs/make/synth/synth_scene.h"
