@@ -219,7 +219,10 @@ int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
   if (!options.collider.empty()) mesh::collider_choice(options.collider);
   if (!options.mesh) run.warn_unused({"--collider"}, "without --mesh");
   if (options.all) {
-    check_all(inputs);
+    if (!inputs.strokes.empty())
+      throw Error(ErrorCode::kUsage,
+                  "--all with --strokes: strokes mark one object, expected masks of everything or none",
+                  "leave out one of the two");
     run.warn_unused({"--mesh", "--format", "--fill", "--all-pieces", "--force", "--view", "--gt"}, "with --all");
   }
   if (options.method == CutMethod::kFlash && !options.all)
@@ -283,6 +286,7 @@ int cut_command(int argc, char** argv) {
   cli::Tool tool("ngs cut", "Cut an object out of a splat, a capture or a scene: the whole chain in one command.",
                  {"ngs cut statue.ply                      # renders it and explains how to mark the object",
                   "ngs cut statue.ply --strokes strokes.json", "ngs cut captures/garden --hold-out every:8:0 -o garden",
+                  "ngs cut room.ply --all                   # every object of a room",
                   "ngs cut captures/room --all --masks captures/room/masks_all"});
   CutOptions options;
   CaptureOptions of_capture;
