@@ -1,7 +1,6 @@
 #include "ngs/edit/fill/debris.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "ngs/ops/neighbours/knn.h"
 

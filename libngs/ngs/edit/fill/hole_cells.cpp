@@ -1,7 +1,6 @@
 #include "ngs/edit/fill/hole_cells.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
