@@ -20,7 +20,8 @@ class SeenHull {
 
   bool is_hidden(std::size_t i) const { return !seen_[i]; }
   /// Whether the Gaussian is hidden although views see at least four fifths of the 16 nearest ones: the surface is
-  /// known there. Where they do not either, it may be the unseen side of the object.
+  /// known there. Or it is hidden and farther than 0.45 radii of the object from all that views see, unless more than
+  /// one in a hundred Gaussians is: these may be an unseen side of the object.
   bool is_surplus(std::size_t i) const { return surplus_[i] != 0; }
   /// False if at least two of the directions, and a twentieth, show the point outside of the seen Gaussians. True
   /// without surplus Gaussians, and farther from the ball's centre than twice its radius.

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "ngs/edit/finish/alone.h"
+#include "ngs/edit/finish/seen_hull.h"
 #include "ngs/math/quat.h"
 #include "ngs/math/row_numbers.h"
 #include "ngs/orbit/rigs.h"
@@ -132,6 +133,21 @@ TEST_CASE("a spike out of a ball ends at the ball, and the ball's rows keep thei
   CHECK(f.clipped >= 1);
   CHECK(f.dropped == 0);
   CHECK(changed_rows(c, f, 0, spike) == 0);
+}
+
+TEST_CASE("hidden crumbs far from all that views see are surplus, an unseen side of the object is not") {
+  const auto surplus = [](int crumbs, double z) {
+    FinishCase c;
+    c.add_ball();
+    for (int k = 0; k < crumbs; ++k) c.add({0.01 * k, 0, z}, {0, 0, 1}, {0.02, 0.02, 0.02}, true);
+    std::vector<std::uint8_t> seen(c.object.size());
+    std::fill_n(seen.begin(), 2000, std::uint8_t(1));
+    const SeenHull hull({}, c.cloud, seen, {{0, 0, 0}, 1});
+    return std::pair(hull.is_surplus(2000), hull.contains({0, 0, z}));
+  };
+  CHECK(surplus(10, -1.5) == std::pair(true, false));
+  CHECK(surplus(10, -1.3) == std::pair(false, true));
+  CHECK(surplus(40, -1.5) == std::pair(false, true));
 }
 
 TEST_CASE("a spike into the floor whose centre no view sees is left out") {
