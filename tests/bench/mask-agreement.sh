@@ -55,6 +55,8 @@ for folder in sorted({f.parent for f in files}):
             image = image.transpose(turn[mistake]).resize(size, 0)
         if mistake == "inverted":
             image = ImageChops.invert(image.convert("L"))
+        if image.mode.startswith("I"):
+            image = image.convert("I").convert("L")
         if mistake == "ids" and i % 2:
             image = image.point([0] + [1 + k % 2 * -2 + k for k in range(1, 256)])  # 1 and 2, 3 and 4, ...
         path = to / name.relative_to(source)
