@@ -151,121 +151,15 @@ run_recipe() {  # SIDE RECIPE: generates the scene with this build
   cd "$out"
 }
 
-# --- the comparison ---------------------------------------------------------------------------------------------------
-
-# json_leaves FILE: a line "path<TAB>value" for each value as written; array elements whose first key is "name" use that name
-# in the path. Leaves out values that depend on the run, the machine or the folder.
-json_leaves() {
-  awk '
-    function path(   d, p) {
-      for (d = 1; d <= depth; ++d) p = p (kind[d] == "{" ? "." key[d] : "[" (d in label ? label[d] : at[d]) "]")
-      return p
-    }
-    function leaf(value,   p) {
-      if (kind[depth] == "{" && key[depth] == "name" && first[depth] && depth > 1) label[depth - 1] = value
-      print path() "\t" value
-    }
-    function take(token,   c) {
-      c = substr(token, 1, 1)
-      if (c ~ /[][{},]/) delete label[depth + (c ~ /[[{]/)]
-      if (c == "{" || c == "[") { kind[++depth] = c; at[depth] = 0; first[depth] = 1; want_key = c == "{" }
-      else if (c == "}" || c == "]") { --depth; want_key = 0 }
-      else if (c == ",") { ++at[depth]; first[depth] = 0; want_key = kind[depth] == "{" }
-      else if (c == ":") want_key = 0
-      else if (want_key) key[depth] = substr(token, 2, length(token) - 2)
-      else leaf(token)
-    }
-    {
-      while (match($0, /"(\\.|[^"\\])*"|[][{}:,]|[^][{}:," \t\r]+/)) {
-        take(substr($0, RSTART, RLENGTH))
-        $0 = substr($0, RSTART + RLENGTH)
-      }
-    }' "$1" |
-    grep -Ev '^\.(version|stages|inputs|outputs|device|threads|isa)[.[	]|(_s|\.t|\.path)	' || true
-}
-
-# compare_json FOLDER FILE: compares key by key, appends to OUT/keys; fails if a number differs.
-compare_json() {
-  json_leaves "$out/old/$1/$2" > "$out/.old" && json_leaves "$out/new/$1/$2" > "$out/.new"
-  awk -F '\t' -v file="$1/$2" -v keys="$out/keys" '
-    function kind_of(path) { gsub(/\[[0-9]+\]/, "[]", path); return path }
-    function note(what, path, value) { printf "%s\t%s\t%s\t%s\n", what, file, kind_of(path), value >> keys }
-    NR == FNR { old[$1] = $2; next }
-    !($1 in old) { note("new", $1, $2); next }
-    {
-      if (old[$1] != $2) {
-        texts = old[$1] ~ /^"/ && $2 ~ /^"/
-        if (!texts) different = 1
-        note(texts ? "text" : "value", $1, old[$1] " / " $2)
-      }
-      delete old[$1]
-    }
-    END { for (path in old) note("old", path, old[path]); exit different }' "$out/.old" "$out/.new"
-}
-
-# compare_files FOLDER: adds a line to OUT/artifacts.tsv for each file of either build.
-compare_files() {
-  local file status
-  { cd "$out/old/$1" && find . -type f; cd "$out/new/$1" && find . -type f; } | sed 's|^\./||' | grep -v '\.log$' |
-    LC_ALL=C sort -u | while IFS= read -r file; do
-    status=same
-    if [ ! -f "$out/old/$1/$file" ]; then status='only new'
-    elif [ ! -f "$out/new/$1/$file" ]; then status='only old'
-    else
-      case $file in
-        *.json) compare_json "$1" "$file" || status=different ;;
-        *) cmp -s "$out/old/$1/$file" "$out/new/$1/$file" || status=different ;;
-      esac
-    fi
-    printf '%s\t%s\t%s\n' "$1" "$file" "$status"
-  done >> "$out/artifacts.tsv"
-  awk -v scene="$1" '$2 != 0 { print scene "\t" $1 "\texit code " $2 }' "$out/old/$1/exit_codes" >> "$out/artifacts.tsv"
-}
-
-table() {  # a line per scene and run, from OUT/artifacts.tsv
-  awk -F '\t' '
-    {
-      run = $2 ~ /\// ? $2 : "chain"
-      sub(/^reports\//, "", run)
-      if (run !~ /\//) run = "chain"
-      sub(/\/.*/, "", run)
-      row = $1 "\t" run
-      if (!(row in files)) order[++rows] = row
-      ++files[row]
-      if ($3 == "same") ++same[row]; else if (++bad[row] <= 4) what[row] = what[row] " " $2 " (" $3 ")"
-    }
-    END {
-      printf "%-14s %-12s %6s %6s\n", "scene", "run", "files", "same"
-      for (i = 1; i <= rows; ++i) {
-        row = order[i]
-        split(row, names, "\t")
-        printf "%-14s %-12s %6d %6d", names[1], names[2], files[row], same[row]
-        print bad[row] ? "  DIFFERENT:" what[row] (bad[row] > 4 ? " ..." : "") : ""
-        all += files[row]; equal += same[row]
-      }
-      printf "%-14s %-12s %6d %6d\n", "all", "", all, equal
-      exit all == 0 || all != equal
-    }' "$out/artifacts.tsv"
-}
-
-keys_of() {  # WHAT TITLE: the keys of one kind, each once, with an example; at most 40
-  awk -F '\t' -v what="$1" -v title="$2" '
-    $1 == what && !seen[$3]++ {
-      if (!some++) print "\n" title
-      if (some <= 40) printf "  %-48s %s   (%s)\n", $3, substr($4, 1, 160), $2
-    }
-    END { if (some > 40) printf "  ... and %d more\n", some - 40 }' "$out/keys"
-}
+# --- both builds ------------------------------------------------------------------------------------------------------
 
 compare() {  # SCENE SOURCE MASKS TRUTH RUNS...: both builds
   run_chain old "$@"
   run_chain new "$@"
-  compare_files "$1"
+  compared+=("$1")
 }
 
-rm -f "$out/artifacts.tsv" "$out/keys"
-: > "$out/artifacts.tsv"
-: > "$out/keys"
+compared=(synth)
 key=$(fingerprint "$old" && printf '%s\n' "${demo[@]}" "${small[@]}")
 if [ "$(cat "$out/inputs.key" 2> /dev/null)" != "$key" ]; then rm -rf "$out/inputs" "$out/inputs.key"; fi
 
@@ -277,7 +171,6 @@ for recipe in "${recipes[@]}"; do
   run_recipe old "$recipe"
   run_recipe new "$recipe"
 done
-compare_files synth
 source=$out/inputs/torus-box
 compare two-objects "$source" "$source/labels" "$source/labels_gt" draft flash bce
 if [ -z "$quick" ]; then
@@ -294,12 +187,4 @@ elif [ -n "$quick" ]; then
 else
   compare bird "$(cd "$bird" && pwd)" "$bird/masks_sam" "$bird/masks_gt" "${every_method[@]}" others
 fi
-rm -f "$out/.old" "$out/.new"
-
-code=0
-table || code=1
-keys_of old "keys of the old build only:"
-keys_of new "keys of the new build only:"
-keys_of value "numbers that differ, old / new:"
-keys_of text "texts that differ, old / new:"
-exit $code
+python3 "$top/tests/ci/same_bytes.py" "$out" "${compared[@]}"

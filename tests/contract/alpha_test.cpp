@@ -38,13 +38,7 @@ struct CutOut {
   std::string mask_of_last_view() const {
     return nlohmann::json::parse(test::read_bytes(dir.path() + "/scene.json")).at("views").at(5).value("mask", "");
   }
-  test::ProcessResult run(std::vector<std::string> argv) const {
-    test::ProcessSpec spec;
-    argv[0] = NGS_TOOL_DIR "/" + argv[0];
-    spec.argv = std::move(argv), spec.folder = dir.path();
-    spec.environment = {{"NGS_THREADS", "2"}};
-    return test::run_process(spec);
-  }
+  test::ProcessResult run(const test::Words& argv) const { return test::run_tool(argv, dir.path()); }
 };
 
 }  // namespace
@@ -57,9 +51,8 @@ TEST_CASE("the alpha channel of photos is the mask of a splat of the whole scene
     for (const std::vector<std::string>& masks :
          {std::vector<std::string>{}, {"--masks", "in/images"}, {"--masks", "copy"}}) {
       CAPTURE(masks);
-      std::vector<std::string> argv{"ngs-scene", "import", "in", "-o", "scene.json", "-w"};
-      argv.insert(argv.end(), masks.begin(), masks.end());
-      const test::ProcessResult result = capture.run(argv);
+      const test::Words import = test::split("ngs-scene import in -o scene.json -w");
+      const test::ProcessResult result = capture.run(test::joined(import, masks));
       INFO(result.err);
       CHECK(result.exit_code == 0);
       CHECK(result.err.find("6 masks: alpha channel used as the mask") != std::string::npos);

@@ -1,7 +1,6 @@
 // The output files of the tools satisfy data-schema/.
 #include <doctest/doctest.h>
 
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <regex>
@@ -127,8 +126,7 @@ TEST_CASE("objects.json of ngs-group satisfies its schema, and a broken one does
 TEST_CASE("scenes, depth and scores of both halves satisfy their schemas, and a damaged truth is an error") {
   const test::TempDir dir;
   const auto run = [&](const std::vector<std::string>& argv, int exit_code) {
-    test::ProcessSpec spec = test::command(Json(argv));
-    const test::ProcessResult result = test::run_process(spec);
+    const test::ProcessResult result = test::run_tool(argv);
     INFO(result.err);
     CHECK(result.exit_code == exit_code);
     return result.err;
@@ -167,9 +165,7 @@ TEST_CASE("scenes, depth and scores of both halves satisfy their schemas, and a 
 
 TEST_CASE("scores of all objects of id maps satisfy their schema") {
   const test::TempDir dir;
-  const auto run = [&](const std::vector<std::string>& argv) {
-    REQUIRE(test::run_process(test::command(Json(argv))).exit_code == 0);
-  };
+  const auto run = [&](const std::vector<std::string>& argv) { REQUIRE(test::run_tool(argv).exit_code == 0); };
   run({"ngs-synth", "tiny", "--no-fit", "--mask-noise", "jitter:1,blob:1", "-o", dir.file("scene")});
   run({"ngs-eval", dir.file("scene/labels"), dir.file("scene/labels_gt"), "--instances", "-o", dir.file("i.json")});
   Json file = Json::parse(std::ifstream(dir.file("i.json")));
@@ -181,10 +177,8 @@ TEST_CASE("scores of all objects of id maps satisfy their schema") {
 
 TEST_CASE("the JSON files of ngs-synth satisfy the schemas, and broken files do not") {
   const test::TempDir dir;
-  test::ProcessSpec spec =
-      test::command(Json::parse(R"(["ngs-synth", "tiny", "--no-fit", "--mask-noise", "jitter:1", "-o"])"));
-  spec.argv.push_back(dir.file("scene"));
-  REQUIRE(test::run_process(spec).exit_code == 0);
+  const std::string scene = dir.file("scene");
+  REQUIRE(test::run_tool({"ngs-synth", "tiny", "--no-fit", "--mask-noise", "jitter:1", "-o", scene}).exit_code == 0);
   for (const char* name : {"recipe", "ground-truth"}) {
     INFO(std::string(name));
     const std::string written = std::string(name) == "recipe" ? "recipe.json" : "ground_truth.json";

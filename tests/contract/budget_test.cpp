@@ -39,27 +39,11 @@ TEST_CASE("under a time budget the trace starts no score that could end too late
   if (test::emulated()) return test::skip("an emulator scores nothing within 6 s");
   const test::TempDir dir;
   constexpr double kBudget_s = 6;
-  const test::ProcessResult result = test::run_process(test::command({"ngs-joint",
-                                                                      with_many_views(dir, 160),
-                                                                      test::fixture_folder() + "/boundary.ply",
-                                                                      "--effect",
-                                                                      "all=off",
-                                                                      "--effect",
-                                                                      "joint=on",
-                                                                      "--effect",
-                                                                      "mask=on",
-                                                                      "--steps",
-                                                                      "1000000",
-                                                                      "--time-budget",
-                                                                      "6s",
-                                                                      "-j",
-                                                                      "1",
-                                                                      "--trace-every",
-                                                                      "1",
-                                                                      "--trace",
-                                                                      dir.path() + "/t.jsonl",
-                                                                      "-o",
-                                                                      dir.path() + "/l.ply"}));
+  const test::Words run{"ngs-joint", with_many_views(dir, 160), test::fixture_folder() + "/boundary.ply"};
+  const test::ProcessResult result = test::run_tool(
+      test::joined(run, test::split("--effect all=off --effect joint=on --effect mask=on --steps 1000000 -j 1 "
+                                    "--time-budget 6s --trace-every 1 --trace t.jsonl -o l.ply")),
+      dir.path());
   INFO(result.err);
   REQUIRE(result.exit_code == 7);
   std::istringstream lines(test::read_bytes(dir.path() + "/t.jsonl"));
@@ -82,15 +66,8 @@ TEST_CASE("a time budget that skips only passes that would not have run reports 
   const test::TempDir dir;
   const std::string scene = with_many_views(dir, 40), model = test::fixture_folder() + "/boundary.ply";
   const auto run = [&](const std::string& name, const std::vector<std::string>& more) {
-    Json words = {"ngs-joint",
-                  scene,
-                  model,
-                  "-o",
-                  dir.path() + "/" + name + ".ply",
-                  "--report",
-                  dir.path() + "/" + name + ".json"};
-    for (const std::string& word : more) words.push_back(word);
-    return test::run_process(test::command(words));
+    const test::Words run{"ngs-joint", scene, model, "-o", name + ".ply", "--report", name + ".json"};
+    return test::run_tool(test::joined(run, more), dir.path());
   };
   REQUIRE(run("off", {"--effect", "all=off"}).exit_code == 0);
   const test::ProcessResult result =

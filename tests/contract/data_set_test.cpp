@@ -19,6 +19,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
+const test::Environment kTools{{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}};
+
 struct DataSet {
   test::TempDir dir;
   std::string tiny = dir.path() + "/tiny";
@@ -31,15 +33,11 @@ struct DataSet {
     fs::create_directories(fs::path(path(to)).parent_path());
     fs::copy(tiny + "/" + from, path(to), fs::copy_options::recursive);
   }
-  test::ProcessResult run(const std::string& script, std::vector<std::string> arguments,
-                          std::vector<std::pair<std::string, std::string>> environment = {}) const {
-    test::ProcessSpec spec;
-    spec.argv = {NGS_SOURCE_DIR "/pipelines/" + script};
-    spec.argv.insert(spec.argv.end(), arguments.begin(), arguments.end());
-    spec.folder = dir.path();
-    spec.environment = std::move(environment);
-    spec.environment.insert(spec.environment.end(), {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}});
-    return test::run_process(spec);
+  test::ProcessResult run(const std::string& script, const test::Words& arguments,
+                          const test::Environment& environment = {}) const {
+    return test::run_process({.argv = test::joined({NGS_SOURCE_DIR "/pipelines/" + script}, arguments),
+                              .environment = test::joined(environment, kTools),
+                              .folder = dir.path()});
   }
   Json json(const std::string& name) const { return Json::parse(std::ifstream(path(name)), nullptr, false); }
 };
@@ -155,13 +153,10 @@ TEST_CASE("scannet.sh turns poses into a capture and scores instances of label m
   CHECK(metrics["mean"]["iou"].get<double>() > 0.8);
 }
 
-test::ProcessResult make(const DataSet& data, std::vector<std::string> arguments) {
-  test::ProcessSpec spec;
-  spec.argv = {"make", "-s", "SCENE=tiny", "OUT=out"};
-  spec.argv.insert(spec.argv.end(), arguments.begin(), arguments.end());
-  spec.folder = data.dir.path();
-  spec.environment = {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}};
-  return test::run_process(spec);
+test::ProcessResult make(const DataSet& data, const test::Words& arguments) {
+  return test::run_process({.argv = test::joined({"make", "-s", "SCENE=tiny", "OUT=out"}, arguments),
+                            .environment = kTools,
+                            .folder = data.dir.path()});
 }
 
 TEST_CASE("ablation.mk compares the full method with its variants and omits failed ones") {
@@ -183,24 +178,14 @@ TEST_CASE("ablation.mk compares the full method with its variants and omits fail
 
 TEST_CASE("removed-views.sh scores removed and remaining views") {
   const DataSet data;
-  test::ProcessSpec spec;
-  spec.argv = {NGS_SOURCE_DIR "/tests/bench/removed-views.sh",
-               "-o",
-               "out",
-               "--run",
-               "flash=--method flash",
-               "--run",
-               "short=--steps 2",
-               "--seeds",
-               "2",
-               "--novel",
-               "--fit-steps",
-               "200",
-               "tiny"};
-  spec.folder = data.path("recipes");  // there is no folder `tiny`, so the recipe is used
-  fs::create_directories(spec.folder);
-  spec.environment = {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}};
-  const test::ProcessResult result = test::run_process(spec);
+  const std::string script = NGS_SOURCE_DIR "/tests/bench/removed-views.sh";
+  const std::string folder = data.path("recipes");  // there is no folder `tiny`, so the recipe is used
+  fs::create_directories(folder);
+  const test::Words runs{script, "--run", "flash=--method flash", "--run", "short=--steps 2"};
+  const test::ProcessResult result =
+      test::run_process({.argv = test::joined(runs, test::split("-o out --seeds 2 --novel --fit-steps 200 tiny")),
+                         .environment = kTools,
+                         .folder = folder});
   INFO(result.err);
   REQUIRE(result.exit_code == 0);
   const auto lines = std::count(result.out.begin(), result.out.end(), '\n');
@@ -226,8 +211,8 @@ TEST_CASE("removed-views.sh scores removed and remaining views") {
           "../" + std::string(splat));
   CHECK(test::read_bytes(data.path("recipes/out/tiny/every:4:2/novel.ply")) !=
         test::read_bytes(data.path("recipes/out/tiny/capture/point_cloud.ply")));
-  spec.argv = {NGS_SOURCE_DIR "/tests/bench/removed-views.sh", "--split", "every:4", "tiny"};
-  CHECK(test::run_process(spec).exit_code == 2);
+  const test::Words bad_split{script, "--split", "every:4", "tiny"};
+  CHECK(test::run_process({.argv = bad_split, .environment = kTools, .folder = folder}).exit_code == 2);
 }
 
 TEST_CASE("work-precision.mk plots its points with their frontier, and keeps failed points") {

@@ -41,14 +41,12 @@ struct Machine {
     std::ofstream(path) << "#!/usr/bin/env bash\n" << body << "\n";
     fs::permissions(path, fs::perms::owner_all);
   }
-  test::ProcessResult run(std::vector<std::string> arguments) const {
-    test::ProcessSpec spec;
-    spec.argv = {NGS_SOURCE_DIR "/tests/bench/device.sh"};
-    spec.argv.insert(spec.argv.end(), arguments.begin(), arguments.end());
-    spec.folder = dir.path();
-    spec.environment = {{"PATH", dir.path() + "/path:" + std::getenv("PATH")},
-                        {"NGS_DEVICE_BUILD", dir.path() + "/build"}};
-    return test::run_process(spec);
+  test::ProcessResult run(const test::Words& arguments, const test::Environment& more = {}) const {
+    const test::Environment own{{"PATH", dir.path() + "/path:" + std::getenv("PATH")},
+                                {"NGS_DEVICE_BUILD", dir.path() + "/build"}};
+    return test::run_process({.argv = test::joined({NGS_SOURCE_DIR "/tests/bench/device.sh"}, arguments),
+                              .environment = test::joined(own, more),
+                              .folder = dir.path()});
   }
   /// The written report, which satisfies the schema.
   Json written() const {
@@ -61,9 +59,7 @@ struct Machine {
 
 /// python3 writes the report. No tool needs python3; without it the case is skipped.
 bool can_report() {
-  test::ProcessSpec spec;
-  spec.argv = {"sh", "-c", "command -v python3"};
-  const bool found = test::run_process(spec).exit_code == 0;
+  const bool found = test::run_command({"sh", "-c", "command -v python3"}).exit_code == 0;
   if (!found) test::skip("no python3");
   return found;
 }
@@ -137,11 +133,7 @@ TEST_CASE("device.sh starts no step that does not fit into the time limit") {
   if (!can_report()) return;
   const Machine machine;
   machine.program("build/bin/test_parity", "sleep 20");
-  test::ProcessSpec spec;
-  spec.argv = {"env", "NGS_DEVICE_SECONDS=1", NGS_SOURCE_DIR "/tests/bench/device.sh", machine.out};
-  spec.environment = {{"PATH", machine.dir.path() + "/path:" + std::getenv("PATH")},
-                      {"NGS_DEVICE_BUILD", machine.dir.path() + "/build"}};
-  CHECK(test::run_process(spec).exit_code == 1);
+  CHECK(machine.run({machine.out}, {{"NGS_DEVICE_SECONDS", "1"}}).exit_code == 1);
   const Json report = machine.written();
   for (const Json& step : report.at("steps")) CHECK(step.at("exit") == 124);
   CHECK(report.at("steps").size() == 4);

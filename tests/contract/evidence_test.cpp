@@ -26,12 +26,8 @@ struct Case {
     import(scene, {"other=0", "ball=7"});
   }
   std::string path(const std::string& name) const { return dir.path() + "/" + name; }
-  test::ProcessResult run(Words argv, const std::string& folder = {}, const std::string& input = {}) const {
-    test::ProcessSpec spec;
-    argv[0] = NGS_TOOL_DIR "/" + argv[0];
-    spec.argv = std::move(argv), spec.folder = folder.empty() ? dir.path() : folder, spec.input = input;
-    spec.environment = {{"NGS_THREADS", "2"}};
-    return test::run_process(spec);
+  test::ProcessResult run(const Words& argv, const std::string& folder = {}, const std::string& input = {}) const {
+    return test::run_tool(argv, folder.empty() ? dir.path() : folder, {}, input);
   }
   void good(const Words& argv) const {
     const test::ProcessResult result = run(argv);
@@ -54,9 +50,7 @@ struct Case {
     io::write_evidence(part, forged);
   }
   test::ProcessResult merge(const Words& more = {}) const {
-    Words argv{"ngs-variance", "merge", part, "-w", "-o", out};
-    argv.insert(argv.end(), more.begin(), more.end());
-    return run(argv);
+    return run(test::joined({"ngs-variance", "merge", part, "-w", "-o", out}, more));
   }
 };
 

@@ -13,20 +13,9 @@ namespace ngs {
 namespace {
 
 test::ProcessSpec fit_spec(const std::string& out, const std::vector<std::string>& more, bool interrupt) {
-  nlohmann::json run = {"ngs-fit",
-                        test::fixture_folder() + "/scene.json",
-                        "-o",
-                        out,
-                        "--steps",
-                        "800",
-                        "--random-points",
-                        "60",
-                        "--max-gaussians",
-                        "90",
-                        "--sh-degree",
-                        "1"};
-  for (const std::string& word : more) run.push_back(word);
-  test::ProcessSpec spec = test::command(run);
+  const test::Words run{"ngs-fit", test::fixture_folder() + "/scene.json", "-o", out};
+  const test::Words options = test::split("--steps 800 --random-points 60 --max-gaussians 90 --sh-degree 1");
+  test::ProcessSpec spec = test::command(test::joined(test::joined(run, options), more));
   if (interrupt) spec.signal = SIGTERM, spec.signal_after = "random Gaussians";
   return spec;
 }
@@ -94,14 +83,11 @@ TEST_CASE("ngs-fit stopped without disk space for a checkpoint returns an error"
 
 TEST_CASE("ngs-fit resumes with a copy of its files, but not with a different photo or different points") {
   const test::TempDir dir;
-  const std::string scene = dir.path() + "/scene", keep = dir.path() + "/keep";
+  const std::string scene = dir.path() + "/scene";
   std::filesystem::copy(test::fixture_folder(), scene, std::filesystem::copy_options::recursive);
   const auto points_fit = [&](const std::string& folder, const std::vector<std::string>& more) {
-    nlohmann::json run = {"ngs-fit", folder + "/scene.json", "--points", dir.path() + "/points3D.txt",
-                          "-o",      dir.path() + "/m.ply",  "-w",       "--steps",
-                          "4",       "--checkpoint",         keep};
-    for (const std::string& word : more) run.push_back(word);
-    return test::run_process(test::command(run));
+    const test::Words options = test::split("--points points3D.txt -o m.ply -w --steps 4 --checkpoint keep");
+    return test::run_tool(test::joined(test::joined({"ngs-fit", folder + "/scene.json"}, options), more), dir.path());
   };
   const std::string points = "1 0 0 2 200 40 40 0\n2 0.5 0 2 40 200 40 0\n3 0 0.5 2.5 40 40 200 0\n";
   dir.write("points3D.txt", points);

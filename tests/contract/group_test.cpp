@@ -26,11 +26,8 @@ struct Group {
   Group() { std::filesystem::create_directories(dir.path() + "/all"); }
   std::string mask(int v) const { return dir.path() + "/all/v" + std::to_string(v) + ".png"; }
   test::ProcessResult run(const std::string& out) const {
-    test::ProcessSpec spec;
-    spec.argv = {
-        test::tool_folder() + "/ngs-group", test::fixture_folder() + "/scene.json", "--masks", "all", "-o", out};
-    spec.folder = dir.path();
-    return test::run_process(spec);
+    return test::run_tool({"ngs-group", test::fixture_folder() + "/scene.json", "--masks", "all", "-o", out},
+                          dir.path());
   }
 };
 

@@ -33,18 +33,14 @@ struct Case {
     return test::run_process(spec(name, more, interrupt));
   }
   test::ProcessSpec spec(const std::string& name, const Words& more, const std::string& interrupt = {}) const {
-    Json run = {"ngs-joint", scene, test::fixture_folder() + "/boundary.ply", "-v", "-o", path(name)};
-    for (const std::string& word : more) run.push_back(word);
-    test::ProcessSpec spec = test::command(run);
+    const Words run{"ngs-joint", scene, test::fixture_folder() + "/boundary.ply", "-v", "-o", path(name)};
+    test::ProcessSpec spec = test::command(test::joined(run, more));
     if (!interrupt.empty()) spec.signal = SIGTERM, spec.signal_after = interrupt;
     return spec;
   }
 };
 
-Words operator+(Words words, const Words& more) {
-  words.insert(words.end(), more.begin(), more.end());
-  return words;
-}
+Words operator+(const Words& words, const Words& more) { return test::joined(words, more); }
 
 bool has_message(const test::ProcessResult& result, const std::string& text) {
   return result.err.find(text) != std::string::npos;

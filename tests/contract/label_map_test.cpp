@@ -37,10 +37,7 @@ struct Maps {
     io::write_png(dir.path() + "/" + name, image);
   }
   test::ProcessResult eval(std::vector<std::string> further) const {
-    further.insert(further.begin(), {NGS_TOOL_DIR "/ngs-eval", "p", "t", "-o", "m.json", "-w", "-q"});
-    test::ProcessSpec spec;
-    spec.argv = std::move(further), spec.folder = dir.path();
-    return test::run_process(spec);
+    return test::run_tool(test::joined(test::split("ngs-eval p t -o m.json -w -q"), further), dir.path());
   }
   nlohmann::json metrics() const { return nlohmann::json::parse(test::read_bytes(dir.path() + "/m.json")); }
 };

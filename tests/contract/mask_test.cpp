@@ -19,14 +19,10 @@ using Json = nlohmann::json;
 
 Json schema() { return Json::parse(std::ifstream(NGS_SOURCE_DIR "/data-schema/prompts.schema.json")); }
 
-using Environment = std::vector<std::pair<std::string, std::string>>;
+using test::Environment;
 
-test::ProcessResult run(const test::TempDir& dir, std::vector<std::string> argv, const Environment& more = {}) {
-  argv[0] = std::string(NGS_TOOL_DIR "/") + argv[0];
-  test::ProcessSpec spec;
-  spec.argv = std::move(argv), spec.folder = dir.path(), spec.environment = {{"NGS_THREADS", "2"}};
-  spec.environment.insert(spec.environment.end(), more.begin(), more.end());
-  return test::run_process(spec);
+test::ProcessResult run(const test::TempDir& dir, const test::Words& argv, const Environment& more = {}) {
+  return test::run_tool(argv, dir.path(), more);
 }
 
 void run_tool(const test::TempDir& dir, const std::vector<std::string>& argv, const Environment& more = {}) {
@@ -142,10 +138,11 @@ TEST_CASE("an adapter names the missing package, and continues after a request t
     CHECK(refused.err.find("torch cannot be imported") != std::string::npos);
     CHECK(refused.err.find("pip install torch") != std::string::npos);
 
-    test::ProcessSpec spec;
-    spec.argv = {python, program}, spec.folder = dir.path(), spec.environment = stand_ins(kStandIns + "networks");
-    spec.input = "{\"image\":\"absent.png\",\"prompts\":\"p\",\"out\":\"o\"}\nno request\n";
-    const test::ProcessResult answered = test::run_process(spec);
+    const test::ProcessResult answered =
+        test::run_process({.argv = {python, program},
+                           .environment = stand_ins(kStandIns + "networks"),
+                           .folder = dir.path(),
+                           .input = "{\"image\":\"absent.png\",\"prompts\":\"p\",\"out\":\"o\"}\nno request\n"});
     CAPTURE(answered.err);
     CAPTURE(answered.out);
     CHECK(answered.exit_code == 0);

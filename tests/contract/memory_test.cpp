@@ -1,7 +1,6 @@
 // The memory estimates of ngs-variance and ngs-joint match the real peak; ngs-variance does not load the SH bands.
 #include <doctest/doctest.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "ngs/io/ply/gaussian_ply.h"
@@ -30,9 +29,7 @@ using Words = std::vector<std::string>;
 nlohmann::json report_of(Words words, bool dry) {
   for (const char* word : {"-w", "--allow-empty", "-q"}) words.emplace_back(word);
   if (dry) words.emplace_back("--dry-run");
-  test::ProcessSpec spec;
-  spec.argv = std::move(words);
-  const test::ProcessResult result = test::run_process(spec);
+  const test::ProcessResult result = test::run_command(std::move(words));
   REQUIRE(result.exit_code == 0);
   return nlohmann::json::parse(result.out);
 }

@@ -4,7 +4,6 @@
 #include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <span>
 
 #include "ngs/io/formats/compression/zip_archive.h"
 #include "ngs/io/ply/gaussian_ply.h"

@@ -20,10 +20,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 using Words = std::vector<std::string>;
 
-test::ProcessResult result_of(Words argv, const Words& more) {
-  argv.insert(argv.end(), more.begin(), more.end());
-  return test::run_process(test::command(argv));
-}
+test::ProcessResult result_of(const Words& argv, const Words& more) { return test::run_tool(test::joined(argv, more)); }
 
 /// Every command line that has options of its own: {"ngs-rbf"}, {"ngs-scene", "import"}, {"ngs", "cut"}.
 std::vector<Words> commands() {

@@ -11,12 +11,8 @@
 namespace ngs {
 namespace {
 
-test::ProcessResult run_in(const std::string& folder, std::vector<std::string> argv, const std::string& input = {}) {
-  test::ProcessSpec spec;
-  argv[0] = NGS_TOOL_DIR "/" + argv[0];
-  spec.argv = std::move(argv), spec.folder = folder, spec.input = input;
-  spec.environment = {{"NGS_THREADS", "2"}};
-  return test::run_process(spec);
+test::ProcessResult run_in(const std::string& folder, const test::Words& argv, const std::string& input = {}) {
+  return test::run_tool(argv, folder, {}, input);
 }
 
 }  // namespace
@@ -69,19 +65,10 @@ TEST_CASE("a failing child program is reported even if the parent ignores SIGCHL
   const test::TempDir dir;
   test::write_tiny_scene(dir.path());
   dir.write("p.json", R"({"ngs_prompts":1,"view":"v0.png","width":48,"height":36,"boxes":[[12,6,36,30]]})");
-  test::ProcessSpec spec;
-  spec.folder = dir.path();
-  spec.argv = {"env",
-               "--ignore-signal=CHLD",
-               NGS_TOOL_DIR "/ngs-mask",
-               "scene.json",
-               "--prompts",
-               "p.json",
-               "-o",
-               "m",
-               "--segmenter",
-               "sh -c 'cp masks/v0.png \"$2\"; exit 3' {image} {prompts} {out}"};
-  const test::ProcessResult result = test::run_process(spec);
+  const test::Words run =
+      test::split("env --ignore-signal=CHLD " NGS_TOOL_DIR "/ngs-mask scene.json --prompts p.json -o m");
+  const test::Words segmenter{"--segmenter", "sh -c 'cp masks/v0.png \"$2\"; exit 3' {image} {prompts} {out}"};
+  const test::ProcessResult result = test::run_process({.argv = test::joined(run, segmenter), .folder = dir.path()});
   INFO(result.err);
   CHECK(result.exit_code == 8);
   CHECK(result.err.find("exit code 3") != std::string::npos);

@@ -50,16 +50,11 @@ TEST_CASE("ngs-gs.sh leaves no result of an earlier call with other options") {
 TEST_CASE("ngs cut of a capture and ngs-gs.sh, with the same options, write the same labelled.ply and object.ply") {
   const Capture capture;
   const std::vector<std::string> same{"--quality", "draft", "--hold-out", "every:4:2", "--gt", "my scene/masks"};
-  std::vector<std::string> script{"my scene", "the output"};
-  script.insert(script.end(), same.begin(), same.end());
-  const test::ProcessResult by_script = run_script(capture.dir.path(), script);
+  const test::ProcessResult by_script = run_script(capture.dir.path(), test::joined({"my scene", "the output"}, same));
   INFO(by_script.err);
   REQUIRE(by_script.exit_code == 0);
-  test::ProcessSpec cut;
-  cut.argv = {NGS_TOOL_DIR "/ngs", "cut", "my scene", "-o", "cut", "-j", "2"};
-  cut.argv.insert(cut.argv.end(), same.begin(), same.end());
-  cut.folder = capture.dir.path();
-  const test::ProcessResult by_cut = test::run_process(cut);
+  const test::ProcessResult by_cut =
+      test::run_tool(test::joined({"ngs", "cut", "my scene", "-o", "cut"}, same), capture.dir.path());
   INFO(by_cut.err);
   REQUIRE(by_cut.exit_code == 0);
   for (const char* name : {"labelled.ply", "object.ply", "background.ply", "masks/v2.png", "metrics.json"}) {
@@ -96,14 +91,9 @@ TEST_CASE("ngs-gs.sh -n prints the steps that ngs cut -n plans for a capture, wi
   const Capture capture;
   const std::vector<std::string> same{"--quality", "draft", "--hold-out", "every:4:2", "-n"};
   fs::rename(capture.dir.path() + "/my scene", capture.dir.path() + "/scene");  // no quotes in the plans
-  std::vector<std::string> script{"scene", "out"};
-  script.insert(script.end(), same.begin(), same.end());
-  const test::ProcessResult by_script = run_script(capture.dir.path(), script);
-  test::ProcessSpec cut;
-  cut.argv = {NGS_TOOL_DIR "/ngs", "cut", "scene", "-o", "out"};
-  cut.argv.insert(cut.argv.end(), same.begin(), same.end());
-  cut.folder = capture.dir.path();
-  const test::ProcessResult by_cut = test::run_process(cut);
+  const test::ProcessResult by_script = run_script(capture.dir.path(), test::joined({"scene", "out"}, same));
+  const test::ProcessResult by_cut =
+      test::run_tool(test::joined({"ngs", "cut", "scene", "-o", "out"}, same), capture.dir.path());
   INFO(by_script.out << by_script.err << by_cut.out << by_cut.err);
   auto planned = plan_of(by_cut.err);
   REQUIRE(planned.size() == 8);

@@ -34,12 +34,10 @@ struct Rig {
   }
   static std::string view(int v) { return "cam" + std::to_string(v / 3) + "/" + std::to_string(v % 3); }
 
-  test::ProcessResult run(std::vector<std::string> argv) const {
-    test::ProcessSpec spec;
+  test::ProcessResult run(test::Words argv) const {
     argv[0] = (argv[0] == "ngs-gs.sh" ? NGS_SOURCE_DIR "/pipelines/" : NGS_TOOL_DIR "/") + argv[0];
-    spec.argv = std::move(argv), spec.folder = dir.path();
-    spec.environment = {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}};
-    return test::run_process(spec);
+    return test::run_process(
+        {.argv = argv, .environment = {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}}, .folder = dir.path()});
   }
   /// The files below a folder, without their extensions.
   std::set<std::string> files(const std::string& folder) const {

@@ -3,7 +3,6 @@
 #include <doctest/doctest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -32,18 +31,13 @@ struct Folder {
   bool has(const std::string& name) const { return fs::exists(path(name)); }
   std::string bytes(const std::string& name) const { return test::read_bytes(path(name)); }
   Json json(const std::string& name) const { return Json::parse(bytes(name), nullptr, false); }
-  test::ProcessResult run(Words words, std::vector<std::pair<std::string, std::string>> environment = {}) const {
-    test::ProcessSpec spec;
-    spec.argv = std::move(words);
-    spec.folder = dir.path();
-    spec.environment = {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "1"}, {"SAMPLE_FLAGS", "--rows 8 --cols 8"}};
-    spec.environment.insert(spec.environment.end(), environment.begin(), environment.end());
-    return test::run_process(spec);
+  test::ProcessResult run(const Words& words, const test::Environment& more = {}) const {
+    const test::Environment own{{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "1"}, {"SAMPLE_FLAGS", "--rows 8 --cols 8"}};
+    return test::run_process({.argv = words, .environment = test::joined(own, more), .folder = dir.path()});
   }
   /// make -f pipelines/FILE WORDS...
   test::ProcessResult make(const std::string& file, Words words) const {
-    words.insert(words.begin(), {"make", "-s", "-f", kPipelines + file});
-    return run(words);
+    return run(test::joined({"make", "-s", "-f", kPipelines + file}, words));
   }
   /// Writes OUT/scene.json and OUT/boundary.ply.
   test::ProcessResult evidence(const std::string& out, const std::string& hold_out) const {
@@ -51,9 +45,8 @@ struct Folder {
   }
   /// The fastest run of ngs-gs.sh, v2 held out.
   Words quick(const std::string& out, Words more = {}) const {
-    Words words{kPipelines + "ngs-gs.sh", "capture", out, "--hold-out", "every:4:2", "--method", "flash", "-q"};
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
+    return test::joined(
+        {kPipelines + "ngs-gs.sh", "capture", out, "--hold-out", "every:4:2", "--method", "flash", "-q"}, more);
   }
 };
 
@@ -67,11 +60,10 @@ TEST_CASE("every user script prints its usage with --help and does nothing else"
         scripts.push_back(folder + name);
   for (const std::string& script : scripts) {
     CAPTURE(script);
-    test::ProcessSpec spec;
-    spec.argv = {std::string(NGS_SOURCE_DIR "/") + script, "--help"};
-    spec.folder = dir.path();
     // A PATH without programs that install or build: an attempt would fail.
-    spec.environment = {{"PATH", dir.path() + "/bin"}};
+    const test::ProcessSpec spec{.argv = {std::string(NGS_SOURCE_DIR "/") + script, "--help"},
+                                 .environment = {{"PATH", dir.path() + "/bin"}},
+                                 .folder = dir.path()};
     fs::create_directories(dir.path() + "/bin");
     for (const char* needed : {"bash", "dirname", "sed", "env"})
       if (!fs::exists(dir.path() + "/bin/" + needed))
@@ -92,10 +84,8 @@ TEST_CASE("an exported CDPATH does not redirect output to another folder") {
   CHECK(result.exit_code == 0);
   CHECK(f.has("out/object.ply"));
   CHECK(fs::is_empty(f.path("elsewhere/out")));
-  test::ProcessSpec relative;
-  relative.argv = {"pipelines/ngs-gs.sh", "--help"};
-  relative.folder = NGS_SOURCE_DIR;
-  relative.environment = {{"CDPATH", "."}};
+  const test::ProcessSpec relative{
+      .argv = {"pipelines/ngs-gs.sh", "--help"}, .environment = {{"CDPATH", "."}}, .folder = NGS_SOURCE_DIR};
   CHECK(test::run_process(relative).exit_code == 0);
   CHECK(test::run_process(relative).err == "");
 }
@@ -118,11 +108,9 @@ TEST_CASE("the printed commands of a dry run give the same files as a run") {
   const test::ProcessResult plan = f.run(f.quick("by hand", {"-n"}));
   REQUIRE(plan.exit_code == 0);
   f.dir.write("plan.sh", plan.out);
-  test::ProcessSpec spec;
-  spec.argv = {"bash", "-e", f.path("plan.sh")};
-  spec.folder = f.dir.path();
-  spec.environment = {{"NGS_THREADS", "1"}, {"PATH", std::string(NGS_TOOL_DIR ":") + std::getenv("PATH")}};
-  const test::ProcessResult by_hand = test::run_process(spec);
+  const test::Environment tools{{"NGS_THREADS", "1"}, {"PATH", std::string(NGS_TOOL_DIR ":") + std::getenv("PATH")}};
+  const test::ProcessResult by_hand =
+      test::run_process({.argv = {"bash", "-e", f.path("plan.sh")}, .environment = tools, .folder = f.dir.path()});
   INFO(by_hand.err);
   CHECK(by_hand.exit_code == 0);
   REQUIRE(f.run(f.quick("out")).exit_code == 0);

@@ -32,13 +32,10 @@ std::size_t leftovers_in(const fs::path& folder) {
   return count;
 }
 
-test::ProcessSpec script(const std::string& name, const std::string& folder, std::vector<std::string> arguments) {
-  test::ProcessSpec spec;
-  spec.argv = {std::string(NGS_SOURCE_DIR "/pipelines/") + name};
-  spec.argv.insert(spec.argv.end(), arguments.begin(), arguments.end());
-  spec.folder = folder;
-  spec.environment = {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "1"}, {"SAMPLE_FLAGS", "--rows 8 --cols 8"}};
-  return spec;
+test::ProcessSpec script(const std::string& name, const std::string& folder, const test::Words& arguments) {
+  return {.argv = test::joined({NGS_SOURCE_DIR "/pipelines/" + name}, arguments),
+          .environment = {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "1"}, {"SAMPLE_FLAGS", "--rows 8 --cols 8"}},
+          .folder = folder};
 }
 
 /// The results of two concurrent processes.

@@ -1,7 +1,6 @@
 // ngs-studio: corrections by hand, several objects, and what happens when Refine or opening fails.
 #include <doctest/doctest.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <map>
 

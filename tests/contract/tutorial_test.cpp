@@ -55,13 +55,10 @@ std::vector<Step> steps_of(const std::string& page) {
 }
 
 test::ProcessResult run_step(const std::string& folder, const std::string& commands) {
-  test::ProcessSpec spec;
-  spec.argv = {"bash", "-euo", "pipefail", "-c", commands};
-  spec.folder = folder;
-  const std::string path = std::getenv("PATH");
-  spec.environment = {
-      {"PATH", NGS_TOOL_DIR ":" NGS_SOURCE_DIR "/pipelines:" + path}, {"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}};
-  return test::run_process(spec);
+  const std::string path = NGS_TOOL_DIR ":" NGS_SOURCE_DIR "/pipelines:" + std::string(std::getenv("PATH"));
+  return test::run_process({.argv = {"bash", "-euo", "pipefail", "-c", commands},
+                            .environment = {{"PATH", path}, {"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}},
+                            .folder = folder});
 }
 
 /// The folder in which the tutorial was run, once for all tests.

@@ -8,7 +8,6 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "ngs/cut/training/joint_trainer.h"
 #include "support/adjoint.h"

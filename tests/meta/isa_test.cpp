@@ -25,9 +25,7 @@ std::vector<std::string> shared_symbols(const std::string& listing, const std::s
 }
 
 void check_object(const char* object, const std::string& pack) {
-  test::ProcessSpec spec;
-  spec.argv = {"/usr/bin/nm", "-C", object};
-  const test::ProcessResult nm = test::run_process(spec);
+  const test::ProcessResult nm = test::run_command({"/usr/bin/nm", "-C", object});
   if (nm.exit_code != 0) return test::skip("no nm");
   CHECK(nm.out.find(pack) != std::string::npos);
   CHECK(test::listed(shared_symbols(nm.out, pack)) == "");

@@ -1,7 +1,6 @@
 // All measurements in tables of README.md and BENCHMARKS.md come from tests/bench/results/, by results_table.py.
 #include <doctest/doctest.h>
 
-#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "support/process.h"
@@ -20,11 +19,8 @@ using Words = std::vector<std::string>;
 const std::string kTop = NGS_SOURCE_DIR;
 
 test::ProcessResult tables(const Words& words, const std::string& input = "") {
-  test::ProcessSpec spec;
-  spec.argv = {"python3", kTop + "/tests/bench/results_table.py"};
-  spec.argv.insert(spec.argv.end(), words.begin(), words.end());
-  spec.input = input;
-  return test::run_process(spec);
+  return test::run_process(
+      {.argv = test::joined({"python3", kTop + "/tests/bench/results_table.py"}, words), .input = input});
 }
 
 // Two methods on two splits; two label columns, so that each method has its own reference line.
@@ -64,10 +60,8 @@ TEST_CASE("every result satisfies its schema") {
 
 TEST_CASE("pages and help have the results of all questions and no other measurements; else results.sh --write") {
   if (test::python_with("json").empty()) return test::skip("no python3");
-  test::ProcessSpec spec;
-  spec.argv = {"bash", kTop + "/tests/bench/results.sh", "--check"};
-  spec.environment = {{"NGS_BIN", NGS_TOOL_DIR}};
-  const test::ProcessResult check = test::run_process(spec);
+  const test::ProcessResult check = test::run_process(
+      {.argv = {"bash", kTop + "/tests/bench/results.sh", "--check"}, .environment = {{"NGS_BIN", NGS_TOOL_DIR}}});
   INFO(check.out << check.err);
   CHECK(check.exit_code == 0);
   const test::TempDir dir;

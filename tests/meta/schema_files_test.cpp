@@ -25,12 +25,9 @@ Words tools() {
   return names;
 }
 
-std::string output_of(Words argv) {
-  argv[0] = NGS_TOOL_DIR "/" + argv[0];
-  test::ProcessSpec spec;
-  spec.argv = std::move(argv);
-  const test::ProcessResult result = test::run_process(spec);
-  INFO(spec.argv[0] << ": " << result.err);
+std::string output_of(const Words& argv) {
+  const test::ProcessResult result = test::run_tool(argv);
+  INFO(argv[0] << ": " << result.err);
   CHECK(result.exit_code == 0);
   return result.out;
 }
@@ -46,9 +43,8 @@ std::vector<Words> commands() {
   return all;
 }
 
-nlohmann::json printed(Words command, const Words& flags) {
-  command.insert(command.end(), flags.begin(), flags.end());
-  return nlohmann::json::parse(output_of(command));
+nlohmann::json printed(const Words& command, const Words& flags) {
+  return nlohmann::json::parse(output_of(test::joined(command, flags)));
 }
 
 }  // namespace

@@ -15,11 +15,8 @@ namespace fs = std::filesystem;
 const fs::path kTree = NGS_SOURCE_DIR;
 
 test::ProcessResult tool_pages(std::vector<std::string> arguments) {
-  test::ProcessSpec spec;
-  spec.argv = {"bash", (kTree / "tests/ci/tool-pages.sh").string()};
-  spec.argv.insert(spec.argv.end(), arguments.begin(), arguments.end());
-  spec.environment = {{"NGS_BIN", NGS_TOOL_DIR}};
-  return test::run_process(spec);
+  return test::run_process({.argv = test::joined({"bash", (kTree / "tests/ci/tool-pages.sh").string()}, arguments),
+                            .environment = {{"NGS_BIN", NGS_TOOL_DIR}}});
 }
 
 }  // namespace
@@ -43,9 +40,7 @@ TEST_CASE("every tool has a page, and the overview of the tools links to it") {
 }
 
 TEST_CASE("ngs lists every tool") {
-  test::ProcessSpec spec;
-  spec.argv = {NGS_TOOL_DIR "/ngs"};
-  const test::ProcessResult list = test::run_process(spec);
+  const test::ProcessResult list = test::run_tool({"ngs"});
   CHECK(list.exit_code == 0);
   for (const fs::directory_entry& entry : fs::directory_iterator(kTree / "tools")) {
     const std::string name = entry.path().filename().string();

@@ -1,5 +1,4 @@
 // Whole runs with the device path, against the CPU: evidence, then the passes of --method ngs.
-#include <algorithm>
 #include <cmath>
 
 #include "ngs/cut/passes/exposure/exposure.h"

@@ -1,8 +1,6 @@
 // Round trips of the PLY reader and writer on random and on real models.
 #include <doctest/doctest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 #include "ngs/core/rng.h"

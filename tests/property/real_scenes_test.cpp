@@ -12,6 +12,7 @@
 #include "ngs/io/image/photo.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/scene/import_scene.h"
+#include "support/error_code.h"
 #include "support/skip.h"
 #include "support/temp_dir.h"
 
@@ -83,13 +84,9 @@ TEST_CASE("a real capture with quaternions in x y z w order fails with a remedy 
   io::ImportRequest request;
   request.capture = {dir.path(), (kScenes / "bird/images").string(), "", false};
   request.model_path = (kScenes / "bird/point_cloud.ply").string();
-  try {
-    checked(request);
-    FAIL("was accepted");
-  } catch (const Error& e) {
-    CHECK(e.code() == ErrorCode::kInconsistent);
-    CHECK(e.remedy() == "it fits if quaternions are stored as x y z w: write them as w x y z");
-  }
+  const Error e = test::thrown_by([&] { checked(request); });
+  CHECK(e.code() == ErrorCode::kInconsistent);
+  CHECK(e.remedy() == "it fits if quaternions are stored as x y z w: write them as w x y z");
 }
 
 }  // namespace ngs

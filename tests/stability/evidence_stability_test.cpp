@@ -2,7 +2,6 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <numeric>
 
 #include "ngs/cut/evidence/variance_stage.h"
 #include "ngs/ops/splat/evidence.h"

@@ -15,16 +15,11 @@ namespace ngs::test {
 
 namespace fs = std::filesystem;
 
-inline ProcessResult run_script(const std::string& folder, std::vector<std::string> arguments,
-                                std::vector<std::pair<std::string, std::string>> environment = {}) {
-  ProcessSpec spec;
-  spec.argv = {NGS_SOURCE_DIR "/pipelines/ngs-gs.sh"};
-  spec.argv.insert(spec.argv.end(), arguments.begin(), arguments.end());
-  spec.folder = folder;
-  spec.environment = std::move(environment);
-  spec.environment.emplace_back("NGS_BIN", NGS_TOOL_DIR);
-  spec.environment.emplace_back("NGS_THREADS", "2");
-  return run_process(spec);
+inline ProcessResult run_script(const std::string& folder, const Words& arguments,
+                                const Environment& environment = {}) {
+  return run_process({.argv = joined({NGS_SOURCE_DIR "/pipelines/ngs-gs.sh"}, arguments),
+                      .environment = joined(environment, {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}}),
+                      .folder = folder});
 }
 
 inline std::map<std::string, fs::file_time_type> times_of(const std::string& folder) {

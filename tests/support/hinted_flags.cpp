@@ -12,15 +12,6 @@
 namespace ngs::test {
 namespace {
 
-using Words = std::vector<std::string>;
-
-Words words_of(const std::string& text) {
-  std::istringstream stream(text);
-  Words words;
-  for (std::string word; stream >> word;) words.push_back(word);
-  return words;
-}
-
 /// The ngs command that begins at words[at]; empty: none.
 Words command_at(const Words& words, std::size_t at) {
   static const std::regex tool("ngs(-[a-z]+)?");
@@ -45,7 +36,7 @@ void add_flags(const Words& said_by, const std::string& text, std::vector<Hinted
   static const std::set<std::string> foreign{"colmap",  "mogrify",      "magick",
                                              "convert", "heif-convert", "splat-transform"};
   static const std::regex flag("[^a-zA-Z-]*(--[a-z][a-z0-9-]*).*");
-  const Words words = words_of(text);
+  const Words words = split(text);
   std::vector<Words> commands{said_by};
   std::vector<std::string> flags;
   bool is_foreign = false;
@@ -106,19 +97,11 @@ bool is_file(const std::string& word) {
 
 /// Flags without a value, as far as hints name them.
 bool is_switch(const std::string& flag) {
-  static const std::set<std::string> switches{"--activated",
-                                              "--all-pieces",
-                                              "--allow-empty",
-                                              "--mask-invert",
-                                              "--no-check-polarity",
-                                              "--no-align-views",
-                                              "--resume",
-                                              "--force",
-                                              "--fast-atomics",
-                                              "--original-world",
-                                              "-w",
-                                              "--dry-run"};
-  return switches.contains(flag) || flag.starts_with("--no-") || flag.find('=') != flag.npos;
+  static const Words switches = split(
+      "--activated --all-pieces --allow-empty --mask-invert --no-check-polarity --no-align-views --resume --force "
+      "--fast-atomics --original-world -w --dry-run");
+  return std::find(switches.begin(), switches.end(), flag) != switches.end() || flag.starts_with("--no-") ||
+         flag.find('=') != flag.npos;
 }
 
 /// The command at words[at] up to the first word of prose; empty: not complete.
@@ -169,7 +152,7 @@ void for_each_hint(const std::string& err, const Use& use) {
 
 std::vector<HintedFlag> hinted_flags(const std::string& err) {
   std::vector<HintedFlag> found;
-  for_each_hint(err, [&](const std::string& tool, const std::string& text) { add_flags(words_of(tool), text, found); });
+  for_each_hint(err, [&](const std::string& tool, const std::string& text) { add_flags(split(tool), text, found); });
   return found;
 }
 

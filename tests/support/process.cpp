@@ -10,6 +10,8 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <iterator>
+#include <sstream>
 #include <stdexcept>
 
 namespace ngs::test {
@@ -124,10 +126,17 @@ ProcessResult run_process(const ProcessSpec& spec) {
   return run_within(emulated() || under_wine() ? kEmulatedLimitS : kLimitS, spec);
 }
 
-ProcessResult run_command(std::vector<std::string> argv) {
-  ProcessSpec spec;
-  spec.argv = std::move(argv);
-  return run_process(spec);
+ProcessResult run_command(Words argv) { return run_process({.argv = std::move(argv)}); }
+
+ProcessResult run_tool(Words argv, const std::string& folder, const Environment& more, const std::string& input) {
+  argv[0] = NGS_TOOL_DIR "/" + argv[0];
+  return run_process(
+      {.argv = argv, .environment = joined({{"NGS_THREADS", "2"}}, more), .folder = folder, .input = input});
+}
+
+Words split(const std::string& line) {
+  std::istringstream text(line);
+  return {std::istream_iterator<std::string>(text), {}};
 }
 
 }  // namespace ngs::test

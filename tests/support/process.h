@@ -6,13 +6,25 @@
 
 namespace ngs::test {
 
+using Words = std::vector<std::string>;
+using Environment = std::vector<std::pair<std::string, std::string>>;
+
+/// The words of a command line without quotes.
+Words split(const std::string& line);
+
+template <class T>
+std::vector<T> joined(std::vector<T> first, const std::vector<T>& second) {
+  first.insert(first.end(), second.begin(), second.end());
+  return first;
+}
+
 struct ProcessSpec {
-  std::vector<std::string> argv;
-  std::vector<std::pair<std::string, std::string>> environment;  // added to the test's environment
-  std::string folder;                                            // working directory; empty: the test's
-  std::string input;                                             // stdin
-  int signal = 0;  // sent once stderr holds `signal_after`, or after `signal_after_ms`
-  std::string signal_after;
+  Words argv;
+  Environment environment = {};  // added to the test's environment
+  std::string folder = {};       // working directory; empty: the test's
+  std::string input = {};        // stdin
+  int signal = 0;                // sent once stderr holds `signal_after`, or after `signal_after_ms`
+  std::string signal_after = {};
   int signal_after_ms = -1;
   bool closed_stdout = false;    // stdout is a closed pipe
   bool err_is_terminal = false;  // stderr is a terminal in raw mode
@@ -33,6 +45,9 @@ bool under_wine();
 
 ProcessResult run_process(const ProcessSpec& spec);
 /// The same for a command line only.
-ProcessResult run_command(std::vector<std::string> argv);
+ProcessResult run_command(Words argv);
+/// Runs a built tool on two threads; argv[0] is its name.
+ProcessResult run_tool(Words argv, const std::string& folder = {}, const Environment& more = {},
+                       const std::string& input = {});
 
 }  // namespace ngs::test

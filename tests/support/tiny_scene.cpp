@@ -1,7 +1,6 @@
 #include "support/tiny_scene.h"
 
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>

@@ -17,7 +17,11 @@ void check_instances_options(Run& run, EvalOptions& options, const EvalFileOptio
 /// pq, sq, rq, ap, ap50, ap25; of views also biou.
 std::map<std::string, double> mean_scores(const SceneInstances& scene);
 Outcome instances_outcome(Run& run, const EvalOptions& options, const Pairing& pairing);
-/// The same for the Gaussians of a labelled PLY (gaussian_ids.h), without biou.
+/// Whether a path is that of a model, whose Gaussians are scored instead of id maps.
+bool is_model(const std::string& path);
+/// The same, without biou, for the Gaussians of a labelled PLY by object and by true id: another labelled PLY, or the
+/// bare ids, one byte or two (little-endian) a Gaussian. An object's Gaussians have a label above 1/2, the largest of
+/// all objects. kInconsistent if the numbers of Gaussians differ.
 Outcome gaussians_outcome(const std::string& predicted, const std::string& truth);
 
 }  // namespace ngs::cli

@@ -1,7 +1,6 @@
 // ngs-eval: scores predicted masks against true masks (ops/image/metrics.h).
 #include <optional>
 
-#include "gaussian_ids.h"
 #include "halves.h"
 #include "id_maps.h"
 #include "ngs/io/files/atomic_file.h"

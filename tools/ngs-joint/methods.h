@@ -1,6 +1,5 @@
 #pragma once
 // The methods of ngs-joint, and the options of the baselines.
-#include <functional>
 
 #include "ngs/cut/methods/method_bce.h"
 #include "ngs/cut/methods/method_cob.h"

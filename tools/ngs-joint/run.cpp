@@ -1,6 +1,5 @@
 #include "run.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -8,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "fixed_decisions.h"
+#include "effects.h"
 #include "labelled_result.h"
 #include "memory_plan.h"
 #include "ngs/capture/scene_check.h"

@@ -1,6 +1,5 @@
 #pragma once
 // Segmenters of a view: built-in GrabCut, or a program of the user.
-#include <memory>
 #include <optional>
 #include <string>
 

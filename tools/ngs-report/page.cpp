@@ -1,6 +1,5 @@
 #include "page.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>

@@ -1,8 +1,6 @@
 #pragma once
 // The sections of one run. A section without content is empty.
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include "ngs/backend/exec.h"
 #include "pictures.h"

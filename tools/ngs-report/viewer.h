@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "ngs/ops/image/metrics.h"
 #include "ngs/options/field.h"
 #include "run_folder.h"
 #include "shared/run/run.h"

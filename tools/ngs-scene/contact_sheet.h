@@ -1,7 +1,6 @@
 #pragma once
 // All renders of ngs-scene orbit on one picture, each with the number in its name, to choose those to mark.
 #include <string>
-#include <vector>
 
 #include "ngs/scene/views.h"
 

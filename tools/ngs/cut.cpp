@@ -1,5 +1,3 @@
-#include "cut.h"
-
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
@@ -7,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "commands.h"
 #include "cut_chain.h"
 #include "cut_inputs.h"
 #include "cut_summary.h"

@@ -1,11 +1,10 @@
-#include "info.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 
+#include "commands.h"
 #include "cut_inputs.h"
 #include "ngs/core/formatted.h"
 #include "ngs/core/listed.h"

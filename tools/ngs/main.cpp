@@ -4,9 +4,8 @@
 #include <cstdio>
 #include <cstring>
 
-#include "cut.h"
+#include "commands.h"
 #include "cut_inputs.h"
-#include "info.h"
 #include "ngs/core/error.h"
 #include "shared/cli/dispatch.h"
 #include "shared/cli/exit_code.h"

@@ -1,7 +1,6 @@
 #include "stage_runner.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <limits>
 

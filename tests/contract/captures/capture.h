@@ -61,12 +61,7 @@ class Capture {
   const std::string& folder() const { return folder_; }
 
   /// Runs a tool in the folder that holds the capture.
-  ProcessResult run(std::vector<std::string> argv) const {
-    ProcessSpec spec;
-    argv[0] = std::string(NGS_TOOL_DIR "/") + argv[0];
-    spec.argv = std::move(argv), spec.folder = dir.path(), spec.environment = {{"NGS_THREADS", "2"}};
-    return run_process(spec);
-  }
+  ProcessResult run(const Words& argv) const { return run_tool(argv, dir.path()); }
   ProcessResult import() const { return run({"ngs-scene", "import", "./" + folder_, "-o", "s.json", "-w"}); }
   /// The scene.json that import wrote.
   nlohmann::json scene() const { return nlohmann::json::parse(read_bytes(dir.path() + "/s.json")); }

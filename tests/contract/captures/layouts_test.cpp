@@ -359,11 +359,8 @@ TEST_CASE("the vertical axis in a comment is the upward axis of --drop-below-pla
 
 TEST_CASE("tools work without a folder for temporary files at TMPDIR") {
   const Capture capture;
-  test::ProcessSpec spec;
-  spec.argv = {NGS_TOOL_DIR "/ngs", "cut", "c", "-o", "out", "--quality", "draft"};
-  spec.folder = capture.dir.path();
-  spec.environment = {{"NGS_THREADS", "2"}, {"TMPDIR", capture.path("absent")}};
-  const test::ProcessResult result = test::run_process(spec);
+  const test::ProcessResult result = test::run_tool(test::split("ngs cut c -o out --quality draft"), capture.dir.path(),
+                                                    {{"TMPDIR", capture.path("absent")}});
   CAPTURE(result.err);
   CHECK(result.exit_code == 0);
 }

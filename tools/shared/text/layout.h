@@ -2,7 +2,6 @@
 // Wraps texts to the width of a terminal, with hanging indents.
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace ngs::cli {
 
