@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <set>
 
+#include "ngs/core/error.h"
 #include "ngs/core/folded_name.h"
 #include "ngs/io/files/folder_index.h"
 #include "ngs/io/files/regular_file.h"
