@@ -5,7 +5,7 @@
 #   tests/bench/results.sh --list             all questions with their measuring time and topic
 #   tests/bench/results.sh --table QUESTION   prints its table
 #   tests/bench/results.sh no-harm            a gate: prints its table; exit code 1 if the default scores below the closed form
-#   tests/bench/results.sh alone halves       questions that `all` leaves out; their results may be of other commits
+#   tests/bench/results.sh alone halves instances   questions that `all` leaves out, of any commit
 #   tests/bench/results.sh --write            updates the tables of BENCHMARKS.md, README.md and ngs-joint --help
 #   tests/bench/results.sh --check            prints what --write would change; exit code 1 if anything differs, or if
 #                                             questions, results and the pages' tables do not belong together
@@ -27,7 +27,7 @@ shopt -s inherit_errexit
 
 results=$top/tests/bench/results
 questions=(captures removed museum masks recipes qualities effects ablation times kernels stability goals)
-separate=(alone halves)  # long, without times: before finish or fill change
+separate=(alone halves instances)  # before finish, fill or ngs-group change
 gates=(no-harm)          # before a default changes: result in build/results, table on stdout
 for question in "${questions[@]}" "${separate[@]}" "${gates[@]}"; do
   # shellcheck disable=SC1090

@@ -18,6 +18,7 @@ Fields of a line are separated by tabs; a row is a single run:
                                       ratio refer to the first line with the same labels but the last
   row    KEY=VALUE...                 VALUE is a number if a non-label column shows KEY; rounded to 7 digits
          scores=FILE, halves=FILE     adds the scores of a metrics.json of ngs-eval, with --halves
+         instances=FILE               adds the scores and counts of ngs-eval --instances
          times=FILE                   adds wall_s, cpu_s and peak_mib of a tool's report
   rows   benchmark|stability FILE     a row per kernel of google-benchmark's medians or of stability.json
 """
@@ -73,6 +74,11 @@ def read_result(path):
 def scores_of(path):
     mean = load(path)["mean"]
     return {key: rounded(mean[key]) for key in ("iou", "biou", "biou_005")}
+
+
+def instances_of(path):
+    file = load(path)
+    return {key: rounded(value) for group in ("mean", "counts") for key, value in file[group].items()}
 
 
 def times_of(path):
@@ -154,7 +160,7 @@ def column_of(words):
 
 
 def row_of(words, columns):
-    readers = {"scores": scores_of, "halves": halves_of, "times": times_of}
+    readers = {"scores": scores_of, "halves": halves_of, "instances": instances_of, "times": times_of}
     numeric = {column["key"] for column in columns if column["show"] != "label"}
     row = {}
     for key, value in map(pair, words):

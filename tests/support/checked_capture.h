@@ -6,6 +6,7 @@
 
 #include "ngs/capture/scene_check.h"
 #include "ngs/core/error.h"
+#include "support/error_code.h"
 #include "support/tiny_scene.h"
 
 namespace ngs::test {
@@ -62,18 +63,6 @@ inline Capture shrunk(double factor) {
   for (float& x : capture.cloud.position) x *= float(factor);
   for (float& s : capture.cloud.log_scale) s += float(std::log(factor));
   return capture;
-}
-
-/// {code, message, remedy} of what `body` throws.
-template <class Body>
-Error thrown_by(const Body& body) {
-  try {
-    body();
-  } catch (const Error& e) {
-    return e;
-  }
-  FAIL("nothing was thrown");
-  return Error(ErrorCode::kUsage, "");
 }
 
 }  // namespace ngs::test

@@ -6,15 +6,17 @@
 
 namespace ngs::test {
 
-/// The code of the Error that body() throws; fails the test if it throws none.
-ErrorCode code_of(const auto& body) {
+/// The Error that body() throws; fails the test if it throws none.
+Error thrown_by(const auto& body) {
   try {
     body();
   } catch (const Error& e) {
-    return e.code();
+    return e;
   }
   FAIL("nothing was thrown");
-  return ErrorCode::kNumeric;
+  return Error(ErrorCode::kNumeric, "");
 }
+
+ErrorCode code_of(const auto& body) { return thrown_by(body).code(); }
 
 }  // namespace ngs::test

@@ -37,10 +37,12 @@ void warn_about_enlarged(Run& run, const std::vector<PairScore>& scores) {
 }
 
 void warn_about_conventions(Run& run, const std::vector<PairScore>& scores) {
-  int both_empty = 0, one_empty = 0, zero_one = 0, other_shape = 0, usual_void = 0;
+  constexpr double kExchanged = 0.05;  // accuracy
+  int both_empty = 0, one_empty = 0, zero_one = 0, other_shape = 0, usual_void = 0, exchanged = 0;
   for (const PairScore& pair : scores) {
     both_empty += pair.scores.both_empty;
     one_empty += pair.scores.one_empty;
+    exchanged += pair.scores.accuracy < kExchanged;
     zero_one += pair.predicted_zero_one || pair.truth_zero_one;
     other_shape += is_other_shape(pair);
     usual_void += pair.truth_has_usual_void;
@@ -51,6 +53,7 @@ void warn_about_conventions(Run& run, const std::vector<PairScore>& scores) {
   };
   warn(both_empty, "have two empty masks: scored 1");
   warn(one_empty, "have exactly one empty mask: overlap and contour scored 0");
+  warn(exchanged, "agree in less than 5 % of the pixels: black and white look exchanged in one of them");
   warn(zero_one, "have a mask of zeros and ones: read as 0/255");
   warn(usual_void,
        "have a true label map with 255 and other ids: if 255 marks pixels without a label, add --void-id 255");

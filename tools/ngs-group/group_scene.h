@@ -14,7 +14,7 @@ struct SourceOptions {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.without_masks,
-          Flag{"without_masks", "Use no masks: objects are what stands on the floor and on furniture"});
+          Flag{"without_masks", "Use no masks: objects are what shape and colours set apart in the splat"});
   }
 };
 

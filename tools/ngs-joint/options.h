@@ -23,8 +23,7 @@ struct MethodChoice {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.method,
-          Choice<Method>{"method", "Method that computes the labels (--method M --help: its options)", kMethodNames});
+    visit(self.method, Choice<Method>{"method", "How to label", kMethodNames});
     visit(self.quality, Choice<Quality>{"quality", "How long to train", kQualityNames});
     visit(self.objects, Text{"object", "NAME", "Use only this object of the scene"});
     visit(self.effect, Text{"effect", "NAME=auto|on|off", "Switch a pass or a part of one, or all=... of them"});

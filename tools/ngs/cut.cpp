@@ -12,6 +12,7 @@
 #include "cut_summary.h"
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
+#include "ngs/io/files/folder_index.h"
 #include "ngs/io/files/shell_word.h"
 #include "ngs/io/formats/write_splat.h"
 #include "ngs/io/scene/scene_json.h"
@@ -87,6 +88,7 @@ std::string default_folder(const std::string& source) {
 /// Throws kUsage if the folder has files that are not from an earlier run.
 void require_own_folder(const std::string& folder, bool overwrite) {
   std::error_code absent;
+  io::require_readable_folder(folder);
   if (!fs::exists(folder, absent) || fs::is_empty(folder, absent) || fs::exists(fs::path(folder) / kMarker, absent))
     return;
   if (!overwrite)
@@ -217,7 +219,10 @@ int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
   if (!options.collider.empty()) mesh::collider_choice(options.collider);
   if (!options.mesh) run.warn_unused({"--collider"}, "without --mesh");
   if (options.all) {
-    check_all(inputs);
+    if (!inputs.strokes.empty())
+      throw Error(ErrorCode::kUsage,
+                  "--all with --strokes: strokes mark one object, expected masks of everything or none",
+                  "leave out one of the two");
     run.warn_unused({"--mesh", "--format", "--fill", "--all-pieces", "--force", "--view", "--gt"}, "with --all");
   }
   if (options.method == CutMethod::kFlash && !options.all)
@@ -281,6 +286,7 @@ int cut_command(int argc, char** argv) {
   cli::Tool tool("ngs cut", "Cut an object out of a splat, a capture or a scene: the whole chain in one command.",
                  {"ngs cut statue.ply                      # renders it and explains how to mark the object",
                   "ngs cut statue.ply --strokes strokes.json", "ngs cut captures/garden --hold-out every:8:0 -o garden",
+                  "ngs cut room.ply --all                   # every object of a room",
                   "ngs cut captures/room --all --masks captures/room/masks_all"});
   CutOptions options;
   CaptureOptions of_capture;

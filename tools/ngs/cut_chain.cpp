@@ -61,12 +61,16 @@ CutEnd CutChain::run() {
   return CutEnd::kDone;
 }
 
-/// Call it again if the strokes or a fact become known. Until the capture is imported, it is expected to have masks.
+/// Call it again if the strokes or a fact become known. Until the capture is imported, it is expected to have masks;
+/// but those that are found in it are of one object, so --all does not use them.
 void CutChain::plan() {
   facts_.marked = marked();
-  facts_.has_masks = !inputs_.masks.empty();
-  if (inputs_.kind == SourceKind::kScene) facts_.has_masks |= has_masks(io::read_scene_json(inputs_.source));
-  if (inputs_.kind == SourceKind::kCapture)
+  facts_.has_masks = !(options_.all ? inputs_.given_masks : inputs_.masks).empty();
+  if (inputs_.kind == SourceKind::kScene) {
+    const Scene scene = io::read_scene_json(inputs_.source);
+    facts_.has_masks |= has_masks(scene) && (!options_.all || scene.mask_mode == MaskMode::kLabel);
+  }
+  if (inputs_.kind == SourceKind::kCapture && !options_.all)
     facts_.has_masks |= !imported_ || has_masks(io::read_scene_json(plain_scene()));
   stages_.plan(planned_steps(options_, inputs_, facts_));
 }

@@ -86,21 +86,4 @@ void require_model_in(const std::string& path) {
                                         io::shell_word(path) + " -o scene.json, then ngs-fit scene.json -o model.ply");
 }
 
-void check_all(const CutInputs& inputs) {
-  const auto refuse = [](const std::string& what, const std::string& remedy) {
-    throw Error(ErrorCode::kUsage, what, remedy);
-  };
-  const std::string remedy =
-      "let an automatic segmenter write id maps of all photos, one per view and named like it, and give their folder: "
-      "--masks DIR";
-  if (!inputs.strokes.empty())
-    refuse("--all with --strokes: strokes mark one object, expected masks of everything", remedy);
-  if (inputs.kind == SourceKind::kSplat)
-    refuse(inputs.source + ": --all with a splat alone, expected cameras and masks of everything",
-           "make pictures of it and a scene with ngs-scene orbit; then " + remedy);
-  const bool has_masks = !inputs.masks.empty() || (inputs.kind == SourceKind::kScene &&
-                                                   io::read_scene_json(inputs.source).mask_mode == MaskMode::kLabel);
-  if (!has_masks) refuse("--all without --masks: expected masks of everything", remedy);
-}
-
 }  // namespace ngs::ngs_tool

@@ -51,9 +51,6 @@ bool exists(const std::string& path);
 /// Throws kBadInput, with a list of the files found, if the capture has no splat.
 void require_model_in(const std::string& path);
 
-/// Throws kUsage if --all has no cameras or no masks of everything.
-void check_all(const CutInputs& inputs);
-
 // The options of ngs cut.
 enum class CutMethod { kNgs, kFlash };
 inline constexpr NamedValue<CutMethod> kCutMethods[] = {{CutMethod::kNgs, "ngs"}, {CutMethod::kFlash, "flash"}};
@@ -82,8 +79,8 @@ struct CutOptions {
           Choice<CutMethod>{"method", "ngs: train with ngs-joint; flash: labels in seconds, splats only", kCutMethods});
     visit(self.quality, Choice<Quality>{"quality", "How long ngs-joint trains", kQualityNames});
     visit(self.all, Flag{"all",
-                         "Cut out every object: --masks has masks of everything, whose ids differ between the views; "
-                         "labels are the closed form unless --quality is given"});
+                         "Cut out every object: by masks of everything in --masks, whose ids differ between the views, "
+                         "else by the shape of the splat; labels are the closed form unless --quality is given"});
     visit(self.keep, Flag{"keep", "Keep intermediate files: boundary.ply and the training trace"});
     visit(self.all_pieces, Flag{"all_pieces", "Keep components of the object that no stroke touches"});
     visit(self.force, Flag{"force", "Train even if the result contradicts a stroke"});

@@ -126,14 +126,16 @@ class Planner {
                         {"--images", inputs_.images},
                         {"--world-transform", inputs_.world_transform}});
     if (facts_.marked || all_) words.emplace_back("--no-check-polarity");  // not used, or ids of no object
-    if (all_) words.insert(words.end(), {"--mask-mode", "label", "--object-id", "everything=1"});
+    if (all_ && facts_.has_masks) words.insert(words.end(), {"--mask-mode", "label", "--object-id", "everything=1"});
     words.insert(words.end(), inputs_.import_words.begin(), inputs_.import_words.end());
     return words;
   }
 
   Words group() const {  // of a capture, masks are those of its import
-    return with({"ngs-group", scene_, "-o", at("groups")},
-                {{"--masks", inputs_.kind == SourceKind::kScene ? inputs_.masks : ""}});
+    Words words = with({"ngs-group", scene_, "-o", at("groups")},
+                       {{"--masks", inputs_.kind == SourceKind::kCapture ? "" : inputs_.masks}});
+    if (!facts_.has_masks) words.emplace_back("--without-masks");
+    return words;
   }
 
   Words variance() const {  // masks from strokes are checked against the strokes instead

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "ngs/core/formatted.h"
+#include "ngs/core/listed.h"
 #include "ngs/io/files/json_file.h"
 #include "ngs/io/scene/scene_json.h"
 #include "shared/run/child_process.h"
@@ -158,6 +159,15 @@ void add_objects(std::string& text, const CutChain& chain) {
                                         chain.at("object-" + name + ".ply")}));
 }
 
+/// Views from whose masks the object was not cut, though the others have some; empty with strokes.
+std::vector<std::string> views_without_mask(const CutChain& chain) {
+  std::vector<std::string> names;
+  if (!chain.inputs().strokes.empty()) return names;
+  for (const SceneView& view : io::read_scene_json(chain.at("scene.json")).views)
+    if (view.mask_path.empty()) names.push_back(view.camera.name);
+  return names;
+}
+
 }  // namespace
 
 std::string summary_of(const CutChain& chain) {
@@ -170,6 +180,8 @@ std::string summary_of(const CutChain& chain) {
   add_mending(text, chain);
   if (chain.writes_mesh()) row(text, "mesh", chain.at("mesh.glb") + collider_words(chain));
   row(text, "masks", chain.at("masks") + "/");
+  if (const std::vector<std::string> unused = views_without_mask(chain); !unused.empty())
+    row(text, "left out", "no mask is used of " + std::to_string(unused.size()) + " views: " + listed(unused, 4));
   row(text, "page", chain.at("report.html"));
   if (exists(chain.at("object.html"))) row(text, "3D", chain.at("object.html"));
   if (chain.flash())
@@ -308,6 +320,7 @@ Json summary_json(const CutChain& chain) {
             {"not_scored", chain.not_scored()},
             {"kept_untrained", chain.kept_untrained()},
             {"reused_pictures", chain.reused_orbit()},
+            {"views_without_mask", views_without_mask(chain)},
             {"stage_warnings", chain.stages().warnings()}};
   json["page"] = chain.at("report.html");
   if (chain.writes_mesh()) json["mesh"] = chain.at("mesh.glb");

@@ -145,9 +145,8 @@ std::string objects_page(const Scene& scene, const Json& objects, const std::str
   }
   const std::string known = cli::scene_title(scene), title = known.empty() ? "Scene" : known;
   const Json& doubtful = objects.at("doubtful");
-  return cli::page_start(
-             title + " – objects", title,
-             std::to_string(ordered.size()) + " objects from masks of everything. Cards: least certain first.") +
+  return cli::page_start(title + " – objects", title,
+                         std::to_string(ordered.size()) + " objects. Cards: least certain first.") +
          "<div class=\"sheet wide\">" + rooms + "</div>" +
          cli::section("objects", "Objects", "<div class=\"sheet small\">" + cards + "</div>") +
          (doubtful.empty() ? ""

@@ -14,7 +14,7 @@ namespace ngs {
 namespace {
 
 constexpr std::size_t kMaxLabelling = 32, kMaxCompared = 8;  // views
-constexpr double kMinOfUsual = 0.25;
+constexpr double kMinOfUsual = 0.25, kMinOfFull = 0.5;
 
 /// Pixel counts of a view, over pixels with a known mask.
 struct PixelCounts {
@@ -56,8 +56,8 @@ PixelCounts count_pixels(const ImageF& shown, const ViewMasks& masks) {
 }  // namespace
 
 EmptyMasks check_empty_masks(const Exec& exec, Monitor& monitor, const EmptyMaskInputs& in) {
-  EmptyMasks result{in.empty, {}, 1};
-  if (in.empty.empty() || in.others.empty()) return result;
+  EmptyMasks result{in.plain, {}, 1};
+  if (in.plain.empty() || in.others.empty()) return result;
   const auto timed = monitor.scope("empty masks");
   const std::vector<std::size_t> labelling = spread_views(in.others, kMaxLabelling);
   const SplatOptions splat = prepared_for(exec, splat_options({}, in.cloud, in.scene), in.cloud);
@@ -76,9 +76,10 @@ EmptyMasks check_empty_masks(const Exec& exec, Monitor& monitor, const EmptyMask
   result.agreement = either > 0 ? both / either : 0;
   if (result.agreement < kMinMaskAgreement) return result;
   const double least = kMinOfUsual * upper_median(usual);
-  for_each_view(&monitor, in.empty, [&](std::size_t, std::size_t view) {
+  for_each_view(&monitor, in.plain, [&](std::size_t, std::size_t view) {
     const PixelCounts counts = count(view);
-    if (counts.share_of(counts.shown) > least) result.contradicted.push_back(view);
+    const double shown = counts.share_of(counts.shown);
+    if (counts.mask > 0 ? shown < kMinOfFull : shown > least) result.contradicted.push_back(view);
   });
   return result;
 }

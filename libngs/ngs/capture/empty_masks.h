@@ -1,11 +1,12 @@
 #pragma once
-// Checks empty masks: is the object absent from these views, or did the tool that made the masks lose it?
+// Checks empty and full masks: is the object absent from these views, or did the tool that made the masks lose it? Does
+// it fill the picture, or is the file no mask?
 //
 // The masks that are not empty label the Gaussians visible in their views (closed form,
 // cut/evidence/variance_stage.h); an unseen Gaussian gets the label of the nearest seen one. The labels are rendered
-// in the views with an empty mask, with occlusion. A mask is contradicted if the rendered object covers more than a
-// quarter of its usual area. Limit: background that the other views show only through the object, such as the wall
-// behind it, is labelled as object.
+// in the views with such a mask, with occlusion. An empty mask is contradicted if the rendered object covers more than
+// a quarter of its usual area, a full one if it covers less than half of the picture. Limit: background that the other
+// views show only through the object, such as the wall behind it, is labelled as object.
 #include "ngs/capture/scene_findings.h"
 #include "ngs/core/monitor.h"
 #include "ngs/cut/evidence/variance_stage.h"
@@ -18,7 +19,7 @@ inline constexpr double kMinMaskAgreement = 0.5;  // IoU
 struct EmptyMaskInputs {
   const GaussianCloud& cloud;
   const Scene& scene;
-  std::vector<std::size_t> empty, others;  // indices of scene.views, each with a mask
+  std::vector<std::size_t> plain, others;  // indices of scene.views, each with a mask; plain: empty or full
   MaskLoader load_masks;
 };
 

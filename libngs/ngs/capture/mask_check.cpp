@@ -66,7 +66,8 @@ class Notes {
   std::map<std::string, Entry> by_text_;
 };
 
-void check_coverage(const std::string& name, const ObjectCheck& object, std::vector<std::string>& warnings) {
+void check_coverage(const std::string& name, const ObjectCheck& object, MaskMode mode,
+                    std::vector<std::string>& warnings) {
   const std::string prefix = "object " + name + ": ";
   const std::string all =
       object.views == 1 ? "its only mask is " : "all its " + std::to_string(object.views) + " masks are ";
@@ -75,7 +76,9 @@ void check_coverage(const std::string& name, const ObjectCheck& object, std::vec
                 "wrong --object-id, --mask-threshold or polarity (--mask-invert)? Maps of ids need --mask-mode label");
   if (object.views > 0 && object.full == object.views)
     throw Error(ErrorCode::kInconsistent, prefix + all + "full, expected background in some",
-                "wrong --mask-threshold or polarity (--mask-invert)?");
+                mode == MaskMode::kBands
+                    ? "--mask-mode bands reads black as unknown: leave it out for masks in black and white"
+                    : "wrong --mask-threshold or polarity (--mask-invert)?");
   if (object.full > 0)
     warnings.push_back(prefix + std::to_string(object.full) + " of " + std::to_string(object.views) +
                        " masks are full");
@@ -120,7 +123,7 @@ void check_masks(Monitor& monitor, const MaskCheckInputs& in, SceneCheck& result
   for (std::size_t k = 0; k < scene.objects.size(); ++k) {
     ObjectCheck& object = result.objects[k];
     if (object.views > 0) object.mean_coverage /= object.views, object.border /= object.views;
-    check_coverage(scene.objects[k].name, object, result.warnings);
+    check_coverage(scene.objects[k].name, object, scene.mask_mode, result.warnings);
     check_polarity(scene, k, refuses_inverted, result);
   }
 }

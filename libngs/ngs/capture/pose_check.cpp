@@ -139,6 +139,17 @@ Camera transposed_rotation(Camera c) {  // R is transposed, t is correct
   return c;
 }
 
+/// Of photos that were turned by 180 degrees, or mirrored, if only x is negated.
+Camera negated_axes(Camera c, bool negates_y) {
+  for (int i = 0; i < (negates_y ? 6 : 3); ++i) c.rotation.m[i] = -c.rotation.m[i];
+  c.translation.x = -c.translation.x;
+  c.cx = c.width_px - c.cx;
+  if (!negates_y) return c;
+  c.translation.y = -c.translation.y;
+  c.cy = c.height_px - c.cy;
+  return c;
+}
+
 /// The model's world is the cameras' world with axes m: x_cameras = m x_model.
 Camera in_world(Camera c, const Mat3<double>& m) {
   c.rotation = c.rotation * m;
@@ -175,7 +186,11 @@ const std::vector<PoseRepair>& pose_repairs() {
       {"the model's z points up where the cameras' y points down", "rotate it back, or import with --world-transform",
        [](Camera c) {
          return in_world(std::move(c), {{1, 0, 0, 0, 0, -1, 0, 1, 0}});
-       }}};
+       }},
+      {"the photos are turned by 180 degrees", "turn them back: mogrify -rotate 180 (ngs ignores EXIF orientation)",
+       [](Camera c) { return negated_axes(std::move(c), true); }},
+      {"the photos are mirrored", "mirror them back: mogrify -flop",
+       [](Camera c) { return negated_axes(std::move(c), false); }}};
   return repairs;
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "ngs/backend/for_each.h"
 #include "ngs/capture/empty_masks.h"
@@ -221,6 +220,28 @@ class PhotoCheck {
     return best;
   }
 
+  /// Photos of other views, or with other channels, that the model explains; empty: none.
+  std::string repair_of_photos(const std::vector<Shot>& shots) const {
+    const std::ptrdiff_t count = std::ssize(scene_.views);
+    for (const std::ptrdiff_t step : {1, -1}) {
+      std::vector<Shot> moved;
+      for (const Shot& shot : shots) {
+        const Camera& other = scene_.views[std::size_t((std::ptrdiff_t(shot.view) + step + count) % count)].camera;
+        const int factor = std::max(1, other.width_px / shot.photo.width_px);
+        if (other.width_px / factor == shot.photo.width_px && other.height_px / factor == shot.photo.height_px)
+          moved.push_back({shot.view, shrunk(other, factor), shot.photo});
+      }
+      if (!moved.empty() && median_gain(moved, nullptr) >= options_.min_fit_db)
+        return std::string("the photos are those of the ") + (step > 0 ? "next" : "previous") +
+               " views: their names are shifted by one against the cameras, rename them";
+    }
+    std::vector<Shot> exchanged = shots;
+    for (Shot& shot : exchanged)
+      for (std::size_t i = 0; i < shot.photo.data.size(); i += 3) std::swap(shot.photo.data[i], shot.photo.data[i + 2]);
+    if (median_gain(exchanged, nullptr) < options_.min_fit_db) return {};
+    return "it fits if red and blue of the photos are exchanged: save them again as RGB";
+  }
+
   /// The median gain after a gain and an offset per channel. `views` contains the matches of the shots.
   double median_recoloured_gain(const std::vector<Shot>& shots, const std::vector<ViewCheck>& views) const {
     std::vector<double> gains;
@@ -235,13 +256,18 @@ class PhotoCheck {
   }
 
   /// Hint for a model that does not fit the photos.
-  std::string remedy(const std::vector<Shot>& shots, const std::vector<ViewCheck>& views) {
+  std::string remedy(const std::vector<Shot>& shots, const SceneCheck& result) {
+    constexpr double kPlain_db = 60;  // of a constant colour; photos have 10 to 30
+    const std::vector<ViewCheck>& views = result.views;
     std::string fits;
     for (const bool small : {false, true})
       if (std::ranges::any_of(
               tried_, [&](const Renderer& r) { return r.is_small() == small && r.gain_db >= options_.min_fit_db; }))
         fits += std::string(fits.empty() ? "it fits " : ", or ") + (small ? kSmallWorldRemedy : kGsplatRemedy);
     if (!fits.empty()) return fits;
+    if (result.median_psnr_db - result.median_fit_db > kPlain_db)
+      return "the photos have one colour each: give those that the cameras and the model were made from";
+    if (const std::string other = repair_of_photos(shots); !other.empty()) return other;
     if (const PoseRepair* repair = find_repair(shots)) return "it fits if " + repair->mistake + ": " + repair->remedy;
     if (const double recoloured_db = median_recoloured_gain(shots, views); recoloured_db >= options_.min_fit_db)
       return "the poses fit, the colours do not: with a gain and an offset per channel it is " +
@@ -257,7 +283,7 @@ class PhotoCheck {
                 "cameras and model: rendered views match the photos " + decibels(result.median_psnr_db) + ", " +
                     decibels(result.median_fit_db) + " above a constant colour (" + percent(result.median_inside) +
                     " of the Gaussians in view), expected at least " + decibels(options_.min_fit_db) + " above it",
-                remedy(shots, result.views));
+                remedy(shots, result));
   }
 
   const Exec& exec_;
@@ -317,30 +343,36 @@ void check_cloud(const Exec& exec, Monitor& monitor, const SceneCheckOptions& op
   }
 }
 
-/// Checks empty masks against the other masks, unless a missing mask means an empty one (MissingMask::kEmpty).
+/// Checks empty and full masks against the others, unless a missing mask means an empty one (MissingMask::kEmpty).
 void find_empty_masks(const Exec& exec, Monitor& monitor, const SceneCheckInputs& in, SceneCheck& result) {
-  std::vector<std::size_t> empty, others;
+  std::vector<std::size_t> plain, others;
   for (std::size_t v = 0; v < result.views.size(); ++v) {
     const std::optional<MaskCheck>& masks = result.views[v].masks;
     if (!masks || !(masks->known > 0)) continue;
     const bool is_empty = std::ranges::all_of(masks->coverage, [](double share) { return share == 0; });
-    (is_empty ? empty : others).push_back(v);
+    const bool is_full = std::ranges::any_of(masks->coverage, [](double share) { return share == 1; });
+    (is_empty || is_full ? plain : others).push_back(v);
   }
-  result.empty_masks.views = empty;
+  result.empty_masks.views = plain;
   if (in.cloud == nullptr || in.scene.missing_mask == MissingMask::kEmpty) return;
   Scene scene = in.scene;
   scene.compat = result.compat, scene.world_unit = result.world_unit;
   result.empty_masks = check_empty_masks(
-      exec, monitor, {*in.cloud, scene, empty, others, [&](std::size_t view) { return in.loaders.masks(view).masks; }});
+      exec, monitor, {*in.cloud, scene, plain, others, [&](std::size_t view) { return in.loaders.masks(view).masks; }});
   const std::vector<std::size_t>& wrong = result.empty_masks.contradicted;
-  const std::string of_all = " of " + std::to_string(empty.size() + others.size()) + " masks are empty";
+  const std::string of_all = " of " + std::to_string(plain.size() + others.size()) + " masks are ";
+  const auto full = std::ranges::count_if(wrong, [&](std::size_t v) {
+    return std::ranges::any_of(result.views[v].masks->coverage, [](double share) { return share == 1; });
+  });
+  const char* kind = full == 0              ? "empty where the other masks show the object ("
+                     : full == ssize(wrong) ? "full where the other masks show background ("
+                                            : "empty or full where the other masks are not (";
   if (!wrong.empty())
-    result.warnings.push_back(std::to_string(wrong.size()) + of_all + " where the other masks show the object (" +
-                              some_names(in.scene, wrong) +
+    result.warnings.push_back(std::to_string(wrong.size()) + of_all + kind + some_names(in.scene, wrong) +
                               "): probably the tool that made them lost it; import treats such views as views without "
                               "a mask, --missing-mask empty keeps the masks unchanged");
   else if (result.empty_masks.agreement < kMinMaskAgreement)
-    result.warnings.push_back(std::to_string(empty.size()) + of_all + " (" + some_names(in.scene, empty) +
+    result.warnings.push_back(std::to_string(plain.size()) + of_all + "empty or full (" + some_names(in.scene, plain) +
                               "), and the others agree too little to decide whether the object is there; view them: "
                               "ngs-scene check SCENE --sheet masks.html");
 }

@@ -40,7 +40,7 @@ struct ObjectCheck {
   double border = 0;  // mean covered fraction of the image's border: high for inverted masks
 };
 
-/// Views whose masks are empty for all objects (capture/empty_masks.h).
+/// Views whose masks are empty for all objects, or full for one (capture/empty_masks.h).
 struct EmptyMasks {
   std::vector<std::size_t> views;
   std::vector<std::size_t> contradicted;  // of these: the other masks show an object there

@@ -1,6 +1,5 @@
 #include "ngs/capture/undistort.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "ngs/backend/for_each.h"

@@ -13,7 +13,8 @@ struct FileBytes {
   std::vector<std::uint8_t> read;
 };
 
-/// 0, or the errno that tells why the file cannot be read (EISDIR: it is a folder).
+/// 0, or the errno that tells why the file cannot be read (EISDIR: it is a folder; EPIPE: a named pipe into which no
+/// program writes, after 10 s).
 int load_file(const std::string& path, FileBytes& bytes);
 void unmap_file(const FileBytes& bytes);
 /// Releases the loaded pages of the map; a later access loads them again.

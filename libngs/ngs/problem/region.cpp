@@ -1,6 +1,5 @@
 #include "ngs/problem/region.h"
 
-#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <cstring>

@@ -1,6 +1,8 @@
 #include "ngs/scene/mask_samples.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdlib>
 #include <functional>
 #include <numeric>
 
@@ -23,6 +25,37 @@ void for_each_colour(const MaskSamples& samples, const Visit& visit) {
     for (int c = 0; c < 3; ++c) colour = 16 * colour + std::size_t(rgb[c] >> (samples.bits - 4));
     visit(std::max({rgb[0], rgb[1], rgb[2]}), colour);
   }
+}
+
+/// The widest channel of a picture of two pure colours, such as red on white, whose max(R, G, B) is the same
+/// everywhere; -1: it differs, or there are more colours.
+int channel_of_two_colours(const MaskSamples& samples) {
+  const int full = (1 << samples.bits) - 1;
+  const std::size_t channels = std::size_t(samples.channels), pixels = samples.data.size() / channels;
+  if (channels < 3 || pixels == 0) return -1;
+  const auto value = [&](std::size_t pixel, std::size_t c) {
+    const std::uint16_t* rgb = samples.data.data() + pixel * channels;
+    return c < 3 ? int(rgb[c]) : int(std::max({rgb[0], rgb[1], rgb[2]}));
+  };
+  std::size_t least[4] = {}, most[4] = {};  // pixels
+  for (std::size_t p = 0; p < pixels; ++p)
+    for (std::size_t c = 0; c < 4; ++c) {
+      if (value(p, c) < value(least[c], c)) least[c] = p;
+      if (value(p, c) > value(most[c], c)) most[c] = p;
+    }
+  const auto range = [&](std::size_t c) { return value(most[c], c) - value(least[c], c); };
+  std::size_t widest = range(1) > range(0) ? 1 : 0;
+  if (range(2) > range(widest)) widest = 2;
+  if (range(3) > full / 4 || range(widest) < full / 2) return -1;
+  std::size_t others = 0;
+  for (std::size_t p = 0; p < pixels; ++p) {
+    const auto is_like = [&](std::size_t q) {
+      return std::ranges::all_of(std::array<std::size_t, 3>{0, 1, 2},
+                                 [&](std::size_t c) { return std::abs(value(p, c) - value(q, c)) <= full / 4; });
+    };
+    others += !is_like(least[widest]) && !is_like(most[widest]);
+  }
+  return 20 * others > pixels ? -1 : int(widest);
 }
 
 }  // namespace
@@ -64,10 +97,12 @@ Pictured pictured(const MaskSamples& samples) {
 std::vector<std::uint16_t> decisive_channel(const MaskSamples& samples) {
   const std::size_t channels = std::size_t(samples.channels);
   const bool cut_out = is_cut_out(samples), on_black = pictured(samples) == Pictured::kOnBlack;
+  const int widest = cut_out || on_black ? -1 : channel_of_two_colours(samples);
   std::vector<std::uint16_t> plane(samples.data.size() / channels);
   for (std::size_t i = 0; i < plane.size(); ++i) {
     const std::uint16_t* sample = samples.data.data() + i * channels;
     plane[i] = cut_out ? sample[3] : *std::max_element(sample, sample + std::min<std::size_t>(channels, 3));
+    if (widest >= 0) plane[i] = sample[widest];
     if (on_black) plane[i] = std::uint16_t(is_black(samples, plane[i]) ? 0 : (1 << samples.bits) - 1);
   }
   return plane;

@@ -20,7 +20,8 @@ bool is_grey(const MaskSamples& samples);
 enum class Pictured : std::uint8_t { kMask, kPhoto, kOnBlack };
 Pictured pictured(const MaskSamples& samples);
 /// [H·W] the channel that decides object or background: alpha of a cut-out, else max(R, G, B), so that an object of any
-/// pure colour on black counts; of a picture on black the full value where it is not black.
+/// pure colour on black counts; of a picture on black the full value where it is not black; of two pure colours, such
+/// as red on white, the channel that differs most.
 std::vector<std::uint16_t> decisive_channel(const MaskSamples& samples);
 /// The value that means 1: 255 or 65535. Exceptions: 1 if all decisive samples are 0 or 1 (a saved bool array), and 255
 /// if all decisive samples of a 16-bit file are 0 or 255 (a converted 8-bit mask).

@@ -58,7 +58,7 @@ splits_text() {
 
 # Options of ngs-joint that are newer than the results and whose defaults do not change any output byte. Empty this list
 # after measuring all questions.
-younger_options='hash_smoothstep|field_depth|smooth_form|masks_in_order|mask_shift|min_mask_agreement|instances|mesh|collider'
+younger_options=''
 
 # Hash of the default options of the tools in the chain, in any order.
 hash_of_defaults() {

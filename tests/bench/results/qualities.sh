@@ -1,4 +1,4 @@
-# qualities: gain and cost of each --quality
+# qualities: gain and cost of each --quality, and of the closed form (flash)
 # shellcheck shell=bash disable=SC2154
 question_qualities() {
   title "Bird, average of the splits $(splits_text); two threads"
@@ -10,6 +10,6 @@ question_qualities() {
   bird=$(capture bird)
   for split in $splits; do
     prepare "$split" "$bird" --masks "$bird/masks_sam" --hold-out "$split"
-    methods 'draft standard high reference' "$split" "$bird/masks_gt" run="$split"
+    methods 'flash draft standard high reference' "$split" "$bird/masks_gt" run="$split"
   done
 }

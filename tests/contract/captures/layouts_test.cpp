@@ -5,6 +5,7 @@
 
 #include "contract/captures/capture.h"
 #include "ngs/io/image/image_file.h"
+#include "support/skip.h"
 
 namespace ngs {
 namespace {
@@ -224,6 +225,13 @@ TEST_CASE("masks in another format, links without a file, and objects without a 
   });
   CHECK(contains(some, "0 "));
   CHECK(contains(some, "2 views lack the mask of an object (first: c/masks/plate/v1.png)"));
+  const std::string each = error_of([](const Capture& c) {
+    for (int i = 0; i < test::kCaptureViews; ++i)
+      move(c, "old/v" + std::to_string(i) + ".png",
+           "masks/cup" + std::to_string(i % 2) + "/v" + std::to_string(i) + ".png");
+  });
+  CHECK(contains(each, "4 "));
+  CHECK(contains(each, "every view lacks the mask of an object (first: c/masks/cup1/v0.png)"));
 }
 
 TEST_CASE("ngs cut names the views in which the result disagrees with their masks") {
@@ -245,6 +253,68 @@ TEST_CASE("ngs cut names the views in which the result disagrees with their mask
   CHECK(result.exit_code == 0);
   CHECK(contains(result.err, "the result disagrees with 1 of 6 masks"));
   CHECK(nlohmann::json::parse(result.out)["result"]["mask_agreement"]["apart"] == nlohmann::json{"v0.png"});
+}
+
+TEST_CASE("a view without a mask, or with a mask that is empty or full, is named in the summary of ngs cut") {
+  const auto fill = [](const Capture& capture, std::uint8_t value) {
+    const io::RawMask mask = io::read_mask_raw(capture.path("masks/v3.png"), io::Palette::kMask);
+    ImageU8 plain(mask.width_px, mask.height_px, 1);
+    std::ranges::fill(plain.data, value);
+    fs::remove(capture.path("masks/v3.png"));
+    io::write_png(capture.path("masks/v3.png"), plain);
+  };
+  const std::function<void(const Capture&)> changes[] = {
+      [](const Capture& capture) { fs::remove(capture.path("masks/v3.png")); },
+      [&](const Capture& capture) { fill(capture, 0); }, [&](const Capture& capture) { fill(capture, 255); }};
+  for (const auto& change : changes) {
+    const Capture capture;
+    change(capture);
+    const test::ProcessResult result = capture.run({"ngs", "cut", "c", "-o", "out", "--quality", "draft", "--json"});
+    CAPTURE(result.err);
+    CHECK(result.exit_code == 0);
+    CHECK(contains(result.err, "no mask is used of 1 views: v3.png"));
+    CHECK(nlohmann::json::parse(result.out)["result"]["views_without_mask"] == nlohmann::json{"v3.png"});
+  }
+}
+
+TEST_CASE(
+    "folders without rights, a umask that takes those of the owner, and a pipe without a writer end with a remedy") {
+  if (test::under_wine()) return test::skip("Windows has no such rights and pipes");
+  const Capture capture;
+  const auto run = [&](const std::string& command) {
+    test::ProcessSpec spec;  // root can read everything, unless it gives up that right
+    spec.argv = {
+        "bash", "-c",
+        "if [ \"$(id -u)\" = 0 ]; then as='setpriv --bounding-set=-dac_override,-dac_read_search'; fi; " + command,
+        NGS_TOOL_DIR};
+    spec.folder = capture.dir.path();
+    return test::run_process(spec);
+  };
+  if (run("$as true").exit_code != 0) return test::skip("no setpriv that may give up a right");
+  for (const std::string folder : {"c", "c/sparse", "c/sparse/0", "c/images", "c/masks"})
+    for (const char* mode : {"000", "644"}) {
+      if (folder == "c/sparse" && mode[0] == '6') continue;
+      CAPTURE(folder);
+      CAPTURE(mode);
+      const test::ProcessResult result =
+          run(std::string("chmod ") + mode + " " + folder +
+              "; $as $0/ngs-scene import c -o s.json -w; code=$?; chmod 755 " + folder + "; exit $code");
+      CAPTURE(result.err);
+      CHECK(result.exit_code == 3);
+      CHECK(contains(result.err, folder + ": cannot be read: Permission denied"));
+      CHECK(contains(result.err, "chmod -R u+rX " + folder));
+    }
+  const test::ProcessResult masked = run("umask 777; $as $0/ngs cut c -o out");
+  CHECK(masked.exit_code == 8);
+  CHECK(contains(masked.err, "umask 022"));
+  CHECK(!fs::exists(capture.dir.path() + "/out"));
+  const test::ProcessResult empty = run("mkfifo p.ply; $0/ngs-extract p.ply --largest 1 --object-ply o.ply");
+  CHECK(empty.exit_code == 3);
+  CHECK(contains(empty.err, "p.ply: cannot be read: a pipe that no program writes to"));
+  CHECK(contains(run("$0/ngs cut p.ply").err, "a pipe, which is read only once"));
+  CHECK(
+      run("(sleep 1; cat c/point_cloud.ply > p.ply) & $0/ngs-extract p.ply --largest 1 --object-ply o.ply").exit_code ==
+      0);
 }
 
 TEST_CASE("of a checkpoint of nerfstudio without a splat, the command that exports it is printed") {

@@ -119,6 +119,38 @@ TEST_CASE("photos in other colours than the model's are an error about colours, 
   CHECK(other.check(options).median_fit_db < 3);
 }
 
+TEST_CASE("photos that are turned, mirrored, of the next views, plain or with exchanged channels are named") {
+  const Capture good = tiny_capture();
+  const auto refused = [&](const std::string& hint, const std::function<void(std::vector<ImageF>&)>& spoil) {
+    CAPTURE(hint);
+    Capture bad = good;
+    spoil(bad.photos);
+    const Error error = thrown_by([&] { bad.check({.min_fit_db = 20}); });  // the next view of the ball is much alike
+    CHECK(error.code() == ErrorCode::kInconsistent);
+    CHECK_MESSAGE(error.remedy().find(hint) != std::string::npos, error.remedy());
+  };
+  const auto each = [](const std::function<void(ImageF&, const ImageF&)>& change) {
+    return [change](std::vector<ImageF>& photos) {
+      for (ImageF& photo : photos) change(photo, ImageF(photo));
+    };
+  };
+  refused("the photos are turned by 180 degrees", each([](ImageF& photo, const ImageF& from) {
+            for (std::size_t i = 0; i < from.data.size(); ++i)
+              photo.data[i] = from.data[from.data.size() - 3 - i / 3 * 3 + i % 3];
+          }));
+  refused("the photos are mirrored", each([](ImageF& photo, const ImageF& from) {
+            const std::size_t row = 3 * std::size_t(from.width_px);
+            for (std::size_t i = 0; i < from.data.size(); ++i)
+              photo.data[i] = from.data[i / row * row + row - 3 - i % row / 3 * 3 + i % 3];
+          }));
+  refused("one colour each", each([](ImageF& photo, const ImageF&) { std::ranges::fill(photo.data, 0.f); }));
+  refused("red and blue of the photos are exchanged", each([](ImageF& photo, const ImageF& from) {
+            for (std::size_t i = 0; i < from.data.size(); ++i) photo.data[i] = from.data[i / 3 * 3 + 2 - i % 3];
+          }));
+  refused("those of the next views",
+          [](std::vector<ImageF>& photos) { std::ranges::rotate(photos, photos.begin() + 1); });
+}
+
 TEST_CASE("one photo that does not match is a warning with the name of its view") {
   Capture capture = tiny_capture();
   SceneCheckOptions options;
@@ -212,7 +244,8 @@ TEST_CASE("a ring along the borders is the background of an object that fills mo
   CHECK(thrown_by([&] { capture.check(); }).code() == ErrorCode::kInconsistent);
 }
 
-TEST_CASE("an empty mask is contradicted if the other masks show the object there, not if the view misses it") {
+TEST_CASE(
+    "an empty or full mask is contradicted if the other masks show something else there, not if the view misses it") {
   Capture capture = tiny_capture();
   const auto clear = [&](std::size_t view) { std::ranges::fill(capture.masks[view].target[0], 0.f); };
   CHECK(capture.check().empty_masks.views.empty());
@@ -226,6 +259,17 @@ TEST_CASE("an empty mask is contradicted if the other masks show the object ther
   capture.scene.missing_mask = MissingMask::kEmpty;  // views without a mask mean an empty mask
   CHECK(capture.check().empty_masks.contradicted.empty());
   capture.scene.missing_mask = MissingMask::kUnknown;
+  std::ranges::fill(capture.masks[4].target[0], 1.f);
+  const SceneCheck with_full = capture.check();
+  CHECK(with_full.empty_masks.contradicted == std::vector<std::size_t>{1, 2, 4});
+  CHECK(with_full.warnings.at(1).find("3 of 6 masks are empty or full where the other masks are not (") == 0);
+  Camera& near = capture.scene.views[4].camera;  // its picture shows the ball alone
+  near.fx *= 20;
+  near.fy *= 20;
+  CHECK(capture.check({.check_views = 0}).empty_masks.contradicted == std::vector<std::size_t>{1, 2});
+  near.fx /= 20;
+  near.fy /= 20;
+  clear(4);
   Camera& away = capture.scene.views[1].camera;  // looks past the object
   away.cx += 10 * away.width_px;
   CHECK(capture.check({.check_views = 0}).empty_masks.contradicted == std::vector<std::size_t>{2, 4});

@@ -5,6 +5,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/field/joint_field.h"
+#include "support/error_code.h"
 
 namespace ngs {
 namespace {
@@ -32,13 +33,9 @@ void rejected(const std::function<void(QueryField&)>& spoil, ErrorCode code, con
   CAPTURE(what);
   QueryField field = sampled();
   spoil(field);
-  try {
-    require_grids(field, cloud(), "f.ply");
-    FAIL("nothing was thrown");
-  } catch (const Error& e) {
-    CHECK(e.code() == code);
-    CHECK(std::string(e.what()).find(what) != std::string::npos);
-  }
+  const Error e = test::thrown_by([&] { require_grids(field, cloud(), "f.ply"); });
+  CHECK(e.code() == code);
+  CHECK(std::string(e.what()).find(what) != std::string::npos);
 }
 
 }  // namespace

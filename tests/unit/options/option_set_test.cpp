@@ -3,12 +3,12 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 
 #include "ngs/core/error.h"
 #include "ngs/options/near_matches.h"
 #include "ngs/options/option_warnings.h"
+#include "support/error_code.h"
 
 namespace ngs {
 namespace {
@@ -45,14 +45,10 @@ struct Fixture {
   Fixture() { set.add(options); }
 };
 
-std::string message_of(const std::function<void()>& body) {
-  try {
-    body();
-  } catch (const Error& e) {
-    CHECK(e.code() == ErrorCode::kUsage);
-    return std::string(e.what()) + " | " + e.remedy();
-  }
-  return "nothing was thrown";
+std::string message_of(const auto& body) {
+  const Error e = test::thrown_by(body);
+  CHECK(e.code() == ErrorCode::kUsage);
+  return std::string(e.what()) + " | " + e.remedy();
 }
 
 }  // namespace

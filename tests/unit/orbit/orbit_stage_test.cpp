@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "ngs/core/error.h"
+#include "support/error_code.h"
 #include "support/splat_shapes.h"
 
 namespace ngs::orbit {
@@ -22,13 +23,7 @@ OrbitCameras cameras_of(const GaussianCloud& cloud, const OrbitOptions& options 
 }
 
 ErrorCode refusal(const GaussianCloud& cloud, const OrbitOptions& options = {}) {
-  try {
-    cameras_of(cloud, options);
-  } catch (const Error& e) {
-    return e.code();
-  }
-  FAIL("expected an error");
-  return ErrorCode::kUsage;
+  return test::code_of([&] { cameras_of(cloud, options); });
 }
 
 GaussianCloud sphere() {

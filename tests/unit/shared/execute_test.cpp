@@ -4,6 +4,7 @@
 
 #include "ngs/core/error.h"
 #include "shared/run/run_state.h"
+#include "support/error_code.h"
 
 namespace ngs::cli {
 namespace {
@@ -53,13 +54,9 @@ TEST_CASE("a body that runs out of the device's memory fails with code 8 if the 
   DeviceRun chosen(DeviceChoice::kCuda), atomic(DeviceChoice::kAuto);
   atomic.state.device.sums = DeviceSums::kAtomic;
   for (DeviceRun* run : {&chosen, &atomic}) {
-    try {
-      run_on_device_or_cpu(run->state, body);
-      FAIL("no error");
-    } catch (const Error& e) {
-      CHECK(int(e.code()) == 8);
-      CHECK(e.remedy().find("--device cpu") != std::string::npos);
-    }
+    const Error e = test::thrown_by([&] { run_on_device_or_cpu(run->state, body); });
+    CHECK(int(e.code()) == 8);
+    CHECK(e.remedy().find("--device cpu") != std::string::npos);
     CHECK(run->warnings.empty());
   }
 }

@@ -4,6 +4,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/core/monitor.h"
+#include "support/error_code.h"
 #include "support/process.h"
 
 namespace ngs {
@@ -53,14 +54,7 @@ TEST_CASE("a program that does not respond is ended at the time limit and on a s
 }
 
 TEST_CASE("a line program that cannot be started, or that never ends its line, is refused") {
-  const auto code_of = [](const auto& body) {
-    try {
-      body();
-    } catch (const Error& e) {
-      return e.code();
-    }
-    return ErrorCode::kNumeric;
-  };
+  using test::code_of;
   if (!test::emulated())  // qemu-user starts it, and it ends with 127
     CHECK(code_of([] { cli::LineProgram({"no-such-program"}); }) == ErrorCode::kEnvironment);
   CHECK(code_of([] { shell("tr '\\0' x < /dev/zero").request("a", {.time_s = 60}); }) == ErrorCode::kBadInput);

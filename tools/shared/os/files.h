@@ -12,6 +12,8 @@ namespace ngs::os {
 bool is_readable(const std::string& path);
 bool is_executable(const std::string& path);
 bool is_pipe(const std::string& path);
+/// Whether the owner can read and write the files and folders that this process makes: umask takes no such right.
+bool owner_keeps_rights();
 
 /// Tells whether a file was replaced or rewritten.
 struct FileVersion {

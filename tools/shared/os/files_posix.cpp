@@ -20,6 +20,12 @@ bool is_pipe(const std::string& path) {
   return ::stat(path.c_str(), &status) == 0 && (S_ISFIFO(status.st_mode) || S_ISSOCK(status.st_mode));
 }
 
+bool owner_keeps_rights() {
+  const mode_t mask = ::umask(077);
+  ::umask(mask);
+  return (mask & 0700) == 0;
+}
+
 FileVersion version_of_file(const std::string& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return {};

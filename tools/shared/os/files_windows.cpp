@@ -45,6 +45,7 @@ bool is_readable(const std::string& path) {
 
 bool is_executable(const std::string& path) { return is_readable(path); }
 bool is_pipe(const std::string&) { return false; }
+bool owner_keeps_rights() { return true; }
 
 FileVersion version_of_file(const std::string& path) {
   const HANDLE file = CreateFileW(wide(path).c_str(), 0, FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE,

@@ -96,6 +96,9 @@ void refuse_outputs_over(const Spec& spec, const std::string& report_path, const
 
 void check_outputs(const Spec& spec, const std::string& report_path, bool overwrite) {
   check_distinct(spec, report_path);
+  if (!spec.outputs.empty() && !os::owner_keeps_rights())
+    throw Error(ErrorCode::kEnvironment, "umask: takes rights of their owner from new files, expected none",
+                "set another first: umask 022");
   for (const Output& output : spec.outputs)
     if (output && output.path != "-") check_output(spec, output, overwrite);
   Output report;

@@ -1,7 +1,6 @@
 #include "ngs/cut/contours/contour_stage.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <optional>
 

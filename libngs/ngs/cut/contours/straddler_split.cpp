@@ -1,7 +1,6 @@
 #include "ngs/cut/contours/straddler_split.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "ngs/ops/splat/evidence.h"
 #include "ngs/problem/view_list.h"

@@ -1,7 +1,5 @@
 #include "ngs/cut/evidence/leave_one_out.h"
 
-#include <algorithm>
-
 namespace ngs {
 
 LeaveOneOut::LeaveOneOut(const Exec& exec, std::int64_t gaussians, int objects, Gather gather, std::size_t cache_bytes)

@@ -1,7 +1,6 @@
 #include "ngs/cut/evidence/method_labels.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "ngs/core/check.h"
 #include "ngs/cut/evidence/leave_one_out.h"

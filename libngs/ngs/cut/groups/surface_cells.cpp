@@ -20,7 +20,7 @@ constexpr double kBehind = 3;  // a view sees through a cell: so many sides behi
 /// What one view or all views show of a cell.
 struct ShownCell {
   std::uint64_t key = 0;
-  V position{0, 0, 0}, normal{0, 0, 0};  // sums over points
+  V position{0, 0, 0}, normal{0, 0, 0}, colour{0, 0, 0};  // sums over points
   std::int64_t points = 0, normals = 0;
   int views = 1;
 };
@@ -38,6 +38,7 @@ void merge_cells(std::vector<ShownCell>& cells) {
     ShownCell& cell = cells[last];
     cell.position = cell.position + next.position;
     cell.normal = cell.normal + next.normal;
+    cell.colour = cell.colour + next.colour;
     cell.points += next.points;
     cell.normals += next.normals;
     cell.views += next.views;
@@ -68,11 +69,12 @@ std::vector<ShownCell> cells_of(const DepthView& view, const CellGrid& grid) {
     for (int x = 0; x < view.depth.width_px; ++x) {
       if (view.depth.at(x, y) == 0) continue;
       const V point = view.point(x, y), normal = normal_at(view, x, y);
+      const V colour{view.colour.at(x, y, 0), view.colour.at(x, y, 1), view.colour.at(x, y, 2)};
       for (const auto& [dx, dy] : {std::pair(0, 0), {1, 0}, {0, 1}, {1, 1}}) {  // far pixels are larger than cells
         if (x + dx >= view.depth.width_px || y + dy >= view.depth.height_px || view.depth.at(x + dx, y + dy) == 0)
           continue;
         const V middle = 0.5 * (point + view.point(x + dx, y + dy));
-        cells.push_back({key_of(grid, middle), middle, normal, 1, dot(normal, normal) > 0, 0});
+        cells.push_back({key_of(grid, middle), middle, normal, colour, 1, dot(normal, normal) > 0, 0});
       }
     }
   merge_cells(cells);
@@ -123,8 +125,10 @@ V DepthView::point(int x, int y) const {
 DepthView depth_view(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& splat) {
   const double scale = std::min(1.0, double(kDepthSide_px) / std::max(camera.width_px, camera.height_px));
   const Camera small = resized(camera, scaled_size_px(camera.width_px, scale), scaled_size_px(camera.height_px, scale));
-  const RenderedView view = render(exec, cloud, small, splat, {.colour = false, .depth = true, .label = {}});
-  DepthView out{relative_to(small, cloud.origin), ImageF(small.width_px, small.height_px, 1)};
+  const RenderedView view = render(exec, cloud, small, splat, {.depth = true, .label = {}});
+  DepthView out{relative_to(small, cloud.origin), ImageF(small.width_px, small.height_px, 1), view.colour};
+  for (std::size_t p = 0; p < out.colour.data.size(); ++p)
+    out.colour.data[p] = std::max(0.f, std::min(1.f, out.colour.data[p] / std::max(view.alpha.data[p / 3], 0.5f)));
   ImageF inverse(small.width_px, small.height_px, 1);  // of a plane: affine in x and y
   for (std::size_t p = 0; p < inverse.data.size(); ++p)
     if (view.alpha.data[p] > 0.5f && view.depth.data[p] > 0) inverse.data[p] = view.alpha.data[p] / view.depth.data[p];
@@ -177,6 +181,7 @@ SurfaceCells surface_cells(const Exec& exec, const std::vector<DepthView>& views
     const ShownCell& cell = cells[i];
     out.key.push_back(cell.key);
     out.position.push_back((1 / double(cell.points)) * cell.position);
+    out.colour.push_back((1 / double(cell.points)) * cell.colour);
     out.normal.push_back((1 / double(std::max<std::int64_t>(cell.normals, 1))) * cell.normal);
   }
   find_neighbours(exec, out);

@@ -12,10 +12,11 @@
 
 namespace ngs {
 
-/// The depth of a view.
+/// Depth and colours of a view.
 struct DepthView {
   Camera camera;  // relative to the model's origin
   ImageF depth;   // [H, W, 1] camera z, world; 0: nothing, or a step
+  ImageF colour;  // [H, W, 3] in [0, 1]; undefined where the depth is 0
 
   /// The point that a pixel shows, relative to the model's origin. Its depth must not be 0.
   Vec3<double> point(int x, int y) const;
@@ -32,6 +33,7 @@ struct SurfaceCells {
   std::vector<std::uint64_t> key;        // [M] CellGrid, ascending
   std::vector<Vec3<double>> position;    // [M] mean of the points in it, relative to the model's origin
   std::vector<Vec3<double>> normal;      // [M] towards the cameras, at most unit length
+  std::vector<Vec3<double>> colour;      // [M] mean of the points in it, in [0, 1]
   std::vector<std::size_t> first_of;     // [M + 1] range of a cell in `neighbour`
   std::vector<std::uint32_t> neighbour;  // occupied cells that share a face, an edge or a corner
 

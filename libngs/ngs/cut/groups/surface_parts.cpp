@@ -1,13 +1,14 @@
 #include "ngs/cut/groups/surface_parts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
-#include <map>
+#include <numbers>
 #include <optional>
 #include <span>
 
 #include "ngs/math/median.h"
+#include "ngs/math/union_find.h"
 #include "ngs/math/vectors.h"
 
 namespace ngs {
@@ -16,78 +17,232 @@ namespace {
 using V = Vec3<double>;
 using Cells = std::vector<std::uint32_t>;
 
-constexpr double kLevel = 0.8;         // least cosine between the normal of a level cell and up
-constexpr double kSlab = 2;            // half thickness of a level surface, sides of a cell
-constexpr double kMaxBelow = 0.03;     // share of the cells below a floor
-constexpr double kRoomExtent = 0.5;    // least extent of walls, of that of the model
-constexpr std::size_t kMinPiece = 25;  // cells
-constexpr std::size_t kMinLevel = 60;  // cells of a level surface that carries pieces
-constexpr double kOpen = 3;            // cells of such a surface, per cell of it next to what it carries
+constexpr double kConcave = 0.08;      // bend of a crease, rad per side of a cell
+constexpr double kSlightBend = 0.01;   // the same where the colours differ by kContrast
+constexpr double kContrast = 0.2;      // of the neighbours of a cell, diagonal of the box around their colours
+constexpr double kFacing = 0.5;        // least length of the mean normal of a cell with one side
+constexpr double kNoNormal = 0.3;      // length of a mean normal that says nothing
+constexpr std::size_t kMinPiece = 40;  // cells
+constexpr double kAlike = 0.5;         // least overlap of the colours of two regions of one part
+constexpr double kOneNormal = 0.85;    // share of the cells of a surface without sides that have its normal
+constexpr double kSameNormal = 0.8;    // cosine
+constexpr double kRoomExtent = 0.5;    // least extent of floor and walls, of that of the model
 constexpr double kWallExtent = 0.1;    // least extent of a wall, of that of the model
 constexpr double kBehindWall = 0.01;   // share of the cells behind a wall
-constexpr double kBump = 0.85;         // share of level cells
-constexpr double kWide = 3;      // extent of a surface that is no part of the one piece on it, of that of the piece
-constexpr double kSmall = 0.05;  // cells of a piece that does not count, of those of the largest on a surface
-constexpr int kFeet = 4;         // cells
 constexpr std::size_t kMaxParts = 1000;
-constexpr int kTries = 8, kMaxDepth = 24;  // level surfaces of a piece; divisions of a part
 
-struct Plane {
-  V normal;
-  double offset;
-  double height(V p) const { return dot(normal, p) - offset; }
+/// Colours as a histogram of 8 x 8 x 8 bins, to which a colour adds by its distance from their middles.
+struct Colours {
+  static constexpr int kBins = 8;
+  std::array<float, kBins * kBins * kBins> weight{};
+  float sum = 0;
+
+  void add(V colour) {
+    int low[3];
+    double share[3];
+    const double value[3] = {colour.x, colour.y, colour.z};
+    for (int c = 0; c < 3; ++c) {
+      const double at = std::min(std::max(value[c] * kBins - 0.5, 0.0), kBins - 1.001);
+      low[c] = int(at);
+      share[c] = at - low[c];
+    }
+    for (int k = 0; k < 8; ++k) {
+      double w = 1;
+      int bin = 0;
+      for (int c = 0; c < 3; ++c) {
+        w *= k >> c & 1 ? share[c] : 1 - share[c];
+        bin = bin * kBins + low[c] + (k >> c & 1);
+      }
+      weight[std::size_t(bin)] += float(w);
+    }
+    sum += 1;
+  }
+  void add(const Colours& other) {
+    for (std::size_t k = 0; k < weight.size(); ++k) weight[k] += other.weight[k];
+    sum += other.sum;
+  }
+  double overlap(const Colours& other) const {
+    double common = 0;
+    for (std::size_t k = 0; k < weight.size(); ++k)
+      common += double(std::min(weight[k] / sum, other.weight[k] / other.sum));
+    return common;
+  }
 };
 
 class Divider {
  public:
-  Divider(const SurfaceCells& cells, V up) : cells_(cells), up_(up), set_(cells.count()), part_(cells.count()) {}
+  Divider(const SurfaceCells& cells, V up) : cells_(cells), up_(up), region_(cells.count()) {}
 
   SurfaceParts divided() {
-    Cells all(cells_.count());
-    for (std::size_t i = 0; i < all.size(); ++i) all[i] = std::uint32_t(i);
-    if (all.empty()) return {0, {}};
-    whole_ = extent(all);
-    std::vector<Cells> pieces;
-    const std::optional<Plane> floor = floor_of(all);
-    const bool has_floor = floor.has_value();
-    if (has_floor) up_ = floor->normal;
-    pieces = has_floor ? carried(all, *floor).pieces : connected(all);
-    if (has_floor) remove_room(pieces);
-    for (const Cells& piece : pieces)
-      if (extent(piece) < kRoomExtent * whole_ && piece.size() >= kMinPiece) found_.push_back(furniture_of(piece));
-    std::ranges::stable_sort(found_, [](const Cells& a, const Cells& b) { return a.size() > b.size(); });
-    SurfaceParts out{int(std::min(found_.size(), kMaxParts)), std::vector<std::uint16_t>(cells_.count())};
+    SurfaceParts out{0, std::vector<std::uint16_t>(cells_.count())};
+    if (cells_.count() == 0) return out;
+    find_regions();
+    grow();
+    std::vector<Cells> pieces = merged();
+    remove_room(pieces);
+    std::ranges::stable_sort(pieces, [](const Cells& a, const Cells& b) { return a.size() > b.size(); });
+    out.parts = int(std::min(pieces.size(), kMaxParts));
     for (int k = 0; k < out.parts; ++k)
-      for (const std::uint32_t i : found_[std::size_t(k)]) out.part[i] = std::uint16_t(k + 1);
+      for (const std::uint32_t i : pieces[std::size_t(k)]) out.part[i] = std::uint16_t(k + 1);
     return out;
   }
 
  private:
-  struct Carried {
-    std::vector<Cells> pieces;            // above the surface, with at least kMinPiece cells
-    std::vector<std::uint32_t> standing;  // of these, on one connected level surface: index + 1, ascending
-    Cells rest;                           // the surface, what is below it and around it
-  };
-
-  std::span<const std::uint32_t> neighbours(std::uint32_t i) const {
+  std::span<const std::uint32_t> neighbours(std::size_t i) const {
     return std::span(cells_.neighbour).subspan(cells_.first_of[i], cells_.first_of[i + 1] - cells_.first_of[i]);
   }
 
-  bool is_level(std::uint32_t i) const { return dot(cells_.normal[i], up_) > kLevel; }
+  /// How the normals turn about a cell, rad per side, mean over directions: convex > 0, concave < 0.
+  double bend(std::size_t i) const {
+    const auto has_normal = [&](std::size_t k) { return length(cells_.normal[k]) > kNoNormal; };
+    double turn = 0, square = 0;
+    if (!has_normal(i)) return 0;
+    for (const std::uint32_t j : neighbours(i)) {
+      if (!has_normal(j)) continue;
+      const V d = cells_.position[j] - cells_.position[i];
+      turn += dot(unit(cells_.normal[j]) - unit(cells_.normal[i]), d);
+      square += dot(d, d);
+    }
+    return square > 0 ? cells_.side * turn / square : 0;
+  }
+
+  /// [cells] 1: no crease, neither here nor in a neighbour.
+  std::vector<std::uint8_t> open_cells() const {
+    std::vector<double> bends(cells_.count());
+    std::vector<std::uint8_t> open(bends.size());
+    for (std::size_t i = 0; i < bends.size(); ++i) bends[i] = bend(i);
+    for (std::size_t i = 0; i < bends.size(); ++i) {
+      double least = bends[i];
+      V low = cells_.colour[i], high = low;
+      for (const std::uint32_t j : neighbours(i)) {
+        least = std::min(least, bends[j]);
+        const V& c = cells_.colour[j];
+        low = {std::min(low.x, c.x), std::min(low.y, c.y), std::min(low.z, c.z)};
+        high = {std::max(high.x, c.x), std::max(high.y, c.y), std::max(high.z, c.z)};
+      }
+      const double deep = length(high - low) > kContrast ? kSlightBend : kConcave;
+      open[i] = least >= -deep && length(cells_.normal[i]) > kFacing;
+    }
+    return open;
+  }
+
+  /// Connected regions between creases, numbered from 1; smaller ones than kMinPiece are not numbered.
+  void find_regions() {
+    std::vector<std::uint8_t> open = open_cells();
+    Cells piece;
+    for (std::size_t first = 0; first < open.size(); ++first) {
+      if (!open[first]) continue;
+      piece.assign(1, std::uint32_t(first));
+      open[first] = 0;
+      for (std::size_t k = 0; k < piece.size(); ++k)
+        for (const std::uint32_t next : neighbours(piece[k]))
+          if (open[next]) {
+            open[next] = 0;
+            piece.push_back(next);
+          }
+      if (piece.size() < kMinPiece) continue;
+      ++regions_;
+      for (const std::uint32_t i : piece) region_[i] = regions_;
+    }
+  }
+
+  /// Gives the other cells to the region that most of their neighbours belong to, from the regions outwards.
+  void grow() {
+    for (bool grown = true; grown;) {
+      grown = false;
+      std::vector<std::uint32_t> next = region_;
+      for (std::size_t i = 0; i < region_.size(); ++i) {
+        if (region_[i] != 0) continue;
+        Cells around;
+        for (const std::uint32_t j : neighbours(i))
+          if (region_[j] != 0) around.push_back(region_[j]);
+        std::ranges::sort(around);
+        std::ptrdiff_t most = 0;
+        for (auto at = around.begin(); at != around.end();) {
+          const auto end = std::upper_bound(at, around.end(), *at);
+          if (end - at > most) {
+            most = end - at;
+            next[i] = *at;
+            grown = true;
+          }
+          at = end;
+        }
+      }
+      region_ = std::move(next);
+    }
+  }
+
+  /// Pairs of regions that touch, ascending.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> contacts() const {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> found;
+    for (std::size_t i = 0; i < region_.size(); ++i)
+      for (const std::uint32_t j : neighbours(i))
+        if (region_[i] != 0 && region_[i] < region_[j]) found.emplace_back(region_[i], region_[j]);
+    std::ranges::sort(found);
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    return found;
+  }
+
+  /// Joins regions that touch and have the same colours, the most similar ones first.
+  std::vector<Cells> merged() {
+    std::vector<Colours> colours(regions_ + 1);
+    for (std::size_t i = 0; i < region_.size(); ++i) colours[region_[i]].add(cells_.colour[i]);
+    const auto pairs = contacts();
+    std::vector<double> overlap;
+    for (const auto& [a, b] : pairs) overlap.push_back(colours[a].overlap(colours[b]));
+    UnionFind joined(regions_ + 1);
+    while (!pairs.empty()) {
+      const auto best = std::size_t(std::ranges::max_element(overlap) - overlap.begin());
+      if (overlap[best] < kAlike) break;
+      const std::uint32_t a = joined.root(pairs[best].first), b = joined.root(pairs[best].second);
+      joined.join(a, b);
+      const std::uint32_t root = joined.root(a);
+      colours[root].add(colours[a == root ? b : a]);
+      for (std::size_t k = 0; k < pairs.size(); ++k) {
+        const std::uint32_t c = joined.root(pairs[k].first), d = joined.root(pairs[k].second);
+        if (c == d)
+          overlap[k] = 0;
+        else if (c == root || d == root)
+          overlap[k] = colours[c].overlap(colours[d]);
+      }
+    }
+    std::vector<Cells> pieces(regions_ + 1);
+    for (std::size_t i = 0; i < region_.size(); ++i)
+      if (region_[i] != 0) pieces[joined.root(region_[i])].push_back(std::uint32_t(i));
+    std::erase_if(pieces, [](const Cells& piece) { return piece.empty(); });
+    return pieces;
+  }
 
   /// The diagonal of the box around the cells, at right angles to up.
   double extent(const Cells& of) const {
     const V axes[2] = {orbit::perpendicular(up_), cross(up_, orbit::perpendicular(up_))};
     double sum = 0;
     for (const V& axis : axes) {
-      double low = std::numeric_limits<double>::infinity(), high = -low;
-      for (const std::uint32_t i : of) {
-        low = std::min(low, dot(axis, cells_.position[i]));
-        high = std::max(high, dot(axis, cells_.position[i]));
-      }
+      const std::vector<double> along = heights(of, axis);
+      const auto [low, high] = std::ranges::minmax(along);
       sum += (high - low) * (high - low);
     }
     return std::sqrt(sum);
+  }
+
+  std::vector<double> heights(const Cells& of, V axis) const {
+    std::vector<double> along;
+    for (const std::uint32_t i : of) along.push_back(dot(axis, cells_.position[i]));
+    return along;
+  }
+
+  V mean_normal(const Cells& piece) const {
+    V sum{0, 0, 0};
+    for (const std::uint32_t i : piece) sum = sum + cells_.normal[i];
+    return length(sum) > 0 ? unit(sum) : sum;
+  }
+
+  /// Whether nearly all cells have the same normal: a part of a wall, of the floor, or of a table top.
+  bool is_flat(const Cells& piece) const {
+    const V mean = mean_normal(piece);
+    const auto same =
+        std::ranges::count_if(piece, [&](std::uint32_t i) { return dot(cells_.normal[i], mean) > kSameNormal; });
+    return double(same) > kOneNormal * double(piece.size());
   }
 
   /// What lies as far out as a wall does.
@@ -96,13 +251,13 @@ class Divider {
     double from = 0;
   };
 
-  /// A piece is a wall if it is wide and nearly nothing lies behind its middle in one level direction.
-  std::optional<Wall> wall_of(const Cells& piece) const {
+  /// A piece is a wall if it is wide and upright, and nearly nothing lies behind its middle in one level direction.
+  std::optional<Wall> wall_of(const Cells& piece, double whole) const {
     constexpr int kDirections = 24;
-    if (extent(piece) < kWallExtent * whole_) return std::nullopt;
+    if (extent(piece) < kWallExtent * whole || dot(mean_normal(piece), up_) > kSameNormal) return std::nullopt;
     const V a = orbit::perpendicular(up_), b = cross(up_, a);
     for (int k = 0; k < kDirections; ++k) {
-      const double angle = 6.283185307179586 * k / kDirections;
+      const double angle = 2 * std::numbers::pi * k / kDirections;
       const V out = std::cos(angle) * a + std::sin(angle) * b;
       const std::vector<double> along = heights(piece, out);
       const double middle = upper_median(along);
@@ -113,218 +268,25 @@ class Divider {
     return std::nullopt;
   }
 
-  std::vector<double> heights(const Cells& of, V axis) const {
-    std::vector<double> along;
-    for (const std::uint32_t i : of) along.push_back(dot(axis, cells_.position[i]));
-    return along;
-  }
-
-  /// Removes walls, pieces as far out as a wall, and unevenness of the floor.
+  /// Removes floor and walls, what lies as far out as a wall, and other surfaces without sides.
   void remove_room(std::vector<Cells>& pieces) const {
+    Cells all(cells_.count());
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = std::uint32_t(i);
+    const double whole = extent(all);
     std::vector<Wall> walls;
     for (const Cells& piece : pieces)
-      if (const std::optional<Wall> wall = wall_of(piece)) walls.push_back(*wall);
+      if (const std::optional<Wall> wall = wall_of(piece, whole)) walls.push_back(*wall);
     std::erase_if(pieces, [&](const Cells& piece) {
-      return is_bump(piece) || std::ranges::any_of(walls, [&](const Wall& wall) {
-               return upper_median(heights(piece, wall.out)) >= wall.from;
-             });
+      return piece.size() < kMinPiece || extent(piece) >= kRoomExtent * whole || is_flat(piece) ||
+             std::ranges::any_of(walls,
+                                 [&](const Wall& wall) { return upper_median(heights(piece, wall.out)) >= wall.from; });
     });
-  }
-
-  /// Whether a piece is nothing but level cells: unevenness of the floor.
-  bool is_bump(const Cells& piece) const {
-    const auto level = std::ranges::count_if(piece, [&](std::uint32_t i) { return is_level(i); });
-    return double(level) > kBump * double(piece.size());
-  }
-
-  /// Connected pieces of the cells, by their first cell.
-  std::vector<Cells> connected(const Cells& of) {
-    for (const std::uint32_t i : of) set_[i] = 1;
-    std::vector<Cells> pieces;
-    for (const std::uint32_t first : of) {
-      if (!set_[first]) continue;
-      Cells piece{first};
-      set_[first] = 0;
-      for (std::size_t k = 0; k < piece.size(); ++k)
-        for (const std::uint32_t next : neighbours(piece[k]))
-          if (set_[next]) {
-            set_[next] = 0;
-            piece.push_back(next);
-          }
-      pieces.push_back(std::move(piece));
-    }
-    return pieces;
-  }
-
-  /// Heights of the level surfaces of the cells: the fullest bins of two sides, kTries at most.
-  std::vector<double> levels(const Cells& of) const {
-    std::map<std::int64_t, std::size_t> bins;
-    for (const std::uint32_t i : of)
-      if (is_level(i)) ++bins[std::int64_t(std::floor(dot(up_, cells_.position[i]) / (2 * cells_.side)))];
-    std::vector<std::pair<std::size_t, std::int64_t>> fullest;
-    for (const auto& [bin, count] : bins)
-      if (2 * count >= kMinLevel) fullest.push_back({count, bin});
-    std::ranges::sort(fullest, std::greater());
-    std::vector<double> heights;
-    for (std::size_t k = 0; k < std::min<std::size_t>(fullest.size(), kTries); ++k)
-      heights.push_back((double(fullest[k].second) + 0.5) * 2 * cells_.side);
-    return heights;
-  }
-
-  /// The least-squares plane through the level cells near a height; the tolerance shrinks from `within` to the slab's.
-  Plane fitted(const Cells& of, double height, double within) const {
-    Plane plane{up_, height};
-    for (int fit = 0; fit < 6; ++fit) {
-      const double tolerance = std::max(within / (1 << fit), kSlab) * cells_.side;
-      const V a = orbit::perpendicular(plane.normal), b = cross(plane.normal, a);
-      V mean{0, 0, 0};
-      Cells near;
-      for (const std::uint32_t i : of)
-        if (is_level(i) && std::abs(plane.height(cells_.position[i])) <= tolerance) {
-          near.push_back(i);
-          mean = mean + cells_.position[i];
-        }
-      if (near.size() < 3) return plane;
-      mean = (1 / double(near.size())) * mean;
-      double aa = 0, ab = 0, bb = 0, ah = 0, bh = 0;  // h = p a + q b
-      for (const std::uint32_t i : near) {
-        const V d = cells_.position[i] - mean;
-        const double x = dot(a, d), y = dot(b, d), h = dot(plane.normal, d);
-        aa += x * x;
-        ab += x * y;
-        bb += y * y;
-        ah += x * h;
-        bh += y * h;
-      }
-      const double det = aa * bb - ab * ab;
-      if (det > 1e-6 * (aa + bb) * (aa + bb))
-        plane.normal = unit(plane.normal - ((bb * ah - ab * bh) / det) * a - ((aa * bh - ab * ah) / det) * b);
-      plane.offset = dot(plane.normal, mean);
-    }
-    return plane;
-  }
-
-  std::optional<Plane> floor_of(const Cells& all) const {
-    constexpr double kFirstFit = 10;  // sides of a cell
-    for (const double height : levels(all)) {
-      const Plane plane = fitted(all, height, kFirstFit);
-      const auto below = std::ranges::count_if(
-          all, [&](std::uint32_t i) { return plane.height(cells_.position[i]) < -2 * kSlab * cells_.side; });
-      if (double(below) <= kMaxBelow * double(all.size())) return plane;
-    }
-    return std::nullopt;
-  }
-
-  /// What a level surface carries.
-  Carried carried(const Cells& of, const Plane& plane) {
-    Cells level, above, around;
-    for (const std::uint32_t i : of) {
-      const double height = plane.height(cells_.position[i]) / cells_.side;
-      (std::abs(height) <= kSlab && is_level(i) ? level : height > 1 ? above : around).push_back(i);
-    }
-    Carried out;
-    for (Cells& piece : connected(above))
-      if (piece.size() >= kMinPiece)
-        out.pieces.push_back(std::move(piece));
-      else
-        out.rest.insert(out.rest.end(), piece.begin(), piece.end());
-    add_feet(plane, around, out);
-    find_support(level, out);
-    out.rest.insert(out.rest.end(), level.begin(), level.end());
-    std::ranges::sort(out.rest);
-    return out;
-  }
-
-  /// Gives the pieces the sides of their lower ends, which lie within the slab.
-  void add_feet(const Plane& plane, const Cells& around, Carried& out) {
-    for (std::size_t k = 0; k < out.pieces.size(); ++k)
-      for (const std::uint32_t i : out.pieces[k]) part_[i] = std::uint32_t(k + 1);
-    for (const std::uint32_t i : around) set_[i] = std::abs(plane.height(cells_.position[i])) <= kSlab * cells_.side;
-    std::vector<std::size_t> first(out.pieces.size());
-    for (int step = 0; step < kFeet; ++step)
-      for (std::size_t k = 0; k < out.pieces.size(); ++k) {
-        Cells& piece = out.pieces[k];
-        const std::size_t end = piece.size();
-        for (std::size_t n = first[k]; n < end; ++n)
-          for (const std::uint32_t next : neighbours(piece[n]))
-            if (set_[next]) {
-              set_[next] = 0;
-              part_[next] = std::uint32_t(k + 1);
-              piece.push_back(next);
-            }
-        first[k] = end;
-      }
-    for (const std::uint32_t i : around) {
-      set_[i] = 0;
-      if (part_[i] == 0) out.rest.push_back(i);
-    }
-  }
-
-  /// Keeps the pieces on the connected level surface that carries most of them, and clears part_.
-  void find_support(const Cells& level, Carried& out) {
-    std::vector<std::uint32_t> best;
-    for (const Cells& surface : connected(level)) {
-      std::vector<std::uint32_t> on;
-      std::size_t touching = 0;
-      for (const std::uint32_t i : surface) {
-        bool touches = false;
-        for (const std::uint32_t next : neighbours(i))
-          if (part_[next] != 0) {
-            on.push_back(part_[next]);
-            touches = true;
-          }
-        touching += touches;
-      }
-      std::ranges::sort(on);
-      on.erase(std::unique(on.begin(), on.end()), on.end());
-      if (surface.size() < kMinLevel || double(surface.size()) < kOpen * double(touching)) continue;
-      if (is_support(surface, on, out.pieces) && on.size() > best.size()) best = on;
-    }
-    for (const Cells& piece : out.pieces)
-      for (const std::uint32_t i : piece) part_[i] = 0;
-    out.standing = std::move(best);
-  }
-
-  /// Whether a surface with these pieces (index + 1) on it is another thing than they are.
-  bool is_support(const Cells& surface, const std::vector<std::uint32_t>& on, const std::vector<Cells>& pieces) const {
-    std::size_t largest = 0;
-    for (const std::uint32_t k : on) largest = std::max(largest, pieces[k - 1].size());
-    const auto counted = std::ranges::count_if(
-        on, [&](std::uint32_t k) { return double(pieces[k - 1].size()) >= kSmall * double(largest); });
-    return counted >= 2 || (!on.empty() && extent(surface) > kWide * extent(pieces[on[0] - 1]));
-  }
-
-  /// Adds what the level surfaces of a piece carry to the parts, and returns the rest: all of it if they carry nothing.
-  Cells furniture_of(const Cells& piece, int depth = 0) {
-    for (const double height : levels(piece)) {
-      Carried on = carried(piece, fitted(piece, height, kSlab));
-      if (on.standing.empty() || depth >= kMaxDepth) continue;
-      Cells rest = std::move(on.rest);
-      for (std::size_t k = 0; k < on.pieces.size(); ++k) {
-        Cells remains = on.pieces[k];
-        bool is_part = std::ranges::binary_search(on.standing, std::uint32_t(k + 1));
-        if (is_part) {
-          const std::size_t before = found_.size();
-          remains = furniture_of(on.pieces[k], depth + 1);
-          is_part = found_.size() == before;  // else it is the upper part of a rack
-        }
-        if (is_part)
-          found_.push_back(std::move(remains));
-        else
-          rest.insert(rest.end(), remains.begin(), remains.end());
-      }
-      std::ranges::sort(rest);
-      return furniture_of(rest, depth + 1);
-    }
-    return piece;
   }
 
   const SurfaceCells& cells_;
   V up_;
-  double whole_ = 0;
-  std::vector<std::uint8_t> set_;    // [cells] scratch, 0 between calls
-  std::vector<std::uint32_t> part_;  // [cells] scratch, 0 between calls
-  std::vector<Cells> found_;
+  std::vector<std::uint32_t> region_;  // [cells] 1 .. regions_; 0: none
+  std::uint32_t regions_ = 0;
 };
 
 }  // namespace

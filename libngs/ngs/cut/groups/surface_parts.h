@@ -1,11 +1,9 @@
 #pragma once
-// Objects without masks: what stands on the floor of a model, or with others on something that stands there.
+// Objects without masks: what the shape and the colours of the surface set apart.
 //
-// The floor is the level plane with nearly nothing below. Without it the surface falls into connected pieces; those
-// that reach through half of the model, or have nearly nothing behind them (walls, a ceiling), belong to no object. A
-// piece is divided at a level surface that carries two pieces or more and is larger than what they cover of it, or that
-// carries one piece a third as wide: a table and the objects on it. The top of a pedestal is part of the same object as
-// what stands on it. Objects that touch each other are one part.
+// The surface is divided where it is concave: along creases such as those between a table and what stands on it.
+// Regions that touch are joined if their colours are alike, the most similar ones first. Floor, walls, what is as far
+// out as walls, and regions that are flat (no sides) are no parts. Objects of the same colours that touch are one part.
 #include "ngs/cut/groups/surface_cells.h"
 #include "ngs/cut/groups/view_gaussians.h"
 

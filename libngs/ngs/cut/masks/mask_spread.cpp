@@ -62,14 +62,14 @@ class Spreader {
   void start() {
     const auto timed = monitor_.scope("reference");
     for (const auto& [view, prompt] : in_.marked) {
-      if (in_.marked.size() > 1 && std::ranges::none_of(prompt.hint, [](PixelHint hint) { return is_object(hint); }))
-        continue;
+      if (std::ranges::none_of(prompt.hint, [](PixelHint hint) { return is_object(hint); })) continue;
       start_with(view, prompt);
       if (monitor_.stop_requested()) return;
     }
     if (starts_.empty())
-      throw Error(ErrorCode::kNothingFound, "the marked views: only background is marked, expected the object too",
-                  "draw strokes on the object in one of them, or a box around it");
+      throw Error(
+          ErrorCode::kNothingFound, "the marked views: only background is marked, expected the object too",
+          "draw strokes on the object in one of them, or a box around it; where both are, the background counts");
   }
 
   std::vector<float> opacity(std::size_t view) const {

@@ -1,7 +1,6 @@
 #include "ngs/cut/methods/cob_trainer.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include "ngs/backend/for_each.h"

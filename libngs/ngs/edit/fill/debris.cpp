@@ -1,7 +1,6 @@
 #include "ngs/edit/fill/debris.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "ngs/ops/neighbours/knn.h"
 
@@ -11,10 +10,10 @@ namespace {
 using orbit::Vec;
 
 constexpr int kNeighbours = 8;
-constexpr double kMaxOfSolid = 0.75, kMaxOfThin = 0.5;  // fraction of neighbours that were object
-constexpr double kSolid = 0.5;                          // opacity
-constexpr double kLong = 4;                             // longest to second standard deviation of a needle
-constexpr double kMaxSize = 0.08, kMaxOfFaint = 0.25;   // diagonals: larger ones are part of the surroundings
+constexpr double kMaxOfSolid = 0.75, kMaxOfFaint = 0.5;  // fraction of neighbours that were object
+constexpr double kSolid = 0.5;                           // opacity
+constexpr double kLong = 4;                              // longest to second standard deviation of a needle
+constexpr double kMaxSize = 0.08, kMaxFaint = 0.25;      // diagonals: larger ones are part of the surroundings
 
 void append_point(std::vector<float>& to, Vec p) {
   for (const double x : {p.x, p.y, p.z}) to.push_back(float(x));
@@ -39,7 +38,7 @@ std::vector<std::uint8_t> find_debris(const Exec& exec, const GaussianCloud& clo
   const double margin = 0.05 * rim.diagonal;
   for (std::size_t i = 0; i < points.count(); ++i) {
     const Vec p = points.position[i];
-    const double most = rim.diagonal * (points.opacity[i] <= kSolid ? kMaxOfFaint : kMaxSize);
+    const double most = rim.diagonal * (points.opacity[i] <= kSolid ? kMaxFaint : kMaxSize);
     if (!rim.box.contains(p, margin) || points.size[i] > most || is_on_surface(surfaces, p)) continue;
     tested.push_back(i), append_point(queries, p);
   }
@@ -49,12 +48,13 @@ std::vector<std::uint8_t> find_debris(const Exec& exec, const GaussianCloud& clo
   for (std::size_t q = 0; q < tested.size(); ++q) {
     const std::size_t i = tested[q];
     const std::array<double, 3> size = sorted_sizes(cloud, points.row[i]);
-    const bool is_thin = points.opacity[i] <= kSolid || size[2] > kLong * size[1];
+    const bool is_faint = points.opacity[i] <= kSolid, is_needle = !is_faint && size[2] > kLong * size[1];
     double object = 0;
     for (std::size_t k = 0; k < std::size_t(graph.neighbours); ++k)
       object += graph.index[q * std::size_t(graph.neighbours) + k] < of_object;
     const double share = object / kNeighbours;  // one of the nine may be the Gaussian itself
-    debris[i] = share >= (is_thin ? kMaxOfThin : kMaxOfSolid) || occluder.contains(points.position[i]);
+    const bool is_left = !is_needle && share >= (is_faint ? kMaxOfFaint : kMaxOfSolid);
+    debris[i] = is_left || occluder.contains(points.position[i]);
   }
   return debris;
 }

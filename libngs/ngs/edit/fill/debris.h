@@ -10,7 +10,8 @@
 namespace ngs {
 
 /// [rim.background] 1: the Gaussian is off all surfaces, small enough to be within the object's place, and most of its
-/// eight nearest solid neighbours were the object; or, half-transparent or a needle, at least half of them.
+/// eight nearest solid neighbours were the object; at least half of them if it is half-transparent. Opaque needles
+/// stay: they are rods and edges of other things. What the object enclosed goes always.
 std::vector<std::uint8_t> find_debris(const Exec& exec, const GaussianCloud& cloud, const Rim& rim,
                                       const Occluder& occluder, const std::vector<FillSurface>& surfaces);
 

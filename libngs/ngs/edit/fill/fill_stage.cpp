@@ -1,6 +1,5 @@
 #include "ngs/edit/fill/fill_stage.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 

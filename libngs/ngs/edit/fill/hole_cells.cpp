@@ -1,7 +1,6 @@
 #include "ngs/edit/fill/hole_cells.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -25,8 +24,9 @@ constexpr double kMaxSeen = 0.65;               // fraction of the directions fr
 constexpr double kContact = 0.3;                // diagonals: height of the object's part that stands on a surface
 constexpr double kGrown = 0.03;                 // diagonals: margin of the object's projection
 constexpr double kStanding = 0.5;
-constexpr double kInside = 0.3;                    // weight of a Gaussian's disc at its outline
-constexpr double kContinues = 0.6, kWhole = 0.95;  // density, in that of the rim, and covered fraction of no hole
+constexpr double kInside = 0.3;                     // weight of a Gaussian's disc at its outline
+constexpr double kWhole = 0.75, kContinues = 0.57;  // least of no hole: covered part; times density in that of the rim
+constexpr double kCrowded = 2;                      // denser than the rim: what is left of the object
 
 /// A Gaussian on the surface in cells: its centre and the inverse of its covariance.
 struct Disc {
@@ -242,7 +242,8 @@ void keep_holes(const HoleScene& scene, const FillSurface& surface, const std::v
       covered += before[std::size_t(cell)] == HoleCell::kCovered, count += solid[std::size_t(cell)];
     const auto size = double(part.size());
     const bool is_enclosed = open <= kMaxOpen * outline;
-    const bool continues = covered >= kWhole * size && count >= kContinues * usual * size;
+    const double density = count / (usual * size);
+    const bool continues = covered >= kWhole * size && covered * density >= kContinues * size && density < kCrowded;
     if (is_enclosed && !continues) {
       cells.hole += std::int64_t(part.size());
       continue;

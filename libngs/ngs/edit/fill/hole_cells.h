@@ -5,7 +5,8 @@
 // margin), or if the object stands on it and hides it from most directions: what a splat has there was trained by few
 // views, and shows the object's contact shadow. A connected part of such cells counts only if three quarters of its
 // outline are covered cells or another surface: else the surface ends there, and nothing is known. It does not count
-// either if Gaussians as dense as at the rim cover it: then the surface continues below the object.
+// either if Gaussians about as dense as at the rim cover most of it: then the surface continues below the object.
+// Twice as dense are what is left of the object.
 #include <cstdint>
 #include <vector>
 

@@ -1,6 +1,5 @@
 #include "ngs/edit/fill/occluder.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace ngs {

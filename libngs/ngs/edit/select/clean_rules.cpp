@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "ngs/edit/select/canonical_points.h"
 #include "ngs/math/median.h"

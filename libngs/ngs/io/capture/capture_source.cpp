@@ -70,6 +70,8 @@ std::vector<std::string> other_models(const std::string& model) {
 Located locate(const std::string& source, bool looks_below = true);
 
 [[noreturn]] void refuse_without_cameras(const std::string& source) {
+  for (const char* below : {"colmap", "colmap/sparse", "sparse", "sparse/0"})
+    require_readable_folder((fs::path(source) / below).generic_string());
   for (const char* name : {"meta.json", "lod-meta.json"})
     if (const std::string file = (fs::path(source) / name).generic_string(); is_regular_file(file))
       if (const std::string_view kind = sog_kind(read_json_file(file)); !kind.empty()) refuse_unpacked_sog(file, kind);
@@ -105,6 +107,7 @@ Located locate(const std::string& source, bool looks_below) {
   std::error_code ignored;
   if (!fs::is_directory(source, ignored))
     throw Error(ErrorCode::kBadInput, source + ": no such file or folder, expected cameras");
+  if (looks_below) require_readable_folder(source);
   Located found;
   if (const std::string model = find_colmap_model(source); !model.empty())
     found = {model, base_of_model(source, model), true, other_models(model)};
@@ -168,7 +171,9 @@ std::string find_images_dir(const CaptureRequest& request, const std::string& ba
       throw Error(ErrorCode::kBadInput, request.images_dir + ": no such folder, expected the photos");
     return request.images_dir;
   }
-  return folder_called(base, "images");
+  std::string images = folder_called(base, "images");
+  require_readable_folder(images);
+  return images;
 }
 
 /// Where photos are searched if there is no images/ next to the cameras.

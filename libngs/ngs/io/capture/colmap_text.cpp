@@ -4,6 +4,7 @@
 #include "ngs/io/capture/colmap_model.h"
 #include "ngs/io/capture/pose.h"
 #include "ngs/io/files/text_lines.h"
+#include "ngs/io/ply/ply_scan.h"
 
 namespace ngs::io {
 namespace {
@@ -13,7 +14,11 @@ constexpr std::string_view kBlank = " \t\r";
 /// Lines with their numbers; skips comments, which begin with '#'.
 class Lines {
  public:
-  Lines(std::string_view text, std::string object) : rest_(without_byte_order_mark(text)), object_(std::move(object)) {}
+  Lines(std::string_view text, std::string object) : rest_(without_byte_order_mark(text)), object_(std::move(object)) {
+    if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
+      throw Error(ErrorCode::kBadInput, object_ + ": text in UTF-16, expected UTF-8",
+                  "convert it: iconv -f UTF-16 -t UTF-8 FILE");
+  }
 
   bool next(std::string_view& line) {
     if (rest_.empty()) return false;
@@ -64,7 +69,7 @@ class Words {
     const std::string_view word = next();
     T value{};
     if (!parse_number(word, value))
-      throw Error(ErrorCode::kBadInput, where_ + ": \"" + std::string(word) + "\", expected " + what);
+      throw Error(ErrorCode::kBadInput, where_ + ": \"" + printable(word) + "\", expected " + what);
     return value;
   }
   bool done() {

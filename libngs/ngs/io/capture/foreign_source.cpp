@@ -103,9 +103,12 @@ void refuse_sequence(const std::string& folder) {
 }  // namespace
 
 void refuse_foreign_file(const std::string& source) {
-  if (source == "-")
-    refuse_source(source, "standard input, which is read only once",
-                  "save it first: cat > model.ply; then ngs cut model.ply");
+  std::error_code absent;
+  const bool is_stdin = source == "-";
+  if (is_stdin || fs::is_fifo(source, absent))
+    refuse_source(
+        source, std::string(is_stdin ? "standard input" : "a pipe") + ", which is read only once",
+        "save it first: cat " + (is_stdin ? "" : shell_word(source) + " ") + "> model.ply; then ngs cut model.ply");
   if (source.find("://") != source.npos)
     refuse_source(source, "a web address", "download it first: curl -LO " + shell_word(source));
   if (!is_regular_file(source)) return;

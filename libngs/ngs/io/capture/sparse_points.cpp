@@ -1,7 +1,6 @@
 #include "ngs/io/capture/sparse_points.h"
 
 #include <cmath>
-#include <cstdlib>
 
 #include "ngs/core/parse_number.h"
 #include "ngs/io/files/byte_reader.h"

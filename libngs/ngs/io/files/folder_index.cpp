@@ -5,6 +5,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/files/regular_file.h"
+#include "ngs/io/files/shell_word.h"
 #include "ngs/scene/view_names.h"
 
 namespace ngs::io {
@@ -31,6 +32,15 @@ std::vector<std::string> list_images(const std::string& folder) {
   return list(folder, [](const fs::directory_entry& entry) {
     return has_image_extension(entry.path().filename().string()) && is_regular_file(entry.path().generic_string());
   });
+}
+
+void require_readable_folder(const std::string& folder) {
+  std::error_code failed;
+  const fs::directory_iterator first(folder, failed);
+  if (!failed && first != fs::directory_iterator()) static_cast<void>(fs::status(first->path(), failed));
+  if (failed == std::errc::permission_denied)
+    throw Error(ErrorCode::kBadInput, folder + ": cannot be read: " + failed.message(),
+                "give yourself the right to read it: chmod -R u+rX " + shell_word(folder));
 }
 
 std::vector<std::string> list_folders(const std::string& folder) {

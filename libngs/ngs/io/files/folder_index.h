@@ -16,6 +16,9 @@ bool is_resource_fork(std::string_view name);
 /// Sorted names of the regular image files in `folder`, not recursive, without resource forks; empty if there is no
 /// such folder.
 std::vector<std::string> list_images(const std::string& folder);
+/// Throws kBadInput if the folder exists, and its files cannot be listed or looked at for lack of rights.
+void require_readable_folder(const std::string& folder);
+
 /// Sorted names of the folders in `folder`.
 std::vector<std::string> list_folders(const std::string& folder);
 

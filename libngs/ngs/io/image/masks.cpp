@@ -79,9 +79,11 @@ Plane read_plane(const std::string& path, MaskMode mode, std::vector<std::string
     if (shown == Pictured::kPhoto)
       throw Error(ErrorCode::kBadInput, path + ": a picture of many colours, expected a mask: an object in one colour",
                   "save the masks themselves, not the photos or pictures with the mask drawn on them");
-    notes.push_back(path + (shown == Pictured::kOnBlack
-                                ? ": a picture on black, read as object where it is not black"
-                                : ": colour image, the largest of red, green and blue used as the mask"));
+    notes.push_back(
+        path +
+        (shown == Pictured::kOnBlack
+             ? ": a picture on black, read as object where it is not black"
+             : ": colour image, the largest of red, green and blue (or the one that differs most) used as the mask"));
   }
   if (cut_out) notes.push_back(path + ": alpha channel used as the mask");
   if (is_label_map)

@@ -1,5 +1,4 @@
 // The 3D filter of Mip-Splatting and its successors, whose PLYs hold scales and opacities before filtering.
-#include <algorithm>
 #include <cmath>
 
 #include "ngs/io/ply/gaussian_columns.h"

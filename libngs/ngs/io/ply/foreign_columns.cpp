@@ -1,8 +1,8 @@
-// Converts columns of other programs to the Inria layout: CloudCompare's names, SH beyond degree 3, and values after
-// activation.
+// Converts columns of other programs to the Inria layout: other names, SH beyond degree 3, and values after activation.
 #include <algorithm>
 #include <cmath>
 
+#include "ngs/core/formatted.h"
 #include "ngs/io/ply/gaussian_columns.h"
 #include "ngs/io/ply/selected_columns.h"
 #include "ngs/math/sh.h"
@@ -26,6 +26,23 @@ int rest_index(std::string_view name) {
     k = 10 * k + (c - '0');
   }
   return name.size() == kRest.size() ? -1 : k;
+}
+
+/// The name in the Inria layout: CloudCompare writes scalar_NAME, other tools the parameters of nerfstudio and gsplat.
+/// Other names stay.
+std::string inria_name(std::string_view name) {
+  constexpr std::pair<std::string_view, std::string_view> kStems[] = {
+      {"rotation_", "rot_"},     {"rotations_", "rot_"},     {"quats_", "rot_"},       {"scaling_", "scale_"},
+      {"scales_", "scale_"},     {"features_dc_", "f_dc_"},  {"sh0_", "f_dc_"},        {"shN_", "f_rest_"},
+      {"features_rest_", kRest}, {"opacities_0", "opacity"}, {"opacity_0", "opacity"}, {"opacities", "opacity"},
+      {"means_0", "x"},          {"means_1", "y"},           {"means_2", "z"},         {"rot_w", "rot_0"},
+      {"rot_x", "rot_1"},        {"rot_y", "rot_2"},         {"rot_z", "rot_3"},       {"scale_x", "scale_0"},
+      {"scale_y", "scale_1"},    {"scale_z", "scale_2"}};
+  if (name.size() > kScalar.size() && name.starts_with(kScalar)) name.remove_prefix(kScalar.size());
+  for (const auto& [theirs, ours] : kStems)
+    if (name.starts_with(theirs) && name.find_first_not_of("0123456789", theirs.size()) == name.npos)
+      return std::string(ours) + std::string(name.substr(theirs.size()));
+  return std::string(name);
 }
 
 /// The finite values of some columns, sorted; empty if one of them is negative.
@@ -63,7 +80,7 @@ double bulk_side(const PlyTable& rows) {
 
 bool is_gaussian_element(const PlyElement& vertex) {
   return std::ranges::any_of(vertex.properties, [](const PlyProperty& p) {
-    return p.name == "scale_0" || p.name == "scalar_scale_0" || p.name == "packed_position";
+    return inria_name(p.name) == "scale_0" || p.name == "packed_position";
   });
 }
 
@@ -91,11 +108,21 @@ bool is_motion_column(std::string_view name) {
   return name == "t" || std::ranges::any_of(kStems, [&](std::string_view stem) { return name.starts_with(stem); });
 }
 
-bool has_scalar_names(const PlyTable& rows) { return rows.find("scale_0") < 0 && rows.find("scalar_scale_0") >= 0; }
-
-void drop_scalar_prefix(PlyTable& rows) {
-  for (PlyProperty& p : rows.properties)
-    if (p.name.starts_with(kScalar) && rows.find(p.name.substr(kScalar.size())) < 0) p.name.erase(0, kScalar.size());
+std::string take_foreign_names(PlyTable& rows) {
+  std::string first;
+  bool has_rest = false;
+  const bool is_inria = rows.find("scale_0") >= 0;  // scalar_NAME is then a column of its own
+  for (PlyProperty& p : rows.properties) {
+    if (is_inria && p.name.starts_with(kScalar)) continue;
+    std::string name = inria_name(p.name);
+    if (name == p.name || rows.find(name) >= 0) continue;
+    if (first.empty()) first = p.name + " as " + name;
+    has_rest |= name.starts_with(kRest) && !p.name.ends_with(name);
+    p.name = std::move(name);
+  }
+  if (first.empty()) return {};
+  return "columns are read by their names in 3DGS (" + first + ")" +
+         (has_rest ? ", SH of degree 1 and more as f_rest_*: all of red, then green, then blue" : "");
 }
 
 int excess_sh_degree(std::size_t rest_columns) {
@@ -150,7 +177,7 @@ std::string take_plain_colours(PlyTable& rows) {
     const bool is_opacity = out.properties[p].name == "opacity";
     double most = is_integer(from.type) ? 2 : 0;
     for (std::int64_t i = 0; is_changed && i < rows.rows; ++i) most = std::max(most, from.value(i));
-    const double scale = most <= 1 ? 1 : most <= 255 ? 255 : 65535;
+    const double scale = most < 2 ? 1 : most <= 255 ? 255 : 65535;
     for (std::int64_t i = 0; i < rows.rows; ++i) {
       std::uint8_t* to = out.owned.data() + std::size_t(i) * out.row_bytes + out.offset[p];
       const double v = is_changed ? clamp3(from.value(i) / scale, 0.0, 1.0) : 0;
@@ -167,15 +194,18 @@ std::string take_plain_colours(PlyTable& rows) {
 Activated find_activated(const PlyTable& rows) {
   constexpr std::int64_t kFewestRows = 16;  // fewer may lie within any range by chance
   constexpr double kMinRatio = 8;           // of a large length to a small one; logarithms span a smaller ratio
-  constexpr double kMinSpan = 0.25;         // of opacities; a constant opacity is no evidence
+  constexpr double kMinSpan = 0.25;         // of opacities, of their full scale; a constant opacity is no evidence
+  constexpr float kLargestLogit = 64;       // training ends far below, and gives some negative ones
   Activated found;
   std::vector<PlyColumn> scales, opacity{rows.column("opacity")};
   for (int axis = 0; axis < 3; ++axis)
     if (const PlyColumn column = rows.column(log_scale_name(axis))) scales.push_back(column);
   if (rows.rows < kFewestRows || scales.empty() || !opacity[0]) return found;
   const std::vector<float> opacities = sorted_unless_negative(opacity, rows.rows);
-  found.opacity = std::int64_t(opacities.size()) == rows.rows && opacities.back() <= 1 &&
-                  opacities.back() - opacities.front() >= kMinSpan;
+  const float most = std::int64_t(opacities.size()) == rows.rows ? opacities.back() : INFINITY;
+  if (most > kLargestLogit && most <= 255) found.full_opacity = most <= 100 ? 100 : 255;
+  const bool is_in_range = most <= 1 || found.full_opacity > 1;
+  found.opacity = is_in_range && opacities.back() - opacities.front() >= kMinSpan * found.full_opacity;
   const std::vector<float> lengths = sorted_unless_negative(scales, rows.rows);
   if (std::int64_t(lengths.size()) < kFewestRows) return found;
   found.median_scale = at_share(lengths, 0.5);
@@ -183,6 +213,7 @@ Activated find_activated(const PlyTable& rows) {
   const bool spread = kMinRatio * at_share(lengths, 0.01) <= high;
   const bool small = high < 1 || std::exp(found.median_scale) > bulk_side(rows);  // too small for logarithms
   found.scale = high > 0 && int(found.opacity) + int(spread) + int(small) >= 2;
+  found.opacity |= found.scale && is_in_range;  // programs write both before activation, or both after
   return found;
 }
 
@@ -191,7 +222,9 @@ std::string describe(const Activated& activated) {
   if (activated.scale)
     text =
         "scale_* all > 0, half of them below " + std::to_string(activated.median_scale) + ": lengths, not logarithms";
-  if (activated.opacity) text += std::string(text.empty() ? "" : "; ") + "opacity 0 to 1: activated, not logits";
+  if (activated.opacity)
+    text += std::string(text.empty() ? "" : "; ") + "opacity 0 to " + formatted("%g", activated.full_opacity) +
+            ": activated, not logits";
   return text;
 }
 
@@ -205,7 +238,7 @@ PlyTable deactivated(const PlyTable& rows, const Activated& activated) {
     const PlyColumn from = rows.column(name);
     for (std::int64_t i = 0; i < rows.rows; ++i) {
       const double v = from.value(i);
-      ply_store(out.properties[p].type, is_opacity ? logit(v) : std::log(v),
+      ply_store(out.properties[p].type, is_opacity ? logit(v / activated.full_opacity) : std::log(v),
                 out.owned.data() + std::size_t(i) * out.row_bytes + out.offset[p]);
     }
   }

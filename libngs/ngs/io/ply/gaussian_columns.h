@@ -80,10 +80,9 @@ PlyTable decode_compressed(const PlyFile& file);
 bool has_3d_filter(const PlyTable& rows);
 PlyTable fuse_3d_filter(const PlyTable& rows);
 
-/// CloudCompare's PLY: all columns except positions and normals are named scalar_NAME. The prefix is removed unless a
-/// column NAME exists too; rows are unchanged.
-bool has_scalar_names(const PlyTable& rows);
-void drop_scalar_prefix(PlyTable& rows);
+/// Renames the columns of other programs, such as scalar_scale_0, rotation_0 and opacities, unless a column of the
+/// Inria name exists too; rows are unchanged. Returns a note; empty: nothing changed.
+std::string take_foreign_names(PlyTable& rows);
 
 /// The SH degree, 4 or more, of a model that is truncated to degree 3 (as in .spz); 0 for any other number of f_rest_*.
 int excess_sh_degree(std::size_t rest_columns);
@@ -92,17 +91,17 @@ std::size_t rest_columns_of(const PlyTable& rows);
 PlyTable cut_sh(const PlyTable& rows, int degree);
 
 /// Points with scales and rotations: red, green and blue become f_dc_* if there are none, and an opacity (or alpha, if
-/// there is no opacity) of an integer type becomes a logit. Full scale is 1 of floats up to 1, 255, else 65535.
+/// there is no opacity) of an integer type becomes a logit. Full scale is 1 of floats below 2, 255, else 65535.
 /// Returns a note; empty: nothing changed.
 std::string take_plain_colours(PlyTable& rows);
 
 /// Detects columns with values after activation: scale_* as lengths instead of logarithms, opacity in 0..1 instead of a
-/// logit. Opacities count as activated if they fill 0 to 1. Scales do if none is negative and two of these hold: they
-/// differ by large factors; as logarithms they would exceed the scene; the opacities are activated. With fewer than 16
-/// rows nothing is detected.
+/// logit. Opacities count as activated if they fill 0 to 1, 100 or 255, or if they lie there and scales are activated.
+/// Scales do if none is negative and two of these hold: they differ by large factors; as logarithms they would exceed
+/// the scene; the opacities are activated. With fewer than 16 rows nothing is detected.
 struct Activated {
   bool scale = false, opacity = false;
-  double median_scale = 0;
+  double median_scale = 0, full_opacity = 1;
   explicit operator bool() const { return scale || opacity; }
 };
 Activated find_activated(const PlyTable& rows);

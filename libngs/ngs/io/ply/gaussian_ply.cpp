@@ -70,10 +70,7 @@ class Reader {
   }
 
   void adapt_foreign_columns() {
-    if (has_scalar_names(ply_.rows)) {
-      drop_scalar_prefix(ply_.rows);
-      ply_.notes.push_back("properties scalar_NAME (CloudCompare) are read as NAME");
-    }
+    if (const std::string note = take_foreign_names(ply_.rows); !note.empty()) ply_.notes.push_back(note);
     if (const std::string note = take_plain_colours(ply_.rows); !note.empty()) ply_.notes.push_back(note);
     if (const int degree = excess_sh_degree(rest_columns_of(ply_.rows)); degree > 0) {
       ply_.rows = cut_sh(ply_.rows, degree);

@@ -154,7 +154,7 @@ ModelSearch find_model(const std::string& folder) {
     return found;
   }
   if (std::ranges::all_of(files, [](const Candidate& file) { return file.kind == FileKind::kNoSplat; }))
-    add_below(folder, 2, files);
+    add_below(folder, 3, files);
   return only_splat(folder, files);
 }
 

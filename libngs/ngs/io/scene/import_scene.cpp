@@ -44,6 +44,7 @@ std::string find_masks_dir(const ImportRequest& request, const std::string& base
   std::vector<std::string>& notes = out.notes;
   std::error_code ignored;
   std::string usual = folder_called(base, "masks");
+  require_readable_folder(request.masks_dir.empty() ? usual : request.masks_dir);
   if (!request.masks_dir.empty() && is_annotations(request.masks_dir) && is_regular_file(request.masks_dir))
     return request.masks_dir;
   if (is_regular_file(request.masks_dir))

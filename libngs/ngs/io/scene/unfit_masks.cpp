@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMaxDepth = 3;  // of folders in the folder of masks
+constexpr int kMaxDepth = 4;  // of folders in the folder of masks, or of a capture
 constexpr std::size_t kMaxFiles = 100000;
 
 /// Sorted paths of regular files in the folder and its sub-folders.
@@ -202,15 +202,19 @@ UnfitMasks leave_out_lost_masks(std::vector<SceneView>& views) {
 
 std::string incomplete_masks(const Scene& scene) {
   if (scene.missing_mask != MissingMask::kUnknown || scene.objects.size() < 2) return {};
-  std::size_t count = 0;
+  std::size_t count = 0, with_masks = 0;
   std::string first;
   for (std::size_t v = 0; v < scene.views.size(); ++v) {
     const std::vector<std::string> files = mask_files(scene, v);
+    with_masks += !files.empty();
     const auto lost = std::ranges::find_if(files, [](const std::string& file) { return !is_regular_file(file); });
     if (lost == files.end() || files.size() < 2) continue;
     if (count++ == 0) first = *lost;
   }
   if (count == 0) return {};
+  if (count == with_masks)
+    throw Error(ErrorCode::kInconsistent, "every view lacks the mask of an object (first: " + first + "), expected all",
+                "if the object is not visible there: --missing-mask empty");
   return std::to_string(count) + " views lack the mask of an object (first: " + first +
          "), their other masks are not used (if the object is not visible there: --missing-mask empty)";
 }

@@ -1,7 +1,6 @@
 #include "ngs/make/fit/fit_density.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "ngs/math/stable.h"
 #include "ngs/problem/cloud_rows.h"

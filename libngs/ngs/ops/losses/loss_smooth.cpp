@@ -1,7 +1,5 @@
 #include "ngs/ops/losses/loss_smooth.h"
 
-#include <cmath>
-
 #include "ngs/backend/for_each.h"
 #include "ngs/core/check.h"
 #include "ngs/core/rng.h"

@@ -3,7 +3,6 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "ngs/math/quat.h"
 #include "ngs/ops/splat/evidence.h"

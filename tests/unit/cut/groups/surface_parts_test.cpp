@@ -4,7 +4,6 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <array>
 #include <set>
 
 #include "ngs/make/synth/synth_scene.h"
@@ -15,12 +14,18 @@ namespace {
 using V = Vec3<double>;
 
 struct Box {
-  V low, high;
+  V low, high, colour;
 };
 
-/// Depth of the first box, the floor z = 0 within 3 of the middle, or the wall y = 3, along camera axes; 0: none.
-float depth_along(const V& from, const V& direction, const std::vector<Box>& boxes) {
-  double nearest = 1e9;
+struct Hit {
+  double depth = 1e9;
+  V colour{0.5, 0.5, 0.5};
+};
+
+/// The first box, the floor z = 0 within 3 of the middle, or the wall y = 3, along camera axes.
+Hit hit_along(const V& from, const V& direction, const std::vector<Box>& boxes) {
+  Hit hit;
+  double& nearest = hit.depth;
   const double floor = -from.z / direction.z, wall = (3 - from.y) / direction.y;
   const V on_floor = from + floor * direction, on_wall = from + wall * direction;
   if (floor > 0 && std::max(std::abs(on_floor.x), std::abs(on_floor.y)) < 3) nearest = floor;
@@ -33,12 +38,12 @@ float depth_along(const V& from, const V& direction, const std::vector<Box>& box
       enter = std::max(enter, std::min(a, b));
       leave = std::min(leave, std::max(a, b));
     }
-    if (enter > 0 && enter < leave) nearest = std::min(nearest, enter);
+    if (enter > 0 && enter < leave && enter < nearest) hit = {enter, box.colour};
   }
-  return nearest < 1e9 ? float(nearest) : 0.f;
+  return hit;
 }
 
-/// Eight views from around at two heights.
+/// Sixteen views from around at two heights.
 std::vector<DepthView> views_of(const std::vector<Box>& boxes) {
   std::vector<DepthView> views;
   for (int k = 0; k < 16; ++k) {
@@ -50,18 +55,23 @@ std::vector<DepthView> views_of(const std::vector<Box>& boxes) {
     camera.cy = 120;
     const double angle = 0.1 + k * 0.3927;
     synth::look_at(camera, {2.4 * std::cos(angle), 2.4 * std::sin(angle), k % 2 ? 0.9 : 1.9}, {0, 0, 0.3});
-    DepthView view{camera, ImageF(320, 240, 1)};
+    DepthView view{camera, ImageF(320, 240, 1), ImageF(320, 240, 3)};
     for (int y = 0; y < 240; ++y)
       for (int x = 0; x < 320; ++x) {
         const V ray{(x + 0.5 - camera.cx) / camera.fx, (y + 0.5 - camera.cy) / camera.fy, 1};
-        view.depth.at(x, y) = depth_along(camera.centre(), transpose(camera.rotation) * ray, boxes);
+        const Hit hit = hit_along(camera.centre(), transpose(camera.rotation) * ray, boxes);
+        view.depth.at(x, y) = hit.depth < 1e9 ? float(hit.depth) : 0.f;
+        const double colour[3] = {hit.colour.x, hit.colour.y, hit.colour.z};
+        for (int c = 0; c < 3; ++c) view.colour.at(x, y, c) = float(colour[c]);
       }
     views.push_back(std::move(view));
   }
   return views;
 }
 
-Box box_at(V base, V half) { return {base - V{half.x, half.y, 0}, base + V{half.x, half.y, 2 * half.z}}; }
+Box box_at(V base, V half, V colour) {
+  return {base - V{half.x, half.y, 0}, base + V{half.x, half.y, 2 * half.z}, colour};
+}
 
 /// The part at most of the surface points of a box above `from`.
 int part_of(const Box& box, const std::vector<DepthView>& views, const SurfaceCells& cells, const SurfaceParts& parts) {
@@ -85,26 +95,30 @@ int part_of(const Box& box, const std::vector<DepthView>& views, const SurfaceCe
   return -1;
 }
 
-const Box kTable = box_at({-0.7, 0, 0}, {0.45, 0.45, 0.2}), kPedestal = box_at({0.7, 0.4, 0}, {0.15, 0.15, 0.15}),
-          kStatue = box_at({0.7, 0.4, 0.3}, {0.1, 0.1, 0.15}), kFirst = box_at({-0.5, 0.2, 0.4}, {0.08, 0.08, 0.08}),
-          kSecond = box_at({-0.8, -0.2, 0.4}, {0.07, 0.1, 0.1}), kAlone = box_at({0.5, -0.6, 0}, {0.1, 0.1, 0.1});
+const V kRed{0.8, 0.1, 0.1}, kGreen{0.1, 0.7, 0.2}, kBlue{0.1, 0.2, 0.9}, kBrown{0.5, 0.3, 0.1};
+const Box kTable = box_at({-0.7, 0, 0}, {0.45, 0.45, 0.2}, kBrown),
+          kPedestal = box_at({0.7, 0.4, 0}, {0.15, 0.15, 0.15}, kGreen),
+          kStatue = box_at({0.7, 0.4, 0.3}, {0.1, 0.1, 0.15}, kRed),
+          kFirst = box_at({-0.5, 0.2, 0.4}, {0.08, 0.08, 0.08}, kRed),
+          kSecond = box_at({-0.8, -0.2, 0.4}, {0.07, 0.1, 0.1}, kGreen),
+          kAlone = box_at({0.5, -0.6, 0}, {0.1, 0.1, 0.1}, kBlue);
 
 }  // namespace
 
-TEST_CASE("a table and the boxes on it are parts; a pedestal with one box is one part; floor and wall are none") {
-  const std::vector<DepthView> views = views_of({kTable, kPedestal, kStatue, kFirst, kSecond, kAlone});
+TEST_CASE("a table, boxes on it, a box alone and two boxes on each other are parts; floor and wall are none") {
+  const std::vector<Box> boxes{kTable, kPedestal, kStatue, kFirst, kSecond, kAlone};
+  const std::vector<DepthView> views = views_of(boxes);
   const SurfaceCells cells = surface_cells({}, views);
   REQUIRE(cells.count() > 5000);
   const SurfaceParts parts = surface_parts(cells, unit(V{0.05, -0.05, 1}));
-  CHECK(parts.parts == 5);
+  CHECK(parts.parts == 6);
   std::set<int> different;
-  for (const Box& box : {kTable, kPedestal, kFirst, kSecond, kAlone}) {
+  for (const Box& box : boxes) {
     const int part = part_of(box, views, cells, parts);
     CHECK(part > 0);
     different.insert(part);
   }
-  CHECK(different.size() == 5);
-  CHECK(part_of(kStatue, views, cells, parts) == part_of(kPedestal, views, cells, parts));
+  CHECK(different.size() == 6);
   for (const V at : {V{0, -1.5, 0}, V{0.2, 2.999, 1}}) {
     const std::int64_t cell = cells.at(at);
     REQUIRE(cell >= 0);
@@ -112,16 +126,19 @@ TEST_CASE("a table and the boxes on it are parts; a pedestal with one box is one
   }
 }
 
-TEST_CASE("a table that carries one box of less than a third of its width is another part") {
-  const std::vector<DepthView> views = views_of({kTable, kFirst});
+TEST_CASE("two boxes on each other are one part if they have the same colours") {
+  Box statue = kStatue;
+  statue.colour = kPedestal.colour;
+  const std::vector<DepthView> views = views_of({kPedestal, statue});
   const SurfaceCells cells = surface_cells({}, views);
   const SurfaceParts parts = surface_parts(cells, {0, 0, 1});
-  CHECK(parts.parts == 2);
-  CHECK(part_of(kTable, views, cells, parts) != part_of(kFirst, views, cells, parts));
+  CHECK(parts.parts == 1);
+  CHECK(part_of(statue, views, cells, parts) == 1);
+  CHECK(part_of(kPedestal, views, cells, parts) == 1);
 }
 
 TEST_CASE("a view without surface has no cells, and no cells have no parts") {
-  DepthView empty{views_of({})[0].camera, ImageF(320, 240, 1)};
+  DepthView empty{views_of({})[0].camera, ImageF(320, 240, 1), ImageF(320, 240, 3)};
   const SurfaceCells none = surface_cells({}, {empty, empty});
   CHECK(none.count() == 0);
   CHECK(surface_parts(none, {0, 0, 1}).parts == 0);

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "ngs/core/error.h"
+#include "support/error_code.h"
 
 namespace ngs {
 namespace {
@@ -88,12 +89,7 @@ TEST_CASE("painted pixels are scaled and strokes beyond the image are clipped") 
 }
 
 TEST_CASE("prompts with another aspect ratio than the view are kInconsistent") {
-  try {
-    rasterise(of_size(20, 10), 20, 12);
-    FAIL("nothing was thrown");
-  } catch (const Error& e) {
-    CHECK(e.code() == ErrorCode::kInconsistent);
-  }
+  CHECK(test::code_of([&] { rasterise(of_size(20, 10), 20, 12); }) == ErrorCode::kInconsistent);
 }
 
 }  // namespace ngs

@@ -9,6 +9,7 @@
 #include "ngs/core/error.h"
 #include "ngs/core/rng.h"
 #include "ngs/edit/extract/import_stage.h"
+#include "support/error_code.h"
 
 namespace ngs {
 namespace {
@@ -52,12 +53,7 @@ TEST_CASE("the rules are the thresholds of the methods they are named after") {
   for (const char* rule : {"", "threshold", "threshold:", "threshold:2", "threshold:nan", "threshold:0.5x",
                            "flash:-1.1", "sa3d:1", "knn:3"}) {
     CAPTURE(rule);
-    try {
-      parse_extract_rule(rule);
-      CHECK(false);
-    } catch (const Error& e) {
-      CHECK(e.code() == ErrorCode::kUsage);
-    }
+    CHECK(test::code_of([&] { parse_extract_rule(rule); }) == ErrorCode::kUsage);
   }
 }
 
@@ -224,13 +220,11 @@ TEST_CASE("an edit with all rows and no selection is an error: all would become 
   const GaussianCloud edit = rows_of(cloud, {3, 2, 1, 0});
   const std::vector<float> label = {1, 1, 0, 0};
   const Flags object = {1, 1, 0, 0};
-  for (const std::vector<std::uint8_t>& state : {std::vector<std::uint8_t>{}, {0, 0, 2, 0}}) try {
-      import_edit(cloud, object, label, edit, state);
-      CHECK(false);
-    } catch (const Error& e) {
-      CHECK(e.code() == ErrorCode::kInconsistent);
-      CHECK(e.remedy().find("select the object in the editor") != std::string::npos);
-    }
+  for (const std::vector<std::uint8_t>& state : {std::vector<std::uint8_t>{}, {0, 0, 2, 0}}) {
+    const Error e = test::thrown_by([&] { import_edit(cloud, object, label, edit, state); });
+    CHECK(e.code() == ErrorCode::kInconsistent);
+    CHECK(e.remedy().find("select the object in the editor") != std::string::npos);
+  }
   GaussianCloud broken = cloud;  // an export omits non-finite rows
   broken.usable[0] = 0;
   CHECK_THROWS_AS(import_edit(broken, object, label, rows_of(cloud, {3, 2, 1}), {}), Error);
@@ -278,13 +272,9 @@ TEST_CASE("an edit that a converter turned is matched after turning it back, and
     CHECK(turned({0, 2, 1}, {1, 1, -1}, rounding).turned == "by -90 degrees about x");
     CHECK(turned({0, 2, 1}, {1, 1, -1}, rounding).label == plain.label);
   }
-  try {
-    import_edit(cloud, object, label, rows_of(cloud, {}), {});
-    CHECK(false);
-  } catch (const Error& e) {
-    CHECK(e.code() == ErrorCode::kNothingFound);
-    CHECK(std::string(e.what()).find("contains no Gaussian") != std::string::npos);
-  }
+  const Error e = test::thrown_by([&] { import_edit(cloud, object, label, rows_of(cloud, {}), {}); });
+  CHECK(e.code() == ErrorCode::kNothingFound);
+  CHECK(std::string(e.what()).find("contains no Gaussian") != std::string::npos);
 }
 
 TEST_CASE("a moved edit is an error, a few unknown rows in it are not") {
@@ -295,12 +285,7 @@ TEST_CASE("a moved edit is an error, a few unknown rows in it are not") {
   edit.position[0] += 1;
   CHECK(import_edit(cloud, object, label, edit, {}).unmatched == 1);
   for (std::size_t i = 0; i < 4; ++i) edit.position[i * 3] = cloud.position[i * 3] + 1;
-  try {
-    import_edit(cloud, object, label, edit, {});
-    CHECK(false);
-  } catch (const Error& e) {
-    CHECK(e.code() == ErrorCode::kInconsistent);
-  }
+  CHECK(test::code_of([&] { import_edit(cloud, object, label, edit, {}); }) == ErrorCode::kInconsistent);
 }
 
 }  // namespace

@@ -155,6 +155,23 @@ TEST_CASE("an object without visible Gaussians, without ground, and over a whole
   CHECK(filled(HoleModel{}).nothing == "the object has no visible Gaussian");
 }
 
+TEST_CASE("a dense floor that lacks a tenth below the object continues, one that lacks a third is filled") {
+  const auto lacks = [](double half, int layers) {
+    HoleModel model;
+    const auto zero = [](double, double) { return 0.0; };
+    const auto from_middle = [](double x, double y) { return std::max(std::abs(x), std::abs(y)); };
+    const auto is_hole = [&](double x, double y) { return from_middle(x, y) < half; };
+    model.add_floor(zero, zero, is_hole);
+    for (int k = 1; k < layers; ++k)
+      model.add_floor(zero, zero, [&](double x, double y) { return is_hole(x, y) || from_middle(x, y) > 0.4; });
+    model.add_block({-0.3, -0.3, 0.03}, {0.3, 0.3, 0.6});
+    return filled(model);
+  };
+  CHECK(lacks(0.11, 2).nothing == "the background continues below the object");
+  CHECK(lacks(0.24, 2).filled.size() > 50);
+  CHECK(lacks(0.11, 4).filled.size() > 50);  // what is left of the object
+}
+
 TEST_CASE("a rim on one side of the object only is not continued") {
   HoleModel model;
   model.add_floor([](double, double) { return 0.0; }, [](double, double) { return 0.0; },
@@ -179,6 +196,16 @@ TEST_CASE("half-transparent Gaussians around the object are removed, those of th
   CHECK(fill.removed_rows == std::count(fill.removed.begin(), fill.removed.end(), 1));
   for (std::size_t i = 0; i < model.object.size(); ++i)
     if (model.object[i]) REQUIRE(fill.removed[i] == 0);
+}
+
+TEST_CASE("an opaque needle at the object is a rod of something else and stays, a crumb goes") {
+  HoleModel model = HoleModel::on_floor();
+  model.add({0.35, 0, 0.3}, -1, -1, false);
+  const std::size_t i = model.object.size() - 1;
+  CHECK(filled(model).removed[i] == 1);
+  model.cloud.log_scale[3 * i] = model.cloud.log_scale[3 * i + 1] = std::log(0.01f);
+  model.cloud.log_scale[3 * i + 2] = std::log(0.07f);
+  CHECK(filled(model).removed[i] == 0);
 }
 
 TEST_CASE("a fill has the same bytes for any number of threads") {

@@ -7,6 +7,7 @@
 #include "ngs/core/error.h"
 #include "ngs/edit/select/canonical_points.h"
 #include "ngs/math/vectors.h"
+#include "support/error_code.h"
 #include "support/splat_shapes.h"
 
 namespace ngs {
@@ -101,13 +102,9 @@ TEST_CASE("an object's own side is no supporting plane, for any rotation of the 
     }
   for (const UpAxis up : {UpAxis::kAuto, UpAxis::kMinusY, UpAxis::kZ, UpAxis::kMinusZ, UpAxis::kX}) {
     CAPTURE(int(up));
-    try {
-      selected(cloud, {.drop_below_plane = "auto", .up = up});
-      FAIL("a plane was found");
-    } catch (const Error& e) {
-      CHECK(e.code() == ErrorCode::kNothingFound);
-      CHECK(std::string(e.what()).find("no supporting plane") != std::string::npos);
-    }
+    const Error e = test::thrown_by([&] { selected(cloud, {.drop_below_plane = "auto", .up = up}); });
+    CHECK(e.code() == ErrorCode::kNothingFound);
+    CHECK(std::string(e.what()).find("no supporting plane") != std::string::npos);
   }
 }
 

@@ -7,6 +7,7 @@
 #include "ngs/io/capture/colmap.h"
 #include "ngs/io/capture/transforms_json.h"
 #include "support/camera_files.h"
+#include "support/error_code.h"
 
 namespace ngs::io {
 
@@ -14,13 +15,9 @@ using test::random_cameras;
 
 TEST_CASE("unsupported camera models are named in the error, with a working alternative") {
   const auto refusal = [](const std::function<void()>& read) {
-    try {
-      read();
-    } catch (const Error& e) {
-      CHECK(e.code() == ErrorCode::kBadInput);
-      return std::string(e.what()) + " -> " + e.remedy();
-    }
-    return std::string("was read");
+    const Error e = test::thrown_by(read);
+    CHECK(e.code() == ErrorCode::kBadInput);
+    return std::string(e.what()) + " -> " + e.remedy();
   };
   test::ByteWriter panorama;
   panorama.put(std::uint64_t(1)).put(std::int32_t(1)).put(std::int32_t(17));

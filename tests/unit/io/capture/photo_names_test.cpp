@@ -9,6 +9,7 @@
 #include "ngs/io/capture/capture_source.h"
 #include "ngs/io/image/image_file.h"
 #include "support/camera_files.h"
+#include "support/error_code.h"
 #include "support/temp_dir.h"
 
 namespace ngs::io {
@@ -66,15 +67,11 @@ TEST_CASE("a photo that exists only in an unsupported format is rejected with th
     const TempDir dir;
     write_cameras(dir, "sparse/0", {name});
     dir.write(std::string("images/") + name, bytes);
-    try {
-      read(dir);
-      FAIL("was read");
-    } catch (const Error& e) {
-      CHECK(e.code() == ErrorCode::kBadInput);
-      CHECK(std::string(e.what()).find(std::string(name) + ": a photo in a format that is not read") !=
-            std::string::npos);
-      CHECK(e.remedy().find("magick mogrify") != std::string::npos);
-    }
+    const Error e = test::thrown_by([&] { read(dir); });
+    CHECK(e.code() == ErrorCode::kBadInput);
+    CHECK(std::string(e.what()).find(std::string(name) + ": a photo in a format that is not read") !=
+          std::string::npos);
+    CHECK(e.remedy().find("magick mogrify") != std::string::npos);
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/files/mapped_file.h"
+#include "support/error_code.h"
 #include "support/temp_dir.h"
 
 namespace ngs {
@@ -75,13 +76,9 @@ TEST_CASE("a device is written directly and not replaced") {
 TEST_CASE("paths that cannot be written or read are reported with the reason") {
   const test::TempDir dir;
   const auto code_of = [](auto&& body) {
-    try {
-      body();
-    } catch (const Error& e) {
-      CHECK(std::string(e.what()).find(": ") != std::string::npos);
-      return e.code();
-    }
-    return ErrorCode::kUsage;
+    const Error e = test::thrown_by(body);
+    CHECK(std::string(e.what()).find(": ") != std::string::npos);
+    return e.code();
   };
   CHECK(code_of([&] { io::write_file(dir.path() + "/none/f", "x"); }) == ErrorCode::kEnvironment);
   CHECK(code_of([&] { io::write_file(dir.path(), "x"); }) == ErrorCode::kEnvironment);

@@ -5,6 +5,7 @@
 #include "ngs/core/error.h"
 #include "ngs/io/files/safetensors.h"
 #include "ngs/options/option_set.h"
+#include "support/error_code.h"
 #include "support/ply_text.h"
 
 namespace ngs::io {
@@ -18,15 +19,7 @@ std::string nested(int levels, const std::string& open, const std::string& close
   return text;
 }
 
-template <class Body>
-std::string message_of(const Body& body) {
-  try {
-    body();
-  } catch (const Error& e) {
-    return e.what();
-  }
-  return "nothing was thrown";
-}
+std::string message_of(const auto& body) { return test::thrown_by(body).what(); }
 
 }  // namespace
 

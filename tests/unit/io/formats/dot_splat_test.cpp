@@ -5,6 +5,7 @@
 #include "ngs/core/error.h"
 #include "ngs/io/formats/splat_codecs.h"
 #include "ngs/io/formats/write_splat.h"
+#include "support/error_code.h"
 #include "support/ply_text.h"
 #include "support/splat_files.h"
 #include "support/temp_dir.h"
@@ -80,13 +81,10 @@ TEST_CASE("a .splat with an incomplete record is rejected") {
   for (std::size_t n = 0; n < bytes.size(); ++n) {
     if (n == 32) continue;
     CAPTURE(n);
-    try {
-      (void)io::decode_dot_splat("cut.splat", test::as_bytes(bytes.substr(0, n)));
-      FAIL("was read");
-    } catch (const Error& e) {
-      CHECK(e.code() == ErrorCode::kBadInput);
-      CHECK(std::string(e.what()).find("expected records of 32 bytes") != std::string::npos);
-    }
+    const Error e =
+        test::thrown_by([&] { (void)io::decode_dot_splat("cut.splat", test::as_bytes(bytes.substr(0, n))); });
+    CHECK(e.code() == ErrorCode::kBadInput);
+    CHECK(std::string(e.what()).find("expected records of 32 bytes") != std::string::npos);
   }
 }
 

@@ -8,6 +8,7 @@
 #include "ngs/io/formats/axes.h"
 #include "ngs/io/formats/write_splat.h"
 #include "ngs/math/sh.h"
+#include "support/error_code.h"
 #include "support/ply_text.h"
 #include "support/random.h"
 #include "support/splat_files.h"
@@ -49,13 +50,9 @@ TEST_CASE("the output format follows from the name, and labels are written to PL
     CHECK_THROWS_AS(io::output_format(name), Error);
   CHECK(io::output_format("spz") == SplatFormat::kPly);
   CHECK_NOTHROW(io::require_ply_output("labelled.ply"));
-  try {
-    io::require_ply_output("labelled.spz");
-    FAIL("was taken");
-  } catch (const Error& e) {
-    CHECK(e.code() == ErrorCode::kUsage);
-    CHECK(std::string(e.what()).find("labelled.spz: a format without labels") == 0);
-  }
+  const Error e = test::thrown_by([&] { io::require_ply_output("labelled.spz"); });
+  CHECK(e.code() == ErrorCode::kUsage);
+  CHECK(std::string(e.what()).find("labelled.spz: a format without labels") == 0);
 }
 
 TEST_CASE("formats that are only written are errors as inputs") {
@@ -64,13 +61,9 @@ TEST_CASE("formats that are only written are errors as inputs") {
     for (const std::vector<std::uint8_t>& keep : {std::vector<std::uint8_t>{}, {0, 0, 0}}) {  // all rows, none
       CAPTURE(format);
       (void)io::write_splat(dir.file("m" + format), test::plain_cloud(3, 1, 1), keep);
-      try {
-        (void)io::read_gaussian_ply(dir.file("m" + format));
-        FAIL("was read");
-      } catch (const Error& e) {
-        CHECK(e.code() == ErrorCode::kBadInput);
-        CHECK(std::string(e.what()).find(format + " can be written but not read") != std::string::npos);
-      }
+      const Error e = test::thrown_by([&] { (void)io::read_gaussian_ply(dir.file("m" + format)); });
+      CHECK(e.code() == ErrorCode::kBadInput);
+      CHECK(std::string(e.what()).find(format + " can be written but not read") != std::string::npos);
     }
 }
 

@@ -12,6 +12,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/core/rng.h"
+#include "support/error_code.h"
 #include "support/temp_dir.h"
 
 namespace ngs::io {
@@ -30,12 +31,10 @@ ExrImage sample(int width, int height) {
 }
 
 std::string refusal(const std::string& bytes) {
-  try {
-    parse_exr({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, "a.exr");
-  } catch (const Error& e) {
-    return e.what();
-  }
-  return "";
+  return test::thrown_by([&] {
+           parse_exr({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, "a.exr");
+         })
+      .what();
 }
 
 }  // namespace

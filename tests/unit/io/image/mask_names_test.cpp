@@ -4,6 +4,7 @@
 
 #include "ngs/core/error.h"
 #include "support/camera_files.h"
+#include "support/error_code.h"
 #include "support/temp_dir.h"
 
 namespace ngs::io {
@@ -80,14 +81,10 @@ TEST_CASE("rig files are matched by folder; a file that matches two views is rej
   const std::vector<std::string> names = {"cam0/0.jpg", "cam0/1.jpg", "cam1/0.jpg", "cam1/1.jpg"};
   for (const char* file : {"cam0/0.png", "cam1/0.png", "1.png"}) dir.write(file, "x");
   std::vector<SceneView> views = views_named(names);
-  try {
-    match_masks(dir.path(), {}, views);
-    FAIL("accepted");
-  } catch (const Error& e) {
-    CHECK(e.code() == ErrorCode::kInconsistent);
-    CHECK(std::string(e.what()).find("1.png: matches both views cam0/1.jpg and cam1/1.jpg") != std::string::npos);
-    CHECK(e.remedy().find("/cam1/1.png") != std::string::npos);
-  }
+  const Error e = test::thrown_by([&] { match_masks(dir.path(), {}, views); });
+  CHECK(e.code() == ErrorCode::kInconsistent);
+  CHECK(std::string(e.what()).find("1.png: matches both views cam0/1.jpg and cam1/1.jpg") != std::string::npos);
+  CHECK(e.remedy().find("/cam1/1.png") != std::string::npos);
   dir.write("cam0/1.png", "x");  // then the file without a folder matches only the other view
   views = views_named(names);
   CHECK(match_masks(dir.path(), {}, views).unmatched.empty());

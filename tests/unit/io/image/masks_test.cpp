@@ -9,6 +9,7 @@
 #include "ngs/io/image/exr.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/image/photo.h"
+#include "support/error_code.h"
 #include "support/temp_dir.h"
 
 namespace ngs::io {
@@ -272,12 +273,7 @@ TEST_CASE("a rotated mask gets another hint than one of another aspect ratio") {
   const TempDir dir;
   const auto remedy = [&](int width, int height) {
     write_png(dir.file("m.png"), ImageU8(width, height, 1));
-    try {
-      load_masks(one_view(MaskMode::kBinary, 400, 300, dir.file("m.png")), 0);
-    } catch (const Error& e) {
-      return e.remedy();
-    }
-    return std::string();
+    return test::thrown_by([&] { load_masks(one_view(MaskMode::kBinary, 400, 300, dir.file("m.png")), 0); }).remedy();
   };
   CHECK(remedy(300, 400).find("EXIF orientation") != std::string::npos);
   CHECK(remedy(600, 800).find("EXIF orientation") != std::string::npos);

@@ -1,9 +1,10 @@
-// Splats saved by other programs: CloudCompare's names, SH of degree 4, values after activation.
+// Splats saved by other programs: other names of columns, SH of degree 4, values after activation.
 #include <doctest/doctest.h>
 
 #include <cmath>
 
 #include "ngs/core/error.h"
+#include "ngs/io/ply/gaussian_columns.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "support/ply_text.h"
 #include "support/random.h"
@@ -59,18 +60,41 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 
 }  // namespace
 
-TEST_CASE("CloudCompare's columns scalar_NAME are read as NAME, with the values of the original splat") {
+TEST_CASE(
+    "columns named as by CloudCompare, nerfstudio, gsplat or with letters have the values of the original splat") {
   const PlyColumns table = test::inria_columns(5, 1);
-  PlyColumns renamed = table;
-  for (auto& [name, type] : renamed.properties)
-    if (name.size() > 2) name = "scalar_" + name;
-  const io::GaussianPly ply = parse(renamed), plain = parse(table);
-  CHECK(ply.cloud.sh_rest == plain.cloud.sh_rest);
-  CHECK(ply.cloud.log_scale == plain.cloud.log_scale);
-  CHECK(ply.cloud.rotation == plain.cloud.rotation);
-  CHECK(ply.rows.find("opacity") >= 0);
-  REQUIRE(ply.notes.size() == 1);
-  CHECK(contains(ply.notes[0], "CloudCompare"));
+  const io::GaussianPly plain = parse(table);
+  using Stems = std::vector<std::pair<std::string, std::string>>;  // ours, theirs
+  for (const Stems& stems :
+       {Stems{{"scale_", "scalar_scale_"}, {"opacity", "scalar_opacity"}, {"f_rest_", "scalar_f_rest_"}},
+        {{"rot_", "rotation_"},
+         {"scale_", "scaling_"},
+         {"f_dc_", "features_dc_"},
+         {"f_rest_", "features_rest_"},
+         {"opacity", "opacities"}},
+        {{"rot_", "quats_"}, {"scale_", "scales_"}, {"f_dc_", "sh0_"}, {"f_rest_", "shN_"}, {"opacity", "opacities_0"}},
+        {{"rot_0", "rot_w"}, {"rot_1", "rot_x"}, {"rot_2", "rot_y"}, {"rot_3", "rot_z"}, {"scale_1", "scale_y"}}}) {
+    PlyColumns renamed = table;
+    for (auto& [name, type] : renamed.properties)
+      for (const auto& [ours, theirs] : stems)
+        if (name.starts_with(ours)) {
+          name = theirs + name.substr(ours.size());
+          break;
+        }
+    CAPTURE(stems[0].second);
+    const io::GaussianPly ply = parse(renamed);
+    CHECK(ply.cloud.sh_rest == plain.cloud.sh_rest);
+    CHECK(ply.cloud.sh_dc == plain.cloud.sh_dc);
+    CHECK(ply.cloud.log_scale == plain.cloud.log_scale);
+    CHECK(ply.cloud.rotation == plain.cloud.rotation);
+    CHECK(ply.cloud.logit_opacity == plain.cloud.logit_opacity);
+    REQUIRE(ply.notes.size() == 1);
+    CHECK(contains(ply.notes[0], "columns are read by their names in 3DGS ("));
+    CHECK(contains(ply.notes[0], "all of red, then green") == (stems.size() == 5 && stems[3].first == "f_rest_"));
+    const test::TempDir dir;
+    CHECK(io::is_gaussian_element(
+        *io::PlyFile::open(dir.write("m.ply", test::ply_bytes({renamed}, PlyFormat::kAscii))).find("vertex")));
+  }
 }
 
 TEST_CASE("a column scalar_NAME next to a column NAME is a foreign column and is kept") {
@@ -132,6 +156,14 @@ TEST_CASE("activated scales and opacities are rejected with the command that con
   for (auto& row : large.rows)
     for (const char* name : {"x", "y", "z", "scale_0", "scale_1", "scale_2"}) row[test::column_of(large, name)] *= 1000;
   CHECK(contains(refusal_of(large).what, "scale_* all > 0"));
+  PlyColumns opaque = activated(table, true, true);
+  for (auto& row : opaque.rows) row[test::column_of(opaque, "opacity")] = 1;
+  CHECK(contains(refusal_of(opaque).what, "opacity 0 to 1"));
+  for (const int full : {100, 255}) {
+    PlyColumns scaled = activated(table, false, true);
+    for (auto& row : scaled.rows) row[test::column_of(scaled, "opacity")] *= full;
+    CHECK(contains(refusal_of(scaled).what, "opacity 0 to " + std::to_string(full) + ": activated"));
+  }
 }
 
 TEST_CASE("models with large, equal or few Gaussians are not detected as activated") {
@@ -166,6 +198,10 @@ TEST_CASE("reading an activated model with kActivated restores the trained value
       CHECK(ply.rows.column("scale_0").value_float(std::int64_t(i)) == ply.cloud.log_scale[3 * i]);
     }
   }
+  PlyColumns of_255 = activated(table, false, true);
+  for (auto& row : of_255.rows) row[test::column_of(of_255, "opacity")] *= 255;
+  CHECK(io::read_gaussian_ply(write(of_255), reading).cloud.logit_opacity[5] ==
+        doctest::Approx(plain.cloud.logit_opacity[5]).epsilon(1e-3));
   CHECK_THROWS_AS(io::read_gaussian_ply(write(table), reading), Error);
 }
 

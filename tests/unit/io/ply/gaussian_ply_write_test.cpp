@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 
 #include "ngs/core/error.h"
 #include "ngs/io/ply/gaussian_ply.h"
+#include "support/error_code.h"
 #include "support/ply_text.h"
 #include "support/temp_dir.h"
 
@@ -283,13 +283,9 @@ TEST_CASE("writing is deterministic, and a failed write leaves no file") {
   io::write_strict_ply(dir.file("a.ply"), ply, {});
   io::write_strict_ply(dir.file("b.ply"), ply, {});
   CHECK(test::read_bytes(dir.file("a.ply")) == test::read_bytes(dir.file("b.ply")));
-  try {
-    io::write_strict_ply(dir.path() + "/no/such/folder.ply", ply, {});
-    CHECK(false);
-  } catch (const Error& e) {
-    CHECK(e.code() == ErrorCode::kEnvironment);
-    CHECK(std::string(e.what()).find("no/such/folder.ply") != std::string::npos);
-  }
+  const Error e = test::thrown_by([&] { io::write_strict_ply(dir.path() + "/no/such/folder.ply", ply, {}); });
+  CHECK(e.code() == ErrorCode::kEnvironment);
+  CHECK(std::string(e.what()).find("no/such/folder.ply") != std::string::npos);
 }
 
 TEST_CASE("a column added to a strict file follows the Inria record, for the kept rows") {

@@ -9,6 +9,7 @@
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/scene/scene_json.h"
 #include "support/camera_files.h"
+#include "support/error_code.h"
 #include "support/temp_dir.h"
 
 namespace ngs::io {
@@ -50,15 +51,6 @@ ImportRequest two_label_maps(const TempDir& dir, std::uint8_t first, std::uint8_
   return request;
 }
 
-ErrorCode code_of(const std::function<void()>& body) {
-  try {
-    body();
-  } catch (const Error& e) {
-    return e.code();
-  }
-  return ErrorCode(0);
-}
-
 }  // namespace
 
 TEST_CASE("a photo in one flat folder is not assigned to two cameras of a rig") {
@@ -71,7 +63,7 @@ TEST_CASE("a photo in one flat folder is not assigned to two cameras of a rig") 
   dir.write("sparse/0/cameras.txt", files.cameras);
   dir.write("sparse/0/images.txt", files.images);
   write_png(dir.file("images/0.png"), ImageU8(64, 48, 3, 9));
-  CHECK(code_of([&] { import_scene(request_for(dir)); }) == ErrorCode::kInconsistent);
+  CHECK(test::code_of([&] { import_scene(request_for(dir)); }) == ErrorCode::kInconsistent);
   for (const char* name : {"images/cam0/0.png", "images/cam1/0.png"}) write_png(dir.file(name), ImageU8(64, 48, 3, 9));
   const ImportedScene got = import_scene(request_for(dir));
   CHECK(got.scene.views[1].image_path == dir.path() + "/images/cam1/0.png");
@@ -275,13 +267,9 @@ TEST_CASE("for a photo too narrow for its working size the error has the smalles
   write_png(dir.file("images/a.png"), ImageU8(8000, 64, 3, 9));
   ImportRequest request = request_for(dir);
   request.image_scale = 0;
-  try {
-    import_scene(request);
-    FAIL("was accepted");
-  } catch (const Error& e) {
-    CHECK(std::string(e.what()) == "--image-scale 0.100000: view a.png becomes 800x6 px, expected at least 8 a side");
-    CHECK(e.remedy() == "--image-scale 0.125 or more keeps that of every view");
-  }
+  const Error e = test::thrown_by([&] { import_scene(request); });
+  CHECK(std::string(e.what()) == "--image-scale 0.100000: view a.png becomes 800x6 px, expected at least 8 a side");
+  CHECK(e.remedy() == "--image-scale 0.125 or more keeps that of every view");
   request.image_scale = 0.125;
   CHECK(import_scene(request).scene.views[0].camera.height_px == 8);
 }
@@ -289,31 +277,24 @@ TEST_CASE("for a photo too narrow for its working size the error has the smalles
 TEST_CASE("photos of another aspect ratio, no photos and no masks are kInconsistent") {
   const TempDir dir;
   make_scene(dir, 1, {30, 30});
-  CHECK(code_of([&] { import_scene(request_for(dir)); }) == ErrorCode::kInconsistent);
+  CHECK(test::code_of([&] { import_scene(request_for(dir)); }) == ErrorCode::kInconsistent);
   const TempDir other;
   make_scene(other, 1);
   other.write("elsewhere/z.png", "x");
   ImportRequest request = request_for(other);
   request.capture.images_dir = other.path() + "/elsewhere";
-  CHECK(code_of([&] { import_scene(request); }) == ErrorCode::kInconsistent);
+  CHECK(test::code_of([&] { import_scene(request); }) == ErrorCode::kInconsistent);
   request = request_for(other);
   request.masks_dir = other.path() + "/elsewhere";
-  CHECK(code_of([&] { import_scene(request); }) == ErrorCode::kInconsistent);
+  CHECK(test::code_of([&] { import_scene(request); }) == ErrorCode::kInconsistent);
   request.masks_dir = other.path() + "/nowhere";
-  CHECK(code_of([&] { import_scene(request); }) == ErrorCode::kBadInput);
+  CHECK(test::code_of([&] { import_scene(request); }) == ErrorCode::kBadInput);
 }
 
 TEST_CASE("photos stored rotated get another hint than photos of another aspect ratio") {
   const TempDir dir;
   make_scene(dir, 1, {48, 64});
-  const auto remedy = [&] {
-    try {
-      import_scene(request_for(dir));
-    } catch (const Error& e) {
-      return e.remedy();
-    }
-    return std::string();
-  };
+  const auto remedy = [&] { return test::thrown_by([&] { import_scene(request_for(dir)); }).remedy(); };
   CHECK(remedy().find("EXIF orientation") != std::string::npos);
   write_png(dir.file("images/0.jpg.png"), ImageU8(50, 64, 3, 9));
   CHECK(remedy().find("calibrated on") != std::string::npos);
@@ -354,7 +335,7 @@ TEST_CASE("label maps give one object per id, or only the ids that are named") {
   for (const char* wrong : {"cup", "cup=", "=7", "70000", "cup=-1"}) {
     CAPTURE(wrong);
     request.object_ids = {wrong};
-    CHECK(code_of([&] { import_scene(request); }) == ErrorCode::kUsage);
+    CHECK(test::code_of([&] { import_scene(request); }) == ErrorCode::kUsage);
   }
 }
 
@@ -374,18 +355,18 @@ TEST_CASE("every:N:K holds out the views with index K modulo N, a file those it 
                           "a.png\r\n"),
                 views);  // a byte order mark, as written by Windows editors
   CHECK(views[0].split == Split::kHeldOut);
-  CHECK(code_of([&] { assign_splits(dir.write("t.txt", "unknown.png\n"), views); }) == ErrorCode::kInconsistent);
-  CHECK(code_of([&] { assign_splits(dir.write("empty.txt", "# none\n"), views); }) == ErrorCode::kBadInput);
-  CHECK(code_of([&] { assign_splits("every:1:0", views); }) == ErrorCode::kInconsistent);
+  CHECK(test::code_of([&] { assign_splits(dir.write("t.txt", "unknown.png\n"), views); }) == ErrorCode::kInconsistent);
+  CHECK(test::code_of([&] { assign_splits(dir.write("empty.txt", "# none\n"), views); }) == ErrorCode::kBadInput);
+  CHECK(test::code_of([&] { assign_splits("every:1:0", views); }) == ErrorCode::kInconsistent);
   for (const char* wrong : {"every:", "every:0:0", "every:4:4", "every:4", "every:4:2:1", "every:4:-2"})
-    CHECK(code_of([&] { assign_splits(wrong, views); }) == ErrorCode::kUsage);
+    CHECK(test::code_of([&] { assign_splits(wrong, views); }) == ErrorCode::kUsage);
 }
 
 TEST_CASE("a transforms.json that names a device as its image does not hang the reader") {
   const TempDir dir;
   dir.write("transforms.json", R"({"camera_angle_x": 1, "frames": [{"file_path": "/dev/zero",
       "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]})");
-  CHECK(code_of([&] { import_scene(request_for(dir)); }) == ErrorCode::kBadInput);
+  CHECK(test::code_of([&] { import_scene(request_for(dir)); }) == ErrorCode::kBadInput);
 }
 
 TEST_CASE("an LLFF folder takes its names from the sorted images") {

@@ -9,6 +9,7 @@
 #include "ngs/core/error.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/scene/prompt_files.h"
+#include "support/error_code.h"
 #include "support/random.h"
 #include "support/temp_dir.h"
 
@@ -45,14 +46,10 @@ struct Files {
     return io::read_painted_picture(picture, photo);
   }
   std::string refusal(const ImageU8& image) const {
-    try {
-      read(image);
-    } catch (const Error& e) {
-      CHECK(e.code() == ErrorCode::kBadInput);
-      CHECK(e.remedy().find("paint with pure green") != std::string::npos);
-      return e.what();
-    }
-    return {};
+    const Error e = test::thrown_by([&] { read(image); });
+    CHECK(e.code() == ErrorCode::kBadInput);
+    CHECK(e.remedy().find("paint with pure green") != std::string::npos);
+    return e.what();
   }
 };
 
@@ -161,13 +158,9 @@ TEST_CASE("a painted photo of twice the size is read; the photo's own green pixe
 TEST_CASE("a photo is rejected as a one-sided scribble; a mask is accepted, compressed or not") {
   const Files files;
   HandPrompt prompt;
-  try {
-    io::add_scribbles(files.photo, true, prompt);
-    FAIL("nothing was thrown");
-  } catch (const Error& e) {
-    CHECK(e.code() == ErrorCode::kBadInput);
-    CHECK(std::string(e.what()).find("100 % of the picture is not black and has many colours") != std::string::npos);
-  }
+  const Error e = test::thrown_by([&] { io::add_scribbles(files.photo, true, prompt); });
+  CHECK(e.code() == ErrorCode::kBadInput);
+  CHECK(std::string(e.what()).find("100 % of the picture is not black and has many colours") != std::string::npos);
   ImageU8 mask(kWidth, kHeight, 1, 250);
   for (std::size_t p = 0; p < mask.data.size(); p += 3) mask.data[p] = 255;
   mask.data[0] = 0;
@@ -221,12 +214,8 @@ TEST_CASE("paint on the photo at another size is read, on another shape it is an
     for (int x = 0; x < 100; ++x)
       for (int c = 0; c < 4; ++c) cropped.at(x, y, c) = painted.at(x, y, c);
   io::write_png(picture, cropped);
-  try {
-    io::read_painted_picture(picture, photo);
-    FAIL("nothing was thrown");
-  } catch (const Error& e) {
-    CHECK(std::string(e.what()).find("100x120 px, expected a marked copy of ") != std::string::npos);
-  }
+  const Error e = test::thrown_by([&] { io::read_painted_picture(picture, photo); });
+  CHECK(std::string(e.what()).find("100x120 px, expected a marked copy of ") != std::string::npos);
 }
 
 }  // namespace ngs

@@ -8,6 +8,7 @@
 #include "ngs/io/files/json_file.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/scene/painted_picture.h"
+#include "support/error_code.h"
 #include "support/temp_dir.h"
 
 namespace ngs {
@@ -20,13 +21,9 @@ HandPrompt parsed(const std::string& text) {
 }
 
 std::string refusal(const auto& body) {
-  try {
-    body();
-  } catch (const Error& e) {
-    CHECK((e.code() == ErrorCode::kBadInput || e.code() == ErrorCode::kInconsistent));
-    return e.what();
-  }
-  return {};
+  const Error e = test::thrown_by(body);
+  CHECK((e.code() == ErrorCode::kBadInput || e.code() == ErrorCode::kInconsistent));
+  return e.what();
 }
 
 /// All pixels have the colour `rest`, black by default, except one.

@@ -6,6 +6,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/files/json_file.h"
+#include "support/error_code.h"
 #include "support/temp_dir.h"
 
 namespace ngs::io {
@@ -124,14 +125,10 @@ TEST_CASE("a link to a scene is rejected with the file's real path if its files 
   std::filesystem::create_symlink(dir.path() + "/scene.json", dir.path() + "/link/scene.json");
   CHECK_NOTHROW(read_scene_json(dir.path() + "/link/scene.json"));  // the paths do not exist from the real file either
   dir.write("model.ply", "x");
-  try {
-    read_scene_json(dir.path() + "/link/scene.json");
-    FAIL("was accepted");
-  } catch (const Error& e) {
-    const std::string expected = "/link/scene.json: is a link, and " + dir.path() + "/link/model.ply does not exist";
-    CHECK(std::string(e.what()).find(expected) == dir.path().size());
-    CHECK(e.remedy() == "name the file itself: " + std::filesystem::canonical(dir.path() + "/scene.json").string());
-  }
+  const Error e = test::thrown_by([&] { read_scene_json(dir.path() + "/link/scene.json"); });
+  const std::string expected = "/link/scene.json: is a link, and " + dir.path() + "/link/model.ply does not exist";
+  CHECK(std::string(e.what()).find(expected) == dir.path().size());
+  CHECK(e.remedy() == "name the file itself: " + std::filesystem::canonical(dir.path() + "/scene.json").string());
   dir.write("link/model.ply", "x"), dir.write("link/images/a b.png", "x");
   CHECK_NOTHROW(read_scene_json(dir.path() + "/link/scene.json"));
 }

@@ -7,18 +7,14 @@
 
 #include "ngs/core/error.h"
 #include "ngs/mesh/measures.h"
+#include "support/error_code.h"
 #include "support/mesh_truth.h"
 
 namespace ngs::mesh {
 namespace {
 
 ErrorCode code_of(const TriangleMesh& mesh) {
-  try {
-    make_collider({}, mesh, {ColliderKind::kConvex, 4});
-  } catch (const Error& e) {
-    return e.code();
-  }
-  return ErrorCode{0};
+  return test::code_of([&] { make_collider({}, mesh, {ColliderKind::kConvex, 4}); });
 }
 
 /// A prism over an L of three unit squares, between z = 0 and 1.

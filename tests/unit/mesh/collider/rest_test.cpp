@@ -5,7 +5,6 @@
 #ifdef NGS_WITH_BULLET
 #include <btBulletDynamicsCommon.h>
 
-#include <cmath>
 #include <memory>
 
 #include "ngs/mesh/collider/collider.h"

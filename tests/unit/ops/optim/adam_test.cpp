@@ -3,10 +3,8 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
-#include "ngs/core/error.h"
 #include "ngs/core/rng.h"
 
 namespace ngs {

@@ -2,8 +2,6 @@
 
 #include <doctest/doctest.h>
 
-#include <cmath>
-
 namespace ngs {
 
 TEST_CASE("Anderson acceleration solves a linear iteration of n unknowns in n + 1 steps") {

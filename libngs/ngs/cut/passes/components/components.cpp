@@ -1,6 +1,5 @@
 #include "ngs/cut/passes/components/components.h"
 
-#include <algorithm>
 #include <optional>
 #include <span>
 #include <unordered_set>

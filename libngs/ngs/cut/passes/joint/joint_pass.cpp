@@ -1,5 +1,4 @@
 // The joint NeRF-GS optimisation (Eq. 20) as a pass.
-#include <algorithm>
 #include <cmath>
 
 #include "ngs/cut/passes/pass.h"
