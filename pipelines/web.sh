@@ -14,6 +14,7 @@ for program in emcmake node ninja; do
 done
 out=${1:-$top/build-web}
 cd "$top"
+export NODE_PATH=${NODE_PATH:-/usr/share/nodejs}  # of Emscripten, for a node that is not Debian's
 emcmake cmake -S . -B "$out" -G Ninja -DCMAKE_BUILD_TYPE=Release > /dev/null
 cmake --build "$out" --target studio ${NGS_JOBS:+-j "$NGS_JOBS"}
 web=tools/ngs-studio/web

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# What CI has no time for: makes the archives of Linux, CUDA (if nvcc is found) and Windows, and the image, and tests them; tests
-# the studio without a server, if emscripten is installed; runs the suites unit, contract and studio under ASan with UBSan, and under TSan (clang++ with libomp, which TSan knows).
+# What CI has no time for: makes the archives of Linux, CUDA (if nvcc is found) and Windows, and the image, and tests them;
+# tests the studio as one page (if emscripten is found); runs the suites unit, contract and studio under ASan with UBSan,
+# and under TSan (clang++ with libomp, which TSan knows).
 #
 #   tests/ci/weekly.sh [OUT]      OUT: folder of the files (default: build-bundle)
 #

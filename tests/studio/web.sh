@@ -16,6 +16,7 @@ out=${1:-$root/build/studio}
 page=${NGS_WEB:-$root/build-web}/studio.html
 chromium=${NGS_CHROMIUM:-/usr/bin/chromium}
 
+command -v "$chromium" > /dev/null || { echo "SKIP $chromium is missing, Debian package chromium"; exit 77; }
 "$root/pipelines/web.sh" "$(dirname "$page")" || exit
 if [ ! -d "$out/node_modules/playwright-core" ] || [ ! -f "$out/capture/point_cloud.ply" ]; then
   "$here/run.sh" "$out" || exit
