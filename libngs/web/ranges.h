@@ -113,6 +113,11 @@ constexpr auto minmax_element(R&& r, C c = {}, P p = {}) {
   const auto [least, most] = std::minmax_element(std::begin(r), std::end(r), web_order(c, p));
   return WebMinMax<std::decay_t<decltype(least)>>{least, most};
 }
+template <class R>
+constexpr auto minmax(R&& r) {
+  const auto [least, most] = std::minmax_element(std::begin(r), std::end(r));
+  return WebMinMax<std::decay_t<decltype(*least)>>{*least, *most};
+}
 template <class R, class C = std::less<>, class P = WebSame>
 constexpr auto max(R&& r, C c = {}, P p = {}) {
   return *std::max_element(std::begin(r), std::end(r), web_order(c, p));

@@ -72,6 +72,24 @@ async function refusals() {
   await close();
 }
 
+// Other formats, written by the tool: read, or refused with a remedy.
+async function formats() {
+  for (const name of ['ring.compressed.ply', 'ring.splat', 'ring.spz', 'ring.sog']) {
+    execFileSync('ngs-extract', ['ring.ply', '--keep-sphere', '0,0,0,1e18', '--allow-empty', '--object-ply', name, '-w', '-q'], { cwd: work });
+    const { page, close } = await open({ width: 800, height: 600 });
+    await page.locator('#open-file').setInputFiles(path.join(work, name));
+    if (/spz|sog/.test(name)) {
+      await page.waitForFunction((start) => document.getElementById('open-status').textContent.startsWith(start), `${name}: `);
+      const said = await page.locator('#open-status').textContent();
+      check(/not read or written in a browser\nconvert it to \.ply/.test(said), `refused: ${said.replace('\n', '; ')}`);
+    } else {
+      await settled(page);
+      check(await page.locator('#open').count() === 0, `open: ${name}`);
+    }
+    await close();
+  }
+}
+
 async function strokeAndExport() {
   const { page, close } = await open({ width: 1280, height: 800 });
   let begin = Date.now();
@@ -119,6 +137,7 @@ async function looks() {
 }
 
 await refusals();
+await formats();
 await strokeAndExport();
 await looks();
 check(loaded.every((url) => url === pathToFileURL(path.resolve(values.page)).href), `no request leaves the page: ${new Set(loaded).size} address`);

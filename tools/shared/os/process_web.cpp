@@ -1,4 +1,5 @@
 // Programs are functions of the module: each runs to its end before start() returns.
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -52,6 +53,7 @@ int Process::start(const std::vector<std::string>& argv, const Descriptors& desc
   std::vector<char*> words;
   for (const std::string& word : argv) words.push_back(const_cast<char*>(word.c_str()));
   words.push_back(nullptr);
+  ::umask(022);  // Emscripten begins with 0777
   flush_streams();
   const Redirected out(STDOUT_FILENO, descriptors.out), err(STDERR_FILENO, descriptors.err);
   group_ = ngs_extract_main(int(argv.size()), words.data());
