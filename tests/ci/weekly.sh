@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # What CI has no time for: makes the archives of Linux, CUDA (if nvcc is found) and Windows, and the image, and tests them;
-# runs the suites unit, contract and studio under ASan with UBSan, and under TSan (clang++ with libomp, which TSan knows).
+# tests the studio as one page (if emscripten is found); runs the suites unit, contract and studio under ASan with UBSan,
+# and under TSan (clang++ with libomp, which TSan knows).
 #
 #   tests/ci/weekly.sh [OUT]      OUT: folder of the files (default: build-bundle)
 #
@@ -34,6 +35,7 @@ fi
 step linux-test "$top/tests/ci/bundle.sh" "$out"
 step windows "$top/pipelines/bundle/windows.sh" -o "$out"
 step windows-system-test "$top/tests/ci/windows.sh"
+step web "$top/tests/studio/web.sh"
 step contract-suite env NGS_PRESET=ci "$top/pipelines/build.sh" --target test_contract ngs_bench
 step windows-test "$top/tests/ci/windows-archive.sh" "$out" --contract ''
 step container "$top/tests/ci/container.sh"

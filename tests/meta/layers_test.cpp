@@ -60,8 +60,8 @@ const std::vector<Confinement>& confinements() {
     const auto only = [&](const char* header, const char* allowed, const char* rule) {
       list.push_back({std::regex(header), std::regex(allowed), rule});
     };
-    only("opencv2?/.*", "libngs/ngs/(io/image/(image_file|codecs/.*)|ops/image/grab_cut)\\.cpp",
-         "OpenCV belongs to io/image: codecs/ and image_file.cpp, and to ops/image/grab_cut.cpp");
+    only("opencv2?/.*", "libngs/ngs/(io/image/(image_resize|codecs/.*)|ops/image/colour_cut)\\.cpp",
+         "OpenCV belongs to io/image: codecs/ and image_resize.cpp, and to ops/image/colour_cut.cpp");
     only("(Imf|Imath|OpenEXR|Iex).*", "libngs/ngs/io/image/exr\\.cpp", "OpenEXR belongs to io/image/exr.cpp");
     only("flann/.*", "libngs/ngs/ops/neighbours/knn\\.cpp", "FLANN belongs to ops/neighbours/knn.cpp");
     only("CLI/.*", "tools/shared/cli/splitter\\.cpp", "CLI11 belongs to tools/shared/cli/splitter.cpp");

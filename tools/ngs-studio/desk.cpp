@@ -244,15 +244,15 @@ Reply Desk::frame(Fields request) {
     if (!refined) return live::draw_frame(exec_, model, objects, wanted, moving ? nullptr : &last_still_);
     return live::draw_frame(exec_, {refined->ply.cloud, refined->splat, model.background}, objects, wanted);
   }();
-  const std::vector<std::uint8_t> jpeg = io::encode_jpeg(picture, moving ? kMovingQuality : kJpegQuality);
+  const io::PagePicture file = io::encode_for_page(picture, moving ? kMovingQuality : kJpegQuality);
   {
     const std::lock_guard lock(mutex_);
     (moving ? moving_ms_ : still_ms_).add(watch);
   }
   return {
       200,
-      {jpeg.begin(), jpeg.end()},
-      "image/jpeg",
+      {file.bytes.begin(), file.bytes.end()},
+      file.type,
       {{"X-Ngs-Ms", std::to_string(std::lround(1000 * watch.wall_s()))}, {"X-Ngs-Version", std::to_string(version)}}};
 }
 

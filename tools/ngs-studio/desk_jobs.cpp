@@ -135,6 +135,7 @@ std::shared_ptr<const live::ObjectLabels> Desk::labels_of(const live::Marks& mar
 }
 
 bool Desk::is_by_hand(const live::Marks& marks, const live::ObjectMarks& object) const {
+  if (place_.exports_selection) return true;
   if (object.edits) return true;
   if (const std::shared_ptr<const RefinedModel> refined = refined_of(marks, object.id))
     return refined->found.restored > 0 || (object.keeps_dropped && refined->found.dropped.count > 0);

@@ -5,6 +5,7 @@
 #include "ngs/core/error.h"
 #include "ngs/core/monitor.h"
 #include "shared/cli/exit_code.h"
+#include "shared/os/background.h"
 #include "shared/run/child_process.h"
 #include "shared/run/signals.h"
 
@@ -29,12 +30,12 @@ Job::Job(std::string kind, std::vector<JobStep> steps, std::function<void()> fin
       finished_(std::move(finished)),
       start_s_(wall_seconds()),
       clock_(parts_of(steps_)) {
-  thread_ = std::thread([this] { work(); });
+  thread_ = os::in_background([this] { work(); });
 }
 
 Job::~Job() {
   stop_ = true;
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
 }
 
 bool Job::is_running() const {

@@ -70,8 +70,12 @@ Studio::Studio(const Exec& exec, StudioPlace place) : impl_(std::make_unique<Imp
 Studio::~Studio() = default;
 
 Reply Studio::answer(const std::string& method, const std::string& path, const std::string& body) {
+  return reply_of([&] { return method == "GET" ? impl_->get(path) : impl_->post(path, body); });
+}
+
+Reply reply_of(const std::function<Reply()>& work) {
   try {
-    return method == "GET" ? impl_->get(path) : impl_->post(path, body);
+    return work();
   } catch (const Refusal& refusal) {
     return reply_of(refusal);
   } catch (const Error& e) {

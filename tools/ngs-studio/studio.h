@@ -1,5 +1,6 @@
 #pragma once
 // The studio for one model: maps requests to responses (data-schema/studio-protocol.md). Independent of HTTP.
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -9,6 +10,9 @@
 #include "state_folder.h"
 
 namespace ngs::studio {
+
+/// What `work` returns, or the error response for what it throws. Never throws.
+Reply reply_of(const std::function<Reply()>& work);
 
 class Studio {
  public:

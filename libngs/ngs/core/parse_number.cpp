@@ -31,12 +31,13 @@ bool is_not_zero(std::string_view text) {
 
 template <class T>
 std::from_chars_result scan(const char* begin, const char* end, T& value) {
-  if (!begins_number({begin, end})) return {begin, std::errc::invalid_argument};
-  const std::string text = decimal_part({begin, end});
+  const std::string_view given(begin, std::size_t(end - begin));
+  if (!begins_number(given)) return {begin, std::errc::invalid_argument};
+  const std::string text = decimal_part(given);
   char* stop = nullptr;
   const T number = convert(text.c_str(), &stop, T{});
   if (stop == text.c_str()) return {begin, std::errc::invalid_argument};
-  const std::string_view read(text.c_str(), stop);
+  const std::string_view read(text.c_str(), std::size_t(stop - text.c_str()));
   const char* const after = begin + read.size();
   const bool has_digits = read.find_first_of("0123456789") != std::string_view::npos;
   if (has_digits && (std::isinf(number) || (number == 0 && is_not_zero(read))))

@@ -40,9 +40,9 @@ void label_rows(const Exec& exec, const WeightSums<>& sums, const std::vector<st
                 ObjectLabels& labels) {
   const BoundaryRule rule;
   constexpr std::int64_t kChunk = 1 << 12;
-  std::vector<std::int64_t> more(std::size_t((std::ssize(rows) + kChunk - 1) / kChunk));
+  std::vector<std::int64_t> more(std::size_t((std::int64_t(rows.size()) + kChunk - 1) / kChunk));
   for_each_task(exec, std::ssize(more), [&](std::int64_t chunk) {
-    const std::int64_t end = std::min(std::ssize(rows), (chunk + 1) * kChunk);
+    const std::int64_t end = std::min(std::int64_t(rows.size()), (chunk + 1) * kChunk);
     for (std::int64_t r = chunk * kChunk; r < end; ++r) {
       const std::size_t row = rows[std::size_t(r)];
       const double prob = sums.prob(row, 0);

@@ -1,4 +1,4 @@
-// Requests to ngs-studio. An error response becomes a StudioError with the cause and a remedy.
+// Requests to ngs-studio: over HTTP, or to the module that a page without a server carries (web/carrier.js). An error response becomes a StudioError with the cause and a remedy.
 export class StudioError extends Error {
   constructor({ object, found, expected, remedy }) {
     super([object, found].filter(Boolean).join(': '));
@@ -14,7 +14,7 @@ const kGone = {
 async function request(path, options) {
   let response;
   try {
-    response = await fetch(path, { ...options, credentials: 'same-origin', cache: 'no-store' });
+    response = await (globalThis.ngsCarrier ?? fetch)(path, { ...options, credentials: 'same-origin', cache: 'no-store' });
   } catch (error) {
     if (error.name === 'AbortError') throw error;
     throw Object.assign(new StudioError(kGone), { gone: true });

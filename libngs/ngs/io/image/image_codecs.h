@@ -26,7 +26,7 @@ struct ImageCodecs {
   Picture (*decode)(Bytes bytes);  // throws std::bad_alloc only
   /// Empty if the encoder failed. Equal pictures give equal bytes.
   std::vector<std::uint8_t> (*encode_png)(const PictureView& picture);
-  std::vector<std::uint8_t> (*encode_jpeg)(const PictureView& picture, int quality);
+  std::vector<std::uint8_t> (*encode_jpeg)(const PictureView& picture, int quality);  // null: there is no encoder
 };
 
 /// Loads the plug-in on the first call, from any thread; kEnvironment if it is missing.

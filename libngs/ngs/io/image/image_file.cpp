@@ -1,8 +1,6 @@
 #include "ngs/io/image/image_file.h"
 
 #include <algorithm>
-#include <opencv2/core.hpp>
-#include <opencv2/imgproc.hpp>
 #include <string_view>
 
 #include "ngs/core/check.h"
@@ -83,17 +81,6 @@ RawMask raw_mask(const Picture& picture, bool lossy) {
   return mask;
 }
 
-ImageF resize(const ImageF& image, int width_px, int height_px, int method) {
-  NGS_CHECK(!image.empty() && width_px > 0 && height_px > 0, "resize needs a non-empty image and size");
-  if (image.width_px == width_px && image.height_px == height_px) return image;
-  ImageF out(width_px, height_px, image.channels);
-  const cv::Mat from(image.height_px, image.width_px, CV_MAKETYPE(CV_32F, image.channels),
-                     const_cast<float*>(image.data.data()));
-  cv::Mat to(height_px, width_px, from.type(), out.data.data());
-  cv::resize(from, to, to.size(), 0, 0, method);
-  return out;
-}
-
 }  // namespace
 
 PackedPhoto read_photo(const std::string& path, std::optional<Vec3<float>> behind) {
@@ -165,19 +152,16 @@ void write_png16(const std::string& path, const ImageU16& image) { write_png_of(
 
 std::vector<std::uint8_t> encode_png(const ImageU8& image) { return png_of(image); }
 
+PagePicture encode_for_page(const ImageU8& image, int quality) {
+  if (image_codecs().encode_jpeg == nullptr) return {"image/png", encode_png(image)};
+  return {"image/jpeg", encode_jpeg(image, quality)};
+}
+
 std::vector<std::uint8_t> encode_jpeg(const ImageU8& image, int quality) {
   NGS_CHECK(image.channels == 3, "JPEG needs an RGB image");
   std::vector<std::uint8_t> bytes = image_codecs().encode_jpeg(view_of(image), quality);
   if (bytes.empty()) throw Error(ErrorCode::kEnvironment, "the JPEG encoder failed, expected a compressed image");
   return bytes;
-}
-
-ImageF resize_area(const ImageF& image, int width_px, int height_px) {
-  return resize(image, width_px, height_px, cv::INTER_AREA);
-}
-
-ImageF resize_nearest(const ImageF& image, int width_px, int height_px) {
-  return resize(image, width_px, height_px, cv::INTER_NEAREST_EXACT);
 }
 
 }  // namespace ngs::io

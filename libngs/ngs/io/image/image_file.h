@@ -1,6 +1,6 @@
 #pragma once
-// Reads photos and masks, writes PNG and JPEG. Only this file and codecs/ use OpenCV in io. All input is untrusted: an
-// unreadable file is kBadInput. EXIF orientation is ignored, as in 3DGS trainers and COLMAP.
+// Reads photos and masks, writes PNG and JPEG. In io, only image_resize.cpp and codecs/ use OpenCV. All input is
+// untrusted: an unreadable file is kBadInput. EXIF orientation is ignored, as in 3DGS trainers and COLMAP.
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -58,6 +58,13 @@ std::vector<std::uint8_t> encode_png(const ImageU8& image);
 
 /// RGB as JPEG bytes, for HTML pages with embedded images; quality 1..100.
 std::vector<std::uint8_t> encode_jpeg(const ImageU8& image, int quality);
+
+/// A picture for a page: a JPEG, or a PNG where there is no encoder for these, in a browser.
+struct PagePicture {
+  const char* type;  // MIME
+  std::vector<std::uint8_t> bytes;
+};
+PagePicture encode_for_page(const ImageU8& image, int quality);
 
 /// Area average (exact for integer factors); for reductions.
 ImageF resize_area(const ImageF& image, int width_px, int height_px);

@@ -1,21 +1,22 @@
 #include "ngs/ops/image/grab_cut.h"
 
 #include <algorithm>
-#include <opencv2/core.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "ngs/core/check.h"
 
 namespace ngs {
 namespace {
 
-constexpr std::size_t kComponents = 5;  // of the mixture of each side, fixed in OpenCV
-constexpr int kMaxSamples = 1 << 15;    // per side; more do not change a mixture of five
+constexpr int kMaxSamples = 1 << 15;  // per side; more do not change a mixture of five
 
 using Colours = std::vector<std::array<std::uint8_t, 3>>;
 
+struct Rectangle {
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
 /// The part of the image that can change, with a margin.
-cv::Rect region_of_interest(const ViewPrompt& prompt, int margin_px) {
+Rectangle region_of_interest(const ViewPrompt& prompt, int margin_px) {
   int left = prompt.width_px, right = -1, top = prompt.height_px, bottom = -1;
   for (int y = 0; y < prompt.height_px; ++y)
     for (int x = 0; x < prompt.width_px; ++x) {
@@ -32,7 +33,7 @@ cv::Rect region_of_interest(const ViewPrompt& prompt, int margin_px) {
 struct Source {
   const ImageU8& photo;
   const ViewPrompt& prompt;
-  cv::Rect region;
+  Rectangle region;
 };
 
 /// Sample colours of one side for its mixture: the certain pixels; if they are too few, the likely ones too.
@@ -46,36 +47,12 @@ Colours samples_of(const Source& from, bool object, std::size_t max_samples) {
         if (is_object(hint) == object && (likely_too || is_certain(hint)))
           samples.push_back({from.photo.at(x, y, 0), from.photo.at(x, y, 1), from.photo.at(x, y, 2)});
       }
-    if (samples.size() >= kComponents) break;
+    if (samples.size() >= kMixtureComponents) break;
   }
   if (samples.size() <= max_samples) return samples;
   Colours fewer(max_samples);
   for (std::size_t i = 0; i < max_samples; ++i) fewer[i] = samples[i * samples.size() / max_samples];
   return fewer;
-}
-
-/// Cuts run in parallel, each on one thread. The setting of OpenCV is global and must not change while a cut runs, so
-/// it is made once.
-void one_thread() {
-  static const bool set = (cv::setNumThreads(1), true);
-  (void)set;
-}
-
-struct Mixtures {
-  cv::Mat background, object;
-};
-
-Mixtures learn(const Colours& background, const Colours& object) {
-  cv::Mat row(1, int(background.size() + object.size()), CV_8UC3), sides(row.size(), CV_8UC1);
-  for (int i = 0; i < row.cols; ++i) {
-    const bool is_object = std::size_t(i) >= background.size();
-    const auto& colour = is_object ? object[std::size_t(i) - background.size()] : background[std::size_t(i)];
-    row.at<cv::Vec3b>(0, i) = cv::Vec3b(colour[0], colour[1], colour[2]);
-    sides.at<std::uint8_t>(0, i) = is_object ? cv::GC_FGD : cv::GC_BGD;
-  }
-  Mixtures mixtures;
-  cv::grabCut(row, sides, {}, mixtures.background, mixtures.object, 1, cv::GC_INIT_WITH_MASK);
-  return mixtures;
 }
 
 SideColours colours_in(const Source& from, int max_samples) {
@@ -91,27 +68,25 @@ void check(const ImageU8& photo, const ViewPrompt& prompt) {
 PixelMask cut_in(const Source& from, const GrabCutOptions& options, const SideColours& known) {
   const ImageU8& photo = from.photo;
   const ViewPrompt& prompt = from.prompt;
-  const cv::Rect& region = from.region;
   PixelMask mask(prompt.hint.size());
   for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = is_object(prompt.hint[p]);
-  if (region.empty() || known.background.size() < kComponents || known.object.size() < kComponents) return mask;
+  if (from.region.width == 0 || known.background.size() < kMixtureComponents ||
+      known.object.size() < kMixtureComponents)
+    return mask;
 
-  one_thread();
-  cv::theRNG().state = 0x9e3779b97f4a7c15ull ^ options.seed;
-  const cv::Mat full(photo.height_px, photo.width_px, CV_8UC3, const_cast<std::uint8_t*>(photo.data.data()));
-  const cv::Mat colours = full(region).clone();
-  cv::Mat hints(region.size(), CV_8UC1);
-  const auto index = [&](int x, int y) {
-    return std::size_t(y + region.y) * std::size_t(photo.width_px) + std::size_t(x + region.x);
+  HintedRegion region{from.region.width, from.region.height, {}, {}};
+  const auto for_each_pixel = [&](const auto& work) {
+    for (int y = from.region.y; y < from.region.y + from.region.height; ++y)
+      for (int x = from.region.x; x < from.region.x + from.region.width; ++x)
+        work(x, y, std::size_t(y) * std::size_t(photo.width_px) + std::size_t(x));
   };
-  for (int y = 0; y < hints.rows; ++y)
-    for (int x = 0; x < hints.cols; ++x) hints.at<std::uint8_t>(y, x) = std::uint8_t(prompt.hint[index(x, y)]);
-  Mixtures mixtures = learn(known.background, known.object);
-  cv::grabCut(colours, hints, {}, mixtures.background, mixtures.object, 1, cv::GC_EVAL_FREEZE_MODEL);
-  if (options.iterations > 1)
-    cv::grabCut(colours, hints, {}, mixtures.background, mixtures.object, options.iterations - 1, cv::GC_EVAL);
-  for (int y = 0; y < hints.rows; ++y)
-    for (int x = 0; x < hints.cols; ++x) mask[index(x, y)] = is_object(PixelHint(hints.at<std::uint8_t>(y, x)));
+  for_each_pixel([&](int x, int y, std::size_t p) {
+    region.colour.push_back({photo.at(x, y, 0), photo.at(x, y, 1), photo.at(x, y, 2)});
+    region.hint.push_back(prompt.hint[p]);
+  });
+  colour_cut(region, known, options.iterations, options.seed);
+  std::size_t next = 0;
+  for_each_pixel([&](int, int, std::size_t p) { mask[p] = is_object(region.hint[next++]); });
   return mask;
 }
 

@@ -2,9 +2,7 @@
 // GrabCut (Rother, Kolmogorov, Blake 2004) of OpenCV: a colour mixture per side and a minimum cut, with hints per
 // pixel. The colours of both sides are learned from certain pixels before the first cut, so likely pixels cannot
 // distort them. One thread and a fixed seed: the same bytes everywhere.
-#include <array>
-
-#include "ngs/scene/view_prompt.h"
+#include "ngs/ops/image/colour_cut.h"
 
 namespace ngs {
 
@@ -17,11 +15,6 @@ struct GrabCutOptions {
 /// `photo` RGB of the prompt's size. Certain pixels keep their side. If one side has fewer than 5 pixels in all, no
 /// colours can be learned: likely pixels keep their side too.
 PixelMask grab_cut(const ImageU8& photo, const ViewPrompt& prompt, const GrabCutOptions& options);
-
-/// Sample colours of both sides.
-struct SideColours {
-  std::vector<std::array<std::uint8_t, 3>> object, background;  // RGB
-};
 
 /// Colours of the certain pixels; of all pixels of a side that has fewer than 5 certain ones. At most `max_samples` per
 /// side, evenly sampled.

@@ -137,10 +137,12 @@ struct Search {
 
 /// Fills a graph and its transpose.
 void run(const Exec& exec, const Search& search, const GraphResult& out) {
-  const auto& [points, queries, neighbours, exclude_self] = search;
+  const auto& [points, queries, neighbours, self] = search;
+  const bool exclude_self = self;  // clang 14 captures no structured binding
   NGS_CHECK(neighbours >= 1 && neighbours <= kMaxNeighbours, "neighbours must be in [1, kMaxNeighbours]");
   require_countable(points);
-  auto& [graph, memory] = out;
+  KnnGraph& graph = out.graph;
+  auto& memory = out.memory;
   graph.points = points.n;
   graph.neighbours = std::max(0, int(std::min<std::int64_t>(neighbours, points.n - (exclude_self ? 1 : 0))));
   if (queries.n == 0) graph.neighbours = 0;

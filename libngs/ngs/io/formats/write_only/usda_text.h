@@ -27,7 +27,7 @@ class UsdaText {
   }
   void add(float x) {
     char digits[24];
-    add({digits, std::to_chars(digits, digits + sizeof digits, x).ptr});
+    add({digits, std::size_t(std::to_chars(digits, digits + sizeof digits, x).ptr - digits)});
   }
   void add(Vec3<float> v) { add(std::span<const float>(std::array{v.x, v.y, v.z})); }
   void add(std::uint32_t number) { add(std::to_string(number)); }

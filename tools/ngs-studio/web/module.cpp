@@ -1,0 +1,71 @@
+// The studio as a module of a page: the requests of data-schema/studio-protocol.md, answered without a server.
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+#include "studio.h"
+
+namespace {
+
+using namespace ngs;
+
+struct Module {
+  std::unique_ptr<studio::Studio> studio;
+  studio::Reply reply;  // the last one
+  std::string head;     // of the reply: its type and headers, as JSON
+};
+
+Module& module() {
+  static Module only;
+  return only;
+}
+
+int keep(studio::Reply reply) {
+  studio::Json headers{{"Content-Type", reply.type}};
+  for (const auto& [name, value] : reply.headers) headers[name] = value;
+  module().head = headers.dump();
+  module().reply = std::move(reply);
+  return module().reply.status;
+}
+
+/// Programs are parts of this module; a file with the name of each says that it is there.
+void announce_programs() {
+  namespace fs = std::filesystem;
+  fs::create_directories("/bin");
+  for (const char* program : {"/bin/ngs-studio", "/bin/ngs-extract"}) {
+    std::ofstream(program).flush();
+    fs::permissions(program, fs::perms::owner_all);
+  }
+}
+
+}  // namespace
+
+extern "C" {
+
+/// Opens a splat of the module's file system, for the requests that follow. Returns the status of the reply.
+int ngs_open(const char* source) {
+  return keep(studio::reply_of([&]() -> studio::Reply {
+    announce_programs();
+    module().studio = nullptr;
+    const studio::StudioPlace place{.source = source,
+                                    .folder = std::filesystem::path(source).stem().stem().string() + "-studio",
+                                    .device = cli::DeviceChoice::kCpu,
+                                    .exports_selection = true};
+    module().studio = std::make_unique<studio::Studio>(Exec{}, place);
+    return {};
+  }));
+}
+
+int ngs_answer(const char* method, const char* path, const char* body) {
+  if (!module().studio)
+    return keep(studio::reply_of(studio::Refusal(409, "studio", "no splat is open", "a splat", "choose a file")));
+  return keep(module().studio->answer(method, path, body));
+}
+
+// The last reply.
+int ngs_status() { return module().reply.status; }
+const char* ngs_head() { return module().head.c_str(); }
+const char* ngs_body() { return module().reply.body.data(); }
+int ngs_body_bytes() { return int(module().reply.body.size()); }
+
+}  // extern "C"
