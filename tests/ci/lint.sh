@@ -47,7 +47,7 @@ fi
 compiled=()  # .cu needs nvcc
 for file in "${files[@]}"; do
   case $file in
-    *_neon.h | *_windows.cpp | *tests/windows/*) ;;  # for another processor or system
+    *_neon.h | *_windows.cpp | *_web.cpp | */web/* | *tests/windows/*) ;;  # for another processor or system
     *.h | *.cpp) compiled+=("$file") ;;
   esac
 done

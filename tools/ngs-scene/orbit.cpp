@@ -137,7 +137,7 @@ Scene scene_of(const orbit::OrbitCameras& chosen, const std::string& model, cons
 
 /// The contact sheet, next to scene.json. Throws if a file of this name is not from an earlier run.
 std::string sheet_path(const std::string& scene_path, const ImagesFolder& images) {
-  const std::string path = (fs::path(scene_path).parent_path() / "sheet.jpg").generic_string();
+  std::string path = (fs::path(scene_path).parent_path() / "sheet.jpg").generic_string();
   std::error_code ignored;
   if (images.earlier.empty() && fs::exists(path, ignored))
     throw Error(ErrorCode::kUsage, path + ": exists already, expected a free name for the contact sheet",

@@ -32,7 +32,7 @@ Json list(Vec3<double> v) { return Json{v.x, v.y, v.z}; }
 double ms(double seconds) { return std::round(1e4 * seconds) / 10; }
 
 std::string name_of_object(Fields& fields) {
-  const std::string name = fields.text("name", 60);
+  std::string name = fields.text("name", 60);
   if (name.empty()) fields.refuse("name", "a name");
   for (const char c : name)
     if (std::uint8_t(c) < 32 || c == 127) fields.refuse("name", "a name without control characters");
@@ -148,19 +148,19 @@ Json Desk::keep(Fields request) {
   return changed();
 }
 
-Json Desk::undo(Fields request) {
+Json Desk::undo(Fields request) {  // NOLINT(performance-unnecessary-value-param): as in the table of requests
   request.end(), refuse_while_busy();
   if (!session_.undo()) throw Refusal(409, "undo", "nothing to undo", "an earlier step");
   return changed();
 }
 
-Json Desk::redo(Fields request) {
+Json Desk::redo(Fields request) {  // NOLINT(performance-unnecessary-value-param): as in the table of requests
   request.end(), refuse_while_busy();
   if (!session_.redo()) throw Refusal(409, "redo", "nothing to redo", "an undone step");
   return changed();
 }
 
-Json Desk::forget(Fields request) {
+Json Desk::forget(Fields request) {  // NOLINT(performance-unnecessary-value-param): as in the table of requests
   request.end();
   session_.forget_steps();
   return changed();

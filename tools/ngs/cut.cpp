@@ -211,7 +211,7 @@ std::string bare_splat_of(cli::Run& run, const std::string& capture, const std::
   return splat;
 }
 
-int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
+void check_options(cli::Run& run, const CutOptions& options, const CutInputs& inputs) {
   if (!inputs.strokes.empty() && !inputs.masks.empty())
     throw Error(ErrorCode::kUsage, "--strokes and --masks are both given, expected one of them");
   check_formats(options);
@@ -226,6 +226,10 @@ int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
   }
   if (options.method == CutMethod::kFlash && !options.all)
     check_flash(inputs.has_renders, !inputs.masks.empty() || !inputs.truth.empty());
+}
+
+int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
+  check_options(run, options, inputs);
   if (fs::is_regular_file(inputs.source)) run.add_input("source", inputs.source);
   const NewFolder folder(inputs.out, !run.dry_run() && !fs::exists(inputs.out));
   std::optional<FolderLock> lock;
@@ -275,6 +279,9 @@ int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
   return cli::kDone;
 }
 
+constexpr const char* kSourceText =
+    "a splat (.ply, .spz, .sog, .splat, .ksplat, .glb), a folder of photos, poses, a splat and masks, or a scene.json";
+
 bool sets_quality(const OptionSet& options) {
   return std::ranges::any_of(options.changed(), [](const OptionEntry* entry) { return entry->name == "quality"; });
 }
@@ -293,10 +300,7 @@ int cut_command(int argc, char** argv) {
   tool.options(of_capture, {.name = kCaptureGroup,
                             .about = "how cameras, photos and masks are read, as in ngs-scene import",
                             .shown = Shown::kByName});
-  const cli::Argument& source =
-      tool.argument("source",
-                    "a splat (.ply, .spz, .sog, .splat, .ksplat, .glb), a folder of photos, poses, a splat and masks, "
-                    "or a scene.json");
+  const cli::Argument& source = tool.argument("source", kSourceText);
   const cli::Inputs& strokes = tool.inputs(
       "--strokes", "marked copies of pictures or JSON files, or a folder of them (repeatable, or PATH,PATH)");
   const cli::Input& model =

@@ -31,7 +31,7 @@ LabelColumns label_of_any(const Exec& exec, const GaussianCloud& cloud, const st
     if (cloud.usable[i]) (objects[0].views[i] > 0 ? seen : unseen).push_back(std::uint32_t(i));
   }
   LabelColumns any;
-  any.label = std::move(label);
+  any.label = label;
   if (seen.empty() || unseen.empty()) return any;
   const std::vector<float> points = gather_column(exec, cloud.position, 3, seen),
                            queries = gather_column(exec, cloud.position, 3, unseen);

@@ -267,7 +267,7 @@ class PhotoCheck {
     if (!fits.empty()) return fits;
     if (result.median_psnr_db - result.median_fit_db > kPlain_db)
       return "the photos have one colour each: give those that the cameras and the model were made from";
-    if (const std::string other = repair_of_photos(shots); !other.empty()) return other;
+    if (std::string other = repair_of_photos(shots); !other.empty()) return other;
     if (const PoseRepair* repair = find_repair(shots)) return "it fits if " + repair->mistake + ": " + repair->remedy;
     if (const double recoloured_db = median_recoloured_gain(shots, views); recoloured_db >= options_.min_fit_db)
       return "the poses fit, the colours do not: with a gain and an offset per channel it is " +

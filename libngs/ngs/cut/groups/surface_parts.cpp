@@ -146,6 +146,25 @@ class Divider {
     }
   }
 
+  /// The region of most neighbours, of equally many the least; 0: none has one.
+  std::uint32_t region_around(std::size_t i) const {
+    Cells around;
+    for (const std::uint32_t j : neighbours(i))
+      if (region_[j] != 0) around.push_back(region_[j]);
+    std::ranges::sort(around);
+    std::uint32_t found = 0;
+    std::ptrdiff_t most = 0;
+    for (auto at = around.begin(); at != around.end();) {
+      const auto end = std::upper_bound(at, around.end(), *at);
+      if (end - at > most) {
+        most = end - at;
+        found = *at;
+      }
+      at = end;
+    }
+    return found;
+  }
+
   /// Gives the other cells to the region that most of their neighbours belong to, from the regions outwards.
   void grow() {
     for (bool grown = true; grown;) {
@@ -153,20 +172,8 @@ class Divider {
       std::vector<std::uint32_t> next = region_;
       for (std::size_t i = 0; i < region_.size(); ++i) {
         if (region_[i] != 0) continue;
-        Cells around;
-        for (const std::uint32_t j : neighbours(i))
-          if (region_[j] != 0) around.push_back(region_[j]);
-        std::ranges::sort(around);
-        std::ptrdiff_t most = 0;
-        for (auto at = around.begin(); at != around.end();) {
-          const auto end = std::upper_bound(at, around.end(), *at);
-          if (end - at > most) {
-            most = end - at;
-            next[i] = *at;
-            grown = true;
-          }
-          at = end;
-        }
+        next[i] = region_around(i);
+        grown |= next[i] != 0;
       }
       region_ = std::move(next);
     }

@@ -163,7 +163,7 @@ std::string antialiasing_settings(const std::string& model) {
   fs::path folder = fs::path(model).parent_path();
   for (std::size_t level = 0; level < kMaxLevels; ++level) {
     for (const char* name : {"cfg_args", "cfg.yml", "config.yml"}) {
-      const std::string file = (folder / name).generic_string();
+      std::string file = (folder / name).generic_string();
       if (!is_regular_file(file)) continue;
       const MappedFile mapped = map_regular_file(file);
       for (const char* words : {"antialiasing=True", "antialiased: true", "rasterize_mode: antialiased"})

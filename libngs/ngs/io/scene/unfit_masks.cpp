@@ -82,8 +82,8 @@ std::string remedy_of_images(const std::string& folder, const std::vector<std::s
         return fs::path(image).parent_path().generic_string() == place;
       });
   if (is_deeper && !image_like_view(place, views).empty()) return "name their folder: --masks " + shell_word(place);
-  const std::string named = "name each mask after its photo, such as " +
-                            (fs::path(folder) / image_stem(views[0].camera.name)).generic_string() + ".png";
+  std::string named = "name each mask after its photo, such as " +
+                      (fs::path(folder) / image_stem(views[0].camera.name)).generic_string() + ".png";
   if (has_folder_per_photo(folder, views))
     return "a folder for each photo holds masks of everything in it, as SAM writes without a prompt: copy the one of "
            "the object; " +
@@ -113,8 +113,9 @@ std::string remedy_of_stack(const std::string& extract) {
 
 std::string remedy_of_arrays(const std::string& folder, const std::vector<std::string>& arrays,
                              const std::vector<SceneView>& views) {
-  const std::string convert = "((m.squeeze() > 0).astype('u1') * 255)", first = arrays[0], ending = ending_of(first);
-  const std::string save = "arrays are not read: save each as PNG, 255 where the object is";
+  const std::string convert = "((m.squeeze() > 0).astype('u1') * 255)", ending = ending_of(arrays[0]);
+  const std::string& first = arrays[0];
+  std::string save = "arrays are not read: save each as PNG, 255 where the object is";
   const bool is_of_one_view = std::ranges::any_of(
       views,
       [&, stem = fs::path(first).stem().string()](const SceneView& v) { return image_stem(v.camera.name) == stem; });
