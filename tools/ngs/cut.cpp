@@ -228,7 +228,17 @@ void check_options(cli::Run& run, const CutOptions& options, const CutInputs& in
     check_flash(inputs.has_renders, !inputs.masks.empty() || !inputs.truth.empty());
 }
 
+/// With --all alone: the capture's masks_everything/ (docs/formats.md), as if --masks named it.
+void find_masks_of_everything(cli::Run& run, const CutOptions& options, CutInputs& inputs) {
+  const std::string folder = inputs.source + "/masks_everything";
+  if (!options.all || inputs.kind != SourceKind::kCapture || !inputs.masks.empty() || !fs::is_directory(folder)) return;
+  run.monitor().warn(folder + ": used as masks of everything (others: --masks DIR)");
+  inputs.masks = folder;
+  inputs.given_masks = folder;
+}
+
 int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
+  find_masks_of_everything(run, options, inputs);
   check_options(run, options, inputs);
   if (fs::is_regular_file(inputs.source)) run.add_input("source", inputs.source);
   const NewFolder folder(inputs.out, !run.dry_run() && !fs::exists(inputs.out));
