@@ -1,11 +1,9 @@
-#include <zstd.h>
-
 #include <bit>
 
-#include "ngs/core/error.h"
 #include "ngs/io/files/byte_reader.h"
 #include "ngs/io/formats/axes.h"
 #include "ngs/io/formats/compression/gzip.h"
+#include "ngs/io/formats/compression/zstd_frame.h"
 #include "ngs/io/formats/quantise.h"
 #include "ngs/io/formats/splat_codecs.h"
 #include "ngs/io/formats/spz_layout.h"
@@ -26,17 +24,6 @@ struct SpzData {
   AxisSigns axes = kRightUpBack;
   std::array<std::vector<std::uint8_t>, kAttributes> attributes;
 };
-
-/// Fills `out` from zstd frames. kBadInput, with `object` in the message, if they hold more or fewer bytes than `out`.
-void unzstd(const std::string& object, Bytes frames, std::span<std::uint8_t> out) {
-  const std::size_t size = ZSTD_decompress(out.data(), out.size(), frames.data(), frames.size());
-  if (ZSTD_isError(size) == 0 && size == out.size()) return;
-  const std::string found = ZSTD_isError(size) != 0 ? std::string("a zstd stream that is damaged or too long (") +
-                                                          ZSTD_getErrorName(size) + ")"
-                                                    : "a zstd stream of " + std::to_string(size) + " bytes";
-  throw Error(ErrorCode::kBadInput, object + ": " + found + ", expected " + std::to_string(out.size()) + " bytes",
-              "copy or export it again");
-}
 
 [[noreturn]] void bad(const std::string& name, const std::string& message) {
   throw Error(ErrorCode::kBadInput, name + ": " + message, "copy or export it again");
