@@ -345,13 +345,15 @@ void check_cloud(const Exec& exec, Monitor& monitor, const SceneCheckOptions& op
 
 /// Checks empty and full masks against the others, unless a missing mask means an empty one (MissingMask::kEmpty).
 void find_empty_masks(const Exec& exec, Monitor& monitor, const SceneCheckInputs& in, SceneCheck& result) {
+  const auto is_full = [](const MaskCheck& masks) {
+    return std::ranges::any_of(masks.coverage, [](double share) { return share == 1; });
+  };
   std::vector<std::size_t> plain, others;
   for (std::size_t v = 0; v < result.views.size(); ++v) {
     const std::optional<MaskCheck>& masks = result.views[v].masks;
     if (!masks || !(masks->known > 0)) continue;
     const bool is_empty = std::ranges::all_of(masks->coverage, [](double share) { return share == 0; });
-    const bool is_full = std::ranges::any_of(masks->coverage, [](double share) { return share == 1; });
-    (is_empty || is_full ? plain : others).push_back(v);
+    (is_empty || is_full(*masks) ? plain : others).push_back(v);
   }
   result.empty_masks.views = plain;
   if (in.cloud == nullptr || in.scene.missing_mask == MissingMask::kEmpty) return;
@@ -361,9 +363,7 @@ void find_empty_masks(const Exec& exec, Monitor& monitor, const SceneCheckInputs
       exec, monitor, {*in.cloud, scene, plain, others, [&](std::size_t view) { return in.loaders.masks(view).masks; }});
   const std::vector<std::size_t>& wrong = result.empty_masks.contradicted;
   const std::string of_all = " of " + std::to_string(plain.size() + others.size()) + " masks are ";
-  const auto full = std::ranges::count_if(wrong, [&](std::size_t v) {
-    return std::ranges::any_of(result.views[v].masks->coverage, [](double share) { return share == 1; });
-  });
+  const auto full = std::ranges::count_if(wrong, [&](std::size_t v) { return is_full(*result.views[v].masks); });
   const char* kind = full == 0              ? "empty where the other masks show the object ("
                      : full == ssize(wrong) ? "full where the other masks show background ("
                                             : "empty or full where the other masks are not (";

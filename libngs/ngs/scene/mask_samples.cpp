@@ -38,15 +38,17 @@ int channel_of_two_colours(const MaskSamples& samples) {
     return c < 3 ? int(rgb[c]) : int(std::max({rgb[0], rgb[1], rgb[2]}));
   };
   std::size_t least[4] = {}, most[4] = {};  // pixels
-  for (std::size_t p = 0; p < pixels; ++p)
+  const auto range = [&](std::size_t c) { return value(most[c], c) - value(least[c], c); };
+  for (std::size_t p = 0; p < pixels; ++p) {
     for (std::size_t c = 0; c < 4; ++c) {
       if (value(p, c) < value(least[c], c)) least[c] = p;
       if (value(p, c) > value(most[c], c)) most[c] = p;
     }
-  const auto range = [&](std::size_t c) { return value(most[c], c) - value(least[c], c); };
+    if (range(3) > full / 4) return -1;  // of most masks the first pixels decide
+  }
   std::size_t widest = range(1) > range(0) ? 1 : 0;
   if (range(2) > range(widest)) widest = 2;
-  if (range(3) > full / 4 || range(widest) < full / 2) return -1;
+  if (range(widest) < full / 2) return -1;
   std::size_t others = 0;
   for (std::size_t p = 0; p < pixels; ++p) {
     const auto is_like = [&](std::size_t q) {

@@ -28,7 +28,7 @@ int keep(studio::Reply reply) {
   return module().reply.status;
 }
 
-/// Programs are parts of this module; a file with the name of each says that it is there.
+/// Programs are parts of this module; a file with its name makes each be found.
 void announce_programs() {
   namespace fs = std::filesystem;
   fs::create_directories("/bin");

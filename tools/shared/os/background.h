@@ -1,5 +1,5 @@
 #pragma once
-// Work beside that of the caller.
+// Work in the background.
 #include <functional>
 #include <thread>
 

@@ -21,7 +21,7 @@ constexpr double kConcave = 0.08;      // bend of a crease, rad per side of a ce
 constexpr double kSlightBend = 0.01;   // the same where the colours differ by kContrast
 constexpr double kContrast = 0.2;      // of the neighbours of a cell, diagonal of the box around their colours
 constexpr double kFacing = 0.5;        // least length of the mean normal of a cell with one side
-constexpr double kNoNormal = 0.3;      // length of a mean normal that says nothing
+constexpr double kNoNormal = 0.3;      // length of a mean normal without a direction
 constexpr std::size_t kMinPiece = 40;  // cells
 constexpr double kAlike = 0.5;         // least overlap of the colours of two regions of one part
 constexpr double kOneNormal = 0.85;    // share of the cells of a surface without sides that have its normal
@@ -258,7 +258,7 @@ class Divider {
     double from = 0;
   };
 
-  /// A piece is a wall if it is wide and upright, and nearly nothing lies behind its middle in one level direction.
+  /// A piece is a wall if it is wide and upright, and hardly anything lies behind its middle in one level direction.
   std::optional<Wall> wall_of(const Cells& piece, double whole) const {
     constexpr int kDirections = 24;
     if (extent(piece) < kWallExtent * whole || dot(mean_normal(piece), up_) > kSameNormal) return std::nullopt;
