@@ -176,7 +176,7 @@ void SceneChecks::check(bool compat_is_default) {
   for (const std::string& note : notes_) run_.monitor().warn(note);
   run_.result().update(check_json(scene_, result));
   run_.text(check_table(scene_, result));
-  lost_masks_ = result.empty_masks.contradicted;
+  lost_masks_ = result.uniform_masks.contradicted;
 }
 
 void SceneChecks::leave_out_lost_masks() {
