@@ -33,11 +33,7 @@ struct Installed {
   }
   bool has(const std::string& name) const { return fs::exists(prefix + "/" + name); }
   test::ProcessResult run(Words argv, std::vector<std::pair<std::string, std::string>> environment = {}) const {
-    return test::run_process({.argv = std::move(argv),
-                              .environment = std::move(environment),
-                              .folder = dir.path(),
-                              .input = {},
-                              .signal_after = {}});
+    return test::run_process({.argv = std::move(argv), .environment = std::move(environment), .folder = dir.path()});
   }
   /// Runs a command that must succeed; returns its output.
   std::string output(const Words& argv) const {
@@ -91,9 +87,7 @@ TEST_CASE("the build compiles no CUDA by default even if nvcc exists") {
                            .environment = {{"PATH", dir.path() + "/bin:" + std::getenv("PATH")},
                                            {"CUDA_HOME", dir.path()},
                                            {"NGS_PRESET", preset}},
-                           .folder = dir.path(),
-                           .input = {},
-                           .signal_after = {}});
+                           .folder = dir.path()});
     INFO(result.out << result.err);
     REQUIRE(result.exit_code == 0);
     CHECK(result.out.find("ngs: CUDA backend OFF\n") != result.out.npos);  // the fake nvcc compiles nothing

@@ -88,11 +88,8 @@ TEST_CASE("numpy reads the output of ngs-extract --npz with the code of the FAQ"
   const std::string asserts =
       "\nassert z['seen'].dtype == bool and z['object'].dtype == np.int64 and labels.dtype == np.float32"
       "\nassert (splat['ngs_label'] == labels).all() and (np.diff(rows) > 0).all()\n";
-  const test::ProcessResult result = test::run_process({.argv = {program, "-c", documented_python() + asserts},
-                                                        .environment = {},
-                                                        .folder = tmp.path(),
-                                                        .input = {},
-                                                        .signal_after = {}});
+  const test::ProcessResult result =
+      test::run_process({.argv = {program, "-c", documented_python() + asserts}, .folder = tmp.path()});
   CAPTURE(result.err);
   CHECK(result.exit_code == 0);
   const auto rows = [](const std::string& ply) { return std::to_string(io::read_gaussian_ply(ply).cloud.size()); };

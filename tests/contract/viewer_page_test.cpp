@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 test::ProcessResult run_in(const std::string& folder, std::vector<std::string> argv) {
   if (argv[0].starts_with("ngs-")) argv[0] = std::string(NGS_TOOL_DIR "/") + argv[0];
-  return test::run_process({.argv = argv, .environment = {}, .folder = folder, .input = {}, .signal_after = {}});
+  return test::run_process({.argv = argv, .folder = folder});
 }
 
 void make(const std::string& folder, std::vector<std::string> argv) {
