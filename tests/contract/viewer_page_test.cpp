@@ -25,9 +25,7 @@ test::ProcessResult run_in(const std::string& folder, std::vector<std::string> a
 }
 
 void make(const std::string& folder, std::vector<std::string> argv) {
-  const test::ProcessResult result = run_in(folder, std::move(argv));
-  INFO(result.err);
-  REQUIRE(result.exit_code == 0);
+  test::succeeded(run_in(folder, std::move(argv)));
 }
 
 /// A capture called `name` with its labelled model split into object and background.

@@ -41,9 +41,7 @@ TEST_CASE("a capture of any unit is imported without a flag, and gets the labels
   const auto cut = [](const Capture& capture, double factor) {
     CAPTURE(factor);
     if (factor != 1) capture.scale(factor);
-    test::ProcessResult result = capture.import();
-    CAPTURE(result.err);
-    REQUIRE(result.exit_code == 0);
+    const test::ProcessResult result = test::succeeded(capture.import());
     CHECK((capture.scene().value("world_unit", 1.0) < 1) == (factor < 0.1));
     CHECK(capture.scene()["compat"] == "inria");
     for (const std::vector<std::string>& argv :
