@@ -6,7 +6,7 @@
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/render/render_options.h"
-#include "planes.h"
+#include "pictures.h"
 #include "sections.h"
 #include "shared/page/html.h"
 

@@ -8,7 +8,7 @@
 #include "ngs/capture/view_align.h"
 #include "ngs/core/formatted.h"
 #include "ngs/io/files/atomic_file.h"
-#include "ngs/io/files/regular_file.h"
+#include "ngs/io/files/mapped_file.h"
 #include "ngs/io/image/masks.h"
 #include "ngs/io/image/photo.h"
 #include "ngs/problem/view_list.h"

@@ -12,7 +12,7 @@
 #include "ngs/core/listed.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/render/render_options.h"
-#include "ngs/scene/resize/shrink.h"
+#include "ngs/scene/resize.h"
 
 namespace ngs {
 namespace {

@@ -10,7 +10,6 @@
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
 #include "ngs/math/vectors.h"
-#include "ngs/ops/image/image_metrics.h"
 #include "ngs/ops/image/metrics.h"
 #include "ngs/scene/geometry/unproject.h"
 

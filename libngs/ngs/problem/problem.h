@@ -13,7 +13,7 @@
 #include "ngs/ops/splat/splat.h"
 #include "ngs/scene/evidence.h"
 #include "ngs/scene/labels/boundary_rule.h"
-#include "ngs/scene/labels/label_columns.h"
+#include "ngs/scene/labels/label_column.h"
 #include "ngs/scene/scene.h"
 
 namespace ngs {

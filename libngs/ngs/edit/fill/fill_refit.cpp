@@ -5,7 +5,7 @@
 #include "ngs/core/check.h"
 #include "ngs/edit/fill/hole_seeds.h"
 #include "ngs/make/fit/photo_refit.h"
-#include "ngs/ops/image/image_metrics.h"
+#include "ngs/ops/image/metrics.h"
 
 namespace ngs {
 namespace {

@@ -1,7 +1,10 @@
 #pragma once
 // Adaptive density control of the fit: clone, split and prune as in 3DGS.
+#include <cstdint>
+#include <vector>
+
 #include "ngs/backend/exec.h"
-#include "ngs/make/fit/fit_state.h"
+#include "ngs/make/fit/gaussian_adam.h"
 
 namespace ngs {
 
@@ -21,5 +24,14 @@ struct DensityChange {
 /// distribution, scales / 1.6). New Gaussians start with zero moments. The gradient statistics are reset. At least one
 /// Gaussian remains. `seed` must differ from call to call.
 DensityChange densify_and_prune(const Exec& exec, FitState& state, const DensityRule& rule, std::uint64_t seed);
+
+struct FitState {
+  std::int64_t step = 0;  // steps done
+  GaussianCloud cloud;
+  GaussianMoments moments;
+  // Over the views in which the Gaussian was visible since the last densification.
+  std::vector<float> gradient_sum;    // [N] Σ |∂L/∂mean| in NDC
+  std::vector<float> gradient_views;  // [N] number of these views
+};
 
 }  // namespace ngs
