@@ -10,6 +10,18 @@
 
 namespace ngs::cli {
 
+/// The images of a folder, or a single file, with names relative to the folder.
+struct ImageList {
+  std::string folder;                   // base of the names
+  std::vector<std::string> names;       // sorted; "view.png" or, below folders, "sub/view.png"
+  std::vector<std::string> files = {};  // their paths; empty: they are in `folder`
+  std::string path(std::size_t i) const { return files.empty() ? folder + "/" + names[i] : files[i]; }
+};
+
+/// Images directly in the folder, or, if there are none, those of its sub-folders, up to three levels deep. Skips
+/// hidden entries. Throws kBadInput if there is no image.
+ImageList list_images(const std::string& path);
+
 /// A view name may contain folders (cam0/0001), an object name does not.
 enum class Layout : std::uint8_t { kViewObject, kObjectView, kView };
 
@@ -73,17 +85,5 @@ std::vector<PairScore> score_masks(Run& run, const EvalOptions& options, const s
 /// Samples of a mask or a label map, an image or the EXR of ngs-render.
 io::RawMask read_mask(const std::string& path, bool is_label_map);
 std::vector<PhotoScore> score_photos(Run& run, const std::vector<FilePair>& pairs);
-
-// Lists the images of a folder, or a single file, with names relative to the folder.
-struct ImageList {
-  std::string folder;                   // base of the names
-  std::vector<std::string> names;       // sorted; "view.png" or, below folders, "sub/view.png"
-  std::vector<std::string> files = {};  // their paths; empty: they are in `folder`
-  std::string path(std::size_t i) const { return files.empty() ? folder + "/" + names[i] : files[i]; }
-};
-
-/// Images directly in the folder, or, if there are none, those of its sub-folders, up to three levels deep. Skips
-/// hidden entries. Throws kBadInput if there is no image.
-ImageList list_images(const std::string& path);
 
 }  // namespace ngs::cli

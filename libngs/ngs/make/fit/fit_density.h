@@ -8,6 +8,16 @@
 
 namespace ngs {
 
+/// The state of a fit: everything that later steps read (make/fit/fit_stage.h).
+struct FitState {
+  std::int64_t step = 0;  // steps done
+  GaussianCloud cloud;
+  GaussianMoments moments;
+  // Over the views in which the Gaussian was visible since the last densification.
+  std::vector<float> gradient_sum;    // [N] Σ |∂L/∂mean| in NDC
+  std::vector<float> gradient_views;  // [N] number of these views
+};
+
 struct DensityRule {
   double gradient = 2e-4;     // mean view-space gradient, per NDC
   double dense_scale = 0.01;  // world: larger Gaussians are split in two, smaller ones cloned
@@ -24,14 +34,5 @@ struct DensityChange {
 /// distribution, scales / 1.6). New Gaussians start with zero moments. The gradient statistics are reset. At least one
 /// Gaussian remains. `seed` must differ from call to call.
 DensityChange densify_and_prune(const Exec& exec, FitState& state, const DensityRule& rule, std::uint64_t seed);
-
-struct FitState {
-  std::int64_t step = 0;  // steps done
-  GaussianCloud cloud;
-  GaussianMoments moments;
-  // Over the views in which the Gaussian was visible since the last densification.
-  std::vector<float> gradient_sum;    // [N] Σ |∂L/∂mean| in NDC
-  std::vector<float> gradient_views;  // [N] number of these views
-};
 
 }  // namespace ngs
