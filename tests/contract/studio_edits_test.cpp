@@ -122,11 +122,7 @@ TEST_CASE("a splat that cannot be opened leaves no folder") {
   const test::TempDir dir;
   dir.write("film.mp4", "not a splat");
   const test::ProcessResult result =
-      test::run_process({.argv = {NGS_TOOL_DIR "/ngs-studio", "film.mp4", "--no-browser"},
-                         .environment = {},
-                         .folder = dir.path(),
-                         .input = {},
-                         .signal_after = {}});
+      test::run_process({.argv = {NGS_TOOL_DIR "/ngs-studio", "film.mp4", "--no-browser"}, .folder = dir.path()});
   CHECK(result.exit_code == 3);
   CHECK_FALSE(fs::exists(dir.path() + "/film-studio"));
 }

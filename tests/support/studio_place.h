@@ -64,10 +64,7 @@ inline std::vector<std::string> words_of(const std::string& line) {
 
 inline void run_tool(const std::string& folder, std::vector<std::string> argv) {
   argv[0] = std::string(NGS_TOOL_DIR "/") + argv[0];
-  const ProcessResult result =
-      run_process({.argv = argv, .environment = {}, .folder = folder, .input = {}, .signal_after = {}});
-  INFO(argv[0] << ": " << result.err);
-  REQUIRE(result.exit_code == 0);
+  test::succeeded(run_process({.argv = argv, .folder = folder}));
 }
 
 }  // namespace ngs::test
