@@ -118,4 +118,20 @@ TEST_CASE("ngs-gs.sh ends the running tool when only the script receives a signa
   }
 }
 
+TEST_CASE("a run in a deleted folder names it as the cause") {
+  const test::TempDir dir;
+  const auto in_deleted = [&](const std::string& command) {
+    return test::run_command({"sh", "-c",
+                              "mkdir '" + dir.path() + "/gone' && cd '" + dir.path() + "/gone' && rmdir '" +
+                                  dir.path() + "/gone' && '" NGS_TOOL_DIR "'/" + command});
+  };
+  for (const auto& [command, code] :
+       {std::pair{"ngs-synth two-spheres -o out", 8}, std::pair{"ngs info model.ply", 3}}) {
+    CAPTURE(command);
+    const test::ProcessResult run = in_deleted(command);
+    CHECK(run.exit_code == code);
+    CHECK(run.err.find("the current folder was deleted") != std::string::npos);
+  }
+}
+
 }  // namespace ngs

@@ -72,18 +72,26 @@ bool print_text(const Spec& spec, const CommonFlags& flags) {
   return true;
 }
 
+/// Empty unless the folder that relative paths start from was deleted.
+std::string hint_of_deleted_folder() {
+  std::error_code gone;
+  const bool exists = !std::filesystem::current_path(gone).empty();
+  return exists ? "" : "the current folder was deleted, and relative paths start there: cd to another one";
+}
+
 /// The only place that turns exceptions into messages and exit codes.
 int guarded(Console& console, const std::function<int()>& body) {
   try {
     return body();
   } catch (const Error& e) {
-    console.error(e.what(), e.remedy());
+    const std::string deleted = e.code() == ErrorCode::kBadInput ? hint_of_deleted_folder() : "";
+    console.error(e.what(), deleted.empty() ? e.remedy() : deleted);
     return int(e.code());
   } catch (const std::bad_alloc&) {
     console.error("out of memory", "estimate the memory with --dry-run");
     return int(ErrorCode::kEnvironment);
   } catch (const std::filesystem::filesystem_error& e) {
-    console.error(e.what(), "");
+    console.error(e.what(), hint_of_deleted_folder());
     return int(ErrorCode::kEnvironment);
   } catch (const std::exception& e) {
     console.error(std::string("bug in ngs: ") + e.what(), "report it with the command line and --version");
