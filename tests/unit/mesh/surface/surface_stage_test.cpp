@@ -10,6 +10,7 @@
 #include "ngs/mesh/measures.h"
 #include "support/error_code.h"
 #include "support/mesh_truth.h"
+#include "support/random.h"
 
 namespace ngs {
 namespace {
@@ -142,6 +143,23 @@ TEST_CASE("a ring keeps its hole, two balls stay two pieces") {
   CHECK(std::ssize(ring.mesh.vertices) == std::ssize(ring.mesh.faces) / 2);  // Euler number 0
   CHECK(test::score_of(ring.mesh, scene, 0, {}, kNear).iou > 0.9);
   CHECK(mesh_of(test::splat_of(scene.objects[1], 4000)).pieces.kept == 2);
+}
+
+TEST_CASE("a foam, whose tunnels need more faces than allowed, is extracted from a coarser grid") {
+  synth::Object foam{"foam", {}, {}};
+  test::Random random(3);
+  for (int k = 0; k < 60; ++k)
+    foam.solids.push_back(
+        synth::sphere({random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5)}, 0.14));
+  mesh::MeshOptions options;
+  options.resolution = 128;
+  options.faces = 100;
+  Monitor monitor;
+  const mesh::ObjectMesh object = mesh::mesh_of({.threads = 2}, monitor, test::splat_of(foam, 8000), options);
+  check_closed(object.mesh);
+  CHECK(object.mesh.faces.size() <= 100);
+  REQUIRE(monitor.warnings().size() == 1);
+  CHECK(monitor.warnings()[0].find("--faces 100: the tunnels and pieces of the surface need") == 0);
 }
 
 TEST_CASE("too few, transparent and unusable Gaussians are refused") {
