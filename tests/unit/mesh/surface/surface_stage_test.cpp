@@ -142,7 +142,10 @@ TEST_CASE("a ring keeps its hole, two balls stay two pieces") {
   check_closed(ring.mesh);
   CHECK(std::ssize(ring.mesh.vertices) == std::ssize(ring.mesh.faces) / 2);  // Euler number 0
   CHECK(test::score_of(ring.mesh, scene, 0, {}, kNear).iou > 0.9);
-  CHECK(mesh_of(test::splat_of(scene.objects[1], 4000)).pieces.kept == 2);
+  const GaussianCloud balls = test::splat_of(scene.objects[1], 4000);
+  const mesh::ObjectMesh two = mesh_of(balls), again = mesh_of(balls, 3);
+  CHECK(two.pieces.kept == 2);
+  CHECK(two.mesh.faces == again.mesh.faces);
 }
 
 TEST_CASE("a foam, whose tunnels need more faces than allowed, is extracted from a coarser grid") {
@@ -160,6 +163,17 @@ TEST_CASE("a foam, whose tunnels need more faces than allowed, is extracted from
   CHECK(object.mesh.faces.size() <= 100);
   REQUIRE(monitor.warnings().size() == 1);
   CHECK(monitor.warnings()[0].find("--faces 100: the tunnels and pieces of the surface need") == 0);
+}
+
+TEST_CASE("the mesh of a capture shows its middle, and a warning names the surroundings") {
+  GaussianCloud cloud = test::splat_of(ball_scene().objects[0], 4000);
+  for (std::size_t i = 0; i < 3 * 400; ++i) cloud.position[i] *= 60;
+  mesh::MeshOptions options;
+  options.resolution = 32;
+  Monitor monitor;
+  check_closed(mesh::mesh_of({.threads = 2}, monitor, cloud, options).mesh);
+  REQUIRE(monitor.warnings().size() == 1);
+  CHECK(monitor.warnings()[0].find("like a capture with its surroundings") != std::string::npos);
 }
 
 TEST_CASE("too few, transparent and unusable Gaussians are refused") {
