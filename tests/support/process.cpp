@@ -136,7 +136,7 @@ ProcessResult run_tool(Words argv, const std::string& folder, const Environment&
 }
 
 ProcessResult succeeded(ProcessResult result, const std::source_location& where) {
-  INFO(where.file_name() << ":" << where.line() << "\n" << result.out << result.err);
+  INFO(std::string(where.file_name()) << ":" << where.line() << "\n" << result.out << result.err);
   REQUIRE(result.exit_code == 0);
   return result;
 }
