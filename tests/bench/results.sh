@@ -5,7 +5,7 @@
 #   tests/bench/results.sh --list             all questions with their measuring time and topic
 #   tests/bench/results.sh --table QUESTION   prints its table
 #   tests/bench/results.sh no-harm            a gate too: exit code 1 if the default scores below the closed form
-#   tests/bench/results.sh alone halves       with no-harm the questions that `all` leaves out; of other commits perhaps
+#   tests/bench/results.sh alone halves instances     with no-harm what `all` leaves out; of other commits perhaps
 #   tests/bench/results.sh --write            updates the tables of BENCHMARKS.md, README.md and ngs-joint --help
 #   tests/bench/results.sh --check            prints what --write would change; exit code 1 if anything differs, or if
 #                                             questions, results and the pages' tables do not belong together
@@ -27,7 +27,7 @@ shopt -s inherit_errexit
 
 results=$top/tests/bench/results
 questions=(captures removed museum masks recipes qualities effects ablation times kernels stability goals)
-separate=(alone halves no-harm)  # long, without times: before finish or fill change, before a default changes
+separate=(alone halves no-harm instances)  # long, without times: before finish, fill, a default or ngs-group changes
 for question in "${questions[@]}" "${separate[@]}"; do
   # shellcheck disable=SC1090
   . "$top/tests/bench/results/$question.sh"

@@ -18,6 +18,8 @@ Fields of a line are separated by tabs; a row is a single run:
                                       ratio refer to the first line with the same labels but the last
   row    KEY=VALUE...                 VALUE is a number if a non-label column shows KEY; rounded to 7 digits
          scores=FILE, halves=FILE     adds the scores of a metrics.json of ngs-eval, with --halves
+         instances=FOLDER             adds the scores and counts of scores.json of ngs-eval --instances, and the mean
+                                      confidence of groups/objects.json of matched predictions and of the others
          times=FILE                   adds wall_s, cpu_s and peak_mib of a tool's report
   rows   benchmark|stability FILE     a row per kernel of google-benchmark's medians or of stability.json
 """
@@ -90,6 +92,18 @@ def halves_of(path):
             if isinstance(value, (int, float)) and not isinstance(value, bool)}
 
 
+def instances_of(folder):
+    scores = load(os.path.join(folder, "scores.json"))
+    confidence = {entry["id"]: entry["confidence"] for entry in load(os.path.join(folder, "groups/objects.json"))["objects"]}
+    matched = {entry["predicted_id"] for entry in scores["objects"] if entry["matched"]}
+    row = {key: rounded(value) for key, value in (scores["mean"] | scores["counts"]).items()}
+    for name, is_matched in ("matched", True), ("others", False):
+        values = [confidence[entry["id"]] for entry in scores["predictions"] if (entry["id"] in matched) == is_matched]
+        if values:
+            row["confidence_" + name] = rounded(statistics.fmean(values))
+    return row
+
+
 def benchmark_rows(path):
     rows = []
     for entry in load(path)["benchmarks"]:
@@ -154,7 +168,7 @@ def column_of(words):
 
 
 def row_of(words, columns):
-    readers = {"scores": scores_of, "halves": halves_of, "times": times_of}
+    readers = {"scores": scores_of, "halves": halves_of, "instances": instances_of, "times": times_of}
     numeric = {column["key"] for column in columns if column["show"] != "label"}
     row = {}
     for key, value in map(pair, words):

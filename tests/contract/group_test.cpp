@@ -1,5 +1,6 @@
 // ngs-group on label maps of 16 bits whose ids differ between the views.
 #include <doctest/doctest.h>
+#include <signal.h>
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -49,6 +50,42 @@ TEST_CASE("an object whose id is another one in every view, up to 65535, gets on
     for (std::size_t p = 0; p < truth.data.size(); ++p)
       if (truth.data[p] > 0) CHECK(found.data[p] == 1);
   }
+}
+
+TEST_CASE("masks of two programs, one with large ids and one that divides the object in a view, are one object") {
+  const Group group;
+  for (int v = 0; v < 5; ++v) {
+    ImageU16 ids = ball(v);
+    const int width = ids.width_px;
+    for (std::size_t p = 0; p < ids.data.size(); ++p) {
+      const bool upper = int(p) / width < ids.height_px / 2;
+      if (ids.data[p] > 0) ids.data[p] = v % 2 == 0 ? std::uint16_t(300 + v) : std::uint16_t(v == 1 && upper ? 2 : 1);
+    }
+    io::write_png16(group.mask(v), ids);
+  }
+  const test::ProcessResult result = test::succeeded(group.run("g"));
+  CHECK(result.out.find("\"objects\": 1") != std::string::npos);
+}
+
+TEST_CASE("ngs cut --all, stopped by Ctrl-C and called again, writes the bytes of a run that was not stopped") {
+  const Group group;
+  for (int v = 0; v < 5; ++v) io::write_png16(group.mask(v), ball(v));
+  const auto spec = [&](const std::string& out) {
+    const std::string scene = test::fixture_folder() + "/scene.json";
+    test::ProcessSpec cut = test::command({"ngs", "cut", scene, "--all", "--masks", "all", "-o", out});
+    cut.folder = group.dir.path();
+    return cut;
+  };
+  test::succeeded(test::run_process(spec("whole")));
+  test::ProcessSpec stopped = spec("resumed");
+  stopped.signal = SIGINT;
+  stopped.signal_after = "finding the objects";
+  CHECK(test::run_process(stopped).exit_code == 128 + SIGINT);
+  CHECK_FALSE(std::filesystem::exists(group.dir.path() + "/resumed/objects.json"));
+  test::succeeded(test::run_process(spec("resumed")));
+  for (const char* file : {"/objects.json", "/background.ply", "/labelled.ply", "/objects/001.ply"})
+    CHECK(test::read_bytes(group.dir.path() + "/whole" + file) ==
+          test::read_bytes(group.dir.path() + "/resumed" + file));
 }
 
 TEST_CASE("a view with more ids than masks of one view can have is an error") {

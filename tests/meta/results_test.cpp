@@ -1,6 +1,7 @@
 // All measurements in tables of README.md and BENCHMARKS.md come from tests/bench/results/, by results_table.py.
 #include <doctest/doctest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "support/process.h"
@@ -99,15 +100,20 @@ TEST_CASE("rows read scores, times, benchmarks and stability; invalid lines and 
      "sweep": [{"ratio": 3, "textbook_ratio": "inf"}]},
     {"kernel": "rbf", "budget": 0, "passed": true, "textbook": "not applicable: exact",
      "sweep": [{"ratio": 0, "textbook_ratio": null}]}]})");
+  std::filesystem::create_directories(dir.path() + "/groups");
+  dir.write("groups/objects.json", R"({"objects": [{"id": 1, "confidence": 0.9}, {"id": 2, "confidence": 0.5}]})");
+  dir.write("scores.json", R"({"mean": {"pq": 0.25}, "counts": {"matched": 1}, "predictions": [{"id": 1}, {"id": 2}],
+    "objects": [{"predicted_id": 1, "matched": true}, {"predicted_id": 2, "matched": false}]})");
   const test::ProcessResult read =
       tables({"collect"}, "row\tmethod=x\tscores=" + metrics + "\ttimes=" + report + "\nrows\tbenchmark\t" + benchmark +
-                              "\nrows\tstability\t" + stability + "\n");
+                              "\nrows\tstability\t" + stability + "\nrow\tinstances=" + dir.path() + "\n");
   INFO(read.err);
   for (const char* row :
        {R"({"method":"x","iou":0.1234568,"biou":0.2,"biou_005":0.3,"wall_s":1.5,"cpu_s":2.5,"peak_mib":64.0})",
         R"({"kernel":"evidence view","isa":"v4","cpu_ms":8.0,"mega_pairs_s":700.0})",
         R"({"kernel":"rbf","cases":3,"exact":1,"failed":1,"textbook":2,"textbook_wrong":1,"worst_ratio":3.0,)"
-        R"("textbook_ratio":40.0})"})
+        R"("textbook_ratio":40.0})",
+        R"({"pq":0.25,"matched":1.0,"confidence_matched":0.9,"confidence_others":0.5})"})
     CHECK(read.out.find(row) != std::string::npos);
   for (const std::string lines :
        {"rwo\tmethod=x\n", "row\tmethod\n", "meta\tcolour\tred\n", "column\tIoU\t\tiou\tmean\n",

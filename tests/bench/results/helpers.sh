@@ -44,7 +44,7 @@ machine_name() {
 # Shell assignments that restrict this question; empty for the full question.
 restrictions() {
   local name
-  for name in SPLITS CAPTURES RECIPES METHODS REPEATS; do
+  for name in SPLITS CAPTURES RECIPES ROOMS METHODS REPEATS; do
     if [ -n "${!name:-}" ] && grep -q "${name,,}" "$top/tests/bench/results/$question.sh"; then
       printf "%s='%s' " "$name" "${!name}"
     fi

@@ -165,7 +165,7 @@ std::string scene_title(const Scene& scene) {
     for (const char* general :
          {"images", "image", "rgb", "photos", "input", "train", "test", "point_cloud", "iteration_"})
       if (name.starts_with(general)) return true;
-    return name.empty() || name == "." || name == "..";
+    return name.empty() || name == "." || name == ".." || name == "orbit";  // pictures of a splat: its folder
   };
   const std::string photo = scene.views.empty() ? "" : scene.views.front().image_path;
   for (const std::string& file : {photo, scene.model_path}) {

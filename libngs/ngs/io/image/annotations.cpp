@@ -72,6 +72,8 @@ std::vector<std::int64_t> unpacked_runs(const std::string& text, const JsonReade
   return runs;
 }
 
+constexpr const char* kRuns = "run lengths of the image's pixels in all";
+
 /// Column by column, background first.
 void fill_runs(const JsonReader& of, ImageF& plane) {
   const std::vector<double> size = of.matrix("size", 2, 0);
@@ -80,10 +82,13 @@ void fill_runs(const JsonReader& of, ImageF& plane) {
   if (of.at("counts").is_string())
     runs = unpacked_runs(of.text("counts"), of);
   else
-    for (const double run : of.matrix("counts", of.array("counts").size(), 0)) runs.push_back(std::int64_t(run));
+    for (const double run : of.matrix("counts", of.array("counts").size(), 0)) {
+      if (!(run >= 0 && run <= double(plane.pixels())) || run != std::floor(run)) of.fail("counts", kRuns);
+      runs.push_back(std::int64_t(run));
+    }
   std::int64_t at = 0;
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    if (runs[i] < 0 || runs[i] > plane.pixels() - at) of.fail("counts", "run lengths of the image's pixels in all");
+    if (runs[i] < 0 || runs[i] > plane.pixels() - at) of.fail("counts", kRuns);
     for (const std::int64_t end = at + runs[i]; at < end; ++at)
       if (i % 2 == 1) plane.at(int(at / plane.height_px), int(at % plane.height_px)) = 1;
   }

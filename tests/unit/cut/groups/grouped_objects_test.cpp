@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 namespace ngs {
 namespace {
 
@@ -58,6 +60,24 @@ TEST_CASE("an object of too few views or Gaussians is doubtful, behind the sure 
   options.min_views = 5;
   CHECK(found_in(views, options).sure == 0);
   CHECK(found_in({}).objects.empty());
+}
+
+TEST_CASE("five hundred objects, numbered differently in each view, are found") {
+  constexpr std::uint32_t kObjects = 500, kEach = 10;
+  std::vector<ViewGaussians> views(4, ViewGaussians{int(kObjects), {}});
+  for (std::uint32_t v = 0; v < views.size(); ++v)
+    for (std::uint32_t i = 0; i < kObjects * kEach; ++i)
+      views[v].seen.push_back({i, 1 + (7 * (i / kEach) + 131 * v) % kObjects, 1.f, 1.f});
+  const Exec exec;
+  const GroupedObjects found = objects_of_groups(exec, {}, kObjects * kEach, views, group_masks(exec, {}, views));
+  REQUIRE(found.sure == kObjects);
+  std::vector<std::uint32_t> first(kObjects + 1);
+  for (std::uint32_t i = 0; i < kObjects * kEach; ++i) {
+    REQUIRE(found.object[i] > 0);
+    CHECK(found.object[i] == found.object[i - i % kEach]);
+    if (i % kEach == 0) ++first[found.object[i]];
+  }
+  CHECK(std::ranges::count(first, 1u) == kObjects);
 }
 
 TEST_CASE("an object that some views have in the mask of another is part of it") {

@@ -44,7 +44,10 @@ TEST_CASE("polygons, plain and packed run lengths of COCO give the same mask") {
     CHECK(pixels(path, "a.png", "plate") == std::vector<float>(6));
   }
   for (const char* broken : {R"({"size": [2, 3], "counts": [2, 5]})", R"({"size": [2, 3], "counts": [-1]})",
-                             R"({"size": [9, 3], "counts": [2]})", R"({"size": [2, 3], "counts": "2 2"})", "3"}) {
+                             R"({"size": [9, 3], "counts": [2]})", R"({"size": [2, 3], "counts": "2 2"})", "3",
+                             R"({"size": [2, 3], "counts": "22Poooooooooooooooooooo2"})",  // a run of 100 bits
+                             R"({"size": [2, 3], "counts": [9223372036854775807, 9223372036854775807, 8]})",
+                             R"({"size": [2, 3], "counts": [2.5, 3.5]})"}) {
     CAPTURE(broken);
     write_file(path, coco(broken));
     CHECK(test::code_of([&] { pixels(path, "a.png", "cup"); }) == ErrorCode::kBadInput);
