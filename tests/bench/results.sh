@@ -4,8 +4,8 @@
 #   tests/bench/results.sh QUESTION...        measures and writes tests/bench/results/QUESTION.json; `all`: every question
 #   tests/bench/results.sh --list             all questions with their measuring time and topic
 #   tests/bench/results.sh --table QUESTION   prints its table
-#   tests/bench/results.sh no-harm            a gate: prints its table; exit code 1 if the default scores below the closed form
-#   tests/bench/results.sh alone halves       questions that `all` leaves out; their results may be of other commits
+#   tests/bench/results.sh no-harm            a gate too: exit code 1 if the default scores below the closed form
+#   tests/bench/results.sh alone halves       with no-harm the questions that `all` leaves out; of other commits perhaps
 #   tests/bench/results.sh --write            updates the tables of BENCHMARKS.md, README.md and ngs-joint --help
 #   tests/bench/results.sh --check            prints what --write would change; exit code 1 if anything differs, or if
 #                                             questions, results and the pages' tables do not belong together
@@ -27,9 +27,8 @@ shopt -s inherit_errexit
 
 results=$top/tests/bench/results
 questions=(captures removed museum masks recipes qualities effects ablation times kernels stability goals)
-separate=(alone halves)  # long, without times: before finish or fill change
-gates=(no-harm)          # before a default changes: result in build/results, table on stdout
-for question in "${questions[@]}" "${separate[@]}" "${gates[@]}"; do
+separate=(alone halves no-harm)  # long, without times: before finish or fill change, before a default changes
+for question in "${questions[@]}" "${separate[@]}"; do
   # shellcheck disable=SC1090
   . "$top/tests/bench/results/$question.sh"
 done
@@ -55,13 +54,6 @@ measure() {
   trap - EXIT
   result_of "$work/lines.part" "$(cat "$work/seconds")" > "$results/$question.json.part"
   mv "$results/$question.json.part" "$results/$question.json"
-}
-
-# Measures a gate, whose result is not part of the pages; fails if check_NAME fails.
-measure_gate() {
-  results=$top/build/results measure "$1"
-  tables table "$top/build/results/$1.json" "$defaults"
-  results=$top/build/results "check_$1"
 }
 
 # Adds the time since `began` to the seconds of the question.
@@ -132,7 +124,7 @@ prepare_tools() {
   if [ -z "${NGS_BIN:-}" ]; then "$pipelines/build.sh" --target "$@" >&2; fi
   bin=$(find_bin)
 }
-known() { case " ${questions[*]} ${separate[*]} ${gates[*]} " in *" $1 "*) ;; *) fail 2 "no question '$1'" "see $0 --list" ;; esac; }
+known() { case " ${questions[*]} ${separate[*]} " in *" $1 "*) ;; *) fail 2 "no question '$1'" "see $0 --list" ;; esac; }
 
 case ${1:-} in
   -h | --help) usage_of "$0"; exit 0 ;;
@@ -164,8 +156,8 @@ case ${1:-} in
     for name in "$@"; do
       case $name in
         goals) write_goals > "$results/goals.json" ;;
-        no-harm) measure_gate "$name" ;;
         *) measure "$name" ;;
       esac
+      if [ "$(type -t "check_$name")" = function ]; then "check_$name"; fi
     done ;;
 esac

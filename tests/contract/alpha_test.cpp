@@ -52,15 +52,11 @@ TEST_CASE("the alpha channel of photos is the mask of a splat of the whole scene
          {std::vector<std::string>{}, {"--masks", "in/images"}, {"--masks", "copy"}}) {
       CAPTURE(masks);
       const test::Words import = test::split("ngs-scene import in -o scene.json -w");
-      const test::ProcessResult result = capture.run(test::joined(import, masks));
-      INFO(result.err);
-      CHECK(result.exit_code == 0);
+      const test::ProcessResult result = test::succeeded(capture.run(test::joined(import, masks)));
       CHECK(result.err.find("6 masks: alpha channel used as the mask") != std::string::npos);
       CHECK(capture.mask_of_last_view() == "in/images/v5.png");
     }
-    const test::ProcessResult cut = capture.run({"ngs", "cut", "in", "-o", "out", "--quality", "draft"});
-    INFO(cut.err);
-    CHECK(cut.exit_code == 0);
+    test::succeeded(capture.run({"ngs", "cut", "in", "-o", "out", "--quality", "draft"}));
     CHECK(fs::exists(capture.dir.path() + "/out/object.ply"));
   }
 }
@@ -77,12 +73,7 @@ TEST_CASE("strokes do not replace masks in the alpha channel, whose photos lack 
 
 TEST_CASE("the alpha channel of photos is no mask for a splat of the object alone, which is named") {
   const CutOut capture(false);
-  const auto run = [&](std::vector<std::string> argv) {
-    const test::ProcessResult result = capture.run(std::move(argv));
-    INFO(result.err);
-    REQUIRE(result.exit_code == 0);
-    return result;
-  };
+  const auto run = [&](std::vector<std::string> argv) { return test::succeeded(capture.run(std::move(argv))); };
   run({"ngs-scene", "import", "all", "-o", "all.json"});
   run({"ngs-variance", "all.json", "-o", "boundary.ply"});
   run({"ngs-extract", "boundary.ply", "--object-ply", "in/model.ply", "-w"});

@@ -107,13 +107,7 @@ json read(const std::string& path) {
   return json::parse(file);
 }
 
-test::ProcessResult run(const test::Words& words) {
-  const test::ProcessResult result = test::run_tool(words);
-  CAPTURE(words.front());
-  CAPTURE(result.err);
-  CHECK(result.exit_code == 0);
-  return result;
-}
+test::ProcessResult run(const test::Words& words) { return test::succeeded(test::run_tool(words)); }
 
 test::ProcessResult import(const std::string& dir, const test::Words& further = {}) {
   const test::Words words = test::split("ngs-scene import " + dir + "/text --ply " + dir + "/model.ply --images " +

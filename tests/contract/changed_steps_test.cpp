@@ -21,14 +21,11 @@ TEST_CASE("ngs-gs.sh runs only what changed") {
                        std::vector<std::pair<std::string, std::string>> environment = {}) {
     return capture.run(std::move(words), std::move(environment));
   };
-  const test::ProcessResult first = run({"--method", "flash"});
-  INFO(first.err);
-  REQUIRE(first.exit_code == 0);
+  test::succeeded(run({"--method", "flash"}));
   const auto before = times_of(out);
 
   SUBCASE("nothing, if nothing changed") {
-    const test::ProcessResult second = run({"--method", "flash", "-j", "1"});
-    CHECK(second.exit_code == 0);
+    const test::ProcessResult second = test::succeeded(run({"--method", "flash", "-j", "1"}));
     CHECK(second.err == "the output: nothing has changed since the last call\n");
     CHECK(times_of(out) == before);
   }
@@ -51,9 +48,7 @@ TEST_CASE("ngs-gs.sh runs only what changed") {
   SUBCASE("everything, if a mask changed") {
     fs::copy_file(capture.dir.path() + "/my scene/masks/v0.png", capture.dir.path() + "/my scene/masks/v1.png",
                   fs::copy_options::overwrite_existing);
-    const test::ProcessResult second = run({"--method", "flash"});
-    INFO(second.err);
-    CHECK(second.exit_code == 0);
+    test::succeeded(run({"--method", "flash"}));
     auto after = times_of(out);
     CHECK(after["boundary.ply"] != before.at("boundary.ply"));
     CHECK(after["metrics.json"] != before.at("metrics.json"));
@@ -113,10 +108,8 @@ TEST_CASE("NGS_RUN stands before every call of a tool") {
   const Capture capture;
   capture.dir.write("each", "#!/bin/sh\necho $2 >> calls\nexec \"$@\"\n");
   fs::permissions(capture.dir.path() + "/each", fs::perms::owner_all);
-  const test::ProcessResult result = run_script(
-      capture.dir.path(), {"my scene", "the output", "--until", "boundary.ply"}, {{"NGS_RUN", "./each env"}});
-  INFO(result.err);
-  CHECK(result.exit_code == 0);
+  test::succeeded(run_script(capture.dir.path(), {"my scene", "the output", "--until", "boundary.ply"},
+                             {{"NGS_RUN", "./each env"}}));
   CHECK(test::read_bytes(capture.dir.path() + "/calls") == "ngs-scene\nngs-variance\n");
 }
 
@@ -129,10 +122,7 @@ TEST_CASE("ngs-gs.sh finds poses in the same places as ngs-scene") {
     for (const char* other : {"sparse", "transforms.json", "cameras.json"}) fs::remove_all(scene + other);
     fs::create_directories(fs::path(scene + to).parent_path());
     fs::rename(moved, scene + to);
-    const test::ProcessResult result =
-        run_script(capture.dir.path(), {"my scene", "the output", "--until", "scene.json"});
-    INFO(result.err);
-    CHECK(result.exit_code == 0);
+    test::succeeded(run_script(capture.dir.path(), {"my scene", "the output", "--until", "scene.json"}));
     CHECK(fs::exists(capture.out + "/scene.json"));
   }
 }
@@ -149,9 +139,7 @@ TEST_CASE("ngs-gs.sh detects a changed photo in a folder that only the transform
   std::ofstream(scene + "transforms.json") << poses;
   const std::string out = capture.out;
   const auto run = [&] { return run_script(capture.dir.path(), {"my scene", "the output", "--until", "scene.json"}); };
-  const test::ProcessResult first = run();
-  INFO(first.err);
-  REQUIRE(first.exit_code == 0);
+  test::succeeded(run());
   const auto before = times_of(out);
   CHECK(run().exit_code == 0);
   CHECK(times_of(out) == before);

@@ -63,10 +63,7 @@ TEST_CASE("nvos.sh makes the input masks from scribbles on the reference view") 
   stroke = ImageU8(48, 36, 1);
   for (int x = 0; x < 48; ++x) stroke.at(x, 2) = 255;
   io::write_png(data.dir.file("nvos/scribbles/fern/neg_0_fern.png"), stroke);
-  const test::ProcessResult result =
-      data.run("nvos.sh", {"nvos", "llff", "scribbles", "out", "--method", "flash", "-q"});
-  INFO(result.err);
-  CHECK(result.exit_code == 0);
+  test::succeeded(data.run("nvos.sh", {"nvos", "llff", "scribbles", "out", "--method", "flash", "-q"}));
   CHECK(data.json("out/fern/metrics.json")["mean"]["iou"].get<double>() > 0.8);
   CHECK(fs::exists(data.path("out/fern.scribbles/masks/v1.png")));
 }
@@ -76,9 +73,8 @@ TEST_CASE("nvos.sh scores the target view of existing tasks and lists missing ta
   write_fern(data);
   data.copy("masks", "masks/fern");
   fs::rename(data.path("masks/fern/v2.png"), data.path("masks/fern/IMG_4027.png"));
-  const test::ProcessResult result = data.run("nvos.sh", {"nvos", "llff", "masks", "out", "--method", "flash", "-q"});
-  INFO(result.err);
-  CHECK(result.exit_code == 0);
+  const test::ProcessResult result =
+      test::succeeded(data.run("nvos.sh", {"nvos", "llff", "masks", "out", "--method", "flash", "-q"}));
   CHECK(result.err.find("trex skipped") != std::string::npos);
   const Json metrics = data.json("out/fern/metrics.json");
   REQUIRE(metrics["views"].size() == 1);
@@ -107,9 +103,8 @@ TEST_CASE("lerf-mask.sh scores each prompt and averages over prompts and scenes"
     data.copy(std::string("masks/") + view + ".png", std::string("lerf/ramen/test_mask/") + view + "/red ball.png");
   data.copy("masks", "masks/ramen/red ball");
 
-  const test::ProcessResult result = data.run("lerf-mask.sh", {"lerf", "masks", "out", "--method", "flash", "-q"});
-  INFO(result.err);
-  CHECK(result.exit_code == 0);
+  const test::ProcessResult result =
+      test::succeeded(data.run("lerf-mask.sh", {"lerf", "masks", "out", "--method", "flash", "-q"}));
   CHECK(data.json("out/ramen/red ball/metrics.json")["views"].size() == 2);
   CHECK(result.err.find("mean over 1 scenes: biou") != std::string::npos);
 }
@@ -143,9 +138,7 @@ TEST_CASE("scannet.sh turns poses into a capture and scores instances of label m
   write_scannet_poses(data);
   data.copy("model.ply", "scans/scene0/point_cloud/iteration_30000/point_cloud.ply");  // layout of the Inria trainer
   const test::ProcessResult result =
-      data.run("scannet.sh", {"scans", "out", "--object-id", "7", "--method", "flash", "-q"});
-  INFO(result.err);
-  CHECK(result.exit_code == 0);
+      test::succeeded(data.run("scannet.sh", {"scans", "out", "--object-id", "7", "--method", "flash", "-q"}));
   CHECK(result.err.find("frame 99 has no finite pose") != std::string::npos);
   const Json metrics = data.json("out/scene0/run/metrics.json");
   REQUIRE(metrics["objects"].size() == 1);
@@ -162,10 +155,8 @@ test::ProcessResult make(const DataSet& data, const test::Words& arguments) {
 TEST_CASE("ablation.mk compares the full method with its variants and omits failed ones") {
   const DataSet data;
   const test::ProcessResult result =
-      make(data, {"-f", NGS_SOURCE_DIR "/pipelines/ablation.mk", "EFFECTS=cont nonsense", "TAUS=0.5", "SIGMAS=2",
-                  "KS=4", "ARGS=--steps 2 --hold-out every:4:2 --gt tiny/masks"});
-  INFO(result.err);
-  CHECK(result.exit_code == 0);
+      test::succeeded(make(data, {"-f", NGS_SOURCE_DIR "/pipelines/ablation.mk", "EFFECTS=cont nonsense", "TAUS=0.5",
+                                  "SIGMAS=2", "KS=4", "ARGS=--steps 2 --hold-out every:4:2 --gt tiny/masks"}));
   CHECK(result.err.find("variant without-nonsense failed, left out") != std::string::npos);
   const Json means = data.json("out/summary.json")["result"]["means"];
   REQUIRE(means.size() == 5);
@@ -182,12 +173,10 @@ TEST_CASE("removed-views.sh scores removed and remaining views") {
   const std::string folder = data.path("recipes");  // there is no folder `tiny`, so the recipe is used
   fs::create_directories(folder);
   const test::Words runs{script, "--run", "flash=--method flash", "--run", "short=--steps 2"};
-  const test::ProcessResult result =
+  const test::ProcessResult result = test::succeeded(
       test::run_process({.argv = test::joined(runs, test::split("-o out --seeds 2 --novel --fit-steps 200 tiny")),
                          .environment = kTools,
-                         .folder = folder});
-  INFO(result.err);
-  REQUIRE(result.exit_code == 0);
+                         .folder = folder}));
   const auto lines = std::count(result.out.begin(), result.out.end(), '\n');
   CHECK(lines == 2 * 2 * 3 + 2 * 3);  // runs, seeds and scores; then means of runs and scores
   for (const char* score : {"transductive", "inductive", "novel"}) {
@@ -217,11 +206,8 @@ TEST_CASE("removed-views.sh scores removed and remaining views") {
 
 TEST_CASE("work-precision.mk plots its points with their frontier, and keeps failed points") {
   const DataSet data;
-  const test::ProcessResult result =
-      make(data, {"-f", NGS_SOURCE_DIR "/pipelines/work-precision.mk", "GT=tiny/masks", "REPEATS=2", "STEPS=2",
-                  "POINTS=method@flash method@nonsense steps@2 views@2 views@9"});
-  INFO(result.err);
-  REQUIRE(result.exit_code == 0);
+  test::succeeded(make(data, {"-f", NGS_SOURCE_DIR "/pipelines/work-precision.mk", "GT=tiny/masks", "REPEATS=2",
+                              "STEPS=2", "POINTS=method@flash method@nonsense steps@2 views@2 views@9"}));
   const auto schema = [](const char* name) {
     return nlohmann::json::parse(test::read_bytes(std::string(NGS_SOURCE_DIR "/data-schema/") + name));
   };

@@ -29,11 +29,7 @@ struct Case {
   test::ProcessResult run(const Words& argv, const std::string& folder = {}, const std::string& input = {}) const {
     return test::run_tool(argv, folder.empty() ? dir.path() : folder, {}, input);
   }
-  void good(const Words& argv) const {
-    const test::ProcessResult result = run(argv);
-    INFO(argv[0] << ": " << result.err);
-    REQUIRE(result.exit_code == 0);
-  }
+  void good(const Words& argv) const { test::succeeded(run(argv)); }
   void import(const std::string& to, const Words& objects) const {
     Words argv{"ngs-scene", "import",           "sparse",  "--ply",  "model.ply",
                "--images",  "images",           "--masks", "labels", "--mask-mode",
@@ -64,9 +60,7 @@ TEST_CASE("ngs-variance merge labels the object of the parts, not the first obje
   const Case c;
   c.write_part([](io::EvidencePart&) {});
   c.good({"ngs-variance", c.scene, "--object", "ball", "-o", c.path("whole.ply")});
-  const test::ProcessResult merged = c.merge();
-  INFO(merged.err);
-  REQUIRE(merged.exit_code == 0);
+  const test::ProcessResult merged = test::succeeded(c.merge());
   CHECK(merged.out.find("\"name\": \"ball\"") != std::string::npos);
   CHECK(test::read_bytes(c.out) == test::read_bytes(c.path("whole.ply")));
 }
@@ -110,27 +104,20 @@ TEST_CASE("ngs-variance merge rejects a scene that the parts were not made from"
 
 TEST_CASE("evidence on stdout names its scene by an absolute path, evidence from stdin from the working directory") {
   const Case c("elsewhere");
-  const test::ProcessResult piped = c.run({"ngs-variance", "scene.json", "--object", "ball", "--partial", "-"});
-  REQUIRE(piped.exit_code == 0);
+  const test::ProcessResult piped =
+      test::succeeded(c.run({"ngs-variance", "scene.json", "--object", "ball", "--partial", "-"}));
   c.dir.write("elsewhere/part.evidence", piped.out);
   CHECK(fs::equivalent(io::read_evidence(c.path("elsewhere/part.evidence")).scene_path, c.scene));
-  const test::ProcessResult from_root = c.run({"ngs-variance", "merge", "-", "-o", c.out}, "/", piped.out);
-  INFO(from_root.err);
-  CHECK(from_root.exit_code == 0);
+  test::succeeded(c.run({"ngs-variance", "merge", "-", "-o", c.out}, "/", piped.out));
 
   c.write_part([](io::EvidencePart&) {
   });  // a part in a file has a scene path relative to its folder, which a pipe does not have
-  const test::ProcessResult from_folder =
-      c.run({"ngs-variance", "merge", "-", "-w", "-o", c.out}, {}, test::read_bytes(c.part));
-  INFO(from_folder.err);
-  CHECK(from_folder.exit_code == 0);
+  test::succeeded(c.run({"ngs-variance", "merge", "-", "-w", "-o", c.out}, {}, test::read_bytes(c.part)));
 }
 
 TEST_CASE("merging parts whose scene was read from a pipe requires --scene") {
   const Case c;
-  const test::ProcessResult part =
-      c.run({"ngs-variance", "-", "--object", "ball", "--partial", c.part}, {}, test::read_bytes(c.scene));
-  REQUIRE(part.exit_code == 0);
+  test::succeeded(c.run({"ngs-variance", "-", "--object", "ball", "--partial", c.part}, {}, test::read_bytes(c.scene)));
   const test::ProcessResult merged = c.merge();
   INFO(merged.err);
   CHECK(merged.exit_code == 2);

@@ -16,10 +16,7 @@ namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
 std::string output_of(Words argv, const std::string& columns = "100") {
-  const test::ProcessResult result = test::run_tool(argv, {}, {{"COLUMNS", columns}});
-  INFO(result.err);
-  CHECK(result.exit_code == 0);
-  return result.out;
+  return test::succeeded(test::run_tool(argv, {}, {{"COLUMNS", columns}})).out;
 }
 
 std::string output_of(Words argv, const char* word, const std::string& columns = "100") {

@@ -33,19 +33,10 @@ struct Installed {
   }
   bool has(const std::string& name) const { return fs::exists(prefix + "/" + name); }
   test::ProcessResult run(Words argv, std::vector<std::pair<std::string, std::string>> environment = {}) const {
-    return test::run_process({.argv = std::move(argv),
-                              .environment = std::move(environment),
-                              .folder = dir.path(),
-                              .input = {},
-                              .signal_after = {}});
+    return test::run_process({.argv = std::move(argv), .environment = std::move(environment), .folder = dir.path()});
   }
   /// Runs a command that must succeed; returns its output.
-  std::string output(const Words& argv) const {
-    const test::ProcessResult result = run(argv);
-    INFO(argv[0] << " " << argv.back() << ": " << result.out << result.err);
-    REQUIRE(result.exit_code == 0);
-    return result.out;
-  }
+  std::string output(const Words& argv) const { return test::succeeded(run(argv)).out; }
   /// Searches a file under the prefix; the folder depends on the system.
   std::string found(const std::string& name) const {
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(prefix))
@@ -87,15 +78,11 @@ TEST_CASE("the build compiles no CUDA by default even if nvcc exists") {
   for (const char* program : {"/bin/cmake", "/bin/nvcc"}) fs::permissions(dir.path() + program, fs::perms::owner_all);
   const auto build = [&](const Words& argv, const std::string& preset) {
     const test::ProcessResult result =
-        test::run_process({.argv = argv,
-                           .environment = {{"PATH", dir.path() + "/bin:" + std::getenv("PATH")},
-                                           {"CUDA_HOME", dir.path()},
-                                           {"NGS_PRESET", preset}},
-                           .folder = dir.path(),
-                           .input = {},
-                           .signal_after = {}});
-    INFO(result.out << result.err);
-    REQUIRE(result.exit_code == 0);
+        test::succeeded(test::run_process({.argv = argv,
+                                           .environment = {{"PATH", dir.path() + "/bin:" + std::getenv("PATH")},
+                                                           {"CUDA_HOME", dir.path()},
+                                                           {"NGS_PRESET", preset}},
+                                           .folder = dir.path()}));
     CHECK(result.out.find("ngs: CUDA backend OFF\n") != result.out.npos);  // the fake nvcc compiles nothing
     return result.out;
   };
@@ -154,8 +141,7 @@ TEST_CASE("every tool has a man page that renders without a warning and lists it
     const std::string page = installed.prefix + "/share/man/man1/" + name + ".1";
     REQUIRE(fs::exists(page));
     const test::ProcessResult rendered =
-        installed.run({"man", "--warnings", "-l", page}, {{"MANWIDTH", "100"}, {"LC_ALL", "C.UTF-8"}});
-    CHECK(rendered.exit_code == 0);
+        test::succeeded(installed.run({"man", "--warnings", "-l", page}, {{"MANWIDTH", "100"}, {"LC_ALL", "C.UTF-8"}}));
     CHECK(rendered.err == "");
     CHECK(rendered.out.find("--log-format") != std::string::npos);
     ++pages;
@@ -233,11 +219,8 @@ TEST_CASE("the installed chain runs with the installed tools") {
   installed.write_user();
   fs::remove(installed.dir.path() + "/scene/scene.json");
   fs::create_directory_symlink(installed.prefix + "/bin/ngs-gs", installed.dir.path() + "/linked");
-  const test::ProcessResult run =
-      installed.run({"./linked", "scene", "out", "--hold-out", "every:4:2", "--method", "flash", "-q"},
-                    {{"NGS_THREADS", "1"}, {"SAMPLE_FLAGS", "--rows 8 --cols 8"}});
-  INFO(run.err);
-  CHECK(run.exit_code == 0);
+  test::succeeded(installed.run({"./linked", "scene", "out", "--hold-out", "every:4:2", "--method", "flash", "-q"},
+                                {{"NGS_THREADS", "1"}, {"SAMPLE_FLAGS", "--rows 8 --cols 8"}}));
   CHECK(fs::exists(installed.dir.path() + "/out/masks/v2.png"));
 }
 

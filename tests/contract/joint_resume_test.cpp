@@ -56,8 +56,7 @@ test::ProcessResult stop_and_resume(const Case& c, const Words& options, const s
   REQUIRE(stopped.exit_code == 128 + SIGTERM);
   CHECK_FALSE(fs::exists(c.path("resumed")));
   CHECK(fs::exists(c.kept) == keeps);
-  test::ProcessResult resumed = c.joint("resumed", kept + Words{"--resume"});
-  REQUIRE(resumed.exit_code == 0);
+  const test::ProcessResult resumed = test::succeeded(c.joint("resumed", kept + Words{"--resume"}));
   CHECK(has_message(resumed, "resumed after step") == keeps);
   CHECK(c.bytes("resumed") == c.bytes("whole"));
   return resumed;
@@ -146,9 +145,8 @@ TEST_CASE("ngs-joint without disk space for a checkpoint writes its result and w
   const int room_kib =
       int(fs::file_size(c.path("whole")) / 1024) + 8;  // enough for the model; a checkpoint also has the Adam moments
   const Words kept = few + Words{"--checkpoint", c.keep, "--checkpoint-every", "1"};
-  const test::ProcessResult result = test::run_process(test::with_files_of_at_most(room_kib, c.spec("full", kept)));
-  INFO(result.err);
-  CHECK(result.exit_code == 0);
+  const test::ProcessResult result =
+      test::succeeded(test::run_process(test::with_files_of_at_most(room_kib, c.spec("full", kept))));
   CHECK(c.bytes("full") == c.bytes("whole"));
   CHECK(has_message(result, "the checkpoint was not written, the run continues without it"));
   CHECK(fs::is_empty(c.keep));
@@ -288,9 +286,8 @@ TEST_CASE("ngs-joint resumes if Gaussians of the model are not finite") {
   };
   REQUIRE(joint("whole", kSteps).exit_code == 0);
   REQUIRE(joint("kept", kSteps + Words{"--checkpoint", c.keep, "--checkpoint-every", "6"}).exit_code == 0);
-  const test::ProcessResult resumed = joint("resumed", kSteps + Words{"--checkpoint", c.keep, "--resume"});
-  INFO(resumed.err);
-  REQUIRE(resumed.exit_code == 0);
+  const test::ProcessResult resumed =
+      test::succeeded(joint("resumed", kSteps + Words{"--checkpoint", c.keep, "--resume"}));
   CHECK(c.bytes("resumed") == c.bytes("whole"));
 }
 
@@ -342,9 +339,7 @@ TEST_CASE("ngs-joint resumed removes the floaters that the interrupted run found
   run["passes"]["floaters"]["draft"] = true;
   file.metadata["run"] = run.dump();
   io::write_safetensors(c.kept, file);
-  const test::ProcessResult resumed = c.joint("resumed", options + Words{"--resume"});
-  INFO(resumed.err);
-  CHECK(resumed.exit_code == 0);
+  const test::ProcessResult resumed = test::succeeded(c.joint("resumed", options + Words{"--resume"}));
   CHECK(has_message(resumed, "resumed after step 6"));
   for (const Json& wrong :
        {Json(), Json(3), Json{{"draft", 1}, {"refit_epochs", 0}}, Json{{"draft", true}, {"refit_epochs", 1000000}}}) {

@@ -26,9 +26,7 @@ test::ProcessResult run(const test::TempDir& dir, const test::Words& argv, const
 }
 
 void run_tool(const test::TempDir& dir, const std::vector<std::string>& argv, const Environment& more = {}) {
-  const test::ProcessResult result = run(dir, argv, more);
-  INFO(argv[0] << ": " << result.err);
-  REQUIRE(result.exit_code == 0);
+  test::succeeded(run(dir, argv, more));
 }
 
 /// Environment for python3 to find the modules in tests/contract/stand_ins and to write no cache files there.
@@ -138,14 +136,11 @@ TEST_CASE("an adapter names the missing package, and continues after a request t
     CHECK(refused.err.find("torch cannot be imported") != std::string::npos);
     CHECK(refused.err.find("pip install torch") != std::string::npos);
 
-    const test::ProcessResult answered =
+    const test::ProcessResult answered = test::succeeded(
         test::run_process({.argv = {python, program},
                            .environment = stand_ins(kStandIns + "networks"),
                            .folder = dir.path(),
-                           .input = "{\"image\":\"absent.png\",\"prompts\":\"p\",\"out\":\"o\"}\nno request\n"});
-    CAPTURE(answered.err);
-    CAPTURE(answered.out);
-    CHECK(answered.exit_code == 0);
+                           .input = "{\"image\":\"absent.png\",\"prompts\":\"p\",\"out\":\"o\"}\nno request\n"}));
     CHECK(answered.out.starts_with("{\"error\": \"FileNotFoundError"));
     CHECK(std::count(answered.out.begin(), answered.out.end(), '\n') == 2);
   }
@@ -177,9 +172,7 @@ TEST_CASE(
   const test::TempDir dir;
   dir.write("mock.mjs",
             "import { masksOfEverything } from '" + kAdapters + "minisam/everything.mjs';\n" + kMockNetwork);
-  const test::ProcessResult result = test::run_command({"node", dir.file("mock.mjs")});
-  INFO(result.err);
-  REQUIRE(result.exit_code == 0);
+  const test::ProcessResult result = test::succeeded(test::run_command({"node", dir.file("mock.mjs")}));
   const Json found = Json::parse(result.out);
   CHECK(found["pixels"] == Json({24 * 32 - 256, 256 - 36, 36}));
   CHECK(found["decodes"] == 16 * 16 - 8);  // one of nine points in the small square; the others are larger than 5 %

@@ -29,8 +29,7 @@ using Words = std::vector<std::string>;
 nlohmann::json report_of(Words words, bool dry) {
   for (const char* word : {"-w", "--allow-empty", "-q"}) words.emplace_back(word);
   if (dry) words.emplace_back("--dry-run");
-  const test::ProcessResult result = test::run_command(std::move(words));
-  REQUIRE(result.exit_code == 0);
+  const test::ProcessResult result = test::succeeded(test::run_command(std::move(words)));
   return nlohmann::json::parse(result.out);
 }
 

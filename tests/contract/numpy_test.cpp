@@ -36,11 +36,7 @@ std::vector<T> values_of(const io::ZipReader& archive, const std::string& name, 
   return values;
 }
 
-void extract(const nlohmann::json& arguments) {
-  const test::ProcessResult result = test::run_process(test::command(arguments));
-  CAPTURE(result.err);
-  REQUIRE(result.exit_code == 0);
-}
+void extract(const nlohmann::json& arguments) { test::succeeded(test::run_process(test::command(arguments))); }
 
 /// The first block of Python after <!-- numpy --> in the FAQ.
 std::string documented_python() {
@@ -88,13 +84,8 @@ TEST_CASE("numpy reads the output of ngs-extract --npz with the code of the FAQ"
   const std::string asserts =
       "\nassert z['seen'].dtype == bool and z['object'].dtype == np.int64 and labels.dtype == np.float32"
       "\nassert (splat['ngs_label'] == labels).all() and (np.diff(rows) > 0).all()\n";
-  const test::ProcessResult result = test::run_process({.argv = {program, "-c", documented_python() + asserts},
-                                                        .environment = {},
-                                                        .folder = tmp.path(),
-                                                        .input = {},
-                                                        .signal_after = {}});
-  CAPTURE(result.err);
-  CHECK(result.exit_code == 0);
+  const test::ProcessResult result = test::succeeded(
+      test::run_process({.argv = {program, "-c", documented_python() + asserts}, .folder = tmp.path()}));
   const auto rows = [](const std::string& ply) { return std::to_string(io::read_gaussian_ply(ply).cloud.size()); };
   CAPTURE(result.out);
   CHECK(

@@ -17,10 +17,7 @@ using Json = nlohmann::json;
 
 void run_tool(const test::TempDir& dir, std::vector<std::string> argv) {
   argv[0] = std::string(NGS_TOOL_DIR "/") + argv[0];
-  const test::ProcessResult result = test::run_process(
-      {.argv = argv, .environment = {{"NGS_THREADS", "2"}}, .folder = dir.path(), .input = {}, .signal_after = {}});
-  INFO(argv[0] << ": " << result.err);
-  REQUIRE(result.exit_code == 0);
+  test::succeeded(test::run_process({.argv = argv, .environment = {{"NGS_THREADS", "2"}}, .folder = dir.path()}));
 }
 
 Json json_of(const test::TempDir& dir, const std::string& name) {

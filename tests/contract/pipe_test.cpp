@@ -23,19 +23,15 @@ TEST_CASE("a scene from stdin has paths relative to the working directory, a sce
   const auto label = [&](const std::string& folder, const std::string& scene, const std::string& input) {
     const std::string out = dir.path() + "/b.ply";
     std::filesystem::remove(out);
-    const test::ProcessResult result = run_in(folder, {"ngs-variance", scene, "-o", out}, input);
-    INFO(result.err);
-    CHECK(result.exit_code == 0);
+    test::succeeded(run_in(folder, {"ngs-variance", scene, "-o", out}, input));
     return std::filesystem::exists(out) ? test::read_bytes(out) : std::string();
   };
   const std::string from_file = label(dir.path(), "scene.json", {});
   CHECK(from_file != "");
   CHECK(label(dir.path(), "-", test::read_bytes(dir.path() + "/scene.json")) == from_file);
 
-  const test::ProcessResult imported =
-      run_in(dir.path(), {"ngs-scene", "import", "sparse", "--ply", "model.ply", "--no-align-views", "-o", "-"});
-  INFO(imported.err);
-  REQUIRE(imported.exit_code == 0);
+  const test::ProcessResult imported = test::succeeded(
+      run_in(dir.path(), {"ngs-scene", "import", "sparse", "--ply", "model.ply", "--no-align-views", "-o", "-"}));
   const std::string elsewhere = dir.write("else/where/scene.json", imported.out);
   CHECK(label("/", elsewhere, {}) != "");
   CHECK(label("/", "-", imported.out) == label("/", elsewhere, {}));

@@ -19,9 +19,7 @@ using test::Capture, test::run_script, test::times_of;
 TEST_CASE("ngs-gs.sh writes every documented file, and exits with 1 if a bound of --fail-below is not met") {
   REQUIRE(fs::exists(NGS_TOOL_DIR "/ngs-joint"));
   const Capture capture;
-  const test::ProcessResult first = capture.run({"--method", "flash"});
-  INFO(first.err);
-  REQUIRE(first.exit_code == 0);
+  test::succeeded(capture.run({"--method", "flash"}));
   for (const char* name :
        {"scene.json", "boundary.ply", "labelled.ply", "object.ply", "background.ply", "masks/v2.png", "metrics.json",
         "metrics_input.json", "report.html", "reports/ngs-joint.json", "reports/ngs-joint.sh"}) {
@@ -50,13 +48,8 @@ TEST_CASE("ngs-gs.sh leaves no result of an earlier call with other options") {
 TEST_CASE("ngs cut of a capture and ngs-gs.sh, with the same options, write the same labelled.ply and object.ply") {
   const Capture capture;
   const std::vector<std::string> same{"--quality", "draft", "--hold-out", "every:4:2", "--gt", "my scene/masks"};
-  const test::ProcessResult by_script = run_script(capture.dir.path(), test::joined({"my scene", "the output"}, same));
-  INFO(by_script.err);
-  REQUIRE(by_script.exit_code == 0);
-  const test::ProcessResult by_cut =
-      test::run_tool(test::joined({"ngs", "cut", "my scene", "-o", "cut"}, same), capture.dir.path());
-  INFO(by_cut.err);
-  REQUIRE(by_cut.exit_code == 0);
+  test::succeeded(run_script(capture.dir.path(), test::joined({"my scene", "the output"}, same)));
+  test::succeeded(test::run_tool(test::joined({"ngs", "cut", "my scene", "-o", "cut"}, same), capture.dir.path()));
   for (const char* name : {"labelled.ply", "object.ply", "background.ply", "masks/v2.png", "metrics.json"}) {
     CAPTURE(name);
     CHECK(test::read_bytes(capture.out + "/" + name) == test::read_bytes(capture.dir.path() + "/cut/" + name));
@@ -105,17 +98,13 @@ TEST_CASE("ngs-gs.sh -n prints the steps that ngs cut -n plans for a capture, wi
 
 TEST_CASE("ngs-gs.sh renders masks at the photos' size if the working size does not divide it") {
   const Capture capture;
-  const test::ProcessResult result = capture.run({"--image-scale", "0.3", "--method", "flash"});
-  INFO(result.err);
-  REQUIRE(result.exit_code == 0);
+  test::succeeded(capture.run({"--image-scale", "0.3", "--method", "flash"}));
   CHECK(io::read_image_size(capture.out + "/masks/v2.png") == io::ImageSize{48, 36});  // 14 / 0.3 is 47
 }
 
 TEST_CASE("ngs-gs.sh prints the commands in a dry run and writes nothing") {
   const Capture capture;
-  const test::ProcessResult result = capture.run({"-n", "--steps", "5", "--quality", "draft"});
-  INFO(result.err);
-  CHECK(result.exit_code == 0);
+  const test::ProcessResult result = test::succeeded(capture.run({"-n", "--steps", "5", "--quality", "draft"}));
   CHECK(result.out.find("ngs-variance the\\ output/scene.json -o the\\ output/boundary.ply") != std::string::npos);
   CHECK(result.out.find("--quality draft") != std::string::npos);
   CHECK(result.out.find("--steps 5") != std::string::npos);
@@ -126,8 +115,7 @@ TEST_CASE("ngs-gs.sh passes --device only to tools with a CUDA path") {
   const Capture capture;
   const auto given = [&](std::vector<std::string> further) {  // tool -> true if its command has the option
     further.insert(further.end(), {"-n", "--artifacts", "all", "--device", "cuda"});
-    const test::ProcessResult result = capture.run(further);
-    REQUIRE(result.exit_code == 0);
+    const test::ProcessResult result = test::succeeded(capture.run(further));
     std::map<std::string, bool> tools;
     std::istringstream lines(result.out);
     for (std::string line; std::getline(lines, line);)
@@ -217,9 +205,7 @@ TEST_CASE("ngs-gs.sh scores against input masks as ngs-scene reads them, or not 
     return nlohmann::json::parse(file)["mean"]["iou"].get<double>();
   };
   SUBCASE("label maps") {
-    const test::ProcessResult result = run("--mask-mode label", {"--masks", "my scene/labels"});
-    INFO(result.err);
-    REQUIRE(result.exit_code == 0);
+    test::succeeded(run("--mask-mode label", {"--masks", "my scene/labels"}));
     CHECK(iou() > 0.8);
   }
   SUBCASE("label maps with void pixels") {
@@ -230,9 +216,7 @@ TEST_CASE("ngs-gs.sh scores against input masks as ngs-scene reads them, or not 
         with_void.data[p] = p < 3 * std::size_t(labels.width_px) ? 255 : std::uint8_t(labels.data[p]);
       io::write_png(file.path().string(), with_void);
     }
-    const test::ProcessResult result = run("--mask-mode label --void-id 255", {"--masks", "my scene/labels"});
-    INFO(result.err);
-    REQUIRE(result.exit_code == 0);
+    test::succeeded(run("--mask-mode label --void-id 255", {"--masks", "my scene/labels"}));
     std::ifstream file(capture.out + "/metrics.json");
     const nlohmann::json metrics = nlohmann::json::parse(file);
     for (const nlohmann::json& view : metrics["views"])
@@ -245,9 +229,7 @@ TEST_CASE("ngs-gs.sh scores against input masks as ngs-scene reads them, or not 
       for (std::size_t p = 0; p < inverted.data.size(); ++p) inverted.data[p] = mask.data[p] > 0 ? 0 : 255;
       io::write_png(file.path().string(), inverted);
     }
-    const test::ProcessResult result = run("--mask-invert");
-    INFO(result.err);
-    REQUIRE(result.exit_code == 0);
+    const test::ProcessResult result = test::succeeded(run("--mask-invert"));
     CHECK(result.err.find("nothing is scored: no true masks are known, and the input masks are inverted") !=
           std::string::npos);
     CHECK_FALSE(fs::exists(capture.out + "/metrics.json"));
@@ -255,9 +237,7 @@ TEST_CASE("ngs-gs.sh scores against input masks as ngs-scene reads them, or not 
   }
   SUBCASE("no held-out view has a mask") {
     fs::remove(masks + "v2.png"), fs::remove(masks + "v6.png");
-    const test::ProcessResult result = run("");
-    INFO(result.err);
-    REQUIRE(result.exit_code == 0);
+    const test::ProcessResult result = test::succeeded(run(""));
     CHECK(result.err.find("nothing is scored: no true masks are known, and no held-out view has an input mask") !=
           std::string::npos);
     CHECK(fs::exists(capture.out + "/report.html"));

@@ -20,10 +20,7 @@ namespace fs = std::filesystem;
 
 void run_tool(const std::string& folder, std::vector<std::string> argv) {
   argv[0] = std::string(NGS_TOOL_DIR "/") + argv[0];
-  const test::ProcessResult result = test::run_process(
-      {.argv = argv, .environment = {{"NGS_THREADS", "2"}}, .folder = folder, .input = {}, .signal_after = {}});
-  INFO(argv[0] << ": " << result.err);
-  REQUIRE(result.exit_code == 0);
+  test::succeeded(test::run_process({.argv = argv, .environment = {{"NGS_THREADS", "2"}}, .folder = folder}));
 }
 
 /// A run as pipelines/ngs-gs.sh leaves it, as far as the page is concerned.
@@ -278,10 +275,7 @@ std::string widths_in_browser(const test::TempDir& dir, const std::string& page,
       test::run_process({.argv = {"chromium", "--headless", "--no-sandbox", "--disable-gpu",
                                   "--allow-file-access-from-files", "--user-data-dir=" + dir.path() + "/profile",
                                   "--virtual-time-budget=2000", "--dump-dom", "file://" + dir.path() + "/frame.html"},
-                         .environment = {},
-                         .folder = dir.path(),
-                         .input = {},
-                         .signal_after = {}});
+                         .folder = dir.path()});
   const std::size_t at = result.out.rfind("scroll ");
   return result.exit_code != 0 || at == result.out.npos ? result.err
                                                         : result.out.substr(at, result.out.find('<', at) - at);

@@ -55,9 +55,7 @@ TEST_CASE("every tool that writes a file per view writes one for each view of a 
   const Rig rig;
   const auto done = [&](std::vector<std::string> argv) {
     CAPTURE(argv);
-    const test::ProcessResult result = rig.run(std::move(argv));
-    INFO(result.err);
-    REQUIRE(result.exit_code == 0);
+    test::succeeded(rig.run(std::move(argv)));
   };
   std::set<std::string> views;
   for (int v = 0; v < 6; ++v) views.insert(Rig::view(v));
@@ -81,10 +79,7 @@ TEST_CASE("every tool that writes a file per view writes one for each view of a 
 
 TEST_CASE("ngs-gs.sh scores the held-out views of a rig one by one") {
   const Rig rig;
-  const test::ProcessResult result =
-      rig.run({"ngs-gs.sh", ".", "out", "--hold-out", "every:3:1", "--method", "flash", "--gt", "masks"});
-  INFO(result.err);
-  REQUIRE(result.exit_code == 0);
+  test::succeeded(rig.run({"ngs-gs.sh", ".", "out", "--hold-out", "every:3:1", "--method", "flash", "--gt", "masks"}));
   CHECK(rig.files("out/masks") == std::set<std::string>{"cam0/1", "cam1/1"});
   for (const char* name : {"out/metrics.json", "out/metrics_input.json"}) {
     CAPTURE(name);
@@ -95,9 +90,8 @@ TEST_CASE("ngs-gs.sh scores the held-out views of a rig one by one") {
     CHECK(metrics.at("objects").size() == 1);
   }
   CHECK(test::read_bytes(rig.dir.path() + "/out/report.html").find("cam1/1") != std::string::npos);
-  const test::ProcessResult atlas = rig.run({"ngs-report", "out", "-o", "atlas.html", "--atlas", "atlas"});
-  INFO(atlas.err);
-  CHECK(atlas.exit_code == 0);
+  const test::ProcessResult atlas =
+      test::succeeded(rig.run({"ngs-report", "out", "-o", "atlas.html", "--atlas", "atlas"}));
   CHECK(rig.files("atlas") == std::set<std::string>{"cam0/1", "cam1/1"});
 }
 

@@ -68,8 +68,7 @@ TEST_CASE("every user script prints its usage with --help and does nothing else"
     for (const char* needed : {"bash", "dirname", "sed", "env"})
       if (!fs::exists(dir.path() + "/bin/" + needed))
         fs::create_symlink(std::string("/usr/bin/") + needed, dir.path() + "/bin/" + needed);
-    const test::ProcessResult result = test::run_process(spec);
-    CHECK(result.exit_code == 0);
+    const test::ProcessResult result = test::succeeded(test::run_process(spec));
     CHECK(result.err == "");
     CHECK(result.out.find(script) != std::string::npos);
   }
@@ -79,9 +78,7 @@ TEST_CASE("every user script prints its usage with --help and does nothing else"
 TEST_CASE("an exported CDPATH does not redirect output to another folder") {
   const Folder f;
   fs::create_directories(f.path("elsewhere/out"));
-  const test::ProcessResult result = f.run(f.quick("out"), {{"CDPATH", f.path("elsewhere")}});
-  INFO(result.err);
-  CHECK(result.exit_code == 0);
+  test::succeeded(f.run(f.quick("out"), {{"CDPATH", f.path("elsewhere")}}));
   CHECK(f.has("out/object.ply"));
   CHECK(fs::is_empty(f.path("elsewhere/out")));
   const test::ProcessSpec relative{
@@ -93,9 +90,7 @@ TEST_CASE("an exported CDPATH does not redirect output to another folder") {
 TEST_CASE("NGS_BIN may be relative; missing tools are an environment error") {
   const Folder f;
   fs::create_directory_symlink(NGS_TOOL_DIR, f.path("tools"));
-  const test::ProcessResult relative = f.run(f.quick("out"), {{"NGS_BIN", "tools"}});
-  INFO(relative.err);
-  CHECK(relative.exit_code == 0);
+  test::succeeded(f.run(f.quick("out"), {{"NGS_BIN", "tools"}}));
   CHECK(f.has("out/scene.json"));
   const test::ProcessResult none = f.run(f.quick("none"), {{"NGS_BIN", "capture"}});
   CHECK(none.exit_code == 8);
@@ -105,14 +100,11 @@ TEST_CASE("NGS_BIN may be relative; missing tools are an environment error") {
 
 TEST_CASE("the printed commands of a dry run give the same files as a run") {
   const Folder f;
-  const test::ProcessResult plan = f.run(f.quick("by hand", {"-n"}));
-  REQUIRE(plan.exit_code == 0);
+  const test::ProcessResult plan = test::succeeded(f.run(f.quick("by hand", {"-n"})));
   f.dir.write("plan.sh", plan.out);
   const test::Environment tools{{"NGS_THREADS", "1"}, {"PATH", std::string(NGS_TOOL_DIR ":") + std::getenv("PATH")}};
-  const test::ProcessResult by_hand =
-      test::run_process({.argv = {"bash", "-e", f.path("plan.sh")}, .environment = tools, .folder = f.dir.path()});
-  INFO(by_hand.err);
-  CHECK(by_hand.exit_code == 0);
+  test::succeeded(
+      test::run_process({.argv = {"bash", "-e", f.path("plan.sh")}, .environment = tools, .folder = f.dir.path()}));
   REQUIRE(f.run(f.quick("out")).exit_code == 0);
   for (const char* name : {"scene.json", "labelled.ply", "object.ply", "masks/v2.png", "metrics.json"}) {
     CAPTURE(name);
@@ -143,10 +135,7 @@ TEST_CASE("sweep.sh rejects a series that it could not finish, before any run st
 TEST_CASE("sweep.sh passes JOINT_FLAGS to ngs-joint, and runs in a folder of any name with make") {
   const Folder f;
   f.dir.write("runs", "a '" + f.path("capture") + "' JOINT_FLAGS='--method sa3d' --hold-out every:4:2\n");
-  const test::ProcessResult result =
-      f.run({kPipelines + "sweep.sh", "runs", "it's $HOME, \xc3\xbc", "--on", "make"}, {{"LC_ALL", "C"}});
-  INFO(result.err);
-  CHECK(result.exit_code == 0);
+  test::succeeded(f.run({kPipelines + "sweep.sh", "runs", "it's $HOME, \xc3\xbc", "--on", "make"}, {{"LC_ALL", "C"}}));
   CHECK(f.json("it's $HOME, \xc3\xbc/a/reports/ngs-joint.json")["options"]["method"] == "sa3d");
 }
 
@@ -177,9 +166,7 @@ TEST_CASE("ngs-gs.sh resolves option files relative to the working directory") {
   const Folder f;
   const auto steps = [&](const char* text, Words more, const std::string& flags = {}) {
     f.dir.write("joint.json", text);
-    const test::ProcessResult result = f.run(f.quick("out", more), {{"JOINT_FLAGS", flags}});
-    INFO(result.err);
-    CHECK(result.exit_code == 0);
+    test::succeeded(f.run(f.quick("out", more), {{"JOINT_FLAGS", flags}}));
     return f.json("out/reports/ngs-joint.json")["options"]["steps"].get<int>();
   };
   CHECK(steps("{\"steps\": 3}", {"--options", "joint.json"}) == 3);
@@ -232,9 +219,7 @@ TEST_CASE("robustness.mk makes new masks if the seed changed, and compares no sc
     return all;
   };
   const std::string options = "ARGS=--hold-out every:4:2";
-  const test::ProcessResult first = series({options});
-  INFO(first.err);
-  REQUIRE(first.exit_code == 0);
+  const test::ProcessResult first = test::succeeded(series({options}));
   CHECK(first.err.find("unlink") == std::string::npos);
   CHECK(f.json("out/summary.json")["result"]["means"].size() == 2);
   const std::string before = masks();
@@ -254,9 +239,7 @@ TEST_CASE("sharded.mk merges no shards of other options, and writes the bytes of
   REQUIRE(f.evidence("one", "every:4:2").exit_code == 0);
   const auto sharded = [&](Words more) {
     more.insert(more.begin(), {"SCENE_JSON=one/scene.json", "OUT=s.ply", "SHARDS=2"});
-    const test::ProcessResult result = f.make("sharded.mk", more);
-    INFO(result.err);
-    CHECK(result.exit_code == 0);
+    test::succeeded(f.make("sharded.mk", more));
     return f.bytes("s.ply");
   };
   const std::string one = f.bytes("one/boundary.ply");
@@ -278,10 +261,7 @@ TEST_CASE("sharded.mk merges no parts of another scene, even if that scene is ol
   REQUIRE(f.evidence("held", "every:2:0").exit_code == 0);
   REQUIRE(f.evidence("all", "every:4:2").exit_code == 0);
   const auto made = [&](const std::string& scene) {
-    const test::ProcessResult result =
-        f.make("sharded.mk", {"SCENE_JSON=" + scene + "/scene.json", "OUT=s.ply", "SHARDS=2"});
-    INFO(result.err);
-    CHECK(result.exit_code == 0);
+    test::succeeded(f.make("sharded.mk", {"SCENE_JSON=" + scene + "/scene.json", "OUT=s.ply", "SHARDS=2"}));
     return f.bytes("s.ply");
   };
   CHECK(made("all") == f.bytes("all/boundary.ply"));
@@ -313,9 +293,8 @@ TEST_CASE(
   INFO(configured.out << configured.err);
   REQUIRE(configured.exit_code == 0);
   CHECK_FALSE(f.has("nvcc-was-called"));
-  const test::ProcessResult compiled = f.run({"cmake", "--build", "build", "--target", "user", "--verbose"});
-  INFO(compiled.out << compiled.err);
-  CHECK(compiled.exit_code == 0);
+  const test::ProcessResult compiled =
+      test::succeeded(f.run({"cmake", "--build", "build", "--target", "user", "--verbose"}));
   CHECK(compiled.out.find("-ffp-contract=off") != std::string::npos);
   CHECK_FALSE(f.has("build/bin/ngs-joint"));  // only the requested target
 }
@@ -345,9 +324,7 @@ TEST_CASE("what cmake --install copies runs by itself, pictures included") {
     CAPTURE(name);
     if (name.starts_with("ngs-")) CHECK(f.has("prefix/bin/" + name));
   }
-  const test::ProcessResult run = f.run(f.quick("out"), {{"NGS_BIN", f.path("prefix/bin")}});
-  INFO(run.err);
-  CHECK(run.exit_code == 0);
+  test::succeeded(f.run(f.quick("out"), {{"NGS_BIN", f.path("prefix/bin")}}));
   CHECK(f.has("out/masks/v2.png"));
 }
 

@@ -13,14 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::StudioServer, test::Place, test::camera_of, test::finished_job, test::json_of, test::Json, test::kModel,
-    test::run_tool, test::strokes, test::words_of;
-
-void export_all(const StudioServer& server) {
-  CHECK(server.post("/api/export", "{}").status == 202);
-  const Json job = finished_job(server);
-  INFO(job.dump());
-  REQUIRE(job["state"] == "done");
-}
+    test::run_job, test::run_tool, test::strokes, test::words_of;
 
 std::int64_t rows_of(const std::string& path) { return io::read_gaussian_ply(path).cloud.size(); }
 
@@ -55,7 +48,7 @@ TEST_CASE("edits by hand are counted, undone, reopened, exported and repeated by
   }
   StudioServer again(place.dir.path(), {kModel, "-o", "visit"});
   CHECK(json_of(again.get("/api/state"))["objects"] == left["objects"]);
-  export_all(again);
+  run_job(again, "export");
   const Json done = json_of(again.get("/api/state"));
   CHECK(rows_of(folder + "object.ply") == done["objects"][0]["gaussians"]);
   CHECK(rows_of(folder + "background.ply") == 374 - done["objects"][0]["gaussians"].get<std::int64_t>());
@@ -85,7 +78,7 @@ TEST_CASE("a locked object keeps its Gaussians, a hidden one waits, and several 
   json_of(server.post("/api/objects", R"({"add":{"name":"left"}})"));
   const Json both = json_of(server.post("/api/edit", R"({"object":2,"action":"add","camera":)" + camera +
                                                          R"(,"outline":[[0,0],[110,0],[110,144],[0,144]]})"));
-  export_all(server);
+  run_job(server, "export");
   const std::string folder = place.dir.path() + "/visit/";
   const auto first = both["objects"][0]["gaussians"].get<std::int64_t>(),
              second = both["objects"][1]["gaussians"].get<std::int64_t>();
@@ -122,11 +115,7 @@ TEST_CASE("a splat that cannot be opened leaves no folder") {
   const test::TempDir dir;
   dir.write("film.mp4", "not a splat");
   const test::ProcessResult result =
-      test::run_process({.argv = {NGS_TOOL_DIR "/ngs-studio", "film.mp4", "--no-browser"},
-                         .environment = {},
-                         .folder = dir.path(),
-                         .input = {},
-                         .signal_after = {}});
+      test::run_process({.argv = {NGS_TOOL_DIR "/ngs-studio", "film.mp4", "--no-browser"}, .folder = dir.path()});
   CHECK(result.exit_code == 3);
   CHECK_FALSE(fs::exists(dir.path() + "/film-studio"));
 }

@@ -159,9 +159,7 @@ TEST_CASE("a second studio on the same port ends with exit code 8 and leaves the
   const test::ProcessResult second =
       test::run_process({.argv = {NGS_TOOL_DIR "/ngs-studio", "model.ply", "-o", "b", "--port",
                                   std::to_string(server.port()), "--no-browser"},
-                         .environment = {},
                          .folder = dir.path(),
-                         .input = {},
                          .signal = 15,
                          .signal_after = "open http"});
   CHECK(second.exit_code == 8);

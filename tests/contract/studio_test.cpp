@@ -81,13 +81,11 @@ TEST_CASE("a session on the page selects, corrects and undoes, and can be closed
 
 TEST_CASE("exported files equal those of the printed commands, and those of a replay") {
   if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
-  const Place place;
-  StudioServer server(place.dir.path(), {kModel, "-o", "visit"});
-  const Json state = json_of(server.get("/api/state"));
+  const test::Visit visit;
+  const auto& [place, server, state] = visit;
   CHECK(server.post("/api/export", "{}").status == 409);
   for (const std::size_t view : {0u, 3u}) json_of(server.post("/api/strokes", strokes(camera_of(state, view))));
-  CHECK(server.post("/api/export", "{}").status == 202);
-  CHECK(finished_job(server)["state"] == "done");
+  run_job(server, "export");
   const Json done = json_of(server.get("/api/state"));
   const std::string top = place.dir.path() + "/visit/";
   std::map<std::string, std::string> exported;
@@ -117,8 +115,7 @@ TEST_CASE("the export has exactly the Gaussians that the page counts, if most of
   StudioServer server(place.dir.path(), {kModel, "-o", "visit"});
   const Json state = json_of(server.get("/api/state"));
   for (const std::size_t view : {0u, 3u}) json_of(server.post("/api/strokes", strokes(camera_of(state, view))));
-  CHECK(server.post("/api/export", "{}").status == 202);
-  CHECK(finished_job(server)["state"] == "done");
+  run_job(server, "export");
   const Json done = json_of(server.get("/api/state"));
   const auto count = done["objects"][0]["gaussians"].get<std::int64_t>();
   const std::string folder = place.dir.path() + "/visit/object-1/";
@@ -133,21 +130,17 @@ TEST_CASE("the export has exactly the Gaussians that the page counts, if most of
   CHECK(marked["all_pieces"] == true);
   CHECK_FALSE(marked.contains("export"));  // the files belong to another selection
   CHECK(marked["objects"][0]["gaussians"] == count + done["objects"][0]["left_out"].get<std::int64_t>());
-  CHECK(server.post("/api/export", "{}").status == 202);
-  CHECK(finished_job(server)["state"] == "done");
+  run_job(server, "export");
   CHECK(io::read_gaussian_ply(folder + "object.ply").cloud.size() == marked["objects"][0]["gaussians"]);
 }
 
 TEST_CASE("after Refine the page counts the Gaussians of the refined object, and no older file remains") {
   if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
-  const Place place;
-  StudioServer server(place.dir.path(), {kModel, "-o", "visit"});
-  const Json state = json_of(server.get("/api/state"));
+  const test::Visit visit;
+  const auto& [place, server, state] = visit;
   json_of(server.post("/api/strokes", strokes(camera_of(state, 0))));
-  CHECK(server.post("/api/export", "{}").status == 202);
-  CHECK(finished_job(server)["state"] == "done");
-  CHECK(server.post("/api/refine", R"({"quality":"draft"})").status == 202);
-  CHECK(finished_job(server)["state"] == "done");
+  run_job(server, "export");
+  run_job(server, "refine", R"({"quality":"draft"})");
   const Json refined = json_of(server.get("/api/state"));
   const std::string folder = place.dir.path() + "/visit/object-1/";
   const std::vector<float> label = io::read_gaussian_ply(folder + "cut/labelled.ply").labels.label.values();
@@ -192,9 +185,8 @@ TEST_CASE("the answer to a stroke has the change of the count, 0 for a stroke wi
 
 TEST_CASE("the focus is the piece under the strokes, also if all pieces are shown") {
   if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
-  const Place place;
-  StudioServer server(place.dir.path(), {kModel, "-o", "visit"});
-  const Json state = json_of(server.get("/api/state"));
+  const test::Visit visit;
+  const auto& [place, server, state] = visit;
   // Without a background stroke colours alone decide which part of the wall is selected.
   const Json marked =
       json_of(server.post("/api/strokes", R"({"object":1,"camera":)" + camera_of(state, 0) +
@@ -207,18 +199,14 @@ TEST_CASE("the focus is the piece under the strokes, also if all pieces are show
 
 TEST_CASE("Export writes the chosen format with the same Gaussians, and only its files can be downloaded") {
   if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
-  const Place place;
-  StudioServer server(place.dir.path(), {kModel, "-o", "visit"});
-  const Json state = json_of(server.get("/api/state"));
-  json_of(server.post("/api/strokes", strokes(camera_of(state, 0))));
+  const test::Visit visit;
+  const StudioServer& server = visit.server;
+  json_of(server.post("/api/strokes", strokes(camera_of(visit.state, 0))));
   CHECK(server.post("/api/export", R"({"format":"exe"})").status == 400);
   CHECK(server.post("/api/download", R"({"file":"object-1/object.ply"})").status == 400);
-  const std::string folder = place.dir.path() + "/visit/";
+  const std::string folder = visit.place.dir.path() + "/visit/";
   const auto exported = [&](const std::string& format) {
-    CHECK(server.post("/api/export", R"({"format":")" + format + "\"}").status == 202);
-    const Json job = finished_job(server);
-    INFO(job.dump());
-    REQUIRE(job["state"] == "done");
+    run_job(server, "export", R"({"format":")" + format + "\"}");
     return json_of(server.get("/api/state"));
   };
   const Json plain = exported("ply");
@@ -232,13 +220,11 @@ TEST_CASE("Export writes the chosen format with the same Gaussians, and only its
   CHECK(file.body == test::read_bytes(folder + "object-1/object.spz"));
   for (const char* other : {"studio.json", "object-1/../studio.json", "/etc/passwd", "object-1/object.ply"})
     CHECK(server.post("/api/download", Json{{"file", other}}.dump()).status == 400);
-  CHECK(server.post("/api/export", R"({"format":"ply","mesh":true})").status == 202);
-  CHECK(finished_job(server)["state"] == "done");
+  run_job(server, "export", R"({"format":"ply","mesh":true})");
   CHECK(test::read_bytes(folder + "object-1/mesh.glb").starts_with("glTF"));
   CHECK(json_of(server.get("/api/state"))["commands"].dump().find("--collider convex:8") != std::string::npos);
   CHECK(server.post("/api/download", R"({"file":"object-1/mesh.glb"})").status == 200);
-  CHECK(server.post("/api/refine", R"({"quality":"draft"})").status == 202);
-  CHECK(finished_job(server)["state"] == "done");
+  run_job(server, "refine", R"({"quality":"draft"})");
   exported("compressed.ply");
   CHECK_FALSE(fs::exists(folder + "object-1/cut/mesh.glb"));
   CHECK(io::read_gaussian_ply(folder + "object-1/cut/object.compressed.ply").cloud.size() ==
@@ -247,20 +233,15 @@ TEST_CASE("Export writes the chosen format with the same Gaussians, and only its
 
 TEST_CASE("Refine runs ngs cut on the scene's views and the marked ones, and Export delivers its files") {
   if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
-  const Place place;
-  StudioServer server(place.dir.path(), {kModel, "-o", "visit"});
-  const Json state = json_of(server.get("/api/state"));
+  const test::Visit visit;
+  const auto& [place, server, state] = visit;
   json_of(server.post("/api/strokes", strokes(camera_of(state, 0))));
   CHECK(server.post("/api/refine", R"({"quality":"perfect"})").status == 400);
-  CHECK(server.post("/api/refine", R"({"quality":"draft"})").status == 202);
-  const Json job = finished_job(server);
-  INFO(job.dump());
-  REQUIRE(job["state"] == "done");
+  run_job(server, "refine", R"({"quality":"draft"})");
   const Json refined = json_of(server.get("/api/state"));
   CHECK(refined["objects"][0]["refined"] == true);
   CHECK(json_of(server.post("/api/before", R"({"show":true})"))["before"] == true);
-  CHECK(server.post("/api/export", "{}").status == 202);
-  CHECK(finished_job(server)["state"] == "done");
+  run_job(server, "export");
   const Json files = json_of(server.get("/api/state"))["export"]["files"];
   CHECK(std::find(files.begin(), files.end(), "object-1/cut/object.ply") != files.end());
   CHECK(fs::exists(place.dir.path() + "/visit/object-1/cut/object.ply"));

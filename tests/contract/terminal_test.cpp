@@ -22,13 +22,9 @@ TEST_CASE("ngs-gs.sh on a terminal prints the stage number of each tool") {
     return test::run_process(
         {.argv = {"script", "-qec", NGS_SOURCE_DIR "/pipelines/ngs-gs.sh" + options + further, "/dev/null"},
          .environment = {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}},
-         .folder = dir.path(),
-         .input = {},
-         .signal_after = {}});
+         .folder = dir.path()});
   };
-  const test::ProcessResult whole = on_terminal("");
-  CAPTURE(whole.out);
-  CHECK(whole.exit_code == 0);
+  const test::ProcessResult whole = test::succeeded(on_terminal(""));
   for (const char* text : {"[1/9] ngs-scene import: done", "[2/9] ngs-variance: done", "[3/9] ngs-joint: done",
                            "[4/9] ngs-extract: done", "[5/9] ngs-render: done", "[9/9] ngs-report: done"}) {
     CAPTURE(text);
@@ -45,9 +41,7 @@ TEST_CASE("messages of ngs-gs.sh are wrapped between words at the width of the t
   const test::ProcessResult refused = test::run_process(
       {.argv = {"script", "-qec", "stty cols 60; " NGS_SOURCE_DIR "/pipelines/ngs-gs.sh empty empty", "/dev/null"},
        .environment = {{"NGS_BIN", NGS_TOOL_DIR}},
-       .folder = dir.path(),
-       .input = {},
-       .signal_after = {}});
+       .folder = dir.path()});
   CAPTURE(refused.out);
   CHECK(refused.exit_code == 2);
   for (const char* word : {"/empty:", "result", "another", "outputs"})
@@ -63,11 +57,7 @@ TEST_CASE("--explain prints only its list on a terminal, and also the report if 
   test::write_tiny_scene(dir.path());
   const std::string tools = NGS_TOOL_DIR "/";
   const auto run = [&](const std::vector<std::string>& argv) {
-    test::ProcessResult result =
-        test::run_process({.argv = argv, .environment = {}, .folder = dir.path(), .input = {}, .signal_after = {}});
-    INFO(result.out << result.err);
-    REQUIRE(result.exit_code == 0);
-    return result;
+    return test::succeeded(test::run_process({.argv = argv, .folder = dir.path()}));
   };
   run({tools + "ngs-variance", "scene.json", "-o", "boundary.ply"});
   const test::ProcessResult piped = run({tools + "ngs-joint", "scene.json", "boundary.ply", "--explain"});
@@ -86,17 +76,13 @@ TEST_CASE("ngs-joint on a terminal ends with readable figures and the next comma
   const test::TempDir dir;
   test::write_tiny_scene(dir.path());
   const std::string tools = NGS_TOOL_DIR "/";
-  const test::ProcessResult shown =
+  const test::ProcessResult shown = test::succeeded(
       test::run_process({.argv = {"script", "-qec",
                                   tools + "ngs-variance scene.json -o boundary.ply && " + tools +
                                       "ngs-joint scene.json boundary.ply --quality draft -o labelled.ply",
                                   "/dev/null"},
                          .environment = {{"NGS_THREADS", "2"}},
-                         .folder = dir.path(),
-                         .input = {},
-                         .signal_after = {}});
-  CAPTURE(shown.out);
-  CHECK(shown.exit_code == 0);
+                         .folder = dir.path()}));
   for (const char* text : {"boundary Gaussians ", "changed Gaussians ", "next: ngs-extract labelled.ply"})
     CHECK(shown.out.find(text) != shown.out.npos);
   CHECK(shown.out.find("biou") == shown.out.npos);
@@ -122,7 +108,6 @@ TEST_CASE("ngs-gs.sh ends the running tool when only the script receives a signa
         {.argv = {"env", "--default-signal=INT,HUP", NGS_SOURCE_DIR "/pipelines/ngs-gs.sh", ".", "out"},
          .environment = {{"NGS_BIN", dir.path() + "/bin"}},
          .folder = dir.path(),
-         .input = {},
          .signal = number,
          .signal_after = "at work"});
     CAPTURE(ended.err);

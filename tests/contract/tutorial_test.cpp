@@ -66,9 +66,7 @@ const std::string& tour() {
   static const test::TempDir dir;
   static const bool worked = [] {
     for (const Step& step : steps_of(kTutorial)) {
-      const test::ProcessResult result = run_step(dir.path(), step.commands);
-      INFO(step.commands << result.err);
-      REQUIRE(result.exit_code == 0);
+      test::succeeded(run_step(dir.path(), step.commands));
       CHECK_FALSE(step.made.empty());
       for (const std::string& name : step.made) {
         INFO(name);
@@ -115,9 +113,7 @@ TEST_CASE("the examples on the tool pages run on the tutorial's files") {
     INFO(page.path);
     CHECK_FALSE(steps.empty());
     for (const Step& step : steps) {
-      const test::ProcessResult result = run_step(tour(), step.commands);
-      INFO(step.commands << result.err);
-      CHECK(result.exit_code == 0);
+      test::succeeded(run_step(tour(), step.commands));
     }
   }
 }

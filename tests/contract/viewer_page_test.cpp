@@ -21,13 +21,11 @@ namespace fs = std::filesystem;
 
 test::ProcessResult run_in(const std::string& folder, std::vector<std::string> argv) {
   if (argv[0].starts_with("ngs-")) argv[0] = std::string(NGS_TOOL_DIR "/") + argv[0];
-  return test::run_process({.argv = argv, .environment = {}, .folder = folder, .input = {}, .signal_after = {}});
+  return test::run_process({.argv = argv, .folder = folder});
 }
 
 void make(const std::string& folder, std::vector<std::string> argv) {
-  const test::ProcessResult result = run_in(folder, std::move(argv));
-  INFO(result.err);
-  REQUIRE(result.exit_code == 0);
+  test::succeeded(run_in(folder, std::move(argv)));
 }
 
 /// A capture called `name` with its labelled model split into object and background.

@@ -15,11 +15,7 @@
 namespace ngs {
 namespace {
 
-void run(std::vector<std::string> words) {
-  const test::ProcessResult result = test::run_process(test::command(nlohmann::json(words)));
-  INFO(words[0] << ": " << result.err);
-  REQUIRE(result.exit_code == 0);
-}
+void run(std::vector<std::string> words) { test::succeeded(test::run_process(test::command(nlohmann::json(words)))); }
 
 /// B-IoU 0.005 in the held-out views.
 double score(const std::string& dir, const std::string& labelled) {

@@ -25,12 +25,7 @@ Words tools() {
   return names;
 }
 
-std::string output_of(const Words& argv) {
-  const test::ProcessResult result = test::run_tool(argv);
-  INFO(argv[0] << ": " << result.err);
-  CHECK(result.exit_code == 0);
-  return result.out;
-}
+std::string output_of(const Words& argv) { return test::succeeded(test::run_tool(argv)).out; }
 
 /// Command lines of all tools and their sub-commands.
 std::vector<Words> commands() {

@@ -84,7 +84,7 @@ TEST_CASE("residency: labels and flags of a loop over views are copied once") {
     with_views(count);
     CHECK(traffic_of(device, pretest).up_bytes == n * (sizeof(float) + 1));
   }
-  const Solution solution{.cloud = unchanged(c->model), .source_row = {}, .labels = c->labels, .figures = {}};
+  const Solution solution{.cloud = unchanged(c->model), .labels = c->labels};
   const auto agreement = [&] { training_agreement(device.exec(), input, solution); };
   for (const std::size_t count : {1, 4}) {
     with_views(count);
@@ -227,7 +227,7 @@ TEST_CASE("residency: a step of contour refinement copies a few scalars, with wi
     device.launcher.traffic() = {};
     return false;
   };
-  const Solution start{.cloud = unchanged(c->model), .source_row = {}, .labels = c->labels, .figures = {}};
+  const Solution start{.cloud = unchanged(c->model), .labels = c->labels};
   const Solution refined = refine_contours(device.exec(), monitor, {contour, training, input, measure}, start);
   REQUIRE(refined.figures.at("contour_iterations") == 2);
   REQUIRE(steps.size() == 2 * 2 * views);

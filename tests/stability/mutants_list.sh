@@ -201,7 +201,7 @@ mutant $f $t $f "front layer: depths not compared" 's/select\(L\(depth\) < limit
 t=pictures_stability_test.cpp
 mutant $f $t $f "a surface at a Gaussian lies behind it" 's/L\(depth\) < limit\[hit\.pack\]/limit[hit.pack] >= L(depth)/'
 mutant median.h $t "" "a third instead of the middle" 's/values\.size\(\) \/ 2/values.size() \/ 3/'
-f=image_metrics.cpp
+f=metrics.cpp
 mutant $f $t $f "squares, not the square of the difference" 's/sum \+= w \* d \* d;/const float p = a.at(x, int(y), c), q = b.at(x, int(y), c); sum += w * double(p * p - 2 * p * q + q * q) + 0 * d;/'
 
 t="emulated.cpp emulated_main.cpp backends.cpp splat_parity.cpp" f=tiles_kernel.h

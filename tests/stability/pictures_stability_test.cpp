@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "ngs/math/median.h"
-#include "ngs/ops/image/image_metrics.h"
+#include "ngs/ops/image/metrics.h"
 #include "ngs/ops/splat/front_layer.h"
-#include "ngs/scene/resize/shrink.h"
+#include "ngs/scene/resize.h"
 #include "support/stability.h"
 
 namespace ngs {

@@ -26,10 +26,8 @@ struct JointCase {
             .views = {0, 1, 2, 3},
             .load_masks = [this](std::size_t v) { return masks[v]; },
             .load_photo = [this](std::size_t v) { return photos[v]; },
-            .splat = {},
             .background = {0, 0, 0},
             .seed = 7,
-            .fixed = {},
             .labels = labels,
             .rule = rule,
             .weight = weight};

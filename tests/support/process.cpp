@@ -1,5 +1,6 @@
 #include "support/process.h"
 
+#include <doctest/doctest.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
@@ -132,6 +133,12 @@ ProcessResult run_tool(Words argv, const std::string& folder, const Environment&
   argv[0] = NGS_TOOL_DIR "/" + argv[0];
   return run_process(
       {.argv = argv, .environment = joined({{"NGS_THREADS", "2"}}, more), .folder = folder, .input = input});
+}
+
+ProcessResult succeeded(ProcessResult result, const std::source_location& where) {
+  INFO(std::string(where.file_name()) << ":" << where.line() << "\n" << result.out << result.err);
+  REQUIRE(result.exit_code == 0);
+  return result;
 }
 
 Words split(const std::string& line) {

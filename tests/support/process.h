@@ -1,5 +1,6 @@
 #pragma once
 // Runs a program as a shell would, and captures its output.
+#include <source_location>
 #include <string>
 #include <utility>
 #include <vector>
@@ -49,5 +50,7 @@ ProcessResult run_command(Words argv);
 /// Runs a built tool on two threads; argv[0] is its name.
 ProcessResult run_tool(Words argv, const std::string& folder = {}, const Environment& more = {},
                        const std::string& input = {});
+/// The result of a program that must have ended with 0: the test case ends if it has not, and shows what it printed.
+ProcessResult succeeded(ProcessResult result, const std::source_location& where = std::source_location::current());
 
 }  // namespace ngs::test

@@ -16,6 +16,47 @@ std::string program_of(const Json& run) {
   return tool + (command.starts_with("{") || command.starts_with("-") ? "" : " " + command);
 }
 
+/// The words of a command, which are separated by spaces; words with spaces stand in single quotes.
+std::vector<std::string> words_of(const std::string& command) {
+  std::vector<std::string> words;
+  std::string word;
+  bool is_quoted = false, has_quotes = false;
+  for (const char c : command + " ") {
+    if (c == '\'') {
+      is_quoted = !is_quoted;
+      has_quotes = true;
+    } else if (c != ' ' || is_quoted) {
+      word += c;
+    } else if (has_quotes || !word.empty()) {
+      words.push_back(word);
+      word.clear();
+      has_quotes = false;
+    }
+  }
+  return words;
+}
+
+/// Makes "run" a list of words, and sets "exit" to 0 if it is absent.
+void complete(Json& run) {
+  if (run.is_string()) run = {{"run", run}};
+  if (run["run"].is_string()) run["run"] = words_of(run["run"].get<std::string>());
+  if (!run.contains("exit")) run["exit"] = 0;
+}
+
+/// The cases of a file, with its texts replaced ("{name}") and the defaults of runs written out.
+Json expanded(const Json& file) {
+  Json cases = file.is_array() ? file : file["cases"];
+  if (file.is_object())
+    for (const auto& [name, text] : file.items())
+      if (name != "cases") cases = with_text(cases, "{" + name + "}", text);
+  for (Json& spec : cases) {
+    complete(spec);
+    if (spec.contains("before"))
+      for (Json& step : spec["before"]) complete(step);
+  }
+  return cases;
+}
+
 Json made(const Json& rule, const Json& call, const std::string& item) {
   Json spec = with_text(rule, "{it}", item);
   Json run = call["run"];
@@ -51,7 +92,7 @@ std::map<std::string, Json> contract_cases() {
   std::map<std::string, Json> cases = {{"rules", rule_cases(Json::parse(std::ifstream(folder / "rules.json")))}};
   for (const auto& entry : std::filesystem::directory_iterator(folder / "cases"))
     if (entry.path().extension() == ".json")
-      cases[entry.path().stem().string()] = Json::parse(std::ifstream(entry.path()));
+      cases[entry.path().stem().string()] = expanded(Json::parse(std::ifstream(entry.path())));
   return cases;
 }
 

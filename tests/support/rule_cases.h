@@ -12,7 +12,8 @@ namespace ngs::test {
 /// has the file's name.
 nlohmann::json rule_cases(const nlohmann::json& rules);
 
-/// The cases of every contract/cases/NAME.json by NAME, and those of the rules by "rules".
+/// The cases of every contract/cases/NAME.json by NAME, with its texts and the defaults of runs written out, and those
+/// of the rules by "rules".
 std::map<std::string, nlohmann::json> contract_cases();
 
 }  // namespace ngs::test

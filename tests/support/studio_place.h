@@ -23,6 +23,20 @@ struct Place {
   TempDir dir;
 };
 
+inline Json json_of(const StudioServer::Answer& answer) {
+  INFO(answer.body);
+  REQUIRE(answer.status >= 200);
+  REQUIRE(answer.status < 300);
+  return Json::parse(answer.body);
+}
+
+/// A session of ngs-studio on it, in the folder "visit".
+struct Visit {
+  Place place;
+  StudioServer server{place.dir.path(), {kModel, "-o", "visit"}};
+  Json state = json_of(server.get("/api/state"));
+};
+
 inline std::string camera_of(const Json& state, std::size_t view) {
   Json camera = state["views"][view]["camera"];
   camera["width"] = 192, camera["height"] = 144;
@@ -36,19 +50,20 @@ inline std::string strokes(const std::string& camera, int object = 1) {
          R"({"label":"background","radius_px":5,"points":[[8,8],[184,8]]}]})";
 }
 
-inline Json json_of(const StudioServer::Answer& answer) {
-  INFO(answer.body);
-  REQUIRE(answer.status >= 200);
-  REQUIRE(answer.status < 300);
-  return Json::parse(answer.body);
-}
-
 inline Json finished_job(const StudioServer& server) {
   Json job;
   do {
     job = json_of(server.get("/api/job"));
   } while (job["state"] == "running");
   return job;
+}
+
+/// Starts a job, which must end well.
+inline void run_job(const StudioServer& server, const std::string& name, const std::string& request = "{}") {
+  CHECK(server.post("/api/" + name, request).status == 202);
+  const Json job = finished_job(server);
+  INFO(job.dump());
+  REQUIRE(job["state"] == "done");
 }
 
 inline std::vector<std::string> words_of(const std::string& line) {
@@ -64,10 +79,7 @@ inline std::vector<std::string> words_of(const std::string& line) {
 
 inline void run_tool(const std::string& folder, std::vector<std::string> argv) {
   argv[0] = std::string(NGS_TOOL_DIR "/") + argv[0];
-  const ProcessResult result =
-      run_process({.argv = argv, .environment = {}, .folder = folder, .input = {}, .signal_after = {}});
-  INFO(argv[0] << ": " << result.err);
-  REQUIRE(result.exit_code == 0);
+  test::succeeded(run_process({.argv = argv, .folder = folder}));
 }
 
 }  // namespace ngs::test

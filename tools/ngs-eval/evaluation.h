@@ -4,12 +4,23 @@
 #include <utility>
 #include <vector>
 
-#include "image_list.h"
 #include "ngs/eval/eval_stage.h"
 #include "ngs/io/image/image_file.h"
 #include "shared/run/run.h"
 
 namespace ngs::cli {
+
+/// The images of a folder, or a single file, with names relative to the folder.
+struct ImageList {
+  std::string folder;                   // base of the names
+  std::vector<std::string> names;       // sorted; "view.png" or, below folders, "sub/view.png"
+  std::vector<std::string> files = {};  // their paths; empty: they are in `folder`
+  std::string path(std::size_t i) const { return files.empty() ? folder + "/" + names[i] : files[i]; }
+};
+
+/// Images directly in the folder, or, if there are none, those of its sub-folders, up to three levels deep. Skips
+/// hidden entries. Throws kBadInput if there is no image.
+ImageList list_images(const std::string& path);
 
 /// A view name may contain folders (cam0/0001), an object name does not.
 enum class Layout : std::uint8_t { kViewObject, kObjectView, kView };

@@ -16,11 +16,9 @@ std::string size_of(const io::RawMask& raw) { return to_string(io::ImageSize{raw
 
 /// [H, W] in [0, 1].
 std::vector<float> opacity_of(const io::RawMask& raw) {
-  const MaskSamples samples = raw.samples();
-  const std::vector<std::uint16_t> plane = decisive_channel(samples);
-  const float full = full_scale(samples);
-  std::vector<float> opacity(plane.size());
-  std::ranges::transform(plane, opacity.begin(), [&](std::uint16_t value) { return float(value) / full; });
+  const DecisiveSamples decisive = decisive_samples(raw.samples());
+  std::vector<float> opacity(decisive.value.size());
+  for (std::size_t i = 0; i < opacity.size(); ++i) opacity[i] = float(decisive.value[i]) / decisive.full_scale;
   return opacity;
 }
 

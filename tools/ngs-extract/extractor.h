@@ -9,6 +9,7 @@
 #include "ngs/edit/select/touched_pieces.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "shared/run/run.h"
+#include "shared/scene/prompt_input.h"
 
 namespace ngs::cli {
 
@@ -77,5 +78,12 @@ class Extractor {
   std::vector<std::size_t> chosen_;
   std::vector<std::uint8_t> keep_;
 };
+
+/// Throws kUsage for strokes without a scene.
+void check_strokes(Run& run, const Inputs& strokes, const Input& scene);
+
+/// For every stroke on the object: the rendering weights of the Gaussians under it.
+std::vector<ViewSums> stroke_weights_of(const Run& run, const Scene& scene, const Marks& marks,
+                                        const GaussianCloud& cloud);
 
 }  // namespace ngs::cli

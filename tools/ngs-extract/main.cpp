@@ -10,12 +10,9 @@
 #include "ngs/edit/finish/finish_stage.h"
 #include "ngs/edit/select/region.h"
 #include "ngs/io/scene/scene_json.h"
-#include "numpy_output.h"
 #include "object_output.h"
 #include "outputs.h"
 #include "shared/tool.h"
-#include "stroke_input.h"
-#include "unseen_output.h"
 
 namespace {
 

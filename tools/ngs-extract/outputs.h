@@ -4,9 +4,12 @@
 #include <array>
 #include <initializer_list>
 #include <string>
+#include <vector>
 
+#include "extractor.h"
 #include "ngs/core/error.h"
 #include "ngs/io/formats/splat_format.h"
+#include "ngs/scene/scene.h"
 #include "shared/tool.h"
 
 namespace ngs::cli {
@@ -52,5 +55,29 @@ inline void check_formats(const Outputs& out) {
     (void)io::output_format(splat);
   for (const std::string& labelled : {out.decided.path, out.supersplat.path}) io::require_ply_output(labelled);
 }
+
+/// Reports the parts of the object's surface that no view sees. Call it after Extractor::decide(). Reports nothing if
+/// the object is empty.
+void report_unseen_surface(Run& run, const Extractor& extractor, const Scene& scene);
+
+// Labels for array programs (numpy, gsplat, nerfstudio): one .npz, rows in the order of the model.
+//
+// clang-format off
+//   labels    float32 [N]  label of each Gaussian in [0, 1], before rounding
+//   seen      bool [N]     some view has evidence of the Gaussian; if false, its label carries no information
+//   object    int64 [M]    rows of the object, as written by --object-ply, ascending
+//   labels_NAME, seen_NAME, object_NAME   with several objects: the same per object; the above are for their union
+// clang-format on
+class NumpyLabels {
+ public:
+  /// Construct it before Extractor::decide(), which rounds the labels.
+  explicit NumpyLabels(const Extractor& extractor);
+
+  /// Call it after decide(). Uncompressed and dated 1980, so that the same labels give the same bytes.
+  void write(const std::string& path, const Extractor& extractor) const;
+
+ private:
+  std::vector<std::vector<float>> labels_;  // [chosen objects][N]
+};
 
 }  // namespace ngs::cli

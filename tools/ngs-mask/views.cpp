@@ -9,7 +9,7 @@
 #include "ngs/core/error.h"
 #include "ngs/cut/masks/rasterise_prompt.h"
 #include "ngs/io/files/atomic_file.h"
-#include "ngs/io/files/regular_file.h"
+#include "ngs/io/files/mapped_file.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/image/photo.h"
 #include "ngs/ops/image/image_bytes.h"

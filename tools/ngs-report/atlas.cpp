@@ -6,7 +6,7 @@
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/render/render_options.h"
-#include "planes.h"
+#include "pictures.h"
 #include "sections.h"
 #include "shared/page/html.h"
 
@@ -135,8 +135,7 @@ std::string figure_of(const std::string& name, const Found& found) {
 std::string errors_section(const Exec& exec, RunFolder& run, Pictures& pictures, const std::string& folder) {
   const std::string model = (fs::path(run.path) / "labelled.ply").generic_string();
   if (!run.scene || !fs::is_regular_file(model)) return {};
-  Table table{
-      .caption = "Wrong pixels of each view by cause, worst views first", .head = {"view", "wrong"}, .rows = {}};
+  Table table{.caption = "Wrong pixels of each view by cause, worst views first", .head = {"view", "wrong"}};
   bool all_views = true;
   for (std::size_t c = 1; c < kErrorCauses; ++c) table.head.emplace_back(kErrorCauseNames[c].name);
   std::string figures;

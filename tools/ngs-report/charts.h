@@ -17,8 +17,8 @@ struct PlotPoint {
 };
 
 struct PlotSeries {
-  std::string name;
-  std::vector<PlotPoint> points;
+  std::string name = {};
+  std::vector<PlotPoint> points = {};
   bool line = true;  // false: separate dots
 };
 

@@ -9,7 +9,7 @@
 #include "ngs/ops/image/image_bytes.h"
 #include "ngs/render/render_options.h"
 #include "ngs/scene/mask_threshold.h"
-#include "planes.h"
+#include "pictures.h"
 #include "sections.h"
 #include "shared/page/html.h"
 #include "shared/page/mask_sheet.h"

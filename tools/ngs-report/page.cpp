@@ -14,9 +14,9 @@ namespace ngs::cli {
 namespace {
 
 std::string comparison(const std::vector<RunFolder>& runs) {
-  Table table{.caption = "Mean scores of each run", .head = {"run", "method", "time"}, .rows = {}};
+  Table table{.caption = "Mean scores of each run", .head = {"run", "method", "time"}};
   for (std::string_view name : kScoreNames) table.head.emplace_back(score_title(name));
-  PlotSeries dots{.name = {}, .points = {}, .line = false};
+  PlotSeries dots{.line = false};
   for (const RunFolder& run : runs) {
     std::vector<std::string> row{escaped(run.title), escaped(method_title(run)), duration(run_seconds(run))};
     for (std::string_view name : kScoreNames) row.push_back(decimal(number_at(run.metrics, {"mean", name}), 4));

@@ -121,13 +121,7 @@ void add_scored_views(RunFolder& run) {
   for (const Json& file : value_at(scoring_report(run), {"result", "files"}))
     files[{text_at(file, "view"), text_at(file, "object")}] = &file;
   for (const Json& scores : value_at(run.metrics, {"views"})) {
-    ShownView view{.view = text_at(scores, "view"),
-                   .object = text_at(scores, "object"),
-                   .photo = {},
-                   .predicted = {},
-                   .truth = {},
-                   .input = {},
-                   .scores = scores};
+    ShownView view{.view = text_at(scores, "view"), .object = text_at(scores, "object"), .scores = scores};
     auto file = files.find({view.view, view.object});
     if (file == files.end()) file = files.find({view.view, ""});
     if (file != files.end()) {
@@ -155,12 +149,7 @@ void add_rendered_views(RunFolder& run) {
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
     if (entry.path().extension() == ".png")
       run.views.push_back({.view = image_stem(entry.path().lexically_relative(folder).generic_string()),
-                           .object = {},
-                           .photo = {},
-                           .predicted = entry.path().generic_string(),
-                           .truth = {},
-                           .input = {},
-                           .scores = {}});
+                           .predicted = entry.path().generic_string()});
   std::sort(run.views.begin(), run.views.end(), [](const ShownView& a, const ShownView& b) { return a.view < b.view; });
 }
 

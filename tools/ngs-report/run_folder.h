@@ -19,15 +19,15 @@ struct ToolReport {
 
 /// One mask to show; the path of a missing file is empty.
 struct ShownView {
-  std::string view, object;
-  std::string photo, predicted, truth, input;
+  std::string view = {}, object = {};
+  std::string photo = {}, predicted = {}, truth = {}, input = {};
   bool truth_is_input = false;  // no ground truth: scored against the input mask, which no stage has read
   Vec3<float> behind{0, 0, 0};  // colour behind a transparent photo: the scene's background
   std::uint32_t predicted_id = 0, truth_id = 0,
                 input_id = 0;                  // 0: a mask; otherwise the object's id in a label map
   std::int64_t void_id = -1;                   // void id of the true label map; -1: none
   std::optional<std::size_t> scene_view = {};  // index in the scene; nullopt: unknown
-  Json scores;                                 // an entry of metrics.json "views", or null
+  Json scores = {};                            // an entry of metrics.json "views", or null
 };
 
 struct RunFolder {

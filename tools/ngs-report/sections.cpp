@@ -170,8 +170,7 @@ std::string accuracy_section(const RunFolder& run) {
   Table table{.caption = std::string("Mean over the scored views") +
                          (run.has_input_as_truth() ? std::string(", against ") + kInputAsTruth : "") +
                          "; boundary IoU by band width (share of the diagonal, or px)",
-              .head = score_head("masks"),
-              .rows = {}};
+              .head = score_head("masks")};
   if (!run.metrics_input.is_null())
     table.rows.push_back(score_row("input masks, same views", value_at(run.metrics_input, {"mean"})));
   table.rows.push_back(
@@ -180,7 +179,7 @@ std::string accuracy_section(const RunFolder& run) {
   if (const Json& alone = value_at(run.metrics, {"alone", "mean"}); !alone.is_null())
     table.rows.push_back(score_row("object.ply, rendered alone", alone));
   std::string html = table.html();
-  Table checks{.caption = "Requested checks", .head = {"score", "at least", "found", "result"}, .rows = {}};
+  Table checks{.caption = "Requested checks", .head = {"score", "at least", "found", "result"}};
   for (const Json& check : list_at(run.metrics, {"checks"}))
     checks.rows.push_back({score_title(json_text(value_at(check, {"score"}))),
                            decimal(number_at(check, {"at_least"}), 4), decimal(number_at(check, {"found"}), 4),
@@ -207,7 +206,7 @@ std::string views_section(RunFolder& run, Pictures& pictures) {
 }
 
 std::string view_scores(const RunFolder& run) {
-  Table table{.caption = {}, .head = score_head("view"), .rows = {}};
+  Table table{.head = score_head("view")};
   for (const ShownView& view : run.views)
     if (!view.scores.is_null())
       table.rows.push_back(score_row(escaped(view.view + (view.object.empty() ? "" : " " + view.object)), view.scores));
@@ -217,11 +216,10 @@ std::string view_scores(const RunFolder& run) {
 std::string objects_section(const RunFolder& run) {
   const Json& objects = list_at(run.metrics, {"objects"});
   if (objects.empty()) return {};
-  Table scores{.caption = "Mean over the views of each object", .head = score_head("object"), .rows = {}};
+  Table scores{.caption = "Mean over the views of each object", .head = score_head("object")};
   Table errors{
       .caption = "Wrong pixels, summed over the views. Far: outside the 2 % band of the true contour.",
-      .head = {"object", "pairs", "false positive", "far (leaks)", "false negative", "far (holes)", "true positive"},
-      .rows = {}};
+      .head = {"object", "pairs", "false positive", "far (leaks)", "false negative", "far (holes)", "true positive"}};
   for (const Json& object : objects) {
     const std::string name = json_text(value_at(object, {"object"}));
     scores.rows.push_back(score_row(name.empty() ? "object" : escaped(name), object));
@@ -237,7 +235,7 @@ std::string objects_section(const RunFolder& run) {
 
 /// One row per decision, in three columns to fit a phone: reasons contain the measured value and its threshold.
 std::string decisions_table(const Json& decisions) {
-  Table table{.caption = {}, .head = {"part", "state", "reason"}, .rows = {}};
+  Table table{.head = {"part", "state", "reason"}};
   for (const Json& decision : decisions) {
     const Json &mode = value_at(decision, {"mode"}), &saving = value_at(decision, {"saving"});
     std::string because = (mode == "auto" ? "" : json_text(mode) + ": ") + json_text(value_at(decision, {"reason"}));
@@ -280,7 +278,7 @@ std::string times_section(const RunFolder& run) {
 
 std::string trace_section(const RunFolder& run) {
   const auto series = [&](const char* name, std::initializer_list<std::string_view> keys) {
-    PlotSeries line{.name = name, .points = {}, .line = true};
+    PlotSeries line{.name = name, .line = true};
     for (const Json& step : run.trace) line.points.push_back({number_at(step, {"t"}), number_at(step, keys), {}});
     return line;
   };
@@ -329,7 +327,7 @@ std::string inputs_section(const RunFolder& run) {
   }
   const Json& checks = value_at(run.report("ngs-scene"), {"result"});
   if (!checks.is_null() && !checks.empty()) html += details("Checks of ngs-scene", json_html(checks));
-  Table hashes{.caption = {}, .head = {"tool", "input", "path", "bytes", "hash (XXH3-128)"}, .rows = {}};
+  Table hashes{.head = {"tool", "input", "path", "bytes", "hash (XXH3-128)"}};
   for (const ToolReport& tool : run.reports)
     for (const Json& input : list_at(tool.report, {"inputs"}))
       hashes.rows.push_back({escaped(tool.name), escaped(json_text(value_at(input, {"name"}))),
@@ -349,7 +347,7 @@ std::string tools_section(const RunFolder& run) {
                        escaped(json_text(value_at(report, {"device", "reason"}))) + "), threads " +
                        escaped(json_text(value_at(report, {"threads"}))) + ", seed " +
                        escaped(json_text(value_at(report, {"seed"}))) + "</p>";
-    Table options{.caption = "Resolved options", .head = {}, .rows = {}};
+    Table options{.caption = "Resolved options"};
     const Json& resolved = value_at(report, {"options"});
     if (resolved.is_object())
       for (const auto& [key, value] : resolved.items())

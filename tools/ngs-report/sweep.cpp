@@ -107,7 +107,7 @@ Sweep read_sweep(const std::string& folder) {
       const std::string name = entry.path().filename().string();
       const std::size_t at = name.find('@');
       if (at == name.npos || !entry.is_directory()) continue;
-      SweepPoint point{.knob = name.substr(0, at), .setting = name.substr(at + 1), .runs = {}};
+      SweepPoint point{.knob = name.substr(0, at), .setting = name.substr(at + 1)};
       for (const fs::directory_entry& run : fs::directory_iterator(entry.path()))
         if (fs::is_regular_file(run.path() / "done")) point.runs.push_back(read_run(run.path()));
       std::sort(point.runs.begin(), point.runs.end(),

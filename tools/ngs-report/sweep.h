@@ -24,7 +24,7 @@ Spread spread_of(std::vector<double> values);
 
 struct SweepPoint {
   std::string knob, setting;
-  std::vector<SweepRun> runs;
+  std::vector<SweepRun> runs = {};
   bool frontier = false;
 
   std::string name() const { return knob + "@" + setting; }

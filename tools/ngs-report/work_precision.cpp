@@ -51,12 +51,11 @@ std::vector<const SweepPoint*> frontier_of(const Sweep& sweep, const SweepView& 
 }
 
 std::string frontier_section(const Sweep& sweep, const SweepView& view) {
-  PlotSeries beaten{.name = {}, .points = {}, .line = false}, best = beaten, line{.name = {}, .points = {}};
+  PlotSeries beaten{.line = false}, best = beaten, line{.points = {}};
   for (const SweepPoint& point : sweep.points)
     if (!point.frontier) beaten.points.push_back(dot_of(point, view, {}));
   Table table{.caption = "Pareto frontier: no other point is both faster and better",
-              .head = {"point", unit_of(view), view.score},
-              .rows = {}};
+              .head = {"point", unit_of(view), view.score}};
   for (const SweepPoint* point : frontier_of(sweep, view)) {
     best.points.push_back(dot_of(*point, view, point->name()));
     line.points.push_back({point->time(view.cpu).median, point->score(view.score).median, {}});
@@ -76,8 +75,7 @@ std::string knobs_section(const Sweep& sweep, const SweepView& view) {
   std::vector<double> scores;  // all plots share the score range, so that a knob without effect looks flat
   for (const SweepPoint& point : sweep.points) {
     scores.push_back(point.score(view.score).median);
-    PlotSeries& series =
-        knobs.try_emplace(point.knob, PlotSeries{.name = {}, .points = {}, .line = false}).first->second;
+    PlotSeries& series = knobs.try_emplace(point.knob, PlotSeries{.line = false}).first->second;
     if (!point.failed()) series.points.push_back(dot_of(point, view, point.setting));
   }
   std::string plots;
@@ -98,8 +96,7 @@ std::string knobs_section(const Sweep& sweep, const SweepView& view) {
 std::string points_section(const Sweep& sweep) {
   Table table{.caption = "All points; median, and min to max of repeated runs. Includes failures.",
               .head = {"point", "runs", "exit codes", "wall s", "CPU s", "IoU", "B-IoU 0.02", "B-IoU 0.005", "frontier",
-                       "50 % s", "90 % s", "99 % s"},
-              .rows = {}};
+                       "50 % s", "90 % s", "99 % s"}};
   for (const SweepPoint& point : sweep.points) {
     std::string codes;
     for (const SweepRun& run : point.runs) codes += (codes.empty() ? "" : " ") + std::to_string(run.exit_code);
@@ -132,7 +129,7 @@ std::string anytime_section(const Sweep& sweep) {
   });
   std::string plots;
   for (std::size_t i = 0; i < std::min<std::size_t>(longest.size(), 4); ++i) {
-    PlotSeries line{.name = {}, .points = {}};
+    PlotSeries line{.points = {}};
     const std::vector<Json>& trace = longest[i]->runs.front().trace;
     for (const Json& step : trace)
       line.points.push_back(
@@ -150,7 +147,7 @@ std::string anytime_section(const Sweep& sweep) {
 std::string equal_section(const Sweep& sweep, const SweepView& view) {
   const auto frontier = frontier_of(sweep, view);
   if (frontier.empty()) return {};
-  Table in_time{.caption = "At equal time", .head = {"within", "best point", view.score}, .rows = {}};
+  Table in_time{.caption = "At equal time", .head = {"within", "best point", view.score}};
   const double least = frontier.front()->time(view.cpu).median, most = frontier.back()->time(view.cpu).median;
   for (double t = least; t < 2 * most; t *= 2) {
     const SweepPoint* best = nullptr;
@@ -159,7 +156,7 @@ std::string equal_section(const Sweep& sweep, const SweepView& view) {
     if (best != nullptr)
       in_time.rows.push_back({duration(t), escaped(best->name()), decimal(best->score(view.score).median, kDigits)});
   }
-  Table at_quality{.caption = "At equal quality", .head = {"loss against the best", "least time", "point"}, .rows = {}};
+  Table at_quality{.caption = "At equal quality", .head = {"loss against the best", "least time", "point"}};
   const double top = frontier.back()->score(view.score).median;
   for (const double loss : {0.0, 0.001, 0.005, 0.01, 0.02, 0.05}) {
     const auto* found = *std::find_if(frontier.begin(), frontier.end(), [&](const SweepPoint* point) {
@@ -171,8 +168,7 @@ std::string equal_section(const Sweep& sweep, const SweepView& view) {
 }
 
 std::string once_section(const Sweep& sweep) {
-  Table table{
-      .caption = "One-off cost per scene, for any number of objects", .head = {"scene", "tool", "CPU s"}, .rows = {}};
+  Table table{.caption = "One-off cost per scene, for any number of objects", .head = {"scene", "tool", "CPU s"}};
   for (const auto& [name, tools] : sweep.once.items())
     for (const auto& [tool, seconds] : tools.items())
       table.rows.push_back(
@@ -184,12 +180,11 @@ std::string numerical_section(const Sweep& sweep) {
   const Json& points = value_at(sweep.numerical, {"points"});
   if (!points.is_array() || points.empty()) return {};
   std::map<std::string, PlotSeries> knobs;
-  Table table{
-      .caption = "Error against the reference", .head = {"knob", "setting", "CPU s", "largest error"}, .rows = {}};
+  Table table{.caption = "Error against the reference", .head = {"knob", "setting", "CPU s", "largest error"}};
   for (const Json& point : points) {
     const std::string knob = json_text(value_at(point, {"knob"})), setting = json_text(value_at(point, {"setting"}));
     const double seconds = number_at(point, {"cpu_s"}), error = number_at(point, {"error"});
-    PlotSeries& series = knobs.try_emplace(knob, PlotSeries{.name = {}, .points = {}, .line = false}).first->second;
+    PlotSeries& series = knobs.try_emplace(knob, PlotSeries{.line = false}).first->second;
     char text[32] = "the reference";
     if (error > 0) {
       series.points.push_back({seconds, std::log10(error), knob + " " + setting});

@@ -64,7 +64,7 @@ Json check_json(const Scene& scene, const SceneCheck& check) {
                               {"mean_coverage", o.mean_coverage},
                               {"border", o.border}});
   }
-  for (const std::size_t view : check.empty_masks.contradicted)
+  for (const std::size_t view : check.uniform_masks.contradicted)
     out["lost_masks"].push_back(scene.views[view].camera.name);
   for (std::size_t i = 0; i < scene.views.size(); ++i)
     out["per_view"].push_back(view_json(scene.views[i], check.views[i], has_model));

@@ -8,7 +8,7 @@
 #include "ngs/capture/view_align.h"
 #include "ngs/core/formatted.h"
 #include "ngs/io/files/atomic_file.h"
-#include "ngs/io/files/regular_file.h"
+#include "ngs/io/files/mapped_file.h"
 #include "ngs/io/image/masks.h"
 #include "ngs/io/image/photo.h"
 #include "ngs/problem/view_list.h"
@@ -176,7 +176,7 @@ void SceneChecks::check(bool compat_is_default) {
   for (const std::string& note : notes_) run_.monitor().warn(note);
   run_.result().update(check_json(scene_, result));
   run_.text(check_table(scene_, result));
-  lost_masks_ = result.empty_masks.contradicted;
+  lost_masks_ = result.uniform_masks.contradicted;
 }
 
 void SceneChecks::leave_out_lost_masks() {

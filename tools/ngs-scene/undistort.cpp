@@ -12,7 +12,6 @@
 #include "ngs/io/capture/sparse_points.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/mapped_file.h"
-#include "ngs/io/files/regular_file.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/image/mask_names.h"
 #include "ngs/io/image/masks.h"

@@ -8,7 +8,7 @@
 #include "ngs/core/error.h"
 #include "ngs/core/formatted.h"
 #include "ngs/io/files/content_hash.h"
-#include "ngs/io/files/regular_file.h"
+#include "ngs/io/files/mapped_file.h"
 #include "ngs/io/files/shell_word.h"
 #include "ngs/io/image/exr.h"
 #include "ngs/io/scene/scene_json.h"

@@ -8,7 +8,7 @@
 #include "cut_inputs.h"
 #include "ngs/core/formatted.h"
 #include "ngs/core/listed.h"
-#include "ngs/io/files/regular_file.h"
+#include "ngs/io/files/mapped_file.h"
 #include "ngs/io/formats/splat_format.h"
 #include "ngs/io/ply/gaussian_columns.h"
 #include "ngs/io/ply/gaussian_ply.h"

@@ -7,7 +7,7 @@
 #include "ngs/backend/for_each.h"
 #include "ngs/ops/image/mask_pair.h"
 #include "ngs/problem/view_list.h"
-#include "ngs/scene/resize/shrink.h"
+#include "ngs/scene/resize.h"
 #include "ngs/scene/view_prompt.h"
 #include "ngs/scene/view_sums.h"
 

@@ -4,15 +4,15 @@
 #include <cmath>
 
 #include "ngs/backend/for_each.h"
-#include "ngs/capture/empty_masks.h"
 #include "ngs/capture/mask_check.h"
+#include "ngs/capture/uniform_masks.h"
 #include "ngs/capture/view_shares.h"
 #include "ngs/core/error.h"
 #include "ngs/core/formatted.h"
 #include "ngs/core/listed.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/render/render_options.h"
-#include "ngs/scene/resize/shrink.h"
+#include "ngs/scene/resize.h"
 
 namespace ngs {
 namespace {
@@ -344,7 +344,7 @@ void check_cloud(const Exec& exec, Monitor& monitor, const SceneCheckOptions& op
 }
 
 /// Checks empty and full masks against the others, unless a missing mask means an empty one (MissingMask::kEmpty).
-void find_empty_masks(const Exec& exec, Monitor& monitor, const SceneCheckInputs& in, SceneCheck& result) {
+void find_uniform_masks(const Exec& exec, Monitor& monitor, const SceneCheckInputs& in, SceneCheck& result) {
   const auto is_full = [](const MaskCheck& masks) {
     return std::ranges::any_of(masks.coverage, [](double share) { return share == 1; });
   };
@@ -355,13 +355,13 @@ void find_empty_masks(const Exec& exec, Monitor& monitor, const SceneCheckInputs
     const bool is_empty = std::ranges::all_of(masks->coverage, [](double share) { return share == 0; });
     (is_empty || is_full(*masks) ? plain : others).push_back(v);
   }
-  result.empty_masks.views = plain;
+  result.uniform_masks.views = plain;
   if (in.cloud == nullptr || in.scene.missing_mask == MissingMask::kEmpty) return;
   Scene scene = in.scene;
   scene.compat = result.compat, scene.world_unit = result.world_unit;
-  result.empty_masks = check_empty_masks(
+  result.uniform_masks = check_uniform_masks(
       exec, monitor, {*in.cloud, scene, plain, others, [&](std::size_t view) { return in.loaders.masks(view).masks; }});
-  const std::vector<std::size_t>& wrong = result.empty_masks.contradicted;
+  const std::vector<std::size_t>& wrong = result.uniform_masks.contradicted;
   const std::string of_all = " of " + std::to_string(plain.size() + others.size()) + " masks are ";
   const auto full = std::ranges::count_if(wrong, [&](std::size_t v) { return is_full(*result.views[v].masks); });
   const char* kind = full == 0              ? "empty where the other masks show the object ("
@@ -371,7 +371,7 @@ void find_empty_masks(const Exec& exec, Monitor& monitor, const SceneCheckInputs
     result.warnings.push_back(std::to_string(wrong.size()) + of_all + kind + some_names(in.scene, wrong) +
                               "): probably the tool that made them lost it; import treats such views as views without "
                               "a mask, --missing-mask empty keeps the masks unchanged");
-  else if (result.empty_masks.agreement < kMinMaskAgreement)
+  else if (result.uniform_masks.agreement < kMinMaskAgreement)
     result.warnings.push_back(std::to_string(plain.size()) + of_all + "empty or full (" + some_names(in.scene, plain) +
                               "), and the others agree too little to decide whether the object is there; view them: "
                               "ngs-scene check SCENE --sheet masks.html");
@@ -393,7 +393,7 @@ SceneCheck check_scene(const Exec& exec, Monitor& monitor, const SceneCheckOptio
   result.views.resize(in.scene.views.size());
   if (in.cloud != nullptr) check_cloud(exec, monitor, options, in, result);
   check_masks(monitor, {in.scene, in.loaders, options.check_polarity}, result);
-  find_empty_masks(exec, monitor, in, result);
+  find_uniform_masks(exec, monitor, in, result);
   return result;
 }
 

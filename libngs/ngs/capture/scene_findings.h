@@ -40,8 +40,8 @@ struct ObjectCheck {
   double border = 0;  // mean covered fraction of the image's border: high for inverted masks
 };
 
-/// Views whose masks are empty for all objects, or full for one (capture/empty_masks.h).
-struct EmptyMasks {
+/// Views whose masks are empty for all objects, or full for one (capture/uniform_masks.h).
+struct UniformMasks {
   std::vector<std::size_t> views;
   std::vector<std::size_t> contradicted;  // of these: the other masks show an object there
   double agreement = 1;                   // IoU of rendered labels and masks that are not empty; 1: not measured
@@ -50,7 +50,7 @@ struct EmptyMasks {
 struct SceneCheck {
   std::vector<ViewCheck> views;      // [views of the scene]
   std::vector<ObjectCheck> objects;  // [objects of the scene]
-  EmptyMasks empty_masks;
+  UniformMasks uniform_masks;
   double median_fit_db = 0, median_psnr_db = 0, median_inside = 0;
   std::int64_t sampled_gaussians = 0;  // number of Gaussians that in_front and inside are measured on
   std::vector<std::string> warnings;

@@ -14,16 +14,8 @@ namespace ngs {
 namespace {
 
 constexpr int kMaxAlignSteps = 15, kPatience = 2;  // steps in total, and in a row without a lower error
-constexpr std::int64_t kManyPixels = 1 << 16;      // of larger pictures one pixel in four is compared
-
-/// [H, W] 1: the pixel is compared; empty: all are. The images are smooth, so a pixel's neighbours add little.
-std::vector<std::uint8_t> compared_pixels(const ImageF& photo) {
-  std::vector<std::uint8_t> compared;
-  if (photo.pixels() < kManyPixels) return compared;
-  for (int y = 0; y < photo.height_px; ++y)
-    for (int x = 0; x < photo.width_px; ++x) compared.push_back(x % 2 == 0 && y % 2 == 0);
-  return compared;
-}
+// Of larger pictures one pixel in four is compared: the images are smooth, so a pixel's neighbours add little.
+constexpr std::int64_t kManyPixels = 1 << 16;
 
 Vec3<float> fitted_background(const RenderedView& view, const ImageF& photo) {
   const Vec3<double> b = match_rendered(view, photo).background;
@@ -36,7 +28,7 @@ ViewAlignment align(const PhotographedModel& model, const SplatOptions& splat, s
   ViewAlignment best;
   best.view = view_index;
   const ImageF photo = model.load_photo(view_index), smooth = smoothed_for_pose(photo);
-  const std::vector<std::uint8_t> compared = compared_pixels(photo);
+  const int pixel_step = photo.pixels() < kManyPixels ? 1 : 2;
   RenderRequest request;
   request.depth = true;
   RenderedView at_start, at_best;  // over black; at_best: of a moved camera
@@ -48,7 +40,7 @@ ViewAlignment align(const PhotographedModel& model, const SplatOptions& splat, s
   for (int step = 0; step < kMaxAlignSteps && without_gain < kPatience; ++step) {
     RenderedView view = render({}, model.cloud, camera, splat, request);
     if (step == 0) background = fitted_background(view, photo);
-    const PoseStep found = pose_step(over_background(view, background), smooth, camera, total, compared);
+    const PoseStep found = pose_step(over_background(view, background), smooth, camera, total, pixel_step);
     const bool better = step > 0 && found.determined && found.error < best.error_after;
     if (step == 0 && found.determined) best.error_before = best.error_after = found.error;
     if (better) best.motion = total, best.flow_px = total_px, best.error_after = found.error, best.camera = camera;

@@ -19,7 +19,7 @@
 
 #include "ngs/ops/image/metrics.h"
 #include "ngs/ops/splat/splat.h"
-#include "ngs/scene/labels/label_columns.h"
+#include "ngs/scene/labels/label_column.h"
 
 namespace ngs {
 

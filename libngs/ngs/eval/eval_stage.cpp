@@ -102,8 +102,7 @@ bool is_black_and_white(const MaskSamples& samples) {
 }
 
 std::vector<std::uint8_t> binarised(const MaskSamples& samples, double threshold) {
-  const std::vector<std::uint16_t> plane = decisive_channel(samples);
-  const float scale = full_scale(samples);
+  const auto [plane, scale] = decisive_samples(samples);
   const double limit = scale == 1 ? 1.0 : threshold * (double(scale) / 255);
   std::vector<std::uint8_t> mask(plane.size());
   for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = double(plane[i]) >= limit;
@@ -148,8 +147,8 @@ std::vector<PairScore> evaluate_pair(const Exec& exec, const EvalOptions& option
   if (!options.label_map) {
     PairScore score = score_planes(
         exec, pair, {fitted(binarised(pair.predicted, options.threshold)), binarised(pair.truth, options.threshold)});
-    score.predicted_zero_one = is_zero_one(pair.predicted);
-    score.truth_zero_one = is_zero_one(pair.truth);
+    score.predicted_zero_one = decisive_samples(pair.predicted).full_scale == 1;
+    score.truth_zero_one = decisive_samples(pair.truth).full_scale == 1;
     return {score};
   }
   if (pair.truth_id == 0 && ids.size() == 1 && ids.begin()->first != 255 && is_black_and_white(pair.predicted)) {
@@ -165,7 +164,7 @@ std::vector<PairScore> evaluate_pair(const Exec& exec, const EvalOptions& option
     PairScore score = score_planes(exec, pair,
                                    {fitted(binarised(pair.predicted, options.threshold)),
                                     equal_to(truth, pair.truth_id), with_occluders(options, truth, pair, is_void)});
-    score.predicted_zero_one = is_zero_one(pair.predicted);
+    score.predicted_zero_one = decisive_samples(pair.predicted).full_scale == 1;
     score.truth_has_usual_void = usual_void;
     if (score.scores.both_empty) return {};
     return {score};

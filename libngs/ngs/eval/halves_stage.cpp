@@ -10,8 +10,8 @@
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
 #include "ngs/math/vectors.h"
-#include "ngs/ops/image/image_metrics.h"
 #include "ngs/ops/image/metrics.h"
+#include "ngs/scene/geometry/unproject.h"
 
 namespace ngs {
 namespace {
@@ -69,10 +69,7 @@ std::int64_t hole_pixel(const HoleView& view, V world) {
 }
 
 V surface_point(const HoleView& view, int x, int y) {
-  const Camera& c = view.camera;
-  const double z = double(view.depth.at(x, y));
-  const V local{z * (x + 0.5 - c.cx) / c.fx, z * (y + 0.5 - c.cy) / c.fy, z};
-  return transpose(c.rotation) * (local - c.translation);
+  return unproject(view.camera, x + 0.5, y + 0.5, double(view.depth.at(x, y)));
 }
 
 /// Sum of deviations and number of points that start in this view.

@@ -28,7 +28,7 @@
 #include "ngs/ops/splat/splat.h"
 #include "ngs/scene/geometry/surface_points.h"
 #include "ngs/scene/hand_prompt.h"
-#include "ngs/scene/labels/label_columns.h"
+#include "ngs/scene/labels/label_column.h"
 #include "ngs/scene/scene.h"
 
 namespace ngs::live {

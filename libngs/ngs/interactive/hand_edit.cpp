@@ -10,6 +10,7 @@
 #include "ngs/edit/select/clusters.h"
 #include "ngs/ops/splat/splat.h"
 #include "ngs/problem/cloud_rows.h"
+#include "ngs/scene/geometry/unproject.h"
 
 namespace ngs::live {
 namespace {
@@ -140,8 +141,8 @@ HandEdit ball_at(const Exec& exec, const GaussianCloud& cloud, const SplatOption
                 "put the ball on the splat");
   const double z = double(view.depth.data[p] / view.alpha.data[p]);
   HandEdit edit;
-  const Vec3<double> at{(x - camera.cx) / camera.fx * z, (y - camera.cy) / camera.fy * z, z};
-  edit.centre = transpose(camera.rotation) * (at - camera.translation), edit.radius = radius_px * z / camera.fy;
+  edit.centre = unproject(camera, x, y, z);
+  edit.radius = radius_px * z / camera.fy;
   return edit;
 }
 

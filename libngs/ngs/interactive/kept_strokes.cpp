@@ -4,6 +4,7 @@
 
 #include "ngs/cut/masks/mask_consensus.h"
 #include "ngs/cut/masks/rasterise_prompt.h"
+#include "ngs/edit/select/clusters.h"
 #include "ngs/interactive/session.h"
 #include "ngs/ops/splat/evidence.h"
 
@@ -11,6 +12,7 @@ namespace ngs::live {
 namespace {
 
 constexpr double kMinShare = 0.25;  // of a Gaussian's weight in the view: first those that lie mostly under the stroke
+constexpr double kPainted = 0.1;    // of a stroke's weight: less is a stroke that slips off the object
 
 /// Pixels of `of` where less than half of what is seen is the object.
 PixelMask lost_pixels(const Exec& exec, const Model& model, const std::vector<float>& label, const MarkedView& view,
@@ -37,6 +39,38 @@ std::vector<std::uint32_t> rows_in(const Exec& exec, const Model& model, const M
   return rows;
 }
 
+void keep(std::size_t row, KeptStrokes& kept) {
+  kept.labels.label[row] = 1;
+  ++kept.labels.count;
+  ++kept.restored;
+}
+
+/// Keeps the connected parts of what the refined result lacks that hold a tenth of a stroke. `lost`: [N] 1: kept under
+/// a stroke, or dropped.
+void keep_painted_parts(const Exec& exec, const GaussianCloud& cloud, const MarkedViews& views,
+                        const std::vector<std::uint8_t>& lost, KeptStrokes& kept) {
+  const Clusters parts = cluster_on_grid(exec, cloud, lost);
+  std::vector<std::uint8_t> painted(parts.size.size());
+  for (const auto& view : views)
+    for (const ViewSums& stroke : view->touched) {
+      std::vector<double> weight(painted.size());
+      double whole = 0;
+      for (std::size_t v = 0; v < stroke.size(); ++v) {
+        whole += stroke.weight(v);
+        if (const std::int32_t part = parts.of_row[stroke.row[v]]; part >= 0)
+          weight[std::size_t(part)] += stroke.weight(v);
+      }
+      for (std::size_t p = 0; p < weight.size(); ++p)
+        painted[p] |= std::uint8_t(weight[p] > 0 && weight[p] >= kPainted * whole);
+    }
+  for (std::size_t i = 0; i < lost.size(); ++i)
+    if (kept.dropped.label[i] > 0 && parts.of_row[i] >= 0 && painted[std::size_t(parts.of_row[i])]) {
+      kept.dropped.label[i] = 0;
+      --kept.dropped.count;
+      keep(i, kept);
+    }
+}
+
 }  // namespace
 
 KeptStrokes keep_under_strokes(const Exec& exec, const Model& model, const ObjectLabels& refined,
@@ -59,14 +93,18 @@ KeptStrokes keep_under_strokes(const Exec& exec, const Model& model, const Objec
       const ViewPrompt drawn = rasterise(view->strokes, view->camera.width_px, view->camera.height_px);
       const PixelMask lost = lost_pixels(exec, model, kept.labels.label, *view, pixels_with(drawn, PixelHint::kObject));
       for (const std::uint32_t row : rows_in(exec, model, *view, lost, least))
-        if (selected.label[row] > 0 && kept.labels.label[row] == 0)
-          kept.labels.label[row] = 1, ++kept.labels.count, ++kept.restored;
+        if (selected.label[row] > 0 && kept.labels.label[row] == 0) keep(row, kept);
     }
   for (const auto& view : views)
     for (const std::uint32_t row :
          rows_in(exec, model, *view, lost_pixels(exec, model, kept.labels.label, *view, view->mask), kMinShare))
       if (selected.label[row] > 0 && kept.labels.label[row] == 0 && kept.dropped.label[row] == 0)
         kept.dropped.label[row] = 1, ++kept.dropped.count;
+  if (kept.restored == 0 || kept.dropped.count == 0) return kept;
+  std::vector<std::uint8_t> lost(refined.label.size());
+  for (std::size_t i = 0; i < lost.size(); ++i)
+    lost[i] = kept.dropped.label[i] > 0 || kept.labels.label[i] != refined.label[i];
+  keep_painted_parts(exec, model.cloud, views, lost, kept);
   return kept;
 }
 

@@ -13,6 +13,8 @@ struct FileBytes {
   std::vector<std::uint8_t> read;
 };
 
+/// Whether a path is a pipe or socket, whose bytes can be read only once.
+bool is_pipe(const std::string& path);
 /// 0, or the errno that tells why the file cannot be read (EISDIR: it is a folder; EPIPE: a named pipe into which no
 /// program writes, after 10 s).
 int load_file(const std::string& path, FileBytes& bytes);

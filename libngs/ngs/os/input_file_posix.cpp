@@ -18,52 +18,47 @@ struct Descriptor {
   }
 };
 
-/// A pipe in a folder. Those of a shell, such as <(command), have a program that writes to them.
-bool is_named_pipe(const std::string& path) {
-  struct stat status {};
-  return !path.starts_with("/dev/") && !path.starts_with("/proc/") && ::stat(path.c_str(), &status) == 0 &&
-         S_ISFIFO(status.st_mode);
+/// Waits for a program that writes into a named pipe, which was opened with O_NONBLOCK so that open() did not wait.
+int wait_for_writer(int descriptor) {
+  constexpr int kWait_ms = 10'000;
+  pollfd data{descriptor, POLLIN, 0};
+  ::poll(&data, 1, kWait_ms);
+  return ::fcntl(descriptor, F_SETFL, 0) == 0 ? 0 : errno;
 }
 
-/// `waits`: for a program that opens the pipe `descriptor` to write, which was opened with O_NONBLOCK.
-int read_all(int descriptor, bool waits, std::vector<std::uint8_t>& bytes) {
-  constexpr int kWait_ms = 10'000;
-  const bool must_have_bytes = waits;
+int read_all(int descriptor, std::vector<std::uint8_t>& bytes) {
   for (std::size_t used = 0;;) {
     if (used == bytes.size()) bytes.resize(bytes.size() * 2 + (1 << 16));
     const ssize_t n = ::read(descriptor, bytes.data() + used, bytes.size() - used);
     if (n < 0 && errno == EINTR) continue;
-    if (n < 0 && errno == EAGAIN) {  // a program has opened it
-      if (::fcntl(descriptor, F_SETFL, 0) != 0) return errno;
-      continue;
-    }
     if (n < 0) return errno;
-    if (n == 0 && waits) {
-      pollfd data{descriptor, POLLIN, 0};
-      ::poll(&data, 1, kWait_ms);
-      waits = false;
-      continue;
-    }
-    if (n == 0 && used == 0 && must_have_bytes) return EPIPE;
-    waits = false;
-    if (n == 0) {
-      bytes.resize(used);
-      return 0;
-    }
     used += std::size_t(n);
+    if (n > 0) continue;
+    bytes.resize(used);
+    return 0;
   }
 }
 
 }  // namespace
 
+bool is_pipe(const std::string& path) {
+  struct stat status {};
+  return ::stat(path.c_str(), &status) == 0 && (S_ISFIFO(status.st_mode) || S_ISSOCK(status.st_mode));
+}
+
 int load_file(const std::string& path, FileBytes& bytes) {
-  const bool waits = is_named_pipe(path);
+  // The pipes of a shell, such as <(command), have a program that writes to them.
+  const bool waits = is_pipe(path) && !path.starts_with("/dev/") && !path.starts_with("/proc/");
   const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | (waits ? O_NONBLOCK : 0))};
   if (file.value < 0) return errno;
   struct stat status {};
   if (::fstat(file.value, &status) != 0) return errno;
   if (S_ISDIR(status.st_mode)) return EISDIR;
-  if (!S_ISREG(status.st_mode)) return read_all(file.value, waits, bytes.read);
+  if (!S_ISREG(status.st_mode)) {
+    int error = waits ? wait_for_writer(file.value) : 0;
+    if (error == 0) error = read_all(file.value, bytes.read);
+    return error == 0 && waits && bytes.read.empty() ? EPIPE : error;
+  }
   if (status.st_size == 0) return 0;
   void* map = ::mmap(nullptr, std::size_t(status.st_size), PROT_READ, MAP_PRIVATE, file.value, 0);
   if (map == MAP_FAILED) return errno;

@@ -7,7 +7,7 @@
 #include "ngs/backend/for_each.h"
 #include "ngs/ops/optim/adam.h"
 #include "ngs/scene/gaussian_cloud.h"
-#include "ngs/scene/labels/label_columns.h"
+#include "ngs/scene/labels/label_column.h"
 
 namespace ngs {
 

@@ -5,7 +5,7 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/problem/view_list.h"
-#include "ngs/scene/resize/shrink.h"
+#include "ngs/scene/resize.h"
 
 namespace ngs {
 namespace {

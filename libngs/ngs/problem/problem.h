@@ -13,7 +13,7 @@
 #include "ngs/ops/splat/splat.h"
 #include "ngs/scene/evidence.h"
 #include "ngs/scene/labels/boundary_rule.h"
-#include "ngs/scene/labels/label_columns.h"
+#include "ngs/scene/labels/label_column.h"
 #include "ngs/scene/scene.h"
 
 namespace ngs {
@@ -53,15 +53,15 @@ struct LabelledModel {
 struct Problem {
   const GaussianCloud& cloud;
   const Scene& scene;
-  std::vector<std::size_t> views;                         // training views, as indices of scene.views
-  std::function<ViewMasks(std::size_t view)> load_masks;  // at the camera's size
-  std::function<ImageF(std::size_t view)> load_photo;     // [H, W, 3] at the camera's size; empty: no photo
-  SplatOptions splat;
+  std::vector<std::size_t> views = {};                         // training views, as indices of scene.views
+  std::function<ViewMasks(std::size_t view)> load_masks = {};  // at the camera's size
+  std::function<ImageF(std::size_t view)> load_photo = {};     // [H, W, 3] at the camera's size; empty: no photo
+  SplatOptions splat = {};
   Vec3<float> background{0, 0, 0};
   std::uint64_t seed = 0;
-  std::vector<float> fixed;  // [N] ngs_fixed of a hand edit: 1 keeps the label; may be empty
-  SharedLabels labels;       // written by ngs-variance, one per object
-  BoundaryRule rule = {};    // the rule that computed the labels from their evidence
+  std::vector<float> fixed = {};  // [N] ngs_fixed of a hand edit: 1 keeps the label; may be empty
+  SharedLabels labels = {};       // written by ngs-variance, one per object
+  BoundaryRule rule = {};         // the rule that computed the labels from their evidence
   std::shared_ptr<const std::vector<float>> weight = nullptr;  // [N] W of the labels' evidence; null: unknown
   // Like load_photo, at up to the photo's own size. Empty function or image: no photo.
   std::function<ImageF(std::size_t view)> load_fine_photo = {};
@@ -91,9 +91,9 @@ inline double window_share(const Problem& problem, std::size_t view) {
 
 struct Solution {
   std::shared_ptr<const GaussianCloud> cloud;  // the input's cloud if it is unchanged; rows may be added or removed
-  std::vector<std::int64_t> source_row;        // [rows] the input row of each row; empty: the same rows
-  std::vector<LabelColumns> labels;            // one per object; label is the method's decision, prob its soft value
-  std::map<std::string, double> figures;       // measurements by the method: steps, losses, gap, ...
+  std::vector<std::int64_t> source_row = {};   // [rows] the input row of each row; empty: the same rows
+  std::vector<LabelColumns> labels = {};       // one per object; label is the method's decision, prob its soft value
+  std::map<std::string, double> figures = {};  // measurements by the method: steps, losses, gap, ...
   bool converged = true;                       // false: a budget ended the method early; the result is usable
 };
 

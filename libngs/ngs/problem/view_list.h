@@ -74,7 +74,8 @@ inline std::vector<std::size_t> spread_views(const std::vector<std::size_t>& vie
   return some;
 }
 
-/// The views in random order. The order depends on the seed and the number of the pass over the views.
+/// The views in random order, by the seed and the number of the pass over the views. The joint steps have an order of
+/// their own: JointTrainer::Impl::view_of().
 inline std::vector<std::size_t> shuffled(std::vector<std::size_t> views, std::uint64_t seed, std::uint64_t pass) {
   const auto rank = [&](std::size_t view) { return rng_bits(seed, RngStream::kViewOrder, (pass << 32) + view); };
   std::sort(views.begin(), views.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });

@@ -9,7 +9,7 @@
 #include "ngs/problem/cloud_rows.h"
 #include "ngs/problem/view_list.h"
 #include "ngs/scene/mask_threshold.h"
-#include "ngs/scene/resize/shrink.h"
+#include "ngs/scene/resize.h"
 
 namespace ngs {
 namespace {

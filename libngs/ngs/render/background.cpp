@@ -9,7 +9,7 @@
 #include "ngs/core/error.h"
 #include "ngs/core/progress_count.h"
 #include "ngs/math/median.h"
-#include "ngs/ops/image/image_metrics.h"
+#include "ngs/ops/image/metrics.h"
 #include "ngs/render/render_options.h"
 
 namespace ngs {

@@ -9,10 +9,6 @@
 namespace ngs {
 namespace {
 
-std::uint16_t largest(const std::vector<std::uint16_t>& plane) {
-  return plane.empty() ? std::uint16_t(0) : *std::max_element(plane.begin(), plane.end());
-}
-
 /// Black after the compression of a JPEG, too.
 bool is_black(const MaskSamples& samples, std::uint16_t largest) { return largest >> (samples.bits - 8) <= 8; }
 
@@ -96,35 +92,30 @@ Pictured pictured(const MaskSamples& samples) {
   return on_black ? Pictured::kOnBlack : Pictured::kPhoto;
 }
 
-std::vector<std::uint16_t> decisive_channel(const MaskSamples& samples) {
+DecisiveSamples decisive_samples(const MaskSamples& samples) {
   const std::size_t channels = std::size_t(samples.channels);
   const bool cut_out = is_cut_out(samples), on_black = pictured(samples) == Pictured::kOnBlack;
   const int widest = cut_out || on_black ? -1 : channel_of_two_colours(samples);
-  std::vector<std::uint16_t> plane(samples.data.size() / channels);
-  for (std::size_t i = 0; i < plane.size(); ++i) {
+  DecisiveSamples out{std::vector<std::uint16_t>(samples.data.size() / channels), samples.bits == 8 ? 255.f : 65535.f};
+  for (std::size_t i = 0; i < out.value.size(); ++i) {
     const std::uint16_t* sample = samples.data.data() + i * channels;
-    plane[i] = cut_out ? sample[3] : *std::max_element(sample, sample + std::min<std::size_t>(channels, 3));
-    if (widest >= 0) plane[i] = sample[widest];
-    if (on_black) plane[i] = std::uint16_t(is_black(samples, plane[i]) ? 0 : (1 << samples.bits) - 1);
+    std::uint16_t& value = out.value[i];
+    value = cut_out ? sample[3] : *std::max_element(sample, sample + std::min<std::size_t>(channels, 3));
+    if (widest >= 0) value = sample[widest];
+    if (on_black) value = std::uint16_t(is_black(samples, value) ? 0 : (1 << samples.bits) - 1);
   }
-  return plane;
-}
-
-float full_scale(const MaskSamples& samples) {
-  const std::vector<std::uint16_t> plane = decisive_channel(samples);
-  if (largest(plane) == 1) return 1;
+  const std::uint16_t most = out.value.empty() ? std::uint16_t(0) : *std::ranges::max_element(out.value);
   const auto is_8_bit = [](std::uint16_t v) { return v == 0 || v == 255; };
-  if (samples.bits == 8 || (largest(plane) == 255 && std::ranges::all_of(plane, is_8_bit))) return 255;
-  return 65535;
+  if (most == 1) out.full_scale = 1;
+  if (most == 255 && std::ranges::all_of(out.value, is_8_bit)) out.full_scale = 255;
+  return out;
 }
-
-bool is_zero_one(const MaskSamples& samples) { return full_scale(samples) == 1; }
 
 std::vector<std::uint8_t> object_pixels(const MaskSamples& samples) {
-  const std::vector<std::uint16_t> plane = decisive_channel(samples);
-  const float least = full_scale(samples) * (128.f / 255.f);
-  std::vector<std::uint8_t> object(plane.size());
-  for (std::size_t i = 0; i < plane.size(); ++i) object[i] = float(plane[i]) >= least;
+  const DecisiveSamples decisive = decisive_samples(samples);
+  const float least = decisive.full_scale * (128.f / 255.f);
+  std::vector<std::uint8_t> object(decisive.value.size());
+  std::ranges::transform(decisive.value, object.begin(), [&](std::uint16_t v) { return float(v) >= least; });
   return object;
 }
 

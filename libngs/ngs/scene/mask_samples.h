@@ -19,15 +19,17 @@ bool is_grey(const MaskSamples& samples);
 /// Colour images that are no masks: those of a mask have a few flat colours. kOnBlack: a cut-out on black.
 enum class Pictured : std::uint8_t { kMask, kPhoto, kOnBlack };
 Pictured pictured(const MaskSamples& samples);
-/// [H·W] the channel that decides object or background: alpha of a cut-out, else max(R, G, B), so that an object of any
-/// pure colour on black counts; of a picture on black the full value where it is not black; of two pure colours, such
-/// as red on white, the channel that differs most.
-std::vector<std::uint16_t> decisive_channel(const MaskSamples& samples);
-/// The value that means 1: 255 or 65535. Exceptions: 1 if all decisive samples are 0 or 1 (a saved bool array), and 255
-/// if all decisive samples of a 16-bit file are 0 or 255 (a converted 8-bit mask).
-float full_scale(const MaskSamples& samples);
-/// Whether the decisive samples are zeros and ones; 1 is the object.
-bool is_zero_one(const MaskSamples& samples);
+/// The channel that decides object or background.
+struct DecisiveSamples {
+  /// [H·W] alpha of a cut-out, else max(R, G, B), so that an object of any pure colour on black counts; of a picture on
+  /// black the full value where it is not black; of two pure colours, such as red on white, the channel that differs
+  /// most.
+  std::vector<std::uint16_t> value;
+  /// The value that means 1: 255 or 65535. Exceptions: 1 if all values are 0 or 1 (a saved bool array), and 255 if all
+  /// values of a 16-bit file are 0 or 255 (a converted 8-bit mask).
+  float full_scale = 255;
+};
+DecisiveSamples decisive_samples(const MaskSamples& samples);
 /// [H·W] 1: object, the decisive sample is at least 128/255 of the full scale.
 std::vector<std::uint8_t> object_pixels(const MaskSamples& samples);
 

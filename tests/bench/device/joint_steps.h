@@ -38,8 +38,6 @@ class JointSteps {
                         .views = {0, 1, 2, 3},
                         .load_masks = [&](std::size_t) { return bench_.masks; },
                         .load_photo = [&](std::size_t) { return photo_; },
-                        .splat = {},
-                        .fixed = {},
                         .labels = labels_};
     JointOptions options;
     options.steps = 2 * kViews + steps;

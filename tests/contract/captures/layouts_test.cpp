@@ -21,9 +21,7 @@ void move(const Capture& capture, const std::string& from, const std::string& to
 
 /// Imports the capture, which must find all photos, masks and the splat.
 void check_complete(const Capture& capture) {
-  const test::ProcessResult result = capture.import();
-  CAPTURE(result.err);
-  REQUIRE(result.exit_code == 0);
+  test::succeeded(capture.import());
   CHECK(capture.views_with("image") == test::kCaptureViews);
   CHECK(capture.views_with("mask") == test::kCaptureViews);
   CHECK(capture.scene().value("model", "") != "");
@@ -80,8 +78,7 @@ TEST_CASE("the files that macOS adds to archives are no masks, photos or splats"
   const Capture capture;
   for (const char* name : {"masks/._v0.png", "images/._v0.png", "._point_cloud.ply", "masks/__MACOSX/v0.png"})
     capture.dir.write(std::string("c/") + name, "x");
-  const test::ProcessResult result = capture.import();
-  CHECK(result.exit_code == 0);
+  const test::ProcessResult result = test::succeeded(capture.import());
   CHECK(!contains(result.err, "._"));
 }
 
@@ -92,9 +89,7 @@ TEST_CASE("pictures of the object on black are masks, pictures of everything are
   change_masks(on_black, [](bool is_object, std::uint8_t photo, std::size_t) {
     return is_object ? std::uint8_t(std::max<int>(photo, 12)) : std::uint8_t(0);
   });
-  test::ProcessResult result = on_black.import();
-  CAPTURE(result.err);
-  CHECK(result.exit_code == 0);
+  const test::ProcessResult result = test::succeeded(on_black.import());
   CHECK(contains(result.err, "a picture on black, read as object where it is not black"));
   const Capture overlay;
   int pixel = 0;  // photos have more colours than those of the tiny scene
@@ -102,10 +97,10 @@ TEST_CASE("pictures of the object on black are masks, pictures of everything are
     const int photo = 12 + pixel++ * 37 % 240;
     return std::uint8_t(is_object && c == 1 ? photo / 2 + 127 : photo);
   });
-  result = overlay.import();
-  CAPTURE(result.err);
-  CHECK(result.exit_code == 3);
-  CHECK(contains(result.err, "a picture of many colours, expected a mask"));
+  const test::ProcessResult refused = overlay.import();
+  CAPTURE(refused.err);
+  CHECK(refused.exit_code == 3);
+  CHECK(contains(refused.err, "a picture of many colours, expected a mask"));
 }
 
 TEST_CASE("one file with the masks of all photos is named, with the command that takes it apart") {
@@ -238,9 +233,8 @@ TEST_CASE("ngs cut names the views in which the result disagrees with their mask
   const Capture capture;
   for (int i = 0; i < test::kCaptureViews; ++i)
     fs::copy_file(capture.path("masks/v" + std::to_string(i) + ".png"), capture.path("right-" + std::to_string(i)));
-  test::ProcessResult result = capture.run({"ngs", "cut", "c", "-o", "out", "--quality", "draft"});
-  CAPTURE(result.err);
-  CHECK(result.exit_code == 0);
+  const test::ProcessResult result =
+      test::succeeded(capture.run({"ngs", "cut", "c", "-o", "out", "--quality", "draft"}));
   CHECK(!contains(result.err, "disagrees"));
   const io::RawMask mask = io::read_mask_raw(capture.path("masks/v0.png"), io::Palette::kMask);
   ImageU8 other(mask.width_px, mask.height_px, 1);  // a small corner
@@ -248,11 +242,10 @@ TEST_CASE("ngs cut names the views in which the result disagrees with their mask
     for (int x = 0; x < 8; ++x) other.data[std::size_t(y * mask.width_px + x)] = 255;
   fs::remove(capture.path("masks/v0.png"));
   io::write_png(capture.path("masks/v0.png"), other);
-  result = capture.run({"ngs", "cut", "c", "-o", "other", "--quality", "draft", "--json"});
-  CAPTURE(result.err);
-  CHECK(result.exit_code == 0);
-  CHECK(contains(result.err, "the result disagrees with 1 of 6 masks"));
-  CHECK(nlohmann::json::parse(result.out)["result"]["mask_agreement"]["apart"] == nlohmann::json{"v0.png"});
+  const test::ProcessResult changed =
+      test::succeeded(capture.run({"ngs", "cut", "c", "-o", "other", "--quality", "draft", "--json"}));
+  CHECK(contains(changed.err, "the result disagrees with 1 of 6 masks"));
+  CHECK(nlohmann::json::parse(changed.out)["result"]["mask_agreement"]["apart"] == nlohmann::json{"v0.png"});
 }
 
 TEST_CASE("a view without a mask, or with a mask that is empty or full, is named in the summary of ngs cut") {
@@ -269,9 +262,8 @@ TEST_CASE("a view without a mask, or with a mask that is empty or full, is named
   for (const auto& change : changes) {
     const Capture capture;
     change(capture);
-    const test::ProcessResult result = capture.run({"ngs", "cut", "c", "-o", "out", "--quality", "draft", "--json"});
-    CAPTURE(result.err);
-    CHECK(result.exit_code == 0);
+    const test::ProcessResult result =
+        test::succeeded(capture.run({"ngs", "cut", "c", "-o", "out", "--quality", "draft", "--json"}));
     CHECK(contains(result.err, "no mask is used of 1 views: v3.png"));
     CHECK(nlohmann::json::parse(result.out)["result"]["views_without_mask"] == nlohmann::json{"v3.png"});
   }
@@ -359,10 +351,8 @@ TEST_CASE("the vertical axis in a comment is the upward axis of --drop-below-pla
 
 TEST_CASE("tools work without a folder for temporary files at TMPDIR") {
   const Capture capture;
-  const test::ProcessResult result = test::run_tool(test::split("ngs cut c -o out --quality draft"), capture.dir.path(),
-                                                    {{"TMPDIR", capture.path("absent")}});
-  CAPTURE(result.err);
-  CHECK(result.exit_code == 0);
+  test::succeeded(test::run_tool(test::split("ngs cut c -o out --quality draft"), capture.dir.path(),
+                                 {{"TMPDIR", capture.path("absent")}}));
 }
 
 TEST_CASE("pictures at given cameras are called like the photos, and are made again if the cameras change") {

@@ -24,9 +24,7 @@ TEST_CASE("photos and masks are found for names with blanks, other scripts, dots
                                     std::string("100%_'$x'"), std::string(240, 'x')}) {
     CAPTURE(prefix);
     const Capture capture({prefixed(prefix), prefixed(prefix), prefixed(prefix)});
-    const test::ProcessResult result = capture.import();
-    CAPTURE(result.err);
-    CHECK(result.exit_code == 0);
+    const test::ProcessResult result = test::succeeded(capture.import());
     CHECK(capture.views_with("image") == test::kCaptureViews);
     CHECK(capture.views_with("mask") == test::kCaptureViews);
     CHECK(!contains(result.err, "warning"));
@@ -35,8 +33,7 @@ TEST_CASE("photos and masks are found for names with blanks, other scripts, dots
 
 TEST_CASE("photos with names of no view are named together with the view that lacks one") {
   const Capture capture({prefixed("v"), prefixed("DSC_"), prefixed("v")});
-  const test::ProcessResult result = capture.import();
-  CHECK(result.exit_code == 0);
+  const test::ProcessResult result = test::succeeded(capture.import());
   CHECK(
       contains(result.err, "no photo for 6 of 6 views (first: v0.png); ./c/images has other names (first: DSC_0.png)"));
 }
@@ -45,9 +42,7 @@ TEST_CASE("a capture in a folder whose name begins with a dash, with names of al
   const auto name = prefixed("-Gr\xc3\xbc\xc3\x9f 'x' ");
   const Capture capture({name, name, name}, "-cap ture (1)");
   fs::rename(capture.path("point_cloud.ply"), capture.path("-Scan.PLY"));
-  const test::ProcessResult result = capture.run({"ngs", "cut", "--quality", "draft", "--", capture.folder()});
-  CAPTURE(result.err);
-  CHECK(result.exit_code == 0);
+  test::succeeded(capture.run({"ngs", "cut", "--quality", "draft", "--", capture.folder()}));
   const std::string out = capture.dir.path() + "/-cap ture (1)-cut";
   CHECK(fs::exists(out + "/object.ply"));
   CHECK(fs::exists(out + "/masks/" + name(3) + ".png"));

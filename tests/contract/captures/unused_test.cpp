@@ -16,9 +16,7 @@ void copy(const Capture& capture, const std::string& from, const std::string& to
 
 /// Whether import succeeds and prints all parts.
 void check_note(const Capture& capture, const std::vector<std::string>& parts) {
-  const test::ProcessResult result = capture.import();
-  CAPTURE(result.err);
-  CHECK(result.exit_code == 0);
+  const test::ProcessResult result = test::succeeded(capture.import());
   for (const std::string& part : parts) CHECK_MESSAGE(contains(result.err, part), part);
 }
 
@@ -26,8 +24,7 @@ void check_note(const Capture& capture, const std::vector<std::string>& parts) {
 
 TEST_CASE("a plain capture prints no note") {
   const Capture capture;
-  const test::ProcessResult result = capture.import();
-  CHECK(result.exit_code == 0);
+  const test::ProcessResult result = test::succeeded(capture.import());
   CHECK(!contains(result.err, "warning"));
 }
 

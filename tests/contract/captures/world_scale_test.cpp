@@ -41,19 +41,14 @@ TEST_CASE("a capture of any unit is imported without a flag, and gets the labels
   const auto cut = [](const Capture& capture, double factor) {
     CAPTURE(factor);
     if (factor != 1) capture.scale(factor);
-    test::ProcessResult result = capture.import();
-    CAPTURE(result.err);
-    REQUIRE(result.exit_code == 0);
+    test::succeeded(capture.import());
     CHECK((capture.scene().value("world_unit", 1.0) < 1) == (factor < 0.1));
     CHECK(capture.scene()["compat"] == "inria");
     for (const std::vector<std::string>& argv :
          {std::vector<std::string>{"ngs-variance", "s.json", "-o", "b.ply"},
           {"ngs-joint", "s.json", "b.ply", "--quality", "draft", "-o", "labelled.ply"},
-          {"ngs-render", "s.json", "labelled.ply", "--views", "all", "--layers", "mask", "-o", "m"}}) {
-      result = capture.run(argv);
-      CAPTURE(result.err);
-      REQUIRE(result.exit_code == 0);
-    }
+          {"ngs-render", "s.json", "labelled.ply", "--views", "all", "--layers", "mask", "-o", "m"}})
+      test::succeeded(capture.run(argv));
     return labels_in(capture.dir.path());
   };
   const Capture plain;

@@ -249,31 +249,31 @@ TEST_CASE(
     "an empty or full mask is contradicted if the other masks show something else there, not if the view misses it") {
   Capture capture = tiny_capture();
   const auto clear = [&](std::size_t view) { std::ranges::fill(capture.masks[view].target[0], 0.f); };
-  CHECK(capture.check().empty_masks.views.empty());
+  CHECK(capture.check().uniform_masks.views.empty());
   for (const std::size_t lost : {1u, 2u, 4u}) clear(lost);
   const SceneCheck result = capture.check();
-  CHECK(result.empty_masks.contradicted == std::vector<std::size_t>{1, 2, 4});
-  CHECK(result.empty_masks.agreement > 0.8);
+  CHECK(result.uniform_masks.contradicted == std::vector<std::size_t>{1, 2, 4});
+  CHECK(result.uniform_masks.agreement > 0.8);
   REQUIRE(result.warnings.size() == 1);
   CHECK(result.warnings[0].find("3 of 6 masks are empty where the other masks show the object (") == 0);
-  CHECK(capture.check({}, 3).empty_masks.contradicted == result.empty_masks.contradicted);
+  CHECK(capture.check({}, 3).uniform_masks.contradicted == result.uniform_masks.contradicted);
   capture.scene.missing_mask = MissingMask::kEmpty;  // views without a mask mean an empty mask
-  CHECK(capture.check().empty_masks.contradicted.empty());
+  CHECK(capture.check().uniform_masks.contradicted.empty());
   capture.scene.missing_mask = MissingMask::kUnknown;
   std::ranges::fill(capture.masks[4].target[0], 1.f);
   const SceneCheck with_full = capture.check();
-  CHECK(with_full.empty_masks.contradicted == std::vector<std::size_t>{1, 2, 4});
+  CHECK(with_full.uniform_masks.contradicted == std::vector<std::size_t>{1, 2, 4});
   CHECK(with_full.warnings.at(1).find("3 of 6 masks are empty or full where the other masks are not (") == 0);
   Camera& near = capture.scene.views[4].camera;  // its picture shows the ball alone
   near.fx *= 20;
   near.fy *= 20;
-  CHECK(capture.check({.check_views = 0}).empty_masks.contradicted == std::vector<std::size_t>{1, 2});
+  CHECK(capture.check({.check_views = 0}).uniform_masks.contradicted == std::vector<std::size_t>{1, 2});
   near.fx /= 20;
   near.fy /= 20;
   clear(4);
   Camera& away = capture.scene.views[1].camera;  // looks past the object
   away.cx += 10 * away.width_px;
-  CHECK(capture.check({.check_views = 0}).empty_masks.contradicted == std::vector<std::size_t>{2, 4});
+  CHECK(capture.check({.check_views = 0}).uniform_masks.contradicted == std::vector<std::size_t>{2, 4});
 }
 
 TEST_CASE("empty masks of large pictures are judged on cells of their known pixels") {

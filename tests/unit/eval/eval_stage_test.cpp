@@ -26,10 +26,10 @@ TEST_CASE("a pixel is object at and above the threshold") {
 
 TEST_CASE("a file of zeros and ones is recognised") {
   const Samples mask{{0, 1, 1, 0}, 4, 1};
-  CHECK(is_zero_one(mask.view()));
+  CHECK(decisive_samples(mask.view()).full_scale == 1);
   CHECK(binarised(mask.view(), 128) == std::vector<std::uint8_t>{0, 1, 1, 0});
-  CHECK_FALSE(is_zero_one(Samples{{0, 0}, 2, 1}.view()));
-  CHECK_FALSE(is_zero_one(Samples{{0, 1, 2, 0}, 4, 1}.view()));
+  CHECK(decisive_samples(Samples{{0, 0}, 2, 1}.view()).full_scale == 255);
+  CHECK(decisive_samples(Samples{{0, 1, 2, 0}, 4, 1}.view()).full_scale == 255);
 }
 
 TEST_CASE("with several channels the largest colour is used, or alpha if it is not constant") {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "ngs/core/error.h"
-#include "ngs/ops/image/image_metrics.h"
+#include "ngs/ops/image/metrics.h"
 
 namespace ngs {
 namespace {

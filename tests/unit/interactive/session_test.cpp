@@ -52,9 +52,7 @@ TEST_CASE("the labels are bit-identical to those of ngs-variance and flash over 
                         .scene = scene,
                         .views = {0, 1},
                         .load_masks = load,
-                        .load_photo = {},
                         .splat = visit.splat,
-                        .fixed = {},
                         .labels = SharedLabels(label_gaussians({}, evidence))};
   const Solution flash = run_flash(visit.exec, monitor, {}, problem);
   const live::ObjectLabels& live = labels_of(session);

@@ -11,7 +11,6 @@ namespace ngs::os {
 
 bool is_readable(const std::string& path);
 bool is_executable(const std::string& path);
-bool is_pipe(const std::string& path);
 /// Whether the owner can read and write the files and folders that this process makes: umask takes no such right.
 bool owner_keeps_rights();
 

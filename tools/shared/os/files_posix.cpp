@@ -15,11 +15,6 @@ namespace ngs::os {
 bool is_readable(const std::string& path) { return ::access(path.c_str(), R_OK) == 0; }
 bool is_executable(const std::string& path) { return ::access(path.c_str(), X_OK) == 0; }
 
-bool is_pipe(const std::string& path) {
-  struct stat status {};
-  return ::stat(path.c_str(), &status) == 0 && (S_ISFIFO(status.st_mode) || S_ISSOCK(status.st_mode));
-}
-
 bool owner_keeps_rights() {
   const mode_t mask = ::umask(077);
   ::umask(mask);

@@ -44,7 +44,6 @@ bool is_readable(const std::string& path) {
 }
 
 bool is_executable(const std::string& path) { return is_readable(path); }
-bool is_pipe(const std::string&) { return false; }
 bool owner_keeps_rights() { return true; }
 
 FileVersion version_of_file(const std::string& path) {

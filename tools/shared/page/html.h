@@ -20,9 +20,9 @@ std::string duration(double seconds);             // 350 ms, 12.3 s, 4 min 05 s
 
 /// The first cell of each row is the row heading. Cells are HTML.
 struct Table {
-  std::string caption;
-  std::vector<std::string> head;
-  std::vector<std::vector<std::string>> rows;
+  std::string caption = {};
+  std::vector<std::string> head = {};
+  std::vector<std::vector<std::string>> rows = {};
   std::string html() const;
 };
 

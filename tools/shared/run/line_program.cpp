@@ -96,17 +96,17 @@ ChildResult LineProgram::end(ChildResult::End why, double grace_s) {
 LineProgram::Response LineProgram::request(const std::string& line, const ChildLimits& limits) {
   using End = ChildResult::End;
   const double start_s = wall_seconds();
-  if (!process_.is_started()) return {.line = {}, .ended = ended_};
-  if (!send(line + "\n")) return {.line = {}, .ended = end(End::kExited, limits.grace_s)};
+  if (!process_.is_started()) return {.ended = ended_};
+  if (!send(line + "\n")) return {.ended = end(End::kExited, limits.grace_s)};
   while (true) {
     while (std::optional<std::string> found = next_line())
       if (found->starts_with("{")) return {.line = std::move(*found), .ended = std::nullopt};
-    if (limits.stop && limits.stop()) return {.line = {}, .ended = end(End::kStopped, limits.grace_on_stop_s)};
-    if (wall_seconds() - start_s > limits.time_s) return {.line = {}, .ended = end(End::kTimedOut, limits.grace_s)};
+    if (limits.stop && limits.stop()) return {.ended = end(End::kStopped, limits.grace_on_stop_s)};
+    if (wall_seconds() - start_s > limits.time_s) return {.ended = end(End::kTimedOut, limits.grace_s)};
     if (!os::is_readable_within(stdout_fd_, kPollMs)) continue;
     char block[4096];
     const std::int64_t count = os::read_some(stdout_fd_, block, sizeof block);
-    if (count == 0) return {.line = {}, .ended = end(End::kExited, limits.grace_s)};
+    if (count == 0) return {.ended = end(End::kExited, limits.grace_s)};
     if (count > 0) received_.append(block, std::size_t(count));
   }
 }

@@ -19,7 +19,7 @@ class LineProgram {
   LineProgram& operator=(const LineProgram&) = delete;
 
   struct Response {
-    std::string line;                  // without the newline
+    std::string line = {};             // without the newline
     std::optional<ChildResult> ended;  // set: the program has ended and sends no more responses
   };
   /// Sends `line` and returns the next line that begins with '{'. Other lines are ignored: libraries print them. At the

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "ngs/core/error.h"
-#include "ngs/io/files/regular_file.h"
+#include "ngs/io/files/mapped_file.h"
 #include "ngs/io/scene/scene_json.h"
 
 namespace ngs::cli {

@@ -258,8 +258,7 @@ class ContourRun {
                          true);
     const auto whole = [&] {
       write_back(exec_, trainer.result(), rows.rows, model_);
-      return Solution{
-          .cloud = unchanged(model_.cloud), .source_row = model_.source_row, .labels = model_.labels, .figures = {}};
+      return Solution{.cloud = unchanged(model_.cloud), .source_row = model_.source_row, .labels = model_.labels};
     };
     bool ended = false;
     while (!trainer.finished() && !ended && !monitor_.stop_requested()) {
@@ -357,8 +356,6 @@ class ContourRun {
             .splat = setup_.problem.splat,
             .background = setup_.problem.background,
             .seed = setup_.problem.seed + std::uint64_t(iteration),
-            .fixed = {},
-            .labels = {},
             .monitor = &monitor_};
   }
 

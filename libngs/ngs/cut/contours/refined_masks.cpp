@@ -10,7 +10,7 @@
 #include "ngs/problem/view_list.h"
 #include "ngs/render/render_stage.h"
 #include "ngs/scene/mask_threshold.h"
-#include "ngs/scene/resize/enlarge.h"
+#include "ngs/scene/resize.h"
 
 namespace ngs {
 namespace {

@@ -8,7 +8,7 @@
 #include "ngs/ops/splat/evidence.h"
 #include "ngs/options/field.h"
 #include "ngs/scene/labels/boundary_rule.h"
-#include "ngs/scene/labels/label_columns.h"
+#include "ngs/scene/labels/label_column.h"
 
 namespace ngs {
 

@@ -6,6 +6,7 @@
 
 #include "ngs/backend/for_each.h"
 #include "ngs/math/median.h"
+#include "ngs/scene/geometry/unproject.h"
 
 namespace ngs {
 namespace {
@@ -116,11 +117,7 @@ void find_neighbours(const Exec& exec, SurfaceCells& cells) {
 
 }  // namespace
 
-V DepthView::point(int x, int y) const {
-  const double z = double(depth.at(x, y));
-  const V at{(x + 0.5 - camera.cx) / camera.fx * z, (y + 0.5 - camera.cy) / camera.fy * z, z};
-  return transpose(camera.rotation) * (at - camera.translation);
-}
+V DepthView::point(int x, int y) const { return unproject(camera, x + 0.5, y + 0.5, double(depth.at(x, y))); }
 
 DepthView depth_view(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& splat) {
   const double scale = std::min(1.0, double(kDepthSide_px) / std::max(camera.width_px, camera.height_px));

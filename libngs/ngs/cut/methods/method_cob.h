@@ -11,7 +11,7 @@
 // in which the Gaussian is not visible, so its threshold depends on visibility (CobDivisor::kAll). The default
 // divides by the number of views in which the Gaussian is visible.
 #include "ngs/core/monitor.h"
-#include "ngs/cut/methods/cob_options.h"
+#include "ngs/cut/methods/cob_trainer.h"
 #include "ngs/problem/problem.h"
 
 namespace ngs {

@@ -8,10 +8,7 @@ namespace {
 Solution unoptimised_solution(const PassRun& run) {
   const Problem& problem = *run.problem;
   const BoundarySet boundary = boundary_to_train(problem, run.on("boundary"), run.optimisation.allow_empty);
-  return {.cloud = unchanged(problem.cloud),
-          .source_row = {},
-          .labels = {},
-          .figures = {{"steps", 0.0}, {"boundary", double(boundary.size())}}};
+  return {.cloud = unchanged(problem.cloud), .figures = {{"steps", 0.0}, {"boundary", double(boundary.size())}}};
 }
 
 /// Sets the training options that follow from decisions.

@@ -10,7 +10,7 @@
 #include "ngs/backend/exec.h"
 #include "ngs/options/field.h"
 #include "ngs/scene/gaussian_cloud.h"
-#include "ngs/scene/labels/label_columns.h"
+#include "ngs/scene/labels/label_column.h"
 
 namespace ngs {
 

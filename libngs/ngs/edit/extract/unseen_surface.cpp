@@ -9,6 +9,7 @@
 #include "ngs/ops/image/pixel_window.h"
 #include "ngs/orbit/rigs.h"
 #include "ngs/problem/cloud_rows.h"
+#include "ngs/scene/geometry/unproject.h"
 
 namespace ngs {
 namespace {
@@ -54,11 +55,7 @@ class PointImage {
   bool has(int x, int y) const {
     return x >= 0 && y >= 0 && x < depth_.width_px && y < depth_.height_px && depth_.at(x, y) > 0;
   }
-  orbit::Vec at(int x, int y) const {
-    const double z = double(depth_.at(x, y));
-    const orbit::Vec p{z * (x + 0.5 - camera_.cx) / camera_.fx, z * (y + 0.5 - camera_.cy) / camera_.fy, z};
-    return transpose(camera_.rotation) * (p - camera_.translation);
-  }
+  orbit::Vec at(int x, int y) const { return unproject(camera_, x + 0.5, y + 0.5, double(depth_.at(x, y))); }
   /// The shorter of the forward and backward differences along a direction: the longer one may cross a contour.
   orbit::Vec slope(int x, int y, int dx, int dy) const {
     orbit::Vec shortest{0, 0, 0};

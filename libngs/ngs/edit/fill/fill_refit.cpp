@@ -5,7 +5,7 @@
 #include "ngs/core/check.h"
 #include "ngs/edit/fill/hole_seeds.h"
 #include "ngs/make/fit/photo_refit.h"
-#include "ngs/ops/image/image_metrics.h"
+#include "ngs/ops/image/metrics.h"
 
 namespace ngs {
 namespace {
@@ -61,13 +61,10 @@ HoleRefit refit_hole(const Exec& exec, Monitor& monitor, const InpaintedViews& i
   const Problem problem{.cloud = before,
                         .scene = input.scene,
                         .views = input.views,
-                        .load_masks = {},
                         .load_photo = input.picture,
                         .splat = input.splat,
                         .background = input.background,
-                        .seed = input.seed,
-                        .fixed = {},
-                        .labels = {}};
+                        .seed = input.seed};
   RefitOptions options;
   options.epochs = std::clamp(kSteps / int(input.views.size()), kMinEpochs, kMaxEpochs);
   const auto weight = [&](std::size_t v) { return weight_of(input.hole(v), input.scene.views[v].camera); };

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ngs/math/sh.h"
+#include "ngs/scene/geometry/unproject.h"
 
 namespace ngs {
 namespace {
@@ -120,8 +121,7 @@ std::int64_t add_hole_seeds(const HolePicture& view, GaussianCloud& to) {
     const int column = grid.empty()[k] % grid.columns(), row = grid.empty()[k] / grid.columns();
     const double z = 1 / grid.inverse_depth(grid.empty()[k]);
     const double x = (column + 0.5) * kCell_px, y = (row + 0.5) * kCell_px;
-    const Vec3<double> local{z * (x - c.cx) / c.fx, z * (y - c.cy) / c.fy, z};
-    const Vec3<double> world = transpose(c.rotation) * (local - c.translation);
+    const Vec3<double> world = unproject(c, x, y, z);
     const Vec3<float> colour = colour_of_cell(view.picture, column, row);
     const double at[3] = {world.x, world.y, world.z};
     const float dc[3] = {colour.x, colour.y, colour.z};

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "ngs/edit/select/stroke_agreement.h"
-#include "ngs/scene/labels/label_columns.h"
+#include "ngs/scene/labels/label_column.h"
 #include "ngs/scene/views.h"
 
 namespace ngs {

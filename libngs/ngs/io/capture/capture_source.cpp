@@ -16,7 +16,6 @@
 #include "ngs/io/files/folder_index.h"
 #include "ngs/io/files/json_file.h"
 #include "ngs/io/files/mapped_file.h"
-#include "ngs/io/files/regular_file.h"
 #include "ngs/io/files/relative_path.h"
 #include "ngs/io/files/shell_word.h"
 #include "ngs/io/formats/compression/packed_model.h"

@@ -7,7 +7,7 @@
 #include "ngs/io/capture/pose.h"
 #include "ngs/io/files/byte_reader.h"
 #include "ngs/io/files/folder_index.h"
-#include "ngs/io/files/regular_file.h"
+#include "ngs/io/files/mapped_file.h"
 
 namespace ngs::io {
 namespace {

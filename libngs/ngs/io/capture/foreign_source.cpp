@@ -7,8 +7,9 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/files/folder_index.h"
-#include "ngs/io/files/regular_file.h"
+#include "ngs/io/files/mapped_file.h"
 #include "ngs/io/files/shell_word.h"
+#include "ngs/os/input_file.h"
 #include "ngs/scene/view_names.h"
 
 namespace ngs::io {
@@ -103,9 +104,8 @@ void refuse_sequence(const std::string& folder) {
 }  // namespace
 
 void refuse_foreign_file(const std::string& source) {
-  std::error_code absent;
   const bool is_stdin = source == "-";
-  if (is_stdin || fs::is_fifo(source, absent))
+  if (is_stdin || os::is_pipe(source))
     refuse_source(
         source, std::string(is_stdin ? "standard input" : "a pipe") + ", which is read only once",
         "save it first: cat " + (is_stdin ? "" : shell_word(source) + " ") + "> model.ply; then ngs cut model.ply");

@@ -4,7 +4,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/capture/pose.h"
-#include "ngs/io/files/regular_file.h"
+#include "ngs/io/files/mapped_file.h"
 
 namespace ngs::io {
 

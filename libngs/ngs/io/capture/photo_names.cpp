@@ -7,7 +7,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/files/folder_index.h"
-#include "ngs/io/files/regular_file.h"
+#include "ngs/io/files/mapped_file.h"
 #include "ngs/scene/view_names.h"
 
 namespace ngs::io {

@@ -11,7 +11,7 @@
 #include <memory>
 
 #include "ngs/core/error.h"
-#include "ngs/io/files/regular_file.h"
+#include "ngs/io/files/mapped_file.h"
 
 namespace ngs::io {
 namespace {

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "ngs/core/error.h"
-#include "ngs/io/files/regular_file.h"
+#include "ngs/io/files/mapped_file.h"
 #include "ngs/io/files/shell_word.h"
 #include "ngs/scene/view_names.h"
 

@@ -41,4 +41,14 @@ class MappedFile {
   os::FileBytes bytes_;
 };
 
+// Files whose paths come from other files. Unlike a user's argument, such a path may be unsafe to open: a pipe would
+// block, a device would never end.
+bool is_regular_file(const std::string& path);
+
+/// Throws kBadInput if `path` exists and is not a regular file. A missing file is reported when it is opened.
+void require_regular_file(const std::string& path);
+
+/// Throws kBadInput unless `path` is a readable regular file.
+MappedFile map_regular_file(const std::string& path);
+
 }  // namespace ngs::io

@@ -6,7 +6,7 @@
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
-#include "ngs/io/files/regular_file.h"
+#include "ngs/io/files/mapped_file.h"
 #include "ngs/io/image/image_codecs.h"
 #include "ngs/io/image/image_header.h"
 #include "ngs/scene/view_names.h"

@@ -24,7 +24,7 @@ struct Plane {
   ImageF value;          // [H, W, 1] as in the file
   float full_scale = 1;  // of the sample type: 255, 65535, or 1
   bool lossy = false;
-  float used_scale = full_scale;  // of the values in use, see full_scale()
+  float used_scale = full_scale;  // of the values in use, see DecisiveSamples
 };
 
 /// One file interpreted at its own size.
@@ -89,8 +89,11 @@ Plane read_plane(const std::string& path, MaskMode mode, std::vector<std::string
   if (is_label_map)
     for (std::size_t i = 0; i < plane.value.data.size(); ++i)
       plane.value.data[i] = float(raw.data[i * std::size_t(raw.channels)]);
-  else
-    std::ranges::copy(decisive_channel(samples), plane.value.data.begin()), plane.used_scale = full_scale(samples);
+  else {
+    const DecisiveSamples decisive = decisive_samples(samples);
+    std::ranges::copy(decisive.value, plane.value.data.begin());
+    plane.used_scale = decisive.full_scale;
+  }
   return plane;
 }
 

@@ -2,7 +2,7 @@
 
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
-#include "ngs/io/files/regular_file.h"
+#include "ngs/io/files/mapped_file.h"
 #include "ngs/io/image/image_header.h"
 #include "ngs/io/image/size_rule.h"
 

@@ -23,7 +23,7 @@
 #include "ngs/io/ply/ply.h"
 #include "ngs/scene/gaussian_cloud.h"
 #include "ngs/scene/labels/boundary_rule.h"
-#include "ngs/scene/labels/label_columns.h"
+#include "ngs/scene/labels/label_column.h"
 
 namespace ngs::io {
 

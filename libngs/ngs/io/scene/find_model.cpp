@@ -9,7 +9,7 @@
 #include "ngs/core/listed.h"
 #include "ngs/core/parse_number.h"
 #include "ngs/io/files/folder_index.h"
-#include "ngs/io/files/regular_file.h"
+#include "ngs/io/files/mapped_file.h"
 #include "ngs/io/formats/splat_format.h"
 #include "ngs/io/ply/gaussian_columns.h"
 

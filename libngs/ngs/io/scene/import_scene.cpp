@@ -10,7 +10,7 @@
 #include "ngs/core/parse_number.h"
 #include "ngs/io/capture/pose.h"
 #include "ngs/io/files/folder_index.h"
-#include "ngs/io/files/regular_file.h"
+#include "ngs/io/files/mapped_file.h"
 #include "ngs/io/files/shell_word.h"
 #include "ngs/io/files/text_lines.h"
 #include "ngs/io/image/annotations.h"

@@ -7,7 +7,7 @@
 #include "ngs/core/error.h"
 #include "ngs/core/folded_name.h"
 #include "ngs/io/files/folder_index.h"
-#include "ngs/io/files/regular_file.h"
+#include "ngs/io/files/mapped_file.h"
 #include "ngs/io/files/shell_word.h"
 #include "ngs/io/image/annotations.h"
 #include "ngs/io/image/image_file.h"

@@ -1,9 +1,22 @@
 #pragma once
 // Adaptive density control of the fit: clone, split and prune as in 3DGS.
+#include <cstdint>
+#include <vector>
+
 #include "ngs/backend/exec.h"
-#include "ngs/make/fit/fit_state.h"
+#include "ngs/make/fit/gaussian_adam.h"
 
 namespace ngs {
+
+/// The state of a fit: everything that later steps read (make/fit/fit_stage.h).
+struct FitState {
+  std::int64_t step = 0;  // steps done
+  GaussianCloud cloud;
+  GaussianMoments moments;
+  // Over the views in which the Gaussian was visible since the last densification.
+  std::vector<float> gradient_sum;    // [N] Σ |∂L/∂mean| in NDC
+  std::vector<float> gradient_views;  // [N] number of these views
+};
 
 struct DensityRule {
   double gradient = 2e-4;     // mean view-space gradient, per NDC

@@ -7,7 +7,7 @@
 #include "ngs/core/rng.h"
 #include "ngs/make/fit/fit_density.h"
 #include "ngs/math/stable.h"
-#include "ngs/ops/image/image_metrics.h"
+#include "ngs/ops/image/metrics.h"
 #include "ngs/ops/optim/rows.h"
 #include "ngs/problem/view_list.h"
 

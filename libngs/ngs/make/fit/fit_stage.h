@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "ngs/core/monitor.h"
-#include "ngs/make/fit/fit_state.h"
+#include "ngs/make/fit/fit_density.h"
 #include "ngs/ops/losses/photometric.h"
 #include "ngs/ops/optim/resident.h"
 #include "ngs/ops/splat/splat.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "ngs/make/fit/fit_stage.h"
-#include "ngs/ops/image/image_metrics.h"
+#include "ngs/ops/image/metrics.h"
 #include "ngs/ops/losses/photometric.h"
 #include "ngs/ops/optim/adam.h"
 #include "ngs/ops/splat/evidence.h"

@@ -7,6 +7,7 @@
 #include "ngs/backend/for_each.h"
 #include "ngs/core/check.h"
 #include "ngs/core/rng.h"
+#include "ngs/scene/geometry/unproject.h"
 
 namespace ngs::synth {
 namespace {
@@ -210,8 +211,7 @@ std::vector<SparsePoint> sample_points(std::span<const Camera> cameras, std::spa
     const int px = std::min(camera.width_px - 1, int(uniform() * camera.width_px));
     const int py = std::min(camera.height_px - 1, int(uniform() * camera.height_px));
     const double z = double(views[source].depth.at(px, py));
-    const V local{z * (px + 0.5 - camera.cx) / camera.fx, z * (py + 0.5 - camera.cy) / camera.fy, z};
-    const V exact = transpose(camera.rotation) * (local - camera.translation);
+    const V exact = unproject(camera, px + 0.5, py + 0.5, z);
     for (int c = 0; c < 3; ++c) point.rgb[c] = std::uint8_t(std::lround(255 * views[source].colour.at(px, py, c)));
     const double error = kNoisePx * z / camera.fx;
     const double nx = normal(), ny = normal(), nz = normal();

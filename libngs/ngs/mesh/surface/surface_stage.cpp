@@ -20,6 +20,7 @@ constexpr int kViewsPerCell = 2;                // pixels along a view's side fo
 constexpr double kBandCells = 3;                // half-width of the band about the surface
 constexpr double kAll = 0.999, kBeyond = 1.05;  // of the opacity, and of the distance up to which it lies
 constexpr int kLeastGaussians = 10;
+constexpr int kLeastResolution = 16;
 
 orbit::Ball ball_of(Monitor& monitor, const GaussianCloud& cloud) {
   const orbit::SurfacePoints points = orbit::surface_points(cloud);
@@ -132,6 +133,29 @@ void paint(const Exec& exec, const DistanceField& field, TriangleMesh& mesh) {
   paint_unseen(std::move(known), mesh);
 }
 
+/// The coloured surface in a grid; empty if it encloses no volume. More faces than `options.faces` only if its tunnels
+/// and pieces need them.
+ObjectMesh surface_in(const Exec& exec, Monitor& monitor, const SampleGrid& grid, const DistanceField& field,
+                      const std::vector<SurfaceView>& views, const MeshOptions& options) {
+  ObjectMesh out;
+  out.cell = grid.cell;
+  {
+    const auto timed = monitor.scope("surface");
+    out.mesh = iso_surface(exec, grid, blocks_of(views, grid), [&](std::array<int, 3> low, std::vector<float>& values) {
+      field.sample(grid, low, values);
+    });
+  }
+  out.pieces = keep_pieces(options.least_piece, out.mesh);
+  out.extracted_faces = out.mesh.faces.size();
+  if (options.faces > 0) {
+    const auto timed = monitor.scope("simplify");
+    simplify(std::size_t(options.faces), out.mesh);
+  }
+  const auto timed = monitor.scope("colours");
+  paint(exec, field, out.mesh);
+  return out;
+}
+
 }  // namespace
 
 std::vector<FillSurface> planes_behind(const Exec& exec, const GaussianCloud& object, const GaussianCloud& rest,
@@ -157,27 +181,29 @@ ObjectMesh mesh_of(const Exec& exec, Monitor& monitor, const GaussianCloud& clou
         exec, cloud,
         {orbit::even_directions(kDirections), ball_of(monitor, cloud), kViewsPerCell * options.resolution});
   }();
-  ObjectMesh out;
-  const SampleGrid grid = grid_about(bounds_of(views), options.resolution);
-  const DistanceField field(views, kBandCells * grid.cell, planes);
-  out.cell = grid.cell;
-  {
-    const auto timed = monitor.scope("surface");
-    out.mesh = iso_surface(exec, grid, blocks_of(views, grid), [&](std::array<int, 3> low, std::vector<float>& values) {
-      field.sample(grid, low, values);
-    });
-  }
-  out.pieces = keep_pieces(options.least_piece, out.mesh);
+  const Bounds bounds = bounds_of(views);
+  const auto surface_at = [&](int resolution) {
+    const SampleGrid grid = grid_about(bounds, resolution);
+    const DistanceField field(views, kBandCells * grid.cell, planes);
+    return surface_in(exec, monitor, grid, field, views, options);
+  };
+  ObjectMesh out = surface_at(options.resolution);
   if (out.mesh.faces.empty())
     throw Error(ErrorCode::kNothingFound, "the model: its surface encloses no volume, expected a solid object",
                 "raise --resolution for thin parts");
-  out.extracted_faces = out.mesh.faces.size();
-  if (options.faces > 0) {
-    const auto timed = monitor.scope("simplify");
-    simplify(std::size_t(options.faces), out.mesh);
+  const std::size_t most = options.faces > 0 ? std::size_t(options.faces) : out.mesh.faces.size();
+  const std::size_t finest = out.mesh.faces.size();
+  if (finest <= most) return out;
+  int used = options.resolution;
+  for (int r = used / 2; out.mesh.faces.size() > most && r >= kLeastResolution; r /= 2) {
+    ObjectMesh coarser = surface_at(r);
+    if (coarser.mesh.faces.empty() || coarser.mesh.faces.size() >= out.mesh.faces.size()) break;
+    out = std::move(coarser);
+    used = r;
   }
-  const auto timed = monitor.scope("colours");
-  paint(exec, field, out.mesh);
+  monitor.warn("--faces " + std::to_string(most) + ": the tunnels and pieces of the surface need " +
+               std::to_string(finest) + " faces at --resolution " + std::to_string(options.resolution) +
+               "; the mesh has " + std::to_string(out.mesh.faces.size()) + ", at --resolution " + std::to_string(used));
   return out;
 }
 

@@ -10,12 +10,10 @@
 #include <mutex>
 
 #include "ngs/backend/exec.h"
+#include "ngs/ops/field/field_types.h"
 #include "ngs/ops/field/film_mlp_layout.h"
-#include "ngs/ops/field/film_mlp_types.h"
 #include "ngs/ops/field/hash_grid_kernels.h"
 #include "ngs/ops/field/ray_query_kernels.h"
-#include "ngs/ops/field/rbf_types.h"
-#include "ngs/ops/field/volume_types.h"
 #include "ngs/ops/losses/loss_align_kernels.h"
 #include "ngs/ops/losses/loss_cont_kernels.h"
 #include "ngs/ops/losses/loss_mask_kernels.h"

@@ -7,8 +7,8 @@
 // clamp.
 // Results, parameter gradients included, do not depend on exec.threads.
 #include "ngs/backend/exec.h"
+#include "ngs/ops/field/field_types.h"
 #include "ngs/ops/field/film_mlp_layout.h"
-#include "ngs/ops/field/film_mlp_types.h"
 #include "ngs/scene/param_store.h"
 
 namespace ngs {

@@ -5,7 +5,7 @@
 // form where that is defined, and tends to the nearest neighbour where the printed form is 0/0 (C22). With an empty
 // graph (no boundary Gaussians) every feature is 0. Results do not depend on exec.threads.
 #include "ngs/backend/exec.h"
-#include "ngs/ops/field/rbf_types.h"
+#include "ngs/ops/field/field_types.h"
 
 namespace ngs {
 

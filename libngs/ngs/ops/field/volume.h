@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "ngs/backend/exec.h"
-#include "ngs/ops/field/volume_types.h"
+#include "ngs/ops/field/field_types.h"
 
 namespace ngs {
 

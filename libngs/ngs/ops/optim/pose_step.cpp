@@ -150,7 +150,7 @@ Camera moved(Camera camera, const CameraMotion& motion) {
 }
 
 PoseStep pose_step(const RenderedView& view, const ImageF& photo, const Camera& camera, const CameraMotion& so_far,
-                   const std::vector<std::uint8_t>& compared) {
+                   int pixel_step) {
   NGS_CHECK(view.colour.width_px == photo.width_px && view.colour.height_px == photo.height_px &&
                 view.colour.channels == photo.channels && !view.depth.empty(),
             "pose_step: needs a view with depth and a photo of the same size");
@@ -159,8 +159,9 @@ PoseStep pose_step(const RenderedView& view, const ImageF& photo, const Camera& 
   if (!(depth > 0)) return step;
   ImageF from = smoothed_for_pose(view.colour);
   std::vector<std::size_t> pixels;
-  for (std::size_t p = 0; p < view.alpha.data.size(); ++p)
-    if (view.alpha.data[p] > kSolid && (compared.empty() || compared[p])) pixels.push_back(p);
+  for (int y = 0; y < photo.height_px; y += pixel_step)
+    for (int x = 0; x < photo.width_px; x += pixel_step)
+      if (view.alpha.at(x, y) > kSolid) pixels.push_back(std::size_t(y) * std::size_t(photo.width_px) + std::size_t(x));
   match_exposure(photo, pixels, from);
   const Sums sums = linearise(from, photo, view, camera, depth, pixels);
   if (!(sums.weight > 0)) return step;

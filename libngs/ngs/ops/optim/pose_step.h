@@ -30,8 +30,8 @@ ImageF smoothed_for_pose(const ImageF& in);
 /// `view`: colour, alpha and depth at `camera`. `photo`: of the same size, already smoothed by smoothed_for_pose(). The
 /// colour of the view is smoothed here, and its exposure is matched to the photo by a gain and an offset per channel.
 /// `so_far`: the sum of the previous motions, which a weak prior keeps small where the photo does not determine them (a
-/// turn and a move across the line of sight look alike). `compared` [H, W] 1: the pixel counts; empty: all do. Serial.
+/// turn and a move across the line of sight look alike). Every `pixel_step`-th column and row counts. Serial.
 PoseStep pose_step(const RenderedView& view, const ImageF& photo, const Camera& camera, const CameraMotion& so_far,
-                   const std::vector<std::uint8_t>& compared = {});
+                   int pixel_step = 1);
 
 }  // namespace ngs

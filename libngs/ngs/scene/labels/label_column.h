@@ -137,4 +137,15 @@ class LabelColumn {
   std::vector<std::shared_ptr<Page>> page_;  // null: all 0
 };
 
+struct LabelColumns {
+  LabelColumn label;     // [N] final label in [0, 1]; 1 = object
+  LabelColumn prob;      // [N] f = Σ αTM / Σ αT (closed form) or the optimised sigmoid
+  LabelColumn variance;  // [N] normalised mask variance in [0, 1]                         Eq. (3)
+  LabelColumn views;     // [N] number of views with evidence; 0 = never seen
+  LabelColumn boundary;  // [N] 1 = member of the boundary set
+};
+
+inline constexpr LabelColumn LabelColumns::*kLabelColumns[] = {
+    &LabelColumns::label, &LabelColumns::prob, &LabelColumns::variance, &LabelColumns::views, &LabelColumns::boundary};
+
 }  // namespace ngs

@@ -41,11 +41,8 @@ struct Bar {
             .scene = scene,
             .views = views,
             .load_masks = [this](std::size_t v) { return masks[v]; },
-            .load_photo = {},
-            .splat = {},
             .background = {0, 0, 0},
             .seed = 1,
-            .fixed = {},
             .labels = labels};
   }
 };

@@ -25,15 +25,7 @@ struct Cells {
     }
   }
   Problem problem(std::vector<std::uint8_t> region) const {
-    return {.cloud = cloud,
-            .scene = scene,
-            .views = {},
-            .load_masks = {},
-            .load_photo = {},
-            .splat = {},
-            .fixed = {0, 0, 0, 0, 0, 1},
-            .labels = labels,
-            .region = std::move(region)};
+    return {.cloud = cloud, .scene = scene, .fixed = {0, 0, 0, 0, 0, 1}, .labels = labels, .region = std::move(region)};
   }
 };
 

@@ -174,7 +174,7 @@ TEST_CASE("a palette PNG mask gives its greys in any palette order, or a tracker
   const auto values = [&](const std::string& palette, Palette meaning) {
     dir.write("p.png", raw_png(3, 1, 8, 3, std::string("\0\0\1\1", 4), palette));
     const RawMask mask = read_mask_raw(dir.file("p.png"), meaning);
-    return decisive_channel(mask.samples());
+    return decisive_samples(mask.samples()).value;
   };
   using Values = std::vector<std::uint16_t>;
   const std::string white_first("\xff\xff\xff\0\0\0", 6), tracker("\0\0\0\x80\0\0", 6), red_first("\xff\0\0\0\0\0", 6);

@@ -9,7 +9,7 @@
 #include "ngs/make/fit/fit_stage.h"
 #include "ngs/make/synth/synth_render.h"
 #include "ngs/math/stable.h"
-#include "ngs/ops/image/image_metrics.h"
+#include "ngs/ops/image/metrics.h"
 #include "support/error_code.h"
 
 namespace ngs {

@@ -10,6 +10,7 @@
 #include "ngs/mesh/measures.h"
 #include "support/error_code.h"
 #include "support/mesh_truth.h"
+#include "support/random.h"
 
 namespace ngs {
 namespace {
@@ -141,7 +142,38 @@ TEST_CASE("a ring keeps its hole, two balls stay two pieces") {
   check_closed(ring.mesh);
   CHECK(std::ssize(ring.mesh.vertices) == std::ssize(ring.mesh.faces) / 2);  // Euler number 0
   CHECK(test::score_of(ring.mesh, scene, 0, {}, kNear).iou > 0.9);
-  CHECK(mesh_of(test::splat_of(scene.objects[1], 4000)).pieces.kept == 2);
+  const GaussianCloud balls = test::splat_of(scene.objects[1], 4000);
+  const mesh::ObjectMesh two = mesh_of(balls), again = mesh_of(balls, 3);
+  CHECK(two.pieces.kept == 2);
+  CHECK(two.mesh.faces == again.mesh.faces);
+}
+
+TEST_CASE("a foam, whose tunnels need more faces than allowed, is extracted from a coarser grid") {
+  synth::Object foam{"foam", {}, {}};
+  test::Random random(3);
+  for (int k = 0; k < 60; ++k)
+    foam.solids.push_back(
+        synth::sphere({random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5)}, 0.14));
+  mesh::MeshOptions options;
+  options.resolution = 128;
+  options.faces = 100;
+  Monitor monitor;
+  const mesh::ObjectMesh object = mesh::mesh_of({.threads = 2}, monitor, test::splat_of(foam, 8000), options);
+  check_closed(object.mesh);
+  CHECK(object.mesh.faces.size() <= 100);
+  REQUIRE(monitor.warnings().size() == 1);
+  CHECK(monitor.warnings()[0].find("--faces 100: the tunnels and pieces of the surface need") == 0);
+}
+
+TEST_CASE("the mesh of a capture shows its middle, and a warning names the surroundings") {
+  GaussianCloud cloud = test::splat_of(ball_scene().objects[0], 4000);
+  for (std::size_t i = 0; i < 3 * 400; ++i) cloud.position[i] *= 60;
+  mesh::MeshOptions options;
+  options.resolution = 32;
+  Monitor monitor;
+  check_closed(mesh::mesh_of({.threads = 2}, monitor, cloud, options).mesh);
+  REQUIRE(monitor.warnings().size() == 1);
+  CHECK(monitor.warnings()[0].find("like a capture with its surroundings") != std::string::npos);
 }
 
 TEST_CASE("too few, transparent and unusable Gaussians are refused") {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "ngs/core/rng.h"
-#include "ngs/ops/image/image_metrics.h"
+#include "ngs/ops/image/metrics.h"
 
 namespace ngs {
 namespace {

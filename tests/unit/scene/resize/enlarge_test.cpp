@@ -1,6 +1,6 @@
-#include "ngs/scene/resize/enlarge.h"
-
 #include <doctest/doctest.h>
+
+#include "ngs/scene/resize.h"
 
 namespace ngs {
 namespace {

@@ -14,13 +14,13 @@ class FloatersPass : public Pass {
   void run(PassRun& run) override;
 };
 
-constexpr int kDraftShrink = 2;
+constexpr int kCoarseShrink = 2;
 constexpr int kRefitEpochs = 3;  // contour refinement trains the same colours further
-constexpr std::size_t kDraftViews = 48;
+constexpr std::size_t kCoarseViews = 48;
 
-/// True: search in at most kDraftViews and refit, at half the decision size. Used for drafts and with a time
-/// budget. A resumed run repeats the choice of the stopped run.
-bool is_draft(const PassRun& run) {
+/// Whether to search in at most kCoarseViews and to refit at half the decision size: in drafts and with a time budget.
+/// A resumed run repeats the choice of the stopped run.
+bool is_coarse(const PassRun& run) {
   const Json kept = run.resume.before ? run.resume.before->value("floaters", Json()) : Json();
   if (kept.is_object() && kept.value("draft", Json()).is_boolean()) return kept["draft"].get<bool>();
   return preset_of(run.training.joint.quality).half_floaters || run.budget.is_set();
@@ -59,9 +59,9 @@ std::vector<Effect> FloatersPass::effects() const {
 
 void FloatersPass::run(PassRun& run) {
   FloaterOptions options;
-  const bool draft = is_draft(run);
-  if (draft) options.max_views = kDraftViews;
-  const int shrink = decision_shrink(run.problem->scene) * (draft ? kDraftShrink : 1);
+  const bool coarse_search = is_coarse(run);
+  if (coarse_search) options.max_views = kCoarseViews;
+  const int shrink = decision_shrink(run.problem->scene) * (coarse_search ? kCoarseShrink : 1);
   const CoarseInput coarse(*run.problem, shrink);
   coarse.preload(run.exec);
   const FloaterFinding finding = find_floaters(run.exec, run.monitor, options, coarse.get());
@@ -73,7 +73,7 @@ void FloatersPass::run(PassRun& run) {
                                        : "Gaussians in front of the object hide too little of it";
   report["sees_past"] = options.sees_past, report["least_hidden"] = options.min_hidden;
   note(finding.figures, report);
-  run.resume.state["floaters"] = {{"draft", draft}};
+  run.resume.state["floaters"] = {{"draft", coarse_search}};
 }
 
 std::unique_ptr<Pass> make_floaters_pass() { return std::make_unique<FloatersPass>(); }

@@ -60,11 +60,8 @@ struct Pane {
   Problem problem() const {
     Problem in{.cloud = cloud,
                .scene = scene,
-               .views = {},
                .load_masks = [this](std::size_t v) { return masks[v]; },
                .load_photo = [](std::size_t) { return ImageF(); },
-               .splat = {},
-               .fixed = {},
                .labels = labels};
     for (std::size_t v = 0; v < scene.views.size(); ++v) in.views.push_back(v);
     return in;

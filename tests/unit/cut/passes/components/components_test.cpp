@@ -132,10 +132,7 @@ TEST_CASE("a label trained on a disconnected Gaussian is restored, one next to t
   ComponentCase c;
   c.claim(200, 0, 9, 0.2f, kViews), c.claim(201, 0, 3.3f, 0.2f, kViews), c.claim(202, 0, 9, 0.8f, kViews);
   const Problem input = c.base->input();
-  Solution trained{.cloud = unchanged(c.base->model),
-                   .source_row = {},
-                   .labels = std::vector<LabelColumns>(input.labels),
-                   .figures = {}};
+  Solution trained{.cloud = unchanged(c.base->model), .labels = std::vector<LabelColumns>(input.labels)};
   for (const std::size_t row : {200, 201}) trained.labels[0].prob[row] = trained.labels[0].label[row] = 0.6f;
   CHECK(restore_disconnected_labels({}, input, trained) == 1);
   CHECK(trained.labels[0].prob[200] == 0.2f);
@@ -148,10 +145,7 @@ TEST_CASE("halves get their parent's label back, rows fixed by hand do not chang
   ComponentCase c;
   c.claim(200, 0, 9, 0.2f, kViews);
   Problem input = c.base->input();
-  Solution trained{.cloud = unchanged(c.base->model),
-                   .source_row = {},
-                   .labels = std::vector<LabelColumns>(input.labels),
-                   .figures = {}};
+  Solution trained{.cloud = unchanged(c.base->model), .labels = std::vector<LabelColumns>(input.labels)};
   for (std::size_t i = 0; i < std::size_t(trained.cloud->size()); ++i) trained.source_row.push_back(std::int64_t(i));
   std::swap(trained.source_row[200], trained.source_row[203]);
   trained.labels[0].prob[200] = 0.6f;

@@ -1,4 +1,4 @@
-#include "ngs/capture/empty_masks.h"
+#include "ngs/capture/uniform_masks.h"
 
 #include <algorithm>
 #include <limits>
@@ -87,8 +87,8 @@ PixelCounts count_pixels(const ImageF& shown, const ViewMasks& masks) {
 
 }  // namespace
 
-EmptyMasks check_empty_masks(const Exec& exec, Monitor& monitor, const EmptyMaskInputs& in) {
-  EmptyMasks result{in.plain, {}, 1};
+UniformMasks check_uniform_masks(const Exec& exec, Monitor& monitor, const UniformMaskInputs& in) {
+  UniformMasks result{in.plain, {}, 1};
   if (in.plain.empty() || in.others.empty()) return result;
   const auto timed = monitor.scope("empty masks");
   const std::vector<std::size_t> labelling = spread_views(in.others, kMaxLabelling);

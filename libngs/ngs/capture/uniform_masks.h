@@ -16,7 +16,7 @@ namespace ngs {
 
 inline constexpr double kMinMaskAgreement = 0.5;  // IoU
 
-struct EmptyMaskInputs {
+struct UniformMaskInputs {
   const GaussianCloud& cloud;
   const Scene& scene;
   std::vector<std::size_t> plain, others;  // indices of scene.views, each with a mask; plain: empty or full
@@ -24,6 +24,6 @@ struct EmptyMaskInputs {
 };
 
 /// `contradicted` stays empty if the agreement is below kMinMaskAgreement: the masks then do not locate the object.
-EmptyMasks check_empty_masks(const Exec& exec, Monitor& monitor, const EmptyMaskInputs& in);
+UniformMasks check_uniform_masks(const Exec& exec, Monitor& monitor, const UniformMaskInputs& in);
 
 }  // namespace ngs
