@@ -10,7 +10,7 @@
 #include "ngs/render/render_options.h"
 #include "ngs/render/render_stage.h"
 #include "ngs/scene/mask_threshold.h"
-#include "ngs/scene/resize/shrink.h"
+#include "ngs/scene/resize.h"
 
 namespace ngs {
 namespace {

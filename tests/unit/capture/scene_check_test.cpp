@@ -299,7 +299,7 @@ TEST_CASE("empty masks of large pictures are judged on cells of their known pixe
   for (const std::size_t lost : {1u, 4u})
     for (std::size_t p = 0; p < capture.masks[lost].known.size(); ++p)
       if (capture.masks[lost].known[p] != 0) capture.masks[lost].target[0][p] = 0;
-  const EmptyMasks found = capture.check({.check_views = 0}).empty_masks;
+  const UniformMasks found = capture.check({.check_views = 0}).uniform_masks;
   CHECK(found.contradicted == std::vector<std::size_t>{1, 4});
   CHECK(found.agreement > 0.8);
 }
