@@ -1,7 +1,6 @@
 #include "ngs/capture/uniform_masks.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "ngs/math/median.h"
 #include "ngs/ops/neighbours/knn.h"
@@ -10,13 +9,11 @@
 #include "ngs/render/render_options.h"
 #include "ngs/render/render_stage.h"
 #include "ngs/scene/mask_threshold.h"
-#include "ngs/scene/resize.h"
 
 namespace ngs {
 namespace {
 
 constexpr std::size_t kMaxLabelling = 16, kMaxCompared = 8;  // views
-constexpr int kJudgedSide_px = 400;                          // longest side of the smallest image, after reduction
 constexpr double kMinOfUsual = 0.25, kMinOfFull = 0.5;
 
 /// Pixel counts of a view, over pixels with a known mask.
@@ -44,35 +41,6 @@ LabelColumns label_of_any(const Exec& exec, const GaussianCloud& cloud, const st
   return any;
 }
 
-int reduction_of(const Scene& scene) {
-  int smallest_px = std::numeric_limits<int>::max();
-  for (const SceneView& view : scene.views)
-    smallest_px = std::min(smallest_px, std::max(view.camera.width_px, view.camera.height_px));
-  return (smallest_px + kJudgedSide_px - 1) / kJudgedSide_px;
-}
-
-/// A cell has the mean of its known pixels, and is unknown if it has none.
-ViewMasks shrunk_known(ViewMasks masks, int factor) {
-  if (factor == 1 || !masks.available) return masks;
-  ImageF plane(masks.width_px, masks.height_px, 1);
-  std::vector<float> known;
-  if (!masks.known.empty()) {
-    std::ranges::transform(masks.known, plane.data.begin(), [](auto value) { return float(value != 0); });
-    known = shrunk(plane, factor).data;
-  }
-  for (std::vector<float>& target : masks.target) {
-    for (std::size_t p = 0; p < target.size(); ++p)
-      plane.data[p] = masks.known.empty() || masks.known[p] != 0 ? target[p] : 0;
-    target = shrunk(plane, factor).data;
-    for (std::size_t p = 0; p < known.size(); ++p) target[p] /= std::max(known[p], 1e-9f);
-  }
-  masks.known.assign(known.size(), 0);
-  std::ranges::transform(known, masks.known.begin(), [](float share) { return share > 0; });
-  masks.width_px = shrunk_size_px(masks.width_px, factor);
-  masks.height_px = shrunk_size_px(masks.height_px, factor);
-  return masks;
-}
-
 PixelCounts count_pixels(const ImageF& shown, const ViewMasks& masks) {
   PixelCounts counts;
   for (std::size_t p = 0; p < shown.data.size(); ++p) {
@@ -92,16 +60,11 @@ UniformMasks check_uniform_masks(const Exec& exec, Monitor& monitor, const Unifo
   if (in.plain.empty() || in.others.empty()) return result;
   const auto timed = monitor.scope("empty masks");
   const std::vector<std::size_t> labelling = spread_views(in.others, kMaxLabelling);
-  Scene scene = in.scene;
-  const int factor = reduction_of(scene);
-  for (SceneView& view : scene.views) view.camera = shrunk(view.camera, factor);
-  const auto load_masks = [&](std::size_t view) { return shrunk_known(in.load_masks(view), factor); };
-  const SplatOptions splat =
-      prepared_for(exec, filter_at_scale(splat_options({}, in.cloud, scene), 1.0 / factor), in.cloud);
-  const Evidence evidence = accumulate_evidence(exec, monitor, {in.cloud, scene, labelling, splat, load_masks});
+  const SplatOptions splat = prepared_for(exec, splat_options({}, in.cloud, in.scene), in.cloud);
+  const Evidence evidence = accumulate_evidence(exec, monitor, {in.cloud, in.scene, labelling, splat, in.load_masks});
   const LabelChannels labels(exec, in.cloud, {label_of_any(exec, in.cloud, label_gaussians({}, evidence))});
   const auto count = [&](std::size_t view) {
-    return count_pixels(labels.masks(exec, scene.views[view].camera, splat), load_masks(view));
+    return count_pixels(labels.masks(exec, in.scene.views[view].camera, splat), in.load_masks(view));
   };
   double both = 0, either = 0;
   std::vector<double> usual;

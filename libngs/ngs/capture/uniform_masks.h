@@ -3,10 +3,10 @@
 // it fill the picture, or is the file no mask?
 //
 // Up to 16 of the masks that are not empty label the Gaussians visible in their views (closed form,
-// cut/evidence/variance_stage.h), at about 400 px; an unseen Gaussian gets the label of the nearest seen one. The
-// labels are rendered in the views with such a mask, with occlusion. An empty mask is contradicted if the rendered
-// object covers more than a quarter of its usual area, a full one if it covers less than half of the picture. Limit:
-// background that the other views show only through the object, such as the wall behind it, is labelled as object.
+// cut/evidence/variance_stage.h); an unseen Gaussian gets the label of the nearest seen one. The labels are rendered in
+// the views with such a mask, with occlusion. An empty mask is contradicted if the rendered object covers more than a
+// quarter of its usual area, a full one if it covers less than half of the picture. Limit: background that the other
+// views show only through the object, such as the wall behind it, is labelled as object.
 #include "ngs/capture/scene_findings.h"
 #include "ngs/core/monitor.h"
 #include "ngs/cut/evidence/variance_stage.h"

@@ -3,7 +3,6 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <utility>
 
 #include "ngs/core/error.h"
 #include "support/checked_capture.h"
@@ -274,34 +273,6 @@ TEST_CASE(
   Camera& away = capture.scene.views[1].camera;  // looks past the object
   away.cx += 10 * away.width_px;
   CHECK(capture.check({.check_views = 0}).uniform_masks.contradicted == std::vector<std::size_t>{2, 4});
-}
-
-TEST_CASE("empty masks of large pictures are judged on cells of their known pixels") {
-  Capture capture = tiny_capture();
-  constexpr int kFactor = 12;
-  for (std::size_t v = 0; v < capture.masks.size(); ++v) {
-    Camera& camera = capture.scene.views[v].camera;
-    ViewMasks& masks = capture.masks[v];
-    const std::vector<float> from = std::exchange(masks.target[0], {});
-    masks.width_px *= kFactor;
-    masks.height_px *= kFactor;
-    camera.width_px = masks.width_px;
-    camera.height_px = masks.height_px;
-    for (double* length : {&camera.fx, &camera.fy, &camera.cx, &camera.cy}) *length *= kFactor;
-    for (int y = 0; y < masks.height_px; ++y)
-      for (int x = 0; x < masks.width_px; ++x) {
-        const bool known = x % 2 == 1;  // unknown pixels have the value of the wrong side
-        const float at = from[std::size_t(y / kFactor * (masks.width_px / kFactor) + x / kFactor)];
-        masks.target[0].push_back(known ? at : 1 - at);
-        masks.known.push_back(known);
-      }
-  }
-  for (const std::size_t lost : {1u, 4u})
-    for (std::size_t p = 0; p < capture.masks[lost].known.size(); ++p)
-      if (capture.masks[lost].known[p] != 0) capture.masks[lost].target[0][p] = 0;
-  const UniformMasks found = capture.check({.check_views = 0}).uniform_masks;
-  CHECK(found.contradicted == std::vector<std::size_t>{1, 4});
-  CHECK(found.agreement > 0.8);
 }
 
 TEST_CASE("coverage counts known pixels only") {
