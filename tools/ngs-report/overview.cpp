@@ -26,7 +26,7 @@ constexpr Colour kPaper{kPaperBehind.x, kPaperBehind.y, kPaperBehind.z}, kOrange
 
 /// `dark`: the image in dark mode; empty: the same.
 std::string image_html(const char* state, const ImageF& image, const std::string& alt, const ImageF& dark = {}) {
-  const std::string img = "<img alt=\"" + escaped(alt) + "\" class=" + state +
+  std::string img = "<img alt=\"" + escaped(alt) + "\" class=" + state +
                           " width=" + std::to_string(image.width_px) + " height=" + std::to_string(image.height_px) +
                           " src=\"" + jpeg_source(to_bytes(image), 85) + "\">";
   if (dark.empty()) return img;

@@ -186,10 +186,10 @@ void add_scene_files(RunFolder& run) {
 }  // namespace
 
 const Json& RunFolder::report(std::string_view name) const {
-  static const Json kNothing;
+  static const Json nothing;
   for (const ToolReport& tool : reports)
     if (tool.name == name) return tool.report;
-  return kNothing;
+  return nothing;
 }
 
 bool RunFolder::has_input_as_truth() const {

@@ -84,9 +84,9 @@ std::string bar_row(const char* row_class, const std::string& name, const Json& 
 }
 
 const Json& list_at(const Json& json, std::initializer_list<std::string_view> keys) {
-  static const Json kEmptyList = Json::array();
+  static const Json empty = Json::array();
   const Json& value = value_at(json, keys);
-  return value.is_array() ? value : kEmptyList;
+  return value.is_array() ? value : empty;
 }
 
 /// True if the result was made from a mask of this view, which biases its scores.

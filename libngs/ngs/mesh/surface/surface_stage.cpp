@@ -135,8 +135,10 @@ void paint(const Exec& exec, const DistanceField& field, TriangleMesh& mesh) {
 
 /// The coloured surface in a grid; empty if it encloses no volume. More faces than `options.faces` only if its tunnels
 /// and pieces need them.
-ObjectMesh surface_in(const Exec& exec, Monitor& monitor, const SampleGrid& grid, const DistanceField& field,
-                      const std::vector<SurfaceView>& views, const MeshOptions& options) {
+ObjectMesh surface_in(const Exec& exec, Monitor& monitor, const std::vector<SurfaceView>& views,
+                      const std::vector<FillSurface>& planes, const MeshOptions& options) {
+  const SampleGrid grid = grid_about(bounds_of(views), options.resolution);
+  const DistanceField field(views, kBandCells * grid.cell, planes);
   ObjectMesh out;
   out.cell = grid.cell;
   {
@@ -181,11 +183,10 @@ ObjectMesh mesh_of(const Exec& exec, Monitor& monitor, const GaussianCloud& clou
         exec, cloud,
         {orbit::even_directions(kDirections), ball_of(monitor, cloud), kViewsPerCell * options.resolution});
   }();
-  const Bounds bounds = bounds_of(views);
   const auto surface_at = [&](int resolution) {
-    const SampleGrid grid = grid_about(bounds, resolution);
-    const DistanceField field(views, kBandCells * grid.cell, planes);
-    return surface_in(exec, monitor, grid, field, views, options);
+    MeshOptions at = options;
+    at.resolution = resolution;
+    return surface_in(exec, monitor, views, planes, at);
   };
   ObjectMesh out = surface_at(options.resolution);
   if (out.mesh.faces.empty())

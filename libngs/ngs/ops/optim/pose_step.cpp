@@ -69,8 +69,14 @@ struct Sums {
   double error = 0, weight = 0, texture = 0;
 };
 
-Sums linearise(const ImageF& from, const ImageF& to, const RenderedView& view, const Camera& camera, double depth,
-               const std::vector<std::size_t>& pixels) {
+/// The view's colour and the photo, and the pixels at which they are compared.
+struct Compared {
+  const ImageF &from, &to;
+  const std::vector<std::size_t>& pixels;
+};
+
+Sums linearise(const Compared& compared, const RenderedView& view, const Camera& camera, double depth) {
+  const auto& [from, to, pixels] = compared;
   Sums s;
   for (const std::size_t p : pixels) {
     const int x = int(p % std::size_t(to.width_px)), y = int(p / std::size_t(to.width_px));
@@ -163,7 +169,7 @@ PoseStep pose_step(const RenderedView& view, const ImageF& photo, const Camera& 
     for (int x = 0; x < photo.width_px; x += pixel_step)
       if (view.alpha.at(x, y) > kSolid) pixels.push_back(std::size_t(y) * std::size_t(photo.width_px) + std::size_t(x));
   match_exposure(photo, pixels, from);
-  const Sums sums = linearise(from, photo, view, camera, depth, pixels);
+  const Sums sums = linearise({from, photo, pixels}, view, camera, depth);
   if (!(sums.weight > 0)) return step;
   step.error = sums.error / sums.weight;
   if (!(sums.texture > kMinTexture * sums.weight)) return step;
