@@ -26,9 +26,8 @@ constexpr Colour kPaper{kPaperBehind.x, kPaperBehind.y, kPaperBehind.z}, kOrange
 
 /// `dark`: the image in dark mode; empty: the same.
 std::string image_html(const char* state, const ImageF& image, const std::string& alt, const ImageF& dark = {}) {
-  std::string img = "<img alt=\"" + escaped(alt) + "\" class=" + state +
-                          " width=" + std::to_string(image.width_px) + " height=" + std::to_string(image.height_px) +
-                          " src=\"" + jpeg_source(to_bytes(image), 85) + "\">";
+  std::string img = "<img alt=\"" + escaped(alt) + "\" class=" + state + " width=" + std::to_string(image.width_px) +
+                    " height=" + std::to_string(image.height_px) + " src=\"" + jpeg_source(to_bytes(image), 85) + "\">";
   if (dark.empty()) return img;
   return "<picture><source media=\"(prefers-color-scheme:dark)\" srcset=\"" + jpeg_source(to_bytes(dark), 85) + "\">" +
          img + "</picture>";
