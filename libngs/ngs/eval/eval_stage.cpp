@@ -101,11 +101,10 @@ bool is_black_and_white(const MaskSamples& samples) {
                      [](std::uint16_t value) { return value == 0 || value == 255; });
 }
 
-std::vector<std::uint8_t> binarised(const MaskSamples& samples, double threshold) {
-  const auto [plane, scale] = decisive_samples(samples);
-  const double limit = scale == 1 ? 1.0 : threshold * (double(scale) / 255);
-  std::vector<std::uint8_t> mask(plane.size());
-  for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = double(plane[i]) >= limit;
+std::vector<std::uint8_t> binarised(const DecisiveSamples& samples, double threshold) {
+  const double limit = samples.full_scale == 1 ? 1.0 : threshold * (double(samples.full_scale) / 255);
+  std::vector<std::uint8_t> mask(samples.value.size());
+  for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = double(samples.value[i]) >= limit;
   return mask;
 }
 
@@ -145,10 +144,11 @@ std::vector<PairScore> evaluate_pair(const Exec& exec, const EvalOptions& option
     return resized_nearest(plane.data(), pair.predicted.width_px, pair.predicted.height_px, w, h);
   };
   if (!options.label_map) {
+    const DecisiveSamples predicted = decisive_samples(pair.predicted), truth = decisive_samples(pair.truth);
     PairScore score = score_planes(
-        exec, pair, {fitted(binarised(pair.predicted, options.threshold)), binarised(pair.truth, options.threshold)});
-    score.predicted_zero_one = decisive_samples(pair.predicted).full_scale == 1;
-    score.truth_zero_one = decisive_samples(pair.truth).full_scale == 1;
+        exec, pair, {fitted(binarised(predicted, options.threshold)), binarised(truth, options.threshold)});
+    score.predicted_zero_one = predicted.full_scale == 1;
+    score.truth_zero_one = truth.full_scale == 1;
     return {score};
   }
   if (pair.truth_id == 0 && ids.size() == 1 && ids.begin()->first != 255 && is_black_and_white(pair.predicted)) {
@@ -161,10 +161,11 @@ std::vector<PairScore> evaluate_pair(const Exec& exec, const EvalOptions& option
   const std::vector<std::uint8_t> is_void = void_pixels(options, truth);
   const bool usual_void = has_usual_void(options, ids, truth);
   if (pair.truth_id > 0) {
+    const DecisiveSamples predicted = decisive_samples(pair.predicted);
     PairScore score = score_planes(exec, pair,
-                                   {fitted(binarised(pair.predicted, options.threshold)),
-                                    equal_to(truth, pair.truth_id), with_occluders(options, truth, pair, is_void)});
-    score.predicted_zero_one = decisive_samples(pair.predicted).full_scale == 1;
+                                   {fitted(binarised(predicted, options.threshold)), equal_to(truth, pair.truth_id),
+                                    with_occluders(options, truth, pair, is_void)});
+    score.predicted_zero_one = predicted.full_scale == 1;
     score.truth_has_usual_void = usual_void;
     if (score.scores.both_empty) return {};
     return {score};

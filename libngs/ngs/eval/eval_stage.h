@@ -55,7 +55,10 @@ using ObjectIds = std::map<std::uint32_t, std::string>;
 ObjectIds parse_object_ids(const std::vector<std::string>& texts);
 
 /// [H·W] 0 or 1.
-std::vector<std::uint8_t> binarised(const MaskSamples& samples, double threshold);
+std::vector<std::uint8_t> binarised(const DecisiveSamples& samples, double threshold);
+inline std::vector<std::uint8_t> binarised(const MaskSamples& samples, double threshold) {
+  return binarised(decisive_samples(samples), threshold);
+}
 /// True if all samples are 0 or 255: a mask, not a label map.
 bool is_black_and_white(const MaskSamples& samples);
 /// [H·W] object ids.
