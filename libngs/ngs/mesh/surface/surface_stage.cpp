@@ -133,12 +133,16 @@ void paint(const Exec& exec, const DistanceField& field, TriangleMesh& mesh) {
   paint_unseen(std::move(known), mesh);
 }
 
-/// The coloured surface in a grid; empty if it encloses no volume. More faces than `options.faces` only if its tunnels
-/// and pieces need them.
+DistanceField field_of(const std::vector<SurfaceView>& views, double cell, const std::vector<FillSurface>& planes) {
+  return {views, kBandCells * cell, planes};
+}
+
+/// The surface in a grid, without colours; empty if it encloses no volume. More faces than `options.faces` only if its
+/// tunnels and pieces need them.
 ObjectMesh surface_in(const Exec& exec, Monitor& monitor, const std::vector<SurfaceView>& views,
                       const std::vector<FillSurface>& planes, const MeshOptions& options) {
   const SampleGrid grid = grid_about(bounds_of(views), options.resolution);
-  const DistanceField field(views, kBandCells * grid.cell, planes);
+  const DistanceField field = field_of(views, grid.cell, planes);
   ObjectMesh out;
   out.cell = grid.cell;
   {
@@ -153,8 +157,28 @@ ObjectMesh surface_in(const Exec& exec, Monitor& monitor, const std::vector<Surf
     const auto timed = monitor.scope("simplify");
     simplify(std::size_t(options.faces), out.mesh);
   }
-  const auto timed = monitor.scope("colours");
-  paint(exec, field, out.mesh);
+  return out;
+}
+
+/// The surface at `options.resolution` or, while it needs more than `options.faces`, at half of it and so on.
+ObjectMesh surface_with_faces(const Exec& exec, Monitor& monitor, const std::vector<SurfaceView>& views,
+                              const std::vector<FillSurface>& planes, const MeshOptions& options) {
+  ObjectMesh out = surface_in(exec, monitor, views, planes, options);
+  const std::size_t finest = out.mesh.faces.size();
+  const std::size_t most = options.faces > 0 ? std::size_t(options.faces) : finest;
+  if (finest <= most) return out;
+  int used = options.resolution;
+  for (int r = used / 2; out.mesh.faces.size() > most && r >= kLeastResolution; r /= 2) {
+    MeshOptions at = options;
+    at.resolution = r;
+    ObjectMesh coarser = surface_in(exec, monitor, views, planes, at);
+    if (coarser.mesh.faces.empty() || coarser.mesh.faces.size() >= out.mesh.faces.size()) break;
+    out = std::move(coarser);
+    used = r;
+  }
+  monitor.warn("--faces " + std::to_string(most) + ": the tunnels and pieces of the surface need " +
+               std::to_string(finest) + " faces at --resolution " + std::to_string(options.resolution) +
+               "; the mesh has " + std::to_string(out.mesh.faces.size()) + ", at --resolution " + std::to_string(used));
   return out;
 }
 
@@ -183,28 +207,12 @@ ObjectMesh mesh_of(const Exec& exec, Monitor& monitor, const GaussianCloud& clou
         exec, cloud,
         {orbit::even_directions(kDirections), ball_of(monitor, cloud), kViewsPerCell * options.resolution});
   }();
-  const auto surface_at = [&](int resolution) {
-    MeshOptions at = options;
-    at.resolution = resolution;
-    return surface_in(exec, monitor, views, planes, at);
-  };
-  ObjectMesh out = surface_at(options.resolution);
+  ObjectMesh out = surface_with_faces(exec, monitor, views, planes, options);
   if (out.mesh.faces.empty())
     throw Error(ErrorCode::kNothingFound, "the model: its surface encloses no volume, expected a solid object",
                 "raise --resolution for thin parts");
-  const std::size_t most = options.faces > 0 ? std::size_t(options.faces) : out.mesh.faces.size();
-  const std::size_t finest = out.mesh.faces.size();
-  if (finest <= most) return out;
-  int used = options.resolution;
-  for (int r = used / 2; out.mesh.faces.size() > most && r >= kLeastResolution; r /= 2) {
-    ObjectMesh coarser = surface_at(r);
-    if (coarser.mesh.faces.empty() || coarser.mesh.faces.size() >= out.mesh.faces.size()) break;
-    out = std::move(coarser);
-    used = r;
-  }
-  monitor.warn("--faces " + std::to_string(most) + ": the tunnels and pieces of the surface need " +
-               std::to_string(finest) + " faces at --resolution " + std::to_string(options.resolution) +
-               "; the mesh has " + std::to_string(out.mesh.faces.size()) + ", at --resolution " + std::to_string(used));
+  const auto timed = monitor.scope("colours");
+  paint(exec, field_of(views, out.cell, planes), out.mesh);
   return out;
 }
 
