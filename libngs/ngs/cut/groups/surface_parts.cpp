@@ -258,7 +258,7 @@ class Divider {
     double from = 0;
   };
 
-  /// A piece is a wall if it is wide and upright, and hardly anything lies behind its middle in one level direction.
+  /// A piece is a wall if it is wide and upright, and almost empty behind its middle in one level direction.
   std::optional<Wall> wall_of(const Cells& piece, double whole) const {
     constexpr int kDirections = 24;
     if (extent(piece) < kWallExtent * whole || dot(mean_normal(piece), up_) > kSameNormal) return std::nullopt;

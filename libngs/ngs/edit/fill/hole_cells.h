@@ -6,7 +6,7 @@
 // views, and shows the object's contact shadow. A connected part of such cells counts only if three quarters of its
 // outline are covered cells or another surface: else the surface ends there, and nothing is known. It does not count
 // either if Gaussians about as dense as at the rim cover most of it: then the surface continues below the object.
-// Twice as dense are what is left of the object.
+// Twice as dense are remains of the object.
 #include <cstdint>
 #include <vector>
 
