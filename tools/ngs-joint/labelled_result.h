@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/options/option_set.h"
 #include "ngs/problem/problem.h"
 #include "shared/tool.h"
 
@@ -22,5 +23,10 @@ struct ResultSource {
 
 /// Writes the labelled PLY and adds the figures of the method to the report.
 void write_result(cli::Run& run, const ResultSource& source, const Solution& solution, const std::string& path);
+
+// Memory estimate of ngs-joint for --dry-run.
+
+/// Upper bounds in MiB, as if passes used whole views: without and with optimiser steps.
+Json memory_plan(const Problem& problem);
 
 }  // namespace ngs::joint

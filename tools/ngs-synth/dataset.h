@@ -19,6 +19,7 @@
 #include "ngs/make/synth/synth_render.h"
 #include "ngs/options/field.h"
 #include "ngs/options/option_set.h"
+#include "shared/run/run.h"
 
 namespace ngs::cli {
 
@@ -107,5 +108,31 @@ struct SynthOptions {
     visit(self.fit, Flag{"fit", "Fit a splat to the photos and write point_cloud.ply"});
   }
 };
+
+// The folder halves/ of ngs-synth: the truth of a cut.
+//
+// clang-format off
+//   background/scene.json  the room without the target: cameras of the scene (split train) and 24 more (held-out)
+//   background/images/NAME.png                  photos
+//   background/masks/NAME.png                   0/255, the hole: pixels where the full scene shows the target
+//   background/depth/NAME.exr                   Z: camera z of the room without the target
+//   object/scene.json      the target alone, from 64 directions all round
+//   object/images/NNNN.png                      RGBA; alpha: share of the pixel that the target covers
+// clang-format on
+
+/// Number of views that write_halves() renders; 0 without hole cameras.
+std::size_t views_of_halves(const SynthData& data);
+
+/// Writes both halves into `folder`. Returns early after a stop request.
+void write_halves(Run& run, const std::string& folder, const SynthData& data);
+
+// The splat that ngs-synth fits to its photos.
+
+/// Options of a small, short fit.
+FitOptions small_fit();
+/// Other defaults for a messy room, which has more surfaces than 8000 Gaussians can show.
+void make_finer(FitOptions& options, const synth::Recipe& recipe);
+/// Fits a splat and writes it to `path`, unless a stop is requested before.
+void fit_splat(Run& run, const SynthData& data, const FitOptions& options, const std::string& path);
 
 }  // namespace ngs::cli

@@ -8,7 +8,6 @@
 #include "commands.h"
 #include "cut_chain.h"
 #include "cut_inputs.h"
-#include "cut_summary.h"
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/folder_index.h"

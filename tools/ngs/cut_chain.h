@@ -5,11 +5,10 @@
 #include <vector>
 
 #include "cut_inputs.h"
+#include "cut_plan.h"
 #include "flash_cut.h"
 #include "marked_views.h"
 #include "ngs/edit/select/view_agreement.h"
-#include "result_check.h"
-#include "stage_runner.h"
 
 namespace ngs::ngs_tool {
 
@@ -87,5 +86,24 @@ class CutChain {
   ResultQuality untrained_quality_;    // of its labels
   bool kept_untrained_ = false;
 };
+
+// The final output of ngs cut.
+
+/// About ten lines of text: files, scores, time, warnings and the next step.
+std::string summary_of(const CutChain& chain);
+/// Instructions for drawing strokes, and a sample of them as one line of JSON.
+struct StrokeHelp {
+  std::string text, sample;
+};
+StrokeHelp stroke_help(const CutChain& chain);
+/// The command that continues the run, with `further` arguments.
+std::string next_line(const CutChain& chain, const std::vector<std::string>& further);
+/// What a run leaves that was stopped by a signal.
+std::string stopped_text(const CutChain& chain);
+/// Text and JSON of a run with --all.
+std::string all_text(const CutChain& chain);
+Json all_json(const CutChain& chain);
+/// The summary as JSON.
+Json summary_json(const CutChain& chain);
 
 }  // namespace ngs::ngs_tool

@@ -9,15 +9,15 @@
 #include "ngs/core/monitor.h"
 #include "ngs/cut/masks/mask_consensus.h"
 #include "ngs/cut/masks/rasterise_prompt.h"
-#include "ngs/interactive/correction.h"
+#include "ngs/interactive/hand_edit.h"
 #include "ngs/interactive/live_mask.h"
 #include "ngs/ops/image/image_bytes.h"
 
 namespace ngs::live {
 namespace {
 
-constexpr double kBand = 0.02;   // half-width of the free band around the contour from other views, of the diagonal
-constexpr double kReach = 0.25;  // free distance around a new stroke, of the diagonal
+constexpr double kFreeBand = 0.02;  // half-width of the free band around the contour from other views, of the diagonal
+constexpr double kReach = 0.25;     // free distance around a new stroke, of the diagonal
 constexpr const char* kColours[] = {"#ff8c1a", "#2aa5ff", "#7bd13b", "#e0529c",
                                     "#f2d024", "#8f6be8", "#28c7b7", "#f25f4c"};
 
@@ -150,7 +150,7 @@ void Session::segment(MarkedView& view, const MarkedView* before, const MarkedVi
   if (std::ranges::count(strokes.hint, PixelHint::kObject) == 0)
     view.mask = corrected(correction.before, segmented(here.picture(), correction, 0), strokes);
   else
-    view.mask = segmented(here.picture(), correction, std::max(3, diagonal_share(here.picture(), kBand)));
+    view.mask = segmented(here.picture(), correction, std::max(3, diagonal_share(here.picture(), kFreeBand)));
 }
 
 /// Corrects the mask of a view by added strokes.

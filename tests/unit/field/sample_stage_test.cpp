@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "ngs/field/rbf_stage.h"
 #include "support/cameras.h"
 #include "support/tiny_scene.h"
 

@@ -1,4 +1,3 @@
-#include "ngs/orbit/free_space.h"
 
 #include <doctest/doctest.h>
 

@@ -1,3 +1,4 @@
+
 #include "shared/run/execute.h"
 
 #include <doctest/doctest.h>

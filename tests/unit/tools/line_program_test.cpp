@@ -1,9 +1,8 @@
-#include "shared/run/line_program.h"
-
 #include <doctest/doctest.h>
 
 #include "ngs/core/error.h"
 #include "ngs/core/monitor.h"
+#include "shared/run/child_process.h"
 #include "support/error_code.h"
 #include "support/process.h"
 

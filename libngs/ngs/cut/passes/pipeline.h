@@ -38,4 +38,15 @@ class Pipeline {
 /// as cut only if the effect might have been on. `decided_again_on_resume`: of its pass.
 void skip_for_time(PassRun& run, std::string_view effect, bool decided_again_on_resume = false);
 
+// A resumed run repeats the decisions of the stopped run, because time-dependent decisions could differ.
+
+/// The decisions that determine the state of the joint steps, as "NAME=on" and "NAME=off"; a resumed run repeats these.
+Json stored_decisions(const Pipeline& pipeline, const Decisions& decisions);
+
+/// Adds the stored decisions of the stopped run as fixed decisions. Switches of --effect and earlier fixed decisions
+/// take precedence. Entries that are no decision on a known effect are ignored.
+///   effects    stored_decisions() of the stopped run
+///   skipped   its ResumeState::skipped
+void repeat_decisions(const Pipeline& pipeline, PassRun& run, const Json& effects, const Json& skipped);
+
 }  // namespace ngs

@@ -1,11 +1,10 @@
-#include "ngs/cut/training/label_start.h"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
 
 #include "ngs/cut/evidence/variance_stage.h"
 #include "ngs/cut/training/joint_trainer.h"
+#include "ngs/cut/training/trained_labels.h"
 
 namespace ngs {
 namespace {

@@ -1,9 +1,9 @@
-#include "ngs/edit/extract/inpaint_stage.h"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
+
+#include "ngs/edit/extract/unseen_surface.h"
 
 namespace ngs {
 namespace {

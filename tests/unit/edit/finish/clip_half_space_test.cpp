@@ -1,11 +1,10 @@
-#include "ngs/edit/finish/clip_half_space.h"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "ngs/edit/finish/clip_ellipsoid.h"
 #include "ngs/math/quat.h"
 
 namespace ngs::finish {

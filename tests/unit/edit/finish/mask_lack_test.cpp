@@ -1,8 +1,8 @@
-#include "ngs/edit/finish/mask_lack.h"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
+
+#include "ngs/edit/finish/alone.h"
 
 namespace ngs::finish {
 namespace {

@@ -1,8 +1,8 @@
-#include "ngs/edit/finish/seen_hull.h"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
+
+#include "ngs/edit/finish/support_view.h"
 
 namespace ngs::finish {
 namespace {

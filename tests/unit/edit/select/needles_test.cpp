@@ -1,4 +1,3 @@
-#include "ngs/edit/select/needles.h"
 
 #include <doctest/doctest.h>
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "ngs/core/error.h"
-#include "ngs/edit/select/canonical_points.h"
+#include "ngs/edit/select/clusters.h"
 #include "ngs/math/vectors.h"
 #include "support/error_code.h"
 #include "support/splat_shapes.h"

@@ -1,7 +1,6 @@
-#include "ngs/edit/select/stroke_agreement.h"
-
 #include <doctest/doctest.h>
 
+#include "ngs/edit/select/view_agreement.h"
 #include "support/tiny_scene.h"
 
 namespace ngs {

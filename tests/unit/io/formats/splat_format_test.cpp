@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "ngs/core/error.h"
-#include "ngs/io/formats/axes.h"
+#include "ngs/io/formats/splat_table.h"
 #include "ngs/io/formats/write_splat.h"
 #include "ngs/math/sh.h"
 #include "support/error_code.h"

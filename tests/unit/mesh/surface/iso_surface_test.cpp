@@ -7,7 +7,6 @@
 #include "ngs/core/rng.h"
 #include "ngs/mesh/measures.h"
 #include "ngs/mesh/simplify.h"
-#include "ngs/mesh/surface/pieces.h"
 
 namespace ngs {
 namespace {

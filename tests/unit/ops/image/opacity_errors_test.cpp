@@ -1,10 +1,9 @@
-#include "ngs/ops/image/opacity_errors.h"
-
 #include <doctest/doctest.h>
 
 #include <limits>
 
 #include "ngs/core/error.h"
+#include "ngs/ops/image/metrics.h"
 #include "support/mask_zoo.h"
 
 namespace ngs {

@@ -11,5 +11,8 @@ void GunzipReader::read(std::span<std::uint8_t>) { refuse_in_browser(name_, "a g
 std::vector<std::uint8_t> GunzipReader::read_all(std::size_t) { refuse_in_browser(name_, "a gzip stream"); }
 void GunzipReader::finish() { refuse_in_browser(name_, "a gzip stream"); }
 std::vector<std::uint8_t> gzip(Bytes) { refuse_in_browser("output", "a gzip stream"); }
+void unzstd(const std::string& object, Bytes, std::span<std::uint8_t>) {
+  refuse_in_browser(object, "a Zstandard frame");
+}
 
 }  // namespace ngs::io

@@ -1,4 +1,4 @@
-#include "ngs/make/synth/synth_solids.h"
+#include "ngs/make/synth/analytic_scene.h"
 
 #include <algorithm>
 #include <cmath>
