@@ -7,6 +7,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/options/near_matches.h"
+#include "ngs/options/option_warnings.h"
 #include "support/error_code.h"
 
 namespace ngs {

@@ -1,4 +1,3 @@
-
 #include "shared/run/execute.h"
 
 #include <doctest/doctest.h>
