@@ -2,9 +2,12 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "ngs/capture/view_shares.h"
 #include "ngs/core/error.h"
+#include "ngs/math/sh.h"
 #include "support/checked_capture.h"
 
 namespace ngs {
@@ -101,6 +104,59 @@ TEST_CASE("wrong poses without a known mistake are an error without a guess") {
   Capture bad = tiny_capture();
   for (SceneView& view : bad.scene.views) view.camera.translation = 4.0 * view.camera.translation;
   test::refused([&] { bad.check(); }, ErrorCode::kInconsistent, "", "another scene or other poses");
+}
+
+TEST_CASE(
+    "a splat whose columns hold other values than those of 3DGS is named, also if it fits, and so is a part of one") {
+  Capture good = tiny_capture();
+  for (std::size_t i = 0; i < good.cloud.usable.size(); ++i) {  // needles in all directions
+    good.cloud.log_scale[3 * i] += 1.5f;
+    for (std::size_t k = 0; k < 4; ++k) good.cloud.rotation[4 * i + k] = float(1 + (i * (k + 3)) % 7) - 3.5f;
+  }
+  RenderRequest request;
+  request.background = {0.2f, 0.9f, 0.4f};
+  for (std::size_t v = 0; v < good.photos.size(); ++v)
+    good.photos[v] = render({}, good.cloud, good.scene.views[v].camera, {}, request).colour;
+  const auto said = [&](const std::function<void(GaussianCloud&)>& spoil, double min_fit_db) {
+    Capture bad = good;
+    spoil(bad.cloud);
+    try {
+      const std::vector<std::string> warnings = bad.check({.min_fit_db = min_fit_db}).warnings;
+      return warnings.empty() ? std::string() : warnings[0];
+    } catch (const Error& error) {
+      return error.remedy();
+    }
+  };
+  const auto contains = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
+  const auto xyzw = [](GaussianCloud& cloud) {
+    for (std::size_t i = 0; i < cloud.rotation.size(); i += 4)
+      std::rotate(&cloud.rotation[i], &cloud.rotation[i] + 1, &cloud.rotation[i] + 4);
+  };
+  CHECK(said([](GaussianCloud&) {}, 3).empty());
+  CHECK(contains(said(xyzw, -100), "the model explains the photos better if rot_0 to rot_3 of the splat hold x y z w"));
+  CHECK(contains(said(xyzw, 30), "it fits if rot_0 to rot_3 of the splat hold x y z w"));
+  const auto colours = [](GaussianCloud& cloud) {
+    for (float& c : cloud.sh_dc) c = float(colour_of_dc(c));
+  };
+  CHECK(contains(said(colours, 10), "it fits if f_dc_0 to f_dc_2 of the splat are colours"));
+}
+
+TEST_CASE("masks that are boxes, or have noise, are named") {
+  Capture capture = tiny_capture();
+  const auto change = [&](const std::function<bool(int x, int y, bool was)>& object) {
+    for (ViewMasks& masks : capture.masks)
+      for (int i = 0; i < masks.width_px * masks.height_px; ++i) {
+        float& m = masks.target[0][std::size_t(i)];
+        m = object(i % masks.width_px, i / masks.width_px, m > 0.5f) ? 1.f : 0.f;
+      }
+  };
+  CHECK(capture.check().warnings.empty());
+  change([](int x, int y, bool was) { return (31 * x + 17 * y) % 41 == 0 ? !was : was; });
+  CHECK(capture.check().warnings.at(0).find("of the pixels of its masks differ from all their neighbours: noise") !=
+        std::string::npos);
+  change([](int x, int y, bool) { return x >= 12 && x < 30 && y >= 8 && y < 24; });
+  CHECK(capture.check().warnings.at(0).find("all its masks are upright rectangles") != std::string::npos);
+  CHECK(capture.check().warnings.at(0).find("\"boxes\": [[12, 8, 30, 24]]") != std::string::npos);
 }
 
 TEST_CASE("photos in other colours than the model's are an error about colours, and --min-fit-db accepts them") {
