@@ -5,6 +5,7 @@
 #include "commands.h"
 #include "ngs/capture/filter_probe.h"
 #include "ngs/capture/view_align.h"
+#include "ngs/capture/view_shares.h"
 #include "ngs/core/formatted.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/mapped_file.h"
