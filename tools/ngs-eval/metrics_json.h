@@ -14,7 +14,6 @@ Json metrics_json(const std::vector<PairScore>& scores, const EvalSummary& summa
 Json alone_json(const std::vector<PairScore>& scores, const EvalSummary& summary);
 Json photo_metrics_json(const std::vector<PhotoScore>& scores);
 Json pairing_json(const Pairing& pairing);
-/// The files of each pair, for the report.
 Json files_json(const Pairing& pairing);
 Json checks_json(const std::vector<ScoreCheck>& checks);
 

@@ -44,7 +44,6 @@ constexpr std::size_t kViewsPerPhoto = 2;  // of them
 
 using Rows = std::vector<std::uint8_t>;  // [N] 1: of the object
 
-/// Each chosen object alone.
 std::vector<Rows> objects_of(const Extractor& extractor) {
   const std::vector<const io::NamedLabels*> chosen = extractor.chosen();
   if (chosen.size() == 1) return {extractor.object()};
@@ -90,7 +89,6 @@ ImageF photo_or_none(const Scene& scene, std::size_t view) {
   }
 }
 
-/// What the views contain about an object.
 struct ObjectViews {
   std::vector<finish::SupportView> views;
   finish::MaskLack lack;

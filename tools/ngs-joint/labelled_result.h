@@ -13,7 +13,6 @@ namespace ngs::joint {
 /// Moves the label columns out of `ply`, one set per object of the scene. Throws kBadInput if some are missing.
 std::vector<LabelColumns> take_labels(io::GaussianPly& ply, const Scene& scene);
 
-/// The input that a result is based on.
 struct ResultSource {
   const io::GaussianPly& ply;
   const Scene& scene;

@@ -95,7 +95,6 @@ struct StepOptions {
   }
 };
 
-/// All options of a command line.
 struct Options {
   MethodChoice choice;
   StepOptions steps;

@@ -109,7 +109,6 @@ void warn_of_baseline(cli::Run& run, const Options& options, const Paths& paths)
   if (!text.empty()) run.monitor().warn(text + ": not used by --method " + method_name(options.choice.method));
 }
 
-/// The scene, model and labels that were read.
 struct LoadedInputs {
   Scene scene;
   io::GaussianPly ply;
@@ -169,7 +168,6 @@ Json identity_of(cli::Run& run, Options& options, const Paths& paths, const Scen
           {"fast_atomics", options.steps.fast_atomics}};
 }
 
-/// Runs one method on the loaded inputs.
 class MethodRun {
  public:
   MethodRun(cli::Run& run, Options& options, const Paths& paths, double start_s)

@@ -88,7 +88,6 @@ ImageU16 id_map_of(const io::RawMask& raw, const std::string& who) {
   return ids;
 }
 
-/// Files of one call.
 struct CallFiles {
   std::string image, prompts, out, mask;  // mask: not written for prompts by hand
 };

@@ -43,7 +43,6 @@ class MaskViews {
   std::map<std::size_t, ViewPrompt> rasterised(Run& run,
                                                const std::map<std::size_t, std::vector<HandPrompt>>& marks) const;
 
-  /// The file of a view's mask in a folder.
   std::string file_in(const std::string& folder, std::size_t view) const;
   /// Throws kUsage if a mask in one of the folders (empty: none) would replace a photo.
   void refuse_over_photos(const std::vector<std::string>& folders) const;

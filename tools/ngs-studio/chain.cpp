@@ -32,7 +32,6 @@ Words joined(Words words, const Words& more) {
   return words;
 }
 
-/// Options of ngs-extract for the files of an export.
 Words outputs_of(const StateFolder& folder, int object, const ExportChoice& choice) {
   const auto at = [&](const std::string& name) { return folder.of(object, name); };
   const Words halves{"--object-ply",

@@ -93,7 +93,6 @@ struct RefineChoice {
 /// Refine: ngs-scene orbit for a splat without views, then ngs cut over those views and the marked views.
 std::vector<std::vector<std::string>> refine_words(const StateFolder& folder, int object, const RefineChoice& choice);
 
-/// A ball.
 struct Focus {
   Vec3<double> centre{0, 0, 0};
   double radius = 0;

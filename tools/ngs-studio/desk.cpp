@@ -120,7 +120,6 @@ Json Desk::strokes(Fields request) {
   return out;
 }
 
-/// Gaussians of the object that the page shows.
 std::int64_t Desk::shown_count(int object) const {
   const std::shared_ptr<const live::ObjectLabels> labels = labels_of(*session_.marks(), object);
   return labels ? labels->count : 0;

@@ -22,7 +22,6 @@ struct Stopwatch {
   double wall_start_s, cpu_start_s;
 };
 
-/// Times of one kind of response.
 class Latencies {
  public:
   void add(const Stopwatch& watch) {

@@ -40,7 +40,6 @@ class StateFolder {
   std::optional<live::Marks> load(const std::string& source) const;
   /// Writes studio.json and the masks changed since the last call; removes masks of deleted views.
   void save(const live::Marks& marks, const std::string& source);
-  /// Appends a line to visit.jsonl.
   void note(const std::string& line) const;
 
   /// Writes pictures, scene.json and strokes.json of an object. `like`: all scene settings but views and objects.

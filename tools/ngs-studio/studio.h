@@ -27,7 +27,6 @@ class Studio {
   Reply answer(const std::string& method, const std::string& path, const std::string& body);
   /// True after POST /api/quit.
   bool has_quit() const;
-  /// Response times, as in GET /api/log.
   nlohmann::ordered_json log() const;
 
  private:

@@ -32,7 +32,6 @@ struct SynthData {
   std::vector<SparsePoint> points;
 };
 
-/// Builds scene and cameras of data.recipe.
 void build(SynthData& data, bool with_halves);
 
 struct MaskErrors {
@@ -47,10 +46,8 @@ std::string in_folder(const std::string& folder, const std::string& name);
 /// [H, W] 255 where the label is `id`, else 0.
 ImageU8 binary_mask(const ImageU16& labels, std::uint32_t id);
 
-/// Writes photo, masks and layers of one view.
 void write_view(const Exec& exec, const std::string& folder, const SynthData& data, std::size_t view,
                 const MaskErrors& errors);
-/// Writes poses, points and the two JSON files.
 void write_description(const std::string& folder, const SynthData& data, const MaskErrors& errors);
 
 /// Loads a recipe by name, or from a JSON file of recipe options; sets `is_file` in the second case.
@@ -128,7 +125,6 @@ void write_halves(Run& run, const std::string& folder, const SynthData& data);
 
 // The splat that ngs-synth fits to its photos.
 
-/// Options of a small, short fit.
 FitOptions small_fit();
 /// Other defaults for a messy room, which has more surfaces than 8000 Gaussians can show.
 void make_finer(FitOptions& options, const synth::Recipe& recipe);

@@ -25,7 +25,6 @@ class CutChain {
   bool cuts_all() const { return options_.all; }
   bool writes_mesh() const { return options_.mesh; }
   const std::vector<std::string>& formats() const { return options_.format; }
-  /// Figures of a finished --method flash.
   const std::optional<FlashFigures>& flash() const { return flash_; }
   /// True if the untrained result was written because the trained one was worse.
   bool kept_untrained() const { return kept_untrained_; }
@@ -33,7 +32,6 @@ class CutChain {
   const FlashFigures* written_by_flash() const {
     return flash_ ? &*flash_ : kept_untrained_ ? &untrained_->figures : nullptr;
   }
-  /// True if the images of an earlier run were reused.
   bool reused_orbit() const { return facts_.reuses_pictures; }
   std::string at(const std::string& name) const { return inputs_.out + "/" + name; }
   std::string pictures() const { return at("orbit/images"); }
@@ -100,10 +98,8 @@ StrokeHelp stroke_help(const CutChain& chain);
 std::string next_line(const CutChain& chain, const std::vector<std::string>& further);
 /// What a run leaves that was stopped by a signal.
 std::string stopped_text(const CutChain& chain);
-/// Text and JSON of a run with --all.
 std::string all_text(const CutChain& chain);
 Json all_json(const CutChain& chain);
-/// The summary as JSON.
 Json summary_json(const CutChain& chain);
 
 }  // namespace ngs::ngs_tool

@@ -211,7 +211,6 @@ bool CutChain::score_by_truth(const PlannedStep& step) {
   return true;
 }
 
-/// The scene of ngs-group as OUT/scene.json.
 void CutChain::take_groups() {
   const std::string grouped = at("groups/scene.json");
   const Scene scene = io::read_scene_json(grouped);

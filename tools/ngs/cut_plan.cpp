@@ -23,7 +23,6 @@ namespace {
 
 using Option = std::pair<const char*, std::string>;
 
-/// The words, and those of the options that have a value.
 Words with(Words words, const std::vector<Option>& options) {
   for (const auto& [flag, value] : options)
     if (!value.empty()) words.insert(words.end(), {flag, value});

@@ -14,7 +14,6 @@ namespace ngs::live {
 // The labels of one object from the sums of its marked views. They are bit-identical to those of ngs-variance and of
 // `ngs-joint --method flash` over the same views.
 
-/// Add a view to the sums of its object, and remove it again.
 void add_view(const MarkedView& view, WeightSums<>& sums);
 void remove_view(const MarkedView& view, WeightSums<>& sums);
 /// Replaces a view by another with the same visible Gaussians. Returns the Gaussians whose sums change, ascending.
@@ -27,7 +26,6 @@ struct ObjectLabels {
   std::int64_t count = 0;              // Gaussians with label 1
   std::int64_t removed = 0;            // Gaussians of pieces that no stroke touches, and needles: label and boundary 0
 
-  /// The labels of an object without views.
   static ObjectLabels none(std::size_t gaussians) {
     return {std::vector<float>(gaussians), std::vector<std::uint8_t>(gaussians), 0, 0};
   }
@@ -36,7 +34,6 @@ struct ObjectLabels {
 void label_rows(const Exec& exec, const WeightSums<>& sums, const std::vector<std::uint32_t>& rows,
                 ObjectLabels& labels);
 
-/// A model that does not change.
 struct Model {
   const GaussianCloud& cloud;
   SplatOptions splat;  // with `prepared`

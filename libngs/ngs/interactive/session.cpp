@@ -76,7 +76,6 @@ void require_something(const std::vector<float>& alpha, const ViewPrompt& drawn)
                 "paint on the object itself; empty space is background already");
 }
 
-/// Removes a view from the sums during its lifetime.
 class WithoutView {
  public:
   WithoutView(WeightSums<>& sums, const MarkedView* view) : sums_(sums), view_(view) {
@@ -153,7 +152,6 @@ void Session::segment(MarkedView& view, const MarkedView* before, const MarkedVi
     view.mask = segmented(here.picture(), correction, std::max(3, diagonal_share(here.picture(), kFreeBand)));
 }
 
-/// Corrects the mask of a view by added strokes.
 void Session::correct(MarkedView& view, const MarkedView& before, const HandPrompt& added) {
   const int w = view.camera.width_px, h = view.camera.height_px;
   const ViewPrompt all = rasterise(view.strokes, w, h), drawn = rasterise(added, w, h);

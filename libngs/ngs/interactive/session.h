@@ -21,7 +21,6 @@ inline constexpr std::size_t kMaxEditSteps = 4;  // cached results of edits by h
 /// The camera that strokes on a view are segmented and lifted at.
 Camera at_segmented_size(const Camera& camera, int longer_side_px = kSegmentedSide_px);
 
-/// Result of a stroke.
 struct StrokeAnswer {
   double mask_s = 0, lift_s = 0;
   double coverage = 0;   // fraction of the view that its mask covers
@@ -50,7 +49,6 @@ class Session {
   void show_all_pieces(bool all);
   bool undo();  // false: there is nothing to undo
   bool redo();
-  /// Clears the undo and redo history.
   void forget_steps();
   std::size_t steps_back() const { return before_.size(); }
   std::size_t steps_again() const { return after_.size(); }
@@ -65,7 +63,6 @@ class Session {
   ImageU8 picture(const Camera& camera) const;
 
  private:
-  /// Cached sums of an object, and the views in them.
   struct CachedObject {
     int id;
     WeightSums<> sums;

@@ -45,7 +45,6 @@ class FreeSpace {
   std::vector<float> extinction_;  // [cells, cells, cells] z, y, x; per world unit
 };
 
-/// The intrinsics of all cameras of a rig.
 struct Intrinsics {
   int width_px = 0, height_px = 0;
   double fov_deg = 40;  // over the longer side

@@ -18,7 +18,6 @@
 
 namespace ngs {
 
-/// A model and the photos of its scene.
 struct PhotographedModel {
   const GaussianCloud& cloud;
   const Scene& scene;  // cameras, filter, renderer
@@ -55,7 +54,6 @@ struct BackgroundMeasurement {
 /// `view`: rendered over black at the photo's camera. The photo is opaque.
 BackgroundMeasurement measure_background(const RenderedView& view, const ImageF& photo);
 
-/// The background estimated from all measurements.
 struct BackgroundFinding {
   std::optional<Vec3<double>> colour;  // in steps of 1/255; none: use black
   Vec3<double> fitted{0, 0, 0};        // median over the views that show the background

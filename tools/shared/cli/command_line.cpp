@@ -108,7 +108,6 @@ void declare(const OptionSet& common, const Spec& spec, Splitter& splitter) {
 /// Flags whose value may be left out, and the value that they then have.
 const std::pair<std::string, std::string> kWordIfAlone[] = {{kPrintSchema, "options"}, {"--help", kUsualHelp}};
 
-/// The arguments after the tool's name.
 Texts words_of(int argc, char** argv) {
   Texts words(argv + std::min(argc, 1), argv + argc);
   const auto end = std::find(words.begin(), words.end(), "--");

@@ -15,7 +15,6 @@ std::thread in_background(const std::function<void()>& work);
 void set_variable(const char* name, const char* value, bool replace);
 /// Keeps the memory of images and lists that are freed after every view: the system need not clear its pages again.
 void keep_freed_memory();
-/// Returns freed memory to the system.
 void release_freed_memory();
 /// The file of this program; empty, with errno set: unknown.
 std::string path_of_this_program();

@@ -11,7 +11,6 @@
 
 namespace ngs::cli {
 
-/// A file or folder that was read.
 struct ReadInput {
   std::string name, path;
   std::uint64_t bytes = 0;

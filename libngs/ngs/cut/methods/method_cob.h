@@ -25,7 +25,6 @@ namespace ngs {
 /// Divisor of the sum of r: the views in which the Gaussian is visible, or all views as in the published code.
 enum class CobDivisor : std::uint8_t { kVisible, kAll };
 
-/// Options of the methods cob and released.
 struct CobOptions {
   int rounds = 2;
   double lambda = 1, ambiguity = 0.5;

@@ -25,7 +25,6 @@ struct ReleasedWeights {
   double align = 1, continuity = 0.1, smooth = 0.05, density = 1e-3;
 };
 
-/// The Gaussians of a batch.
 struct ReleasedRows {
   const std::vector<float>& position;  // [M, 3] world
   const std::vector<double>& base;     // [M, 3] colours in [0, 1]

@@ -16,7 +16,6 @@ bool was_aborted(const Json& before, std::string_view name) {
   return std::ranges::any_of(names, [&](const Json& n) { return n.is_string() && n.get<std::string>() == name; });
 }
 
-/// Records that a pass was aborted.
 void abort_pass(PassRun& run, std::string_view name) {
   run.budget.mark_partial();
   run.decisions.abort(name, "--time-budget: aborted, it would have exceeded its share");
@@ -40,7 +39,6 @@ Solution unoptimised_solution(const PassRun& run) {
   return {.cloud = unchanged(problem.cloud), .figures = {{"steps", 0.0}, {"boundary", double(boundary.size())}}};
 }
 
-/// Sets the training options that follow from decisions.
 void set_training(PassRun& run) {
   JointOptions& joint = run.training.joint;
   for (const Decision& decision : run.decisions.all())
@@ -92,7 +90,6 @@ std::vector<FixedDecision> Pipeline::fixed_decisions(const TrainingOptions& trai
   return all;
 }
 
-/// Context in which the heuristics of one stage are measured.
 struct Pipeline::HeuristicContext {
   const Problem& problem;
   double deadline_s;

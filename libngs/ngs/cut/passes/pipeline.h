@@ -11,10 +11,8 @@ class Pipeline {
  public:
   explicit Pipeline(std::vector<std::unique_ptr<Pass>> passes) : passes_(std::move(passes)) {}
 
-  /// Effects of all passes, in order.
   std::vector<Effect> effects() const;
   std::vector<Effect> effects(PassStage stage) const;
-  /// Effects of the passes that a resumed run decides again.
   std::vector<Effect> decided_again_on_resume() const;
   const std::vector<std::unique_ptr<Pass>>& passes() const { return passes_; }
   void declare(OptionSet& options, const OptionGroup& group) const;

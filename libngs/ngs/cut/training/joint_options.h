@@ -45,7 +45,6 @@ inline int epochs_of(const JointOptions& options) {
   return options.coarse_contours_follow ? 0 : preset_of(options.quality).epochs;
 }
 
-/// Total number of steps for `views` training views.
 inline std::int64_t steps_of(const JointOptions& options, std::size_t views) {
   return options.steps > 0 ? options.steps : epochs_of(options) * std::int64_t(views);
 }

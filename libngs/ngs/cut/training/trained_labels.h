@@ -44,7 +44,6 @@ class TrainedLabels {
 
   std::vector<float>& logit() { return logit_; }  // [cells]
   AdamMoments& moments() { return moments_; }
-  /// Adds all arrays of a step.
   void add_to(Resident& resident);
 
  private:

@@ -49,7 +49,6 @@ ImageF depth_of(const Exec& exec, const GaussianCloud& cloud, const Camera& came
   return depth;
 }
 
-/// The surface points of a depth image, by pixel.
 class PointImage {
  public:
   PointImage(const ImageF& depth, const Camera& relative) : depth_(depth), camera_(relative) {}

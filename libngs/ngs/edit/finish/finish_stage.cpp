@@ -84,7 +84,6 @@ Ellipsoid shape_of(const GaussianCloud& cloud, std::size_t i) {
           {std::exp(double(s[0])), std::exp(double(s[1])), std::exp(double(s[2]))}};
 }
 
-/// What is known about the object.
 struct Evidence {
   HullSupport support;
   std::vector<FillSurface> planes;

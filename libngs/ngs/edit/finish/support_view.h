@@ -8,13 +8,11 @@
 
 namespace ngs::finish {
 
-/// An object in its model, rendered in views.
 struct FinishModel {
   const GaussianCloud& cloud;
   const std::vector<std::uint8_t>& object;  // [N] 1: of the object
 };
 
-/// A pixel of an input mask.
 enum class GivenMask : std::uint8_t { kBackground, kObject, kUnknown };
 
 /// Where a point lies in a view.
@@ -42,7 +40,6 @@ class ObjectLabels {
   std::vector<std::uint8_t> any_;  // [N]
 };
 
-/// One object in a rendering of ObjectLabels.
 struct RenderedObject {
   const RenderedView& view;
   int channel = 0;

@@ -42,7 +42,6 @@ class Cleaner {
   }
 
  private:
-  /// The rules for single Gaussians.
   void mark_single() {
     const orbit::SurfacePoints points = canonical_points(cloud_);
     const orbit::Ball bulk = points.count() > 0 ? orbit::bulk_of(points) : orbit::Ball{};

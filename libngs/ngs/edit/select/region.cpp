@@ -15,7 +15,6 @@ namespace {
 
 using orbit::Vec;
 
-/// An option whose value is a list of numbers.
 struct NumberList {
   const char* flag;
   const char* form;  // "X,Y,Z,R"

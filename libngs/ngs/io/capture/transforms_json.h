@@ -46,7 +46,6 @@ struct WorldTransform {
 /// Reads {"transform": 3x4, "scale": S}, nerfstudio's dataparser_transforms.json: from the world of the camera file to
 /// the world of the exported model.
 WorldTransform read_world_transform(const std::string& path);
-/// Expresses the camera in the new world.
 void apply(const WorldTransform& world, Camera& camera);
 
 // cameras.json, which 3DGS trainers write next to the model: a list of {id, img_name, width, height, position,

@@ -23,7 +23,6 @@ struct SplatRow {
   std::array<float, 4> rotation{};  // w x y z
 };
 
-/// A decoded model.
 struct DecodedSplat {
   PlyTable rows;                   // x y z f_dc_* f_rest_* opacity scale_* rot_*, all float, packed
   bool antialiased = false;        // flag of the file: trained with Mip-Splatting's opacity compensation
@@ -33,7 +32,6 @@ struct DecodedSplat {
 /// Allocates a table for `count` Gaussians. Callers must have checked `count` against the file size.
 PlyTable splat_table(std::int64_t count, int sh_degree);
 
-/// Writes row i of such a table.
 void store_row(PlyTable& table, std::int64_t i, const SplatRow& row);
 
 /// The rows of a model that are written. Quantised formats cannot store non-finite values: unusable rows

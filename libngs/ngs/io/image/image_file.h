@@ -20,7 +20,6 @@ PackedPhoto read_photo(const std::string& path, std::optional<Vec3<float>> behin
 /// The same as [H, W, 3] RGB in [0, 1]: grey is replicated, transparent pixels are composited over `behind`.
 ImageF read_image_rgb(const std::string& path, Vec3<float> behind = {0, 0, 0});
 
-/// Whether any pixel is transparent.
 bool is_transparent(const std::string& path);
 
 /// How to read the pixels of a palette PNG.
@@ -31,7 +30,6 @@ enum class Palette : std::uint8_t {
   kColours
 };
 
-/// Samples as stored in the file.
 struct RawMask {
   int width_px = 0, height_px = 0, channels = 0;  // 1, 3 (RGB) or 4 (RGBA)
   int bits = 8;                                   // 8 or 16
@@ -54,7 +52,6 @@ ImageSize read_image_size(const std::string& path);
 void write_png(const std::string& path, const ImageU8& image);
 void write_png16(const std::string& path, const ImageU16& image);
 
-/// The bytes that write_png() writes.
 std::vector<std::uint8_t> encode_png(const ImageU8& image);
 
 /// RGB as JPEG bytes, for HTML pages with embedded images; quality 1..100.

@@ -24,7 +24,6 @@ constexpr double kFreeShare = 0.1;    // of the views that do not look into the 
 constexpr double kLevel = 0.03;       // bands: keeps thin sheets, whose two sides cancel out at 0
 constexpr double kEdge_px = 2;        // width of a contour: alpha falls from 1 to 0
 
-/// What the views say about one place.
 struct Gathered {
   double sum = 0, weight = 0;  // of views that see the surface near it
   double free_sum = 0;         // of distances, band at most

@@ -9,7 +9,6 @@
 namespace ngs {
 namespace {
 
-/// Notifies the store of the start and the end of the steps.
 class StepsNotifier {
  public:
   explicit StepsNotifier(StepStore* store) : store_(store) {

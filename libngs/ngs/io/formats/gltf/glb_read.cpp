@@ -26,7 +26,6 @@ constexpr double kLeastOpacity = 0x1p-25;
 constexpr std::size_t kMostPrimitives = 65536;
 constexpr std::int64_t kMostIndex = std::numeric_limits<std::int32_t>::max();
 
-/// One attribute of all rows.
 struct GlbColumn {
   const std::uint8_t* first = nullptr;
   std::size_t stride = 0, count = 0;

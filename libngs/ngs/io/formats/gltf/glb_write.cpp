@@ -17,7 +17,6 @@ constexpr const char* kExtension = "KHR_gaussian_splatting";
 constexpr int kFloat = 5126, kArrayBuffer = 34962, kPoints = 0;  // glTF constants
 constexpr std::uint32_t kMagic = 0x46546c67, kVersion2 = 2, kJsonChunk = 0x4e4f534a, kBinaryChunk = 0x004e4942;
 
-/// One attribute for all rows.
 struct Attribute {
   std::string name;
   std::size_t width;  // floats per row
