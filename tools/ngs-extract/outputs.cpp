@@ -8,6 +8,7 @@
 #include "ngs/edit/extract/unseen_surface.h"
 #include "ngs/edit/finish/alone.h"
 #include "ngs/edit/finish/finish_stage.h"
+#include "ngs/edit/finish/mask_lack.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/npy.h"
 #include "ngs/io/formats/compression/zip_archive.h"

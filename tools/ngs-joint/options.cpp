@@ -8,7 +8,7 @@
 #include "ngs/core/parse_number.h"
 #include "ngs/options/name_of.h"
 #include "ngs/options/strict_json.h"
-#include "shared/text/layout.h"
+#include "shared/text/text_file.h"
 
 namespace ngs::joint {
 namespace {

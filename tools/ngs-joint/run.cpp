@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "labelled_result.h"
+#include "memory_plan.h"
 #include "ngs/capture/scene_check.h"
 #include "ngs/core/error.h"
 #include "ngs/cut/evidence/variance_stage.h"

@@ -7,7 +7,7 @@
 //   labels/NNNN.png    16 bit ids, with the requested errors              labels_gt/   the same, exact
 //   objects/NAME/NNNN.png  0/255, exact       layers/NNNN.exr  Z, ngs.id, ngs.mask (share of the pixel)
 //   masks_everything/NNNN.png  16 bit ids that mean nothing across views, with the requested errors
-//   halves/            with --truth halves (halves.h)
+//   halves/            with --truth halves
 //   recipe.json        input of ngs-synth for the same scene          ground_truth.json  ids, names, errors
 // clang-format on
 #include <cstdint>

@@ -7,7 +7,7 @@
 #include "ngs/core/check.h"
 #include "ngs/core/listed.h"
 #include "ngs/core/parse_number.h"
-#include "ngs/edit/extract/unseen_surface.h"
+#include "ngs/edit/extract/inpaint_stage.h"
 
 namespace ngs {
 namespace {

@@ -5,6 +5,7 @@
 
 #include "ngs/core/monitor.h"
 #include "ngs/field/field_options.h"
+#include "ngs/field/rbf_stage.h"
 #include "ngs/field/sample_stage.h"
 #include "ngs/ops/field/film_mlp.h"
 #include "ngs/ops/field/hash_grid.h"

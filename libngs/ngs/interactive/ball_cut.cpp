@@ -11,7 +11,7 @@
 #include "ngs/cut/evidence/variance_stage.h"
 #include "ngs/cut/masks/rasterise_prompt.h"
 #include "ngs/edit/extract/extract_stage.h"
-#include "ngs/edit/select/clusters.h"
+#include "ngs/edit/select/canonical_points.h"
 #include "ngs/edit/select/support_plane.h"
 #include "ngs/edit/select/touched_pieces.h"
 #include "ngs/interactive/live_mask.h"

@@ -9,7 +9,7 @@
 #include "ngs/core/monitor.h"
 #include "ngs/cut/masks/mask_consensus.h"
 #include "ngs/cut/masks/rasterise_prompt.h"
-#include "ngs/interactive/hand_edit.h"
+#include "ngs/interactive/correction.h"
 #include "ngs/interactive/live_mask.h"
 #include "ngs/ops/image/image_bytes.h"
 

@@ -6,7 +6,7 @@
 namespace ngs {
 
 /// Minimum share of object evidence of a Gaussian in the region: the smallest start value of soft labels
-/// (1 - kMaxInitialConfidence of cut/training/label_start.h). A smaller share is the error of the masks' contours.
+/// (1 - kMaxInitialConfidence of cut/training/trained_labels.h). A smaller share is the error of the masks' contours.
 inline constexpr float kMinRegionShare = 0.01f;
 
 /// True: the row is in the object's region: prob of at least kMinRegionShare, labelled, or boundary.

@@ -7,6 +7,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/field/joint_field.h"
+#include "ngs/field/rbf_stage.h"
 #include "support/cameras.h"
 #include "support/error_code.h"
 #include "support/tiny_scene.h"

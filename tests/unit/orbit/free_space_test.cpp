@@ -1,4 +1,6 @@
 
+#include "ngs/orbit/free_space.h"
+
 #include <doctest/doctest.h>
 
 #include <algorithm>

@@ -9,7 +9,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/options/near_matches.h"
-#include "shared/text/layout.h"
+#include "shared/text/text_file.h"
 
 namespace ngs::cli {
 namespace {

@@ -50,7 +50,7 @@ class Console {
   void write_progress(const std::string& text);
   void line(std::string_view level, std::string_view colour, const std::string& message);
 
-  std::string tool_, chain_;  // chain_: stage_of_chain() (summary.h); empty: a single tool
+  std::string tool_, chain_;  // chain_: stage_of_chain() (report.h); empty: a single tool
   LogLevel level_;
   LogFormat format_;
   bool terminal_, colour_;

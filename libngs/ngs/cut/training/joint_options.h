@@ -1,6 +1,7 @@
 #pragma once
 // Options of the joint optimisation. Defaults are the paper's values, or our reading if it gives none (paper.md §4).
 #include "ngs/field/field_options.h"
+#include "ngs/field/rbf_stage.h"
 #include "ngs/field/sample_stage.h"
 #include "ngs/options/field.h"
 #include "ngs/problem/preset.h"

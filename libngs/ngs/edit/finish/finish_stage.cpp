@@ -8,7 +8,7 @@
 #include "ngs/edit/fill/fill_surface.h"
 #include "ngs/edit/finish/alone.h"
 #include "ngs/edit/finish/clip_ellipsoid.h"
-#include "ngs/edit/finish/support_view.h"
+#include "ngs/edit/finish/seen_hull.h"
 #include "ngs/math/quat.h"
 #include "ngs/math/row_numbers.h"
 #include "ngs/math/stable.h"

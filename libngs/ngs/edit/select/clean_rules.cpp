@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ngs/edit/select/clusters.h"
+#include "ngs/edit/select/canonical_points.h"
 #include "ngs/math/median.h"
 #include "ngs/math/stable.h"
 #include "ngs/math/union_find.h"

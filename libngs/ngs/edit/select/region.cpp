@@ -7,7 +7,7 @@
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
 #include "ngs/core/parse_number.h"
-#include "ngs/edit/select/clusters.h"
+#include "ngs/edit/select/canonical_points.h"
 #include "ngs/orbit/orbit_stage.h"
 
 namespace ngs {

@@ -19,7 +19,7 @@
 #include "ngs/io/files/shell_word.h"
 #include "ngs/io/formats/compression/packed_model.h"
 #include "ngs/io/formats/splat_format.h"
-#include "ngs/io/image/photo.h"
+#include "ngs/io/image/size_rule.h"
 #include "ngs/io/scene/find_model.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/scene/view_names.h"

@@ -20,7 +20,9 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/files/byte_reader.h"
+#include "ngs/io/formats/axes.h"
 #include "ngs/io/formats/compression/gzip.h"
+#include "ngs/io/formats/compression/zstd_frame.h"
 #include "ngs/io/formats/quantise.h"
 #include "ngs/io/formats/splat_codecs.h"
 #include "ngs/io/formats/splat_table.h"
@@ -30,7 +32,7 @@ namespace ngs::io {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x5053474e;
-constexpr std::size_t kHeaderBytes = 16, kHeaderBytesV4 = 32, kTableEntryBytes = 16;
+constexpr std::size_t kHeaderBytesV1 = 16, kHeaderBytesV4 = 32, kTableEntryBytes = 16;
 constexpr std::uint8_t kAntialiased = 1, kHasExtensions = 2;
 constexpr std::uint32_t kLastVersion = 4, kMaxDegree = 4;
 
@@ -56,7 +58,7 @@ struct Header {
   std::uint32_t magic, version, count;
   std::uint8_t degree, fractional_bits, flags, streams;
 };
-static_assert(sizeof(Header) == kHeaderBytes);
+static_assert(sizeof(Header) == kHeaderBytesV1);
 
 struct SpzData {
   Header header{};
@@ -85,7 +87,7 @@ void check_header(const std::string& name, const Header& header, std::size_t fil
 SpzData read_gzip(const std::string& name, Bytes bytes) {
   SpzData data;
   GunzipReader reader(name, bytes);
-  std::array<std::uint8_t, kHeaderBytes> head;
+  std::array<std::uint8_t, kHeaderBytesV1> head;
   reader.read(head);
   data.header = std::bit_cast<Header>(head);
   check_header(name, data.header, bytes.size());
@@ -267,7 +269,7 @@ class Encoder {
   Encoder(const SplatSelection& model, int bits) : bits_(bits) {
     const auto degree = std::uint8_t(model.cloud.sh_degree);
     const auto sizes = attribute_bytes(kWrittenVersion, degree);
-    std::size_t total = kHeaderBytes;
+    std::size_t total = kHeaderBytesV1;
     for (std::size_t a = 0; a < kAttributes; ++a) {
       size_[a] = sizes[a];
       begin_[a] = total;

@@ -10,7 +10,7 @@
 #include "ngs/io/image/annotations.h"
 #include "ngs/io/image/exr.h"
 #include "ngs/io/image/image_file.h"
-#include "ngs/io/image/photo.h"
+#include "ngs/io/image/size_rule.h"
 #include "ngs/scene/mask_threshold.h"
 
 namespace ngs::io {

@@ -7,7 +7,7 @@
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
-#include "ngs/io/formats/splat_table.h"
+#include "ngs/io/formats/axes.h"
 #include "ngs/io/formats/write_only/usda_text.h"
 
 namespace ngs::io {

@@ -1,4 +1,6 @@
 
+#include "ngs/edit/extract/inpaint_stage.h"
+
 #include <doctest/doctest.h>
 
 #include <algorithm>

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "ngs/edit/finish/alone.h"
-#include "ngs/edit/finish/support_view.h"
+#include "ngs/edit/finish/seen_hull.h"
 #include "ngs/math/quat.h"
 #include "ngs/math/row_numbers.h"
 #include "ngs/orbit/rigs.h"

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "ngs/edit/finish/alone.h"
-#include "ngs/edit/finish/support_view.h"
+#include "ngs/edit/finish/mask_lack.h"
+#include "ngs/edit/finish/seen_hull.h"
 
 namespace ngs::finish {
 namespace {

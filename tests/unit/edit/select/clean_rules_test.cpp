@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "ngs/edit/select/needles.h"
 #include "ngs/edit/select/touched_pieces.h"
 #include "support/splat_shapes.h"
 

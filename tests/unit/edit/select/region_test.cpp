@@ -7,7 +7,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/core/rng.h"
-#include "ngs/edit/select/clusters.h"
+#include "ngs/edit/select/canonical_points.h"
 #include "ngs/edit/select/support_plane.h"
 #include "ngs/math/vectors.h"
 #include "support/error_code.h"

@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "ngs/core/error.h"
+#include "ngs/io/formats/axes.h"
 #include "ngs/io/formats/compression/gzip.h"
 #include "ngs/io/formats/compression/packed_model.h"
 #include "ngs/io/formats/compression/zip_archive.h"
-#include "ngs/io/formats/splat_table.h"
 #include "ngs/io/formats/write_splat.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/math/sh.h"

@@ -4,8 +4,8 @@
 
 #include "ngs/core/error.h"
 #include "ngs/core/version.h"
+#include "ngs/io/formats/axes.h"
 #include "ngs/io/formats/splat_codecs.h"
-#include "ngs/io/formats/splat_table.h"
 #include "ngs/math/stable.h"
 
 namespace ngs::io {

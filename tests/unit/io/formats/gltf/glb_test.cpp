@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "ngs/core/error.h"
+#include "ngs/io/formats/axes.h"
 #include "ngs/io/formats/splat_codecs.h"
-#include "ngs/io/formats/splat_table.h"
 #include "ngs/io/formats/write_splat.h"
 #include "ngs/math/quat.h"
 #include "ngs/math/sh.h"
