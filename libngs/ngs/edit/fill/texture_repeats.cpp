@@ -85,29 +85,25 @@ std::vector<Offset> alike_offsets(const Exec& exec, const TextureGrid& grid) {
 
 }  // namespace
 
-double fill_by_repeats(const Exec& exec, TextureGrid& grid) {
+Repeats find_repeats(const Exec& exec, const TextureGrid& grid) {
   const std::vector<Offset> offsets = alike_offsets(exec, grid);
-  const TextureGrid from = grid;
-  std::vector<double> best(grid.state.size());
+  Repeats out{std::vector<float>(grid.colour.size()), std::vector<float>(grid.state.size())};
   for_each_index(exec, std::int64_t(grid.state.size()), [&](std::int64_t i) {
-    if (from.state[Size(i)] != Texel::kUnknown) return;
+    if (grid.state[Size(i)] != Texel::kUnknown) return;
     double sum[3] = {0, 0, 0}, weights = 0;
     int count = 0;
     for (const Offset& o : offsets) {
       if (count == kMeanOf) break;
-      if (!is_known(from, i % from.columns + o.x, i / from.columns + o.y)) continue;
+      if (!is_known(grid, i % grid.columns + o.x, i / grid.columns + o.y)) continue;
       const double weight = o.likeness / (1 - o.likeness + kEqual);
-      const float* colour = &from.colour[3 * Size(i + o.y * from.columns + o.x)];
+      const float* colour = &grid.colour[3 * Size(i + o.y * grid.columns + o.x)];
       for (Size c = 0; c < 3; ++c) sum[c] += weight * double(colour[c]);
-      weights += weight, best[Size(i)] = std::max(best[Size(i)], o.likeness), ++count;
+      weights += weight, ++count;
+      if (count == 1) out.likeness[Size(i)] = float(o.likeness);  // the best offset comes first
     }
-    if (count == 0) return;
-    for (Size c = 0; c < 3; ++c) grid.colour[3 * Size(i) + c] = float(sum[c] / weights);
-    grid.state[Size(i)] = Texel::kKnown;
+    for (Size c = 0; count > 0 && c < 3; ++c) out.colour[3 * Size(i) + c] = float(sum[c] / weights);
   });
-  double sum = 0;
-  for (const double likeness : best) sum += likeness;
-  return sum / std::max(1.0, double(std::ranges::count(from.state, Texel::kUnknown)));
+  return out;
 }
 
 }  // namespace ngs
