@@ -15,34 +15,8 @@ constexpr std::int64_t kReach = 2;   // of patches, texels to each side of their
 constexpr float kTrust = 4;          // power of its likeness that weighs the repetition; known texels weigh 1
 constexpr std::int64_t kCoarse = 6;  // texels
 constexpr double kMaxWork = 5e8;     // comparisons of texels over all patches; above, sources are thinned
-constexpr double kGradientFloor = 1e-3;
 
 using Size = std::size_t;
-
-/// Sums over rectangles of a grid of doubles, in constant time.
-class RectangleSums {
- public:
-  template <class Value>
-  RectangleSums(std::int64_t columns, std::int64_t rows, const Value& value)
-      : columns_(columns), rows_(rows), sum_(Size((columns + 1) * (rows + 1))) {
-    for (std::int64_t y = 0; y < rows; ++y)
-      for (std::int64_t x = 0; x < columns; ++x)
-        at(x + 1, y + 1) = value(y * columns + x) + at(x, y + 1) + at(x + 1, y) - at(x, y);
-  }
-  /// Over the texels within `reach` of (x, y), clipped to the grid.
-  double around(std::int64_t x, std::int64_t y, std::int64_t reach) const {
-    const std::int64_t x0 = std::max<std::int64_t>(0, x - reach), x1 = std::min(columns_, x + reach + 1);
-    const std::int64_t y0 = std::max<std::int64_t>(0, y - reach), y1 = std::min(rows_, y + reach + 1);
-    return at(x1, y1) - at(x0, y1) - at(x1, y0) + at(x0, y0);
-  }
-
- private:
-  double& at(std::int64_t x, std::int64_t y) { return sum_[Size(y * (columns_ + 1) + x)]; }
-  double at(std::int64_t x, std::int64_t y) const { return sum_[Size(y * (columns_ + 1) + x)]; }
-
-  std::int64_t columns_, rows_;
-  std::vector<double> sum_;
-};
 
 /// RMS difference of the known texels from the mean of two on opposite sides, `distance` away along rows and columns. 0
 /// for a gradient.
@@ -76,11 +50,12 @@ class PatchFill {
   PatchFill(const Exec& exec, TextureGrid& grid, const Repeats& repeats)
       : exec_(exec), grid_(grid), repeats_(repeats), confidence_(grid.state.size()) {
     for (Size i = 0; i < confidence_.size(); ++i) confidence_[i] = grid.state[i] == Texel::kKnown;
-    const RectangleSums known(grid.columns, grid.rows, [&](std::int64_t i) { return confidence_[Size(i)]; });
-    const auto whole = double((2 * kReach + 1) * (2 * kReach + 1));
     for (std::int64_t y = kReach; y < grid.rows - kReach; ++y)
-      for (std::int64_t x = kReach; x < grid.columns - kReach; ++x)
-        if (known.around(x, y, kReach) == whole) sources_.push_back(y * grid.columns + x);
+      for (std::int64_t x = kReach; x < grid.columns - kReach; ++x) {
+        bool whole = true;
+        for_patch(y * grid.columns + x, [&](const Offset& o) { whole &= grid.state[o.texel] == Texel::kKnown; });
+        if (whole) sources_.push_back(y * grid.columns + x);
+      }
     thin_sources();
   }
   bool has_sources() const { return !sources_.empty(); }
@@ -126,28 +101,6 @@ class PatchFill {
     return x >= 0 && y >= 0 && x < grid_.columns && y < grid_.rows && grid_.state[Size(y * grid_.columns + x)] == state;
   }
 
-  /// The strength of an edge that runs into the hole at this texel: the gradient across the hole's normal.
-  double edge_at(std::int64_t x, std::int64_t y) const {
-    const double nx = double(is(x + 1, y, Texel::kUnknown)) - double(is(x - 1, y, Texel::kUnknown));
-    const double ny = double(is(x, y + 1, Texel::kUnknown)) - double(is(x, y - 1, Texel::kUnknown));
-    const double n = std::sqrt(nx * nx + ny * ny);
-    double strongest = 0;
-    for_patch(y * grid_.columns + x, [&](const Offset& o) {
-      if (std::max(std::abs(o.x), std::abs(o.y)) > 2) return;
-      const std::int64_t px = x + o.x, py = y + o.y;
-      if (!is(px, py, Texel::kKnown) || !is(px + 1, py, Texel::kKnown) || !is(px, py + 1, Texel::kKnown)) return;
-      double across = 0;
-      for (Size c = 0; c < 3; ++c) {
-        const double here = double(grid_.colour[3 * o.texel + c]);
-        const double gx = double(grid_.colour[3 * (o.texel + 1) + c]) - here;
-        const double gy = double(grid_.colour[3 * (o.texel + Size(grid_.columns)) + c]) - here;
-        across += n > 0 ? std::abs(gy * nx - gx * ny) / n : 0;
-      }
-      strongest = std::max(strongest, across);
-    });
-    return strongest + kGradientFloor;
-  }
-
   /// The unknown texel at the rim with the highest priority; -1: none is left.
   std::int64_t next_texel() {
     std::int64_t best = -1;
@@ -165,7 +118,7 @@ class PatchFill {
   double priority_of(std::int64_t x, std::int64_t y) const {
     double sum = 0;
     for_patch(y * grid_.columns + x, [&](const Offset& o) { sum += confidence_[o.texel]; });
-    return sum * edge_at(x, y);
+    return sum;
   }
 
   /// The source that is most similar to the known texels and to the repetition; of equal ones the first.

@@ -1,6 +1,6 @@
 #pragma once
-// Colours of the hole in a texture: copies of known patches where the texture has detail (Criminisi et al. 2004: the
-// cell whose surroundings are known best and at the strongest edge first), guided by its repetition
+// Colours of the hole in a texture: copies of known patches where the texture has detail (Criminisi et al. 2004,
+// without their data term: the cell whose surroundings are known best first), guided by its repetition
 // (texture_repeats.h); a smooth blend where it has none.
 #include <cstdint>
 #include <vector>
