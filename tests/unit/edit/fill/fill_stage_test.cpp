@@ -74,6 +74,7 @@ TEST_CASE("a thing that lies on the floor next to the hole is no source of its t
 
 TEST_CASE("the floor in the shadow of the removed block is relit, and without a shadow nothing is") {
   HoleModel model, lit;
+  model.spacing = lit.spacing = 0.035;
   const auto under = [](double x, double y) { return std::max(std::abs(x), std::abs(y)) < 0.28; };
   const auto in_shadow = [](double x, double y) { return std::abs(y) < 0.34 && x < 0.28 && x > -0.69; };
   const auto check = [](double x, double y) { return (std::sin(15 * x) > 0) == (std::sin(15 * y) > 0) ? 0.8 : 0.2; };
