@@ -2,20 +2,10 @@
 // Colours of the hole in a texture: copies of known patches where the texture has detail (Criminisi et al. 2004,
 // without their data term: the cell whose surroundings are known best first), guided by its repetition
 // (texture_repeats.h); a smooth blend where it has none.
-#include <cstdint>
-#include <vector>
-
 #include "ngs/backend/exec.h"
+#include "ngs/edit/fill/texture_grid.h"
 
 namespace ngs {
-
-enum class Texel : std::uint8_t { kNone, kKnown, kUnknown };  // kNone: no part of the texture, never read
-
-struct TextureGrid {
-  std::int64_t columns = 0, rows = 0;
-  std::vector<Texel> state;   // [rows · columns]
-  std::vector<float> colour;  // [rows · columns, 3] any finite values where known
-};
 
 enum class TextureFill : std::uint8_t { kNothing, kSmooth, kPatches };
 

@@ -2,7 +2,8 @@
 // Predicts a texture by its repetition: the offsets at which known texels are alike are found for the whole texture (He
 // and Sun 2012), and an unknown texel is the mean of the known ones at the best of them. Tiles and stripes continue;
 // what does not repeat becomes smooth.
-#include "ngs/edit/fill/fill_texture.h"
+#include "ngs/backend/exec.h"
+#include "ngs/edit/fill/texture_grid.h"
 
 namespace ngs {
 
