@@ -1,9 +1,14 @@
 #include "ngs/capture/mask_check.h"
 
+#include <algorithm>
+#include <array>
 #include <map>
 
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
+#include "ngs/core/formatted.h"
+#include "ngs/ops/image/mask_pair.h"
+#include "ngs/scene/mask_threshold.h"
 
 namespace ngs {
 namespace {
@@ -11,6 +16,7 @@ namespace {
 /// Sums over one object's mask in one view.
 struct PlaneSums {
   double object = 0, known = 0;                // pixels
+  double single = 0;                           // pixels that differ from their four neighbours
   double border_object = 0, border_known = 0;  // pixels of the outermost rows and columns
 };
 
@@ -22,14 +28,31 @@ PlaneSums sum_plane(const ViewMasks& masks, std::size_t object) {
       const std::size_t i = std::size_t(y) * std::size_t(masks.width_px) + std::size_t(x);
       if (!masks.known.empty() && masks.known[i] == 0) continue;
       sums.object += double(target[i]), sums.known += 1;
-      if (x > 0 && y > 0 && x + 1 < masks.width_px && y + 1 < masks.height_px) continue;
+      if (x > 0 && y > 0 && x + 1 < masks.width_px && y + 1 < masks.height_px) {
+        const std::size_t w = std::size_t(masks.width_px);
+        const bool is_set = mask_is_foreground(target[i]);
+        sums.single += std::ranges::none_of(std::array{i - 1, i + 1, i - w, i + w},
+                                            [&](std::size_t n) { return mask_is_foreground(target[n]) == is_set; });
+        continue;
+      }
       sums.border_object += double(target[i]), sums.border_known += 1;
     }
   return sums;
 }
 
-void add_view(const ViewMasks& masks, ViewCheck& view, std::vector<ObjectCheck>& objects) {
-  MaskCheck& check = view.masks.emplace();
+/// The box of a mask that is an upright rectangle within the picture; empty: another mask.
+ForegroundBox rectangle_of(const ViewMasks& masks, std::size_t object, double object_px) {
+  constexpr int kLeastSide_px = 8;
+  const ForegroundBox box = foreground_box(masks.target[object], masks.width_px, masks.height_px);
+  const int w = box.x1 - box.x0, h = box.y1 - box.y0;
+  const bool is_box = std::min(w, h) >= kLeastSide_px && object_px >= double(w) * double(h) && w < masks.width_px &&
+                      h < masks.height_px;
+  return is_box ? box : ForegroundBox{};
+}
+
+void add_view(const ViewMasks& masks, std::size_t v, SceneCheck& result) {
+  MaskCheck& check = result.views[v].masks.emplace();
+  std::vector<ObjectCheck>& objects = result.objects;
   for (std::size_t k = 0; k < objects.size(); ++k) {
     const PlaneSums sums = sum_plane(masks, k);
     const double coverage = sums.known > 0 ? sums.object / sums.known : 0;
@@ -38,6 +61,9 @@ void add_view(const ViewMasks& masks, ViewCheck& view, std::vector<ObjectCheck>&
     ObjectCheck& object = objects[k];
     ++object.views;
     object.empty += sums.object == 0, object.full += sums.known > 0 && sums.object == sums.known;
+    object.single += sums.known > 0 ? sums.single / sums.known : 0;
+    if (const ForegroundBox box = rectangle_of(masks, k, sums.object); !box.empty())
+      ++object.rectangles, object.rectangle_view = v, object.rectangle_px = {box.x0, box.y0, box.x1, box.y1};
     object.mean_coverage += coverage;
     object.border += sums.border_known > 0 ? sums.border_object / sums.border_known : 0;
   }
@@ -84,6 +110,29 @@ void check_coverage(const std::string& name, const ObjectCheck& object, MaskMode
                        " masks are full");
 }
 
+/// Masks that locate the object without its outline, or with noise around it.
+void check_shapes(const Scene& scene, std::size_t k, SceneCheck& result) {
+  constexpr double kNoise = 0.005;  // of the pixels; see docs/decisions/labels.md
+  constexpr int kFewestRectangles = 3;
+  const ObjectCheck& object = result.objects[k];
+  const std::string prefix = "object " + scene.objects[k].name + ": ";
+  if (object.single > kNoise)
+    result.warnings.push_back(
+        prefix + formatted("%.2g %%", 100 * object.single) +
+        " of the pixels of its masks differ from all their neighbours: noise; to remove it: mkdir "
+        "masks-clean; magick mogrify -path masks-clean -statistic median 3x3 MASKS/*.png; then "
+        "--masks masks-clean");
+  if (object.rectangles < kFewestRectangles || object.rectangles < object.views - object.empty - object.full) return;
+  const Camera& camera = scene.views[object.rectangle_view].camera;
+  std::string box;
+  for (const int px : object.rectangle_px) box += (box.empty() ? "" : ", ") + std::to_string(px);
+  result.warnings.push_back(prefix +
+                            "all its masks are upright rectangles, such as boxes of a detector, not its outline; "
+                            "use a box as a prompt: --strokes FILE with {\"ngs_prompts\": 1, \"view\": \"" +
+                            camera.name + "\", \"width\": " + std::to_string(camera.width_px) +
+                            ", \"height\": " + std::to_string(camera.height_px) + ", \"boxes\": [[" + box + "]]}");
+}
+
 /// Masks of an object normally cover less than half of the images and of their borders.
 void check_polarity(const Scene& scene, std::size_t k, bool refuses, SceneCheck& result) {
   constexpr double kMaxBorder = 0.5, kMaxCoverage = 0.5, kAllRound = 0.85;
@@ -116,15 +165,17 @@ void check_masks(Monitor& monitor, const MaskCheckInputs& in, SceneCheck& result
     if (sample.lossy) notes.add(scene.views[i].mask_path + ": JPEG, compression moves the contours (use PNG)");
     if (!sample.masks.available || scene.views[i].mask_path.empty()) continue;
     NGS_CHECK(sample.masks.target.size() == scene.objects.size(), "one mask plane per object");
-    add_view(sample.masks, result.views[i], result.objects);
+    add_view(sample.masks, i, result);
     monitor.progress(std::int64_t(i) + 1, std::int64_t(scene.views.size()));
   }
   notes.write_to(result.warnings);
   for (std::size_t k = 0; k < scene.objects.size(); ++k) {
     ObjectCheck& object = result.objects[k];
-    if (object.views > 0) object.mean_coverage /= object.views, object.border /= object.views;
+    if (object.views > 0)
+      object.mean_coverage /= object.views, object.border /= object.views, object.single /= object.views;
     check_coverage(scene.objects[k].name, object, scene.mask_mode, result.warnings);
     check_polarity(scene, k, refuses_inverted, result);
+    check_shapes(scene, k, result);
   }
 }
 

@@ -7,6 +7,7 @@
 #include "ngs/core/check.h"
 #include "ngs/math/median.h"
 #include "ngs/math/quat.h"
+#include "ngs/math/sh.h"
 #include "ngs/math/world_unit.h"
 #include "ngs/ops/splat/splat_options.h"
 
@@ -74,6 +75,22 @@ double recoloured_gain_db(const Exec& exec, const GaussianCloud& cloud, const Ph
     error += together > 0 && drawn > 0 ? own - together * together / drawn : own;
   }
   return db(error / (3 * n)) - match.constant_db;
+}
+
+double covered_gain_db(const Exec& exec, const GaussianCloud& cloud, const PhotoView& view, const SplatOptions& splat) {
+  constexpr float kCovered = 0.9f;
+  const RenderedView shown = render(exec, cloud, view.camera, splat, {});
+  double error = 0, spread = 0;
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    double n = 0, p = 0, pp = 0;
+    for (std::size_t i = 0; i < shown.alpha.data.size(); ++i) {
+      if (!(shown.alpha.data[i] > kCovered)) continue;
+      const double value = view.photo.data[3 * i + channel], difference = value - shown.colour.data[3 * i + channel];
+      n += 1, p += value, pp += value * value, error += difference * difference;
+    }
+    if (n > 0) spread += pp - p * p / n;
+  }
+  return spread > 0 ? db(error) - db(spread) : 0;
 }
 
 namespace {
@@ -191,6 +208,46 @@ const std::vector<PoseRepair>& pose_repairs() {
        [](Camera c) { return negated_axes(std::move(c), true); }},
       {"the photos are mirrored", "mirror them back: mogrify -flop",
        [](Camera c) { return negated_axes(std::move(c), false); }}};
+  return repairs;
+}
+
+namespace {
+
+/// A command that gives columns of a PLY other names, by which they are read as what they are.
+std::string renamed(const std::vector<std::pair<const char*, const char*>>& columns) {
+  std::string script;
+  for (const auto& [from, to] : columns) script += std::string("s/ ") + from + "/ " + to + "/;";
+  return "name them so: LC_ALL=C sed '1,/end_header/{" + script + "}' IN.ply > OUT.ply";
+}
+
+void order_as_wxyz(GaussianCloud& cloud) {
+  for (std::size_t i = 0; i < cloud.rotation.size(); i += 4)
+    std::rotate(&cloud.rotation[i], &cloud.rotation[i] + 3, &cloud.rotation[i] + 4);
+}
+
+void take_colours(GaussianCloud& cloud) {
+  for (float& c : cloud.sh_dc) c = dc_of_colour(c);
+}
+
+/// Of colours in turn within a band, read as bands in turn within a colour.
+void order_by_colour(GaussianCloud& cloud) {
+  const std::size_t bands = std::size_t(cloud.rest_count()), row = 3 * bands;
+  for (std::size_t at = 0; at < cloud.sh_rest.size(); at += row) {
+    const std::vector<float> from(&cloud.sh_rest[at], &cloud.sh_rest[at] + row);
+    for (std::size_t k = 0; k < row; ++k) cloud.sh_rest[at + k] = from[k % bands * 3 + k / bands];
+  }
+}
+
+}  // namespace
+
+const std::vector<ModelRepair>& model_repairs() {
+  static const std::vector<ModelRepair> repairs{
+      {"rot_0 to rot_3 of the splat hold x y z w",
+       renamed({{"rot_0", "rot_x"}, {"rot_1", "rot_y"}, {"rot_2", "rot_z"}, {"rot_3", "rot_w"}}), order_as_wxyz},
+      {"f_dc_0 to f_dc_2 of the splat are colours, not coefficients of SH",
+       renamed({{"f_dc_0", "red"}, {"f_dc_1", "green"}, {"f_dc_2", "blue"}}), take_colours},
+      {"f_rest_* of the splat are red, green and blue of each band in turn", "write all of red, then green, then blue",
+       order_by_colour}};
   return repairs;
 }
 

@@ -36,6 +36,9 @@ PhotoMatch match_photo(const Exec& exec, const GaussianCloud& cloud, const Photo
 double recoloured_gain_db(const Exec& exec, const GaussianCloud& cloud, const PhotoView& view,
                           const SplatOptions& splat, const PhotoMatch& match);
 
+/// PSNR minus that of the mean colour, both over the pixels that the model covers (alpha above 0.9); 0: it covers none.
+double covered_gain_db(const Exec& exec, const GaussianCloud& cloud, const PhotoView& view, const SplatOptions& splat);
+
 /// Median over the cameras of the fraction of Gaussians in front of the camera that are nearer than the near plane and
 /// so not rendered: about 1 in a world that is too small. 0 if no camera has a Gaussian in front.
 double share_too_near(const GaussianCloud& cloud, std::span<const Camera> cameras, double near_z);
@@ -56,5 +59,13 @@ struct PoseRepair {
   Camera (*apply)(Camera);
 };
 const std::vector<PoseRepair>& pose_repairs();
+
+/// The same for programs that write splats.
+struct ModelRepair {
+  std::string mistake;  // "rot_0 to rot_3 of the splat hold x y z w"
+  std::string remedy;   // IN.ply and OUT.ply are for the user to fill in
+  void (*apply)(GaussianCloud&);
+};
+const std::vector<ModelRepair>& model_repairs();
 
 }  // namespace ngs

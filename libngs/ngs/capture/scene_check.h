@@ -46,7 +46,4 @@ struct SceneCheckInputs {
 SceneCheck check_scene(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options,
                        const SceneCheckInputs& in);
 
-/// `count` evenly spaced indices below n: the middles of `count` equal parts.
-std::vector<std::size_t> evenly_spaced(std::size_t count, std::size_t n);
-
 }  // namespace ngs

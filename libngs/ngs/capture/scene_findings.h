@@ -1,5 +1,6 @@
 #pragma once
 // Inputs and results of a scene check (capture/scene_check.h).
+#include <array>
 #include <functional>
 #include <optional>
 #include <string>
@@ -37,7 +38,11 @@ struct ViewCheck {
 struct ObjectCheck {
   int views = 0, empty = 0, full = 0;  // views with a mask, with an empty mask, with a full mask
   double mean_coverage = 0;
-  double border = 0;  // mean covered fraction of the image's border: high for inverted masks
+  double border = 0;                  // mean covered fraction of the image's border: high for inverted masks
+  double single = 0;                  // mean fraction of pixels that differ from their four neighbours: high for noise
+  int rectangles = 0;                 // views whose mask is an upright rectangle within the image
+  std::size_t rectangle_view = 0;     // one of them
+  std::array<int, 4> rectangle_px{};  // there: x0 y0 x1 y1
 };
 
 /// Views whose masks are empty for all objects, or full for one (capture/uniform_masks.h).

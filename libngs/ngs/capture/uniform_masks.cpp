@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "ngs/core/listed.h"
 #include "ngs/math/median.h"
 #include "ngs/ops/neighbours/knn.h"
 #include "ngs/problem/cloud_rows.h"
@@ -53,6 +54,13 @@ PixelCounts count_pixels(const ImageF& shown, const ViewMasks& masks) {
   return counts;
 }
 
+/// The first of these views by name, and how many more there are.
+std::string some_names(const Scene& scene, const std::vector<std::size_t>& views) {
+  std::vector<std::string> names;
+  for (const std::size_t view : views) names.push_back(scene.views[view].camera.name);
+  return listed(names, 4);
+}
+
 }  // namespace
 
 UniformMasks check_uniform_masks(const Exec& exec, Monitor& monitor, const UniformMaskInputs& in) {
@@ -82,6 +90,39 @@ UniformMasks check_uniform_masks(const Exec& exec, Monitor& monitor, const Unifo
     if (counts.mask > 0 ? shown < kMinOfFull : shown > least) result.contradicted.push_back(view);
   });
   return result;
+}
+
+void find_uniform_masks(const Exec& exec, Monitor& monitor, const UniformMaskSearch& in, SceneCheck& result) {
+  const auto is_full = [](const MaskCheck& masks) {
+    return std::ranges::any_of(masks.coverage, [](double share) { return share == 1; });
+  };
+  std::vector<std::size_t> plain, others;
+  for (std::size_t v = 0; v < result.views.size(); ++v) {
+    const std::optional<MaskCheck>& masks = result.views[v].masks;
+    if (!masks || !(masks->known > 0)) continue;
+    const bool is_empty = std::ranges::all_of(masks->coverage, [](double share) { return share == 0; });
+    (is_empty || is_full(*masks) ? plain : others).push_back(v);
+  }
+  result.uniform_masks.views = plain;
+  if (in.cloud == nullptr || in.scene.missing_mask == MissingMask::kEmpty) return;
+  Scene scene = in.scene;
+  scene.compat = result.compat, scene.world_unit = result.world_unit;
+  result.uniform_masks = check_uniform_masks(
+      exec, monitor, {*in.cloud, scene, plain, others, [&](std::size_t view) { return in.loaders.masks(view).masks; }});
+  const std::vector<std::size_t>& wrong = result.uniform_masks.contradicted;
+  const std::string of_all = " of " + std::to_string(plain.size() + others.size()) + " masks are ";
+  const auto full = std::ranges::count_if(wrong, [&](std::size_t v) { return is_full(*result.views[v].masks); });
+  const char* kind = full == 0              ? "empty where the other masks show the object ("
+                     : full == ssize(wrong) ? "full where the other masks show background ("
+                                            : "empty or full where the other masks are not (";
+  if (!wrong.empty())
+    result.warnings.push_back(std::to_string(wrong.size()) + of_all + kind + some_names(in.scene, wrong) +
+                              "): probably the tool that made them lost it; import treats such views as views without "
+                              "a mask, --missing-mask empty keeps the masks unchanged");
+  else if (result.uniform_masks.agreement < kMinMaskAgreement)
+    result.warnings.push_back(std::to_string(plain.size()) + of_all + "empty or full (" + some_names(in.scene, plain) +
+                              "), and the others agree too little to decide whether the object is there; view them: "
+                              "ngs-scene check SCENE --sheet masks.html");
 }
 
 }  // namespace ngs

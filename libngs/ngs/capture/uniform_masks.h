@@ -26,4 +26,13 @@ struct UniformMaskInputs {
 /// `contradicted` stays empty if the agreement is below kMinMaskAgreement: the masks then do not locate the object.
 UniformMasks check_uniform_masks(const Exec& exec, Monitor& monitor, const UniformMaskInputs& in);
 
+struct UniformMaskSearch {
+  const GaussianCloud* cloud;  // null: masks are only counted
+  const Scene& scene;
+  const SceneLoaders& loaders;
+};
+/// Finds empty and full masks, and checks them against the others, unless a missing mask means an empty one
+/// (MissingMask::kEmpty). `result` has the masks of all views (capture/mask_check.h).
+void find_uniform_masks(const Exec& exec, Monitor& monitor, const UniformMaskSearch& in, SceneCheck& result);
+
 }  // namespace ngs

@@ -1,5 +1,7 @@
 #include "ngs/capture/view_shares.h"
 
+#include <algorithm>
+
 namespace ngs {
 
 std::vector<std::int64_t> sample_usable(const GaussianCloud& cloud) {
@@ -18,6 +20,13 @@ ViewShares view_shares(const GaussianCloud& cloud, const Camera& camera, const s
     in_front += camera.to_camera(world).z > 0, inside += camera.project(world).has_value();
   }
   return {double(in_front) / double(sample.size()), double(inside) / double(sample.size())};
+}
+
+std::vector<std::size_t> evenly_spaced(std::size_t count, std::size_t n) {
+  std::vector<std::size_t> out;
+  count = std::min(count, n);
+  for (std::size_t i = 0; i < count; ++i) out.push_back((2 * i + 1) * n / (2 * count));
+  return out;
 }
 
 }  // namespace ngs

@@ -20,4 +20,7 @@ struct ViewShares {
 /// Fractions of the sample, which must not be empty.
 ViewShares view_shares(const GaussianCloud& cloud, const Camera& camera, const std::vector<std::int64_t>& sample);
 
+/// `count` evenly spaced indices below n: the middles of `count` equal parts.
+std::vector<std::size_t> evenly_spaced(std::size_t count, std::size_t n);
+
 }  // namespace ngs
