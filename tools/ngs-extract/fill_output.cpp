@@ -22,10 +22,8 @@
 namespace ngs::cli {
 namespace {
 
-constexpr NamedValue<TextureFill> kTextureNames[] = {{TextureFill::kNothing, "none"},
-                                                     {TextureFill::kSmooth, "smooth"},
-                                                     {TextureFill::kPatches, "patches"},
-                                                     {TextureFill::kRepeats, "repeats"}};
+constexpr NamedValue<TextureFill> kTextureNames[] = {
+    {TextureFill::kNothing, "none"}, {TextureFill::kSmooth, "smooth"}, {TextureFill::kPatches, "patches"}};
 
 Json surface_report(const FilledSurface& s) {
   return {{"kind", s.is_plane ? "plane" : "surface"},

@@ -15,12 +15,12 @@ using orbit::Vec;
 
 constexpr std::int64_t kBlocksAcross = 56;  // squares of cells along the longer side, whose mean colours are compared
 constexpr std::int64_t kGap = 3, kWideGap = 5;  // blocks between the two of a pair; to find the light, the depth
-constexpr int kLights = 400, kConeSides = 8, kLightRounds = 4;
+constexpr int kLights = 1600, kConeSides = 8, kLightRounds = 4;
 constexpr double kLightTurn = 0.1;    // rad: first refinement
 constexpr double kLowestLight = 0.3;  // sine: lower lights have shadows longer than what is known around the object
 constexpr double kMinPairs = 16;
 constexpr double kLeastLeft = 0.2;     // of the colour
-constexpr double kMinScore = 3.5;      // of four recipes 4.8 to 6.0; a checker without a shadow 2.5
+constexpr double kMinScore = 5.5;      // of four recipes 6.0 to 8.6; without a shadow 5.0 and less, in clutter 5.8
 constexpr double kMinDarker = 0.8;     // fraction of the pairs
 constexpr double kHalfShadow = 0.12;   // rad: radius of the light, wide as a splat blurs outlines
 constexpr double kDarkFrom = 0.35;     // lit fraction: darkest up to here, for the same reason

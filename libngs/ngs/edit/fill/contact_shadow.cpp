@@ -22,13 +22,19 @@ constexpr double kMostDarker = 0.8;  // fraction of its cells
 constexpr double kInner = 0.6;       // of the reach
 constexpr double kLeast = 0.2;       // factor
 
-double level(const TextureGrid& texture, std::size_t cell) {
+double level_of(const float* sh_dc) {
   double sum = 0;
-  for (std::size_t a = 0; a < 3; ++a) sum += std::max(0.0, 0.5 + kShC0 * double(texture.colour[3 * cell + a]));
+  for (std::size_t a = 0; a < 3; ++a) sum += std::max(0.0, 0.5 + kShC0 * double(sh_dc[a]));
   return std::log(std::max(sum / 3, 0.02));
 }
 
 }  // namespace
+
+double ContactShadow::at(std::int64_t cell, const float* sh_dc) const {
+  if (left.empty() || cell < 0 || left[std::size_t(cell)] >= 1) return 1;
+  const double lacks = std::exp(std::min(0.0, level_of(sh_dc) - double(level[std::size_t(cell)])));
+  return std::max(lacks, double(left[std::size_t(cell)]));
+}
 
 std::vector<double> distance_to_object(const Exec& exec, const Rim& rim, const std::vector<Vec>& points) {
   std::vector<float> object, queries;
@@ -51,7 +57,7 @@ ContactShadow find_contact_shadow(const Exec& exec, const TextureGrid& texture, 
   const double reach = std::max(kReach * diagonal, kReachCells * side);
   TextureGrid around = texture;  // the ring is continued from the cells around it
   std::vector<std::size_t> ring;
-  std::size_t known = 0;
+  std::vector<double> levels;  // around it
   for (std::size_t i = 0; i < distance.size(); ++i) {
     if (around.state[i] == Texel::kUnknown) around.state[i] = Texel::kNone;
     if (around.state[i] != Texel::kKnown) continue;
@@ -59,28 +65,34 @@ ContactShadow find_contact_shadow(const Exec& exec, const TextureGrid& texture, 
       around.state[i] = Texel::kUnknown;
       ring.push_back(i);
     } else {
-      ++known;
+      levels.push_back(level_of(&texture.colour[3 * i]));
     }
   }
-  if (ring.size() < kMinRing || known < kMinAround) return {};
-  fill_by_repeats(exec, around);
-  std::vector<std::vector<double>> ratios(std::size_t(reach / side) + 1);
+  if (ring.size() < kMinRing || levels.size() < kMinAround) return {};
+  const Repeats repeats = find_repeats(exec, around);
+  std::vector<std::vector<double>> darkness(std::size_t(reach / side) + 1);  // by distance in cells
   std::vector<double> inner;
   for (const std::size_t i : ring) {
-    if (around.state[i] != Texel::kKnown) continue;
-    const double ratio = level(texture, i) - level(around, i);
-    ratios[std::size_t(distance[i] / side)].push_back(ratio);
-    if (distance[i] < kInner * reach) inner.push_back(ratio);
+    if (!(repeats.likeness[i] > 0)) continue;
+    const double d = level_of(&texture.colour[3 * i]) - level_of(&repeats.colour[3 * i]);
+    darkness[std::size_t(distance[i] / side)].push_back(d);
+    if (distance[i] < kInner * reach) inner.push_back(d);
   }
-  const auto darker = std::size_t(std::ranges::count_if(inner, [](double r) { return r < 0; }));
+  const auto darker = std::size_t(std::ranges::count_if(inner, [](double d) { return d < 0; }));
   if (inner.size() < kMinStep || double(darker) < kMostDarker * double(inner.size()) ||
       upper_median(std::move(inner)) > -kDarker)
     return {};
-  ContactShadow shadow{side, std::vector<double>(ratios.size(), 1)};
-  double left = 1;
-  for (std::size_t k = ratios.size(); k-- > 0;) {
-    if (ratios[k].size() >= kMinStep) left = std::min(left, std::exp(upper_median(std::move(ratios[k]))));
-    shadow.left[k] = std::max(left, kLeast);
+  std::vector<double> left(darkness.size());
+  double least = 1;
+  for (std::size_t k = left.size(); k-- > 0;) {
+    if (darkness[k].size() >= kMinStep) least = std::min(least, std::exp(upper_median(std::move(darkness[k]))));
+    left[k] = std::max(least, kLeast);
+  }
+  const auto usual = float(upper_median(std::move(levels)));
+  ContactShadow shadow{std::vector<float>(distance.size(), 1), std::vector<float>(distance.size(), usual)};
+  for (std::size_t i = 0; i < distance.size(); ++i) {
+    if (distance[i] < reach) shadow.left[i] = float(left[std::size_t(distance[i] / side)]);
+    if (repeats.likeness[i] > 0) shadow.level[i] = float(level_of(&repeats.colour[3 * i]));
   }
   return shadow;
 }

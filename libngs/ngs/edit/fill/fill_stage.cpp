@@ -83,7 +83,9 @@ void add_hidden(const GaussianCloud& cloud, const Rim& rim, const FillSurface& s
   }
 }
 
+/// The shadows of the object on a surface, and its cells.
 struct Shadows {
+  HoleCells cells;
   CastShadow cast;
   ContactShadow contact;
 };
@@ -95,18 +97,14 @@ void relight(const Exec& exec, const HoleScene& scene, const FillSurface& surfac
   const GaussianCloud& cloud = scene.cloud;
   const std::size_t bands = 3 * std::size_t(cloud.rest_count());
   std::vector<double> factor(out.removed.size(), 1);
-  std::vector<Vec> places;
-  for (const Vec& p : scene.rim.background.position) places.push_back(p - surface.height(p) * surface.normal);
-  const std::vector<double> distance = distance_to_object(exec, scene.rim, places);
-  for (std::size_t k = 0; k < distance.size(); ++k)
-    factor[scene.rim.background.row[k]] = shadows.contact.at(distance[k]);
   for_each_index(exec, cloud.size(), [&](std::int64_t row) {
     const auto i = std::size_t(row);
     const Vec p{cloud.position[3 * i], cloud.position[3 * i + 1], cloud.position[3 * i + 2]};
     if (scene.object[i] || out.removed[i] || !cloud.usable[i] || std::abs(surface.height(p)) > surface.tolerance)
-      factor[i] = 1;
-    else
-      factor[i] *= shadows.cast.at(scene.occluder, p - surface.height(p) * surface.normal);
+      return;
+    const std::int64_t cell = shadows.cells.cell_of(surface.coordinates(p));
+    factor[i] = shadows.cast.at(scene.occluder, p - surface.height(p) * surface.normal) *
+                shadows.contact.at(cell, &cloud.sh_dc[3 * i]);
   });
   for (std::size_t i = 0; i < factor.size(); ++i) {
     if (factor[i] >= 1) continue;
@@ -154,7 +152,7 @@ HoleFill fill_hole(const Exec& exec, Monitor& monitor, const FillOptions& option
   const HoleScene scene{cloud, input.object, rim, occluder, surfaces, debris};
   for (std::size_t s = 0; s < surfaces.size(); ++s) {
     const FillSurface& surface = surfaces[s];
-    const HoleCells cells = find_hole_cells(exec, scene, s);
+    const HoleCells& cells = shadows[s].cells = find_hole_cells(exec, scene, s);
     const bool stands = cells.hole + cells.continued > 0;
     if (stands) shadows[s].cast = find_cast_shadow(exec, scene, s, cells);
     FilledSurface found{surface.relief.empty(), surface.normal,  surface.rim_points, surface.residual,
@@ -162,6 +160,7 @@ HoleFill fill_hole(const Exec& exec, Monitor& monitor, const FillOptions& option
                         cells.continued,        cells.footprint, shadows[s].cast};
     TextureGrid texture = texture_sources(exec, scene, s, cells, shadows[s].cast, shadows[s].contact);
     found.texture = fill_texture(exec, texture, kDetail);
+    if (!stands) shadows[s].contact = {};
     if (found.texture != TextureFill::kNothing) {
       found.rows = lay(surface, cells, texture, mean_bands(cloud, rim, surface), out.filled);
       add_hidden(cloud, rim, surface, cells, hidden);

@@ -11,38 +11,12 @@
 namespace ngs {
 namespace {
 
-constexpr std::int64_t kReaches[] = {4, 2};  // patches of 9 x 9 texels; 5 x 5 where no larger one is known
-constexpr std::int64_t kCoarse = 6;          // texels
-constexpr double kMaxWork = 5e8;             // comparisons of texels over all patches; above, sources are thinned
-constexpr double kGradientFloor = 1e-3;
-constexpr double kRepeats = 0.6;  // least mean likeness of a texture that repeats
+constexpr std::int64_t kReach = 2;   // of patches, texels to each side of their centre
+constexpr float kTrust = 4;          // power of its likeness that weighs the repetition; known texels weigh 1
+constexpr std::int64_t kCoarse = 6;  // texels
+constexpr double kMaxWork = 5e8;     // comparisons of texels over all patches; above, sources are thinned
 
 using Size = std::size_t;
-
-/// Sums over rectangles of a grid of doubles, in constant time.
-class RectangleSums {
- public:
-  template <class Value>
-  RectangleSums(std::int64_t columns, std::int64_t rows, const Value& value)
-      : columns_(columns), rows_(rows), sum_(Size((columns + 1) * (rows + 1))) {
-    for (std::int64_t y = 0; y < rows; ++y)
-      for (std::int64_t x = 0; x < columns; ++x)
-        at(x + 1, y + 1) = value(y * columns + x) + at(x, y + 1) + at(x + 1, y) - at(x, y);
-  }
-  /// Over the texels within `reach` of (x, y), clipped to the grid.
-  double around(std::int64_t x, std::int64_t y, std::int64_t reach) const {
-    const std::int64_t x0 = std::max<std::int64_t>(0, x - reach), x1 = std::min(columns_, x + reach + 1);
-    const std::int64_t y0 = std::max<std::int64_t>(0, y - reach), y1 = std::min(rows_, y + reach + 1);
-    return at(x1, y1) - at(x0, y1) - at(x1, y0) + at(x0, y0);
-  }
-
- private:
-  double& at(std::int64_t x, std::int64_t y) { return sum_[Size(y * (columns_ + 1) + x)]; }
-  double at(std::int64_t x, std::int64_t y) const { return sum_[Size(y * (columns_ + 1) + x)]; }
-
-  std::int64_t columns_, rows_;
-  std::vector<double> sum_;
-};
 
 /// RMS difference of the known texels from the mean of two on opposite sides, `distance` away along rows and columns. 0
 /// for a gradient.
@@ -73,14 +47,15 @@ double detail_of(const TextureGrid& grid) { return std::max(detail_at(grid, 1), 
 /// Fills by whole patches.
 class PatchFill {
  public:
-  PatchFill(const Exec& exec, TextureGrid& grid, std::int64_t reach)
-      : exec_(exec), grid_(grid), reach_(reach), confidence_(grid.state.size()) {
+  PatchFill(const Exec& exec, TextureGrid& grid, const Repeats& repeats)
+      : exec_(exec), grid_(grid), repeats_(repeats), confidence_(grid.state.size()) {
     for (Size i = 0; i < confidence_.size(); ++i) confidence_[i] = grid.state[i] == Texel::kKnown;
-    const RectangleSums known(grid.columns, grid.rows, [&](std::int64_t i) { return confidence_[Size(i)]; });
-    const auto whole = double((2 * reach_ + 1) * (2 * reach_ + 1));
-    for (std::int64_t y = reach_; y < grid.rows - reach_; ++y)
-      for (std::int64_t x = reach_; x < grid.columns - reach_; ++x)
-        if (known.around(x, y, reach_) == whole) sources_.push_back(y * grid.columns + x);
+    for (std::int64_t y = kReach; y < grid.rows - kReach; ++y)
+      for (std::int64_t x = kReach; x < grid.columns - kReach; ++x) {
+        bool whole = true;
+        for_patch(y * grid.columns + x, [&](const Offset& o) { whole &= grid.state[o.texel] == Texel::kKnown; });
+        if (whole) sources_.push_back(y * grid.columns + x);
+      }
     thin_sources();
   }
   bool has_sources() const { return !sources_.empty(); }
@@ -95,9 +70,15 @@ class PatchFill {
     Size texel;
   };
 
+  struct Wanted {
+    std::int64_t step;
+    float weight;
+    const float* colour;
+  };
+
   void thin_sources() {
     const auto unknown = double(std::ranges::count(grid_.state, Texel::kUnknown));
-    const double work = unknown / 12 * 60 * double(sources_.size());
+    const double work = unknown / 4 * 25 * double(sources_.size());
     const auto step = Size(std::max(1.0, std::ceil(work / kMaxWork)));
     if (step == 1) return;
     std::vector<std::int64_t> thinned;
@@ -109,8 +90,8 @@ class PatchFill {
   template <class Visit>
   void for_patch(std::int64_t centre, const Visit& visit) const {
     const std::int64_t x = centre % grid_.columns, y = centre / grid_.columns;
-    for (std::int64_t dy = std::max(-reach_, -y); dy <= std::min(reach_, grid_.rows - 1 - y); ++dy)
-      for (std::int64_t dx = std::max(-reach_, -x); dx <= std::min(reach_, grid_.columns - 1 - x); ++dx) {
+    for (std::int64_t dy = std::max(-kReach, -y); dy <= std::min(kReach, grid_.rows - 1 - y); ++dy)
+      for (std::int64_t dx = std::max(-kReach, -x); dx <= std::min(kReach, grid_.columns - 1 - x); ++dx) {
         const std::int64_t step = dy * grid_.columns + dx;
         visit(Offset{step, dx, dy, Size(centre + step)});
       }
@@ -118,28 +99,6 @@ class PatchFill {
 
   bool is(std::int64_t x, std::int64_t y, Texel state) const {
     return x >= 0 && y >= 0 && x < grid_.columns && y < grid_.rows && grid_.state[Size(y * grid_.columns + x)] == state;
-  }
-
-  /// The strength of an edge that runs into the hole at this texel: the gradient across the hole's normal.
-  double edge_at(std::int64_t x, std::int64_t y) const {
-    const double nx = double(is(x + 1, y, Texel::kUnknown)) - double(is(x - 1, y, Texel::kUnknown));
-    const double ny = double(is(x, y + 1, Texel::kUnknown)) - double(is(x, y - 1, Texel::kUnknown));
-    const double n = std::sqrt(nx * nx + ny * ny);
-    double strongest = 0;
-    for_patch(y * grid_.columns + x, [&](const Offset& o) {
-      if (std::max(std::abs(o.x), std::abs(o.y)) > 2) return;
-      const std::int64_t px = x + o.x, py = y + o.y;
-      if (!is(px, py, Texel::kKnown) || !is(px + 1, py, Texel::kKnown) || !is(px, py + 1, Texel::kKnown)) return;
-      double across = 0;
-      for (Size c = 0; c < 3; ++c) {
-        const double here = double(grid_.colour[3 * o.texel + c]);
-        const double gx = double(grid_.colour[3 * (o.texel + 1) + c]) - here;
-        const double gy = double(grid_.colour[3 * (o.texel + Size(grid_.columns)) + c]) - here;
-        across += n > 0 ? std::abs(gy * nx - gx * ny) / n : 0;
-      }
-      strongest = std::max(strongest, across);
-    });
-    return strongest + kGradientFloor;
   }
 
   /// The unknown texel at the rim with the highest priority; -1: none is left.
@@ -159,17 +118,17 @@ class PatchFill {
   double priority_of(std::int64_t x, std::int64_t y) const {
     double sum = 0;
     for_patch(y * grid_.columns + x, [&](const Offset& o) { sum += confidence_[o.texel]; });
-    return sum * edge_at(x, y);
+    return sum;
   }
 
-  /// The source whose known texels are most similar; of equal ones the first.
+  /// The source that is most similar to the known texels and to the repetition; of equal ones the first.
   std::int64_t best_source(std::int64_t target) const {
-    std::vector<std::int64_t> steps;
-    std::vector<float> wanted;
+    std::vector<Wanted> wanted;
     for_patch(target, [&](const Offset& o) {
-      if (grid_.state[o.texel] != Texel::kKnown) return;
-      steps.push_back(o.step);
-      wanted.insert(wanted.end(), &grid_.colour[3 * o.texel], &grid_.colour[3 * o.texel] + 3);
+      const bool known = grid_.state[o.texel] == Texel::kKnown;
+      const float weight = known ? 1.f : std::pow(repeats_.likeness[o.texel], kTrust);
+      if (weight > 0 && grid_.state[o.texel] != Texel::kNone)
+        wanted.push_back({o.step, weight, known ? &grid_.colour[3 * o.texel] : &repeats_.colour[3 * o.texel]});
     });
     constexpr Size kChunk = 512;
     struct Found {
@@ -180,7 +139,7 @@ class PatchFill {
     for_each_index(exec_, std::int64_t(found.size()), [&](std::int64_t chunk) {
       Found best;
       for (Size k = Size(chunk) * kChunk; k < std::min(sources_.size(), (Size(chunk) + 1) * kChunk); ++k) {
-        const double difference = difference_of(sources_[k], steps, wanted, best.difference);
+        const double difference = difference_of(sources_[k], wanted, best.difference);
         if (difference < best.difference) best = {difference, sources_[k]};
       }
       found[Size(chunk)] = best;
@@ -191,14 +150,13 @@ class PatchFill {
     return best.source;
   }
 
-  double difference_of(std::int64_t source, const std::vector<std::int64_t>& steps, const std::vector<float>& wanted,
-                       double most) const {
+  double difference_of(std::int64_t source, const std::vector<Wanted>& wanted, double most) const {
     double sum = 0;
-    for (Size k = 0; k < steps.size() && sum < most; ++k) {
-      const float* a = &wanted[3 * k];
-      const float* b = &grid_.colour[3 * Size(source + steps[k])];
+    for (Size k = 0; k < wanted.size() && sum < most; ++k) {
+      const float* a = wanted[k].colour;
+      const float* b = &grid_.colour[3 * Size(source + wanted[k].step)];
       const float x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
-      sum += double(x * x + y * y + z * z);
+      sum += double(wanted[k].weight * (x * x + y * y + z * z));
     }
     return sum;
   }
@@ -215,7 +173,7 @@ class PatchFill {
 
   const Exec& exec_;
   TextureGrid& grid_;
-  std::int64_t reach_;  // of patches, texels to each side of their centre
+  const Repeats& repeats_;
   std::vector<double> confidence_;
   std::vector<std::int64_t> sources_;
 };
@@ -267,16 +225,9 @@ TextureFill fill_texture(const Exec& exec, TextureGrid& grid, double detail) {
       std::ranges::find(grid.state, Texel::kKnown) == grid.state.end())
     return TextureFill::kNothing;
   if (detail_of(grid) > detail) {
-    TextureGrid repeated = grid;
-    if (fill_by_repeats(exec, repeated) >= kRepeats) {
-      grid = std::move(repeated);
-      fill_smoothly(grid);
-      return TextureFill::kRepeats;
-    }
-    for (const std::int64_t reach : kReaches) {
-      PatchFill patches(exec, grid, reach);
-      if (patches.has_sources()) return patches.run(), TextureFill::kPatches;
-    }
+    const Repeats repeats = find_repeats(exec, grid);
+    PatchFill patches(exec, grid, repeats);
+    if (patches.has_sources()) return patches.run(), TextureFill::kPatches;
   }
   fill_smoothly(grid);
   return TextureFill::kSmooth;

@@ -37,21 +37,6 @@ double squared_difference(const TextureGrid& grid, std::int64_t a, std::int64_t 
   return sum;
 }
 
-/// Twice the variance of the colours, summed over the channels: the mean squared difference of unrelated texels.
-double unrelated_difference(const TextureGrid& grid, const std::vector<std::int64_t>& known) {
-  double twice = 0;
-  for (Size c = 0; c < 3; ++c) {
-    double sum = 0, squares = 0;
-    for (const std::int64_t i : known) {
-      const auto x = double(grid.colour[3 * Size(i) + c]);
-      sum += x, squares += x * x;
-    }
-    const double mean = sum / double(known.size());
-    twice += 2 * std::max(0.0, squares / double(known.size()) - mean * mean);
-  }
-  return twice;
-}
-
 /// The offsets at which texels are alike, the best first, in both directions.
 std::vector<Offset> alike_offsets(const Exec& exec, const TextureGrid& grid) {
   std::vector<std::int64_t> known, compared;
@@ -61,17 +46,24 @@ std::vector<Offset> alike_offsets(const Exec& exec, const TextureGrid& grid) {
   const std::int64_t width = 2 * grid.columns - 1;
   const double most = kMaxPairs / double(width * grid.rows);
   for (const Size k : orbit::thinned(known.size(), Size(std::max(most, 1.0)))) compared.push_back(known[k]);
-  const double unrelated = unrelated_difference(grid, known);
+  double squares = 0, sum[3] = {0, 0, 0};
+  for (const std::int64_t i : known)
+    for (Size c = 0; c < 3; ++c) {
+      const auto x = double(grid.colour[3 * Size(i) + c]);
+      squares += x * x, sum[c] += x;
+    }
+  for (const double s : sum) squares -= s * s / double(known.size());
+  const double unrelated = 2 * squares / double(known.size());  // mean squared difference of texels without order
   std::vector<double> likeness(Size(width * grid.rows));
   for_each_index(exec, std::int64_t(likeness.size()), [&](std::int64_t k) {
     const std::int64_t dx = k % width - grid.columns + 1, dy = k / width;
-    double sum = 0, pairs = 0;
+    double difference = 0, pairs = 0;
     for (const std::int64_t i : compared) {
       if (!is_known(grid, i % grid.columns + dx, i / grid.columns + dy)) continue;
-      sum += squared_difference(grid, i, i + dy * grid.columns + dx), ++pairs;
+      difference += squared_difference(grid, i, i + dy * grid.columns + dx), ++pairs;
     }
     if (pairs >= std::max(kLeastPairs, kMinPairs * double(compared.size())) && unrelated > 0)
-      likeness[Size(k)] = 1 - sum / (pairs * unrelated);
+      likeness[Size(k)] = 1 - difference / (pairs * unrelated);
   });
   std::vector<Offset> offsets;
   for (Size k = 0; k < likeness.size(); ++k) {
@@ -85,29 +77,25 @@ std::vector<Offset> alike_offsets(const Exec& exec, const TextureGrid& grid) {
 
 }  // namespace
 
-double fill_by_repeats(const Exec& exec, TextureGrid& grid) {
+Repeats find_repeats(const Exec& exec, const TextureGrid& grid) {
   const std::vector<Offset> offsets = alike_offsets(exec, grid);
-  const TextureGrid from = grid;
-  std::vector<double> best(grid.state.size());
+  Repeats out{std::vector<float>(grid.colour.size()), std::vector<float>(grid.state.size())};
   for_each_index(exec, std::int64_t(grid.state.size()), [&](std::int64_t i) {
-    if (from.state[Size(i)] != Texel::kUnknown) return;
+    if (grid.state[Size(i)] != Texel::kUnknown) return;
     double sum[3] = {0, 0, 0}, weights = 0;
     int count = 0;
     for (const Offset& o : offsets) {
       if (count == kMeanOf) break;
-      if (!is_known(from, i % from.columns + o.x, i / from.columns + o.y)) continue;
+      if (!is_known(grid, i % grid.columns + o.x, i / grid.columns + o.y)) continue;
       const double weight = o.likeness / (1 - o.likeness + kEqual);
-      const float* colour = &from.colour[3 * Size(i + o.y * from.columns + o.x)];
+      const float* colour = &grid.colour[3 * Size(i + o.y * grid.columns + o.x)];
       for (Size c = 0; c < 3; ++c) sum[c] += weight * double(colour[c]);
-      weights += weight, best[Size(i)] = std::max(best[Size(i)], o.likeness), ++count;
+      weights += weight, ++count;
+      if (count == 1) out.likeness[Size(i)] = float(o.likeness);  // the best offset comes first
     }
-    if (count == 0) return;
-    for (Size c = 0; c < 3; ++c) grid.colour[3 * Size(i) + c] = float(sum[c] / weights);
-    grid.state[Size(i)] = Texel::kKnown;
+    for (Size c = 0; count > 0 && c < 3; ++c) out.colour[3 * Size(i) + c] = float(sum[c] / weights);
   });
-  double sum = 0;
-  for (const double likeness : best) sum += likeness;
-  return sum / std::max(1.0, double(std::ranges::count(from.state, Texel::kUnknown)));
+  return out;
 }
 
 }  // namespace ngs

@@ -83,8 +83,10 @@ TextureGrid texture_sources(const Exec& exec, const HoleScene& scene, std::size_
   }
   const std::vector<double> distance = distance_to_object(exec, scene.rim, places);
   contact = find_contact_shadow(exec, grid, distance, cells.side, scene.rim.diagonal);
-  for (std::size_t i = 0; i < distance.size(); ++i)
-    for (std::size_t a = 0; a < 3; ++a) grid.colour[3 * i + a] = relit(grid.colour[3 * i + a], contact.at(distance[i]));
+  for (std::size_t i = 0; i < distance.size(); ++i) {
+    const double factor = contact.at(std::int64_t(i), &grid.colour[3 * i]);
+    for (std::size_t a = 0; a < 3; ++a) grid.colour[3 * i + a] = relit(grid.colour[3 * i + a], factor);
+  }
   orbit::Vec middle{0, 0, 0};
   const double share = 1 / std::max(1.0, double(scene.rim.object.count()));
   for (const orbit::Vec& p : scene.rim.object.position) middle = middle + share * p;

@@ -204,7 +204,7 @@ TEST_CASE("oblique stripes and uneven tiles continue through a hole, far better 
   const Colour tiles = [](std::int64_t x, std::int64_t y) { return double((x / 7 + y / 7) % 2) + 0.2 * noise(x, y); };
   for (const Colour& colour : {Colour(stripes), tiles}) {
     TextureGrid repeats = with_hole(colour), blend = repeats;
-    CHECK(fill_texture({}, repeats, 0.07) == TextureFill::kRepeats);
+    CHECK(fill_texture({}, repeats, 0.07) == TextureFill::kPatches);
     fill_smoothly(blend);
     CHECK(error_of(repeats, colour) < 0.25 * error_of(blend, colour));
     for (const Texel state : repeats.state) REQUIRE(state == Texel::kKnown);
@@ -242,7 +242,7 @@ TEST_CASE("a rim narrower than a patch is blended, and texels that are no part o
   CHECK(grid.colour[42] == doctest::Approx(0.5).epsilon(0.05));
 }
 
-TEST_CASE("repeats and patches have the same bytes for any number of threads") {
+TEST_CASE("patches have the same bytes for any number of threads") {
   for (const Colour& colour : {Colour(stripes), Colour(noise)}) {
     TextureGrid one = with_hole(colour), three = one;
     Exec exec;
